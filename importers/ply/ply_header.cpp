@@ -1,9 +1,13 @@
 #include "sightline/importers/ply/internal/ply_header.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "sightline/importers/internal/text_scanner.h"
 
 namespace sightline::importers::ply {
 namespace {
@@ -13,25 +17,37 @@ struct NamedScalar {
   Scalar type;
 };
 constexpr NamedScalar kScalars[] = {
-    {"char", Scalar::kInt8},     {"int8", Scalar::kInt8},     {"uchar", Scalar::kUint8},
-    {"uint8", Scalar::kUint8},   {"short", Scalar::kInt16},   {"int16", Scalar::kInt16},
-    {"int", Scalar::kInt32},     {"int32", Scalar::kInt32},   {"ushort", Scalar::kUint16},
-    {"uint16", Scalar::kUint16}, {"uint", Scalar::kUint32},   {"uint32", Scalar::kUint32},
-    {"float", Scalar::kFloat},   {"float32", Scalar::kFloat}, {"double", Scalar::kDouble},
-    {"float64", Scalar::kDouble}};
+    {"char", Scalar::kInt8},     {"int8", Scalar::kInt8},     {"uchar", Scalar::kUint8}, {"uint8", Scalar::kUint8},
+    {"short", Scalar::kInt16},   {"int16", Scalar::kInt16},   {"int", Scalar::kInt32},   {"int32", Scalar::kInt32},
+    {"ushort", Scalar::kUint16}, {"uint16", Scalar::kUint16}, {"uint", Scalar::kUint32}, {"uint32", Scalar::kUint32},
+    {"int64", Scalar::kInt64},   {"uint64", Scalar::kUint64}, {"float", Scalar::kFloat}, {"float32", Scalar::kFloat},
+    {"double", Scalar::kDouble}, {"float64", Scalar::kDouble}};
+
+bool same_word(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
 
 std::optional<Scalar> scalar_named(std::string_view name) {
   for (const NamedScalar& known : kScalars)
-    if (known.name == name) return known.type;
+    if (same_word(known.name, name)) return known.type;
   return {};
 }
 
-/// Makes a name safe for a message: names come from the file, which may hold anything.
-std::string shown(std::string_view text) {
-  std::string out(text.substr(0, 40));
-  for (char& c : out)
-    if (c < ' ' || c > '~') c = '?';
-  return "'" + out + "'";
+/// Whether one or two letters are missing, too many or wrong (edit distance).
+bool is_nearly(std::string_view word, std::string_view keyword) {
+  constexpr std::size_t kMostWrong = 2, kLongest = 12;
+  if (word.size() > kLongest || keyword.size() > kLongest) return false;
+  std::array<std::size_t, kLongest + 1> row{};
+  for (std::size_t j = 0; j <= keyword.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= word.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= keyword.size(); ++j) {
+      const std::size_t changed = diagonal + (same_word(word.substr(i - 1, 1), keyword.substr(j - 1, 1)) ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({changed, row[j] + 1, row[j - 1] + 1}));
+    }
+  }
+  return row[keyword.size()] <= kMostWrong;
 }
 
 class HeaderParser {
@@ -41,27 +57,30 @@ class HeaderParser {
 
   core::Expected<Header> run() {
     if (!begins_as_ply()) return core::fail("not a PLY file: expected a first line 'ply'");
-    if (auto done = format_line(); !done) return tl::unexpected(done.error());
     for (;;) {
-      if (!next_line()) return expected("end_header", "the file's end");
+      if (!next_line()) return expected(has_format_ ? "end_header" : "a format line", "the file's end");
       const std::string_view keyword = word();
-      if (keyword == "end_header") break;
-      if (keyword == "comment" || keyword == "obj_info" || keyword.empty()) continue;
-      auto done = keyword == "element"    ? element_line()
-                  : keyword == "property" ? property_line()
-                                          : expected("comment, element, property or end_header", shown(keyword));
-      if (!done) return tl::unexpected(done.error());
+      if (same_word(keyword, "end_header")) break;
+      if (same_word(keyword, "comment") || same_word(keyword, "obj_info") || keyword.empty()) continue;
+      if (auto done = line_of(keyword); !done) return tl::unexpected(done.error());
     }
+    if (!has_format_) return expected("a format line before the header's end", "none");
+    if (skipped_ > 0)
+      warn(first_skipped_, skipped_ == 1 ? "a line without a keyword is skipped"
+                                         : fmt::format("lines without a keyword are skipped ({} times)", skipped_));
+    header_.skipped_lines = skipped_ > 0;
     header_.size = at_;
     return std::move(header_);
   }
 
  private:
   bool begins_as_ply() {
-    const std::size_t end = text_.find_first_of("\r\n");
-    if (end != 3 || text_.substr(0, 3) != "ply") return false;
+    const bool mark = text_.starts_with(kByteOrderMark);
+    const std::size_t begin = mark ? kByteOrderMark.size() : 0, end = text_.find_first_of("\r\n");
+    if (end == std::string_view::npos || !same_word(trimmed(text_.substr(begin, end - begin)), "ply")) return false;
     if (text_[end] == '\r' && text_.substr(end, 2) != "\r\n") line_end_ = '\r';
     at_ = text_.find(line_end_) + 1;
+    if (mark) warn(line_, "a byte order mark is skipped");
     return true;
   }
 
@@ -86,21 +105,32 @@ class HeaderParser {
     return core::fail(fmt::format("line {}: expected {}, found {}", line_, what, found));
   }
 
+  core::Expected<void> line_of(std::string_view keyword) {
+    if (same_word(keyword, "format")) return format_line();
+    if (same_word(keyword, "element")) return element_line();
+    if (same_word(keyword, "property")) return property_line();
+    for (const std::string_view known : {"element", "property", "end_header"})
+      if (is_nearly(keyword, known)) return expected("comment, element, property or end_header", shown_word(keyword));
+    if (skipped_++ == 0) first_skipped_ = line_;
+    return {};
+  }
+
+  void warn(std::uint64_t line, std::string_view message) {
+    header_.warnings.push_back(fmt::format("line {}: {}", line, message));
+  }
+
   core::Expected<void> format_line() {
-    do {
-      if (!next_line()) return expected("a format line", "the file's end");
-    } while (rest_.starts_with("comment") || rest_.starts_with("obj_info"));
-    if (word() != "format") return expected("'format'", shown(rest_));
+    has_format_ = true;
     const std::string_view name = word(), version = word();
-    if (name == "ascii")
+    if (same_word(name, "ascii"))
       header_.encoding = Encoding::kAscii;
-    else if (name == "binary_little_endian")
+    else if (same_word(name, "binary_little_endian"))
       header_.encoding = Encoding::kLittleEndian;
-    else if (name == "binary_big_endian")
+    else if (same_word(name, "binary_big_endian"))
       header_.encoding = Encoding::kBigEndian;
     else
-      return expected("ascii, binary_little_endian or binary_big_endian", shown(name));
-    if (version != "1.0") return expected("version 1.0", shown(version));
+      return expected("ascii, binary_little_endian or binary_big_endian", shown_word(name));
+    if (version != "1.0") return expected("version 1.0", shown_word(version));
     return {};
   }
 
@@ -111,7 +141,7 @@ class HeaderParser {
     const auto [stop, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
     if (element.name.empty()) return expected("an element's name", "the line's end");
     if (error != std::errc() || stop != count.data() + count.size())
-      return expected("how many elements there are", shown(count));
+      return expected("how many elements there are", shown_word(count));
     header_.elements.push_back(std::move(element));
     return {};
   }
@@ -120,13 +150,13 @@ class HeaderParser {
     if (header_.elements.empty()) return expected("an element before its properties", "a property");
     Property property;
     std::string_view type = word();
-    if (type == "list") {
+    if (same_word(type, "list")) {
       property.count = scalar_named(type = word());
-      if (!property.count) return expected("the type of a list's length", shown(type));
+      if (!property.count) return expected("the type of a list's length", shown_word(type));
       type = word();
     }
     const auto known = scalar_named(type);
-    if (!known) return expected("a property's type", shown(type));
+    if (!known) return expected("a property's type", shown_word(type));
     property.type = *known;
     property.name = word();
     if (property.name.empty()) return expected("a property's name", "the line's end");
@@ -137,7 +167,8 @@ class HeaderParser {
   std::string_view text_, rest_;
   char line_end_ = '\n';  // CR LF too: the CR is space
   std::size_t at_ = 0;
-  std::uint64_t line_ = 1;
+  std::uint64_t line_ = 1, skipped_ = 0, first_skipped_ = 0;
+  bool has_format_ = false;
   Header header_;
 };
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sightline/importers/internal/byte_order.h"
+#include "sightline/importers/internal/counted_warnings.h"
 #include "sightline/importers/internal/face_colours.h"
 #include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/text_scanner.h"
@@ -16,6 +18,7 @@
 namespace sightline::importers {
 namespace {
 
+using core::dvec3;
 using ply::Element;
 using ply::Property;
 using ply::Scalar;
@@ -98,11 +101,27 @@ struct Layout {
   }
 };
 
+bool is_coordinate(Role role) {
+  return role <= kZ;
+}
+/// Without these there is no vertex and no face. All else may be lost alone.
+bool is_needed(Role role) {
+  return is_coordinate(role) || role == kCorners;
+}
+
 struct Record {
   std::array<double, kScalarRoles> values{};
+  bool lost_colour = false;
 
-  core::dvec3 vector(Role first) const { return {values[first], values[first + 1], values[first + 2]}; }
+  /// Notes that a value is not there, or is another word.
+  void lose(Role role) {
+    if (role < kScalarRoles) values[role] = std::numeric_limits<double>::quiet_NaN();
+    lost_colour = lost_colour || (role >= kRed && role <= kAlpha);
+  }
+
+  dvec3 vector(Role first) const { return {values[first], values[first + 1], values[first + 2]}; }
   PackedColour colour(const Layout& layout) const {
+    if (lost_colour) return kNoColour;
     std::array<std::uint32_t, 4> channels{0, 0, 0, 255};
     for (std::size_t i = 0; i < (layout.has(kAlpha) ? 4 : 3); ++i) {
       const double value = values[kRed + i] * layout.colour_scale[i];
@@ -112,15 +131,21 @@ struct Record {
   }
 };
 
-/// Numbers of a binary file.
+/// Numbers of a binary file. Records follow each other without anything between.
 template <std::endian kOrder>
 class BinarySource {
  public:
+  static constexpr bool kLines = false;
+  using Found = TextScanner::Found;
+
   BinarySource(std::span<const std::byte> file, std::size_t begin) : file_(file), at_(begin) {}
 
-  /// False at the end of the data.
-  bool read(Scalar type, double& value) {
-    if (ply::size_of(type) > left()) return false;
+  static bool begin_record() { return true; }
+  static void end_record(CountedWarnings&) {}
+
+  /// kEnd at the end of the data.
+  Found read(Scalar type, double& value) {
+    if (ply::size_of(type) > left()) return Found::kEnd;
     const std::byte* const from = file_.data() + at_;
     at_ += ply::size_of(type);
     switch (type) {
@@ -142,6 +167,12 @@ class BinarySource {
       case Scalar::kUint32:
         value = load<std::uint32_t, kOrder>(from);
         break;
+      case Scalar::kInt64:
+        value = double(load<std::int64_t, kOrder>(from));
+        break;
+      case Scalar::kUint64:
+        value = double(load<std::uint64_t, kOrder>(from));
+        break;
       case Scalar::kFloat:
         value = double(load<float, kOrder>(from));
         break;
@@ -149,7 +180,7 @@ class BinarySource {
         value = load<double, kOrder>(from);
         break;
     }
-    return true;
+    return Found::kNumber;
   }
   bool skip(Scalar type, std::uint64_t count) {
     if (count > left() / ply::size_of(type)) return false;
@@ -167,9 +198,15 @@ class BinarySource {
   std::uint64_t most_records(const Element& element) const { return left() / element.least_bytes(); }
   std::uint64_t most_values(Scalar type) const { return left() / ply::size_of(type); }
 
+  /// Bytes behind the last record, but for space and zeros.
+  std::uint64_t left_over() const {
+    std::size_t end = file_.size();
+    while (end > at_ && (file_[end - 1] == std::byte{0} || is_space(char(file_[end - 1])))) --end;
+    return end - at_;
+  }
+
   std::uint64_t offset() const { return at_; }
   std::string where() { return fmt::format("byte {}", at_); }
-  static std::uint64_t words_not_numbers() { return 0; }
 
  private:
   std::size_t left() const { return file_.size() - at_; }
@@ -177,22 +214,80 @@ class BinarySource {
   std::size_t at_;
 };
 
-/// Numbers of a text file. Line breaks mean nothing: values follow each other.
+/// Numbers of a text file, a line for each record.
 class TextSource {
  public:
+  static constexpr bool kLines = true;
+  using Found = TextScanner::Found;
+
   TextSource(std::span<const std::byte> file, std::size_t begin)
       : scanner_(file.subspan(begin)),
         size_(file.size()),
         begin_(begin),
         header_lines_(std::uint64_t(std::count(file.begin(), file.begin() + std::ptrdiff_t(begin), std::byte{'\n'}))) {}
-  bool read(Scalar, double& value) {
-    const auto found = scanner_.number(value);
-    if (found == TextScanner::Found::kOther) ++words_not_numbers_;
-    return found != TextScanner::Found::kEnd;
+
+  /// Goes on to the next line with data. False at the end of the file.
+  bool begin_record() {
+    for (;;) {
+      if (!scanner_.at_line_end()) {
+        if (!at_comment()) {
+          record_ = scanner_.rest();
+          return true;
+        }
+        scanner_.rest_of_line();
+        ++comments_;
+      } else if (in_line_) {
+        in_line_ = false;  // of the record before
+      } else {
+        ++blank_;
+      }
+      if (!scanner_.next_line()) return false;
+    }
   }
-  bool skip(Scalar, std::uint64_t count) {
+  /// Passes what is left of the record's line.
+  void end_record(CountedWarnings& habits) {
+    in_line_ = true;
+    if (blank_ + comments_ > 0) {
+      habits.add("comments and empty lines among the data are skipped", offset(), [&] { return where(); });
+      blank_ = comments_ = 0;
+    }
+    if (scanner_.at_line_end()) return;
+    const char next = scanner_.rest().front();
+    const bool number = (next >= '0' && next <= '9') || next == '-' || next == '+' || next == '.';
+    habits.add(number ? "numbers beyond an element's own are ignored" : "text behind an element's numbers is ignored",
+               offset(), [&] { return where(); });
+    scanner_.rest_of_line();
+  }
+  bool at_line_end() { return scanner_.at_line_end(); }
+  bool at_file_end() { return scanner_.at_line_end() && scanner_.rest().empty(); }
+  /// Passes the record's line. True if a word of it is a number.
+  bool pass_line() {
+    again(false);
+    in_line_ = true;
+    bool number = false;
+    double ignored = 0.0;
+    for (Found found; (found = scanner_.number_in_line(ignored)) != Found::kEnd;)
+      number = number || found == Found::kNumber;
+    return number;
+  }
+  /// Records to come keep to their lines.
+  void stay_in_line() { goes_on_ = false; }
+  /// Goes back to the record's begin. `goes_on`: whether it may go on in the next line.
+  void again(bool goes_on) {
+    scanner_.back_to(record_);
+    goes_on_ = goes_on;
+  }
+
+  /// kEnd at the line's end, unless the record may go on in the next line.
+  Found read(Scalar, double& value) {
+    if (goes_on_) [[unlikely]]
+      return scanner_.number(value);
+    return scanner_.number_in_line(value);
+  }
+  bool skip(Scalar type, std::uint64_t count) {
+    double ignored = 0.0;
     for (std::uint64_t i = 0; i < count; ++i)
-      if (scanner_.word().empty()) return false;
+      if (read(type, ignored) == Found::kEnd) return false;
     return true;
   }
   static bool skip_records(const Element&) { return false; }
@@ -201,15 +296,30 @@ class TextSource {
   std::uint64_t most_records(const Element& element) const { return left() / (2 * element.properties.size()) + 1; }
   std::uint64_t most_values(Scalar) const { return left() / 2 + 1; }
 
+  /// Bytes behind the last record, but for space.
+  std::uint64_t left_over() {
+    const bool more = begin_record();
+    return more ? left() : 0;
+  }
+
   std::uint64_t offset() const { return begin_ + scanner_.offset(); }
   std::string where() { return fmt::format("line {}", header_lines_ + scanner_.line()); }
-  std::uint64_t words_not_numbers() const { return words_not_numbers_; }
 
  private:
   std::uint64_t left() const { return size_ - offset(); }
+  bool at_comment() const {
+    const std::string_view rest = scanner_.rest();
+    if (rest[0] != 'c' && rest[0] != 'o' && rest[0] != '#' && rest[0] != '/') return false;
+    const std::string_view word = rest.substr(0, rest.find_first_of(" \t\r\n"));
+    return word == "comment" || word == "obj_info" || rest[0] == '#' || word.starts_with("//");
+  }
+
   TextScanner scanner_;
+  std::string_view record_;   // the file from the record's begin on
   std::size_t size_, begin_;  // of the file; of the data
-  std::uint64_t header_lines_, words_not_numbers_ = 0;
+  std::uint64_t header_lines_, blank_ = 0, comments_ = 0;
+  bool in_line_ = false;  // behind a record, whose line's end is not passed
+  bool goes_on_ = false;
 };
 
 template <class Source>
@@ -218,6 +328,8 @@ class PlyBody {
   PlyBody(ImportJob& job, const ply::Header& header, Source source, std::size_t file_size)
       : job_(job), header_(header), source_(std::move(source)), file_size_(file_size) {}
 
+  using Found = TextScanner::Found;
+
   core::Expected<void> run() {
     if (auto found = find_vertices(); !found) return found;
     for (const Element& element : header_.elements) {
@@ -225,11 +337,24 @@ class PlyBody {
       if (element.properties.empty() || element.count == 0) continue;
       if (auto read = read_element(element); !read) return read;
     }
+    if (auto told = tell_of_rest(); !told) return told;
+    habits_.list(job_);
     add_to_scene();
     return {};
   }
 
  private:
+  /// A line of the header that was skipped may have been a property, of which the rest in the end tells.
+  core::Expected<void> tell_of_rest() {
+    const std::uint64_t rest = ended_ ? 0 : source_.left_over();
+    if (rest == 0) return {};
+    if (!Source::kLines && header_.skipped_lines)
+      return damage(
+          fmt::format("expected the file's end, found {} bytes that the header's lines do not explain", rest));
+    job_.warn(source_.offset(), fmt::format("{}: {} bytes after the last element are ignored", source_.where(), rest));
+    return {};
+  }
+
   core::Expected<void> find_vertices() {
     for (const Element& element : header_.elements) {
       if (!vertices_ && element.name == "vertex" && Layout(element, kVertexRoles).has_all(kX, kZ)) vertices_ = &element;
@@ -251,6 +376,8 @@ class PlyBody {
   core::Expected<void> read_element(const Element& element) {
     if (&element == vertices_) return read_vertices(element);
     if (is_faces(element)) return read_faces(element);
+    job_.warn(source_.offset(),
+              fmt::format("element {}: {} are not imported", shown_word(element.name), element.count));
     if (source_.skip_records(element)) return {};
     return for_each_record(element, Layout(element, {}), [](const Record&) {});
   }
@@ -263,9 +390,14 @@ class PlyBody {
     if (normals) mesh_.normals.reserve(most);
     return for_each_record(element, layout, [&](const Record& record) {
       mesh_.positions.push_back(record.vector(kX));
-      if (normals) mesh_.normals.emplace_back(record.vector(kNormalX));
-      if (colours) vertex_colours_.add(record.colour(layout));
+      if (normals) add_normal(record.vector(kNormalX));
+      if (colours && !record.lost_colour) vertex_colours_.add(record.colour(layout));
     });
+  }
+
+  void add_normal(const dvec3& normal) {
+    if (!core::is_finite(normal)) ++bad_normals_;
+    mesh_.normals.emplace_back(normal);
   }
 
   core::Expected<void> read_faces(const Element& element) {
@@ -315,15 +447,29 @@ class PlyBody {
     for (std::uint64_t i = 0; i < element.count; ++i) {
       if (i % kBetweenProgress == 0)
         if (auto asked = job_.progress(0.7 * double(source_.offset()) / double(file_size_)); !asked) return asked;
-      const std::uint64_t words = source_.words_not_numbers();
       Record record;
-      if (!read_record(layout, record)) return end_early(element, i);
-      if (source_.words_not_numbers() != words)
-        if (auto told = damage(fmt::format("expected numbers in '{}' {}, found another word", element.name, i)); !told)
+      if (!source_.begin_record()) return end_early(element, i);
+      const Read read = read_record(layout, record);
+      if (read == Read::kEnd) return end_early(element, i);
+      if (read == Read::kBroken) {
+        const bool counts = is_record();
+        if (auto told = damage(fmt::format("expected {} in {} {}, found {}", broken_->missed, shown_word(element.name),
+                                           i, broken_->found));
+            !told)
           return told;
+        if (!counts) --i;
+        if (!counts || &element != vertices_) continue;  // a vertex keeps its number
+      } else {
+        if (read == Read::kCut)
+          if (auto told =
+                  damage(fmt::format("expected all of {} {}, found the file's end", shown_word(element.name), i));
+              !told)
+            return told;
+        source_.end_record(habits_);
+      }
       if (!corners_exist(strips)) {
-        auto told = damage(fmt::format("expected vertices from 0 to {} in '{}' {}, found another; it is left out",
-                                       std::int64_t(mesh_.positions.size()) - 1, element.name, i));
+        auto told = damage(fmt::format("expected vertices from 0 to {} in {} {}, found another; it is left out",
+                                       std::int64_t(mesh_.positions.size()) - 1, shown_word(element.name), i));
         if (!told) return told;
         continue;
       }
@@ -332,35 +478,99 @@ class PlyBody {
     return {};
   }
 
+  /// Whether a line is a record at all, though one that cannot be read: it holds some number. Passes the line.
+  bool is_record() {
+    if constexpr (Source::kLines) return source_.pass_line();
+    return true;
+  }
+
   bool corners_exist(bool strips) const {
     return std::all_of(corners_.begin(), corners_.end(), [&](std::uint32_t corner) {
       return corner < mesh_.positions.size() || (strips && corner == core::kNone);
     });
   }
 
-  /// False when the data end first, or when a list's length is invalid.
-  bool read_record(const Layout& layout, Record& record) {
+  enum class Read : std::uint8_t {
+    kWhole,   ///< but perhaps for what is not needed
+    kCut,     ///< text: but the file ends within what is not needed
+    kBroken,  ///< text: a coordinate or a corner is missing or is no number
+    kEnd,     ///< binary: the data end first, or a list's length is invalid
+  };
+  struct Broken {
+    std::string_view missed, found;
+  };
+
+  Read read_record(const Layout& layout, Record& record) {
+    const bool whole = read_values(layout, record);
+    if constexpr (Source::kLines) {
+      const bool lost = !whole && !goes_on_in_next_line(layout, record) && !broken_;
+      if (lost && source_.at_file_end()) return Read::kCut;
+      if (lost) note("missing numbers, but for coordinates and corners, are left out");
+      if (lost_words_) note("words in place of numbers, but for coordinates and corners, are left out");
+      return broken_ ? Read::kBroken : Read::kWhole;
+    }
+    return whole ? Read::kWhole : Read::kEnd;
+  }
+
+  /// Some writers break long lines. A record that its line does not hold is read on where it then ends with a line.
+  /// Where this does not help it is not tried again and again, as each try may read to the file's end.
+  bool goes_on_in_next_line(const Layout& layout, Record& record) {
+    constexpr int kMostTries = 16;
+    if (failed_tries_ >= kMostTries) return false;
+    source_.again(true);
+    if (read_values(layout, record = {}) && !words_ && source_.at_line_end()) {
+      note("an element that goes on in the next line is read");
+      source_.stay_in_line();
+      return true;
+    }
+    ++failed_tries_;
+    source_.again(false);
+    read_values(layout, record = {});
+    return false;
+  }
+
+  /// False when the data or the line end first, or when a list's length is invalid. broken_ tells whether something
+  /// needed is missing.
+  bool read_values(const Layout& layout, Record& record) {
     corners_.clear();
-    for (const Field& field : layout.fields) {
+    broken_.reset();
+    words_ = lost_words_ = false;
+    for (std::size_t i = 0; i < layout.fields.size(); ++i) {
+      const Field& field = layout.fields[i];
       double value = 0.0;
-      if (!source_.read(field.count.value_or(field.type), value)) return false;
+      const Found found = source_.read(field.count.value_or(field.type), value);
+      if (found == Found::kEnd) return lose_from(i, layout, record, {"more numbers", "the line's end"});
+      if (found == Found::kOther) words_ = true;
       if (field.count) {
-        if (!(value >= 0.0) || value != std::floor(value) || value >= double(core::kNone)) return false;
+        if (!(value >= 0.0) || value != std::floor(value) || value >= double(core::kNone))
+          return lose_from(i, layout, record, {"a list's length", "something else"});
         if (!(field.role == kCorners ? read_corners(field.type, std::uint64_t(value))
                                      : source_.skip(field.type, std::uint64_t(value))))
-          return false;
+          return lose_from(i, layout, record, {"a list as long as it says", "the line's end"});
       } else if (field.role != kSkipped) {
         record.values[field.role] = value;
+        if (found != Found::kOther) continue;
+        lose(field.role, record, {"numbers", "another word"});
+        lost_words_ = lost_words_ || !is_needed(field.role);
       }
     }
     return true;
+  }
+
+  void lose(Role role, Record& record, const Broken& why) {
+    record.lose(role);
+    if (is_needed(role) && !broken_) broken_ = why;
+  }
+  bool lose_from(std::size_t first, const Layout& layout, Record& record, const Broken& why) {
+    for (std::size_t i = first; i < layout.fields.size(); ++i) lose(layout.fields[i].role, record, why);
+    return false;
   }
 
   bool read_corners(Scalar type, std::uint64_t count) {
     if (count > source_.most_values(type)) return false;
     for (std::uint64_t i = 0; i < count; ++i) {
       double value = 0.0;
-      if (!source_.read(type, value)) return false;
+      if (source_.read(type, value) == Found::kEnd) return false;
       // An invalid index becomes one that no vertex has; -1 becomes kNone, the end of a strip.
       const bool whole = value >= -1.0 && value < double(core::kNone) && value == std::floor(value);
       corners_.push_back(whole ? std::uint32_t(std::int64_t(value)) : core::kNone - 1);
@@ -374,11 +584,43 @@ class PlyBody {
 
   core::Expected<void> end_early(const Element& element, std::uint64_t read) {
     ended_ = true;
-    return damage(fmt::format("expected {} of '{}', found the file's end or a list of no length after {}",
-                              element.count, element.name, read));
+    return damage(fmt::format("expected {} of {}, found the file's end or a list of no length after {}", element.count,
+                              shown_word(element.name), read));
+  }
+
+  void note(std::string_view what) {
+    habits_.add(what, source_.offset(), [&] { return source_.where(); });
+  }
+
+  /// A normal that is not finite becomes that of the faces about its vertex, so that the others can stay.
+  void mend_normals() {
+    if (bad_normals_ == 0) return;
+    job_.warn(0, fmt::format("{} normals that are not finite become those of the faces", bad_normals_));
+    std::vector<bool> bad(mesh_.normals.size());
+    for (std::size_t i = 0; i < bad.size(); ++i) {
+      bad[i] = !core::is_finite(dvec3(mesh_.normals[i]));
+      if (bad[i]) mesh_.normals[i] = core::vec3(0.0f);
+    }
+    const auto corner = [&](std::size_t i) { return mesh_.positions[mesh_.corners[i]]; };
+    for (std::size_t face = 0, first = 0; face < mesh_.face_count(); ++face) {
+      const std::size_t size = mesh_.face_sizes.empty() ? 3 : mesh_.face_sizes[face], end = first + size;
+      dvec3 across(0.0);  // its length is twice the area
+      for (std::size_t i = first + 2; i < end; ++i)
+        across += glm::cross(corner(i - 1) - corner(first), corner(i) - corner(first));
+      for (; first < end; ++first)
+        if (bad[mesh_.corners[first]]) mesh_.normals[mesh_.corners[first]] += unit_or_zero(across);
+    }
+    for (std::size_t i = 0; i < bad.size(); ++i)
+      if (bad[i]) mesh_.normals[i] = unit_or_zero(dvec3(mesh_.normals[i]));
+  }
+
+  static core::vec3 unit_or_zero(const dvec3& v) {
+    const double length = glm::length(v);
+    return length > 0.0 && std::isfinite(length) ? core::vec3(v / length) : core::vec3(0.0f);
   }
 
   void add_to_scene() {
+    mend_normals();
     if (mesh_.face_count() == 0) {
       job_.warn(0, fmt::format("no faces: {} points are not imported", mesh_.positions.size()));
     } else if (std::any_of(face_colours_.begin(), face_colours_.end(), [](auto c) { return c != kNoColour; })) {
@@ -397,6 +639,12 @@ class PlyBody {
   bool ended_ = false;  // the data ended before the header's counts were met
   PolygonMesh mesh_;
   std::vector<std::uint32_t> corners_;  // of the record being read
+  std::optional<Broken> broken_;        // what its record misses
+  bool words_ = false;                  // some of its values are words
+  bool lost_words_ = false;             // of what is not needed
+  int failed_tries_ = 0;                // to read on in the next line
+  std::uint64_t bad_normals_ = 0;
+  CountedWarnings habits_;
   std::vector<PackedColour> face_colours_;
   ColourSum vertex_colours_;
 };
@@ -415,6 +663,7 @@ core::Expected<ImportReport> read_ply(std::span<const std::byte> bytes, const st
                       job.report().bytes = bytes.size();
                       const auto header = ply::parse_header(bytes);
                       if (!header) return core::fail(fmt::format("{}: {}", job.file(), header.error().message));
+                      for (const std::string& warning : header->warnings) job.warn(0, warning);
                       switch (header->encoding) {
                         case ply::Encoding::kAscii:
                           return read_body<TextSource>(job, bytes, *header);

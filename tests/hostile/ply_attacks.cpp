@@ -79,6 +79,30 @@ Case ply_worst(std::size_t k) {
   return one_file("model.ply", files[k]());
 }
 
+/// Lines that hold more, less or other than the header says, in masses.
+Case ply_lines(std::size_t k) {
+  constexpr std::size_t kMany = 100000;
+  const std::string many = std::to_string(kMany), xyz = kXyz, list = "property list uint int vertex_indices\n";
+  const std::string normals = "property float nx\nproperty float ny\nproperty float nz\n";
+  const std::string faces = kVertices + "element face " + many + "\n" + list, corners = "0 0 0\n1 0 0\n0 1 0\n";
+  const std::string files[] = {
+      ply("ascii", faces, corners + repeated("1000 0 1 2\n", kMany)),
+      ply("ascii", faces, corners + repeated("3 0\n1 2\n", kMany)),
+      ply("ascii", faces, corners + repeated("\n", 10 * kMany) + "3 0 1 2\n"),
+      ply("ascii", faces, corners + repeated("comment\n# 3 0 1 2\n", kMany)),
+      ply("ascii", faces, corners + repeated("3 0 1 2 ", kMany)),
+      ply("ascii", faces, corners + repeated("x y z\n", kMany)),
+      ply("ascii", "element vertex " + many + xyz, repeated("x y z\n1 y z\n", kMany)),
+      ply("ascii", "element vertex " + many + xyz + normals + "element face " + many + "\n" + list,
+          repeated("1 2 3 nan nan nan\n", kMany) + repeated("3 0 1 2\n", kMany)),
+      ply("ascii", repeated("a line\n", kMany) + kVertices, corners),
+      ply("binary_little_endian", repeated("a line\n", kMany) + kVertices, kBinaryVertices + "more"),
+      "\xef\xbb\xbf",
+      "\xef\xbb\xbfply\n",
+      "ply\nend_header\n"};
+  return one_file("model.ply", files[k]);
+}
+
 /// Headers that are no use, even when lenient.
 Case bad_header(std::size_t k) {
   const std::string begin = "ply\nformat ascii 1.0\n", end = "end_header\n", one = "element vertex 1\n";
@@ -130,6 +154,7 @@ std::vector<Target> ply_targets() {
                         {"absurd_counts", 25, ply_count},
                         {"absurd_list_lengths", 4, ply_list},
                         {"swelling", 3, ply_swollen},
+                        {"lines", 13, ply_lines},
                         {"most_memory", 9, ply_worst}},
             .needs = ply_needs};
   return {target};

@@ -110,7 +110,8 @@ TEST_F(PlyReader, EveryTypeInEitherOrder) {
   for (const bool big : {false, true}) {
     const auto report = read(every_type(big));
     ASSERT_TRUE(report) << report.error().message;
-    EXPECT_TRUE(report->warnings.empty());
+    ASSERT_EQ(report->warnings.size(), 2u);
+    EXPECT_EQ(report->warnings[0].message, "element 'camera': 2 are not imported");
     EXPECT_EQ(mesh().indices, (std::vector<std::uint32_t>{0, 1, 2, 1, 2, 0, 2, 1, 0, 2, 1, 0}));
     EXPECT_EQ(mesh().normals, std::vector<core::vec3>(3, {0, 0, -1}));
     for (int i = 0; i < 3; ++i) {
@@ -297,7 +298,8 @@ TEST_F(PlyReader, HeadersMayHoldCommentsAnywhere) {
     EXPECT_NE(report.error().message.find(message), std::string::npos) << report.error().message;
   };
   expect("format ascii 1.1\n", "line 2: expected version 1.0, found '1.1'");
-  expect("format ascii 1.0\na\x01\x80z\n", "found 'a??z'");
+  expect("format ascii 1.0\nprope\x01\x80ty\n",
+         "line 3: expected comment, element, property or end_header, found 'prope??ty'");
   expect("format ascii 1.0\nelement extra 4x\n", "line 3: expected how many elements there are, found '4x'");
   expect("format ascii 1.0\nelement extra 99999999999999999999\n", "line 3: expected how many elements");
 }
@@ -362,8 +364,11 @@ TEST_F(PlyReader, DamageNamesThePlace) {
       {"4 0 1 2 3", "4 0 1 2 4", "line 14: expected vertices from 0 to 3", 0},
       {"4 0 1 2 3", "4 0 1 2 -1", "line 14: expected vertices from 0 to 3", 0},
       {"4 0 1 2 3", "4 0 1 2 1.5", "line 14: expected vertices from 0 to 3", 0},
-      {"4 0 1 2 3", "4000000000 0 1 2 3", "expected 1 of 'face'", 0},
-      {"4 0 1 2 3", "-4 0 1 2 3", "expected 1 of 'face'", 0},
+      {"4 0 1 2 3", "4000000000 0 1 2 3", "line 14: expected a list as long as it says in 'face' 0", 0},
+      {"4 0 1 2 3", "-4 0 1 2 3", "line 14: expected a list's length in 'face' 0", 0},
+      {"4 0 1 2 3", "4 0 1 2", "line 14: expected a list as long as it says in 'face' 0", 0},
+      {"1 1 0", "1 1", "line 12: expected more numbers in 'vertex' 2, found the line's end", 0},
+      {"1 1 0", "no number at all\n1 1 0", "line 12: expected numbers in 'vertex' 2", 2},
       {"4 0 1 2 3", "", "expected 1 of 'face'", 0},
       {"1 1 0", "1 one 0", "line 12: expected numbers in 'vertex' 2", 0},
       {"face 1", "face 2", "expected 2 of 'face'", 2},
@@ -384,6 +389,108 @@ TEST_F(PlyReader, DamageNamesThePlace) {
     EXPECT_FALSE(lenient->warnings.empty());
     EXPECT_EQ(scene_.item_count() ? mesh().indices.size() / 3 : 0u, c.triangles);
   }
+}
+
+/// One warning that begins so.
+void expect_warning(const core::Expected<ImportReport>& report, const std::string& message) {
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->warnings.size(), 1u);
+  EXPECT_EQ(report->warnings[0].message, message);
+}
+
+TEST_F(PlyReader, LinesAmongTheDataThatAreNone) {
+  const std::string head = "ply\nformat ascii 1.0\n";
+  struct Case {
+    std::string what, with, message;
+  };
+  const Case cases[] = {
+      {"0 0 0\n", "\ncomment x\n0 0 0\n# y\n// z\n\n",
+       "line 12: comments and empty lines among the data are skipped (2 times)"},
+      {"0 0 0\n", "0 0 0 7 8\n", "line 10: numbers beyond an element's own are ignored"},
+      {"4 0 1 2 3", "4 0 1 2 3 255", "line 14: numbers beyond an element's own are ignored"},
+      {"0 0 0\n1 0 0\n", "0 0 0 -1\n1 0 0 .5\n", "line 10: numbers beyond an element's own are ignored (2 times)"},
+      {"0 0 0\n", "0 0 0 the origin\n", "line 10: text behind an element's numbers is ignored"},
+      {"4 0 1 2 3", "4 0 1\n2 3", "line 15: an element that goes on in the next line is read"},
+      {"4 0 1 2 3\n", "4 0 1 2 3\n\n\nmore of it\n", "line 17: 11 bytes after the last element are ignored"},
+  };
+  for (const Case& c : cases)
+    for (const bool lenient : {false, true}) {
+      SCOPED_TRACE(c.with);
+      std::string text = head + kSquare;
+      text.replace(text.find(c.what), c.what.size(), c.with);
+      expect_warning(read(text, {.lenient = lenient}), c.message);
+      ASSERT_EQ(scene_.item_count(), 1u);
+      EXPECT_EQ(mesh().indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+    }
+}
+
+TEST_F(PlyReader, LenientLosesTheLineAlone) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 5\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+      "3 0 1 2\n3 0 1\nx 0 1 2\n3 0 1 7\n3 0 2 3\n";
+  EXPECT_FALSE(read(text));
+  const auto report = read(text, {.lenient = true});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->warnings.size(), 3u);
+  EXPECT_EQ(mesh().indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+}
+
+TEST_F(PlyReader, WhatIsNotNeededIsLostAlone) {
+  const std::string rgb = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  expect_warning(read(triangle_with(rgb, "red 2 3")),
+                 "line 13: words in place of numbers, but for coordinates and corners, are left out (3 times)");
+  EXPECT_FALSE(scene_.item_material(0).valid());
+  expect_warning(read(triangle_with(rgb, "1 2")),
+                 "line 13: missing numbers, but for coordinates and corners, are left out (3 times)");
+  EXPECT_EQ(mesh().indices.size(), 3u);
+  const std::string normal = "property float nx\nproperty float ny\nproperty float nz\n";
+  std::string text = triangle_with(normal, "1 0 0");
+  text.replace(text.find("0 1 0 1 0 0"), 11, "0 1 0 nan nan nan");
+  expect_warning(read(text), "1 normals that are not finite become those of the faces");
+  EXPECT_EQ(mesh().normals, (std::vector<core::vec3>{{1, 0, 0}, {1, 0, 0}, {0, 0, 1}}));
+}
+
+TEST_F(PlyReader, WideNumbers) {
+  const std::string body =
+      "element vertex 3\nproperty int64 x\nproperty uint64 y\nproperty float z\nelement face 1\n"
+      "property list uint64 int64 vertex_indices\nend_header\n";
+  ASSERT_TRUE(read("ply\nformat ascii 1.0\n" + body + "-1 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+  EXPECT_EQ(mesh().indices.size(), 3u);
+  for (const bool big : {false, true}) {
+    Bytes b;
+    b.big = big;
+    b.text = std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\n" + body;
+    for (int i = 0; i < 3; ++i) b.put(std::int64_t(-5000000000 + i)).put(std::uint64_t(i == 2)).put(0.0f);
+    b.put(std::uint64_t(3)).put(std::int64_t(0)).put(std::int64_t(1)).put(std::int64_t(2));
+    const auto report = read(b.text);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(point(2), dvec3(-4999999998.0, 1, 0));
+  }
+}
+
+TEST_F(PlyReader, HeadersThatBendTheSpecification) {
+  expect_warning(read("\xef\xbb\xbfply\nformat ascii 1.0\n" + kSquare), "line 1: a byte order mark is skipped");
+  expect_warning(read("ply\nformat ascii 1.0\nCreated by a program\nhttp://x\n" + kSquare),
+                 "line 3: lines without a keyword are skipped (2 times)");
+  expect_warning(read("ply\nCreated by a program\nformat ascii 1.0\n" + kSquare),
+                 "line 2: a line without a keyword is skipped");
+  EXPECT_TRUE(read("PLY \nFormat ASCII 1.0\n" + kSquare));
+  for (const char* line : {"elemnt vertex 3\n", "propery float x\n", "end_heade\n", "endheader\n"})
+    EXPECT_FALSE(read("ply\nformat ascii 1.0\n" + std::string(line) + kSquare, {.lenient = true})) << line;
+  EXPECT_FALSE(read("ply\n" + kSquare));
+  // A line that is skipped may have been a property. What is left in the end tells.
+  const auto with = [&](const std::string& line, const std::string& more) {
+    Bytes b{"ply\nformat binary_little_endian 1.0\n" + line +
+            "element vertex 3\nproperty float x\nproperty float y\n"
+            "property float z\nelement face 1\nproperty list uchar uchar vertex_indices\nend_header\n"};
+    for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) b.put(x);
+    return b.text + std::string("\3\0\1\2", 4) + more;
+  };
+  EXPECT_TRUE(read(with("", "")));
+  expect_warning(read(with("credit\n", "")), "line 3: a line without a keyword is skipped");
+  expect_warning(read(with("", "more")), "byte 211: 4 bytes after the last element are ignored");
+  EXPECT_FALSE(read(with("credit\n", "more")));
 }
 
 TEST_F(PlyReader, NotFiniteIsDroppedAndListed) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,10 +14,10 @@
 namespace sightline::importers::ply {
 
 enum class Encoding : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
-enum class Scalar : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+enum class Scalar : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
 
 constexpr std::size_t size_of(Scalar type) {
-  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
   return kSizes[std::size_t(type)];
 }
 
@@ -40,10 +41,13 @@ struct Element {
 struct Header {
   Encoding encoding = Encoding::kAscii;
   std::vector<Element> elements;
-  std::size_t size = 0;  ///< bytes; the data begin there
+  std::size_t size = 0;               ///< bytes; the data begin there
+  std::vector<std::string> warnings;  ///< what bends the specification: "line N: …"
+  bool skipped_lines = false;         ///< some were not understood
 };
 
 /// Lines may end in LF, CR LF or CR, as the first one does. Errors read "line N: expected …, found …".
+/// Keywords and types come in any case. Lines without a keyword are skipped, unless they look like a misspelt one.
 core::Expected<Header> parse_header(std::span<const std::byte> file);
 
 }  // namespace sightline::importers::ply
