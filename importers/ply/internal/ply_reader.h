@@ -5,13 +5,19 @@
 // vertex_index, any list types) and "tristrips" (-1 ends a strip). Colours (red, green, blue, alpha; whole numbers up
 // to 255, 65535 for 16 bits, floats up to 1) become materials. Face colours give one item per colour; beyond
 // kMostFaceColours colours their average counts. Where faces have no colours, the average of all vertex colours counts.
-// An alpha of 0 throughout is ignored: writers leave it so. All else is skipped. A file without faces (a scan's points)
-// gives a node without items and a warning.
+// An alpha of 0 throughout is ignored: writers leave it so. Other properties are skipped, other elements, too, with a
+// warning. A file without faces (a scan's points) gives a node without items and a warning.
 //
-// Damage is: data that end before the header's counts are met; a face whose vertex does not exist; a word that is not a
-// number. It is an error when strict. When lenient it is a warning: the data end there, the face is left out, the
-// number is NaN. Faces with corners that are not finite or beyond 1e36 are dropped and listed. Names of textures are
-// not followed.
+// In text an element is a line. Read with one warning for each kind: numbers or words behind an element's own, comments
+// and empty lines among the data, an element that goes on in the next line, header lines without a keyword, a byte
+// order mark, words or nothing in place of numbers other than coordinates and corners. A normal that is not finite
+// becomes that of the faces about its vertex.
+//
+// Damage is: data that end before the header's counts are met; a face whose vertex does not exist; a coordinate that is
+// not there or not a number; in text a list that is not as long as it says. It is an error when strict. When lenient it
+// is a warning: the data end there, the face is left out, the coordinate is NaN; text is read on with the next line,
+// and a line without any number is no element. Faces with corners that are not finite or beyond 1e36 are dropped and
+// listed. Names of textures are not followed.
 //
 // Why no library: Debian packages neither tinyply nor RPly; assimp and VTK convert positions to float.
 #pragma once

@@ -1,3 +1,10 @@
+// Reader of STL, text (stl_text.h) and binary. A file is binary when it is as long as its count says, else when it has
+// bytes that no text has; its first word says nothing.
+//
+// Of a binary file the records decide where count and length contradict each other: records beyond the count that look
+// like facets are read, other bytes there are ignored, both with a warning; so is a count of more than there is. Damage
+// is a file that ends within a facet. When lenient its whole facets are read.
+//
 // Why no library: admesh and VTK read from files alone, and convert text to float.
 #pragma once
 
