@@ -146,11 +146,18 @@ class FacetCount {
 
   core::Expected<std::size_t> run() {
     const std::size_t whole = body_ / kFacetBytes;
-    if (claimed_ > whole) {
-      if (are_all_facets(whole))
+    if (claimed_ > whole || claimed_ == 0) {
+      const std::size_t likely = likely_facets(whole);
+      if (whole > 0 && likely == whole && body_ % kFacetBytes == 0 && !is_fill(whole - 1)) {
         warn_of_count(whole);
-      else if (auto told = not_as_claimed(); !told)
-        return tl::unexpected(told.error());
+        return whole;
+      }
+      if (2 * likely < whole)
+        return core::fail(
+            fmt::format("{}: not an STL file: expected facets, found {} bytes that are none", job_.file(), body_));
+    }
+    if (claimed_ > whole) {
+      if (auto told = not_as_claimed(); !told) return tl::unexpected(told.error());
       return whole;
     }
     const std::size_t facets = with_uncounted(whole), rest = body_ - facets * kFacetBytes;
@@ -168,11 +175,10 @@ class FacetCount {
 
   bool is_fill(std::size_t i) const { return std::all_of(record(i), record(i + 1), is_zero); }
 
-  bool are_all_facets(std::size_t whole) const {
-    if (whole == 0 || body_ % kFacetBytes != 0 || is_fill(whole - 1)) return false;
-    for (std::size_t i = 0; i < whole; ++i)
-      if (!may_be_facet(record(i))) return false;
-    return true;
+  std::size_t likely_facets(std::size_t whole) const {
+    std::size_t likely = 0;
+    for (std::size_t i = 0; i < whole; ++i) likely += may_be_facet(record(i)) ? 1 : 0;
+    return likely;
   }
 
   /// The facets that the header counts, and those behind that it does not.

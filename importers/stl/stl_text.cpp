@@ -209,6 +209,10 @@ class TextReader {
     }
   }
 
+  static bool is_outer_loop(std::string_view word) {
+    return is_one_of(word, {"outerloop", "outer_loop", "outer-loop"});
+  }
+
   void open_loop() {
     bool outer = take("outer");
     if (!outer && meaning(put_back_) == Word::kNumber) {
@@ -216,9 +220,14 @@ class TextReader {
       while (meaning(put_back_) == Word::kNumber) put_back_ = scanner_.word();
       outer = take("outer");
     }
+    while (!outer && !is_outer_loop(put_back_) && meaning(put_back_) == Word::kOther) {
+      put_back_ = {};
+      skip_line();  // a colour or the like
+      outer = take("outer");
+    }
     const bool loop = take("loop");
     if (outer && loop) return;
-    if (is_one_of(put_back_, {"outerloop", "outer_loop", "outer-loop"})) put_back_ = {};
+    if (is_outer_loop(put_back_)) put_back_ = {};
     note("'outer loop' is missing or misspelt");
   }
 

@@ -232,6 +232,7 @@ TEST_F(StlReader, TextAsOthersWriteIt) {
       {"outer loop", "outerloop", "line 3: 'outer loop' is missing or misspelt"},
       {"outer loop", "", "line 4: 'outer loop' is missing or misspelt"},
       {"facet normal 0 0 1\n", "", "line 2: a loop without a facet before it is read as one"},
+      {"outer loop", "colour 1 0 0\nouter loop", "line 3: a line that is not understood is skipped"},
       {"endloop", "end loop", "line 7: " + kEnds},
       {"endloop", "End Loop", "line 7: " + kEnds},
       {"endloop", "end_loop", "line 7: " + kEnds},
@@ -354,6 +355,11 @@ TEST_F(StlReader, CountsThatTheLengthContradicts) {
   EXPECT_FALSE(read(with_count(5, "")));
   ASSERT_TRUE(read(with_count(2, "")));
   EXPECT_EQ(mesh().indices.size(), 6u);
+  // Other files are none, even when lenient.
+  std::mt19937 random(1);
+  std::string noise(84 + 5 * 50, '\0');
+  for (char& c : noise) c = char(random());
+  EXPECT_FALSE(read(noise, {.lenient = true}));
 }
 
 TEST_F(StlReader, NotFiniteIsDroppedAndListed) {
