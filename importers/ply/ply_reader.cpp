@@ -146,41 +146,17 @@ class BinarySource {
   /// kEnd at the end of the data.
   Found read(Scalar type, double& value) {
     if (ply::size_of(type) > left()) return Found::kEnd;
-    const std::byte* const from = file_.data() + at_;
-    at_ += ply::size_of(type);
-    switch (type) {
-      case Scalar::kInt8:
-        value = load<std::int8_t, kOrder>(from);
-        break;
-      case Scalar::kUint8:
-        value = load<std::uint8_t, kOrder>(from);
-        break;
-      case Scalar::kInt16:
-        value = load<std::int16_t, kOrder>(from);
-        break;
-      case Scalar::kUint16:
-        value = load<std::uint16_t, kOrder>(from);
-        break;
-      case Scalar::kInt32:
-        value = load<std::int32_t, kOrder>(from);
-        break;
-      case Scalar::kUint32:
-        value = load<std::uint32_t, kOrder>(from);
-        break;
-      case Scalar::kInt64:
-        value = double(load<std::int64_t, kOrder>(from));
-        break;
-      case Scalar::kUint64:
-        value = double(load<std::uint64_t, kOrder>(from));
-        break;
-      case Scalar::kFloat:
-        value = double(load<float, kOrder>(from));
-        break;
-      case Scalar::kDouble:
-        value = load<double, kOrder>(from);
-        break;
-    }
+    with_type(type, [&](auto zero) { value = next<decltype(zero)>(); });
     return Found::kNumber;
+  }
+  /// Calls take(value) for each of so many values. False where the data end first.
+  template <class Take>
+  bool read_list(Scalar type, std::uint64_t count, Take&& take) {
+    if (count > left() / ply::size_of(type)) return false;
+    with_type(type, [&](auto zero) {
+      for (std::uint64_t i = 0; i < count; ++i) take(next<decltype(zero)>());
+    });
+    return true;
   }
   bool skip(Scalar type, std::uint64_t count) {
     if (count > left() / ply::size_of(type)) return false;
@@ -196,7 +172,6 @@ class BinarySource {
 
   /// Most records that the rest of the file can hold. The element must have properties.
   std::uint64_t most_records(const Element& element) const { return left() / element.least_bytes(); }
-  std::uint64_t most_values(Scalar type) const { return left() / ply::size_of(type); }
 
   /// Bytes behind the last record, but for space and zeros.
   std::uint64_t left_over() const {
@@ -209,6 +184,37 @@ class BinarySource {
   std::string where() { return fmt::format("byte {}", at_); }
 
  private:
+  template <class T>
+  double next() {
+    const T value = load<T, kOrder>(file_.data() + at_);
+    at_ += sizeof(T);
+    return double(value);
+  }
+  template <class Use>
+  static void with_type(Scalar type, Use&& use) {
+    switch (type) {
+      case Scalar::kInt8:
+        return use(std::int8_t{});
+      case Scalar::kUint8:
+        return use(std::uint8_t{});
+      case Scalar::kInt16:
+        return use(std::int16_t{});
+      case Scalar::kUint16:
+        return use(std::uint16_t{});
+      case Scalar::kInt32:
+        return use(std::int32_t{});
+      case Scalar::kUint32:
+        return use(std::uint32_t{});
+      case Scalar::kInt64:
+        return use(std::int64_t{});
+      case Scalar::kUint64:
+        return use(std::uint64_t{});
+      case Scalar::kFloat:
+        return use(float{});
+      case Scalar::kDouble:
+        return use(double{});
+    }
+  }
   std::size_t left() const { return file_.size() - at_; }
   std::span<const std::byte> file_;
   std::size_t at_;
@@ -284,17 +290,23 @@ class TextSource {
       return scanner_.number(value);
     return scanner_.number_in_line(value);
   }
-  bool skip(Scalar type, std::uint64_t count) {
-    double ignored = 0.0;
-    for (std::uint64_t i = 0; i < count; ++i)
-      if (read(type, ignored) == Found::kEnd) return false;
+  template <class Take>
+  bool read_list(Scalar type, std::uint64_t count, Take&& take) {
+    if (count > left() / 2 + 1) return false;
+    double value = 0.0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (read(type, value) == Found::kEnd) return false;
+      take(value);
+    }
     return true;
+  }
+  bool skip(Scalar type, std::uint64_t count) {
+    return read_list(type, count, [](double) {});
   }
   static bool skip_records(const Element&) { return false; }
 
   // A number takes at least two bytes, the last one perhaps one.
   std::uint64_t most_records(const Element& element) const { return left() / (2 * element.properties.size()) + 1; }
-  std::uint64_t most_values(Scalar) const { return left() / 2 + 1; }
 
   /// Bytes behind the last record, but for space.
   std::uint64_t left_over() {
@@ -540,7 +552,7 @@ class PlyBody {
       double value = 0.0;
       const Found found = source_.read(field.count.value_or(field.type), value);
       if (found == Found::kEnd) return lose_from(i, layout, record, {"more numbers", "the line's end"});
-      if (found == Found::kOther) words_ = true;
+      if (Source::kLines && found == Found::kOther) words_ = true;
       if (field.count) {
         if (!(value >= 0.0) || value != std::floor(value) || value >= double(core::kNone))
           return lose_from(i, layout, record, {"a list's length", "something else"});
@@ -549,7 +561,7 @@ class PlyBody {
           return lose_from(i, layout, record, {"a list as long as it says", "the line's end"});
       } else if (field.role != kSkipped) {
         record.values[field.role] = value;
-        if (found != Found::kOther) continue;
+        if (!Source::kLines || found != Found::kOther) continue;
         lose(field.role, record, {"numbers", "another word"});
         lost_words_ = lost_words_ || !is_needed(field.role);
       }
@@ -567,15 +579,11 @@ class PlyBody {
   }
 
   bool read_corners(Scalar type, std::uint64_t count) {
-    if (count > source_.most_values(type)) return false;
-    for (std::uint64_t i = 0; i < count; ++i) {
-      double value = 0.0;
-      if (source_.read(type, value) == Found::kEnd) return false;
+    return source_.read_list(type, count, [this](double value) {
       // An invalid index becomes one that no vertex has; -1 becomes kNone, the end of a strip.
       const bool whole = value >= -1.0 && value < double(core::kNone) && value == std::floor(value);
       corners_.push_back(whole ? std::uint32_t(std::int64_t(value)) : core::kNone - 1);
-    }
-    return true;
+    });
   }
 
   core::Expected<void> damage(const std::string& message) {
