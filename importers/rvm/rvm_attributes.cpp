@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/text_encoding.h"
 #include "sightline/importers/internal/text_scanner.h"
 
 namespace sightline::importers {
@@ -36,8 +37,8 @@ struct Words {
 
 class AttributeText {
  public:
-  AttributeText(std::span<const std::byte> bytes, ImportJob& job)
-      : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()), job_(job) {}
+  AttributeText(std::string_view text, ImportJob& job)
+      : text_(text), job_(job), line_end_(text.find('\n') == std::string_view::npos ? '\r' : '\n') {}
 
   core::Expected<std::vector<AttributeElement>> parse() {
     if (auto begun = read_header(); !begun) return tl::unexpected(begun.error());
@@ -55,7 +56,7 @@ class AttributeText {
  private:
   std::string_view next_line() {
     ++line_;
-    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    const std::size_t end = std::min(text_.find(line_end_, at_), text_.size());
     const std::string_view line = text_.substr(at_, end - at_);
     at_ = end + 1;
     return line;
@@ -132,6 +133,7 @@ class AttributeText {
 
   std::string_view text_;
   ImportJob& job_;
+  char line_end_;  // a file has one of LF and CR alone, or both together
   Words words_;
   std::vector<AttributeElement> elements_;
   std::vector<std::uint32_t> open_;
@@ -210,7 +212,10 @@ core::Expected<ImportReport> read_rvm_attributes(std::span<const std::byte> byte
   const std::string file = path.filename().string();
   auto report = run_import(file, scene, parent, options, {}, [&](ImportJob& job) -> core::Expected<void> {
     job.report().bytes = bytes.size();
-    const auto elements = AttributeText(bytes, job).parse();
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string decoded = is_utf8(text) ? std::string() : utf8_from_windows_1252(text);
+    if (!decoded.empty()) job.warn(0, "the text is not UTF-8: taken for Windows-1252");
+    const auto elements = AttributeText(decoded.empty() ? text : decoded, job).parse();
     if (!elements) return tl::unexpected(elements.error());
     GroupIndex groups(scene, files_for(scene, parent, job.file_node(), path.stem().string()));
     const std::vector<core::NodeId> group_of = match(*elements, groups);

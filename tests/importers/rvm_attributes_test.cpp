@@ -74,6 +74,25 @@ TEST_F(RvmAttributes, GoToTheGroupsOfTheirPath) {
   EXPECT_EQ(scene_.node_count(), 6u);
 }
 
+TEST_F(RvmAttributes, LinesMayEndWithReturnsAlone) {
+  std::string text = std::string(kHeader) + "NEW /SITE\n  Type:= 'SITE'\n  NEW /ZONE\n    Bore:= 100\n  END\nEND\n";
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  const auto report = read(text);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->attributed, 2u);
+}
+
+TEST_F(RvmAttributes, OtherEncodingsAreDecoded) {
+  const auto report = read_body("NEW /SITE\n  Ort:= H\xF6he\nEND\n");
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->warnings.size(), 1u);
+  bool found = false;
+  scene_.for_each_node(scene_.root(), [&](NodeId node, const auto&...) {
+    for (const auto& [key, value] : scene_.attributes(node)) found |= key == "Ort" && value == "Höhe";
+  });
+  EXPECT_TRUE(found);
+}
+
 TEST_F(RvmAttributes, LevelsAboveTheModelLeadToIt) {
   const auto report = read_body("NEW /WORLD\n  A:= 1\n  NEW /SITE\n    A:= 2\n  END\nEND\n");
   ASSERT_TRUE(report) << report.error().message;
