@@ -14,22 +14,22 @@ std::string with_slashes(std::string_view name) {
   return changed;
 }
 
-std::string percent_decoded(std::string_view name) {
+}  // namespace
+
+std::string percent_decoded(std::string_view uri) {
   std::string decoded;
-  for (std::size_t i = 0; i < name.size(); ++i) {
+  for (std::size_t i = 0; i < uri.size(); ++i) {
     unsigned value = 0;
-    const char* const digits = name.data() + i + 1;
-    if (name[i] == '%' && i + 2 < name.size() && std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2) {
+    const char* const digits = uri.data() + i + 1;
+    if (uri[i] == '%' && i + 2 < uri.size() && std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2) {
       decoded += char(value);
       i += 2;
     } else {
-      decoded += name[i];
+      decoded += uri[i];
     }
   }
   return decoded;
 }
-
-}  // namespace
 
 core::Expected<std::filesystem::path> find_named_file(const std::filesystem::path& model, std::string_view name) {
   auto as_written = find_side_file(model, name);

@@ -130,12 +130,6 @@ core::Expected<std::vector<std::byte>> base64_decoded(std::string_view text) {
   return bytes;
 }
 
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  const char lower = char(c | 0x20);
-  return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
-}
-
 }  // namespace
 
 // --- values --------------------------------------------------------------------------------------------------------
@@ -193,21 +187,6 @@ core::Expected<void> gltf_numbers(const Json& object, std::string_view key, cons
 std::string gltf_text(const Json& object, std::string_view key) {
   const Json* value = gltf_find(object, key);
   return value && value->is_string() ? value->get<std::string>() : std::string();
-}
-
-std::string percent_decoded(std::string_view uri) {
-  std::string decoded;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    const bool whole = uri[i] == '%' && i + 2 < uri.size();
-    const int high = whole ? hex_digit(uri[i + 1]) : -1, low = whole ? hex_digit(uri[i + 2]) : -1;
-    if (high >= 0 && low >= 0) {
-      decoded.push_back(char(high * 16 + low));
-      i += 2;
-    } else {
-      decoded.push_back(uri[i]);
-    }
-  }
-  return decoded;
 }
 
 namespace {

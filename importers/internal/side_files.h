@@ -31,6 +31,9 @@ core::Expected<std::filesystem::path> find_side_file(const std::filesystem::path
 core::Expected<std::vector<std::byte>> read_side_file(const std::filesystem::path& model, std::string_view name,
                                                       std::uint64_t largest = std::uint64_t{1} << 32);
 
+/// Decodes "%" sequences of a URI; other characters stay.
+std::string percent_decoded(std::string_view uri);
+
 /// Looks for a name of another system: as written, with '\\' as '/', with %20 and the like decoded, and as UTF-8. The
 /// error is that of the name as written.
 core::Expected<std::filesystem::path> find_named_file(const std::filesystem::path& model, std::string_view name);

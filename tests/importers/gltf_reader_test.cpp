@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/importers/gltf/internal/gltf_document.h"
+#include "sightline/importers/internal/side_files.h"
 #include "sightline/tests/importers/gltf_reading.h"
 #include "sightline/tests/support/test_data.h"
 

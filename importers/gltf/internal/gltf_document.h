@@ -142,7 +142,4 @@ core::Expected<void> gltf_numbers(const Json& object, std::string_view key, cons
                                   std::size_t n);
 std::string gltf_text(const Json& object, std::string_view key);  ///< empty when it is missing or no string
 
-/// Decodes "%" sequences in a URI; other characters stay.
-std::string percent_decoded(std::string_view uri);
-
 }  // namespace sightline::importers
