@@ -3,6 +3,7 @@
 #include "payload.glsl"
 #include "primitive.glsl"
 #include "kept_ray.glsl"
+#include "sample_place.glsl"
 layout(depth_less) out float gl_FragDepth;
 #define SURFACE_DEPTH gl_FragDepth
 #include "shading.glsl"
@@ -39,6 +40,8 @@ bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out Sight sight) {
 }
 
 void main() {
+  vec2 place = fragment_place();
+  float proxy_depth = fragment_depth(place);
   uint record = anchor.z;
   uvec4 words = payload_texel(record, TEXELS_PER_RECORD, 3);  // chunk, item id, material and flags, first shape parameter
   if (dithered_away(words.z, words.y)) discard;
@@ -49,14 +52,14 @@ void main() {
 #ifdef SAMPLES
   gl_SampleMask[0] = 1 << gl_SampleID;  // each sample runs the shader, and casts the ray through its own place
 #endif
-  if (!cast_ray(gl_FragCoord.xy, rows, hidden, sight)) discard;
+  if (!cast_ray(place, rows, hidden, sight)) discard;
 #ifdef HATCHING
   // Solids that overlap have one depth, so that their lines do not mingle.
-  if (sight.face == kCut) sight.depth = depth_on(gl_FragCoord.xy, sight.section);
+  if (sight.face == kCut) sight.depth = depth_on(place, sight.section);
 #endif
-  gl_FragDepth = min(depth_at(sight.depth), gl_FragCoord.z);  // depth_less must hold despite rounding
+  gl_FragDepth = min(depth_at(sight.depth), proxy_depth);  // depth_less must hold despite rounding
   bool cut = sight.face == kCut;
   vec3 normal = cut ? cut_normal(sight.section) : rows * face_normal(sight.p, sight.face);
-  float hatch = cut ? hatch_cover(gl_FragCoord.xy, sight.section, words.y) : 0.0;
-  write_surface(normal, eye_direction(gl_FragCoord.xy), hatch, words.z, words.y);
+  float hatch = cut ? hatch_cover(place, sight.section, words.y) : 0.0;
+  write_surface(normal, eye_direction(place), hatch, words.z, words.y);
 }

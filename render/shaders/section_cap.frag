@@ -1,5 +1,6 @@
 // Cut faces of closed meshes.
 #include "kept_ray.glsl"
+#include "sample_place.glsl"
 #include "payload.glsl"
 #include "section_cells.glsl"
 #define SURFACE_DEPTH gl_FragDepth
@@ -34,8 +35,9 @@ void main() {
 #ifdef SAMPLES
   gl_SampleMask[0] = 1 << gl_SampleID;  // crossings are those of the pixel, depths those of each sample
 #endif
+  vec2 place = fragment_place();
   int section;
-  gl_FragDepth = depth_at(section_entry(gl_FragCoord.xy, section));
-  float hatch = hatch_cover(gl_FragCoord.xy, section, words.y);
-  write_surface(cut_normal(section), eye_direction(gl_FragCoord.xy), hatch, words.z, words.y);
+  gl_FragDepth = depth_at(section_entry(place, section));
+  float hatch = hatch_cover(place, section, words.y);
+  write_surface(cut_normal(section), eye_direction(place), hatch, words.z, words.y);
 }

@@ -15,7 +15,7 @@ PATH=$PATH:/usr/sbin:/sbin  # ldconfig's
 kit=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 bin=$kit/bin
 scale=${SCALE:-1} frames=${FRAMES:-60} size=${SIZE:-1280x720} total=${TOTAL:-470}
-steps=(machine tests images stability hybrid_100k hybrid_1m submission occlusion hybrid_5m first_image trace table_6_1 edits)
+steps=(machine tests images stability hybrid_100k hybrid_1m submission occlusion samples hybrid_5m first_image trace table_6_1 edits)
 
 case ${1:-} in
   -h | --help) sed -n '2,/^set/{/^#/s/^# \{0,1\}//p}' "$0"; exit 0 ;;
@@ -265,9 +265,17 @@ step_occlusion() {
   local culler choice file
   file=$(plant "$(items 1000000)")
   for culler in cpu gpu; do
-    for choice in off on; do
+    for choice in off on auto; do
       show 7 sightline-replay "$file" --culler "$culler" --occlusion "$choice" --frames "$frames" --size "$size"
     done
+  done
+}
+step_samples() {
+  local file looks
+  file=$(plant "$(items 100000)")
+  for looks in "--samples 1" "--samples 4" "--samples 8" "--samples 4 --shading 0.5 --lines 0.5"; do
+    # shellcheck disable=SC2086
+    show 7 sightline-replay "$file" $looks --frames "$frames" --size "$size"
   done
 }
 step_first_image() {
@@ -300,7 +308,8 @@ title() {
     hybrid_1m) echo "$(items 1000000) items: cullers, rendering off and on" ;;
     hybrid_5m) echo "$(items 5000000) items: cullers, rendering off and on" ;;
     submission) echo "What frames culled by the GPU cost the processor" ;;
-    occlusion) echo "Occlusion off and on, $(items 1000000) items" ;;
+    occlusion) echo "Occlusion off, on and learnt, $(items 1000000) items" ;;
+    samples) echo "Samples per pixel, depth shading and lines, $(items 100000) items" ;;
     first_image) echo "First image" ;;
     trace) echo "Both paths in every frame, $(items 1000000) items" ;;
     table_6_1) echo "Table 6.1: platforms and aircraft at $(product "$scale" 0.15) of their items" ;;

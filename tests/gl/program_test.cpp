@@ -1,6 +1,7 @@
 #include "sightline/gl/internal/program.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -88,6 +89,67 @@ TEST_F(ProgramTest, TriangleWithIdsAndReversedDepth) {
       EXPECT_EQ(id_pixels[i], in_half ? 4000000000u : 1u);
       EXPECT_EQ(depth_pixels[i], in_half ? 0.75f : 0.5f);
       EXPECT_EQ(color_pixels[i], in_half ? 0xff0000ffu : 0xff000000u);
+    }
+  }
+}
+
+/// Shaders of samples cast their rays through floor(gl_FragCoord.xy) + gl_SamplePosition. gl_FragCoord.z is the depth
+/// where gl_FragCoord.xy is, which may be the place of the sample or the pixel's centre.
+TEST_F(ProgramTest, FragmentsOfSamplesTellTheirPlaces) {
+  constexpr int kSize = 8, kSamples = 4;
+  constexpr std::size_t kPixels = kSize * kSize;
+  auto coordinates = Texture2D::create(gl(), kSize, kSize, GL_RGBA32F, "coordinates", kSamples);
+  auto places = Texture2D::create(gl(), kSize, kSize, GL_RGBA32F, "places", kSamples);
+  auto one = Texture2D::create(gl(), kSize, kSize, GL_RGBA32F, "one sample");
+  ASSERT_TRUE(coordinates && places && one);
+  const std::array<Attachment, 2> attachments = {
+      {{GL_COLOR_ATTACHMENT0, &*coordinates, 0}, {GL_COLOR_ATTACHMENT1, &*places, 0}}};
+  auto target = Framebuffer::create(gl(), attachments, "target");
+  const std::array<Attachment, 1> of_one = {{{GL_COLOR_ATTACHMENT0, &*one, 0}}};
+  auto single = Framebuffer::create(gl(), of_one, "one sample");
+  ASSERT_TRUE(target && single);
+  const auto make = [&](const char* fragment, const char* define) {
+    ProgramDescription description =
+        describe(fragment, {{GL_VERTEX_SHADER, {"triangle.vert"}}, {GL_FRAGMENT_SHADER, {fragment}}});
+    description.shaders.defines = {define};
+    auto program = Program::create(gl(), description);
+    EXPECT_TRUE(program) << program.error().message;
+    return std::move(*program);
+  };
+  const Program draw = make("sample_places.frag", "SLOPE"), copy = make("one_sample.frag", "WHOLE");
+  const VertexArray vertices(gl());
+  vertices.bind();
+  target->bind();
+  gl().Viewport(0, 0, kSize, kSize);
+  gl().ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  gl().ProgramUniform1f(draw.id(), draw.uniform("u_depth"), 0.25f);
+  draw.use();
+  gl().DrawArrays(GL_TRIANGLES, 0, 3);
+  std::array<std::array<GLfloat, 2>, kSamples> expected{};
+  for (GLuint s = 0; s < kSamples; ++s) gl().GetMultisamplefv(GL_SAMPLE_POSITION, s, expected[s].data());
+
+  single->bind();
+  copy.use();
+  const auto sample = [&](const Texture2D& of, int which) {
+    gl().ProgramUniform1i(copy.id(), copy.uniform("u_sample"), which);
+    gl().BindTextureUnit(0, of.id());
+    gl().DrawArrays(GL_TRIANGLES, 0, 3);
+    std::vector<std::array<float, 4>> values(kPixels);
+    one->read(0, GL_RGBA, GL_FLOAT, std::as_writable_bytes(std::span(values)));
+    return values;
+  };
+  for (int s = 0; s < kSamples; ++s) {
+    const auto at = sample(*coordinates, s), place = sample(*places, s);
+    for (std::size_t i = 0; i < kPixels; ++i) {
+      SCOPED_TRACE(testing::Message() << "sample " << s << ", pixel " << i << ", gl_FragCoord " << at[i][0] << ' '
+                                      << at[i][1] << ' ' << at[i][2] << ", gl_SamplePosition " << place[i][0] << ' '
+                                      << place[i][1]);
+      ASSERT_EQ(at[i][3], float(s));
+      ASSERT_EQ(std::floor(at[i][0]), float(i % kSize));
+      ASSERT_EQ(std::floor(at[i][1]), float(i / kSize));
+      ASSERT_EQ(place[i][0], expected[std::size_t(s)][0]);
+      ASSERT_EQ(place[i][1], expected[std::size_t(s)][1]);
+      EXPECT_NEAR(at[i][2], 0.25f + (at[i][0] + 2.0f * at[i][1]) / 64.0f, 1e-6f);
     }
   }
 }
