@@ -442,9 +442,8 @@ core::Expected<void> Drawing::draw_solid(const Culled& culled, double began) {
   const bool tested = tests_occlusion(culled.with(large), count);
   if (tested) {
     const bool rehearses = &large == &culled.visible && may_rehearse(culled);
-    if (auto done = rehearses ? draw_rehearsed(culled) : draw_in_passes(culled.with(large)); !done) return done;
-    if (beside_part_)
-      if (auto done = draw_part(culled.with(large)); !done) return done;
+    const auto draw_tested = [&] { return rehearses ? draw_rehearsed(culled) : draw_in_passes(culled.with(large)); };
+    if (auto done = beside_part_ ? measure_ways(culled.with(large), draw_tested) : draw_tested(); !done) return done;
   } else {
     picture_->passes.reset();
     if (auto done = draw_at_once(culled.with(large)); !done) return done;
@@ -567,41 +566,64 @@ void Drawing::set_contribution(float pixels, ContributionWay way) {
   contribution_way_ = way;
 }
 
-/// Between passes the depth is read back, which stalls a GPU, but is a copy in memory on a software rasteriser. Few
-/// items are not worth it.
+/// Between passes the depth is read back, which stalls a GPU, but is a copy in memory on a software rasteriser; frames
+/// that are rehearsed need none of it. Few items are not worth it.
 bool Drawing::tests_occlusion(const Culled& candidates, std::int64_t count) {
-  candidates_ = count;
-  switched_ = beside_part_ = false;
+  beside_part_ = false;
   if (!may_test_occlusion()) return false;
   if (occlusion_ == OcclusionChoice::kOn) return true;
-  switched_ = software() && count >= std::int64_t(kSmallOcclusionScene);
-  const auto& [view, snapshot, visible, lines, hierarchy] = candidates;
-  if (!switched_) return false;
-  const OcclusionWay way =
-      occlusion_switch_.use(mean_area(view, snapshot.bounds(), visible, picture_->target.height()));
+  if (count < std::int64_t(software() ? kSmallOcclusionScene : kSmallOcclusionSceneForGpu)) return false;
+  const OcclusionWay way = occlusion_switch_.use(
+      mean_area(candidates.view, candidates.snapshot.bounds(), candidates.visible, picture_->target.height()));
   beside_part_ = way == OcclusionWay::kOnBesidePart;
   return way != OcclusionWay::kOff;
 }
 
-/// Draws some of the candidates again, as a frame without the test of occlusion would all: see OcclusionWay. Changes
-/// no pixel, since what is there already has them all in front.
-core::Expected<void> Drawing::draw_part(const Culled& culled) {
-  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
-  constexpr auto kParts = core::Slot(1.0 / OcclusionSwitch::kTriedPart);
-  part_ = (part_ + 1) % kParts;
-  core::VisibleSet part;
-  part.generation = visible.generation;
-  visible.for_each_slot([&](core::Slot slot) {
-    if (slot / core::kBlockSlots % kParts == part_) part.items.push_back(slot);
-  });
-  std::sort(part.items.begin(), part.items.end());
-  culling::SampleTest(view, snapshot.bounds().origin, samples()).filter(snapshot.bounds(), part, sampled_, lines);
-  return draw_pass(view, snapshot, sampled_, picture_->target);
+namespace {
+
+/// Every `parts`-th block of the slots, `part` the first of them.
+core::VisibleSet part_of(const core::VisibleSet& visible, core::Slot parts, core::Slot part) {
+  core::VisibleSet some;
+  some.generation = visible.generation;
+  for (const core::Slot slot : visible.items)
+    if (slot / core::kBlockSlots % parts == part) some.items.push_back(slot);
+  for (const core::SlotRange& range : visible.ranges) {
+    const core::Slot end = range.first + range.count, from = range.first / core::kBlockSlots;
+    for (core::Slot block = from + (part + parts - from % parts) % parts; block * core::kBlockSlots < end;
+         block += parts) {
+      const core::Slot first = std::max(range.first, block * core::kBlockSlots);
+      some.ranges.push_back({first, std::min(end, (block + 1) * core::kBlockSlots) - first});
+    }
+  }
+  return some;
 }
 
-void Drawing::frame_took(double ms) {
-  if (switched_) occlusion_switch_.took(ms, double(candidates_));
-  switched_ = false;
+}  // namespace
+
+/// Draws with the test, and then some of the candidates again, as a frame without it would all: see OcclusionWay. That
+/// changes no pixel, since what is there already has them all in front.
+core::Expected<void> Drawing::measure_ways(const Culled& culled,
+                                           const std::function<core::Expected<void>()>& draw_tested) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  const auto took_ms = [&](const auto& draw) -> core::Expected<double> {
+    const double began = now_seconds();
+    if (auto done = draw(); !done) return tl::unexpected(done.error());
+    context_.functions().Finish();
+    return 1e3 * (now_seconds() - began);
+  };
+  context_.functions().Finish();
+  const auto tested_ms = took_ms(draw_tested);
+  if (!tested_ms) return tl::unexpected(tested_ms.error());
+  constexpr auto kParts = core::Slot(1.0 / OcclusionSwitch::kTriedPart);
+  part_ = (part_ + 1) % kParts;
+  const core::VisibleSet part = part_of(visible, kParts, part_);
+  const auto part_ms = took_ms([&] {
+    culling::SampleTest(view, snapshot.bounds().origin, samples()).filter(snapshot.bounds(), part, sampled_, lines);
+    return draw_pass(view, snapshot, sampled_, picture_->target);
+  });
+  if (!part_ms) return tl::unexpected(part_ms.error());
+  occlusion_switch_.measured(*tested_ms, *part_ms);
+  return {};
 }
 
 culling::PictureSamples Drawing::samples() const {
@@ -745,16 +767,9 @@ bool Drawing::may_test_occlusion(const culling::GpuCuller& culler) const {
   return renders_ && picture_->target.format().samples == 1 && culler.can_test_occlusion();
 }
 
-/// How many items are in the view volume is known of an earlier frame, and how large they are not at all.
-bool Drawing::tests_occlusion_on_gpu(std::size_t items) {
-  candidates_ = visible_on_gpu_;
-  switched_ = false;
+bool Drawing::tests_occlusion_on_gpu(std::size_t items) const {
   if (occlusion_ == OcclusionChoice::kOff || !may_test_occlusion(*culler_)) return false;
-  if (occlusion_ == OcclusionChoice::kOn) return true;
-  if (!software()) return items >= kGpuOcclusionScene;
-  switched_ = candidates_ >= std::int64_t(kSmallOcclusionScene);
-  constexpr double kUnknown = 0.0;
-  return switched_ && occlusion_switch_.use(kUnknown) == OcclusionWay::kOn;
+  return occlusion_ == OcclusionChoice::kOn || items >= kGpuOcclusionScene;
 }
 
 core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame,
@@ -792,9 +807,7 @@ std::optional<Drawing::Drawn> Drawing::take_drawn() {
 
 std::optional<culling::GpuCuller::Feedback> Drawing::take_gpu_feedback() {
   if (!culler_ || !make_current()) return std::nullopt;
-  auto feedback = culler_->take_feedback();
-  if (feedback) visible_on_gpu_ = std::int64_t(feedback->visible);
-  return feedback;
+  return culler_->take_feedback();
 }
 
 core::Expected<void> Drawing::compose() {

@@ -492,7 +492,6 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   last_frame_began_ = begin;
   frame_seconds_ = 1e-3 * report.frame_ms;
   look_after_context();
-  if (drawing_) drawing_->frame_took(report.frame_ms);
   const bool aside = !core::same_picture(view, cull_view);
   const bool shows_hidden = aside && config_.hidden_colour && config_.draw && drawing_;
   const auto on_gpu = cull(cull_view, view, shows_hidden, report);

@@ -47,8 +47,8 @@ void plan_occlusion(Plan& plan, std::size_t items, const PlanRequest& request) {
        request.occlusion == OcclusionChoice::kOff  ? "switched off"
        : request.occlusion == OcclusionChoice::kOn ? "asked for"
        : few ? count_text(items) + ", fewer than " + std::to_string(kSmallOcclusionScene) + ": too few to profit"
-       : plan.gpu_culls() && items >= kGpuOcclusionScene ? "where a GPU culls; on software rasterisers while it pays"
-                                                         : "while it pays, on software rasterisers"});
+       : plan.gpu_culls() && items >= kGpuOcclusionScene ? "where a GPU culls; elsewhere while it pays"
+                                                         : "while it pays"});
 }
 
 void plan_losses(Plan& plan, const PlanRequest& request) {

@@ -86,9 +86,11 @@ struct Plan {
 inline constexpr std::size_t kSmallScene = 128;
 /// Below this many items, the CPU culls in a microsecond or two and a GPU culler can gain nothing: none is made.
 inline constexpr std::size_t kSmallHybridScene = 10'000;
-/// Below this many items that may cover a sample, occlusion is not tested unless asked for.
+/// Below this many items that may cover a sample, occlusion is not tested unless asked for: where a software rasteriser
+/// draws, and where a GPU does.
 inline constexpr std::size_t kSmallOcclusionScene = 16'384;
-/// The same where a GPU culls and draws; below so many items in the scene. Not measured.
+inline constexpr std::size_t kSmallOcclusionSceneForGpu = 200'000;
+/// The same where a GPU culls and draws, below so many items in the scene.
 inline constexpr std::size_t kGpuOcclusionScene = 100'000;
 
 /// Adds an entry, or replaces the one of the same feature.

@@ -119,8 +119,6 @@ class Drawing {
   void configure(const EngineConfig& config);
   /// Of these, EngineConfig::contribution and contribution_way alone.
   void set_contribution(float pixels, ContributionWay way);
-  /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
-  void frame_took(double ms);
 
   /// cull() culls by `cull_view` on the GPU for a picture of `view`, and draw_culled() submits a frame of the result.
   /// Both need the GPU culler. take_gpu_feedback() returns `frame`, too.
@@ -219,7 +217,7 @@ class Drawing {
   }
   bool tests_occlusion(const Culled& candidates, std::int64_t count);
   bool may_test_occlusion(const culling::GpuCuller& culler) const;
-  bool tests_occlusion_on_gpu(std::size_t items);
+  bool tests_occlusion_on_gpu(std::size_t items) const;
   core::Expected<void> draw_others(const core::Snapshot& snapshot);
   core::Expected<void> draw_visible(const Culled& culled, double began);
   core::Expected<void> draw_solid(const Culled& culled, double began);
@@ -236,7 +234,7 @@ class Drawing {
   core::Expected<void> split(const Culled& culled);
   core::Expected<void> make_hidden_materials(const core::Snapshot& snapshot);
   core::Expected<void> draw_hidden(const core::View& view, const core::Snapshot& snapshot);
-  core::Expected<void> draw_part(const Culled& culled);
+  core::Expected<void> measure_ways(const Culled& culled, const std::function<core::Expected<void>()>& draw_tested);
   core::Expected<void> draw_at_once(const Culled& culled);
   core::Expected<void> draw_in_passes(const Culled& culled);
   bool may_rehearse(const Culled& culled);
@@ -297,12 +295,9 @@ class Drawing {
   std::vector<core::Slot> at_near_plane_;
   culling::CullThreads threads_;  // for the occlusion test; none begins before the first large set
   OcclusionSwitch occlusion_switch_;
-  bool switched_ = false;     // the last draw() was as the switch says
-  bool beside_part_ = false;  // which was with a part besides
+  bool beside_part_ = false;  // this frame is drawn as OcclusionWay::kOnBesidePart
   core::Slot part_ = 0;       // of that
   Counts counts_;
-  std::int64_t candidates_ = 0;      // of the last draw()
-  std::int64_t visible_on_gpu_ = 0;  // as the newest feedback says
   std::optional<culling::GpuCuller> culler_;
   std::optional<culling::GpuCuller::Picture>
       culled_picture_;                        // of the last cull(); none where all of the view is drawn

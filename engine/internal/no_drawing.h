@@ -89,7 +89,6 @@ class Drawing {
     std::int64_t sampled = 0, shown = 0, small = 0, pending = 0, squares = 0;
   };
   Counts counts() const { return {}; }
-  void frame_took(double) {}
   void finish() {}
   std::size_t memory_bytes() const { return 0; }
 };

@@ -262,11 +262,13 @@ step_submission() {
   done
 }
 step_occlusion() {
-  local culler choice file
-  file=$(plant "$(items 1000000)")
-  for culler in cpu gpu; do
-    for choice in off on auto; do
-      show 7 sightline-replay "$file" --culler "$culler" --occlusion "$choice" --frames "$frames" --size "$size"
+  local count culler choice file
+  for count in 100000 1000000; do
+    file=$(plant "$(items $count)")
+    for culler in cpu gpu; do
+      for choice in off on auto; do
+        show 7 sightline-replay "$file" --culler "$culler" --occlusion "$choice" --frames "$frames" --size "$size"
+      done
     done
   done
 }
@@ -294,7 +296,7 @@ step_trace() {
   if [ -s "$out/trace.csv" ]; then show 4 sightline-replay --controller-only "$out/trace.csv"; fi
 }
 step_table_6_1() { show 30 sightline-bench hybrid --scale "$(product "$scale" 0.15)" --frames "$frames" --passes 1 --size "$size"; }
-step_edits() { show 18 sightline-bench edit --items "$(items 1000000)" --commits 2; }
+step_edits() { show 18 sightline-bench edit --items "$(items 1000000)" --subject scenes --commits 2; }
 
 # --- the run ---------------------------------------------------------------------------------------------------------
 
@@ -308,7 +310,7 @@ title() {
     hybrid_1m) echo "$(items 1000000) items: cullers, rendering off and on" ;;
     hybrid_5m) echo "$(items 5000000) items: cullers, rendering off and on" ;;
     submission) echo "What frames culled by the GPU cost the processor" ;;
-    occlusion) echo "Occlusion off, on and learnt, $(items 1000000) items" ;;
+    occlusion) echo "Occlusion off, on and learnt, $(items 100000) and $(items 1000000) items" ;;
     samples) echo "Samples per pixel, depth shading and lines, $(items 100000) items" ;;
     first_image) echo "First image" ;;
     trace) echo "Both paths in every frame, $(items 1000000) items" ;;
