@@ -1,6 +1,7 @@
 #include "sightline/importers/internal/polygon_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -37,6 +38,8 @@ class Centring {
     for_each_face(from_, [&](std::size_t first, std::uint32_t size) {
       if (good(first, size)) add_face(first, size);
     });
+    if (to_.flat > 0) drop_unused_vertices();
+    if (!to_.mesh.normals.empty()) mend_normals();
     return std::move(to_);
   }
 
@@ -67,12 +70,9 @@ class Centring {
 
   void copy_vertices() {
     core::AabbD box;
-    bool with_normals = !from_.normals.empty();
-    for (std::size_t i = 0; i < place_.size(); ++i) {
-      if (place_[i] == core::kNone) continue;
-      box.grow(from_.positions[i]);
-      with_normals = with_normals && core::is_finite(core::dvec3(from_.normals[i]));
-    }
+    const bool with_normals = !from_.normals.empty();
+    for (std::size_t i = 0; i < place_.size(); ++i)
+      if (place_[i] != core::kNone) box.grow(from_.positions[i]);
     if (!box.empty()) to_.centre = box.centre();
     to_.mesh.positions.reserve(used_);
     if (with_normals) to_.mesh.normals.reserve(used_);
@@ -94,7 +94,52 @@ class Centring {
       outline_.push_back(to_.mesh.positions[vertices_.back()]);
     }
     triangulate_polygon(outline_, std::span(&size, 1), 0, triangles_);
+    if (triangles_.empty()) ++to_.flat;
     for (const std::uint32_t t : triangles_) to_.mesh.indices.push_back(vertices_[t]);
+  }
+
+  /// Bounds follow from the vertices, and count what is drawn.
+  void drop_unused_vertices() {
+    core::Mesh& mesh = to_.mesh;
+    std::vector<std::uint32_t> place(mesh.positions.size(), core::kNone);
+    for (const std::uint32_t i : mesh.indices) place[i] = 0;
+    std::uint32_t used = 0;
+    for (std::uint32_t i = 0; i < place.size(); ++i) {
+      if (place[i] == core::kNone) continue;
+      mesh.positions[used] = mesh.positions[i];
+      if (!mesh.normals.empty()) mesh.normals[used] = mesh.normals[i];
+      place[i] = used++;
+    }
+    mesh.positions.resize(used);
+    if (!mesh.normals.empty()) mesh.normals.resize(used);
+    for (std::uint32_t& i : mesh.indices) i = place[i];
+  }
+
+  /// A normal that is not finite becomes that of the triangles about its vertex, so that the others can stay.
+  void mend_normals() {
+    core::Mesh& mesh = to_.mesh;
+    std::vector<bool> bad(mesh.normals.size());
+    for (std::size_t i = 0; i < bad.size(); ++i) {
+      bad[i] = !core::is_finite(core::dvec3(mesh.normals[i]));
+      if (!bad[i]) continue;
+      mesh.normals[i] = core::vec3(0.0f);
+      ++to_.mended_normals;
+    }
+    if (to_.mended_normals == 0) return;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      const std::array corners{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
+                               mesh.positions[mesh.indices[i + 2]]};
+      const core::vec3 across = unit_or_zero(newell_normal(corners));
+      for (std::size_t corner = i; corner < i + 3; ++corner)
+        if (bad[mesh.indices[corner]]) mesh.normals[mesh.indices[corner]] += across;
+    }
+    for (std::size_t i = 0; i < bad.size(); ++i)
+      if (bad[i]) mesh.normals[i] = unit_or_zero(core::dvec3(mesh.normals[i]));
+  }
+
+  static core::vec3 unit_or_zero(const core::dvec3& v) {
+    const double length = glm::length(v);
+    return length > 0.0 && std::isfinite(length) ? core::vec3(v / length) : core::vec3(0.0f);
   }
 
   const PolygonMesh& from_;

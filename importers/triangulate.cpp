@@ -1,6 +1,7 @@
 #include "sightline/importers/internal/triangulate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -274,6 +275,48 @@ bool quick(std::span<const vec3> p, const Projection& project, std::uint32_t bas
   return true;
 }
 
+/// The largest area vector of a triangle of the outline's first vertex and an edge: the plane of an outline whose parts
+/// on either side cancel each other out.
+dvec3 largest_fan_normal(std::span<const vec3> outline) {
+  dvec3 largest(0.0);
+  for (std::size_t i = 1; i + 1 < outline.size(); ++i) {
+    const dvec3 normal = newell_normal(std::array{outline[0], outline[i], outline[i + 1]});
+    if (glm::dot(normal, normal) > glm::dot(largest, largest)) largest = normal;
+  }
+  return largest;
+}
+
+/// Whether two edges without a common end cross. An outline that goes there and back on the same way has no such edges.
+bool crosses_itself(std::span<const vec3> outline, const Projection& project, std::int64_t& steps_left) {
+  const std::size_t count = outline.size();
+  const auto point = [&](std::size_t i) { return project(outline[i % count]); };
+  const auto parts = [&](std::size_t edge, std::size_t other) {
+    const dvec2 a = point(edge), b = point(edge + 1);
+    return (cross(a, b, point(other)) < 0.0) != (cross(a, b, point(other + 1)) < 0.0);
+  };
+  const auto meet = [&](std::size_t i, std::size_t j) {
+    return point(i) == point(j) || point(i) == point(j + 1) || point(i + 1) == point(j) || point(i + 1) == point(j + 1);
+  };
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = i + 2; j < count && --steps_left > 0; ++j)
+      if (parts(i, j) && parts(j, i) && !meet(i, j)) return true;
+  return false;
+}
+
+/// Whether the outline crosses itself so that its halves cancel each other out in its Newell normal, but for rounding.
+bool cancels_out(std::span<const vec3> outline, const dvec3& newell, std::int64_t& steps_left) {
+  constexpr double kRounding = 1e-6;
+  const dvec3 largest = largest_fan_normal(outline);
+  return outline.size() > 3 && glm::dot(newell, newell) <= kRounding * kRounding * glm::dot(largest, largest) &&
+         crosses_itself(outline, Projection(largest), steps_left);
+}
+
+void fan(std::span<const vec3> outline, std::uint32_t base, std::vector<std::uint32_t>& indices) {
+  for (std::uint32_t i = 1; i + 1 < outline.size(); ++i)
+    if (newell_normal(std::array{outline[0], outline[i], outline[i + 1]}) != dvec3(0.0))
+      indices.insert(indices.end(), {base, base + i, base + i + 1});
+}
+
 }  // namespace
 
 dvec3 newell_normal(std::span<const vec3> polygon) {
@@ -296,6 +339,10 @@ void triangulate_polygon(std::span<const vec3> vertices, std::span<const std::ui
     if (done[k] || contour_sizes[k] < 3) continue;
     const auto outline = vertices.subspan(firsts[k], contour_sizes[k]);
     const dvec3 normal = newell_normal(outline);
+    if (cancels_out(outline, normal, steps_left)) {
+      fan(outline, base + firsts[k], indices);
+      continue;
+    }
     if (!(glm::dot(normal, normal) > 0.0)) continue;
     const Projection project(normal);
     const bool alone = k + 1 == contour_sizes.size();

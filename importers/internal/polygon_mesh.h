@@ -31,12 +31,14 @@ struct CentredMesh {
   core::Mesh mesh;
   core::dvec3 centre{0.0};  ///< mesh coordinates are relative to it
   std::uint64_t dropped =
-      0;  ///< faces of fewer than three corners, or with a corner that is not finite or too far away
+      0;                   ///< faces of fewer than three corners, or with a corner that is not finite or too far away
+  std::uint64_t flat = 0;  ///< faces of more than three corners without area, left out
+  std::uint64_t mended_normals = 0;  ///< those that are not finite, taken from the triangles about their vertices
 };
 
 /// Makes positions relative to the centre of their box, in double, before they become float. So precision follows the
 /// mesh and not the site. Leaves out vertices that no face uses; the others keep their order. Faces become triangles
-/// (triangulate.h). When a normal is not finite, the mesh loses all its normals.
+/// (triangulate.h).
 CentredMesh centred(const PolygonMesh& polygons);
 
 }  // namespace sightline::importers

@@ -402,14 +402,9 @@ class PlyBody {
     if (normals) mesh_.normals.reserve(most);
     return for_each_record(element, layout, [&](const Record& record) {
       mesh_.positions.push_back(record.vector(kX));
-      if (normals) add_normal(record.vector(kNormalX));
+      if (normals) mesh_.normals.emplace_back(record.vector(kNormalX));
       if (colours && !record.lost_colour) vertex_colours_.add(record.colour(layout));
     });
-  }
-
-  void add_normal(const dvec3& normal) {
-    if (!core::is_finite(normal)) ++bad_normals_;
-    mesh_.normals.emplace_back(normal);
   }
 
   core::Expected<void> read_faces(const Element& element) {
@@ -600,35 +595,7 @@ class PlyBody {
     habits_.add(what, source_.offset(), [&] { return source_.where(); });
   }
 
-  /// A normal that is not finite becomes that of the faces about its vertex, so that the others can stay.
-  void mend_normals() {
-    if (bad_normals_ == 0) return;
-    job_.warn(0, fmt::format("{} normals that are not finite become those of the faces", bad_normals_));
-    std::vector<bool> bad(mesh_.normals.size());
-    for (std::size_t i = 0; i < bad.size(); ++i) {
-      bad[i] = !core::is_finite(dvec3(mesh_.normals[i]));
-      if (bad[i]) mesh_.normals[i] = core::vec3(0.0f);
-    }
-    const auto corner = [&](std::size_t i) { return mesh_.positions[mesh_.corners[i]]; };
-    for (std::size_t face = 0, first = 0; face < mesh_.face_count(); ++face) {
-      const std::size_t size = mesh_.face_sizes.empty() ? 3 : mesh_.face_sizes[face], end = first + size;
-      dvec3 across(0.0);  // its length is twice the area
-      for (std::size_t i = first + 2; i < end; ++i)
-        across += glm::cross(corner(i - 1) - corner(first), corner(i) - corner(first));
-      for (; first < end; ++first)
-        if (bad[mesh_.corners[first]]) mesh_.normals[mesh_.corners[first]] += unit_or_zero(across);
-    }
-    for (std::size_t i = 0; i < bad.size(); ++i)
-      if (bad[i]) mesh_.normals[i] = unit_or_zero(dvec3(mesh_.normals[i]));
-  }
-
-  static core::vec3 unit_or_zero(const dvec3& v) {
-    const double length = glm::length(v);
-    return length > 0.0 && std::isfinite(length) ? core::vec3(v / length) : core::vec3(0.0f);
-  }
-
   void add_to_scene() {
-    mend_normals();
     if (mesh_.face_count() == 0) {
       job_.warn(0, fmt::format("no faces: {} points are not imported", mesh_.positions.size()));
     } else if (std::any_of(face_colours_.begin(), face_colours_.end(), [](auto c) { return c != kNoColour; })) {
@@ -651,7 +618,6 @@ class PlyBody {
   bool words_ = false;                  // some of its values are words
   bool lost_words_ = false;             // of what is not needed
   int failed_tries_ = 0;                // to read on in the next line
-  std::uint64_t bad_normals_ = 0;
   CountedWarnings habits_;
   std::vector<PackedColour> face_colours_;
   ColourSum vertex_colours_;

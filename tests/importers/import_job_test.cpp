@@ -295,8 +295,27 @@ TEST(PolygonMesh, DropsBadFacesAndUnusedVertices) {
   EXPECT_EQ(made.mesh.normals.size(), 3u);
   EXPECT_EQ(made.mesh.indices, (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_TRUE(centred({}).mesh.positions.empty());
-  mesh.normals[3].y = std::numeric_limits<float>::infinity();  // of a vertex that a face uses: no normals at all
-  EXPECT_TRUE(centred(mesh).mesh.normals.empty());
+  EXPECT_EQ(made.mended_normals, 0u);
+  mesh.normals[3] = {0, std::numeric_limits<float>::infinity(), 0};  // of a vertex that a face uses
+  mesh.normals[1] = {1, 0, 0};
+  const CentredMesh mended = centred(mesh);
+  EXPECT_EQ(mended.mended_normals, 1u);
+  EXPECT_EQ(mended.mesh.normals, (std::vector<core::vec3>{{1, 0, 0}, {0, 0, 1}, {0, 0, 1}}));
+}
+
+TEST(PolygonMesh, BoundsCountWhatIsDrawn) {
+  PolygonMesh mesh = square({0, 0, 0});
+  mesh.positions.insert(mesh.positions.end(), {{50, 0, 0}, {60, 0, 0}, {70, 0, 0}, {80, 0, 0}});
+  mesh.corners = {0, 1, 2, 3, 4, 5, 6, 7};
+  mesh.face_sizes = {4, 4};
+  mesh.normals.assign(8, {0, 0, 1});
+  const CentredMesh made = centred(mesh);
+  EXPECT_EQ(made.flat, 1u);
+  ASSERT_EQ(made.mesh.positions.size(), 4u);
+  EXPECT_EQ(made.mesh.normals.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT(glm::distance(dvec3(made.mesh.positions[i]) + made.centre, mesh.positions[i]), 1e-5);
+  EXPECT_EQ(made.mesh.indices.size(), 6u);
 }
 
 }  // namespace

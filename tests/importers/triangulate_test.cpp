@@ -134,6 +134,31 @@ TEST(Triangulate, ConcaveQuads) {
   }
 }
 
+TEST(Triangulate, HalvesThatCancelOut) {
+  for (unsigned seed = 0; seed < 1000; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const glm::dmat3 turn = random_turn(random);
+    std::vector<vec3> p;
+    for (const dvec3& corner : {dvec3(0, 0, 0), dvec3(4, 0, 0), dvec3(0, 3, 0), dvec3(4, 3, 0)})
+      p.emplace_back(turn * (corner + dvec3(seed % 7, 0, 0)));
+    std::rotate(p.begin(), p.begin() + seed % 4, p.end());
+    if (seed % 3 == 0) p.insert(p.begin() + 1, 0.5f * (p[0] + p[1]));  // five corners
+    std::vector<std::uint32_t> indices;
+    triangulate_polygon(p, std::vector<std::uint32_t>{std::uint32_t(p.size())}, 0, indices);
+    double area = 0.0;
+    for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
+      area += 0.5 * glm::length(newell_normal(std::vector<vec3>{p[indices[i]], p[indices[i + 1]], p[indices[i + 2]]}));
+    EXPECT_NEAR(area, 12.0, 1e-4);
+    // There and back, or a line: nothing is enclosed.
+    for (const std::vector<vec3>& nothing : {std::vector{p[0], p[1], p[2], p[1]}, {p[0], p[1], p[0], p[1]}}) {
+      indices.clear();
+      triangulate_polygon(nothing, std::vector<std::uint32_t>{4}, 0, indices);
+      EXPECT_TRUE(indices.empty());
+    }
+  }
+}
+
 TEST(Triangulate, DegenerateInputGivesValidIndices) {
   for (unsigned seed = 0; seed < 4000; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
