@@ -4,6 +4,20 @@
 // This header reads files of any format that the build knows. Readers never print, throw or exit. A failed or cancelled
 // import leaves the scene exactly as it was. The result of a successful one can be committed: items that are not
 // finite, or larger than any site, were dropped and listed.
+//
+// All readers of other programs' files keep this rule:
+// - What other programs habitually write is read, with a counted warning where it bends the specification. A strict
+//   import refuses only what would give a wrong model.
+// - What is secondary never costs geometry: a normal, texture coordinate, colour or material that cannot be read, or
+//   one bad polygon among others, loses itself alone.
+// - Nothing is left out or replaced in silence: a warning names the kind of thing, how often it came, and where first.
+//   A result with nothing to draw says so.
+// - A lenient import keeps all that lies outside the damage, and goes on at the next line, facet, element or chunk. It
+//   invents no geometry and moves no part.
+// - Names, attributes and messages are UTF-8: decoded from the encoding that the file states, from UTF-16 where it
+//   begins with a byte order mark, else from Windows-1252, with a warning. A scene cache gives names as written.
+// - Other files are looked for as they are named, with a backslash as '/', with percent codes decoded, and at last
+//   under a similar name in the model's folder, with a warning; never outside that folder.
 #pragma once
 
 #include <array>

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <numeric>
 #include <span>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "sightline/importers/internal/text_encoding.h"
 
 namespace sightline::importers {
 namespace {
@@ -42,8 +45,8 @@ ImportJob::ImportJob(std::string_view file, core::Scene& scene, core::NodeId par
                      const FileFrame& frame)
     : scene_(scene),
       options_(options),
-      file_(file),
-      file_node_(scene.add_node(parent, file, scene_from_file(frame))),
+      file_(utf8_by_guess(file)),
+      file_node_(scene.add_node(parent, file_, scene_from_file(frame))),
       sharing_(scene, options.copies) {
   report_.nodes.push_back(file_node_);
   report_.metres_per_unit = frame.metres_per_unit;
@@ -51,7 +54,7 @@ ImportJob::ImportJob(std::string_view file, core::Scene& scene, core::NodeId par
 
 void ImportJob::warn(std::uint64_t offset, std::string message) {
   if (report_.warnings.size() < kMaxWarnings)
-    report_.warnings.push_back({file_, offset, std::move(message)});
+    report_.warnings.push_back({file_, offset, utf8_by_guess(message)});
   else
     ++unlisted_;
 }
@@ -148,9 +151,17 @@ void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
   }
 }
 
+void ImportJob::say_if_nothing_is_drawn() {
+  const std::uint64_t found = std::accumulate(report_.items.begin(), report_.items.end(), std::uint64_t{0});
+  if (found > report_.degenerate || report_.attributed > 0) return;
+  warn(0, found == 0 ? "nothing to draw: the file has no items"
+                     : fmt::format("nothing to draw: none of the {} items has a volume or an area", found));
+}
+
 core::Expected<void> ImportJob::finish(core::ItemId first) {
   if (!refused_) return refused_;
   drop_what_cannot_be_committed(first);
+  say_if_nothing_is_drawn();
   if (unlisted_ > 0)
     report_.warnings.push_back({file_, report_.bytes, fmt::format("{} further warnings are not listed", unlisted_)});
   return {};
@@ -180,6 +191,7 @@ core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scen
     error.message = fmt::format("{}: {}", file, thrown.what());
   }
   scene.take_back(mark, job.report_.nodes);
+  error.message = utf8_by_guess(error.message);
   return tl::unexpected(std::move(error));
 }
 

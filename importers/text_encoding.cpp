@@ -95,6 +95,14 @@ std::optional<std::string> utf8_from_utf16(std::span<const std::byte> file) {
   return text;
 }
 
+std::span<const std::byte> without_utf16(ImportJob& job, std::span<const std::byte> file, std::string& decoded) {
+  auto text = utf8_from_utf16(file);
+  if (!text) return file;
+  job.warn(0, "the file is UTF-16");
+  decoded = std::move(*text);
+  return std::as_bytes(std::span(decoded));
+}
+
 std::string excerpt(std::string_view text) {
   constexpr std::size_t kMost = 40;
   std::string shown = utf8_by_guess(text);

@@ -11,6 +11,7 @@
 
 #include "sightline/importers/gltf/internal/gltf_compression.h"
 #include "sightline/importers/internal/side_files.h"
+#include "sightline/importers/internal/text_encoding.h"
 
 namespace sightline::importers {
 namespace {
@@ -226,7 +227,14 @@ core::Expected<void> GltfDocument::open(Bytes bytes) {
   std::string_view text = as_text(bytes);
   if (text.starts_with("glTF"))
     if (auto done = open_binary(bytes, text); !done) return done;
+  std::string decoded;
+  if (text.data() == as_text(bytes).data()) text = as_text(without_utf16(job_, bytes, decoded));
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (!is_utf8(text)) {
+    job_.warn(0, "the JSON is not UTF-8: taken for Windows-1252");
+    decoded = utf8_from_windows_1252(text);
+    text = decoded;
+  }
   auto parsed = parse_json(text, job_.file(), kMaxGltfDepth);
   if (!parsed) return tl::unexpected(std::move(parsed.error()));
   root_ = std::move(*parsed);

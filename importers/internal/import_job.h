@@ -61,6 +61,7 @@ class ImportJob {
             const FileFrame& frame);
   core::Expected<MeshSharing::Use> use_of(core::Mesh mesh);
   void drop_what_cannot_be_committed(core::ItemId first);
+  void say_if_nothing_is_drawn();
   core::Expected<void> finish(core::ItemId first);
 
   core::Scene& scene_;

@@ -25,6 +25,9 @@ std::string utf8_by_guess(std::string_view text);
 /// U+FFFD.
 std::optional<std::string> utf8_from_utf16(std::span<const std::byte> file);
 
+/// A file as its reader expects it: text in UTF-16 as UTF-8, which `decoded` then holds, with a warning.
+std::span<const std::byte> without_utf16(ImportJob& job, std::span<const std::byte> file, std::string& decoded);
+
 /// The begin of a file's text for a message: on one line, decoded, in quotes.
 std::string excerpt(std::string_view text);
 

@@ -270,7 +270,6 @@ class ObjParser {
     points_left_out_.warn(job_, "statements of points (p) left out");
     forms_left_out_.warn(job_, "free-form curves and surfaces or calls left out");
     unknown_.warn(job_, "lines left out that begin with no word of the format");
-    if (model_.parts.empty()) job_.warn(0, "no faces: the model is empty");
   }
 
   ImportJob& job_;
@@ -297,10 +296,9 @@ core::Expected<ImportReport> read_obj(std::span<const std::byte> bytes, const st
                                       core::Scene& scene, core::NodeId parent, const ImportOptions& options) {
   return run_import(path.filename().string(), scene, parent, options, frame_of(options), [&](ImportJob& job) {
     job.report().bytes = bytes.size();
-    const auto wide = utf8_from_utf16(bytes);
-    if (wide) job.warn(0, "the file is UTF-16");
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    return obj::ObjParser(job, wide ? *wide : text, path).run();
+    std::string decoded;
+    const auto file = without_utf16(job, bytes, decoded);
+    return obj::ObjParser(job, {reinterpret_cast<const char*>(file.data()), file.size()}, path).run();
   });
 }
 

@@ -12,6 +12,7 @@
 #include "sightline/importers/internal/counted_warnings.h"
 #include "sightline/importers/internal/face_colours.h"
 #include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/text_encoding.h"
 #include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/ply/internal/ply_header.h"
 
@@ -635,16 +636,18 @@ core::Expected<ImportReport> read_ply(std::span<const std::byte> bytes, const st
   return run_import(path.filename().string(), scene, parent, options, frame_of(options),
                     [&](ImportJob& job) -> core::Expected<void> {
                       job.report().bytes = bytes.size();
-                      const auto header = ply::parse_header(bytes);
+                      std::string decoded;
+                      const auto file = without_utf16(job, bytes, decoded);
+                      const auto header = ply::parse_header(file);
                       if (!header) return core::fail(fmt::format("{}: {}", job.file(), header.error().message));
                       for (const std::string& warning : header->warnings) job.warn(0, warning);
                       switch (header->encoding) {
                         case ply::Encoding::kAscii:
-                          return read_body<TextSource>(job, bytes, *header);
+                          return read_body<TextSource>(job, file, *header);
                         case ply::Encoding::kLittleEndian:
-                          return read_body<BinarySource<std::endian::little>>(job, bytes, *header);
+                          return read_body<BinarySource<std::endian::little>>(job, file, *header);
                         case ply::Encoding::kBigEndian:
-                          return read_body<BinarySource<std::endian::big>>(job, bytes, *header);
+                          return read_body<BinarySource<std::endian::big>>(job, file, *header);
                       }
                       return {};
                     });

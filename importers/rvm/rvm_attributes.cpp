@@ -212,10 +212,15 @@ core::Expected<ImportReport> read_rvm_attributes(std::span<const std::byte> byte
   const std::string file = path.filename().string();
   auto report = run_import(file, scene, parent, options, {}, [&](ImportJob& job) -> core::Expected<void> {
     job.report().bytes = bytes.size();
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    const std::string decoded = is_utf8(text) ? std::string() : utf8_from_windows_1252(text);
-    if (!decoded.empty()) job.warn(0, "the text is not UTF-8: taken for Windows-1252");
-    const auto elements = AttributeText(decoded.empty() ? text : decoded, job).parse();
+    std::string decoded;
+    const auto utf8 = without_utf16(job, bytes, decoded);
+    std::string_view text(reinterpret_cast<const char*>(utf8.data()), utf8.size());
+    if (!is_utf8(text)) {
+      job.warn(0, "the text is not UTF-8: taken for Windows-1252");
+      decoded = utf8_from_windows_1252(text);
+      text = decoded;
+    }
+    const auto elements = AttributeText(text, job).parse();
     if (!elements) return tl::unexpected(elements.error());
     GroupIndex groups(scene, files_for(scene, parent, job.file_node(), path.stem().string()));
     const std::vector<core::NodeId> group_of = match(*elements, groups);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/importers/internal/text_encoding.h"
 #include "sightline/importers/rvm/internal/rvm_chunks.h"
 #include "sightline/importers/rvm/internal/rvm_scene_builder.h"
 #include "sightline/importers/rvm/internal/rvm_text.h"
@@ -228,8 +229,10 @@ core::Expected<ImportReport> read_rvm(std::span<const std::byte> bytes, std::str
   if (bytes.empty()) return core::fail(fmt::format("{}: the file is empty", file_name));
   // The file's matrices map to metres with z up already; its unit is that of the parameters.
   return run_import(file_name, scene, parent, options, {1.0, UpAxis::kZ}, [&](ImportJob& job) -> core::Expected<void> {
-    if (!is_rvm_text(bytes)) return RvmWalk(bytes, job).run();
-    const auto image = image_of_rvm_text(job, bytes);
+    std::string decoded;
+    const auto text = without_utf16(job, bytes, decoded);
+    if (!is_rvm_text(text)) return RvmWalk(bytes, job).run();
+    const auto image = image_of_rvm_text(job, text);
     if (!image) return tl::unexpected(image.error());
     auto done = RvmWalk(image->bytes, job, image->places).run();
     job.report().bytes = bytes.size();

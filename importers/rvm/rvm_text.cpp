@@ -28,10 +28,13 @@ std::string_view text_of(std::span<const std::byte> bytes) {
   return text;
 }
 
-/// The lines of a text, one after the other.
+/// The lines of a text, one after the other. They end with a line feed, or with a return alone where there is none.
 class Lines {
  public:
-  Lines(std::string_view text, std::uint64_t skipped) : text_(text), skipped_(skipped) { find_end(); }
+  Lines(std::string_view text, std::uint64_t skipped)
+      : text_(text), skipped_(skipped), end_of_line_(text.find('\n') == text.npos ? '\r' : '\n') {
+    find_end();
+  }
   bool at_end() const { return begin_ >= text_.size(); }
   std::string_view line() const { return text_.substr(begin_, end_ - begin_); }
   std::uint64_t number() const { return number_; }
@@ -43,9 +46,10 @@ class Lines {
   }
 
  private:
-  void find_end() { end_ = std::min(text_.find('\n', begin_), text_.size()); }
+  void find_end() { end_ = std::min(text_.find(end_of_line_, begin_), text_.size()); }
   std::string_view text_;
   std::uint64_t skipped_;
+  char end_of_line_;
   std::size_t begin_ = 0, end_ = 0;
   std::uint64_t number_ = 1;
 };

@@ -14,6 +14,7 @@
 #include "sightline/importers/internal/byte_order.h"
 #include "sightline/importers/internal/face_colours.h"
 #include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/text_encoding.h"
 #include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/internal/vertex_welder.h"
 #include "sightline/importers/stl/internal/stl_text.h"
@@ -76,12 +77,11 @@ bool is_text(std::span<const std::byte> bytes) {
   return has_line(bytes, {"facet"}) && has_line(bytes, {"vertex"});
 }
 
-/// Text in two bytes a letter: no form of STL, but not a binary file either.
+/// Text in two bytes a letter without a byte order mark: no form of STL, but not a binary file either.
 bool is_wide_text(std::span<const std::byte> bytes) {
   using namespace std::string_view_literals;
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") || text.starts_with("s\0o\0l\0"sv) ||
-         text.starts_with("\0s\0o\0l"sv);
+  return text.starts_with("s\0o\0l\0"sv) || text.starts_with("\0s\0o\0l"sv);
 }
 
 // --- binary
@@ -249,7 +249,11 @@ core::Expected<void> read_binary(ImportJob& job, std::span<const std::byte> byte
 core::Expected<void> read_either_form(ImportJob& job, std::span<const std::byte> bytes) {
   const bool exact =
       bytes.size() >= kHeaderBytes && bytes.size() - kHeaderBytes == kFacetBytes * std::size_t{claimed_facets(bytes)};
-  if (!exact && is_text(bytes)) return stl::read_text(job, bytes);
+  if (!exact) {
+    std::string decoded;
+    const auto text = without_utf16(job, bytes, decoded);
+    if (is_text(text)) return stl::read_text(job, text);
+  }
   const bool other_text = !exact && (is_printable(bytes) || is_wide_text(bytes));
   if (!other_text && bytes.size() >= kHeaderBytes) return read_binary(job, bytes);
   return core::fail(fmt::format("{}: not an STL file: expected text with 'solid' or {} bytes of header, found {}",

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sightline/importers/internal/counted_warnings.h"
+#include "sightline/importers/internal/text_encoding.h"
 #include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/internal/vertex_welder.h"
 
@@ -70,7 +71,7 @@ Word meaning(std::string_view word) {
 /// Line ends mean nothing but to names, comments, ends of two words and lines that are not understood.
 class TextReader {
  public:
-  TextReader(ImportJob& job, std::span<const std::byte> bytes) : job_(job), scanner_(bytes) {
+  TextReader(ImportJob& job, std::span<const std::byte> bytes) : job_(job), scanner_(bytes), decoder_(job) {
     if (!begins_with_mark(bytes)) return;
     note("a byte order mark is skipped");
     scanner_.pass(kByteOrderMark.size());
@@ -131,7 +132,7 @@ class TextReader {
       note("an endsolid is missing before the next solid");
       end_solid();
     }
-    name_ = scanner_.rest_of_line();
+    name_ = decoder_.decode(scanner_.rest_of_line(), scanner_.offset(), scanner_.line());
     in_solid_ = true;
     lost_ = false;
   }
@@ -384,7 +385,8 @@ class TextReader {
   std::string_view put_back_;
   bool in_solid_ = false;
   bool lost_ = false;  // after damage, until something begins
-  std::string_view name_;
+  NameDecoder decoder_;
+  std::string name_;
   std::uint64_t facets_ = 0, solids_ = 0, skipped_lines_ = 0;  // of the file
   std::size_t faces_ = 0;                                      // of the solid
   std::vector<dvec3> pending_;                                 // corners of whole facets

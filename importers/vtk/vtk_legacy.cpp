@@ -85,7 +85,7 @@ class LegacyParser {
   // --- words --------------------------------------------------------------------------------------------------------
   std::string_view word() { return next_word(text_, at_); }
   std::string_view rest_of_line() {
-    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    const std::size_t end = std::min(text_.find(end_of_line_, at_), text_.size());
     const std::string_view line = text_.substr(at_, end - at_);
     at_ = std::min(end + 1, text_.size());
     return !line.empty() && line.back() == '\r' ? line.substr(0, line.size() - 1) : line;
@@ -181,7 +181,10 @@ class LegacyParser {
 
   // --- structure ----------------------------------------------------------------------------------------------------
   Done header() {
-    constexpr std::string_view kBegin = "# vtk DataFile Version ";
+    constexpr std::string_view kBegin = "# vtk DataFile Version ", kMark = "\xef\xbb\xbf";
+    if (text_.starts_with(kMark)) at_ = kMark.size();
+    const std::size_t end = text_.find_first_of("\r\n", at_);
+    if (end != text_.npos && text_[end] == '\r' && text_.substr(end, 2) != "\r\n") end_of_line_ = '\r';
     const std::string_view first = rest_of_line();
     if (first.substr(0, kBegin.size()) != kBegin)
       return file_.fail(0, fmt::format("not a VTK file: expected '{}N.N' in its first line", kBegin));
@@ -466,6 +469,7 @@ class LegacyParser {
   VtkFile& file_;
   const std::string_view text_;
   std::size_t at_ = 0;
+  char end_of_line_ = '\n';
   bool binary_ = false, known_ = false, grid_ = false;
   int version_ = 0;
 

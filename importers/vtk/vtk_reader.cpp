@@ -12,6 +12,7 @@
 #include "sightline/importers/internal/file_bytes.h"
 #include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/side_files.h"
+#include "sightline/importers/internal/text_encoding.h"
 #include "sightline/importers/vtk/internal/vtk_file.h"
 #include "sightline/importers/vtk/internal/vtk_legacy.h"
 #include "sightline/importers/vtk/internal/vtk_quiet.h"
@@ -35,6 +36,7 @@ class Reading {
   Reading(ImportJob& job, const fs::path& model) : job_(job), builder_(job), model_(model) {}
 
   Done run(std::span<const std::byte> bytes) {
+    builder_.names().state(xml_encoding(bytes));
     if (!is_index(model_)) return read_data(job_.file_node(), bytes, model_, "", Share{job_});
     std::error_code ignored;
     indices_.push_back({fs::weakly_canonical(model_, ignored), kNoIndex});
@@ -139,7 +141,8 @@ class Reading {
       if (++blocks_ > kMaxVtkBlocks)
         return core::fail(fmt::format("{}: expected at most {} blocks", job_.file(), kMaxVtkBlocks));
       const core::NodeId made =
-          pieces ? parent : job_.scene().add_node(parent, xml_unescaped(element.attribute("name")));
+          pieces ? parent
+                 : job_.scene().add_node(parent, builder_.names().decode(xml_unescaped(element.attribute("name")), 0));
       if (data) found.push_back({made, name, index});
       open.push_back({element.first_child, made});
     }
@@ -163,7 +166,8 @@ core::Expected<ImportReport> read_vtk(std::span<const std::byte> bytes, const fs
   return run_import(path.filename().string(), scene, parent, options, frame_of(options), [&](ImportJob& job) {
     job.report().bytes = bytes.size();
     const VtkQuiet quiet;
-    return Reading(job, path).run(bytes);
+    std::string decoded;
+    return Reading(job, path).run(without_utf16(job, bytes, decoded));
   });
 }
 

@@ -117,17 +117,22 @@ PackedColour mean_of_points(vtkPolyData& from) {
 
 }  // namespace
 
+std::string VtkSceneBuilder::text_of(const char* text) {
+  return text ? names_.decode(text, 0) : std::string();
+}
+
 void VtkSceneBuilder::set_attributes(core::NodeId node, vtkFieldData* fields) {
   if (!fields) return;
   for (int a = 0; a < fields->GetNumberOfArrays(); ++a) {
     auto* strings = vtkStringArray::SafeDownCast(fields->GetAbstractArray(a));
     if (!strings) continue;
-    const std::string name = strings->GetName() ? strings->GetName() : "";
+    const std::string name = text_of(strings->GetName());
     for (vtkIdType i = 0; i < strings->GetNumberOfValues(); ++i) {
       if (attributes_++ == kMaxVtkAttributes) job_.warn(0, "attributes beyond the first thousand left out");
       if (attributes_ > kMaxVtkAttributes) return;
       const bool single = strings->GetNumberOfValues() == 1;
-      job_.scene().set_attribute(node, single ? name : fmt::format("{}[{}]", name, i), strings->GetValue(i));
+      job_.scene().set_attribute(node, single ? name : fmt::format("{}[{}]", name, i),
+                                 text_of(strings->GetValue(i).c_str()));
     }
   }
 }
@@ -202,7 +207,7 @@ void VtkSceneBuilder::expand(const Pending& composite, std::vector<Pending>& pen
   const bool pieces = vtkPartitionedDataSet::SafeDownCast(composite.data) != nullptr;
   for (it->InitTraversal(); !it->IsDoneWithTraversal(); it->GoToNextItem()) {
     const char* name = it->HasCurrentMetaData() ? it->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME()) : nullptr;
-    const core::NodeId node = pieces ? composite.node : job_.scene().add_node(composite.node, name ? name : "");
+    const core::NodeId node = pieces ? composite.node : job_.scene().add_node(composite.node, text_of(name));
     pending.push_back({node, it->GetCurrentDataObject(), composite.depth + 1});
   }
   std::reverse(pending.begin() + std::ptrdiff_t(first), pending.end());  // taken from the back

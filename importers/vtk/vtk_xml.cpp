@@ -570,6 +570,18 @@ core::Expected<XmlTree> parse_xml(const VtkFile& file) {
   return XmlParser(file).run();
 }
 
+std::string_view xml_encoding(std::span<const std::byte> file) {
+  std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  if (!text.starts_with("<?xml")) return {};
+  text = text.substr(0, text.find("?>"));
+  constexpr std::string_view kKey = "encoding=";
+  const std::size_t key = text.find(kKey);
+  if (key == text.npos || key + kKey.size() >= text.size()) return {};
+  const char quote = text[key + kKey.size()];
+  text.remove_prefix(key + kKey.size() + 1);
+  return text.substr(0, text.find(quote));
+}
+
 std::string xml_unescaped(std::string_view text) {
   constexpr std::pair<std::string_view, char> kEntities[] = {
       {"&quot;", '"'}, {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&apos;", '\''}};

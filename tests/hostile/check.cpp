@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "sightline/core/snapshot.h"
+#include "sightline/importers/internal/text_encoding.h"
 
 namespace sightline::hostile {
 
@@ -26,9 +27,28 @@ std::string after_failure(const core::Scene& scene, const Sizes& before, const C
   return sizes_of(scene) == before ? "" : "a failed import changed the scene";
 }
 
-std::string after_success(core::Scene& scene, const Case& made, const importers::ImportReport& report) {
+/// A text of the scene or the report that is not UTF-8, or empty.
+std::string text_that_is_not_utf8(const core::Scene& scene, const importers::ImportReport& report) {
+  std::string found;
+  const auto look_at = [&](std::string_view text) {
+    if (!importers::is_utf8(text)) found = text;
+  };
+  scene.for_each_node(scene.root(), [&](core::NodeId node, const core::Affine&, bool, std::uint32_t, core::MaterialId) {
+    look_at(scene.name(node));
+    for (const auto& [key, value] : scene.attributes(node)) look_at(key), look_at(value);
+  });
+  for (const importers::ImportWarning& warning : report.warnings) look_at(warning.file), look_at(warning.message);
+  return found;
+}
+
+std::string after_success(core::Scene& scene, const Case& made, bool keeps_bytes,
+                          const importers::ImportReport& report) {
   if (report.warnings.size() > importers::kMaxWarnings + 1) return "more warnings than the most";
   if (made.warns && report.warnings.empty()) return "no warning";
+  if (!keeps_bytes)
+    if (const std::string text = text_that_is_not_utf8(scene, report); !text.empty()) return "not UTF-8: " + text;
+  const bool empty = !report.nodes.empty() && scene.item_count() == 0;
+  if (empty && report.attributed == 0 && report.warnings.empty()) return "nothing to draw, and no warning";
   if (scene.item_count() < made.least_items) return "items are missing";
   const auto committed = scene.commit();
   if (!committed) return "the scene cannot be committed: " + committed.error().message;
@@ -50,8 +70,8 @@ Finding check(const Target& target, const Case& made, bool lenient, const Import
     found.message = report.error().message;
   else if (!report->warnings.empty())
     found.message = report->warnings[0].message;
-  found.broken =
-      report ? after_success(scene, made, *report) : after_failure(scene, before, made, report.error().message);
+  found.broken = report ? after_success(scene, made, target.format == "slc", *report)
+                        : after_failure(scene, before, made, report.error().message);
   const Expect wanted = lenient ? made.lenient : made.strict;
   if (found.broken.empty() && wanted == Expect::kSuccess && !report) found.broken = "refused: " + found.message;
   if (found.broken.empty() && wanted == Expect::kFailure && report) found.broken = "not refused";

@@ -280,7 +280,7 @@ TEST_F(ObjReader, WhatIsNotReadIsCounted) {
   const char* messages[] = {"line 5: 2 statements of lines (l) left out", "line 7: 1 statements of points (p) left out",
                             "line 8: 1 free-form curves and surfaces or calls left out, the first 'surf'",
                             "line 9: 2 lines left out that begin with no word of the format, the first 'what'",
-                            "no faces: the model is empty"};
+                            "nothing to draw: the file has no items"};
   ASSERT_EQ(report->warnings.size(), std::size(messages));
   for (std::size_t i = 0; i < std::size(messages); ++i) EXPECT_EQ(report->warnings[i].message, messages[i]);
 }

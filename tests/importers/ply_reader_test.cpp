@@ -349,7 +349,9 @@ TEST_F(PlyReader, PointsGiveNoItem) {
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 "
       "3\n");
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->warnings.size(), 1u);
+  ASSERT_EQ(report->warnings.size(), 2u);
+  EXPECT_EQ(report->warnings[0].message, "no faces: 1 points are not imported");
+  EXPECT_EQ(report->warnings[1].message, "nothing to draw: the file has no items");
   EXPECT_EQ(scene_.item_count(), 0u);
   EXPECT_EQ(scene_.node_count(), 2u);
 }
@@ -500,7 +502,8 @@ TEST_F(PlyReader, NotFiniteIsDroppedAndListed) {
     text.replace(text.find("1 1 0"), 1, bad);
     const auto report = read(text);
     ASSERT_TRUE(report) << report.error().message;
-    EXPECT_EQ(report->warnings.size(), 1u);
+    ASSERT_EQ(report->warnings.size(), 2u);
+    EXPECT_EQ(report->warnings[1].message, "nothing to draw: none of the 1 items has a volume or an area");
     EXPECT_TRUE(mesh().indices.empty());
     EXPECT_TRUE(scene_.commit());
   }

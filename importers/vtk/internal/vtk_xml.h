@@ -32,6 +32,8 @@ core::Expected<XmlTree> parse_xml(const VtkFile& file);
 
 /// "&amp;" to "&".
 std::string xml_unescaped(std::string_view text);
+/// The encoding that a file's XML declaration names, or empty.
+std::string_view xml_encoding(std::span<const std::byte> file);
 
 /// Parses a .vtp or .vtu file (by its root's type) with point normals, colours and strings of field data. Several
 /// pieces become a vtkMultiPieceDataSet. LZMA is refused, since its streams determine how much memory they need.
