@@ -1,8 +1,12 @@
 #include "sightline/importers/internal/face_colours.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 #include <fmt/format.h>
+
+#include "sightline/core/internal/srgb.h"
 
 namespace sightline::importers {
 namespace {
@@ -95,6 +99,30 @@ class Splitter {
 
 }  // namespace
 
+namespace {
+
+PackedColour linear_mean(std::span<const std::uint32_t> corners, const std::vector<PackedColour>& of_vertices) {
+  PackedColour first = kNoColour;
+  bool same = true;
+  double sums[4] = {}, count = 0.0;
+  for (const std::uint32_t corner : corners) {
+    const PackedColour colour = of_vertices[corner];
+    if (colour == kNoColour) continue;
+    if (first == kNoColour) first = colour;
+    same = same && colour == first;
+    for (int i = 0; i < 3; ++i) sums[i] += core::linear_from_srgb(channel(colour, i) / 255.0);
+    sums[3] += channel(colour, 3);
+    ++count;
+  }
+  if (same) return first;
+  std::uint32_t bytes[4];
+  for (int i = 0; i < 3; ++i) bytes[i] = std::uint32_t(std::lround(255.0 * core::srgb_from_linear(sums[i] / count)));
+  bytes[3] = std::uint32_t(std::lround(sums[3] / count));
+  return pack_colour(bytes[0], bytes[1], bytes[2], bytes[3]);
+}
+
+}  // namespace
+
 void ColourSum::add(PackedColour colour) {
   for (int i = 0; i < 4; ++i) channels[i] += channel(colour, i);
   ++count;
@@ -143,6 +171,19 @@ void for_each_colour(ImportJob& job, const PolygonMesh& polygons, const std::vec
   }
   Splitter splitter(polygons, colours, table);
   for (std::size_t i = 0; i < splitter.parts(); ++i) visit(splitter.part(i), shown(table.distinct[i]));
+}
+
+std::vector<PackedColour> colours_from_vertices(const PolygonMesh& polygons,
+                                                const std::vector<PackedColour>& of_vertices) {
+  std::vector<PackedColour> colours;
+  colours.reserve(polygons.face_count());
+  std::size_t first = 0;
+  for (std::size_t face = 0; face < polygons.face_count(); ++face) {
+    const std::size_t size = polygons.face_sizes.empty() ? 3 : polygons.face_sizes[face];
+    colours.push_back(linear_mean(std::span(polygons.corners).subspan(first, size), of_vertices));
+    first += size;
+  }
+  return colours;
 }
 
 void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& polygons,

@@ -192,6 +192,7 @@ core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scen
   }
   scene.take_back(mark, job.report_.nodes);
   error.message = utf8_by_guess(error.message);
+  if (error.message.starts_with(job.file_)) error.message.replace(0, job.file_.size(), file);  // as the caller has it
   return tl::unexpected(std::move(error));
 }
 

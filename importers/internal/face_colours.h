@@ -44,6 +44,11 @@ inline constexpr std::size_t kMostFaceColours = 256;
 void for_each_colour(ImportJob& job, const PolygonMesh& polygons, const std::vector<PackedColour>& colours,
                      const std::function<void(const PolygonMesh&, PackedColour)>& visit);
 
+/// A colour for each face: the mean of its corners' in linear light; of corners without a colour, kNoColour.
+/// `of_vertices`: one per position.
+std::vector<PackedColour> colours_from_vertices(const PolygonMesh& polygons,
+                                                const std::vector<PackedColour>& of_vertices);
+
 /// Adds one item for each call of for_each_colour().
 void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& polygons,
                          const std::vector<PackedColour>& colours, std::string_view name);

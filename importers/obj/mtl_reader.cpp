@@ -90,18 +90,26 @@ struct MaterialLibraries::Reading {
   void statement(std::string_view line) {
     TextScanner words(std::as_bytes(std::span(line)));
     const std::string key = lower_case(words.word());
-    if (key.empty() || key[0] == '#') return;
+    if (key.empty()) return;
+    if (key[0] == '#') return comment(line);
     const std::string_view rest = words.rest_of_line(), numbers = rest.substr(0, rest.find('#'));
     if (key == "newmtl")
       begin_material(rest);
     else if (key == "kd")
-      take(material.diffuse, colour_of(numbers), line);
+      take_diffuse(numbers, line);
     else if (key == "d")
       take(material.dissolve, number_of(numbers), line);
     else if (key == "tr")
       take(material.transparency, number_of(numbers), line);
     else if (key == "map_kd")
       material.texture = name_without_comment(rest);
+  }
+
+  /// These programs write opacity as Tr, and name themselves at the begin.
+  void comment(std::string_view line) {
+    const std::string lower = lower_case(line);
+    for (const std::string_view writer : {"meshlab", "visualization toolkit"})
+      tr_is_opacity = tr_is_opacity || lower.find(writer) != lower.npos;
   }
 
   void begin_material(std::string_view name) {
@@ -112,8 +120,16 @@ struct MaterialLibraries::Reading {
   }
 
   void end_material() {
+    if (tr_is_opacity && material.transparency) material.transparency = 1.0 - *material.transparency;
     if (named) libraries.keep(material);
     material = {};
+  }
+
+  void take_diffuse(std::string_view numbers, std::string_view line) {
+    take(material.diffuse, colour_of(numbers), line);
+    TextScanner words(std::as_bytes(std::span(numbers)));
+    for (int i = 0; i < 3; ++i) words.word();
+    if (!words.word().empty()) fourth.add(lines, trimmed(line));
   }
 
   /// A value that cannot be read loses itself alone.
@@ -128,8 +144,8 @@ struct MaterialLibraries::Reading {
   MaterialLibraries& libraries;
   StatementLines lines;
   LibraryMaterial material;
-  bool named = false;
-  Noticed unreadable, guessed;
+  bool named = false, tr_is_opacity = false;
+  Noticed unreadable, guessed, fourth;
 };
 
 void MaterialLibraries::open(std::string_view arguments, const StatementLines& at) {
@@ -184,6 +200,7 @@ void MaterialLibraries::read(const fs::path& path, const StatementLines& at) {
                                          noticed.line, noticed.count, what, noticed.first));
   };
   tell(reading.unreadable, "values that are no numbers left out");
+  tell(reading.fourth, "colours with more than three numbers, of which three count");
   tell(reading.guessed, "names that are not UTF-8, taken for Windows-1252");
 }
 

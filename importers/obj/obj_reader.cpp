@@ -106,7 +106,7 @@ class ObjParser {
 
   void other_statement(std::string_view keyword, std::string_view rest) {
     if (keyword == "o")
-      begin_place({.object = number_of(name_without_comment(rest), number_of_name_), .material = place_.material});
+      begin_object(name_without_comment(rest));
     else if (keyword == "g")
       begin_place({place_.object, number_of(name_without_comment(rest), number_of_name_), place_.material});
     else if (keyword == "usemtl")
@@ -231,11 +231,32 @@ class ObjParser {
   }
 
   Part& current_part() {
+    if (object_begins_) settle_object();
     if (part_ != core::kNone) return model_.parts[part_];
     const auto [at, added] = number_of_part_.try_emplace(place_, std::uint32_t(model_.parts.size()));
     if (added) model_.parts.push_back({place_, lines_.offset(), lines_.number(), {}, {}});
     part_ = at->second;
     return model_.parts[part_];
+  }
+
+  void begin_object(std::string_view name) {
+    if (place_.object != core::kNone) vertices_of_object_[place_.object] = model_.positions.size();
+    begin_place({.object = number_of(name, number_of_name_), .material = place_.material});
+    object_begins_ = place_.object != core::kNone;
+    object_name_ = name;
+  }
+
+  /// An object of a name that was there counts as another one if it brings vertices, and goes on with the former
+  /// otherwise.
+  void settle_object() {
+    object_begins_ = false;
+    const auto former = vertices_of_object_.find(place_.object);
+    if (former == vertices_of_object_.end() || former->second == model_.positions.size()) return;
+    const auto another = std::uint32_t(model_.names.size());
+    model_.names.push_back({model_.names[place_.object].text, lines_.offset(), lines_.number()});
+    number_of_name_[object_name_] = another;
+    if (place_.group == place_.object) place_.group = another;
+    place_.object = another;
   }
 
   void begin_place(const Place& place) {
@@ -281,7 +302,10 @@ class ObjParser {
   std::uint32_t part_ = core::kNone;  // of the present place; kNone after a change of it
   std::map<Place, std::uint32_t> number_of_part_;
   Numbers number_of_name_, number_of_material_;
-  std::vector<Corner> corners_;  // of one face
+  std::map<std::uint32_t, std::size_t> vertices_of_object_;  // how many there were when the next object began
+  std::string object_name_;                                  // as written
+  bool object_begins_ = false;                               // no face since its statement
+  std::vector<Corner> corners_;                              // of one face
   core::Expected<void> refused_;
   Noticed bad_vertices_, unusable_faces_, small_faces_, bad_normals_, missing_normals_, bad_colours_, ignored_;
   Noticed lines_left_out_, points_left_out_, forms_left_out_, unknown_;

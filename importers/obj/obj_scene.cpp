@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -126,6 +127,11 @@ class VertexColours {
         least[i] = std::min(least[i], channels[i]), most[i] = std::max(most[i], channels[i]);
       sum.add(pack_colour(channels[0], channels[1], channels[2]));
     }
+    // Writers of the colours of some objects give others black, and a material beside.
+    if (sum.count > 0 && most == std::array<std::uint32_t, 3>{} && part.place.material != core::kNone) {
+      black_.add(part.offset, part.line);
+      return kNoColour;
+    }
     const bool differ = sum.count > 0 && (most[0] > least[0] + 1 || most[1] > least[1] + 1 || most[2] > least[2] + 1);
     if (differ) averaged_.add(part.offset, part.line);
     return sum.average();
@@ -134,6 +140,7 @@ class VertexColours {
   void tell(ImportJob& job) const {
     if (!are_colours_) job.warn(0, "numbers behind the vertices are no colours, some are below 0: left out");
     averaged_.warn(job, "items whose vertices differ in colour show the mean");
+    black_.warn(job, "items with a material whose vertices are all black: the material alone is shown");
   }
 
  private:
@@ -147,7 +154,7 @@ class VertexColours {
   const Model& model_;
   bool are_colours_ = true;
   float scale_ = 1.0f;
-  Noticed averaged_;
+  Noticed averaged_, black_;
 };
 
 /// The file's name at the end of what map_Kd says, behind its options.
@@ -190,6 +197,8 @@ class SceneMaterials {
   }
 
   void tell() const {
+    unknown_.warn(job_, "materials are in no library");
+    invisible_.warn(job_, "materials are transparent throughout (d 0 or Tr 1); shown opaque");
     unread_.warn(job_, "textures that could not be read count as none");
     black_.warn(job_, "materials are black (Kd 0 0 0) below a texture, which is shown alone");
   }
@@ -198,8 +207,7 @@ class SceneMaterials {
   const LibraryMaterial* library_material(std::uint32_t number) {
     const Name& name = model_.names[number];
     const LibraryMaterial* const found = libraries_.find(name.text);
-    if (!found && unknown_.emplace(number, true).second)
-      job_.warn(name.offset, fmt::format("line {}: unknown material '{}'", name.line, name.text));
+    if (!found && looked_for_.insert(number).second) unknown_.add(name.offset, name.line, name.text);
     return found;
   }
 
@@ -211,8 +219,7 @@ class SceneMaterials {
     if (opacity > 0.0)
       material.alpha = float(std::min(opacity, 1.0));
     else  // writers differ on which of 0 and 1 is opaque, and nobody writes faces to hide them
-      job_.warn(used_->offset,
-                fmt::format("material '{}': transparent throughout (d 0 or Tr 1); shown opaque", source.name));
+      invisible_.add(used_->offset, used_->line, source.name);
     if (tint != kNoColour && tint != pack_colour(255, 255, 255)) {
       for (int i = 0; i < 3; ++i) material.colour[i] *= float(tint >> (24 - 8 * i) & 255) / 255.0f;
       material.name += ' ' + colour_name(tint);
@@ -279,11 +286,11 @@ class SceneMaterials {
   const Model& model_;
   MaterialLibraries& libraries_;
   std::map<std::pair<std::uint32_t, PackedColour>, core::MaterialId> made_;
-  std::map<std::uint32_t, bool> unknown_;
+  std::set<std::uint32_t> looked_for_;                       // names of no library
   std::map<std::string, std::optional<core::dvec3>> means_;  // by arguments of map_Kd
   std::map<fs::path, core::Expected<core::dvec3>> images_;
   const Name* used_ = nullptr;  // where the latest material is first named
-  Noticed unread_, black_;
+  Noticed unread_, black_, unknown_, invisible_;
 };
 
 /// Nodes of objects, and below them those of their groups.

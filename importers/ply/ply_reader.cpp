@@ -404,7 +404,7 @@ class PlyBody {
     return for_each_record(element, layout, [&](const Record& record) {
       mesh_.positions.push_back(record.vector(kX));
       if (normals) mesh_.normals.emplace_back(record.vector(kNormalX));
-      if (colours && !record.lost_colour) vertex_colours_.add(record.colour(layout));
+      if (colours) vertex_colours_.push_back(record.lost_colour ? kNoColour : record.colour(layout));
     });
   }
 
@@ -602,8 +602,8 @@ class PlyBody {
     } else if (std::any_of(face_colours_.begin(), face_colours_.end(), [](auto c) { return c != kNoColour; })) {
       add_coloured_meshes(job_, job_.file_node(), mesh_, face_colours_, job_.file());
     } else {
-      job_.add_mesh(job_.file_node(), mesh_, job_.file(), {},
-                    add_colour_material(job_.scene(), vertex_colours_.average()));
+      if (!vertex_colours_.empty()) face_colours_ = colours_from_vertices(mesh_, vertex_colours_);
+      add_coloured_meshes(job_, job_.file_node(), mesh_, face_colours_, job_.file());
     }
   }
 
@@ -621,7 +621,7 @@ class PlyBody {
   int failed_tries_ = 0;                // to read on in the next line
   CountedWarnings habits_;
   std::vector<PackedColour> face_colours_;
-  ColourSum vertex_colours_;
+  std::vector<PackedColour> vertex_colours_;
 };
 
 template <class Source>

@@ -87,16 +87,21 @@ bool is_wide_text(std::span<const std::byte> bytes) {
 // --- binary
 // ------------------------------------------------------------------------------------------------------------
 
-/// What attribute bytes mean in this file.
+/// What attribute bytes mean in this file: colours of five bits a channel, in one of three ways.
 class AttributeColours {
  public:
-  explicit AttributeColours(std::span<const std::byte> header) {
+  /// `any`: whether any facet has other attributes than 0.
+  AttributeColours(std::span<const std::byte> header, bool any) {
     const std::string_view text(reinterpret_cast<const char*>(header.data()), kHeaderBytes - 4);
     const std::size_t key = text.find("COLOR=");
     if (key == std::string_view::npos || key + 10 > text.size()) return;
     const auto byte = [&](std::size_t i) { return std::uint32_t(std::uint8_t(text[key + 6 + i])); };
-    magics_ = true;
-    default_ = pack_colour(byte(0), byte(1), byte(2), byte(3));
+    if (text.substr(key + 9).starts_with(" MATERIAL=")) {
+      way_ = Way::kMeshLab;
+    } else {
+      way_ = any ? Way::kMagics : Way::kDefault;
+      default_ = pack_colour(byte(0), byte(1), byte(2), byte(3));
+    }
   }
   PackedColour operator()(std::uint16_t attribute) const {
     const auto channel = [&](int shift) {
@@ -104,14 +109,36 @@ class AttributeColours {
       return five << 3 | five >> 2;
     };
     const bool bit_15 = (attribute & 0x8000u) != 0;
-    if (magics_) return bit_15 ? default_ : pack_colour(channel(0), channel(5), channel(10));
-    return bit_15 ? pack_colour(channel(10), channel(5), channel(0)) : kNoColour;
+    const PackedColour red_low = pack_colour(channel(0), channel(5), channel(10));
+    switch (way_) {
+      case Way::kVisCam:
+        return bit_15 ? pack_colour(channel(10), channel(5), channel(0)) : kNoColour;
+      case Way::kMagics:
+        return bit_15 ? default_ : red_low;
+      case Way::kMeshLab:
+        return bit_15 ? red_low : kNoColour;
+      case Way::kDefault:
+        return default_;
+    }
+    return kNoColour;
   }
 
  private:
-  bool magics_ = false;
+  enum class Way : std::uint8_t {
+    kVisCam,   ///< no colour in the header; bit 15 says that a facet has one, red in the high bits
+    kMagics,   ///< COLOR=rgba in the header is that of facets with bit 15; others have their own, red in the low bits
+    kMeshLab,  ///< COLOR=rgb MATERIAL=…, but bit 15 says that a facet has a colour, red in the low bits
+    kDefault,  ///< as kMagics, but no facet has a colour of its own
+  };
+  Way way_ = Way::kVisCam;
   PackedColour default_ = kNoColour;
 };
+
+bool has_attributes(std::span<const std::byte> bytes, std::size_t facets) {
+  for (std::size_t i = 0; i < facets; ++i)
+    if (little<std::uint16_t>(bytes.data() + kHeaderBytes + i * kFacetBytes + 48) != 0) return true;
+  return false;
+}
 
 dvec3 vector_at(const std::byte* from) {
   return {little<float>(from), little<float>(from + 4), little<float>(from + 8)};
@@ -210,7 +237,7 @@ core::Expected<void> read_binary(ImportJob& job, std::span<const std::byte> byte
   if (3 * facets >= core::kNone)
     return core::fail(fmt::format("{}: expected fewer than {} facets, found {}", job.file(), core::kNone / 3, facets));
 
-  const AttributeColours colour_of(bytes);
+  const AttributeColours colour_of(bytes, has_attributes(bytes, facets));
   VertexWelder welder(facets / 2);  // closed surfaces have half as many vertices as facets
   PolygonMesh mesh;
   mesh.corners.reserve(3 * facets);

@@ -10,8 +10,8 @@
 //   are flattened. Blocks that hold the same object share its mesh.
 // - Points are read in double and re-centred before they become float. Point normals are kept.
 // - Colours are unsigned chars, RGB or RGBA: the active scalars, else an array named Colors, RGB or RGBA in any case.
-//   Cell colours split the data set into a mesh per colour, up to 256. With more colours, and with point colours, the
-//   mean colours the whole. Other scalars need a lookup table, which is no part of the data: they give no colour.
+//   Cell colours split the data set into a mesh per colour, up to 256; with more colours the mean colours the whole.
+//   Without them a cell has the mean of its points' colours. Other scalars need a lookup table, which is no part of the data: they give no colour.
 // - Strings in field data become attributes of the node, "name" or "name[i]", up to kMaxVtkAttributes of them.
 //
 // Left out with damage (an error when strict): polygons and cells that refer to missing points, have another number of

@@ -108,11 +108,14 @@ void copy_points(vtkPolyData& from, PolygonMesh& to) {
   }
 }
 
-PackedColour mean_of_points(vtkPolyData& from) {
-  ColourSum sum;
-  if (auto* colours = colours_of(*from.GetPointData()))
-    for (vtkIdType i = 0; i < colours->GetNumberOfTuples(); ++i) sum.add(colour_at(*colours, i));
-  return sum.average();
+/// One for each point, or none.
+std::vector<PackedColour> colours_of_points(vtkPolyData& from) {
+  std::vector<PackedColour> all;
+  auto* colours = colours_of(*from.GetPointData());
+  if (!colours || colours->GetNumberOfTuples() < from.GetNumberOfPoints()) return all;
+  all.reserve(std::size_t(from.GetNumberOfPoints()));
+  for (vtkIdType i = 0; i < from.GetNumberOfPoints(); ++i) all.push_back(colour_at(*colours, i));
+  return all;
 }
 
 }  // namespace
@@ -158,10 +161,10 @@ core::Expected<void> VtkSceneBuilder::add_faces(core::NodeId node, vtkPolyData& 
   Faces& faces = collector.faces;
   copy_points(surface, faces.mesh);
   if (faces.mesh.face_count() == 0) return {};
-  if (!faces.colours.empty())
-    add_coloured_meshes(job_, node, faces.mesh, faces.colours, name);
-  else
-    job_.add_mesh(node, faces.mesh, name, {}, add_colour_material(job_.scene(), mean_of_points(surface)));
+  if (faces.colours.empty())
+    if (const auto of_points = colours_of_points(surface); !of_points.empty())
+      faces.colours = colours_from_vertices(faces.mesh, of_points);
+  add_coloured_meshes(job_, node, faces.mesh, faces.colours, name);
   return {};
 }
 

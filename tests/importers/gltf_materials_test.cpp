@@ -57,6 +57,11 @@ TEST_F(GltfReaderMaterials, OfTheOlderModelTheDiffuseColourIsRead) {
   older["diffuseFactor"] = {1.0, 1.0, 1.0, 1.0};
   ASSERT_TRUE(read(g));
   EXPECT_NEAR(scene_.material(scene_.item_material(0)).colour.x, 0.735357, 1e-4) << "mean of the texture";
+  // Assimp states how much shows through in the newer model alone.
+  g.json["materials"][0]["alphaMode"] = "BLEND";
+  g.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.25;
+  ASSERT_TRUE(read(g));
+  EXPECT_NEAR(scene_.material(scene_.item_material(0)).alpha, 0.125, 0.01) << "half of the texture is";
 }
 
 TEST_F(GltfReaderMaterials, WhatIsLeftOutIsSaidOnce) {

@@ -83,12 +83,55 @@ TEST_F(ObjReader, MaterialsThatWouldHideTheirFacesAreOpaque) {
     EXPECT_EQ(material.name, std::string(1, char('a' + item)));
     EXPECT_EQ(material.alpha, alphas[item]) << material.name;
   }
-  ASSERT_EQ(report->warnings.size(), 5u);
+  ASSERT_EQ(report->warnings.size(), 2u);
   EXPECT_EQ(report->warnings[0].message,
             "paint.mtl: line 22: 1 values that are no numbers left out, the first 'd nan'");
-  for (std::size_t i = 0; i < 4; ++i)
-    EXPECT_EQ(report->warnings[1 + i].message,
-              std::string("material '") + "abcd"[i] + "': transparent throughout (d 0 or Tr 1); shown opaque");
+  EXPECT_EQ(report->warnings[1].message,
+            "line 5: 4 materials are transparent throughout (d 0 or Tr 1); shown opaque, the first 'a'");
+}
+
+TEST_F(ObjReader, ProgramsThatWriteOpacityAsTr) {
+  for (const std::string writer :
+       {"# Converted by Meshlab Group\n", "# wavefront obj file written by the visualization toolkit\n"}) {
+    write("paint.mtl", writer + "newmtl glass\nKd 1 1 1\nTr 0.25\nnewmtl wall\nKd 1 1 1\nTr 1\n");
+    const auto report =
+        read("mtllib paint.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glass\nf 1 2 3\nusemtl wall\nf 1 2 3\n");
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->warnings.empty());
+    EXPECT_EQ(scene_.material(scene_.item_material(0)).alpha, 0.25f);
+    EXPECT_EQ(scene_.material(scene_.item_material(1)).alpha, 1.0f);
+  }
+}
+
+TEST_F(ObjReader, ColoursOfFourNumbersAndVerticesFilledUpWithBlack) {
+  write("paint.mtl", "newmtl red\nKd 1 0 0 0.5\n");
+  const auto report =
+      read("mtllib paint.mtl\nv 0 0 0 0 0 0\nv 1 0 0 0 0 0\nv 0 1 0 0 0 0\nf 1 2 3\nusemtl red\nf 1 2 3\n");
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->warnings.size(), 2u);
+  EXPECT_EQ(
+      report->warnings[0].message,
+      "paint.mtl: line 2: 1 colours with more than three numbers, of which three count, the first 'Kd 1 0 0 0.5'");
+  EXPECT_EQ(report->warnings[1].message,
+            "line 7: 1 items with a material whose vertices are all black: the material alone is shown");
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, core::vec3(0.0f)) << "without a material they are black";
+  EXPECT_EQ(scene_.material(scene_.item_material(1)).colour, core::vec3(1, 0, 0));
+}
+
+TEST_F(ObjReader, ObjectsOfOneNameWithVerticesOfTheirOwn) {
+  const std::string valve = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n";
+  const auto items = [&](const std::string& text) {
+    EXPECT_TRUE(read(text));
+    return scene_.item_count();
+  };
+  EXPECT_EQ(items("o Ventil\n" + valve + "o Ventil\n" + valve + "o Ventil\n" + valve), 3u);
+  EXPECT_EQ(scene_.node_count(), 5u);
+  for (core::ItemId i = 0; i < 3; ++i) EXPECT_EQ(scene_.path(scene_.node_of(i)), "model.obj/Ventil");
+  EXPECT_EQ(items("o a\ng body\n" + valve + "o a\ng body\n" + valve + "o b\ng body\n" + valve), 3u);
+  EXPECT_EQ(scene_.node_count(), 8u);
+  EXPECT_EQ(items("o Ger\xe4t\n" + valve + "o Ger\xe4t\n" + valve), 2u);
+  // Vertices stand before all objects: what is named again goes on.
+  EXPECT_EQ(items(valve + "o a\nf 1 2 3\no b\nf 1 2 3\no a\nf 1 3 2\n"), 3u);
 }
 
 TEST_F(ObjReader, FarCoordinatesKeepTheirDigits) {
@@ -181,7 +224,7 @@ TEST_F(ObjReader, MaterialsOfSeveralFiles) {
   ASSERT_EQ(report->warnings.size(), 2u);
   EXPECT_EQ(report->warnings[0].message,
             "b.mtl: line 2: 1 values that are no numbers left out, the first 'Kd 0 1 1e999'");
-  EXPECT_EQ(report->warnings[1].message, "line 11: unknown material 'none'");
+  EXPECT_EQ(report->warnings[1].message, "line 11: 1 materials are in no library, the first 'none'");
 }
 
 constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";

@@ -73,6 +73,17 @@ TEST_F(StlReader, HeadersThatSaySolidOrColour) {
   EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#010203");
   ASSERT_TRUE(read(binary(kSquare, default_colour, std::string(71, ' ') + "COLOR=\x01\x02\x03")));
   EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#000000");  // cut off, it says nothing
+  // A colour for all, of writers that give facets none.
+  ASSERT_TRUE(read(binary(kSquare, {}, std::string(70, ' ') + "COLOR=\x01\x02\x03\xff")));
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#010203");
+  // MeshLab's header begins like Magics', and its facets say that they have colours.
+  const std::string meshlab = "VCG COLOR=\x7f\x7f\x7f MATERIAL=\x7f\x7f\x7f ";
+  ASSERT_TRUE(read(binary(kSquare, {}, meshlab)));
+  EXPECT_FALSE(scene_.item_material(0).valid());
+  ASSERT_TRUE(read(binary(kSquare, {0x801f, 0xfc00}, meshlab)));
+  ASSERT_EQ(scene_.item_count(), 2u);
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#ff0000");
+  EXPECT_EQ(scene_.material(scene_.item_material(1)).name, "#0000ff");
   // Facets without a colour behind one with.
   ASSERT_TRUE(read(binary(kSquare, {0x801f, 0})));
   ASSERT_EQ(scene_.item_count(), 2u);

@@ -1,17 +1,19 @@
 // Reader of Wavefront OBJ with MTL.
 //
 // A node named after the file holds one node per object (`o`), and each of these one per group (`g`) in it: groups of
-// one name in two objects are two nodes. A new object ends the group. A group name is the rest of its line, spaces
-// included. Each node holds one mesh item per material. Positions are read in double and kept relative to the centre of
-// their mesh, which becomes the item's placement. Faces become triangles (any polygon, see triangulate.h). Where a mesh
-// has normals, corners without one get that of their face. Coordinates are in ImportOptions::metres_per_unit, metres
-// unless set.
+// one name in two objects are two nodes. An object of a name that was there is another one where it brings vertices. A
+// new object ends the group. A group name is the rest of its line, spaces included. Each node holds one mesh item per
+// material. Positions are read in double and kept relative to the centre of their mesh, which becomes the item's
+// placement. Faces become triangles (any polygon, see triangulate.h). Where a mesh has normals, corners without one get
+// that of their face. Coordinates are in ImportOptions::metres_per_unit, metres unless set.
 //
-// Materials keep Kd and d (or 1 - Tr). Kd is multiplied by the mean of the texture (map_Kd, PNG or JPEG) and by the
-// mean of the colours that the item's vertices have (v x y z r g b, up to 1 or up to 255). A material without Kd is 0.8
-// grey, or the texture's mean; one with a texture below a black Kd shows the texture alone, with a warning. A material
-// that would hide its faces (d 0 or Tr 1, which many writers mean as opaque) is opaque, with a warning. usemtl may come
-// before the mtllib that it needs. Smoothing and what concerns display is ignored.
+// Materials keep Kd and d (or 1 - Tr; Tr itself in libraries of MeshLab and VTK, which write opacity there). Kd is
+// multiplied by the mean of the texture (map_Kd, PNG or JPEG) and by the mean of the colours that the item's vertices
+// have (v x y z r g b, up to 1 or up to 255; not where all are black beside a material, which some writers fill up
+// with). A material without Kd is 0.8 grey, or the texture's mean; one with a texture below a black Kd shows the
+// texture alone, with a warning. A material that would hide its faces (d 0 or Tr 1, which many writers mean as opaque)
+// is opaque, with a warning. usemtl may come before the mtllib that it needs. Smoothing and what concerns display is
+// ignored.
 //
 // Lines end with LF, CR or CR LF, and a backslash continues them. '#' begins a comment; in names only where it stands
 // by itself. The file may be in UTF-8 (with or without byte order mark) or UTF-16; names that are not UTF-8 are taken

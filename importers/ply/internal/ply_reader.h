@@ -4,7 +4,7 @@
 // kept in double relative to the mesh's centre; nx, ny, nz. Its faces are the elements "face" (vertex_indices or
 // vertex_index, any list types) and "tristrips" (-1 ends a strip). Colours (red, green, blue, alpha; whole numbers up
 // to 255, 65535 for 16 bits, floats up to 1) become materials. Face colours give one item per colour; beyond
-// kMostFaceColours colours their average counts. Where faces have no colours, the average of all vertex colours counts.
+// kMostFaceColours colours their average counts. Where faces have no colours, each has the mean of its vertices'.
 // An alpha of 0 throughout is ignored: writers leave it so. Other properties are skipped, other elements, too, with a
 // warning. A file without faces (a scan's points) gives a node without items and a warning.
 //
