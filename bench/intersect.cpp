@@ -1,5 +1,5 @@
-// sightline-bench intersect: CPU cost of a ray against one analytic primitive, for each kind, in double, float and
-// (cylinders) vectors. sightline-stability measures accuracy.
+// sightline-bench intersect: CPU cost of a ray against one analytic primitive, for each kind, and of many
+// rays against a cylinder in vectors. sightline-stability measures accuracy.
 #include <algorithm>
 #include <limits>
 #include <random>
@@ -77,11 +77,10 @@ void measure(benchmark::State& state, std::size_t rays, const Shoot& shoot) {
   state.counters["hit"] = double(hit) / double(rays);
 }
 
-template <class Real>
 void measure_single(benchmark::State& state, const core::Primitive& primitive, const std::vector<Ray>& rays) {
   measure(state, rays.size(), [&] {
     std::size_t hit = 0;
-    for (const Ray& ray : rays) hit += gpuprims::intersect<Real>(primitive, ray).count > 0;
+    for (const Ray& ray : rays) hit += gpuprims::intersect(primitive, ray).count > 0;
     return hit;
   });
 }
@@ -119,8 +118,7 @@ core::Expected<int> run(const Options& options) {
   for (const Case& c : kCases) {
     const std::vector<Ray> rays = generic_rays(options.rays, c.half);
     const std::string name = c.name;
-    add(name + "/double", [=, &c](benchmark::State& s) { measure_single<double>(s, c.primitive, rays); });
-    add(name + "/float", [=, &c](benchmark::State& s) { measure_single<float>(s, c.primitive, rays); });
+    add(name + "/double", [=, &c](benchmark::State& s) { measure_single(s, c.primitive, rays); });
     const auto* cylinder = std::get_if<core::Cylinder>(&c.primitive);
     if (cylinder == nullptr) continue;
     for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {

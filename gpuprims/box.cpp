@@ -5,32 +5,29 @@
 
 namespace sightline::gpuprims {
 
-template <class Real>
 Hits intersect(const core::Box& box, const Ray& ray, Caps /*caps*/) {
   Hits hits;
   const dvec3 half = 0.5 * glm::abs(dvec3(box.size_x, box.size_y, box.size_z));
   const double size = std::max(half.x, std::max(half.y, half.z));
   const int flat = (half.x == 0.0) + (half.y == 0.0) + (half.z == 0.0);
   if (flat > 1 || !std::isfinite(half.x + half.y + half.z)) return hits;
-  const auto local = closest_approach<Real>(ray, weights(half), size);
+  const auto local = closest_approach(ray, weights(half), size);
   if (!local.valid) return hits;
 
-  Span<Real> span;
+  Span span;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto reach = Real(half[axis] * inverse_power_of_two(size));
+    const double reach = half[axis] * inverse_power_of_two(size);
     const int low = axis < 2 ? kMinX + 2 * axis : kBottom;
     span.clip_slab(local.origin[axis], local.direction[axis], reach, low, low + 1);
   }
-  add_hits(hits, local, span, 0u, [](int face, const Vec3<Real>& /*p*/) {
+  add_hits(hits, local, span, 0u, [](int face, const dvec3& /*p*/) {
     const bool side = face >= kMinX;
-    Vec3<Real> normal(0);
-    normal[side ? (face - kMinX) / 2 : 2] = Real(2 * (side ? (face - kMinX) % 2 : face - kBottom) - 1);
+    dvec3 normal(0);
+    normal[side ? (face - kMinX) / 2 : 2] = 2 * (side ? (face - kMinX) % 2 : face - kBottom) - 1;
     return normal;
   });
   return hits;
 }
-template Hits intersect<double>(const core::Box&, const Ray&, Caps);
-template Hits intersect<float>(const core::Box&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::Box& box, const Tessellation& /*config*/, Caps /*caps*/) {
   const float sizes[] = {box.size_x, box.size_y, box.size_z};

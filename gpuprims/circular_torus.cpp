@@ -17,19 +17,18 @@ constexpr double kPi = std::numbers::pi;
 
 /// The whole torus and a ray o + s u, in the units of the local ray. o is the point closest to the centre (o.u = 0, |u|
 /// = 1).
-template <class Real>
 struct Tube {
-  Vec3<Real> o, u;
-  Real major, tube_radius;
-  Real inner, outer;  // major - tube_radius and their sum
+  dvec3 o, u;
+  double major, tube_radius;
+  double inner, outer;  // major - tube_radius and their sum
 
   /// g is G of the header; slope is its derivative along the ray times rho, which saves a division.
   struct Value {
-    Real g, slope, rho;
+    double g, slope, rho;
   };
-  Value distance(Real s) const {
-    const Real x = o.x + s * u.x, y = o.y + s * u.y, z = o.z + s * u.z;
-    const Real rho = std::sqrt(x * x + y * y), off = rho - major;
+  Value distance(double s) const {
+    const double x = o.x + s * u.x, y = o.y + s * u.y, z = o.z + s * u.z;
+    const double rho = std::sqrt(x * x + y * y), off = rho - major;
     return {(rho - outer) * (rho - inner) + z * z, 2 * (rho * z * u.z + off * (x * u.x + y * u.y)), rho};
   }
 };
@@ -47,29 +46,27 @@ inline double cube_root(double x) {
 }
 
 /// Newton step on t^3 + p t + q.
-template <class Real>
-Real polish_cubic(Real t, Real p, Real q) {
-  const Real derivative = 3 * t * t + p;
+double polish_cubic(double t, double p, double q) {
+  const double derivative = 3 * t * t + p;
   return derivative != 0 ? t - ((t * t + p) * t + q) / derivative : t;
 }
 
 /// Finds the real roots of t^3 + p t + q in rising order; returns their number, 1 or 3. Press et al., "Numerical
 /// Recipes", section 5.6. cos(acos(x) / 3) for 0 <= x <= 1 is the root c of 4 c^3 - 3 c = x. Newton finds it from a
 /// parabola within 4e-4 of it. The other two roots follow from the largest.
-template <class Real>
-int depressed_cubic(Real p, Real q, Real roots[3]) {
-  const Real third = -p / 3, discriminant = q * q / 4 - third * third * third;
+int depressed_cubic(double p, double q, double roots[3]) {
+  const double third = -p / 3, discriminant = q * q / 4 - third * third * third;
   if (discriminant > 0 || !(p < 0)) {
-    const Real a = -std::copysign(Real(cube_root(std::fabs(q) / 2 + std::sqrt(std::max(Real(0), discriminant)))), q);
-    roots[0] = polish_cubic(a != 0 ? a + third / a : Real(0), p, q);
+    const double a = -std::copysign(cube_root(std::fabs(q) / 2 + std::sqrt(std::max(0.0, discriminant))), q);
+    roots[0] = polish_cubic(a != 0 ? a + third / a : 0.0, p, q);
     return 1;
   }
-  const Real half = std::sqrt(third), x = std::min(Real(1), std::fabs(q) / (2 * third * half));
-  Real c = Real(0.8664) + x * (Real(0.1598) - Real(0.0265) * x);
+  const double half = std::sqrt(third), x = std::min(1.0, std::fabs(q) / (2 * third * half));
+  double c = 0.8664 + x * (0.1598 - 0.0265 * x);
   for (int i = 0; i < 2; ++i) c -= ((4 * c * c - 3) * c - x) / (12 * c * c - 3);
-  const Real largest = -std::copysign(2 * half * c, q),
-             apart = half * std::sqrt(std::max(Real(0), 3 * (1 - c) * (1 + c)));
-  const Real low = -largest / 2 - apart, high = -largest / 2 + apart;
+  const double largest = -std::copysign(2 * half * c, q),
+               apart = half * std::sqrt(std::max(0.0, 3 * (1 - c) * (1 + c)));
+  const double low = -largest / 2 - apart, high = -largest / 2 + apart;
   roots[0] = std::signbit(q) ? low : largest;
   roots[1] = std::signbit(q) ? high : low;
   roots[2] = std::signbit(q) ? largest : high;
@@ -78,33 +75,31 @@ int depressed_cubic(Real p, Real q, Real roots[3]) {
 
 /// Estimates where F crosses 0 between its extreme at e, where it is `depth` < 0, and `bound`. Newton on F's expansion
 /// about e, depth + 2 (3 e^2 + p) h^2 + 4 e h^3 + h^4, in which nothing cancels. Close, not exact.
-template <class Real>
-Real guess_root(Real depth, Real e, Real p, Real bound) {
-  const Real curvature = 2 * (3 * e * e + p), reach = bound - e;
-  Real h = std::copysign(std::min(std::sqrt(-depth / curvature), std::fabs(reach)), reach);
+double guess_root(double depth, double e, double p, double bound) {
+  const double curvature = 2 * (3 * e * e + p), reach = bound - e;
+  double h = std::copysign(std::min(std::sqrt(-depth / curvature), std::fabs(reach)), reach);
   for (int i = 0; i < 4; ++i) {
-    const Real value = depth + h * h * (curvature + h * (4 * e + h));
-    const Real step = value / (h * (2 * curvature + h * (12 * e + 4 * h)));
+    const double value = depth + h * h * (curvature + h * (4 * e + h));
+    const double step = value / (h * (2 * curvature + h * (12 * e + 4 * h)));
     h -= step;
-    if (!(std::fabs(step) > Real(1e-4) * std::fabs(h))) break;
+    if (!(std::fabs(step) > 1e-4 * std::fabs(h))) break;
   }
   return e + h;
 }
 
 /// Finds the crossing between `low` and `high`, where G has different signs, by safeguarded Newton from a guess.
-template <class Real>
-Real bracketed_root(const Tube<Real>& tube, Real low, Real high, bool outside_at_low, Real guess) {
+double bracketed_root(const Tube& tube, double low, double high, bool outside_at_low, double guess) {
   // Newton squares the error, relative to the chord, or to the distance from the axis where that is less, since the
   // axis bends G. Once the square of a step is this small, another step changes nothing.
-  const Real least = std::numeric_limits<Real>::epsilon(), chord = high - low, near = least * Real(0.01) * chord;
-  Real s = guess > low && guess < high ? guess : (low + high) / 2;
+  const double least = std::numeric_limits<double>::epsilon(), chord = high - low, near = least * 0.01 * chord;
+  double s = guess > low && guess < high ? guess : (low + high) / 2;
   for (int i = 0; i < 100; ++i) {
     const auto value = tube.distance(s);
     ((value.g > 0) == outside_at_low ? low : high) = s;
-    Real next = s - value.g * value.rho / value.slope;
+    double next = s - value.g * value.rho / value.slope;
     const bool newton = next >= low && next <= high;
     if (!newton) next = (low + high) / 2;
-    const Real step = std::fabs(next - s);
+    const double step = std::fabs(next - s);
     s = next;
     if (newton ? step * step <= near * std::min(chord, value.rho) : step <= least) break;
   }
@@ -112,20 +107,18 @@ Real bracketed_root(const Tube<Real>& tube, Real low, Real high, bool outside_at
 }
 
 /// The extremes of F, and the ends of the line in the bounding sphere on both sides: 3 to 5 values.
-template <class Real>
 struct Pieces {
-  Real breaks[5];
+  double breaks[5];
   int count = 0;
-  Real p;  ///< of F' = 4 (s^3 + p s + q)
+  double p;  ///< of F' = 4 (s^3 + p s + q)
 };
-template <class Real>
-Pieces<Real> monotone_pieces(const Tube<Real>& tube, Real end) {
-  const Real r2 = tube.major * tube.major,
-             k = glm::dot(tube.o, tube.o) + (tube.major - tube.tube_radius) * (tube.major + tube.tube_radius);
-  const Real across = tube.u.x * tube.u.x + tube.u.y * tube.u.y, along = tube.o.x * tube.u.x + tube.o.y * tube.u.y;
-  Pieces<Real> pieces;
+Pieces monotone_pieces(const Tube& tube, double end) {
+  const double r2 = tube.major * tube.major,
+               k = glm::dot(tube.o, tube.o) + (tube.major - tube.tube_radius) * (tube.major + tube.tube_radius);
+  const double across = tube.u.x * tube.u.x + tube.u.y * tube.u.y, along = tube.o.x * tube.u.x + tube.o.y * tube.u.y;
+  Pieces pieces;
   pieces.p = k - 2 * r2 * across;
-  Real extremes[3];
+  double extremes[3];
   const int extreme_count = depressed_cubic(pieces.p, -2 * r2 * along, extremes);
   pieces.breaks[pieces.count++] = -end;
   for (int i = 0; i < extreme_count; ++i)
@@ -135,24 +128,24 @@ Pieces<Real> monotone_pieces(const Tube<Real>& tube, Real end) {
 }
 
 /// Where the line enters and leaves the whole torus, in rising order: 0, 2 or 4 values.
-template <class Real>
-int tube_crossings(const Tube<Real>& tube, Real crossings[4]) {
-  const Real size = tube.major + tube.tube_radius, room = size * size - glm::dot(tube.o, tube.o);
-  if (!(room > -4 * std::numeric_limits<Real>::epsilon() * size * size)) return 0;
-  const Real end = std::sqrt(std::max(Real(0), room) + size * size / 1024);  // surely outside
-  const Pieces<Real> pieces = monotone_pieces(tube, end);
+int tube_crossings(const Tube& tube, double crossings[4]) {
+  const double size = tube.major + tube.tube_radius, room = size * size - glm::dot(tube.o, tube.o);
+  if (!(room > -4 * std::numeric_limits<double>::epsilon() * size * size)) return 0;
+  const double end = std::sqrt(std::max(0.0, room) + size * size / 1024);  // surely outside
+  const Pieces pieces = monotone_pieces(tube, end);
 
   int count = 0;
-  Real depth = 0;  // F at the last break
+  double depth = 0;  // F at the last break
   bool outside = true;
   for (int i = 1; i < pieces.count; ++i) {
-    const Real low = pieces.breaks[i - 1], high = pieces.breaks[i];
+    const double low = pieces.breaks[i - 1], high = pieces.breaks[i];
     const bool last = i + 1 == pieces.count;
-    const auto value = last ? typename Tube<Real>::Value{1, 0, 0} : tube.distance(high);
-    const Real next_depth = value.g * (value.g + 4 * tube.major * value.rho);
+    const auto value = last ? Tube::Value{1, 0, 0} : tube.distance(high);
+    const double next_depth = value.g * (value.g + 4 * tube.major * value.rho);
     const bool next_outside = value.g > 0;
     if (next_outside != outside) {
-      const Real guess = outside ? guess_root(next_depth, high, pieces.p, low) : guess_root(depth, low, pieces.p, high);
+      const double guess =
+          outside ? guess_root(next_depth, high, pieces.p, low) : guess_root(depth, low, pieces.p, high);
       crossings[count++] = bracketed_root(tube, low, high, outside, guess);
     }
     outside = next_outside;
@@ -188,41 +181,35 @@ std::vector<ProfilePoint> make_profile(const Tessellation& config, double major,
 
 }  // namespace
 
-template <class Real>
 Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   Hits hits;
   const double major = std::fabs(torus.major_radius), tube_radius = std::fabs(torus.tube_radius);
   const double angle = core::sweep_angle(torus.angle), size = major + tube_radius;
   if (!(tube_radius > 0.0 && std::isfinite(size) && std::isfinite(torus.angle))) return hits;
-  LocalRay<Real> local = closest_approach<Real>(ray, dvec3(1.0), size);
+  LocalRay local = closest_approach(ray, dvec3(1.0), size);
   if (!local.valid) return hits;
   recentre(local);
   const double per_unit = inverse_power_of_two(size);
-  const Tube<Real> tube{local.origin,
-                        local.direction,
-                        Real(major * per_unit),
-                        Real(tube_radius * per_unit),
-                        Real((major - tube_radius) * per_unit),
-                        Real(size * per_unit)};
+  const Tube tube{
+      local.origin,   local.direction, major * per_unit, tube_radius * per_unit, (major - tube_radius) * per_unit,
+      size * per_unit};
 
-  Real crossings[4];
+  double crossings[4];
   const int crossing_count = tube_crossings(tube, crossings);
   if (crossing_count == 0) return hits;
-  const Wedge<Real> wedge(angle);
-  const auto normal = [&](int face, const Vec3<Real>& p) {
+  const Wedge wedge(angle);
+  const auto normal = [&](int face, const dvec3& p) {
     if (face != kLateral) return wedge.normal(face);
-    const Real rho = std::sqrt(p.x * p.x + p.y * p.y), factor = rho > 0 ? (rho - tube.major) / rho : 0;
-    return Vec3<Real>(factor * p.x, factor * p.y, p.z);
+    const double rho = std::sqrt(p.x * p.x + p.y * p.y), factor = rho > 0 ? (rho - tube.major) / rho : 0;
+    return dvec3(factor * p.x, factor * p.y, p.z);
   };
   for (int i = 0; i < crossing_count; i += 2) {
-    Span<Real> pieces[2];
+    Span pieces[2];
     const int count = wedge.cut(tube.o, tube.u, {crossings[i], crossings[i + 1], kLateral, kLateral}, pieces);
     for (int j = 0; j < count; ++j) add_hits(hits, local, pieces[j], hidden_faces(caps), normal);
   }
   return hits;
 }
-template Hits intersect<double>(const core::CircularTorus&, const Ray&, Caps);
-template Hits intersect<float>(const core::CircularTorus&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& config, Caps caps) {
   const double major = std::fabs(torus.major_radius), tube_radius = std::fabs(torus.tube_radius);

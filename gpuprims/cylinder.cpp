@@ -8,24 +8,21 @@
 #include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
-template <class Real>
 Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps) {
   Hits hits;
   const double radius = std::fabs(cylinder.radius), half = 0.5 * std::fabs(cylinder.height);
   if (!(radius > 0.0 && std::isfinite(radius + half))) return hits;
-  const auto local = closest_approach<Real>(ray, {1.0, 1.0, weight(radius, half)}, radius);
+  const auto local = closest_approach(ray, {1.0, 1.0, weight(radius, half)}, radius);
   if (!local.valid) return hits;
   const double per_unit = inverse_power_of_two(radius);
-  auto span = cylinder_span(local.origin, local.direction, Real(radius * per_unit), kLateral);
-  span.clip_slab(local.origin.z, local.direction.z, Real(half * per_unit), kBottom, kTop);
-  add_hits(hits, local, span, hidden_faces(caps), [](int face, const Vec3<Real>& p) {
-    constexpr Real kAcross[] = {1, 0, 0}, kAlong[] = {0, -1, 1};  // indexed by face
-    return Vec3<Real>(kAcross[face] * p.x, kAcross[face] * p.y, kAlong[face]);
+  auto span = cylinder_span(local.origin, local.direction, radius * per_unit, kLateral);
+  span.clip_slab(local.origin.z, local.direction.z, half * per_unit, kBottom, kTop);
+  add_hits(hits, local, span, hidden_faces(caps), [](int face, const dvec3& p) {
+    constexpr double kAcross[] = {1, 0, 0}, kAlong[] = {0, -1, 1};  // indexed by face
+    return dvec3(kAcross[face] * p.x, kAcross[face] * p.y, kAlong[face]);
   });
   return hits;
 }
-template Hits intersect<double>(const core::Cylinder&, const Ray&, Caps);
-template Hits intersect<float>(const core::Cylinder&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::Cylinder& cylinder, const Tessellation& config, Caps caps) {
   const double radius = std::fabs(cylinder.radius), half = 0.5 * std::fabs(cylinder.height);

@@ -14,20 +14,17 @@
 
 namespace sightline::gpuprims {
 
-template <class Real>
 Hits intersect(const core::Primitive& primitive, const Ray& ray, Caps caps) {
   return std::visit(
       [&](const auto& p) -> Hits {
         if constexpr (std::is_same_v<std::decay_t<decltype(p)>, core::Line>) {
           return {};
         } else {
-          return intersect<Real>(p, ray, caps);
+          return intersect(p, ray, caps);
         }
       },
       primitive);
 }
-template Hits intersect<double>(const core::Primitive&, const Ray&, Caps);
-template Hits intersect<float>(const core::Primitive&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::Primitive& primitive, const Tessellation& config, Caps caps) {
   return std::visit(

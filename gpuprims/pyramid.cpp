@@ -9,43 +9,41 @@ namespace sightline::gpuprims {
 namespace {
 
 /// The same in x and y: |position - lean z| <= width + widening z.
-template <class Real>
 struct Frustum {
-  Vec2<Real> lean, width, widening;
-  Real half_height;
+  dvec2 lean, width, widening;
+  double half_height;
 
-  void clip_sides(const Vec3<Real>& o, const Vec3<Real>& u, Span<Real>& span) const {
+  void clip_sides(const dvec3& o, const dvec3& u, Span& span) const {
     for (int axis = 0; axis < 2; ++axis) {
-      const Real value = o[axis] - lean[axis] * o.z, slope = u[axis] - lean[axis] * u.z;
-      const Real reach = width[axis] + widening[axis] * o.z, growth = widening[axis] * u.z;
+      const double value = o[axis] - lean[axis] * o.z, slope = u[axis] - lean[axis] * u.z;
+      const double reach = width[axis] + widening[axis] * o.z, growth = widening[axis] * u.z;
       const bool flat = width[axis] == 0 && widening[axis] == 0;
-      if (flat && slope == 0) span = Span<Real>::nothing();  // edge on
+      if (flat && slope == 0) span = Span::nothing();  // edge on
       span.clip(reach + value, growth + slope, kMinX + 2 * axis);
       span.clip(reach - value, growth - slope, kMinX + 2 * axis + 1);
     }
   }
   /// Whether any point straight above or below p is in the frustum.
-  bool casts_shadow_on(const Vec3<Real>& p) const {
-    Span<Real> column{-half_height, half_height};
+  bool casts_shadow_on(const dvec3& p) const {
+    Span column{-half_height, half_height};
     clip_sides({p.x, p.y, 0}, {0, 0, 1}, column);
     return !column.empty();
   }
-  Vec3<Real> normal(int face) const {
+  dvec3 normal(int face) const {
     if (face < kMinX) return {0, 0, face == kTop ? 1 : -1};
     const int axis = (face - kMinX) / 2;
-    const Real side = (face - kMinX) % 2 == 0 ? Real(-1) : Real(1);
-    Vec3<Real> n(0, 0, -side * lean[axis] - widening[axis]);
+    const double side = (face - kMinX) % 2 == 0 ? -1.0 : 1.0;
+    dvec3 n(0, 0, -side * lean[axis] - widening[axis]);
     n[axis] = side;
     return n;
   }
 };
 
 /// The frustum as if it had that height, with lengths multiplied by `scale`.
-template <class Real>
-Frustum<Real> make_frustum(const core::Pyramid& p, double height, double scale) {
+Frustum make_frustum(const core::Pyramid& p, double height, double scale) {
   const dvec2 bottom = glm::abs(dvec2(p.bottom_x, p.bottom_y)), top = glm::abs(dvec2(p.top_x, p.top_y));
-  return {Vec2<Real>(dvec2(p.offset_x, p.offset_y) / height), Vec2<Real>(0.25 * scale * (bottom + top)),
-          Vec2<Real>(0.5 * (top - bottom) / height), Real(0.5 * scale * height)};
+  return {dvec2(p.offset_x, p.offset_y) / height, 0.25 * scale * (bottom + top), 0.5 * (top - bottom) / height,
+          0.5 * scale * height};
 }
 
 dvec3 half_extents(const core::Pyramid& p) {
@@ -56,30 +54,26 @@ dvec3 half_extents(const core::Pyramid& p) {
 
 }  // namespace
 
-template <class Real>
 Hits intersect(const core::Pyramid& pyramid, const Ray& ray, Caps caps) {
   Hits hits;
   const dvec3 half = half_extents(pyramid);
   const double size = std::max(half.x, std::max(half.y, half.z));
   if (!(size > 0.0 && std::isfinite(half.x + half.y + half.z))) return hits;
-  const auto local = closest_approach<Real>(ray, weights(half), size);
+  const auto local = closest_approach(ray, weights(half), size);
   if (!local.valid) return hits;
 
   const bool flat = half.z == 0.0;
-  const auto frustum = make_frustum<Real>(pyramid, flat ? size : 2.0 * half.z, inverse_power_of_two(size));
-  Span<Real> span;
+  const auto frustum = make_frustum(pyramid, flat ? size : 2.0 * half.z, inverse_power_of_two(size));
+  Span span;
   span.clip_slab(local.origin.z, local.direction.z, flat ? 0 : frustum.half_height, kBottom, kTop);
   if (!flat) {
     frustum.clip_sides(local.origin, local.direction, span);
   } else if (span.empty() || !frustum.casts_shadow_on(local.at(span.from))) {
     return hits;
   }
-  add_hits(hits, local, span, hidden_faces(caps),
-           [&](int face, const Vec3<Real>& /*p*/) { return frustum.normal(face); });
+  add_hits(hits, local, span, hidden_faces(caps), [&](int face, const dvec3& /*p*/) { return frustum.normal(face); });
   return hits;
 }
-template Hits intersect<double>(const core::Pyramid&, const Ray&, Caps);
-template Hits intersect<float>(const core::Pyramid&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::Pyramid& p, const Tessellation& /*config*/, Caps caps) {
   const float values[] = {p.bottom_x, p.bottom_y, p.top_x, p.top_y, p.offset_x, p.offset_y, p.height};

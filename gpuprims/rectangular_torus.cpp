@@ -8,29 +8,28 @@
 #include "sightline/gpuprims/internal/wedge.h"
 
 namespace sightline::gpuprims {
-template <class Real>
 Hits intersect(const core::RectangularTorus& torus, const Ray& ray, Caps caps) {
   Hits hits;
   const double radius_a = std::fabs(torus.inner_radius), radius_b = std::fabs(torus.outer_radius);
   const double inner = std::min(radius_a, radius_b), outer = std::max(radius_a, radius_b);
   const double half = 0.5 * std::fabs(torus.height), angle = core::sweep_angle(torus.angle);
   if (!(outer > 0.0 && std::isfinite(outer + half) && std::isfinite(torus.angle))) return hits;
-  const auto local = closest_approach<Real>(ray, {1.0, 1.0, weight(outer, half)}, outer);
+  const auto local = closest_approach(ray, {1.0, 1.0, weight(outer, half)}, outer);
   if (!local.valid) return hits;
 
-  const Vec3<Real>&o = local.origin, &u = local.direction;
+  const dvec3 &o = local.origin, &u = local.direction;
   const double scale = inverse_power_of_two(outer);
-  Span<Real> disc = cylinder_span(o, u, Real(scale * outer), kLateral);
-  disc.clip_slab(o.z, u.z, Real(scale * half), kBelow, kAbove);
+  Span disc = cylinder_span(o, u, scale * outer, kLateral);
+  disc.clip_slab(o.z, u.z, scale * half, kBelow, kAbove);
   if (disc.empty()) return hits;
-  const auto hole = inner > 0.0 ? cylinder_span(o, u, Real(scale * inner), kInner) : Span<Real>::nothing();
-  Span<Real> rings[2], pieces[2];
+  const auto hole = inner > 0.0 ? cylinder_span(o, u, scale * inner, kInner) : Span::nothing();
+  Span rings[2], pieces[2];
   const int ring_count = subtract(disc, hole, rings);
-  const Wedge<Real> wedge(angle);
-  const auto normal = [&](int face, const Vec3<Real>& p) -> Vec3<Real> {
+  const Wedge wedge(angle);
+  const auto normal = [&](int face, const dvec3& p) -> dvec3 {
     if (face == kBottom || face == kTop) return wedge.normal(face);
     if (face == kBelow || face == kAbove) return {0, 0, face == kAbove ? 1 : -1};
-    return face == kInner ? Vec3<Real>(-p.x, -p.y, 0) : Vec3<Real>(p.x, p.y, 0);
+    return face == kInner ? dvec3(-p.x, -p.y, 0) : dvec3(p.x, p.y, 0);
   };
   for (int i = 0; i < ring_count; ++i) {
     const int count = wedge.cut(o, u, rings[i], pieces);
@@ -38,8 +37,6 @@ Hits intersect(const core::RectangularTorus& torus, const Ray& ray, Caps caps) {
   }
   return hits;
 }
-template Hits intersect<double>(const core::RectangularTorus&, const Ray&, Caps);
-template Hits intersect<float>(const core::RectangularTorus&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::RectangularTorus& torus, const Tessellation& config, Caps caps) {
   const double radius_a = std::fabs(torus.inner_radius), radius_b = std::fabs(torus.outer_radius);

@@ -10,14 +10,11 @@
 
 namespace sightline::gpuprims {
 
-template <class Real>
 Hits intersect(const core::Sphere& sphere, const Ray& ray, Caps /*caps*/) {
   const double radius = 0.5 * std::fabs(sphere.diameter);
   if (!(radius > 0.0 && std::isfinite(radius))) return {};
-  return intersect_dome<Real>(ray, radius, radius, radius, true, {});
+  return intersect_dome(ray, radius, radius, radius, true, {});
 }
-template Hits intersect<double>(const core::Sphere&, const Ray&, Caps);
-template Hits intersect<float>(const core::Sphere&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::Sphere& sphere, const Tessellation& config, Caps /*caps*/) {
   const double radius = 0.5 * std::fabs(sphere.diameter);

@@ -10,16 +10,12 @@
 
 namespace sightline::gpuprims {
 
-template <class Real>
 Hits intersect(const core::SphericalDish& dish, const Ray& ray, Caps caps) {
   const double radius = std::fabs(dish.base_radius), height = std::fabs(dish.height);
   if (!std::isfinite(radius + height)) return {};
-  if (height <= kFlatDome * radius)
-    return intersect<Real>(core::Cylinder{dish.base_radius, 0.0f}, ray, {caps.bottom, true});
-  return intersect_dome<Real>(ray, radius, height, height, false, caps);
+  if (height <= kFlatDome * radius) return intersect(core::Cylinder{dish.base_radius, 0.0f}, ray, {caps.bottom, true});
+  return intersect_dome(ray, radius, height, height, false, caps);
 }
-template Hits intersect<double>(const core::SphericalDish&, const Ray&, Caps);
-template Hits intersect<float>(const core::SphericalDish&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::SphericalDish& dish, const Tessellation& config, Caps caps) {
   constexpr double kHalfTurn = std::numbers::pi;

@@ -110,7 +110,7 @@ template <class Solid>
 gpuprims::Hits hits_of(const float* parameters, const gpuprims::Ray& ray) {
   Solid solid;
   std::memcpy(&solid, parameters, sizeof(Solid));
-  return gpuprims::intersect<double>(solid, ray);
+  return gpuprims::intersect(solid, ray);
 }
 
 }  // namespace

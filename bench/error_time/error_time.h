@@ -1,6 +1,5 @@
 // Error against run time of the forms of a primitive: triangles with a number of segments, the engine's ray-cast GLSL,
-// and the C++ intersections in float and double. Measures one kind at a time (measure_kind), and whole models
-// (measure_model).
+// and the C++ intersections in double. Measures one kind at a time (measure_kind), and whole models (measure_model).
 #pragma once
 
 #include <functional>
@@ -18,14 +17,14 @@
 namespace sightline::bench {
 
 struct Form {
-  enum class Method { kTriangles, kGlsl, kFloat, kDouble };
+  enum class Method { kTriangles, kGlsl, kDouble };
   Method method = Method::kTriangles;
   int segments = 0;  ///< of triangles, per full circle; 0 where the number does not matter
 
-  bool on_cpu() const { return method == Method::kFloat || method == Method::kDouble; }
+  bool on_cpu() const { return method == Method::kDouble; }
 };
 
-/// "24 segments", "triangles", "GLSL", "C++ float", "C++ double".
+/// "24 segments", "triangles", "GLSL", "C++ double".
 std::string name_of(const Form& form);
 
 /// Called with the share of the work done, 0 … 1.

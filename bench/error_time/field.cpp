@@ -135,7 +135,6 @@ std::vector<ItemRays> field_rays(const Field& field, int width, int height) {
   return rays;
 }
 
-template <class Real>
 void cast(const Field& field, const std::vector<ItemRays>& rays, int first_row, SampleImage& image) {
   const dmat3 eye_from_world(field.view.eye_from_world());
   const std::size_t first = std::size_t(first_row) * std::size_t(image.width);
@@ -145,7 +144,7 @@ void cast(const Field& field, const std::vector<ItemRays>& rays, int first_row, 
         eye_from_world * glm::transpose(glm::inverse(field.items[item].world_from_item.linear));
     for (std::size_t i = 0; i < rays[item].rays.size(); ++i) {
       const gpuprims::Ray& ray = rays[item].rays[i];
-      const gpuprims::Hits hits = gpuprims::intersect<Real>(field.items[item].primitive, ray);
+      const gpuprims::Hits hits = gpuprims::intersect(field.items[item].primitive, ray);
       const auto* end = hits.hit.begin() + hits.count;
       const auto* hit = std::find_if(hits.hit.begin(), end, [](const gpuprims::Hit& h) { return h.t >= kNear; });
       if (hit == end) continue;
@@ -156,7 +155,5 @@ void cast(const Field& field, const std::vector<ItemRays>& rays, int first_row, 
     }
   }
 }
-template void cast<double>(const Field&, const std::vector<ItemRays>&, int, SampleImage&);
-template void cast<float>(const Field&, const std::vector<ItemRays>&, int, SampleImage&);
 
 }  // namespace sightline::bench

@@ -36,8 +36,7 @@ struct ItemRays {
 /// For each item, the rays that may meet its ball in a picture of width x height samples.
 std::vector<ItemRays> field_rays(const Field& field, int width, int height);
 
-/// Casts rays in double or float. `first_row`: row of `image` where the field's picture begins.
-template <class Real>
+/// Casts rays with gpuprims::intersect. `first_row`: row of `image` where the field's picture begins.
 void cast(const Field& field, const std::vector<ItemRays>& rays, int first_row, SampleImage& image);
 
 }  // namespace sightline::bench

@@ -34,7 +34,7 @@ std::vector<Form> forms_of(Kind kind, const KindConfig& config) {
   } else {
     forms.push_back({Method::kTriangles, 0});
   }
-  for (const Method method : {Method::kGlsl, Method::kFloat, Method::kDouble}) forms.push_back({method, 0});
+  for (const Method method : {Method::kGlsl, Method::kDouble}) forms.push_back({method, 0});
   return forms;
 }
 
@@ -126,16 +126,13 @@ class KindMeasurement {
     std::vector<std::vector<ItemRays>> rays;
     for (const Field& field : fields_) rays.push_back(field_rays(field, width, height));
     SampleImage reference(width, pictures * height);
-    for (int i = 0; i < pictures; ++i)
-      cast<double>(fields_[std::size_t(i)], rays[std::size_t(i)], i * height, reference);
+    for (int i = 0; i < pictures; ++i) cast(fields_[std::size_t(i)], rays[std::size_t(i)], i * height, reference);
     for (KindFigures& figures : result_.forms) {
       SampleImage image(width, pictures * height);
       for (int i = 0; i < pictures; ++i) {
         const Field& field = fields_[std::size_t(i)];
-        if (figures.form.method == Method::kFloat) {
-          cast<float>(field, rays[std::size_t(i)], i * height, image);
-        } else if (figures.form.method == Method::kDouble) {
-          cast<double>(field, rays[std::size_t(i)], i * height, image);
+        if (figures.form.method == Method::kDouble) {
+          cast(field, rays[std::size_t(i)], i * height, image);
         } else if (auto done = sample_frame(field, figures.form, i * height, image); !done) {
           return done;
         }
@@ -221,8 +218,7 @@ class KindMeasurement {
     for (KindFigures& figures : result_.forms) {
       if (!figures.form.on_cpu()) continue;
       std::vector<double> times(std::size_t(config_.passes));
-      for (double& ms : times)
-        ms = figures.form.method == Method::kFloat ? time_casts<float>(rays) : time_casts<double>(rays);
+      for (double& ms : times) ms = time_casts(rays);
       const double ms = apps::median(std::move(times));
       figures.ms = ms / double(fields_.size());
       figures.ns_per_ray = 1e6 * ms / count;
@@ -230,13 +226,12 @@ class KindMeasurement {
     }
   }
 
-  template <class Real>
   double time_casts(const std::vector<std::vector<ItemRays>>& rays) {
     const double begin = milliseconds();
     for (std::size_t f = 0; f < fields_.size(); ++f)
       for (std::size_t item = 0; item < fields_[f].items.size(); ++item)
         for (const gpuprims::Ray& ray : rays[f][item].rays)
-          crossings_ += std::size_t(gpuprims::intersect<Real>(fields_[f].items[item].primitive, ray).count);
+          crossings_ += std::size_t(gpuprims::intersect(fields_[f].items[item].primitive, ray).count);
     return milliseconds() - begin;
   }
 
@@ -263,8 +258,6 @@ std::string name_of(const Form& form) {
       return form.segments > 0 ? std::to_string(form.segments) + " segments" : "triangles";
     case Method::kGlsl:
       return "GLSL";
-    case Method::kFloat:
-      return "C++ float";
     default:
       return "C++ double";
   }

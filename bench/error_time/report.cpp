@@ -84,8 +84,7 @@ core::Expected<void> write_kind_plot(const std::vector<KindResult>& results, con
     if (panels.empty() || panels.back().title != kind_of(result)) panels.push_back({kind_of(result), {}});
     for (auto& series : series_of(result, error)) panels.back().series.push_back(std::move(series));
   }
-  return apps::write_text(file, apps::svg_panels({"Error against time", "ms per frame (C++: all rays, one thread)",
-                                                  label, std::move(panels)}));
+  return apps::write_text(file, apps::svg_panels({"Error against time", "ms per frame", label, std::move(panels)}));
 }
 
 core::Expected<void> write_model_plot(const std::vector<NamedModel>& models, const std::string& file,
@@ -164,13 +163,13 @@ void print_summary(const std::vector<KindResult>& results, std::FILE* out) {
       out,
       "\nGLSL / triangles\n\n"
       "| kind, size | triangles | ms | ratio | bytes/item | silhouette, mean px | depth, mean | normal, mean ° | "
-      "wrong samples of | ns/ray float, double |\n"
+      "wrong samples of | ns/ray |\n"
       "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: |\n");
   for (const KindResult& result : results) {
     const auto [triangles, glsl] = compared(result.forms);
     std::string ns;
     for (const KindFigures& f : result.forms)
-      if (f.form.on_cpu()) ns += (ns.empty() ? "" : ", ") + short_text(f.ns_per_ray);
+      if (f.form.on_cpu()) ns = short_text(f.ns_per_ray);
     const auto both = [&](double of_glsl, double of_triangles) {
       return short_text(of_glsl) + " / " + short_text(of_triangles);
     };

@@ -31,7 +31,7 @@ struct Case {
   core::Kind kind = core::Kind::kCylinder;
   std::string family;      ///< "eye-distance"
   double magnitude = 1.0;  ///< of the quantity that the family sweeps; may be 0
-  Limits wide, single;     ///< for computations in double, and in float (C++ and GLSL)
+  Limits wide, single;     ///< for computations in double, and in the shaders' float
   std::function<Sample(Random&)> sample;
 
   std::string name() const;  ///< "eye-distance 1e+05"

@@ -141,7 +141,7 @@ class Fuzz {
     figures_.hits += shader.hits.count > 0;
     const bool finite = all(sample.primitive, is_finite);
     figures_.finite += finite;
-    const Answer exact = intersect_on_cpu(sample, Path::kDouble);
+    const Answer exact = intersect_on_cpu(sample);
     if (!numbers(shader.hits) || !numbers(exact.hits)) {
       blame(figures_.not_finite, numbers(shader.hits) ? "not finite in double:" : "not finite:", sample);
       return;

@@ -28,7 +28,7 @@ inline constexpr double kFuzzBand = 2e-6, kFuzzThin = 1e-6;
 
 /// Tries `sets` random sets of one kind. Most have lengths from 1e-6 to 1e6 within a few decades of each other, others
 /// anywhere in that range. A fifth contains zeros, negatives, denormals, huge numbers, infinities and NaN. Agreement is
-/// required for sets whose parameters are all 0 or within 1e-6 ... 1e6: first with gpuprims::intersect<double>, and if
+/// required for sets whose parameters are all 0 or within 1e-6 ... 1e6: first with gpuprims::intersect, and if
 /// that differs, with the reference in 113 bits.
 core::Expected<FuzzFigures> fuzz(GlslRays& shaders, core::Kind kind, std::int64_t sets, std::uint64_t seed);
 

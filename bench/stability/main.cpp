@@ -1,5 +1,5 @@
-// sightline-stability: computes stiff and extreme cases of all analytic primitives in double, in float and in the
-// shaders, and compares them with a reference of 113 bits.
+// sightline-stability: computes stiff and extreme cases of all analytic primitives in double and in the shaders, and
+// compares them with a reference of 113 bits.
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -60,7 +60,7 @@ void add_options(apps::CommandLine& line, Options& options) {
       });
   line.add("--path", options.paths, "only these ways of computing")
       .check([](const std::string& name) -> core::Expected<void> {
-        if (!wanted({"double", "float", "glsl"}, name)) return core::fail("there is no path \"" + name + "\"");
+        if (!wanted({"double", "glsl"}, name)) return core::fail("there is no path \"" + name + "\"");
         return {};
       });
   line.add("--fuzz", options.fuzz, "instead: so many random parameter sets of each kind through the shaders")
@@ -157,12 +157,10 @@ core::Expected<std::vector<Result>> measure(const std::vector<Case>& cases, cons
     Prepared& p = prepared[i];
     p.samples = bench::make_samples(c, options.rays, options.seed);
     for (const bench::Sample& sample : p.samples) p.truths.push_back(bench::find_truth(sample));
-    for (const Path path : {Path::kDouble, Path::kFloat}) {
-      if (!wanted(options.paths, bench::path_name(path))) continue;
-      std::vector<bench::Answer> answers;
-      for (const bench::Sample& sample : p.samples) answers.push_back(bench::intersect_on_cpu(sample, path));
-      by_case[i].push_back(result_of(c, path, p, answers));
-    }
+    if (!wanted(options.paths, bench::path_name(Path::kDouble))) return;
+    std::vector<bench::Answer> answers;
+    for (const bench::Sample& sample : p.samples) answers.push_back(bench::intersect_on_cpu(sample));
+    by_case[i].push_back(result_of(c, Path::kDouble, p, answers));
   });
   if (wanted(options.paths, "glsl"))
     if (auto done = measure_shaders(cases, prepared, options, by_case); !done) return tl::unexpected(done.error());
@@ -251,7 +249,7 @@ std::string plot(const std::vector<Result>& results) {
       known = std::max(known, value);
     };
     note(std::string(path_name(r.path)), r.figures.max_t);
-    note(wide ? "bound of double" : "bound of float and glsl", r.figures.limits.t);
+    note(wide ? "bound of double" : "bound of glsl", r.figures.limits.t);
     if (least.try_emplace(r.family, HUGE_VAL).second) panels.push_back({r.family, {}});
     if (magnitude > 0.0) least[r.family] = std::min(least[r.family], magnitude);
   }

@@ -114,7 +114,7 @@ class ErrorJudge {
 }  // namespace
 
 std::string_view path_name(Path path) {
-  constexpr std::string_view kNames[kPathCount] = {"double", "float", "glsl"};
+  constexpr std::string_view kNames[kPathCount] = {"double", "glsl"};
   return kNames[int(path)];
 }
 
@@ -139,13 +139,12 @@ Truth find_truth(const Sample& sample) {
   return truth;
 }
 
-Answer intersect_on_cpu(const Sample& sample, Path path) {
+Answer intersect_on_cpu(const Sample& sample) {
   const core::dmat3 item_from_world = glm::inverse(sample.world_from_item.linear);
   const gpuprims::Ray ray{item_from_world * (sample.ray.origin - sample.world_from_item.origin),
                           item_from_world * sample.ray.direction};
   Answer answer;
-  answer.hits = path == Path::kDouble ? gpuprims::intersect<double>(sample.primitive, ray)
-                                      : gpuprims::intersect<float>(sample.primitive, ray);
+  answer.hits = gpuprims::intersect(sample.primitive, ray);
   return answer;
 }
 

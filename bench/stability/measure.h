@@ -10,9 +10,9 @@
 
 namespace sightline::bench {
 
-/// Ways of computing crossings. The first two are gpuprims::intersect, the third the shaders.
-enum class Path { kDouble, kFloat, kGlsl };
-inline constexpr int kPathCount = 3;
+/// Ways of computing crossings: gpuprims::intersect, and the shaders.
+enum class Path { kDouble, kGlsl };
+inline constexpr int kPathCount = 2;
 std::string_view path_name(Path path);
 
 /// The result of a path for one ray.
@@ -52,8 +52,8 @@ struct Truth {
 };
 Truth find_truth(const Sample& sample);
 
-/// Runs gpuprims::intersect on the ray, moved into the item's frame in double. Path::kDouble or kFloat.
-Answer intersect_on_cpu(const Sample& sample, Path path);
+/// Runs gpuprims::intersect on the ray, moved into the item's frame in double.
+Answer intersect_on_cpu(const Sample& sample);
 
 /// Compares answers with the truth, one of each per sample.
 Figures judge(std::span<const Sample> samples, std::span<const Truth> truths, std::span<const Answer> answers,

@@ -10,7 +10,6 @@ namespace sightline::gpuprims {
 /// on. With size 0 along two axes it is a line, which shows nothing. Caps are ignored: a box has no ends.
 ///
 /// Slabs: Kay and Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986.
-template <class Real = double>
 Hits intersect(const core::Box& box, const Ray& ray, Caps caps = {});
 
 /// Twelve triangles whatever the tolerance. Caps are ignored: a box has no ends.

@@ -19,7 +19,6 @@ namespace sightline::gpuprims {
 /// between the derivative's roots: Hook and McAree, "Using Sturm Sequences to Bracket Real Roots", Graphics Gems
 /// (1990), and Yuksel, "High-Performance Polynomial Root Finding for Graphics" (2022). Safeguarded Newton: Press et
 /// al., "Numerical Recipes", section 9.4.
-template <class Real = double>
 Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps = {});
 
 core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& config = {}, Caps caps = {});

@@ -12,7 +12,6 @@ namespace sightline::gpuprims {
 /// Half-chord form of the quadratic about a point close to the cylinder (see local_ray.h). With o and u the parts of
 /// origin and direction across the axis, the crossings lie sqrt(r^2 u.u - (o x u)^2) / u.u to both sides of s = -o.u /
 /// u.u.
-template <class Real = double>
 Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps = {});
 
 core::Mesh tessellate(const core::Cylinder& cylinder, const Tessellation& config = {}, Caps caps = {});

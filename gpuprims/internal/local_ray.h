@@ -1,11 +1,10 @@
 // Shared by all reference intersections: moves a ray into the primitive's neighbourhood, clips intervals of the ray
 // there, and turns them into hits. Internal to gpuprims.
 //
-// The ray is moved in double to a point close to the primitive. From then on all numbers are of the primitive's size,
-// however far the eye is and however long the direction. Only then does Real = float begin. Haines et al., "Precision
-// Improvements for Ray/Sphere Intersection", Ray Tracing Gems (2019), chapter 7, show why. Each axis has its own
-// measure of closeness (`weights`): the middle of a pipe a million radii long may be as far from the crossing as the
-// eye.
+// The ray is moved to a point close to the primitive. From then on all numbers are of the primitive's size, however far
+// the eye is and however long the direction. Haines et al., "Precision Improvements for Ray/Sphere Intersection", Ray
+// Tracing Gems (2019), chapter 7, show why. Each axis has its own measure of closeness (`weights`): the middle of a
+// pipe a million radii long may be as far from the crossing as the eye.
 #pragma once
 
 #include <algorithm>
@@ -19,10 +18,6 @@
 namespace sightline::gpuprims {
 
 using core::dvec2;
-template <class Real>
-using Vec2 = glm::vec<2, Real>;
-template <class Real>
-using Vec3 = glm::vec<3, Real>;
 
 /// One bit per face that is not drawn.
 inline unsigned hidden_faces(Caps caps) {
@@ -39,14 +34,13 @@ inline double inverse_power_of_two(double x) {
 
 /// The ray origin + s * direction, in units of the primitive. The parameter of the original ray is start + s * scale.
 /// The largest component of the direction lies in [1, 2).
-template <class Real>
 struct LocalRay {
-  Vec3<Real> origin, direction;
+  dvec3 origin, direction;
   double start, scale;
   bool valid;  ///< false for rays that are not finite or have no direction: they hit nothing
 
-  double t(Real s) const { return start + double(s) * scale; }
-  Vec3<Real> at(Real s) const { return origin + s * direction; }
+  double t(double s) const { return start + s * scale; }
+  dvec3 at(double s) const { return origin + s * direction; }
 };
 
 /// A ray with a direction of ordinary length. Directions shorter than 2^1023 are scaled without rounding.
@@ -62,14 +56,13 @@ inline ScaledRay scale_direction(const Ray& ray) {
 
 /// Moves the ray's origin to its point at `start`, in units of power_of_two(size). The new origin lies exactly on the
 /// given ray, up to one rounding of the remainder (fused multiply-add), so a far eye costs no precision.
-template <class Real>
-LocalRay<Real> move_to(const ScaledRay& ray, double start, double size) {
+inline LocalRay move_to(const ScaledRay& ray, double start, double size) {
   const dvec3 &o = ray.origin, &d = ray.direction;
   const double x = std::fma(start, d.x, o.x), y = std::fma(start, d.y, o.y), z = std::fma(start, d.z, o.z);
   const bool valid = x * x + y * y + z * z + std::fabs(start) < std::numeric_limits<double>::infinity();
   const double per_unit = inverse_power_of_two(size);
-  return {{Real(x * per_unit), Real(y * per_unit), Real(z * per_unit)},
-          {Real(d.x), Real(d.y), Real(d.z)},
+  return {{x * per_unit, y * per_unit, z * per_unit},
+          {d.x, d.y, d.z},
           start * ray.factor,
           power_of_two(size) * ray.factor,
           valid};
@@ -95,27 +88,24 @@ inline double closest_approach(const dvec3& o, const dvec3& d, const dvec3& weig
   const dvec3 wd = weights * d;
   return -glm::dot(wd, o) / glm::dot(wd, d);
 }
-template <class Real>
-LocalRay<Real> closest_approach(const Ray& ray, const dvec3& weights, double size) {
+inline LocalRay closest_approach(const Ray& ray, const dvec3& weights, double size) {
   const ScaledRay scaled = scale_direction(ray);
-  return move_to<Real>(scaled, closest_approach(scaled.origin, scaled.direction, weights), size);
+  return move_to(scaled, closest_approach(scaled.origin, scaled.direction, weights), size);
 }
 
 /// Moves the origin to the ray's point closest to the local origin, and gives the direction unit length. With a far eye
 /// the first move is off by a rounding of the distance.
-template <class Real>
-void recentre(LocalRay<Real>& ray) {
-  const Real square = glm::dot(ray.direction, ray.direction), length = std::sqrt(square);
-  const Real shift = -glm::dot(ray.origin, ray.direction) / square;
+inline void recentre(LocalRay& ray) {
+  const double square = glm::dot(ray.direction, ray.direction), length = std::sqrt(square);
+  const double shift = -glm::dot(ray.origin, ray.direction) / square;
   ray.origin += shift * ray.direction;
-  ray.start += double(shift) * ray.scale;
+  ray.start += shift * ray.scale;
   ray.direction /= length;
-  ray.scale /= double(length);
+  ray.scale /= length;
 }
 
 /// a.x b.y - a.y b.x.
-template <class Real>
-Real cross(const Vec2<Real>& a, const Vec2<Real>& b) {
+inline double cross(const dvec2& a, const dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
@@ -126,22 +116,21 @@ inline int choose(bool condition, int a, int b) {
 }
 
 /// A closed interval of s and the faces that bound it. Default: the whole line.
-template <class Real>
 struct Span {
   static constexpr int kNoFace = -1;
-  static constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
-  Real from = -kInfinity, to = kInfinity;
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double from = -kInfinity, to = kInfinity;
   int from_face = kNoFace, to_face = kNoFace;
 
-  static Span nothing() { return {Real(1), Real(0)}; }
+  static Span nothing() { return {1.0, 0.0}; }
   bool empty() const { return !(from <= to); }
   bool bounded() const { return from <= to && from > -kInfinity && to < kInfinity; }
 
-  void enter(Real s, int face) {
+  void enter(double s, int face) {
     from_face = choose(s > from, face, from_face);
     from = std::max(from, s);
   }
-  void leave(Real s, int face) {
+  void leave(double s, int face) {
     to_face = choose(s < to, face, to_face);
     to = std::min(to, s);
   }
@@ -151,7 +140,7 @@ struct Span {
     leave(other.to, other.to_face);
   }
   /// Keeps the part with value + s * slope >= 0.
-  void clip(Real value, Real slope, int face) {
+  void clip(double value, double slope, int face) {
     if (slope > 0) {
       enter(-value / slope, face);
     } else if (slope < 0) {
@@ -162,12 +151,12 @@ struct Span {
   }
   /// Keeps the part with -half <= value + s * slope <= half. For a slab without thickness that is one point, with both
   /// faces in the order in which the ray meets them, and nothing if the ray lies within the slab.
-  void clip_slab(Real value, Real slope, Real half, int low_face, int high_face) {
+  void clip_slab(double value, double slope, double half, int low_face, int high_face) {
     if (slope == 0) {
       if (half == 0 || !(std::fabs(value) <= half)) *this = nothing();
       return;
     }
-    const Real inverse = 1 / slope, middle = -value * inverse, extent = half * std::fabs(inverse);
+    const double inverse = 1 / slope, middle = -value * inverse, extent = half * std::fabs(inverse);
     enter(middle - extent, choose(slope > 0, low_face, high_face));
     leave(middle + extent, choose(slope > 0, high_face, low_face));
   }
@@ -175,11 +164,10 @@ struct Span {
 
 /// The parts of `span` outside the open `gap`, in rising order; returns their number, 0 to 2. A gap with equal ends is
 /// empty.
-template <class Real>
-int subtract(const Span<Real>& span, const Span<Real>& gap, Span<Real> pieces[2]) {
-  Span<Real> before = span, after = span;
+inline int subtract(const Span& span, const Span& gap, Span pieces[2]) {
+  Span before = span, after = span;
   if (!(gap.from < gap.to))
-    after = Span<Real>::nothing();
+    after = Span::nothing();
   else
     before.leave(gap.from, gap.from_face), after.enter(gap.to, gap.to_face);
   int count = 0;
@@ -190,29 +178,29 @@ int subtract(const Span<Real>& span, const Span<Real>& gap, Span<Real> pieces[2]
 
 /// The part of a line inside the infinite cylinder about z. Half-chord form of the quadratic: if the origin is close,
 /// all terms are of the cylinder's size.
-template <class Real>
-Span<Real> cylinder_span(const Vec3<Real>& origin, const Vec3<Real>& direction, Real radius, int face) {
-  const Vec2<Real> o(origin), u(direction);
-  const Real a = glm::dot(u, u), b = glm::dot(o, u), moment = cross(o, u);
+inline Span cylinder_span(const dvec3& origin, const dvec3& direction, double radius, int face) {
+  const dvec2 o(origin), u(direction);
+  const double a = glm::dot(u, u), b = glm::dot(o, u), moment = cross(o, u);
   // So nearly along the axis that the line needs 1e15 radii to leave: the squares would underflow.
-  if (!(a > 1024 * std::numeric_limits<Real>::min()))
-    return glm::dot(o, o) <= radius * radius ? Span<Real>() : Span<Real>::nothing();
-  const Real discriminant = radius * radius * a - moment * moment;
-  if (!(discriminant >= 0)) return Span<Real>::nothing();
-  const Real half = std::sqrt(discriminant);
-  const Real inverse = 1 / a;
+  if (!(a > 1024 * std::numeric_limits<double>::min()))
+    return glm::dot(o, o) <= radius * radius ? Span() : Span::nothing();
+  const double discriminant = radius * radius * a - moment * moment;
+  if (!(discriminant >= 0)) return Span::nothing();
+  const double half = std::sqrt(discriminant);
+  const double inverse = 1 / a;
   return {(-b - half) * inverse, (-b + half) * inverse, face, face};
 }
 
 /// Adds both ends of a span that bounds the solid, except on hidden faces. normal(face, p) is the gradient of a face at
 /// p. Spans must come in rising order.
-template <class Real, class Normal>
-void add_hits(Hits& hits, const LocalRay<Real>& ray, const Span<Real>& span, unsigned hidden, const Normal& normal) {
+template <class Normal>
+void add_hits(Hits& hits, const LocalRay& ray, const Span& span, unsigned hidden, const Normal& normal) {
   if (!span.bounded()) return;
-  const auto add = [&](Real s, int face) {
+  const auto add = [&](double s, int face) {
     if ((hidden >> face & 1u) != 0) return;
-    const Vec3<Real> n = normal(face, ray.at(s));
-    hits.hit[hits.count++] = {ray.t(s), {double(n.x), double(n.y), double(n.z)}, face};
+    const dvec3 n = normal(face, ray.at(s));
+    // With g++, a ray at a sphere or cylinder takes half as long again if n is copied as a whole.
+    hits.hit[hits.count++] = {ray.t(s), {n.x, n.y, n.z}, face};
   };
   add(span.from, span.from_face);
   add(span.to, span.to_face);

@@ -6,10 +6,7 @@
 namespace sightline::gpuprims {
 
 /// Crossings of the ray's full line with any primitive, in rising t, as each kind's own header says. A line has none.
-/// Rays and parameters that are not finite give no hits. Real, double or float, is the type that the primitive's own
-/// part computes in. In both cases the ray is moved into the primitive's neighbourhood in double, and t is returned in
-/// double.
-template <class Real = double>
+/// Rays and parameters that are not finite give no hits.
 Hits intersect(const core::Primitive& primitive, const Ray& ray, Caps caps = {});
 
 /// Triangles of any primitive, as tessellation.h promises. A line has none. Each kind's own header says what caps mean;

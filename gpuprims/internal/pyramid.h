@@ -11,7 +11,6 @@ namespace sightline::gpuprims {
 /// have it. Without width in x and y it is nothing.
 ///
 /// Half-spaces: both ends, and |x - c(z)| <= w(z) with centre and half width linear in z; likewise in y.
-template <class Real = double>
 Hits intersect(const core::Pyramid& pyramid, const Ray& ray, Caps caps = {});
 
 /// At most twelve triangles whatever the tolerance; caps.bottom and caps.top are its two rectangles.

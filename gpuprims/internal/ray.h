@@ -1,5 +1,5 @@
-// gpuprims: analytic primitives. The files of a kind share one stem: reference intersection in double and float,
-// tessellation by chord tolerance, its GLSL twin in shaders/, and the packing of its parameters for the GPU.
+// gpuprims: analytic primitives. The files of a kind share one stem: reference intersection in double, tessellation by
+// chord tolerance, its GLSL twin in shaders/, and the packing of its parameters for the GPU.
 //
 // This header holds what the reference intersections share.
 #pragma once

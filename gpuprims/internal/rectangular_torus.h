@@ -12,7 +12,6 @@ namespace sightline::gpuprims {
 ///
 /// The result is the outer cylinder's span between both levels, minus the inner cylinder's span, minus what the sweep
 /// leaves out (wedge.h).
-template <class Real = double>
 Hits intersect(const core::RectangularTorus& torus, const Ray& ray, Caps caps = {});
 
 /// The smaller of the two radii is the inner one. From an angle of 2 pi on there are no ends; caps.bottom is the end at

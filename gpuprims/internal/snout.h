@@ -16,7 +16,6 @@ namespace sightline::gpuprims {
 /// Along the ray, w = xy - c and r are linear: w0 + s w1, r0 + s r1. The discriminant of |w|^2 - r^2 is computed as |r0
 /// w1 - r1 w0|^2 - (w0 x w1)^2: Lagrange's identity, with the large terms cancelled by hand. The roots follow Press et
 /// al., "Numerical Recipes", section 5.6. So rays parallel to a generator and equal radii need no special case.
-template <class Real = double>
 Hits intersect(const core::Snout& snout, const Ray& ray, Caps caps = {});
 
 /// Contour points lie on the true intersection of cone and end plane: at equal angles about the cone's axis, and where

@@ -7,7 +7,6 @@ namespace sightline::gpuprims {
 
 /// Crossings of the ray's full line with the surface, in rising t: 0 or 2. Diameter 0 is nothing. Caps are ignored.
 /// Half-chord form about the point closest to the centre; see dome.h.
-template <class Real = double>
 Hits intersect(const core::Sphere& sphere, const Ray& ray, Caps caps = {});
 
 /// By latitude and longitude. A sphere has no ends: caps are ignored.

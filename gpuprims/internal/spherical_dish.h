@@ -9,7 +9,6 @@ namespace sightline::gpuprims {
 /// caps.bottom is the base; there is no top. Height 0 (or below 1e-18 radii) is a two-sided disc with both crossings at
 /// one t; without its base it has only the upper one. Base radius 0 is the whole ball above z = 0, and both 0 are
 /// nothing. The quadratic: see dome.h.
-template <class Real = double>
 Hits intersect(const core::SphericalDish& dish, const Ray& ray, Caps caps = {});
 
 /// Rings at equal angles of the sphere's meridian; caps.bottom is the base, there is no top. With a height above its

@@ -215,7 +215,7 @@ struct Solids {
             {across * p.x, across * p.y, select(lateral, all(0.0), select(is(hit.face, 1.0), all(-1.0), all(1.0)))}};
   }
 
-  /// gpuprims/internal/dome.h: of the sphere and both dishes.
+  /// gpuprims/dome.cpp: of the sphere and both dishes.
   static Crossing dome(const SolidShape& shape, const Vec& given_o, const Vec& d, Eight from) {
     const double radius = shape.size[0], widest = larger(radius, shape.size[1]), height = shape.size[2];
     const double unit = inverse_power_of_two(widest), scaled_radius = unit * radius, side = unit * shape.size[1];

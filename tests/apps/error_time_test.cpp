@@ -143,7 +143,7 @@ TEST(ErrorField, ItemsAreSideBySideAndWithinThePicture) {
 TEST(ErrorField, DepthsAndNormalsOfABall) {
   const Field field = make_field(Kind::kSphere, {144, 2, 1, 1}, 320, 240, 3);
   SampleImage image(320, 240);
-  cast<double>(field, field_rays(field, 320, 240), 0, image);
+  cast(field, field_rays(field, 320, 240), 0, image);
   int hits = 0;
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) {

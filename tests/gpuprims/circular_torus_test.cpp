@@ -70,17 +70,10 @@ twin::Shot aim(twin::Random& random, const Solid& solid) {
   return shot;
 }
 
-template <class Real>
-void run_against_twin() {
-  const auto make = [](twin::Random& random) { return Solid{random_torus(random)}; };
-  const twin::Tally tally = twin::run<Real>(8000, 0.25, make, aim);
-  EXPECT_GT(tally.crossings, 2 * tally.hit) << "no ray crossed more than twice";
-}
 TEST(CircularTorus, AgreesWithTheMarchingTwin) {
-  run_against_twin<double>();
-}
-TEST(CircularTorus, AgreesWithTheMarchingTwinInFloat) {
-  run_against_twin<float>();
+  const auto make = [](twin::Random& random) { return Solid{random_torus(random)}; };
+  const twin::Tally tally = twin::run(8000, 0.25, make, aim);
+  EXPECT_GT(tally.crossings, 2 * tally.hit) << "no ray crossed more than twice";
 }
 
 TEST(CircularTorus, FourCrossingsThroughBothSides) {
@@ -166,14 +159,13 @@ TEST(CircularTorus, TurnsAHairShortAreClosed) {
   const core::Mesh closed = tessellate(core::CircularTorus{3.0f, 1.0f, full});
   for (const float angle : {nearly, -nearly, full, 7.0f}) {
     const core::CircularTorus torus{3.0f, 1.0f, angle};
-    EXPECT_EQ(intersect<double>(torus, across_the_seam).count, 2) << angle;
-    EXPECT_EQ(intersect<float>(torus, across_the_seam).count, 2) << angle;
+    EXPECT_EQ(intersect(torus, across_the_seam).count, 2) << angle;
     const core::Mesh mesh = tessellate(torus);
     EXPECT_TRUE(mesh.positions == closed.positions) << angle;
     EXPECT_TRUE(mesh.indices == closed.indices) << angle;
   }
   const core::CircularTorus slice{3.0f, 1.0f, short_of_it};
-  EXPECT_EQ(intersect<double>(slice, across_the_seam).count, 4);
+  EXPECT_EQ(intersect(slice, across_the_seam).count, 4);
   EXPECT_GT(tessellate(slice).indices.size(), closed.indices.size());
 }
 

@@ -22,7 +22,7 @@ struct Solid {
 };
 
 TEST(Cylinder, AgreesWithTheMarchingTwin) {
-  twin::run_both(6000, 0.25, [](twin::Random& random) {
+  twin::run(6000, 0.25, [](twin::Random& random) {
     const double scale = random.log_uniform(-6, 6);
     return Solid{{float(scale * random.log_uniform(-2, 2)), float(scale * random.log_uniform(-2, 2))}};
   });

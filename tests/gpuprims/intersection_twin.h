@@ -118,25 +118,17 @@ struct Tally {
   double worst = 0.0;  ///< largest distance between a crossing and its twin, by the solid's size
 };
 
-/// What an intersection must keep: crossings to `length` of the solid's size (grazing rays), normals to `normal`, and
-/// flat faces' normals to `flat` (all three as 1 - cosine). Chords and gaps shorter than twice `length` may be missed.
-struct Precision {
-  double length, normal, flat;
-};
-template <class Real>
-constexpr Precision precision() {
-  // Float: a point is known to 1e-7 of the size, and a grazing chord to the root of that.
-  return sizeof(Real) == sizeof(float) ? Precision{2e-3, 1e-3, 1e-6} : Precision{1e-6, 1e-6, 1e-12};
-}
+/// What an intersection must keep: crossings to kLength of the solid's size (grazing rays), and normals to kNormal,
+/// those of flat faces to kFlat (both as 1 - cosine). Chords and gaps shorter than twice kLength may be missed.
+inline constexpr double kLength = 1e-6, kNormal = 1e-6, kFlat = 1e-12;
 
 /// Compares the crossings of a closed solid with the twin's.
 template <class Solid>
-void compare(const Solid& solid, const Shot& shot, const Hits& hits, Tally& tally,
-             const Precision& wanted = precision<double>()) {
+void compare(const Solid& solid, const Shot& shot, const Hits& hits, Tally& tally) {
   const Ray& ray = shot.ray;
   const long double speed = glm::length(LVec(ray.direction)), size = solid.size();
   // What double can tell apart at the ray's origin, and the wanted share of the solid.
-  const long double tolerance = (wanted.length * size + 1e-15L * glm::length(LVec(ray.origin))) / speed;
+  const long double tolerance = (kLength * size + 1e-15L * glm::length(LVec(ray.origin))) / speed;
   ++tally.rays;
   tally.hit += hits.count > 0;
   tally.crossings += hits.count;
@@ -176,30 +168,29 @@ void compare(const Solid& solid, const Shot& shot, const Hits& hits, Tally& tall
     const dvec3 normal = glm::normalize(hit.normal);
     const double facing = glm::dot(normal, glm::normalize(ray.direction / glm::length(ray.direction)));
     if (i % 2 == 0) {
-      ASSERT_LE(facing, wanted.normal) << "crossing " << i << " enters";
+      ASSERT_LE(facing, kNormal) << "crossing " << i << " enters";
     } else {
-      ASSERT_GE(facing, -wanted.normal) << "crossing " << i << " leaves";
+      ASSERT_GE(facing, -kNormal) << "crossing " << i << " leaves";
     }
     double best = -1.0;
     for (const dvec3& cap : caps) best = std::max(best, glm::dot(glm::normalize(cap), normal));
-    if (best < 1.0 - wanted.flat) {
-      ASSERT_GE(glm::dot(lateral_normal(solid, at(ray, hit.t)), normal), 1.0 - wanted.normal)
-          << "normal of crossing " << i;
+    if (best < 1.0 - kFlat) {
+      ASSERT_GE(glm::dot(lateral_normal(solid, at(ray, hit.t)), normal), 1.0 - kNormal) << "normal of crossing " << i;
     }
   }
 }
 
 /// `count` random solids and a ray at each: make(random) is a solid, aim(random, solid) a shot at it. At least
 /// `hit_share` of the rays must hit, or the test would show nothing.
-template <class Real, class Make, class Aim>
+template <class Make, class Aim>
 Tally run(unsigned count, double hit_share, const Make& make, const Aim& aim) {
   Tally tally;
   for (unsigned seed = 0; seed < count; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed << (sizeof(Real) == sizeof(float) ? ", float" : ", double"));
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const auto solid = make(random);
     const Shot shot = aim(random, solid);
-    compare(solid, shot, intersect<Real>(solid.shape, shot.ray), tally, precision<Real>());
+    compare(solid, shot, intersect(solid.shape, shot.ray), tally);
     if (testing::Test::HasFatalFailure()) return tally;
   }
   EXPECT_GT(tally.hit, hit_share * tally.rays);
@@ -207,10 +198,9 @@ Tally run(unsigned count, double hit_share, const Make& make, const Aim& aim) {
   return tally;
 }
 template <class Make>
-void run_both(unsigned count, double hit_share, const Make& make) {
-  const auto aim = [](Random& random, const auto& solid) { return random_shot(random, solid.half()); };
-  run<double>(count, hit_share, make, aim);
-  if (!testing::Test::HasFatalFailure()) run<float>(count, hit_share, make, aim);
+Tally run(unsigned count, double hit_share, const Make& make) {
+  return run(count, hit_share, make,
+             [](Random& random, const auto& solid) { return random_shot(random, solid.half()); });
 }
 
 }  // namespace sightline::gpuprims::twin

@@ -74,7 +74,7 @@ core::Pyramid random_pyramid(twin::Random& random) {
 }
 
 TEST(Pyramid, AgreesWithTheMarchingTwin) {
-  twin::run_both(6000, 0.125, [](twin::Random& random) { return Solid{random_pyramid(random)}; });
+  twin::run(6000, 0.125, [](twin::Random& random) { return Solid{random_pyramid(random)}; });
 }
 
 TEST(Pyramid, HeightZeroIsTheHullOfBothEndsWithTwoSides) {
@@ -86,7 +86,6 @@ TEST(Pyramid, HeightZeroIsTheHullOfBothEndsWithTwoSides) {
     EXPECT_EQ(hits.hit[0].normal.z, 1.0);
     EXPECT_EQ(hits.hit[1].t, 2.5);
     EXPECT_EQ(hits.hit[1].normal.z, -1.0);
-    EXPECT_EQ(intersect<float>(flat, {{x, 0.3, 5.0}, {0.0, 0.0, -2.0}}).count, 2) << x;
   }
   EXPECT_EQ(intersect(flat, {{0.0, 0.85, 5.0}, {0.0, 0.0, -1.0}}).count, 0) << "beside the hull, within its box";
   EXPECT_EQ(intersect(flat, {{3.6, 0.0, 5.0}, {0.0, 0.0, -1.0}}).count, 0);

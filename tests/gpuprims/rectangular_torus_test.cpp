@@ -49,7 +49,7 @@ core::RectangularTorus random_torus(twin::Random& random) {
 }
 
 TEST(RectangularTorus, AgreesWithTheMarchingTwin) {
-  twin::run_both(8000, 0.125, [](twin::Random& random) { return Solid{random_torus(random)}; });
+  twin::run(8000, 0.125, [](twin::Random& random) { return Solid{random_torus(random)}; });
 }
 
 TEST(RectangularTorus, SixCrossingsThroughWallsAndEnds) {
@@ -71,7 +71,7 @@ TEST(RectangularTorus, WithoutThicknessHasTwoSides) {
     EXPECT_EQ(hits.hit[i].t, expected[i]) << i;
     EXPECT_EQ(glm::normalize(hits.hit[i].normal).x, facing[i]) << i;
   }
-  EXPECT_EQ(intersect<float>(tube, {{-5.0, 0.3, 0.5}, {1.0, 0.1, 0.0}}).count, 4);
+  EXPECT_EQ(intersect(tube, {{-5.0, 0.3, 0.5}, {1.0, 0.1, 0.0}}).count, 4);
   EXPECT_EQ(intersect(tube, {{2.0, 0.0, -5.0}, {0.0, 0.0, 1.0}}).count, 0) << "edge on";
 }
 
@@ -139,14 +139,13 @@ TEST(RectangularTorus, TurnsAHairShortAreClosed) {
   const core::Mesh closed = tessellate(core::RectangularTorus{1.0f, 3.0f, 1.0f, kFullTurn});
   for (const float angle : {nearly, -nearly, kFullTurn, 7.0f}) {
     const core::RectangularTorus torus{1.0f, 3.0f, 1.0f, angle};
-    EXPECT_EQ(intersect<double>(torus, across_the_seam).count, 2) << angle;
-    EXPECT_EQ(intersect<float>(torus, across_the_seam).count, 2) << angle;
+    EXPECT_EQ(intersect(torus, across_the_seam).count, 2) << angle;
     const core::Mesh mesh = tessellate(torus);
     EXPECT_TRUE(mesh.positions == closed.positions) << angle;
     EXPECT_TRUE(mesh.indices == closed.indices) << angle;
   }
   const core::RectangularTorus slice{1.0f, 3.0f, 1.0f, short_of_it};
-  EXPECT_EQ(intersect<double>(slice, across_the_seam).count, 4);
+  EXPECT_EQ(intersect(slice, across_the_seam).count, 4);
   EXPECT_GT(tessellate(slice).indices.size(), closed.indices.size());
 }
 

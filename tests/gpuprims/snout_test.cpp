@@ -84,7 +84,7 @@ core::Snout random_snout(twin::Random& random, double steepest) {
 }
 
 void run_against_twin(unsigned count, double steepest) {
-  twin::run_both(count, 0.125, [&](twin::Random& random) { return Solid{random_snout(random, steepest)}; });
+  twin::run(count, 0.125, [&](twin::Random& random) { return Solid{random_snout(random, steepest)}; });
 }
 
 TEST(Snout, AgreesWithTheMarchingTwin) {

@@ -32,7 +32,7 @@ struct Solid {
 };
 
 TEST(SphericalDish, AgreesWithTheMarchingTwin) {
-  twin::run_both(6000, 0.125, [](twin::Random& random) {
+  twin::run(6000, 0.125, [](twin::Random& random) {
     const double scale = random.log_uniform(-6, 6);
     return Solid{{float(scale), float(scale * random.log_uniform(-2, 2))}};
   });
