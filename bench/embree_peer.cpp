@@ -8,6 +8,7 @@
 #include <embree3/rtcore.h>
 
 #include "sightline/bench/harness.h"
+#include "sightline/core/internal/instruction_set.h"
 #include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::bench {
@@ -62,7 +63,9 @@ void intersect_solid(const RTCIntersectFunctionNArguments* arguments) {
 EmbreePeer::EmbreePeer(const core::Mesh& mesh, std::vector<PeerSolid> solids, bool robust, int threads)
     : state_(std::make_unique<State>()) {
   state_->solids = std::move(solids);
-  state_->device = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
+  // Both sides get the same instructions.
+  const bool avx2 = core::instruction_set() == core::InstructionSet::kAvx2;
+  state_->device = rtcNewDevice(("threads=" + std::to_string(threads) + (avx2 ? ",isa=avx2" : "")).c_str());
   rtcSetDeviceMemoryMonitorFunction(
       state_->device,
       [](void* state, ssize_t bytes, bool) {
