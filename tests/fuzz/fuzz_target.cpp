@@ -8,6 +8,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/tests/fuzz/allocated_memory.h"
 #include "sightline/tests/fuzz/side_files_in_memory.h"
+#include "sightline/tests/support/scene_texts.h"
 
 namespace sightline::fuzz {
 namespace {
@@ -64,6 +65,9 @@ void check_success(core::Scene& scene, const importers::ImportReport& report, co
     for (int k = 0; k < 3; ++k) require(m.colour[k] >= 0.0f && m.colour[k] <= 1.0f, "colours from 0 to 1");
     require(m.alpha >= 0.0f && m.alpha <= 1.0f, "alpha from 0 to 1");
   }
+  const std::string bytes = tests::text_that_is_not_utf8(scene, report);
+  require(bytes.empty(), "UTF-8, found " + bytes);
+  require(items > 0 || report.attributed > 0 || !report.warnings.empty(), "a warning about nothing to draw");
   const auto delta = scene.commit();
   require(delta.has_value(), delta ? "" : delta.error().message);
   const core::Snapshot snapshot(scene);

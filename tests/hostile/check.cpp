@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/importers/internal/text_encoding.h"
+#include "sightline/tests/support/scene_texts.h"
 
 namespace sightline::hostile {
 
@@ -27,26 +27,12 @@ std::string after_failure(const core::Scene& scene, const Sizes& before, const C
   return sizes_of(scene) == before ? "" : "a failed import changed the scene";
 }
 
-/// A text of the scene or the report that is not UTF-8, or empty.
-std::string text_that_is_not_utf8(const core::Scene& scene, const importers::ImportReport& report) {
-  std::string found;
-  const auto look_at = [&](std::string_view text) {
-    if (!importers::is_utf8(text)) found = text;
-  };
-  scene.for_each_node(scene.root(), [&](core::NodeId node, const core::Affine&, bool, std::uint32_t, core::MaterialId) {
-    look_at(scene.name(node));
-    for (const auto& [key, value] : scene.attributes(node)) look_at(key), look_at(value);
-  });
-  for (const importers::ImportWarning& warning : report.warnings) look_at(warning.file), look_at(warning.message);
-  return found;
-}
-
 std::string after_success(core::Scene& scene, const Case& made, bool keeps_bytes,
                           const importers::ImportReport& report) {
   if (report.warnings.size() > importers::kMaxWarnings + 1) return "more warnings than the most";
   if (made.warns && report.warnings.empty()) return "no warning";
   if (!keeps_bytes)
-    if (const std::string text = text_that_is_not_utf8(scene, report); !text.empty()) return "not UTF-8: " + text;
+    if (const std::string text = tests::text_that_is_not_utf8(scene, report); !text.empty()) return "not UTF-8: " + text;
   const bool empty = !report.nodes.empty() && scene.item_count() == 0;
   if (empty && report.attributed == 0 && report.warnings.empty()) return "nothing to draw, and no warning";
   if (scene.item_count() < made.least_items) return "items are missing";
