@@ -452,10 +452,11 @@ class PlyBody {
   core::Expected<void> for_each_record(const Element& element, const Layout& layout, Take&& take) {
     constexpr std::uint64_t kBetweenProgress = 4096;
     const bool strips = element.name == "tristrips";
+    Record record;  // each one has the same roles, and writes all of them
     for (std::uint64_t i = 0; i < element.count; ++i) {
       if (i % kBetweenProgress == 0)
         if (auto asked = job_.progress(0.7 * double(source_.offset()) / double(file_size_)); !asked) return asked;
-      Record record;
+      record.lost_colour = false;
       if (!source_.begin_record()) return end_early(element, i);
       const Read read = read_record(layout, record);
       if (read == Read::kEnd) return end_early(element, i);
