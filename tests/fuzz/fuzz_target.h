@@ -35,9 +35,9 @@ inline constexpr std::string_view kSideFileSeparator = "\n--side-file--\n";
 
 /// Reads an input strict, lenient and cancelled half-way, into a scene that already holds something. Requires: memory
 /// within the bound; after a failure the scene as it was, and an error that names the file; after success counts that
-/// agree with the report, a scene that can be committed and shown in a snapshot, meshes whose indices exist, and that
-/// what is read strictly without damage is read the same leniently. The k-th name of a side file asked for stands
-/// for the k-th in the input: no input reaches the disk.
+/// agree with the report, texts in UTF-8, a scene that can be committed and shown in a snapshot, meshes whose indices
+/// exist, and that what is read strictly is read the same leniently, perhaps with more to say of what is secondary. The
+/// k-th name of a side file asked for stands for the k-th in the input: no input reaches the disk.
 void check_reader(Reader read, std::string_view file, std::span<const std::byte> input, const MemoryBound& bound);
 
 /// The same, and `also` sees each scene that was read.
