@@ -185,7 +185,7 @@ class FacetCount {
     }
     if (claimed_ > whole) {
       if (auto told = not_as_claimed(); !told) return tl::unexpected(told.error());
-      return whole;
+      return before_displaced(whole);
     }
     const std::size_t facets = with_uncounted(whole), rest = body_ - facets * kFacetBytes;
     if (facets == 0 && rest > 0)
@@ -206,6 +206,22 @@ class FacetCount {
     std::size_t likely = 0;
     for (std::size_t i = 0; i < whole; ++i) likely += may_be_facet(record(i)) ? 1 : 0;
     return likely;
+  }
+
+  /// Bytes that are missing within a file displace all records behind them, which are no facets then.
+  std::size_t before_displaced(std::size_t whole) {
+    constexpr std::size_t kLookedAt = 8;
+    for (std::size_t i = 0; i < whole; ++i) {
+      if (may_be_facet(record(i))) continue;
+      const std::size_t end = std::min(whole, i + kLookedAt);
+      std::size_t likely = 0;
+      for (std::size_t k = i; k < end; ++k) likely += may_be_facet(record(k)) ? 1 : 0;
+      if (2 * likely >= end - i) continue;
+      const std::size_t at = kHeaderBytes + i * kFacetBytes;
+      job_.warn(at, fmt::format("byte {}: what follows is no facets: {} records left out", at, whole - i));
+      return i;
+    }
+    return whole;
   }
 
   /// The facets that the header counts, and those behind that it does not.

@@ -91,6 +91,24 @@ TEST_F(StlReader, HeadersThatSaySolidOrColour) {
   EXPECT_FALSE(scene_.item_material(1).valid());
 }
 
+/// A writer that leaves bytes out displaces the rest, whose numbers then are of any size.
+TEST_F(StlReader, RecordsBehindMissingBytesAreNoFacets) {
+  std::vector<Facet> facets;
+  for (int i = 0; i < 200; ++i) {
+    const float x = 1.1f * float(i), y = 0.7f * float(i * i % 97);
+    facets.push_back({core::vec3(x, y, 1.3f), {x + 1.7f, y, 2.9f}, {x, y + 1.9f, 3.1f}});
+  }
+  std::string bytes = binary(facets);
+  bytes.erase(84 + 50 * 120 + 12, 26);
+  EXPECT_FALSE(read(bytes));
+  const auto report = read(bytes, {.lenient = true});
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->warnings.size(), 2u);
+  EXPECT_EQ(report->warnings[1].message.substr(0, 43), "byte 6084: what follows is no facets: 79 re");
+  EXPECT_EQ(mesh().indices.size(), 3u * 120);
+  for (const core::vec3& p : mesh().positions) EXPECT_LT(glm::length(p), 1e6f);
+}
+
 TEST_F(StlReader, DamageIsToldOnceUntilSomethingBegins) {
   const std::string words = "vertex 1 2 3 lost words\n";
   const auto report = read(
