@@ -103,15 +103,15 @@ core::Expected<MeshSharing::Use> ImportJob::use_of(core::Mesh mesh) {
 bool ImportJob::add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name,
                          const core::Affine& placement, core::MaterialId material, std::uint64_t offset) {
   CentredMesh centred_mesh = centred(polygons);
-  const std::string_view called = name.empty() ? std::string_view("mesh") : name;
+  const std::string called = name.empty() || name == file_ ? std::string() : fmt::format("{}: ", name);
   if (centred_mesh.dropped > 0)
-    warn(offset, fmt::format("{}: {} faces dropped: fewer than 3 corners, or a corner not finite or beyond {:g}",
-                             called, centred_mesh.dropped, kLargestCoordinate));
+    warn(offset, fmt::format("{}{} faces dropped: fewer than 3 corners, or a corner not finite or beyond {:g}", called,
+                             centred_mesh.dropped, kLargestCoordinate));
   if (centred_mesh.flat > 0)
     warn(offset,
-         fmt::format("{}: {} faces of more than 3 corners have no area and are left out", called, centred_mesh.flat));
+         fmt::format("{}{} faces of more than 3 corners have no area and are left out", called, centred_mesh.flat));
   if (centred_mesh.mended_normals > 0)
-    warn(offset, fmt::format("{}: {} normals that are not finite become those of the faces", called,
+    warn(offset, fmt::format("{}{} normals that are not finite become those of the faces", called,
                              centred_mesh.mended_normals));
   centred_mesh.mesh.name = name;
   return add_mesh(node, std::move(centred_mesh.mesh), placement * core::translation(centred_mesh.centre), material);

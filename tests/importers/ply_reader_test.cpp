@@ -448,7 +448,7 @@ TEST_F(PlyReader, WhatIsNotNeededIsLostAlone) {
   const std::string normal = "property float nx\nproperty float ny\nproperty float nz\n";
   std::string text = triangle_with(normal, "1 0 0");
   text.replace(text.find("0 1 0 1 0 0"), 11, "0 1 0 nan nan nan");
-  expect_warning(read(text), "model.ply: 1 normals that are not finite become those of the faces");
+  expect_warning(read(text), "1 normals that are not finite become those of the faces");
   EXPECT_EQ(mesh().normals, (std::vector<core::vec3>{{1, 0, 0}, {1, 0, 0}, {0, 0, 1}}));
 }
 

@@ -3,8 +3,8 @@
 //
 // Of a binary file the records decide where count and length contradict each other: records beyond the count that look
 // like facets are read, other bytes there are ignored, both with a warning; so is a count of more than there is. Damage
-// is a file that ends within a facet. When lenient its whole facets are read, up to where records are no facets any more:
-// bytes that are missing within a file displace all behind them.
+// is a file that ends within a facet. When lenient its whole facets are read, up to where records are no facets any
+// more: bytes that are missing within a file displace all behind them.
 //
 // Why no library: admesh and VTK read from files alone, and convert text to float.
 #pragma once
