@@ -439,11 +439,13 @@ core::Expected<void> Drawing::draw_solid(const Culled& culled, double began) {
   }
   const core::VisibleSet& large = leave_out_small(culled, contribution_);
   const std::int64_t count = std::int64_t(culled.snapshot.count(large));
-  const bool tested = tests_occlusion(culled.with(large), count);
+  const OcclusionWay way = occlusion_way(culled.with(large), count);
+  const bool tested = way != OcclusionWay::kOff;
   if (tested) {
     const bool rehearses = &large == &culled.visible && may_rehearse(culled);
     const auto draw_tested = [&] { return rehearses ? draw_rehearsed(culled) : draw_in_passes(culled.with(large)); };
-    if (auto done = beside_part_ ? measure_ways(culled.with(large), draw_tested) : draw_tested(); !done) return done;
+    const bool measures = way == OcclusionWay::kOnBesidePart;
+    if (auto done = measures ? measure_ways(culled.with(large), draw_tested) : draw_tested(); !done) return done;
   } else {
     picture_->passes.reset();
     if (auto done = draw_at_once(culled.with(large)); !done) return done;
@@ -568,15 +570,12 @@ void Drawing::set_contribution(float pixels, ContributionWay way) {
 
 /// Between passes the depth is read back, which stalls a GPU, but is a copy in memory on a software rasteriser; frames
 /// that are rehearsed need none of it. Few items are not worth it.
-bool Drawing::tests_occlusion(const Culled& candidates, std::int64_t count) {
-  beside_part_ = false;
-  if (!may_test_occlusion()) return false;
-  if (occlusion_ == OcclusionChoice::kOn) return true;
-  if (count < std::int64_t(software() ? kSmallOcclusionScene : kSmallOcclusionSceneForGpu)) return false;
-  const OcclusionWay way = occlusion_switch_.use(
+OcclusionWay Drawing::occlusion_way(const Culled& candidates, std::int64_t count) {
+  if (!may_test_occlusion()) return OcclusionWay::kOff;
+  if (occlusion_ == OcclusionChoice::kOn) return OcclusionWay::kOn;
+  if (count < std::int64_t(software() ? kSmallOcclusionScene : kSmallOcclusionSceneForGpu)) return OcclusionWay::kOff;
+  return occlusion_switch_.use(
       mean_area(candidates.view, candidates.snapshot.bounds(), candidates.visible, picture_->target.height()));
-  beside_part_ = way == OcclusionWay::kOnBesidePart;
-  return way != OcclusionWay::kOff;
 }
 
 namespace {

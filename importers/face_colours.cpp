@@ -48,12 +48,10 @@ class Splitter {
     for (std::size_t i = 1; i < faces_of_.size(); ++i) faces_of_[i] += faces_of_[i - 1];
     faces_.resize(colours.size());
     std::vector<std::size_t> next(faces_of_.begin(), faces_of_.end() - 1);
-    std::size_t corner = 0;
-    for (std::size_t face = 0; face < colours.size(); ++face) {
-      const std::uint32_t size = from.face_sizes.empty() ? 3 : from.face_sizes[face];
-      faces_[next[table.number_of(colours[face])]++] = {corner, size};
-      corner += size;
-    }
+    std::size_t face = 0;
+    for_each_face(from, [&](std::size_t first, std::uint32_t size) {
+      faces_[next[table.number_of(colours[face++])]++] = {first, size};
+    });
   }
 
   std::size_t parts() const { return parts_; }
@@ -64,7 +62,7 @@ class Splitter {
     for (std::size_t f = faces_of_[colour]; f < faces_of_[colour + 1]; ++f) {
       for (std::size_t c = faces_[f].first; c < faces_[f].first + faces_[f].size; ++c)
         to.corners.push_back(place_of(from_.corners[c]));
-      to.end_face(faces_[f].size);
+      end_face(to, faces_[f].size);
     }
     to.positions.reserve(used_.size());
     if (!from_.normals.empty()) to.normals.reserve(used_.size());
@@ -177,12 +175,9 @@ std::vector<PackedColour> colours_from_vertices(const PolygonMesh& polygons,
                                                 const std::vector<PackedColour>& of_vertices) {
   std::vector<PackedColour> colours;
   colours.reserve(polygons.face_count());
-  std::size_t first = 0;
-  for (std::size_t face = 0; face < polygons.face_count(); ++face) {
-    const std::size_t size = polygons.face_sizes.empty() ? 3 : polygons.face_sizes[face];
+  for_each_face(polygons, [&](std::size_t first, std::uint32_t size) {
     colours.push_back(linear_mean(std::span(polygons.corners).subspan(first, size), of_vertices));
-    first += size;
-  }
+  });
   return colours;
 }
 

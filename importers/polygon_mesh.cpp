@@ -16,18 +16,6 @@ bool usable(const core::dvec3& p) {
          std::abs(p.z) <= kLargestCoordinate;  // false for NaN
 }
 
-/// Calls visit(first corner, corners) for each face.
-template <class Visit>
-void for_each_face(const PolygonMesh& polygons, Visit&& visit) {
-  std::size_t first = 0;
-  if (polygons.face_sizes.empty())
-    for (; first + 3 <= polygons.corners.size(); first += 3) visit(first, std::uint32_t{3});
-  for (const std::uint32_t size : polygons.face_sizes) {
-    visit(first, size);
-    first += size;
-  }
-}
-
 class Centring {
  public:
   explicit Centring(const PolygonMesh& polygons) : from_(polygons) {}
@@ -39,7 +27,7 @@ class Centring {
       if (good(first, size)) add_face(first, size);
     });
     if (to_.flat > 0) drop_unused_vertices();
-    if (!to_.mesh.normals.empty()) mend_normals();
+    mend_normals();
     return std::move(to_);
   }
 
@@ -118,14 +106,15 @@ class Centring {
   /// A normal that is not finite becomes that of the triangles about its vertex, so that the others can stay.
   void mend_normals() {
     core::Mesh& mesh = to_.mesh;
+    const auto is_bad = [](const core::vec3& normal) { return !core::is_finite(core::dvec3(normal)); };
+    if (std::none_of(mesh.normals.begin(), mesh.normals.end(), is_bad)) return;
     std::vector<bool> bad(mesh.normals.size());
     for (std::size_t i = 0; i < bad.size(); ++i) {
-      bad[i] = !core::is_finite(core::dvec3(mesh.normals[i]));
+      bad[i] = is_bad(mesh.normals[i]);
       if (!bad[i]) continue;
       mesh.normals[i] = core::vec3(0.0f);
       ++to_.mended_normals;
     }
-    if (to_.mended_normals == 0) return;
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
       const std::array corners{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
                                mesh.positions[mesh.indices[i + 2]]};

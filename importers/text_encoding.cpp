@@ -103,6 +103,13 @@ std::span<const std::byte> without_utf16(ImportJob& job, std::span<const std::by
   return std::as_bytes(std::span(decoded));
 }
 
+std::string_view as_utf8(ImportJob& job, std::string_view text, std::string_view what, std::string& decoded) {
+  if (is_utf8(text)) return text;
+  job.warn(0, fmt::format("{} is not UTF-8: taken for Windows-1252", what));
+  decoded = utf8_from_windows_1252(text);
+  return decoded;
+}
+
 std::string excerpt(std::string_view text) {
   constexpr std::size_t kMost = 40;
   std::string shown = utf8_by_guess(text);

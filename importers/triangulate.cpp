@@ -339,14 +339,14 @@ void triangulate_polygon(std::span<const vec3> vertices, std::span<const std::ui
     if (done[k] || contour_sizes[k] < 3) continue;
     const auto outline = vertices.subspan(firsts[k], contour_sizes[k]);
     const dvec3 normal = newell_normal(outline);
+    const bool flat = !(glm::dot(normal, normal) > 0.0), alone = k + 1 == contour_sizes.size();
+    const Projection project(normal);
+    if (!flat && alone && quick(outline, project, base + firsts[k], indices)) continue;
     if (cancels_out(outline, normal, steps_left)) {
       fan(outline, base + firsts[k], indices);
       continue;
     }
-    if (!(glm::dot(normal, normal) > 0.0)) continue;
-    const Projection project(normal);
-    const bool alone = k + 1 == contour_sizes.size();
-    if (alone && quick(outline, project, base + firsts[k], indices)) continue;
+    if (flat) continue;
     EarClipper clipper(vertices, project, base, steps_left, indices);
     clipper.set_outline(firsts[k], contour_sizes[k]);
     for (std::size_t h = k + 1; h < contour_sizes.size() && --steps_left > 0; ++h)

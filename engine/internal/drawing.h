@@ -215,7 +215,7 @@ class Drawing {
   bool may_test_occlusion() const {
     return occlusion_ != OcclusionChoice::kOff && picture_->target.format().samples == 1;
   }
-  bool tests_occlusion(const Culled& candidates, std::int64_t count);
+  OcclusionWay occlusion_way(const Culled& candidates, std::int64_t count);
   bool may_test_occlusion(const culling::GpuCuller& culler) const;
   bool tests_occlusion_on_gpu(std::size_t items) const;
   core::Expected<void> draw_others(const core::Snapshot& snapshot);
@@ -295,8 +295,7 @@ class Drawing {
   std::vector<core::Slot> at_near_plane_;
   culling::CullThreads threads_;  // for the occlusion test; none begins before the first large set
   OcclusionSwitch occlusion_switch_;
-  bool beside_part_ = false;  // this frame is drawn as OcclusionWay::kOnBesidePart
-  core::Slot part_ = 0;       // of that
+  core::Slot part_ = 0;  // of the frame that measured last
   Counts counts_;
   std::optional<culling::GpuCuller> culler_;
   std::optional<culling::GpuCuller::Picture>

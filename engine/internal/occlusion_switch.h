@@ -29,8 +29,8 @@ class OcclusionSwitch {
     class_ = class_of(area);
     return ways_[class_].use();
   }
-  /// What that frame has taken if it was kOnBesidePart, both from an idle start to the end of all work: the frame with
-  /// the test, and the part. Both must be positive, or the frame tells nothing.
+  /// Tells what that frame has taken if it was kOnBesidePart, both from an idle start to the end of all work: the frame
+  /// with the test, and the part. Both must be positive, or the frame tells nothing.
   void measured(double on_ms, double part_ms) {
     if (!(on_ms > 0.0 && part_ms > 0.0)) return;
     Way& way = ways_[class_];
@@ -55,8 +55,8 @@ class OcclusionSwitch {
     }
     /// Returns whether the way is found anew.
     bool measured(double on_ms, double off_ms);
-    /// What another class has found, for one that has measured nothing. It measures later, and where the ways differ by
-    /// much, much later.
+    /// A class that has measured nothing takes what another one has found. It measures later, and where the ways differ
+    /// by much, much later.
     void begin_with(const Way& other) {
       if (known_) return;
       used_ = other.used_;

@@ -230,11 +230,7 @@ core::Expected<void> GltfDocument::open(Bytes bytes) {
   std::string decoded;
   if (text.data() == as_text(bytes).data()) text = as_text(without_utf16(job_, bytes, decoded));
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  if (!is_utf8(text)) {
-    job_.warn(0, "the JSON is not UTF-8: taken for Windows-1252");
-    decoded = utf8_from_windows_1252(text);
-    text = decoded;
-  }
+  text = as_utf8(job_, text, "the JSON", decoded);
   auto parsed = parse_json(text, job_.file(), kMaxGltfDepth);
   if (!parsed) return tl::unexpected(std::move(parsed.error()));
   root_ = std::move(*parsed);

@@ -64,9 +64,9 @@ core::Expected<GltfMaterials::Look> GltfMaterials::make(const GltfElement& eleme
   double factor[4] = {1.0, 1.0, 1.0, 1.0};
   if (auto read = gltf_numbers(*pbr, names.factor, where, factor, 4); !read) return tl::unexpected(read.error());
   // Writers of both models state how much shows through in either.
-  if (const Json* core = gltf_find(*element.json, "pbrMetallicRoughness"); core && core != pbr) {
+  if (const Json* newer = gltf_find(*element.json, "pbrMetallicRoughness"); newer && newer != pbr) {
     double other[4] = {1.0, 1.0, 1.0, 1.0};
-    if (gltf_numbers(*core, "baseColorFactor", where, other, 4)) factor[3] = std::min(factor[3], other[3]);
+    if (gltf_numbers(*newer, "baseColorFactor", where, other, 4)) factor[3] = std::min(factor[3], other[3]);
   }
   note_left_out(*element.json);
   const std::string mode = gltf_text(*element.json, "alphaMode");

@@ -15,14 +15,29 @@ struct PolygonMesh {
   std::vector<std::uint32_t> corners;     ///< counter-clockwise from outside, faces back to back
   std::vector<std::uint32_t> face_sizes;  ///< empty: all faces are triangles
 
-  /// Makes the last `size` corners a face. For readers that add faces one by one.
-  void end_face(std::uint32_t size) {
-    if (size == 3 && face_sizes.empty()) return;
-    if (face_sizes.empty()) face_sizes.assign((corners.size() - size) / 3, 3);
-    face_sizes.push_back(size);
-  }
   std::size_t face_count() const { return face_sizes.empty() ? corners.size() / 3 : face_sizes.size(); }
 };
+
+/// Makes the last `size` corners a face, for readers that add faces one by one. `mesh`: a PolygonMesh, or what holds
+/// `corners` of another type and `face_sizes` as it does.
+template <class Mesh>
+void end_face(Mesh& mesh, std::uint32_t size) {
+  if (size == 3 && mesh.face_sizes.empty()) return;
+  if (mesh.face_sizes.empty()) mesh.face_sizes.assign((mesh.corners.size() - size) / 3, 3);
+  mesh.face_sizes.push_back(size);
+}
+
+/// Calls visit(first corner, corners) for each face of the same.
+template <class Mesh, class Visit>
+void for_each_face(const Mesh& mesh, Visit&& visit) {
+  std::size_t first = 0;
+  if (mesh.face_sizes.empty())
+    for (; first + 3 <= mesh.corners.size(); first += 3) visit(first, std::uint32_t{3});
+  for (const std::uint32_t size : mesh.face_sizes) {
+    visit(first, size);
+    first += size;
+  }
+}
 
 /// A coordinate beyond this counts as damage: items that reach 1e37 m cannot be committed.
 inline constexpr double kLargestCoordinate = 1e36;

@@ -28,6 +28,10 @@ std::optional<std::string> utf8_from_utf16(std::span<const std::byte> file);
 /// A file as its reader expects it: text in UTF-16 as UTF-8, which `decoded` then holds, with a warning.
 std::span<const std::byte> without_utf16(ImportJob& job, std::span<const std::byte> file, std::string& decoded);
 
+/// A whole text as UTF-8: as it is, or decoded from Windows-1252 into `decoded`, with a warning that names it as
+/// `what`.
+std::string_view as_utf8(ImportJob& job, std::string_view text, std::string_view what, std::string& decoded);
+
 /// The begin of a file's text for a message: on one line, decoded, in quotes.
 std::string excerpt(std::string_view text);
 

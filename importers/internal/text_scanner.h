@@ -95,7 +95,7 @@ class TextScanner {
     if (*at_++ == '\r' && at_ != end_ && *at_ == '\n') ++at_;
     return true;
   }
-  /// What is left of the text. Takes nothing.
+  /// Returns what is left of the text, and takes nothing.
   std::string_view rest() const { return {at_, end_}; }
   void pass(std::size_t bytes) { at_ += bytes; }
   /// Goes back to what rest() was, if line() was not asked behind the line's end.

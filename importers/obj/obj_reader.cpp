@@ -224,10 +224,7 @@ class ObjParser {
   void add_face() {
     Part& part = current_part();
     part.corners.insert(part.corners.end(), corners_.begin(), corners_.end());
-    const std::size_t size = corners_.size();
-    if (size == 3 && part.face_sizes.empty()) return;
-    if (part.face_sizes.empty()) part.face_sizes.assign((part.corners.size() - size) / 3, 3);
-    part.face_sizes.push_back(std::uint32_t(size));
+    end_face(part, std::uint32_t(corners_.size()));
   }
 
   Part& current_part() {

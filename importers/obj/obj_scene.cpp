@@ -20,18 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Calls visit(first corner, corners) for each face.
-template <class Visit>
-void for_each_face_of(const Part& part, Visit&& visit) {
-  std::size_t first = 0;
-  if (part.face_sizes.empty())
-    for (; first + 3 <= part.corners.size(); first += 3) visit(first, std::size_t{3});
-  for (const std::uint32_t size : part.face_sizes) {
-    visit(first, std::size_t{size});
-    first += size;
-  }
-}
-
 /// Makes a mesh of a part with vertices of its own: each pair of position and normal once.
 class PartMesh {
  public:
@@ -68,7 +56,7 @@ class PartMesh {
 
   /// Corners without a normal get that of their face, behind the file's own ones.
   void give_normals(Part& part) {
-    for_each_face_of(part, [&](std::size_t first, std::size_t size) {
+    for_each_face(part, [&](std::size_t first, std::size_t size) {
       const std::span<Corner> face(part.corners.data() + first, size);
       const auto lacks = [](const Corner& c) { return c.normal == core::kNone; };
       if (std::none_of(face.begin(), face.end(), lacks)) return;

@@ -423,7 +423,7 @@ class PlyBody {
         add_strip();
       } else {
         mesh_.corners.insert(mesh_.corners.end(), corners_.begin(), corners_.end());
-        mesh_.end_face(std::uint32_t(corners_.size()));
+        end_face(mesh_, std::uint32_t(corners_.size()));
       }
       if (colours || !face_colours_.empty())
         face_colours_.resize(mesh_.face_count(), colours ? record.colour(layout) : kNoColour);
@@ -443,7 +443,7 @@ class PlyBody {
       if (i < begin + 2) continue;
       const std::size_t odd = (i - begin) & 1;
       for (const std::size_t corner : {i - 2 + odd, i - 1 - odd, i}) mesh_.corners.push_back(corners_[corner]);
-      mesh_.end_face(3);
+      end_face(mesh_, 3);
     }
   }
 

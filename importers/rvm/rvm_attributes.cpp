@@ -67,7 +67,7 @@ class AttributeText {
   }
 
   core::Expected<void> read_header() {
-    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf", kMagic = "CADC_Attributes_File";
+    constexpr std::string_view kMagic = "CADC_Attributes_File";
     if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
     const std::string_view line = next_line();
     if (!trimmed(line).starts_with(kMagic))
@@ -214,13 +214,8 @@ core::Expected<ImportReport> read_rvm_attributes(std::span<const std::byte> byte
     job.report().bytes = bytes.size();
     std::string decoded;
     const auto utf8 = without_utf16(job, bytes, decoded);
-    std::string_view text(reinterpret_cast<const char*>(utf8.data()), utf8.size());
-    if (!is_utf8(text)) {
-      job.warn(0, "the text is not UTF-8: taken for Windows-1252");
-      decoded = utf8_from_windows_1252(text);
-      text = decoded;
-    }
-    const auto elements = AttributeText(text, job).parse();
+    const std::string_view text(reinterpret_cast<const char*>(utf8.data()), utf8.size());
+    const auto elements = AttributeText(as_utf8(job, text, "the text", decoded), job).parse();
     if (!elements) return tl::unexpected(elements.error());
     GroupIndex groups(scene, files_for(scene, parent, job.file_node(), path.stem().string()));
     const std::vector<core::NodeId> group_of = match(*elements, groups);

@@ -35,8 +35,7 @@ std::size_t claimed_facets(std::span<const std::byte> bytes) {
   return little<std::uint32_t>(bytes.data() + kHeaderBytes - 4);
 }
 
-// --- which form
-// --------------------------------------------------------------------------------------------------------
+// --- which form ------------------------------------------------------------------------------------------------------
 
 constexpr bool is_zero(std::byte b) {
   return b == std::byte{0};
@@ -87,19 +86,25 @@ bool is_wide_text(std::span<const std::byte> bytes) {
 // --- binary
 // ------------------------------------------------------------------------------------------------------------
 
+/// Whether any facet has other attributes than 0.
+bool has_attributes(std::span<const std::byte> bytes, std::size_t facets) {
+  for (std::size_t i = 0; i < facets; ++i)
+    if (little<std::uint16_t>(bytes.data() + kHeaderBytes + i * kFacetBytes + 48) != 0) return true;
+  return false;
+}
+
 /// What attribute bytes mean in this file: colours of five bits a channel, in one of three ways.
 class AttributeColours {
  public:
-  /// `any`: whether any facet has other attributes than 0.
-  AttributeColours(std::span<const std::byte> header, bool any) {
-    const std::string_view text(reinterpret_cast<const char*>(header.data()), kHeaderBytes - 4);
+  AttributeColours(std::span<const std::byte> bytes, std::size_t facets) {
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), kHeaderBytes - 4);
     const std::size_t key = text.find("COLOR=");
     if (key == std::string_view::npos || key + 10 > text.size()) return;
     const auto byte = [&](std::size_t i) { return std::uint32_t(std::uint8_t(text[key + 6 + i])); };
     if (text.substr(key + 9).starts_with(" MATERIAL=")) {
       way_ = Way::kMeshLab;
     } else {
-      way_ = any ? Way::kMagics : Way::kDefault;
+      way_ = has_attributes(bytes, facets) ? Way::kMagics : Way::kDefault;
       default_ = pack_colour(byte(0), byte(1), byte(2), byte(3));
     }
   }
@@ -133,12 +138,6 @@ class AttributeColours {
   Way way_ = Way::kVisCam;
   PackedColour default_ = kNoColour;
 };
-
-bool has_attributes(std::span<const std::byte> bytes, std::size_t facets) {
-  for (std::size_t i = 0; i < facets; ++i)
-    if (little<std::uint16_t>(bytes.data() + kHeaderBytes + i * kFacetBytes + 48) != 0) return true;
-  return false;
-}
 
 dvec3 vector_at(const std::byte* from) {
   return {little<float>(from), little<float>(from + 4), little<float>(from + 8)};
@@ -174,7 +173,7 @@ class FacetCount {
   core::Expected<std::size_t> run() {
     const std::size_t whole = body_ / kFacetBytes;
     if (claimed_ > whole || claimed_ == 0) {
-      const std::size_t likely = likely_facets(whole);
+      const std::size_t likely = likely_facets(0, whole);
       if (whole > 0 && likely == whole && body_ % kFacetBytes == 0 && !is_fill(whole - 1)) {
         warn_of_count(whole);
         return whole;
@@ -202,9 +201,9 @@ class FacetCount {
 
   bool is_fill(std::size_t i) const { return std::all_of(record(i), record(i + 1), is_zero); }
 
-  std::size_t likely_facets(std::size_t whole) const {
+  std::size_t likely_facets(std::size_t first, std::size_t end) const {
     std::size_t likely = 0;
-    for (std::size_t i = 0; i < whole; ++i) likely += may_be_facet(record(i)) ? 1 : 0;
+    for (std::size_t i = first; i < end; ++i) likely += may_be_facet(record(i)) ? 1 : 0;
     return likely;
   }
 
@@ -214,9 +213,7 @@ class FacetCount {
     for (std::size_t i = 0; i < whole; ++i) {
       if (may_be_facet(record(i))) continue;
       const std::size_t end = std::min(whole, i + kLookedAt);
-      std::size_t likely = 0;
-      for (std::size_t k = i; k < end; ++k) likely += may_be_facet(record(k)) ? 1 : 0;
-      if (2 * likely >= end - i) continue;
+      if (2 * likely_facets(i, end) >= end - i) continue;
       const std::size_t at = kHeaderBytes + i * kFacetBytes;
       job_.warn(at, fmt::format("byte {}: what follows is no facets: {} records left out", at, whole - i));
       return i;
@@ -253,7 +250,7 @@ core::Expected<void> read_binary(ImportJob& job, std::span<const std::byte> byte
   if (3 * facets >= core::kNone)
     return core::fail(fmt::format("{}: expected fewer than {} facets, found {}", job.file(), core::kNone / 3, facets));
 
-  const AttributeColours colour_of(bytes, has_attributes(bytes, facets));
+  const AttributeColours colour_of(bytes, facets);
   VertexWelder welder(facets / 2);  // closed surfaces have half as many vertices as facets
   PolygonMesh mesh;
   mesh.corners.reserve(3 * facets);

@@ -16,6 +16,7 @@
 #include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
 
+#include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/vtk/internal/vtk_grid.h"
 
 namespace sightline::importers {
@@ -181,8 +182,8 @@ class LegacyParser {
 
   // --- structure ----------------------------------------------------------------------------------------------------
   Done header() {
-    constexpr std::string_view kBegin = "# vtk DataFile Version ", kMark = "\xef\xbb\xbf";
-    if (text_.starts_with(kMark)) at_ = kMark.size();
+    constexpr std::string_view kBegin = "# vtk DataFile Version ";
+    if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
     const std::size_t end = text_.find_first_of("\r\n", at_);
     if (end != text_.npos && text_[end] == '\r' && text_.substr(end, 2) != "\r\n") end_of_line_ = '\r';
     const std::string_view first = rest_of_line();

@@ -84,7 +84,7 @@ class FaceCollector {
  private:
   void add(vtkIdType cell, std::span<const vtkIdType> ids) {
     for (const vtkIdType id : ids) faces.mesh.corners.push_back(std::uint32_t(id));
-    faces.mesh.end_face(std::uint32_t(ids.size()));
+    end_face(faces.mesh, std::uint32_t(ids.size()));
     if (colours_) faces.colours.push_back(colour_at(*colours_, cell));
   }
 

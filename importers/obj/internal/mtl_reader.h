@@ -18,7 +18,7 @@ namespace sightline::importers::obj {
 /// The diffuse colour of a material that states none, as the format's description has it.
 inline constexpr float kDefaultDiffuse = 0.8f;
 
-/// What the reader keeps of a material.
+/// A material, as far as the reader keeps it.
 struct LibraryMaterial {
   std::string name;  // decoded
   std::optional<core::vec3> diffuse;

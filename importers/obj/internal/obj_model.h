@@ -18,7 +18,7 @@ struct Corner {
   friend bool operator==(const Corner&, const Corner&) = default;
 };
 
-/// What faces belong to: numbers of names; kNone where there is none.
+/// Faces belong to an object, a group and a material, by the numbers of their names; kNone where there is none.
 struct Place {
   std::uint32_t object = core::kNone, group = core::kNone, material = core::kNone;
   friend auto operator<=>(const Place&, const Place&) = default;
