@@ -19,7 +19,7 @@
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/engine/engine.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
 #include "sightline/json/internal/json.h"
 

@@ -39,8 +39,8 @@
 #include "sightline/core/camera_path.h"
 #include "sightline/core/internal/srgb.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
-#include "sightline/engine/internal/drawing.h"
 #include "sightline/engine/internal/rebuild.h"
 #include "sightline/image/image_metrics.h"
 #include "sightline/json/internal/json.h"
@@ -220,6 +220,7 @@ class Subject {
   }
 
   engine::Engine& engine() { return engine_; }
+  const engine::DrawCounts& counts() const { return counts_; }  ///< of the last draw()
 
   /// Until the picture is complete, culling included.
   core::Expected<Took> draw(const Rule& rule, const core::View& view) {
@@ -242,8 +243,10 @@ class Subject {
       keep_large(view, snapshot, least_diagonal(rule, view, target.width(), target.height()), visible_, large_);
       shown = &large_;
     }
-    if (auto done = drawing.draw({view, snapshot, *shown, lines_, &culler_.hierarchy()}, 0); !done)
-      return tl::unexpected(done.error());
+    const engine::Culled culled{view, snapshot, *shown, lines_, &culler_.hierarchy()};
+    const auto drawn = drawing.draw({.view = view, .culled = culled, .all = false});
+    if (!drawn) return tl::unexpected(drawn.error());
+    counts_ = drawn->counts;
     drawing.finish();
     return Took{milliseconds() - begin.ms, processor_milliseconds() - begin.processor_ms};
   }
@@ -263,6 +266,7 @@ class Subject {
   engine::Engine engine_;
   culling::CpuCuller culler_;
   core::VisibleSet visible_, large_;
+  engine::DrawCounts counts_;
   std::vector<std::uint64_t> lines_;  // a bit per slot
 };
 
@@ -304,9 +308,8 @@ core::Expected<void> compare(Subject& subject, const ViewPair& views, const std:
     auto read = subject.engine().read_ids();
     if (!read) return tl::unexpected(read.error());
     ids = std::move(*read);
-    const auto& counts = subject.engine().drawing()->counts();
-    figures.items.push_back(double(counts.shown));
-    figures.squares.push_back(double(counts.squares));
+    figures.items.push_back(double(subject.counts().shown));
+    figures.squares.push_back(double(subject.counts().squares));
   }
   if (figures.rule.measure == Rule::Measure::kNone) full_ids = ids;
   const auto metrics = image::image_metrics(reference[0], pictures[0]);

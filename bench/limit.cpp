@@ -17,8 +17,8 @@
 #include "sightline/bench/harness.h"
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
-#include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
 #include "sightline/json/internal/json.h"
 
@@ -127,7 +127,8 @@ class Bench {
     std::sort(owners.items.begin(), owners.items.end());
     owners.items.erase(std::unique(owners.items.begin(), owners.items.end()), owners.items.end());
     return timed(engine, [&]() -> core::Expected<std::int64_t> {
-      const auto drawn = engine.drawing()->draw({view, snapshot, owners}, 0);
+      const engine::Culled culled{view, snapshot, owners};
+      const auto drawn = engine.drawing()->draw({.view = view, .culled = culled, .all = false});
       if (!drawn) return tl::unexpected(drawn.error());
       return std::int64_t(owners.items.size());
     });

@@ -17,7 +17,7 @@
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/engine/engine.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/json/internal/json.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/engine/pick.h"

@@ -21,7 +21,7 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/importers/import.h"
 #include "sightline/json/internal/json.h"

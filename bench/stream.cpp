@@ -19,7 +19,7 @@
 #include "sightline/bench/harness.h"
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/gpuprims/internal/sphere.h"
 
 namespace sightline::bench::stream_bench {

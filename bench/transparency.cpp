@@ -18,7 +18,7 @@
 #include "sightline/bench/subcommands.h"
 #include "sightline/core/scene.h"
 #include "sightline/engine/engine.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/image/image.h"
 #include "sightline/json/internal/json.h"
 

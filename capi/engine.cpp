@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <glm/gtc/type_ptr.hpp>
@@ -126,8 +127,10 @@ sl_status sl_engine_frame(sl_engine handle, const sl_view* view, const sl_view* 
   return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
     if (report) check_result(report);
     const core::View drawn = view_of(view);
+    std::optional<core::View> culled_by;
+    if (cull_view) culled_by = view_of(cull_view);
     const engine::FrameReport done =
-        value_of(cull_view ? engine->frame(drawn, view_of(cull_view)) : engine->frame(drawn));
+        value_of(engine->frame({.view = drawn, .cull_view = culled_by ? &*culled_by : nullptr}));
     if (report) write(report, report_of(done));
   });
 }

@@ -4,131 +4,146 @@
 #include <tuple>
 #include <utility>
 
-#include "sightline/core/internal/deadline.h"
-#include "sightline/engine/engine.h"
 #include "sightline/engine/internal/clock.h"
-#include "sightline/engine/internal/engine_impl.h"
+#include "sightline/engine/internal/engine_state.h"
 
 namespace sightline::engine {
 namespace {
 
 constexpr double kTryAgain = 0.5;  // seconds between tries to make a context
 
+/// Makes a backend that shows the live order.
+core::Expected<std::unique_ptr<Backend>> make_complete_backend(const EngineState& s) {
+  auto made = make_backend(s.config, s.overrides);
+  if (!made) return made;
+  const auto kept = (*made)->keep_state();
+  auto done = (*made)->rebuild(*s.live.snapshot, s.live.joints, s.live.plan.gpu_culls());
+  if (!done) return tl::unexpected(done.error());
+  return made;
+}
+
 }  // namespace
 
-/// Makes what the plan needs in the context: everything for a new order of the items or a new context, otherwise what
-/// is missing. Does nothing while the context is lost.
-core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
-  if (new_order) coming_.reset();
-  if (!needs_gl()) {
-    drawing_.reset();
+core::Expected<void> follow_plan_in_context(EngineState& s, bool new_order) {
+  if (new_order) s.coming.reset();
+  if (!s.needs_gl()) {
+    s.backend = std::make_unique<Backend>();
     return {};
   }
-  [[maybe_unused]] const auto kept = keep_state();
+  const auto kept = s.keep_state();
   core::Expected<void> done;
-  const bool gpu_culls = live_.plan.gpu_culls();
-  if (drawing_) {
+  const bool gpu_culls = s.live.plan.gpu_culls();
+  if (s.backend->ready()) {
     if (new_order)
-      done = unless_lost(drawing_->rebuild(*live_.snapshot, live_.joints, gpu_culls));
+      done = unless_lost(s, s.backend->rebuild(*s.live.snapshot, s.live.joints, gpu_culls));
     else if (gpu_culls)
-      done = unless_lost(drawing_->add_culler(*live_.snapshot));
-  } else if (next_try_ < 0.0) {
-    auto drawing = Drawing::create(*live_.snapshot, live_.joints, config_, overrides_, gpu_culls);
-    if (!drawing) return tl::unexpected(drawing.error());
-    drawing_ = std::move(*drawing);
+      done = unless_lost(s, s.backend->add_culler(*s.live.snapshot));
+  } else if (s.next_try < 0.0) {
+    auto made = make_complete_backend(s);
+    if (!made) return tl::unexpected(made.error());
+    s.backend = std::move(*made);
   }
-  if (drawing_ && done) done = unless_lost(drawing_->use_picture(picture_, config_.width, config_.height));
-  note_context();
+  if (done) done = unless_lost(s, s.backend->use_image(s.image, s.config.width, s.config.height));
+  note_context(s);
   return done;
 }
 
-/// Detects a lost context, and tries to replace it if the engine made it.
-void Engine::Impl::look_after_context() {
-  if (drawing_ && drawing_->lost()) drop_context();
-  if (next_try_ < 0.0 || config_.context || now_seconds() < next_try_ || !needs_gl()) return;
-  next_try_ = -1.0;
-  if (make_drawing(true)) {
-    if (hybrid_) hybrid_->gpu_ready();
+void look_after_context(EngineState& s) {
+  if (s.backend->lost()) drop_context(s);
+  if (s.next_try < 0.0 || s.config.context || now_seconds() < s.next_try || !s.needs_gl()) return;
+  s.next_try = -1.0;
+  if (follow_plan_in_context(s, true)) {
+    if (s.hybrid) s.hybrid->gpu_ready();
   } else {
-    next_try_ = now_seconds() + kTryAgain;
+    s.next_try = now_seconds() + kTryAgain;
   }
 }
 
-/// Ignores an error that comes from losing the context: the next frame handles the loss.
-core::Expected<void> Engine::Impl::unless_lost(core::Expected<void> done) const {
-  if (!done && drawing_->lost()) return {};
+core::Expected<void> unless_lost(const EngineState& s, core::Expected<void> done) {
+  if (!done && s.backend->lost()) return {};
   return done;
 }
 
-void Engine::Impl::drop_context() {
-  drawing_.reset();
-  coming_.reset();
-  next_try_ = config_.context_later ? std::numeric_limits<double>::infinity() : 0.0;
-  if (hybrid_) hybrid_->gpu_lost();
+void drop_context(EngineState& s) {
+  s.backend = std::make_unique<Backend>();
+  s.coming.reset();
+  s.next_try = s.config.context_later ? std::numeric_limits<double>::infinity() : 0.0;
+  if (s.hybrid) s.hybrid->gpu_lost();
 }
 
-core::Expected<void> Engine::Impl::use_context(gl::Context& context) {
-  if (drawing_ && drawing_->lost()) drop_context();
-  assert(!drawing_ && "the other context is still in use: drop_context()");
-  return take_context(context, nullptr);
+void note_context(EngineState& s) {
+  if (!s.backend->ready()) return;
+  add_context(s.live.plan, !s.config.context, s.backend->platform());
+  if (!s.live.plan.gpu_culls()) return;
+  if (const auto variant = s.backend->gpu_variant())
+    add_gpu_variant(s.live.plan, *variant, s.backend->why_gpu_variant());
 }
 
-core::Expected<bool> Engine::Impl::use_context(gl::Context& context, double seconds) {
-  if (drawing_ && drawing_->lost()) drop_context();
-  assert(!drawing_ && "the other context is still in use: drop_context()");
-  if (coming_ && (coming_in_ != &context || coming_->lost())) coming_.reset();
-  const auto taken = [] { return true; };
-  if (!needs_gl()) return take_context(context, nullptr).map(taken);
-  const core::Deadline deadline = core::deadline_in(seconds);
-  if (!coming_) {
-    EngineConfig config = config_;
-    config.context = &context;
-    auto begun = Drawing::begin(config, overrides_);
-    if (!begun) return tl::unexpected(begun.error());
-    coming_ = std::move(*begun);
-    coming_in_ = &context;
-    if (coming_->lost()) {
-      coming_.reset();
-      return core::fail("engine: the context is lost");
-    }
-  }
-  auto done = coming_->advance(*live_.snapshot, live_.joints, live_.plan.gpu_culls(), deadline);
-  if (done && !*done) return false;
-  if (done && coming_->lost()) done = core::fail("engine: the context is lost");
-  if (!done) {
-    coming_.reset();
-    return done;
-  }
-  return take_context(context, std::move(coming_)).map(taken);
-}
+namespace {
 
-/// `made`: all that there is to draw; null: it is made now.
-core::Expected<void> Engine::Impl::take_context(gl::Context& context, std::unique_ptr<Drawing> made) {
-  coming_.reset();
-  const auto before = std::pair(config_.context, next_try_);
-  config_.context = &context;
-  next_try_ = -1.0;
+/// Draws in a context of the application's from now on. `made`: a backend that has everything to draw; null: it is made
+/// now.
+core::Expected<void> take_context(EngineState& s, gl::Context& context, std::unique_ptr<Backend> made) {
+  s.coming.reset();
+  const auto before = std::pair(s.config.context, s.next_try);
+  s.config.context = &context;
+  s.next_try = -1.0;
   const bool new_order = !made;
-  drawing_ = std::move(made);
-  if (auto done = make_drawing(new_order); !done) {
-    drawing_.reset();
-    std::tie(config_.context, next_try_) = before;
+  s.backend = made ? std::move(made) : std::make_unique<Backend>();
+  if (auto done = follow_plan_in_context(s, new_order); !done) {
+    s.backend = std::make_unique<Backend>();
+    std::tie(s.config.context, s.next_try) = before;
     return done;
   }
-  if (std::exchange(config_.context_later, false)) {
-    hybrid_.reset();  // what it presumes depends on the context
-    follow_hybrid();
+  if (std::exchange(s.config.context_later, false)) {
+    s.hybrid.reset();  // what it presumes depends on the context
+    follow_hybrid(s);
   }
-  if (hybrid_) hybrid_->gpu_ready();
+  if (s.hybrid) s.hybrid->gpu_ready();
   return {};
 }
 
-/// Adds to the plan what is known only once there is a context: how it was made, and the variant of the GPU culler.
-void Engine::Impl::note_context() {
-  if (!drawing_) return;
-  add_context(live_.plan, !config_.context, drawing_->platform());
-  if (!live_.plan.gpu_culls()) return;
-  if (const auto variant = drawing_->gpu_variant()) add_gpu_variant(live_.plan, *variant, drawing_->why_gpu_variant());
+core::Expected<void> begin_coming(EngineState& s, gl::Context& context) {
+  EngineConfig config = s.config;
+  config.context = &context;
+  auto begun = make_backend(config, s.overrides);
+  if (!begun) return tl::unexpected(begun.error());
+  if ((*begun)->lost()) return core::fail("engine: the context is lost");
+  s.coming = std::move(*begun);
+  s.coming_in = &context;
+  return {};
+}
+
+}  // namespace
+
+void Engine::drop_context() {
+  engine::drop_context(*state_);
+}
+
+core::Expected<void> Engine::use_context(gl::Context& context) {
+  if (state_->backend->lost()) drop_context();
+  assert(!state_->backend->ready() && "the other context is still in use: drop_context()");
+  return take_context(*state_, context, nullptr);
+}
+
+core::Expected<bool> Engine::use_context(gl::Context& context, double seconds) {
+  EngineState& s = *state_;
+  if (s.backend->lost()) drop_context();
+  assert(!s.backend->ready() && "the other context is still in use: drop_context()");
+  if (s.coming && (s.coming_in != &context || s.coming->lost())) s.coming.reset();
+  const auto taken = [] { return true; };
+  if (!s.needs_gl()) return take_context(s, context, nullptr).map(taken);
+  const core::Deadline deadline = core::deadline_in(seconds);
+  if (!s.coming)
+    if (auto begun = begin_coming(s, context); !begun) return tl::unexpected(begun.error());
+  auto done = s.coming->advance(*s.live.snapshot, s.live.joints, s.live.plan.gpu_culls(), deadline);
+  if (done && !*done) return false;
+  if (done && s.coming->lost()) done = core::fail("engine: the context is lost");
+  if (!done) {
+    s.coming.reset();
+    return done;
+  }
+  return take_context(s, context, std::move(s.coming)).map(taken);
 }
 
 }  // namespace sightline::engine

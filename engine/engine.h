@@ -126,8 +126,9 @@ struct EngineConfig {
   /// view and scene stay the same, each frame draws more of it, until the picture is complete; then frames draw
   /// nothing. The CPU must cull, as above. Every frame is waited for.
   double budget_ms = 0.0;
-  /// Colour (sRGB) in which frame(view, cull_view) draws the items that the sample test and the occlusion test leave
-  /// out of the picture of cull_view; then these frames are culled on the CPU. None: such items look like all others.
+  /// Colour (sRGB) in which frames with a FrameInput::cull_view draw the items that the sample test and the occlusion
+  /// test leave out of the picture of cull_view; then these frames are culled on the CPU. None: such items look like
+  /// all others.
   std::optional<core::vec3> hidden_colour = {};
   Relief relief = {};
   Hatching hatching = {};
@@ -203,6 +204,18 @@ struct MemoryReport {
   std::size_t tracer = 0;                                 ///< 0 before the first pick
 };
 
+/// What a frame shows, and where. Borrowed for the time of the call.
+struct FrameInput {
+  const core::View& view;  ///< that the image shows
+  /// Culls by this view instead: the image then shows from `view` what lies in the view volume of this one, and with
+  /// EngineConfig::hidden_colour what the tests after the culler leave out. So one can look at culling from the side.
+  /// Null, or a view that shows the same (core::same_picture): culls by `view`.
+  const core::View* cull_view = nullptr;
+  const core::ExternalTarget* target = nullptr;  ///< a framebuffer that gets the image, too; null: none
+};
+
+struct EngineState;
+
 class SIGHTLINE_API Engine {
  public:
   /// Told the share that is done, rising to 1, now and then by the thread that calls create(). Returning false before 1
@@ -223,10 +236,8 @@ class SIGHTLINE_API Engine {
   /// the CPU culls and nothing is drawn. An engine that made the context itself makes another one and tries that twice
   /// a second; for the application's context call use_context(). visible(), queries and edits work all the time.
   core::Expected<FrameReport> frame(const core::View& view);
-  /// Draws from `view` what lies in the view volume of `cull_view`, which shows from the side what a culler keeps, and
-  /// with EngineConfig::hidden_colour what the tests after it leave out. As frame(view) where both show the same
-  /// (core::same_picture).
-  core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view);
+  /// The same with a culling view or a target, or both: see FrameInput and the next function.
+  core::Expected<FrameReport> frame(const FrameInput& input);
   /// As frame(view), and puts the picture into a framebuffer of the application's context (core/external_target.h),
   /// with the depth test, in the order of GL's commands: what the application draws there before and after hides, and
   /// is hidden by, what the scene shows. The picture gets the target's size. Several engines, views and framebuffers
@@ -422,8 +433,8 @@ class SIGHTLINE_API Engine {
   /// What the driver has complained of since the last call: see EngineConfig::gl_debug.
   std::vector<std::string> take_gl_errors();
 
-  /// The half that needs GL, for tests and benchmarks of this library (engine/internal/drawing.h). Null when nothing
-  /// needs GL, and while the context is lost. An engine's own context is then current and stays so.
+  /// The half that needs GL, for tests and benchmarks of this library (engine/drawing/internal/drawing.h). Null when
+  /// nothing needs GL, and while the context is lost. An engine's own context is then current and stays so.
   Drawing* drawing();
   /// The covered ends that are not drawn, for tests of this library (gpuprims/internal/joints.h).
   const gpuprims::Joints& joints() const;
@@ -431,10 +442,9 @@ class SIGHTLINE_API Engine {
   const culling::Controller* controller() const;  ///< of the hybrid; null without one
 
  private:
-  class Impl;
-  explicit Engine(std::unique_ptr<Impl> impl);
+  explicit Engine(std::unique_ptr<EngineState> state);
 
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<EngineState> state_;
 };
 
 }  // namespace sightline::engine

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sightline/engine/internal/drawing_or_none.h"
+#include "sightline/engine/internal/backend.h"
 #include "sightline/engine/internal/rebuild.h"
 
 namespace sightline::engine {
@@ -100,7 +100,7 @@ Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, b
 Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, const PlanRequest& request) {
   Plan plan;
   plan_culling(plan, snapshot, request);
-  Drawing::plan_programs(plan, snapshot, request.draw);
+  plan_programs(plan, snapshot, request.draw);
   const std::size_t hidden = joints.count();
   plan.entries.push_back({"hidden ends at joints", hidden > 0, std::to_string(hidden) + " ends lie on a neighbour's"});
   plan_occlusion(plan, snapshot.size(), request);

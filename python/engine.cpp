@@ -63,7 +63,8 @@ void configure(EngineBox& box, std::span<const py::object> changeable) {
 
 engine::FrameReport frame(EngineBox& box, const core::View& view, const std::optional<core::View>& cull_view) {
   const core::View seen = view;  // Python may change the view meanwhile
-  return unwrap(box.call([&](engine::Engine& e) { return cull_view ? e.frame(seen, *cull_view) : e.frame(seen); }));
+  const engine::FrameInput input{.view = seen, .cull_view = cull_view ? &*cull_view : nullptr};
+  return unwrap(box.call([&](engine::Engine& e) { return e.frame(input); }));
 }
 
 engine::FrameReport frame_into(EngineBox& box, const core::View& view, const core::ExternalTarget& target) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sightline/apps/common/statistics.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 
 namespace sightline::apps {
 namespace {

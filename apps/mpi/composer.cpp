@@ -5,7 +5,7 @@
 
 #include <mpi.h>
 
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/render/internal/render_target.h"

@@ -102,7 +102,7 @@ core::Expected<bool> Session::draw() {
   if (frozen_)
     if (auto done = frozen_->follow(engine_, seen->sections, document_.solid_version()); !done)
       return tl::unexpected(done.error());
-  const auto report = engine_.frame(*seen, frozen_ ? frozen_->view() : *seen);
+  const auto report = engine_.frame({.view = *seen, .cull_view = frozen_ ? &frozen_->view() : nullptr});
   if (!report) return tl::unexpected(report.error());
   if (!report->drawn) return core::fail("the GL context was lost");
   drawn_ = *seen;
@@ -120,7 +120,7 @@ core::Expected<void> Session::refine() {
   const core::dvec2 shift = resting_.shift() / core::dvec2(size_[0], size_[1]);
   const auto view = this->view(shift);
   if (!view) return tl::unexpected(view.error());
-  const auto report = engine_.frame(*view, frozen_ ? frozen_->view() : *view);
+  const auto report = engine_.frame({.view = *view, .cull_view = frozen_ ? &frozen_->view() : nullptr});
   if (!report) return tl::unexpected(report.error());
   if (report->pending > 0) return {};
   const auto picture = engine_.read_colour();

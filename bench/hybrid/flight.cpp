@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "sightline/bench/harness.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 
 namespace sightline::bench {
 namespace {

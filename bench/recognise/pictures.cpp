@@ -7,7 +7,7 @@
 #include "sightline/bench/harness.h"
 #include "sightline/bench/renderer.h"
 #include "sightline/core/snapshot.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
 
 namespace sightline::bench {

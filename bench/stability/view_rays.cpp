@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 
 namespace sightline::bench {
 namespace {

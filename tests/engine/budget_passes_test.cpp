@@ -1,5 +1,5 @@
 // What items are drawn in which order within a time, without drawing.
-#include "sightline/engine/internal/budget_passes.h"
+#include "sightline/engine/drawing/internal/budget_passes.h"
 
 #include <cmath>
 #include <set>

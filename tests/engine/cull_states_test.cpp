@@ -132,7 +132,7 @@ TEST_F(CullStatesTest, AgreeWithFramesFromAside) {
   const core::View eye = *core::View::perspective({{-6, 8, 8}, {8, 8, 8}, {0, 0, 1}}, 0.6, 1.5, 0.1),
                    aside = *core::View::perspective({{8, -60, 8}, {8, 8, 8}, {0, 0, 1}}, 0.5, 1.5, 0.1);
   const auto states = engine->cull_states(eye);
-  ASSERT_TRUE(states && engine->frame(aside, eye));
+  ASSERT_TRUE(states && engine->frame({.view = aside, .cull_view = &eye}));
   const auto ids = engine->read_ids();
   const auto colours = engine->read_colour();
   ASSERT_TRUE(ids && colours);

@@ -239,8 +239,8 @@ TEST_F(DrawingTest, DrawsFromAsideWhatAnotherViewSees) {
   std::vector<bool> seen(scene.item_slots());
   for (const core::Slot slot : cpu->visible().sorted_slots()) seen[cpu->snapshot().item(slot)] = true;
   auto gpu = Engine::create(scene, config(CullerChoice::kGpu));
-  ASSERT_TRUE(gpu && gpu->frame(aside, narrow));
-  const auto report = cpu->frame(aside, narrow);
+  ASSERT_TRUE(gpu && gpu->frame({.view = aside, .cull_view = &narrow}));
+  const auto report = cpu->frame({.view = aside, .cull_view = &narrow});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->visible, std::count(seen.begin(), seen.end(), true));
   EXPECT_LT(report->visible, 1000);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sightline/engine/engine.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 

@@ -80,7 +80,8 @@ TEST_F(HybridTest, FramesFromAsideTeachItNothing) {
     }
     const std::uint64_t frames = engine->controller()->frames();
     for (int i = 0; i < 2; ++i) {
-      const auto aside = engine->frame(view(2.0), view(0.1 * round));
+      const core::View cull_view = view(0.1 * round);
+      const auto aside = engine->frame({.view = view(2.0), .cull_view = &cull_view});
       ASSERT_TRUE(aside);
       EXPECT_EQ(name_of(aside->culler), "cpu");
       EXPECT_TRUE(aside->state);

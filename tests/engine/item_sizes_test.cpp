@@ -1,5 +1,5 @@
 // The estimate of how large items look, against all items and against sizes that are plain to see.
-#include "sightline/engine/internal/item_sizes.h"
+#include "sightline/engine/drawing/internal/item_sizes.h"
 
 #include <cmath>
 

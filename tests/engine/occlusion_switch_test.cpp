@@ -1,5 +1,5 @@
 // When the engine tests occlusion, from made-up costs.
-#include "sightline/engine/internal/occlusion_switch.h"
+#include "sightline/engine/drawing/internal/occlusion_switch.h"
 
 #include <cmath>
 #include <functional>
@@ -25,8 +25,8 @@ Flown fly(OcclusionSwitch& choice, int frames, const Cost& cost, const std::func
   std::uniform_real_distribution<double> noise(0.95, 1.05), view(10.0, 100.0);
   Flown flown;
   for (int i = 0; i < frames; ++i) {
-    const OcclusionWay way = choice.use(area ? area(i) : 50.0);
-    const bool on = way != OcclusionWay::kOff, measured = way == OcclusionWay::kOnBesidePart;
+    const OcclusionMode way = choice.use(area ? area(i) : 50.0);
+    const bool on = way != OcclusionMode::kOff, measured = way == OcclusionMode::kOnBesidePart;
     const double of_view = view(random), ms = cost(i, on) * of_view * noise(random);
     const double part_ms = measured ? kPart * cost(i, false) * of_view * noise(random) : 0.0;
     if (measured) choice.measured(ms, part_ms);
@@ -93,7 +93,7 @@ TEST(OcclusionSwitch, ClassesBeginWithWhatOneHasFound) {
 TEST(OcclusionSwitch, TakesAnySize) {
   OcclusionSwitch choice;
   for (const double area : {-1.0, 0.0, 1e-300, 1.0, 3.9, 1e4, 1e300, HUGE_VAL, double(NAN)})
-    EXPECT_NE(choice.use(area), OcclusionWay::kOff);
+    EXPECT_NE(choice.use(area), OcclusionMode::kOff);
 }
 
 TEST(OcclusionSwitch, EqualCostsAreNotMeasuredOften) {
@@ -105,7 +105,7 @@ TEST(OcclusionSwitch, EqualCostsAreNotMeasuredOften) {
 TEST(OcclusionSwitch, FramesWithoutACostTellNothing) {
   OcclusionSwitch choice;
   for (int i = 0; i < 100; ++i) {
-    EXPECT_NE(choice.use(0.0), OcclusionWay::kOff);
+    EXPECT_NE(choice.use(0.0), OcclusionMode::kOff);
     choice.measured(0.0, 1.0);
     choice.measured(1.0, 0.0);
     choice.measured(-1.0, -1.0);

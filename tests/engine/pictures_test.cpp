@@ -2,7 +2,7 @@
 // of every projection.
 #include <gtest/gtest.h>
 
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
 #include "sightline/tests/render/picture_check.h"
 #include "sightline/tests/support/gl_test.h"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/scene.h"
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/tests/engine/ways_to_draw.h"
 
 namespace sightline::tests::scene_parts_test {

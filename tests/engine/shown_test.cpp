@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/gl_test.h"
@@ -388,8 +388,8 @@ TEST_F(Shown, ABudgetIsMadeUpForWhereTheCullingViewIsACopy) {
   auto engine = Engine::create(scene, with);
   ASSERT_TRUE(engine);
   const View view = view_of(random, dvec3(0.0), 4.0 / 3.0), copy = view;
-  auto report = engine->frame(view, copy);
-  for (int i = 0; i < 1000 && report && report->pending > 0; ++i) report = engine->frame(view, copy);
+  auto report = engine->frame({.view = view, .cull_view = &copy});
+  for (int i = 0; i < 1000 && report && report->pending > 0; ++i) report = engine->frame({.view = view, .cull_view = &copy});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->pending, 0);
 }
@@ -447,21 +447,22 @@ TEST_F(HiddenColour, ShowsFromAsideWhatTheTestsLeaveOut) {
       shown.insert(wall);
       if (!tested) shown.insert(behind.begin(), behind.end());
       for (int frame = 0; frame < 3; ++frame) {
-        ASSERT_TRUE(engine->frame(back, front) && plain->frame(back, front));
+        ASSERT_TRUE(engine->frame({.view = back, .cull_view = &front}) &&
+                    plain->frame({.view = back, .cull_view = &front}));
         EXPECT_EQ(items_by_colour(*engine)[1], tested ? set(behind) : std::set<core::ItemId>());
         EXPECT_EQ(items_by_colour(*engine)[0], shown);
         EXPECT_EQ(compare(*engine, *plain, back).pixels, 0) << "the same items";
         EXPECT_TRUE(items_by_colour(*plain)[1].empty());
       }
-      ASSERT_TRUE(engine->frame(close, front));
+      ASSERT_TRUE(engine->frame({.view = close, .cull_view = &front}));
       EXPECT_EQ(items_by_colour(*engine)[1].count(small), 1u) << "no sample lies on it";
 
       ASSERT_TRUE(engine->frame(back) && plain->frame(back));
       EXPECT_EQ(engine->read_colour()->pixels, plain->read_colour()->pixels) << "not frozen";
-      ASSERT_TRUE(engine->frame(back, front));
+      ASSERT_TRUE(engine->frame({.view = back, .cull_view = &front}));
       EXPECT_EQ(items_by_colour(*engine)[1].size(), tested ? behind.size() : 0u) << "frozen again";
       scene.set_visible(wall, false);
-      ASSERT_TRUE(engine->commit() && engine->frame(back, front));
+      ASSERT_TRUE(engine->commit() && engine->frame({.view = back, .cull_view = &front}));
       EXPECT_TRUE(items_by_colour(*engine)[1].empty()) << "an edit has opened the view";
     }
 }
@@ -472,8 +473,9 @@ TEST_F(HiddenColour, WithABudgetAndSeveralSamples) {
   with.budget_ms = 1e-3;
   auto hurried = Engine::create(scene, with);
   ASSERT_TRUE(hurried);
-  auto report = hurried->frame(back, front);
-  for (int i = 0; i < 100 && report && report->pending > 0; ++i) report = hurried->frame(back, front);
+  auto report = hurried->frame({.view = back, .cull_view = &front});
+  for (int i = 0; i < 100 && report && report->pending > 0; ++i)
+    report = hurried->frame({.view = back, .cull_view = &front});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->pending, 0);
   EXPECT_EQ(items_by_colour(*hurried)[1].size(), behind.size());
@@ -484,7 +486,7 @@ TEST_F(HiddenColour, WithABudgetAndSeveralSamples) {
   with.budget_ms = 0.0;
   with.samples = 4;
   auto smooth = Engine::create(scene, with);
-  ASSERT_TRUE(smooth && smooth->frame(back, front));
+  ASSERT_TRUE(smooth && smooth->frame({.view = back, .cull_view = &front}));
   EXPECT_TRUE(items_by_colour(*smooth)[1].empty()) << "occlusion is tested with one sample only";
 }
 
@@ -514,8 +516,8 @@ TEST_F(Shown, ShowsTheInsideOfOpenPipes) {
       {in_pipe, in_pipe, true}, {before, before, false}, {before, at_elbow, true}, {before, before, false}};
   for (const auto& [view, cull_view, open] : cases) {
     for (int frame = 0; frame < 3; ++frame) {
-      const auto report = tested->frame(view, cull_view);
-      ASSERT_TRUE(report && all->frame(view, cull_view));
+      const auto report = tested->frame({.view = view, .cull_view = &cull_view});
+      ASSERT_TRUE(report && all->frame({.view = view, .cull_view = &cull_view}));
       const std::vector<std::uint32_t> expected = all->read_ids()->ids;
       EXPECT_EQ(tested->read_ids()->ids, expected);
       EXPECT_EQ(std::count(expected.begin(), expected.end(), inside + 1) > 5, open);

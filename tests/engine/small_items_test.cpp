@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/engine/internal/drawing.h"
-#include "sightline/engine/internal/solid_areas.h"
+#include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/drawing/internal/solid_areas.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/gl_test.h"

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/importers/import.h"
 #include "sightline/tests/render/pixel_reference.h"
 #include "sightline/tests/support/effort.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::multisample_test {

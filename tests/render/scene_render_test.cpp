@@ -5,12 +5,18 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::scene_render_test {
 namespace {
+
+/// Draws a set without culling.
+bool draw_all(engine::Engine& engine, const core::View& view, const core::VisibleSet& all) {
+  const engine::Culled culled{view, engine.snapshot(), all};
+  return engine.drawing()->draw({.view = view, .culled = culled, .all = false}).has_value();
+}
 
 using core::Affine;
 using core::dvec3;
@@ -191,7 +197,7 @@ TEST_F(SceneRender, UnculledDrawingShowsTheSame) {
     const Picture culled = take(engine, view);
     core::VisibleSet all;
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
-    ASSERT_TRUE(engine.drawing()->draw({view, engine.snapshot(), all}, 0));
+    ASSERT_TRUE(draw_all(engine, view, all));
     expect_same_but_for_ties(culled, picture_of(engine, view));
   }
 }
@@ -367,7 +373,7 @@ TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
   const auto ids_of_everything = [&](const View& view) {
     core::VisibleSet all;
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
-    EXPECT_TRUE(engine.drawing()->draw({view, engine.snapshot(), all}, 0));
+    EXPECT_TRUE(draw_all(engine, view, all));
     engine.finish();
     const image::IdImage image = engine.drawing()->target().read_ids();
     return std::set<std::uint32_t>(image.ids.begin(), image.ids.end());

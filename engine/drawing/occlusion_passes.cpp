@@ -1,4 +1,4 @@
-#include "sightline/engine/internal/occlusion_passes.h"
+#include "sightline/engine/drawing/internal/occlusion_passes.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "sightline/engine/internal/item_sizes.h"
+#include "sightline/engine/drawing/internal/item_sizes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,18 +1,18 @@
-// Functions of Engine that read the drawn picture, and that draw where it was copied to.
+// Functions of Engine that read the drawn image, and that draw over a copy of it.
 #include <algorithm>
 #include <type_traits>
 
-#include "sightline/engine/internal/engine_impl.h"
+#include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_state.h"
 
 namespace sightline::engine {
 namespace {
 
-/// Result of `read` for the picture's target.
-template <class EngineImpl, class Read>
-auto read_from(EngineImpl& engine, Read read)
-    -> core::Expected<std::invoke_result_t<Read, const render::RenderTarget&>> {
-  [[maybe_unused]] const Drawing::KeptState kept = engine.keep_state();
-  const Drawing* drawing = engine.drawing();
+/// Result of `read` for the image's target.
+template <class Read>
+auto read_from(EngineState& s, Read read) -> core::Expected<std::invoke_result_t<Read, const render::RenderTarget&>> {
+  const auto kept = s.keep_state();
+  const Drawing* drawing = s.backend->drawing();
   if (!drawing || drawing->target().width() == 0)
     return core::fail("picture: nothing is drawn without EngineConfig::draw, or while the context is lost");
   const gl::Functions& gl = drawing->context().functions();
@@ -26,24 +26,24 @@ auto read_from(EngineImpl& engine, Read read)
 }  // namespace
 
 core::Expected<image::Image> Engine::read_colour() {
-  return read_from(*impl_, [](const render::RenderTarget& target) { return target.read_colour(); });
+  return read_from(*state_, [](const render::RenderTarget& target) { return target.read_colour(); });
 }
 
 core::Expected<image::IdImage> Engine::read_ids() {
   if (config().draw && !config().ids) return core::fail("picture: ids are not drawn without EngineConfig::ids");
-  return read_from(*impl_, [](const render::RenderTarget& picture) { return picture.read_ids(); });
+  return read_from(*state_, [](const render::RenderTarget& target) { return target.read_ids(); });
 }
 
 core::Expected<image::DepthImage> Engine::read_depth(const core::View& view) {
-  return read_from(*impl_, [&](const render::RenderTarget& target) { return target.read_depth(view); });
+  return read_from(*state_, [&](const render::RenderTarget& target) { return target.read_depth(view); });
 }
 
 core::Expected<bool> Engine::covered() {
-  return read_from(*impl_, [](const render::RenderTarget& target) { return target.covered(); });
+  return read_from(*state_, [](const render::RenderTarget& target) { return target.covered(); });
 }
 
 core::Expected<std::uint32_t> Engine::framebuffer() {
-  return read_from(*impl_, [](const render::RenderTarget& target) { return std::uint32_t(target.resolved().id()); });
+  return read_from(*state_, [](const render::RenderTarget& target) { return std::uint32_t(target.resolved().id()); });
 }
 
 core::Expected<void> Engine::draw_outline(const core::View& view, std::span<const core::ItemId> items,
@@ -52,14 +52,14 @@ core::Expected<void> Engine::draw_outline(const core::View& view, std::span<cons
     return core::fail("engine: an outline needs EngineConfig::draw and the application's EngineConfig::context");
   if (target.width != config().width || target.height != config().height)
     return core::fail("engine: the target of an outline must have the size of the picture");
-  if (auto good = impl_->known("draw_outline", items); !good) return good;
+  if (auto good = known(*state_, "draw_outline", items); !good) return good;
   core::VisibleSet shown;
   shown.generation = snapshot().generation();
   for (const core::ItemId item : items)
     if (const core::Slot slot = snapshot().slot(item); !snapshot().bounds().vacant(slot)) shown.items.push_back(slot);
   std::sort(shown.items.begin(), shown.items.end());
-  [[maybe_unused]] const Drawing::KeptState kept = impl_->keep_state();
-  Drawing* drawing = impl_->drawing();
+  const auto kept = state_->keep_state();
+  Drawing* drawing = state_->backend->drawing();
   if (shown.items.empty() || !drawing || drawing->lost()) return {};
   return drawing->put_outline({view, snapshot(), shown}, target);
 }

@@ -7,7 +7,7 @@
 namespace sightline::engine {
 
 /// How a frame is drawn.
-enum class OcclusionWay : unsigned char {
+enum class OcclusionMode : unsigned char {
   kOff,
   kOn,
   kOnBesidePart,  ///< with the test, and after that kTriedPart of the candidates without it, which hide nothing new
@@ -25,7 +25,7 @@ class OcclusionSwitch {
   static constexpr double kTriedPart = 1.0 / 16.0;
 
   /// The way of the next frame, whose items are so many pixels large in the mean.
-  OcclusionWay use(double area) {
+  OcclusionMode use(double area) {
     class_ = class_of(area);
     return ways_[class_].use();
   }
@@ -42,16 +42,16 @@ class OcclusionSwitch {
   /// Of one class.
   class Way {
    public:
-    OcclusionWay use() {
+    OcclusionMode use() {
       if (wait_ > 0) {
         --wait_;
-        return used_ ? OcclusionWay::kOn : OcclusionWay::kOff;
+        return used_ ? OcclusionMode::kOn : OcclusionMode::kOff;
       }
       if (frames_ == 0 && !used_ && !warm_) {  // the first frame with the test remembers nothing, and is no measure
         warm_ = true;
-        return OcclusionWay::kOn;
+        return OcclusionMode::kOn;
       }
-      return OcclusionWay::kOnBesidePart;
+      return OcclusionMode::kOnBesidePart;
     }
     /// Returns whether the way is found anew.
     bool measured(double on_ms, double off_ms);

@@ -1,4 +1,4 @@
-#include "sightline/engine/internal/solid_areas.h"
+#include "sightline/engine/drawing/internal/solid_areas.h"
 
 #include <cmath>
 #include <limits>

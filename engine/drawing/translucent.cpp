@@ -1,4 +1,4 @@
-#include "sightline/engine/internal/translucent.h"
+#include "sightline/engine/drawing/internal/translucent.h"
 
 namespace sightline::engine {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/engine/internal/budget_passes.h"
+#include "sightline/engine/drawing/internal/budget_passes.h"
 
 #include <algorithm>
 #include <cmath>

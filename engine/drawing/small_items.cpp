@@ -1,4 +1,4 @@
-#include "sightline/engine/internal/small_items.h"
+#include "sightline/engine/drawing/internal/small_items.h"
 
 #include <algorithm>
 #include <atomic>
@@ -119,11 +119,12 @@ bool in_share(core::ItemId item, float share) {
 }
 
 /// Squares hide each other, too. What is nearest in each pixel does not depend on the order in which threads add them.
-void SmallItems::find(const Culled& culled, const culling::ContributionTest& test, culling::SlotBits large,
-                      float least_area, const Known& known, const render::RenderTarget& target,
-                      culling::CullThreads& threads) {
+void SmallItems::find(DrawContext& context, const Culled& culled, culling::SlotBits large, float least_area,
+                      const Known& known) {
   using SquareRule = culling::ContributionTest::SquareRule;
   const core::Snapshot& snapshot = culled.snapshot;
+  const render::RenderTarget& target = context.target();
+  const culling::ContributionTest test = context.contribution_test(culled.view, snapshot);
   const bool one_sample = target.format().samples == 1;
   const float largest_side = points_->largest_side();
   nearest_.assign(known.distances.begin(), known.distances.end());
@@ -139,7 +140,7 @@ void SmallItems::find(const Culled& culled, const culling::ContributionTest& tes
   };
   parts_.split(culled.visible);
   if (of_part_.size() < parts_.count()) of_part_.resize(parts_.count());
-  parts_.for_each(&threads, [&](core::VisibleSet& part, std::uint32_t i) {
+  parts_.for_each(&context.threads, [&](core::VisibleSet& part, std::uint32_t i) {
     std::vector<Square>& squares = of_part_[i].squares;
     if (known.occlusion && culled.hierarchy) {
       thread_local core::VisibleSet open;
@@ -157,7 +158,7 @@ void SmallItems::find(const Culled& culled, const culling::ContributionTest& tes
     for (const Square& square : squares)
       if (hides(square)) nearest.add(square, side(square));
   });
-  parts_.for_each(&threads, [&](core::VisibleSet&, std::uint32_t i) {
+  parts_.for_each(&context.threads, [&](core::VisibleSet&, std::uint32_t i) {
     auto& [squares, splats] = of_part_[i];
     splats.clear();
     for (const Square& square : squares)
@@ -170,17 +171,34 @@ void SmallItems::find(const Culled& culled, const culling::ContributionTest& tes
     splats_.insert(splats_.end(), of_part_[i].splats.begin(), of_part_[i].splats.end());
 }
 
-core::Expected<void> SmallItems::draw(const gl::Context& context, const Culled& culled,
-                                      const culling::ContributionTest& test, culling::SlotBits large, float least_area,
-                                      const Known& known, const gpuscene::GpuScene& scene,
-                                      const render::RenderTarget& target, culling::CullThreads& threads) {
+const core::VisibleSet& SmallItems::leave_out(DrawContext& context, const Culled& culled, float threshold) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  if (threshold <= 0.0f) return visible;
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const culling::ContributionTest test = context.contribution_test(view, snapshot);
+  const core::VisibleSet* candidates = &visible;
+  if (hierarchy) {
+    test.filter_leaves(*hierarchy, visible, threshold, large_leaves_, lines);
+    candidates = &large_leaves_;
+  }
+  std::vector<std::uint64_t>& was_large = context.image->was_large;
+  test.filter(bounds, *candidates, threshold, large_, was_large, lines);
+  was_large.assign(culling::bit_words(bounds.size()), 0);
+  culling::set_bits(large_, was_large);
+  return large_;
+}
+
+core::Expected<std::int64_t> SmallItems::draw(DrawContext& context, const Culled& culled, culling::SlotBits large,
+                                              float least_area, bool depth_known) {
   if (!points_) {
-    auto points = render::PointSplats::create(context, target.format());
+    auto points = render::PointSplats::create(context.context, context.target().format());
     if (!points) return tl::unexpected(points.error());
     points_ = std::move(*points);
   }
-  find(culled, test, large, least_area, known, target, threads);
-  return points_->draw(culled.view, splats_, scene, target);
+  const culling::OcclusionTest occlusion = context.occlusion_test(culled.view, culled.snapshot.bounds());
+  find(context, culled, large, least_area, depth_known ? Known{context.image->distances, &occlusion} : Known{});
+  auto done = points_->draw(culled.view, splats_, *context.scene, context.target());
+  return done.map([&] { return std::int64_t(splats_.size()); });
 }
 
 }  // namespace sightline::engine

@@ -1,0 +1,52 @@
+#include "sightline/engine/drawing/internal/draw_context.h"
+
+namespace sightline::engine {
+
+float DrawContext::snap() const {
+  return culling::rasteriser_snap(context.capabilities().subpixel_bits, target().width(), target().height());
+}
+
+culling::PictureSamples DrawContext::samples() const {
+  culling::PictureSamples samples{target().width(), target().height(), {}, snap()};
+  for (const glm::vec2& offset : target().sample_offsets()) samples.offsets.push_back({offset.x, offset.y});
+  return samples;
+}
+
+culling::OcclusionTest DrawContext::occlusion_test(const core::View& view, const core::ItemBounds& bounds) const {
+  return {view,
+          bounds.origin,
+          target().width(),
+          target().height(),
+          image->pyramid,
+          render::RenderTarget::orthographic_error(view),
+          snap()};
+}
+
+culling::ContributionTest DrawContext::contribution_test(const core::View& view, const core::Snapshot& snapshot) {
+  return {view, snapshot.bounds().origin, target().width(), target().height(), solid_areas.of(snapshot)};
+}
+
+core::Expected<void> DrawContext::draw(const core::View& view, const core::Snapshot& snapshot,
+                                       const core::VisibleSet& set) {
+  if (auto done = lists->update(snapshot, *scene, set, &view); !done) return done;
+  return renderer->draw(view, snapshot, *scene, *lists, target());
+}
+
+core::Expected<void> DrawContext::draw_more(const core::View& view, const core::Snapshot& snapshot,
+                                            const core::VisibleSet& set, const render::RenderTarget& onto,
+                                            const gl::TextureBuffer* materials) {
+  if (auto done = lists->update(snapshot, *scene, set, &view); !done) return done;
+  return renderer->draw_more(view, snapshot, *scene, *lists, onto, materials);
+}
+
+void DrawContext::read_back_depth(const core::View& view, const render::RenderTarget& from) {
+  from.read_distances(view, image->distances);
+  image->pyramid.build(image->distances, target().width(), target().height());
+}
+
+core::Expected<void> DrawContext::compose() {
+  if (!compositor) compositor.emplace(gl());
+  return compositor->draw(target(), *external, renderer->background);
+}
+
+}  // namespace sightline::engine

@@ -1,0 +1,415 @@
+#include "sightline/engine/drawing/internal/drawing.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "sightline/engine/drawing/internal/left_out.h"
+#include "sightline/engine/internal/clock.h"
+#include "sightline/gl/internal/current_context.h"
+#include "sightline/gl/internal/program_cache.h"
+#include "sightline/gl/internal/saved_state.h"
+
+namespace sightline::engine {
+namespace {
+
+constexpr double kBudgetShare = 0.93;  // of a frame's budget, to draw in
+
+struct KeptCurrentContext : KeptState {
+  gl::CurrentContext context;
+};
+struct KeptContextState : KeptState {
+  explicit KeptContextState(const gl::Functions& gl) : state(gl) {}
+  gl::SavedState state;
+};
+
+}  // namespace
+
+std::unique_ptr<KeptState> keep_current_context() {
+  return std::make_unique<KeptCurrentContext>();
+}
+
+core::Expected<std::unique_ptr<Backend>> make_backend(const EngineConfig& config, const Overrides& overrides) {
+  return Drawing::create(config, overrides);
+}
+
+void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw) {
+  std::array<std::size_t, gpuscene::kBatchKindCount> counts{};
+  for (int kind = 0; kind < core::kKindCount; ++kind)
+    counts[std::size_t(gpuscene::batch_of(core::Kind(kind)))] += snapshot.of_kind(core::Kind(kind)).size();
+  for (int i = 0; i < gpuscene::kBatchKindCount; ++i) {
+    const auto batch = gpuscene::BatchKind(i);
+    const std::size_t n = counts[std::size_t(i)];
+    std::string feature(gpuscene::name_of(batch));
+    std::replace(feature.begin(), feature.end(), '_', ' ');
+    feature += gpuscene::is_ray_cast(batch) ? " program (ray-cast)" : " program";
+    const std::string why = !draw ? "drawing is off" : n > 0 ? count_text(n) : "none in the scene";
+    set_entry(plan, {std::move(feature), draw && n > 0, why});
+  }
+}
+
+// --- context ---------------------------------------------------------------------------------------------------------
+
+core::Expected<std::unique_ptr<Drawing>> Drawing::create(const EngineConfig& config, const Overrides& overrides) {
+  std::optional<gl::Context> own;
+  if (!config.context) {
+    gl::ContextOptions options;
+    options.platform = config.context_platform;
+    options.debug = config.gl_debug;
+    auto made = gl::Context::create_offscreen(options);
+    if (!made) return tl::unexpected(made.error());
+    own = std::move(*made);
+  }
+  gl::Context shared = (config.context ? *config.context : *own).share();
+  std::unique_ptr<Drawing> drawing(new Drawing(std::move(own), std::move(shared), config, overrides));
+  if (auto current = drawing->make_current(); !current) return tl::unexpected(current.error());
+  const auto kept = drawing->keep_state();
+  drawing->context_.context.cache_programs(config.program_cache.value_or(gl::ProgramCache::default_folder()));
+  if (config.draw) {
+    auto target = render::RenderTarget::create(drawing->context_.context, config.width, config.height,
+                                               {.ids = config.ids, .samples = config.samples});
+    if (!target) return tl::unexpected(target.error());
+    drawing->context_.image->target = std::move(*target);
+  }
+  drawing->upload_.begin();
+  return drawing;
+}
+
+Drawing::Drawing(std::optional<gl::Context> own, gl::Context shared, const EngineConfig& config,
+                 const Overrides& overrides)
+    : context_(std::move(shared), config),
+      own_context_(std::move(own)),
+      queue_(context_.gl()),
+      overlays_(TranslucentSlots(overrides, config.draw && config.transparency == Transparency::kBlended)) {}
+
+Drawing::~Drawing() {
+  own_context_.reset();  // frees everything in it without changing which context is current
+  (void)make_current();
+}
+
+std::unique_ptr<KeptState> Drawing::keep_state() const {
+  if (context_.config.gl_state == GlState::kLeave) return nullptr;
+  if (own_context_) return keep_current_context();
+  return lost() ? nullptr : std::make_unique<KeptContextState>(context_.gl());
+}
+
+bool Drawing::lost() const {
+  (void)make_current();
+  return context_.context.lost();
+}
+
+std::vector<std::string> Drawing::take_gl_errors() {
+  return make_current() ? context_.context.take_errors() : std::vector<std::string>();
+}
+
+// --- the order of the items ------------------------------------------------------------------------------------------
+
+core::Expected<bool> Drawing::advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
+                                      core::Deadline deadline) {
+  if (auto current = make_current(); !current) return tl::unexpected(current.error());
+  const auto kept = keep_state();
+  if (upload_.active()) {
+    const auto done = advance_upload(snapshot, joints, gpu_culls, deadline);
+    if (!done || !*done) return done;
+    if (auto taken = take_upload(snapshot); !taken) return tl::unexpected(taken.error());
+  }
+  if (const auto done = warm_up(snapshot, deadline); !done || !*done) return done;
+  const GpuEdits edits = upload_.take_edits();
+  auto done = update(Edit::kItems, snapshot, joints, edits.touched, edits.materials);
+  if (done) done = culling_.leave_out(context_, snapshot, overlaid());
+  return done.map([] { return true; });
+}
+
+core::Expected<bool> Drawing::advance_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                            bool gpu_culls, core::Deadline deadline) {
+  if (auto current = make_current(); !current) return tl::unexpected(current.error());
+  if (!upload_.active()) upload_.begin();
+  return advance_upload(snapshot, joints, gpu_culls, deadline);
+}
+
+core::Expected<void> Drawing::take_order(const core::Snapshot& former, const core::Snapshot& snapshot,
+                                         const gpuprims::Joints& joints, bool gpu_culls) {
+  if (auto current = make_current(); !current) return current;
+  for (auto& [number, image] : context_.images) image.passes.follow(former, snapshot);
+  if (auto done = take_upload(snapshot); !done) return done;
+  const GpuEdits edits = upload_.take_edits();
+  if (auto done = update(Edit::kItems, snapshot, joints, edits.touched, edits.materials); !done) return done;
+  if (gpu_culls && !culling_.culler()) return add_culler(snapshot);
+  return culling_.leave_out(context_, snapshot, overlaid());
+}
+
+core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls) {
+  if (auto current = make_current(); !current) return current;
+  upload_.begin();
+  if (auto done = advance_upload(snapshot, joints, gpu_culls, core::kNoDeadline); !done) {
+    upload_.abandon();
+    return tl::unexpected(done.error());
+  }
+  for (auto& [number, image] : context_.images) image.passes.reset();
+  if (auto taken = take_upload(snapshot); !taken) return taken;
+  return culling_.leave_out(context_, snapshot, overlaid());
+}
+
+/// Draws what the upload has made from now on.
+core::Expected<void> Drawing::take_upload(const core::Snapshot& snapshot) {
+  GpuContent content = upload_.take();
+  for (auto& [number, image] : context_.images) image.forget_slots();
+  unseen_.reset();
+  context_.solid_areas.reset();
+  culling_.use(std::move(content.culler));
+  context_.scene = std::move(content.scene);
+  context_.lists = std::move(content.lists);
+  if (content.renderer) context_.renderer = std::move(content.renderer);
+  overlays_.translucent().reset(snapshot);
+  if (!context_.renderer) return {};
+  return context_.renderer->follow(*context_.scene, context_.target().format());
+}
+
+core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
+  if (culling_.culler() || !context_.scene) return {};
+  if (auto current = make_current(); !current) return current;
+  auto culler = culling_.make(context_, snapshot, *context_.scene);
+  if (!culler) return tl::unexpected(culler.error());
+  culling_.use(std::move(*culler));
+  return culling_.leave_out(context_, snapshot, overlaid());
+}
+
+core::Expected<bool> Drawing::warm_up(const core::Snapshot& snapshot, core::Deadline deadline) {
+  const std::vector<gpuscene::Batch>& batches = context_.scene->batches();
+  while (context_.renderer && warmed_up_ < batches.size()) {
+    if (auto done = draw_one(snapshot, batches[warmed_up_++]); !done) return tl::unexpected(done.error());
+    if (core::over(deadline)) return false;
+  }
+  const EngineConfig& config = context_.config;
+  return (config.contribution <= 0.0f && config.budget_ms <= 0.0) || context_.solid_areas.measure(snapshot, deadline);
+}
+
+/// Draws the first item of a batch that is not vacant, from near.
+core::Expected<void> Drawing::draw_one(const core::Snapshot& snapshot, const gpuscene::Batch& batch) {
+  core::VisibleSet one;
+  one.generation = snapshot.generation();
+  std::vector<core::Slot> slots = gpuscene::GpuScene::slots_of(snapshot, batch.kind);
+  slots.resize(batch.count);  // those that came later have no records yet
+  const auto shows = [&](core::Slot slot) { return !snapshot.vacant(slot); };
+  const auto first = std::find_if(slots.begin(), slots.end(), shows);
+  if (first == slots.end()) return {};
+  one.items = {*first};
+  const core::Aabb box = snapshot.bounds().box(one.items[0]);
+  const core::dvec3 origin = snapshot.bounds().origin;
+  const auto view =
+      core::View::fit({origin + core::dvec3(box.min), origin + core::dvec3(box.max)}, core::kOverviewDirection, 0.9,
+                      double(context_.target().width()) / context_.target().height());
+  if (!view) return {};
+  if (auto done = context_.draw(*view, snapshot, one); !done) return done;
+  if (auto done = overlays_.draw_depth_shading(context_, *view); !done) return done;
+  context_.gl().Finish();
+  return {};
+}
+
+// --- edits -----------------------------------------------------------------------------------------------------------
+
+core::Expected<void> Drawing::update(Edit edit, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                     std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) {
+  if (auto current = make_current(); !current) return current;
+  if (edit == Edit::kStyles) {
+    context_.scene->update_looks(snapshot, touched, joints);
+    return follow_edit(edit, snapshot, touched, materials);
+  }
+  const auto larger = context_.scene->append(snapshot, joints);
+  if (!larger) return rebuild(snapshot, joints, culling_.culler());  // the scene is of no use then
+  context_.scene->update(snapshot, touched, joints);
+  if (*larger)
+    if (auto done = follow_batches(snapshot); !done) return done;
+  return follow_edit(edit, snapshot, touched, materials);
+}
+
+/// Makes anew what is kept for each batch, where batches are larger or new.
+core::Expected<void> Drawing::follow_batches(const core::Snapshot& snapshot) {
+  auto lists = gpuscene::DrawLists::create(context_.context, *context_.scene);
+  if (!lists) return tl::unexpected(lists.error());
+  context_.lists = std::move(*lists);
+  if (context_.renderer)
+    if (auto done = context_.renderer->follow(*context_.scene, context_.target().format()); !done) return done;
+  if (!culling_.culler()) return {};
+  culling_.use(std::nullopt);
+  return add_culler(snapshot);
+}
+
+core::Expected<void> Drawing::follow_edit(Edit edit, const core::Snapshot& snapshot,
+                                          std::span<const core::Slot> touched,
+                                          std::span<const std::uint32_t> materials) {
+  images_changed();
+  if (auto done = context_.scene->update_materials(snapshot, materials); !done) return done;
+  context_.solid_areas.update(snapshot, touched);
+  const std::vector<core::Slot> turned = overlays_.translucent().update(snapshot, touched, materials);
+  auto done = culling_.update(context_, snapshot, touched, overlaid(), edit == Edit::kItems);
+  if (done && !turned.empty()) done = culling_.update(context_, snapshot, turned, overlaid(), false);
+  return done;
+}
+
+// --- settings and images ---------------------------------------------------------------------------------------------
+
+void Drawing::configure(const EngineConfig& config) {
+  const glm::vec2 hatching(config.hatching.strength, config.hatching.spacing);
+  for (render::Renderer* renderer : {context_.renderer ? &*context_.renderer : nullptr, upload_.renderer()})
+    if (renderer) renderer->hatching = hatching;
+  const float contribution = context_.config.contribution;
+  context_.config = config;
+  context_.config.contribution = contribution;
+  set_contribution(config.contribution, config.contribution_way);
+}
+
+void Drawing::set_contribution(float pixels, ContributionWay way) {
+  if (pixels != context_.config.contribution)
+    for (auto& [number, image] : context_.images) image.was_large.clear();
+  images_changed();
+  context_.config.contribution = pixels;
+  context_.config.contribution_way = way;
+}
+
+core::Expected<render::RenderTarget> Drawing::make_target(int width, int height) const {
+  return render::RenderTarget::create(context_.context, width, height, context_.target().format());
+}
+
+core::Expected<void> Drawing::resize(int width, int height) {
+  if (auto current = make_current(); !current) return current;
+  auto target = make_target(width, height);
+  if (!target) return tl::unexpected(target.error());
+  context_.image->target = std::move(*target);
+  context_.image->refined.reset();
+  image_changed();
+  return {};
+}
+
+core::Expected<void> Drawing::use_image(std::uint32_t number, int width, int height) {
+  auto& images = context_.images;
+  const auto present = images.find(number);
+  const bool fits =
+      present != images.end() && present->second.target.width() == width && present->second.target.height() == height;
+  if (!context_.config.draw || (fits && context_.image == &present->second)) return {};
+  if (!fits) {
+    if (auto current = make_current(); !current) return current;
+    auto target = make_target(width, height);
+    if (!target) return tl::unexpected(target.error());
+    images[number] = {};
+    images[number].target = std::move(*target);
+  }
+  context_.image = &images[number];
+  unseen_.reset();
+  return {};
+}
+
+void Drawing::forget_image(std::uint32_t number) {
+  if (make_current()) context_.images.erase(number);
+}
+
+/// The next frame shows something else, though its view may be that of the last one: a budget begins anew.
+void Drawing::image_changed() {
+  context_.image->changed();
+  unseen_.reset();
+}
+
+void Drawing::images_changed() {
+  for (auto& [number, image] : context_.images) image.changed();
+  unseen_.reset();
+}
+
+// --- frames ----------------------------------------------------------------------------------------------------------
+
+core::Expected<void> Drawing::cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
+                                   std::uint64_t frame) {
+  if (auto current = make_current(); !current) return current;
+  return culling_.cull(context_, cull_view, view, snapshot, frame);
+}
+
+core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
+  DrawResult result;
+  if (!context_.renderer && !request.on_gpu) return result;
+  if (auto current = make_current(); !current) return tl::unexpected(current.error());
+  context_.external = request.target ? std::optional(*request.target) : std::nullopt;
+  context_.image->composed = false;
+  const bool aside = !core::same_picture(request.view, request.culled.view);
+  const bool shows_unseen = aside && context_.config.hidden_colour && !request.on_gpu;
+  if (request.on_gpu || (!shows_unseen && (aside || unseen_.active()))) image_changed();
+  result.wait_ms = queue_.wait_for_room();
+  if (context_.renderer) {
+    auto counts = shows_unseen ? draw_with_unseen(request) : draw_opaque(request);
+    if (!counts) return tl::unexpected(counts.error());
+    const Culled visible = request.culled.seen_in(request.view);
+    if (auto done = overlays_.finish(context_, visible, request.blend_range, *counts); !done)
+      return tl::unexpected(done.error());
+    result.counts = *counts;
+  }
+  if (context_.external && !context_.image->composed)
+    if (auto done = context_.compose(); !done) return tl::unexpected(done.error());
+  queue_.submit(request.frame);
+  return result;
+}
+
+core::Expected<DrawCounts> Drawing::draw_opaque(const DrawRequest& request) {
+  const Culled culled = request.culled.seen_in(request.view);
+  const core::VisibleSet& opaque = overlays_.split(context_, culled.visible);
+  if (request.on_gpu) {
+    context_.image->pyramid_valid = context_.image->unchanged = false;
+    return culling_.draw(context_, request.view, culled.snapshot).map([] { return DrawCounts(); });
+  }
+  const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.budget_ms;
+  const bool all_visible = request.all && core::same_picture(request.view, request.culled.view);
+  return opaque_.draw(context_, {culled.with(opaque), deadline, all_visible, overlays_.change_image(context_)});
+}
+
+/// Draws what the image of the view that was culled for shows as it is, and the other visible items in one colour.
+core::Expected<DrawCounts> Drawing::draw_with_unseen(const DrawRequest& request) {
+  const core::VisibleSet& opaque = overlays_.split(context_, request.culled.visible);
+  if (auto done = unseen_.split(context_, request.culled.with(opaque)); !done) return tl::unexpected(done.error());
+  const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.budget_ms;
+  const Culled seen = request.culled.with(unseen_.seen()).seen_in(request.view);
+  auto counts = opaque_.draw(context_, {seen, deadline, false, overlays_.change_image(context_)});
+  if (!counts) return counts;
+  const auto unseen = unseen_.draw(context_, request.view, request.culled.snapshot);
+  if (!unseen) return tl::unexpected(unseen.error());
+  counts->shown += *unseen;
+  return counts;
+}
+
+std::optional<LateReport> Drawing::take_late_report() {
+  if (!culling_.culler() || !make_current()) return std::nullopt;
+  const auto feedback = culling_.take_feedback();
+  if (!feedback) return std::nullopt;
+  return LateReport{feedback->frame, std::int64_t(feedback->visible), feedback->time_ms.value_or(-1.0),
+                    context_.config.draw ? std::int64_t(feedback->shown) : -1};
+}
+
+void Drawing::finish() {
+  if (make_current()) queue_.finish();
+}
+
+// --- queries ---------------------------------------------------------------------------------------------------------
+
+core::Expected<LeftOut> Drawing::left_out(const Culled& culled) {
+  if (!context_.renderer) return LeftOut();
+  if (auto current = make_current(); !current) return tl::unexpected(current.error());
+  image_changed();
+  (void)queue_.wait_for_room();
+  return find_left_out(context_, overlays_, culled);
+}
+
+core::Expected<LossReport> Drawing::loss(const Culled& culled) {
+  if (!context_.renderer) return LossReport();
+  if (auto current = make_current(); !current) return tl::unexpected(current.error());
+  return measure_loss(context_, culled);
+}
+
+std::optional<culling::GpuVariant> Drawing::gpu_variant() const {
+  return culling_.culler() ? std::optional(culling_.culler()->variant()) : std::nullopt;
+}
+
+std::size_t Drawing::memory_bytes() const {
+  std::size_t bytes = context_.scene->memory_bytes() + context_.lists->memory_bytes();
+  bytes += upload_.memory_bytes() + culling_.memory_bytes() + overlays_.memory_bytes();
+  if (!context_.renderer) return bytes;
+  for (const auto& [number, image] : context_.images) bytes += image.memory_bytes();
+  return bytes + context_.renderer->memory_bytes() + opaque_.memory_bytes();
+}
+
+}  // namespace sightline::engine

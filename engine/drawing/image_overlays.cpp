@@ -1,0 +1,212 @@
+#include "sightline/engine/drawing/internal/image_overlays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace sightline::engine {
+namespace {
+
+/// Pixels in which an outline of these items may lie: around their boxes. All pixels where a box reaches behind the
+/// eye, and for so many items that drawing them takes longer than the outline.
+render::PixelBox pixels_around(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& items,
+                               int width, int height) {
+  constexpr std::size_t kMostItems = 10'000;
+  constexpr double kMargin = 4.0;  // pixels: the line, and what rounding may do to the boxes
+  const render::PixelBox all{0, 0, width, height};
+  const core::ItemBounds& bounds = snapshot.bounds();
+  if (snapshot.count(items) > kMostItems) return all;
+  core::dvec2 low(std::numeric_limits<double>::max()), high(-low);
+  bool behind = false;
+  items.for_each_slot([&](core::Slot slot) {
+    if (bounds.vacant(slot)) return;
+    const core::Aabb box = bounds.box(slot);
+    for (int corner = 0; corner < 8; ++corner) {
+      const core::dvec3 at((corner & 1 ? box.max : box.min).x, (corner & 2 ? box.max : box.min).y,
+                           (corner & 4 ? box.max : box.min).z);
+      const core::dvec4 clip = view.clip_from_world() * core::dvec4(bounds.origin + at, 1.0);
+      behind |= !(clip.w > 0.0);
+      const core::dvec2 pixel = 0.5 * (core::dvec2(clip.x, clip.y) / clip.w + 1.0) * core::dvec2(width, height);
+      low = glm::min(low, pixel);
+      high = glm::max(high, pixel);
+    }
+  });
+  if (behind || !(low.x <= high.x && low.y <= high.y)) return all;
+  const core::dvec2 from = glm::clamp(glm::floor(low - kMargin), core::dvec2(0.0), core::dvec2(width, height)),
+                    to = glm::clamp(glm::ceil(high + kMargin), from, core::dvec2(width, height));
+  return {int(from.x), int(from.y), int(to.x - from.x), int(to.y - from.y)};
+}
+
+bool empty(const core::VisibleSet& set) {
+  return set.ranges.empty() && set.items.empty();
+}
+
+/// Eye depths between which the boxes of a set lie; none of them is negative in perspective views.
+glm::vec2 depth_range(const core::View& view, const core::ItemBounds& bounds, const core::VisibleSet& set) {
+  if (empty(set)) return {0.0f, 0.0f};
+  const core::dmat4& eye = view.eye_from_world();
+  const core::dvec3 axis(-eye[0][2], -eye[1][2], -eye[2][2]);
+  const double at_origin = glm::dot(axis, bounds.origin) - eye[3][2];
+  double nearest = std::numeric_limits<double>::max(), farthest = -nearest;
+  set.for_each_slot([&](core::Slot slot) {
+    if (bounds.vacant(slot)) return;
+    const core::Aabb box = bounds.box(slot);
+    const core::dvec3 low(box.min), high(box.max);
+    const double middle = at_origin + glm::dot(axis, 0.5 * (low + high));
+    const double half_extent = glm::dot(glm::abs(axis), 0.5 * (high - low));
+    nearest = std::min(nearest, middle - half_extent);
+    farthest = std::max(farthest, middle + half_extent);
+  });
+  if (!view.orthographic()) nearest = std::max(nearest, 0.0);
+  return {float(nearest), float(std::max(nearest, farthest))};
+}
+
+}  // namespace
+
+render::Overlays& ImageOverlays::overlays(const DrawContext& context) {
+  if (!overlays_) overlays_.emplace(context.gl());
+  return *overlays_;
+}
+
+const core::VisibleSet& ImageOverlays::split(const DrawContext& context, const core::VisibleSet& visible) {
+  if (!any(context)) return visible;
+  part(visible, items(), over_, opaque_);
+  return opaque_;
+}
+
+glm::vec2 ImageOverlays::blend_range(const core::View& view, const core::Snapshot& snapshot,
+                                     const core::VisibleSet& visible) {
+  part(visible, items(), over_, unused_);
+  part(over_, translucent_.ghosts(), ghosts_, blended_);
+  return depth_range(view, snapshot.bounds(), blended_);
+}
+
+core::Expected<void> ImageOverlays::finish(DrawContext& context, const Culled& culled,
+                                           const std::optional<glm::vec2>& range, DrawCounts& counts) {
+  ImageState& image = *context.image;
+  if (!change_image(context)) return {};
+  if (image.unchanged && !context.external) return {};  // it is finished already
+  if (image.unchanged) image.refined->copy_to(image.target);
+  if (auto done = draw_depth_shading(context, culled.view); !done || !any(context)) return done;
+  if (context.external) {
+    if (auto done = context.compose(); !done) return done;
+    image.composed = true;
+  }
+  if (auto done = draw_translucent(context, culled.with(over_), range, counts); !done) return done;
+  return draw_outline(context, culled);
+}
+
+core::Expected<void> ImageOverlays::draw_depth_shading(const DrawContext& context, const core::View& view) {
+  const Relief& relief = context.config.relief;
+  if (!relief.any()) return {};
+  if (!relief_pass_) relief_pass_.emplace(context.gl());
+  return relief_pass_->draw(context.target(), view, relief.shading, relief.lines);
+}
+
+/// The items to be drawn over the image that are large enough and cover a sample, as far as the tests know.
+const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context, const Culled& culled) {
+  const core::ItemBounds& bounds = culled.snapshot.bounds();
+  const float least = context.config.contribution;
+  const core::VisibleSet* left = &culled.visible;
+  if (least > 0.0f) {
+    context.contribution_test(culled.view, culled.snapshot).filter(bounds, *left, least, tested_, {}, culled.lines);
+    std::swap(tested_, unused_);
+    left = &unused_;
+  }
+  if (context.image->pyramid_valid) {
+    context.occlusion_test(culled.view, bounds).filter(bounds, *left, tested_, culled.lines);
+    left = &tested_;
+  } else if (context.config.sample_test) {
+    context.sample_test(culled.view, bounds).filter(bounds, *left, tested_, culled.lines);
+    left = &tested_;
+  }
+  return *left;
+}
+
+namespace {
+
+/// Puts a layer over the image, and over the application's framebuffer, if there is one.
+template <class Put>
+core::Expected<void> put_over(const DrawContext& context, const Put& put) {
+  const render::RenderTarget& target = context.target();
+  core::ExternalTarget image{target.framebuffer().id(), 0, 0, target.width(), target.height()};
+  image.near_depth = 1.0;
+  image.far_depth = 0.0;
+  if (auto done = put(image); !done || !context.external) return done;
+  return put(*context.external);
+}
+
+}  // namespace
+
+core::Expected<void> ImageOverlays::draw_translucent(DrawContext& context, const Culled& culled,
+                                                     const std::optional<glm::vec2>& range, DrawCounts& counts) {
+  if (empty(culled.visible)) return {};
+  part(culled.visible, translucent_.ghosts(), ghosts_, blended_);
+  const glm::vec2 depths = range ? *range : depth_range(culled.view, culled.snapshot.bounds(), blended_);
+  const core::VisibleSet& drawn = leave_out_invisible(context, culled);
+  const auto count = std::int64_t(culled.snapshot.count(drawn));
+  counts.shown += count;
+  if (counts.sampled >= 0) counts.sampled += count;
+  part(drawn, translucent_.ghosts(), ghosts_, blended_);
+  if (auto done = draw_blended(context, culled.with(blended_), depths); !done) return done;
+  return draw_ghosts(context, culled.with(ghosts_));
+}
+
+core::Expected<void> ImageOverlays::draw_blended(DrawContext& context, const Culled& culled, const glm::vec2& range) {
+  if (empty(culled.visible)) return {};
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  render::Overlays& over = overlays(context);
+  const auto sums = over.begin_sums(context.target());
+  if (!sums) return tl::unexpected(sums.error());
+  auto done = context.lists->update(snapshot, *context.scene, visible, &view);
+  if (done)
+    done =
+        context.renderer->draw_blended(view, snapshot, *context.scene, *context.lists, context.target(), **sums, range);
+  if (done) done = over.resolve_sums(context.context, context.target());
+  if (!done) return done;
+  return put_over(context, [&](const core::ExternalTarget& target) { return over.put_layer(target); });
+}
+
+core::Expected<void> ImageOverlays::draw_ghosts(DrawContext& context, const Culled& culled) {
+  if (empty(culled.visible)) return {};
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  render::Overlays& over = overlays(context);
+  const auto layer = over.begin_layer(context.context, context.target(), true);
+  if (!layer) return tl::unexpected(layer.error());
+  if (auto done = context.lists->update(snapshot, *context.scene, visible, &view); !done) return done;
+  if (auto done = context.renderer->draw_ghosts(view, snapshot, *context.scene, *context.lists, **layer); !done)
+    return done;
+  return put_over(context, [&](const core::ExternalTarget& target) { return over.put_layer(target); });
+}
+
+/// Draws an outline around all outlined items, occluded ones included.
+core::Expected<void> ImageOverlays::draw_outline(DrawContext& context, const Culled& culled) {
+  if (translucent_.outlined().empty()) return {};
+  part(culled.visible, translucent_.outlined(), outlined_, unused_);
+  if (empty(outlined_)) return {};
+  const auto within = draw_outlined(context, culled.with(outlined_));
+  if (!within) return tl::unexpected(within.error());
+  return put_over(context, [&](const core::ExternalTarget& target) {
+    return overlays_->put_outline(context.target(), context.config.outline_colour, *within, target);
+  });
+}
+
+/// Draws items into the layer, as Overlays::put_outline() needs it. Returns the pixels in which the outline may lie.
+core::Expected<render::PixelBox> ImageOverlays::draw_outlined(DrawContext& context, const Culled& items) {
+  const auto layer = overlays(context).begin_layer(context.context, context.target(), false);
+  if (!layer) return tl::unexpected(layer.error());
+  auto done = context.lists->update(items.snapshot, *context.scene, items.visible, &items.view);
+  if (done) done = context.renderer->draw_ghosts(items.view, items.snapshot, *context.scene, *context.lists, **layer);
+  if (!done) return tl::unexpected(done.error());
+  return pixels_around(items.view, items.snapshot, items.visible, context.target().width(), context.target().height());
+}
+
+core::Expected<void> ImageOverlays::put_outline(DrawContext& context, const Culled& items,
+                                                const core::ExternalTarget& over) {
+  const auto within = draw_outlined(context, items);
+  if (!within) return tl::unexpected(within.error());
+  return overlays_->put_outline(context.target(), context.config.outline_colour, *within, over);
+}
+
+}  // namespace sightline::engine

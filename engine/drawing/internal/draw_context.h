@@ -1,0 +1,70 @@
+// The GL objects and settings that everything which draws an image shares. Internal to engine.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+#include "sightline/culling/contribution.h"
+#include "sightline/culling/cull_threads.h"
+#include "sightline/culling/occlusion.h"
+#include "sightline/culling/sample_test.h"
+#include "sightline/engine/drawing/internal/image_state.h"
+#include "sightline/engine/drawing/internal/solid_areas.h"
+#include "sightline/engine/engine.h"
+#include "sightline/gpuscene/internal/draw_lists.h"
+#include "sightline/gpuscene/internal/gpu_scene.h"
+#include "sightline/render/internal/compositor.h"
+#include "sightline/render/internal/renderer.h"
+
+namespace sightline::engine {
+
+/// Plain state: its owner (Drawing) fills it, and each strategy draws with it. `scene` and `lists` are empty until the
+/// first upload is complete, and `renderer` is so where the engine only culls.
+struct DrawContext {
+  DrawContext(gl::Context shared, const EngineConfig& settings) : context(std::move(shared)), config(settings) {}
+
+  gl::Context context;
+  EngineConfig config;
+  std::optional<gpuscene::GpuScene> scene;
+  std::optional<gpuscene::DrawLists> lists;
+  std::optional<render::Renderer> renderer;
+  std::map<std::uint32_t, ImageState> images;
+  ImageState* image = &images[0];  // the one in use
+  SolidAreas solid_areas;
+  culling::CullThreads threads;  // for tests of large sets; none starts before the first of them
+  std::optional<core::ExternalTarget> external;
+  std::optional<render::Compositor> compositor;  // created with the first external target
+
+  const gl::Functions& gl() const { return context.functions(); }
+  bool software() const { return context.capabilities().software; }
+  const render::RenderTarget& target() const { return image->target; }
+
+  /// Pixels by which the rasteriser may move corners.
+  float snap() const;
+  culling::PictureSamples samples() const;
+  culling::SampleTest sample_test(const core::View& view, const core::ItemBounds& bounds) const {
+    return {view, bounds.origin, samples()};
+  }
+  /// The test against the image's depth pyramid.
+  culling::OcclusionTest occlusion_test(const core::View& view, const core::ItemBounds& bounds) const;
+  /// Measures the projected areas of all items of the snapshot on first use.
+  culling::ContributionTest contribution_test(const core::View& view, const core::Snapshot& snapshot);
+  /// Whether the setting and the image allow it. One sample per pixel alone has one depth to test against.
+  bool may_test_occlusion() const {
+    return config.occlusion != OcclusionChoice::kOff && target().format().samples == 1;
+  }
+
+  /// Clears the image and draws a set.
+  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set);
+  /// Draws a set beside what `onto` holds of the same view. `materials`: see Renderer::draw_more().
+  core::Expected<void> draw_more(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set,
+                                 const render::RenderTarget& onto, const gl::TextureBuffer* materials = nullptr);
+  /// Builds the image's depth pyramid from the depth of `from`.
+  void read_back_depth(const core::View& view, const render::RenderTarget& from);
+  void clear_pyramid() { image->pyramid.clear(target().width(), target().height()); }
+  /// Puts the image into the external target.
+  core::Expected<void> compose();
+};
+
+}  // namespace sightline::engine

@@ -1,0 +1,90 @@
+// The strategies by which a frame's opaque items are drawn. Internal to engine.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "sightline/culling/internal/set_parts.h"
+#include "sightline/culling/solid_occluders.h"
+#include "sightline/engine/drawing/internal/draw_context.h"
+#include "sightline/engine/drawing/internal/small_items.h"
+
+namespace sightline::engine {
+
+struct DrawInput {
+  Culled candidates;
+  double deadline = std::numeric_limits<double>::infinity();  ///< of a budget, seconds on the steady clock
+  bool all_visible = false;                                   ///< the candidates are all visible items of their view
+  bool postprocessed = false;  ///< the complete image will be changed, so that nothing more can be drawn to it
+};
+
+/// Clears the image of a context and draws candidates into it. A strategy owns the sets that it needs, and keeps their
+/// memory from frame to frame; what it learns of one image lies in ImageState.
+class DrawStrategy {
+ public:
+  virtual ~DrawStrategy() = default;
+  virtual core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) = 0;
+};
+
+/// Draws all candidates that cover a sample of the image in one pass.
+class DrawAtOnce : public DrawStrategy {
+ public:
+  core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
+
+ private:
+  core::VisibleSet sampled_;
+};
+
+/// Tests occlusion in several passes, each against the depth of those before: see OcclusionPasses. The depth is read
+/// back between passes.
+class DrawInPasses : public DrawStrategy {
+ public:
+  core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
+};
+
+/// Tests occlusion before anything is drawn: in the passes of the test, occluder polygons in the solids take the place
+/// of the solids. The CPU rasterises them in a small part of the time that drawing the solids takes. The items that
+/// they do not occlude are drawn in the end.
+class OcclusionPrepass : public DrawStrategy {
+ public:
+  /// Whether the image is the same as by DrawInPasses, and most of the items are solids.
+  bool suits(const DrawInput& input);
+  core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
+
+ private:
+  core::Expected<void> rasterise(DrawContext& context, const Culled& culled, const culling::OcclusionTest& test);
+  core::Expected<void> draw_meshes(DrawContext& context, const Culled& culled);
+  core::Expected<DrawCounts> draw_visible(DrawContext& context, const Culled& culled,
+                                          const culling::OcclusionTest& test);
+  void leave_out_occluded(DrawContext& context, const Culled& culled, const culling::OcclusionTest& test,
+                          core::VisibleSet& set, const std::function<void()>& beside);
+  core::Expected<std::int64_t> draw_solids(DrawContext& context, const Culled& culled, const core::VisibleSet& set);
+
+  culling::SolidOccluders solids_;
+  core::VisibleSet meshes_;           // items of the first pass that are no solids; they are drawn before the prepass
+  core::VisibleSet visible_, drawn_;  // items that are not occluded in the end; those of them that are drawn then
+  std::vector<core::Slot> at_near_plane_;
+  culling::SetParts halves_, parts_;
+};
+
+/// Draws the largest items first until the deadline: see BudgetPasses. While the view moves, candidates far smaller
+/// than the smallest of the last frame are not even measured. The first frame of a view that stays begins anew with all
+/// of them, and the next ones go on. They do so beside the image where the image has more in it (squares, depth
+/// shading, overlays): it then gets a copy.
+class DrawInBudget : public DrawStrategy {
+ public:
+  explicit DrawInBudget(SmallItems& small_items) : small_items_(small_items) {}
+  core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
+
+ private:
+  void begin(DrawContext& context, const Culled& culled, bool stays);
+  core::Expected<void> draw_passes(DrawContext& context, const DrawInput& input, const render::RenderTarget& canvas);
+  core::Expected<void> draw_squares(DrawContext& context, const Culled& culled);
+
+  SmallItems& small_items_;
+  std::vector<std::uint64_t> without_squares_;  // a bit per slot
+  double squares_ms_ = 0.0;                     // time that copying and squares of a frame take
+};
+
+}  // namespace sightline::engine

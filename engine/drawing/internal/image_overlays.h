@@ -1,0 +1,60 @@
+// Everything that is done to the image of the opaque items: depth shading, then translucent items, ghosts and outlines
+// over it. Internal to engine.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "sightline/engine/drawing/internal/draw_context.h"
+#include "sightline/engine/drawing/internal/translucent.h"
+#include "sightline/render/internal/overlays.h"
+#include "sightline/render/internal/relief_pass.h"
+
+namespace sightline::engine {
+
+/// Costs nothing in frames without depth shading and without items to draw over the image.
+class ImageOverlays {
+ public:
+  explicit ImageOverlays(TranslucentSlots translucent) : translucent_(std::move(translucent)) {}
+
+  TranslucentSlots& translucent() { return translucent_; }
+  /// Items that are drawn over the image, a bit per slot.
+  culling::SlotBits items() const { return translucent_.bits(); }
+  /// Whether any items are drawn over the image. The CPU finds those that are visible, also where the GPU culls, which
+  /// leaves out translucent ones.
+  bool any(const DrawContext& context) const {
+    return context.renderer && !(items().empty() && translucent_.outlined().empty());
+  }
+  /// Whether the image of the opaque items is changed, so that nothing more can be drawn to it.
+  bool change_image(const DrawContext& context) const { return context.config.relief.any() || any(context); }
+
+  /// Splits a visible set: returns its opaque items, and keeps the others for finish().
+  const core::VisibleSet& split(const DrawContext& context, const core::VisibleSet& visible);
+  /// Eye depths between which the blended items of a set lie.
+  glm::vec2 blend_range(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible);
+  /// Completes the image. `culled`: all visible items, of which split() was called last. `range`: eye depths by which
+  /// blended items are weighed; none: those of these items. Adds to `counts` the items that it draws.
+  core::Expected<void> finish(DrawContext& context, const Culled& culled, const std::optional<glm::vec2>& range,
+                              DrawCounts& counts);
+  /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The image stays.
+  core::Expected<void> put_outline(DrawContext& context, const Culled& items, const core::ExternalTarget& over);
+  core::Expected<void> draw_depth_shading(const DrawContext& context, const core::View& view);
+  std::size_t memory_bytes() const { return overlays_ ? overlays_->memory_bytes() : 0; }  ///< of the GPU
+
+ private:
+  render::Overlays& overlays(const DrawContext& context);
+  core::Expected<void> draw_translucent(DrawContext& context, const Culled& culled,
+                                        const std::optional<glm::vec2>& range, DrawCounts& counts);
+  core::Expected<void> draw_blended(DrawContext& context, const Culled& culled, const glm::vec2& range);
+  core::Expected<void> draw_ghosts(DrawContext& context, const Culled& culled);
+  core::Expected<void> draw_outline(DrawContext& context, const Culled& culled);
+  core::Expected<render::PixelBox> draw_outlined(DrawContext& context, const Culled& items);
+  const core::VisibleSet& leave_out_invisible(DrawContext& context, const Culled& culled);
+
+  TranslucentSlots translucent_;
+  std::optional<render::Overlays> overlays_;       // created with the first overlay
+  std::optional<render::ReliefPass> relief_pass_;  // created with the first frame that has depth shading
+  core::VisibleSet opaque_, over_, blended_, ghosts_, outlined_, tested_, unused_;  // subsets of the visible items
+};
+
+}  // namespace sightline::engine

@@ -1,0 +1,50 @@
+// State of one image of an engine, kept from frame to frame. Internal to engine.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sightline/core/view.h"
+#include "sightline/culling/occlusion.h"
+#include "sightline/engine/drawing/internal/budget_passes.h"
+#include "sightline/engine/drawing/internal/culled.h"
+#include "sightline/engine/drawing/internal/occlusion_passes.h"
+#include "sightline/render/internal/render_target.h"
+
+namespace sightline::engine {
+
+/// An engine that shows several views in turn has one state for each, so that what it learns of one view is not lost to
+/// the next: Engine::use_picture().
+struct ImageState {
+  render::RenderTarget target;
+  bool unchanged = false;  // the last frame drew nothing, because the image was complete
+  bool composed = false;   // the application's framebuffer holds the image already
+
+  std::vector<std::uint64_t> was_large;  // contribution's hysteresis: a bit per slot, of the last frame
+  OcclusionPasses passes;
+  culling::DepthPyramid pyramid;
+  bool pyramid_valid = false;  // the pyramid is never nearer than the image's depth in the present frame
+  std::vector<float> distances;
+
+  // Used with EngineConfig::budget_ms alone.
+  BudgetPasses budget;
+  std::optional<core::View> budget_view;        // view of the image that the target holds, complete or not
+  std::int64_t unmeasured = 0;                  // items that were left out unmeasured because the view moves
+  bool refines = false;                         // the view has stayed, and the image was begun anew with all candidates
+  std::optional<render::RenderTarget> refined;  // complete part of the image, where the image itself has more in it
+  DrawCounts budget_counts;                     // of the last frame
+
+  std::size_t memory_bytes() const { return target.memory_bytes() + (refined ? refined->memory_bytes() : 0); }
+  /// Tells that the next frame shows something else, though its view may be that of the last one.
+  void changed() { budget_view.reset(); }
+  /// Drops all state that is kept by slot. Call it when the items get another order.
+  void forget_slots() {
+    was_large.clear();
+    budget.reset();
+    changed();
+  }
+};
+
+}  // namespace sightline::engine

@@ -1,0 +1,88 @@
+#include "sightline/engine/drawing/internal/left_out.h"
+
+#include <algorithm>
+
+namespace sightline::engine {
+namespace {
+
+/// Slots of `all` that are not in `kept`.
+std::vector<std::uint64_t> without(const core::VisibleSet& all, const core::VisibleSet& kept, std::size_t slots) {
+  std::vector<std::uint64_t> bits(culling::bit_words(slots)), kept_bits(bits);
+  culling::set_bits(all, bits);
+  culling::set_bits(kept, kept_bits);
+  for (std::size_t i = 0; i < bits.size(); ++i) bits[i] &= ~kept_bits[i];
+  return bits;
+}
+
+}  // namespace
+
+core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overlays, const Culled& culled) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const float least = context.config.contribution;
+  LeftOut out;
+  core::VisibleSet large, sampled, shown;
+  const core::VisibleSet* left = &visible;
+  if (least > 0.0f) {
+    context.contribution_test(view, snapshot).filter(bounds, *left, least, large, {}, lines);
+    left = &large;
+  }
+  if (context.config.sample_test || context.may_test_occlusion()) {
+    context.sample_test(view, bounds).filter(bounds, *left, sampled, lines);
+    left = &sampled;
+  }
+  if (left != &visible) out.small = without(visible, *left, bounds.size());
+  if (!context.may_test_occlusion()) return out;
+  const core::VisibleSet& opaque = overlays.split(context, *left);
+  if (auto done = DrawInPasses().draw(context, {culled.with(opaque)}); !done) return tl::unexpected(done.error());
+  context.occlusion_test(view, bounds).filter(bounds, *left, shown, lines);
+  out.occluded = without(*left, shown, bounds.size());
+  return out;
+}
+
+namespace {
+
+/// Visible items that the last frame has not drawn, in rising order.
+core::VisibleSet missing_items(const DrawContext& context, const Culled& culled) {
+  const core::ItemBounds& bounds = culled.snapshot.bounds();
+  const ImageState& image = *context.image;
+  std::vector<std::uint64_t> drawn = image.was_large;
+  if (context.config.budget_ms > 0.0) image.budget.looked_at(bounds.size(), drawn);
+  core::VisibleSet missing;
+  culled.visible.for_each_slot([&](core::Slot slot) {
+    if (!bounds.vacant(slot) && !culling::contains(drawn, slot)) missing.items.push_back(slot);
+  });
+  std::sort(missing.items.begin(), missing.items.end());
+  return missing;
+}
+
+}  // namespace
+
+/// Tests against the image as it is now, with a depth pyramid beside the image's: what a budget goes on with must stay.
+core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& culled) {
+  if (context.config.contribution <= 0.0f && context.config.budget_ms <= 0.0) return LossReport();
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const render::RenderTarget& target = context.target();
+  core::VisibleSet sampled, open;
+  context.sample_test(view, bounds).filter(bounds, missing_items(context, culled), sampled);
+  const core::VisibleSet* left = &sampled;
+  if (target.format().samples == 1 && !sampled.items.empty()) {
+    std::vector<float> distances;
+    culling::DepthPyramid pyramid;
+    target.read_distances(view, distances);
+    pyramid.build(distances, target.width(), target.height());
+    culling::OcclusionTest(view, bounds.origin, target.width(), target.height(), pyramid,
+                           render::RenderTarget::orthographic_error(view), context.snap())
+        .filter(bounds, sampled, open);
+    left = &open;
+  }
+  std::vector<culling::ContributionTest::SlotArea> areas;
+  context.contribution_test(view, snapshot).areas(bounds, *left, areas);
+  LossReport report{std::int64_t(areas.size()), 0.0};
+  for (const auto& area : areas) report.pixels += double(area.area);
+  report.pixels = std::min(report.pixels, double(target.width()) * target.height());
+  return report;
+}
+
+}  // namespace sightline::engine

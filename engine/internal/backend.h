@@ -1,0 +1,170 @@
+// The half of an engine that draws, and culls on the GPU. Needs no GL header, so that the other half is the same in
+// builds without GL. Internal to engine.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sightline/core/internal/deadline.h"
+#include "sightline/engine/drawing/internal/culled.h"
+#include "sightline/engine/engine.h"
+#include "sightline/engine/internal/overrides.h"
+
+namespace sightline::engine {
+
+/// While it lives, what the application has may change. With a context of the engine's own that is which context is
+/// current, and in the application's context its state (EngineConfig::gl_state). Its destructor brings that back.
+struct KeptState {
+  virtual ~KeptState() = default;
+};
+
+/// A frame to draw. Borrows everything.
+struct DrawRequest {
+  const core::View& view;     ///< that the image shows
+  const Culled& culled;       ///< visible items of the view that was culled for
+  bool on_gpu = false;        ///< Backend::cull() has the visible items, and `culled` those to draw over the image
+  bool all = true;            ///< `culled` has all visible items of its view
+  std::uint64_t frame = 0;    ///< take_drawn() returns it
+  double budget_began = 0.0;  ///< when the frame's budget began to run, seconds on the steady clock
+  const core::ExternalTarget* target = nullptr;  ///< gets the image, too, and has its size
+  std::optional<glm::vec2> blend_range = {};     ///< eye depths by which blended items are weighed
+};
+struct DrawResult {
+  DrawCounts counts;     ///< 0 where the GPU has culled
+  double wait_ms = 0.0;  ///< until the frame before the last was drawn
+};
+
+/// A frame that is drawn, with the time that the GPU spent on it alone. That time runs from the end of the frame
+/// before, or from the submission of this one if that is later, until its end. It is measured by waiting for the end;
+/// 0: there was no wait.
+struct DrawnFrame {
+  std::uint64_t frame = 0;
+  double gpu_ms = 0.0;
+};
+
+/// This class is the null object, which draws nothing and succeeds: for engines that need no GL, and while the context
+/// is lost. Drawing overrides all of it. Functions that need the context make it current on the calling thread, unless
+/// it was adopted, and leave it current: KeptState is for their callers.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+
+  /// Whether there is a context to draw in.
+  virtual bool ready() const { return false; }
+  /// Whether that context is lost, see gl::Context::lost().
+  virtual bool lost() const { return false; }
+  virtual std::unique_ptr<KeptState> keep_state() const { return nullptr; }
+  /// The implementation with GL, whose context is then current. Null where that fails.
+  virtual Drawing* drawing() { return nullptr; }
+
+  // --- the order of the items ---
+  // `gpu_culls`: with a GPU culler.
+
+  /// Uploads what the engine draws, in portions: call it until it returns true. Each call does at least a little, and
+  /// ends a few milliseconds after the deadline, but for single programs, meshes and the GPU culler. It also draws an
+  /// item of each batch, since some drivers compile when a program first draws. Meanwhile resize(), configure(),
+  /// follow_later() and lost() may be called. It is of no use after a failure.
+  virtual core::Expected<bool> advance(const core::Snapshot&, const gpuprims::Joints&, bool /*gpu_culls*/,
+                                       core::Deadline) {
+    return true;
+  }
+  /// Uploads another order of the items in portions, as advance(), while frames show the present one. Once it has
+  /// returned true, take_order() shows the other one. abandon_order() drops it.
+  virtual core::Expected<bool> advance_order(const core::Snapshot&, const gpuprims::Joints&, bool /*gpu_culls*/,
+                                             core::Deadline) {
+    return true;
+  }
+  virtual core::Expected<void> take_order(const core::Snapshot& /*former*/, const core::Snapshot&,
+                                          const gpuprims::Joints&, bool /*gpu_culls*/) {
+    return {};
+  }
+  virtual void abandon_order() {}
+  /// Uploads everything anew from another snapshot, at once.
+  virtual core::Expected<void> rebuild(const core::Snapshot&, const gpuprims::Joints&, bool /*gpu_culls*/) {
+    return {};
+  }
+  /// Makes the GPU culler unless there is one. The snapshot must be that of the last update() or rebuild().
+  virtual core::Expected<void> add_culler(const core::Snapshot&) { return {}; }
+
+  // --- edits ---
+
+  enum class Edit {
+    kItems,   ///< placements and shapes may have changed, and slots were appended
+    kStyles,  ///< only looks and whether items are drawn
+  };
+  /// Follows an edit of touched slots (Snapshot::apply) and of materials (SceneDelta::materials).
+  virtual core::Expected<void> update(Edit, const core::Snapshot&, const gpuprims::Joints&,
+                                      std::span<const core::Slot> /*touched*/,
+                                      std::span<const std::uint32_t> /*materials*/) {
+    return {};
+  }
+  /// Notes an edit of the snapshot that advance() or advance_order() works on.
+  virtual void follow_later(std::span<const core::Slot> /*touched*/, std::span<const std::uint32_t> /*materials*/) {}
+
+  // --- settings ---
+
+  /// Uses what Engine::configure() may change, from the next frame on.
+  virtual void configure(const EngineConfig&) {}
+  /// See Engine::resize().
+  virtual core::Expected<void> resize(int /*width*/, int /*height*/) { return {}; }
+  /// Uses another image from now on: Engine::use_picture(). It is created unless there is one of that size.
+  virtual core::Expected<void> use_image(std::uint32_t /*number*/, int /*width*/, int /*height*/) { return {}; }
+  virtual void forget_image(std::uint32_t /*number*/) {}
+
+  // --- frames ---
+
+  /// Whether any items are drawn over the image; the CPU must find those that are visible, also where the GPU culls.
+  virtual bool has_overlays() const { return false; }
+  /// Whether some of them may be blended.
+  virtual bool blends() const { return false; }
+  /// Eye depths between which the blended items of a set lie.
+  virtual glm::vec2 blend_range(const core::View&, const core::Snapshot&, const core::VisibleSet&) { return {}; }
+  /// Culls by `cull_view` on the GPU for an image of `view`; the next draw() draws the result. Needs the GPU culler.
+  /// take_late_report() tells `frame`.
+  virtual core::Expected<void> cull(const core::View& /*cull_view*/, const core::View& /*view*/, const core::Snapshot&,
+                                    std::uint64_t /*frame*/) {
+    return {};
+  }
+  /// Submits a frame. Waits first until at most one earlier frame is still being drawn. Leaves out items that cover no
+  /// sample of the image, or that others occlude, as configured. Where the view is not the one that was culled for,
+  /// and EngineConfig::hidden_colour is set, the items that these tests leave out of the image of that one are drawn in
+  /// this colour.
+  virtual core::Expected<DrawResult> draw(const DrawRequest&) { return DrawResult(); }
+  /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The image stays.
+  virtual core::Expected<void> put_outline(const Culled& /*items*/, const core::ExternalTarget& /*over*/) { return {}; }
+  /// The oldest drawn frame that was not yet taken.
+  virtual std::optional<DrawnFrame> take_drawn() { return std::nullopt; }
+  /// The oldest result of the GPU culler that was not yet taken.
+  virtual std::optional<LateReport> take_late_report() { return std::nullopt; }
+  virtual void finish() {}
+
+  // --- queries ---
+
+  /// What an image of the view would leave out of the visible items. The last image is then gone.
+  virtual core::Expected<LeftOut> left_out(const Culled&) { return LeftOut(); }
+  /// Error of the last draw() by contribution and budget; it must have drawn `culled`.
+  virtual core::Expected<LossReport> loss(const Culled&) { return LossReport(); }
+  virtual std::size_t memory_bytes() const { return 0; }
+  virtual std::string platform() const { return {}; }
+  virtual std::string renderer() const { return {}; }
+  virtual bool software() const { return false; }
+  virtual std::vector<std::string> take_gl_errors() { return {}; }
+  virtual std::optional<culling::GpuVariant> gpu_variant() const { return std::nullopt; }  ///< of the GPU culler
+  virtual std::string why_gpu_variant() const { return {}; }
+};
+
+// Builds without GL have their own version of each of these (no_gl.cpp).
+
+/// A backend with GL that draws nothing before advance() or rebuild(). `overrides` are borrowed. Fails in builds
+/// without GL.
+core::Expected<std::unique_ptr<Backend>> make_backend(const EngineConfig& config, const Overrides& overrides);
+/// Keeps which context is current on this thread, for the time in which a backend is made.
+std::unique_ptr<KeptState> keep_current_context();
+/// Sets the plan's entry for the program of each batch kind.
+void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
+
+}  // namespace sightline::engine

@@ -1,0 +1,102 @@
+// The state behind Engine, and the functions on it that several source files share. Internal to engine.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "sightline/core/internal/deadline.h"
+#include "sightline/engine/engine.h"
+#include "sightline/engine/internal/backend.h"
+#include "sightline/engine/internal/hybrid.h"
+#include "sightline/engine/internal/overrides.h"
+#include "sightline/engine/internal/picking.h"
+#include "sightline/engine/internal/rebuild.h"
+
+namespace sightline::engine {
+
+/// Plain state: Engine's functions work on it. engine.cpp has those about settings, frames.cpp those about frames,
+/// orders.cpp those about edits and the order of the items, styles.cpp those about what this engine shows otherwise
+/// than the scene, contexts.cpp those about the context, and queries.cpp those that ask something between frames.
+struct EngineState {
+  EngineState(core::Scene& scene, const EngineConfig& config);
+
+  core::Scene* scene;
+  core::SceneSubscription edits;
+  core::SceneDelta edits_left;  // taken from `edits` by a commit in portions, and not followed yet
+  EngineConfig config;
+  Order live;
+  std::optional<Order> landing;  // a new order, for which the backend uploads what it lacks
+  Overrides overrides;
+  core::VisibleSet visible;
+  core::VisibleSet overlaid;  // visible items where the GPU culls, for what is drawn over its image
+  std::uint32_t image = 0;    // in use, of the size of `config`
+  std::map<std::uint32_t, std::pair<int, int>> image_sizes;        // of the other images
+  std::unique_ptr<Backend> backend = std::make_unique<Backend>();  // never null
+  std::unique_ptr<Backend> coming;  // that use_context() makes in portions, while `backend` is not ready; or null
+  const gl::Context* coming_in = nullptr;  // the context of `coming`
+  double next_try = -1.0;                  // when to try to make a context, in seconds; below 0: none is missing
+  double last_frame_began = -1.0;          // seconds on the steady clock
+  double frame_seconds = 0.0;              // duration of the last frame
+  std::uint64_t frames = 0;
+  bool picks = false;  // the application has picked
+#if SIGHTLINE_HAS_RAYTRACE
+  core::LargeArray<core::NodeId> nodes;  // by item: the node that holds it, so that picks do not read the scene
+#endif
+  std::optional<Hybrid> hybrid;
+  std::deque<LateReport> late;
+  // Last: they read `live` until they are destroyed.
+  BackgroundTracer new_tracer;
+  std::unique_ptr<BackgroundRebuild> rebuild;
+
+  bool needs_gl() const {
+    return config.draw || live.plan.gpu_culls();
+  }
+  /// Held where GL is called, so that calls which need no GL do not ask it.
+  std::unique_ptr<KeptState> keep_state() const;
+  /// Whether a frame shows, in a colour of their own, the items that the image of its culling view would not show.
+  bool shows_unseen(const core::View& view, const core::View& cull_view) const;
+  /// The visible items of a set, as drawing takes them.
+  Culled culled(const core::View& view, const core::VisibleSet& set) const {
+    return {view, *live.snapshot, set, live.lines, live.hierarchy()};
+  }
+};
+
+// --- engine.cpp ---
+/// Arguments of the plan that the settings ask for.
+PlanRequest plan_request(const EngineState& s);
+core::Expected<void> resize(EngineState& s, int width, int height);
+core::Expected<void> use_image(EngineState& s, std::uint32_t number);
+
+// --- orders.cpp ---
+/// Builds everything that the plan names. The scene must be committed.
+core::Expected<void> build(EngineState& s, const Engine::Progress& progress = {});
+/// Brings in a new order when one is ready and the backend has what it needs for it.
+core::Expected<void> land(EngineState& s);
+void abandon_rebuild(EngineState& s);
+/// Makes the hybrid culler follow the plan, the scene and the context.
+void follow_hybrid(EngineState& s);
+/// Makes a new order that is about to land follow an edit. `edited`: of the live order, which shows it already.
+void follow_in_landing(EngineState& s, const core::SceneDelta& edited, std::span<const std::uint32_t> materials);
+
+// --- contexts.cpp ---
+/// Makes what the plan needs in the context: everything for a new order of the items or a new context, otherwise what
+/// is missing. Does nothing while the context is lost.
+core::Expected<void> follow_plan_in_context(EngineState& s, bool new_order);
+/// Detects a lost context, and tries to replace it if the engine made it.
+void look_after_context(EngineState& s);
+void drop_context(EngineState& s);
+/// Ignores an error that comes from losing the context: the next frame handles the loss.
+core::Expected<void> unless_lost(const EngineState& s, core::Expected<void> done);
+/// Adds to the plan what is known only once there is a context: how it was made, and the variant of the GPU culler.
+void note_context(EngineState& s);
+
+// --- styles.cpp ---
+/// Fails, naming the call, where an item is unknown as of the last commit().
+core::Expected<void> known(const EngineState& s, const char* call, std::span<const core::ItemId> items);
+
+}  // namespace sightline::engine
