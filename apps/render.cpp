@@ -82,7 +82,7 @@ void add_options(apps::CommandLine& line, Options& o) {
                "Reference of --ids, PNG: counts the pixels that show another item, and those of them that lie at no "
                "silhouette of the reference");
   line.add("--compare-depth", o.reference_depth,
-           "Reference of --depth, PFM: counts the pixels beyond the bounds that docs/stability.md sets, at no "
+           "Reference of --depth, PFM: counts the pixels beyond the bounds that docs/reference/accuracy.md sets, at no "
            "silhouette")
       .needs(compare_ids);
   line.add("--diff", o.diff, "Difference image, PNG, four times amplified").needs(compare);

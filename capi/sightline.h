@@ -372,11 +372,11 @@ typedef struct sl_import_options {
   /* Called on the importing thread before sl_import() returns, for each problem that did not stop it. May be null. */
   void (*warning)(const char* file, uint64_t offset, const char* message, void* user);
   void* user; /* passed to both */
-  /* Where scene caches are kept (docs/scene-cache.md), made when absent; null or empty: none. An import of the same
-   * unchanged files with the same options then reads the cache instead, with the same result. What goes wrong with it
-   * is a warning, never an error. */
+  /* Where scene caches are kept (docs/guide/scene-cache.md), made when absent; null or empty: none. An import of the
+   * same unchanged files with the same options then reads the cache instead, with the same result. What goes wrong with
+   * it is a warning, never an error. */
   const char* cache_folder;
-  /* Whether meshes become primitives where they are the triangles of some (docs/recognition.md). */
+  /* Whether meshes become primitives where they are the triangles of some (docs/guide/recognition.md). */
   int32_t recognise;
   /* How far vertices may lie from a recognised surface, in metres; 0: what each mesh's own tessellation tells. */
   double recognise_tolerance;

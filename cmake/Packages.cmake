@@ -1,4 +1,4 @@
-# Debian packages (docs/packages.md): manual pages, changelogs and copyright files, and CPack with one package for each
+# Debian packages (docs/guide/packages.md): manual pages, changelogs and copyright files, and CPack with one package for each
 # install component. The library is the shared one. Include this after all install() calls. scripts/package.sh does the rest.
 
 # ---- The build step: cmake -DTOOL= -DVERSION= -DHELP2MAN= -DOUTPUT= -P Packages.cmake makes a manual page of a tool's --help.

@@ -24,7 +24,7 @@ target_link_libraries(sightline PRIVATE ${archives} sightline_flags)  # for what
 if(NOT BUILD_SHARED_LIBS)
   set_target_properties(sightline PROPERTIES EXCLUDE_FROM_ALL TRUE)
 endif()
-# As long as the major version is 0, each minor version may have another ABI (docs/packages.md).
+# As long as the major version is 0, each minor version may have another ABI (docs/guide/packages.md).
 set(SIGHTLINE_SOVERSION ${PROJECT_VERSION_MAJOR})
 if(PROJECT_VERSION_MAJOR EQUAL 0)
   set(SIGHTLINE_SOVERSION 0.${PROJECT_VERSION_MINOR})

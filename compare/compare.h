@@ -13,7 +13,8 @@
 // where they were. Else it has moved, unless it is a solid turned onto itself; whether it is, is approximate. Paths are
 // compared by hashes of 64 bits, so two different paths of n count as equal with probability n^2 / 2^65. In steps 1, 3
 // and 4 an item gives up after 64 others of the same centre and size that differ in shape, so time stays O(n log n);
-// more of them at one point may be called removed and added. How this is found, and what it costs: docs/comparing.md.
+// more of them at one point may be called removed and added. How this is found, and what it costs:
+// docs/guide/comparing.md.
 #pragma once
 
 #include <array>

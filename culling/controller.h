@@ -1,7 +1,7 @@
 // Which path culls the next frame, the CPU's or the GPU's: pure logic, fed with measured times, without GL or a clock
 // of its own. Two policies. FrameCost (the default) estimates what either path would cost and takes the cheaper one;
 // Policy2009 is the state machine of the dissertation that this library grew from, kept as the baseline.
-// docs/hybrid-culling.md has the formulas and how close either comes to the best choice of every frame.
+// docs/results/hybrid.md has the formulas and how close either comes to the best choice of every frame.
 //
 //   controller.scene_changed(items); controller.gpu_ready();
 //   loop: path = controller.next(); …cull and draw…; controller.feed(what is known by now of this and earlier frames);

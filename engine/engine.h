@@ -57,8 +57,8 @@ struct PixelRectangle {
 };
 
 /// Shading and lines by the depth of the picture alone, so that shapes of one colour can be told apart: looks, without
-/// any meaning as light. They cost the same for every scene (docs/benchmarks.md), and nothing where both are 0. What is
-/// drawn over the picture is left as it is: ghosts, blended items, outlines. Dithered items become darker.
+/// any meaning as light. They cost the same for every scene (docs/results/drawing.md), and nothing where both are 0.
+/// What is drawn over the picture is left as it is: ghosts, blended items, outlines. Dithered items become darker.
 struct Relief {
   float shading = 0.0f;  ///< 0 … 1: darkness of corners and of what lies behind edges
   float lines = 0.0f;    ///< 0 … 1: darkness of lines where surfaces begin or end, and along creases
@@ -184,7 +184,7 @@ struct FrameReport {
   std::int64_t pending = 0;
 };
 
-/// What the GPU culler found in an earlier frame. It is not asked for translucent items (docs/transparency.md).
+/// What the GPU culler found in an earlier frame. It is not asked for translucent items (docs/guide/transparency.md).
 struct LateReport {
   std::uint64_t frame = 0;    ///< FrameReport::frame
   std::int64_t visible = 0;   ///< items in the view volume

@@ -12,7 +12,7 @@ constexpr std::size_t kCommittedPiece = 512;  // edits at a time, where a commit
 constexpr double kShareOfSnapshot = 0.75;     // of the time that making an engine takes
 // Frames and commits work so long for a new order that is to land: seconds, and a share of what the last frame took.
 constexpr double kLeastLanding = 0.001, kMostLanding = 0.008, kLandingShare = 0.25;
-// Measured on llvmpipe: 1.15 to 1.2 times the frame of the CPU's path (docs/hybrid-culling.md).
+// Measured on llvmpipe: 1.15 to 1.2 times the frame of the CPU's path (docs/results/hybrid.md).
 constexpr double kSoftwareGpuExcess = 0.1;
 
 /// Adds slots below `size`, so that each is there once.

@@ -49,7 +49,7 @@ constexpr std::string_view name_of(OcclusionChoice choice) {
 /// How transparent items are drawn.
 enum class Transparency : std::uint8_t {
   kDither,  ///< by a pattern of opaque pixels: exact on average over 4 x 4 pixels, and ids and depth show the items
-  /// Blended without sorting, with an error (docs/transparency.md). Ids and depth are those of what lies behind.
+  /// Blended without sorting, with an error (docs/guide/transparency.md). Ids and depth are those of what lies behind.
   kBlended,
 };
 constexpr std::string_view name_of(Transparency way) {

@@ -67,7 +67,7 @@ struct DepthDifference {
 };
 /// `bound(id, metres)` is by how much two exact enough renderers may differ on that item at that depth, in metres. A
 /// 64th of the largest step to the four pixels around is added: each renderer may place a pixel's centre a 128th of a
-/// pixel aside (docs/stability.md). Fails when the sizes differ.
+/// pixel aside (docs/reference/accuracy.md). Fails when the sizes differ.
 SIGHTLINE_API core::Expected<DepthDifference> depth_difference(
     const ItemDepths& reference, const ItemDepths& image,
     const std::function<double(std::uint32_t id, double metres)>& bound);

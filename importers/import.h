@@ -62,15 +62,15 @@ struct ImportOptions {
   /// Which meshes are kept only once (mesh_sharing.h). Costs a few nanoseconds per vertex.
   MeshCopies copies = MeshCopies::kSimilar;
   /// Whether meshes become analytic primitives where they are the triangles of some: cylinders, snouts, tori, dishes,
-  /// spheres, boxes, pyramids (docs/recognition.md). What is not recognised stays a mesh.
+  /// spheres, boxes, pyramids (docs/guide/recognition.md). What is not recognised stays a mesh.
   bool recognise = false;
   /// How far vertices may lie from a recognised surface, in metres, finite and >= 0; 0: what each mesh's own size,
   /// tessellation and rounding tell.
   double recognise_tolerance = 0.0;
   /// Threads for several files; 0: one for each processor.
   int threads = 0;
-  /// Where import_files() keeps scene caches (docs/scene-cache.md), made when absent; empty: none. An import of the
-  /// same unchanged files with the same options then reads the cache instead, with the same result. A cache that is
+  /// Where import_files() keeps scene caches (docs/guide/scene-cache.md), made when absent; empty: none. An import of
+  /// the same unchanged files with the same options then reads the cache instead, with the same result. A cache that is
   /// missing, older than a file, damaged or of another version is written anew. What goes wrong with it becomes a
   /// warning, never an error. Has no effect below a parent that is moved, on attribute files for groups that are in the
   /// scene already, and on indexes of several VTK files.

@@ -30,7 +30,7 @@ Requires-Python: >=3.9
 Requires-Dist: numpy
 Description-Content-Type: text/markdown
 
-{(SOURCE / "docs" / "python.md").read_text()}"""
+{(SOURCE / "docs" / "reference" / "python.md").read_text()}"""
 
 
 def _run(*command):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the Debian packages (docs/packages.md) on Debian 12, as build/packages/debs/*.deb. Installs what is missing for
-# that. SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; DEBFULLNAME and DEBEMAIL name the maintainer.
+# Builds the Debian packages (docs/guide/packages.md) on Debian 12, as build/packages/debs/*.deb. Installs what is missing
+# for that. SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; DEBFULLNAME and DEBEMAIL name the maintainer.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # Dates in packages are those of the sources.

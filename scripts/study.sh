@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Set-up, build and a run of the study (docs/culling-study.md, docs/ray-tracing-study.md), in one command.
+# Set-up, build and a run of the study (docs/results/culling-study.md and ray-tracing-study.md), in one command.
 #   scripts/study.sh [arguments of sightline-study]      default: --tables --scale 0.05 --frames 30, a quick look
 # Below build/study: the library as built for the study, prefix/ where it is installed with its private headers, and the
 # study itself in program/. STUDY_CMAKE_ARGS holds extra CMake arguments for it, such as -DSTUDY_OSG=OFF.

@@ -52,7 +52,7 @@ void add_limit(apps::CommandLine& line, const char* name, std::optional<T>& limi
 }
 
 void add_options(apps::CommandLine& line, Options& o) {
-  line.add("SUITE", o.suite, "Suite JSON file (docs/regress.md)").required();
+  line.add("SUITE", o.suite, "Suite JSON file (docs/guide/regress.md)").required();
   line.add("--out", o.out, "Folder for pictures and results, report.html and junit.xml").shows_default();
   const apps::Option workers =
       line.add("-j,--jobs", o.workers, "Worker processes").shows_default().in_range(1, kMostWorkers);

@@ -37,7 +37,8 @@ struct Range {
   bool empty() const { return most == 0.0; }
 };
 
-/// Magnitudes that decide how hard an intersection is. Bounds: what sightline-stability tests (docs/stability.md).
+/// Magnitudes that decide how hard an intersection is. Bounds: what sightline-stability tests
+/// (docs/reference/accuracy.md).
 struct ModelRanges {
   Range coordinate, size, slenderness, ring, slope, sweep, eye_distance;
   std::uint64_t flat = 0, skipped = 0;
@@ -119,7 +120,7 @@ void add_ranges(const Report& report, Section& section) {
   section.html.table(
       {"quantity", "least", "greatest", "tested range", "greatest / limit", "within"}, rows,
       {"Numbers of the model's primitives beside the ranges in which their intersections are tested "
-       "(docs/stability.md); values of 0 left out. " +
+       "(docs/reference/accuracy.md); values of 0 left out. " +
            count_words(ranges.flat) +
            " items are thinner than 1e-7 of their longest side: boxes, dishes and pyramids among them are drawn that "
            "thick. " +

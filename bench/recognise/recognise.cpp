@@ -1,4 +1,5 @@
-// sightline-bench recognise: error against time of the recognition of primitives in triangles (docs/recognition.md).
+// sightline-bench recognise: error against time of the recognition of primitives in triangles
+// (docs/guide/recognition.md).
 //
 // Each primitive of a model becomes a mesh, as in a file with an object for each: of a number of segments, or within a
 // chord, with coordinates as floats or rounded as files with few decimals have them. What is recognised in each mesh,

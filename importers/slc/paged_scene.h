@@ -1,4 +1,4 @@
-// Opens scene caches (.slc, docs/scene-cache.md) as scenes whose items are read page by page.
+// Opens scene caches (.slc, docs/guide/scene-cache.md) as scenes whose items are read page by page.
 #pragma once
 
 #include <filesystem>

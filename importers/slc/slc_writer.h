@@ -1,5 +1,5 @@
-// Writes a scene as a scene cache (.slc, docs/scene-cache.md): what a second start needs, so that it neither parses nor
-// sorts. import_file() reads it.
+// Writes a scene as a scene cache (.slc, docs/guide/scene-cache.md): what a second start needs, so that it neither
+// parses nor sorts. import_file() reads it.
 #pragma once
 
 #include <filesystem>

@@ -305,7 +305,7 @@ title() {
     machine) echo "Machine, driver, limits and extensions" ;;
     tests) echo "Tests with a context" ;;
     images) echo "Images against llvmpipe's" ;;
-    stability) echo "Stability of the shaders (docs/stability.md)" ;;
+    stability) echo "Stability of the shaders (docs/reference/accuracy.md)" ;;
     hybrid_100k) echo "$(items 100000) items: cullers, rendering off and on" ;;
     hybrid_1m) echo "$(items 1000000) items: cullers, rendering off and on" ;;
     hybrid_5m) echo "$(items 5000000) items: cullers, rendering off and on" ;;

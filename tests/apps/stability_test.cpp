@@ -1,4 +1,5 @@
-// sightline-stability through the shaders, with few rays of every case (docs/stability.md), and what it refuses.
+// sightline-stability through the shaders, with few rays of every case (docs/reference/accuracy.md), and what it
+// refuses.
 #include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests::stability_test {

@@ -1,4 +1,4 @@
-// The program in docs/c-api.md is the one that is built.
+// The program in docs/reference/c.md is the one that is built.
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -18,7 +18,7 @@ std::string text_of(const std::string& file) {
 TEST(CapiDocument, ShowsTheExample) {
   const std::string program = text_of("examples/c_cull.c");
   ASSERT_FALSE(program.empty());
-  EXPECT_NE(text_of("docs/c-api.md").find("```c\n" + program + "```\n"), std::string::npos);
+  EXPECT_NE(text_of("docs/reference/c.md").find("```c\n" + program + "```\n"), std::string::npos);
 }
 
 }  // namespace

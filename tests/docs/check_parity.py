@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the table of docs/api-parity.md: check_parity.py ROOT.
+"""Checks the table of docs/reference/api-parity.md: check_parity.py ROOT.
 
 - Each field of the settings and reports of engines, and each public function of Engine, BoxCuller and OccluderRaster, has
   a row, and nothing else.
@@ -176,7 +176,7 @@ def rows(page):
 
 
 def problems(root):
-    page = (root / "docs" / "api-parity.md").read_text()
+    page = (root / "docs" / "reference" / "api-parity.md").read_text()
     expected, listed = list(of_cpp(root)), []
     known = {"C": of_c(root), "Python": of_python(root)}
     for cpp, c, python, why in rows(page):
@@ -204,7 +204,7 @@ def problems(root):
 def main():
     found = list(problems(pathlib.Path(sys.argv[1])))
     for problem in found:
-        print("docs/api-parity.md: " + problem, file=sys.stderr)
+        print("docs/reference/api-parity.md: " + problem, file=sys.stderr)
     return 1 if found else 0
 
 

@@ -1,6 +1,6 @@
 // One thread edits a scene; engines on other threads cull, pick, query and make new orders meanwhile. Only create(),
-// commit() and rebuild() keep out of the edits' way, as docs/embedding.md says. ThreadSanitizer finds what reads the
-// scene nevertheless; without it wrong picks do.
+// commit() and rebuild() keep out of the edits' way, as docs/guide/embedding.md says. ThreadSanitizer finds what reads
+// the scene nevertheless; without it wrong picks do.
 #include <atomic>
 #include <mutex>
 #include <random>

@@ -1,4 +1,4 @@
-"""docs/python.md and the example do what they say."""
+"""docs/reference/python.md and the example do what they say."""
 
 import contextlib
 import io
@@ -14,7 +14,7 @@ from support import SOURCE, GlCase, plant
 
 class Docs(GlCase):
     def test_the_page_runs(self):
-        page = (SOURCE / "docs" / "python.md").read_text()
+        page = (SOURCE / "docs" / "reference" / "python.md").read_text()
         blocks = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
         self.assertGreater(len(blocks), 8)
         names = {}
@@ -22,7 +22,7 @@ class Docs(GlCase):
         self.addCleanup(os.chdir, SOURCE)
         for block in blocks:
             with contextlib.redirect_stdout(io.StringIO()):
-                exec(compile(block, "docs/python.md", "exec"), names)
+                exec(compile(block, "docs/reference/python.md", "exec"), names)
         self.assertTrue((self.folder / "plant.png").exists())
         names["engine"].close()
 

@@ -1,4 +1,4 @@
-// Internal to the importers: analytic primitives recognised in triangle meshes (docs/recognition.md).
+// Internal to the importers: analytic primitives recognised in triangle meshes (docs/guide/recognition.md).
 //
 // After R. de Toledo, B. Levy, J.-C. Paul, "Reverse engineering for industrial-environment CAD models" (TMCE 2008),
 // who use the order in which tessellators write their vertices. Here the rings of vertices are found from the

@@ -12,7 +12,7 @@
 
 namespace sightline::importers::recognition {
 
-/// What may lie how far from a surface (docs/recognition.md).
+/// What may lie how far from a surface (docs/guide/recognition.md).
 struct Allowance {
   CoordinateNoise noise;
   double chosen = 0.0;  ///< > 0: for vertices, instead of what the mesh itself tells

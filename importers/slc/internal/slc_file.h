@@ -1,4 +1,5 @@
-// The container of a scene cache: numbered arrays with checksums (docs/scene-cache.md). Internal to the importers.
+// The container of a scene cache: numbered arrays with checksums (docs/reference/scene-cache-format.md). Internal to
+// the importers.
 #pragma once
 
 #include <atomic>
