@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks the Markdown pages of a source tree: check_pages.py ROOT.
 
-- Links to files of the tree lead to files that exist.
+- Links to files of the tree lead to files that exist, and docs/README.md leads to every page.
+- The README has at most 100 lines, a page of docs/guide at most 1,200 words.
 - Each C++ or C snippet of the pages about embedding is part of a program in examples/, line by line but for indentation.
   A line of "..." stands for left out lines.
 - Each CMake snippet of these pages names targets and components that the sources have.
@@ -10,19 +11,48 @@ import pathlib
 import re
 import sys
 
-SNIPPETS_FROM_EXAMPLES = ["docs/tutorial.md"]
+SNIPPETS_FROM_EXAMPLES = ["docs/guide/tutorial.md"]
+MOST_README_LINES, MOST_GUIDE_WORDS = 100, 1200
 
 
 def pages(root):
     return [root / name for name in ("README.md", "CONTRIBUTING.md")] + sorted((root / "docs").rglob("*.md"))
 
 
+def links(page):
+    """Links of a page to files, as they are written, without those in blocks of code."""
+    text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
+    targets = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text)
+    return [target for target in targets if not re.match(r"[a-z]+:", target)]
+
+
 def broken_links(root):
     for page in pages(root):
-        text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
-        for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
-            if not re.match(r"[a-z]+:", target) and not (page.parent / target).exists():
+        for target in links(page):
+            if not (page.parent / target).exists():
                 yield f"{page.relative_to(root)}: no file {target}"
+
+
+def lost_pages(root):
+    """Pages below docs/ that no way of links leads to from its README."""
+    lost = {page.resolve() for page in (root / "docs").rglob("*.md")}
+    waiting = [root / "docs" / "README.md"]
+    while waiting:
+        page = waiting.pop().resolve()
+        if page in lost:
+            lost.remove(page)
+            waiting += [page.parent / target for target in links(page)]
+    yield from (f"{page.relative_to(root.resolve())}: docs/README.md does not lead here" for page in sorted(lost))
+
+
+def long_pages(root):
+    lines = len((root / "README.md").read_text().splitlines())
+    if lines > MOST_README_LINES:
+        yield f"README.md: {lines} lines, expected at most {MOST_README_LINES}"
+    for page in sorted((root / "docs" / "guide").glob("*.md")):
+        words = len(page.read_text().split())
+        if words > MOST_GUIDE_WORDS:
+            yield f"{page.relative_to(root)}: {words} words, expected at most {MOST_GUIDE_WORDS}"
 
 
 def lines_of(text):
@@ -55,7 +85,7 @@ def stray_snippets(root):
 
 
 def unknown_targets(root):
-    folders = {path.parent.name for path in root.glob("*/CMakeLists.txt")}
+    folders = {path.parent.name for depth in ("*", "*/*") for path in root.glob(depth + "/CMakeLists.txt")}
     for name in SNIPPETS_FROM_EXAMPLES:
         for snippet in re.findall(r"```cmake\n(.*?)```", (root / name).read_text(), flags=re.S):
             for target in re.findall(r"sightline::(\w+)", snippet):
@@ -65,7 +95,8 @@ def unknown_targets(root):
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    problems = [*broken_links(root), *stray_snippets(root), *unknown_targets(root)]
+    checks = (broken_links, lost_pages, long_pages, stray_snippets, unknown_targets)
+    problems = [problem for check in checks for problem in check(root)]
     for problem in problems:
         print(problem, file=sys.stderr)
     return 1 if problems else 0
