@@ -1,6 +1,6 @@
 // sightline-compare: what changed between two revisions of a model.
 
-#include "sightline/compare/compare.h"
+#include "sightline/analysis/compare/compare.h"
 
 #include <cstdio>
 #include <numbers>
@@ -9,7 +9,7 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace {
 

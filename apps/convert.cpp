@@ -11,10 +11,10 @@
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/report_json.h"
 #include "sightline/importers/gltf/gltf_writer.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/obj/obj_writer.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/slc_writer.h"
-#include "sightline/json/internal/json.h"
 
 namespace {
 

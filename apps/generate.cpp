@@ -11,11 +11,11 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/paged_scene.h"
 #include "sightline/importers/slc/slc_writer.h"
-#include "sightline/json/internal/json.h"
 
 namespace {
 

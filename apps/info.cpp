@@ -8,7 +8,7 @@
 #include "sightline/apps/common/report_json.h"
 #include "sightline/apps/common/style_options.h"
 #include "sightline/core/find_nodes.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace {
 

@@ -12,9 +12,9 @@
 #include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/image/image.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 namespace {

@@ -19,9 +19,9 @@
 #include "sightline/apps/mpi/composer.h"
 #endif
 #include "sightline/engine/engine.h"
-#include "sightline/image/image_metrics.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/render/image/image_metrics.h"
 
 namespace {
 

@@ -15,13 +15,13 @@
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/mpi/session.h"
 #include "sightline/engine/engine.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
-#include "sightline/json/internal/json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/paged_replay.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 #endif
 #if SIGHTLINE_HAS_GL && SIGHTLINE_HAS_MPI
 #include "sightline/apps/mpi/composer.h"

@@ -8,10 +8,10 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/view_options.h"
-#include "sightline/image/image.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/whitted.h"
+#include "sightline/render/image/image.h"
 
 namespace {
 

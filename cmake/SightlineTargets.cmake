@@ -25,7 +25,7 @@ function(sightline_include_root result name folder)
 endfunction()
 
 # Include roots of the folders of programs: sightline_apps_headers and so on.
-foreach(folder apps bench tests)
+foreach(folder apps tests)
   sightline_include_root(root ${folder} ${folder})
   add_library(sightline_${folder}_headers INTERFACE)
   target_include_directories(sightline_${folder}_headers INTERFACE ${root})

@@ -417,8 +417,8 @@ class SIGHTLINE_API Engine {
   const Plan& plan() const;
   const core::Snapshot& snapshot() const;
   const core::VisibleSet& visible() const;  ///< empty when the GPU culls
-  /// The last frame's picture (image/image.h). Only builds with GL have these functions. They wait for the GPU. They
-  /// fail without EngineConfig::draw, and while the context is lost.
+  /// The last frame's picture (render/image/image.h). Only builds with GL have these functions. They wait for the GPU.
+  /// They fail without EngineConfig::draw, and while the context is lost.
   core::Expected<image::Image> read_colour();
   core::Expected<image::IdImage> read_ids();  ///< fails without EngineConfig::ids, too
   /// Distances along the axis of `view`, which is the one that was drawn.

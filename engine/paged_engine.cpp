@@ -17,7 +17,7 @@
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gl/internal/program_cache.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {

@@ -1,7 +1,7 @@
 /* Which boxes does a camera see? No scene, no GL. */
 #include <stdio.h>
 
-#include "sightline/capi/sightline.h"
+#include "sightline/sightline.h"
 
 int main(void) {
   const sl_box boxes[] = {{{-1, 5, -1}, {1, 7, 1}}, {{40, 5, -1}, {42, 7, 1}}, {{0, -9, 0}, {1, -8, 1}}};

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "sightline/capi/sightline.h"
+#include "sightline/sightline.h"
 
 enum { WIDTH = 640, HEIGHT = 480 };
 

@@ -11,7 +11,7 @@
 #include <glm/ext/matrix_transform.hpp>
 
 #include "sightline/culling/box_culler.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 using namespace sightline;
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sightline/engine/engine.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 using namespace sightline;
 

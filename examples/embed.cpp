@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "sightline/engine/engine.h"
-#include "sightline/image/image.h"
 #include "sightline/importers/import.h"
+#include "sightline/render/image/image.h"
 
 using namespace sightline;
 

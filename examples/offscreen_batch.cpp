@@ -7,8 +7,8 @@
 #include <string>
 
 #include "sightline/engine/engine.h"
-#include "sightline/image/image.h"
 #include "sightline/importers/import.h"
+#include "sightline/render/image/image.h"
 
 using namespace sightline;
 

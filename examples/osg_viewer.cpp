@@ -14,8 +14,8 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
-#include "sightline/image/image.h"
 #include "sightline/importers/import.h"
+#include "sightline/render/image/image.h"
 
 using namespace sightline;
 

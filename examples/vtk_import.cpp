@@ -14,7 +14,7 @@
 #include <vtkUnsignedCharArray.h>
 
 #include "sightline/engine/engine.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 using namespace sightline;
 

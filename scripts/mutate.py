@@ -143,20 +143,20 @@ def main():
     args = parser.parse_args()
     files = [parse_file(argument) for argument in args.files]
 
-    folders = sorted({name.split("/")[0] for name, _ in files})
-    tests = args.tests or f"^({'|'.join(folders)})(_gl)?\\."
     synchronise()
     ccache = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     status, printed = run(["cmake", "--preset", "release", *ccache])
     if status != 0:
         sys.exit(f"mutate: cannot be configured\n{printed}")
-    if args.targets:
-        targets = args.targets
-    else:
-        known = run(["ninja", "-C", "build/release", "-t", "targets", "all"])[1]
-        targets = [t for f in folders for t in (f"{f}_tests", f"{f}_gl_tests") if f"\n{t}: " in known]
-        if not targets:
-            sys.exit(f"mutate: {', '.join(folders)}: no test programs of that name; give --targets and --tests")
+    known = run(["ninja", "-C", "build/release", "-t", "targets", "all"])[1]
+    programs = {name: [t for t in (f"{name}_tests", f"{name}_gl_tests") if f"\n{t}: " in known]
+                for name in {part for file, _ in files for part in file.split("/")[:-1]}}
+    # A file's tests are named after the innermost of its folders that has some: analysis/measure is measure.
+    folders = sorted({next((part for part in reversed(name.split("/")[:-1]) if programs[part]), "") for name, _ in files})
+    if "" in folders and not (args.targets and args.tests):
+        sys.exit("mutate: no test programs named after a folder of every file; give --targets and --tests")
+    tests = args.tests or f"^({'|'.join(folders)})(_gl)?\\."
+    targets = args.targets or [target for name in folders for target in programs[name]]
     build = ["ninja", "-C", "build/release", *targets]
     test = ["ctest", "--test-dir", "build/release", "-j2", "--stop-on-failure", "--no-tests=error", "-R", tests]
     status, printed = run(build)

@@ -101,16 +101,16 @@ without() {
 # One folder in turn, of those with files that changed in the last 50 commits.
 run_mutants() {
   local folders folder files
-  mapfile -t folders < <(changed_files | cut -d/ -f1 | sort -u)
+  mapfile -t folders < <(changed_files | xargs -r dirname | sort -u)
   [ ${#folders[@]} -gt 0 ] || { echo "no library file changed in the last 50 commits"; return; }
   folder=${folders[$(($(git rev-list --count HEAD) / 8 % ${#folders[@]}))]}
-  mapfile -t files < <(changed_files | grep "^$folder/")
+  mapfile -t files < <(changed_files | grep "^$folder/[^/]*$")
   scripts/mutate.sh --minutes 3 --seed "$(git rev-list --count HEAD)" "${files[@]}" || echo "mutants: could not be tried"
 }
 changed_files() {
   local since
   since=$(git rev-list --max-count=51 HEAD | tail -1)
-  git diff --name-only --diff-filter=AM "$since" HEAD | grep -E '^(core|culling|gpuprims|importers|measure|compare|raytrace|engine)/[^/]*\.cpp$' || true
+  git diff --name-only --diff-filter=AM "$since" HEAD | grep -E '^(core|culling|gpuprims|importers|analysis|raytrace|engine)/.*\.cpp$' || true
 }
 # Compiles every K-th of N sources alone, as developers without batches do.
 alone() {

@@ -1,7 +1,7 @@
 // The baseline B of sightline-bench cull as a method of the study.
 #pragma once
 
-#include "sightline/bench/brute_force.h"
+#include "sightline/apps/bench/brute_force.h"
 #include "sightline/study/method.h"
 
 namespace sightline::study {

@@ -7,7 +7,7 @@
 
 #include "sightline/core/scene.h"
 #include "sightline/engine/engine.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sightline/core/error.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 

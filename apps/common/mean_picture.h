@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 

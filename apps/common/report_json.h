@@ -3,7 +3,7 @@
 #pragma once
 
 #include "sightline/importers/import.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 

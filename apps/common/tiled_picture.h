@@ -9,7 +9,7 @@
 #include "sightline/apps/common/mean_picture.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/engine/engine.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 

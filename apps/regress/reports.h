@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sightline/apps/regress/task_result.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 

@@ -12,7 +12,7 @@
 
 #include "sightline/apps/common/model.h"
 #include "sightline/core/view.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 

@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "sightline/apps/common/tiled_picture.h"
-#include "sightline/image/image_metrics.h"
+#include "sightline/render/image/image_metrics.h"
 
 namespace sightline::apps {
 namespace {

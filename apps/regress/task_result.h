@@ -7,7 +7,7 @@
 #pragma once
 
 #include "sightline/apps/regress/suite.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 

@@ -7,7 +7,7 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/report/report.h"
 #include "sightline/culling/cpu_culler.h"
-#include "sightline/image/image_metrics.h"
+#include "sightline/render/image/image_metrics.h"
 
 namespace sightline::apps {
 namespace {

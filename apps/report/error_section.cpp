@@ -8,7 +8,7 @@
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/apps/report/report.h"
-#include "sightline/image/image_metrics.h"
+#include "sightline/render/image/image_metrics.h"
 
 namespace sightline::apps {
 namespace {
@@ -412,7 +412,7 @@ core::Expected<Section> error_section(const Report& report, const SectionProgres
   const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it
   section.html.paragraph(
       "FLIP is a measure of the difference that a viewer sees who flips between two pictures: 0 for equal ones, 1 at "
-      "most (image/image_metrics.h).");
+      "most (render/image/image_metrics.h).");
   const auto third = [&](int step) { return [&progress, step](double share) { progress((step + share) / 3.0); }; };
   if (auto done = compare_tessellations(report, scene, third(0), section); !done) return tl::unexpected(done.error());
   const auto references = make_references(report, supersampled);

@@ -12,7 +12,7 @@
 #include "sightline/core/camera_path.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 

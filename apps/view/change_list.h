@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "sightline/analysis/compare/compare.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/document.h"
 #include "sightline/apps/view/item_facts.h"
-#include "sightline/compare/compare.h"
 
 namespace sightline::apps {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "sightline/apps/view/viewer.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 

@@ -8,7 +8,7 @@
 
 #include "sightline/apps/view/frozen_camera.h"
 #include "sightline/culling/contribution.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/analysis/measure/distances.h"
+#include "sightline/analysis/measure/item.h"
+#include "sightline/analysis/measure/snap.h"
 #include "sightline/core/scene.h"
-#include "sightline/measure/distances.h"
-#include "sightline/measure/item.h"
-#include "sightline/measure/snap.h"
 
 namespace sightline::apps {
 

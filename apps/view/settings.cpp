@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "sightline/core/internal/atomic_file.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {

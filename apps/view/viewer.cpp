@@ -15,9 +15,9 @@
 #include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/views.h"
-#include "sightline/image/image.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 namespace {

@@ -23,7 +23,7 @@
 #include "sightline/apps/view/view_list.h"
 #include "sightline/apps/view/walking.h"
 #include "sightline/apps/view/window.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 

@@ -10,7 +10,7 @@
 #include "sightline/apps/view/commands.h"
 #include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/viewer.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {

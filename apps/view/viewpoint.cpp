@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
-#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 namespace {

@@ -12,7 +12,7 @@
 #include "sightline/gl/context.h"
 #include "sightline/gl/internal/framebuffer.h"
 #include "sightline/gl/internal/texture.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 struct GLFWwindow;
 

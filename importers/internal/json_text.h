@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "sightline/core/error.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::importers {
 

@@ -1,5 +1,5 @@
-// render: view + visible set -> picture in a RenderTarget. Programs only for what a scene holds, one indirect multi-draw
-// per batch. Knows nothing of cullers; image/ reads, writes and compares what it has drawn.
+// render: view + visible set -> picture in a RenderTarget. Programs only for what a scene holds, one indirect
+// multi-draw per batch. Knows nothing of cullers; render/image/ reads, writes and compares what it has drawn.
 #pragma once
 
 #include <array>

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdio>
 
-#include "sightline/bench/models/platforms.h"
+#include "sightline/apps/bench/models/platforms.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"

@@ -14,7 +14,7 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/study/rays/benchmark.h"
 #include "sightline/study/rays/generated_meshes.h"
 #include "sightline/study/tables/ray_models.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sightline/core/error.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/study/session.h"
 
 namespace sightline::study {

@@ -1,8 +1,8 @@
 // Other libraries' cullers and production's forms against sets computed in double.
 #include <gtest/gtest.h>
 
-#include "sightline/bench/models/aircraft.h"
-#include "sightline/bench/models/platforms.h"
+#include "sightline/apps/bench/models/aircraft.h"
+#include "sightline/apps/bench/models/platforms.h"
 #include "sightline/study/brute_force.h"
 #include "sightline/study/camera.h"
 #include "sightline/study/exact.h"

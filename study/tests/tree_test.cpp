@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/bench/models/aircraft.h"
+#include "sightline/apps/bench/models/aircraft.h"
 #include "sightline/study/sah.h"
 #include "sightline/tests/culling/scenes.h"
 

@@ -2,7 +2,7 @@
 // coherent ones have something to remember.
 #include <gtest/gtest.h>
 
-#include "sightline/bench/models/aircraft.h"
+#include "sightline/apps/bench/models/aircraft.h"
 #include "sightline/study/culler.h"
 #include "sightline/study/exact.h"
 #include "sightline/study/motion.h"

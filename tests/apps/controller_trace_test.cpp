@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/bench/synthetic_traces.h"
+#include "sightline/apps/bench/synthetic_traces.h"
 #include "sightline/tests/support/places.h"
 
 namespace sightline::tests::controller_trace_test {
@@ -143,7 +143,8 @@ TEST(ControllerTrace, NeverBeyondThreeTimesTheOracle) {
 TEST(ControllerTrace, NextToTheOracleOnRecordedTraces) {
   double mean = 0.0, seed_mean = 0.0;
   for (const char* name : {"plant_713k.csv", "plant_5m.csv"}) {
-    const auto trace = apps::read_controller_trace(tests::in_checkout(std::string("bench/traces/") + name).string());
+    const auto trace =
+        apps::read_controller_trace(tests::in_checkout(std::string("apps/bench/traces/") + name).string());
     ASSERT_TRUE(trace) << trace.error().message;
     for (const bool rendering : {false, true}) {
       const auto r = apps::run_controller(*trace, {}, rendering);

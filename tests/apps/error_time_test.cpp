@@ -1,6 +1,6 @@
 // What error against time is measured with: sample errors against a twin that tries all pairs, rays of a field, and the
 // tessellated scene.
-#include "sightline/bench/error_time/error_time.h"
+#include "sightline/apps/bench/error_time/error_time.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/apps/bench/error_time/field.h"
 #include "sightline/apps/common/tessellated_scene.h"
-#include "sightline/bench/error_time/field.h"
 
 namespace sightline::bench::error_time_test {
 namespace {

@@ -2,7 +2,7 @@
 // (tests/data/examples).
 #include <sstream>
 
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 #include "sightline/tests/apps/window_test.h"
 #include "sightline/tests/support/places.h"
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/bench/hybrid/scenes.h"
-#include "sightline/bench/models/aircraft.h"
+#include "sightline/apps/bench/hybrid/scenes.h"
+#include "sightline/apps/bench/models/aircraft.h"
 #include "sightline/importers/plant/plant_generator.h"
 
 namespace sightline::hybrid_scenes_test {

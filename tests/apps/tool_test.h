@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/tests/support/places.h"
 
 extern char** environ;

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 #include "sightline/tests/apps/render_test.h"
 #include "sightline/tests/support/test_data.h"
 

@@ -7,8 +7,8 @@
 #include "sightline/culling/box_culler.h"
 #ifdef CONSUMER_DRAWS
 #include "sightline/engine/engine.h"
-#include "sightline/image/image.h"
 #include "sightline/importers/import.h"
+#include "sightline/render/image/image.h"
 #endif
 
 using namespace sightline;

@@ -10,7 +10,7 @@ mkdir -p "$2"
 here=$(dirname "$0")
 # shellcheck disable=SC2046
 if [ "${3:-}" = c ]; then
-  "${CC:-cc}" -std=c99 -Wall -Wextra -Werror "$here/../capi/c_program.c" -o "$2/consumer" \
+  "${CC:-cc}" -std=c99 -Wall -Wextra -Werror "$here/../bindings/c/c_program.c" -o "$2/consumer" \
     $(pkg-config --cflags --libs sightline-capi)
 else
   "${CXX:-c++}" "$here/consumer.cpp" -o "$2/consumer" $(pkg-config --cflags --libs sightline-culling)

@@ -24,7 +24,7 @@ ldd "$folder/cmake/consumer" | grep 'libsightline\.so' >/dev/null || { echo "use
 
 "$here/pkg_config.sh" "$prefix" "$folder/pkg_config"
 
-if [ -e "$prefix/include/sightline/capi/sightline.h" ]; then
+if [ -e "$prefix/include/sightline/sightline.h" ]; then
   rm -rf "$folder/c_cmake"
   cmake -S "$here/c_package" -B "$folder/c_cmake" -G Ninja -DCONSUMER_LINKS_SHARED=ON >/dev/null
   cmake --build "$folder/c_cmake" >/dev/null

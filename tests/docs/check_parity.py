@@ -4,7 +4,7 @@
 - Each field of the settings and reports of engines, and each public function of Engine, BoxCuller and OccluderRaster, has
   a row, and nothing else.
 - Each row names what C and Python have for it, or has a dash and says why.
-- What it names is in capi/sightline.h and in python/sightline/_sightline.pyi.
+- What it names is in bindings/c/sightline/sightline.h and in bindings/python/sightline/_sightline.pyi.
 
 Names in C: `function`, `struct`, `struct.field`, `CONSTANT`. In Python: `function`, `Class`, `Class.member`, and with arguments
 `function(argument)`, `Class(argument)`, `Class.method(argument)`.
@@ -123,7 +123,7 @@ def of_cpp(root):
 
 
 def of_c(root):
-    text = without_comments((root / "capi" / "sightline.h").read_text())
+    text = without_comments((root / "bindings/c/sightline/sightline.h").read_text())
     found = set(re.findall(r"SL_API [\w\s*]*?\b(sl_\w+)\(", text))
     found |= set(re.findall(r"\b(SL_\w+) = ", text))
     for struct in re.finditer(r"typedef struct (\w+) \{", text):
@@ -143,7 +143,7 @@ def name_of(node):
 
 
 def of_python(root):
-    tree = ast.parse((root / "python" / "sightline" / "_sightline.pyi").read_text())
+    tree = ast.parse((root / "bindings/python/sightline/_sightline.pyi").read_text())
     found = set()
 
     def add(name, node):

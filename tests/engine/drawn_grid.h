@@ -5,7 +5,7 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/engine/drawing/internal/drawing.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::tests {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/engine.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::tests {
 

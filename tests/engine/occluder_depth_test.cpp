@@ -10,7 +10,7 @@
 #include "sightline/culling/solid_occluders.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gpuprims/internal/primitives.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/support/gl_test.h"
 

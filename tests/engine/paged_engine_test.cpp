@@ -18,11 +18,11 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/page_store.h"
-#include "sightline/image/image.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/slc/paged_scene.h"
 #include "sightline/importers/slc/slc_writer.h"
+#include "sightline/render/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::engine::paged_engine_test {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
-#include "sightline/image/image_metrics.h"
+#include "sightline/render/image/image_metrics.h"
 #include "sightline/tests/render/picture_check.h"
 #include "sightline/tests/support/gl_test.h"
 

@@ -1,5 +1,5 @@
-// Calls of the C API in any order, with any handles and numbers (tests/capi/random_calls.h).
-#include "sightline/tests/capi/random_calls.h"
+// Calls of the C API in any order, with any handles and numbers (tests/bindings/c/random_calls.h).
+#include "sightline/tests/bindings/c/random_calls.h"
 #include "sightline/tests/fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-#include "sightline/bench/cylinder_rays/cylinder_rays.h"
+#include "sightline/apps/bench/cylinder_rays/cylinder_rays.h"
 
 #include <limits>
 #include <vector>

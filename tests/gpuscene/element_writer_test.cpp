@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/bench/gl_call_count.h"
+#include "sightline/apps/bench/gl_call_count.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/tests/support/gl_test.h"
 

@@ -26,7 +26,7 @@
 
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/file_bytes.h"
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/tests/hostile/check.h"
 #include "sightline/tests/support/effort.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::tests {
 

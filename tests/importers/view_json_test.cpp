@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::importers::view_json_test {

@@ -1,5 +1,5 @@
 // Random parameters of every kind through the shaders; the millions are the tool's, `sightline-stability --fuzz`.
-#include "sightline/bench/stability/fuzz.h"
+#include "sightline/apps/bench/stability/fuzz.h"
 
 #include <string>
 

@@ -1,6 +1,6 @@
 // The stability suite's reference against crossings worked out by hand and against marching, and its judgement of wrong
 // answers.
-#include "sightline/bench/stability/reference.h"
+#include "sightline/apps/bench/stability/reference.h"
 
 #include <cmath>
 #include <limits>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/bench/stability/cases.h"
-#include "sightline/bench/stability/measure.h"
+#include "sightline/apps/bench/stability/cases.h"
+#include "sightline/apps/bench/stability/measure.h"
 
 namespace sightline::bench::reference_test {
 namespace {

@@ -1,6 +1,6 @@
 // The ray tracer against the reference in 113 bits. Hundreds of millions of rays are the tool's, `sightline-stability
 // --trace`.
-#include "sightline/bench/stability/traced_rays.h"
+#include "sightline/apps/bench/stability/traced_rays.h"
 
 #include <string>
 

@@ -10,7 +10,7 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/camera.h"
 #include "sightline/gl/context.h"
-#include "sightline/image/image.h"
+#include "sightline/render/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::apps::preview_test {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/json/internal/json.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps::settings_test {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "sightline/core/internal/storage.h"
 #include "sightline/importers/import.h"
+#include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/slc/internal/slc_file.h"
-#include "sightline/json/internal/json.h"
 
 namespace sightline::importers {
 

@@ -1,0 +1,237 @@
+#include "sightline/analysis/measure/snap.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/analysis/measure/internal/closest.h"
+#include "sightline/analysis/measure/internal/item_data.h"
+
+namespace sightline::measure {
+namespace {
+
+constexpr double kOnPlane = 1e-9;  // metres
+constexpr double kGrazing = 4.0;   // a slanted surface looks shorter: how much farther edges are sought
+
+/// Parameters of a segment (0 to 1) or an arc (radians).
+struct Interval {
+  double from, to;
+};
+using Intervals = std::vector<Interval>;
+
+/// What section planes keep.
+class Sections {
+ public:
+  Sections(std::span<const core::Plane> planes, core::SectionMode mode) : mode_(mode) {
+    for (const core::Plane& plane : planes) {
+      const double size = glm::length(plane.normal);
+      if (size > 0.0) planes_.push_back({plane.normal / size, plane.offset / size});
+    }
+  }
+
+  bool keep(const dvec3& p) const {
+    const auto on_kept_side = [&](const core::Plane& plane) { return core::evaluate(plane, p) >= -kOnPlane; };
+    return planes_.empty() ||
+           (mode_ == core::SectionMode::kIntersection ? std::all_of(planes_.begin(), planes_.end(), on_kept_side)
+                                                      : std::any_of(planes_.begin(), planes_.end(), on_kept_side));
+  }
+  Intervals kept(const Segment& s) const {
+    return kept_of({0.0, 1.0}, [&](const core::Plane& plane) -> Intervals {
+      const double from = core::evaluate(plane, s.from) + kOnPlane, to = core::evaluate(plane, s.to) + kOnPlane;
+      if (from < 0.0 && to < 0.0) return {};
+      return {{from < 0.0 ? from / (from - to) : 0.0, to < 0.0 ? from / (from - to) : 1.0}};
+    });
+  }
+  Intervals kept(const Arc& arc) const {
+    return kept_of({arc.from, arc.to}, [&](const core::Plane& plane) -> Intervals {
+      // centre + reach cos(t - middle) >= 0
+      const double centre = core::evaluate(plane, arc.centre) + kOnPlane;
+      const double u = glm::dot(plane.normal, arc.u), v = glm::dot(plane.normal, arc.v), reach = std::hypot(u, v);
+      if (centre >= reach) return {{arc.from, arc.to}};
+      if (centre < -reach) return {};
+      const double middle = std::atan2(v, u), half = std::acos(std::clamp(-centre / reach, -1.0, 1.0));
+      Intervals parts;
+      for (double turn = core::kFullTurn * std::floor((arc.from - middle - half) / core::kFullTurn);
+           middle + turn - half <= arc.to; turn += core::kFullTurn) {
+        const Interval part{std::max(arc.from, middle + turn - half), std::min(arc.to, middle + turn + half)};
+        if (part.from <= part.to) parts.push_back(part);
+      }
+      return parts;
+    });
+  }
+
+ private:
+  /// `of_plane` gives the intervals that one plane keeps. In a union intervals may overlap.
+  template <class OfPlane>
+  Intervals kept_of(const Interval& whole, const OfPlane& of_plane) const {
+    if (planes_.empty()) return {whole};
+    Intervals all;
+    if (mode_ == core::SectionMode::kIntersection) all.push_back(whole);
+    for (const core::Plane& plane : planes_) {
+      const Intervals parts = of_plane(plane);
+      if (mode_ == core::SectionMode::kUnion) {
+        all.insert(all.end(), parts.begin(), parts.end());
+        continue;
+      }
+      Intervals both;
+      for (const Interval& a : all)
+        for (const Interval& b : parts)
+          if (std::max(a.from, b.from) <= std::min(a.to, b.to))
+            both.push_back({std::max(a.from, b.from), std::min(a.to, b.to)});
+      all = std::move(both);
+    }
+    return all;
+  }
+
+  core::SectionMode mode_;
+  std::vector<core::Plane> planes_;  ///< with unit normals
+};
+
+Segment part_of(const Segment& s, const Interval& i) {
+  const dvec3 along = s.to - s.from;
+  return {i.from > 0.0 ? s.from + i.from * along : s.from, i.to < 1.0 ? s.from + i.to * along : s.to};
+}
+Arc part_of(Arc arc, const Interval& i) {
+  arc.from = i.from, arc.to = i.to;
+  return arc;
+}
+
+class Snapper {
+ public:
+  Snapper(const Item& item, const Aim& aim, const Sections& sections) : item_(item), aim_(aim), sections_(sections) {}
+
+  std::optional<Snap> best_of(FeatureKind kind, std::span<const Feature> features) const {
+    const Feature* best = nullptr;
+    dvec3 at;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Feature& feature : features) {
+      if (feature.kind != kind) continue;
+      const auto point = std::visit([&](const auto& g) { return nearest(feature, g); }, feature.geometry);
+      if (!point || !within_reach(*point)) continue;
+      const double off = is_inner(feature) ? off_aim(*point) : glm::length(*point - aim_.point);
+      if (off >= least || !is_visible(feature, *point)) continue;
+      least = off, best = &feature, at = *point;
+    }
+    if (best == nullptr) return std::nullopt;
+    return Snap{*best, at, describe(*best)};
+  }
+
+  /// How far a feature may lie off the aim at the aim's point.
+  double reach() const { return reach_at(aim_.point); }
+
+ private:
+  static bool is_inner(const Feature& f) { return f.kind == FeatureKind::kCentre || f.kind == FeatureKind::kAxis; }
+  double depth(const dvec3& p) const { return glm::dot(p - aim_.ray->origin, aim_.ray->direction); }
+  double reach_at(const dvec3& p) const {
+    return aim_.radius + (aim_.ray ? aim_.ray->slope * std::max(0.0, depth(p)) : 0.0);
+  }
+  double off_aim(const dvec3& p) const {
+    if (!aim_.ray) return glm::length(p - aim_.point);
+    const dvec3 from_origin = p - aim_.ray->origin;
+    return glm::length(from_origin - aim_.ray->direction * glm::dot(from_origin, aim_.ray->direction));
+  }
+  bool within_reach(const dvec3& p) const { return (!aim_.ray || depth(p) >= 0.0) && off_aim(p) <= reach_at(p); }
+
+  /// What the nearest point is near to: the ray for inner features, the aim's point for others.
+  Geometry target(const Feature& feature) const {
+    if (aim_.ray && is_inner(feature)) return Line{aim_.ray->origin, aim_.ray->direction};
+    return aim_.point;
+  }
+  /// Only points within reach matter. Of equally near ones, such as those of a rim about its centre, any will do.
+  SearchLimits limits(const Feature& feature) const {
+    const bool along_ray = aim_.ray && is_inner(feature);  // the reach grows with the depth there
+    return {along_ray ? std::numeric_limits<double>::infinity() : kGrazing * reach(), 1e-6 * reach()};
+  }
+  template <class Curve>
+  std::optional<dvec3> nearest_kept(const Feature& feature, const Curve& curve) const {
+    std::optional<dvec3> best;
+    double least = std::numeric_limits<double>::infinity();
+    const SearchLimits search = limits(feature);
+    for (const Interval& interval : sections_.kept(curve)) {
+      const Distance found = limited_distance(part_of(curve, interval), target(feature), search);
+      if (found.distance < least && found.distance <= search.farthest) least = found.distance, best = found.from;
+    }
+    return best;
+  }
+  std::optional<dvec3> nearest(const Feature&, const dvec3& p) const {
+    return sections_.keep(p) ? std::optional(p) : std::nullopt;
+  }
+  std::optional<dvec3> nearest(const Feature& feature, const Segment& s) const { return nearest_kept(feature, s); }
+  std::optional<dvec3> nearest(const Feature& feature, const Arc& a) const { return nearest_kept(feature, a); }
+  std::optional<dvec3> nearest(const Feature&, const Line&) const { return std::nullopt; }
+  std::optional<dvec3> nearest(const Feature& feature, const Face& face) const {
+    return nearest(feature, distance(face, aim_.point).from);
+  }
+
+  /// Whether the kept part of the item leaves the way from the eye to the point free.
+  bool is_visible(const Feature& feature, const dvec3& point) const {
+    constexpr double kShort = 1e-6;  // of the way: it must not end on the surface
+    if (!aim_.ray || feature.kind > FeatureKind::kEdge) return true;
+    const AimRay& ray = *aim_.ray;
+    const dvec3 eye = ray.slope > 0.0 ? ray.origin : point - ray.direction * depth(point);
+    const Segment way{eye, point - kShort * (point - eye)};
+    for (const Interval& interval : sections_.kept(way))
+      if (distance(part_of(way, interval), item_).touching) return false;
+    return true;
+  }
+
+  const Item& item_;
+  const Aim& aim_;
+  const Sections& sections_;
+};
+
+/// Features of a mesh near a point.
+class NearTriangles {
+ public:
+  NearTriangles(const Item::Data& data, const dvec3& point, double reach)
+      : data_(data), point_(point - data.shape.origin), reach_(reach) {
+    if (!data.shape.nodes.empty()) visit(0);
+  }
+  const std::vector<Feature>& features() const { return features_; }
+
+ private:
+  void visit(std::uint32_t index) {
+    const TriangleNode& node = data_.shape.nodes[index];
+    const dvec3 outside = glm::max(glm::max(node.box.min - point_, point_ - node.box.max), dvec3(0.0));
+    if (glm::length(outside) > reach_) return;
+    if (node.second == 0) return add_triangle(node.begin);
+    visit(index + 1);
+    visit(node.second);
+  }
+  void add_triangle(std::uint32_t triangle) {
+    const TriangleFeatures& sharp = data_.triangles[triangle];
+    dvec3 corners[3];
+    for (int i = 0; i < 3; ++i) corners[i] = data_.shape.origin + data_.shape.points[3 * std::size_t(triangle) + i];
+    for (int i = 0; i < 3; ++i) {
+      if (sharp.corners[i]) add(FeatureKind::kCorner, corners[i]);
+      if (sharp.edges[i]) add(FeatureKind::kEdge, Segment{corners[i], corners[(i + 1) % 3]});
+    }
+    const dvec3 n = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const double size = glm::length(n);
+    add(FeatureKind::kFace,
+        Face{(corners[0] + corners[1] + corners[2]) / 3.0, size > 0.0 ? n / size : dvec3(0.0), {corners, corners + 3}});
+  }
+  void add(FeatureKind kind, const Geometry& geometry) { features_.push_back({kind, data_.kind, "", geometry}); }
+
+  const Item::Data& data_;
+  dvec3 point_;
+  double reach_;
+  std::vector<Feature> features_;
+};
+
+}  // namespace
+
+std::optional<Snap> snap(const Item& item, const Aim& aim, std::span<const core::Plane> planes,
+                         core::SectionMode mode) {
+  const Sections sections(planes, mode);
+  const Snapper snapper(item, aim, sections);
+  const bool is_mesh = item.data().shape.form == Shape::Form::kTriangles;
+  std::vector<Feature> near;
+  if (is_mesh) near = NearTriangles(item.data(), aim.point, (aim.ray ? kGrazing : 1.0) * snapper.reach()).features();
+  const std::span<const Feature> features = is_mesh ? near : item.features();
+  for (const FeatureKind kind :
+       {FeatureKind::kCorner, FeatureKind::kEdge, FeatureKind::kCentre, FeatureKind::kAxis, FeatureKind::kFace})
+    if (auto found = snapper.best_of(kind, features)) return found;
+  return std::nullopt;
+}
+
+}  // namespace sightline::measure

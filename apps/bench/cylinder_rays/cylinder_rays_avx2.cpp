@@ -1,0 +1,10 @@
+// cylinder_rays.h for AVX2.
+#include "sightline/apps/bench/cylinder_rays/cylinder_rays_impl.h"
+
+namespace sightline::bench {
+
+void first_crossings_avx2(const CylinderRays& in) {
+  first_crossings(in);
+}
+
+}  // namespace sightline::bench

@@ -1,0 +1,42 @@
+// Random items of one kind side by side in front of a camera, and the rays of the camera's samples at them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sightline/apps/bench/error_time/error_time.h"
+#include "sightline/gpuprims/internal/primitives.h"
+
+namespace sightline::bench {
+
+struct FieldItem {
+  core::Primitive primitive;
+  core::Affine world_from_item;
+  core::dvec3 centre{0.0};  ///< of a ball around it, in the world; its diameter is 1
+};
+
+struct Field {
+  core::View view;
+  std::vector<FieldItem> items;
+  int columns = 1, rows = 1;
+
+  /// The scene is not committed.
+  core::Scene scene() const;
+};
+
+/// One picture of `size`, with the given width and height in pixels. The same seed gives the same picture.
+Field make_field(core::Kind kind, const FieldSize& size, int width, int height, std::uint32_t seed);
+
+/// Rays through the centres of samples, in an item's own coordinates; t is the distance along the view axis.
+struct ItemRays {
+  std::vector<gpuprims::Ray> rays;
+  std::vector<std::uint32_t> samples;  ///< of each ray: y * width + x
+};
+
+/// For each item, the rays that may meet its ball in a picture of width x height samples.
+std::vector<ItemRays> field_rays(const Field& field, int width, int height);
+
+/// Casts rays with gpuprims::intersect. `first_row`: row of `image` where the field's picture begins.
+void cast(const Field& field, const std::vector<ItemRays>& rays, int first_row, SampleImage& image);
+
+}  // namespace sightline::bench

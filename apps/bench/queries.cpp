@@ -1,0 +1,150 @@
+// sightline-bench queries: compares spatial queries through the hierarchy with a loop over all boxes.
+//
+// A time is the mean over random queries of a kind. The answers are compared first.
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "sightline/apps/bench/harness.h"
+#include "sightline/apps/bench/microbenchmarks.h"
+#include "sightline/apps/bench/models/plant_boxes.h"
+#include "sightline/apps/bench/subcommands.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/culling/spatial_queries.h"
+
+namespace sightline::bench::queries_bench {
+namespace {
+
+using culling::RaySegment;
+using culling::SpatialQueries;
+using Slots = std::vector<core::Slot>;
+using Hits = std::vector<culling::SlotDistance>;
+
+struct Options {
+  std::size_t count = 713'000;
+  MicrobenchmarkOptions microbenchmarks;
+};
+
+/// Places of random queries, the same for every kind.
+class Places {
+ public:
+  explicit Places(std::uint64_t seed) : random_(seed) {}
+
+  core::dvec3 point() {
+    const double x = 400.0 * unit(), y = 100.0 * unit();
+    return {x, y, 60.0 * unit()};
+  }
+  core::AabbD box(double size) {
+    const core::dvec3 at = point();
+    return {at - 0.5 * size, at + 0.5 * size};
+  }
+  RaySegment ray() {
+    const core::dvec3 from = point();
+    return {from, glm::normalize(point() - from)};
+  }
+
+ private:
+  double unit() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
+  std::mt19937_64 random_;
+};
+
+class Suite {
+ public:
+  explicit Suite(const core::ItemBounds& bounds)
+      : hierarchy_(bounds), queries_(bounds, hierarchy_), linear_(bounds, none_) {}
+
+  /// `place(places)` makes a query's argument, and ask(queries, argument, answer) runs the query. Fails when the
+  /// hierarchy's answer differs from that of the loop over all boxes.
+  template <class Answer, class Place, class Ask>
+  void add(const std::string& name, const Place& place, const Ask& ask) {
+    constexpr std::size_t kQueries = 400, kComparedEvery = 10;
+    Places places(1);
+    std::vector<decltype(place(places))> arguments;
+    for (std::size_t i = 0; i < kQueries; ++i) arguments.push_back(place(places));
+    Answer answer, expected;
+    double found = 0.0;
+    for (std::size_t i = 0; i < kQueries; ++i) {
+      ask(queries_, arguments[i], answer);
+      found += double(answer.size()) / double(kQueries);
+      if (i % kComparedEvery != 0) continue;
+      ask(linear_, arguments[i], expected);
+      if (answer != expected) different_ = name;
+    }
+    for (const SpatialQueries* queries : {&queries_, &linear_}) {
+      const auto run = [queries, arguments, ask, found](benchmark::State& state) {
+        Answer out;
+        std::size_t i = 0;
+        for ([[maybe_unused]] auto _ : state) {
+          ask(*queries, arguments[i++ % arguments.size()], out);
+          benchmark::DoNotOptimize(out.data());
+        }
+        state.counters["found"] = found;
+      };
+      benchmark::RegisterBenchmark((name + (queries == &queries_ ? "/hierarchy" : "/linear")).c_str(), run)
+          ->Unit(benchmark::kMicrosecond);
+    }
+  }
+
+  /// Name of the query whose answers differ, or empty.
+  const std::string& different() const { return different_; }
+
+ private:
+  culling::Hierarchy hierarchy_;
+  const culling::Hierarchy none_;
+  SpatialQueries queries_, linear_;
+  std::string different_;
+};
+
+core::Expected<int> run(const Options& options) {
+  const core::ItemBounds bounds = in_production_order(PlantBoxes(1).make(options.count));
+  const std::uint32_t layers = core::kDefaultLayerMask;
+  const auto box = [](double size) { return [size](Places& places) { return places.box(size); }; };
+  const auto point = [](Places& places) { return places.point(); };
+  const auto ray = [](Places& places) { return places.ray(); };
+  using Box = core::AabbD;
+  using Point = core::dvec3;
+  const auto intersecting = [=](const SpatialQueries& q, const Box& b, Slots& out) { q.intersecting(b, layers, out); };
+  const auto inside = [=](const SpatialQueries& q, const Box& b, Slots& out) { q.inside(b, layers, out); };
+  const auto around = [=](const SpatialQueries& q, const Point& p, Slots& out) { q.around(p, 1.0, layers, out); };
+  const auto along = [=](const SpatialQueries& q, const RaySegment& r, Hits& out) { q.along(r, layers, out); };
+  const auto first = [=](std::size_t n) {
+    return [=](const SpatialQueries& q, const RaySegment& r, Hits& out) { q.first_along(r, n, layers, out); };
+  };
+  const auto nearest = [=](std::size_t n) {
+    return [=](const SpatialQueries& q, const Point& p, Hits& out) { q.nearest(p, n, layers, out); };
+  };
+
+  Suite suite(bounds);
+  suite.add<Slots>("intersecting a box of 2 m", box(2.0), intersecting);
+  suite.add<Slots>("intersecting a box of 20 m", box(20.0), intersecting);
+  suite.add<Slots>("inside a box of 20 m", box(20.0), inside);
+  suite.add<Slots>("within 1 m of a point", point, around);
+  suite.add<Hits>("along a ray, all", ray, along);
+  suite.add<Hits>("along a ray, first", ray, first(1));
+  suite.add<Hits>("along a ray, first 16", ray, first(16));
+  suite.add<Hits>("nearest", point, nearest(1));
+  suite.add<Hits>("nearest 16", point, nearest(16));
+  if (!suite.different().empty())
+    return core::fail(suite.different() + ": an answer differs from that of the loop over all boxes");
+  return run_microbenchmarks(options.microbenchmarks);
+}
+
+void add_options(apps::CommandLine& line, Options& options) {
+  add_generate_option(line, options.count).shows_default();
+  add_microbenchmark_options(line, options.microbenchmarks);
+  line.examples(
+      "  sightline-bench queries --generate 713000\n"
+      "  sightline-bench queries --filter nearest --repetitions 5 --json queries.json");
+}
+
+}  // namespace
+}  // namespace sightline::bench::queries_bench
+
+sightline::bench::Run sightline::bench::add_queries(apps::CommandLine& line) {
+  using namespace queries_bench;
+  return add_subcommand<Options>(line, add_options, run);
+}

@@ -1,0 +1,157 @@
+// Settings of engines: those of a new one, what they are, and other ones.
+#include <cmath>
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "sightline/bindings/c/internal/engines.h"
+
+using namespace sightline;
+using namespace sightline::capi;
+
+namespace sightline::capi {
+namespace {
+
+constexpr std::int32_t kPolicies = 2, kTriggers = 4, kGpuVariants = 3;
+
+/// Thresholds and shares of both policies.
+void check_controller(const sl_controller_config& from) {
+  for (const double number :
+       {from.least_gpu_cull_ms, from.margin, from.dwell_margin, from.probe_share, from.probe_cost,
+        from.presumed_gpu_excess, from.slow_ms, from.slow_height, from.slow_intersections, from.slow_share})
+    require(std::isfinite(number) && number >= 0.0, "finite numbers from 0 on in a controller");
+  for (const std::uint32_t frames : {from.enter_frames, from.gpu_frames, from.probe_frames, from.most_gpu_frames})
+    require(frames >= 1, "1 frame or more in SL_POLICY_2009's counts of a controller");
+}
+
+culling::ControllerConfig controller_of(const sl_controller_config* given) {
+  const sl_controller_config from = read(given, sl_controller_config SL_CONTROLLER_CONFIG_INIT);
+  check_controller(from);
+  culling::ControllerConfig to;
+  to.policy = enum_of<culling::Policy>(from.policy, kPolicies, "policy");
+  culling::FrameCostConfig& cost = to.frame_cost;
+  cost.least_gpu_cull_ms = from.least_gpu_cull_ms;
+  cost.margin = from.margin, cost.dwell_margin = from.dwell_margin;
+  cost.probe_share = from.probe_share, cost.probe_cost = from.probe_cost;
+  cost.presumed_gpu_excess = from.presumed_gpu_excess;
+  cost.dwell_frames = from.dwell_frames, cost.first_probes = from.first_probes;
+  cost.probe_interval = from.probe_interval, cost.silent_frames = from.silent_frames;
+  culling::Policy2009Config& old = to.policy_2009;
+  old.trigger = enum_of<culling::Policy2009Trigger>(from.trigger, kTriggers, "trigger");
+  old.slow_ms = from.slow_ms, old.slow_height = from.slow_height;
+  old.slow_intersections = from.slow_intersections, old.slow_share = from.slow_share;
+  old.enter_frames = from.enter_frames, old.gpu_frames = from.gpu_frames;
+  old.probe_frames = from.probe_frames, old.most_gpu_frames = from.most_gpu_frames;
+  return to;
+}
+
+sl_controller_config controller_of(const culling::ControllerConfig& from) {
+  sl_controller_config to SL_CONTROLLER_CONFIG_INIT;
+  to.policy = std::int32_t(from.policy);
+  const culling::FrameCostConfig& cost = from.frame_cost;
+  to.least_gpu_cull_ms = cost.least_gpu_cull_ms;
+  to.margin = cost.margin, to.dwell_margin = cost.dwell_margin;
+  to.probe_share = cost.probe_share, to.probe_cost = cost.probe_cost;
+  to.presumed_gpu_excess = cost.presumed_gpu_excess;
+  to.dwell_frames = cost.dwell_frames, to.first_probes = cost.first_probes;
+  to.probe_interval = cost.probe_interval, to.silent_frames = cost.silent_frames;
+  const culling::Policy2009Config& old = from.policy_2009;
+  to.trigger = std::int32_t(old.trigger);
+  to.slow_ms = old.slow_ms, to.slow_height = old.slow_height;
+  to.slow_intersections = old.slow_intersections, to.slow_share = old.slow_share;
+  to.enter_frames = old.enter_frames, to.gpu_frames = old.gpu_frames;
+  to.probe_frames = old.probe_frames, to.most_gpu_frames = old.most_gpu_frames;
+  return to;
+}
+
+void write_vector(const core::vec3& from, float to[3]) {
+  std::memcpy(to, glm::value_ptr(from), 3 * sizeof(float));
+}
+
+sl_engine_config config_of(const engine::EngineConfig& from) {
+  sl_engine_config to SL_ENGINE_CONFIG_INIT;
+  to.culler = sl_culler(from.culler);
+  to.draw = from.draw;
+  to.width = from.width, to.height = from.height;
+  to.ids = from.ids;
+  to.sample_test = from.sample_test;
+  to.occlusion = std::int32_t(from.occlusion);
+  to.contribution_way = std::int32_t(from.contribution_way);
+  to.contribution = from.contribution;
+  to.budget_ms = from.budget_ms;
+  to.samples = from.samples;
+  to.use_hidden_colour = from.hidden_colour.has_value();
+  write_vector(from.hidden_colour.value_or(core::vec3(0.0f)), to.hidden_colour);
+  to.rebuild_share = float(from.rebuild_share);
+  to.gl_state = std::int32_t(from.gl_state);
+  to.context_platform = std::int32_t(from.context_platform);
+  to.transparency = std::int32_t(from.transparency);
+  write_vector(from.outline_colour, to.outline_colour);
+  to.relief_shading = from.relief.shading, to.relief_lines = from.relief.lines;
+  to.hatching_strength = from.hatching.strength, to.hatching_spacing = from.hatching.spacing;
+  to.part_index = from.part.index, to.part_count = from.part.count;
+  to.gl_debug = from.gl_debug;
+  to.context_later = from.context_later;
+  const auto variant = from.gpu_culler.variant;
+  to.gpu_variant = variant ? SL_GPU_VARIANT_GEOMETRY + std::int32_t(*variant) : SL_GPU_VARIANT_MEASURED;
+  return to;
+}
+
+}  // namespace
+
+engine::EngineConfig config_of(const sl_engine_config& from, const culling::ControllerConfig& controller) {
+  engine::EngineConfig config;
+  config.culler = enum_of<engine::CullerChoice>(from.culler, 5, "culler");
+  config.draw = from.draw != 0;
+  check_size(from.width, from.height);
+  config.width = from.width, config.height = from.height;
+  config.ids = from.ids != 0;
+  config.sample_test = from.sample_test != 0;
+  config.occlusion = enum_of<engine::OcclusionChoice>(from.occlusion, 3, "occlusion");
+  config.contribution = from.contribution;
+  config.contribution_way = enum_of<engine::ContributionWay>(from.contribution_way, 3, "contribution_way");
+  config.budget_ms = from.budget_ms;
+  if (from.use_hidden_colour) config.hidden_colour = glm::make_vec3(from.hidden_colour);
+  config.samples = from.samples;
+  config.gl_state = enum_of<engine::GlState>(from.gl_state, 2, "gl_state");
+  config.context_platform = enum_of<gl::ContextPlatform>(from.context_platform, 5, "context_platform");
+  if (from.program_cache) config.program_cache = path_of(from.program_cache);
+  config.rebuild_share = double(from.rebuild_share);
+  config.transparency = enum_of<engine::Transparency>(from.transparency, 2, "transparency");
+  config.outline_colour = glm::make_vec3(from.outline_colour);
+  config.relief = {from.relief_shading, from.relief_lines};
+  config.hatching = {from.hatching_strength, from.hatching_spacing};
+  config.part = {from.part_index, from.part_count};
+  config.gl_debug = from.gl_debug != 0;
+  config.context_later = from.context_later != 0;
+  const auto variant = enum_of<std::int32_t>(from.gpu_variant, kGpuVariants, "gpu_variant");
+  if (variant != SL_GPU_VARIANT_MEASURED)
+    config.gpu_culler.variant = culling::GpuVariant(variant - SL_GPU_VARIANT_GEOMETRY);
+  config.controller = from.controller ? controller_of(from.controller) : controller;
+  check_drawing(config.draw || from.get_proc || config.culler == engine::CullerChoice::kGpu ||
+                config.culler == engine::CullerChoice::kHybrid);
+  return config;
+}
+
+}  // namespace sightline::capi
+
+sl_status sl_engine_get_config(sl_engine handle, sl_engine_config* config, sl_controller_config* controller) {
+  return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
+    check_result(config);
+    if (controller) check_result(controller);
+    write(config, config_of(engine->config()));
+    if (controller) write(controller, controller_of(engine->config().controller));
+  });
+}
+
+sl_status sl_engine_configure(sl_engine handle, const sl_engine_config* config) {
+  return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
+    const engine::EngineConfig& now = engine->config();
+    sl_engine_config chosen = read(config, sl_engine_config SL_ENGINE_CONFIG_INIT);
+    chosen.get_proc = nullptr;
+    chosen.program_cache = nullptr;
+    engine::EngineConfig translated = config_of(chosen, now.controller);
+    translated.context = now.context;
+    translated.program_cache = now.program_cache;
+    value_of(engine->configure(translated));
+  });
+}

@@ -1,0 +1,46 @@
+// What functions of box cullers share: boxes where they lie, and lists of the visible ones.
+#pragma once
+
+#include <mutex>
+#include <shared_mutex>
+#include <span>
+#include <vector>
+
+#include "sightline/bindings/c/internal/objects.h"
+#include "sightline/bindings/c/internal/values.h"
+
+namespace sightline::capi {
+
+static_assert(sizeof(sl_box) == sizeof(core::AabbD) && offsetof(sl_box, max) == offsetof(core::AabbD, max));
+
+/// The boxes where they lie: six doubles in both languages.
+inline std::span<const core::AabbD> boxes_of(const sl_box* boxes, std::size_t count) {
+  require(boxes || count == 0, "boxes, found null");
+  require(count < core::kNone / 2, "fewer than 2^31 - 1 boxes");
+  return {reinterpret_cast<const core::AabbD*>(boxes), count};
+}
+
+/// The calling thread's indices, so that frames allocate nothing.
+inline std::vector<std::uint32_t>& scratch_indices() {
+  thread_local std::vector<std::uint32_t> indices;
+  return indices;
+}
+
+/// Runs `cull` with the culler and this thread's list of indices, and writes that.
+template <class Cull>
+sl_status list_visible(const char* function, sl_box_culler handle, std::uint32_t* indices, std::size_t capacity,
+                       std::size_t* count, const Cull& cull) {
+  return call(function, [&] {
+    check_buffer(indices, capacity);
+    check_result(count);
+    const std::shared_ptr<BoxCullerObject> object = find(handle);
+    const std::shared_lock lock = [&] {
+      const std::lock_guard turn(object->turn);
+      return std::shared_lock(object->mutex);
+    }();
+    cull(object->culler, scratch_indices());
+    write_list(scratch_indices(), indices, capacity, count);
+  });
+}
+
+}  // namespace sightline::capi

@@ -1,0 +1,272 @@
+#include "sightline/bindings/python/config.h"
+
+#include <cmath>
+
+#include "sightline/bindings/python/names.h"
+#include "sightline/gl/context.h"
+
+namespace sightline::python {
+namespace {
+
+using culling::ControllerConfig;
+using engine::EngineConfig;
+
+template <class T>
+constexpr const char* kExpected = "a text";
+template <>
+constexpr const char* kExpected<bool> = "True or False";
+template <>
+constexpr const char* kExpected<int> = "a whole number";
+template <>
+constexpr const char* kExpected<float> = "a number";
+template <>
+constexpr const char* kExpected<double> = "a number";
+template <>
+constexpr const char* kExpected<std::filesystem::path> = "a path or None";
+template <>
+constexpr const char* kExpected<std::pair<int, int>> = "two whole numbers";
+template <>
+constexpr const char* kExpected<ControllerConfig> = "a ControllerConfig or None";
+
+template <class T>
+T cast(const char* name, py::handle value) {
+  py::detail::make_caster<T> caster;
+  if (!caster.load(value, true))
+    throw py::type_error(std::string(name) + ": expected " + kExpected<T> + ", found " +
+                         std::string(py::str(py::type::of(value).attr("__name__"))));
+  return py::detail::cast_op<T>(std::move(caster));
+}
+
+/// A field, or a field of a struct that is a field: pointers to members, the outer one first.
+template <auto... kPath>
+struct Field {
+  template <class T>
+  static auto& of(T& value) {
+    return (value.*....*kPath);
+  }
+};
+template <class F, class T>
+using FieldType = std::remove_cvref_t<decltype(F::of(std::declval<T&>()))>;
+
+/// A setting that is a number or a truth.
+template <auto... kPath>
+constexpr Setting plain(const char* name) {
+  using F = Field<kPath...>;
+  return {
+      name, [](const EngineConfig& c) -> py::object { return py::cast(F::of(c)); },
+      [](EngineConfig& c, const char* n, py::handle value) { F::of(c) = cast<FieldType<F, EngineConfig>>(n, value); }};
+}
+
+/// One that is one of several names.
+template <auto kField>
+constexpr Setting named(const char* name) {
+  using F = Field<kField>;
+  return {name, [](const EngineConfig& c) -> py::object { return py::str(std::string(name_of(F::of(c)))); },
+          [](EngineConfig& c, const char* n, py::handle value) {
+            F::of(c) = enumerator_of<FieldType<F, EngineConfig>>(n, cast<std::string>(n, value));
+          }};
+}
+
+py::object colour(const core::vec3& c) {
+  return py::make_tuple(c.x, c.y, c.z);
+}
+
+/// Thresholds and shares of both policies, and counts of frames.
+ControllerConfig checked(const ControllerConfig& config) {
+  const culling::FrameCostConfig& cost = config.frame_cost;
+  const culling::Policy2009Config& old = config.policy_2009;
+  for (const double number :
+       {cost.least_gpu_cull_ms, cost.margin, cost.dwell_margin, cost.probe_share, cost.probe_cost,
+        cost.presumed_gpu_excess, old.slow_ms, old.slow_height, old.slow_intersections, old.slow_share})
+    if (!std::isfinite(number) || number < 0.0)
+      fail("controller: expected finite numbers from 0 on, found " + std::string(py::repr(py::float_(number))));
+  for (const std::uint32_t frames : {old.enter_frames, old.gpu_frames, old.probe_frames, old.most_gpu_frames})
+    if (frames < 1) fail("controller: expected 1 frame or more in counts of the policy 2009, found 0");
+  return config;
+}
+
+}  // namespace
+
+const std::array<Setting, kFixedSettings> kFixed = {
+    plain<&EngineConfig::draw>("draw"),
+    plain<&EngineConfig::width>("width"),
+    plain<&EngineConfig::height>("height"),
+    plain<&EngineConfig::ids>("ids"),
+    plain<&EngineConfig::samples>("samples"),
+    named<&EngineConfig::transparency>("transparency"),
+    Setting{"part", [](const EngineConfig& c) -> py::object { return py::make_tuple(c.part.index, c.part.count); },
+            [](EngineConfig& c, const char* name, py::handle value) {
+              const auto [index, count] = cast<std::pair<int, int>>(name, value);
+              c.part = {index, count};
+            }},
+    plain<&EngineConfig::rebuild_share>("rebuild_share"),
+    Setting{"gpu_pass",
+            [](const EngineConfig& c) -> py::object {
+              const auto variant = c.gpu_culler.variant;
+              return variant ? py::object(py::str(std::string(name_of(*variant)))) : py::none();
+            },
+            [](EngineConfig& c, const char* name, py::handle value) {
+              c.gpu_culler.variant = {};
+              if (!value.is_none())
+                c.gpu_culler.variant = enumerator_of<culling::GpuVariant>(name, cast<std::string>(name, value));
+            }},
+    Setting{"context",
+            [](const EngineConfig& c) -> py::object { return py::str(std::string(name_of(c.context_platform))); },
+            [](EngineConfig& c, const char* name, py::handle value) {
+              c.context_platform = unwrap(gl::parse_platform(cast<std::string>(name, value)));
+            }},
+    plain<&EngineConfig::context_later>("context_later"),
+    named<&EngineConfig::gl_state>("gl_state"),
+    plain<&EngineConfig::gl_debug>("gl_debug"),
+    Setting{"program_cache", [](const EngineConfig& c) -> py::object { return py::cast(c.program_cache); },
+            [](EngineConfig& c, const char* name, py::handle value) {
+              c.program_cache = {};
+              if (!value.is_none()) c.program_cache = cast<std::filesystem::path>(name, value);
+            }},
+};
+
+const std::array<Setting, kChangeableSettings> kChangeable = {
+    named<&EngineConfig::culler>("culler"),
+    plain<&EngineConfig::sample_test>("sample_test"),
+    named<&EngineConfig::occlusion>("occlusion"),
+    plain<&EngineConfig::contribution>("contribution"),
+    named<&EngineConfig::contribution_way>("contribution_way"),
+    plain<&EngineConfig::budget_ms>("budget_ms"),
+    Setting{"hidden_colour",
+            [](const EngineConfig& c) -> py::object { return c.hidden_colour ? colour(*c.hidden_colour) : py::none(); },
+            [](EngineConfig& c, const char* name, py::handle value) {
+              c.hidden_colour = {};
+              if (!value.is_none()) c.hidden_colour = core::vec3(vector3(value, name));
+            }},
+    Setting{"outline_colour", [](const EngineConfig& c) -> py::object { return colour(c.outline_colour); },
+            [](EngineConfig& c, const char* name, py::handle value) {
+              c.outline_colour = core::vec3(vector3(value, name));
+            }},
+    plain<&EngineConfig::relief, &engine::Relief::shading>("relief_shading"),
+    plain<&EngineConfig::relief, &engine::Relief::lines>("relief_lines"),
+    plain<&EngineConfig::hatching, &engine::Hatching::strength>("hatching_strength"),
+    plain<&EngineConfig::hatching, &engine::Hatching::spacing>("hatching_spacing"),
+    Setting{"controller",
+            [](const EngineConfig& c) -> py::object {
+              ControllerConfig told = c.controller;
+              told.frame_cost.rendering = true;  // the engine's, which follows `draw`
+              return py::cast(told);
+            },
+            [](EngineConfig& c, const char* name, py::handle value) {
+              c.controller = value.is_none() ? ControllerConfig() : checked(cast<ControllerConfig>(name, value));
+            }},
+};
+
+py::object default_of(const Setting& setting) {
+  if (std::string_view(setting.name) == "controller") return py::none();
+  return setting.get(EngineConfig());
+}
+
+void set_all(EngineConfig& config, std::span<const Setting> settings, std::span<const py::object> values) {
+  for (std::size_t i = 0; i < settings.size(); ++i)
+    if (!values[i].is(py::ellipsis())) settings[i].set(config, settings[i].name, values[i]);
+}
+
+py::dict settings_of(const EngineConfig& config) {
+  py::dict settings;
+  for (const Setting& setting : kFixed) settings[setting.name] = setting.get(config);
+  for (const Setting& setting : kChangeable) settings[setting.name] = setting.get(config);
+  return settings;
+}
+
+// --- the controller --------------------------------------------------------------------------------------------------
+
+namespace {
+
+template <auto kField>
+using OfCost = Field<&ControllerConfig::frame_cost, kField>;
+template <auto kField>
+using Of2009 = Field<&ControllerConfig::policy_2009, kField>;
+template <class F>
+using NumberOf = FieldType<F, ControllerConfig>;
+
+template <class F>
+void bind_number(py::class_<ControllerConfig>& c, const char* name) {
+  c.def_property(
+      name, [](const ControllerConfig& k) { return F::of(k); },
+      [](ControllerConfig& k, NumberOf<F> value) {
+        ControllerConfig changed = k;
+        F::of(changed) = value;
+        k = checked(changed);
+      },
+      "A number; see culling/frame_cost.h and culling/policy_2009.h.");
+}
+
+template <class... F>
+py::tuple state_of_controller(const ControllerConfig& k) {
+  return py::make_tuple(stored(k.policy), stored(k.policy_2009.trigger), stored(F::of(k))...);
+}
+
+template <class... F>
+ControllerConfig controller_of_state(const py::tuple& state) {
+  if (state.size() != 2 + sizeof...(F)) fail("pickle: it is of another version");
+  ControllerConfig k;
+  k.policy = restored<culling::Policy>(state[0]);
+  k.policy_2009.trigger = restored<culling::Policy2009Trigger>(state[1]);
+  std::size_t i = 2;
+  ((F::of(k) = restored<NumberOf<F>>(state[i++])), ...);
+  return checked(k);
+}
+
+template <class... F>
+ControllerConfig make_controller(const std::string& policy, const std::string& trigger, NumberOf<F>... values) {
+  ControllerConfig made;
+  made.policy = enumerator_of<culling::Policy>("policy", policy);
+  made.policy_2009.trigger = enumerator_of<culling::Policy2009Trigger>("trigger", trigger);
+  ((F::of(made) = values), ...);
+  return checked(made);
+}
+
+/// Numbers of a controller's configuration: its constructor's arguments, its attributes, and what is pickled of it.
+template <class... F>
+void bind_numbers(py::class_<ControllerConfig>& c, const std::array<const char*, sizeof...(F)>& names) {
+  const ControllerConfig defaults;
+  const auto define = [&]<std::size_t... I>(std::index_sequence<I...>) {
+    c.def(py::init(&make_controller<F...>), py::kw_only(), py::arg("policy") = "frame-cost",
+          py::arg("trigger") = "time", (py::arg(names[I]) = F::of(defaults))...,
+          "policy: \"frame-cost\" takes the culler that costs the frame less, by measured times; \"2009\" is the state "
+          "machine of the dissertation, whose `trigger` (\"time\", \"height\", \"intersections\", \"share\") says what "
+          "makes a frame slow. The first ten numbers belong to the former, the others to the latter.");
+    (bind_number<F>(c, names[I]), ...);
+  };
+  define(std::index_sequence_for<F...>());
+  c.def(
+       "__eq__", [](const ControllerConfig& a, const ControllerConfig& b) { return a == b; }, py::is_operator())
+      .def(py::pickle(&state_of_controller<F...>, &controller_of_state<F...>));
+}
+
+}  // namespace
+
+void bind_controller_config(py::module_& m) {
+  py::class_<ControllerConfig> c(m, "ControllerConfig", "When a hybrid lets the CPU cull and when the GPU.");
+  c.def_property(
+       "policy", [](const ControllerConfig& k) { return std::string(name_of(k.policy)); },
+       [](ControllerConfig& k, const std::string& name) { k.policy = enumerator_of<culling::Policy>("policy", name); },
+       "\"frame-cost\" or \"2009\".")
+      .def_property(
+          "trigger", [](const ControllerConfig& k) { return std::string(name_of(k.policy_2009.trigger)); },
+          [](ControllerConfig& k, const std::string& name) {
+            k.policy_2009.trigger = enumerator_of<culling::Policy2009Trigger>("trigger", name);
+          },
+          "\"time\", \"height\", \"intersections\" or \"share\".");
+  using culling::FrameCostConfig, culling::Policy2009Config;
+  bind_numbers<OfCost<&FrameCostConfig::least_gpu_cull_ms>, OfCost<&FrameCostConfig::margin>,
+               OfCost<&FrameCostConfig::dwell_margin>, OfCost<&FrameCostConfig::dwell_frames>,
+               OfCost<&FrameCostConfig::probe_share>, OfCost<&FrameCostConfig::first_probes>,
+               OfCost<&FrameCostConfig::probe_cost>, OfCost<&FrameCostConfig::probe_interval>,
+               OfCost<&FrameCostConfig::silent_frames>, OfCost<&FrameCostConfig::presumed_gpu_excess>,
+               Of2009<&Policy2009Config::slow_ms>, Of2009<&Policy2009Config::slow_height>,
+               Of2009<&Policy2009Config::slow_intersections>, Of2009<&Policy2009Config::slow_share>,
+               Of2009<&Policy2009Config::enter_frames>, Of2009<&Policy2009Config::gpu_frames>,
+               Of2009<&Policy2009Config::probe_frames>, Of2009<&Policy2009Config::most_gpu_frames>>(
+      c, {"least_gpu_cull_ms", "margin", "dwell_margin", "dwell_frames", "probe_share", "first_probes", "probe_cost",
+          "probe_interval", "silent_frames", "presumed_gpu_excess", "slow_ms", "slow_height", "slow_intersections",
+          "slow_share", "enter_frames", "gpu_frames", "probe_frames", "most_gpu_frames"});
+}
+
+}  // namespace sightline::python

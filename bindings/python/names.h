@@ -1,0 +1,48 @@
+// How many values the enumerations of engines have, and names of those that have none in C++.
+#pragma once
+
+#include "sightline/bindings/python/values.h"
+#include "sightline/engine/engine.h"
+
+namespace sightline::culling {
+
+constexpr std::string_view name_of(Policy policy) {
+  return policy == Policy::kFrameCost ? "frame-cost" : "2009";
+}
+constexpr std::string_view name_of(Policy2009Trigger trigger) {
+  constexpr std::string_view kNames[] = {"time", "height", "intersections", "share"};
+  return kNames[std::size_t(trigger)];
+}
+
+}  // namespace sightline::culling
+
+namespace sightline::engine {
+
+constexpr std::string_view name_of(GlState state) {
+  return state == GlState::kRestore ? "restore" : "leave";
+}
+
+}  // namespace sightline::engine
+
+namespace sightline::python {
+
+template <>
+inline constexpr int kEnumerators<engine::CullerChoice> = 5;
+template <>
+inline constexpr int kEnumerators<engine::OcclusionChoice> = 3;
+template <>
+inline constexpr int kEnumerators<engine::ContributionWay> = 3;
+template <>
+inline constexpr int kEnumerators<engine::Transparency> = 2;
+template <>
+inline constexpr int kEnumerators<engine::GlState> = 2;
+template <>
+inline constexpr int kEnumerators<culling::GpuVariant> = 2;
+template <>
+inline constexpr int kEnumerators<culling::Policy> = 2;
+template <>
+inline constexpr int kEnumerators<culling::Policy2009Trigger> = 4;
+template <>
+inline constexpr int kEnumerators<culling::ControllerState> = 5;
+
+}  // namespace sightline::python

@@ -1,0 +1,238 @@
+// Snapping: what is aimed at is found, exactly, and nothing that is hidden or cut away.
+#include "sightline/analysis/measure/snap.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sightline/tests/analysis/measure/measure_samples.h"
+
+namespace sightline::snap_test {
+namespace {
+
+using core::Affine;
+using core::dvec3;
+using core::Plane;
+using core::SectionMode;
+using measure::Aim;
+using measure::FeatureKind;
+using measure::Item;
+using measure::Snap;
+using tests::Random;
+using tests::uniform;
+
+constexpr std::uint64_t kSeed = 18;
+constexpr double kFar = 1e6;
+
+Item item_of(const core::Primitive& primitive, const Affine& a = {}) {
+  return *Item::create(primitive, a);
+}
+
+/// An eye that looks at a point, with a cone of `reach` metres there.
+Aim look(const dvec3& eye, const dvec3& point, double reach) {
+  const double depth = glm::length(point - eye);
+  return {point, 0.0, measure::AimRay{eye, (point - eye) / depth, reach / depth}};
+}
+
+std::string words_at(const Item& item, const Aim& aim, std::span<const Plane> sections = {}) {
+  const auto found = measure::snap(item, aim, sections);
+  return found ? found->words : "nothing";
+}
+
+TEST(Snap, EachKindInItsOrder) {
+  const Item pipe = item_of(core::Cylinder{0.1f, 4.0f});
+  const dvec3 above(0.5, 0.3, 6);
+  EXPECT_EQ(words_at(pipe, look(above, {0.01, 0, 2}, 0.02)), "centre of the upper end of a cylinder");
+  EXPECT_EQ(words_at(pipe, look(above, {0.05, 0, 2}, 0.02)), "face of the upper end of a cylinder");
+  EXPECT_EQ(words_at(pipe, look(above, {0.099, 0, 2}, 0.02)), "edge of the upper end of a cylinder");
+  const dvec3 side(6, 0, 0);
+  EXPECT_EQ(words_at(pipe, look(side, {0.1, 0.0, 0.5}, 0.02)), "axis of a cylinder");
+  EXPECT_EQ(words_at(pipe, look(side, {0.08, 0.06, 0.5}, 0.02)), "nothing");
+  EXPECT_EQ(words_at(pipe, look(side, {0.1, 0.0, 1.99}, 0.02)), "edge of the upper end of a cylinder");
+  const auto axis = measure::snap(pipe, look(side, {0.1, 0.0, 0.5}, 0.02));
+  EXPECT_LE(glm::length(axis->point - dvec3(0, 0, 0.5 * 6 / 5.9)), 1e-9);
+
+  const Item bend = item_of(core::CircularTorus{1.0f, 0.1f, 1.5f});
+  EXPECT_EQ(words_at(bend, look({1, 1, 5}, {std::cos(0.7), std::sin(0.7), 0.1}, 0.05)),
+            "centre line of a circular torus");
+  const Item box = item_of(core::Box{1, 1, 1});
+  EXPECT_EQ(words_at(box, look({2, 3, 4}, {0.49, 0.48, 0.5}, 0.05)), "corner of a box");
+  EXPECT_EQ(words_at(box, look({2, 3, 4}, {0.1, 0.48, 0.5}, 0.05)), "edge of a box");
+  EXPECT_EQ(words_at(box, look({2, 3, 4}, {0.1, 0.2, 0.5}, 0.05)), "face of a box");
+  EXPECT_EQ(words_at(box, Aim{{0.49, 0.48, 0.5}, 0.05, {}}), "corner of a box");
+  EXPECT_EQ(words_at(box, Aim{{0.3, 0.3, 2.0}, 0.05, {}}), "nothing");
+  EXPECT_EQ(words_at(item_of(core::Sphere{1}), look({0, 0, 5}, {0, 0, 0.5}, 0.01)), "centre of a sphere");
+}
+
+TEST(Snap, OrthographicRays) {
+  const Item box = item_of(core::Box{1, 1, 1});
+  const measure::AimRay ray{{0.49, 0.48, 10}, {0, 0, -1}, 0.0};
+  const auto found = measure::snap(box, Aim{{0.49, 0.48, 0.5}, 0.05, ray});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->words, "corner of a box");
+  EXPECT_EQ(found->point, dvec3(0.5, 0.5, 0.5));  // not the corner below it, which the cylinder of the aim holds, too
+}
+
+/// The far corners of a long beam appear near the middle of its end, and are hidden by it.
+TEST(Snap, HiddenCornersDoNotCount) {
+  const Item beam = item_of(core::Box{0.2f, 0.2f, 200.0f});
+  const dvec3 eye(0, 0, 101);
+  EXPECT_EQ(words_at(beam, look(eye, {0.001, 0, 100}, 0.02)), "face of a box");
+  EXPECT_EQ(words_at(beam, look(eye, {0.099, 0.099, 100}, 0.02)), "corner of a box");
+  // What is cut off hides nothing: the edges are seen where they now begin.
+  const Plane keep_lower{{0, 0, -1}, -99.9};
+  const auto seen = measure::snap(beam, look(eye, {0.001, 0, -99.9}, 0.3), std::span(&keep_lower, 1));
+  ASSERT_TRUE(seen);
+  EXPECT_EQ(seen->words, "edge of a box");
+  EXPECT_NEAR(seen->point.z, -99.9, 1e-8);
+}
+
+/// Corners and edges of boxes of any placement, far from the origin.
+TEST(Snap, CornersAndEdgesAreExact) {
+  Random random(kSeed);
+  for (int i = 0; i < 3000; ++i) {
+    const core::Box box{float(uniform(random, 0.5, 2)), float(uniform(random, 0.5, 2)), float(uniform(random, 0.5, 2))};
+    Affine a = tests::placement(random, 1.0, 0.0);
+    a.origin = kFar * tests::random_direction(random);
+    const Item item = item_of(box, a);
+    const dvec3 half = 0.5 * dvec3(box.size_x, box.size_y, box.size_z);
+    dvec3 corner;
+    for (int k = 0; k < 3; ++k) corner[k] = random() % 2 == 0 ? half[k] : -half[k];
+    dvec3 local = corner;
+    const bool on_edge = i % 2 == 0;
+    if (on_edge) local.x = uniform(random, -0.6, 0.6) * half.x;
+    const dvec3 at = core::transform_point(a, local);
+    const auto found = measure::snap(item, Aim{at + 1e-3 * tests::random_direction(random), 2e-3, {}});
+    ASSERT_TRUE(found) << "seed " << kSeed << ": " << i;
+    EXPECT_EQ(found->words, on_edge ? "edge of a box" : "corner of a box") << "seed " << kSeed << ": " << i;
+    if (on_edge) {
+      const dvec3 u = glm::normalize(a.linear[0]), off = found->point - at;
+      EXPECT_LE(glm::length(off - u * glm::dot(off, u)), 1e-8) << "seed " << kSeed << ": " << i;
+    } else {
+      EXPECT_LE(glm::length(found->point - at), 1e-8) << "seed " << kSeed << ": " << i;
+    }
+  }
+}
+
+bool is_kept(const dvec3& p, std::span<const Plane> planes, SectionMode mode, double tolerance) {
+  bool all = true, any = false;
+  for (const Plane& plane : planes) {
+    const bool inside = core::evaluate(plane, p) >= -tolerance;
+    all = all && inside, any = any || inside;
+  }
+  return mode == SectionMode::kIntersection ? all : any;
+}
+
+/// The nearest kept one of many points of a curve, from an aim.
+double nearest_sample(const measure::Feature& feature, const dvec3& aim, std::span<const Plane> planes,
+                      SectionMode mode) {
+  constexpr int kSamples = 20000;
+  double least = 1e300;
+  for (int i = 0; i <= kSamples; ++i) {
+    const double t = double(i) / kSamples;
+    dvec3 p;
+    if (const auto* s = std::get_if<measure::Segment>(&feature.geometry)) {
+      p = s->from + t * (s->to - s->from);
+    } else {
+      const auto& arc = std::get<measure::Arc>(feature.geometry);
+      const double angle = arc.from + t * (arc.to - arc.from);
+      p = arc.centre + std::cos(angle) * arc.u + std::sin(angle) * arc.v;
+    }
+    if (is_kept(p, planes, mode, 0.0)) least = std::min(least, glm::length(p - aim));
+  }
+  return least;
+}
+
+TEST(Snap, CutCurvesEndAtTheSection) {
+  Random random(kSeed);
+  int snapped = 0, shortened = 0;
+  for (int i = 0; i < 150; ++i) {
+    const core::Kind kinds[] = {core::Kind::kCylinder, core::Kind::kCircularTorus, core::Kind::kSnout,
+                                core::Kind::kBox};
+    const core::Primitive primitive = tests::ordinary_primitive(kinds[i % 4], random);
+    const Affine a = tests::placement(random, 1.0, i % 2 == 0 ? 1e5 : 1.0);
+    const Item item = item_of(primitive, a);
+    const SectionMode mode = random() % 2 == 0 ? SectionMode::kIntersection : SectionMode::kUnion;
+    std::vector<Plane> planes(1 + random() % 3);
+    for (Plane& plane : planes) {
+      plane.normal = uniform(random, 0.1, 3.0) * tests::random_direction(random);
+      plane.offset = -glm::dot(plane.normal, a.origin + 0.5 * tests::random_direction(random));
+    }
+    const dvec3 at = a.origin + uniform(random, 0.0, 1.0) * tests::random_direction(random);
+    const auto found = measure::snap(item, Aim{at, 3.0, {}}, planes, mode);
+    if (!found) continue;
+    EXPECT_TRUE(is_kept(found->point, planes, mode, 1e-8)) << "seed " << kSeed << ": " << i;
+    if (found->feature.kind != FeatureKind::kEdge && found->feature.kind != FeatureKind::kAxis) continue;
+    // The nearest of all features of that kind.
+    double least = 1e300, uncut = 1e300;
+    for (const measure::Feature& feature : item.features()) {
+      if (feature.kind != found->feature.kind) continue;
+      least = std::min(least, nearest_sample(feature, at, planes, mode));
+      uncut = std::min(uncut, nearest_sample(feature, at, planes, SectionMode::kUnion));
+      uncut = std::min(uncut, nearest_sample(feature, at, {}, SectionMode::kIntersection));
+    }
+    const double distance = glm::length(found->point - at);
+    EXPECT_LE(distance, least + 1e-6 * 3.0) << "seed " << kSeed << ": " << i << ' ' << found->words;
+    EXPECT_GE(distance, least - 2e-3) << "seed " << kSeed << ": " << i << ' ' << found->words;
+    ++snapped;
+    if (least > uncut + 1e-2) ++shortened;
+  }
+  EXPECT_GT(snapped, 60);
+  EXPECT_GT(shortened, 20);
+}
+
+TEST(Snap, WhatIsCutAwayIsNotFound) {
+  const Item pipe = item_of(core::Cylinder{0.1f, 4.0f}, core::translation({kFar, 0, 0}));
+  const Plane keep_lower{{0, 0, -2}, 0.0};
+  const std::span<const Plane> cut(&keep_lower, 1);
+  EXPECT_EQ(words_at(pipe, Aim{{kFar, 0, 2}, 0.05, {}}), "centre of the upper end of a cylinder");
+  EXPECT_EQ(words_at(pipe, Aim{{kFar, 0, 2}, 0.05, {}}, cut), "nothing");
+  EXPECT_EQ(words_at(pipe, Aim{{kFar, 0, -2}, 0.05, {}}, cut), "centre of the lower end of a cylinder");
+  // On the cap of the section the axis is found, at its new end.
+  const auto axis = measure::snap(pipe, look({kFar - 0.3, 0, 5}, {kFar + 0.01, 0, 0}, 0.03), cut);
+  ASSERT_TRUE(axis);
+  EXPECT_EQ(axis->words, "axis of a cylinder");
+  EXPECT_LE(glm::length(axis->point - dvec3(kFar, 0, 0)), 1e-8);
+  const Plane none{{0, 0, 0}, -1.0};
+  EXPECT_EQ(words_at(pipe, Aim{{kFar, 0, 2}, 0.05, {}}, std::span(&none, 1)), "centre of the upper end of a cylinder");
+}
+
+/// A cube of two triangles a side, its corners not shared.
+core::Mesh cube() {
+  core::Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {-1.0f, 1.0f}) {
+      core::vec3 u(0.0f), v(0.0f), n(0.0f);
+      n[axis] = side, u[(axis + 1) % 3] = 1.0f, v[(axis + 2) % 3] = side;
+      const std::uint32_t first = std::uint32_t(mesh.positions.size());
+      for (const core::vec3& p : {n - u - v, n + u - v, n + u + v, n - u + v}) mesh.positions.push_back(p);
+      for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + i);
+    }
+  return mesh;
+}
+
+TEST(Snap, MeshesHaveSharpEdgesOnly) {
+  const Item item = *Item::create(cube(), core::translation({kFar, 0, 0}));
+  const auto at = [&](double x, double y, double z) { return Aim{{kFar + x, y, z}, 0.05, {}}; };
+  EXPECT_EQ(words_at(item, at(0.98, 0.99, 1)), "corner of a mesh");
+  EXPECT_EQ(words_at(item, at(0.3, 0.98, 1)), "edge of a mesh");
+  EXPECT_EQ(words_at(item, at(0.0, 0.0, 1)), "face of a mesh");  // on the diagonal between two triangles
+  EXPECT_EQ(words_at(item, at(0.5, 0.2, 1.2)), "nothing");
+  const auto corner = measure::snap(item, look({kFar + 3, 4, 5}, {kFar + 0.98, 0.99, 1}, 0.05));
+  ASSERT_TRUE(corner);
+  EXPECT_LE(glm::length(corner->point - dvec3(kFar + 1, 1, 1)), 1e-9);
+  EXPECT_FALSE(measure::snap(*Item::create(core::Mesh{}, {}), at(0, 0, 0)));
+}
+
+/// A vertex within a straight edge is no corner.
+TEST(Snap, VerticesWithinAnEdgeAreNoCorners) {
+  core::Mesh sheet;
+  sheet.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}};
+  sheet.indices = {0, 1, 3, 1, 2, 3};
+  const Item item = *Item::create(sheet, {});
+  EXPECT_EQ(words_at(item, Aim{{1, 0, 0}, 0.05, {}}), "edge of a mesh");
+  EXPECT_EQ(words_at(item, Aim{{2, 0, 0}, 0.05, {}}), "corner of a mesh");
+}
+
+}  // namespace
+}  // namespace sightline::snap_test
