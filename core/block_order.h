@@ -1,6 +1,6 @@
-// The order of a snapshot's items in space, also for boxes of an application's own (culling/cpu_culler.h): each aligned
-// block of a power of two of places lies together, so that a hierarchy over the order needs neither indices nor counts.
-// In parallel with OpenMP.
+// The order of a snapshot's items in space, also for boxes of an application's own (culling/frustum/cpu_culler.h): each
+// aligned block of a power of two of places lies together, so that a hierarchy over the order needs neither indices nor
+// counts. In parallel with OpenMP.
 #pragma once
 
 #include <cstdint>

@@ -11,10 +11,11 @@
 #include "sightline/core/block_order.h"
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/item_bounds.h"
-#include "sightline/culling/cpu_culler.h"
-#include "sightline/culling/cull_threads.h"
-#include "sightline/culling/internal/set_parts.h"
-#include "sightline/culling/internal/slot_list.h"
+#include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/culling/frustum/cull_threads.h"
+#include "sightline/culling/frustum/internal/set_parts.h"
+#include "sightline/culling/frustum/internal/slot_list.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 
 namespace sightline::culling {
 namespace {

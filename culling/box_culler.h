@@ -1,4 +1,6 @@
-// The simplest interface: boxes in, indices of the visible ones out. No scene, no snapshot, no GL.
+// culling: what a view can see. Its rooms are frustum (view volume, hierarchy), occlusion (samples, contribution, depth
+// pyramid, occluders), hybrid (CPU or GPU), queries (boxes, regions, rays) and gpu. This header is its simplest
+// interface: boxes in, indices of the visible ones out. No scene, no snapshot, no GL.
 //
 //   auto culler = culling::BoxCuller::create(boxes);
 //   std::vector<std::uint32_t> visible;
@@ -14,7 +16,7 @@
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/view.h"
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/depth_pyramid.h"
 
 namespace sightline::culling {
 

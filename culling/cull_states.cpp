@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sightline/culling/frustum_test.h"
+#include "sightline/culling/frustum/frustum_test.h"
 
 namespace sightline::culling {
 namespace {

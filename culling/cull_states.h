@@ -11,8 +11,8 @@
 #include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
-#include "sightline/culling/hierarchy.h"
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/frustum/hierarchy.h"
+#include "sightline/culling/occlusion/sample_test.h"
 
 namespace sightline::culling {
 

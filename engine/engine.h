@@ -20,10 +20,10 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/controller.h"
 #include "sightline/culling/cull_states.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
-#include "sightline/culling/region_query.h"
+#include "sightline/culling/hybrid/controller.h"
+#include "sightline/culling/queries/region_query.h"
 #include "sightline/engine/item_style.h"
 #include "sightline/engine/picture_tiles.h"
 #include "sightline/engine/plan.h"
@@ -108,13 +108,14 @@ struct EngineConfig {
   bool draw = false;  ///< false: no GL at all, unless the culler needs it
   int width = 1280, height = 720;
   bool ids = false;  ///< item-id image beside colour and depth
-  /// Leave out of drawing what covers no sample of the picture (culling/sample_test.h): nothing is lost.
+  /// Leave out of drawing what covers no sample of the picture (culling/occlusion/sample_test.h): nothing is lost.
   bool sample_test = true;
-  /// Leave out of drawing what other items hide (culling/occlusion.h): nothing is lost. With one sample per pixel only.
+  /// Leave out of drawing what other items hide (culling/occlusion/occlusion_test.h): nothing is lost. With one sample
+  /// per pixel only.
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
-  /// Leave out of drawing items that cover fewer pixels than this: culling/contribution.h, with the mean area over all
-  /// directions; hysteresis; lines are exempt. 0: nothing is lost. The CPU must cull: create() and set_culler() fail
-  /// with kGpu, and kHybrid is then as kAutomatic; both also with a budget.
+  /// Leave out of drawing items that cover fewer pixels than this: culling/occlusion/contribution.h, with the mean area
+  /// over all directions; hysteresis; lines are exempt. 0: nothing is lost. The CPU must cull: create() and
+  /// set_culler() fail with kGpu, and kHybrid is then as kAutomatic; both also with a budget.
   float contribution = 0.0f;
   /// How these items are drawn. With a budget also what its time does not suffice for; kStochastic is then as
   /// kPoints.
@@ -273,9 +274,9 @@ class SIGHTLINE_API Engine {
                                     const core::ExternalTarget& target);
   /// What the last frame() has left out by EngineConfig::contribution and budget_ms, `view` being the one that it drew;
   /// nothing without these. Squares drawn instead count as left out. The pixels are the sum of the items' areas as
-  /// culling/contribution.h measures them, so they are too many where items overlap or hide each other, or reach out of
-  /// the picture. A convex solid may cover twice its measure in an unlucky direction. Waits for the GPU and takes time
-  /// in proportion to the items left out: meant for pictures that stay.
+  /// culling/occlusion/contribution.h measures them, so they are too many where items overlap or hide each other, or
+  /// reach out of the picture. A convex solid may cover twice its measure in an unlucky direction. Waits for the GPU
+  /// and takes time in proportion to the items left out: meant for pictures that stay.
   core::Expected<LossReport> loss(const core::View& view);
   /// What culling makes of each item in the view (culling/cull_states.h), by the slots of snapshot(): the culler, then
   /// contribution, sample test and occlusion as configured, the latter two with `draw` alone. A budget does not count,
@@ -379,8 +380,8 @@ class SIGHTLINE_API Engine {
   bool preparing_picks() const;
 
   /// Items in a rectangle of the picture, in rising order, hidden behind others or not: those with any part in it, or
-  /// those wholly in it, as culling/region_query.h promises. The view's layers and section planes count. Needs no
-  /// tracer. Fails as culling::rectangle_view() does.
+  /// those wholly in it, as culling/queries/region_query.h promises. The view's layers and section planes count. Needs
+  /// no tracer. Fails as culling::rectangle_view() does.
   core::Expected<std::vector<core::ItemId>> items_in(const core::View& view, const PixelRectangle& rectangle,
                                                      culling::RegionRule rule) const;
   /// Items of `layers` in what all planes keep, at most core::kMaxSectionPlanes; else fails.

@@ -8,9 +8,9 @@
 #include <system_error>
 #include <utility>
 
-#include "sightline/culling/cpu_culler.h"
-#include "sightline/culling/occlusion.h"
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
+#include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/page_store.h"
 #include "sightline/engine/internal/stand_ins.h"

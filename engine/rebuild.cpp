@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/engine/internal/picking.h"
 
 namespace sightline::engine {

@@ -13,7 +13,7 @@ void set(float (&to)[3], const core::dvec3& from) {
 }
 
 /// A float test errs by at most gamma_5(2^-24) (sum |n_i| M_i + |d|), M being the largest coordinates (derivation in
-/// culling/frustum_test.cpp); 8 instead of 5 covers the other orders of addition and the double steps before.
+/// culling/frustum/frustum_test.cpp); 8 instead of 5 covers the other orders of addition and the double steps before.
 Plane float_plane(const core::dvec3& n, double d, const core::dvec3& largest) {
   Plane p;
   set(p.n, n);

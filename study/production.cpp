@@ -5,8 +5,8 @@
 
 #include "sightline/core/block_order.h"
 #include "sightline/core/item_bounds.h"
-#include "sightline/culling/cpu_culler.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
 
 namespace sightline::study {
 namespace {

@@ -14,7 +14,7 @@
 //   occt      Open CASCADE 7.6, Graphic3d_CullingTool::IsTooSmall(): the diagonal's length in pixels
 //   sphere    projected area of the bounding sphere
 // The last three compare the diagonal with the distance, so they differ only in the scale of their thresholds.
-#include "sightline/culling/contribution.h"
+#include "sightline/culling/occlusion/contribution.h"
 
 #include <algorithm>
 #include <array>
@@ -38,7 +38,7 @@
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/core/internal/srgb.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/rebuild.h"

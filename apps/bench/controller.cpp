@@ -13,7 +13,7 @@
 #include "sightline/apps/common/controller_trace.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/svg_plot.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::bench::controller_bench {

@@ -26,9 +26,9 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/cpu_culler.h"
-#include "sightline/culling/internal/slot_list.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/culling/frustum/internal/slot_list.h"
+#include "sightline/culling/frustum/linear_culler.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::bench::cull_bench {

@@ -22,7 +22,7 @@
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/box_culler.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/engine/engine.h"
 #include "sightline/importers/json/internal/json.h"
 

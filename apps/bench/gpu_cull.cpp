@@ -16,7 +16,7 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/plant/plant_generator.h"

@@ -11,7 +11,7 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/core/block_order.h"
 #include "sightline/core/camera_path.h"
-#include "sightline/culling/hierarchy.h"
+#include "sightline/culling/frustum/hierarchy.h"
 #include "sightline/importers/plant/plant_generator.h"
 
 static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");

@@ -1,7 +1,7 @@
 // sightline-bench occlusion: what occlusion culling costs and finds without a renderer. Two scenes: the boxes of a
 // made-up plant, each taken as solid, the largest of them as occluders; and the same with walls, which are the
 // occluders.
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@
 #include "sightline/core/internal/instruction_set.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/box_culler.h"
-#include "sightline/culling/occluder_raster.h"
+#include "sightline/culling/occlusion/occluder_raster.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::bench::occlusion_bench {

@@ -14,7 +14,7 @@
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/core/item_bounds.h"
-#include "sightline/culling/spatial_queries.h"
+#include "sightline/culling/queries/spatial_queries.h"
 
 namespace sightline::bench::queries_bench {
 namespace {

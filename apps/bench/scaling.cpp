@@ -19,7 +19,7 @@
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/raytrace/exact_visibility.h"
 

@@ -17,7 +17,7 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/json/internal/json.h"

@@ -8,7 +8,7 @@
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::bench::views_bench {

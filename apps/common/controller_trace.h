@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sightline/core/error.h"
-#include "sightline/culling/controller.h"
+#include "sightline/culling/hybrid/controller.h"
 
 namespace sightline::apps {
 

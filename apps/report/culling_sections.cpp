@@ -6,7 +6,7 @@
 #include "sightline/apps/common/flight.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/report/report.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/render/image/image_metrics.h"
 
 namespace sightline::apps {

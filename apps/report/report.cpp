@@ -6,7 +6,7 @@
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/svg_canvas.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 
 namespace sightline::apps {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
 
 namespace sightline::apps {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sightline/apps/view/frozen_camera.h"
-#include "sightline/culling/contribution.h"
+#include "sightline/culling/occlusion/contribution.h"
 #include "sightline/render/image/image.h"
 
 namespace sightline::apps {

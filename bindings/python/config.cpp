@@ -194,7 +194,7 @@ void bind_number(py::class_<ControllerConfig>& c, const char* name) {
         F::of(changed) = value;
         k = checked(changed);
       },
-      "A number; see culling/frame_cost.h and culling/policy_2009.h.");
+      "A number; see culling/hybrid/frame_cost.h and culling/hybrid/policy_2009.h.");
 }
 
 template <class... F>

@@ -4,7 +4,7 @@
 #include "sightline/bindings/python/gate.h"
 #include "sightline/bindings/python/module.h"
 #include "sightline/culling/box_culler.h"
-#include "sightline/culling/occluder_raster.h"
+#include "sightline/culling/occlusion/occluder_raster.h"
 
 namespace sightline::python {
 namespace {

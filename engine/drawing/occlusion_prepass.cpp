@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "sightline/culling/internal/set_parts.h"
-#include "sightline/culling/spatial_queries.h"
+#include "sightline/culling/frustum/internal/set_parts.h"
+#include "sightline/culling/queries/spatial_queries.h"
 #include "sightline/engine/drawing/internal/draw_strategy.h"
 
 namespace sightline::engine {

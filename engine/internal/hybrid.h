@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "sightline/culling/controller.h"
+#include "sightline/culling/hybrid/controller.h"
 
 namespace sightline::engine {
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/cpu_culler.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
 #include "sightline/engine/plan.h"
 #include "sightline/gpuprims/internal/joints.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sightline/core/paged_scene.h"
-#include "sightline/culling/contribution.h"
-#include "sightline/culling/internal/set_parts.h"
+#include "sightline/culling/frustum/internal/set_parts.h"
+#include "sightline/culling/occlusion/contribution.h"
 #include "sightline/render/internal/point_splats.h"
 
 namespace sightline::engine {

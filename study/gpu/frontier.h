@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/frustum_test.h"
+#include "sightline/culling/frustum/frustum_test.h"
 #include "sightline/gl/context.h"
 #include "sightline/study/method.h"
 #include "sightline/study/tree.h"

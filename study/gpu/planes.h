@@ -12,7 +12,7 @@
 #include <span>
 
 #include "sightline/core/item_bounds.h"
-#include "sightline/culling/frustum_test.h"
+#include "sightline/culling/frustum/frustum_test.h"
 #include "sightline/gl/internal/buffer.h"
 
 namespace sightline::study {

@@ -6,7 +6,7 @@
 
 #include "sightline/apps/bench/models/platforms.h"
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/gl/internal/query.h"
 #include "sightline/study/brute_force.h"

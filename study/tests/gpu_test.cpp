@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
 #include "sightline/gl/internal/query.h"
 #include "sightline/study/gpu/flat.h"
 #include "sightline/study/gpu/frontier.h"

@@ -9,7 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "scenes.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/tests/support/effort.h"
 
 namespace sightline::tests::box_culler_test {

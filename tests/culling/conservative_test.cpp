@@ -14,8 +14,8 @@
 #include "exact_reference.h"
 #include "scenes.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/frustum_test.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/frustum_test.h"
+#include "sightline/culling/frustum/linear_culler.h"
 #include "sightline/tests/support/effort.h"
 
 namespace sightline::tests::conservative_test {

@@ -1,5 +1,5 @@
 // Projected areas against the convex hull of the corners in double, what they leave out, and squares in its place.
-#include "sightline/culling/contribution.h"
+#include "sightline/culling/occlusion/contribution.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The controller's contract, call by call. How close it comes to the oracle: tests/apps/controller_trace_test.cpp.
-#include "sightline/culling/controller.h"
+#include "sightline/culling/hybrid/controller.h"
 
 #include <algorithm>
 #include <cmath>

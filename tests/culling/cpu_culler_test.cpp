@@ -1,5 +1,5 @@
 // What the production culler promises beside the set itself: little work, merged ranges, no allocation, layers.
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "scenes.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
+#include "sightline/culling/hybrid/frame_sample.h"
 
 namespace {
 std::atomic<std::uint64_t> g_allocations{0};
@@ -133,7 +134,7 @@ TEST(CpuCuller, DescribesItsWalk) {
       PlainWalk walk{tree, culling::CullPlanes(view, scene.bounds)};
       walk.look_into(tree.level_count() - 1, 0, walk.planes.all());
       culling::FrameSample sample;
-      scene.culler->describe(set.counters, sample);
+      describe(scene.culler->hierarchy(), set.counters, sample);
       EXPECT_EQ(set.counters.levels_walked, walk.levels);
       EXPECT_EQ(sample.tested, double(16 * walk.nodes + 32 * walk.leaves));
       EXPECT_EQ(sample.intersections, double(walk.crossing));
@@ -151,10 +152,10 @@ TEST(CpuCuller, AViewOfEverythingCrossesNothing) {
   VisibleSet set;
   scene.culler->cull(around(20), set);
   culling::FrameSample sample;
-  scene.culler->describe(set.counters, sample);
+  describe(scene.culler->hierarchy(), set.counters, sample);
   EXPECT_EQ(sample.intersections, 0.0);
   EXPECT_EQ(sample.height, 4.0);
-  scene.culler->describe({}, sample);
+  describe(scene.culler->hierarchy(), {}, sample);
   EXPECT_EQ(sample.intersections, 0.0);
   EXPECT_EQ(sample.height, 0.0);
 }

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
 #include "sightline/tests/culling/scenes.h"
 
 namespace sightline::tests::cull_states_test {

@@ -1,5 +1,5 @@
 // Views shared out among threads: every job once, and the sets of one view at a time.
-#include "sightline/culling/cull_threads.h"
+#include "sightline/culling/frustum/cull_threads.h"
 
 #include <atomic>
 #include <chrono>

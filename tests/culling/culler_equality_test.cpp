@@ -3,7 +3,7 @@
 
 #include "scenes.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
 
 namespace sightline::tests::culler_equality_test {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "scenes.h"
 #include "sightline/core/view.h"
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/occlusion/sample_test.h"
 
 namespace sightline::tests {
 

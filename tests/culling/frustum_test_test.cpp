@@ -1,5 +1,5 @@
 // The kernels' item test against the one-box test, and planes at the edges of the number range.
-#include "sightline/culling/frustum_test.h"
+#include "sightline/culling/frustum/frustum_test.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +11,7 @@
 
 #include "scenes.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
 
 namespace sightline::tests::frustum_test_test {
 namespace {

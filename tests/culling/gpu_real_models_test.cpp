@@ -7,7 +7,7 @@
 #include "gpu_rig.h"
 #include "scenes.h"
 #include "sightline/apps/common/model.h"
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/tests/support/gl_test.h"
 #include "sightline/tests/support/test_data.h"
 

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "scenes.h"
+#include "sightline/culling/frustum/linear_culler.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
-#include "sightline/culling/linear_culler.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::tests {

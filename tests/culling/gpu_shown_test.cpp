@@ -4,7 +4,7 @@
 #include "exact_samples.h"
 #include "gpu_rig.h"
 #include "scenes.h"
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/tests/support/gl_test.h"
 

@@ -1,5 +1,5 @@
 // Structure of the hierarchy: every lane of every level holds exactly the box of its block of slots.
-#include "sightline/culling/hierarchy.h"
+#include "sightline/culling/frustum/hierarchy.h"
 
 #include <algorithm>
 

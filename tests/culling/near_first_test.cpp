@@ -1,5 +1,5 @@
 // Parts of a set from near to far: nothing is lost, and no part begins before an earlier one's last node.
-#include "sightline/culling/internal/near_first.h"
+#include "sightline/culling/occlusion/internal/near_first.h"
 
 #include <algorithm>
 #include <limits>

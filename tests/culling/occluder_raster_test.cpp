@@ -1,5 +1,5 @@
 // The occluder raster against exact arithmetic: what a pixel holds, its line of sight meets.
-#include "sightline/culling/occluder_raster.h"
+#include "sightline/culling/occlusion/occluder_raster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "exact_samples.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/tests/support/effort.h"
 
 namespace sightline::tests::occluder_raster_test {

@@ -1,5 +1,5 @@
 // The pyramid against its pixels, and the occlusion test against exact arithmetic.
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "exact_samples.h"
-#include "sightline/culling/internal/tile_shape.h"
+#include "sightline/culling/occlusion/internal/tile_shape.h"
 
 namespace sightline::tests::occlusion_test {
 namespace {

@@ -1,11 +1,11 @@
 // Items in regions against points of their shapes, and boxes against their triangles.
-#include "sightline/culling/region_query.h"
+#include "sightline/culling/queries/region_query.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/tests/core/primitive_samples.h"
 
 namespace sightline::culling::region_query_test {

@@ -1,12 +1,12 @@
 // The sample test against exact arithmetic: the line of sight of every sample, in rationals, meets a box or not.
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/occlusion/sample_test.h"
 
 #include <gtest/gtest.h>
 
 #include "exact_samples.h"
 #include "scenes.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
 
 namespace sightline::tests::sample_test_test {
 namespace {

@@ -14,8 +14,8 @@
 #include "sightline/core/block_order.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
-#include "sightline/culling/cpu_culler.h"
-#include "sightline/culling/frustum_test.h"
+#include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/culling/frustum/frustum_test.h"
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/support/instruction_sets.h"
 

@@ -1,5 +1,5 @@
 // Lists against a loop over the set, for every instruction set of the machine.
-#include "sightline/culling/internal/slot_list.h"
+#include "sightline/culling/frustum/internal/slot_list.h"
 
 #include <random>
 

@@ -7,7 +7,7 @@
 
 #include "scenes.h"
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/linear_culler.h"
+#include "sightline/culling/frustum/linear_culler.h"
 
 namespace sightline::tests::snapshot_edits_test {
 namespace {

@@ -1,5 +1,5 @@
 // Occluders within solids against the reference intersections: what a pixel holds, its line of sight meets.
-#include "sightline/culling/solid_occluders.h"
+#include "sightline/culling/occlusion/solid_occluders.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,8 @@
 
 #include "scenes.h"
 #include "sightline/core/scene.h"
-#include "sightline/culling/internal/solid_figures.h"
+#include "sightline/culling/occlusion/internal/solid_figures.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::tests::solid_occluders_test {

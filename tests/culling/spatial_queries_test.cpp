@@ -1,5 +1,5 @@
 // Spatial queries against loops over all boxes in long double, and against themselves without a hierarchy.
-#include "sightline/culling/spatial_queries.h"
+#include "sightline/culling/queries/spatial_queries.h"
 
 #include <algorithm>
 #include <limits>

@@ -24,16 +24,16 @@ STRUCTS = {
     "raytrace/exact_visibility.h": ["VisibleItem"],
     "engine/picture_tiles.h": ["PicturePart", "PictureTile", "PictureTiles"],
     "culling/gpu/gpu_culler_config.h": ["GpuCullerConfig"],
-    "culling/controller.h": ["ControllerConfig"],
-    "culling/frame_cost.h": ["FrameCostConfig"],
-    "culling/policy_2009.h": ["Policy2009Config"],
+    "culling/hybrid/controller.h": ["ControllerConfig"],
+    "culling/hybrid/frame_cost.h": ["FrameCostConfig"],
+    "culling/hybrid/policy_2009.h": ["Policy2009Config"],
     "culling/cull_states.h": ["CullBox", "CullStates"],
     "core/external_target.h": ["ExternalTarget"],
 }
 CLASSES = {
     "engine/engine.h": ["Engine"],
     "culling/box_culler.h": ["BoxCuller"],
-    "culling/occluder_raster.h": ["OccluderRaster"],
+    "culling/occlusion/occluder_raster.h": ["OccluderRaster"],
 }
 
 

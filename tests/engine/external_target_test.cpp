@@ -1,7 +1,7 @@
 // Pictures in framebuffers of an application's.
 #include <gtest/gtest.h>
 
-#include "sightline/culling/region_query.h"
+#include "sightline/culling/queries/region_query.h"
 #include "sightline/tests/engine/application.h"
 #include "sightline/tests/engine/drawn_grid.h"
 

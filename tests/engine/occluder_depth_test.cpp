@@ -6,8 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/scene.h"
-#include "sightline/culling/occluder_raster.h"
-#include "sightline/culling/solid_occluders.h"
+#include "sightline/culling/occlusion/occluder_raster.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
+#include "sightline/culling/occlusion/solid_occluders.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/render/image/image.h"

@@ -11,7 +11,7 @@
 #include "sightline/bindings/c/internal/call.h"
 #include "sightline/core/scene.h"
 #include "sightline/culling/box_culler.h"
-#include "sightline/culling/occluder_raster.h"
+#include "sightline/culling/occlusion/occluder_raster.h"
 #include "sightline/engine/engine.h"
 #include "sightline/sightline.h"
 #if SIGHTLINE_HAS_GL

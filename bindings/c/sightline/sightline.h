@@ -483,7 +483,7 @@ SL_API sl_status sl_box_culler_update_many(sl_box_culler culler, const uint32_t*
 /* Replaces all boxes; `box_count` must be that of sl_box_culler_create(). */
 SL_API sl_status sl_box_culler_refit(sl_box_culler culler, const sl_box* boxes, size_t box_count);
 
-/* --- occlusion without a scene: sightline/culling/occluder_raster.h ---------------------------------------------- */
+/* --- occlusion without a scene: sightline/culling/occlusion/occluder_raster.h ---------------------------------- */
 /* A depth image of chosen occluders, made by the CPU alone. Those must be solid, opaque and drawn. Reuse a raster from
  * frame to frame; calls on one wait for each other. */
 
@@ -539,16 +539,16 @@ typedef void (*sl_proc)(void);
 /* Finds a GL function by its full name ("glEnable"); null when unknown. */
 typedef sl_proc (*sl_get_proc)(const char* name, void* user);
 
-/* When a hybrid takes which culler: sightline/culling/controller.h. Thresholds are finite and not below 0. */
+/* When a hybrid takes which culler: sightline/culling/hybrid/controller.h. Thresholds are finite and not below 0. */
 enum { SL_POLICY_FRAME_COST = 0, SL_POLICY_2009 = 1 };
 enum { SL_TRIGGER_TIME = 0, SL_TRIGGER_HEIGHT = 1, SL_TRIGGER_INTERSECTIONS = 2, SL_TRIGGER_SHARE = 3 };
 typedef struct sl_controller_config {
   uint32_t size;
   int32_t policy; /* SL_POLICY_... */
-  /* Of SL_POLICY_FRAME_COST: FrameCostConfig of sightline/culling/frame_cost.h. */
+  /* Of SL_POLICY_FRAME_COST: FrameCostConfig of sightline/culling/hybrid/frame_cost.h. */
   double least_gpu_cull_ms, margin, dwell_margin, probe_share, probe_cost, presumed_gpu_excess;
   uint32_t dwell_frames, first_probes, probe_interval, silent_frames;
-  /* Of SL_POLICY_2009: Policy2009Config of sightline/culling/policy_2009.h. Frame counts are at least 1. */
+  /* Of SL_POLICY_2009: Policy2009Config of sightline/culling/hybrid/policy_2009.h. Frame counts are at least 1. */
   double slow_ms, slow_height, slow_intersections, slow_share;
   int32_t trigger; /* SL_TRIGGER_...: which of these thresholds counts */
   uint32_t enter_frames, gpu_frames, probe_frames, most_gpu_frames;
@@ -621,7 +621,7 @@ typedef struct sl_frame_report {
   int64_t small, squares;  /* below the contribution; drawn as squares */
   int64_t pending;         /* items that the budget did not suffice for */
   int32_t drawn;
-  int32_t hybrid_state; /* -1 without a hybrid; else ControllerState of culling/frame_sample.h */
+  int32_t hybrid_state; /* -1 without a hybrid; else ControllerState of culling/hybrid/frame_sample.h */
 } sl_frame_report;
 #define SL_FRAME_REPORT_INIT \
   { sizeof(sl_frame_report), 0, 0, 0.0, 0.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
@@ -675,7 +675,7 @@ typedef struct sl_loss_report {
 typedef struct sl_controller_info {
   uint32_t size;
   int32_t there;             /* 0: the engine has no hybrid, and the rest says nothing */
-  int32_t state;             /* ControllerState of culling/frame_sample.h */
+  int32_t state;             /* ControllerState of culling/hybrid/frame_sample.h */
   int32_t reserved;          /* 0 */
   uint64_t frames, switches; /* frames so far; changes of the path, without probes */
   uint64_t probes;           /* frames on the other path that only measured it */

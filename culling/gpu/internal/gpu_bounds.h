@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/frustum_test.h"
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/frustum/frustum_test.h"
+#include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/gl/internal/buffer.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 

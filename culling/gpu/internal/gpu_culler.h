@@ -18,11 +18,11 @@
 
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
-#include "sightline/culling/frustum_test.h"
+#include "sightline/culling/frustum/frustum_test.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/culling/gpu/internal/gpu_bounds.h"
 #include "sightline/culling/gpu/internal/gpu_occlusion.h"
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/gl/internal/timer.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"

@@ -6,7 +6,7 @@
 
 #include "sightline/core/view.h"
 #include "sightline/culling/gpu/internal/gpu_bounds.h"
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/gl/internal/buffer.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/texture.h"

@@ -6,7 +6,7 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/gpu/internal/gpu_bounds.h"
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/occlusion/sample_test.h"
 
 namespace sightline::culling {
 

@@ -1,4 +1,4 @@
-// Tests of boxes against the planes of a view: the float half of culling/frustum_test.h, evaluated in the same order. A
+// Tests of boxes against the planes of a view: the float half of culling/frustum/frustum_test.h, evaluated in the same order. A
 // box is culled only when a plane surely rejects it. A box that the float form leaves open is kept.
 
 #include "cull_limits.glsl"

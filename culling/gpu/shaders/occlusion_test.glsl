@@ -1,4 +1,4 @@
-// Which boxes are hidden behind what is already drawn: culling/occlusion.h, with the rectangles of screen_box.glsl.
+// Which boxes are hidden behind what is already drawn: culling/occlusion/occlusion_test.h, with the rectangles of screen_box.glsl.
 
 #include "screen_box.glsl"
 

@@ -1,4 +1,4 @@
-// Which samples of a picture a box may cover, and how near it may be: culling/internal/screen_boxes.h, which argues why
+// Which samples of a picture a box may cover, and how near it may be: culling/occlusion/internal/screen_boxes.h, which argues why
 // the rectangle contains the projection. GLSL leaves more open than C++: sums and products may be off by 2^-23 of their
 // size, twice as much, quotients by 2.5 units in the last place, and denormals may be zero. The bands, which the C++
 // side computes (culling/gpu/gpu_screen.cpp), and kQuotientError hold all that. `precise` keeps operations in order.

@@ -6,8 +6,8 @@
 
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/contribution.h"
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/contribution.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 
 namespace sightline::engine {
 

@@ -7,8 +7,8 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/hierarchy.h"
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/frustum/hierarchy.h"
+#include "sightline/culling/occlusion/sample_test.h"
 
 namespace sightline::engine {
 

@@ -5,10 +5,10 @@
 #include <map>
 #include <optional>
 
-#include "sightline/culling/contribution.h"
-#include "sightline/culling/cull_threads.h"
-#include "sightline/culling/occlusion.h"
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/occlusion/contribution.h"
+#include "sightline/culling/frustum/cull_threads.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
+#include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/engine/drawing/internal/image_state.h"
 #include "sightline/engine/drawing/internal/solid_areas.h"
 #include "sightline/engine/engine.h"

@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "sightline/culling/internal/set_parts.h"
-#include "sightline/culling/solid_occluders.h"
+#include "sightline/culling/frustum/internal/set_parts.h"
+#include "sightline/culling/occlusion/solid_occluders.h"
 #include "sightline/engine/drawing/internal/draw_context.h"
 #include "sightline/engine/drawing/internal/small_items.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sightline/core/view.h"
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/engine/drawing/internal/budget_passes.h"
 #include "sightline/engine/drawing/internal/culled.h"
 #include "sightline/engine/drawing/internal/occlusion_passes.h"

@@ -7,8 +7,8 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/internal/near_first.h"
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/internal/near_first.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 
 namespace sightline::engine {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/contribution.h"
-#include "sightline/culling/internal/set_parts.h"
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/contribution.h"
+#include "sightline/culling/frustum/internal/set_parts.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/engine/drawing/internal/draw_context.h"
 #include "sightline/render/internal/point_splats.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/sample_test.h"
+#include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/engine/internal/overrides.h"
 
 namespace sightline::engine {

@@ -13,7 +13,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "c_scene.h"
-#include "sightline/culling/occluder_raster.h"
+#include "sightline/culling/occlusion/occluder_raster.h"
 
 namespace sightline::tests::box_culler_test {
 namespace {

@@ -1,0 +1,80 @@
+// Internal: a visible set in parts, for several threads.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/frustum/internal/append_range.h"
+#include "sightline/culling/frustum/internal/run_jobs.h"
+
+namespace sightline::culling {
+
+/// Keeps its memory from set to set.
+class SetParts {
+ public:
+  /// Cuts a set into parts of up to `size` slots: first its ranges, then its single slots, both in rising order.
+  void split(const core::VisibleSet& set, std::uint32_t size = 8192) {
+    count_ = 0;
+    std::uint32_t left = 0;  // in the last part
+    for (core::SlotRange rest : set.ranges) {
+      while (rest.count > 0) {
+        if (left == 0) begin_part(set), left = size;
+        const std::uint32_t taken = std::min(rest.count, left);
+        parts_[count_ - 1].ranges.push_back({rest.first, taken});
+        rest = {rest.first + taken, rest.count - taken};
+        left -= taken;
+      }
+    }
+    of_ranges_ = count_;
+    for (std::size_t first = 0; first < set.items.size(); first += size) {
+      begin_part(set);
+      const auto begin = set.items.begin() + std::ptrdiff_t(first);
+      const std::size_t taken = std::min<std::size_t>(size, set.items.size() - first);
+      parts_[count_ - 1].items.assign(begin, begin + std::ptrdiff_t(taken));
+    }
+    generation_ = set.generation;
+  }
+
+  std::uint32_t count() const { return std::uint32_t(count_); }
+  /// Calls job(part, number of the part) for each part, on any of the threads; null: on this one. `beside`: see
+  /// CullThreads::run().
+  template <class Job>
+  void for_each(CullThreads* threads, const Job& job, const std::function<void()>& beside = {}) {
+    run_jobs(
+        threads, count(), [&](std::uint32_t i) { job(parts_[i], i); }, beside);
+  }
+  core::VisibleSet& operator[](std::uint32_t part) { return parts_[part]; }
+
+  /// Replaces `set` by what is left of the parts.
+  void join(core::VisibleSet& set) {
+    set.clear();
+    set.generation = generation_;
+    of_ranges_items_.clear();
+    singles_.clear();
+    for (std::size_t i = 0; i < count_; ++i) {
+      const core::VisibleSet& part = parts_[i];
+      for (const core::SlotRange& range : part.ranges) append_range(range.first, range.first + range.count, set.ranges);
+      std::vector<core::Slot>& items = i < of_ranges_ ? of_ranges_items_ : singles_;
+      items.insert(items.end(), part.items.begin(), part.items.end());
+    }
+    set.items.resize(of_ranges_items_.size() + singles_.size());
+    std::merge(of_ranges_items_.begin(), of_ranges_items_.end(), singles_.begin(), singles_.end(), set.items.begin());
+  }
+
+ private:
+  void begin_part(const core::VisibleSet& set) {
+    if (count_ == parts_.size()) parts_.emplace_back();
+    parts_[count_].clear();
+    parts_[count_++].generation = set.generation;
+  }
+
+  std::vector<core::VisibleSet> parts_;  // the first count_ of them; the others keep memory
+  std::size_t count_ = 0, of_ranges_ = 0;
+  std::uint64_t generation_ = 0;
+  std::vector<core::Slot> of_ranges_items_, singles_;
+};
+
+}  // namespace sightline::culling

@@ -1,0 +1,608 @@
+#include "sightline/culling/occlusion/occluder_raster.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "sightline/culling/occlusion/internal/kernels.h"
+#include "sightline/culling/occlusion/internal/occluder_area.h"
+#include "sightline/culling/occlusion/internal/prisms.h"
+#include "sightline/culling/occlusion/internal/raster_placement.h"
+#include "sightline/culling/occlusion/internal/solid_figures.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
+
+namespace sightline::culling {
+namespace {
+
+using core::Affine;
+using core::dvec3;
+using core::dvec4;
+using raster::Corner;
+using raster::cube;
+using raster::kLarge;
+using raster::kLost;
+using raster::kMostReach;
+using raster::kPlaceLost;
+using raster::kSteepest;
+using raster::Placement;
+using raster::Point;
+using raster::Prism;
+using raster::prism;
+
+// --- areas -----------------------------------------------------------------------------------------------------------
+
+/// A convex polygon, or the outline of a convex solid, with the faces that are seen in it. The sides turn left around
+/// it.
+struct Polygon {
+  struct Side {
+    std::uint8_t from, to;
+  };
+  struct Face {
+    const std::uint8_t* corners;
+    int count;
+  };
+  explicit Polygon(std::span<const Corner> all) : corners(all) {}
+
+  std::span<const Corner> corners;
+  std::array<Side, OccluderArea::kMostSides> sides;
+  std::array<Face, OccluderArea::kMostPlanes> faces;
+  int side_count = 0, face_count = 0;  // no faces: the farthest corner counts
+
+  void add_side(std::uint8_t from, std::uint8_t to) { sides[std::size_t(side_count++)] = {from, to}; }
+  void add_face(const Face& face) { faces[std::size_t(face_count++)] = face; }
+};
+
+/// The diagonals of a face of four corners, two sides of a triangle, and something alike of any other: their cross
+/// product has the sign of the area.
+struct Diagonals {
+  template <class Face>
+  Diagonals(std::span<const Corner> corners, const Face& face) {
+    const auto at = [&](int i) -> const Corner& { return corners[face.corners[i]]; };
+    const int n = face.count;
+    const Corner &a = at(0), &b = at(n / 2), &c = at(n / 4), &d = at(3 * n / 4);
+    x1 = b.x - a.x, y1 = b.y - a.y, n1 = b.nearness - a.nearness;
+    x2 = d.x - c.x, y2 = d.y - c.y, n2 = d.nearness - c.nearness;
+    area = x1 * y2 - x2 * y1;
+    reach = std::max({a.reach, b.reach, c.reach, d.reach});
+  }
+  /// 1, -1; 0 where rounding leaves the sign of the area open.
+  int turn() const {
+    const double first = std::abs(x1) + std::abs(y1), second = std::abs(x2) + std::abs(y2);
+    const double open = 8.0 * reach * (first + second) + kLost * first * second;
+    return area > open ? 1 : area < -open ? -1 : 0;
+  }
+  double x1, y1, n1, x2, y2, n2, area, reach;
+};
+
+/// The first whole number not below `from` and the last not above `to`, of 0 … size - 1. Empty: first > last.
+std::pair<int, int> whole_between(double from, double to, int size) {
+  from = std::max(from, 0.0), to = std::min(to, double(size - 1));
+  if (!(from <= to)) return {0, -1};
+  const int below = int(from);  // std::ceil is a function call where the instruction set has no rounding
+  return {below + int(double(below) < from), int(to)};
+}
+
+/// Fills a polygon, made smaller by `shift` pixels along both axes: what a rasteriser may move a corner.
+bool cover(OccluderImage& image, const Polygon& polygon, double shift) {
+  double reach = 0.0, left = kLarge, right = -kLarge, bottom = kLarge, top = -kLarge, farthest = kLarge;
+  for (const Corner& c : polygon.corners) {
+    if (!(c.reach < kMostReach)) return false;
+    reach = std::max(reach, c.reach);
+    farthest = std::min(farthest, c.nearness);
+    left = std::min(left, c.x), right = std::max(right, c.x);
+    bottom = std::min(bottom, c.y), top = std::max(top, c.y);
+  }
+  auto [first_column, last_column] = whole_between(left, right, image.width);
+  auto [first_row, last_row] = whole_between(bottom, top, image.height);
+  if (first_column > last_column || first_row > last_row || polygon.side_count == 0) return false;
+
+  OccluderArea area;
+  area.column = first_column / kLanes * kLanes;
+  area.columns = last_column - area.column + 1;
+  const double float_lost = 0x1p-21 * (std::max(area.columns, last_row - first_row) + 2);
+  const double inset = reach + shift + float_lost;
+  // Sides that are nearly level limit the rows. They must be known first, since other sides count from the first row.
+  double low = first_row, high = last_row;
+  const auto level = [](double dx, double dy) { return std::abs(dx) > kSteepest * std::abs(dy); };
+  const auto side_of = [&](int i) {
+    const Polygon::Side& side = polygon.sides[std::size_t(i)];
+    return std::pair<const Corner&, const Corner&>(polygon.corners[side.from], polygon.corners[side.to]);
+  };
+  for (int i = 0; i < polygon.side_count; ++i) {
+    const auto [p, q] = side_of(i);
+    const double dx = q.x - p.x, dy = q.y - p.y;
+    if (!level(dx, dy)) continue;
+    const double slope = dy / dx, margin = inset * (1.0 + std::abs(slope));
+    const double a = p.y + slope * (area.column - p.x), b = p.y + slope * (last_column - p.x);
+    if (dx > 0.0)
+      low = std::max(low, std::max(a, b) + margin);
+    else
+      high = std::min(high, std::min(a, b) - margin);
+  }
+  std::tie(first_row, last_row) = whole_between(low, high, image.height);
+  if (first_row > last_row) return false;
+  area.row = first_row;
+  area.rows = last_row - first_row + 1;
+
+  area.left_count = area.right_count = 0;
+  for (int i = 0; i < polygon.side_count; ++i) {
+    const auto [p, q] = side_of(i);
+    const double dx = q.x - p.x, dy = q.y - p.y;
+    if (level(dx, dy) || dy == 0.0) continue;
+    const double slope = dx / dy, margin = inset * (1.0 + std::abs(slope));
+    const double x = p.x + (first_row - p.y) * slope - (area.column - 1);
+    if (dy < 0.0)
+      area.left[area.left_count++] = {float(x + margin), float(slope)};
+    else
+      area.right[area.right_count++] = {float(x - margin), float(slope)};
+  }
+
+  area.plane_count = 0;
+  const double columns = area.columns, rows = area.rows;
+  area.least = float(farthest - 0x1p-22 * std::abs(farthest) - 1e-36);
+  for (int i = 0; i < polygon.face_count; ++i) {
+    const Polygon::Face& face = polygon.faces[std::size_t(i)];
+    const Diagonals d(polygon.corners, face);
+    const double x = (d.n1 * d.y2 - d.n2 * d.y1) / d.area, y = (d.x1 * d.n2 - d.x2 * d.n1) / d.area;
+    double constant = kLarge;
+    for (int k = 0; k < face.count; ++k) {
+      const Corner& c = polygon.corners[face.corners[k]];
+      constant = std::min(constant, c.nearness - x * (c.x - area.column) - y * (c.y - area.row));
+    }
+    // By the corners' own error, and by that of the line above.
+    const double off =
+        reach + shift + kPlaceLost * (std::abs(left) + std::abs(right) + std::abs(bottom) + std::abs(top));
+    constant -= (std::abs(x) + std::abs(y)) * off;
+    constant -= 0x1p-21 * (std::abs(x) * columns + std::abs(y) * rows + std::abs(constant)) + 1e-36;
+    if (!(std::abs(x) < kLarge && std::abs(y) < kLarge && std::abs(constant) < kLarge)) {
+      area.plane_count = 0;
+      break;
+    }
+    area.planes[area.plane_count++] = {float(x), float(y), float(constant)};
+  }
+  if (area.plane_count == 0) area.planes[area.plane_count++] = {0.0f, 0.0f, area.least};
+  occlusion_kernels().fill_area(area, image.nearness.data(), image.stride);
+  return true;
+}
+
+constexpr std::uint8_t kInOrder[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
+static_assert(std::size(kInOrder) == OccluderArea::kMostSides);
+
+/// Of a polygon of these corners and no others, three at least.
+Polygon::Face all_of(std::span<const Corner> corners) {
+  return {kInOrder, int(corners.size())};
+}
+
+int turn_of(std::span<const Corner> corners, const Polygon::Face& face) {
+  return Diagonals(corners, face).turn();
+}
+
+/// A convex polygon by itself. `turn`: its own.
+bool cover_polygon(OccluderImage& image, std::span<const Corner> corners, int turn, double shift) {
+  const int count = int(corners.size());
+  Polygon polygon(corners);
+  for (int i = 0; i < count; ++i) {
+    const auto from = std::uint8_t(i), to = std::uint8_t((i + 1) % count);
+    turn > 0 ? polygon.add_side(from, to) : polygon.add_side(to, from);
+  }
+  polygon.add_face(all_of(corners));
+  return cover(image, polygon, shift);
+}
+
+/// A convex polygon in front of the near plane, which may be bent along a diagonal. The placement must reach its
+/// corners.
+bool cover_polygon(OccluderImage& image, std::span<const dvec3> own, const Placement& placement) {
+  std::array<Corner, SolidFigure::kMostCorners> projected;
+  for (std::size_t i = 0; i < own.size(); ++i) projected[i] = placement.project(placement(own[i]));
+  const std::span<const Corner> corners = std::span(projected).first(own.size());
+  const int turn = turn_of(corners, all_of(corners));
+  return turn != 0 && cover_polygon(image, corners, turn, image.snap);
+}
+
+// --- occluders -------------------------------------------------------------------------------------------------------
+
+/// Whether a face lies so near to a side of the outline, or outside, that no pixel which the polygon covers can see it.
+bool at_outline(const Polygon& polygon, const Polygon::Face& face, double snap) {
+  const auto beyond = [&](const Polygon::Side& side) {
+    const Corner &p = polygon.corners[side.from], &q = polygon.corners[side.to];
+    const double dx = q.x - p.x, dy = q.y - p.y, most = 0.5 * snap * (std::abs(dx) + std::abs(dy));
+    for (int i = 0; i < face.count; ++i) {
+      const Corner& c = polygon.corners[face.corners[i]];
+      if (!(dx * (c.y - p.y) - dy * (c.x - p.x) <= most)) return false;
+    }
+    return true;
+  };
+  return std::any_of(polygon.sides.begin(), polygon.sides.begin() + polygon.side_count, beyond);
+}
+
+/// A solid beyond the near plane. `turn`: of its front faces.
+bool cover_whole(OccluderImage& image, const Prism& solid, std::span<const Corner> corners, int turn) {
+  Polygon polygon(corners);
+  std::array<int, Prism::kMostSides + 2> turns{};
+  const auto face_of = [&](std::size_t i) { return Polygon::Face{solid.faces[i].data(), int(solid.faces[i].size())}; };
+  for (std::size_t i = 0; i < solid.faces.size(); ++i) {
+    turns[i] = turn_of(corners, face_of(i));
+    if (turns[i] != turn) continue;
+    if (polygon.face_count == OccluderArea::kMostPlanes) return false;
+    polygon.add_face(face_of(i));
+  }
+  for (const Prism::Edge& edge : solid.edges) {
+    const bool left = turns[edge.left] == turn, right = turns[edge.right] == turn;
+    if (left == right) continue;
+    if (polygon.side_count == OccluderArea::kMostSides) return false;
+    left == (turn > 0) ? polygon.add_side(edge.from, edge.to) : polygon.add_side(edge.to, edge.from);
+  }
+  for (std::size_t i = 0; i < solid.faces.size(); ++i)
+    if (turns[i] == 0 && !at_outline(polygon, face_of(i), image.snap)) polygon.face_count = 0;
+  return cover(image, polygon, image.snap);
+}
+
+/// What lies in front of a polygon, in the picture. Changes the polygon.
+void clip(const Placement& placement, std::vector<Point>& polygon, std::vector<Corner>& corners) {
+  thread_local std::vector<Point> clipped;
+  for (int k = 0; k < Placement::kClipPlanes; ++k) {
+    clipped.clear();
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+      const double from = placement.inside(k, a), to = placement.inside(k, b), s = from / (from - to);
+      const auto between = [s](double low, double high) { return low + s * (high - low); };
+      if (from > 0.0) clipped.push_back(a);
+      if ((from > 0.0) != (to > 0.0))
+        clipped.push_back({between(a.x, b.x), between(a.y, b.y), between(a.z, b.z), between(a.near, b.near)});
+    }
+    polygon.swap(clipped);
+  }
+  corners.clear();
+  for (const Point& p : polygon) corners.push_back(placement.project(p));
+}
+
+/// Lines of sight through a face of a solid enter the solid made `growth` times as large about the middle of its
+/// corners at this part of the distance, or farther away.
+double entry_of(std::span<const std::uint8_t> face, std::span<const Point> corners, double growth) {
+  const auto place = [](const Point& p) { return dvec3(p.x, p.y, p.z); };
+  dvec3 middle(0.0);
+  for (const Point& p : corners) middle += place(p) / double(corners.size());
+  // Six times the volume of the tetrahedron from the eye: as far as the face's plane is, for equal triangles.
+  const auto volume = [&](double times) {
+    const auto at = [&](std::size_t i) { return middle + times * (place(corners[face[i]]) - middle); };
+    return glm::dot(at(0), glm::cross(at(1), at(2)));
+  };
+  return volume(growth) / (growth * growth * volume(1.0)) - 0x1p-30;
+}
+
+/// The front faces of a solid that the near plane cuts, each by itself. `points`: of the corners and the bulges. A side
+/// whose bulge is cut hides nothing: what is drawn is open there. What is drawn lies within the solid made `growth`
+/// times as large: 1, or in perspective views more.
+bool cover_cut(OccluderImage& image, const Prism& solid, const Placement& placement, std::span<const Point> points,
+               int turn, double growth) {
+  thread_local std::vector<Point> polygon;
+  thread_local std::vector<Corner> corners;
+  bool covers = false;
+  const double at_eye = placement.near_at_eye();
+  for (std::size_t i = 0; i < solid.faces.size(); ++i) {
+    const double entry = growth == 1.0 ? 1.0 : entry_of(solid.faces[i], points, growth);
+    polygon.clear();
+    for (const std::uint8_t k : solid.faces[i]) {
+      polygon.push_back(points[k]);
+      if (growth != 1.0) polygon.back().near = std::lerp(at_eye, points[k].near, entry);
+    }
+    if (2 * i < solid.bulges.size()) {
+      const auto in_front = [&](const Point& p) { return placement.in_front(p); };
+      const std::span<const Point> bulge = points.subspan(solid.corners.size() + 2 * i, 2);
+      if (!std::all_of(bulge.begin(), bulge.end(), in_front) || !std::all_of(polygon.begin(), polygon.end(), in_front))
+        continue;
+    }
+    clip(placement, polygon, corners);
+    if (corners.size() < 3) continue;
+    if (turn_of(corners, all_of(corners)) == turn) covers |= cover_polygon(image, corners, turn, image.snap);
+  }
+  return covers;
+}
+
+/// `own`: the solid's corners. `growth`: see cover_cut().
+bool add_solid(OccluderImage& image, const Prism& solid, std::span<const dvec3> own, const Placement& placement,
+               double growth = 1.0) {
+  std::array<Point, 4 * Prism::kMostSides> points;
+  const std::size_t count = own.size(), all = count + solid.bulges.size();
+  std::size_t in_front = 0;
+  unsigned kept = ~0u;
+  for (std::size_t i = 0; i < all; ++i) {
+    const dvec3& p = i < count ? own[i] : solid.bulges[i - count];
+    points[i] = placement(p);
+    in_front += placement.in_front(points[i]);
+    kept &= placement.kept(p);
+  }
+  if (!placement.whole(kept)) return false;
+  const int turn = placement.handedness() > 0.0 ? -1 : 1;
+  if (in_front < all) return cover_cut(image, solid, placement, std::span(points).first(all), turn, growth);
+  std::array<Corner, 2 * Prism::kMostSides> corners;
+  for (std::size_t i = 0; i < count; ++i) corners[i] = placement.project(points[i]);
+  return cover_whole(image, solid, std::span(corners).first(count), turn);
+}
+
+bool add_solid(OccluderImage& image, const Prism& solid, const Affine& eye_from_solid) {
+  if (!image.usable) return false;
+  const dvec3 reach(solid.bulges.empty() ? 1.0 : Prism::kMostBulge);
+  return add_solid(image, solid, solid.corners, Placement(image, eye_from_solid, reach));
+}
+
+dvec3 reach_of(std::span<const dvec3> points) {
+  dvec3 reach(0.0);
+  for (const dvec3& p : points) reach = glm::max(reach, glm::abs(p));
+  return reach;
+}
+
+template <int kCorners>
+void append(std::span<const dvec3> corners, const dvec3& reach, PolygonBatch<kCorners>& batch) {
+  const auto i = std::size_t(batch.count++);
+  for (std::size_t k = 0; k < kCorners; ++k)
+    batch.x[k][i] = corners[k].x, batch.y[k][i] = corners[k].y, batch.z[k][i] = corners[k].z;
+  for (int axis = 0; axis < 3; ++axis) batch.reach[axis][i] = reach[axis];
+}
+
+/// Polygons that wait until there are enough to be rasterised at once.
+template <int kCorners>
+class PolygonQueue {
+ public:
+  using Cover = unsigned (*)(const OccluderImage& image, const PolygonBatch<kCorners>& polygons, float* pixels);
+
+  PolygonQueue(OccluderImage& image, Cover kernel) : image_(image), kernel_(kernel) {}
+
+  void add(std::span<const dvec3> corners, const dvec3& reach) {
+    append(corners, reach, batch_);
+    if (batch_.count == kPolygonsAtOnce) cover();
+  }
+  /// Whether any of them covers anything.
+  bool finish() {
+    if (batch_.count > 0) cover();
+    return covers_;
+  }
+
+ private:
+  void cover() {
+    covers_ |= kernel_(image_, batch_, image_.nearness.data()) != 0;
+    batch_.count = 0;
+  }
+
+  OccluderImage& image_;
+  Cover kernel_;
+  PolygonBatch<kCorners> batch_{};
+  bool covers_ = false;
+};
+
+/// How large a box looks: the solid angle of the faces towards the eye, or their projected area; roughly. 0: not at
+/// all.
+double apparent_size(const OccluderImage& image, const core::AabbD& box) {
+  if (box.empty()) return 0.0;
+  for (const core::Plane& plane : image.frustum) {
+    double most = plane.offset;
+    for (int i = 0; i < 3; ++i) most += std::max(plane.normal[i] * box.min[i], plane.normal[i] * box.max[i]);
+    if (most < 0.0) return 0.0;
+  }
+  const dvec3 size = box.size();
+  if (!image.perspective)
+    return std::abs(image.forward.x) * size.y * size.z + std::abs(image.forward.y) * size.z * size.x +
+           std::abs(image.forward.z) * size.x * size.y;
+  const dvec3 to = glm::clamp(image.eye, box.min, box.max) - image.eye;
+  const double distance = glm::length(to);
+  if (distance == 0.0) return 0.0;  // the eye is in it
+  // Of a large face only what lies about the nearest point counts.
+  const dvec3 near = glm::min(size, dvec3(4.0 * distance));
+  return (std::abs(to.x) * near.y * near.z + std::abs(to.y) * near.z * near.x + std::abs(to.z) * near.x * near.y) /
+         (distance * distance * distance);
+}
+
+/// a + b, and what rounding takes from it. (D. Knuth)
+std::pair<double, double> two_sum(double a, double b) {
+  const double sum = a + b, of_b = sum - a;
+  return {sum, (a - (sum - of_b)) + (b - of_b)};
+}
+
+/// A form at the eye, in twice the digits of double: its terms are large and mostly cancel.
+EyeForm form_at(const dvec3& eye, const dvec3& normal, double constant) {
+  double sum = constant, rest = 0.0, sizes = std::abs(constant);
+  for (int i = 0; i < 3; ++i) {
+    const double product = normal[i] * eye[i];
+    const auto [next, lost] = two_sum(sum, product);
+    sum = next;
+    rest += lost + std::fma(normal[i], eye[i], -product);
+    sizes += std::abs(product);
+  }
+  const double value = sum + rest;
+  return {normal, glm::abs(normal), value, 0x1p-52 * std::abs(value) + 0x1p-98 * sizes};
+}
+
+EyeForm sum(double f, const EyeForm& a, double g, const EyeForm& b) {
+  const double at_a = f * a.at_eye, at_b = g * b.at_eye;
+  return {f * a.normal + g * b.normal, std::abs(f) * a.sizes + std::abs(g) * b.sizes, at_a + at_b,
+          std::abs(f) * a.lost + std::abs(g) * b.lost + 0x1p-50 * (std::abs(at_a) + std::abs(at_b))};
+}
+
+Affine from(const dvec3& eye, const Affine& world_from_own) {
+  return {world_from_own.linear, world_from_own.origin - eye};
+}
+
+}  // namespace
+
+void OccluderRaster::begin(const core::View& view, int width, int height, float snap) {
+  assert(width > 0 && width <= kMostPixels && height > 0 && height <= kMostPixels);
+  OccluderImage& image = image_;
+  image.width = width, image.height = height;
+  image.snap = double(snap);
+  image.stride = (width + kLanes - 1) / kLanes * kLanes;
+  image.perspective = !view.orthographic();
+  image.nearness.assign(std::size_t(image.stride) * std::size_t(height),
+                        image.perspective ? 0.0f : -std::numeric_limits<float>::infinity());
+  image.eye = view.eye();
+  const core::dmat4 clip = glm::transpose(view.clip_from_world()), eye = glm::transpose(view.eye_from_world());
+  const auto of_row = [&](const dvec4& row) { return form_at(image.eye, dvec3(row), row.w); };
+  const EyeForm w = of_row(clip[3]);
+  image.z = of_row(-eye[2]);
+  image.forward = image.z.normal;
+  // w = scale z, or w = scale.
+  const double scale =
+      image.perspective ? glm::dot(w.normal, image.forward) / glm::dot(image.forward, image.forward) : clip[3].w;
+  image.usable = scale > 0.0 && std::isfinite(scale);
+  if (image.perspective)
+    for (int i = 0; i < 4; ++i)
+      image.usable = image.usable && std::abs(clip[3][i] + scale * eye[2][i]) <= 0x1p-51 * std::abs(clip[3][i]);
+  const auto place = [&](int axis, int size) {
+    return sum(0.5 * size / scale, of_row(clip[axis]), (0.5 * size - 0.5) / scale, w);  // pixel centres at integers
+  };
+  image.x = place(0, width);
+  image.y = place(1, height);
+  const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
+  image.near = sum(1.0, w, reversed ? -1.0 : 1.0, of_row(clip[2]));
+  image.frustum = core::frustum_planes(view.clip_from_world(), view.clip_depth());
+  image.sections.clear();
+  for (const core::Plane& plane : view.sections)
+    if (plane.normal != dvec3(0.0)) image.sections.push_back(form_at(image.eye, plane.normal, plane.offset));
+  assert(image.sections.size() <= core::kMaxSectionPlanes);
+  image.section_mode = view.section_mode;
+}
+
+bool OccluderRaster::add_box(const core::AabbD& box) {
+  if (box.empty()) return false;
+  const dvec3 low = box.min - image_.eye, high = box.max - image_.eye, half = 0.5 * (high - low);
+  return add_solid(image_, cube(), {{{half.x, 0, 0}, {0, half.y, 0}, {0, 0, half.z}}, 0.5 * (low + high)});
+}
+
+bool OccluderRaster::add_box(const Affine& world_from_cube) {
+  return add_solid(image_, cube(), from(image_.eye, world_from_cube));
+}
+
+bool OccluderRaster::add_cylinder(const Affine& world_from_cylinder, int sides) {
+  assert(sides >= 3 && sides <= Prism::kMostSides);
+  return add_solid(image_, prism(sides), from(image_.eye, world_from_cylinder));
+}
+
+bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<const SolidFigure> figures) {
+  if (!image_.usable) return false;
+  bool covers = false;
+  PolygonQueue<4> quads(image_, occlusion_kernels().cover_quads);
+  PolygonQueue<8> octagons(image_, occlusion_kernels().cover_octagons);
+  for (const WholeSolid& solid : solids) {
+    const std::span<const SolidFigure> own = figures.first(solid.figures);
+    figures = figures.subspan(solid.figures);
+    const std::array<dvec3, 2> ends{solid.box.min, solid.box.max};
+    const dvec3 reach = reach_of(ends);
+    const Placement placement(image_, reach);
+    const bool whole = placement.leaves_whole(solid.box.min, solid.box.max);
+    for (const SolidFigure& figure : own) {
+      if (!whole && !(figure.hexahedron && figure.growth > 0.0 && image_.perspective)) continue;
+      if (figure.hexahedron)
+        covers |= add_solid(image_, cube(), figure.corners, placement, figure.growth);
+      else if (figure.count == 4)
+        quads.add(figure.polygon(), reach);
+      else if (figure.count == 8)
+        octagons.add(figure.polygon(), reach);
+      else
+        covers |= cover_polygon(image_, figure.polygon(), placement);
+    }
+  }
+  covers |= quads.finish();
+  covers |= octagons.finish();
+  return covers;
+}
+
+void OccluderRaster::find_seen(std::span<const SolidFigure> quads, const DepthPyramid& pyramid, double error,
+                               std::vector<std::uint8_t>& seen) const {
+  assert(pyramid.width() == image_.width && pyramid.height() == image_.height);
+  seen.assign(quads.size(), 1);
+  if (!image_.usable) return;
+  PolygonBatch<4> batch{};
+  for (std::size_t first = 0; first < quads.size(); first += kPolygonsAtOnce) {
+    batch.count = 0;
+    for (const SolidFigure& quad : quads.subspan(first, std::min<std::size_t>(kPolygonsAtOnce, quads.size() - first)))
+      append(quad.polygon(), reach_of(quad.polygon()), batch);
+    const unsigned bits =
+        occlusion_kernels().seen_quads(image_, batch, pyramid.blocks(), {OcclusionTest::kDistanceMargin, float(error)});
+    for (int i = 0; i < batch.count; ++i) seen[first + std::size_t(i)] = bits >> i & 1u;
+  }
+}
+
+void OccluderRaster::add_mesh(std::span<const core::vec3> positions, std::span<const std::uint32_t> indices,
+                              const Affine& world_from_mesh) {
+  assert(indices.size() % 3 == 0);
+  if (!image_.usable) return;
+  struct Vertex {
+    Point point;
+    Corner corner;  // if the point lies in front
+    unsigned kept;
+  };
+  thread_local std::vector<Vertex> vertices;
+  thread_local std::vector<Corner> clipped;
+  thread_local std::vector<Point> polygon;
+  dvec3 reach(0.0);
+  for (const core::vec3& p : positions) reach = glm::max(reach, glm::abs(dvec3(p)));
+  const Placement placement(image_, from(image_.eye, world_from_mesh), reach);
+  vertices.clear();
+  for (const core::vec3& p : positions) {
+    const Point point = placement(dvec3(p));
+    vertices.push_back(
+        {point, placement.in_front(point) ? placement.project(point) : Corner{}, placement.kept(dvec3(p))});
+  }
+  for (std::size_t i = 0; i < indices.size(); i += 3) {
+    const Vertex &a = vertices[indices[i]], &b = vertices[indices[i + 1]], &c = vertices[indices[i + 2]];
+    if (!placement.whole(a.kept & b.kept & c.kept)) continue;
+    const int in_front = placement.in_front(a.point) + placement.in_front(b.point) + placement.in_front(c.point);
+    const Corner corners[] = {a.corner, b.corner, c.corner};
+    std::span<const Corner> triangle = corners;
+    if (in_front < 3) {
+      polygon = {a.point, b.point, c.point};
+      clip(placement, polygon, clipped);
+      if (clipped.size() < 3) continue;
+      triangle = clipped;
+    }
+    if (const int turn = turn_of(triangle, all_of(triangle)); turn != 0) cover_polygon(image_, triangle, turn, 0.0);
+  }
+}
+
+std::size_t OccluderRaster::add_largest(std::span<const core::AabbD> solids, std::size_t count) {
+  struct Candidate {
+    double size;
+    std::size_t index;
+  };
+  thread_local std::vector<Candidate> candidates;
+  candidates.clear();
+  for (std::size_t i = 0; i < solids.size(); ++i)
+    if (const double size = apparent_size(image_, solids[i]); size > 0.0) candidates.push_back({size, i});
+  count = std::min(count, candidates.size());
+  std::nth_element(candidates.begin(), candidates.begin() + std::ptrdiff_t(count), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.size > b.size; });
+  std::size_t added = 0;
+  for (std::size_t i = 0; i < count; ++i) added += add_box(solids[candidates[i].index]);
+  return added;
+}
+
+void OccluderRaster::distances(std::span<float> out, std::span<const OccluderRaster* const> others) const {
+  distances_of_rows(0, image_.height, out, others);
+}
+
+void OccluderRaster::distances_of_rows(int first_row, int end_row, std::span<float> out,
+                                       std::span<const OccluderRaster* const> others) const {
+  assert(0 <= first_row && end_row <= image_.height);
+  assert(out.size() == std::size_t(image_.width) * std::size_t(image_.height));
+  thread_local std::vector<const float*> rows;
+  for (int y = first_row; y < end_row; ++y) {
+    const std::size_t first = std::size_t(y) * std::size_t(image_.stride);
+    rows.assign(1, image_.nearness.data() + first);
+    for (const OccluderRaster* other : others) {
+      assert(other->image_.width == image_.width && other->image_.height == image_.height);
+      rows.push_back(other->image_.nearness.data() + first);
+    }
+    occlusion_kernels().distances(rows.data(), int(rows.size()), image_.perspective, image_.width,
+                                  out.data() + std::size_t(y) * std::size_t(image_.width));
+  }
+}
+
+void OccluderRaster::build(DepthPyramid& pyramid) const {
+  distances(pyramid.begin(image_.width, image_.height));
+  pyramid.finish();
+}
+
+}  // namespace sightline::culling

@@ -1,0 +1,108 @@
+// Occlusion: which boxes are hidden behind what is already drawn.
+//
+// Promise: conservative at the sample positions of one depth image. A box is hidden only when, at every pixel centre
+// that its projection may contain, the image holds a distance that is less than that of any point of the box there.
+// Whatever lies in the box then fails the depth test at each of these pixels. Boxes that reach behind the eye are never
+// hidden.
+//
+// Two steps: first all pixels of the rectangle around the projection against the box's least distance, in the pyramid;
+// then, for boxes that this leaves open, the ray of each pixel against the box itself (internal/pixel_rays.h): of boxes
+// of at most 64 pixels, a pixel of each of sixteen boxes at a time (internal/small_boxes.h); of larger ones, sixteen
+// pixels of the box at a time, whole blocks first. Most boxes are decided sooner, sixteen of them at a time: one look
+// at 2 x 2 blocks of the pyramid hides them, or the ray of one pixel meets them in front of what it holds.
+//
+// Where the distances come from does not matter: a picture's own depth after a first pass, a raster of chosen
+// occluders, or the application. They must be those of surfaces that are drawn, or larger. Section planes and
+// transparency need no rule then: what is cut away or left out by a dither has left no distance. Distances may be
+// rounded; kDistanceMargin is more than a float depth buffer and a shader's ray lose.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sightline/core/api.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/view.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/frustum/cull_threads.h"
+#include "sightline/culling/frustum/hierarchy.h"
+#include "sightline/culling/occlusion/depth_pyramid.h"
+#include "sightline/culling/occlusion/internal/pixel_rays.h"
+#include "sightline/culling/occlusion/internal/screen_view.h"
+#include "sightline/culling/occlusion/sample_test.h"
+
+namespace sightline::culling {
+
+struct BlockTile;
+struct FrontLayer;
+struct PixelEntries;
+struct SmallBoxes;
+struct TileShape;
+
+class SIGHTLINE_API OcclusionTest {
+ public:
+  /// A box is hidden when it is farther than the occluder by this share of the distance.
+  static constexpr float kDistanceMargin = 0x1p-16f;
+
+  /// `origin`: of the bounds whose boxes will be tested. Borrows the pyramid, which may be built anew between tests: of
+  /// the distances of `view` in a picture of width x height pixels, drawn by a rasteriser of that `snap`
+  /// (rasteriser_snap). While it is of another size, or not built at all, nothing is hidden. They may also be off by
+  /// `error` metres, as in orthographic views, whose depth is linear.
+  OcclusionTest(const core::View& view, const core::dvec3& origin, int width, int height, const DepthPyramid& pyramid,
+                double error = 0.0, float snap = kCoarsestSnap);
+
+  /// Also true of boxes that cover no pixel centre.
+  bool hidden(const core::Aabb& box) const;
+  /// The least distance of a box along the viewing direction, but for rounding.
+  float distance(const core::Aabb& box) const;
+
+  /// Replaces `open` by the slots of `in` whose boxes are not hidden, or whose bit is set in `exempt`. Vacant slots are
+  /// left out. Large sets are shared out among `threads`, if there are any. filter_leaves() comes first where there is
+  /// a `hierarchy`.
+  void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open, SlotBits exempt = {},
+              CullThreads* threads = nullptr, const Hierarchy* hierarchy = nullptr) const;
+  /// A first, coarse step for large sets: leaves out those leaves of the hierarchy that lie within ranges of `in` and
+  /// whose boxes, or those of nodes above, are hidden. `hierarchy`: over the bounds that `in` belongs to.
+  void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
+                     SlotBits exempt = {}) const;
+
+  /// Distributes the slots of `in` that are not hidden: `front` gets the box that the ray of each pixel enters first,
+  /// and boxes too large to look at each of their pixels, or not judged. What is drawn next hides most if it is that.
+  /// Where boxes are entered at the same distance, the one with the lower slot is first. `hierarchy`: as for
+  /// filter_leaves(), or null. `threads`: as for filter().
+  void split_front(const core::ItemBounds& bounds, const Hierarchy* hierarchy, const core::VisibleSet& in,
+                   core::VisibleSet& front, core::VisibleSet& behind, CullThreads* threads = nullptr) const;
+
+ private:
+  bool fits() const { return pyramid_->width() == width_ && pyramid_->height() == height_; }
+  enum class Found { kHidden, kEntered, kNotJudged };
+  struct Judgement;
+  Found enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels, float nearest,
+              FrontLayer& layer) const;
+  const core::VisibleSet& open_leaves(const Hierarchy* hierarchy, const core::VisibleSet& in, SlotBits exempt) const;
+  void filter_boxes(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                    SlotBits exempt) const;
+  void enter_all(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                 FrontLayer& layer) const;
+  bool hide_all(const PixelRectangle& pixels, float nearest) const;
+  unsigned maybe_open(const float* const (&coordinates)[6], BoxRectangles& r) const;
+  unsigned undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned open) const;
+  unsigned open_nodes(const float* const (&coordinates)[6]) const;
+  unsigned hidden_of(const float* const (&coordinates)[6]) const;
+  bool waits(const PixelRectangle& pixels) const;
+  unsigned open_boxes(const SmallBoxes& boxes, PixelEntries* entries = nullptr) const;
+  bool hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const;
+  BlockTile tile_of(const TileShape& shape, int level) const;
+  void move(BlockTile& tile, int level, int x, int y, int last) const;
+  bool all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const;
+
+  ScreenView view_;
+  PixelRays rays_;
+  RayField ray_field_;
+  const DepthPyramid* pyramid_;
+  int width_, height_;
+  float error_;
+};
+
+}  // namespace sightline::culling

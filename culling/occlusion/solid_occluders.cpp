@@ -1,0 +1,161 @@
+#include "sightline/culling/occlusion/solid_occluders.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "sightline/core/internal/prefetch.h"
+#include "sightline/culling/frustum/internal/run_jobs.h"
+#include "sightline/culling/frustum/internal/set_parts.h"
+#include "sightline/culling/occlusion/internal/solid_figures.h"
+
+namespace sightline::culling {
+namespace {
+
+constexpr std::uint32_t kItemsOfPart = 512;  // for a thread
+constexpr std::size_t kSolidsAtOnce = 64;
+
+/// Replaces `slots` by those of the set.
+void list(const core::VisibleSet& set, std::vector<core::Slot>& slots) {
+  slots.clear();
+  set.for_each_slot([&](core::Slot slot) { slots.push_back(slot); });
+}
+
+}  // namespace
+
+/// What a snapshot knows of an item.
+struct SolidOccluders::Solid {
+  std::size_t place;  // among the slots
+  core::Kind kind;
+  core::Aabb box;
+  const core::Placement* placement;
+  const float* parameters;
+};
+
+void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& view, int width, int height, float snap) {
+  snapshot_ = &snapshot;
+  width_ = width, height_ = height;
+  eye_ = view.eye();
+  perspective_ = !view.orthographic();
+  const core::dmat4 world_from_eye = glm::transpose(view.eye_from_world());
+  forward_ = -core::dvec3(world_from_eye[2]);
+  empty_.begin(view, width, height, float(kLostPixels + std::max(0.0, double(snap) - kProxyMargin)));
+  of_threads_.begin();
+}
+
+void SolidOccluders::add(const core::VisibleSet& items, CullThreads* threads) {
+  thread_local SetParts parts;
+  parts.split(items, kItemsOfPart);
+  parts.for_each(threads, [&](const core::VisibleSet& part, std::uint32_t) {
+    thread_local std::vector<core::Slot> slots;
+    list(part, slots);
+    OccluderRaster& raster = of_threads_.take([&](OccluderRaster& fresh) { fresh = empty_; });
+    add(slots, raster);
+    of_threads_.give_back(raster);
+  });
+}
+
+/// Items lie all over arrays of hundreds of megabytes, so they are prefetched.
+void SolidOccluders::add(std::span<const core::Slot> slots, OccluderRaster& raster) const {
+  thread_local std::vector<Solid> solids;
+  thread_local std::vector<WholeSolid> wholes;
+  thread_local std::vector<SolidFigure> figures;
+  while (!slots.empty()) {
+    const auto some = slots.first(std::min(kSolidsAtOnce, slots.size()));
+    slots = slots.subspan(some.size());
+    look_up(some, solids);
+    wholes.clear();
+    figures.clear();
+    for (const Solid& solid : solids) wholes.push_back(find_figures(solid, figures));
+    raster.add_within(wholes, figures);
+  }
+}
+
+/// Replaces `solids` by those of the slots that hold opaque ones.
+void SolidOccluders::look_up(std::span<const core::Slot> slots, std::vector<Solid>& solids) const {
+  solids.clear();
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (i + core::kPrefetchAhead < slots.size()) {
+      snapshot_->prefetch_slot(slots[i + core::kPrefetchAhead]);
+      snapshot_->prefetch_box(slots[i + core::kPrefetchAhead]);
+    }
+    const core::Slot slot = slots[i];
+    const core::Kind kind = snapshot_->kind(slot);
+    if (int(kind) >= core::kPrimitiveKindCount || snapshot_->bounds().vacant(slot) || !snapshot_->opaque(slot))
+      continue;
+    snapshot_->prefetch_record(slot);
+    const core::KindItems& items = snapshot_->of_kind(kind);
+    const std::uint32_t index = snapshot_->index_in_kind(slot);
+    solids.push_back({i, kind, snapshot_->bounds().box(slot), &items.placements[index],
+                      items.parameters.data() + index * std::size_t(core::parameter_count(kind))});
+  }
+}
+
+SolidOccluders::Placed SolidOccluders::place(const Solid& solid) const {
+  const core::dvec3 to_eye = snapshot_->bounds().origin - eye_;
+  const core::AabbD box{to_eye + core::dvec3(solid.box.min), to_eye + core::dvec3(solid.box.max)};
+  const core::Placement& placement = *solid.placement;
+  const core::dvec3 origin = (snapshot_->chunk_origins()[placement.chunk] - eye_) + core::dvec3(placement.origin);
+  return {{core::dmat3(placement.linear), origin}, box, glm::length(box.size())};
+}
+
+WholeSolid SolidOccluders::find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const {
+  const Placed placed = place(solid);
+  // A neighbour that covers an end must be there, too: what is cut off in a joint leaves the solid open.
+  const core::dvec3 joint(kLostOfRadius * placed.size);
+  const std::size_t before = figures.size();
+  add_figures(solid.kind, solid.parameters, placed.eye_from_item, {perspective_, forward_}, kLostOfRadius,
+              kLostOfBox * placed.size, figures);
+  return {{placed.box.min - joint, placed.box.max + joint}, std::uint32_t(figures.size() - before)};
+}
+
+void SolidOccluders::leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error) const {
+  thread_local std::vector<core::Slot> slots;
+  thread_local std::vector<Solid> solids;
+  thread_local std::vector<SolidFigure> fronts;
+  thread_local std::vector<std::size_t> ends;  // of each solid's fronts; some have none
+  thread_local std::vector<std::uint8_t> seen, hidden;
+  list(items, slots);
+  look_up(slots, solids);
+  fronts.clear();
+  ends.clear();
+  for (const Solid& solid : solids) {
+    const Placed placed = place(solid);
+    const std::size_t before = fronts.size();
+    if (!add_fronts(solid.kind, solid.parameters, placed.eye_from_item, {perspective_, forward_}, kLostOfRadius,
+                    kLostOfBox * placed.size, fronts))
+      fronts.resize(before);
+    ends.push_back(fronts.size());
+  }
+  empty_.find_seen(fronts, pyramid, error, seen);
+  hidden.assign(slots.size(), 0);
+  auto front = seen.begin();
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    const auto end = seen.begin() + std::ptrdiff_t(ends[i]);
+    hidden[solids[i].place] = front != end && std::find(front, end, 1) == end;
+    front = end;
+  }
+  items.ranges.clear();
+  items.items.clear();
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    if (hidden[i] == 0) items.items.push_back(slots[i]);
+}
+
+void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn, CullThreads* threads) {
+  rasters_.clear();
+  for (const auto& raster : of_threads_.used()) rasters_.push_back(raster.get());
+  if (rasters_.empty()) rasters_.push_back(&empty_);
+  const std::span<float> distances = pyramid.begin(width_, height_);
+  assert(drawn.empty() || drawn.size() == distances.size());
+  run_jobs(threads, std::uint32_t(pyramid.band_count()), [&](std::uint32_t band) {
+    const int first = int(band) * DepthPyramid::kBandRows, end = std::min(height_, first + DepthPyramid::kBandRows);
+    rasters_[0]->distances_of_rows(first, end, distances, std::span(rasters_).subspan(1));
+    if (!drawn.empty())
+      for (std::size_t i = std::size_t(first) * std::size_t(width_); i < std::size_t(end) * std::size_t(width_); ++i)
+        distances[i] = std::min(distances[i], drawn[i]);
+    pyramid.finish_band(int(band));
+  });
+  pyramid.finish_above();
+}
+
+}  // namespace sightline::culling
