@@ -28,17 +28,10 @@
 #include "sightline/culling/frustum/cull_threads.h"
 #include "sightline/culling/frustum/hierarchy.h"
 #include "sightline/culling/occlusion/depth_pyramid.h"
-#include "sightline/culling/occlusion/internal/pixel_rays.h"
-#include "sightline/culling/occlusion/internal/screen_view.h"
+#include "sightline/culling/occlusion/internal/depth_test.h"
 #include "sightline/culling/occlusion/sample_test.h"
 
 namespace sightline::culling {
-
-struct BlockTile;
-struct FrontLayer;
-struct PixelEntries;
-struct SmallBoxes;
-struct TileShape;
 
 class SIGHTLINE_API OcclusionTest {
  public:
@@ -75,34 +68,7 @@ class SIGHTLINE_API OcclusionTest {
                    core::VisibleSet& front, core::VisibleSet& behind, CullThreads* threads = nullptr) const;
 
  private:
-  bool fits() const { return pyramid_->width() == width_ && pyramid_->height() == height_; }
-  enum class Found { kHidden, kEntered, kNotJudged };
-  struct Judgement;
-  Found enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels, float nearest,
-              FrontLayer& layer) const;
-  const core::VisibleSet& open_leaves(const Hierarchy* hierarchy, const core::VisibleSet& in, SlotBits exempt) const;
-  void filter_boxes(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
-                    SlotBits exempt) const;
-  void enter_all(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
-                 FrontLayer& layer) const;
-  bool hide_all(const PixelRectangle& pixels, float nearest) const;
-  unsigned maybe_open(const float* const (&coordinates)[6], BoxRectangles& r) const;
-  unsigned undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned open) const;
-  unsigned open_nodes(const float* const (&coordinates)[6]) const;
-  unsigned hidden_of(const float* const (&coordinates)[6]) const;
-  bool waits(const PixelRectangle& pixels) const;
-  unsigned open_boxes(const SmallBoxes& boxes, PixelEntries* entries = nullptr) const;
-  bool hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const;
-  BlockTile tile_of(const TileShape& shape, int level) const;
-  void move(BlockTile& tile, int level, int x, int y, int last) const;
-  bool all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const;
-
-  ScreenView view_;
-  PixelRays rays_;
-  RayField ray_field_;
-  const DepthPyramid* pyramid_;
-  int width_, height_;
-  float error_;
+  DepthTest depth_;
 };
 
 }  // namespace sightline::culling
