@@ -103,7 +103,7 @@ Json array_of(const core::dvec3& v) {
 /// Null where nothing is hit.
 core::Expected<Json> pick(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width,
                           int height, const core::Scene& scene) {
-  const auto ray = raytrace::pixel_ray(view, width, height, o.pick[0], o.pick[1]);
+  const auto ray = core::image_ray(view, width, height, o.pick[0], o.pick[1]);
   if (!ray) return tl::unexpected(ray.error());
   const auto hit = tracer.nearest(*ray, raytrace::filter_of(view));
   if (!hit) return tl::unexpected(hit.error());

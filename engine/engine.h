@@ -17,6 +17,7 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/external_target.h"
+#include "sightline/core/ray.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
@@ -41,7 +42,6 @@ struct IdImage;
 struct Image;
 }  // namespace sightline::image
 namespace sightline::raytrace {
-struct Ray;
 struct RayFilter;
 struct VisibleItem;
 }  // namespace sightline::raytrace
@@ -361,15 +361,15 @@ class SIGHTLINE_API Engine {
   /// What the view shows at a point of the picture: the item hit first (engine/pick.h). In pixels from the upper
   /// left corner; the middle of the first pixel is at 0.5, 0.5. The picture has the size of EngineConfig or resize().
   /// The view's layers and section planes count, transparency does not, and ghosts do on request. Nothing where the ray
-  /// hits nothing; lines are never hit. Works with and without drawing. Fails as raytrace::pixel_ray() does.
+  /// hits nothing; lines are never hit. Works with and without drawing. Fails as core::image_ray() does.
   ///
   /// The first pick builds the tracer, about 0.8 s of one processor per million items, unless prepare_picks() has. From
   /// then on commits keep it up, and new orders come with theirs. Only builds with SIGHTLINE_RAYTRACE have these
   /// functions.
   core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y, Ghosts ghosts = Ghosts::kPassed);
   /// What a ray hits first. Without a filter: items of the default layers.
-  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray);
-  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
+  core::Expected<std::optional<Pick>> pick(const core::Ray& ray);
+  core::Expected<std::optional<Pick>> pick(const core::Ray& ray, const raytrace::RayFilter& filter,
                                            Ghosts ghosts = Ghosts::kPassed);
 
   /// Begins to build the tracer on another thread, unless there is one. Until it is there, picks wait for it; frames do

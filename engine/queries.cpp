@@ -98,16 +98,16 @@ core::Expected<const raytrace::Tracer*> tracer_of(EngineState& s) {
 }  // namespace
 
 core::Expected<std::optional<Pick>> Engine::pick(const core::View& view, double x, double y, Ghosts ghosts) {
-  const auto ray = raytrace::pixel_ray(view, config().width, config().height, x, y);
+  const auto ray = core::image_ray(view, config().width, config().height, x, y);
   if (!ray) return tl::unexpected(ray.error());
   return pick(*ray, raytrace::filter_of(view), ghosts);
 }
 
-core::Expected<std::optional<Pick>> Engine::pick(const raytrace::Ray& ray) {
+core::Expected<std::optional<Pick>> Engine::pick(const core::Ray& ray) {
   return pick(ray, {}, Ghosts::kPassed);
 }
 
-core::Expected<std::optional<Pick>> Engine::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
+core::Expected<std::optional<Pick>> Engine::pick(const core::Ray& ray, const raytrace::RayFilter& filter,
                                                  Ghosts ghosts) {
   const auto tracer = tracer_of(*state_);
   if (!tracer) return tl::unexpected(tracer.error());

@@ -12,7 +12,7 @@
 #include <omp.h>
 #endif
 
-#include "sightline/raytrace/pixel_rays.h"
+#include "sightline/core/image_rays.h"
 
 namespace sightline::raytrace {
 namespace {
@@ -24,10 +24,10 @@ bool has_bit(std::span<const std::uint64_t> bits, core::Slot slot) {
 }
 
 /// Counts the samples of kTile rows of pixels. Returns the first error.
-std::optional<core::Error> count_rows(const Tracer& tracer, const PixelRays& pixels, const RayFilter& filter, int width,
-                                      int height, std::span<const core::dvec2> samples, int top,
+std::optional<core::Error> count_rows(const Tracer& tracer, const core::ImageRays& pixels, const RayFilter& filter,
+                                      int width, int height, std::span<const core::dvec2> samples, int top,
                                       std::span<const std::uint64_t> ignored, std::vector<std::uint64_t>& counts) {
-  std::vector<Ray> rays;
+  std::vector<core::Ray> rays;
   std::vector<FirstHit> hits;
   for (int left = 0; left < width; left += kTile) {
     rays.clear();
@@ -54,7 +54,7 @@ std::optional<core::Error> count_rows(const Tracer& tracer, const PixelRays& pix
 
 }  // namespace
 
-core::Expected<std::optional<Hit>> nearest_but(const Tracer& tracer, const Ray& ray, const RayFilter& filter,
+core::Expected<std::optional<Hit>> nearest_but(const Tracer& tracer, const core::Ray& ray, const RayFilter& filter,
                                                std::span<const std::uint64_t> ignored) {
   auto first = tracer.nearest(ray, filter);
   if (!first || !*first || !has_bit(ignored, (*first)->slot)) return first;
@@ -93,7 +93,7 @@ core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::Vi
                                                                   std::span<const std::uint64_t> ignored) const {
   if (width <= 0 || height <= 0 || samples <= 0)
     return core::fail("exact visibility: width, height and samples must be above 0");
-  const auto pixels = PixelRays::create(view, width, height);
+  const auto pixels = core::ImageRays::create(view, width, height);
   if (!pixels) return tl::unexpected(pixels.error());
   const core::Snapshot& snapshot = tracer_->snapshot();
   const RayFilter filter = filter_of(view);

@@ -36,7 +36,7 @@ class SIGHTLINE_API ExactVisibility {
 
 /// The first hit of a slot without a bit in `ignored` (from the lowest bit of the first word on; slots beyond the last
 /// word have none). Fails as Tracer::nearest() does.
-SIGHTLINE_API core::Expected<std::optional<Hit>> nearest_but(const Tracer& tracer, const Ray& ray,
+SIGHTLINE_API core::Expected<std::optional<Hit>> nearest_but(const Tracer& tracer, const core::Ray& ray,
                                                              const RayFilter& filter,
                                                              std::span<const std::uint64_t> ignored);
 

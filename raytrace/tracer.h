@@ -30,6 +30,7 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
+#include "sightline/core/ray.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 
@@ -37,15 +38,6 @@ namespace sightline::raytrace {
 
 inline constexpr double kSolidError = 4e-12;
 inline constexpr double kMeshError = 1e-6;
-
-/// Points origin + t * direction, t_min <= t <= t_max, in world metres. Either end may be infinite; t_min > t_max is a
-/// ray without points, which hits nothing. With a direction of unit length t is in metres. Components are below 1e150.
-struct Ray {
-  core::dvec3 origin{0.0};
-  core::dvec3 direction{0.0, 1.0, 0.0};
-  double t_min = 0.0;
-  double t_max = std::numeric_limits<double>::infinity();
-};
 
 /// What rays see: items that share a bit with `layers`, where the section planes keep them. Where a section cuts an
 /// item open, the cut is a face (Face::kCut), as renderers fill it: of solids, and of meshes that are closed
@@ -58,11 +50,6 @@ struct RayFilter {
 };
 /// The filter of a view's layers and sections, with cuts.
 SIGHTLINE_API RayFilter filter_of(const core::View& view);
-
-/// The ray through a point of a picture, in pixels from its upper left corner: the middle of the first pixel is at 0.5,
-/// 0.5. From the eye, or in orthographic views from the near plane. The direction has unit length; t_min and t_max are
-/// at the near and far plane. Fails when the view's matrices have no inverse or the point is not finite.
-SIGHTLINE_API core::Expected<Ray> pixel_ray(const core::View& view, int width, int height, double x, double y);
 
 /// Faces of items. A flat item, such as a cylinder of height 0, has those that are left of it.
 enum class Face : std::uint8_t {
@@ -129,24 +116,26 @@ class SIGHTLINE_API Tracer {
   // All queries fail where the ray's origin or direction is not finite, its direction is zero, or an end is NaN.
 
   /// The hit with the least t; of several at the very same t, that in the lowest slot.
-  core::Expected<std::optional<Hit>> nearest(const Ray& ray, const RayFilter& filter = {}) const;
+  core::Expected<std::optional<Hit>> nearest(const core::Ray& ray, const RayFilter& filter = {}) const;
   /// Its slot and t alone, in less time: for distances and lines of sight.
-  core::Expected<FirstHit> first(const Ray& ray, const RayFilter& filter = {}) const;
+  core::Expected<FirstHit> first(const core::Ray& ray, const RayFilter& filter = {}) const;
   /// nearest() for many rays, for pictures: hits[i] is what nearest(rays[i]) answers, bit for bit. Only of surfaces
   /// that are nearer to one another than their errors may it be another. Its slot is kNone where nothing is hit; the
   /// rest then says nothing. Rays that follow one another should be near to each other, as those of 4 x 4 pixels are:
   /// sixteen at a time are traced together. Fails as nearest() does, naming the first such ray, and unless there are as
   /// many hits as rays; then `hits` may hold anything.
-  core::Expected<void> nearest(std::span<const Ray> rays, std::span<Hit> hits, const RayFilter& filter = {}) const;
+  core::Expected<void> nearest(std::span<const core::Ray> rays, std::span<Hit> hits,
+                               const RayFilter& filter = {}) const;
   /// The same without points, normals and faces, which take a tenth to a fifth of the time.
-  core::Expected<void> nearest(std::span<const Ray> rays, std::span<FirstHit> hits, const RayFilter& filter = {}) const;
+  core::Expected<void> nearest(std::span<const core::Ray> rays, std::span<FirstHit> hits,
+                               const RayFilter& filter = {}) const;
   /// Whether anything is hit. Faster than nearest().
-  core::Expected<bool> any(const Ray& ray, const RayFilter& filter = {}) const;
+  core::Expected<bool> any(const core::Ray& ray, const RayFilter& filter = {}) const;
   /// The same for many rays, as for shadows: hit[i] is what any(rays[i]) answers. Fails as nearest() of many rays does.
-  core::Expected<void> any(std::span<const Ray> rays, std::span<bool> hit, const RayFilter& filter = {}) const;
+  core::Expected<void> any(std::span<const core::Ray> rays, std::span<bool> hit, const RayFilter& filter = {}) const;
   /// Every crossing, in rising t: each entry and exit once, for closed meshes also where the ray meets an edge or a
   /// corner. Replaces the contents of `hits`.
-  core::Expected<void> all(const Ray& ray, std::vector<Hit>& hits, const RayFilter& filter = {}) const;
+  core::Expected<void> all(const core::Ray& ray, std::vector<Hit>& hits, const RayFilter& filter = {}) const;
 
   const core::Snapshot& snapshot() const;
   TracerMemory memory() const;
@@ -154,7 +143,8 @@ class SIGHTLINE_API Tracer {
  private:
   class Impl;
   template <class Answer>
-  core::Expected<void> nearest_of(std::span<const Ray> rays, std::span<Answer> hits, const RayFilter& filter) const;
+  core::Expected<void> nearest_of(std::span<const core::Ray> rays, std::span<Answer> hits,
+                                  const RayFilter& filter) const;
   explicit Tracer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -9,14 +9,15 @@
 #include <omp.h>
 #endif
 
+#include "sightline/core/image_rays.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/internal/supersampling.h"
-#include "sightline/raytrace/pixel_rays.h"
 
 namespace sightline::raytrace {
 namespace {
 
 using core::dvec3;
+using core::Ray;
 
 constexpr int kTilePixels = 16;              // pixels
 constexpr double kLeastShare = 1.0 / 512.0;  // of a pixel's light; less is not followed
@@ -234,7 +235,7 @@ class Shader {
 /// A picture in the making.
 class Renderer {
  public:
-  Renderer(const Tracer& tracer, const core::View& view, const PixelRays& rays, int width, int height,
+  Renderer(const Tracer& tracer, const core::View& view, const core::ImageRays& rays, int width, int height,
            const WhittedOptions& options)
       : view_(view), options_(options), shader_(tracer, view, options), rays_(rays) {
     const std::size_t pixels = std::size_t(width) * std::size_t(height);
@@ -332,7 +333,7 @@ class Renderer {
   const core::View& view_;
   const WhittedOptions& options_;
   Shader shader_;
-  const PixelRays& rays_;
+  const core::ImageRays& rays_;
   WhittedPicture picture_;
   std::vector<core::vec3> sums_;
   std::vector<int> counts_;  // samples in a sum
@@ -350,7 +351,7 @@ Light head_light(const core::View& view) {
 core::Expected<WhittedPicture> render_whitted(const Tracer& tracer, const core::View& view, int width, int height,
                                               const WhittedOptions& options) {
   if (auto good = check(options); !good) return tl::unexpected(good.error());
-  const auto rays = PixelRays::create(view, width, height);
+  const auto rays = core::ImageRays::create(view, width, height);
   if (!rays) return tl::unexpected(rays.error());
   return Renderer(tracer, view, *rays, width, height, options).run();
 }

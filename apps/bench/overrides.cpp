@@ -113,7 +113,7 @@ core::Expected<int> run(const Options& o) {
   for (core::Slot slot = 0; slot < engine->snapshot().size(); ++slot) items.push_back(engine->snapshot().item(slot));
 #if SIGHTLINE_HAS_RAYTRACE
   if (o.picks)
-    if (auto picked = engine->pick(raytrace::Ray{}); !picked) return tl::unexpected(picked.error());
+    if (auto picked = engine->pick(core::Ray{}); !picked) return tl::unexpected(picked.error());
 #endif
   const gl::Context& context = engine->drawing()->context();
   Json json = renderer_json(context);

@@ -19,7 +19,7 @@
 namespace sightline::bench::queries_bench {
 namespace {
 
-using culling::RaySegment;
+using core::Ray;
 using culling::SpatialQueries;
 using Slots = std::vector<core::Slot>;
 using Hits = std::vector<culling::SlotDistance>;
@@ -42,7 +42,7 @@ class Places {
     const core::dvec3 at = point();
     return {at - 0.5 * size, at + 0.5 * size};
   }
-  RaySegment ray() {
+  Ray ray() {
     const core::dvec3 from = point();
     return {from, glm::normalize(point() - from)};
   }
@@ -110,9 +110,9 @@ core::Expected<int> run(const Options& options) {
   const auto intersecting = [=](const SpatialQueries& q, const Box& b, Slots& out) { q.intersecting(b, layers, out); };
   const auto inside = [=](const SpatialQueries& q, const Box& b, Slots& out) { q.inside(b, layers, out); };
   const auto around = [=](const SpatialQueries& q, const Point& p, Slots& out) { q.around(p, 1.0, layers, out); };
-  const auto along = [=](const SpatialQueries& q, const RaySegment& r, Hits& out) { q.along(r, layers, out); };
+  const auto along = [=](const SpatialQueries& q, const Ray& r, Hits& out) { q.along(r, layers, out); };
   const auto first = [=](std::size_t n) {
-    return [=](const SpatialQueries& q, const RaySegment& r, Hits& out) { q.first_along(r, n, layers, out); };
+    return [=](const SpatialQueries& q, const Ray& r, Hits& out) { q.first_along(r, n, layers, out); };
   };
   const auto nearest = [=](std::size_t n) {
     return [=](const SpatialQueries& q, const Point& p, Hits& out) { q.nearest(p, n, layers, out); };

@@ -21,7 +21,7 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/importers/json/internal/json.h"
-#include "sightline/raytrace/pixel_rays.h"
+#include "sightline/core/image_rays.h"
 #if SIGHTLINE_HAS_EMBREE
 #include "sightline/apps/bench/embree_peer.h"
 #include "sightline/gpuprims/internal/primitives.h"
@@ -64,10 +64,10 @@ core::Mesh bumpy_ball(std::size_t triangles) {
 }
 
 /// All rays of the picture, by tiles of 4 x 4 pixels.
-core::Expected<std::vector<raytrace::Ray>> primary_rays(const core::View& view, int width, int height) {
-  const auto pixels = raytrace::PixelRays::create(view, width, height);
+core::Expected<std::vector<core::Ray>> primary_rays(const core::View& view, int width, int height) {
+  const auto pixels = core::ImageRays::create(view, width, height);
   if (!pixels) return tl::unexpected(pixels.error());
-  std::vector<raytrace::Ray> rays;
+  std::vector<core::Ray> rays;
   for (int y = 0; y < height; y += 4)
     for (int x = 0; x < width; x += 4)
       for (int j = y; j < std::min(y + 4, height); ++j)
@@ -148,7 +148,7 @@ void add_peer(const std::string& name, const core::Mesh& mesh, std::vector<PeerS
 }
 
 /// A chord tolerance that a picture shows as one pixel at the median distance of what it hits; metres.
-double one_pixel(const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays, int height) {
+double one_pixel(const raytrace::Tracer& tracer, std::span<const core::Ray> rays, int height) {
   std::vector<double> distances;
   for (std::size_t i = 0; i < rays.size(); i += 97)
     if (const auto hit = tracer.nearest(rays[i]); *hit) distances.push_back((*hit)->t);
@@ -158,9 +158,9 @@ double one_pixel(const raytrace::Tracer& tracer, std::span<const raytrace::Ray> 
   return 2.0 * std::tan(0.5 * apps::kFovy) / height * *middle;
 }
 
-void add_peers(const core::Snapshot& snapshot, const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays,
+void add_peers(const core::Snapshot& snapshot, const raytrace::Tracer& tracer, std::span<const core::Ray> rays,
                const Options& options, Peers& peers, std::vector<Way>& ways, json::Value& json) {
-  for (const raytrace::Ray& r : rays)
+  for (const core::Ray& r : rays)
     peers.rays.push_back({vec3(r.origin), vec3(r.direction), float(r.t_min), float(std::min(r.t_max, 1e30))});
   const core::Mesh mesh = joined(snapshot);
   const std::vector<PeerSolid> solids = solids_of(snapshot);
@@ -206,7 +206,7 @@ float distance_of(const Answer& hit) {
 
 /// Streams of 256 rays.
 template <class Answer>
-Way stream_way(const char* name, const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays) {
+Way stream_way(const char* name, const raytrace::Tracer& tracer, std::span<const core::Ray> rays) {
   return {.name = name, .trace = [&tracer, rays](std::size_t first, std::span<float> t) {
             std::array<Answer, 256> hits;
             for (std::size_t at = 0; at < t.size(); at += hits.size()) {
@@ -217,7 +217,7 @@ Way stream_way(const char* name, const raytrace::Tracer& tracer, std::span<const
           }};
 }
 
-std::vector<Way> own_ways(const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays) {
+std::vector<Way> own_ways(const raytrace::Tracer& tracer, std::span<const core::Ray> rays) {
   const auto single = [&tracer, rays](std::size_t first, std::span<float> t) {
     for (std::size_t i = 0; i < t.size(); ++i) {
       const auto hit = tracer.nearest(rays[first + i]);

@@ -58,7 +58,7 @@ double distance_to_segment(const dvec2& point, const dvec2& a, const dvec2& b) {
 
 // --- the picture -----------------------------------------------------------------------------------------------------
 
-PictureFrame::PictureFrame(const core::View& view, const dvec2& size, raytrace::PixelRays rays)
+PictureFrame::PictureFrame(const core::View& view, const dvec2& size, core::ImageRays rays)
     : clip_from_eye_(view.clip_from_eye()),
       eye_from_world_(view.eye_from_world()),
       size_(size),
@@ -66,7 +66,7 @@ PictureFrame::PictureFrame(const core::View& view, const dvec2& size, raytrace::
       orthographic_(view.orthographic()) {}
 
 core::Expected<PictureFrame> PictureFrame::create(const core::View& view, int width, int height) {
-  auto rays = raytrace::PixelRays::create(view, width, height);
+  auto rays = core::ImageRays::create(view, width, height);
   if (!rays) return tl::unexpected(rays.error());
   return PictureFrame(view, dvec2(width, height), std::move(*rays));
 }
@@ -84,7 +84,7 @@ double PictureFrame::pixel_at(const dvec3& point) const {
 }
 
 std::optional<double> PictureFrame::along_axis(const dvec2& at, const dvec3& point, const dvec3& axis) const {
-  const raytrace::Ray r = ray(at);
+  const core::Ray r = ray(at);
   const dvec3 to = point - r.origin;
   const double cosine = glm::dot(r.direction, axis);
   const dvec3 across = axis - cosine * r.direction;  // of length sine
@@ -96,7 +96,7 @@ std::optional<double> PictureFrame::along_axis(const dvec2& at, const dvec3& poi
 }
 
 std::optional<dvec3> PictureFrame::on_plane(const dvec2& at, const dvec3& point, const dvec3& normal) const {
-  const raytrace::Ray r = ray(at);
+  const core::Ray r = ray(at);
   const double slope = glm::dot(r.direction, normal);
   if (!(std::abs(slope) > kParallel)) return std::nullopt;
   const double t = glm::dot(point - r.origin, normal) / slope;

@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "sightline/apps/view/sections.h"
+#include "sightline/core/image_rays.h"
 #include "sightline/core/view.h"
-#include "sightline/raytrace/pixel_rays.h"
 
 namespace sightline::apps {
 
 /// A view with the pixels that show it.
 class PictureFrame {
  public:
-  /// Fails where raytrace::PixelRays does.
+  /// Fails where core::ImageRays does.
   static core::Expected<PictureFrame> create(const core::View& view, int width, int height);
 
   const core::dvec2& size() const { return size_; }
@@ -23,7 +23,7 @@ class PictureFrame {
   std::optional<core::dvec2> project(const core::dvec3& point) const;
   /// Metres that a pixel is wide at a point before the eye.
   double pixel_at(const core::dvec3& point) const;
-  raytrace::Ray ray(const core::dvec2& at) const { return rays_.through(at.x, at.y); }
+  core::Ray ray(const core::dvec2& at) const { return rays_.through(at.x, at.y); }
   /// How far from `point` along a unit vector an axis comes nearest to a pixel's ray. None where the two are parallel,
   /// and where that is behind the eye.
   std::optional<double> along_axis(const core::dvec2& at, const core::dvec3& point, const core::dvec3& axis) const;
@@ -31,12 +31,12 @@ class PictureFrame {
   std::optional<core::dvec3> on_plane(const core::dvec2& at, const core::dvec3& point, const core::dvec3& normal) const;
 
  private:
-  PictureFrame(const core::View& view, const core::dvec2& size, raytrace::PixelRays rays);
+  PictureFrame(const core::View& view, const core::dvec2& size, core::ImageRays rays);
   bool ahead(double t) const { return orthographic_ || t > 0.0; }
 
   core::dmat4 clip_from_eye_, eye_from_world_;
   core::dvec2 size_;
-  raytrace::PixelRays rays_;
+  core::ImageRays rays_;
   bool orthographic_;
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sightline/apps/view/portion.h"
+#include "sightline/core/image_rays.h"
 #include "sightline/raytrace/tracer.h"
 
 namespace sightline::apps {
@@ -145,7 +146,7 @@ core::Expected<void> Session::outline_hovered(const core::ExternalTarget& target
 
 core::Expected<std::optional<engine::Pick>> Session::pick(const core::dvec2& at) {
   const auto seen = view();
-  const auto ray = seen ? raytrace::pixel_ray(*seen, size_[0], size_[1], at.x, at.y) : tl::unexpected(seen.error());
+  const auto ray = seen ? core::image_ray(*seen, size_[0], size_[1], at.x, at.y) : tl::unexpected(seen.error());
   if (!ray) return tl::unexpected(ray.error());
   return engine_.pick(*ray, raytrace::filter_of(*seen));
 }
@@ -164,7 +165,7 @@ core::Expected<std::optional<Session::Aimed>> Session::aim(const core::dvec2& at
   if (!seen) return tl::unexpected(seen.error());
   const auto hit = pick(at);
   if (!hit) return tl::unexpected(hit.error());
-  const auto ray = raytrace::pixel_ray(*seen, size_[0], size_[1], at.x, at.y);
+  const auto ray = core::image_ray(*seen, size_[0], size_[1], at.x, at.y);
   if (!*hit || !ray) return std::nullopt;
   const auto item = measured_item(scene(), (*hit)->item);
   if (!item) return tl::unexpected(item.error());
@@ -186,7 +187,7 @@ core::dvec3 Session::point_at(const core::dvec2& at) {
   if (!engine_.preparing_picks())
     if (const auto hit = pick(at); hit && *hit) return (*hit)->point;
   const core::dvec3 ahead = glm::normalize(pose.target - pose.eye);
-  const auto ray = raytrace::pixel_ray(*seen, size_[0], size_[1], at.x, at.y);
+  const auto ray = core::image_ray(*seen, size_[0], size_[1], at.x, at.y);
   const double along = ray ? glm::dot(ray->direction, ahead) : 0.0;
   if (!(along > 0.0)) return pose.target;
   return ray->origin + ray->direction * (glm::dot(pose.target - ray->origin, ahead) / along);

@@ -223,7 +223,7 @@ void Viewer::set_walking(bool walking) {
     const auto view = session_->view();
     std::optional<double> distance;
     if (!view) return distance;
-    const raytrace::Ray ray{origin, direction, 0.0, reach};
+    const core::Ray ray{origin, direction, 0.0, reach};
     if (const auto hit = session_->engine().pick(ray, raytrace::filter_of(*view)); hit && *hit) distance = (*hit)->t;
     return distance;
   });

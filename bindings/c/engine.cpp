@@ -19,7 +19,7 @@ using namespace sightline::capi;
 namespace {
 
 constexpr std::int32_t kCullerChoices = 5, kLargestPicture = 65'536;
-[[maybe_unused]] constexpr double kLongestRay = 1e150;  // raytrace::Ray
+[[maybe_unused]] constexpr double kLongestRay = 1e150;  // core::Ray
 
 }  // namespace
 

@@ -185,7 +185,7 @@ std::optional<Picked> pick(EngineBox& box, const core::View& view, double x, dou
 std::optional<Picked> pick_ray(EngineBox& box, const py::object& origin, const py::object& direction, double t_min,
                                double t_max, std::uint32_t layers, bool ghosts, const py::object& sections,
                                const std::string& section_mode, bool cuts) {
-  const raytrace::Ray ray{vector3(origin, "origin"), vector3(direction, "direction"), t_min, t_max};
+  const core::Ray ray{vector3(origin, "origin"), vector3(direction, "direction"), t_min, t_max};
   raytrace::RayFilter filter;
   filter.layers = layers;
   if (!sections.is_none()) filter.sections = section_planes(sections, "sections");

@@ -3,7 +3,7 @@
 //
 // Promise: conservative, so a picture loses nothing. A box is rejected only when the rectangle around its projection
 // contains no sample (internal/screen_boxes.h), or when no ray through one of these samples meets the box (internal/
-// pixel_rays.h). Both are computed in float and grown by every error of that and by what a rasteriser may move a
+// ray_spans.h). Both are computed in float and grown by every error of that and by what a rasteriser may move a
 // vertex. Boxes that reach behind the eye, and of those with a larger rectangle than 16 x 16 pixels all, are kept. All
 // instruction sets give the same answer.
 //
@@ -22,7 +22,7 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/occlusion/internal/pixel_rays.h"
+#include "sightline/culling/occlusion/internal/ray_spans.h"
 #include "sightline/culling/occlusion/internal/screen_view.h"
 
 namespace sightline::culling {
@@ -78,7 +78,7 @@ class SIGHTLINE_API SampleTest {
 
   PictureSamples samples_;
   ScreenView view_;
-  PixelRays rays_;
+  RaySpans rays_;
 };
 
 }  // namespace sightline::culling

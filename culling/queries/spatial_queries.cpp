@@ -146,7 +146,7 @@ class DistanceTest {
 /// Where a ray enters: +infinity where it misses.
 class EntryTest {
  public:
-  EntryTest(const RaySegment& ray, const dvec3& origin)
+  EntryTest(const core::Ray& ray, const dvec3& origin)
       : o_{{ray.origin.x, origin.x}, {ray.origin.y, origin.y}, {ray.origin.z, origin.z}},
         t_min_(ray.t_min),
         t_max_(ray.t_max) {
@@ -328,7 +328,7 @@ void Search::best_first(const Keys& keys, std::size_t count, std::vector<SlotDis
   std::sort_heap(best.begin(), best.end(), before);
 }
 
-bool usable(const RaySegment& ray) {
+bool usable(const core::Ray& ray) {
   return usable(ray.origin) && usable(ray.direction) && ray.t_min <= ray.t_max && ray.t_min < kInfinity &&
          ray.t_max > -kInfinity;
 }
@@ -364,7 +364,7 @@ void SpatialQueries::around(const dvec3& point, double radius, std::uint32_t lay
   Search{*bounds_, *hierarchy_, layers}.collect(near, near, slots);
 }
 
-void SpatialQueries::along(const RaySegment& ray, std::uint32_t layers, std::vector<SlotDistance>& hits) const {
+void SpatialQueries::along(const core::Ray& ray, std::uint32_t layers, std::vector<SlotDistance>& hits) const {
   hits.clear();
   const Search search{*bounds_, *hierarchy_, layers};
   if (!usable(ray) || search.hopeless()) return;
@@ -382,7 +382,7 @@ void SpatialQueries::along(const RaySegment& ray, std::uint32_t layers, std::vec
   });
 }
 
-void SpatialQueries::first_along(const RaySegment& ray, std::size_t count, std::uint32_t layers,
+void SpatialQueries::first_along(const core::Ray& ray, std::size_t count, std::uint32_t layers,
                                  std::vector<SlotDistance>& hits) const {
   hits.clear();
   if (!usable(ray)) return;

@@ -12,23 +12,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/ray.h"
 #include "sightline/culling/frustum/hierarchy.h"
 
 namespace sightline::culling {
-
-/// Points origin + t * direction, t_min <= t <= t_max; either may be infinite. The direction need not have unit length;
-/// with unit length t is in metres.
-struct RaySegment {
-  core::dvec3 origin{0.0};
-  core::dvec3 direction{0.0, 1.0, 0.0};
-  double t_min = 0.0;
-  double t_max = std::numeric_limits<double>::infinity();
-};
 
 struct SlotDistance {
   core::Slot slot;
@@ -58,9 +49,9 @@ class SIGHTLINE_API SpatialQueries {
 
   /// Items whose box the ray meets, in rising order, each with the t at which it enters (t_min when it starts inside).
   /// Components of the direction below 1e-150 count as zero; with all zero the ray is a point.
-  void along(const RaySegment& ray, std::uint32_t layers, std::vector<SlotDistance>& hits) const;
+  void along(const core::Ray& ray, std::uint32_t layers, std::vector<SlotDistance>& hits) const;
   /// The first `count` of these items, front to back; items with equal t in order of slots.
-  void first_along(const RaySegment& ray, std::size_t count, std::uint32_t layers,
+  void first_along(const core::Ray& ray, std::size_t count, std::uint32_t layers,
                    std::vector<SlotDistance>& hits) const;
 
   /// The `count` items nearest to `point`, nearest first, with the distances of their boxes in metres (0 inside);

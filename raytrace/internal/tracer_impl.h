@@ -21,6 +21,7 @@
 namespace sightline::raytrace {
 
 using core::Kind;
+using core::Ray;
 using core::Slot;
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -14,8 +14,8 @@ namespace {
 using core::Aabb;
 using core::AabbD;
 using core::dvec3;
+using core::Ray;
 using core::Slot;
-using culling::RaySegment;
 using culling::SlotDistance;
 using culling::SpatialQueries;
 using Real = long double;
@@ -226,7 +226,7 @@ struct Slab {
 };
 
 /// Where the ray is inside the box, in > out when nowhere.
-Slab interval(const Asked& asked, Slot slot, const RaySegment& ray) {
+Slab interval(const Asked& asked, Slot slot, const Ray& ray) {
   Slab slab{ray.t_min, ray.t_max};
   for (int i = 0; i < 3; ++i) {
     const Real from = asked.low(slot, i) - ray.origin[i], to = asked.high(slot, i) - ray.origin[i];
@@ -247,8 +247,8 @@ Slab interval(const Asked& asked, Slot slot, const RaySegment& ray) {
   return slab;
 }
 
-RaySegment random_ray(Random& random, const Asked& asked, double half) {
-  RaySegment ray;
+Ray random_ray(Random& random, const Asked& asked, double half) {
+  Ray ray;
   ray.origin = interesting_point(random, asked, half);
   ray.direction = interesting_point(random, asked, half) - ray.origin;
   if (chance(random, 0.4)) ray.direction[whole(random, 0, 2)] = chance(random, 0.5) ? 0.0 : -0.0;
@@ -268,7 +268,7 @@ TEST(SpatialQueries, Rays) {
   std::vector<Slot> slots;
   std::size_t found = 0, undecided = 0;
   for_random_scenes([&](Random& random, const Asked& asked, double half) {
-    const RaySegment ray = random_ray(random, asked, half);
+    const Ray ray = random_ray(random, asked, half);
     const std::uint32_t layers = random_layers(random);
     asked.queries.along(ray, layers, hits);
     asked.linear.along(ray, layers, linear);
@@ -314,7 +314,7 @@ TEST(SpatialQueries, Rays) {
 
 // --- by hand ---------------------------------------------------------------------------------------------------------
 
-std::vector<Slot> slots_along(const Asked& asked, const RaySegment& ray) {
+std::vector<Slot> slots_along(const Asked& asked, const Ray& ray) {
   std::vector<SlotDistance> hits;
   std::vector<Slot> slots;
   asked.queries.along(ray, core::kLayerModel, hits);

@@ -61,10 +61,10 @@ TEST(Pick, FindsWhatTheViewShows) {
   cut.layers = core::kLayerInsulation;
   EXPECT_FALSE(*engine->pick(cut, 150.0, 450.0));
 
-  const auto ray = engine->pick(raytrace::Ray{{2.5, 2.5, 50.0}, {0, 0, -1}});
+  const auto ray = engine->pick(core::Ray{{2.5, 2.5, 50.0}, {0, 0, -1}});
   ASSERT_TRUE(ray && *ray);
   EXPECT_NEAR((*ray)->t, 49.6, 1e-7);
-  EXPECT_FALSE(engine->pick(raytrace::Ray{{0, 0, 0}, {0, 0, 0}}));
+  EXPECT_FALSE(engine->pick(core::Ray{{0, 0, 0}, {0, 0, 0}}));
 }
 
 /// Whatever is done while the tracer is made, picks are those of an engine that makes it at the first pick.
@@ -223,7 +223,7 @@ TEST(Pick, GoesThroughGhostsUnlessAsked) {
   const auto asked = engine->pick(balls.view, 50.0, 250.0, Ghosts::kHit);
   ASSERT_TRUE(asked && *asked);
   EXPECT_EQ((*asked)->item, balls.items[0]);
-  const auto ray = engine->pick(raytrace::Ray{{1.5, 1.5, 9.0}, {0, 0, -1}});
+  const auto ray = engine->pick(core::Ray{{1.5, 1.5, 9.0}, {0, 0, -1}});
   ASSERT_TRUE(ray && *ray);
   EXPECT_EQ((*ray)->item, inside);
   const auto seen = engine->visible_items_in(balls.view, {0, 0, 300, 300});

@@ -11,6 +11,7 @@ namespace {
 
 using core::Affine;
 using core::dvec3;
+using core::Ray;
 using core::Slot;
 using core::Snapshot;
 using core::vec3;

@@ -18,6 +18,6 @@ struct Crossing {
 };
 
 /// All crossings that the ray's part may hold.
-std::vector<Crossing> brute_force(const core::Snapshot& snapshot, const Ray& ray, const RayFilter& filter);
+std::vector<Crossing> brute_force(const core::Snapshot& snapshot, const core::Ray& ray, const RayFilter& filter);
 
 }  // namespace sightline::raytrace

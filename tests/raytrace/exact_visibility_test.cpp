@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/core/image_rays.h"
 #include "sightline/tests/core/primitive_samples.h"
 
 namespace sightline::raytrace::exact_visibility_test {
@@ -81,7 +82,8 @@ TEST(ExactVisibility, AgreesWithSingleRays) {
   std::map<core::ItemId, std::uint64_t> counts;
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 60; ++x)
-      if (const auto hit = tracer.nearest(*pixel_ray(view, 60, 40, x + 0.5, y + 0.5)); *hit) ++counts[(*hit)->item];
+      if (const auto hit = tracer.nearest(*core::image_ray(view, 60, 40, x + 0.5, y + 0.5)); *hit)
+        ++counts[(*hit)->item];
   std::vector<VisibleItem> expected;
   for (const auto& [item, samples] : counts) expected.push_back({item, samples});
   EXPECT_GT(expected.size(), 50u);

@@ -14,6 +14,7 @@ namespace sightline::raytrace::extreme_rays_test {
 namespace {
 
 using core::dvec3;
+using core::Ray;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

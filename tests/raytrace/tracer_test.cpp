@@ -19,6 +19,7 @@ using core::Affine;
 using core::dmat3;
 using core::dvec3;
 using core::Kind;
+using core::Ray;
 using core::Scene;
 using core::Slot;
 using core::Snapshot;

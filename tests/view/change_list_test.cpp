@@ -317,7 +317,7 @@ class ComparingSession : public ::testing::Test {
   }
   bool found(ItemId item) {
     const dvec3 at = session->scene().state(item).world_from_item.origin;
-    const auto hit = session->engine().pick(raytrace::Ray{{at.x, -5.0, at.z}, {0.0, 1.0, 0.0}});
+    const auto hit = session->engine().pick(core::Ray{{at.x, -5.0, at.z}, {0.0, 1.0, 0.0}});
     return *hit && (*hit)->item == item;
   }
   /// Rays find what is neither hidden nor faint.

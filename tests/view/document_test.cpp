@@ -29,7 +29,7 @@ class DocumentTest : public ::testing::Test {
   }
   /// Whether a ray along y finds an item: hidden ones and ghosts are not found.
   bool found(ItemId item) const {
-    const auto hit = engine->pick(raytrace::Ray{{double(item), -5.0, 0.0}, {0.0, 1.0, 0.0}});
+    const auto hit = engine->pick(core::Ray{{double(item), -5.0, 0.0}, {0.0, 1.0, 0.0}});
     return *hit && (*hit)->item == item;
   }
   std::vector<ItemId> selection() const { return {document->selection().begin(), document->selection().end()}; }

@@ -62,7 +62,7 @@ TEST_P(SectionGizmoTest, PixelsAndPointsAreOfOneKind) {
     const Case c = next(i);
     const PictureFrame frame = frame_of(c.view);
     const dvec2 at(uniform(0, kWidth), uniform(0, kHeight));
-    const raytrace::Ray ray = frame.ray(at);
+    const core::Ray ray = frame.ray(at);
     const dvec3 point = ray.origin + uniform(0.5, 3.0) * c.reach * ray.direction;
     const auto back = frame.project(point);
     ASSERT_TRUE(back);
@@ -84,7 +84,7 @@ TEST_P(SectionGizmoTest, FindsThePointOfAnAxisNearestToARay) {
     const dvec2 at(uniform(0, kWidth), uniform(0, kHeight));
     const auto along = frame.along_axis(at, c.section.point, c.section.normal);
     if (!along) continue;
-    const raytrace::Ray ray = frame.ray(at);
+    const core::Ray ray = frame.ray(at);
     const auto distance = [&](double s) {
       const dvec3 to = c.section.point + s * c.section.normal - ray.origin;
       return glm::length(glm::cross(to, ray.direction));

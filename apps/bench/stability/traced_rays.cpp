@@ -15,9 +15,9 @@ namespace {
 using core::dmat3;
 using core::dvec3;
 using core::Primitive;
+using core::Ray;
 using core::Slot;
 using raytrace::Hit;
-using raytrace::Ray;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kRaysPerScene = 1000;

@@ -14,8 +14,8 @@ using core::dmat3;
 using core::dvec3;
 using core::Kind;
 using core::Primitive;
+using core::Ray;
 using core::Slot;
-using raytrace::Ray;
 
 /// Up to 1, often much less.
 float length(Random& random, double decades) {

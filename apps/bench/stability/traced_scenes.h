@@ -45,6 +45,6 @@ std::unique_ptr<TracedScene> make_traced_scene(TracedKind kind, Random& random);
 
 /// Rays at the items: through edges, along surfaces, across what is thin, along axes, and with ends next to what they
 /// meet. In the order in which they are traced side by side.
-std::vector<raytrace::Ray> rays_at(const TracedScene& world, std::int64_t count, Random& random);
+std::vector<core::Ray> rays_at(const TracedScene& world, std::int64_t count, Random& random);
 
 }  // namespace sightline::bench

@@ -8,7 +8,7 @@
 #include "sightline/core/aabb.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/occlusion/internal/pixel_rays.h"
+#include "sightline/culling/occlusion/internal/ray_spans.h"
 #include "sightline/culling/occlusion/internal/screen_view.h"
 
 namespace sightline::culling {
@@ -64,7 +64,7 @@ class DepthTest {
   bool all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const;
 
   ScreenView view_;
-  PixelRays rays_;
+  RaySpans rays_;
   RayField ray_field_;
   const DepthPyramid* pyramid_;
   int width_, height_;

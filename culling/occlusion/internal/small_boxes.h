@@ -1,7 +1,7 @@
-// Internal: boxes of few pixels against the rays of all these pixels, sixteen boxes at a time. See pixel_rays.h for
+// Internal: boxes of few pixels against the rays of all these pixels, sixteen boxes at a time. See ray_spans.h for
 // what is compared; here a lane is a box, in open_blocks() it is a block of pixels.
 //
-// Rounding, beside what pixel_rays.h says: a face's place relative to the eye, or to the rays' start, and the
+// Rounding, beside what ray_spans.h says: a face's place relative to the eye, or to the rays' start, and the
 // reciprocal are computed in float. Each is off by a few units of its own size, since the eye is known in twice the
 // digits of float. So are the products with D. Together that is below 2^-20 of the sizes of D's terms.
 #pragma once

@@ -269,7 +269,7 @@ TEST_F(CapiEngine, SectionsCutWhatRaysHit) {
     filter.cuts = cuts;
     sl_pick pick = SL_PICK_INIT;
     ASSERT_OK(sl_engine_pick_ray(engine, &ray, &pick));
-    expect_same(pick, *twin->pick(raytrace::Ray{{2, -10, 0.1}, {0, 1, 0}}, filter));
+    expect_same(pick, *twin->pick(core::Ray{{2, -10, 0.1}, {0, 1, 0}}, filter));
     EXPECT_GE(pick.point[1], 4.1 - 1e-9);
     EXPECT_EQ(pick.face == std::int32_t(raytrace::Face::kCut), cuts);
     distances.push_back(pick.t);
@@ -307,7 +307,7 @@ TEST_F(CapiEngine, PicksAlongRays) {
   ray.origin[0] = 6, ray.origin[1] = -10, ray.origin[2] = 0.1;
   sl_pick pick = SL_PICK_INIT;
   ASSERT_OK(sl_engine_pick_ray(engine, &ray, &pick));
-  const auto expected = twin->pick(raytrace::Ray{{6, -10, 0.1}, {0, 1, 0}});
+  const auto expected = twin->pick(core::Ray{{6, -10, 0.1}, {0, 1, 0}});
   ASSERT_TRUE(expected && *expected);
   expect_same(pick, *expected);
   ray.layers = 0;

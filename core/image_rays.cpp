@@ -1,27 +1,24 @@
-#include "sightline/raytrace/pixel_rays.h"
+#include "sightline/core/image_rays.h"
 
 #include <cmath>
 #include <limits>
 
-#include "sightline/core/conventions.h"
+#include "sightline/core/affine.h"
 
-namespace sightline::raytrace {
+namespace sightline::core {
 namespace {
 
-using core::dvec3;
-using core::dvec4;
-
 bool finite(const Ray& ray) {
-  return core::is_finite(ray.origin) && core::is_finite(ray.direction);
+  return is_finite(ray.origin) && is_finite(ray.direction);
 }
 
 }  // namespace
 
-PixelRays::PixelRays(const core::View& view, int width, int height)
+ImageRays::ImageRays(const View& view, int width, int height)
     : width_(width), height_(height), orthographic_(view.orthographic()) {
-  const core::dmat4 rows = glm::transpose(view.clip_from_eye()), eye_from_clip = glm::inverse(view.clip_from_eye());
-  const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
-  const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
+  const dmat4 rows = glm::transpose(view.clip_from_eye()), eye_from_clip = glm::inverse(view.clip_from_eye());
+  const dmat4 world_from_eye = glm::inverse(view.eye_from_world());
+  const bool reversed = view.clip_depth() == ClipDepth::kReversedZeroToOne;
   const dvec4 near = reversed ? rows[2] - rows[3] : rows[2] + rows[3], far = reversed ? rows[2] : rows[2] - rows[3];
   const dvec3 x(rows[0]), y(rows[1]), w(rows[3]);
   Linear<dvec3> along{glm::cross(x, y), glm::cross(y, w), glm::cross(w, x)};
@@ -30,7 +27,7 @@ PixelRays::PixelRays(const core::View& view, int width, int height)
       orthographic_ ? glm::dot(dvec3(rows[2]), along.constant) * (reversed ? -1.0 : 1.0) : glm::dot(w, along.constant);
   const double scale = std::copysign(1.0 / glm::length(along.constant), forwards);
   for (dvec3* part : {&along.constant, &along.per_x, &along.per_y}) *part *= scale;
-  const auto turned = [&](const dvec3& direction) { return core::dmat3(world_from_eye) * direction; };
+  const auto turned = [&](const dvec3& direction) { return dmat3(world_from_eye) * direction; };
   direction_ = {turned(along.constant), turned(along.per_x), turned(along.per_y)};
   if (orthographic_) {
     const auto on_near = [&](double at_x, double at_y) {
@@ -54,14 +51,14 @@ PixelRays::PixelRays(const core::View& view, int width, int height)
   per_far_ = per_step(far);
 }
 
-core::Expected<PixelRays> PixelRays::create(const core::View& view, int width, int height) {
-  if (width <= 0 || height <= 0) return core::fail("pixel_ray: width and height must be above 0");
-  const PixelRays rays(view, width, height);
-  if (!finite(rays.through(0.5, 0.5))) return core::fail("pixel_ray: the view's matrices must have inverses");
+Expected<ImageRays> ImageRays::create(const View& view, int width, int height) {
+  if (width <= 0 || height <= 0) return fail("image_ray: width and height must be above 0");
+  const ImageRays rays(view, width, height);
+  if (!finite(rays.through(0.5, 0.5))) return fail("image_ray: the view's matrices must have inverses");
   return rays;
 }
 
-Ray PixelRays::through(double x, double y) const {
+Ray ImageRays::through(double x, double y) const {
   const double at_x = 2.0 * x / width_ - 1.0, at_y = 1.0 - 2.0 * y / height_;
   const dvec3 along = direction_.at(at_x, at_y);
   const double length = glm::length(along);
@@ -79,14 +76,14 @@ Ray PixelRays::through(double x, double y) const {
   return ray;
 }
 
-core::Expected<Ray> pixel_ray(const core::View& view, int width, int height, double x, double y) {
+Expected<Ray> image_ray(const View& view, int width, int height, double x, double y) {
   if (!std::isfinite(x) || !std::isfinite(y) || width <= 0 || height <= 0)
-    return core::fail("pixel_ray: the point must be finite, width and height above 0");
-  const auto rays = PixelRays::create(view, width, height);
+    return fail("image_ray: the point must be finite, width and height above 0");
+  const auto rays = ImageRays::create(view, width, height);
   if (!rays) return tl::unexpected(rays.error());
   const Ray ray = rays->through(x, y);
-  if (!finite(ray)) return core::fail("pixel_ray: the view's matrices must have inverses");
+  if (!finite(ray)) return fail("image_ray: the view's matrices must have inverses");
   return ray;
 }
 
-}  // namespace sightline::raytrace
+}  // namespace sightline::core

@@ -20,10 +20,10 @@
 
 namespace sightline::culling {
 
-class PixelRays {
+class RaySpans {
  public:
   /// `origin`: of the bounds whose boxes will be asked for.
-  PixelRays(const core::View& view, const core::dvec3& origin, int width, int height);
+  RaySpans(const core::View& view, const core::dvec3& origin, int width, int height);
 
   /// The keys of a box: minimum, then maximum, finite and in order. False where nothing is known of it: around the eye,
   /// and in views whose distances are not those of their projection, as a combined matrix has them.

@@ -1,4 +1,4 @@
-#include "sightline/culling/occlusion/internal/pixel_rays.h"
+#include "sightline/culling/occlusion/internal/ray_spans.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,14 +29,14 @@ dvec4 moved(const dvec4& form, const dvec3& origin) {
 }  // namespace
 
 /// The projection relative to the bounds' origin: a point is at x / w, y / w in the picture.
-struct PixelRays::Projection {
+struct RaySpans::Projection {
   dvec4 x, y, w, distance;
   dvec3 lost;  // by the constant terms of x, y and w
   double lost_distance;
   int width, height;
 };
 
-PixelRays::PixelRays(const core::View& view, const dvec3& origin, int width, int height)
+RaySpans::RaySpans(const core::View& view, const dvec3& origin, int width, int height)
     : parallel_(view.orthographic()) {
   const core::dmat4 clip = glm::transpose(view.clip_from_world()), eye = glm::transpose(view.eye_from_world());
   const auto place = [&](int axis, int size) { return 0.5 * size * clip[axis] + (0.5 * size - 0.5) * clip[3]; };
@@ -53,7 +53,7 @@ PixelRays::PixelRays(const core::View& view, const dvec3& origin, int width, int
   usable_ = parallel_ ? trace_parallel(projection) : trace_from_eye(projection);
 }
 
-RayField PixelRays::field() const {
+RayField RaySpans::field() const {
   RayField field{};
   field.parallel = parallel_;
   for (int i = 0; i < 3; ++i) {
@@ -69,7 +69,7 @@ RayField PixelRays::field() const {
 }
 
 /// All rays have the direction in which neither x nor y change.
-bool PixelRays::trace_parallel(const Projection& p) {
+bool RaySpans::trace_parallel(const Projection& p) {
   const dvec3 x(p.x), y(p.y), t(p.distance), across = glm::cross(x, y);
   const double square = glm::dot(across, across), rate = glm::dot(t, across);
   if (!(square > 0.0) || !(std::abs(rate) > kAlike * glm::length(t) * glm::length(across))) return false;
@@ -91,7 +91,7 @@ bool PixelRays::trace_parallel(const Projection& p) {
 
 /// A ray is where x = (pixel's x) w and y = (pixel's y) w. Its direction is the cross product of the gradients of both
 /// differences, which is linear in the pixel's place. It is scaled such that the distance grows by 1.
-bool PixelRays::trace_from_eye(const Projection& p) {
+bool RaySpans::trace_from_eye(const Projection& p) {
   const dvec3 x(p.x), y(p.y), w(p.w), t(p.distance);
   const dvec3 direction = glm::cross(x, y), per_x = glm::cross(y, w), per_y = glm::cross(w, x);
   const double ratio = glm::dot(t, w) / glm::dot(w, w);  // of distances to w
@@ -112,7 +112,7 @@ bool PixelRays::trace_from_eye(const Projection& p) {
 }
 
 /// The point where all three forms vanish, and what its coordinates are off by.
-bool PixelRays::solve_eye(const Projection& p) {
+bool RaySpans::solve_eye(const Projection& p) {
   const dvec4 forms[3] = {p.x, p.y, p.w};
   const core::dmat3 columns{dvec3(forms[0]), dvec3(forms[1]), dvec3(forms[2])};
   const core::dmat3 inverse = glm::inverse(glm::transpose(columns));
@@ -132,13 +132,13 @@ bool PixelRays::solve_eye(const Projection& p) {
 }
 
 /// The function per_value * (the axis's function) + constant, moved by `widen` of the axis's error.
-void PixelRays::add(double per_value, double constant, int axis, double widen, PictureFunction& out) const {
+void RaySpans::add(double per_value, double constant, int axis, double widen, PictureFunction& out) const {
   const Axis& a = axes_[axis];
   const double lost = widen * (std::abs(per_value) * a.error + 0x1p-22 * std::abs(constant + per_value * a.constant));
   out = {float(constant + per_value * a.constant + lost), float(per_value * a.x), float(per_value * a.y)};
 }
 
-void PixelRays::span_of_axis(int axis, double low, double high, BoxSpan& out) const {
+void RaySpans::span_of_axis(int axis, double low, double high, BoxSpan& out) const {
   const Axis& a = axes_[axis];
   const double drawn_off = 0x1p-19 + 0x1p-23 * std::max(std::abs(low), std::abs(high)) + 0x1p-21 * (high - low);
   const double grown = drawn_off + a.grown + 0x1p-50 * std::abs(a.from);
@@ -168,7 +168,7 @@ void PixelRays::span_of_axis(int axis, double low, double high, BoxSpan& out) co
   }
 }
 
-bool PixelRays::span(const BoxCoordinates& box, BoxSpan& out) const {
+bool RaySpans::span(const BoxCoordinates& box, BoxSpan& out) const {
   out.near_count = out.far_count = 0;
   if (!usable_) return false;
   for (int axis = 0; axis < 3; ++axis) span_of_axis(axis, double(box[axis]), double(box[axis + 3]), out);
