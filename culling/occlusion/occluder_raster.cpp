@@ -5,11 +5,11 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "sightline/culling/occlusion/internal/kernels.h"
 #include "sightline/culling/occlusion/internal/occluder_area.h"
+#include "sightline/culling/occlusion/internal/polygon_area.h"
 #include "sightline/culling/occlusion/internal/prisms.h"
 #include "sightline/culling/occlusion/internal/raster_placement.h"
 #include "sightline/culling/occlusion/internal/solid_figures.h"
@@ -23,11 +23,7 @@ using core::dvec3;
 using core::dvec4;
 using raster::Corner;
 using raster::cube;
-using raster::kLarge;
-using raster::kLost;
 using raster::kMostReach;
-using raster::kPlaceLost;
-using raster::kSteepest;
 using raster::Placement;
 using raster::Point;
 using raster::Prism;
@@ -56,115 +52,72 @@ struct Polygon {
   void add_face(const Face& face) { faces[std::size_t(face_count++)] = face; }
 };
 
-/// The diagonals of a face of four corners, two sides of a triangle, and something alike of any other: their cross
-/// product has the sign of the area.
-struct Diagonals {
-  template <class Face>
-  Diagonals(std::span<const Corner> corners, const Face& face) {
-    const auto at = [&](int i) -> const Corner& { return corners[face.corners[i]]; };
-    const int n = face.count;
-    const Corner &a = at(0), &b = at(n / 2), &c = at(n / 4), &d = at(3 * n / 4);
-    x1 = b.x - a.x, y1 = b.y - a.y, n1 = b.nearness - a.nearness;
-    x2 = d.x - c.x, y2 = d.y - c.y, n2 = d.nearness - c.nearness;
-    area = x1 * y2 - x2 * y1;
-    reach = std::max({a.reach, b.reach, c.reach, d.reach});
-  }
-  /// 1, -1; 0 where rounding leaves the sign of the area open.
-  int turn() const {
-    const double first = std::abs(x1) + std::abs(y1), second = std::abs(x2) + std::abs(y2);
-    const double open = 8.0 * reach * (first + second) + kLost * first * second;
-    return area > open ? 1 : area < -open ? -1 : 0;
-  }
-  double x1, y1, n1, x2, y2, n2, area, reach;
-};
+struct OneAtATime {};
+using Area = raster::PolygonArea<OneAtATime, double, false>;
 
-/// The first whole number not below `from` and the last not above `to`, of 0 … size - 1. Empty: first > last.
-std::pair<int, int> whole_between(double from, double to, int size) {
-  from = std::max(from, 0.0), to = std::min(to, double(size - 1));
-  if (!(from <= to)) return {0, -1};
-  const int below = int(from);  // std::ceil is a function call where the instruction set has no rounding
-  return {below + int(double(below) < from), int(to)};
+Area::Diagonals diagonals_of(std::span<const Corner> corners, const Polygon::Face& face) {
+  return Area::diagonals(face.count, [&](int i) { return corners[face.corners[i]]; });
+}
+
+/// 1, -1; 0 where rounding leaves the sign of the area open.
+int turn_of(std::span<const Corner> corners, const Polygon::Face& face) {
+  double reach = 0.0;
+  for (const int i : {0, face.count / 4, face.count / 2, 3 * face.count / 4})
+    reach = std::max(reach, corners[face.corners[i]].reach);
+  const Area::Diagonals diagonals = diagonals_of(corners, face);
+  const double open = diagonals.open(reach);
+  return diagonals.area > open ? 1 : diagonals.area < -open ? -1 : 0;
+}
+
+void find_lines(const Area& found, std::span<const Area::Side> sides, OccluderArea& area) {
+  area.left_count = area.right_count = 0;
+  for (const Area::Side& side : sides) {
+    const Area::Line line = found.line(side);
+    if (!line.counts) continue;
+    const OccluderArea::Side of_rows{float(line.x), float(line.slope)};
+    if (line.falls)
+      area.left[area.left_count++] = of_rows;
+    else
+      area.right[area.right_count++] = of_rows;
+  }
+}
+
+void find_planes(const Area& found, const Polygon& polygon, OccluderArea& area) {
+  area.plane_count = 0;
+  area.least = float(found.least());
+  for (int i = 0; i < polygon.face_count; ++i) {
+    const Polygon::Face& face = polygon.faces[std::size_t(i)];
+    const Area::Plane plane = found.plane(face.count, [&](int k) { return polygon.corners[face.corners[k]]; });
+    if (!plane.usable) {
+      area.plane_count = 0;
+      break;
+    }
+    area.planes[area.plane_count++] = {float(plane.x), float(plane.y), float(plane.constant)};
+  }
+  if (area.plane_count == 0) area.planes[area.plane_count++] = {0.0f, 0.0f, area.least};
 }
 
 /// Fills a polygon, made smaller by `shift` pixels along both axes: what a rasteriser may move a corner.
 bool cover(OccluderImage& image, const Polygon& polygon, double shift) {
-  double reach = 0.0, left = kLarge, right = -kLarge, bottom = kLarge, top = -kLarge, farthest = kLarge;
+  Area found;
   for (const Corner& c : polygon.corners) {
     if (!(c.reach < kMostReach)) return false;
-    reach = std::max(reach, c.reach);
-    farthest = std::min(farthest, c.nearness);
-    left = std::min(left, c.x), right = std::max(right, c.x);
-    bottom = std::min(bottom, c.y), top = std::max(top, c.y);
+    found.add(c.x, c.y, c.nearness, c.reach);
   }
-  auto [first_column, last_column] = whole_between(left, right, image.width);
-  auto [first_row, last_row] = whole_between(bottom, top, image.height);
-  if (first_column > last_column || first_row > last_row || polygon.side_count == 0) return false;
+  if (polygon.side_count == 0 || !found.find_pixels(image.width, image.height, shift)) return false;
+  std::array<Area::Side, OccluderArea::kMostSides> sides;
+  for (std::size_t i = 0; i < std::size_t(polygon.side_count); ++i) {
+    const Corner &from = polygon.corners[polygon.sides[i].from], &to = polygon.corners[polygon.sides[i].to];
+    sides[i] = {from.x, from.y, to.x - from.x, to.y - from.y};
+    if (Area::level(sides[i])) found.limit_rows(sides[i]);
+  }
+  if (!found.take_rows(image.height)) return false;
 
   OccluderArea area;
-  area.column = first_column / kLanes * kLanes;
-  area.columns = last_column - area.column + 1;
-  const double float_lost = 0x1p-21 * (std::max(area.columns, last_row - first_row) + 2);
-  const double inset = reach + shift + float_lost;
-  // Sides that are nearly level limit the rows. They must be known first, since other sides count from the first row.
-  double low = first_row, high = last_row;
-  const auto level = [](double dx, double dy) { return std::abs(dx) > kSteepest * std::abs(dy); };
-  const auto side_of = [&](int i) {
-    const Polygon::Side& side = polygon.sides[std::size_t(i)];
-    return std::pair<const Corner&, const Corner&>(polygon.corners[side.from], polygon.corners[side.to]);
-  };
-  for (int i = 0; i < polygon.side_count; ++i) {
-    const auto [p, q] = side_of(i);
-    const double dx = q.x - p.x, dy = q.y - p.y;
-    if (!level(dx, dy)) continue;
-    const double slope = dy / dx, margin = inset * (1.0 + std::abs(slope));
-    const double a = p.y + slope * (area.column - p.x), b = p.y + slope * (last_column - p.x);
-    if (dx > 0.0)
-      low = std::max(low, std::max(a, b) + margin);
-    else
-      high = std::min(high, std::min(a, b) - margin);
-  }
-  std::tie(first_row, last_row) = whole_between(low, high, image.height);
-  if (first_row > last_row) return false;
-  area.row = first_row;
-  area.rows = last_row - first_row + 1;
-
-  area.left_count = area.right_count = 0;
-  for (int i = 0; i < polygon.side_count; ++i) {
-    const auto [p, q] = side_of(i);
-    const double dx = q.x - p.x, dy = q.y - p.y;
-    if (level(dx, dy) || dy == 0.0) continue;
-    const double slope = dx / dy, margin = inset * (1.0 + std::abs(slope));
-    const double x = p.x + (first_row - p.y) * slope - (area.column - 1);
-    if (dy < 0.0)
-      area.left[area.left_count++] = {float(x + margin), float(slope)};
-    else
-      area.right[area.right_count++] = {float(x - margin), float(slope)};
-  }
-
-  area.plane_count = 0;
-  const double columns = area.columns, rows = area.rows;
-  area.least = float(farthest - 0x1p-22 * std::abs(farthest) - 1e-36);
-  for (int i = 0; i < polygon.face_count; ++i) {
-    const Polygon::Face& face = polygon.faces[std::size_t(i)];
-    const Diagonals d(polygon.corners, face);
-    const double x = (d.n1 * d.y2 - d.n2 * d.y1) / d.area, y = (d.x1 * d.n2 - d.x2 * d.n1) / d.area;
-    double constant = kLarge;
-    for (int k = 0; k < face.count; ++k) {
-      const Corner& c = polygon.corners[face.corners[k]];
-      constant = std::min(constant, c.nearness - x * (c.x - area.column) - y * (c.y - area.row));
-    }
-    // By the corners' own error, and by that of the line above.
-    const double off =
-        reach + shift + kPlaceLost * (std::abs(left) + std::abs(right) + std::abs(bottom) + std::abs(top));
-    constant -= (std::abs(x) + std::abs(y)) * off;
-    constant -= 0x1p-21 * (std::abs(x) * columns + std::abs(y) * rows + std::abs(constant)) + 1e-36;
-    if (!(std::abs(x) < kLarge && std::abs(y) < kLarge && std::abs(constant) < kLarge)) {
-      area.plane_count = 0;
-      break;
-    }
-    area.planes[area.plane_count++] = {float(x), float(y), float(constant)};
-  }
-  if (area.plane_count == 0) area.planes[area.plane_count++] = {0.0f, 0.0f, area.least};
+  area.column = int(found.column()), area.row = int(found.first_row());
+  area.columns = int(found.columns()), area.rows = int(found.rows());
+  find_lines(found, std::span(sides).first(std::size_t(polygon.side_count)), area);
+  find_planes(found, polygon, area);
   occlusion_kernels().fill_area(area, image.nearness.data(), image.stride);
   return true;
 }
@@ -177,10 +130,6 @@ Polygon::Face all_of(std::span<const Corner> corners) {
   return {kInOrder, int(corners.size())};
 }
 
-int turn_of(std::span<const Corner> corners, const Polygon::Face& face) {
-  return Diagonals(corners, face).turn();
-}
-
 /// A convex polygon by itself. `turn`: its own.
 bool cover_polygon(OccluderImage& image, std::span<const Corner> corners, int turn, double shift) {
   const int count = int(corners.size());
@@ -191,16 +140,6 @@ bool cover_polygon(OccluderImage& image, std::span<const Corner> corners, int tu
   }
   polygon.add_face(all_of(corners));
   return cover(image, polygon, shift);
-}
-
-/// A convex polygon in front of the near plane, which may be bent along a diagonal. The placement must reach its
-/// corners.
-bool cover_polygon(OccluderImage& image, std::span<const dvec3> own, const Placement& placement) {
-  std::array<Corner, SolidFigure::kMostCorners> projected;
-  for (std::size_t i = 0; i < own.size(); ++i) projected[i] = placement.project(placement(own[i]));
-  const std::span<const Corner> corners = std::span(projected).first(own.size());
-  const int turn = turn_of(corners, all_of(corners));
-  return turn != 0 && cover_polygon(image, corners, turn, image.snap);
 }
 
 // --- occluders -------------------------------------------------------------------------------------------------------
@@ -336,11 +275,15 @@ dvec3 reach_of(std::span<const dvec3> points) {
   return reach;
 }
 
+/// A polygon of fewer corners has some of them twice: sides without length limit nothing. The diagonals remain.
 template <int kCorners>
 void append(std::span<const dvec3> corners, const dvec3& reach, PolygonBatch<kCorners>& batch) {
+  assert(corners.size() <= kCorners);
   const auto i = std::size_t(batch.count++);
-  for (std::size_t k = 0; k < kCorners; ++k)
-    batch.x[k][i] = corners[k].x, batch.y[k][i] = corners[k].y, batch.z[k][i] = corners[k].z;
+  for (std::size_t k = 0; k < kCorners; ++k) {
+    const dvec3& corner = corners[corners.size() * k / kCorners];
+    batch.x[k][i] = corner.x, batch.y[k][i] = corner.y, batch.z[k][i] = corner.z;
+  }
   for (int axis = 0; axis < 3; ++axis) batch.reach[axis][i] = reach[axis];
 }
 
@@ -498,10 +441,8 @@ bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<co
         covers |= add_solid(image_, cube(), figure.corners, placement, figure.growth);
       else if (figure.count == 4)
         quads.add(figure.polygon(), reach);
-      else if (figure.count == 8)
-        octagons.add(figure.polygon(), reach);
       else
-        covers |= cover_polygon(image_, figure.polygon(), placement);
+        octagons.add(figure.polygon(), reach);
     }
   }
   covers |= quads.finish();
