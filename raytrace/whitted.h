@@ -66,7 +66,7 @@ struct WhittedOptions {
 /// Renders the items of the tracer's snapshot as `view` shows them, its layers and section planes included, with filled
 /// cuts; lines are not seen. Opaque surfaces look as the renderer draws them. Transparent ones show what is
 /// behind them by their alpha, as the renderer's dithering does in the mean. Several threads may render at once. Fails
-/// as pixel_ray() does, for options out of range, and when cancelled.
+/// as core::image_ray() does, for options out of range, and when cancelled.
 SIGHTLINE_API core::Expected<WhittedPicture> render_whitted(const Tracer& tracer, const core::View& view, int width,
                                                             int height, const WhittedOptions& options = {});
 

@@ -2,7 +2,7 @@
 """Mutation testing: breaks one line of a file at a time and runs the tests, which should notice.
 
   scripts/mutate.sh core/joints.cpp                        mutants of one file, against the tests of core
-  scripts/mutate.sh --minutes 20 --seed 2 culling/*.cpp    a random choice of all of them
+  scripts/mutate.sh --minutes 20 --seed 2 culling/*/*.cpp  a random choice of all of them
   scripts/mutate.sh render/shaders/shading.glsl:27,30-32   those lines only
 
 Mutants: relations (< becomes <=), arithmetic (+ becomes -), logic (&& becomes ||), constants (one more, one less, zero,
