@@ -242,6 +242,14 @@ bool cover_cut(OccluderImage& image, const Prism& solid, const Placement& placem
   return covers;
 }
 
+/// Whether the near plane leaves a solid whole that is made `growth` times as large about the middle of its corners.
+bool all_in_front(const Placement& placement, std::span<const dvec3> corners, double growth) {
+  dvec3 middle(0.0);
+  for (const dvec3& p : corners) middle += p / double(corners.size());
+  return std::all_of(corners.begin(), corners.end(),
+                     [&](const dvec3& p) { return placement.in_front(placement(middle + growth * (p - middle))); });
+}
+
 /// `own`: the solid's corners. `growth`: see cover_cut().
 bool add_solid(OccluderImage& image, const Prism& solid, std::span<const dvec3> own, const Placement& placement,
                double growth = 1.0) {
@@ -257,7 +265,8 @@ bool add_solid(OccluderImage& image, const Prism& solid, std::span<const dvec3> 
   }
   if (!placement.whole(kept)) return false;
   const int turn = placement.handedness() > 0.0 ? -1 : 1;
-  if (in_front < all) return cover_cut(image, solid, placement, std::span(points).first(all), turn, growth);
+  if (in_front < all || (growth != 1.0 && !all_in_front(placement, own, growth)))
+    return cover_cut(image, solid, placement, std::span(points).first(all), turn, growth);
   std::array<Corner, 2 * Prism::kMostSides> corners;
   for (std::size_t i = 0; i < count; ++i) corners[i] = placement.project(points[i]);
   return cover_whole(image, solid, std::span(corners).first(count), turn);
@@ -438,7 +447,7 @@ bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<co
     for (const SolidFigure& figure : own) {
       if (!whole && !(figure.hexahedron && figure.growth > 0.0 && image_.perspective)) continue;
       if (figure.hexahedron)
-        covers |= add_solid(image_, cube(), figure.corners, placement, figure.growth);
+        covers |= add_solid(image_, cube(), figure.corners, placement, whole ? 1.0 : figure.growth);
       else if (figure.count == 4)
         quads.add(figure.polygon(), reach);
       else
