@@ -142,7 +142,7 @@ TEST(ContributionTest, SolidsLimitAreasAndMakeSquares) {
       std::vector<ContributionTest::SlotArea> areas, outlines;
       plain.areas(bounds, in, outlines);
       test.areas(bounds, in, areas);
-      std::vector<ContributionTest::Square> all, on_centres;
+      std::vector<ContributionTest::Square> all(1), on_centres(1);  // to be replaced
       test.squares(bounds, in, without, fixed, ContributionTest::SquareRule::kAll, all);
       test.squares(bounds, in, without, fixed, ContributionTest::SquareRule::kOnPixelCentres, on_centres);
       auto next = all.begin();
@@ -242,8 +242,14 @@ TEST(ContributionTest, FiltersSets) {
       return test.area(bounds.box(slot), slot < solids.size() ? solids[slot] : std::numeric_limits<float>::infinity());
     };
     const culling::Hierarchy hierarchy(bounds);
-    const float threshold = float(magnitude(random, 0.1, 1e4));
+    float threshold = float(magnitude(random, 0.1, 1e4));
+    // As large as an item, or so that hysteresis keeps one just so.
+    const float some_area = area_of(core::Slot(whole(random, 0, int(count) - 1)));
+    if (some_area > 0.0f && std::isfinite(some_area) && chance(random, 0.5))
+      threshold = chance(random, 0.5) ? some_area : some_area / ContributionTest::kHysteresis;
     core::VisibleSet in;
+    in.generation = seed;
+    in.counters.nodes_tested = 3;
     in.ranges = {{0, std::uint32_t(count / 2)}};
     for (std::uint32_t s = std::uint32_t(count / 2); s < count; ++s)
       if (!bounds.vacant(s) && chance(random, 0.7)) in.items.push_back(s);
@@ -260,15 +266,20 @@ TEST(ContributionTest, FiltersSets) {
       stayed += stays;
     }
     core::VisibleSet leaves;
+    std::vector<ContributionTest::SlotArea> areas;
+    std::size_t occupied = 0;
+    for (const core::Slot s : in.sorted_slots()) occupied += !bounds.vacant(s);
     for_each_instruction_set([&] {
       core::VisibleSet kept, both;
       test.filter(bounds, in, threshold, kept, before, exempt);
       ASSERT_EQ(kept.sorted_slots(), expected);
+      ASSERT_EQ(kept.generation, seed);
+      ASSERT_EQ(kept.counters.nodes_tested, 3u);
       test.filter_leaves(hierarchy, in, threshold, leaves, exempt);
       test.filter(bounds, leaves, threshold, both, before, exempt);
       ASSERT_EQ(both.sorted_slots(), expected);
-      std::vector<ContributionTest::SlotArea> areas;
       test.areas(bounds, in, areas);
+      ASSERT_EQ(areas.size(), occupied);
       for (const auto& [slot, area] : areas) ASSERT_EQ(area, area_of(slot));
     });
     left_out += in.count() - leaves.count();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -460,6 +461,119 @@ TEST(OccluderImage, HexahedraHideWhereWhatIsDrawnIsWhole) {
   EXPECT_EQ(tally.lost, 0u);
   EXPECT_EQ(cut.lost, 0u);
   EXPECT_GT(open, 50u);
+}
+
+/// A parallelogram in the picture.
+class FlatQuad {
+ public:
+  FlatQuad(const Camera& camera, const dvec3& middle, const dvec3& u, const dvec3& v)
+      : camera_(camera), polygon_{{middle - u - v, middle + u - v, middle + u + v, middle - u + v}} {
+    for (const dvec3& corner : polygon_.corners) {
+      const core::dvec4 clip = camera.view.clip_from_world() * core::dvec4(corner, 1.0);
+      places_.push_back(0.5 * core::dvec2(camera.width, camera.height) * (core::dvec2(clip) / clip.w + 1.0) - 0.5);
+      in_front_ &= glm::dot(corner - camera.view.eye(), camera.forward) > 0.1;
+    }
+    const core::dvec2 a = places_[2] - places_[0], b = places_[3] - places_[1];
+    in_front_ &= std::abs(a.x * b.y - a.y * b.x) > 1e-4 * glm::length(a) * glm::length(b);
+  }
+  /// Beyond the eye, and not edge-on.
+  bool in_front() const { return in_front_; }
+  const Polygon& polygon() const { return polygon_; }
+
+  /// Whether the square about a pixel centre touches the quad: no side of either parts them. The right side of the
+  /// square is left aside, as in the raster, whose rows begin where the quad's sides let them.
+  bool touches(int x, int y, double half) const {
+    std::vector<core::dvec2> normals{{0, 1}, {0, -1}, {-1, 0}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const core::dvec2 side = places_[(i + 1) % 4] - places_[i];
+      for (const double sign : {1.0, -1.0}) normals.push_back(sign * core::dvec2(-side.y, side.x));
+    }
+    return std::all_of(normals.begin(), normals.end(), [&](const core::dvec2& n) {
+      const double middle = n.x * x + n.y * y, size = half * (std::abs(n.x) + std::abs(n.y));
+      double least = kNever;
+      for (const core::dvec2& p : places_) least = std::min(least, glm::dot(n, p));
+      return least <= middle + size;
+    });
+  }
+  /// Greatest nearness of its plane in the square, and by how much float may miss it.
+  std::pair<double, double> nearest(int x, int y, double half) const {
+    const dvec3 normal =
+        glm::cross(polygon_.corners[1] - polygon_.corners[0], polygon_.corners[3] - polygon_.corners[0]);
+    double least = kNever, most = -kNever;
+    for (int i = 0; i < 4; ++i) {
+      const Ray ray = camera_.ray(x + (i & 1 ? half : -half), y + (i & 2 ? half : -half));
+      const double t = glm::dot(normal, polygon_.corners[0] - ray.at) / glm::dot(normal, ray.along);
+      const double near = camera_.view.orthographic() ? -t : 1.0 / t;
+      least = std::min(least, near), most = std::max(most, near);
+    }
+    return {most, 3e-6 * (std::abs(most) + (most - least) / half * (camera_.width + camera_.height))};
+  }
+
+ private:
+  const Camera& camera_;
+  Polygon polygon_;
+  std::vector<core::dvec2> places_;
+  bool in_front_ = true;
+};
+
+/// All pixels are open but those that a quad may touch. Where these hold what is nearer, the quad is hidden. It is seen
+/// where one of them, whose line of sight meets it, holds what is farther.
+TEST(OccluderImage, QuadsAreSeenThroughTheirPixelsAlone) {
+  std::size_t hidden = 0, seen_ones = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const Camera camera = random_camera(random);
+    const float snap = random_snap(random);
+    const double error = chance(random, 0.5) ? 0.0 : 0.01;
+    const Ray ray = camera.ray(uniform(random, -0.1, 1.1) * camera.width, uniform(random, -0.1, 1.1) * camera.height);
+    const double away = magnitude(random, 0.5, 30.0), size = away * magnitude(random, 0.01, 0.6);
+    dvec3 u = size * random_direction(random), v = size * magnitude(random, 0.05, 1.0) * random_direction(random);
+    if (chance(random, 0.2)) {  // sides along rows and columns
+      const core::dmat4 world_from_eye = glm::inverse(camera.view.eye_from_world());
+      u = size * dvec3(world_from_eye[0]), v = 0.5 * size * dvec3(world_from_eye[1]);
+    }
+    const FlatQuad quad(camera, ray.at + away * ray.along, u, v);
+    if (!quad.in_front()) continue;
+    culling::SolidFigure figure;
+    figure.count = 4;
+    figure.hexahedron = false;
+    for (std::size_t i = 0; i < 4; ++i) figure.corners[i] = quad.polygon().corners[i] - camera.view.eye();
+    OccluderRaster raster;
+    raster.begin(camera.view, camera.width, camera.height, snap);
+    std::vector<float> distances(std::size_t(camera.width) * std::size_t(camera.height), kNothing);
+    const auto seen = [&] {
+      DepthPyramid pyramid;
+      pyramid.build(distances, camera.width, camera.height);
+      std::vector<std::uint8_t> found;
+      raster.find_seen({&figure, 1}, pyramid, error, found);
+      return found == std::vector<std::uint8_t>{1};
+    };
+    const double half = 0.02 + double(snap);
+    std::vector<std::size_t> meeting;
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        if (!quad.touches(x, y, half)) continue;
+        const auto [nearest, off] = quad.nearest(x, y, half);
+        const double distance = camera.view.orthographic() ? -(nearest + off) : 1.0 / (nearest + off);
+        const auto pixel = std::size_t(y * camera.width + x);
+        distances[pixel] = float(distance - 1e-4 * std::abs(distance) - error - 1e-4);
+        if (quad.polygon().entry(camera.ray(x, y)).distance < kNever) meeting.push_back(pixel);
+      }
+    ASSERT_FALSE(seen());
+    ++hidden;
+    for (int i = 0; i < 3 && !meeting.empty(); ++i) {
+      const std::size_t pixel = meeting[std::size_t(whole(random, 0, int(meeting.size()) - 1))];
+      const double met =
+          quad.polygon().entry(camera.ray(int(pixel) % camera.width, int(pixel) / camera.width)).distance;
+      const float before = std::exchange(distances[pixel], float(met * (1.0 + 1e-6)));
+      ASSERT_TRUE(seen()) << "pixel " << pixel;
+      distances[pixel] = before;
+      ++seen_ones;
+    }
+  }
+  EXPECT_GT(hidden, 1500u);
+  EXPECT_GT(seen_ones, 3000u);
 }
 
 /// Boxes so long that rounding leaves open whether a face that is a hundredth of a pixel wide is seen. A line of sight
