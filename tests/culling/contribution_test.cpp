@@ -256,10 +256,10 @@ TEST(ContributionTest, FiltersSets) {
     std::vector<std::uint64_t> before(count / 64 + 1), exempt(count / 64 + 1);
     std::vector<core::Slot> expected;
     for (const core::Slot s : in.sorted_slots()) {
-      if (bounds.vacant(s)) continue;
       const bool was = chance(random, 0.3), spared = chance(random, 0.02);
       if (was) before[s / 64] |= std::uint64_t(1) << s % 64;
       if (spared) exempt[s / 64] |= std::uint64_t(1) << s % 64;
+      if (bounds.vacant(s)) continue;
       const float area = area_of(s);
       const bool stays = area < threshold && was && area >= ContributionTest::kHysteresis * threshold;
       if (area >= threshold || stays || spared) expected.push_back(s);

@@ -110,6 +110,31 @@ TEST(NearFirst, PartsAreTheSetFromNearToFar) {
   EXPECT_GT(most_parts, 8u);
 }
 
+/// A hundredth of the slots is one node, or a little more or less.
+TEST(NearFirst, PartsEndWhereTheirSharesDo) {
+  const std::size_t count = 120 * kNodeSlots;
+  core::ItemBounds bounds;
+  bounds.resize(count);
+  for (std::size_t i = 0; i < count; ++i)
+    bounds.set(i, {{0, float(i / kNodeSlots), 0}, {1, float(i / kNodeSlots) + 0.5f, 1}});
+  const culling::Hierarchy hierarchy(bounds);
+  culling::DepthPyramid pyramid;
+  pyramid.clear(8, 8);
+  const View view = *View::perspective({{0, -10, 0}, {0, 0, 0}, {0, 0, 1}}, 0.6, 1.0, 0.1);
+  const culling::OcclusionTest test(view, core::dvec3(0.0), 8, 8, pyramid);
+  culling::NearFirst near_first;
+  for (const std::uint32_t nodes : {1u, 99u, 100u, 101u})
+    for (const std::uint32_t more : {0u, 1u, 2u, kNodeSlots - 1}) {
+      SCOPED_TRACE(testing::Message() << nodes << " nodes and " << more << " slots");
+      VisibleSet set;
+      set.ranges = {{0, nodes * kNodeSlots + more}};
+      near_first.split(set, hierarchy, test);
+      const auto expected = expected_parts(set, bounds, false, test);
+      ASSERT_EQ(near_first.parts().size(), expected.size());
+      for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_EQ(near_first.parts()[i].sorted_slots(), expected[i]);
+    }
+}
+
 TEST(NearFirst, HasNoPartsOfNothing) {
   core::ItemBounds bounds;
   bounds.resize(3);

@@ -576,32 +576,29 @@ TEST(OccluderImage, QuadsAreSeenThroughTheirPixelsAlone) {
   EXPECT_GT(seen_ones, 3000u);
 }
 
-/// Boxes so long that rounding leaves open whether a face that is a hundredth of a pixel wide is seen. A line of sight
-/// through it enters far behind the plane of the front.
+/// Boxes so long that rounding leaves open whether a face at their end is seen: it is a ten thousandth of a pixel wide.
+/// A line of sight through it enters behind the plane of the front.
 TEST(OccluderImage, FacesThatMayBeSeenAreNeverInFront) {
+  constexpr int kSize = 16;
+  const Camera camera{*View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1), 0.1, kSize, kSize};
+  const double pixels_of_slope = 0.5 * kSize / std::tan(0.5);
   std::size_t met = 0, held = 0;
-  for (std::uint64_t seed = 1; seed <= 4000; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    constexpr int kSize = 32;
-    const View view = *View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
-    const Camera camera{view, 0.1, kSize, kSize};
-    // The edge of the front lies beside a pixel centre, or a little within.
-    const Ray ray = camera.ray(kSize / 2 + whole(random, 0, 3) + uniform(random, -0.02, 0.02), 16.0);
-    const double front = uniform(random, 1.0, 5.0), back = front * (1.0 + magnitude(random, 1e-3, 1e2));
-    const dvec3 edge = front * ray.along;
-    const double far = magnitude(random, 1e6, 1e11);
-    AabbD box{{edge.x, front, -1.0}, {far, back, 1.0}};
-    const dvec3 shift(uniform(random, 0.9, 1.0) * edge.x, 0.0, 0.0);  // the side faces the eye nearly edge-on
-    box.min.x -= shift.x;
-    Camera moved = camera;
-    moved.view = *View::perspective({{-shift.x, 0, 0}, {-shift.x, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
-    moved.world_from_clip = glm::inverse(moved.view.clip_from_world());
-    const auto image =
-        image_of(moved, random_snap(random), [&](OccluderRaster& raster) { return raster.add_box(box); });
+    // The end lies right of a pixel centre, or left of it.
+    const int column = kSize / 2 + whole(random, 0, 3);
+    const double off = magnitude(random, 1e-5, 1e-3), front = uniform(random, 0.5, 2.0);
+    const double wide = off * uniform(random, 1.0, 9.0), place = column + wide * uniform(random, -0.2, 1.2);
+    const double to_axis = place - 0.5 * (kSize - 1), far = off * front * 0x1p44 / pixels_of_slope;
+    const double sign = chance(random, 0.5) ? 1.0 : -1.0, end = front * to_axis / pixels_of_slope;
+    AabbD box{{end, front, -1.0}, {far, front * to_axis / (to_axis - wide), 1.0}};
+    if (sign < 0.0) box = {{-box.max.x, box.min.y, -1.0}, {-box.min.x, box.max.y, 1.0}};
+    const auto image = image_of(camera, chance(random, 0.8) ? 0.0f : culling::kCoarsestSnap,
+                                [&](OccluderRaster& raster) { return raster.add_box(box); });
     for (int y = 0; y < kSize; ++y)
       for (int x = 0; x < kSize; ++x) {
-        const Ray sight = moved.ray(x, y);
+        const Ray sight = camera.ray(x, y);
         double first = 0.0, last = kNever;
         for (int i = 0; i < 3; ++i) {
           const double a = (box.min[i] - sight.at[i]) / sight.along[i], b = (box.max[i] - sight.at[i]) / sight.along[i];
@@ -614,6 +611,135 @@ TEST(OccluderImage, FacesThatMayBeSeenAreNeverInFront) {
       }
   }
   EXPECT_GT(held, met / 2);
+}
+
+/// Long quads that are nearly level, of which the picture shows a part in the middle, as occluders and in front.
+TEST(OccluderImage, LongSidesAreWhereTheyAre) {
+  std::size_t held = 0, must = 0;
+  for (std::uint64_t seed = 1; seed <= 500; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const int width = whole(random, 1, 60), height = whole(random, 4, 40);
+    const View view = *View::orthographic({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, height, double(width) / height, -1.0, 9.0);
+    // At this column of pixel centres, sides are at these rows.
+    const double column = uniform(random, 0.0, width - 1.0), low = uniform(random, 0.0, 0.5 * height);
+    const double high = low + uniform(random, 1.0, 0.5 * height), far = magnitude(random, 1e3, 1e6);
+    const double slope = uniform(random, -0.9, 0.9) * 0x1p-20;
+    std::array<dvec3, 4> corners{dvec3(-far, 5, low), {far, 5, low}, {far, 5, high}, {-far, 5, high}};
+    for (dvec3& p : corners) {
+      p.z += slope * (p.x - column) - 0.5 * (height - 1);
+      p.x -= 0.5 * (width - 1);
+    }
+    culling::SolidFigure figure;
+    figure.count = 4;
+    figure.hexahedron = false;
+    std::copy(corners.begin(), corners.end(), figure.corners.begin());
+    const culling::WholeSolid solid{{{-2 * far, 4, -1e3}, {2 * far, 6, 1e3}}, 1};
+    OccluderRaster raster;
+    raster.begin(view, width, height, 0.0f);
+    raster.add_within({&solid, 1}, {&figure, 1});
+    std::vector<float> image(std::size_t(width) * std::size_t(height)), open(image.size(), kNothing);
+    raster.distances(image);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const auto pixel = std::size_t(y * width + x);
+        const double above = y - low - slope * (x - column), below = high + slope * (x - column) - y;
+        if (std::min(above, below) > kWindow) {
+          ASSERT_LT(image[pixel], kNothing) << "pixel " << x << " " << y;
+          ++must;
+        } else if (std::min(above, below) < -kWindow) {
+          ASSERT_EQ(image[pixel], kNothing) << "pixel " << x << " " << y;
+          open[pixel] = kNothing;
+          continue;
+        }
+        held += image[pixel] < kNothing;
+        open[pixel] = 1.0f;
+      }
+    const auto seen = [&] {
+      DepthPyramid pyramid;
+      pyramid.build(open, width, height);
+      std::vector<std::uint8_t> found;
+      raster.find_seen({&figure, 1}, pyramid, 0.0, found);
+      return found[0] == 1;
+    };
+    const bool above_edge = std::min(std::abs(low - std::round(low)), std::abs(high - std::round(high))) > 0.03;
+    if (above_edge) {
+      ASSERT_FALSE(seen());
+    }
+    for (std::size_t pixel = 0; pixel < open.size(); ++pixel) {
+      if (open[pixel] == kNothing || !(image[pixel] < kNothing)) continue;
+      open[pixel] = kNothing;
+      ASSERT_TRUE(seen()) << "pixel " << pixel;
+      break;
+    }
+  }
+  EXPECT_GT(must, 20'000u);
+  EXPECT_LE(held, must * 101 / 100);
+}
+
+/// By the solid angle of the faces towards the eye, or their projected areas: what hides most is added first.
+TEST(OccluderImage, LargestOfBoxesBesideEachOther) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const bool parallel = chance(random, 0.5);
+    const dvec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const dvec3 along = axes[seed % 3], right = axes[(seed + 1) % 3], up = axes[(seed + 2) % 3];
+    const core::Pose pose{{0, 0, 0}, along, up};
+    const Camera camera{
+        parallel ? *View::orthographic(pose, 20.0, 1.0, 0.1, 100.0) : *View::perspective(pose, 1.2, 1.0, 0.1), 0.1, 32,
+        32};
+    // Thin plates that face the eye, each in its own tile, so that one that is twice as wide and high looks larger.
+    // Behind them deep beams with a small end, of more volume.
+    std::vector<AabbD> boxes;
+    std::vector<std::pair<double, std::size_t>> order;
+    for (int i = 0; i < 9; ++i) {
+      const double half = 0.02 * std::pow(1.35, double((i * 4) % 9)) * 4.0, deep = i % 2 == 0 ? 0.01 : 1.0;
+      const dvec3 middle = 10.0 * along + 3.0 * (i % 3 - 1) * right + 3.0 * (i / 3 - 1) * up;
+      AabbD box;
+      for (const double s : {-1.0, 1.0})
+        box.grow(middle + s * (half * right + half * up) + (0.5 * s + 0.5) * deep * along);
+      order.emplace_back(-half, boxes.size());
+      boxes.push_back(box);
+    }
+    std::sort(order.begin(), order.end());
+    for (std::size_t count = 1; count <= 4; ++count) {
+      const auto largest =
+          image_of(camera, 0.0f, [&](OccluderRaster& raster) { return raster.add_largest(boxes, count) > 0; });
+      const auto expected = image_of(camera, 0.0f, [&](OccluderRaster& raster) {
+        for (std::size_t i = 0; i < count; ++i) raster.add_box(boxes[order[i].second]);
+        return true;
+      });
+      ASSERT_EQ(largest, expected) << count;
+    }
+  }
+}
+
+/// Nothing is known where distances do not grow with the projection's w.
+TEST(OccluderImage, ViewsThatCannotBeJudgedHideNothing) {
+  const View view = *View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
+  const View combined = *View::from_matrices(core::dmat4(1.0), view.clip_from_world(), view.clip_depth());
+  const auto backwards = View::from_matrices(view.eye_from_world(), -0.5 * view.clip_from_eye(), view.clip_depth());
+  culling::SolidFigure figure;
+  figure.count = 4;
+  figure.hexahedron = false;
+  const dvec3 corners[] = {{-1, 5, -1}, {1, 5, -1}, {1, 5, 1}, {-1, 5, 1}};
+  std::copy_n(corners, 4, figure.corners.begin());
+  const culling::WholeSolid solid{{{-2, 4, -2}, {2, 6, 2}}, 1};
+  DepthPyramid pyramid;
+  pyramid.build(std::vector<float>(64, 1.0f), 8, 8);
+  for (const View* bad : {&combined, backwards ? &*backwards : &combined}) {
+    OccluderRaster raster;
+    raster.begin(*bad, 8, 8);
+    EXPECT_FALSE(raster.add_box(AabbD{{-1, 5, -1}, {1, 7, 1}}));
+    EXPECT_FALSE(raster.add_within({&solid, 1}, {&figure, 1}));
+    std::vector<std::uint8_t> seen;
+    raster.find_seen({&figure, 1}, pyramid, 0.0, seen);
+    EXPECT_EQ(seen, std::vector<std::uint8_t>{1});
+    std::vector<float> distances(64);
+    raster.distances(distances);
+    ASSERT_NO_FATAL_FAILURE(expect_nothing(distances));
+  }
 }
 
 }  // namespace

@@ -54,6 +54,23 @@ TEST(DepthPyramid, BlocksHoldTheFarthestOfTheirPixels) {
   }
 }
 
+TEST(DepthPyramid, HoldsNothingWhenCleared) {
+  DepthPyramid pyramid;
+  const auto expect_cleared = [&] {
+    pyramid.clear(70, 33);
+    ASSERT_EQ(pyramid.width(), 70);
+    ASSERT_EQ(pyramid.height(), 33);
+    for (int level = 0; level < pyramid.level_count(); ++level)
+      for (int y = 0; y <= 32 >> level; ++y)
+        for (int x = 0; x <= 69 >> level; ++x) ASSERT_EQ(pyramid.row(level, y)[x], kNothing);
+  };
+  expect_cleared();
+  pyramid.build(std::vector<float>(70 * 33, 1.0f), 70, 33);
+  expect_cleared();
+  pyramid.build(std::vector<float>(64, 1.0f), 8, 8);
+  expect_cleared();
+}
+
 /// Never nearer than the pixels themselves; the same wherever the rectangle is that of whole blocks.
 TEST(DepthPyramid, AnswersForItsPixels) {
   std::size_t nearer = 0, lost = 0;

@@ -287,8 +287,13 @@ TEST(RegionQuery, BoxesTrianglesAndSpheresAreExact) {
         continue;
       }
       const core::Box box{length(), length(), length()};
+      core::Mesh triangle;
+      for (int k = 0; k < 3; ++k) triangle.positions.emplace_back(double(box.size_x) * point(random, 1.0));
+      triangle.indices = {0, 1, 2};
       if (i % 3 == 1)
         world.scene.add_primitive(world.scene.root(), box, placed);
+      else if (i % 6 == 2)
+        world.scene.add_mesh_instance(world.scene.root(), *world.scene.add_mesh(triangle), placed);
       else
         world.scene.add_mesh_instance(world.scene.root(), *world.scene.add_mesh(mesh_of(box)), placed);
     }
@@ -398,8 +403,10 @@ TEST(RegionQuery, RefusesBadRectangles) {
   EXPECT_TRUE(rectangle_view(view, 10, 10, 5, 5, 5, 5));
   EXPECT_TRUE(rectangle_view(view, 1, 1, 0, 0, 1, 1));
   for (const int bad : {0, -1}) {
-    EXPECT_FALSE(rectangle_view(view, bad, 10, 0, 0, 1, 1));
-    EXPECT_FALSE(rectangle_view(view, 10, bad, 0, 0, 1, 1));
+    const auto narrow = rectangle_view(view, bad, 10, 0, 0, 1, 1), low = rectangle_view(view, 10, bad, 0, 0, 1, 1);
+    ASSERT_FALSE(narrow || low);
+    EXPECT_NE(narrow.error().message.find("rectangle"), std::string::npos);
+    EXPECT_NE(low.error().message.find("rectangle"), std::string::npos);
   }
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
     EXPECT_FALSE(rectangle_view(view, 10, 10, bad, 0, 1, 1));
