@@ -6,9 +6,10 @@
   scripts/mutate.sh render/shaders/shading.glsl:27,30-32   those lines only
 
 Mutants: relations (< becomes <=), arithmetic (+ becomes -), logic (&& becomes ||), constants (one more, one less, zero,
-the other sign), negated conditions, dropped statements. One that does not compile does not count; one whose tests take
-five times as long as the tests of the unbroken tree is killed. Everything happens in a copy of the tree,
-build/mutants, which stays for the next run; the tree itself is never touched.
+the other sign), negated conditions, dropped statements. Asserts are no part of a release build and stay as they are. One
+that does not compile does not count; one whose tests take five times as long as the tests of the unbroken tree is
+killed. Everything happens in a copy of the tree, build/mutants, which stays for the next run; the tree itself is never
+touched.
 """
 import argparse
 import difflib
@@ -37,7 +38,8 @@ CONDITION = re.compile(r"\b(?:if|while) \(")
 
 
 def code_of(line):
-    """The line with the insides of strings and its comment blanked, at the same columns."""
+    """The line with the insides of strings, alignments and its comment blanked, at the same columns."""
+    line = re.sub(r"alignas\(\d+\)", lambda m: "_" * len(m.group()), line)
     line = re.sub(r'"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])\'', lambda m: "_" * len(m.group()), line)
     return re.sub(r"//.*", lambda m: " " * len(m.group()), line)
 
@@ -69,7 +71,7 @@ def mutants_of(lines, chosen):
         if comment or text.startswith("/*"):
             comment = "*/" not in text
             continue
-        if (chosen and i + 1 not in chosen) or re.match(r"$|#|namespace|template|static_assert|layout", text):
+        if (chosen and i + 1 not in chosen) or re.match(r"$|#|namespace|template|static_assert|assert\(|layout", text):
             continue
         for old, replacements in SWAPS.items():
             for at in [m.start() for m in re.finditer(re.escape(old), code)]:
