@@ -222,6 +222,21 @@ Affine random_place(Random& random, const Camera& camera, double size) {
   return place;
 }
 
+/// With its axes along the camera's, so that faces are seen edge-on: in perspective views one whose plane holds the
+/// eye.
+Affine aligned_place(Random& random, const Camera& camera) {
+  const dmat3 eye_from_world(camera.view.eye_from_world());
+  Affine place{glm::transpose(eye_from_world), camera.view.eye()};
+  dvec3 middle(uniform(random, -2.0, 2.0), uniform(random, -2.0, 2.0), -camera.near - uniform(random, 2.0, 9.0));
+  for (int i = 0; i < 3; ++i) {
+    const double half = uniform(random, 0.2, 1.5);
+    if (i == whole(random, 0, 1)) middle[i] = chance(random, 0.5) ? half : -half;
+    place.origin += middle[i] * place.linear[i];
+    place.linear[i] *= half;
+  }
+  return place;
+}
+
 void add_some_sections(Random& random, const Affine& place, View& view) {
   if (chance(random, 0.7)) return;
   view.section_mode = chance(random, 0.5) ? core::SectionMode::kUnion : core::SectionMode::kIntersection;
@@ -244,10 +259,11 @@ TEST(OccluderImage, SolidsHoldNeitherMoreNorLess) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     Camera camera = random_camera(random);
-    const float snap = random_snap(random);
-    const bool cube = chance(random, 0.5);
+    const bool cube = chance(random, 0.5), aligned = cube && chance(random, 0.3);
     const int sides = cube ? 4 : whole(random, 3, 16);
-    const Affine place = random_place(random, camera, 2.0);
+    const Affine place = aligned ? aligned_place(random, camera) : random_place(random, camera, 2.0);
+    // Without a snap rounding leaves open whether an outline hides a face that is seen edge-on.
+    const float snap = aligned ? culling::kCoarsestSnap : random_snap(random);
     add_some_sections(random, place, camera.view);
     const Solid solid = prism_of(place, sides, cube);
     std::vector<dvec3> points = solid.corners, bulges;
@@ -574,43 +590,6 @@ TEST(OccluderImage, QuadsAreSeenThroughTheirPixelsAlone) {
   }
   EXPECT_GT(hidden, 1500u);
   EXPECT_GT(seen_ones, 3000u);
-}
-
-/// Boxes so long that rounding leaves open whether a face at their end is seen: it is a ten thousandth of a pixel wide.
-/// A line of sight through it enters behind the plane of the front.
-TEST(OccluderImage, FacesThatMayBeSeenAreNeverInFront) {
-  constexpr int kSize = 16;
-  const Camera camera{*View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1), 0.1, kSize, kSize};
-  const double pixels_of_slope = 0.5 * kSize / std::tan(0.5);
-  std::size_t met = 0, held = 0;
-  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Random random(seed);
-    // The end lies right of a pixel centre, or left of it.
-    const int column = kSize / 2 + whole(random, 0, 3);
-    const double off = magnitude(random, 1e-5, 1e-3), front = uniform(random, 0.5, 2.0);
-    const double wide = off * uniform(random, 1.0, 9.0), place = column + wide * uniform(random, -0.2, 1.2);
-    const double to_axis = place - 0.5 * (kSize - 1), far = off * front * 0x1p44 / pixels_of_slope;
-    const double sign = chance(random, 0.5) ? 1.0 : -1.0, end = front * to_axis / pixels_of_slope;
-    AabbD box{{end, front, -1.0}, {far, front * to_axis / (to_axis - wide), 1.0}};
-    if (sign < 0.0) box = {{-box.max.x, box.min.y, -1.0}, {-box.min.x, box.max.y, 1.0}};
-    const auto image = image_of(camera, chance(random, 0.8) ? 0.0f : culling::kCoarsestSnap,
-                                [&](OccluderRaster& raster) { return raster.add_box(box); });
-    for (int y = 0; y < kSize; ++y)
-      for (int x = 0; x < kSize; ++x) {
-        const Ray sight = camera.ray(x, y);
-        double first = 0.0, last = kNever;
-        for (int i = 0; i < 3; ++i) {
-          const double a = (box.min[i] - sight.at[i]) / sight.along[i], b = (box.max[i] - sight.at[i]) / sight.along[i];
-          first = std::max(first, std::min(a, b)), last = std::min(last, std::max(a, b));
-        }
-        const double exact = first < last ? first : kNever;
-        const float found = image[std::size_t(y * kSize + x)];
-        met += exact < kNever, held += found < kNothing;
-        ASSERT_GE(found, exact * (1.0 - 1e-7)) << "pixel " << x << " " << y;
-      }
-  }
-  EXPECT_GT(held, met / 2);
 }
 
 /// Long quads that are nearly level, of which the picture shows a part in the middle, as occluders and in front.
