@@ -102,25 +102,17 @@ without() {
 # turn, of those with files that changed in the last 50 commits.
 run_mutants() {
   local folders folder files
-<<<<<<< HEAD
+  mapfile -t files < <(git ls-files culling | grep -E "/($quiet_files)$")
+  scripts/mutate.sh --minutes 2 --seed "$(git rev-list --count HEAD)" --targets culling_tests --tests '^culling\.' "${files[@]}" ||
+    echo "mutants: could not be tried"
   mapfile -t folders < <(changed_files | xargs -r dirname | sort -u)
   [ ${#folders[@]} -gt 0 ] || { echo "no library file changed in the last 50 commits"; return; }
   folder=${folders[$(($(git rev-list --count HEAD) / 8 % ${#folders[@]}))]}
   mapfile -t files < <(changed_files | grep "^$folder/[^/]*$")
-  scripts/mutate.sh --minutes 3 --seed "$(git rev-list --count HEAD)" "${files[@]}" || echo "mutants: could not be tried"
-=======
-  mapfile -t files < <(git ls-files culling | grep -E "/($quiet_files)$")
-  scripts/mutate.sh --minutes 2 --seed "$(git rev-list --count HEAD)" --targets culling_tests --tests '^culling\.' "${files[@]}" ||
-    echo "mutants: could not be tried"
-  mapfile -t folders < <(changed_files | cut -d/ -f1 | sort -u)
-  [ ${#folders[@]} -gt 0 ] || { echo "no library file changed in the last 50 commits"; return; }
-  folder=${folders[$(($(git rev-list --count HEAD) / 8 % ${#folders[@]}))]}
-  mapfile -t files < <(changed_files | grep "^$folder/")
   scripts/mutate.sh --minutes 2 --seed "$(git rev-list --count HEAD)" "${files[@]}" || echo "mutants: could not be tried"
->>>>>>> ee113c9 (scripts: Try mutants of occlusion culling every night, and none of asserts)
 }
 # By name alone, wherever they lie in culling/.
-quiet_files='solid_figures.cpp|occluder_raster.cpp|occlusion.cpp|occlusion.h|cover_polygons.h|small_boxes.h|near_first.cpp|region_query.cpp|contribution.cpp|cull_states.cpp'
+quiet_files='solid_figures.cpp|occluder_raster.cpp|occlusion_test.cpp|depth_test.cpp|depth_test.h|depth_pyramid.cpp|cover_polygons.h|small_boxes.h|near_first.cpp|region_query.cpp|contribution.cpp|cull_states.cpp'
 changed_files() {
   local since
   since=$(git rev-list --max-count=51 HEAD | tail -1)

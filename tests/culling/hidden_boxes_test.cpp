@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes.h"
-#include "sightline/culling/occlusion.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 
 namespace sightline::tests::hidden_boxes_test {
 namespace {

@@ -1,10 +1,5 @@
-<<<<<<< HEAD
-// Parts of a set from near to far: nothing is lost, and no part begins before an earlier one's last node.
-#include "sightline/culling/occlusion/internal/near_first.h"
-=======
 // Parts of a set from near to far, against parts made of the sorted nodes one by one.
-#include "sightline/culling/internal/near_first.h"
->>>>>>> f84e146 (tests: Pin regions, parts from near to far and fronts' pixels by brute force)
+#include "sightline/culling/occlusion/internal/near_first.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "scenes.h"
-#include "sightline/culling/internal/solid_figures.h"
-#include "sightline/culling/occluder_raster.h"
+#include "sightline/culling/occlusion/internal/solid_figures.h"
+#include "sightline/culling/occlusion/occluder_raster.h"
 
 namespace sightline::tests::occluder_image_test {
 namespace {

@@ -1,7 +1,7 @@
 // The figures within solids and the quads in front of them against the solids themselves. A figure lies within its
 // solid by the margins asked for, and its corners by hardly more. Each line of sight to a solid crosses a quad in front
 // of it, and hardly any other does.
-#include "sightline/culling/internal/solid_figures.h"
+#include "sightline/culling/occlusion/internal/solid_figures.h"
 
 #include <algorithm>
 #include <cmath>
