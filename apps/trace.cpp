@@ -8,6 +8,7 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/view_options.h"
+#include "sightline/core/image_rays.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/whitted.h"

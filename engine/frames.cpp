@@ -119,7 +119,8 @@ core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, Fr
 culling::FrameSample describe_walk(const EngineState& s) {
   culling::FrameSample walk;
   const auto* culler = std::get_if<culling::CpuCuller>(s.live.culler.get());
-  if (culler && s.config.controller.policy == culling::Policy::k2009) culler->describe(s.visible.counters, walk);
+  if (culler && s.config.controller.policy == culling::Policy::k2009)
+    describe(culler->hierarchy(), s.visible.counters, walk);
   return walk;
 }
 

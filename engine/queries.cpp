@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sightline/core/image_rays.h"
 #include "sightline/engine/internal/engine_state.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/engine/pick.h"

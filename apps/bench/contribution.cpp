@@ -5,9 +5,8 @@
 // has an error, too, which no rule need go below.
 //
 // Rules:
-//   solid     the engine's: area of the solid, at most of its box (culling/contribution.h), and the three ways of
-//   drawing
-//             what is below the threshold
+//   solid     the engine's: area of the solid, at most of its box (culling/occlusion/contribution.h), and the
+//             three ways of drawing what is below the threshold
 //   box       projected area of the bounding box alone
 //   osg       OpenSceneGraph 3.6, CullingSet::isCulled(BoundingSphere) and computePixelSizeVector(): the sphere's size
 //             in pixels, by default 2

@@ -14,6 +14,7 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/culling/hybrid/frame_sample.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::bench::controller_bench {
@@ -71,7 +72,7 @@ std::vector<apps::TraceFrame> record(std::span<const core::View> views, std::siz
     apps::TraceFrame f{};
     f.visible = visible;
     culling::FrameSample walk;
-    culler.describe(set.counters, walk);
+    describe(culler.hierarchy(), set.counters, walk);
     f.tested = walk.tested, f.nodes = walk.nodes, f.intersections = walk.intersections, f.height = walk.height;
     f.cpu_cull_ms = times[i];
     f.gpu_cull_ms = cull * random.around_one(gpu.noise);
