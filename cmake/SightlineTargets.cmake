@@ -24,8 +24,9 @@ function(sightline_include_root result name folder)
   set(${result} ${root} PARENT_SCOPE)
 endfunction()
 
-# Include roots of the folders of programs: sightline_apps_headers and so on.
-foreach(folder apps tests)
+# Include roots of folders without a library: sightline_apps_headers and so on. Builds without GL have no library gl, and
+# read from its folder the value of a framebuffer that they refuse to draw into.
+foreach(folder apps gl tests)
   sightline_include_root(root ${folder} ${folder})
   add_library(sightline_${folder}_headers INTERFACE)
   target_include_directories(sightline_${folder}_headers INTERFACE ${root})

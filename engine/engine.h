@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "sightline/core/api.h"
-#include "sightline/core/external_target.h"
 #include "sightline/core/ray.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
@@ -31,6 +30,7 @@
 
 namespace sightline::gl {
 class Context;
+struct ExternalTarget;
 enum class ContextPlatform : std::uint8_t;
 }  // namespace sightline::gl
 namespace sightline::gpuprims {
@@ -212,7 +212,7 @@ struct FrameInput {
   /// EngineConfig::hidden_colour what the tests after the culler leave out. So one can look at culling from the side.
   /// Null, or a view that shows the same (core::same_picture): culls by `view`.
   const core::View* cull_view = nullptr;
-  const core::ExternalTarget* target = nullptr;  ///< a framebuffer that gets the image, too; null: none
+  const gl::ExternalTarget* target = nullptr;  ///< a framebuffer that gets the image, too; null: none
 };
 
 struct EngineState;
@@ -239,7 +239,7 @@ class SIGHTLINE_API Engine {
   core::Expected<FrameReport> frame(const core::View& view);
   /// The same with a culling view or a target, or both: see FrameInput and the next function.
   core::Expected<FrameReport> frame(const FrameInput& input);
-  /// As frame(view), and puts the picture into a framebuffer of the application's context (core/external_target.h),
+  /// As frame(view), and puts the picture into a framebuffer of the application's context (gl/external_target.h),
   /// with the depth test, in the order of GL's commands: what the application draws there before and after hides, and
   /// is hidden by, what the scene shows. The picture gets the target's size. Several engines, views and framebuffers
   /// may take turns: see use_picture(). Items with transparent materials are dithered, so
@@ -248,13 +248,13 @@ class SIGHTLINE_API Engine {
   ///
   /// Fails without EngineConfig::draw and EngineConfig::context, on sizes that the context does not support, and on
   /// framebuffers that GL does not draw to. Then nothing is drawn there. Nothing is drawn while the context is lost.
-  core::Expected<FrameReport> frame(const core::View& view, const core::ExternalTarget& target);
+  core::Expected<FrameReport> frame(const core::View& view, const gl::ExternalTarget& target);
   /// The same for several views at one time, such as the two eyes of a headset: view i goes into target i, which may be
   /// a layer of a texture, and has picture i of use_picture(). EngineConfig::budget_ms is for all of them together.
   /// Needs as many targets as views. Where one fails, those before it are drawn. Which picture is in use does not
   /// change.
   core::Expected<std::vector<FrameReport>> frame(std::span<const core::View> views,
-                                                 std::span<const core::ExternalTarget> targets);
+                                                 std::span<const gl::ExternalTarget> targets);
   /// Shows another one of the engine's pictures from now on; each has a number of the application's, at first 0.
   /// Frames, read_colour() and the like, resize(), loss() and draw_outline() are about the picture in use. One for each
   /// view keeps what the engine learns from frame to frame: its size, a budget's unfinished picture, what was large or
@@ -271,7 +271,7 @@ class SIGHTLINE_API Engine {
   /// Fails as frame(view, target), on another size, and with an item that is unknown as of the last commit(). Then, and
   /// while the context is lost, nothing is drawn.
   core::Expected<void> draw_outline(const core::View& view, std::span<const core::ItemId> items,
-                                    const core::ExternalTarget& target);
+                                    const gl::ExternalTarget& target);
   /// What the last frame() has left out by EngineConfig::contribution and budget_ms, `view` being the one that it drew;
   /// nothing without these. Squares drawn instead count as left out. The pixels are the sum of the items' areas as
   /// culling/occlusion/contribution.h measures them, so they are too many where items overlap or hide each other, or

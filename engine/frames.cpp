@@ -4,6 +4,7 @@
 
 #include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/engine_state.h"
+#include "sightline/gl/external_target.h"
 
 namespace sightline::engine {
 namespace {
@@ -17,7 +18,7 @@ struct FrameTask {
   const core::View& cull_view() const { return input.cull_view ? *input.cull_view : input.view; }
 };
 
-core::Expected<void> fit_target(EngineState& s, const core::ExternalTarget& target) {
+core::Expected<void> fit_target(EngineState& s, const gl::ExternalTarget& target) {
   if (!s.config.draw || !s.config.context)
     return core::fail(
         "engine: an external target needs EngineConfig::draw and the application's EngineConfig::context");
@@ -150,7 +151,7 @@ core::Expected<FrameReport> Engine::frame(const core::View& view) {
   return frame(FrameInput{view});
 }
 
-core::Expected<FrameReport> Engine::frame(const core::View& view, const core::ExternalTarget& target) {
+core::Expected<FrameReport> Engine::frame(const core::View& view, const gl::ExternalTarget& target) {
   return frame(FrameInput{.view = view, .target = &target});
 }
 
@@ -159,7 +160,7 @@ core::Expected<FrameReport> Engine::frame(const FrameInput& input) {
 }
 
 core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::View> views,
-                                                       std::span<const core::ExternalTarget> targets) {
+                                                       std::span<const gl::ExternalTarget> targets) {
   EngineState& s = *state_;
   if (views.size() != targets.size())
     return core::fail("engine: expected as many targets as views, found " + std::to_string(targets.size()) + " for " +

@@ -47,7 +47,7 @@ core::Expected<std::uint32_t> Engine::framebuffer() {
 }
 
 core::Expected<void> Engine::draw_outline(const core::View& view, std::span<const core::ItemId> items,
-                                          const core::ExternalTarget& target) {
+                                          const gl::ExternalTarget& target) {
   if (!config().draw || !config().context)
     return core::fail("engine: an outline needs EngineConfig::draw and the application's EngineConfig::context");
   if (target.width != config().width || target.height != config().height)

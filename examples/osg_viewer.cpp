@@ -14,6 +14,7 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/importers/import.h"
 #include "sightline/render/image/image.h"
 
@@ -59,7 +60,7 @@ class Model : public osg::Camera::DrawCallback {
         matrix_of(camera.getViewMatrix()), matrix_of(camera.getProjectionMatrix()), core::ClipDepth::kMinusOneToOne);
     if (!view) return tl::unexpected(view.error());
     const osg::Viewport& viewport = *camera.getViewport();
-    core::ExternalTarget target;
+    gl::ExternalTarget target;
     target.x = int(viewport.x());
     target.y = int(viewport.y());
     target.width = int(viewport.width());
@@ -68,7 +69,7 @@ class Model : public osg::Camera::DrawCallback {
     return out_ ? save(target) : core::Expected<void>();
   }
 
-  core::Expected<void> save(const core::ExternalTarget& target) const {
+  core::Expected<void> save(const gl::ExternalTarget& target) const {
     const std::size_t row = std::size_t(3 * target.width), rows = std::size_t(target.height);
     image::Image picture{target.width, target.height, std::vector<std::uint8_t>(row * rows)};
     std::vector<std::uint8_t> pixels(row * rows);

@@ -11,6 +11,7 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/gl/functions.h"
 #include "sightline/importers/import.h"
 #include "sightline/render/image/image.h"
@@ -114,7 +115,7 @@ int show(GLFWwindow* window, core::Scene& scene, const char* out) {
 
     auto view = core::View::from_matrices(eye_from_world, clip_from_eye, core::ClipDepth::kMinusOneToOne);
     if (!view) return complain(view.error().message);
-    core::ExternalTarget target;  // the window's framebuffer and OpenGL's classic depths
+    gl::ExternalTarget target;  // the window's framebuffer and OpenGL's classic depths
     target.width = width;
     target.height = height;
     const auto report = engine->frame(*view, target);

@@ -14,6 +14,7 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/importers/import.h"
 
 using namespace sightline;
@@ -47,7 +48,7 @@ class ModelWidget : public QOpenGLWidget {
 
   void paintGL() override {
     if (!engine_) return;
-    core::ExternalTarget target;
+    gl::ExternalTarget target;
     target.framebuffer = defaultFramebufferObject();
     target.width = int(std::lround(width() * devicePixelRatio()));
     target.height = int(std::lround(height() * devicePixelRatio()));

@@ -22,6 +22,7 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/gl/functions.h"
 #include "sightline/importers/import.h"
 
@@ -81,7 +82,7 @@ class Model {
                                                 matrix_of(camera.GetProjectionTransformMatrix(aspect, -1.0, 1.0)),
                                                 core::ClipDepth::kMinusOneToOne);
     if (!view) return tl::unexpected(view.error());
-    core::ExternalTarget target;
+    gl::ExternalTarget target;
     target.framebuffer = std::uint32_t(framebuffer);
     target.x = viewport[0];
     target.y = viewport[1];

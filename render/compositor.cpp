@@ -11,7 +11,7 @@ namespace {
 
 constexpr GLint kWindowDepthsUniform = 1;
 
-core::Expected<void> check(const gl::Functions& gl, const core::ExternalTarget& to) {
+core::Expected<void> check(const gl::Functions& gl, const gl::ExternalTarget& to) {
   const auto depth = [](double d) { return d >= 0.0 && d <= 1.0; };
   if (!depth(to.near_depth) || !depth(to.far_depth) || to.near_depth == to.far_depth)
     return core::fail("external target: expected two different depths between 0 and 1 at the near and far plane");
@@ -30,7 +30,7 @@ core::Expected<void> check(const gl::Functions& gl, const core::ExternalTarget& 
 
 }  // namespace
 
-void Compositor::clear(const core::ExternalTarget& to, const std::array<float, 3>& background) const {
+void Compositor::clear(const gl::ExternalTarget& to, const std::array<float, 3>& background) const {
   const gl::Functions& gl = *gl_;
   gl::reset_pipeline_state(gl);
   gl.Disable(GL_FRAMEBUFFER_SRGB);
@@ -46,7 +46,7 @@ void Compositor::clear(const core::ExternalTarget& to, const std::array<float, 3
   if (to.clear_depth) gl.ClearNamedFramebufferfv(to.framebuffer, GL_DEPTH, 0, &far_depth);
 }
 
-core::Expected<void> Compositor::draw(const RenderTarget& from, const core::ExternalTarget& to,
+core::Expected<void> Compositor::draw(const RenderTarget& from, const gl::ExternalTarget& to,
                                       const std::array<float, 3>& background) {
   assert(to.width == from.width() && to.height == from.height());
   if (auto good = check(*gl_, to); !good) return good;
@@ -54,7 +54,7 @@ core::Expected<void> Compositor::draw(const RenderTarget& from, const core::Exte
   return put(from, to);
 }
 
-core::Expected<void> Compositor::put(const RenderTarget& from, const core::ExternalTarget& to) {
+core::Expected<void> Compositor::put(const RenderTarget& from, const gl::ExternalTarget& to) {
   const gl::Functions& gl = *gl_;
   const bool layer = source_ == Source::kLayer;
   const int samples = from.format().samples;

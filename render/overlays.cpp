@@ -116,14 +116,14 @@ core::Expected<void> Overlays::resolve_sums(const gl::Context& context, const Re
   return {};
 }
 
-core::Expected<void> Overlays::put_layer(const core::ExternalTarget& over) {
+core::Expected<void> Overlays::put_layer(const gl::ExternalTarget& over) {
   auto done = layers_.put(*layer_, over);
   gl::reset_pipeline_state(*gl_);
   return done;
 }
 
 core::Expected<void> Overlays::put_outline(const RenderTarget& picture, const core::vec3& colour,
-                                           const PixelBox& within, const core::ExternalTarget& over) {
+                                           const PixelBox& within, const gl::ExternalTarget& over) {
   const auto made = pass_.program(outline_, "outline.frag", picture.format().samples);
   if (!made) return tl::unexpected(made.error());
   pass_.begin(**made, over);

@@ -25,7 +25,7 @@ core::Expected<const gl::Program*> PixelPass::program(gl::Program& made, const c
   return &made;
 }
 
-void PixelPass::begin(const gl::Program& program, const core::ExternalTarget& to) const {
+void PixelPass::begin(const gl::Program& program, const gl::ExternalTarget& to) const {
   const gl::Functions& gl = *gl_;
   gl::reset_pipeline_state(gl);
   gl.Disable(GL_DEPTH_TEST);
@@ -38,7 +38,7 @@ void PixelPass::begin(const gl::Program& program, const core::ExternalTarget& to
   gl.ProgramUniform1i(program.id(), kLinearColour, to.linear_colour);
 }
 
-void PixelPass::test_depth(const core::ExternalTarget& to) const {
+void PixelPass::test_depth(const gl::ExternalTarget& to) const {
   gl_->Enable(GL_DEPTH_TEST);
   gl_->DepthFunc(to.near_depth < to.far_depth ? GL_LESS : GL_GREATER);
 }

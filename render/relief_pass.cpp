@@ -21,7 +21,7 @@ core::Expected<void> ReliefPass::draw(const RenderTarget& picture, const core::V
   const auto program = pass_.program(program_, "relief.frag", picture.format().samples);
   if (!program) return tl::unexpected(program.error());
   const gl::Functions& gl = *gl_;
-  const core::ExternalTarget whole{picture.framebuffer().id(), 0, 0, picture.width(), picture.height()};
+  const gl::ExternalTarget whole{picture.framebuffer().id(), 0, 0, picture.width(), picture.height()};
   pass_.begin(**program, whole);
   gl.DepthMask(GL_FALSE);  // it is read
   gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);

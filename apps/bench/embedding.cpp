@@ -9,6 +9,7 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/engine/engine.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/gl/internal/framebuffer.h"
 #include "sightline/gl/internal/texture.h"
 #include "sightline/importers/json/internal/json.h"
@@ -80,7 +81,7 @@ core::Expected<void> fly(Way& way, core::Scene& scene, gl::Context& context, con
   const core::CameraPath path = core::make_tour(bounds, bounds.fitted_bounds());
   const double aspect = double(o.size[0]) / o.size[1];
   const core::View nothing = *core::View::perspective({{0, 0, -1e6}, {0, 0, -2e6}, {0, 1, 0}}, 0.8, aspect, 1.0);
-  core::ExternalTarget target{window.framebuffer.id(), 0, 0, o.size[0], o.size[1]};
+  gl::ExternalTarget target{window.framebuffer.id(), 0, 0, o.size[0], o.size[1]};
   target.clear_colour = target.clear_depth = true;
   for (int i = 0; i < o.frames; ++i) {
     const core::View view = way.empty ? nothing : *path.view(path.time_of(i, o.frames), aspect);

@@ -138,7 +138,7 @@ core::Expected<image::Image> Session::picture(bool smooth) {
   return engine_.read_colour();
 }
 
-core::Expected<void> Session::outline_hovered(const core::ExternalTarget& target) {
+core::Expected<void> Session::outline_hovered(const gl::ExternalTarget& target) {
   const auto item = document_.hovered();
   if (!item || !drawn_ || coarse_ || document_.is(*item, Document::kSelected)) return {};
   return engine_.draw_outline(*drawn_, std::span(&*item, 1), target);

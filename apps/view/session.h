@@ -88,7 +88,7 @@ class Session {
   /// That mean, or with `smooth` false or where there is none the last frame's picture, with all its pixels.
   core::Expected<image::Image> picture(bool smooth);
   /// Draws a line around the item under the cursor, unless it is selected, over a framebuffer that shows the picture.
-  core::Expected<void> outline_hovered(const core::ExternalTarget& target);
+  core::Expected<void> outline_hovered(const gl::ExternalTarget& target);
   const std::optional<core::View>& drawn() const { return drawn_; }  ///< the view of the picture
   const engine::FrameReport& report() const { return report_; }
   std::int64_t visible() const { return visible_; }  ///< items in the view volume, as last known

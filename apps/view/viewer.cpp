@@ -15,6 +15,7 @@
 #include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/views.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
 #include "sightline/render/image/image.h"

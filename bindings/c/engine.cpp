@@ -49,7 +49,7 @@ sl_frame_report report_of(const engine::FrameReport& from) {
   return report;
 }
 
-core::ExternalTarget target_of(const sl_external_target* from) {
+gl::ExternalTarget target_of(const sl_external_target* from) {
   const sl_external_target to = read(from, sl_external_target SL_EXTERNAL_TARGET_INIT);
   check_size(to.width, to.height);
   return {to.framebuffer,
@@ -140,7 +140,7 @@ sl_status sl_engine_frame_into(sl_engine handle, const sl_view* view, const sl_e
   return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
     if (report) check_result(report);
     check_drawing(true);
-    const core::ExternalTarget to = target_of(target);
+    const gl::ExternalTarget to = target_of(target);
     const engine::FrameReport done = value_of(engine->frame(view_of(view), to));
     if (report) write(report, report_of(done));
   });
@@ -152,7 +152,7 @@ sl_status sl_engine_frame_views(sl_engine handle, const sl_view* const* views, c
     require((views && targets) || count == 0, "views and targets, found null");
     check_drawing(true);
     std::vector<core::View> seen;
-    std::vector<core::ExternalTarget> into;
+    std::vector<gl::ExternalTarget> into;
     for (std::size_t i = 0; i < count; ++i) {
       if (reports) check_result(reports[i]);
       seen.push_back(view_of(views[i]));

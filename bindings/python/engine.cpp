@@ -20,6 +20,7 @@
 #include "sightline/core/camera_path.h"
 #include "sightline/engine/item_style.h"
 #include "sightline/engine/pick.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/render/image/image.h"
 
@@ -67,10 +68,10 @@ engine::FrameReport frame(EngineBox& box, const core::View& view, const std::opt
   return unwrap(box.call([&](engine::Engine& e) { return e.frame(input); }));
 }
 
-engine::FrameReport frame_into(EngineBox& box, const core::View& view, const core::ExternalTarget& target) {
+engine::FrameReport frame_into(EngineBox& box, const core::View& view, const gl::ExternalTarget& target) {
   check_target(target);
   const core::View seen = view;
-  const core::ExternalTarget into = target;
+  const gl::ExternalTarget into = target;
   return unwrap(box.call([&](engine::Engine& e) {
     auto done = e.frame(seen, into);
     box.note_size(e);
@@ -79,8 +80,8 @@ engine::FrameReport frame_into(EngineBox& box, const core::View& view, const cor
 }
 
 std::vector<engine::FrameReport> frame_views(EngineBox& box, const std::vector<core::View>& views,
-                                             const std::vector<core::ExternalTarget>& targets) {
-  for (const core::ExternalTarget& target : targets) check_target(target);
+                                             const std::vector<gl::ExternalTarget>& targets) {
+  for (const gl::ExternalTarget& target : targets) check_target(target);
   return unwrap(box.call([&](engine::Engine& e) { return e.frame(views, targets); }));
 }
 
@@ -98,11 +99,11 @@ engine::FrameReport frame_part(EngineBox& box, const core::View& whole, const en
   return unwrap(box.call([&](engine::Engine& e) { return e.frame_part(seen, drawn); }));
 }
 
-void draw_outline(EngineBox& box, const core::View& view, const py::object& items, const core::ExternalTarget& target) {
+void draw_outline(EngineBox& box, const core::View& view, const py::object& items, const gl::ExternalTarget& target) {
   check_target(target);
   const auto ids = item_ids(items, "items");
   const core::View seen = view;
-  const core::ExternalTarget over = target;
+  const gl::ExternalTarget over = target;
   unwrap(box.call([&](engine::Engine& e) { return e.draw_outline(seen, ids, over); }));
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sightline/bindings/python/names.h"
+#include "sightline/gl/external_target.h"
 
 namespace sightline::python {
 namespace {
@@ -175,7 +176,7 @@ void bind_parts(py::module_& m) {
 
 }  // namespace
 
-void check_target(const core::ExternalTarget& target) {
+void check_target(const gl::ExternalTarget& target) {
   if (target.width < 1 || target.height < 1)
     fail("target: expected 1 or more pixels, found " + std::to_string(target.width) + " and " +
          std::to_string(target.height));
@@ -205,7 +206,7 @@ void bind_reports(py::module_& m) {
 }
 
 void bind_targets(py::module_& m) {
-  using core::ExternalTarget;
+  using gl::ExternalTarget;
   const ExternalTarget d;
   py::class_<ExternalTarget> c(m, "ExternalTarget",
                                "Part of a framebuffer of the application's, and what its depth buffer means.");

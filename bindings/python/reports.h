@@ -23,7 +23,7 @@ struct ControllerReport {
 };
 
 /// Fails without a size.
-void check_target(const core::ExternalTarget& target);
+void check_target(const gl::ExternalTarget& target);
 
 void bind_reports(py::module_& m);
 void bind_targets(py::module_& m);

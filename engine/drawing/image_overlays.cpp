@@ -130,7 +130,7 @@ namespace {
 template <class Put>
 core::Expected<void> put_over(const DrawContext& context, const Put& put) {
   const render::RenderTarget& target = context.target();
-  core::ExternalTarget image{target.framebuffer().id(), 0, 0, target.width(), target.height()};
+  gl::ExternalTarget image{target.framebuffer().id(), 0, 0, target.width(), target.height()};
   image.near_depth = 1.0;
   image.far_depth = 0.0;
   if (auto done = put(image); !done || !context.external) return done;
@@ -165,7 +165,7 @@ core::Expected<void> ImageOverlays::draw_blended(DrawContext& context, const Cul
         context.renderer->draw_blended(view, snapshot, *context.scene, *context.lists, context.target(), **sums, range);
   if (done) done = over.resolve_sums(context.context, context.target());
   if (!done) return done;
-  return put_over(context, [&](const core::ExternalTarget& target) { return over.put_layer(target); });
+  return put_over(context, [&](const gl::ExternalTarget& target) { return over.put_layer(target); });
 }
 
 core::Expected<void> ImageOverlays::draw_ghosts(DrawContext& context, const Culled& culled) {
@@ -177,7 +177,7 @@ core::Expected<void> ImageOverlays::draw_ghosts(DrawContext& context, const Cull
   if (auto done = context.lists->update(snapshot, *context.scene, visible, &view); !done) return done;
   if (auto done = context.renderer->draw_ghosts(view, snapshot, *context.scene, *context.lists, **layer); !done)
     return done;
-  return put_over(context, [&](const core::ExternalTarget& target) { return over.put_layer(target); });
+  return put_over(context, [&](const gl::ExternalTarget& target) { return over.put_layer(target); });
 }
 
 /// Draws an outline around all outlined items, occluded ones included.
@@ -187,7 +187,7 @@ core::Expected<void> ImageOverlays::draw_outline(DrawContext& context, const Cul
   if (empty(outlined_)) return {};
   const auto within = draw_outlined(context, culled.with(outlined_));
   if (!within) return tl::unexpected(within.error());
-  return put_over(context, [&](const core::ExternalTarget& target) {
+  return put_over(context, [&](const gl::ExternalTarget& target) {
     return overlays_->put_outline(context.target(), context.config.outline_colour, *within, target);
   });
 }
@@ -203,7 +203,7 @@ core::Expected<render::PixelBox> ImageOverlays::draw_outlined(DrawContext& conte
 }
 
 core::Expected<void> ImageOverlays::put_outline(DrawContext& context, const Culled& items,
-                                                const core::ExternalTarget& over) {
+                                                const gl::ExternalTarget& over) {
   const auto within = draw_outlined(context, items);
   if (!within) return tl::unexpected(within.error());
   return overlays_->put_outline(context.target(), context.config.outline_colour, *within, over);

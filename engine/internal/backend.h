@@ -30,7 +30,7 @@ struct DrawRequest {
   bool all = true;            ///< `culled` has all visible items of its view
   std::uint64_t frame = 0;    ///< take_drawn() returns it
   double budget_began = 0.0;  ///< when the frame's budget began to run, seconds on the steady clock
-  const core::ExternalTarget* target = nullptr;  ///< gets the image, too, and has its size
+  const gl::ExternalTarget* target = nullptr;  ///< gets the image, too, and has its size
   std::optional<glm::vec2> blend_range = {};     ///< eye depths by which blended items are weighed
 };
 struct DrawResult {
@@ -135,7 +135,7 @@ class Backend {
   /// this colour.
   virtual core::Expected<DrawResult> draw(const DrawRequest&) { return DrawResult(); }
   /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The image stays.
-  virtual core::Expected<void> put_outline(const Culled& /*items*/, const core::ExternalTarget& /*over*/) { return {}; }
+  virtual core::Expected<void> put_outline(const Culled& /*items*/, const gl::ExternalTarget& /*over*/) { return {}; }
   /// The oldest drawn frame that was not yet taken.
   virtual std::optional<DrawnFrame> take_drawn() { return std::nullopt; }
   /// The oldest result of the GPU culler that was not yet taken.

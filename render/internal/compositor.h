@@ -28,13 +28,13 @@ class Compositor {
   /// As put(), into a framebuffer of the application's, which is cleared first where it says so. `to` must have the
   /// size of `from`. `background`: sRGB, to clear with. Fails on a framebuffer that does not exist or is not complete,
   /// and on depths out of range.
-  core::Expected<void> draw(const RenderTarget& from, const core::ExternalTarget& to,
+  core::Expected<void> draw(const RenderTarget& from, const gl::ExternalTarget& to,
                             const std::array<float, 3>& background);
   /// Sets GL state and leaves it set, with the framebuffer bound for drawing. Fails with the driver's log.
-  core::Expected<void> put(const RenderTarget& from, const core::ExternalTarget& to);
+  core::Expected<void> put(const RenderTarget& from, const gl::ExternalTarget& to);
 
  private:
-  void clear(const core::ExternalTarget& to, const std::array<float, 3>& background) const;
+  void clear(const gl::ExternalTarget& to, const std::array<float, 3>& background) const;
 
   const gl::Functions* gl_;
   PixelPass pass_;

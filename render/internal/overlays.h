@@ -49,12 +49,12 @@ class Overlays {
   /// Makes a layer of the sums.
   core::Expected<void> resolve_sums(const gl::Context& context, const RenderTarget& picture);
   /// Blends the layer over a framebuffer, where nothing there is nearer.
-  core::Expected<void> put_layer(const core::ExternalTarget& over);
+  core::Expected<void> put_layer(const gl::ExternalTarget& over);
   /// Draws a line of that colour (sRGB) around the surfaces in the layer, two pixels wide. It is fainter around what
   /// the picture hides. No depth is tested. Looks for the line `within` these pixels of the picture alone: a whole
   /// picture takes longer than most frames.
   core::Expected<void> put_outline(const RenderTarget& picture, const core::vec3& colour, const PixelBox& within,
-                                   const core::ExternalTarget& over);
+                                   const gl::ExternalTarget& over);
 
   std::size_t memory_bytes() const;
 

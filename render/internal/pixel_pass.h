@@ -4,7 +4,7 @@
 #include <initializer_list>
 #include <span>
 
-#include "sightline/core/external_target.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/vertex_array.h"
 
@@ -24,9 +24,9 @@ class PixelPass {
                                              std::initializer_list<const char*> defines = {}) const;
 
   /// Makes draws write fragment output 0 to a part of a framebuffer, which is bound, without depth test and blending.
-  void begin(const gl::Program& program, const core::ExternalTarget& to) const;
+  void begin(const gl::Program& program, const gl::ExternalTarget& to) const;
   /// From begin() on: draws only what is nearer than what is there.
-  void test_depth(const core::ExternalTarget& to) const;
+  void test_depth(const gl::ExternalTarget& to) const;
   /// From begin() on: blends colours that are multiplied by their alpha.
   void blend() const;
 

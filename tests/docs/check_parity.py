@@ -29,7 +29,7 @@ STRUCTS = {
     "culling/hybrid/frame_cost.h": ["FrameCostConfig"],
     "culling/hybrid/policy_2009.h": ["Policy2009Config"],
     "culling/cull_states.h": ["CullBox", "CullStates"],
-    "core/external_target.h": ["ExternalTarget"],
+    "gl/external_target.h": ["ExternalTarget"],
 }
 CLASSES = {
     "engine/engine.h": ["Engine"],

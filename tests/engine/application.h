@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/core/external_target.h"
 #include "sightline/core/view.h"
 #include "sightline/gl/context.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/gl/internal/framebuffer.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/texture.h"
@@ -25,7 +25,7 @@ struct DepthWay {
   double offset, scale;
   GLenum clip_depth;
   double range_near, range_far;  // glDepthRange
-  double near_depth, far_depth;  // core::ExternalTarget
+  double near_depth, far_depth;  // gl::ExternalTarget
   GLenum format = GL_DEPTH_COMPONENT24;
 };
 
@@ -68,8 +68,8 @@ class Application {
   int height() const { return colour.height(); }
 
   /// All of its framebuffer, or a part of it.
-  core::ExternalTarget target() const { return target(0, 0, width(), height()); }
-  core::ExternalTarget target(int x, int y, int w, int h) const {
+  gl::ExternalTarget target() const { return target(0, 0, width(), height()); }
+  gl::ExternalTarget target(int x, int y, int w, int h) const {
     return {framebuffer.id(), x, y, w, h, way.near_depth, way.far_depth};
   }
 

@@ -1,4 +1,6 @@
 // Pictures in framebuffers of an application's.
+#include "sightline/gl/external_target.h"
+
 #include <gtest/gtest.h>
 
 #include "sightline/culling/queries/region_query.h"
@@ -32,7 +34,7 @@ class ExternalTarget : public DrawnGrid {
   }
   Engine engine(CullerChoice culler = CullerChoice::kCpu) { return engine(config(culler, kWidth, kHeight)); }
 
-  static void expect_frame(Engine& engine, const core::View& view, const core::ExternalTarget& target) {
+  static void expect_frame(Engine& engine, const core::View& view, const gl::ExternalTarget& target) {
     const auto report = engine.frame(view, target);
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->drawn);
@@ -71,7 +73,7 @@ TEST_F(ExternalTarget, AClearedOneHoldsTheEnginesPicture) {
       SCOPED_TRACE(way.name);
       const Application application(gl(), kWidth, kHeight, way);
       Engine drawn = engine(culler);
-      core::ExternalTarget target = application.target();
+      gl::ExternalTarget target = application.target();
       target.clear_colour = target.clear_depth = true;
       expect_frame(drawn, perspective(), target);
       const auto rgba = application.pixels();
@@ -148,7 +150,7 @@ TEST_F(ExternalTarget, NothingOutsideThePartIsTouched) {
   Engine drawn = engine();
   application.clear();
   gl().ClearNamedFramebufferfv(application.framebuffer.id(), GL_COLOR, 1, Application::kSky.data());
-  core::ExternalTarget target = application.target(17, 33, kWidth, kHeight);
+  gl::ExternalTarget target = application.target(17, 33, kWidth, kHeight);
   target.clear_depth = target.clear_colour = true;
   expect_frame(drawn, perspective(), target);
 
@@ -278,7 +280,7 @@ TEST_F(ExternalTarget, LinearColourIsDecoded) {
                                         {GL_DEPTH_ATTACHMENT, &application.depth}};
   application.framebuffer = *gl::Framebuffer::create(gl(), attachments, "light");
   Engine drawn = engine();
-  core::ExternalTarget target = application.target();
+  gl::ExternalTarget target = application.target();
   target.clear_colour = target.clear_depth = target.linear_colour = true;
   expect_frame(drawn, perspective(), target);
   std::vector<float> light(std::size_t(4 * kWidth * kHeight));
@@ -300,7 +302,7 @@ TEST_F(ExternalTarget, TheFramebufferMayChangeBetweenFrames) {
   Engine drawn = engine();
   for (const auto& [width, height] : {std::pair(kWidth, kHeight), {61, 80}, {kWidth, kHeight}}) {
     const Application application(gl(), width, height);
-    core::ExternalTarget target = application.target();
+    gl::ExternalTarget target = application.target();
     target.clear_colour = target.clear_depth = true;
     const core::View view =
         *core::View::perspective({{-9, -4, 20}, {11, 11, 11}, {0, 0, 1}}, 0.8, double(width) / height, 0.5, 90.0);
@@ -322,7 +324,7 @@ TEST_F(ExternalTarget, EveryFrameOfABudgetPutsThePictureThere) {
   c.budget_ms = 1000.0;
   Engine drawn = engine(c);
   const Application application(gl(), kWidth, kHeight);
-  core::ExternalTarget target = application.target();
+  gl::ExternalTarget target = application.target();
   target.clear_colour = target.clear_depth = true;
   std::vector<std::uint8_t> first;
   for (int frame = 0; frame < 4; ++frame) {
@@ -347,12 +349,12 @@ TEST_F(ExternalTarget, BadOnesAreErrorsAndNothingIsDrawn) {
   const Application application(gl(), kWidth, kHeight);
   application.clear();
   const auto before = application.pixels();
-  const auto refused = [&](const core::ExternalTarget& target, const char* what) {
+  const auto refused = [&](const gl::ExternalTarget& target, const char* what) {
     const auto report = drawn.frame(perspective(), target);
     ASSERT_FALSE(report) << what;
     EXPECT_NE(report.error().message.find(what), std::string::npos) << report.error().message;
   };
-  core::ExternalTarget target = application.target();
+  gl::ExternalTarget target = application.target();
   target.framebuffer = 4711;
   refused(target, "4711 is no framebuffer");
   target.framebuffer = 0;

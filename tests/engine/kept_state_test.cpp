@@ -2,6 +2,7 @@
 // left in the context. Nothing of the engine's stays there.
 #include <gtest/gtest.h>
 
+#include "sightline/gl/external_target.h"
 #include "sightline/gpuprims/internal/box.h"
 #include "sightline/tests/engine/application.h"
 #include "sightline/tests/engine/drawn_grid.h"
@@ -145,7 +146,7 @@ TEST_P(KeptState, IsAsBeforeAfterAFrameInEachHostileState) {
     application.set_state();
     state.set();
     const StateDump before = dump_state(gl());
-    core::ExternalTarget target = application.target(1, 2, kWidth - 3, kHeight - 4);
+    gl::ExternalTarget target = application.target(1, 2, kWidth - 3, kHeight - 4);
     target.clear_colour = target.clear_depth = true;
     ASSERT_TRUE(engine->frame(cut(), target));
     expect_unchanged(before, "frame()");
@@ -211,7 +212,7 @@ TEST_P(KeptState, NothingSpoilsThePictureInTheApplicationsFramebuffer) {
     auto engine = create(config(kept));
     ASSERT_TRUE(engine) << engine.error().message;
     const auto picture = [&](bool clears) {
-      core::ExternalTarget target = application.target(1, 2, kWidth - 3, kHeight - 4);
+      gl::ExternalTarget target = application.target(1, 2, kWidth - 3, kHeight - 4);
       target.clear_colour = target.clear_depth = clears;
       EXPECT_TRUE(engine->frame(cut(), target));
       return std::pair(application.pixels(), application.depths());

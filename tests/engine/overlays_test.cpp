@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/scene.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/tests/engine/ways_to_draw.h"
 
 namespace sightline::tests::overlays_test {
@@ -276,7 +277,7 @@ TEST_F(OverlaysTest, AreInExternalTargets) {
     ASSERT_TRUE(engine->set_override({&faded[40], 1}, {.outline = true}));
     auto theirs = render::RenderTarget::create(*context, kWidth, kHeight, {.samples = samples});
     ASSERT_TRUE(theirs);
-    core::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
+    gl::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
     target.clear_colour = target.clear_depth = true;
     const auto report = engine->frame(around(0.5), target);
     ASSERT_TRUE(report) << report.error().message;
@@ -296,7 +297,7 @@ TEST_P(OverlaysInAllWays, OutlinesCanBeDrawnLater) {
   const image::Image bare = picture(*engine, view).colour;
   auto theirs = render::RenderTarget::create(*context, kWidth, kHeight, {});
   ASSERT_TRUE(theirs);
-  core::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
+  gl::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
   target.clear_colour = target.clear_depth = true;
   ASSERT_TRUE(engine->frame(view, target));
   const auto drawn = engine->draw_outline(view, items, target);
@@ -315,12 +316,12 @@ TEST_F(OverlaysTest, OutlinesRefuseWhatTheyCannotSurround) {
   ASSERT_TRUE(engine && engine->frame(around(0)));
   auto theirs = render::RenderTarget::create(*context, kWidth, kHeight, {});
   ASSERT_TRUE(theirs);
-  const core::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
+  const gl::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
   const ItemId unknown = 1u << 20, known = 5;
   const auto missing = engine->draw_outline(around(0), {&unknown, 1}, target);
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message.find("no item 1048576"), std::string::npos) << missing.error().message;
-  core::ExternalTarget other = target;
+  gl::ExternalTarget other = target;
   other.width = kWidth - 1;
   EXPECT_FALSE(engine->draw_outline(around(0), {&known, 1}, other));
   EXPECT_TRUE(engine->draw_outline(around(0), {}, target));

@@ -2,6 +2,7 @@
 // views.
 #include <gtest/gtest.h>
 
+#include "sightline/gl/external_target.h"
 #include "sightline/tests/engine/application.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
@@ -54,7 +55,7 @@ TEST_F(SeveralViews, ABudgetCompletesThePicturesOfAllThatRest) {
     ASSERT_TRUE(engine);
     const std::vector<core::View> eyes = views(3);
     std::vector<Application> applications;
-    std::vector<core::ExternalTarget> targets;
+    std::vector<gl::ExternalTarget> targets;
     for (std::size_t i = 0; i < eyes.size(); ++i) {
       applications.emplace_back(gl(), kWidth, kHeight, kDepthWays[0]);
       targets.push_back(applications.back().target());
@@ -173,13 +174,13 @@ TEST_F(SeveralViews, WhatDoesNotFitIsRefused) {
   ASSERT_TRUE(engine);
   const Application application(gl(), kWidth, kHeight, kDepthWays[0]);
   const auto eyes = views(2);
-  const core::ExternalTarget target = application.target();
+  const gl::ExternalTarget target = application.target();
   const auto few = engine->frame(eyes, {&target, 1});
   ASSERT_FALSE(few);
   EXPECT_NE(few.error().message.find("as many targets as views"), std::string::npos) << few.error().message;
-  core::ExternalTarget huge = target;
+  gl::ExternalTarget huge = target;
   huge.width = 1 << 28;
-  const core::ExternalTarget targets[] = {target, huge};
+  const gl::ExternalTarget targets[] = {target, huge};
   ASSERT_TRUE(engine->use_picture(5));
   EXPECT_FALSE(engine->frame(eyes, targets));
   EXPECT_EQ(engine->config().width, kWidth);

@@ -3,7 +3,7 @@
 
 #include "sightline/bindings/c/internal/objects.h"
 #include "sightline/bindings/c/internal/values.h"
-#include "sightline/core/external_target.h"
+#include "sightline/gl/external_target.h"
 
 namespace sightline::capi {
 
@@ -21,7 +21,7 @@ void check_drawing(bool needed);
 /// All but the context and the controller, which is that of `controller` unless the struct names one.
 engine::EngineConfig config_of(const sl_engine_config& from, const culling::ControllerConfig& controller);
 sl_frame_report report_of(const engine::FrameReport& from);
-core::ExternalTarget target_of(const sl_external_target* from);
+gl::ExternalTarget target_of(const sl_external_target* from);
 std::span<const core::ItemId> items_of(const sl_item* items, std::size_t count);
 
 }  // namespace sightline::capi

@@ -626,7 +626,7 @@ typedef struct sl_frame_report {
 #define SL_FRAME_REPORT_INIT \
   { sizeof(sl_frame_report), 0, 0, 0.0, 0.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
-/* A part of a framebuffer of the application's: sightline/core/external_target.h. */
+/* A part of a framebuffer of the application's: sightline/gl/external_target.h. */
 typedef struct sl_external_target {
   uint32_t size;
   uint32_t framebuffer;         /* GL's name; 0: the window's */

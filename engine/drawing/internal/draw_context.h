@@ -12,6 +12,7 @@
 #include "sightline/engine/drawing/internal/image_state.h"
 #include "sightline/engine/drawing/internal/solid_areas.h"
 #include "sightline/engine/engine.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/render/internal/compositor.h"
@@ -33,7 +34,7 @@ struct DrawContext {
   ImageState* image = &images[0];  // the one in use
   SolidAreas solid_areas;
   culling::CullThreads threads;  // for tests of large sets; none starts before the first of them
-  std::optional<core::ExternalTarget> external;
+  std::optional<gl::ExternalTarget> external;
   std::optional<render::Compositor> compositor;  // created with the first external target
 
   const gl::Functions& gl() const { return context.functions(); }

@@ -61,7 +61,7 @@ class Drawing : public Backend {
   core::Expected<void> cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
                             std::uint64_t frame) override;
   core::Expected<DrawResult> draw(const DrawRequest& request) override;
-  core::Expected<void> put_outline(const Culled& items, const core::ExternalTarget& over) override {
+  core::Expected<void> put_outline(const Culled& items, const gl::ExternalTarget& over) override {
     return overlays_.put_outline(context_, items, over);
   }
   std::optional<DrawnFrame> take_drawn() override { return queue_.take_drawn(); }

@@ -37,7 +37,7 @@ class ImageOverlays {
   core::Expected<void> finish(DrawContext& context, const Culled& culled, const std::optional<glm::vec2>& range,
                               DrawCounts& counts);
   /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The image stays.
-  core::Expected<void> put_outline(DrawContext& context, const Culled& items, const core::ExternalTarget& over);
+  core::Expected<void> put_outline(DrawContext& context, const Culled& items, const gl::ExternalTarget& over);
   core::Expected<void> draw_depth_shading(const DrawContext& context, const core::View& view);
   std::size_t memory_bytes() const { return overlays_ ? overlays_->memory_bytes() : 0; }  ///< of the GPU
 

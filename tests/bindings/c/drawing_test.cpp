@@ -11,6 +11,7 @@
 #include "c_scene.h"
 #include "random_calls.h"
 #include "sightline/engine/engine.h"
+#include "sightline/gl/external_target.h"
 #include "sightline/render/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 
@@ -153,7 +154,7 @@ TEST_F(CapiDrawing, DrawsIntoTheApplicationsFramebuffer) {
     sl_frame_report report = SL_FRAME_REPORT_INIT;
     ASSERT_OK(sl_engine_frame_into(engine, &view.c, &target, &report));
     EXPECT_EQ(report.drawn, 1);
-    core::ExternalTarget same{of_twin.name(), 20, 10, kWidth - 20, kHeight - 10};
+    gl::ExternalTarget same{of_twin.name(), 20, 10, kWidth - 20, kHeight - 10};
     same.clear_colour = same.clear_depth = clear;
     ASSERT_TRUE(twin.frame(view.cpp, same));
     EXPECT_EQ(mine.pixels(), of_twin.pixels());
@@ -178,7 +179,7 @@ TEST_F(CapiDrawing, SeveralViewsLookAsInCpp) {
   const core::View same_other = *core::View::from_matrices(glm::make_mat4(other.eye_from_world),
                                                            glm::make_mat4(other.clip_from_eye), view.cpp.clip_depth());
   sl_external_target into[2] = {SL_EXTERNAL_TARGET_INIT, SL_EXTERNAL_TARGET_INIT};
-  std::vector<core::ExternalTarget> same;
+  std::vector<gl::ExternalTarget> same;
   for (int i = 0; i < 2; ++i) {
     into[i].framebuffer = mine[i].name();
     into[i].width = kWidth - 10 * i, into[i].height = kHeight;
@@ -315,7 +316,7 @@ TEST_F(CapiDrawing, OutlinesAreDrawnOverAFramebuffer) {
   sl_external_target target = SL_EXTERNAL_TARGET_INIT;
   target.framebuffer = mine.name();
   target.width = kWidth, target.height = kHeight;
-  core::ExternalTarget same{of_twin.name(), 0, 0, kWidth, kHeight};
+  gl::ExternalTarget same{of_twin.name(), 0, 0, kWidth, kHeight};
   ASSERT_OK(sl_engine_frame_into(engine, &view.c, &target, nullptr));
   ASSERT_TRUE(twin.frame(view.cpp, same));
   const auto before = mine.pixels();
