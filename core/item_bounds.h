@@ -67,7 +67,7 @@ class SIGHTLINE_API ItemBounds {
   std::size_t memory_bytes() const;
 
  private:
-  friend class Storage;
+  friend class Access;
   friend class Snapshot;
   void resize_for_overwrite(std::size_t count, bool with_layers);
   bool shown(std::size_t i, std::uint32_t mask) const { return !vacant(i) && (layers(i) & mask) != 0; }

@@ -318,7 +318,7 @@ class SIGHTLINE_API Scene {
   void append_items(const Scene& other, const NewPlaces& nodes, const NewPlaces& items, const NewPlaces& meshes,
                     const NewPlaces& materials);
 
-  friend class Storage;
+  friend class Access;
   friend class Snapshot;
 
   LargeArray<Node> nodes_;

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cassert>
 
+#include "sightline/core/internal/snapshot_copies.h"
+
 namespace sightline::core {
 namespace {
 
@@ -105,60 +107,6 @@ void Snapshot::set_look(std::uint32_t number, const glm::vec4& look) {
   const std::size_t row = table_->first_look + number;
   if (row >= table_->rows.size()) table_->rows.resize(row + 1, glm::vec4(0.0f));
   table_->rows[row] = look;
-}
-
-// --- copies of items -------------------------------------------------------------------------------------------------
-
-void Snapshot::Items::append(const Items& other) {
-  const std::size_t first = records.size();
-  const std::uint32_t offset = std::uint32_t(parameters.size());
-  records.insert(records.end(), other.records.begin(), other.records.end());
-  for (std::size_t i = first; i < records.size(); ++i)
-    if (int(records[i].kind) < kPrimitiveKindCount) records[i].payload += offset;
-  parameters.insert(parameters.end(), other.parameters.begin(), other.parameters.end());
-  removed.insert(removed.end(), other.removed.begin(), other.removed.end());
-  if (other.materials) materials = other.materials;
-  if (other.meshes.size() >= meshes.size()) meshes = other.meshes;
-}
-
-void Snapshot::copy(Slot first, Slot end, Items& out) const {
-  assert(first <= end && end <= size());
-  out.materials = table_;
-  out.meshes = meshes_;
-  for (Slot s = first; s < end; ++s) {
-    if (items_[s] == kNone) continue;
-    const KindItems& list = kind_items_[std::size_t(kinds_[s])];
-    const std::size_t i = index_in_kind_[s];
-    Items::Record r;
-    r.item = items_[s];
-    r.kind = kinds_[s];
-    r.layers = vacant(s) ? 0 : bounds_.layers(s);
-    r.material = materials_[s];
-    r.box = bounds_.box(s);
-    r.linear = list.placements[i].linear;
-    r.origin = world_from_item(s).origin;
-    if (int(r.kind) < kPrimitiveKindCount) {
-      r.payload = std::uint32_t(out.parameters.size());
-      const auto count = std::ptrdiff_t(parameter_count(r.kind));
-      const auto values = list.parameters.begin() + std::ptrdiff_t(i) * count;
-      out.parameters.insert(out.parameters.end(), values, values + count);
-    } else {
-      r.payload = list.meshes[i];
-    }
-    out.records.push_back(r);
-  }
-}
-
-void Snapshot::copy(std::span<const ItemId> items, Items& out) const {
-  out.materials = table_;
-  out.meshes = meshes_;
-  for (const ItemId item : items) {
-    const Slot s = slot(item);
-    if (s == kNone)
-      out.removed.push_back(item);
-    else
-      copy(s, s + 1, out);
-  }
 }
 
 // --- counting --------------------------------------------------------------------------------------------------------

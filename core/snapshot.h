@@ -16,12 +16,13 @@
 #include "sightline/core/internal/chunk_grid.h"
 #include "sightline/core/internal/large_array.h"
 #include "sightline/core/internal/mesh_table.h"
-#include "sightline/core/internal/stored_joints.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/visible_set.h"
 
 namespace sightline::core {
+
+struct StoredJoints;
 
 /// Where an item stands: p_chunk = linear * p_item + origin, relative to the origin of its chunk. So float precision
 /// follows the item and not the site.
@@ -64,27 +65,6 @@ class SIGHTLINE_API Snapshot {
   /// Time is proportional to the size of the delta, not of the snapshot, with two exceptions: reading an eighth of a
   /// byte per slot always, and the material table when materials were edited.
   std::vector<Slot> apply(const SceneDelta& delta);
-
-  // --- a new order in the background -------------------------------------------------------------------------------
-  // The scene is not read, so that it may be edited meanwhile. First copy() all slots piece by piece, then build, then
-  // copy() and apply() the items that were edited since the first piece.
-
-  /// Copies of items, in no order.
-  struct Items;
-  void copy(Slot first, Slot end, Items& out) const;
-  void copy(std::span<const ItemId> items, Items& out) const;  ///< items that are gone go to Items::removed
-  /// Builds a new order from copies. When an item was copied twice because it changed its slot meanwhile, the later
-  /// copy counts. The scene and the origin of the bounds are those of `like`; nothing else of it is read, since only
-  /// these never change.
-  Snapshot(const Snapshot& like, Items&& items, int threads = 0);
-  std::vector<Slot> apply(const Items& items);
-
-  // --- prefetching ---------------------------------------------------------------------------------------------------
-  // Edits touch slots all over arrays of megabytes. Who visits some slots calls these ahead: core/internal/prefetch.h.
-
-  void prefetch_slot(Slot slot) const;    ///< kind, index among those of the kind, item, material
-  void prefetch_box(Slot slot) const;     ///< box, layers
-  void prefetch_record(Slot slot) const;  ///< placement, parameters; reads what prefetch_slot() fetches
 
   // --- overrides ---------------------------------------------------------------------------------------------------
   // What one viewer shows otherwise than the scene says. Who overrides an item remembers what it was before. apply()
@@ -152,14 +132,14 @@ class SIGHTLINE_API Snapshot {
   Affine world_from_item(Slot slot) const;
   Primitive primitive(Slot slot) const;
 
-  /// The joints that a scene cache has of this snapshot; null: unknown, or the snapshot was changed since.
-  const StoredJoints* stored_joints() const { return stored_joints_.get(); }
-
   std::size_t memory_bytes() const;
 
  private:
-  friend class Storage;
+  friend class Access;
+  struct Items;  // core/internal/snapshot_copies.h
   Snapshot() = default;
+  Snapshot(const Snapshot& like, Items&& items, int threads);
+  std::vector<Slot> apply(const Items& items);
   static constexpr std::uint32_t kRankStride = 64;
   /// A record that gets a new slot, and its chunk; kNone when it has no chunk yet.
   struct Newcomer {
@@ -213,29 +193,9 @@ class SIGHTLINE_API Snapshot {
   LargeArray<std::uint64_t> vacant_;                         // a bit per slot; empty while no slot is vacant
   LargeArray<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
-  std::shared_ptr<const StoredJoints> stored_joints_;
+  std::shared_ptr<const StoredJoints> stored_joints_;         // of a scene cache; null once the snapshot is changed
   std::shared_ptr<Table> table_ = std::make_shared<Table>();  // shared with Items: not changed while it is
   MeshList meshes_;
-};
-
-struct Snapshot::Items {
-  struct Record {
-    ItemId item = kNone;
-    Kind kind = Kind::kMesh;
-    std::uint32_t layers = 0;  // 0: hidden
-    std::uint32_t material = kNone;
-    std::uint32_t payload = 0;  // mesh index, or first of `parameters`
-    Aabb box;                   // relative to the origin of the bounds
-    mat3 linear{1.0f};
-    dvec3 origin{0.0};  // in the world
-  };
-  std::vector<Record> records;
-  std::vector<float> parameters;
-  std::vector<ItemId> removed;
-  std::shared_ptr<Table> materials;  // null: unchanged
-  MeshList meshes;
-
-  void append(const Items& other);
 };
 
 }  // namespace sightline::core

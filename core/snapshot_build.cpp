@@ -11,7 +11,7 @@
 
 #include "sightline/core/block_order.h"
 #include "sightline/core/internal/prefetch.h"
-#include "sightline/core/snapshot.h"
+#include "sightline/core/internal/snapshot_copies.h"
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -58,8 +58,8 @@ std::uint64_t next_generation() {
 }
 
 /// Without a box and a payload.
-Snapshot::Items::Record record_of(const Scene& scene, const Scene::ItemState& state, ItemId item) {
-  Snapshot::Items::Record r;
+ItemCopies::Record record_of(const Scene& scene, const Scene::ItemState& state, ItemId item) {
+  ItemCopies::Record r;
   r.item = item;
   r.kind = scene.kind(item);
   r.layers = state.layers;

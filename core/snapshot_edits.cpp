@@ -1,9 +1,9 @@
 #include <algorithm>
 
 #include "sightline/core/block_order.h"
-#include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
-#include "sightline/core/snapshot.h"
+#include "sightline/core/internal/snapshot_copies.h"
+#include "sightline/core/internal/snapshot_prefetch.h"
 
 namespace sightline::core {
 namespace {
@@ -88,24 +88,27 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
   return touched;
 }
 
-void Snapshot::prefetch_slot(Slot s) const {
-  prefetch(kinds_[s]);
-  prefetch(index_in_kind_[s]);
-  prefetch(materials_[s]);
-  prefetch(items_[s]);
+void prefetch_slot(const Snapshot& snapshot, Slot s) {
+  const auto in = Access::of(snapshot);
+  prefetch(in.kinds()[s]);
+  prefetch(in.index_in_kind()[s]);
+  prefetch(in.materials()[s]);
+  prefetch(in.items()[s]);
 }
 
-void Snapshot::prefetch_box(Slot s) const {
-  for (int axis = 0; axis < 6; ++axis) prefetch(bounds_.coordinate(axis)[s]);
-  if (bounds_.uses_layers()) prefetch(bounds_.layers()[s]);
+void prefetch_box(const Snapshot& snapshot, Slot s) {
+  const ItemBounds& bounds = snapshot.bounds();
+  for (int axis = 0; axis < 6; ++axis) prefetch(bounds.coordinate(axis)[s]);
+  if (bounds.uses_layers()) prefetch(bounds.layers()[s]);
 }
 
-void Snapshot::prefetch_record(Slot s) const {
-  const KindItems& list = kind_items_[std::size_t(kinds_[s])];
-  const std::size_t i = index_in_kind_[s];
+void prefetch_record(const Snapshot& snapshot, Slot s) {
+  const Kind kind = snapshot.kind(s);
+  const KindItems& list = snapshot.of_kind(kind);
+  const std::size_t i = snapshot.index_in_kind(s);
   prefetch(list.placements[i]);
-  if (int(kinds_[s]) >= kPrimitiveKindCount) return;
-  const std::size_t count = std::size_t(parameter_count(kinds_[s]));
+  if (int(kind) >= kPrimitiveKindCount) return;
+  const std::size_t count = std::size_t(parameter_count(kind));
   prefetch(list.parameters.data() + i * count, count * sizeof(float));
 }
 
@@ -114,9 +117,9 @@ void Snapshot::prefetch_ahead(std::span<const std::uint64_t> known, std::size_t 
   if (at + kPrefetchAhead < known.size()) {
     const std::size_t s = known[at + kPrefetchAhead] >> 32, block = s / kBlockSlots * kBlockSlots;
     for (int axis = 0; axis < 6; ++axis) prefetch(bounds_.coordinate(axis) + block, kBlockSlots * sizeof(float));
-    prefetch_slot(Slot(s));
+    prefetch_slot(*this, Slot(s));
   }
-  if (at + kPrefetchAhead / 2 < known.size()) prefetch_record(Slot(known[at + kPrefetchAhead / 2] >> 32));
+  if (at + kPrefetchAhead / 2 < known.size()) prefetch_record(*this, Slot(known[at + kPrefetchAhead / 2] >> 32));
 }
 
 /// Updates known items in their slots, as long as their blocks keep about their sizes. Items that leave their block

@@ -140,8 +140,8 @@ void follow_in_landing(EngineState& s, const core::SceneDelta& edited, std::span
     items.insert(items.end(), list->begin(), list->end());
   std::sort(items.begin(), items.end());
   items.erase(std::unique(items.begin(), items.end()), items.end());
-  core::Snapshot::Items copies;
-  s.live.snapshot->copy(items, copies);
+  core::ItemCopies copies;
+  core::copy_items(*s.live.snapshot, items, copies);
   s.backend->follow_later(catch_up(*s.landing, items, copies), materials);
 }
 

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cstring>
 
-#include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
+#include "sightline/core/internal/snapshot_prefetch.h"
 
 namespace sightline::engine {
 namespace {
@@ -111,7 +111,7 @@ Overrides::Change Overrides::set(Snapshot& snapshot, std::span<const ItemId> ite
   change.touched.reserve(items.size());
   const auto prefetch = [&](ItemId item, Slot slot) {
     styled_.prefetch(item);
-    snapshot.prefetch_slot(slot);
+    core::prefetch_slot(snapshot, slot);
   };
   for_each_slot(snapshot, items, prefetch, [&](ItemId item, Slot slot) {
     Styled* styled = styled_.find(item);
@@ -138,7 +138,7 @@ Overrides::Change Overrides::clear(Snapshot& snapshot, std::span<const ItemId> i
   Change change;
   const auto prefetch = [&](ItemId item, Slot slot) {
     styled_.prefetch(item);
-    snapshot.prefetch_slot(slot);
+    core::prefetch_slot(snapshot, slot);
   };
   for_each_slot(snapshot, items, prefetch, [&](ItemId item, Slot slot) {
     const Styled* styled = styled_.find(item);
@@ -168,7 +168,7 @@ Overrides::Change Overrides::hide(Snapshot& snapshot, std::span<const ItemId> it
   change.boxes = true;
   const auto prefetch = [&](ItemId item, Slot slot) {
     hidden_.prefetch(item);
-    snapshot.prefetch_box(slot);
+    core::prefetch_box(snapshot, slot);
   };
   for_each_slot(snapshot, items, prefetch, [&](ItemId item, Slot slot) {
     if (hidden_.find(item)) return;
@@ -186,7 +186,7 @@ Overrides::Change Overrides::show(Snapshot& snapshot, std::span<const ItemId> it
   std::vector<Snapshot::Shown> as;
   const auto prefetch = [&](ItemId item, Slot slot) {
     hidden_.prefetch(item);
-    snapshot.prefetch_box(slot);
+    core::prefetch_box(snapshot, slot);
   };
   for_each_slot(snapshot, items, prefetch, [&](ItemId item, Slot slot) {
     const Snapshot::Shown* shown = hidden_.find(item);

@@ -71,9 +71,9 @@ Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& re
   order.snapshot = std::move(snapshot);
   if (request.draw) order.joints = gpuprims::Joints(*order.snapshot);
   if (request.part.count > 1) {  // ends that another part covers stay as they are in the whole
-    core::Snapshot::Items others;
+    core::ItemCopies others;
     others.removed = items_outside(*order.snapshot, request.part);
-    order.snapshot->apply(others);
+    core::apply_copies(*order.snapshot, others);
   }
   order.lines = slots_of_lines(*order.snapshot);
   order.follow_plan(request);
@@ -81,10 +81,9 @@ Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& re
   return order;
 }
 
-std::vector<core::Slot> catch_up(Order& order, std::span<const core::ItemId> edited,
-                                 const core::Snapshot::Items& copies) {
+std::vector<core::Slot> catch_up(Order& order, std::span<const core::ItemId> edited, const core::ItemCopies& copies) {
   const std::size_t former_size = order.snapshot->size();
-  std::vector<core::Slot> touched = order.snapshot->apply(copies);
+  std::vector<core::Slot> touched = core::apply_copies(*order.snapshot, copies);
   order.follow({edited}, true, former_size, touched);
   return touched;
 }
@@ -132,8 +131,8 @@ bool BackgroundRebuild::lock(std::unique_lock<std::mutex>& held, const std::stop
 
 /// Meets every item at least once, since items only move to later slots. Growing the memory takes long, so it happens
 /// while nobody waits.
-bool BackgroundRebuild::copy_all(const std::stop_token& stop, core::Snapshot::Items& items) {
-  core::Snapshot::Items piece;
+bool BackgroundRebuild::copy_all(const std::stop_token& stop, core::ItemCopies& items) {
+  core::ItemCopies piece;
   for (std::size_t next = 0, end = 1; next < end;) {
     piece.records.clear();
     piece.parameters.clear();
@@ -142,7 +141,7 @@ bool BackgroundRebuild::copy_all(const std::stop_token& stop, core::Snapshot::It
       if (!lock(held, stop)) return false;
       end = live_->size();
       const std::size_t count = std::min(kCopiedPiece, end - next);
-      live_->copy(core::Slot(next), core::Slot(next + count), piece);
+      core::copy_items(*live_, core::Slot(next), core::Slot(next + count), piece);
       next += count;
     }
     items.append(piece);
@@ -151,26 +150,27 @@ bool BackgroundRebuild::copy_all(const std::stop_token& stop, core::Snapshot::It
 }
 
 bool BackgroundRebuild::copy_missed(const std::stop_token& stop, std::span<const core::ItemId> missed,
-                                    core::Snapshot::Items& items) {
+                                    core::ItemCopies& items) {
   std::size_t next = 0;
   do {  // once even without items: it also copies the materials
     std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
     if (!lock(held, stop)) return false;
     const std::size_t count = std::min(kCopiedPiece, missed.size() - next);
-    live_->copy(missed.subspan(next, count), items);
+    core::copy_items(*live_, missed.subspan(next, count), items);
     next += count;
   } while (next < missed.size());
   return true;
 }
 
 void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& request) {
-  core::Snapshot::Items items;
+  core::ItemCopies items;
   if (!copy_all(stop, items)) return;
   constexpr int kThreads = 1;  // the others are the application's
-  Order order = make_order(std::make_unique<core::Snapshot>(*live_, std::move(items), kThreads), request, stop);
+  Order order =
+      make_order(std::make_unique<core::Snapshot>(core::reordered(*live_, std::move(items), kThreads)), request, stop);
   for (;;) {
     std::vector<core::ItemId> missed;
-    core::Snapshot::Items late;
+    core::ItemCopies late;
     {
       std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
       if (!lock(held, stop)) return;

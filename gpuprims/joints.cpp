@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "sightline/core/internal/access.h"
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
 
@@ -362,7 +363,7 @@ class JointSearch {
 // --- answers ---------------------------------------------------------------------------------------------------------
 
 Joints::Joints(const Snapshot& snapshot) {
-  const core::StoredJoints* stored = snapshot.stored_joints();
+  const core::StoredJoints* stored = core::Access::of(snapshot).stored_joints().get();
   std::vector<bool> opaque = opaque_materials(snapshot);
   if (stored && std::equal(opaque.begin(), opaque.end(), stored->opaque.begin(), stored->opaque.end(),
                            [](bool a, std::uint8_t b) { return a == (b != 0); })) {

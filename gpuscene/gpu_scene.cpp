@@ -4,8 +4,8 @@
 #include <array>
 #include <cassert>
 
-#include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
+#include "sightline/core/internal/snapshot_prefetch.h"
 
 namespace sightline::gpuscene {
 namespace {
@@ -41,7 +41,7 @@ void pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchK
 #pragma omp parallel for schedule(static) if (slots.size() >= kPiece)
 #endif
   for (std::size_t i = 0; i < slots.size(); ++i) {
-    if (i + kPrefetchAhead < slots.size()) snapshot.prefetch_record(slots[i + kPrefetchAhead]);
+    if (i + kPrefetchAhead < slots.size()) prefetch_record(snapshot, slots[i + kPrefetchAhead]);
     GpuScene::pack(snapshot, joints, slots[i], {records + i * stride, stride});
   }
 }
@@ -297,7 +297,7 @@ template <class Visit>
 void GpuScene::for_each_batch(const Snapshot& snapshot, std::span<const Slot> changed, const Visit& visit) {
   std::array<std::vector<std::uint64_t>, kBatchKindCount> of_kind;  // record << 32 | slot
   for (std::size_t i = 0; i < changed.size(); ++i) {
-    if (i + kPrefetchAhead < changed.size()) snapshot.prefetch_slot(changed[i + kPrefetchAhead]);
+    if (i + kPrefetchAhead < changed.size()) prefetch_slot(snapshot, changed[i + kPrefetchAhead]);
     const std::uint64_t record = record_of(snapshot, changed[i]);
     of_kind[std::size_t(batch_of(snapshot.kind(changed[i])))].push_back(record << 32 | changed[i]);
   }

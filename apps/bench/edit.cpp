@@ -19,6 +19,7 @@
 #include "sightline/apps/bench/models/plant_boxes.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/core/internal/snapshot_copies.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/box_culler.h"
@@ -178,9 +179,9 @@ std::vector<Path> time_paths(const std::vector<const Subject*>& subjects, const 
 }
 
 Snapshot in_new_order(const Snapshot& snapshot) {
-  Snapshot::Items items;
-  snapshot.copy(0, core::Slot(snapshot.size()), items);
-  return Snapshot(snapshot, std::move(items));
+  core::ItemCopies items;
+  core::copy_items(snapshot, 0, core::Slot(snapshot.size()), items);
+  return core::reordered(snapshot, std::move(items));
 }
 
 core::Expected<Json> measure(Edit kind, const char* name, const Options& options,

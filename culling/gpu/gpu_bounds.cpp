@@ -4,7 +4,7 @@
 #include <cassert>
 #include <numeric>
 
-#include "sightline/core/internal/prefetch.h"
+#include "sightline/core/internal/snapshot_prefetch.h"
 
 namespace sightline::culling {
 namespace {
@@ -86,7 +86,8 @@ void GpuBounds::update_shown(const core::Snapshot& snapshot, std::span<const std
   std::vector<Aabb> boxes(changed.size());
   std::vector<std::uint32_t> layers(changed.size(), 0);
   for (std::size_t i = 0; i < changed.size(); ++i) {
-    if (i + core::kPrefetchAhead < changed.size()) snapshot.prefetch_box(slots_[changed[i + core::kPrefetchAhead]]);
+    if (i + core::kPrefetchAhead < changed.size())
+      core::prefetch_box(snapshot, slots_[changed[i + core::kPrefetchAhead]]);
     const core::Slot slot = slots_[changed[i]];
     if (bounds.vacant(slot) || contains(left_out, slot)) continue;
     boxes[i] = bounds.box(slot);

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
+#include "sightline/core/internal/snapshot_prefetch.h"
 #include "sightline/culling/gpu/internal/gpu_band.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/culling/gpu/internal/gpu_screen.h"
@@ -114,7 +114,7 @@ core::Expected<void> GpuCuller::follow(const Snapshot& snapshot, const gpuscene:
   std::array<std::vector<std::uint32_t>, gpuscene::kBatchKindCount> changed;
   const auto batch_of = [&](Slot slot) { return std::size_t(gpuscene::batch_of(snapshot.kind(slot))); };
   for (std::size_t i = 0; i < touched.size(); ++i) {
-    if (i + core::kPrefetchAhead < touched.size()) snapshot.prefetch_slot(touched[i + core::kPrefetchAhead]);
+    if (i + core::kPrefetchAhead < touched.size()) core::prefetch_slot(snapshot, touched[i + core::kPrefetchAhead]);
     changed[batch_of(touched[i])].push_back(gpuscene::GpuScene::record_of(snapshot, touched[i]));
   }
   std::array<CullBatch*, gpuscene::kBatchKindCount> by_kind{};

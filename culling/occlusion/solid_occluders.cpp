@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 
-#include "sightline/core/internal/prefetch.h"
+#include "sightline/core/internal/snapshot_prefetch.h"
 #include "sightline/culling/frustum/internal/run_jobs.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
 #include "sightline/culling/occlusion/internal/solid_figures.h"

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "sightline/core/internal/snapshot_copies.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/frustum/linear_culler.h"
@@ -78,11 +79,10 @@ Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, c
 Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request,
                  const std::stop_token& stop = {});
 
-/// Makes an order show its items as copies from another one do. Items that were removed must be in Items::removed, even
-/// where others have got their ids. Returns the slots that were touched below the former size of its snapshot, in
+/// Makes an order show its items as copies from another one do. Items that were removed must be in ItemCopies::removed,
+/// even where others have got their ids. Returns the slots that were touched below the former size of its snapshot, in
 /// rising order.
-std::vector<core::Slot> catch_up(Order& order, std::span<const core::ItemId> edited,
-                                 const core::Snapshot::Items& copies);
+std::vector<core::Slot> catch_up(Order& order, std::span<const core::ItemId> edited, const core::ItemCopies& copies);
 
 /// One rebuild. Its thread copies the live snapshot in pieces, builds from the copy, catches up with the edits made
 /// meanwhile, and waits for take(). It never reads the scene. All calls must come from the thread that edits the
@@ -112,8 +112,8 @@ class BackgroundRebuild {
   enum class State { kWorking, kReady, kTaken, kRetired };
 
   void run(const std::stop_token& stop, const PlanRequest& request);
-  bool copy_all(const std::stop_token& stop, core::Snapshot::Items& items);
-  bool copy_missed(const std::stop_token& stop, std::span<const core::ItemId> missed, core::Snapshot::Items& items);
+  bool copy_all(const std::stop_token& stop, core::ItemCopies& items);
+  bool copy_missed(const std::stop_token& stop, std::span<const core::ItemId> missed, core::ItemCopies& items);
   /// Locks the mutex as soon as no edit is under way. False: the thread must stop.
   bool lock(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
 

@@ -10,8 +10,6 @@
 namespace sightline::importers {
 namespace {
 
-using core::Storage;
-
 constexpr std::uint32_t kMostSlots = 1 << 15;
 constexpr std::uint64_t kMostMeshBytes = 8 << 20;  // a page with more ends at the next step
 
@@ -29,7 +27,7 @@ class TableMaker {
   PageTable run() {
     for (core::Slot first = 0; first < snapshot_.size(); first += core::kBlockSlots) add_leaf(first);
     cut();
-    Storage::for_each_snapshot_array(snapshot_, [&](std::uint64_t number, const auto& array) {
+    storage::for_each_snapshot_array(snapshot_, [&](std::uint64_t number, const auto& array) {
       arrays_[number] = {std::as_bytes(std::span(array.data(), array.size())), sizeof(array.data()[0])};
     });
     arrays_[kSlcSlotEnds] = {std::as_bytes(std::span(table_.ends)), sizeof(table_.ends[0])};
@@ -144,14 +142,14 @@ std::uint64_t value_bytes(const SlcMesh& mesh) {
 
 std::vector<SlcSlice> slices(const SlcPage& page, bool layers) {
   std::vector<SlcSlice> all;
-  for (const std::uint64_t number : Storage::kPageArrays)
-    if (number != Storage::kLayers || layers) all.push_back({number, page.first, page.count});
+  for (const std::uint64_t number : storage::kPageArrays)
+    if (number != storage::kLayers || layers) all.push_back({number, page.first, page.count});
   all.push_back(
       {kSlcSlotEnds, page.first / core::kBlockSlots, (page.count + core::kBlockSlots - 1) / core::kBlockSlots});
   for (int kind = 0; kind < core::kKindCount; ++kind) {
     const std::uint64_t first = page.kind_first[kind], count = page.kind_count[kind];
     if (count == 0) continue;
-    const std::uint64_t arrays = Storage::kKindArrays + 4 * std::uint64_t(kind);
+    const std::uint64_t arrays = storage::kKindArrays + 4 * std::uint64_t(kind);
     all.push_back({arrays + 1, first, count});
     if (kind < core::kPrimitiveKindCount) {
       const auto values = std::uint64_t(core::parameter_count(core::Kind(kind)));

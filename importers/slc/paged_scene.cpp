@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 using core::LargeArray;
 using core::Page;
 using core::PagedScene;
-using core::Storage;
 
 constexpr std::size_t kLine = 64;
 
@@ -84,8 +83,8 @@ class PagedPart {
     return part;
   }
 
-  std::size_t item_slots() const { return count(Storage::kItemSlots); }
-  std::size_t slots() const { return count(Storage::kKinds); }
+  std::size_t item_slots() const { return count(storage::kItemSlots); }
+  std::size_t slots() const { return count(storage::kKinds); }
   core::FittedBounds fitted() const {
     const double* const f = state_.fitted;
     return {{{f[0], f[1], f[2]}, {f[3], f[4], f[5]}}, std::size_t(state_.outliers)};
@@ -116,9 +115,9 @@ class PagedPart {
     if (auto done = read_arrays(row, *page, sum); !done) return tl::unexpected(done.error());
     if (auto done = read_meshes(row, *page, sum); !done) return tl::unexpected(done.error());
     if (verified_ && sum.value() != row.checksum) return damaged("it does not match its checksum");
-    Storage::SnapshotState state = snapshot_state();
+    storage::SnapshotState state = snapshot_state();
     if (auto done = keep_used_chunks(*page, state.chunk_origins); !done) return tl::unexpected(done.error());
-    if (auto done = Storage::finish_page(*page, std::move(state), materials_->snapshot); !done)
+    if (auto done = storage::finish_page(*page, std::move(state), materials_->snapshot); !done)
       return damaged(done.error().message);
     if (!number_items(*page)) return damaged("its items are inconsistent");
     return page;
@@ -220,13 +219,13 @@ class PagedPart {
     std::size_t size = 0;
     core::Scene none;
     core::Snapshot empty(none);
-    Storage::for_each_snapshot_array(empty, [&](std::uint64_t of, const auto& array) {
+    storage::for_each_snapshot_array(empty, [&](std::uint64_t of, const auto& array) {
       if (of == number) size = sizeof(array.data()[0]);
     });
     return size;
   }
 
-  bool has_layers() const { return count(Storage::kLayers) > 0; }
+  bool has_layers() const { return count(storage::kLayers) > 0; }
 
   /// Of what stays until the page goes.
   std::size_t kept_bytes(const SlcPage& row) const {
@@ -258,20 +257,20 @@ class PagedPart {
     const auto kept = Arena::create(kept_bytes(row)), records = Arena::create(record_bytes(row));
     if (!kept || !records) return false;
     const std::size_t n = row.count;
-    Storage::for_each_snapshot_array(snapshot, [&](std::uint64_t number, auto& array) {
-      if (number >= Storage::kKindArrays) {
-        const std::uint64_t kind = (number - Storage::kKindArrays) / 4, which = (number - Storage::kKindArrays) % 4;
+    storage::for_each_snapshot_array(snapshot, [&](std::uint64_t number, auto& array) {
+      if (number >= storage::kKindArrays) {
+        const std::uint64_t kind = (number - storage::kKindArrays) / 4, which = (number - storage::kKindArrays) % 4;
         const std::size_t members = row.kind_count[kind];
         const bool primitive = int(kind) < core::kPrimitiveKindCount;
         const std::size_t values = primitive ? std::size_t(core::parameter_count(core::Kind(kind))) : 0;
         const std::size_t sizes[] = {members, members, members * values, primitive ? 0 : members};
         if (sizes[which] > 0) (primitive && which != 0 ? records : kept)->take(sizes[which], array);
-      } else if (number < Storage::kLayers) {
+      } else if (number < storage::kLayers) {
         kept->take(n + core::ItemBounds::kPadding, array);
-      } else if (number == Storage::kRanks) {
+      } else if (number == storage::kRanks) {
         kept->take(n / 64 + 1, array);
-      } else if (number == Storage::kKinds || number == Storage::kIndexInKind || number == Storage::kSlotItems ||
-                 number == Storage::kSlotMaterials || (number == Storage::kLayers && has_layers())) {
+      } else if (number == storage::kKinds || number == storage::kIndexInKind || number == storage::kSlotItems ||
+                 number == storage::kSlotMaterials || (number == storage::kLayers && has_layers())) {
         kept->take(n, array);
       }
     });
@@ -295,7 +294,7 @@ class PagedPart {
         done = read(slice.number, slice.first, std::as_writable_bytes(std::span(page.hidden_ends)),
                     sizeof(std::uint64_t), sum);
       }
-      Storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
+      storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
         if (number != slice.number || !done) return;
         const auto bytes = std::as_writable_bytes(std::span(array.data(), std::size_t(slice.count)));
         done = read(number, slice.first, bytes, sizeof(array.data()[0]), sum);
@@ -357,14 +356,14 @@ class PagedPart {
 
   template <class Visit>
   static void for_each_mesh(Page& page, const Visit& visit) {
-    Storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
+    storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
       if constexpr (std::is_same_v<std::remove_reference_t<decltype(array.data()[0])>, std::uint32_t>)
-        if (number >= Storage::kKindArrays && (number - Storage::kKindArrays) % 4 == 3)
+        if (number >= storage::kKindArrays && (number - storage::kKindArrays) % 4 == 3)
           for (std::uint32_t& mesh : array) visit(mesh);
     });
   }
 
-  Storage::SnapshotState snapshot_state() const {
+  storage::SnapshotState snapshot_state() const {
     const float* const e = state_.extent;
     return {origin(), {{e[0], e[1], e[2]}, {e[3], e[4], e[5]}}, state_.chunk_size, {}};
   }
@@ -373,7 +372,7 @@ class PagedPart {
   SlcExpected<void> keep_used_chunks(Page& page, std::vector<core::dvec3>& origins) const {
     std::vector<std::uint32_t> own(chunk_origins_.size(), core::kNone);
     bool good = true;
-    Storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t, auto& array) {
+    storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t, auto& array) {
       if constexpr (std::is_same_v<std::remove_reference_t<decltype(array.data()[0])>, core::Placement>)
         for (core::Placement& p : array) {
           if (p.chunk >= own.size()) {
@@ -395,9 +394,9 @@ class PagedPart {
   bool number_items(Page& page) const {
     const std::size_t known = item_slots();
     bool good = true;
-    Storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
+    storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
       if constexpr (std::is_same_v<std::remove_reference_t<decltype(array.data()[0])>, core::ItemId>)
-        if (number == Storage::kSlotItems)
+        if (number == storage::kSlotItems)
           for (core::ItemId& item : array) {
             good = good && item < known;
             item += first_item_;

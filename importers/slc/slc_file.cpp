@@ -17,7 +17,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "sightline/core/internal/storage.h"
+#include "sightline/importers/slc/internal/storage.h"
 
 namespace sightline::importers {
 namespace {
@@ -106,7 +106,7 @@ void SlcWriter::Delete::operator()(State* state) const {
 
 SlcWriter::SlcWriter(core::AtomicFile& file) : state_(new State) {
   state_->file = &file;
-  Header header{kMagic, kSlcVersion, kEndianMark, core::Storage::layout(), {}, 0};
+  Header header{kMagic, kSlcVersion, kEndianMark, storage::layout(), {}, 0};
   header.checksum = checksum_before_last(header);
   write(std::as_bytes(std::span(&header, 1)));
 }
@@ -263,7 +263,7 @@ SlcExpected<void> SlcFile::read_table(const std::byte* data) {
   if (header.checksum != checksum_before_last(header)) return damaged("its header does not match its checksum");
   if (header.version != kSlcVersion)
     return other(fmt::format("format version {}, expected {}", header.version, kSlcVersion));
-  if (header.layout != core::Storage::layout()) return other("it was written by another build, with another layout");
+  if (header.layout != storage::layout()) return other("it was written by another build, with another layout");
 
   Trailer trailer;
   std::memcpy(&trailer, data + size_ - sizeof trailer, sizeof trailer);

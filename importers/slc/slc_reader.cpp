@@ -13,10 +13,9 @@ namespace sightline::importers {
 namespace {
 
 using core::LargeArray;
-using core::Storage;
 
 bool is_of_snapshot(const SlcFile::Section& section) {
-  return (section.number >= Storage::kCoordinates && section.number < 1000) || section.number == kSlcSnapshotState ||
+  return (section.number >= storage::kCoordinates && section.number < 1000) || section.number == kSlcSnapshotState ||
          section.number == kSlcChunkOrigins || (section.number >= kSlcJointBits && section.number <= kSlcJointOpaque);
 }
 
@@ -51,7 +50,7 @@ SlcExpected<void> read_meshes(const SlcFile& file, const SlcFile::Mapping& mappi
     mesh.name.assign(names.begin() + begin, names.begin() + row.name_end);
     begin = row.name_end;
     if (row.removed != 0) {
-      Storage::add_removed_mesh(scene);
+      storage::add_removed_mesh(scene);
       continue;
     }
     std::uint64_t at = row.first;
@@ -91,7 +90,7 @@ class StoredSnapshot {
   /// False when an array has elements of another size.
   static bool fill(const SlcFile& file, const SlcFile::Mapping& mapping, core::Snapshot& snapshot) {
     bool good = true;
-    Storage::for_each_snapshot_array(
+    storage::for_each_snapshot_array(
         snapshot, [&](std::uint64_t number, auto& array) { good = good && file.adopt(mapping, number, array); });
     LargeArray<SlcSnapshotState> rows;
     LargeArray<core::dvec3> origins;
@@ -102,7 +101,7 @@ class StoredSnapshot {
            file.adopt(mapping, kSlcJointOpaque, joints->opaque);
     if (!good || rows.size() != 1) return false;
     const SlcSnapshotState& row = rows[0];
-    Storage::set_state(snapshot,
+    storage::set_state(snapshot,
                        {{row.origin[0], row.origin[1], row.origin[2]},
                         {{row.extent[0], row.extent[1], row.extent[2]}, {row.extent[3], row.extent[4], row.extent[5]}},
                         row.chunk_size,
@@ -149,20 +148,20 @@ SlcExpected<SlcScene> load_all(const std::shared_ptr<const SlcFile>& file, bool 
   if (auto done = read_materials(*file, *mapping, scene); !done) return tl::unexpected(done.error());
   if (auto done = read_meshes(*file, *mapping, scene); !done) return tl::unexpected(done.error());
   bool good = true;
-  Storage::for_each_scene_array(
+  storage::for_each_scene_array(
       scene, [&](std::uint64_t number, auto& array) { good = good && file->adopt(*mapping, number, array); });
   const auto attributes = std::make_shared<core::StoredAttributes>();
   good = good && file->adopt(*mapping, kSlcAttributeNodes, attributes->nodes) &&
          file->adopt(*mapping, kSlcAttributeEnds, attributes->ends) &&
          file->adopt(*mapping, kSlcAttributeText, attributes->text);
   if (!good) return damaged("an array has elements of another size");
-  if (auto done = Storage::finish(scene, attributes); !done) return damaged(done.error().message);
+  if (auto done = storage::finish(scene, attributes); !done) return damaged(done.error().message);
   if (auto done = attach_snapshot(file, scene, verified); !done) return tl::unexpected(done.error());
-  if (const auto open = Storage::not_surely_fit(scene); !open.empty()) {
+  if (const auto open = storage::not_surely_fit(scene); !open.empty()) {
     drop_what_cannot_be_committed(scene, open, loaded.report);
   } else {
     // Read for the checks alone.
-    for (const std::uint64_t number : {std::uint64_t(Storage::kItems), std::uint64_t(Storage::kNames),
+    for (const std::uint64_t number : {std::uint64_t(storage::kItems), std::uint64_t(storage::kNames),
                                        std::uint64_t(kSlcMeshValues), std::uint64_t(kSlcAttributeText)})
       file->set_aside(*mapping, number);
   }
@@ -207,7 +206,7 @@ SlcExpected<void> read_materials(const SlcFile& file, const SlcFile::Mapping& ma
     if (row.name_end < begin || row.name_end > names.size())
       return damaged("the names of its materials are inconsistent");
     if (row.removed != 0)
-      Storage::add_removed_material(scene);
+      storage::add_removed_material(scene);
     else
       scene.add_material({std::string(names.begin() + begin, names.begin() + row.name_end),
                           {row.red, row.green, row.blue},
@@ -232,9 +231,9 @@ SlcExpected<void> attach_snapshot(std::shared_ptr<const SlcFile> file, core::Sce
   if (verified)
     if (auto good = verify_where(*file, *mapping, true); !good) return good;
   const auto fill = [&](core::Snapshot& snapshot) { return StoredSnapshot::fill(*file, *mapping, snapshot); };
-  if (auto good = Storage::try_snapshot(scene, fill); !good) return damaged(good.error().message);
+  if (auto good = storage::try_snapshot(scene, fill); !good) return damaged(good.error().message);
   const auto stored = std::make_shared<StoredSnapshot>(std::move(file), std::move(*mapping));
-  Storage::set_snapshot(scene, [stored](core::Snapshot& snapshot) { return stored->fill(snapshot); });
+  storage::set_snapshot(scene, [stored](core::Snapshot& snapshot) { return stored->fill(snapshot); });
   return {};
 }
 

@@ -14,8 +14,6 @@
 namespace sightline::importers {
 namespace {
 
-using core::Storage;
-
 bool is_plain(const core::Scene& scene, core::NodeId node) {
   const core::Affine& t = scene.transform(node);
   const core::Affine none;
@@ -65,11 +63,11 @@ class SceneWriter {
     meshes();
     if (!tell(0.1)) return false;
     // What a picture needs first, and last the names.
-    Storage::for_each_snapshot_array(snapshot_, [&](std::uint64_t number, const auto& array) { add(number, array); });
+    storage::for_each_snapshot_array(snapshot_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     snapshot_state();
     joints_and_pages();
     if (!tell(0.5)) return false;
-    Storage::for_each_scene_array(scene_, [&](std::uint64_t number, const auto& array) { add(number, array); });
+    storage::for_each_scene_array(scene_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     attributes();
     out_.finish();
     return tell(0.99);
@@ -92,7 +90,7 @@ class SceneWriter {
     piece_.resize(std::min(array.size(), kPiece) * sizeof(T));
     for (std::size_t i = 0; i < array.size(); i += kPiece) {
       const std::size_t count = std::min(kPiece, array.size() - i);
-      Storage::copy_clean(array.data() + i, count, piece_.data());
+      storage::copy_clean(array.data() + i, count, piece_.data());
       out_.append(std::span<const std::byte>(piece_).first(count * sizeof(T)));
     }
     out_.end();
@@ -160,7 +158,7 @@ class SceneWriter {
   }
 
   void snapshot_state() {
-    const Storage::SnapshotState s = Storage::state(snapshot_);
+    const storage::SnapshotState s = storage::state(snapshot_);
     const core::FittedBounds fitted = snapshot_.bounds().fitted_bounds();
     const SlcSnapshotState row{
         {s.origin.x, s.origin.y, s.origin.z},
@@ -187,7 +185,7 @@ class SceneWriter {
   }
 
   void attributes() {
-    const core::StoredAttributes all = Storage::attributes(scene_);
+    const core::StoredAttributes all = storage::attributes(scene_);
     out_.add(kSlcAttributeNodes, all.nodes);
     out_.add(kSlcAttributeEnds, all.ends);
     out_.add(kSlcAttributeText, all.text);

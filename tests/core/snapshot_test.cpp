@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/core/internal/snapshot_copies.h"
 #include "sightline/tests/core/primitive_samples.h"
 
 namespace sightline::core::snapshot_test {
@@ -388,9 +389,9 @@ void expect_identical(const Snapshot& a, const Snapshot& b) {
   }
 }
 
-Snapshot::Items copies_of(const Snapshot& snapshot) {
-  Snapshot::Items items;
-  snapshot.copy(0, Slot(snapshot.size()), items);
+ItemCopies copies_of(const Snapshot& snapshot) {
+  ItemCopies items;
+  copy_items(snapshot, 0, Slot(snapshot.size()), items);
   return items;
 }
 
@@ -404,12 +405,12 @@ TEST(Snapshot, DoesNotDependOnThreads) {
     const Snapshot one(plant.scene, 1);
     ASSERT_NO_FATAL_FAILURE(expect_consistent(one));
     ASSERT_NO_FATAL_FAILURE(expect_shows(one, plant.scene));
-    const Snapshot copied(one, copies_of(one), 1);
+    const Snapshot copied = reordered(one, copies_of(one), 1);
     ASSERT_NO_FATAL_FAILURE(expect_consistent(copied));
     for (const int threads : {2, 3, 8}) {
       SCOPED_TRACE(testing::Message() << threads << " threads");
       ASSERT_NO_FATAL_FAILURE(expect_identical(one, Snapshot(plant.scene, threads)));
-      ASSERT_NO_FATAL_FAILURE(expect_identical(copied, Snapshot(one, copies_of(one), threads)));
+      ASSERT_NO_FATAL_FAILURE(expect_identical(copied, reordered(one, copies_of(one), threads)));
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes.h"
+#include "sightline/core/internal/snapshot_copies.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/frustum/linear_culler.h"
 
@@ -103,9 +104,10 @@ void expect_same_boxes(const Snapshot& a, const Snapshot& b) {
 }
 
 Snapshot in_new_order(const Snapshot& snapshot) {
-  Snapshot::Items items;
-  for (Slot s = 0; s < snapshot.size(); s += 100) snapshot.copy(s, std::min(s + 100, Slot(snapshot.size())), items);
-  return Snapshot(snapshot, std::move(items));
+  core::ItemCopies items;
+  for (Slot s = 0; s < snapshot.size(); s += 100)
+    core::copy_items(snapshot, s, std::min(s + 100, Slot(snapshot.size())), items);
+  return core::reordered(snapshot, std::move(items));
 }
 
 /// A snapshot with the culler that follows it.
@@ -251,7 +253,7 @@ TEST(SnapshotEdits, CopiesInPiecesCatchUp) {
     pin_origin(edited.scene, half);
     ASSERT_TRUE(edited.scene.commit());
     Followed live{Snapshot(edited.scene)};
-    Snapshot::Items items;
+    core::ItemCopies items;
     std::vector<ItemId> missed;
     const auto edit = [&] {
       for (int i = whole(random, 0, 60); i > 0; --i) edited.edit(whole(random, 0, 5));
@@ -262,17 +264,17 @@ TEST(SnapshotEdits, CopiesInPiecesCatchUp) {
     };
     for (std::size_t next = 0; next < live.snapshot.size();) {
       const std::size_t end = std::min(live.snapshot.size(), next + std::size_t(whole(random, 1, 300)));
-      live.snapshot.copy(Slot(next), Slot(end), items);
+      core::copy_items(live.snapshot, Slot(next), Slot(end), items);
       next = end;
       edit();
     }
-    Followed landed(Snapshot(live.snapshot, std::move(items)));
+    Followed landed(core::reordered(live.snapshot, std::move(items)));
     edit();
     std::sort(missed.begin(), missed.end());
     missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
-    Snapshot::Items late;
-    live.snapshot.copy(missed, late);
-    landed.culler.update(landed.snapshot.apply(late));
+    core::ItemCopies late;
+    core::copy_items(live.snapshot, missed, late);
+    landed.culler.update(core::apply_copies(landed.snapshot, late));
     ASSERT_NO_FATAL_FAILURE(expect_same_boxes(landed.snapshot, live.snapshot));
     ASSERT_NO_FATAL_FAILURE(expect_same(landed, edited.scene, random, half));
   }

@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
+#include "sightline/core/internal/snapshot_copies.h"
 #include "sightline/tests/core/primitive_samples.h"
 
 namespace sightline::gpuprims::joints_test {
@@ -320,9 +321,9 @@ TEST(Joints, EditsDissolveThoseOfTheItemAndItsNeighbours) {
     EXPECT_TRUE(set.contains(snapshot.slot(1)) && set.contains(snapshot.slot(3)));
     EXPECT_FALSE(set.contains(snapshot.slot(0)) || set.contains(snapshot.slot(4)));
     // A new order finds what there is now.
-    Snapshot::Items items;
-    snapshot.copy(0, Slot(snapshot.size()), items);
-    EXPECT_EQ(Joints(Snapshot(snapshot, std::move(items))).count(), count_of(scene));
+    core::ItemCopies items;
+    core::copy_items(snapshot, 0, Slot(snapshot.size()), items);
+    EXPECT_EQ(Joints(core::reordered(snapshot, std::move(items))).count(), count_of(scene));
   };
   check("moved", [](Scene& s, MaterialId) { s.set_placement(2, translation({0.2, 0, 2})); });
   check("moved far", [](Scene& s, MaterialId) { s.set_placement(2, translation({900, 0, 2})); });
@@ -436,9 +437,9 @@ TEST(Joints, AMaterialOfLaterIsKnownToANewOrder) {
   const auto joints_with = [&](MaterialId material) {
     solids.scene.set_material(ItemId(1), material);
     joined.commit(solids.scene);
-    Snapshot::Items items;
-    joined.snapshot.copy(0, Slot(joined.snapshot.size()), items);
-    return Joints(Snapshot(joined.snapshot, std::move(items))).count();
+    core::ItemCopies items;
+    core::copy_items(joined.snapshot, 0, Slot(joined.snapshot.size()), items);
+    return Joints(core::reordered(joined.snapshot, std::move(items))).count();
   };
   EXPECT_EQ(joints_with(see_through), 0u);
   EXPECT_EQ(joints_with(paint), 2u);

@@ -11,12 +11,12 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "sightline/core/internal/storage.h"
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
+#include "sightline/importers/slc/internal/storage.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/importers/slc_bytes.h"
 #include "sightline/tests/support/counted_memory.h"

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <span>
 
-#include "sightline/core/internal/storage.h"
 #include "sightline/importers/slc/internal/slc_file.h"
+#include "sightline/importers/slc/internal/storage.h"
 
 namespace sightline::tests {
 
@@ -34,7 +34,7 @@ inline void reseal(std::span<std::byte> bytes) {
 inline void make_current(std::span<std::byte> bytes) {
   if (bytes.size() < 64) return;
   const std::uint32_t words[] = {importers::kSlcVersion, 0x01020304};
-  const std::uint64_t layout = core::Storage::layout();
+  const std::uint64_t layout = importers::storage::layout();
   std::memcpy(bytes.data() + 8, words, sizeof words);
   std::memcpy(bytes.data() + 16, &layout, sizeof layout);
 }

@@ -9,12 +9,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "sightline/core/internal/storage.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
+#include "sightline/importers/slc/internal/storage.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/importers/slc_bytes.h"
 #include "sightline/tests/support/test_data.h"
@@ -44,11 +44,11 @@ void expect_same_snapshot(const Snapshot& a, const Snapshot& b) {
   EXPECT_EQ(a.materials(), b.materials());
   int arrays = 0;
   std::vector<std::vector<std::byte>> of_a;
-  core::Storage::for_each_snapshot_array(a, [&](std::uint64_t, const auto& array) {
+  storage::for_each_snapshot_array(a, [&](std::uint64_t, const auto& array) {
     const auto bytes = std::as_bytes(std::span(array.data(), array.size()));
     of_a.emplace_back(bytes.begin(), bytes.end());
   });
-  core::Storage::for_each_snapshot_array(b, [&](std::uint64_t number, const auto& array) {
+  storage::for_each_snapshot_array(b, [&](std::uint64_t number, const auto& array) {
     EXPECT_TRUE(same_bytes(of_a[std::size_t(arrays++)], std::as_bytes(std::span(array.data(), array.size()))))
         << number;
   });
@@ -141,7 +141,7 @@ class SlcTest : public ::testing::Test {
     const auto committed = scene.commit(), plainly = plain.commit();
     EXPECT_TRUE(committed && plainly);
     // In the first start, too, it is read from what was written.
-    EXPECT_EQ(core::Storage::has_snapshot(scene), caches_are_kept_);
+    EXPECT_EQ(storage::has_snapshot(scene), caches_are_kept_);
     EXPECT_EQ(committed->inserted, plainly->inserted);
     EXPECT_EQ(committed->materials, plainly->materials);
     return report->from_cache;
@@ -162,7 +162,7 @@ TEST_F(SlcTest, EveryContentComesBackBitForBit) {
   const Scene scene = tests::scene_with_everything();
   ASSERT_TRUE(write_slc(scene, folder_ / "a.slc"));
   Scene again = read(folder_ / "a.slc");
-  EXPECT_TRUE(core::Storage::has_snapshot(again));
+  EXPECT_TRUE(storage::has_snapshot(again));
   expect_same(scene, again);
   // And once more from what was read.
   ASSERT_TRUE(write_slc(again, folder_ / "b.slc"));
@@ -245,14 +245,14 @@ TEST_F(SlcTest, HiddenEndsAreThoseThatWouldBeFound) {
       ASSERT_EQ(joints.covered(item), found.covered(item)) << item;
   };
   Snapshot snapshot(cached);
-  ASSERT_NE(snapshot.stored_joints(), nullptr);
+  ASSERT_NE(core::Access::of(snapshot).stored_joints(), nullptr);
   const gpuprims::Joints found{Snapshot(source)};
   EXPECT_GT(found.count(), 100u);
   expect_same_ends(snapshot, found);
   // Not those of a snapshot that was changed since, or of materials that were.
   const core::Slot slots[] = {0, 1, 2};
   snapshot.hide(slots);
-  EXPECT_EQ(snapshot.stored_joints(), nullptr);
+  EXPECT_EQ(core::Access::of(snapshot).stored_joints(), nullptr);
   for (std::size_t i = 0; i < cached.material_slots(); ++i) {
     core::Material glass = cached.material(cached.material_at(i));
     glass.alpha = 0.5f;

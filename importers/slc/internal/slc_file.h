@@ -21,7 +21,7 @@ namespace sightline::importers {
 
 inline constexpr std::uint32_t kSlcVersion = 2;
 
-/// Numbers of arrays beside those of core/internal/storage.h.
+/// Numbers of arrays beside those of importers/slc/internal/storage.h.
 enum SlcArray : std::uint64_t {
   kSlcReport = 50,
   kSlcSources,

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "sightline/core/internal/storage.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/slc/internal/slc_file.h"
+#include "sightline/importers/slc/internal/storage.h"
 
 namespace sightline::importers {
 
