@@ -150,7 +150,7 @@ endif()
 if(SIGHTLINE_BENCH AND SIGHTLINE_APPS)
   find_package(benchmark QUIET)
   if(NOT benchmark_FOUND)
-    sightline_lack("sightline-bench is without queries and intersect: Google Benchmark not found (libbenchmark-dev)")
+    sightline_lack("sightline-bench is without queries: Google Benchmark not found (libbenchmark-dev)")
   endif()
   if(SIGHTLINE_RAYTRACE)
     find_package(embree 3 QUIET)  # a peer to measure beside: nothing is missing without it

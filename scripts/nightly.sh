@@ -46,7 +46,7 @@ run_counts-gl() {
 run_isa() {
   release
   for isa in scalar avx2; do
-    SIGHTLINE_ISA=$isa ctest_in release -R '^(core|core_checked|culling|raytrace|gpuprims|gpuprims_bench|engine)\.'
+    SIGHTLINE_ISA=$isa ctest_in release -R '^(core|core_checked|culling|raytrace|gpuprims|engine)\.'
   done
 }
 run_tools() {

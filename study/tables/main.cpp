@@ -1,12 +1,13 @@
 // sightline-study: the culling techniques of study/ on made-up platforms and an aircraft, beside production,
 // other libraries and brute force, in one run. Prints the tables of E. T. Carlos, "Frustum Culling Híbrido Utilizando
 // CPU e GPU" (2009), chapters 3 and 4, with --gpu 5, and writes the data of its figures. The subcommands rays
-// (rays.cpp) and grids (rays_gpu.cpp) are about ray tracing.
+// (rays.cpp) and grids (rays_gpu.cpp) are about ray tracing, the others (parts/) about parts of the library.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sightline/apps/common/arguments.h"
@@ -24,6 +25,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/plant/plant_generator.h"
+#include "sightline/study/parts/parts.h"
 #include "sightline/study/session.h"
 #include "sightline/study/tables/rays.h"
 #include "sightline/study/tables/report.h"
@@ -274,7 +276,14 @@ int main(int argc, char** argv) {
   apps::CommandLine grids = line.subcommand("grids", "uniform grids of all sizes on CPU and GPU instead");
   const auto run_grids = study::add_grids(grids);
 #endif
+  std::vector<std::pair<apps::CommandLine, bench::Run>> parts;
+  for (const auto& [name, description, add] : bench::parts()) {
+    apps::CommandLine part = line.subcommand(name, description);
+    parts.emplace_back(part, add(part));
+  }
   return line.run(argc, argv, [&] {
+    for (const auto& [part, run] : parts)
+      if (part.chosen()) return run();
     if (rays.chosen()) return run_rays();
 #ifdef SIGHTLINE_STUDY_HAS_GPU
     if (grids.chosen()) return run_grids();

@@ -1,0 +1,46 @@
+// What a subcommand of sightline-bench or sightline-study is made of.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
+#include "sightline/core/error.h"
+#include "sightline/importers/json/internal/json.h"
+
+namespace sightline::bench {
+
+/// Runs after the options are parsed; returns the program's exit code.
+using Run = std::function<core::Expected<int>()>;
+
+/// Name, description, and what adds the options and examples to the line of the subcommand.
+struct Subcommand {
+  const char *name, *description;
+  Run (*add)(apps::CommandLine&);
+};
+
+/// Implements Subcommand::add: the options live as long as the parser and the run.
+template <class Options>
+Run add_subcommand(apps::CommandLine& line, void (*add_options)(apps::CommandLine&, Options&),
+                   core::Expected<int> (*run)(const Options&)) {
+  const auto options = std::make_shared<Options>();
+  add_options(line, *options);
+  return [options, run] { return run(*options); };
+}
+
+/// End of a run: writes its figures to the file of --json.
+inline core::Expected<int> finish(const std::string& json_file, const json::Value& json) {
+  if (auto written = apps::write_json(json_file, json); !written) return tl::unexpected(written.error());
+  return apps::kExitOk;
+}
+
+/// The same after print_table(json, stream), where the table does not get into the JSON.
+template <class Print>
+core::Expected<int> finish(const std::string& json_file, const json::Value& json, const Print& print_table) {
+  print_table(json, apps::table_stream(json_file));
+  return finish(json_file, json);
+}
+
+}  // namespace sightline::bench
