@@ -76,14 +76,14 @@ void SolidOccluders::look_up(std::span<const core::Slot> slots, std::vector<Soli
   solids.clear();
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (i + core::kPrefetchAhead < slots.size()) {
-      snapshot_->prefetch_slot(slots[i + core::kPrefetchAhead]);
-      snapshot_->prefetch_box(slots[i + core::kPrefetchAhead]);
+      core::prefetch_slot(*snapshot_, slots[i + core::kPrefetchAhead]);
+      core::prefetch_box(*snapshot_, slots[i + core::kPrefetchAhead]);
     }
     const core::Slot slot = slots[i];
     const core::Kind kind = snapshot_->kind(slot);
     if (int(kind) >= core::kPrimitiveKindCount || snapshot_->bounds().vacant(slot) || !snapshot_->opaque(slot))
       continue;
-    snapshot_->prefetch_record(slot);
+    core::prefetch_record(*snapshot_, slot);
     const core::KindItems& items = snapshot_->of_kind(kind);
     const std::uint32_t index = snapshot_->index_in_kind(slot);
     solids.push_back({i, kind, snapshot_->bounds().box(slot), &items.placements[index],
