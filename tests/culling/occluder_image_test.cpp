@@ -194,9 +194,10 @@ void expect_image(const Camera& camera, std::span<const float> image, double win
     }
 }
 
+/// One raster is used for all images, so that what an earlier one left would show.
 template <class Add>
 std::vector<float> image_of(const Camera& camera, float snap, const Add& add) {
-  OccluderRaster raster;
+  static OccluderRaster raster;
   raster.begin(camera.view, camera.width, camera.height, snap);
   const bool covers = add(raster);
   std::vector<float> distances(std::size_t(camera.width) * std::size_t(camera.height));

@@ -41,6 +41,9 @@ TEST(DepthPyramid, BlocksHoldTheFarthestOfTheirPixels) {
     for_each_instruction_set([&] {
       DepthPyramid pyramid;
       pyramid.build(distances, width, height);
+      ASSERT_EQ(pyramid.band_count(), (height + 31) / 32);
+      ASSERT_GE(pyramid.memory_bytes(), distances.size() * sizeof(float));
+      ASSERT_LE(pyramid.memory_bytes(), 3 * distances.size() * sizeof(float) + 512);
       for (int level = 0; level < pyramid.level_count(); ++level)
         for (int y = 0; y <= (height - 1) >> level; ++y)
           for (int x = 0; x <= (width - 1) >> level; ++x) {
@@ -56,6 +59,8 @@ TEST(DepthPyramid, BlocksHoldTheFarthestOfTheirPixels) {
 
 TEST(DepthPyramid, HoldsNothingWhenCleared) {
   DepthPyramid pyramid;
+  EXPECT_EQ(pyramid.width(), 0);
+  EXPECT_EQ(pyramid.height(), 0);
   const auto expect_cleared = [&] {
     pyramid.clear(70, 33);
     ASSERT_EQ(pyramid.width(), 70);
@@ -155,6 +160,9 @@ TEST(OcclusionTest, AWallHidesWhatIsBehindItAlone) {
   const OcclusionTest test(view, core::dvec3(0.0), 640, 480, pyramid);
   EXPECT_TRUE(test.hidden({{-1, 10.01f, -1}, {1, 11, 1}}));
   EXPECT_FALSE(test.hidden({{-1, 9.99f, -1}, {1, 11, 1}}));
+  const auto behind_by = [](float share) { return Aabb{{-1, 10.0f * (1.0f + share), -1}, {1, 11, 1}}; };
+  EXPECT_TRUE(test.hidden(behind_by(1.3f * 0x1p-16f)));
+  EXPECT_FALSE(test.hidden(behind_by(0.8f * 0x1p-16f)));
   EXPECT_FALSE(test.hidden({{-1, -1, -1}, {1, 30, 1}})) << "around the eye";
   EXPECT_TRUE(test.hidden({{900, 10.01f, 900}, {901, 11, 901}})) << "beside the picture";
   EXPECT_TRUE(test.hidden({}));
@@ -175,7 +183,7 @@ TEST(OcclusionTest, HidesNothingBeforeItsPyramidIsBuilt) {
   DepthPyramid pyramid;
   const OcclusionTest test(view, core::dvec3(0.0), 64, 48, pyramid);
   const auto left = [&] {
-    EXPECT_EQ(test.hidden(bounds.box(0)), pyramid.width() == 64);
+    EXPECT_EQ(test.hidden(bounds.box(0)), pyramid.width() == 64 && pyramid.height() == 48);
     core::VisibleSet open, leaves, front, behind;
     test.filter(bounds, all, open);
     test.filter_leaves(hierarchy, all, leaves);
@@ -185,8 +193,10 @@ TEST(OcclusionTest, HidesNothingBeforeItsPyramidIsBuilt) {
     return open.count();
   };
   EXPECT_EQ(left(), 100u) << "never built";
-  pyramid.build(std::vector<float>(32 * 24, 10.0f), 32, 24);
-  EXPECT_EQ(left(), 100u) << "of another size";
+  for (const auto& [width, height] : {std::pair(32, 24), std::pair(64, 24), std::pair(32, 48)}) {
+    pyramid.build(std::vector<float>(std::size_t(width * height), 10.0f), width, height);
+    EXPECT_EQ(left(), 100u) << "of another size";
+  }
   pyramid.build(std::vector<float>(64 * 48, 10.0f), 64, 48);
   EXPECT_EQ(left(), 0u);
 }

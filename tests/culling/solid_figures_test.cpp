@@ -253,6 +253,10 @@ TEST_P(SolidFiguresOf, LieWithinByTheirMargins) {
     const std::vector<SolidFigure> figures = seen.figures(of_radius, metres);
     ++(figures.empty() ? none : some);
     for (const SolidFigure& figure : figures) {
+      if (figure.hexahedron) {  // corners 0 to 3 turn left as seen from the other face
+        const auto& c = figure.corners;
+        ASSERT_GT(glm::dot(glm::cross(c[1] - c[0], c[3] - c[0]), c[4] - c[0]), 0.0);
+      }
       const auto lies_within = [&](std::size_t first) {
         std::vector<Triangle> triangles;
         append_triangles(figure, first, triangles);
