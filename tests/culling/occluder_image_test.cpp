@@ -683,6 +683,12 @@ TEST(OccluderImage, LargestOfBoxesBesideEachOther) {
       boxes.push_back(box);
     }
     std::sort(order.begin(), order.end());
+    // Larger ones beside and behind the view volume count not at all.
+    for (const dvec3& way : {right, -right, up, -up, -along}) {
+      AabbD box;
+      for (const double side : {-1.0, 1.0}) box.grow(60.0 * way + 8.0 * along + side * (5.0 * (right + up) + along));
+      boxes.push_back(box);
+    }
     for (std::size_t count = 1; count <= 4; ++count) {
       const auto largest =
           image_of(camera, 0.0f, [&](OccluderRaster& raster) { return raster.add_largest(boxes, count) > 0; });

@@ -58,22 +58,19 @@ TEST(DepthPyramid, BlocksHoldTheFarthestOfTheirPixels) {
 }
 
 TEST(DepthPyramid, HoldsNothingWhenCleared) {
-  DepthPyramid pyramid;
-  EXPECT_EQ(pyramid.width(), 0);
-  EXPECT_EQ(pyramid.height(), 0);
-  const auto expect_cleared = [&] {
+  for (const auto& [width, height] :
+       {std::pair(0, 0), std::pair(70, 33), std::pair(8, 8), std::pair(70, 9), std::pair(9, 33)}) {
+    DepthPyramid pyramid;
+    EXPECT_EQ(pyramid.width(), 0);
+    EXPECT_EQ(pyramid.height(), 0);
+    if (width > 0) pyramid.build(std::vector<float>(std::size_t(width * height), 1.0f), width, height);
     pyramid.clear(70, 33);
     ASSERT_EQ(pyramid.width(), 70);
     ASSERT_EQ(pyramid.height(), 33);
     for (int level = 0; level < pyramid.level_count(); ++level)
       for (int y = 0; y <= 32 >> level; ++y)
         for (int x = 0; x <= 69 >> level; ++x) ASSERT_EQ(pyramid.row(level, y)[x], kNothing);
-  };
-  expect_cleared();
-  pyramid.build(std::vector<float>(70 * 33, 1.0f), 70, 33);
-  expect_cleared();
-  pyramid.build(std::vector<float>(64, 1.0f), 8, 8);
-  expect_cleared();
+  }
 }
 
 /// Never nearer than the pixels themselves; the same wherever the rectangle is that of whole blocks.

@@ -255,6 +255,7 @@ TEST_P(SolidFiguresOf, LieWithinByTheirMargins) {
     for (const SolidFigure& figure : figures) {
       if (figure.hexahedron) {  // corners 0 to 3 turn left as seen from the other face
         const auto& c = figure.corners;
+        ASSERT_EQ(figure.count, 8);
         ASSERT_GT(glm::dot(glm::cross(c[1] - c[0], c[3] - c[0]), c[4] - c[0]), 0.0);
       }
       const auto lies_within = [&](std::size_t first) {
