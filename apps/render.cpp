@@ -403,16 +403,16 @@ core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& pa
   if (!size) return tl::unexpected(size.error());
   engine::EngineConfig config;
   config.draw = true;
-  config.samples = o.samples;
+  config.drawing.samples = o.samples;
   o.shown.apply(config);
-  config.transparency = o.styles.transparency;
-  config.ids = o.wants_ids() || o.mpi;
-  config.part = part;
-  config.context_platform = o.platform;
-  config.gl_debug = o.gl_debug;
-  config.gl_state = engine::GlState::kLeave;  // no other context is current here
-  config.culler = o.culler;
-  config.gpu_culler = o.gpu_culler;
+  config.drawing.transparency = o.styles.transparency;
+  config.drawing.ids = o.wants_ids() || o.mpi;
+  config.culling.part = part;
+  config.context.platform = o.platform;
+  config.context.debug = o.gl_debug;
+  config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
+  config.culling.culler = o.culler;
+  config.culling.gpu_culler = o.gpu_culler;
   auto tiles = apps::tiles_for(*size, o.tile_side(*size), config);
   if (!tiles) return tl::unexpected(tiles.error());
   config.width = tiles->width;

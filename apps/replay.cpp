@@ -276,7 +276,7 @@ core::Expected<int> record_both(const Options& o, const apps::Model& model, engi
   std::vector<apps::TraceFrame> trace;
   const double not_measured = culling::FrameSample::kNotMeasured;
   for (const auto culler : {engine::CullerChoice::kCpu, engine::CullerChoice::kGpu}) {
-    config.culler = culler;
+    config.culling.culler = culler;
     const bool gpu = culler == engine::CullerChoice::kGpu;
     auto engine = engine::Engine::create(*model.scene, config);
     if (!engine) return tl::unexpected(engine.error());
@@ -327,16 +327,16 @@ core::Expected<engine::EngineConfig> engine_config(const Options& o) {
   if (!size) return tl::unexpected(size.error());
   engine::EngineConfig config;
   config.draw = !o.no_render;
-  config.ids = o.mpi;
-  config.context_platform = o.platform;
-  config.gl_state = engine::GlState::kLeave;  // no other context is current here
+  config.drawing.ids = o.mpi;
+  config.context.platform = o.platform;
+  config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
   config.width = (*size)[0];
   config.height = (*size)[1];
-  config.culler = o.culler;
-  config.gpu_culler = o.gpu_culler;
-  config.samples = o.samples;
+  config.culling.culler = o.culler;
+  config.culling.gpu_culler = o.gpu_culler;
+  config.drawing.samples = o.samples;
   o.shown.apply(config);
-  config.controller.policy = policy_of(o);
+  config.culling.controller.policy = policy_of(o);
   return config;
 }
 
@@ -351,7 +351,7 @@ struct Flown {
 core::Expected<Flown> prepare(const Options& o, const engine::ScenePart& part) {
   auto config = engine_config(o);
   if (!config) return tl::unexpected(config.error());
-  config->part = part;
+  config->culling.part = part;
   if (!o.images.empty())
     if (auto made = apps::make_directory(o.images); !made) return tl::unexpected(made.error());
   auto model = apps::load_model(o.model);

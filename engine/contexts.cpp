@@ -50,7 +50,7 @@ core::Expected<void> follow_plan_in_context(EngineState& s, bool new_order) {
 
 void look_after_context(EngineState& s) {
   if (s.backend->lost()) drop_context(s);
-  if (s.next_try < 0.0 || s.config.context || now_seconds() < s.next_try || !s.needs_gl()) return;
+  if (s.next_try < 0.0 || s.config.context.application || now_seconds() < s.next_try || !s.needs_gl()) return;
   s.next_try = -1.0;
   if (follow_plan_in_context(s, true)) {
     if (s.hybrid) s.hybrid->gpu_ready();
@@ -67,13 +67,13 @@ core::Expected<void> unless_lost(const EngineState& s, core::Expected<void> done
 void drop_context(EngineState& s) {
   s.backend = std::make_unique<Backend>();
   s.coming.reset();
-  s.next_try = s.config.context_later ? std::numeric_limits<double>::infinity() : 0.0;
+  s.next_try = s.config.context.later ? std::numeric_limits<double>::infinity() : 0.0;
   if (s.hybrid) s.hybrid->gpu_lost();
 }
 
 void note_context(EngineState& s) {
   if (!s.backend->ready()) return;
-  add_context(s.live.plan, !s.config.context, s.backend->platform());
+  add_context(s.live.plan, !s.config.context.application, s.backend->platform());
   if (!s.live.plan.gpu_culls()) return;
   if (const auto variant = s.backend->gpu_variant())
     add_gpu_variant(s.live.plan, *variant, s.backend->why_gpu_variant());
@@ -85,17 +85,17 @@ namespace {
 /// now.
 core::Expected<void> take_context(EngineState& s, gl::Context& context, std::unique_ptr<Backend> made) {
   s.coming.reset();
-  const auto before = std::pair(s.config.context, s.next_try);
-  s.config.context = &context;
+  const auto before = std::pair(s.config.context.application, s.next_try);
+  s.config.context.application = &context;
   s.next_try = -1.0;
   const bool new_order = !made;
   s.backend = made ? std::move(made) : std::make_unique<Backend>();
   if (auto done = follow_plan_in_context(s, new_order); !done) {
     s.backend = std::make_unique<Backend>();
-    std::tie(s.config.context, s.next_try) = before;
+    std::tie(s.config.context.application, s.next_try) = before;
     return done;
   }
-  if (std::exchange(s.config.context_later, false)) {
+  if (std::exchange(s.config.context.later, false)) {
     s.hybrid.reset();  // what it presumes depends on the context
     follow_hybrid(s);
   }
@@ -105,7 +105,7 @@ core::Expected<void> take_context(EngineState& s, gl::Context& context, std::uni
 
 core::Expected<void> begin_coming(EngineState& s, gl::Context& context) {
   EngineConfig config = s.config;
-  config.context = &context;
+  config.context.application = &context;
   auto begun = make_backend(config, s.overrides);
   if (!begun) return tl::unexpected(begun.error());
   if ((*begun)->lost()) return core::fail("engine: the context is lost");

@@ -10,48 +10,45 @@ namespace {
 
 /// Settings with which the CPU must cull.
 bool needs_cpu(const EngineConfig& config) {
-  return config.draw && (config.contribution > 0.0f || config.budget_ms > 0.0);
+  return config.draw && (config.losses.contribution > 0.0f || config.losses.budget_ms > 0.0);
 }
 
 core::Expected<void> check(const EngineConfig& config) {
-  if (!(config.contribution >= 0.0f)) return core::fail("engine: contribution must be 0 or more pixels");
-  if (config.context_later && config.context)
+  if (!(config.losses.contribution >= 0.0f)) return core::fail("engine: contribution must be 0 or more pixels");
+  if (config.context.later && config.context.application)
     return core::fail("engine: context_later means that there is no context yet, and there is one");
-  if (!(config.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
-  for (const float strength : {config.relief.shading, config.relief.lines})
+  if (!(config.losses.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
+  for (const float strength : {config.drawing.relief.shading, config.drawing.relief.lines})
     if (!(strength >= 0.0f && strength <= 1.0f))
       return core::fail("engine: shading and lines of relief must be between 0 and 1");
-  if (!(config.hatching.strength >= 0.0f && config.hatching.strength <= 1.0f))
+  if (!(config.drawing.hatching.strength >= 0.0f && config.drawing.hatching.strength <= 1.0f))
     return core::fail("engine: strength of hatching must be between 0 and 1");
-  if (!(config.hatching.spacing >= 2.0f) || !std::isfinite(config.hatching.spacing))
+  if (!(config.drawing.hatching.spacing >= 2.0f) || !std::isfinite(config.drawing.hatching.spacing))
     return core::fail("engine: spacing of hatching must be 2 or more pixels");
-  if (config.part.count < 1 || config.part.index < 0 || config.part.index >= config.part.count)
+  if (config.culling.part.count < 1 || config.culling.part.index < 0 ||
+      config.culling.part.index >= config.culling.part.count)
     return core::fail("engine: part must have an index from 0 on and below its count");
-  if (config.culler == CullerChoice::kGpu && needs_cpu(config))
+  if (config.culling.culler == CullerChoice::kGpu && needs_cpu(config))
     return core::fail("engine: contribution and budget_ms need a culler on the CPU, and culler is gpu");
   return {};
 }
 
 /// Whether what a hybrid has learnt with one holds with the other, as far as settings go.
 bool cost_alike(const EngineConfig& a, const EngineConfig& b) {
-  return a.controller == b.controller && a.sample_test == b.sample_test && a.occlusion == b.occlusion;
+  return a.culling.controller == b.culling.controller && a.culling.sample_test == b.culling.sample_test &&
+         a.culling.occlusion == b.culling.occlusion;
 }
 
-/// The name of a setting in which they differ, though it needs a new engine; null where there is none.
+/// The name of a fixed setting in which they differ; null where there is none.
 const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b) {
-  if (a.draw != b.draw) return "draw";
-  if (a.width != b.width || a.height != b.height) return "size (see resize())";
-  if (a.ids != b.ids) return "ids";
-  if (a.transparency != b.transparency) return "transparency";
-  if (a.samples != b.samples) return "samples";
-  if (a.part.index != b.part.index || a.part.count != b.part.count) return "part";
-  if (a.gl_debug != b.gl_debug) return "gl_debug";
-  if (a.context != b.context || a.context_platform != b.context_platform) return "context (see use_context())";
-  if (a.context_later != b.context_later) return "context_later";
-  if (a.gl_state != b.gl_state) return "gl_state";
-  if (a.program_cache != b.program_cache) return "program_cache";
-  if (a.rebuild_share != b.rebuild_share) return "rebuild_share";
-  if (a.gpu_culler.variant != b.gpu_culler.variant) return "gpu_culler";
+#define SIGHTLINE_SETTING(path, name, kind) SIGHTLINE_COMPARE_##kind(path, name)
+#define SIGHTLINE_COMPARE_FIXED(path, name) \
+  if (!(a.path == b.path)) return name;
+#define SIGHTLINE_COMPARE_CHANGEABLE(path, name)
+#include "sightline/engine/internal/settings.inc"
+#undef SIGHTLINE_SETTING
+#undef SIGHTLINE_COMPARE_FIXED
+#undef SIGHTLINE_COMPARE_CHANGEABLE
   return nullptr;
 }
 
@@ -59,32 +56,33 @@ const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig
 
 EngineState::EngineState(core::Scene& scene_, const EngineConfig& config_)
     : scene(&scene_), edits(scene_.subscribe()), config(config_) {
-  config.controller.frame_cost.rendering = config.draw;
-  if (config.context_later) next_try = std::numeric_limits<double>::infinity();
+  config.culling.controller.frame_cost.rendering = config.draw;
+  if (config.context.later) next_try = std::numeric_limits<double>::infinity();
 }
 
 std::unique_ptr<KeptState> EngineState::keep_state() const {
   if (backend->ready()) return backend->keep_state();
-  const bool changes_context = needs_gl() && !config.context && config.gl_state == GlState::kRestore;
+  const bool changes_context =
+      needs_gl() && !config.context.application && config.context.gl_state == GlState::kRestore;
   return changes_context ? keep_current_context() : nullptr;
 }
 
 bool EngineState::shows_unseen(const core::View& view, const core::View& cull_view) const {
-  return config.draw && config.hidden_colour && backend->ready() && !core::same_picture(view, cull_view);
+  return config.draw && config.drawing.hidden_colour && backend->ready() && !core::same_picture(view, cull_view);
 }
 
 PlanRequest plan_request(const EngineState& s) {
   const EngineConfig& config = s.config;
-  return {config.culler,
+  return {config.culling.culler,
           config.draw,
-          config.ids,
-          config.occlusion,
-          config.contribution > 0.0f,
-          config.budget_ms > 0.0,
-          config.relief.any(),
-          config.hatching.any(),
+          config.drawing.ids,
+          config.culling.occlusion,
+          config.losses.contribution > 0.0f,
+          config.losses.budget_ms > 0.0,
+          config.drawing.relief.any(),
+          config.drawing.hatching.any(),
           s.picks,
-          config.part};
+          config.culling.part};
 }
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config, const Progress& progress) {
@@ -127,7 +125,7 @@ Drawing* Engine::drawing() {
 
 core::Expected<void> Engine::set_culler(CullerChoice choice) {
   EngineConfig changed = config();
-  changed.culler = choice;
+  changed.culling.culler = choice;
   return configure(changed);
 }
 
@@ -135,9 +133,10 @@ core::Expected<void> Engine::configure(const EngineConfig& config) {
   EngineState& s = *state_;
   if (auto good = check(config); !good) return good;
   if (const char* fixed = fixed_setting_that_differs(s.config, config))
-    return core::fail(std::string("engine: another engine is needed for another ") + fixed);
+    return core::fail(std::string("engine: another engine is needed for another ") + fixed +
+                      "; resize() and use_context() change size and context");
   const EngineConfig before = std::exchange(s.config, config);
-  s.config.controller.frame_cost.rendering = config.draw;
+  s.config.culling.controller.frame_cost.rendering = config.draw;
   const CullerChoice culler_before = s.live.plan.culler;
   s.live.follow_plan(plan_request(s));
   if (auto done = follow_plan_in_context(s, false); !done) {

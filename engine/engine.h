@@ -103,16 +103,45 @@ enum class GlState : std::uint8_t {
   kLeave,
 };
 
-struct EngineConfig {
+/// Which items are found visible, and by which means.
+struct CullingConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
-  bool draw = false;  ///< false: no GL at all, unless the culler needs it
-  int width = 1280, height = 720;
-  bool ids = false;  ///< item-id image beside colour and depth
   /// Leave out of drawing what covers no sample of the picture (culling/occlusion/sample_test.h): nothing is lost.
   bool sample_test = true;
   /// Leave out of drawing what other items hide (culling/occlusion/occlusion_test.h): nothing is lost. With one sample
   /// per pixel only.
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
+  /// Draws, culls and finds this part of the scene alone, so that several engines, in several processes, share a
+  /// picture. A pixel is as in a picture of the whole where this part shows there. Of other parts no meshes are in GPU
+  /// memory; main memory has the whole scene. commit() makes everything anew where there were edits. Functions that
+  /// take items know those of the part alone.
+  ScenePart part = {};
+  /// Edits append slots and leave vacant ones behind. When such slots exceed this share of all, the engine makes a new
+  /// order in the background; 0: never. An item that moves far counts twice. Until the new order lands, 1 % of moved
+  /// items cost up to a tenth of the culling speed.
+  double rebuild_share = 0.03;
+  culling::GpuCullerConfig gpu_culler = {};  ///< its variant is measured once, unless named here
+  /// For CullerChoice::kHybrid. FrameCostConfig::rendering follows EngineConfig::draw. On a software rasteriser
+  /// FrameCostConfig::presumed_gpu_excess is 10 % unless it is set here.
+  culling::ControllerConfig controller = {};
+};
+
+/// What an image has, and how it looks.
+struct DrawingConfig {
+  bool ids = false;  ///< item-id image beside colour and depth
+  int samples = 1;   ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
+  Transparency transparency = Transparency::kDither;
+  core::vec3 outline_colour{1.0f, 0.5f, 0.0f};  ///< sRGB, of ItemStyle::outline
+  /// Colour (sRGB) in which frames with a FrameInput::cull_view draw the items that the sample test and the occlusion
+  /// test leave out of the picture of cull_view; then these frames are culled on the CPU. None: such items look like
+  /// all others.
+  std::optional<core::vec3> hidden_colour = {};
+  Relief relief = {};
+  Hatching hatching = {};
+};
+
+/// What an image may lack, so that it costs less. By default nothing: every setting here is off.
+struct LossConfig {
   /// Leave out of drawing items that cover fewer pixels than this: culling/occlusion/contribution.h, with the mean area
   /// over all directions; hysteresis; lines are exempt. 0: nothing is lost. The CPU must cull: create() and
   /// set_culler() fail with kGpu, and kHybrid is then as kAutomatic; both also with a budget.
@@ -120,46 +149,38 @@ struct EngineConfig {
   /// How these items are drawn. With a budget also what its time does not suffice for; kStochastic is then as
   /// kPoints.
   ContributionWay contribution_way = ContributionWay::kDrop;
-  Transparency transparency = Transparency::kDither;
-  core::vec3 outline_colour{1.0f, 0.5f, 0.0f};  ///< sRGB, of ItemStyle::outline
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
   /// what the time does not suffice for is left out (FrameReport::pending), or a square each: contribution_way. While
   /// view and scene stay the same, each frame draws more of it, until the picture is complete; then frames draw
   /// nothing. The CPU must cull, as above. Every frame is waited for.
   double budget_ms = 0.0;
-  /// Colour (sRGB) in which frames with a FrameInput::cull_view draw the items that the sample test and the occlusion
-  /// test leave out of the picture of cull_view; then these frames are culled on the CPU. None: such items look like
-  /// all others.
-  std::optional<core::vec3> hidden_colour = {};
-  Relief relief = {};
-  Hatching hatching = {};
-  /// Draws, culls and finds this part of the scene alone, so that several engines, in several processes, share a
-  /// picture. A pixel is as in a picture of the whole where this part shows there. Of other parts no meshes are in GPU
-  /// memory; main memory has the whole scene. commit() makes everything anew where there were edits. Functions that
-  /// take items know those of the part alone.
-  ScenePart part = {};
-  int samples = 1;  ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
-  bool gl_debug = false;  ///< collect driver messages; slower
+};
+
+/// The GL context that an engine draws in.
+struct ContextConfig {
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
   /// as lost once it is destroyed. The engine accepts any GL state in it, but for what GlState::kRestore names. Null:
   /// the engine makes an offscreen context.
-  gl::Context* context = nullptr;
+  gl::Context* application = nullptr;
   /// The engine is as while its context is lost, until use_context(), which may work in portions: so it can be made by
-  /// another thread than the one that draws. Not with a `context`.
-  bool context_later = false;
+  /// another thread than the one that draws. Not with an `application`'s context.
+  bool later = false;
   GlState gl_state = GlState::kRestore;
-  gl::ContextPlatform context_platform = {};  ///< of the offscreen context (gl/context.h); ContextOptions' default
+  gl::ContextPlatform platform = {};  ///< of the offscreen context (gl/context.h); ContextOptions' default
   /// Folder that keeps linked programs from run to run, so that drivers need not compile them again. Processes may
   /// share it. None: the user's cache folder, gl::ProgramCache::default_folder(). An empty path: no cache.
   std::optional<std::filesystem::path> program_cache = {};
-  /// Edits append slots and leave vacant ones behind. When such slots exceed this share of all, the engine makes a new
-  /// order in the background; 0: never. An item that moves far counts twice. Until the new order lands, 1 % of moved
-  /// items cost up to a tenth of the culling speed.
-  double rebuild_share = 0.03;
-  culling::GpuCullerConfig gpu_culler = {};  ///< its variant is measured once, unless named here
-  /// For CullerChoice::kHybrid. FrameCostConfig::rendering follows `draw`. On a software rasteriser
-  /// FrameCostConfig::presumed_gpu_excess is 10 % unless it is set here.
-  culling::ControllerConfig controller = {};
+  bool debug = false;  ///< collect driver messages; slower
+};
+
+/// Settings of an engine. internal/settings.inc lists all of them, with whether Engine::configure() may change them.
+struct EngineConfig {
+  bool draw = false;               ///< false: no GL at all, unless the culler needs it
+  int width = 1280, height = 720;  ///< of the image, in pixels
+  CullingConfig culling = {};
+  DrawingConfig drawing = {};
+  LossConfig losses = {};
+  ContextConfig context = {};
 };
 
 /// Times in milliseconds of wall clock.
@@ -177,11 +198,12 @@ struct FrameReport {
   /// Of these, items that may cover a sample of the picture (-1 where occlusion was tested, which includes that); items
   /// drawn. Both -1 without drawing, and where the GPU alone knows.
   std::int64_t sampled = -1, shown = -1;
-  /// Items in the view volume that are below EngineConfig::contribution; 0 without it.
+  /// Items in the view volume that are below EngineConfig::losses.contribution; 0 without it.
   std::int64_t small = 0;
-  std::int64_t squares = 0;  ///< of these and of pending ones, drawn as one square: EngineConfig::contribution_way
-  /// Items in the view volume for which EngineConfig::budget_ms did not suffice: some of them may be hidden. 0: the
-  /// picture is complete.
+  std::int64_t squares =
+      0;  ///< of these and of pending ones, drawn as one square: EngineConfig::losses.contribution_way
+  /// Items in the view volume for which EngineConfig::losses.budget_ms did not suffice: some of them may be hidden. 0:
+  /// the picture is complete.
   std::int64_t pending = 0;
 };
 
@@ -193,7 +215,7 @@ struct LateReport {
   std::int64_t shown = -1;    ///< items drawn; -1 without drawing
 };
 
-/// What EngineConfig::contribution and budget_ms cost a picture: an estimate of its error.
+/// What EngineConfig::losses.contribution and budget_ms cost a picture: an estimate of its error.
 struct LossReport {
   std::int64_t items = 0;  ///< left out, that may cover a sample and that nothing in the picture is known to hide
   double pixels = 0.0;     ///< that these are expected to cover, at most all: see Engine::loss()
@@ -209,8 +231,8 @@ struct MemoryReport {
 struct FrameInput {
   const core::View& view;  ///< that the image shows
   /// Culls by this view instead: the image then shows from `view` what lies in the view volume of this one, and with
-  /// EngineConfig::hidden_colour what the tests after the culler leave out. So one can look at culling from the side.
-  /// Null, or a view that shows the same (core::same_picture): culls by `view`.
+  /// EngineConfig::drawing.hidden_colour what the tests after the culler leave out. So one can look at culling from the
+  /// side. Null, or a view that shows the same (core::same_picture): culls by `view`.
   const core::View* cull_view = nullptr;
   const gl::ExternalTarget* target = nullptr;  ///< a framebuffer that gets the image, too; null: none
 };
@@ -246,13 +268,14 @@ class SIGHTLINE_API Engine {
   /// they show the application's pixels, too. Works on all paths; read_colour() and the like read the engine's own
   /// picture.
   ///
-  /// Fails without EngineConfig::draw and EngineConfig::context, on sizes that the context does not support, and on
-  /// framebuffers that GL does not draw to. Then nothing is drawn there. Nothing is drawn while the context is lost.
+  /// Fails without EngineConfig::draw and EngineConfig::context.application, on sizes that the context does not
+  /// support, and on framebuffers that GL does not draw to. Then nothing is drawn there. Nothing is drawn while the
+  /// context is lost.
   core::Expected<FrameReport> frame(const core::View& view, const gl::ExternalTarget& target);
   /// The same for several views at one time, such as the two eyes of a headset: view i goes into target i, which may be
-  /// a layer of a texture, and has picture i of use_picture(). EngineConfig::budget_ms is for all of them together.
-  /// Needs as many targets as views. Where one fails, those before it are drawn. Which picture is in use does not
-  /// change.
+  /// a layer of a texture, and has picture i of use_picture(). EngineConfig::losses.budget_ms is for all of them
+  /// together. Needs as many targets as views. Where one fails, those before it are drawn. Which picture is in use does
+  /// not change.
   core::Expected<std::vector<FrameReport>> frame(std::span<const core::View> views,
                                                  std::span<const gl::ExternalTarget> targets);
   /// Shows another one of the engine's pictures from now on; each has a number of the application's, at first 0.
@@ -272,11 +295,11 @@ class SIGHTLINE_API Engine {
   /// while the context is lost, nothing is drawn.
   core::Expected<void> draw_outline(const core::View& view, std::span<const core::ItemId> items,
                                     const gl::ExternalTarget& target);
-  /// What the last frame() has left out by EngineConfig::contribution and budget_ms, `view` being the one that it drew;
-  /// nothing without these. Squares drawn instead count as left out. The pixels are the sum of the items' areas as
-  /// culling/occlusion/contribution.h measures them, so they are too many where items overlap or hide each other, or
-  /// reach out of the picture. A convex solid may cover twice its measure in an unlucky direction. Waits for the GPU
-  /// and takes time in proportion to the items left out: meant for pictures that stay.
+  /// What the last frame() has left out by EngineConfig::losses.contribution and budget_ms, `view` being the one that
+  /// it drew; nothing without these. Squares drawn instead count as left out. The pixels are the sum of the items'
+  /// areas as culling/occlusion/contribution.h measures them, so they are too many where items overlap or hide each
+  /// other, or reach out of the picture. A convex solid may cover twice its measure in an unlucky direction. Waits for
+  /// the GPU and takes time in proportion to the items left out: meant for pictures that stay.
   core::Expected<LossReport> loss(const core::View& view);
   /// What culling makes of each item in the view (culling/cull_states.h), by the slots of snapshot(): the culler, then
   /// contribution, sample test and occlusion as configured, the latter two with `draw` alone. A budget does not count,
@@ -301,10 +324,10 @@ class SIGHTLINE_API Engine {
   /// others. Memory that is full is enlarged by half, which the GPU copies; the first item of its kind has its program
   /// compiled.
   ///
-  /// After many edits the engine makes a new order in the background (EngineConfig::rebuild_share). It works on a copy
-  /// of the snapshot, so the scene may be edited meanwhile. Once it is ready, commit() and frame() upload what it
-  /// needs, a quarter of a frame's time in each and 8 ms at most, but for single steps (making the GPU culler); then it
-  /// lands as an exchange of pointers. Slots change with it: visible() names the generation of the snapshot that its
+  /// After many edits the engine makes a new order in the background (EngineConfig::culling.rebuild_share). It works on
+  /// a copy of the snapshot, so the scene may be edited meanwhile. Once it is ready, commit() and frame() upload what
+  /// it needs, a quarter of a frame's time in each and 8 ms at most, but for single steps (making the GPU culler); then
+  /// it lands as an exchange of pointers. Slots change with it: visible() names the generation of the snapshot that its
   /// slots belong to.
   core::Expected<void> commit();
   /// The same in portions, for a thread that must not stop: works for about `seconds` and returns whether all edits are
@@ -421,7 +444,7 @@ class SIGHTLINE_API Engine {
   /// The last frame's picture (render/image/image.h). Only builds with GL have these functions. They wait for the GPU.
   /// They fail without EngineConfig::draw, and while the context is lost.
   core::Expected<image::Image> read_colour();
-  core::Expected<image::IdImage> read_ids();  ///< fails without EngineConfig::ids, too
+  core::Expected<image::IdImage> read_ids();  ///< fails without EngineConfig::drawing.ids, too
   /// Distances along the axis of `view`, which is the one that was drawn.
   core::Expected<image::DepthImage> read_depth(const core::View& view);
   /// Whether any pixel shows anything but the background.
@@ -431,7 +454,7 @@ class SIGHTLINE_API Engine {
 
   /// As GL names it; empty while there is no context.
   std::string renderer();
-  /// What the driver has complained of since the last call: see EngineConfig::gl_debug.
+  /// What the driver has complained of since the last call: see EngineConfig::context.debug.
   std::vector<std::string> take_gl_errors();
 
   /// The half that needs GL, for tests and benchmarks of this library (engine/drawing/internal/drawing.h). Null when

@@ -19,9 +19,9 @@ struct FrameTask {
 };
 
 core::Expected<void> fit_target(EngineState& s, const gl::ExternalTarget& target) {
-  if (!s.config.draw || !s.config.context)
+  if (!s.config.draw || !s.config.context.application)
     return core::fail(
-        "engine: an external target needs EngineConfig::draw and the application's EngineConfig::context");
+        "engine: an external target needs EngineConfig::draw and the application's EngineConfig::context.application");
   if (target.width == s.config.width && target.height == s.config.height) return {};
   return resize(s, target.width, target.height);
 }
@@ -120,7 +120,7 @@ core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, Fr
 culling::FrameSample describe_walk(const EngineState& s) {
   culling::FrameSample walk;
   const auto* culler = std::get_if<culling::CpuCuller>(s.live.culler.get());
-  if (culler && s.config.controller.policy == culling::Policy::k2009)
+  if (culler && s.config.culling.controller.policy == culling::Policy::k2009)
     describe(culler->hierarchy(), s.visible.counters, walk);
   return walk;
 }
@@ -168,7 +168,7 @@ core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::Vie
   const auto kept = s.keep_state();
   const std::uint32_t before = s.image;
   const double began = now_seconds();
-  const double share = 1e-3 * s.config.budget_ms / double(std::max<std::size_t>(views.size(), 1));
+  const double share = 1e-3 * s.config.losses.budget_ms / double(std::max<std::size_t>(views.size(), 1));
   std::vector<FrameReport> reports;
   core::Expected<void> done;
   for (std::size_t i = 0; done && i < views.size(); ++i) {

@@ -77,7 +77,7 @@ core::Expected<bool> prepare_landing(EngineState& s) {
 }
 
 culling::ControllerConfig controller_config(const EngineState& s) {
-  culling::ControllerConfig config = s.config.controller;
+  culling::ControllerConfig config = s.config.culling.controller;
   double& excess = config.frame_cost.presumed_gpu_excess;
   if (excess == 0.0 && s.backend->software()) excess = kSoftwareGpuExcess;
   return config;
@@ -160,7 +160,7 @@ namespace {
 
 /// Begins a rebuild in the background where edits have left too many slots vacant or out of order.
 void rebuild_when_disordered(EngineState& s) {
-  const double disorder = double(s.live.snapshot->disorder()), share = s.config.rebuild_share;
+  const double disorder = double(s.live.snapshot->disorder()), share = s.config.culling.rebuild_share;
   if (!s.rebuild && share > 0.0 && disorder > kFewSlots && disorder > share * double(s.live.snapshot->size()))
     s.rebuild = std::make_unique<BackgroundRebuild>(*s.live.snapshot, plan_request(s));
 }
@@ -168,7 +168,7 @@ void rebuild_when_disordered(EngineState& s) {
 /// Shows what the scene now has of the edited items.
 core::Expected<void> follow(EngineState& s, core::SceneDelta delta) {
   s.new_tracer.interrupt(s.live);
-  if (s.config.part.count > 1) return build(s);
+  if (s.config.culling.part.count > 1) return build(s);
   note_nodes(s, delta.inserted);
   const std::size_t former_size = s.live.snapshot->size();
   std::vector<core::Slot> touched;
@@ -199,7 +199,7 @@ core::Expected<void> follow(EngineState& s, core::SceneDelta delta) {
 core::Expected<bool> commit(EngineState& s, core::Deadline deadline) {
   if (auto landed = land(s); !landed) return tl::unexpected(landed.error());
   if (auto published = s.scene->commit(); !published) return tl::unexpected(published.error());
-  const bool at_once = deadline == core::kNoDeadline || s.config.part.count > 1;
+  const bool at_once = deadline == core::kNoDeadline || s.config.culling.part.count > 1;
   for (;;) {
     if (s.edits_left.empty()) s.edits_left = s.edits.take();
     if (s.edits_left.empty()) return true;

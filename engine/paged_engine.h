@@ -55,7 +55,7 @@ struct PagedConfig {
   bool loading_bar = true;
   gl::ContextPlatform context_platform = {};                ///< of the offscreen context (gl/context.h)
   bool gl_debug = false;                                    ///< collect driver messages; slower
-  std::optional<std::filesystem::path> program_cache = {};  ///< as EngineConfig::program_cache
+  std::optional<std::filesystem::path> program_cache = {};  ///< as EngineConfig::context.program_cache
 };
 
 struct PagedReport {

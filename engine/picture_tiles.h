@@ -35,8 +35,8 @@ inline constexpr int kLeastTileSide = 64;
 
 /// Parts of at most `largest_side` pixels a side, about equally large, that join without seams. They overlap by margins
 /// of kTileMargin and `more_margin` pixels, but none reaches over the picture's borders, and their lower left corners
-/// lie at multiples of four pixels, as the pattern of dithered transparency wants. With EngineConfig::contribution_way
-/// that draws squares, `more_margin` should be a square's side.
+/// lie at multiples of four pixels, as the pattern of dithered transparency wants. With
+/// EngineConfig::losses.contribution_way that draws squares, `more_margin` should be a square's side.
 ///
 /// Fails unless width and height are above 0, and largest_side at least kLeastTileSide and twice the margins more.
 SIGHTLINE_API core::Expected<PictureTiles> picture_tiles(int width, int height, int largest_side, int more_margin = 0);

@@ -16,6 +16,8 @@ namespace sightline::engine {
 /// another, and that together are the scene. Parts are the same in all processes that have read the same scene.
 struct ScenePart {
   int index = 0, count = 1;  ///< 0 ≤ index < count
+
+  bool operator==(const ScenePart&) const = default;
 };
 
 /// The culler that an application requests.
@@ -56,7 +58,7 @@ constexpr std::string_view name_of(Transparency way) {
   return way == Transparency::kDither ? "dither" : "blended";
 }
 
-/// How items below EngineConfig::contribution are drawn.
+/// How items below EngineConfig::losses.contribution are drawn.
 enum class ContributionWay : std::uint8_t {
   kDrop,    ///< not at all
   kPoints,  ///< each as one square of the area that it has on average over all directions

@@ -30,7 +30,8 @@ core::Expected<image::Image> Engine::read_colour() {
 }
 
 core::Expected<image::IdImage> Engine::read_ids() {
-  if (config().draw && !config().ids) return core::fail("picture: ids are not drawn without EngineConfig::ids");
+  if (config().draw && !config().drawing.ids)
+    return core::fail("picture: ids are not drawn without EngineConfig::drawing.ids");
   return read_from(*state_, [](const render::RenderTarget& target) { return target.read_ids(); });
 }
 
@@ -48,8 +49,9 @@ core::Expected<std::uint32_t> Engine::framebuffer() {
 
 core::Expected<void> Engine::draw_outline(const core::View& view, std::span<const core::ItemId> items,
                                           const gl::ExternalTarget& target) {
-  if (!config().draw || !config().context)
-    return core::fail("engine: an outline needs EngineConfig::draw and the application's EngineConfig::context");
+  if (!config().draw || !config().context.application)
+    return core::fail(
+        "engine: an outline needs EngineConfig::draw and the application's EngineConfig::context.application");
   if (target.width != config().width || target.height != config().height)
     return core::fail("engine: the target of an outline must have the size of the picture");
   if (auto good = known(*state_, "draw_outline", items); !good) return good;

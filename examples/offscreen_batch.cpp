@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
   config.draw = true;
   config.width = 480;
   config.height = 320;
-  config.samples = 4;  // smooth edges
+  config.drawing.samples = 4;  // smooth edges
   auto engine = engine::Engine::create(scene, config);
   if (!engine) return complain(engine.error().message);
   std::printf("drawn by %s\n", engine->renderer().c_str());

@@ -51,7 +51,7 @@ class Model : public osg::Camera::DrawCallback {
       context_ = std::move(*adopted);
       engine::EngineConfig config;
       config.draw = true;
-      config.context = &*context_;  // OSG tracks its state, so the engine gives it back: GlState::kRestore
+      config.context.application = &*context_;  // OSG tracks its state, so the engine gives it back: GlState::kRestore
       auto made = engine::Engine::create(scene_, config);
       if (!made) return tl::unexpected(made.error());
       engine_.emplace(std::move(*made));

@@ -83,7 +83,7 @@ int show(GLFWwindow* window, core::Scene& scene, const char* out) {
 
   engine::EngineConfig config;
   config.draw = true;
-  config.context = &*context;
+  config.context.application = &*context;
   auto engine = engine::Engine::create(scene, config);
   if (!engine) return complain(engine.error().message);
 

@@ -40,7 +40,7 @@ class ModelWidget : public QOpenGLWidget {
     context_ = std::move(*adopted);
     engine::EngineConfig config;
     config.draw = true;
-    config.context = &*context_;
+    config.context.application = &*context_;
     auto made = engine::Engine::create(scene_, config);
     if (!made) return fail(made.error());
     engine_.emplace(std::move(*made));

@@ -67,7 +67,7 @@ class Model {
       context_ = std::move(*adopted);
       engine::EngineConfig config;
       config.draw = true;
-      config.context = &*context_;
+      config.context.application = &*context_;
       auto made = engine::Engine::create(scene_, config);
       if (!made) return tl::unexpected(made.error());
       engine_.emplace(std::move(*made));

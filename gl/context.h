@@ -22,7 +22,7 @@ struct Functions;  // gl/functions.h
 ///
 /// Each of them may be used beside the others. A thread has one context current at most: making one current releases
 /// the one of EGL, GLX or OSMesa that is current on that thread, the application's included. An engine makes that
-/// current again (EngineConfig::context); who makes contexts current himself does so himself.
+/// current again (EngineConfig::context.application); who makes contexts current himself does so himself.
 enum class ContextPlatform : std::uint8_t {
   /// What the environment variable SIGHTLINE_CONTEXT names (name_of()). Without it kEgl, and kOsMesa where EGL is
   /// absent or gives no context: Context::platform() then says why.

@@ -10,10 +10,10 @@ namespace sightline::gl {
 /// A view that is drawn into it must have the near and far plane of the matrices with which the application draws
 /// there. Then the two hide one another, whichever is drawn first; where both have the same depth, what is drawn first
 /// stays. Depths differ from those of triangles by rounding: of the float depth of the picture, 2^-24 of a distance in
-/// perspective views, and of the depth buffer itself. With several samples per pixel (EngineConfig::samples) and as
-/// many in the framebuffer, each sample gets its own depth and colour; with another number all get the nearest depth of
-/// the picture's samples, so that lines where it meets other surfaces move by a pixel at most. Its draw buffer must not
-/// be GL_NONE.
+/// perspective views, and of the depth buffer itself. With several samples per pixel (EngineConfig::drawing.samples)
+/// and as many in the framebuffer, each sample gets its own depth and colour; with another number all get the nearest
+/// depth of the picture's samples, so that lines where it meets other surfaces move by a pixel at most. Its draw buffer
+/// must not be GL_NONE.
 struct ExternalTarget {
   std::uint32_t framebuffer = 0;  ///< GL's name, in the application's context; 0: the window's
   int x = 0, y = 0;               ///< lower left corner, pixels from that of the framebuffer

@@ -212,7 +212,7 @@ class Subject {
  public:
   static core::Expected<std::unique_ptr<Subject>> create(core::Scene& scene, const Options& o, int width, int height) {
     engine::EngineConfig config = drawing_config(width, height, o.platform);
-    config.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
+    config.culling.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
     auto engine = engine::Engine::create(scene, config);
     if (!engine) return tl::unexpected(engine.error());
     return std::unique_ptr<Subject>(new Subject(std::move(*engine)));

@@ -8,19 +8,19 @@
 #include <string>
 #include <vector>
 
+#include "sightline/apps/bench/harness.h"
+#include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/apps/bench/harness.h"
-#include "sightline/apps/bench/renderer.h"
-#include "sightline/apps/bench/subcommands.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
-#include "sightline/render/image/image_metrics.h"
 #include "sightline/importers/json/internal/json.h"
+#include "sightline/render/image/image_metrics.h"
 
 namespace sightline::bench::limit_bench {
 namespace {
@@ -185,8 +185,8 @@ void print(const Json& json, std::FILE* out) {
 core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, bool samples, bool occlusion) {
   const auto [width, height] = *apps::parse_size(o.size);
   engine::EngineConfig config = drawing_config(width, height, o.platform);
-  config.sample_test = samples;
-  config.occlusion = occlusion ? engine::OcclusionChoice::kOn : engine::OcclusionChoice::kOff;
+  config.culling.sample_test = samples;
+  config.culling.occlusion = occlusion ? engine::OcclusionChoice::kOn : engine::OcclusionChoice::kOff;
   return Engine::create(scene, config);
 }
 

@@ -12,12 +12,12 @@ namespace sightline::bench {
 /// Pictures with ids. Culled by the CPU, so that no frame is culled another way than the one before.
 inline engine::EngineConfig drawing_config(int width, int height, gl::ContextPlatform platform) {
   engine::EngineConfig config;
-  config.draw = config.ids = true;
-  config.culler = engine::CullerChoice::kCpu;
+  config.draw = config.drawing.ids = true;
+  config.culling.culler = engine::CullerChoice::kCpu;
   config.width = width;
   config.height = height;
-  config.context_platform = platform;
-  config.gl_state = engine::GlState::kLeave;  // no other context is current here
+  config.context.platform = platform;
+  config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
   return config;
 }
 

@@ -121,7 +121,7 @@ core::Expected<int> run_paged(const Options& options, const std::array<int, 2>& 
 
 core::Expected<void> draw(core::Scene& scene, const core::View& view, const std::array<int, 2>& size, Steps& steps) {
   auto engine = engine::Engine::create(
-      scene, {.culler = engine::CullerChoice::kCpu, .draw = true, .width = size[0], .height = size[1]});
+      scene, {.draw = true, .width = size[0], .height = size[1], .culling = {.culler = engine::CullerChoice::kCpu}});
   if (!engine) return tl::unexpected(engine.error());
   steps.done("engine");
   if (auto drawn = engine->frame(view); !drawn) return tl::unexpected(drawn.error());

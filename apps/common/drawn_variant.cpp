@@ -28,7 +28,7 @@ std::uint64_t count_ties(const DrawnPicture& a, const DrawnPicture& b) {
 
 core::Expected<DrawnVariant> DrawnVariant::create(std::shared_ptr<core::Scene> scene, engine::EngineConfig config) {
   config.draw = true;
-  config.ids = true;
+  config.drawing.ids = true;
   DrawnVariant variant;
   variant.scene_ = std::move(scene);
   auto engine = engine::Engine::create(*variant.scene_, config);

@@ -199,13 +199,13 @@ void add_samples_option(CommandLine& line, int& samples) {
 }
 
 void ShownOptions::apply(engine::EngineConfig& config) const {
-  config.sample_test = sample_test;
-  config.occlusion = occlusion;
-  config.contribution = contribution;
-  config.budget_ms = budget_ms;
-  config.contribution_way = contribution_way;
-  config.relief = relief;
-  config.hatching = hatching;
+  config.culling.sample_test = sample_test;
+  config.culling.occlusion = occlusion;
+  config.losses.contribution = contribution;
+  config.losses.budget_ms = budget_ms;
+  config.losses.contribution_way = contribution_way;
+  config.drawing.relief = relief;
+  config.drawing.hatching = hatching;
 }
 
 void add_way_option(CommandLine& line, const std::string& name, const std::string& help, engine::ContributionWay& to) {

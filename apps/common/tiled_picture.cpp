@@ -98,8 +98,8 @@ void TiledPicture::take(const engine::PictureTile& tile, const std::vector<T>& d
 
 core::Expected<engine::PictureTiles> tiles_for(const std::array<int, 2>& size, int largest_side,
                                                const engine::EngineConfig& config) {
-  const bool squares = config.contribution_way != engine::ContributionWay::kDrop;
-  const int side = squares ? int(std::ceil(std::sqrt(config.contribution))) : 0;
+  const bool squares = config.losses.contribution_way != engine::ContributionWay::kDrop;
+  const int side = squares ? int(std::ceil(std::sqrt(config.losses.contribution))) : 0;
   return engine::picture_tiles(size[0], size[1], largest_side, side);
 }
 

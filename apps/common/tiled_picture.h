@@ -37,7 +37,7 @@ class TiledPicture {
  public:
   struct Wanted {
     bool ids = false, depth = false;
-    bool complete = true;  ///< whatever EngineConfig::budget_ms; otherwise as one frame leaves it
+    bool complete = true;  ///< whatever EngineConfig::losses.budget_ms; otherwise as one frame leaves it
     /// Pixels right and up by which pictures are shifted whose mean is taken, MeanPicture::kMost at most; ids and depth
     /// are those of the first.
     std::vector<core::dvec2> shifts = {core::dvec2(0.0)};

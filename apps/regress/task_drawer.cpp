@@ -63,16 +63,17 @@ core::Expected<engine::PictureTiles> TaskDrawer::prepare(const Task& task) {
   }
   engine::EngineConfig config;
   config.draw = true;
-  config.samples = task.samples;
-  config.ids = task.limits.ids.has_value();
-  config.context_platform = platform_;
-  config.gl_state = engine::GlState::kLeave;  // no other context is current here
-  config.culler = engine::CullerChoice::kCpu;
-  config.occlusion = engine::OcclusionChoice::kOff;  // what it draws first depends on the frame before
+  config.drawing.samples = task.samples;
+  config.drawing.ids = task.limits.ids.has_value();
+  config.context.platform = platform_;
+  config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
+  config.culling.culler = engine::CullerChoice::kCpu;
+  config.culling.occlusion = engine::OcclusionChoice::kOff;  // what it draws first depends on the frame before
   const bool whole = std::max(task.size[0], task.size[1]) <= kLargestWhole;
   auto tiles = tiles_for(task.size, whole ? kLargestWhole : kTileSide, config);
   if (!tiles) return tiles;
-  if (engine_ && engine_->config().samples == config.samples && engine_->config().ids == config.ids) {
+  if (engine_ && engine_->config().drawing.samples == config.drawing.samples &&
+      engine_->config().drawing.ids == config.drawing.ids) {
     const auto done = engine_->resize(tiles->width, tiles->height);
     return done ? tiles : tl::unexpected(done.error());
   }
@@ -93,7 +94,7 @@ core::Expected<void> TaskDrawer::draw(const Task& task, image::Image& picture, i
                               : core::View::fit(engine_->snapshot().bounds().fitted_bounds().bounds,
                                                 core::kOverviewDirection, kFovy, aspect);
   if (!view) return tl::unexpected(view.error());
-  TiledPicture drawn(*view, std::move(*tiles), {.ids = engine_->config().ids});
+  TiledPicture drawn(*view, std::move(*tiles), {.ids = engine_->config().drawing.ids});
   picture = {task.size[0], task.size[1], {}};
   ids = {task.size[0], task.size[1], {}};
   while (!drawn.complete()) {

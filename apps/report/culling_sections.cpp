@@ -117,10 +117,10 @@ struct Shares {
 core::Expected<Shares> measure_shares(const Report& report, const SectionProgress& progress) {
   Shares shares;
   engine::EngineConfig config = report.engine_config();
-  config.culler = CullerChoice::kCpu;
-  config.ids = true;
+  config.culling.culler = CullerChoice::kCpu;
+  config.drawing.ids = true;
   for (const OcclusionChoice occlusion : {OcclusionChoice::kOff, OcclusionChoice::kOn}) {
-    config.occlusion = occlusion;
+    config.culling.occlusion = occlusion;
     const bool first = occlusion == OcclusionChoice::kOff;
     const auto count_owners = [&](engine::Engine& engine) -> core::Expected<void> {
       const auto ids = engine.read_ids();
@@ -196,9 +196,9 @@ core::Expected<std::vector<Differences>> compare_tests(const Report& report, con
   std::vector<DrawnVariant> variants;
   for (const Tests& tests : kTests) {
     engine::EngineConfig config = report.engine_config();
-    config.culler = CullerChoice::kCpu;
-    config.sample_test = tests.sample_test;
-    config.occlusion = tests.occlusion;
+    config.culling.culler = CullerChoice::kCpu;
+    config.culling.sample_test = tests.sample_test;
+    config.culling.occlusion = tests.occlusion;
     auto variant = DrawnVariant::create(scene, config);
     if (!variant) return tl::unexpected(variant.error());
     variants.push_back(std::move(*variant));
@@ -295,7 +295,7 @@ core::Expected<Section> trace_section(const Report& report, const SectionProgres
   std::vector<engine::EngineConfig> configs;
   for (const Mode& mode : kModes) {
     configs.push_back(report.engine_config());
-    configs.back().culler = mode.culler;
+    configs.back().culling.culler = mode.culler;
   }
   const auto flights = fly_in_turns(report, configs, progress);
   if (!flights) return tl::unexpected(flights.error());
@@ -338,9 +338,9 @@ core::Expected<Section> options_section(const Report& report, const SectionProgr
   std::vector<engine::EngineConfig> configs;
   for (const Tests& tests : kTests) {
     configs.push_back(report.engine_config());
-    configs.back().culler = CullerChoice::kCpu;
-    configs.back().sample_test = tests.sample_test;
-    configs.back().occlusion = tests.occlusion;
+    configs.back().culling.culler = CullerChoice::kCpu;
+    configs.back().culling.sample_test = tests.sample_test;
+    configs.back().culling.occlusion = tests.occlusion;
   }
   const auto flights = fly_in_turns(report, configs, [&](double share) { progress(0.5 * share); });
   if (!flights) return tl::unexpected(flights.error());

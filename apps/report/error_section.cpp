@@ -359,7 +359,7 @@ core::Expected<void> compare_samples(const Report& report, const std::shared_ptr
   for (const int samples : {2, 4, 8}) {
     if (samples > report.context().capabilities().max_samples) break;
     variants.push_back({std::to_string(samples) + " samples", scene, report.engine_config()});
-    variants.back().config.samples = samples;
+    variants.back().config.drawing.samples = samples;
   }
   const auto figures = error_against_time(report, variants, references, progress);
   if (!figures) return tl::unexpected(figures.error());
@@ -383,8 +383,8 @@ core::Expected<void> compare_contributions(const Report& report, const std::shar
   for (const float pixels : {0.0f, 0.25f, 1.0f, 4.0f, 16.0f}) {
     const std::string label = pixels > 0.0f ? "without items below " + number(pixels) + " px" : "all items";
     variants.push_back({label, scene, report.engine_config()});
-    variants.back().config.culler = engine::CullerChoice::kCpu;
-    variants.back().config.contribution = pixels;
+    variants.back().config.culling.culler = engine::CullerChoice::kCpu;
+    variants.back().config.losses.contribution = pixels;
   }
   const auto figures = error_against_time(report, variants, references, progress);
   if (!figures) return tl::unexpected(figures.error());

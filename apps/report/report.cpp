@@ -56,7 +56,7 @@ core::Expected<void> Report::load() {
   context_ = std::make_unique<gl::Context>(std::move(*context));
   times_.context = lap();
   engine::EngineConfig config = engine_config();
-  config.ids = true;
+  config.drawing.ids = true;
   auto engine = engine::Engine::create(scene(), config);
   if (!engine) return tl::unexpected(engine.error());
   engine_ = std::make_unique<engine::Engine>(std::move(*engine));
@@ -108,7 +108,7 @@ engine::EngineConfig Report::engine_config() const {
   config.draw = true;
   config.width = width();
   config.height = height();
-  config.context = context_.get();
+  config.context.application = context_.get();
   return config;
 }
 

@@ -80,10 +80,10 @@ core::Expected<std::int64_t> draw(engine::Engine& engine, const core::View& view
 
 core::Expected<Drawn> draw_all(const Report& report, const Way& way, const std::vector<core::View>& views) {
   engine::EngineConfig config = report.engine_config();
-  config.ids = true;
-  config.culler = way.culler;
-  config.sample_test = way.sample_test;
-  config.occlusion = way.occlusion;
+  config.drawing.ids = true;
+  config.culling.culler = way.culler;
+  config.culling.sample_test = way.sample_test;
+  config.culling.occlusion = way.occlusion;
   auto engine = engine::Engine::create(report.scene(), config);
   if (!engine) return tl::unexpected(engine.error());
   Drawn drawn;

@@ -296,11 +296,12 @@ const Command kCommands[] = {
      [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kHybrid; }},
     {"budget", nullptr, "", 0, 0, "", "milliseconds that a frame may take while the view moves; 0: any: MS",
      [](Viewer& v, const std::string& text) {
-       return set_number(v, text, [](engine::EngineConfig& c, double ms) { c.budget_ms = ms; });
+       return set_number(v, text, [](engine::EngineConfig& c, double ms) { c.losses.budget_ms = ms; });
      }},
     {"contribution", nullptr, "", 0, 0, "", "leave out what covers fewer pixels; 0: nothing: PX",
      [](Viewer& v, const std::string& text) {
-       return set_number(v, text, [](engine::EngineConfig& c, double pixels) { c.contribution = float(pixels); });
+       return set_number(v, text,
+                         [](engine::EngineConfig& c, double pixels) { c.losses.contribution = float(pixels); });
      }},
 
     {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse",

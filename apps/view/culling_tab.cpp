@@ -16,7 +16,7 @@ namespace {
 /// What the sliders cost, beside them.
 void error_figures(Session& session) {
   const engine::EngineConfig& now = session.engine().config();
-  if (now.budget_ms <= 0.0 && now.contribution <= 0.0f) return;
+  if (now.losses.budget_ms <= 0.0 && now.losses.contribution <= 0.0f) return;
   const auto loss = session.loss();
   if (!loss) return ImGui::TextDisabled("error: known when nothing moves");
   const double share = 100.0 * loss->pixels / (double(session.size()[0]) * session.size()[1]);
@@ -40,19 +40,22 @@ void settings_sliders(Viewer& viewer, Session& session) {
     const auto done = session.configure([&](engine::EngineConfig& config) { set(config, shown); });
     if (!done) viewer.tell(done.error().message, true);
   };
-  slider("budget, ms", "what a frame may take while the view moves; 0: any time", now.budget_ms, 200.0, "%.0f",
-         [](auto& config, float ms) { config.budget_ms = std::round(ms); });
-  slider("least area, px", "items that cover fewer pixels are left out; 0: none", now.contribution, 16.0, "%.1f",
-         [](auto& config, float pixels) { config.contribution = pixels; });
+  slider("budget, ms", "what a frame may take while the view moves; 0: any time", now.losses.budget_ms, 200.0, "%.0f",
+         [](auto& config, float ms) { config.losses.budget_ms = std::round(ms); });
+  slider("least area, px", "items that cover fewer pixels are left out; 0: none", now.losses.contribution, 16.0, "%.1f",
+         [](auto& config, float pixels) { config.losses.contribution = pixels; });
   error_figures(session);
   if (session.engine().plan().culler != engine::CullerChoice::kHybrid) return;
-  const culling::FrameCostConfig& hybrid = now.controller.frame_cost;
+  const culling::FrameCostConfig& hybrid = now.culling.controller.frame_cost;
   slider("margin, %", "the hybrid changes the path where the other one is cheaper by this share", 1e2 * hybrid.margin,
-         50.0, "%.0f", [](auto& config, float share) { config.controller.frame_cost.margin = 1e-2 * double(share); });
+         50.0, "%.0f",
+         [](auto& config, float share) { config.culling.controller.frame_cost.margin = 1e-2 * double(share); });
   slider("margin at first, %", "the same soon after a change", 1e2 * hybrid.dwell_margin, 100.0, "%.0f",
-         [](auto& config, float share) { config.controller.frame_cost.dwell_margin = 1e-2 * double(share); });
+         [](auto& config, float share) { config.culling.controller.frame_cost.dwell_margin = 1e-2 * double(share); });
   slider("soon, frames", "what counts as soon after a change", hybrid.dwell_frames, 100.0, "%.0f",
-         [](auto& config, float frames) { config.controller.frame_cost.dwell_frames = std::uint32_t(frames + 0.5f); });
+         [](auto& config, float frames) {
+           config.culling.controller.frame_cost.dwell_frames = std::uint32_t(frames + 0.5f);
+         });
 }
 
 /// Legend, switches and counts of a frozen camera's items.

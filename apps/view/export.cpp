@@ -15,8 +15,8 @@ Export::Export(Session& session, const Options& options, std::string target)
     : session_(&session),
       options_(options),
       target_(std::move(target)),
-      budget_ms_(session.engine().config().budget_ms) {
-  if (options.smooth && session.engine().config().samples == 1)
+      budget_ms_(session.engine().config().losses.budget_ms) {
+  if (options.smooth && session.engine().config().drawing.samples == 1)
     shifts_ = RestingPicture::shifts();
   else
     shifts_ = {core::dvec2(0.0)};
@@ -61,7 +61,7 @@ core::Expected<std::unique_ptr<Export>> Export::frames(Session& session, const O
 
 Export::~Export() {
   file_.reset();
-  (void)session_->configure([this](engine::EngineConfig& config) { config.budget_ms = budget_ms_; });
+  (void)session_->configure([this](engine::EngineConfig& config) { config.losses.budget_ms = budget_ms_; });
   (void)session_->engine().resize(session_->drawn_size()[0], session_->drawn_size()[1]);
 }
 
@@ -83,8 +83,8 @@ core::Expected<void> Export::begin_frame() {
   engine::Engine& engine = session_->engine();
   if (engine.config().width != tiles_.width || engine.config().height != tiles_.height)
     if (auto done = engine.resize(tiles_.width, tiles_.height); !done) return done;
-  if (engine.config().budget_ms > 0.0)
-    if (auto done = session_->configure([](engine::EngineConfig& config) { config.budget_ms = 0.0; }); !done)
+  if (engine.config().losses.budget_ms > 0.0)
+    if (auto done = session_->configure([](engine::EngineConfig& config) { config.losses.budget_ms = 0.0; }); !done)
       return done;
   file_ = std::move(*opened);
   picture_.emplace(*view, tiles_, TiledPicture::Wanted{.shifts = shifts_});

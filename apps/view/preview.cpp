@@ -66,10 +66,10 @@ class PreviewCopier {
 }  // namespace
 
 Preview::Preview(const engine::EngineConfig& config) : config_(config), next_(Clock::now() + kFirst) {
-  config_.culler = engine::CullerChoice::kCpu;
-  config_.context = nullptr;
-  config_.context_later = true;
-  config_.budget_ms = 1e3 * kPortion;
+  config_.culling.culler = engine::CullerChoice::kCpu;
+  config_.context.application = nullptr;
+  config_.context.later = true;
+  config_.losses.budget_ms = 1e3 * kPortion;
 }
 
 /// Lets only those into the heap that are larger than its smallest.

@@ -36,8 +36,8 @@ Session::Session(Model model, engine::Engine engine, const engine::EngineConfig&
 core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 2>& size) {
   if (!budget_ms_) {
     engine::EngineConfig config = engine_.config();
-    budget_ms_ = config.budget_ms;
-    config.budget_ms = 1e3 * kPortion;
+    budget_ms_ = config.losses.budget_ms;
+    config.losses.budget_ms = 1e3 * kPortion;
     (void)engine_.configure(config);  // it cannot while the GPU must cull: then the first picture is drawn at once
   }
   if (auto done = resize(size); !done) return tl::unexpected(done.error());
@@ -46,7 +46,7 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
   if (const auto drawn = draw(); !drawn) return engine_.drawing() ? drawn : core::Expected<bool>(false);
   if (report_.pending > 0) return false;
   engine::EngineConfig config = engine_.config();
-  config.budget_ms = *std::exchange(budget_ms_, std::nullopt);
+  config.losses.budget_ms = *std::exchange(budget_ms_, std::nullopt);
   if (auto done = engine_.configure(config); !done) return tl::unexpected(done.error());
   return true;
 }
@@ -321,7 +321,7 @@ std::optional<engine::LossReport> Session::loss() {
 }
 
 core::Expected<void> Session::set_culler(engine::CullerChoice choice) {
-  return configure([choice](engine::EngineConfig& config) { config.culler = choice; });
+  return configure([choice](engine::EngineConfig& config) { config.culling.culler = choice; });
 }
 
 core::Expected<void> Session::configure(const std::function<void(engine::EngineConfig&)>& change) {

@@ -141,7 +141,7 @@ class Session {
   Session(Model model, engine::Engine engine, const engine::EngineConfig& config);
 
   core::Expected<void> resize(const std::array<int, 2>& size, bool coarse);
-  bool smooths() const { return engine_.config().samples == 1; }
+  bool smooths() const { return engine_.config().drawing.samples == 1; }
   const ItemNames& names() const;
   core::Expected<void> edit_scene(const std::function<core::Expected<void>(core::Scene&)>& edit);
 

@@ -187,14 +187,14 @@ bool Viewer::at_rest() const {
 engine::EngineConfig Viewer::picture_config() const {
   engine::EngineConfig config;
   config.draw = true;
-  config.culler = options_.culler;
-  config.gpu_culler = options_.gpu_culler;
-  config.samples = options_.samples;
+  config.culling.culler = options_.culler;
+  config.culling.gpu_culler = options_.gpu_culler;
+  config.drawing.samples = options_.samples;
   options_.shown.apply(config);
-  if (!shown.relief) config.relief = {};
-  if (!shown.hatching) config.hatching = {};
-  config.hidden_colour = kHiddenColour;
-  config.context_later = true;
+  if (!shown.relief) config.drawing.relief = {};
+  if (!shown.hatching) config.drawing.hatching = {};
+  config.drawing.hidden_colour = kHiddenColour;
+  config.context.later = true;
   return config;
 }
 
@@ -377,8 +377,8 @@ core::Expected<void> Viewer::apply_looks() {
   redraws_ = kSettlingFrames;
   if (!session_) return {};
   return session_->configure([&](engine::EngineConfig& config) {
-    config.relief = shown.relief ? options_.shown.relief : engine::Relief();
-    config.hatching = shown.hatching ? options_.shown.hatching : engine::Hatching();
+    config.drawing.relief = shown.relief ? options_.shown.relief : engine::Relief();
+    config.drawing.hatching = shown.hatching ? options_.shown.hatching : engine::Hatching();
   });
 }
 

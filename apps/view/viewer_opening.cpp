@@ -115,7 +115,8 @@ core::Expected<void> Viewer::landed() {
   session_ = std::move(opened_);
   shown_view_.reset();
   if (const engine::EngineConfig& config = session_->engine().config();
-      shown.relief != config.relief.any() || shown.hatching != config.hatching.any())  // switched meanwhile
+      shown.relief != config.drawing.relief.any() ||
+      shown.hatching != config.drawing.hatching.any())  // switched meanwhile
     if (auto done = apply_looks(); !done) return done;
   files_ = files;
   for (const std::string& file : files) now_.add_recent(file);

@@ -69,29 +69,29 @@ void write_vector(const core::vec3& from, float to[3]) {
 
 sl_engine_config config_of(const engine::EngineConfig& from) {
   sl_engine_config to SL_ENGINE_CONFIG_INIT;
-  to.culler = sl_culler(from.culler);
+  to.culler = sl_culler(from.culling.culler);
   to.draw = from.draw;
   to.width = from.width, to.height = from.height;
-  to.ids = from.ids;
-  to.sample_test = from.sample_test;
-  to.occlusion = std::int32_t(from.occlusion);
-  to.contribution_way = std::int32_t(from.contribution_way);
-  to.contribution = from.contribution;
-  to.budget_ms = from.budget_ms;
-  to.samples = from.samples;
-  to.use_hidden_colour = from.hidden_colour.has_value();
-  write_vector(from.hidden_colour.value_or(core::vec3(0.0f)), to.hidden_colour);
-  to.rebuild_share = float(from.rebuild_share);
-  to.gl_state = std::int32_t(from.gl_state);
-  to.context_platform = std::int32_t(from.context_platform);
-  to.transparency = std::int32_t(from.transparency);
-  write_vector(from.outline_colour, to.outline_colour);
-  to.relief_shading = from.relief.shading, to.relief_lines = from.relief.lines;
-  to.hatching_strength = from.hatching.strength, to.hatching_spacing = from.hatching.spacing;
-  to.part_index = from.part.index, to.part_count = from.part.count;
-  to.gl_debug = from.gl_debug;
-  to.context_later = from.context_later;
-  const auto variant = from.gpu_culler.variant;
+  to.ids = from.drawing.ids;
+  to.sample_test = from.culling.sample_test;
+  to.occlusion = std::int32_t(from.culling.occlusion);
+  to.contribution_way = std::int32_t(from.losses.contribution_way);
+  to.contribution = from.losses.contribution;
+  to.budget_ms = from.losses.budget_ms;
+  to.samples = from.drawing.samples;
+  to.use_hidden_colour = from.drawing.hidden_colour.has_value();
+  write_vector(from.drawing.hidden_colour.value_or(core::vec3(0.0f)), to.hidden_colour);
+  to.rebuild_share = float(from.culling.rebuild_share);
+  to.gl_state = std::int32_t(from.context.gl_state);
+  to.context_platform = std::int32_t(from.context.platform);
+  to.transparency = std::int32_t(from.drawing.transparency);
+  write_vector(from.drawing.outline_colour, to.outline_colour);
+  to.relief_shading = from.drawing.relief.shading, to.relief_lines = from.drawing.relief.lines;
+  to.hatching_strength = from.drawing.hatching.strength, to.hatching_spacing = from.drawing.hatching.spacing;
+  to.part_index = from.culling.part.index, to.part_count = from.culling.part.count;
+  to.gl_debug = from.context.debug;
+  to.context_later = from.context.later;
+  const auto variant = from.culling.gpu_culler.variant;
   to.gpu_variant = variant ? SL_GPU_VARIANT_GEOMETRY + std::int32_t(*variant) : SL_GPU_VARIANT_MEASURED;
   return to;
 }
@@ -100,35 +100,35 @@ sl_engine_config config_of(const engine::EngineConfig& from) {
 
 engine::EngineConfig config_of(const sl_engine_config& from, const culling::ControllerConfig& controller) {
   engine::EngineConfig config;
-  config.culler = enum_of<engine::CullerChoice>(from.culler, 5, "culler");
+  config.culling.culler = enum_of<engine::CullerChoice>(from.culler, 5, "culler");
   config.draw = from.draw != 0;
   check_size(from.width, from.height);
   config.width = from.width, config.height = from.height;
-  config.ids = from.ids != 0;
-  config.sample_test = from.sample_test != 0;
-  config.occlusion = enum_of<engine::OcclusionChoice>(from.occlusion, 3, "occlusion");
-  config.contribution = from.contribution;
-  config.contribution_way = enum_of<engine::ContributionWay>(from.contribution_way, 3, "contribution_way");
-  config.budget_ms = from.budget_ms;
-  if (from.use_hidden_colour) config.hidden_colour = glm::make_vec3(from.hidden_colour);
-  config.samples = from.samples;
-  config.gl_state = enum_of<engine::GlState>(from.gl_state, 2, "gl_state");
-  config.context_platform = enum_of<gl::ContextPlatform>(from.context_platform, 5, "context_platform");
-  if (from.program_cache) config.program_cache = path_of(from.program_cache);
-  config.rebuild_share = double(from.rebuild_share);
-  config.transparency = enum_of<engine::Transparency>(from.transparency, 2, "transparency");
-  config.outline_colour = glm::make_vec3(from.outline_colour);
-  config.relief = {from.relief_shading, from.relief_lines};
-  config.hatching = {from.hatching_strength, from.hatching_spacing};
-  config.part = {from.part_index, from.part_count};
-  config.gl_debug = from.gl_debug != 0;
-  config.context_later = from.context_later != 0;
+  config.drawing.ids = from.ids != 0;
+  config.culling.sample_test = from.sample_test != 0;
+  config.culling.occlusion = enum_of<engine::OcclusionChoice>(from.occlusion, 3, "occlusion");
+  config.losses.contribution = from.contribution;
+  config.losses.contribution_way = enum_of<engine::ContributionWay>(from.contribution_way, 3, "contribution_way");
+  config.losses.budget_ms = from.budget_ms;
+  if (from.use_hidden_colour) config.drawing.hidden_colour = glm::make_vec3(from.hidden_colour);
+  config.drawing.samples = from.samples;
+  config.context.gl_state = enum_of<engine::GlState>(from.gl_state, 2, "gl_state");
+  config.context.platform = enum_of<gl::ContextPlatform>(from.context_platform, 5, "context_platform");
+  if (from.program_cache) config.context.program_cache = path_of(from.program_cache);
+  config.culling.rebuild_share = double(from.rebuild_share);
+  config.drawing.transparency = enum_of<engine::Transparency>(from.transparency, 2, "transparency");
+  config.drawing.outline_colour = glm::make_vec3(from.outline_colour);
+  config.drawing.relief = {from.relief_shading, from.relief_lines};
+  config.drawing.hatching = {from.hatching_strength, from.hatching_spacing};
+  config.culling.part = {from.part_index, from.part_count};
+  config.context.debug = from.gl_debug != 0;
+  config.context.later = from.context_later != 0;
   const auto variant = enum_of<std::int32_t>(from.gpu_variant, kGpuVariants, "gpu_variant");
   if (variant != SL_GPU_VARIANT_MEASURED)
-    config.gpu_culler.variant = culling::GpuVariant(variant - SL_GPU_VARIANT_GEOMETRY);
-  config.controller = from.controller ? controller_of(from.controller) : controller;
-  check_drawing(config.draw || from.get_proc || config.culler == engine::CullerChoice::kGpu ||
-                config.culler == engine::CullerChoice::kHybrid);
+    config.culling.gpu_culler.variant = culling::GpuVariant(variant - SL_GPU_VARIANT_GEOMETRY);
+  config.culling.controller = from.controller ? controller_of(from.controller) : controller;
+  check_drawing(config.draw || from.get_proc || config.culling.culler == engine::CullerChoice::kGpu ||
+                config.culling.culler == engine::CullerChoice::kHybrid);
   return config;
 }
 
@@ -139,7 +139,7 @@ sl_status sl_engine_get_config(sl_engine handle, sl_engine_config* config, sl_co
     check_result(config);
     if (controller) check_result(controller);
     write(config, config_of(engine->config()));
-    if (controller) write(controller, controller_of(engine->config().controller));
+    if (controller) write(controller, controller_of(engine->config().culling.controller));
   });
 }
 
@@ -149,9 +149,9 @@ sl_status sl_engine_configure(sl_engine handle, const sl_engine_config* config) 
     sl_engine_config chosen = read(config, sl_engine_config SL_ENGINE_CONFIG_INIT);
     chosen.get_proc = nullptr;
     chosen.program_cache = nullptr;
-    engine::EngineConfig translated = config_of(chosen, now.controller);
-    translated.context = now.context;
-    translated.program_cache = now.program_cache;
+    engine::EngineConfig translated = config_of(chosen, now.culling.controller);
+    translated.context.application = now.context.application;
+    translated.context.program_cache = now.context.program_cache;
     value_of(engine->configure(translated));
   });
 }

@@ -103,11 +103,11 @@ sl_status sl_engine_create(sl_scene handle, const sl_engine_config* config, sl_e
     if (chosen.get_proc) {
       object->context =
           std::make_unique<gl::Context>(value_of(gl::Context::adopt(chosen.get_proc, chosen.get_proc_user)));
-      translated.context = object->context.get();
+      translated.context.application = object->context.get();
     }
     object->context_in_use =
-        !translated.context_later && (translated.draw || translated.culler == engine::CullerChoice::kGpu ||
-                                      translated.culler == engine::CullerChoice::kHybrid);
+        !translated.context.later && (translated.draw || translated.culling.culler == engine::CullerChoice::kGpu ||
+                                      translated.culling.culler == engine::CullerChoice::kHybrid);
 #endif
     scene.object().committed = true;
     object->engine.emplace(make_engine(*scene, translated, chosen));

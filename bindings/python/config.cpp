@@ -58,9 +58,9 @@ constexpr Setting plain(const char* name) {
 }
 
 /// One that is one of several names.
-template <auto kField>
+template <auto... kPath>
 constexpr Setting named(const char* name) {
-  using F = Field<kField>;
+  using F = Field<kPath...>;
   return {name, [](const EngineConfig& c) -> py::object { return py::str(std::string(name_of(F::of(c)))); },
           [](EngineConfig& c, const char* n, py::handle value) {
             F::of(c) = enumerator_of<FieldType<F, EngineConfig>>(n, cast<std::string>(n, value));
@@ -91,69 +91,74 @@ const std::array<Setting, kFixedSettings> kFixed = {
     plain<&EngineConfig::draw>("draw"),
     plain<&EngineConfig::width>("width"),
     plain<&EngineConfig::height>("height"),
-    plain<&EngineConfig::ids>("ids"),
-    plain<&EngineConfig::samples>("samples"),
-    named<&EngineConfig::transparency>("transparency"),
-    Setting{"part", [](const EngineConfig& c) -> py::object { return py::make_tuple(c.part.index, c.part.count); },
-            [](EngineConfig& c, const char* name, py::handle value) {
-              const auto [index, count] = cast<std::pair<int, int>>(name, value);
-              c.part = {index, count};
-            }},
-    plain<&EngineConfig::rebuild_share>("rebuild_share"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::ids>("ids"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::samples>("samples"),
+    named<&EngineConfig::drawing, &engine::DrawingConfig::transparency>("transparency"),
+    Setting{
+        "part",
+        [](const EngineConfig& c) -> py::object { return py::make_tuple(c.culling.part.index, c.culling.part.count); },
+        [](EngineConfig& c, const char* name, py::handle value) {
+          const auto [index, count] = cast<std::pair<int, int>>(name, value);
+          c.culling.part = {index, count};
+        }},
+    plain<&EngineConfig::culling, &engine::CullingConfig::rebuild_share>("rebuild_share"),
     Setting{"gpu_pass",
             [](const EngineConfig& c) -> py::object {
-              const auto variant = c.gpu_culler.variant;
+              const auto variant = c.culling.gpu_culler.variant;
               return variant ? py::object(py::str(std::string(name_of(*variant)))) : py::none();
             },
             [](EngineConfig& c, const char* name, py::handle value) {
-              c.gpu_culler.variant = {};
+              c.culling.gpu_culler.variant = {};
               if (!value.is_none())
-                c.gpu_culler.variant = enumerator_of<culling::GpuVariant>(name, cast<std::string>(name, value));
+                c.culling.gpu_culler.variant = enumerator_of<culling::GpuVariant>(name, cast<std::string>(name, value));
             }},
     Setting{"context",
-            [](const EngineConfig& c) -> py::object { return py::str(std::string(name_of(c.context_platform))); },
+            [](const EngineConfig& c) -> py::object { return py::str(std::string(name_of(c.context.platform))); },
             [](EngineConfig& c, const char* name, py::handle value) {
-              c.context_platform = unwrap(gl::parse_platform(cast<std::string>(name, value)));
+              c.context.platform = unwrap(gl::parse_platform(cast<std::string>(name, value)));
             }},
-    plain<&EngineConfig::context_later>("context_later"),
-    named<&EngineConfig::gl_state>("gl_state"),
-    plain<&EngineConfig::gl_debug>("gl_debug"),
-    Setting{"program_cache", [](const EngineConfig& c) -> py::object { return py::cast(c.program_cache); },
+    plain<&EngineConfig::context, &engine::ContextConfig::later>("context_later"),
+    named<&EngineConfig::context, &engine::ContextConfig::gl_state>("gl_state"),
+    plain<&EngineConfig::context, &engine::ContextConfig::debug>("gl_debug"),
+    Setting{"program_cache", [](const EngineConfig& c) -> py::object { return py::cast(c.context.program_cache); },
             [](EngineConfig& c, const char* name, py::handle value) {
-              c.program_cache = {};
-              if (!value.is_none()) c.program_cache = cast<std::filesystem::path>(name, value);
+              c.context.program_cache = {};
+              if (!value.is_none()) c.context.program_cache = cast<std::filesystem::path>(name, value);
             }},
 };
 
 const std::array<Setting, kChangeableSettings> kChangeable = {
-    named<&EngineConfig::culler>("culler"),
-    plain<&EngineConfig::sample_test>("sample_test"),
-    named<&EngineConfig::occlusion>("occlusion"),
-    plain<&EngineConfig::contribution>("contribution"),
-    named<&EngineConfig::contribution_way>("contribution_way"),
-    plain<&EngineConfig::budget_ms>("budget_ms"),
+    named<&EngineConfig::culling, &engine::CullingConfig::culler>("culler"),
+    plain<&EngineConfig::culling, &engine::CullingConfig::sample_test>("sample_test"),
+    named<&EngineConfig::culling, &engine::CullingConfig::occlusion>("occlusion"),
+    plain<&EngineConfig::losses, &engine::LossConfig::contribution>("contribution"),
+    named<&EngineConfig::losses, &engine::LossConfig::contribution_way>("contribution_way"),
+    plain<&EngineConfig::losses, &engine::LossConfig::budget_ms>("budget_ms"),
     Setting{"hidden_colour",
-            [](const EngineConfig& c) -> py::object { return c.hidden_colour ? colour(*c.hidden_colour) : py::none(); },
+            [](const EngineConfig& c) -> py::object {
+              return c.drawing.hidden_colour ? colour(*c.drawing.hidden_colour) : py::none();
+            },
             [](EngineConfig& c, const char* name, py::handle value) {
-              c.hidden_colour = {};
-              if (!value.is_none()) c.hidden_colour = core::vec3(vector3(value, name));
+              c.drawing.hidden_colour = {};
+              if (!value.is_none()) c.drawing.hidden_colour = core::vec3(vector3(value, name));
             }},
-    Setting{"outline_colour", [](const EngineConfig& c) -> py::object { return colour(c.outline_colour); },
+    Setting{"outline_colour", [](const EngineConfig& c) -> py::object { return colour(c.drawing.outline_colour); },
             [](EngineConfig& c, const char* name, py::handle value) {
-              c.outline_colour = core::vec3(vector3(value, name));
+              c.drawing.outline_colour = core::vec3(vector3(value, name));
             }},
-    plain<&EngineConfig::relief, &engine::Relief::shading>("relief_shading"),
-    plain<&EngineConfig::relief, &engine::Relief::lines>("relief_lines"),
-    plain<&EngineConfig::hatching, &engine::Hatching::strength>("hatching_strength"),
-    plain<&EngineConfig::hatching, &engine::Hatching::spacing>("hatching_spacing"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::relief, &engine::Relief::shading>("relief_shading"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::relief, &engine::Relief::lines>("relief_lines"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::hatching, &engine::Hatching::strength>("hatching_strength"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::hatching, &engine::Hatching::spacing>("hatching_spacing"),
     Setting{"controller",
             [](const EngineConfig& c) -> py::object {
-              ControllerConfig told = c.controller;
+              ControllerConfig told = c.culling.controller;
               told.frame_cost.rendering = true;  // the engine's, which follows `draw`
               return py::cast(told);
             },
             [](EngineConfig& c, const char* name, py::handle value) {
-              c.controller = value.is_none() ? ControllerConfig() : checked(cast<ControllerConfig>(name, value));
+              c.culling.controller =
+                  value.is_none() ? ControllerConfig() : checked(cast<ControllerConfig>(name, value));
             }},
 };
 

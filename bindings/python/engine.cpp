@@ -56,8 +56,8 @@ void configure(EngineBox& box, std::span<const py::object> changeable) {
   unwrap(box.call([&](engine::Engine& e) {
     // Another thread may have resized the picture or changed the context meanwhile.
     config.width = e.config().width, config.height = e.config().height;
-    config.context = e.config().context;
-    config.context_later = e.config().context_later;
+    config.context.application = e.config().context.application;
+    config.context.later = e.config().context.later;
     return e.configure(config);
   }));
 }

@@ -13,7 +13,7 @@ EngineBox::EngineBox(ScenePtr scene, engine::EngineConfig config, const py::obje
     : scene_(std::move(scene)), width_(config.width), height_(config.height) {
   Progress told(progress);
   if (!get_proc.is_none()) context_ = adopt_context(get_proc);
-  config.context = context_.get();
+  config.context.application = context_.get();
   core::Expected<void> done;
   {
     const LongCall call({gate_, Use::kWrite}, {scene_->gate, Use::kWrite});
@@ -25,8 +25,8 @@ EngineBox::EngineBox(ScenePtr scene, engine::EngineConfig config, const py::obje
   }
   told.rethrow();
   unwrap(std::move(done));
-  context_in_use_ = !config.context_later &&
-                    (config.draw || config.culler == CullerChoice::kGpu || config.culler == CullerChoice::kHybrid);
+  context_in_use_ = !config.context.later && (config.draw || config.culling.culler == CullerChoice::kGpu ||
+                                              config.culling.culler == CullerChoice::kHybrid);
 }
 
 EngineBox::~EngineBox() {

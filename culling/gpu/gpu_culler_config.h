@@ -20,6 +20,8 @@ struct GpuCullerConfig {
   /// None: the variant that costs less in this context, measured when the culler is made. Pass it to later cullers of
   /// the same context (GpuCuller::variant(), if variant_settled()), so that it is measured once.
   std::optional<GpuVariant> variant;
+
+  bool operator==(const GpuCullerConfig&) const = default;
 };
 
 }  // namespace sightline::culling

@@ -18,7 +18,7 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
   ImageState& image = *context.image;
   const bool stays = image.budget_view && core::same_picture(*image.budget_view, culled.view);
   const bool goes_on = stays && image.refines;
-  const bool squares = context.config.contribution_way != ContributionWay::kDrop;
+  const bool squares = context.config.losses.contribution_way != ContributionWay::kDrop;
   const bool beside = stays && (squares || input.postprocessed);
   DrawCounts& counts = image.budget_counts;
   if (goes_on && image.budget.complete()) {
@@ -56,7 +56,7 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
 /// Begins the image anew.
 void DrawInBudget::begin(DrawContext& context, const Culled& culled, bool stays) {
   ImageState& image = *context.image;
-  const float least = context.config.contribution;
+  const float least = context.config.losses.contribution;
   const float threshold = stays ? least : std::max(least, kUnmeasured * image.budget.largest_pending());
   context.clear_pyramid();
   const core::VisibleSet& candidates = small_items_.leave_out(context, culled, threshold);

@@ -4,7 +4,7 @@ namespace sightline::engine {
 
 core::Expected<DrawCounts> DrawAtOnce::draw(DrawContext& context, const DrawInput& input) {
   const auto& [view, snapshot, visible, lines, hierarchy] = input.candidates;
-  const bool tests = context.config.sample_test;
+  const bool tests = context.config.culling.sample_test;
   if (tests) context.sample_test(view, snapshot.bounds()).filter(snapshot.bounds(), visible, sampled_, lines);
   const core::VisibleSet& shown = tests ? sampled_ : visible;
   const auto drawn = std::int64_t(snapshot.count(shown));

@@ -52,22 +52,22 @@ void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw) {
 
 core::Expected<std::unique_ptr<Drawing>> Drawing::create(const EngineConfig& config, const Overrides& overrides) {
   std::optional<gl::Context> own;
-  if (!config.context) {
+  if (!config.context.application) {
     gl::ContextOptions options;
-    options.platform = config.context_platform;
-    options.debug = config.gl_debug;
+    options.platform = config.context.platform;
+    options.debug = config.context.debug;
     auto made = gl::Context::create_offscreen(options);
     if (!made) return tl::unexpected(made.error());
     own = std::move(*made);
   }
-  gl::Context shared = (config.context ? *config.context : *own).share();
+  gl::Context shared = (config.context.application ? *config.context.application : *own).share();
   std::unique_ptr<Drawing> drawing(new Drawing(std::move(own), std::move(shared), config, overrides));
   if (auto current = drawing->make_current(); !current) return tl::unexpected(current.error());
   const auto kept = drawing->keep_state();
-  drawing->context_.context.cache_programs(config.program_cache.value_or(gl::ProgramCache::default_folder()));
+  drawing->context_.context.cache_programs(config.context.program_cache.value_or(gl::ProgramCache::default_folder()));
   if (config.draw) {
     auto target = render::RenderTarget::create(drawing->context_.context, config.width, config.height,
-                                               {.ids = config.ids, .samples = config.samples});
+                                               {.ids = config.drawing.ids, .samples = config.drawing.samples});
     if (!target) return tl::unexpected(target.error());
     drawing->context_.image->target = std::move(*target);
   }
@@ -80,7 +80,7 @@ Drawing::Drawing(std::optional<gl::Context> own, gl::Context shared, const Engin
     : context_(std::move(shared), config),
       own_context_(std::move(own)),
       queue_(context_.gl()),
-      overlays_(TranslucentSlots(overrides, config.draw && config.transparency == Transparency::kBlended)) {}
+      overlays_(TranslucentSlots(overrides, config.draw && config.drawing.transparency == Transparency::kBlended)) {}
 
 Drawing::~Drawing() {
   own_context_.reset();  // frees everything in it without changing which context is current
@@ -88,7 +88,7 @@ Drawing::~Drawing() {
 }
 
 std::unique_ptr<KeptState> Drawing::keep_state() const {
-  if (context_.config.gl_state == GlState::kLeave) return nullptr;
+  if (context_.config.context.gl_state == GlState::kLeave) return nullptr;
   if (own_context_) return keep_current_context();
   return lost() ? nullptr : std::make_unique<KeptContextState>(context_.gl());
 }
@@ -181,7 +181,8 @@ core::Expected<bool> Drawing::warm_up(const core::Snapshot& snapshot, core::Dead
     if (core::over(deadline)) return false;
   }
   const EngineConfig& config = context_.config;
-  return (config.contribution <= 0.0f && config.budget_ms <= 0.0) || context_.solid_areas.measure(snapshot, deadline);
+  return (config.losses.contribution <= 0.0f && config.losses.budget_ms <= 0.0) ||
+         context_.solid_areas.measure(snapshot, deadline);
 }
 
 /// Draws the first item of a batch that is not vacant, from near.
@@ -250,21 +251,21 @@ core::Expected<void> Drawing::follow_edit(Edit edit, const core::Snapshot& snaps
 // --- settings and images ---------------------------------------------------------------------------------------------
 
 void Drawing::configure(const EngineConfig& config) {
-  const glm::vec2 hatching(config.hatching.strength, config.hatching.spacing);
+  const glm::vec2 hatching(config.drawing.hatching.strength, config.drawing.hatching.spacing);
   for (render::Renderer* renderer : {context_.renderer ? &*context_.renderer : nullptr, upload_.renderer()})
     if (renderer) renderer->hatching = hatching;
-  const float contribution = context_.config.contribution;
+  const float contribution = context_.config.losses.contribution;
   context_.config = config;
-  context_.config.contribution = contribution;
-  set_contribution(config.contribution, config.contribution_way);
+  context_.config.losses.contribution = contribution;
+  set_contribution(config.losses.contribution, config.losses.contribution_way);
 }
 
 void Drawing::set_contribution(float pixels, ContributionWay way) {
-  if (pixels != context_.config.contribution)
+  if (pixels != context_.config.losses.contribution)
     for (auto& [number, image] : context_.images) image.was_large.clear();
   images_changed();
-  context_.config.contribution = pixels;
-  context_.config.contribution_way = way;
+  context_.config.losses.contribution = pixels;
+  context_.config.losses.contribution_way = way;
 }
 
 core::Expected<render::RenderTarget> Drawing::make_target(int width, int height) const {
@@ -329,7 +330,7 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
   context_.external = request.target ? std::optional(*request.target) : std::nullopt;
   context_.image->composed = false;
   const bool aside = !core::same_picture(request.view, request.culled.view);
-  const bool shows_unseen = aside && context_.config.hidden_colour && !request.on_gpu;
+  const bool shows_unseen = aside && context_.config.drawing.hidden_colour && !request.on_gpu;
   if (request.on_gpu || (!shows_unseen && (aside || unseen_.active()))) image_changed();
   result.wait_ms = queue_.wait_for_room();
   if (context_.renderer) {
@@ -353,7 +354,7 @@ core::Expected<DrawCounts> Drawing::draw_opaque(const DrawRequest& request) {
     context_.image->pyramid_valid = context_.image->unchanged = false;
     return culling_.draw(context_, request.view, culled.snapshot).map([] { return DrawCounts(); });
   }
-  const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.budget_ms;
+  const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.losses.budget_ms;
   const bool all_visible = request.all && core::same_picture(request.view, request.culled.view);
   return opaque_.draw(context_, {culled.with(opaque), deadline, all_visible, overlays_.change_image(context_)});
 }
@@ -362,7 +363,7 @@ core::Expected<DrawCounts> Drawing::draw_opaque(const DrawRequest& request) {
 core::Expected<DrawCounts> Drawing::draw_with_unseen(const DrawRequest& request) {
   const core::VisibleSet& opaque = overlays_.split(context_, request.culled.visible);
   if (auto done = unseen_.split(context_, request.culled.with(opaque)); !done) return tl::unexpected(done.error());
-  const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.budget_ms;
+  const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.losses.budget_ms;
   const Culled seen = request.culled.with(unseen_.seen()).seen_in(request.view);
   auto counts = opaque_.draw(context_, {seen, deadline, false, overlays_.change_image(context_)});
   if (!counts) return counts;

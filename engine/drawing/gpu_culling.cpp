@@ -11,14 +11,15 @@ bool can_test_occlusion(const DrawContext& context, const culling::GpuCuller& cu
 
 core::Expected<culling::GpuCuller> GpuCulling::make(const DrawContext& context, const core::Snapshot& snapshot,
                                                     const gpuscene::GpuScene& scene) {
-  culling::GpuCullerConfig config = context.config.gpu_culler;
+  culling::GpuCullerConfig config = context.config.culling.gpu_culler;
   if (variant_) config.variant = variant_;
   auto culler = culling::GpuCuller::create(context.context, snapshot, scene, config);
   if (!culler) return culler;
   if (why_variant_.empty() || !config.variant) why_variant_ = culler->why_this_variant();
   if (culler->variant_settled()) variant_ = culler->variant();
-  const bool occlusion = context.config.occlusion == OcclusionChoice::kOn && can_test_occlusion(context, *culler);
-  const bool tests_image = context.config.draw && (context.config.sample_test || occlusion);
+  const bool occlusion =
+      context.config.culling.occlusion == OcclusionChoice::kOn && can_test_occlusion(context, *culler);
+  const bool tests_image = context.config.draw && (context.config.culling.sample_test || occlusion);
   if (auto done = culler->prepare(tests_image, occlusion); !done) return tl::unexpected(done.error());
   return culler;
 }
@@ -38,15 +39,16 @@ core::Expected<void> GpuCulling::update(const DrawContext& context, const core::
 }
 
 bool GpuCulling::tests_occlusion(const DrawContext& context, std::size_t items) const {
-  if (context.config.occlusion == OcclusionChoice::kOff || !can_test_occlusion(context, *culler_)) return false;
-  return context.config.occlusion == OcclusionChoice::kOn || items >= kGpuOcclusionScene;
+  if (context.config.culling.occlusion == OcclusionChoice::kOff || !can_test_occlusion(context, *culler_)) return false;
+  return context.config.culling.occlusion == OcclusionChoice::kOn || items >= kGpuOcclusionScene;
 }
 
 core::Expected<void> GpuCulling::cull(DrawContext& context, const core::View& cull_view, const core::View& view,
                                       const core::Snapshot& snapshot, std::uint64_t frame) {
   image_.reset();
   const bool occlusion = tests_occlusion(context, snapshot.size());
-  if (context.renderer && (context.config.sample_test || occlusion)) image_ = {view, context.samples(), occlusion};
+  if (context.renderer && (context.config.culling.sample_test || occlusion))
+    image_ = {view, context.samples(), occlusion};
   return culler_->cull(cull_view, snapshot, *context.scene, *context.lists, frame, image_ ? &*image_ : nullptr);
 }
 

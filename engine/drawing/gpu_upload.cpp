@@ -61,7 +61,7 @@ core::Expected<bool> GpuUpload::advance(const DrawContext& context, GpuCulling& 
     auto renderer = render::Renderer::begin(context.context);
     if (!renderer) return tl::unexpected(renderer.error());
     content_->renderer = std::move(*renderer);
-    content_->renderer->hatching = {context.config.hatching.strength, context.config.hatching.spacing};
+    content_->renderer->hatching = {context.config.drawing.hatching.strength, context.config.drawing.hatching.spacing};
   }
   return content_->renderer->advance(*content_->scene, context.target().format(), deadline);
 }

@@ -98,7 +98,7 @@ core::Expected<void> ImageOverlays::finish(DrawContext& context, const Culled& c
 }
 
 core::Expected<void> ImageOverlays::draw_depth_shading(const DrawContext& context, const core::View& view) {
-  const Relief& relief = context.config.relief;
+  const Relief& relief = context.config.drawing.relief;
   if (!relief.any()) return {};
   if (!relief_pass_) relief_pass_.emplace(context.gl());
   return relief_pass_->draw(context.target(), view, relief.shading, relief.lines);
@@ -107,7 +107,7 @@ core::Expected<void> ImageOverlays::draw_depth_shading(const DrawContext& contex
 /// The items to be drawn over the image that are large enough and cover a sample, as far as the tests know.
 const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context, const Culled& culled) {
   const core::ItemBounds& bounds = culled.snapshot.bounds();
-  const float least = context.config.contribution;
+  const float least = context.config.losses.contribution;
   const core::VisibleSet* left = &culled.visible;
   if (least > 0.0f) {
     context.contribution_test(culled.view, culled.snapshot).filter(bounds, *left, least, tested_, {}, culled.lines);
@@ -117,7 +117,7 @@ const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context,
   if (context.image->pyramid_valid) {
     context.occlusion_test(culled.view, bounds).filter(bounds, *left, tested_, culled.lines);
     left = &tested_;
-  } else if (context.config.sample_test) {
+  } else if (context.config.culling.sample_test) {
     context.sample_test(culled.view, bounds).filter(bounds, *left, tested_, culled.lines);
     left = &tested_;
   }
@@ -188,7 +188,7 @@ core::Expected<void> ImageOverlays::draw_outline(DrawContext& context, const Cul
   const auto within = draw_outlined(context, culled.with(outlined_));
   if (!within) return tl::unexpected(within.error());
   return put_over(context, [&](const gl::ExternalTarget& target) {
-    return overlays_->put_outline(context.target(), context.config.outline_colour, *within, target);
+    return overlays_->put_outline(context.target(), context.config.drawing.outline_colour, *within, target);
   });
 }
 
@@ -206,7 +206,7 @@ core::Expected<void> ImageOverlays::put_outline(DrawContext& context, const Cull
                                                 const gl::ExternalTarget& over) {
   const auto within = draw_outlined(context, items);
   if (!within) return tl::unexpected(within.error());
-  return overlays_->put_outline(context.target(), context.config.outline_colour, *within, over);
+  return overlays_->put_outline(context.target(), context.config.drawing.outline_colour, *within, over);
 }
 
 }  // namespace sightline::engine

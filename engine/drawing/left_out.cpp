@@ -19,7 +19,7 @@ std::vector<std::uint64_t> without(const core::VisibleSet& all, const core::Visi
 core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overlays, const Culled& culled) {
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
-  const float least = context.config.contribution;
+  const float least = context.config.losses.contribution;
   LeftOut out;
   core::VisibleSet large, sampled, shown;
   const core::VisibleSet* left = &visible;
@@ -27,7 +27,7 @@ core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overl
     context.contribution_test(view, snapshot).filter(bounds, *left, least, large, {}, lines);
     left = &large;
   }
-  if (context.config.sample_test || context.may_test_occlusion()) {
+  if (context.config.culling.sample_test || context.may_test_occlusion()) {
     context.sample_test(view, bounds).filter(bounds, *left, sampled, lines);
     left = &sampled;
   }
@@ -47,7 +47,7 @@ core::VisibleSet missing_items(const DrawContext& context, const Culled& culled)
   const core::ItemBounds& bounds = culled.snapshot.bounds();
   const ImageState& image = *context.image;
   std::vector<std::uint64_t> drawn = image.was_large;
-  if (context.config.budget_ms > 0.0) image.budget.looked_at(bounds.size(), drawn);
+  if (context.config.losses.budget_ms > 0.0) image.budget.looked_at(bounds.size(), drawn);
   core::VisibleSet missing;
   culled.visible.for_each_slot([&](core::Slot slot) {
     if (!bounds.vacant(slot) && !culling::contains(drawn, slot)) missing.items.push_back(slot);
@@ -60,7 +60,7 @@ core::VisibleSet missing_items(const DrawContext& context, const Culled& culled)
 
 /// Tests against the image as it is now, with a depth pyramid beside the image's: what a budget goes on with must stay.
 core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& culled) {
-  if (context.config.contribution <= 0.0f && context.config.budget_ms <= 0.0) return LossReport();
+  if (context.config.losses.contribution <= 0.0f && context.config.losses.budget_ms <= 0.0) return LossReport();
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
   const render::RenderTarget& target = context.target();

@@ -32,8 +32,8 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const DrawInp
   const EngineConfig& config = context.config;
   ImageState& image = *context.image;
   image.pyramid_valid = image.unchanged = false;
-  if (config.budget_ms > 0.0) return in_budget_.draw(context, input);
-  const core::VisibleSet& large = small_items_.leave_out(context, culled, config.contribution);
+  if (config.losses.budget_ms > 0.0) return in_budget_.draw(context, input);
+  const core::VisibleSet& large = small_items_.leave_out(context, culled, config.losses.contribution);
   const bool all = &large == &culled.visible;
   DrawInput left = {culled.with(large), input.deadline, input.all_visible && all, input.postprocessed};
   const auto count = std::int64_t(culled.snapshot.count(large));
@@ -44,8 +44,9 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const DrawInp
                                              : draw_and_measure(context, left);
   if (!counts) return counts;
   counts->small = all ? 0 : std::int64_t(culled.snapshot.count(culled.visible)) - count;
-  if (counts->small == 0 || config.contribution_way == ContributionWay::kDrop) return counts;
-  const float least_area = config.contribution_way == ContributionWay::kStochastic ? config.contribution : 0.0f;
+  if (counts->small == 0 || config.losses.contribution_way == ContributionWay::kDrop) return counts;
+  const float least_area =
+      config.losses.contribution_way == ContributionWay::kStochastic ? config.losses.contribution : 0.0f;
   const auto squares = small_items_.draw(context, culled, image.was_large, least_area, mode != OcclusionMode::kOff);
   if (!squares) return tl::unexpected(squares.error());
   counts->squares = *squares;
@@ -61,7 +62,7 @@ DrawStrategy& OpaqueItems::tested_strategy(const DrawInput& input) {
 /// with a prepass need none of it. The test does not pay for few items.
 OcclusionMode OpaqueItems::occlusion_mode(const DrawContext& context, const Culled& candidates, std::int64_t count) {
   if (!context.may_test_occlusion()) return OcclusionMode::kOff;
-  if (context.config.occlusion == OcclusionChoice::kOn) return OcclusionMode::kOn;
+  if (context.config.culling.occlusion == OcclusionChoice::kOn) return OcclusionMode::kOn;
   const std::size_t least = context.software() ? kSmallOcclusionScene : kSmallOcclusionSceneForGpu;
   if (count < std::int64_t(least)) return OcclusionMode::kOff;
   return occlusion_switch_.use(

@@ -13,7 +13,7 @@ core::Expected<void> UnseenItems::split(DrawContext& context, const Culled& cull
   if (context.may_test_occlusion()) {
     if (auto done = in_passes_.draw(context, {culled}); !done) return tl::unexpected(done.error());
     context.occlusion_test(view, bounds).filter(bounds, visible, seen_, lines);
-  } else if (context.config.sample_test) {
+  } else if (context.config.culling.sample_test) {
     context.sample_test(view, bounds).filter(bounds, visible, seen_, lines);
   } else {
     seen_ = visible;
@@ -32,7 +32,7 @@ core::Expected<void> UnseenItems::split(DrawContext& context, const Culled& cull
 }
 
 core::Expected<void> UnseenItems::make_materials(const DrawContext& context, const core::Snapshot& snapshot) {
-  const core::vec3 colour = context.config.hidden_colour.value_or(core::vec3(0.0f));
+  const core::vec3 colour = context.config.drawing.hidden_colour.value_or(core::vec3(0.0f));
   const std::vector<glm::vec4> rows(snapshot.materials().size() + 1, glm::vec4(colour, 1.0f));
   auto buffer = gl::Buffer::create(context.gl(), std::span(rows), 0, "colour of unseen items");
   if (!buffer) return tl::unexpected(buffer.error());

@@ -17,7 +17,8 @@
 namespace sightline::engine {
 
 /// While it lives, what the application has may change. With a context of the engine's own that is which context is
-/// current, and in the application's context its state (EngineConfig::gl_state). Its destructor brings that back.
+/// current, and in the application's context its state (EngineConfig::context.gl_state). Its destructor brings that
+/// back.
 struct KeptState {
   virtual ~KeptState() = default;
 };
@@ -31,7 +32,7 @@ struct DrawRequest {
   std::uint64_t frame = 0;    ///< take_drawn() returns it
   double budget_began = 0.0;  ///< when the frame's budget began to run, seconds on the steady clock
   const gl::ExternalTarget* target = nullptr;  ///< gets the image, too, and has its size
-  std::optional<glm::vec2> blend_range = {};     ///< eye depths by which blended items are weighed
+  std::optional<glm::vec2> blend_range = {};   ///< eye depths by which blended items are weighed
 };
 struct DrawResult {
   DrawCounts counts;     ///< 0 where the GPU has culled
@@ -131,8 +132,8 @@ class Backend {
   }
   /// Submits a frame. Waits first until at most one earlier frame is still being drawn. Leaves out items that cover no
   /// sample of the image, or that others occlude, as configured. Where the view is not the one that was culled for,
-  /// and EngineConfig::hidden_colour is set, the items that these tests leave out of the image of that one are drawn in
-  /// this colour.
+  /// and EngineConfig::drawing.hidden_colour is set, the items that these tests leave out of the image of that one are
+  /// drawn in this colour.
   virtual core::Expected<DrawResult> draw(const DrawRequest&) { return DrawResult(); }
   /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The image stays.
   virtual core::Expected<void> put_outline(const Culled& /*items*/, const gl::ExternalTarget& /*over*/) { return {}; }

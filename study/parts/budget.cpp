@@ -11,17 +11,15 @@
 
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/apps/bench/harness.h"
-#include "sightline/apps/bench/renderer.h"
-#include "sightline/apps/bench/subcommands.h"
-#include "sightline/engine/engine.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/engine.h"
 #include "sightline/render/image/image_metrics.h"
 #include "sightline/study/parts/parts.h"
 
@@ -240,9 +238,9 @@ class Bench {
 core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, double budget_ms) {
   const auto [width, height] = *apps::parse_size(o.size);
   engine::EngineConfig config = drawing_config(width, height, o.platform);
-  config.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
-  config.budget_ms = budget_ms;
-  config.contribution_way = o.way;
+  config.culling.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
+  config.losses.budget_ms = budget_ms;
+  config.losses.contribution_way = o.way;
   return Engine::create(scene, config);
 }
 

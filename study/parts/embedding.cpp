@@ -70,11 +70,11 @@ struct Way {
 core::Expected<void> fly(Way& way, core::Scene& scene, gl::Context& context, const Window& window, const Options& o) {
   engine::EngineConfig config;
   config.draw = true;
-  config.context = &context;
-  config.gl_state = way.state;
+  config.context.application = &context;
+  config.context.gl_state = way.state;
   config.width = o.size[0];
   config.height = o.size[1];
-  config.samples = o.samples;
+  config.drawing.samples = o.samples;
   auto engine = Engine::create(scene, config);
   if (!engine) return tl::unexpected(engine.error());
   const core::ItemBounds& bounds = engine->snapshot().bounds();

@@ -11,15 +11,13 @@
 
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/apps/bench/harness.h"
-#include "sightline/apps/bench/renderer.h"
-#include "sightline/apps/bench/subcommands.h"
-#include "sightline/engine/engine.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/engine.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/study/parts/parts.h"
 #if SIGHTLINE_HAS_RAYTRACE
@@ -110,7 +108,8 @@ void print(const Json& json, std::FILE* out) {
 core::Expected<int> run(const Options& o) {
   auto model = apps::load_model(o.model);
   if (!model) return tl::unexpected(model.error());
-  auto engine = Engine::create(*model->scene, {.culler = o.culler, .draw = true, .width = 640, .height = 360});
+  auto engine =
+      Engine::create(*model->scene, {.draw = true, .width = 640, .height = 360, .culling = {.culler = o.culler}});
   if (!engine) return tl::unexpected(engine.error());
   std::vector<ItemId> items;
   for (core::Slot slot = 0; slot < engine->snapshot().size(); ++slot) items.push_back(engine->snapshot().item(slot));

@@ -16,12 +16,11 @@
 #include <vector>
 
 #include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/apps/bench/renderer.h"
-#include "sightline/apps/bench/subcommands.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/importers/import.h"
@@ -142,9 +141,9 @@ core::Expected<Tightness> measure(gl::Context& context, const std::vector<Item>&
     boxes.push_back(core::bounds(items[i].primitive, placed));
   }
   engine::EngineConfig config;
-  config.draw = config.ids = true;
+  config.draw = config.drawing.ids = true;
   config.width = config.height = size;
-  config.context = &context;
+  config.context.application = &context;
   auto engine = engine::Engine::create(scene, config);
   if (!engine) return tl::unexpected(engine.error());
   const gl::Functions& gl = context.functions();

@@ -13,14 +13,12 @@
 
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/apps/bench/harness.h"
-#include "sightline/apps/bench/renderer.h"
-#include "sightline/apps/bench/subcommands.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/gpuprims/internal/sphere.h"
 #include "sightline/study/parts/parts.h"
@@ -154,8 +152,8 @@ core::Expected<int> run(const Options& o) {
   auto scene = model_or_plant({}, o.items);
   if (!scene) return tl::unexpected(scene.error());
   engine::EngineConfig config = drawing_config((*size)[0], (*size)[1], o.platform);
-  config.ids = false;
-  config.culler = o.culler;
+  config.drawing.ids = false;
+  config.culling.culler = o.culler;
   auto engine = Engine::create(**scene, config);
   if (!engine) return tl::unexpected(engine.error());
   const auto views = tour_views(engine->snapshot(), 600, double((*size)[0]) / (*size)[1]);

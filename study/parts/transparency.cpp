@@ -12,15 +12,13 @@
 
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/apps/bench/harness.h"
-#include "sightline/apps/bench/renderer.h"
-#include "sightline/apps/bench/subcommands.h"
 #include "sightline/core/scene.h"
-#include "sightline/engine/engine.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/engine.h"
 #include "sightline/render/image/image.h"
 #include "sightline/study/parts/parts.h"
 
@@ -142,8 +140,8 @@ core::Expected<Json> measure(int count, float alpha, const Options& o) {
   Json row{{"balls", count}, {"alpha", alpha}};
   std::vector<Picture> pictures;
   for (const Transparency way : {Transparency::kBlended, Transparency::kDither}) {
-    auto engine =
-        Engine::create(balls.scene, {.draw = true, .width = width, .height = height, .ids = true, .transparency = way});
+    auto engine = Engine::create(
+        balls.scene, {.draw = true, .width = width, .height = height, .drawing = {.ids = true, .transparency = way}});
     if (!engine) return tl::unexpected(engine.error());
     auto picture = draw(*engine, view, o.frames);
     if (!picture) return tl::unexpected(picture.error());
@@ -154,7 +152,7 @@ core::Expected<Json> measure(int count, float alpha, const Options& o) {
     opaque.alpha = 1.0f;
     balls.scene.update_material(look, opaque);
   }
-  auto engine = Engine::create(balls.scene, {.draw = true, .width = width, .height = height, .ids = true});
+  auto engine = Engine::create(balls.scene, {.draw = true, .width = width, .height = height, .drawing = {.ids = true}});
   if (!engine) return tl::unexpected(engine.error());
   const auto opaque = draw(*engine, view, o.frames);
   if (!opaque) return tl::unexpected(opaque.error());

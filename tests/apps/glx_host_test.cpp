@@ -86,7 +86,7 @@ TEST_F(GlxHost, KeepsItsContextBesideEnginesOfTheirOwn) {
     SCOPED_TRACE(name_of(platform));
     engine::EngineConfig config;
     config.width = config.height = 48;
-    config.context_platform = platform;
+    config.context.platform = platform;
     make_every_call(scene, config, view, [&](const std::string& call) {
       EXPECT_EQ(current_(), context) << "after " << call;
       EXPECT_EQ(drawable_(), drawable) << "after " << call;

@@ -15,7 +15,7 @@ import re
 import sys
 
 STRUCTS = {
-    "engine/engine.h": ["EngineConfig", "Relief", "Hatching", "PixelRectangle", "FrameReport", "LateReport", "LossReport",
+    "engine/engine.h": ["EngineConfig", "CullingConfig", "DrawingConfig", "LossConfig", "ContextConfig", "Relief", "Hatching", "PixelRectangle", "FrameReport", "LateReport", "LossReport",
                         "MemoryReport"],
     "engine/plan.h": ["ScenePart", "PlanEntry", "Plan"],
     "engine/item_style.h": ["ItemStyle"],
@@ -87,7 +87,7 @@ def fields(body):
     found = []
     for statement in split(body, ";"):
         declared = re.sub(r"\{.*\}", " ", statement, flags=re.S)
-        if re.match(r"friend|using|static|enum|struct|union", statement) or "(" in declared.split("=")[0]:
+        if re.match(r"friend|using|static|enum|struct|union|bool operator", statement) or "(" in declared.split("=")[0]:
             if "(*" not in declared:
                 continue
             found.append(re.search(r"\(\*(\w+)\)", declared).group(1))

@@ -22,7 +22,7 @@ class ContextLossTest : public DrawnGrid {
   }
   EngineConfig switching(CullerChoice culler, gl::Context* used) {
     EngineConfig c = config(culler, 96, 64);
-    c.context = used;
+    c.context.application = used;
     switch_often(c);
     return c;
   }
@@ -115,7 +115,7 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
 TEST_F(ContextLossTest, TheContextMayComeLater) {
   for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
     EngineConfig c = switching(culler, nullptr);
-    c.context_later = true;
+    c.context.later = true;
     std::optional<Engine> engine;
     std::jthread([&] { engine = std::move(Engine::create(scene, c).value()); }).join();
     SCOPED_TRACE(name_of(engine->plan().culler));
@@ -128,7 +128,7 @@ TEST_F(ContextLossTest, TheContextMayComeLater) {
     EXPECT_EQ(engine->memory().gpu, 0u);
     ASSERT_TRUE(engine->show_all() && engine->resize(48, 32) && engine->resize(96, 64));
     ASSERT_TRUE(context->make_current() && engine->use_context(*context));
-    EXPECT_FALSE(engine->config().context_later);
+    EXPECT_FALSE(engine->config().context.later);
     int on_gpu = 0;
     for (int frame = 0; frame < 12; ++frame) on_gpu += engine->frame(view(0.1 * frame))->culler == CullerChoice::kGpu;
     EXPECT_EQ(on_gpu > 0, culler != CullerChoice::kCpu);
@@ -136,7 +136,7 @@ TEST_F(ContextLossTest, TheContextMayComeLater) {
     ASSERT_TRUE(engine->configure(engine->config()));
   }
   EngineConfig both = switching(CullerChoice::kCpu, &*context);
-  both.context_later = true;
+  both.context.later = true;
   EXPECT_FALSE(Engine::create(scene, both));
 }
 

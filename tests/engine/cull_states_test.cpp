@@ -20,15 +20,15 @@ class CullStatesTest : public DrawnGrid {
  protected:
   EngineConfig config(CullerChoice culler = CullerChoice::kCpu) {
     EngineConfig c = DrawnGrid::config(culler);
-    c.ids = true;
-    c.occlusion = engine::OcclusionChoice::kOn;
+    c.drawing.ids = true;
+    c.culling.occlusion = engine::OcclusionChoice::kOn;
     return c;
   }
   /// Draws everything in the view volume.
   Engine everything(core::Scene& scene) {
     EngineConfig c = config(CullerChoice::kLinear);
-    c.sample_test = false;
-    c.occlusion = engine::OcclusionChoice::kOff;
+    c.culling.sample_test = false;
+    c.culling.occlusion = engine::OcclusionChoice::kOff;
     auto engine = Engine::create(scene, c);
     EXPECT_TRUE(engine);
     return std::move(*engine);
@@ -126,7 +126,7 @@ TEST_F(CullStatesTest, AgreeWithFramesFromAside) {
   core::Scene scene;
   fill(scene, 16);
   EngineConfig c = config();
-  c.hidden_colour = core::vec3(0, 0, 1);
+  c.drawing.hidden_colour = core::vec3(0, 0, 1);
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
   const core::View eye = *core::View::perspective({{-6, 8, 8}, {8, 8, 8}, {0, 0, 1}}, 0.6, 1.5, 0.1),
@@ -155,10 +155,10 @@ TEST_F(CullStatesTest, SmallAreThoseBelowTheContribution) {
   core::Scene scene;
   fill(scene, 22);
   EngineConfig c = config();
-  c.sample_test = false;
-  c.occlusion = engine::OcclusionChoice::kOff;
+  c.culling.sample_test = false;
+  c.culling.occlusion = engine::OcclusionChoice::kOff;
   for (const float pixels : {0.0f, 1.0f, 20.0f}) {
-    c.contribution = pixels;
+    c.losses.contribution = pixels;
     for (const double turn : {0.0, 0.7}) {
       auto engine = Engine::create(scene, c);  // without a history, which hysteresis would keep
       const auto states = engine->cull_states(view(turn));
@@ -174,7 +174,7 @@ TEST_F(CullStatesTest, WithoutDrawingTheViewVolumeAloneCounts) {
   core::Scene scene;
   fill(scene, 10);
   EngineConfig c = config();
-  c.draw = c.ids = false;
+  c.draw = c.drawing.ids = false;
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
   const auto states = engine->cull_states(view(0.4));
@@ -210,7 +210,7 @@ TEST_F(CullStatesTest, ALossIsHardlyMoreThanSaid) {
     Random random(seed);
     const core::View view = DrawnGrid::view(uniform(random, 0.0, 6.0));
     EngineConfig c = config();
-    c.contribution = float(magnitude(random, 4.0, 400.0));
+    c.losses.contribution = float(magnitude(random, 4.0, 400.0));
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine && engine->frame(view) && full.frame(view));
     const auto loss = engine->loss(view);
@@ -237,7 +237,7 @@ TEST_F(CullStatesTest, ABudgetLosesUntilThePictureIsComplete) {
   core::Scene scene;
   fill(scene, 22);
   EngineConfig c = config();
-  c.budget_ms = 1e-3;
+  c.losses.budget_ms = 1e-3;
   auto engine = Engine::create(scene, c), asked = Engine::create(scene, c);
   ASSERT_TRUE(engine && asked);
   const auto first = asked->frame(view(0.2));

@@ -144,7 +144,7 @@ TEST_F(DrawingTest, EnginesWithContextsOfTheirOwn) {
   for (core::ItemId item = 0; item < sparse.item_slots(); item += 3) sparse.set_visible(item, false);
   for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu}) {
     engine::EngineConfig own = config(culler);
-    own.context = nullptr;
+    own.context.application = nullptr;
     auto a = Engine::create(dense, own), b = Engine::create(sparse, own);
     ASSERT_TRUE(a && b);
     ASSERT_TRUE(context->make_current());
@@ -263,10 +263,10 @@ TEST_F(DrawingTest, ProgramsAreKeptWhereTheConfigurationSays) {
   core::Scene scene;
   fill(scene, 2);
   engine::EngineConfig c = config(CullerChoice::kAutomatic);
-  c.program_cache = fs::path();
+  c.context.program_cache = fs::path();
   ASSERT_TRUE(Engine::create(scene, c));
   EXPECT_EQ(gl().program_cache, nullptr);
-  c.program_cache = folder;
+  c.context.program_cache = folder;
   for (int round = 0; round < 2; ++round) {
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine && engine->frame(view(0.1)));
@@ -312,7 +312,7 @@ TEST_F(DrawingTest, ThePlanNamesTheProgramsThatAreMade) {
 /// What an application reads of the last frame, and what it is told where there is none.
 TEST_F(DrawingTest, PicturesAreReadThroughTheEngine) {
   engine::EngineConfig config;
-  config.draw = config.ids = true;
+  config.draw = config.drawing.ids = true;
   config.width = 60, config.height = 40;
   core::Scene scene;
   scene.add_primitive(scene.root(), core::Box{1, 1, 1});
@@ -335,10 +335,10 @@ TEST_F(DrawingTest, PicturesAreReadThroughTheEngine) {
   ASSERT_TRUE(engine->frame(away));
   EXPECT_FALSE(*engine->covered());
 
-  config.ids = false;
+  config.drawing.ids = false;
   auto without_ids = Engine::create(scene, config);
   ASSERT_TRUE(without_ids->frame(view));
-  EXPECT_EQ(without_ids->read_ids().error().message, "picture: ids are not drawn without EngineConfig::ids");
+  EXPECT_EQ(without_ids->read_ids().error().message, "picture: ids are not drawn without EngineConfig::drawing.ids");
   auto culling_alone = Engine::create(scene, {});
   ASSERT_TRUE(culling_alone->frame(view));
   EXPECT_TRUE(culling_alone->renderer().empty());

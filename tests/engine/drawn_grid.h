@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sightline/engine/engine.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/engine.h"
 #include "sightline/render/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 
@@ -39,11 +39,11 @@ class DrawnGrid : public GlTest {
   }
   engine::EngineConfig config(engine::CullerChoice culler, int width = 192, int height = 128) {
     engine::EngineConfig c;
-    c.culler = culler;
+    c.culling.culler = culler;
     c.draw = true;
     c.width = width;
     c.height = height;
-    c.context = &*context;
+    c.context.application = &*context;
     return c;
   }
   /// Draws until the picture is complete, which takes several frames with a budget, and waits for it.
@@ -59,7 +59,7 @@ class DrawnGrid : public GlTest {
   }
   /// An engine that changes its pictures: relief, ghosts, transparent items and one with an outline.
   static core::Expected<engine::Engine> create_with_overlays(core::Scene& scene, engine::EngineConfig c) {
-    c.relief = {0.5f, 0.5f};
+    c.drawing.relief = {0.5f, 0.5f};
     auto engine = engine::Engine::create(scene, c);
     if (!engine) return engine;
     std::vector<core::ItemId> ghosts, faded;
@@ -74,10 +74,10 @@ class DrawnGrid : public GlTest {
  public:
   /// A hybrid with the dissertation's policy, with numbers that change the path every few frames.
   static void switch_often(engine::EngineConfig& c) {
-    c.controller.policy = culling::Policy::k2009;
-    c.controller.policy_2009.slow_ms = 0.0;
-    c.controller.policy_2009.enter_frames = 2;
-    c.controller.policy_2009.gpu_frames = 3;
+    c.culling.controller.policy = culling::Policy::k2009;
+    c.culling.controller.policy_2009.slow_ms = 0.0;
+    c.culling.controller.policy_2009.enter_frames = 2;
+    c.culling.controller.policy_2009.gpu_frames = 3;
   }
 
  protected:

@@ -48,7 +48,7 @@ TEST(Engine, SmallScenesGetNoHierarchy) {
   EXPECT_EQ(name_of(a->plan().culler), "linear");
   EXPECT_EQ(name_of(b->plan().culler), "cpu");
   EXPECT_GT(b->memory().bvh, a->memory().bvh);
-  auto forced = Engine::create(small, {.culler = CullerChoice::kCpu});
+  auto forced = Engine::create(small, {.culling = {.culler = CullerChoice::kCpu}});
   ASSERT_TRUE(forced);
   EXPECT_EQ(name_of(forced->plan().culler), "cpu");
 }
@@ -80,7 +80,7 @@ TEST(Engine, CullersMayBeChangedBetweenEdits) {
       EXPECT_FALSE(engine->rebuilding());
     }
     EXPECT_EQ(name_of(engine->plan().culler), names[choice]);
-    auto fresh = Engine::create(scene, {.culler = CullerChoice::kLinear});
+    auto fresh = Engine::create(scene, {.culling = {.culler = CullerChoice::kLinear}});
     ASSERT_TRUE(fresh);
     for (const View& view : {look({-5, 4, 4}, {4, 4, 4}), look({4, 4, 4}, {8, 5, 3})}) {
       const auto report = engine->frame(view);
@@ -102,12 +102,12 @@ TEST(Engine, EveryPlanEntryHasAReason) {
 TEST(Engine, BothCullersSeeTheSameThroughRandomEdits) {
   core::Scene scene;
   add_grid(scene, 9);
-  auto linear = Engine::create(scene, {.culler = CullerChoice::kLinear});
+  auto linear = Engine::create(scene, {.culling = {.culler = CullerChoice::kLinear}});
   ASSERT_TRUE(linear);
   std::mt19937 random{7};
   for (int round = 0; round < 20; ++round) {
     SCOPED_TRACE(round);
-    auto edited = Engine::create(scene, {.culler = CullerChoice::kCpu});
+    auto edited = Engine::create(scene, {.culling = {.culler = CullerChoice::kCpu}});
     ASSERT_TRUE(edited);
     for (int i = 0; i < 30; ++i) {
       const core::ItemId item = core::ItemId(random() % scene.item_slots());
@@ -128,7 +128,7 @@ TEST(Engine, BothCullersSeeTheSameThroughRandomEdits) {
       }
     }
     ASSERT_TRUE(edited->commit());
-    auto fresh = Engine::create(scene, {.culler = CullerChoice::kLinear});
+    auto fresh = Engine::create(scene, {.culling = {.culler = CullerChoice::kLinear}});
     ASSERT_TRUE(fresh);
     for (const View& view : {look({-5, 4, 4}, {4, 4, 4}), look({4, 4, 4}, {8, 5, 3}), look({40, 40, 40}, {0, 0, 0})}) {
       ASSERT_TRUE(edited->frame(view) && fresh->frame(view));
@@ -159,7 +159,7 @@ void edit(core::Scene& scene, std::mt19937& random, int count) {
 }
 
 void expect_like_new(Engine& engine, core::Scene& scene) {
-  auto fresh = Engine::create(scene, {.culler = CullerChoice::kLinear});
+  auto fresh = Engine::create(scene, {.culling = {.culler = CullerChoice::kLinear}});
   ASSERT_TRUE(fresh);
   for (const View& view : {look({-9, 8, 8}, {8, 8, 8}), look({8, 8, 8}, {16, 9, 7}), look({90, 90, 90}, {0, 0, 0})}) {
     ASSERT_TRUE(engine.frame(view) && fresh->frame(view));
@@ -172,7 +172,7 @@ TEST(EngineRebuild, LandsBetweenEditsThatGoOn) {
   for (const CullerChoice choice : {CullerChoice::kCpu, CullerChoice::kLinear}) {
     core::Scene scene;
     add_grid(scene, 20);
-    auto engine = Engine::create(scene, {.culler = choice});
+    auto engine = Engine::create(scene, {.culling = {.culler = choice}});
     ASSERT_TRUE(engine);
     std::mt19937 random{11};
     std::uint64_t generation = engine->snapshot().generation();
@@ -273,7 +273,7 @@ TEST(EngineRebuild, BeginsAboveItsShare) {
   for (const auto& [side, share, most] : {Case{20, 1.0 / 16.0, 500}, Case{20, 1.0 / 8.0, 1000}, Case{20, 1e-3, 256}}) {
     core::Scene scene;
     add_grid(scene, side);
-    auto engine = Engine::create(scene, {.rebuild_share = share});
+    auto engine = Engine::create(scene, {.culling = {.rebuild_share = share}});
     ASSERT_TRUE(engine);
     for (core::ItemId item = 0; item < most; ++item) scene.remove_item(item);
     ASSERT_TRUE(engine->commit());
@@ -316,7 +316,7 @@ TEST(EngineRebuild, WhatLandsShowsTheLastEdit) {
 TEST(EngineRebuild, NeverWhenNotWanted) {
   core::Scene scene;
   add_grid(scene, 12);
-  auto engine = Engine::create(scene, {.rebuild_share = 0.0});
+  auto engine = Engine::create(scene, {.culling = {.rebuild_share = 0.0}});
   ASSERT_TRUE(engine);
   std::mt19937 random{14};
   edit(scene, random, 2000);
@@ -335,9 +335,9 @@ TEST(EnginesOfOneScene, AllFollowWhoeverCommits) {
   core::Scene scene;
   add_grid(scene, 16);
   std::vector<Engine> engines;
-  for (const EngineConfig& config : {EngineConfig{.culler = CullerChoice::kLinear, .rebuild_share = 0.0},
-                                     EngineConfig{.culler = CullerChoice::kCpu, .rebuild_share = 0.0},
-                                     EngineConfig{.culler = CullerChoice::kCpu, .rebuild_share = 0.001}}) {
+  for (const EngineConfig& config : {EngineConfig{.culling = {.culler = CullerChoice::kLinear, .rebuild_share = 0.0}},
+                                     EngineConfig{.culling = {.culler = CullerChoice::kCpu, .rebuild_share = 0.0}},
+                                     EngineConfig{.culling = {.culler = CullerChoice::kCpu, .rebuild_share = 0.001}}}) {
     auto engine = Engine::create(scene, config);
     ASSERT_TRUE(engine);
     engines.push_back(std::move(*engine));
@@ -382,7 +382,7 @@ TEST(EnginesOfOneScene, AllFollowWhoeverCommits) {
       ASSERT_NO_FATAL_FAILURE(expect_like_new(engine, scene));
     }
     if (round % 20 != 0) continue;
-    auto fresh = Engine::create(scene, {.culler = CullerChoice::kCpu});
+    auto fresh = Engine::create(scene, {.culling = {.culler = CullerChoice::kCpu}});
     ASSERT_TRUE(fresh);
     engines[0] = std::move(*fresh);
   }
@@ -488,11 +488,11 @@ TEST(Engine, ConfigureRefusesAContextThatComesLater) {
   auto engine = engine::Engine::create(scene);
   ASSERT_TRUE(engine);
   engine::EngineConfig changed = engine->config();
-  changed.context_later = true;
+  changed.context.later = true;
   const auto done = engine->configure(changed);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("context_later"), std::string::npos) << done.error().message;
-  EXPECT_FALSE(engine->config().context_later);
+  EXPECT_FALSE(engine->config().context.later);
 }
 
 TEST(Engine, APauseIsNoFrameTime) {

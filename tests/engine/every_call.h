@@ -15,8 +15,8 @@ namespace sightline::tests {
 /// of the CPU's.
 inline void make_every_call(core::Scene& scene, engine::EngineConfig config, const core::View& view,
                             const std::function<void(const std::string&)>& check) {
-  config.draw = config.ids = true;
-  config.contribution = 1.0f;  // so that loss() has something to tell
+  config.draw = config.drawing.ids = true;
+  config.losses.contribution = 1.0f;  // so that loss() has something to tell
   const auto works = [&](const char* name, const auto& result) {
     EXPECT_TRUE(result) << name << ": " << result.error().message;
     check(name);
@@ -44,7 +44,7 @@ inline void make_every_call(core::Scene& scene, engine::EngineConfig config, con
     works("rebuild", engine->rebuild());
     works("resize", engine->resize(config.width + 3, config.height));
     engine::EngineConfig changed = engine->config();
-    changed.contribution = 0.0f;
+    changed.losses.contribution = 0.0f;
     works("configure", engine->configure(changed));
     works("set_culler", engine->set_culler(engine::CullerChoice::kGpu));
     works("frame culled by the GPU", engine->frame(view));

@@ -198,7 +198,7 @@ TEST_F(ExternalTarget, SmoothEdgesAreBlendedWithWhatTheApplicationDrew) {
   fill(scene, 22);
   const core::View view = perspective();
   engine::EngineConfig four = config(CullerChoice::kCpu, kWidth, kHeight);
-  four.samples = 4;
+  four.drawing.samples = 4;
   Engine smooth = engine(four), rough = engine();
 
   // The mean of the covered samples, over the sky.
@@ -242,7 +242,7 @@ TEST_F(ExternalTarget, SmoothEdgesAreBlendedWithWhatTheApplicationDrew) {
 TEST_F(ExternalTarget, DepthsAreThoseOfEachSample) {
   fill(scene, 22);
   engine::EngineConfig four = config(CullerChoice::kCpu, kWidth, kHeight);
-  four.samples = 4;
+  four.drawing.samples = 4;
   Engine smooth = engine(four), rough = engine();
   core::View cut = perspective();
   cut.sections = {{{0.3, 0.2, -1.0}, 6.0}};
@@ -321,7 +321,7 @@ TEST_F(ExternalTarget, TheFramebufferMayChangeBetweenFrames) {
 TEST_F(ExternalTarget, EveryFrameOfABudgetPutsThePictureThere) {
   fill(scene, 22);
   engine::EngineConfig c = config(CullerChoice::kCpu, kWidth, kHeight);
-  c.budget_ms = 1000.0;
+  c.losses.budget_ms = 1000.0;
   Engine drawn = engine(c);
   const Application application(gl(), kWidth, kHeight);
   gl::ExternalTarget target = application.target();
@@ -383,11 +383,11 @@ TEST_F(ExternalTarget, BadOnesAreErrorsAndNothingIsDrawn) {
   EXPECT_FALSE(application.pixels() == before);
 
   engine::EngineConfig own = config(CullerChoice::kCpu, kWidth, kHeight);
-  own.context = nullptr;
+  own.context.application = nullptr;
   Engine offscreen = engine(own);
   const auto report = offscreen.frame(perspective(), application.target());
   ASSERT_FALSE(report);
-  EXPECT_NE(report.error().message.find("the application's EngineConfig::context"), std::string::npos);
+  EXPECT_NE(report.error().message.find("the application's EngineConfig::context.application"), std::string::npos);
   ASSERT_TRUE(context->make_current());
   engine::EngineConfig blind = config(CullerChoice::kGpu, kWidth, kHeight);
   blind.draw = false;

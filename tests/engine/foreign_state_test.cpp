@@ -44,11 +44,11 @@ class ForeignState : public DrawnGrid, public testing::WithParamInterface<Way> {
 
   engine::EngineConfig config() {
     engine::EngineConfig c = DrawnGrid::config(GetParam().culler, 97, 61);
-    c.ids = true;
-    c.samples = GetParam().samples;
-    c.gpu_culler.variant = GetParam().variant;
-    c.occlusion = GetParam().occlusion;
-    if (GetParam().overlays) c.transparency = engine::Transparency::kBlended;
+    c.drawing.ids = true;
+    c.drawing.samples = GetParam().samples;
+    c.culling.gpu_culler.variant = GetParam().variant;
+    c.culling.occlusion = GetParam().occlusion;
+    if (GetParam().overlays) c.drawing.transparency = engine::Transparency::kBlended;
     return c;
   }
   core::Expected<Engine> create(const engine::EngineConfig& c) {
@@ -88,7 +88,7 @@ class ForeignState : public DrawnGrid, public testing::WithParamInterface<Way> {
     auto clean = gl::Context::create_offscreen();
     EXPECT_TRUE(clean);
     engine::EngineConfig c = config();
-    c.context = &*clean;
+    c.context.application = &*clean;
     auto engine = create(c);
     EXPECT_TRUE(engine) << engine.error().message;
     const std::int64_t visible = frame(*engine);

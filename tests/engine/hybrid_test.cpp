@@ -20,7 +20,7 @@ class HybridTest : public DrawnGrid {
  protected:
   EngineConfig config(CullerChoice culler) {
     EngineConfig c = DrawnGrid::config(culler);
-    c.ids = true;
+    c.drawing.ids = true;
     switch_often(c);
     return c;
   }
@@ -68,7 +68,7 @@ TEST_F(HybridTest, FramesFromAsideTeachItNothing) {
   core::Scene scene;
   fill(scene, 22);
   EngineConfig c = config(CullerChoice::kHybrid);
-  c.hidden_colour = core::vec3(0, 0, 1);
+  c.drawing.hidden_colour = core::vec3(0, 0, 1);
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
   int on_gpu = 0;
@@ -148,7 +148,7 @@ TEST_F(HybridTest, FrameCostGivesAGpuWithoutTimesUp) {
   fill(scene, 22);
   EngineConfig c = config(CullerChoice::kHybrid);
   c.draw = false;  // cull times count, and a software rasteriser has none
-  c.controller.policy = culling::Policy::kFrameCost;
+  c.culling.controller.policy = culling::Policy::kFrameCost;
   auto hybrid = Engine::create(scene, c);
   ASSERT_TRUE(hybrid);
   if (!context->capabilities().software) GTEST_SKIP() << "the GPU measures its times";
@@ -167,7 +167,7 @@ TEST_F(HybridTest, TheOldestLateReportsAreLost) {
   fill(scene, 22);
   EngineConfig c = config(CullerChoice::kHybrid);
   c.draw = false;
-  c.controller.policy_2009.gpu_frames = 1000;
+  c.culling.controller.policy_2009.gpu_frames = 1000;
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
   std::uint64_t last = 0;
@@ -232,19 +232,19 @@ TEST_F(HybridTest, KeepsWhatItKnowsWhenOnlyLooksChange) {
     for (int frame = 0; frame < 8; ++frame) ASSERT_TRUE(engine->frame(view(0.1 * frame)));
   };
   ASSERT_NO_FATAL_FAILURE(learn());
-  EXPECT_EQ(configure([](EngineConfig& c) { c.outline_colour = {0, 1, 0}; }), 8u);
-  EXPECT_EQ(configure([](EngineConfig& c) { c.relief = {0.5f, 0.5f}; }), 8u);
-  EXPECT_EQ(configure([](EngineConfig& c) { c.hidden_colour = core::vec3(0, 0, 1); }), 8u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.outline_colour = {0, 1, 0}; }), 8u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.relief = {0.5f, 0.5f}; }), 8u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.hidden_colour = core::vec3(0, 0, 1); }), 8u);
   EXPECT_EQ(configure([](EngineConfig&) {}), 8u);
-  EXPECT_EQ(configure([](EngineConfig& c) { c.controller.policy_2009.gpu_frames = 4; }), 0u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.culling.controller.policy_2009.gpu_frames = 4; }), 0u);
   ASSERT_NO_FATAL_FAILURE(learn());
-  EXPECT_EQ(configure([](EngineConfig& c) { c.sample_test = false; }), 0u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.culling.sample_test = false; }), 0u);
   ASSERT_NO_FATAL_FAILURE(learn());
-  EXPECT_EQ(configure([](EngineConfig& c) { c.occlusion = engine::OcclusionChoice::kOff; }), 0u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.culling.occlusion = engine::OcclusionChoice::kOff; }), 0u);
   ASSERT_NO_FATAL_FAILURE(learn());
-  EXPECT_EQ(configure([](EngineConfig& c) { c.contribution = 1.0f; }), 0u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.losses.contribution = 1.0f; }), 0u);
   EXPECT_EQ(engine->controller(), nullptr);
-  configure([](EngineConfig& c) { c.contribution = 0.0f; });
+  configure([](EngineConfig& c) { c.losses.contribution = 0.0f; });
   EXPECT_NE(engine->controller(), nullptr);
 }
 
@@ -259,8 +259,8 @@ TEST_F(HybridTest, ARebuildGoesOnWhenOnlyLooksChange) {
   ASSERT_TRUE(engine->commit());
   ASSERT_TRUE(engine->rebuilding());
   EngineConfig changed = engine->config();
-  changed.relief = {0.5f, 0.0f};
-  changed.outline_colour = {0, 1, 0};
+  changed.drawing.relief = {0.5f, 0.0f};
+  changed.drawing.outline_colour = {0, 1, 0};
   ASSERT_TRUE(engine->configure(changed));
   while (engine->rebuilding()) ASSERT_TRUE(engine->frame(view(0)));
   EXPECT_NE(engine->snapshot().generation(), generation) << "the new order has landed";
@@ -328,7 +328,7 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
   core::Scene scene;
   fill(scene, 22);
   EngineConfig any = config(CullerChoice::kGpu), named = any;
-  named.gpu_culler.variant = culling::GpuVariant::kCompute;
+  named.culling.gpu_culler.variant = culling::GpuVariant::kCompute;
   for (const EngineConfig& c : {any, named}) {
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine) << engine.error().message;
@@ -341,8 +341,8 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
     const engine::PlanEntry before = told("GPU culling in compute shaders");
     EXPECT_EQ(before.used, variant == culling::GpuVariant::kCompute);
     EXPECT_EQ(before.used, !told("GPU culling in geometry shaders").used);
-    EXPECT_TRUE(before.why.starts_with(c.gpu_culler.variant ? "asked for" : "measured: ")) << before.why;
-    if (!c.gpu_culler.variant) {
+    EXPECT_TRUE(before.why.starts_with(c.culling.gpu_culler.variant ? "asked for" : "measured: ")) << before.why;
+    if (!c.culling.gpu_culler.variant) {
       double geometry = 0.0, compute = 0.0;
       ASSERT_EQ(std::sscanf(before.why.c_str(), "measured: geometry %lf ms, compute %lf ms", &geometry, &compute), 2);
       EXPECT_TRUE(geometry == compute || before.used == (compute < geometry)) << "the slower one: " << before.why;
@@ -378,7 +378,7 @@ TEST_F(HybridTest, EveryTriggerOfTheSeedPolicyIsFed) {
        {Policy2009Trigger::kHeight, Policy2009Trigger::kIntersections, Policy2009Trigger::kShare})
     for (const bool slow : {false, true}) {
       EngineConfig c = config(CullerChoice::kHybrid);
-      culling::Policy2009Config& policy = c.controller.policy_2009;
+      culling::Policy2009Config& policy = c.culling.controller.policy_2009;
       policy.trigger = trigger;
       const double factor = slow ? 0.999 : 1.001;
       policy.slow_height = factor * height;

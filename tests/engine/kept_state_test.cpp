@@ -54,14 +54,14 @@ class KeptState : public DrawnGrid, public testing::WithParamInterface<Way> {
   }
   engine::EngineConfig config(GlState state) {
     engine::EngineConfig c = DrawnGrid::config(GetParam().culler, kWidth, kHeight);
-    c.ids = true;
-    c.gl_state = state;
-    c.samples = GetParam().samples;
-    c.gpu_culler.variant = GetParam().variant;
-    c.occlusion = GetParam().occlusion;
-    c.budget_ms = GetParam().budget_ms;
-    if (GetParam().overlays) c.transparency = engine::Transparency::kBlended;
-    if (c.budget_ms > 0.0) c.contribution_way = engine::ContributionWay::kPoints;
+    c.drawing.ids = true;
+    c.context.gl_state = state;
+    c.drawing.samples = GetParam().samples;
+    c.culling.gpu_culler.variant = GetParam().variant;
+    c.culling.occlusion = GetParam().occlusion;
+    c.losses.budget_ms = GetParam().budget_ms;
+    if (GetParam().overlays) c.drawing.transparency = engine::Transparency::kBlended;
+    if (c.losses.budget_ms > 0.0) c.losses.contribution_way = engine::ContributionWay::kPoints;
     return c;
   }
   core::Expected<Engine> create(const engine::EngineConfig& c) {

@@ -67,9 +67,9 @@ TEST_F(OccluderDepth, IsNowhereNearerThanWhatIsDrawn) {
     }
     const int width = 150 + int(seed), height = 90;
     engine::EngineConfig config;
-    config.draw = config.ids = true;
+    config.draw = config.drawing.ids = true;
     config.width = width, config.height = height;
-    config.context = &*context;
+    config.context.application = &*context;
     auto engine = engine::Engine::create(scene, config);
     ASSERT_TRUE(engine) << engine.error().message;
     for (int i = 0; i < 6; ++i) {
@@ -141,7 +141,7 @@ TEST_F(OccluderDepth, OfFiguresWithinSolidsIsNowhereNearerThanTheSolids) {
     config.draw = true;
     const bool large = seed % 8 == 0;  // and through narrow angles, where floats lose most of a pixel
     config.width = large ? 900 : 130 + int(seed), config.height = large ? 600 : 90;
-    config.context = &*context;
+    config.context.application = &*context;
     auto engine = engine::Engine::create(scene, config);
     ASSERT_TRUE(engine) << engine.error().message;
     culling::SolidOccluders solids;

@@ -28,7 +28,7 @@ class OverlaysTest : public DrawnGrid {
   }
   EngineConfig configured(void (*set)(EngineConfig&)) {
     EngineConfig c = config(CullerChoice::kCpu, kWidth, kHeight);
-    c.ids = true;
+    c.drawing.ids = true;
     set(c);
     return c;
   }
@@ -53,8 +53,8 @@ class OverlaysTest : public DrawnGrid {
 };
 
 const auto kWays = ways_to_draw({{"budget_squares", [](EngineConfig& c) {
-                                    c.budget_ms = 1e5;
-                                    c.contribution_way = engine::ContributionWay::kPoints;
+                                    c.losses.budget_ms = 1e5;
+                                    c.losses.contribution_way = engine::ContributionWay::kPoints;
                                   }}});
 
 class OverlaysInAllWays : public OverlaysTest, public testing::WithParamInterface<WayToDraw> {};
@@ -88,7 +88,7 @@ TEST_P(OverlaysInAllWays, GhostsHideNothing) {
 }
 
 TEST_P(OverlaysInAllWays, BlendedItemsHideNothing) {
-  const auto set = [](EngineConfig& c) { c.transparency = Transparency::kBlended; };
+  const auto set = [](EngineConfig& c) { c.drawing.transparency = Transparency::kBlended; };
   EngineConfig c = configured(GetParam().set);
   set(c);
   const core::MaterialId glass = scene.add_material({"", {0.2f, 0.4f, 0.9f}, 0.4f});
@@ -133,8 +133,8 @@ TEST_F(OverlaysTest, OneBlendedSurfaceIsExact) {
   two.add_primitive(two.root(), core::Sphere{3.0f}, core::translation({7, 7, 4}));
   const core::View view = *core::View::perspective({{7, 6, 15}, {7, 7, 7}, {0, 1, 0}}, 0.8, 1.5, 0.1);
   for (const int samples : {1, 4}) {
-    EngineConfig c = configured([](EngineConfig& e) { e.transparency = Transparency::kBlended; });
-    c.samples = samples;
+    EngineConfig c = configured([](EngineConfig& e) { e.drawing.transparency = Transparency::kBlended; });
+    c.drawing.samples = samples;
     auto engine = Engine::create(two, c);
     ASSERT_TRUE(engine);
     const Picture blended = picture(*engine, view);
@@ -175,7 +175,8 @@ TEST_F(OverlaysTest, ManyBlendedSurfacesAreNearSortedOnes) {
                         core::translation({5.0f + 4.0f * unit(), 5.0f + 4.0f * unit(), 2.0 + 2.0 * i}), looks[i]);
   }
   const core::View view = *core::View::perspective({{7, 6, 22}, {7, 7, 7}, {0, 1, 0}}, 0.6, 1.5, 0.1);
-  auto engine = Engine::create(panes, configured([](EngineConfig& e) { e.transparency = Transparency::kBlended; }));
+  auto engine =
+      Engine::create(panes, configured([](EngineConfig& e) { e.drawing.transparency = Transparency::kBlended; }));
   ASSERT_TRUE(engine);
   const Picture blended = picture(*engine, view);
   std::vector<Picture> alone;
@@ -227,7 +228,7 @@ TEST_F(OverlaysTest, OutlinesSurroundWhatIsSeen) {
     few.add_primitive(few.root(), core::Box{1.2f, 4, 0.2f}, core::translation({6.2, 7, 8}));
     const core::View view = *core::View::perspective({{7, 6.5, 15}, {7, 7, 7}, {0, 1, 0}}, 0.6, 1.5, 0.1);
     EngineConfig c = configured([](EngineConfig&) {});
-    c.outline_colour = {0.0f, 0.0f, 0.0f};
+    c.drawing.outline_colour = {0.0f, 0.0f, 0.0f};
     auto engine = Engine::create(few, c);
     ASSERT_TRUE(engine);
     const ItemId outlined = 0, before = 1;
@@ -265,8 +266,8 @@ TEST_F(OverlaysTest, OutlinesSurroundWhatIsSeen) {
 /// The application's framebuffer gets overlays over the background, too.
 TEST_F(OverlaysTest, AreInExternalTargets) {
   for (const int samples : {1, 4}) {
-    EngineConfig c = configured([](EngineConfig& e) { e.transparency = Transparency::kBlended; });
-    c.samples = samples;
+    EngineConfig c = configured([](EngineConfig& e) { e.drawing.transparency = Transparency::kBlended; });
+    c.drawing.samples = samples;
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine);
     std::vector<ItemId> ghosts, faded;

@@ -95,8 +95,8 @@ class OverridesTest : public DrawnGrid {
 
   EngineConfig configured(CullerChoice culler) {
     EngineConfig c = config(culler);
-    c.ids = true;
-    c.rebuild_share = 0.0;
+    c.drawing.ids = true;
+    c.culling.rebuild_share = 0.0;
     return c;
   }
   core::View around(double turn) const {
@@ -134,14 +134,14 @@ class OverridesTest : public DrawnGrid {
 const auto kWays = ways_to_draw({
     {"no_sample_test",  // ranges that are drawn have vacant slots
      [](EngineConfig& c) {
-       c.occlusion = engine::OcclusionChoice::kOff;
-       c.sample_test = false;
+       c.culling.occlusion = engine::OcclusionChoice::kOff;
+       c.culling.sample_test = false;
      }},
-    {"contribution", [](EngineConfig& c) { c.contribution = 30.0f; }},
+    {"contribution", [](EngineConfig& c) { c.losses.contribution = 30.0f; }},
     {"squares",
      [](EngineConfig& c) {
-       c.contribution = 30.0f;
-       c.contribution_way = engine::ContributionWay::kPoints;
+       c.losses.contribution = 30.0f;
+       c.losses.contribution_way = engine::ContributionWay::kPoints;
      }},
 });
 
@@ -237,8 +237,8 @@ TEST_P(OverridesInAllWays, AreAsMaterialsAndVisibilityThroughAnyEdits) {
       ASSERT_TRUE(engine->commit() && really->commit());
     }
     for (Engine* e : {&*engine, &*really}) {  // what was large in the last frame depends on when slots were given up
-      e->drawing()->set_contribution(0.0f, way.contribution_way);
-      e->drawing()->set_contribution(way.contribution, way.contribution_way);
+      e->drawing()->set_contribution(0.0f, way.losses.contribution_way);
+      e->drawing()->set_contribution(way.losses.contribution, way.losses.contribution_way);
     }
     ASSERT_NO_FATAL_FAILURE(expect_told(*engine));
     expect_same(*engine, *really, around(0.3 * step));
@@ -277,7 +277,7 @@ TEST_F(OverridesTest, OrdersFromTheBackgroundAreOverridden) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   EngineConfig ordering = configured(CullerChoice::kCpu);
-  ordering.rebuild_share = 0.03;
+  ordering.culling.rebuild_share = 0.03;
   auto engine = Engine::create(scene, ordering);
   ASSERT_TRUE(engine);
   std::uniform_real_distribution<double> anywhere(0.0, kSide);

@@ -183,7 +183,7 @@ core::View view() {
   return *core::View::perspective({{-6, -7, 9}, {3, 3, 3}, {0, 0, 1}}, 0.7, 1.0, 0.1);
 }
 engine::EngineConfig config(ContextPlatform platform) {
-  return {.draw = true, .width = 48, .height = 48, .gl_debug = true, .context_platform = platform};
+  return {.draw = true, .width = 48, .height = 48, .context = {.platform = platform, .debug = true}};
 }
 
 class OwnContextBeside : public testing::TestWithParam<Case> {};
@@ -245,7 +245,7 @@ TEST(OwnContext, MayBeLeftCurrent) {
   fill(scene);
   for (const auto state : {engine::GlState::kRestore, engine::GlState::kLeave}) {
     engine::EngineConfig asked = config(ContextPlatform::kAutomatic);
-    asked.gl_state = state;
+    asked.context.gl_state = state;
     auto engine = Engine::create(scene, asked);
     if (!engine && may_skip(engine.error().message)) GTEST_SKIP() << engine.error().message;
     ASSERT_TRUE(engine && engine->frame(view()) && engine->covered().value_or(false));

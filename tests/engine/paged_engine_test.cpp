@@ -155,8 +155,11 @@ core::Scene plant(std::uint64_t items) {
 }
 
 core::Expected<Engine> whole_engine(core::Scene& scene) {
-  return Engine::create(scene,
-                        {.culler = CullerChoice::kCpu, .draw = true, .width = kWidth, .height = kHeight, .ids = true});
+  return Engine::create(scene, {.draw = true,
+                                .width = kWidth,
+                                .height = kHeight,
+                                .culling = {.culler = CullerChoice::kCpu},
+                                .drawing = {.ids = true}});
 }
 
 TEST_F(PagedEngineTest, SettledPicturesAreThoseOfTheWhole) {

@@ -245,7 +245,7 @@ TEST(Pick, FindsItemsInRectangles) {
       balls.scene.add_primitive(balls.scene.root(), core::Box{0.1f, 0.1f, 0.1f}, core::translation({0.5, 0.5, -3.0}));
   for (const CullerChoice culler : {CullerChoice::kLinear, CullerChoice::kCpu}) {
     EngineConfig config = balls.config();
-    config.culler = culler;
+    config.culling.culler = culler;
     auto engine = Engine::create(balls.scene, config);
     ASSERT_TRUE(engine);
     // The lower left four balls: of 80 pixels diameter, 20 pixels apart.
@@ -299,7 +299,7 @@ TEST(Pick, FindsItemsInRectangles) {
 TEST(Pick, FollowsEditsAndNewOrders) {
   Balls balls(40);
   EngineConfig config = balls.config();
-  config.rebuild_share = 0.2;
+  config.culling.rebuild_share = 0.2;
   auto engine = Engine::create(balls.scene, config);
   ASSERT_TRUE(engine);
   EXPECT_EQ(balls.pick(*engine, 3, 4), balls.items[163]);
@@ -328,7 +328,7 @@ TEST(Pick, FollowsEditsAndNewOrders) {
 TEST(Pick, FollowsBackgroundRebuilds) {
   Balls balls(40);
   EngineConfig config = balls.config();
-  config.rebuild_share = 0.01;
+  config.culling.rebuild_share = 0.01;
   auto engine = Engine::create(balls.scene, config);
   ASSERT_TRUE(engine);
   EXPECT_EQ(balls.pick(*engine, 0, 0), balls.items[0]);

@@ -130,27 +130,27 @@ core::Expected<void> dress(Engine& engine, const core::Scene& scene) {
 }
 
 class PicturePartsInAllWays : public PictureParts, public testing::WithParamInterface<WayToDraw> {};
-INSTANTIATE_TEST_SUITE_P(
-    , PicturePartsInAllWays,
-    testing::ValuesIn(ways_to_draw({{"blended", [](EngineConfig& c) { c.transparency = Transparency::kBlended; }},
-                                    {"blended_gpu",
-                                     [](EngineConfig& c) {
-                                       c.transparency = Transparency::kBlended;
-                                       c.culler = engine::CullerChoice::kGpu;
-                                     }},
-                                    {"relief",
-                                     [](EngineConfig& c) {
-                                       c.relief = {0.7f, 0.6f};
-                                     }},
-                                    {"no_sample_test", [](EngineConfig& c) { c.sample_test = false; }}})),
-    name_of);
+INSTANTIATE_TEST_SUITE_P(, PicturePartsInAllWays,
+                         testing::ValuesIn(ways_to_draw(
+                             {{"blended", [](EngineConfig& c) { c.drawing.transparency = Transparency::kBlended; }},
+                              {"blended_gpu",
+                               [](EngineConfig& c) {
+                                 c.drawing.transparency = Transparency::kBlended;
+                                 c.culling.culler = engine::CullerChoice::kGpu;
+                               }},
+                              {"relief",
+                               [](EngineConfig& c) {
+                                 c.drawing.relief = {0.7f, 0.6f};
+                               }},
+                              {"no_sample_test", [](EngineConfig& c) { c.culling.sample_test = false; }}})),
+                         name_of);
 
 /// Random sizes of pictures and tiles. The whole picture is drawn by frame() itself.
 TEST_P(PicturePartsInAllWays, JoinWithoutSeams) {
   std::mt19937 random(kSeed);
   const auto between = [&](int low, int high) { return std::uniform_int_distribution(low, high)(random); };
   EngineConfig c = config(engine::CullerChoice::kCpu);
-  c.ids = true;
+  c.drawing.ids = true;
   GetParam().set(c);
   auto one = Engine::create(scene, c), parts = Engine::create(scene, c);
   ASSERT_TRUE(one && parts);

@@ -49,13 +49,13 @@ class Pictures : public GlTest {
   engine::Engine make(int width, int height, gl::Context* own_or_null, gl::ContextPlatform platform = {},
                       engine::CullerChoice culler = engine::CullerChoice::kAutomatic) {
     engine::EngineConfig config;
-    config.draw = config.ids = true;
-    config.gl_debug = !own_or_null;
+    config.draw = config.drawing.ids = true;
+    config.context.debug = !own_or_null;
     config.width = width;
     config.height = height;
-    config.context = own_or_null;
-    config.context_platform = platform;
-    config.culler = culler;
+    config.context.application = own_or_null;
+    config.context.platform = platform;
+    config.culling.culler = culler;
     auto engine = engine::Engine::create(scene_, config);
     EXPECT_TRUE(engine) << engine.error().message;
     return std::move(*engine);

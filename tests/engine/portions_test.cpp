@@ -37,14 +37,14 @@ class Portions : public DrawnGrid, public testing::WithParamInterface<WayToDraw>
   /// Orders that are made in the background would come at other times.
   EngineConfig way(gl::Context* used) const {
     EngineConfig c;
-    c.draw = c.ids = true;
+    c.draw = c.drawing.ids = true;
     c.width = 96;
     c.height = 64;
-    c.rebuild_share = 0.0;
-    c.relief = {0.5f, 0.5f};
+    c.culling.rebuild_share = 0.0;
+    c.drawing.relief = {0.5f, 0.5f};
     GetParam().set(c);
-    c.context = used;
-    c.context_later = !used;
+    c.context.application = used;
+    c.context.later = !used;
     return c;
   }
   /// Calls `between` before each portion with its number. Returns how many there were; 0: failed.
@@ -77,8 +77,9 @@ class Portions : public DrawnGrid, public testing::WithParamInterface<WayToDraw>
 
 INSTANTIATE_TEST_SUITE_P(Ways, Portions,
                          testing::ValuesIn(ways_to_draw({
-                             {"contribution", [](EngineConfig& c) { c.contribution = 3.0f; }},
-                             {"blended", [](EngineConfig& c) { c.transparency = engine::Transparency::kBlended; }},
+                             {"contribution", [](EngineConfig& c) { c.losses.contribution = 3.0f; }},
+                             {"blended",
+                              [](EngineConfig& c) { c.drawing.transparency = engine::Transparency::kBlended; }},
                          })),
                          name_of);
 
@@ -93,8 +94,8 @@ TEST_P(Portions, DrawTheSame) {
                  }),
             9);
   EXPECT_EQ(dump_state(context->functions()), before);
-  EXPECT_FALSE(engine->config().context_later);
-  EXPECT_EQ(engine->config().context, &*context);
+  EXPECT_FALSE(engine->config().context.later);
+  EXPECT_EQ(engine->config().context.application, &*context);
   EXPECT_EQ(engine->plan().culler, wanted->plan().culler);
   ASSERT_NO_FATAL_FAILURE(expect_same(*wanted, *engine));
 }
@@ -147,8 +148,8 @@ TEST_P(Portions, FollowEdits) {
           ASSERT_TRUE(e.resize(64 + n, 64) && e.resize(96, 64));
         }
         EngineConfig c = e.config();
-        c.relief.lines = n % 2 == 0 ? 0.5f : 0.0f;
-        c.hatching.strength = n % 2 == 0 ? 0.5f : 0.0f;
+        c.drawing.relief.lines = n % 2 == 0 ? 0.5f : 0.0f;
+        c.drawing.hatching.strength = n % 2 == 0 ? 0.5f : 0.0f;
         ASSERT_TRUE(e.configure(c));
       },
   };
@@ -214,7 +215,7 @@ TEST_P(Portions, SurviveTooLittleMemory) {
     gl.GetError = real_error;
     if (came) break;
     ++failures;
-    EXPECT_TRUE(engine->config().context_later);
+    EXPECT_TRUE(engine->config().context.later);
     EXPECT_FALSE(engine->frame(view(0.0))->drawn);
   }
   EXPECT_GT(failures, 3);

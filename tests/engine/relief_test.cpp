@@ -1,4 +1,4 @@
-// EngineConfig::relief: shading and lines by depth, against the same computed from distances in metres.
+// EngineConfig::drawing.relief: shading and lines by depth, against the same computed from distances in metres.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,9 +35,9 @@ class ReliefTest : public DrawnGrid {
   EngineConfig configured(
       const Relief& relief, void (*set)(EngineConfig&) = [](EngineConfig&) {}) {
     EngineConfig c = config(CullerChoice::kCpu, kWidth, kHeight);
-    c.ids = true;
+    c.drawing.ids = true;
     set(c);
-    c.relief = relief;
+    c.drawing.relief = relief;
     return c;
   }
   static image::Image picture(Engine& engine, const core::View& view) {
@@ -176,8 +176,8 @@ TEST_F(ReliefTest, LeavesPlanesAsTheyAre) {
 }
 
 const auto kWays = ways_to_draw({{"budget_squares", [](EngineConfig& c) {
-                                    c.budget_ms = 1e5;
-                                    c.contribution_way = engine::ContributionWay::kPoints;
+                                    c.losses.budget_ms = 1e5;
+                                    c.losses.contribution_way = engine::ContributionWay::kPoints;
                                   }}});
 
 class ReliefInAllWays : public ReliefTest, public testing::WithParamInterface<WayToDraw> {};
@@ -196,7 +196,7 @@ TEST_P(ReliefInAllWays, IsTheSameInEachFrame) {
     const auto view = core::View::perspective(around(0.4 * (frame / 2)), kFovy, kAspect, kNear);
     const image::Image seen = picture(*engine, *view);
     EngineConfig fresh_config = configured(kRelief);
-    fresh_config.samples = engine->config().samples;
+    fresh_config.drawing.samples = engine->config().drawing.samples;
     auto fresh = Engine::create(scene, fresh_config);
     ASSERT_TRUE(fresh);
     if (frame >= 4) {
@@ -216,10 +216,10 @@ TEST_P(ReliefInAllWays, ConfigureSwitchesIt) {
   const image::Image plain = picture(*engine, *view), relief = picture(*with, *view);
   EXPECT_GT(image::compare(plain, relief)->max, 50);
   EngineConfig changed = engine->config();
-  changed.relief = kRelief;
+  changed.drawing.relief = kRelief;
   ASSERT_TRUE(engine->configure(changed));
   EXPECT_EQ(image::compare(picture(*engine, *view), relief)->max, 0);
-  changed.relief = {};
+  changed.drawing.relief = {};
   ASSERT_TRUE(engine->configure(changed));
   EXPECT_EQ(image::compare(picture(*engine, *view), plain)->max, 0);
 }
@@ -230,15 +230,15 @@ TEST_F(ReliefTest, ConfigureChangesWhatItSays) {
   const auto view = core::View::perspective(around(1.0), kFovy, kAspect, kNear);
   const image::Image full = picture(*engine, *view);
   EngineConfig changed = engine->config();
-  changed.contribution = 1e9f;
+  changed.losses.contribution = 1e9f;
   ASSERT_TRUE(engine->configure(changed));
   auto report = engine->frame(*view);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->shown, 0);
   EXPECT_GT(report->small, 0);
-  changed.contribution = 0.0f;
-  changed.budget_ms = 1e5;
-  changed.culler = CullerChoice::kLinear;
+  changed.losses.contribution = 0.0f;
+  changed.losses.budget_ms = 1e5;
+  changed.culling.culler = CullerChoice::kLinear;
   ASSERT_TRUE(engine->configure(changed));
   EXPECT_EQ(image::compare(picture(*engine, *view), full)->max, 0);
   EXPECT_EQ(engine->plan().culler, CullerChoice::kLinear);
@@ -250,16 +250,16 @@ TEST_F(ReliefTest, ConfigureChangesWhatItSays) {
     const auto done = engine->configure(bad);
     ASSERT_FALSE(done);
     EXPECT_NE(done.error().message.find(named), std::string::npos) << done.error().message;
-    EXPECT_EQ(engine->config().culler, good.culler);
-    EXPECT_EQ(engine->config().relief.lines, good.relief.lines);
+    EXPECT_EQ(engine->config().culling.culler, good.culling.culler);
+    EXPECT_EQ(engine->config().drawing.relief.lines, good.drawing.relief.lines);
   };
   refused([](EngineConfig& c) { c.draw = false; }, "draw");
   refused([](EngineConfig& c) { c.width += 1; }, "size");
-  refused([](EngineConfig& c) { c.samples = 4; }, "samples");
-  refused([](EngineConfig& c) { c.context = nullptr; }, "context");
-  refused([](EngineConfig& c) { c.relief.lines = 1.5f; }, "relief");
-  refused([](EngineConfig& c) { c.relief.shading = std::nanf(""); }, "relief");
-  refused([](EngineConfig& c) { c.culler = CullerChoice::kGpu; }, "culler");  // with a budget
+  refused([](EngineConfig& c) { c.drawing.samples = 4; }, "samples");
+  refused([](EngineConfig& c) { c.context.application = nullptr; }, "context");
+  refused([](EngineConfig& c) { c.drawing.relief.lines = 1.5f; }, "relief");
+  refused([](EngineConfig& c) { c.drawing.relief.shading = std::nanf(""); }, "relief");
+  refused([](EngineConfig& c) { c.culling.culler = CullerChoice::kGpu; }, "culler");  // with a budget
   EXPECT_EQ(image::compare(picture(*engine, *view), full)->max, 0);
 }
 

@@ -76,11 +76,11 @@ void expect_same_picks(Traffic& traffic, Engine& a, Engine& b) {
   }
 }
 
-/// `share`: EngineConfig::rebuild_share.
+/// `share`: EngineConfig::culling.rebuild_share.
 void expect_picks_of_an_engine_made_anew(double share) {
   SCOPED_TRACE("seed 5");
   Traffic traffic;
-  auto followed = Engine::create(traffic.scene, {.rebuild_share = share});
+  auto followed = Engine::create(traffic.scene, {.culling = {.rebuild_share = share}});
   ASSERT_TRUE(followed && followed->pick({core::dvec3(0.0), {1, 0, 0}}));
   int landings = 0;
   for (int round = 0; round < 60; ++round) {
@@ -113,7 +113,7 @@ TEST(ReusedIds, PicksAcrossNewOrders) {
 /// much one in the background holds, and how much room is left in one that took edits, depend on when its thread ran.
 TEST(ReusedIds, AnEngineTakesAsMuchMemoryAfterMillionsOfItems) {
   Traffic traffic;
-  auto engine = Engine::create(traffic.scene, {.culler = engine::CullerChoice::kCpu});
+  auto engine = Engine::create(traffic.scene, {.culling = {.culler = engine::CullerChoice::kCpu}});
   ASSERT_TRUE(engine);
   std::size_t settled = 0, most = 0;
   for (int commit = 0; commit < (tests::long_run() ? 20'000 : 600); ++commit) {

@@ -1,4 +1,4 @@
-// EngineConfig::part: pictures of the parts of a scene, put together by depth, beside that of the whole.
+// EngineConfig::culling.part: pictures of the parts of a scene, put together by depth, beside that of the whole.
 #include <algorithm>
 #include <set>
 
@@ -47,10 +47,10 @@ class SceneParts : public DrawnGrid {
 
   EngineConfig config(int index, int count) const {
     EngineConfig made;
-    made.draw = made.ids = true;
+    made.draw = made.drawing.ids = true;
     made.width = kWidth;
     made.height = kHeight;
-    made.part = {index, count};
+    made.culling.part = {index, count};
     return made;
   }
 

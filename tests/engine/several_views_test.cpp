@@ -48,9 +48,9 @@ class SeveralViews : public DrawnGrid {
 TEST_F(SeveralViews, ABudgetCompletesThePicturesOfAllThatRest) {
   for (const auto way : {engine::ContributionWay::kDrop, engine::ContributionWay::kPoints}) {
     EngineConfig c = small();
-    c.contribution_way = way;
+    c.losses.contribution_way = way;
     EngineConfig budget = c;
-    budget.budget_ms = 0.5;
+    budget.losses.budget_ms = 0.5;
     auto engine = Engine::create(scene, budget);
     ASSERT_TRUE(engine);
     const std::vector<core::View> eyes = views(3);
@@ -89,8 +89,8 @@ TEST_F(SeveralViews, ABudgetCompletesThePicturesOfAllThatRest) {
 TEST_F(SeveralViews, EachIsAsInAnEngineOfItsOwn) {
   for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu}) {
     EngineConfig c = small(culler);
-    c.occlusion = engine::OcclusionChoice::kOn;
-    if (culler == CullerChoice::kCpu) c.contribution = 20.0f;
+    c.culling.occlusion = engine::OcclusionChoice::kOn;
+    if (culler == CullerChoice::kCpu) c.losses.contribution = 20.0f;
     auto shared = Engine::create(scene, c);
     ASSERT_TRUE(shared);
     std::vector<Engine> own;
@@ -137,7 +137,7 @@ TEST_F(SeveralViews, APictureKeepsItsSizeThroughALoss) {
 
 TEST_F(SeveralViews, AnEditShowsInAllPictures) {
   EngineConfig c = small();
-  c.budget_ms = 1000.0;
+  c.losses.budget_ms = 1000.0;
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
   const auto eyes = views(2);

@@ -127,11 +127,11 @@ class Shown : public tests::GlTest {
  protected:
   EngineConfig config(const Path& path, int width, int height) {
     EngineConfig made;
-    made.draw = made.ids = true;
-    made.culler = path.culler;
-    made.gpu_culler = path.gpu;
+    made.draw = made.drawing.ids = true;
+    made.culling.culler = path.culler;
+    made.culling.gpu_culler = path.gpu;
     made.width = width, made.height = height;
-    made.context = &*context;
+    made.context.application = &*context;
     return made;
   }
 };
@@ -157,13 +157,13 @@ TEST_F(Shown, LossesNeedACullerOnTheCpu) {
     SCOPED_TRACE(budget ? "budget" : "contribution");
     EngineConfig with = config({CullerChoice::kGpu}, 32, 32);
     if (budget)
-      with.budget_ms = 20.0;
+      with.losses.budget_ms = 20.0;
     else
-      with.contribution = 20.0f;
+      with.losses.contribution = 20.0f;
     const auto refused = Engine::create(scene, with);
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("need a culler on the CPU"), std::string::npos) << refused.error().message;
-    with.culler = CullerChoice::kHybrid;
+    with.culling.culler = CullerChoice::kHybrid;
     auto engine = Engine::create(scene, with);
     ASSERT_TRUE(engine);
     EXPECT_EQ(name_of(engine->plan().culler), "cpu");
@@ -181,7 +181,7 @@ TEST_F(Shown, LossesNeedACullerOnTheCpu) {
     }
     EXPECT_EQ(found, 2);
     with.draw = false;
-    with.culler = CullerChoice::kGpu;
+    with.culling.culler = CullerChoice::kGpu;
     EXPECT_TRUE(Engine::create(scene, with)) << "nothing is drawn, so nothing is lost";
   }
 }
@@ -198,9 +198,9 @@ TEST_P(SampleTestShown, LosesNoPixel) {
     fill(random, scene, middle);
     const int width = whole(random, 1, 90), height = whole(random, 1, 70);
     EngineConfig with = config(GetParam(), width, height);
-    if (seed % 4 == 0) with.samples = 4;
+    if (seed % 4 == 0) with.drawing.samples = 4;
     EngineConfig without = with;
-    without.sample_test = false;
+    without.culling.sample_test = false;
     auto tested = Engine::create(scene, with), all = Engine::create(scene, without);
     ASSERT_TRUE(tested && all);
     for (int i = 0; i < 40; ++i) {
@@ -258,7 +258,7 @@ TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
                                          core::translation({0.6 * (i % 8) - 2.0, 0.0, 0.5 * int(i / 8) - 1.0})));
   const core::ItemId line = scene.add_primitive(scene.root(), core::Line{-1, 1}, core::translation({0, 1, 0}));
   EngineConfig with = config(kPaths[0], 400, 300);
-  with.contribution = 100.0f;
+  with.losses.contribution = 100.0f;
   auto engine = Engine::create(scene, with);
   ASSERT_TRUE(engine);
   const auto from = [](double distance) {
@@ -289,9 +289,9 @@ TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
   const auto gone = drawn(4.0 * 1.2);
   EXPECT_LT(std::count(gone.begin(), gone.end(), true), std::count(near.begin(), near.end(), true));
   EXPECT_EQ(drawn(4.0 * 1.1), gone) << "comes back at the threshold only";
-  with.contribution = -1.0f;
+  with.losses.contribution = -1.0f;
   EXPECT_FALSE(Engine::create(scene, with));
-  with.contribution = std::nanf("");
+  with.losses.contribution = std::nanf("");
   EXPECT_FALSE(Engine::create(scene, with));
 }
 
@@ -304,10 +304,10 @@ TEST_P(Budget, IsMadeUpForAtRest) {
   core::Scene scene;
   fill(random, scene, dvec3(0.0));
   EngineConfig with = config(kPaths[0], 80, 60), without = with;
-  with.budget_ms = 1e-3;
-  std::tie(with.contribution_way, with.samples) = GetParam();
-  without.samples = with.samples;
-  const bool squares = with.contribution_way != ContributionWay::kDrop;
+  with.losses.budget_ms = 1e-3;
+  std::tie(with.losses.contribution_way, with.drawing.samples) = GetParam();
+  without.drawing.samples = with.drawing.samples;
+  const bool squares = with.losses.contribution_way != ContributionWay::kDrop;
   auto hurried = Engine::create(scene, with), all = Engine::create(scene, without);
   ASSERT_TRUE(hurried && all);
   std::int64_t squares_drawn = 0;
@@ -364,7 +364,7 @@ TEST_P(Budget, IsMadeUpForAtRest) {
     }
   }
   EXPECT_EQ(squares_drawn > 0, squares);
-  with.budget_ms = -1.0;
+  with.losses.budget_ms = -1.0;
   EXPECT_FALSE(Engine::create(scene, with));
 }
 
@@ -383,13 +383,14 @@ TEST_F(Shown, ABudgetIsMadeUpForWhereTheCullingViewIsACopy) {
   core::Scene scene;
   fill(random, scene, dvec3(0.0));
   EngineConfig with = config(kPaths[0], 80, 60);
-  with.budget_ms = 1e-3;
-  with.hidden_colour = core::vec3(0, 0, 1);
+  with.losses.budget_ms = 1e-3;
+  with.drawing.hidden_colour = core::vec3(0, 0, 1);
   auto engine = Engine::create(scene, with);
   ASSERT_TRUE(engine);
   const View view = view_of(random, dvec3(0.0), 4.0 / 3.0), copy = view;
   auto report = engine->frame({.view = view, .cull_view = &copy});
-  for (int i = 0; i < 1000 && report && report->pending > 0; ++i) report = engine->frame({.view = view, .cull_view = &copy});
+  for (int i = 0; i < 1000 && report && report->pending > 0; ++i)
+    report = engine->frame({.view = view, .cull_view = &copy});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->pending, 0);
 }
@@ -437,9 +438,9 @@ TEST_F(HiddenColour, ShowsFromAsideWhatTheTestsLeaveOut) {
       SCOPED_TRACE(testing::Message() << name_of(culler) << ", occlusion " << name_of(occlusion));
       scene.set_visible(wall, true);
       EngineConfig with = config({culler}, 150, 100);
-      with.occlusion = occlusion;
+      with.culling.occlusion = occlusion;
       auto plain = Engine::create(scene, with);
-      with.hidden_colour = core::vec3(0, 0, 1);
+      with.drawing.hidden_colour = core::vec3(0, 0, 1);
       auto engine = Engine::create(scene, with);
       ASSERT_TRUE(plain && engine);
       const bool tested = occlusion != OcclusionChoice::kOff;
@@ -469,8 +470,8 @@ TEST_F(HiddenColour, ShowsFromAsideWhatTheTestsLeaveOut) {
 
 TEST_F(HiddenColour, WithABudgetAndSeveralSamples) {
   EngineConfig with = config(kPaths[0], 150, 100);
-  with.hidden_colour = core::vec3(0, 0, 1);
-  with.budget_ms = 1e-3;
+  with.drawing.hidden_colour = core::vec3(0, 0, 1);
+  with.losses.budget_ms = 1e-3;
   auto hurried = Engine::create(scene, with);
   ASSERT_TRUE(hurried);
   auto report = hurried->frame({.view = back, .cull_view = &front});
@@ -483,8 +484,8 @@ TEST_F(HiddenColour, WithABudgetAndSeveralSamples) {
   while (hurried->frame(back)->pending > 0) continue;
   EXPECT_TRUE(items_by_colour(*hurried)[1].empty());
 
-  with.budget_ms = 0.0;
-  with.samples = 4;
+  with.losses.budget_ms = 0.0;
+  with.drawing.samples = 4;
   auto smooth = Engine::create(scene, with);
   ASSERT_TRUE(smooth && smooth->frame({.view = back, .cull_view = &front}));
   EXPECT_TRUE(items_by_colour(*smooth)[1].empty()) << "occlusion is tested with one sample only";
@@ -500,8 +501,8 @@ TEST_F(Shown, ShowsTheInsideOfOpenPipes) {
   const core::Box cube{0.15f, 0.15f, 0.15f};                               // behind the centre line, before the wall
   const core::ItemId inside = scene.add_primitive(scene.root(), cube, core::translation({-0.92, 0.0, 12.7}));
   EngineConfig with = config(kPaths[0], 120, 90), without = with;
-  with.occlusion = OcclusionChoice::kOn;
-  without.occlusion = OcclusionChoice::kOff;
+  with.culling.occlusion = OcclusionChoice::kOn;
+  without.culling.occlusion = OcclusionChoice::kOff;
   auto tested = Engine::create(scene, with), all = Engine::create(scene, without);
   ASSERT_TRUE(tested && all);
   const auto from = [](const dvec3& eye, const dvec3& target) {
@@ -549,9 +550,9 @@ TEST_P(OcclusionShown, LosesNoPixel) {
     if (chance(random, 0.5)) add_pipes(random, scene, middle);
     int width = whole(random, 1, 90), height = whole(random, 1, 70);
     EngineConfig with = config(path, width, height), without = with;
-    with.occlusion = OcclusionChoice::kOn;
-    without.occlusion = OcclusionChoice::kOff;
-    without.sample_test = false;
+    with.culling.occlusion = OcclusionChoice::kOn;
+    without.culling.occlusion = OcclusionChoice::kOff;
+    without.culling.sample_test = false;
     auto tested = Engine::create(scene, with), all = Engine::create(scene, without);
     ASSERT_TRUE(tested && all);
     View view = view_of(random, middle, double(width) / height);

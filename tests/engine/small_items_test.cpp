@@ -44,15 +44,15 @@ class SmallItemsTest : public tests::GlTest {
   core::Expected<Engine> engine(ContributionWay way, float contribution, int samples = 1,
                                 OcclusionChoice occlusion = OcclusionChoice::kAutomatic, double budget_ms = 0.0) {
     EngineConfig config;
-    config.draw = config.ids = true;
-    config.culler = CullerChoice::kCpu;
+    config.draw = config.drawing.ids = true;
+    config.culling.culler = CullerChoice::kCpu;
     config.width = config.height = kSize;
-    config.samples = samples;
-    config.occlusion = occlusion;
-    config.contribution = contribution;
-    config.contribution_way = way;
-    config.budget_ms = budget_ms;
-    config.context = &*context;
+    config.drawing.samples = samples;
+    config.culling.occlusion = occlusion;
+    config.losses.contribution = contribution;
+    config.losses.contribution_way = way;
+    config.losses.budget_ms = budget_ms;
+    config.context.application = &*context;
     return Engine::create(scene_, config);
   }
   static core::View view() {

@@ -93,7 +93,7 @@ TEST_F(StreamingTest, MeshesThatComeAndGoShowAsIfBuiltAnew) {
     fill(scene, 22);
     for (int i = 0; i < 50; ++i) add_mesh(scene);
     engine::EngineConfig c = config(culler);
-    c.rebuild_share = 0.0;
+    c.culling.rebuild_share = 0.0;
     auto streamed = Engine::create(scene, c);
     ASSERT_TRUE(streamed);
     for (int round = 0; round < 8; ++round) {
@@ -117,7 +117,7 @@ TEST_F(StreamingTest, KindsMayComeIntoAnEmptyScene) {
   for (const auto culler : {CullerChoice::kCpu, CullerChoice::kGpu}) {
     core::Scene scene;
     engine::EngineConfig c = config(culler);
-    c.rebuild_share = 0.0;
+    c.culling.rebuild_share = 0.0;
     auto streamed = Engine::create(scene, c);
     ASSERT_TRUE(streamed);
     for (std::size_t kind = 0; kind <= std::size(kinds); ++kind) {
@@ -145,8 +145,8 @@ TEST_F(StreamingTest, NewOrdersLandBetweenEdits) {
     core::Scene scene;
     fill(scene, 22);
     engine::EngineConfig c = config(culler);
-    c.rebuild_share = 0.01;
-    c.relief = {0.5f, 0.5f};
+    c.culling.rebuild_share = 0.01;
+    c.drawing.relief = {0.5f, 0.5f};
     auto streamed = Engine::create(scene, c);
     ASSERT_TRUE(streamed && set_styles(*streamed));
     std::map<core::ItemId, bool> is_red;
@@ -198,7 +198,7 @@ TEST_F(StreamingTest, EditsMayBeFollowedInPortions) {
   core::Scene scene;
   fill(scene, 12);
   engine::EngineConfig c = config(CullerChoice::kCpu);
-  c.rebuild_share = 0.1;
+  c.culling.rebuild_share = 0.1;
   auto streamed = Engine::create(scene, c);
   ASSERT_TRUE(streamed);
   int portions = 0;
@@ -243,7 +243,7 @@ TEST_F(StreamingTest, ReusedIdsAreThoseOfOtherItems) {
     scene.reuse_ids(true);
     fill(scene, 14);
     engine::EngineConfig c = config(share < 1.0 ? CullerChoice::kCpu : CullerChoice::kGpu);
-    c.rebuild_share = share;
+    c.culling.rebuild_share = share;
     auto streamed = Engine::create(scene, c);
     ASSERT_TRUE(streamed);
     std::map<core::ItemId, bool> is_red;
@@ -277,7 +277,7 @@ TEST_F(StreamingTest, TrianglesThatAreGoneMakeRoom) {
   core::Scene scene;
   fill(scene, 8);
   engine::EngineConfig c = config(CullerChoice::kCpu);
-  c.rebuild_share = 0.0;
+  c.culling.rebuild_share = 0.0;
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
   std::size_t settled = 0;

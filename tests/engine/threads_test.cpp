@@ -85,8 +85,8 @@ void use(Editor& editor, std::uint32_t seed, int frames) {
   std::mt19937 random(seed);
   engine::EngineConfig config;
   config.width = 300, config.height = 200;
-  config.culler = engine::CullerChoice::kCpu;
-  config.rebuild_share = 0.02;
+  config.culling.culler = engine::CullerChoice::kCpu;
+  config.culling.rebuild_share = 0.02;
   auto engine = [&] {
     const std::lock_guard lock(editor.access);
     return Engine::create(editor.scene, config);
@@ -132,8 +132,8 @@ TEST(Threads, EnginesReadNoSceneThatIsEdited) {
 TEST(Threads, MeshesComeAndGoWhileATracerIsMade) {
   Editor editor(2);
   engine::EngineConfig config;
-  config.culler = engine::CullerChoice::kCpu;
-  config.rebuild_share = 0.02;
+  config.culling.culler = engine::CullerChoice::kCpu;
+  config.culling.rebuild_share = 0.02;
   auto engine = Engine::create(editor.scene, config);
   ASSERT_TRUE(engine) << engine.error().message;
   std::mt19937 random(2);

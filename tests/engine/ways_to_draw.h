@@ -23,26 +23,26 @@ inline std::vector<WayToDraw> ways_to_draw(std::initializer_list<WayToDraw> more
   using engine::EngineConfig;
   using engine::OcclusionChoice;
   std::vector<WayToDraw> ways = {
-      {"cpu", [](EngineConfig& c) { c.culler = CullerChoice::kCpu; }},
-      {"linear", [](EngineConfig& c) { c.culler = CullerChoice::kLinear; }},
-      {"gpu", [](EngineConfig& c) { c.culler = CullerChoice::kGpu; }},
+      {"cpu", [](EngineConfig& c) { c.culling.culler = CullerChoice::kCpu; }},
+      {"linear", [](EngineConfig& c) { c.culling.culler = CullerChoice::kLinear; }},
+      {"gpu", [](EngineConfig& c) { c.culling.culler = CullerChoice::kGpu; }},
       {"hybrid",
        [](EngineConfig& c) {
-         c.culler = CullerChoice::kHybrid;
+         c.culling.culler = CullerChoice::kHybrid;
          DrawnGrid::switch_often(c);
        }},
       {"cpu_occlusion",
        [](EngineConfig& c) {
-         c.culler = CullerChoice::kCpu;
-         c.occlusion = OcclusionChoice::kOn;
+         c.culling.culler = CullerChoice::kCpu;
+         c.culling.occlusion = OcclusionChoice::kOn;
        }},
       {"gpu_occlusion",
        [](EngineConfig& c) {
-         c.culler = CullerChoice::kGpu;
-         c.occlusion = OcclusionChoice::kOn;
+         c.culling.culler = CullerChoice::kGpu;
+         c.culling.occlusion = OcclusionChoice::kOn;
        }},
-      {"samples", [](EngineConfig& c) { c.samples = 4; }},
-      {"budget", [](EngineConfig& c) { c.budget_ms = 1e5; }},
+      {"samples", [](EngineConfig& c) { c.drawing.samples = 4; }},
+      {"budget", [](EngineConfig& c) { c.losses.budget_ms = 1e5; }},
   };
   ways.insert(ways.end(), more);
   return ways;

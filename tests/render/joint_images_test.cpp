@@ -107,11 +107,11 @@ class JointImages : public tests::GlTest {
  protected:
   void open(core::Scene& scene) {
     engine::EngineConfig config;
-    config.draw = config.ids = true;
+    config.draw = config.drawing.ids = true;
     config.width = kWidth;
     config.height = kHeight;
-    config.rebuild_share = 0.0;
-    config.context = &*context;
+    config.culling.rebuild_share = 0.0;
+    config.context.application = &*context;
     auto made = engine::Engine::create(scene, config);
     ASSERT_TRUE(made) << made.error().message;
     engine_.emplace(std::move(*made));

@@ -25,8 +25,8 @@ class Multisample : public tests::GlTest {
     config.draw = true;
     config.width = scale * kWidth;
     config.height = scale * kHeight;
-    config.samples = samples;
-    config.context = &*context;
+    config.drawing.samples = samples;
+    config.context.application = &*context;
     auto engine = engine::Engine::create(scene, config);
     EXPECT_TRUE(engine) << engine.error().message;
     EXPECT_TRUE(engine->frame(view));

@@ -35,10 +35,10 @@ class RayCast : public tests::GlTest {
     shape.item = scene.add_primitive(node, primitive);
     engine::EngineConfig config;
     config.draw = true;
-    config.ids = true;
+    config.drawing.ids = true;
     config.width = kWidth;
     config.height = kHeight;
-    config.context = &*context;
+    config.context.application = &*context;
     auto engine = engine::Engine::create(scene, config);
     ASSERT_TRUE(engine) << engine.error().message;
     ASSERT_TRUE(engine->frame(view));

@@ -28,11 +28,11 @@ class SceneRender : public tests::GlTest {
  protected:
   engine::EngineConfig config(engine::CullerChoice culler = engine::CullerChoice::kAutomatic) {
     engine::EngineConfig c;
-    c.draw = c.ids = true;
+    c.draw = c.drawing.ids = true;
     c.width = kWidth;
     c.height = kHeight;
-    c.culler = culler;
-    c.context = &*context;
+    c.culling.culler = culler;
+    c.context.application = &*context;
     return c;
   }
 
@@ -142,7 +142,7 @@ TEST_F(SceneRender, TheGpuCullerChangesNoPixel) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({3000, 3}, scene));
   engine::EngineConfig no_rebuild = config(engine::CullerChoice::kGpu);
-  no_rebuild.rebuild_share = 0.0;
+  no_rebuild.culling.rebuild_share = 0.0;
   engine::Engine gpu = make(scene, no_rebuild);
   EXPECT_EQ(name_of(gpu.plan().culler), "gpu");
   std::uint64_t frame = 0;
@@ -174,7 +174,7 @@ TEST_F(SceneRender, TheGpuCullerWorksWithoutDrawing) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({3000, 3}, scene));
   engine::EngineConfig no_draw = config(engine::CullerChoice::kGpu);
-  no_draw.draw = no_draw.ids = false;
+  no_draw.draw = no_draw.drawing.ids = false;
   engine::Engine gpu = make(scene, no_draw);
   engine::Engine cpu = make(scene, config(engine::CullerChoice::kCpu));
   for (const View& view : plant_views()) {
@@ -287,7 +287,7 @@ TEST_F(SceneRender, AppendedSlotsShowAsIfBuiltAnew) {
   const core::MeshId mesh = add_triangle(scene);
   scene.add_mesh_instance(scene.root(), mesh);
   engine::EngineConfig no_rebuild = config();
-  no_rebuild.rebuild_share = 0.0;
+  no_rebuild.culling.rebuild_share = 0.0;
   engine::Engine edited = make(scene, no_rebuild);
   for (int round = 0; round < 12; ++round) {
     SCOPED_TRACE(round);
@@ -368,7 +368,7 @@ TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
     scene.add_primitive(scene.root(), core::Pyramid{1, 1, 0.5f, 0.5f, 0, 0, 1}, place);
   }
   engine::EngineConfig c = config();
-  c.gl_state = engine::GlState::kLeave;  // draws below bypass the engine, which then has none to give back
+  c.context.gl_state = engine::GlState::kLeave;  // draws below bypass the engine, which then has none to give back
   engine::Engine engine = make(scene, c);
   const auto ids_of_everything = [&](const View& view) {
     core::VisibleSet all;

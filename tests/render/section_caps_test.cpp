@@ -137,11 +137,11 @@ TEST_F(SectionCaps, FollowEditsAndSizes) {
   core::Scene scene;
   std::vector<Shape> boxes = {add_box(scene, {1, 2, 1}, core::translation({-1, 0, 0}), true)};
   engine::EngineConfig config;
-  config.draw = config.ids = true;
-  config.rebuild_share = 0.0;
+  config.draw = config.drawing.ids = true;
+  config.culling.rebuild_share = 0.0;
   config.width = 64;
   config.height = 48;
-  config.context = &*context;
+  config.context.application = &*context;
   auto engine = engine::Engine::create(scene, config);
   ASSERT_TRUE(engine) << engine.error().message;
   const core::MeshId mesh = scene.mesh_of(boxes[0].item);

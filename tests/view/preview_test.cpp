@@ -125,7 +125,7 @@ TEST_F(PreviewTest, ShowsWhatTheSceneShows) {
   engine::EngineConfig c = config();
   c.width = 120;
   c.height = 80;
-  c.context = &*context;
+  c.context.application = &*context;
   auto twin = engine::Engine::create(scene, c);
   ASSERT_TRUE(twin);
   const Camera camera(twin->snapshot().bounds().fitted_bounds().bounds, kFovy, 1.5);

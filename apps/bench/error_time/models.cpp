@@ -19,7 +19,7 @@ core::Expected<DrawnVariant> make_variant(gl::Context& context, const core::Scen
   engine::EngineConfig engine_config;
   engine_config.width = config.width;
   engine_config.height = config.height;
-  engine_config.context = &context;
+  engine_config.context.application = &context;
   return DrawnVariant::create(std::move(drawn), engine_config);
 }
 

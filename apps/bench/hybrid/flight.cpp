@@ -27,15 +27,15 @@ double sum(const std::vector<HybridFrame>& frames, bool rendering) {
 core::Expected<Pilot> Pilot::create(core::Scene& scene, const HybridMode& mode, const FlightConfig& config,
                                     gl::Context& context) {
   engine::EngineConfig engine_config;
-  engine_config.culler = mode.culler;
+  engine_config.culling.culler = mode.culler;
   engine_config.draw = config.rendering;
   engine_config.width = config.width;
   engine_config.height = config.height;
-  engine_config.context = &context;
-  engine_config.gl_state = engine::GlState::kLeave;  // nobody else draws there
-  engine_config.gpu_culler = config.gpu;
-  engine_config.occlusion = config.occlusion;
-  engine_config.controller.policy = mode.policy;
+  engine_config.context.application = &context;
+  engine_config.context.gl_state = engine::GlState::kLeave;  // nobody else draws there
+  engine_config.culling.gpu_culler = config.gpu;
+  engine_config.culling.occlusion = config.occlusion;
+  engine_config.culling.controller.policy = mode.policy;
   auto engine = engine::Engine::create(scene, engine_config);
   if (!engine) return tl::unexpected(engine.error());
   return Pilot(std::move(*engine));

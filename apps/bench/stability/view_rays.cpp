@@ -98,12 +98,12 @@ core::Expected<Figures> ViewRays::judge_picture(const ViewCase& c, int rays) {
   const core::NodeId node = scene.add_node(scene.root(), "item", p.world_from_item);
   scene.add_primitive(node, p.primitive);
   engine::EngineConfig config;
-  config.culler = engine::CullerChoice::kLinear;
+  config.culling.culler = engine::CullerChoice::kLinear;
   config.draw = true;
-  config.ids = true;
+  config.drawing.ids = true;
   config.width = kWidth;
   config.height = kHeight;
-  config.context = &context_;
+  config.context.application = &context_;
   auto engine = engine::Engine::create(scene, config);
   if (!engine) return tl::unexpected(engine.error());
   const auto view = core::View::perspective(p.pose, p.fovy, double(kWidth) / kHeight, p.near, p.far);

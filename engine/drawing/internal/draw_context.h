@@ -5,8 +5,8 @@
 #include <map>
 #include <optional>
 
-#include "sightline/culling/occlusion/contribution.h"
 #include "sightline/culling/frustum/cull_threads.h"
+#include "sightline/culling/occlusion/contribution.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/engine/drawing/internal/image_state.h"
@@ -53,7 +53,7 @@ struct DrawContext {
   culling::ContributionTest contribution_test(const core::View& view, const core::Snapshot& snapshot);
   /// Whether the setting and the image allow it. One sample per pixel alone has one depth to test against.
   bool may_test_occlusion() const {
-    return config.occlusion != OcclusionChoice::kOff && target().format().samples == 1;
+    return config.culling.occlusion != OcclusionChoice::kOff && target().format().samples == 1;
   }
 
   /// Clears the image and draws a set.

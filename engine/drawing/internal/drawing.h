@@ -46,7 +46,7 @@ class Drawing : public Backend {
   }
 
   void configure(const EngineConfig& config) override;
-  /// Changes EngineConfig::contribution and contribution_way alone.
+  /// Changes EngineConfig::losses.contribution and contribution_way alone.
   void set_contribution(float pixels, ContributionWay way);
   core::Expected<void> resize(int width, int height) override;
   core::Expected<void> use_image(std::uint32_t number, int width, int height) override;

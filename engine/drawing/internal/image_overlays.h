@@ -26,7 +26,7 @@ class ImageOverlays {
     return context.renderer && !(items().empty() && translucent_.outlined().empty());
   }
   /// Whether the image of the opaque items is changed, so that nothing more can be drawn to it.
-  bool change_image(const DrawContext& context) const { return context.config.relief.any() || any(context); }
+  bool change_image(const DrawContext& context) const { return context.config.drawing.relief.any() || any(context); }
 
   /// Splits a visible set: returns its opaque items, and keeps the others for finish().
   const core::VisibleSet& split(const DrawContext& context, const core::VisibleSet& visible);

@@ -28,7 +28,7 @@ struct ImageState {
   bool pyramid_valid = false;  // the pyramid is never nearer than the image's depth in the present frame
   std::vector<float> distances;
 
-  // Used with EngineConfig::budget_ms alone.
+  // Used with EngineConfig::losses.budget_ms alone.
   BudgetPasses budget;
   std::optional<core::View> budget_view;        // view of the image that the target holds, complete or not
   std::int64_t unmeasured = 0;                  // items that were left out unmeasured because the view moves

@@ -56,10 +56,10 @@ class CapiDrawing : public GlTest {
   }
   engine::EngineConfig twin_config() {
     engine::EngineConfig same;
-    same.draw = same.ids = true;
+    same.draw = same.drawing.ids = true;
     same.width = kWidth, same.height = kHeight;
-    same.context = &*context;
-    same.program_cache = "";
+    same.context.application = &*context;
+    same.context.program_cache = "";
     return same;
   }
   engine::Engine make_twin() { return std::move(*engine::Engine::create(scene, twin_config())); }
@@ -252,18 +252,18 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
   const Setting settings[] = {
       {"relief", [](sl_engine_config& k) { k.relief_shading = 0.8f, k.relief_lines = 0.6f; },
        [](engine::EngineConfig& k) {
-         k.relief = {0.8f, 0.6f};
+         k.drawing.relief = {0.8f, 0.6f};
        }},
       {"shading alone", [](sl_engine_config& k) { k.relief_shading = 0.8f; },
-       [](engine::EngineConfig& k) { k.relief.shading = 0.8f; }},
+       [](engine::EngineConfig& k) { k.drawing.relief.shading = 0.8f; }},
       {"hatching", [](sl_engine_config& k) { k.hatching_strength = 0.9f, k.hatching_spacing = 4.0f; },
        [](engine::EngineConfig& k) {
-         k.hatching = {0.9f, 4.0f};
+         k.drawing.hatching = {0.9f, 4.0f};
        }},
       {"outline colour", [](sl_engine_config& k) { k.outline_colour[2] = 1.0f; },
-       [](engine::EngineConfig& k) { k.outline_colour.z = 1.0f; }},
+       [](engine::EngineConfig& k) { k.drawing.outline_colour.z = 1.0f; }},
       {"transparency", [](sl_engine_config& k) { k.transparency = SL_TRANSPARENCY_BLENDED; },
-       [](engine::EngineConfig& k) { k.transparency = engine::Transparency::kBlended; }, false},
+       [](engine::EngineConfig& k) { k.drawing.transparency = engine::Transparency::kBlended; }, false},
   };
   BothViews cut = view;
   cut.c.section_count = 1;
@@ -369,7 +369,7 @@ TEST_F(CapiDrawing, LossIsThatOfCpp) {
   sl_engine_config with = config();
   with.contribution = 40.0f;
   engine::EngineConfig same = twin_config();
-  same.contribution = 40.0f;
+  same.losses.contribution = 40.0f;
   auto twin = engine::Engine::create(scene, same);
   ASSERT_TRUE(twin && twin->frame(view.cpp));
   const auto expected = twin->loss(view.cpp);

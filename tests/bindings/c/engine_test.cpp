@@ -513,12 +513,13 @@ TEST_F(CapiEngine, DefaultsAreThoseOfCpp) {
   sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
   const engine::EngineConfig d;
   ASSERT_OK(sl_engine_get_config(other, &of_c, &controller));
-  of_cpp.contribution = d.contribution, of_cpp.budget_ms = d.budget_ms, of_cpp.samples = d.samples;
-  of_cpp.rebuild_share = float(d.rebuild_share), of_cpp.transparency = std::int32_t(d.transparency);
-  for (int i = 0; i < 3; ++i) of_cpp.outline_colour[i] = d.outline_colour[i];
-  of_cpp.relief_shading = d.relief.shading, of_cpp.relief_lines = d.relief.lines;
-  of_cpp.hatching_strength = d.hatching.strength, of_cpp.hatching_spacing = d.hatching.spacing;
-  of_cpp.part_index = d.part.index, of_cpp.part_count = d.part.count;
+  of_cpp.contribution = d.losses.contribution, of_cpp.budget_ms = d.losses.budget_ms,
+  of_cpp.samples = d.drawing.samples;
+  of_cpp.rebuild_share = float(d.culling.rebuild_share), of_cpp.transparency = std::int32_t(d.drawing.transparency);
+  for (int i = 0; i < 3; ++i) of_cpp.outline_colour[i] = d.drawing.outline_colour[i];
+  of_cpp.relief_shading = d.drawing.relief.shading, of_cpp.relief_lines = d.drawing.relief.lines;
+  of_cpp.hatching_strength = d.drawing.hatching.strength, of_cpp.hatching_spacing = d.drawing.hatching.spacing;
+  of_cpp.part_index = d.culling.part.index, of_cpp.part_count = d.culling.part.count;
   EXPECT_TRUE(same_bytes(of_c, of_cpp));
   const culling::FrameCostConfig cost;
   const culling::Policy2009Config old;
