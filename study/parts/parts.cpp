@@ -10,7 +10,9 @@ constexpr Subcommand kParts[] = {
     {"recognise", "error against time of primitives recognised in triangles", add_recognise},
     {"compare", "what it takes to tell two revisions of a plant apart", add_compare},
     {"measure", "what a distance between two items and a snap cost", add_measure},
+#if SIGHTLINE_HAS_PCRE2
     {"tree", "what the viewer's tree panel and search take per operation", add_tree},
+#endif
 #if SIGHTLINE_HAS_CAPI
     {"capi", "what calls cost through the C API beside the same calls in C++", add_capi},
 #endif

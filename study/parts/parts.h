@@ -15,8 +15,10 @@ Run add_controller(apps::CommandLine& line);
 Run add_measure(apps::CommandLine& line);
 Run add_occlusion(apps::CommandLine& line);
 Run add_recognise(apps::CommandLine& line);
-Run add_tree(apps::CommandLine& line);
 Run add_views(apps::CommandLine& line);
+
+// Built if PCRE2 is found.
+Run add_tree(apps::CommandLine& line);
 
 // Built if the C API is.
 Run add_capi(apps::CommandLine& line);

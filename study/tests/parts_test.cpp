@@ -83,7 +83,7 @@ TEST_F(Parts, MeasuresComparisons) {
 
 TEST_F(Parts, MeasuresTreeAndSearch) {
   const std::vector<std::string> known = parts();
-  if (std::find(known.begin(), known.end(), "tree") == known.end()) GTEST_SKIP() << "without the viewer";
+  if (std::find(known.begin(), known.end(), "tree") == known.end()) GTEST_SKIP() << "without PCRE2";
   const Json json = run_json("study", {"tree", plant(1000), "--repeats", "1", "--text", "pipe", "no such text"});
   EXPECT_FALSE(json["tree"]["rows"].empty());
   EXPECT_GT(json["search"]["rows"][0]["found"], 0);
