@@ -10,6 +10,7 @@
 
 #include "sightline/core/block_order.h"
 #include "sightline/core/internal/prefetch.h"
+#include "sightline/core/internal/scratch.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/frustum/cull_threads.h"
@@ -22,6 +23,14 @@ namespace {
 
 /// Boxes of a job for threads, and changes that are worth threads.
 constexpr std::size_t kJobBoxes = 8192, kChangesWorthThreads = 4096;
+
+struct VisibleBuffers {
+  core::VisibleSet set;
+  SetParts parts;
+  std::vector<std::size_t> firsts;  // of each part's slots in the list of all
+
+  std::size_t memory_bytes() const { return core::bytes_of(set, parts, firsts); }
+};
 
 bool acceptable(const core::AabbD& box) {
   bool fine = true;
@@ -169,26 +178,25 @@ core::Expected<void> BoxCuller::visible(const double clip_from_world[16], core::
 }
 
 void BoxCuller::visible(const core::View& view, std::vector<std::uint32_t>& indices) const {
-  thread_local core::VisibleSet set;
-  impl_->culler->cull(view, set);
-  impl_->list(set, indices);
+  const core::Scratch<VisibleBuffers> scratch;
+  impl_->culler->cull(view, scratch->set);
+  impl_->list(scratch->set, indices);
 }
 
 void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const {
   if (depth.level_count() == 0) return visible(view, indices);
-  thread_local core::VisibleSet set;
-  thread_local SetParts parts;
-  thread_local std::vector<std::size_t> places;  // of each part's first index
+  const core::Scratch<VisibleBuffers> scratch;
+  auto& [set, parts, firsts] = *scratch;
   impl_->culler->cull(view, set);
   const OcclusionTest test(view, impl_->bounds.origin, depth.width(), depth.height(), depth);
   parts.split(set);
   parts.for_each(&impl_->threads, [&](core::VisibleSet& part, std::uint32_t) {
     test.filter(impl_->bounds, part, part, {}, nullptr, &impl_->culler->hierarchy());
   });
-  places.assign(1, 0);
-  for (std::uint32_t i = 0; i < parts.count(); ++i) places.push_back(places.back() + parts[i].count());
-  indices.resize(places.back());
-  const std::span<const std::size_t> to = places;
+  firsts.assign(1, 0);
+  for (std::uint32_t i = 0; i < parts.count(); ++i) firsts.push_back(firsts.back() + parts[i].count());
+  indices.resize(firsts.back());
+  const std::span<const std::size_t> to = firsts;
   parts.for_each(&impl_->threads, [&](const core::VisibleSet& part, std::uint32_t i) {
     list_ids(part, impl_->index_of, std::span(indices).subspan(to[i], to[i + 1] - to[i]));
   });

@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "sightline/core/memory.h"
 #include "sightline/engine/internal/engine_state.h"
 
 namespace sightline::engine {
@@ -226,6 +227,7 @@ MemoryReport Engine::memory() const {
     report.tracer += tracer_bytes(*order);
   }
   report.gpu = s.backend->memory_bytes();
+  report.scratch = core::scratch_bytes();
   return report;
 }
 

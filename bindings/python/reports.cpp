@@ -75,9 +75,11 @@ void bind_small_reports(py::module_& m) {
       .def_readonly("snapshot", &MemoryReport::snapshot, "The scene flattened.")
       .def_readonly("bvh", &MemoryReport::bvh, "The culler's hierarchy.")
       .def_readonly("gpu", &MemoryReport::gpu, "In the context.")
-      .def_readonly("tracer", &MemoryReport::tracer, "The ray tracer; 0 before the first pick.");
+      .def_readonly("tracer", &MemoryReport::tracer, "The ray tracer; 0 before the first pick.")
+      .def_readonly("scratch", &MemoryReport::scratch,
+                    "Buffers that all threads of the process keep from call to call.");
   bind_value<&MemoryReport::scene, &MemoryReport::snapshot, &MemoryReport::bvh, &MemoryReport::gpu,
-             &MemoryReport::tracer>(memory);
+             &MemoryReport::tracer, &MemoryReport::scratch>(memory);
 
   py::class_<ControllerReport> controller(m, "ControllerReport", "What a hybrid's controller has done so far.");
   controller

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 
+#include "sightline/core/internal/scratch.h"
 #include "sightline/culling/frustum/frustum_test.h"
 #include "sightline/culling/frustum/internal/kernels.h"
 #include "sightline/culling/frustum/internal/run_jobs.h"
@@ -26,38 +27,38 @@ class Buffer {
     }
     return data_.get();
   }
+  std::size_t memory_bytes() const { return size_ * sizeof(T); }
 
  private:
   std::unique_ptr<T[]> data_;
   std::size_t size_ = 0;
 };
 
-/// Scratch memory of a traversal. One per thread, shared by all cullers.
-struct Scratch {
+struct TraversalBuffers {
   Buffer<std::uint32_t> node_queues[2], leaf_queue, leaf_masks, items, edges;
   Buffer<Crossing> crossings[2], leaf_crossings;
   Buffer<std::uint16_t> marks;
+
+  std::size_t memory_bytes() const {
+    return core::bytes_of(node_queues[0], node_queues[1], leaf_queue, leaf_masks, items, edges, crossings[0],
+                          crossings[1], leaf_crossings, marks);
+  }
 };
 
-Scratch& scratch_of_thread() {
-  thread_local const std::unique_ptr<Scratch> scratch(new Scratch);
-  return *scratch;  // NOLINT(clang-analyzer-cplusplus.NewDelete): it lives as long as the thread
-}
-
 /// Queues have room for one whole level, and for sixteen lanes more, since kernels write whole groups.
-void provide_memory(Scratch& scratch, TraversalInput& in, std::size_t leaves) {
+void provide_memory(TraversalBuffers& buffers, TraversalInput& in, std::size_t leaves) {
   const std::size_t nodes = in.levels[0].count;
   in.stride = nodes + kLanes;
   for (int i = 0; i < 2; ++i) {
-    in.node_queues[i] = scratch.node_queues[i].reserve(in.stride * kMaxCullPlanes);
-    in.crossings[i] = scratch.crossings[i].reserve(in.stride);
+    in.node_queues[i] = buffers.node_queues[i].reserve(in.stride * kMaxCullPlanes);
+    in.crossings[i] = buffers.crossings[i].reserve(in.stride);
   }
   in.leaf_stride = leaves + kLanes;
-  in.leaf_queue = scratch.leaf_queue.reserve(in.leaf_stride * kMaxCullPlanes);
-  in.leaf_crossings = scratch.leaf_crossings.reserve(leaves + kLanes);
-  in.leaf_masks = scratch.leaf_masks.reserve(leaves);
+  in.leaf_queue = buffers.leaf_queue.reserve(in.leaf_stride * kMaxCullPlanes);
+  in.leaf_crossings = buffers.leaf_crossings.reserve(leaves + kLanes);
+  in.leaf_masks = buffers.leaf_masks.reserve(leaves);
   const std::size_t padded = (nodes / kLanes + 1) * kLanes;
-  in.inside = scratch.marks.reserve(3 * padded);
+  in.inside = buffers.marks.reserve(3 * padded);
   in.partial = in.inside + padded;
   in.toggles = in.partial + padded;
   std::fill_n(in.inside, 2 * padded + padded / kLanes + 1, std::uint16_t(0));
@@ -86,8 +87,8 @@ void cull_tree(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const
   in.levels = levels.data();
   in.level_count = hierarchy.level_count();
   in.slot_count = hierarchy.slot_count();
-  Scratch& scratch = scratch_of_thread();
-  provide_memory(scratch, in, hierarchy.lane_count(0));
+  const core::Scratch<TraversalBuffers> scratch;
+  provide_memory(*scratch, in, hierarchy.lane_count(0));
 
   const FrustumKernels& kernel = frustum_kernels();
   kernel.traverse(in);
@@ -96,7 +97,7 @@ void cull_tree(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const
   set.counters.levels_walked = in.levels_walked;
 
   const std::size_t leaves = hierarchy.lane_count(0);
-  const FoundSlots begin{scratch.items.reserve((leaves + 1) * kLeafSize), scratch.edges.reserve(leaves + 4 * kLanes)};
+  const FoundSlots begin{scratch->items.reserve((leaves + 1) * kLeafSize), scratch->edges.reserve(leaves + 4 * kLanes)};
   FoundSlots end = begin;
   kernel.extract(in, end);
   set.items.assign(begin.items, end.items);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "sightline/core/internal/scratch.h"
 #include "sightline/culling/occlusion/internal/filter_slots.h"
 #include "sightline/culling/occlusion/internal/kernels.h"
 
@@ -71,7 +72,8 @@ unsigned ContributionTest::at_least(const float* const (&coordinates)[6], const 
 
 void ContributionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, float threshold,
                               core::VisibleSet& kept, SlotBits before, SlotBits exempt) const {
-  thread_local SlotCollector collector;
+  const core::Scratch<SlotCollector> scratch;
+  SlotCollector& collector = *scratch;
   SolidLanes solids(solids_);
   alignas(64) float areas[kLanes];
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {

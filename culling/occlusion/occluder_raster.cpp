@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "sightline/core/internal/scratch.h"
 #include "sightline/culling/occlusion/internal/kernels.h"
 #include "sightline/culling/occlusion/internal/occluder_area.h"
 #include "sightline/culling/occlusion/internal/polygon_area.h"
@@ -180,9 +181,16 @@ bool cover_whole(OccluderImage& image, const Prism& solid, std::span<const Corne
   return cover(image, polygon, image.snap);
 }
 
-/// What lies in front of a polygon, in the picture. Changes the polygon.
-void clip(const Placement& placement, std::vector<Point>& polygon, std::vector<Corner>& corners) {
-  thread_local std::vector<Point> clipped;
+struct ClipBuffers {
+  std::vector<Point> polygon, clipped;
+  std::vector<Corner> corners;  // of what lies in front, in the image
+
+  std::size_t memory_bytes() const { return core::bytes_of(polygon, clipped, corners); }
+};
+
+/// Finds the corners of what lies in front of the polygon. Changes the polygon.
+void clip(const Placement& placement, ClipBuffers& buffers) {
+  auto& [polygon, clipped, corners] = buffers;
   for (int k = 0; k < Placement::kClipPlanes; ++k) {
     clipped.clear();
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -218,8 +226,9 @@ double entry_of(std::span<const std::uint8_t> face, std::span<const Point> corne
 /// times as large: 1, or in perspective views more.
 bool cover_cut(OccluderImage& image, const Prism& solid, const Placement& placement, std::span<const Point> points,
                int turn, double growth) {
-  thread_local std::vector<Point> polygon;
-  thread_local std::vector<Corner> corners;
+  const core::Scratch<ClipBuffers> scratch;
+  std::vector<Point>& polygon = scratch->polygon;
+  const std::vector<Corner>& corners = scratch->corners;
   bool covers = false;
   const double at_eye = placement.near_at_eye();
   for (std::size_t i = 0; i < solid.faces.size(); ++i) {
@@ -235,7 +244,7 @@ bool cover_cut(OccluderImage& image, const Prism& solid, const Placement& placem
       if (!std::all_of(bulge.begin(), bulge.end(), in_front) || !std::all_of(polygon.begin(), polygon.end(), in_front))
         continue;
     }
-    clip(placement, polygon, corners);
+    clip(placement, *scratch);
     if (corners.size() < 3) continue;
     if (turn_of(corners, all_of(corners)) == turn) covers |= cover_polygon(image, corners, turn, image.snap);
   }
@@ -378,6 +387,33 @@ Affine from(const dvec3& eye, const Affine& world_from_own) {
   return {world_from_own.linear, world_from_own.origin - eye};
 }
 
+struct MeshVertex {
+  Point point;
+  Corner corner;  // if the point lies in front
+  unsigned kept;
+};
+
+struct MeshBuffers {
+  std::vector<MeshVertex> vertices;
+  ClipBuffers clipped;
+  std::size_t memory_bytes() const { return core::bytes_of(vertices, clipped); }
+};
+
+struct SizedBox {
+  double size;
+  std::size_t index;
+};
+
+struct LargestBuffers {
+  std::vector<SizedBox> candidates;
+  std::size_t memory_bytes() const { return core::bytes_of(candidates); }
+};
+
+struct RowBuffers {
+  std::vector<const float*> rows;
+  std::size_t memory_bytes() const { return core::bytes_of(rows); }
+};
+
 }  // namespace
 
 void OccluderRaster::begin(const core::View& view, int width, int height, float snap) {
@@ -479,14 +515,8 @@ void OccluderRaster::add_mesh(std::span<const core::vec3> positions, std::span<c
                               const Affine& world_from_mesh) {
   assert(indices.size() % 3 == 0);
   if (!image_.usable) return;
-  struct Vertex {
-    Point point;
-    Corner corner;  // if the point lies in front
-    unsigned kept;
-  };
-  thread_local std::vector<Vertex> vertices;
-  thread_local std::vector<Corner> clipped;
-  thread_local std::vector<Point> polygon;
+  const core::Scratch<MeshBuffers> scratch;
+  auto& [vertices, clipped] = *scratch;
   dvec3 reach(0.0);
   for (const core::vec3& p : positions) reach = glm::max(reach, glm::abs(dvec3(p)));
   const Placement placement(image_, from(image_.eye, world_from_mesh), reach);
@@ -497,33 +527,30 @@ void OccluderRaster::add_mesh(std::span<const core::vec3> positions, std::span<c
         {point, placement.in_front(point) ? placement.project(point) : Corner{}, placement.kept(dvec3(p))});
   }
   for (std::size_t i = 0; i < indices.size(); i += 3) {
-    const Vertex &a = vertices[indices[i]], &b = vertices[indices[i + 1]], &c = vertices[indices[i + 2]];
+    const MeshVertex &a = vertices[indices[i]], &b = vertices[indices[i + 1]], &c = vertices[indices[i + 2]];
     if (!placement.whole(a.kept & b.kept & c.kept)) continue;
     const int in_front = placement.in_front(a.point) + placement.in_front(b.point) + placement.in_front(c.point);
     const Corner corners[] = {a.corner, b.corner, c.corner};
     std::span<const Corner> triangle = corners;
     if (in_front < 3) {
-      polygon = {a.point, b.point, c.point};
-      clip(placement, polygon, clipped);
-      if (clipped.size() < 3) continue;
-      triangle = clipped;
+      clipped.polygon = {a.point, b.point, c.point};
+      clip(placement, clipped);
+      if (clipped.corners.size() < 3) continue;
+      triangle = clipped.corners;
     }
     if (const int turn = turn_of(triangle, all_of(triangle)); turn != 0) cover_polygon(image_, triangle, turn, 0.0);
   }
 }
 
 std::size_t OccluderRaster::add_largest(std::span<const core::AabbD> solids, std::size_t count) {
-  struct Candidate {
-    double size;
-    std::size_t index;
-  };
-  thread_local std::vector<Candidate> candidates;
+  const core::Scratch<LargestBuffers> scratch;
+  std::vector<SizedBox>& candidates = scratch->candidates;
   candidates.clear();
   for (std::size_t i = 0; i < solids.size(); ++i)
     if (const double size = apparent_size(image_, solids[i]); size > 0.0) candidates.push_back({size, i});
   count = std::min(count, candidates.size());
   std::nth_element(candidates.begin(), candidates.begin() + std::ptrdiff_t(count), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.size > b.size; });
+                   [](const SizedBox& a, const SizedBox& b) { return a.size > b.size; });
   std::size_t added = 0;
   for (std::size_t i = 0; i < count; ++i) added += add_box(solids[candidates[i].index]);
   return added;
@@ -537,7 +564,8 @@ void OccluderRaster::distances_of_rows(int first_row, int end_row, std::span<flo
                                        std::span<const OccluderRaster* const> others) const {
   assert(0 <= first_row && end_row <= image_.height);
   assert(out.size() == std::size_t(image_.width) * std::size_t(image_.height));
-  thread_local std::vector<const float*> rows;
+  const core::Scratch<RowBuffers> scratch;
+  std::vector<const float*>& rows = scratch->rows;
   for (int y = first_row; y < end_row; ++y) {
     const std::size_t first = std::size_t(y) * std::size_t(image_.stride);
     rows.assign(1, image_.nearness.data() + first);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "sightline/core/internal/scratch.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
 #include "sightline/culling/occlusion/internal/filter_slots.h"
 #include "sightline/culling/occlusion/internal/front_layer.h"
@@ -36,16 +37,42 @@ struct Judgement {
     collector.finish(out);
     of_groups.clear();
   }
+  std::size_t memory_bytes() const { return core::bytes_of(of_groups, collector); }
 
   std::vector<std::uint16_t> of_groups;  // bits of open boxes
   RayQueues queues;
   SlotCollector collector;
 };
 
+struct EnteringBuffers {
+  Judgement judged;
+  PixelEntries entries;
+  std::size_t memory_bytes() const { return core::bytes_of(judged); }
+};
+
+struct LeafBuffers {
+  core::VisibleSet leaves;
+  std::size_t memory_bytes() const { return core::bytes_of(leaves); }
+};
+
+struct FilterBuffers {
+  SetParts parts;
+  std::size_t memory_bytes() const { return core::bytes_of(parts); }
+};
+
+struct FrontBuffers {
+  SetParts parts;
+  FrontLayers layers;
+  std::vector<std::uint64_t> in_front, others;  // a bit per slot
+  core::VisibleSet open;
+  std::size_t memory_bytes() const { return core::bytes_of(parts, layers, in_front, others, open); }
+};
+
 /// Replaces `open` by the slots of `in` that are not hidden, or exempt.
 void filter_boxes(const DepthTest& depth, const core::ItemBounds& bounds, const core::VisibleSet& in,
                   core::VisibleSet& open, SlotBits exempt) {
-  thread_local Judgement judged;
+  const core::Scratch<Judgement> scratch;
+  Judgement& judged = *scratch;
   const auto test = [&](const SmallBoxes& boxes, std::span<const RayQueues::Place> places) {
     const unsigned found = depth.open_boxes(boxes);
     for (std::size_t i = 0; i < places.size(); ++i)
@@ -73,8 +100,8 @@ void filter_boxes(const DepthTest& depth, const core::ItemBounds& bounds, const 
 
 /// Enters sixteen boxes that have waited in a queue.
 void enter_queued(const DepthTest& depth, const SmallBoxes& boxes, std::span<const RayQueues::Place> places,
-                  Judgement& judged, FrontLayer& layer) {
-  thread_local PixelEntries entries;
+                  EnteringBuffers& buffers, FrontLayer& layer) {
+  auto& [judged, entries] = buffers;
   const unsigned found = depth.open_boxes(boxes, &entries);
   for (const PixelEntries::Entry& e : std::span(entries.of).first(std::size_t(entries.count)))
     layer.enter(std::size_t(e.y) * std::size_t(depth.width()) + std::size_t(e.x), e.distance,
@@ -89,9 +116,10 @@ void enter_queued(const DepthTest& depth, const SmallBoxes& boxes, std::span<con
 void enter_all(const DepthTest& depth, const core::ItemBounds& bounds, const core::VisibleSet& in,
                core::VisibleSet& open, FrontLayer& layer) {
   using Found = DepthTest::Found;
-  thread_local Judgement judged;
+  const core::Scratch<EnteringBuffers> scratch;
+  Judgement& judged = scratch->judged;
   const auto test = [&](const SmallBoxes& boxes, std::span<const RayQueues::Place> places) {
-    enter_queued(depth, boxes, places, judged, layer);
+    enter_queued(depth, boxes, places, *scratch, layer);
   };
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool) {
     BoxRectangles r;
@@ -120,13 +148,14 @@ void enter_all(const DepthTest& depth, const core::ItemBounds& bounds, const cor
   judged.list(in, open);
 }
 
-/// `in` after filter_leaves(), or as it is without a hierarchy; until this thread's next call.
-const core::VisibleSet& open_leaves(const OcclusionTest& test, const Hierarchy* hierarchy, const core::VisibleSet& in,
-                                    SlotBits exempt) {
-  if (!hierarchy) return in;
-  thread_local core::VisibleSet leaves;
-  test.filter_leaves(*hierarchy, in, leaves, exempt);
-  return leaves;
+/// Calls visit(set) with `in` after filter_leaves(), or as it is without a hierarchy.
+template <class Visit>
+void with_open_leaves(const OcclusionTest& test, const Hierarchy* hierarchy, const core::VisibleSet& in,
+                      SlotBits exempt, const Visit& visit) {
+  if (!hierarchy) return visit(in);
+  const core::Scratch<LeafBuffers> scratch;
+  test.filter_leaves(*hierarchy, in, scratch->leaves, exempt);
+  visit(scratch->leaves);
 }
 
 }  // namespace
@@ -150,10 +179,12 @@ void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSe
     return;
   }
   const auto filter_part = [&](const core::VisibleSet& part, core::VisibleSet& kept) {
-    filter_boxes(depth_, bounds, open_leaves(*this, hierarchy, part, exempt), kept, exempt);
+    with_open_leaves(*this, hierarchy, part, exempt,
+                     [&](const core::VisibleSet& leaves) { filter_boxes(depth_, bounds, leaves, kept, exempt); });
   };
   if (!threads) return filter_part(in, open);
-  thread_local SetParts parts;
+  const core::Scratch<FilterBuffers> scratch;
+  SetParts& parts = scratch->parts;
   parts.split(in, part_size(in.count(), threads->count()));
   parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) { filter_part(part, part); });
   parts.join(open);
@@ -176,16 +207,15 @@ void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy*
     behind.generation = in.generation;
     return;
   }
-  thread_local SetParts parts;
-  thread_local FrontLayers layers;
-  thread_local std::vector<std::uint64_t> in_front, others;
-  thread_local core::VisibleSet open;
+  const core::Scratch<FrontBuffers> scratch;
+  auto& [parts, layers, in_front, others, open] = *scratch;
   layers.begin(std::size_t(depth_.width()) * std::size_t(depth_.height()));
   parts.split(in);
-  parts.for_each(threads, [&, &own_layers = layers](core::VisibleSet& part, std::uint32_t) {
-    FrontLayer& layer = own_layers.take();
-    enter_all(depth_, bounds, open_leaves(*this, hierarchy, part, {}), part, layer);
-    own_layers.give_back(layer);
+  parts.for_each(threads, [&, &shared_layers = layers](core::VisibleSet& part, std::uint32_t) {
+    FrontLayer& layer = shared_layers.take();
+    with_open_leaves(*this, hierarchy, part, {},
+                     [&](const core::VisibleSet& leaves) { enter_all(depth_, bounds, leaves, part, layer); });
+    shared_layers.give_back(layer);
   });
   parts.join(open);
   in_front.assign(bit_words(bounds.size()), 0);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 
+#include "sightline/core/internal/scratch.h"
 #include "sightline/core/internal/snapshot_prefetch.h"
 #include "sightline/culling/frustum/internal/run_jobs.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
@@ -21,6 +22,16 @@ void list(const core::VisibleSet& set, std::vector<core::Slot>& slots) {
   set.for_each_slot([&](core::Slot slot) { slots.push_back(slot); });
 }
 
+struct AddedParts {
+  SetParts parts;
+  std::size_t memory_bytes() const { return core::bytes_of(parts); }
+};
+
+struct SlotBuffers {
+  std::vector<core::Slot> slots;
+  std::size_t memory_bytes() const { return core::bytes_of(slots); }
+};
+
 }  // namespace
 
 /// What a snapshot knows of an item.
@@ -30,6 +41,24 @@ struct SolidOccluders::Solid {
   core::Aabb box;
   const core::Placement* placement;
   const float* parameters;
+};
+
+struct SolidOccluders::AddBuffers {
+  std::vector<Solid> solids;
+  std::vector<WholeSolid> wholes;
+  std::vector<SolidFigure> figures;
+
+  std::size_t memory_bytes() const { return core::bytes_of(solids, wholes, figures); }
+};
+
+struct SolidOccluders::HiddenBuffers {
+  std::vector<core::Slot> slots;
+  std::vector<Solid> solids;
+  std::vector<SolidFigure> fronts;
+  std::vector<std::size_t> ends;  // of each solid's fronts; some have none
+  std::vector<std::uint8_t> seen, hidden;
+
+  std::size_t memory_bytes() const { return core::bytes_of(slots, solids, fronts, ends, seen, hidden); }
 };
 
 void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& view, int width, int height, float snap) {
@@ -44,22 +73,22 @@ void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& vie
 }
 
 void SolidOccluders::add(const core::VisibleSet& items, CullThreads* threads) {
-  thread_local SetParts parts;
+  const core::Scratch<AddedParts> scratch;
+  SetParts& parts = scratch->parts;
   parts.split(items, kItemsOfPart);
   parts.for_each(threads, [&](const core::VisibleSet& part, std::uint32_t) {
-    thread_local std::vector<core::Slot> slots;
-    list(part, slots);
+    const core::Scratch<SlotBuffers> of_thread;
+    list(part, of_thread->slots);
     OccluderRaster& raster = of_threads_.take([&](OccluderRaster& fresh) { fresh = empty_; });
-    add(slots, raster);
+    add(of_thread->slots, raster);
     of_threads_.give_back(raster);
   });
 }
 
 /// Items lie all over arrays of hundreds of megabytes, so they are prefetched.
 void SolidOccluders::add(std::span<const core::Slot> slots, OccluderRaster& raster) const {
-  thread_local std::vector<Solid> solids;
-  thread_local std::vector<WholeSolid> wholes;
-  thread_local std::vector<SolidFigure> figures;
+  const core::Scratch<AddBuffers> scratch;
+  auto& [solids, wholes, figures] = *scratch;
   while (!slots.empty()) {
     const auto some = slots.first(std::min(kSolidsAtOnce, slots.size()));
     slots = slots.subspan(some.size());
@@ -110,11 +139,8 @@ WholeSolid SolidOccluders::find_figures(const Solid& solid, std::vector<SolidFig
 }
 
 void SolidOccluders::leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error) const {
-  thread_local std::vector<core::Slot> slots;
-  thread_local std::vector<Solid> solids;
-  thread_local std::vector<SolidFigure> fronts;
-  thread_local std::vector<std::size_t> ends;  // of each solid's fronts; some have none
-  thread_local std::vector<std::uint8_t> seen, hidden;
+  const core::Scratch<HiddenBuffers> scratch;
+  auto& [slots, solids, fronts, ends, seen, hidden] = *scratch;
   list(items, slots);
   look_up(slots, solids);
   fronts.clear();

@@ -55,6 +55,8 @@ class SIGHTLINE_API SolidOccluders {
 
  private:
   struct Solid;
+  struct AddBuffers;
+  struct HiddenBuffers;
   struct Placed {
     core::Affine eye_from_item;
     core::AabbD box;  // relative to the eye

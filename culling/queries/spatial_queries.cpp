@@ -25,6 +25,8 @@
 #include <bit>
 #include <cmath>
 
+#include "sightline/core/internal/scratch.h"
+
 namespace sightline::culling {
 namespace {
 
@@ -281,12 +283,18 @@ struct QueuedPlace {
   friend bool operator<(const QueuedPlace& a, const QueuedPlace& b) { return a.key > b.key; }  // smallest on top
 };
 
+struct QueueBuffers {
+  std::vector<QueuedPlace> queue;
+  std::size_t memory_bytes() const { return core::bytes_of(queue); }
+};
+
 /// The `count` items of least finite key, in order. Nodes wait in a heap; the best items so far form another, the worst
 /// of them on top (G. Hjaltason, H. Samet, "Distance browsing in spatial databases", 1999).
 template <class Keys>
 void Search::best_first(const Keys& keys, std::size_t count, std::vector<SlotDistance>& best) const {
   if (count == 0 || hopeless()) return;
-  thread_local std::vector<QueuedPlace> queue;
+  const core::Scratch<QueueBuffers> scratch;
+  std::vector<QueuedPlace>& queue = scratch->queue;
   queue.clear();
   Lanes key;
   const auto limit = [&] { return best.size() < count ? kLargest : best.front().distance; };

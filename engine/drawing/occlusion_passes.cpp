@@ -42,7 +42,6 @@ void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBit
   const auto firsts_of = [&](std::size_t word) { return word_of(open_, word) | word_of(lines, word); };
   const auto is_first = [&](core::Slot s) { return (firsts_of(s / 64) >> s % 64 & 1u) != 0; };
   for (const core::Slot s : candidates.items) (is_first(s) ? pass_ : pending_).items.push_back(s);
-  thread_local std::vector<core::Slot> firsts, others;
   for (const core::SlotRange& range : candidates.ranges) {
     const core::Slot end = range.first + range.count;
     for (core::Slot s = range.first, run = s; run < end; run = s) {
@@ -52,11 +51,11 @@ void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBit
         s = std::min(end, others_left == 0 ? (s / 64 + 1) * 64 : s + core::Slot(std::countr_zero(others_left)));
         if (others_left != 0) break;
       }
-      append(first ? pass_ : pending_, first ? firsts : others, run, s);
+      append(first ? pass_ : pending_, first ? first_singles_ : other_singles_, run, s);
     }
   }
-  merge_singles(pass_, firsts);
-  merge_singles(pending_, others);
+  merge_singles(pass_, first_singles_);
+  merge_singles(pending_, other_singles_);
 }
 
 bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
@@ -100,13 +99,12 @@ void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::
   std::swap(pass_, found_);
 }
 
-void OcclusionPasses::list_drawn(const core::ItemBounds& bounds, core::VisibleSet& drawn) const {
-  thread_local std::vector<std::uint64_t> bits;
-  bits.assign(culling::bit_words(bounds.size()), 0);
-  for (int i = 0; i < count_; ++i) culling::set_bits(passes_[std::size_t(i)], bits);
+void OcclusionPasses::list_drawn(const core::ItemBounds& bounds, core::VisibleSet& drawn) {
+  drawn_bits_.assign(culling::bit_words(bounds.size()), 0);
+  for (int i = 0; i < count_; ++i) culling::set_bits(passes_[std::size_t(i)], drawn_bits_);
   drawn.clear();
   drawn.generation = pass_.generation;
-  drawn.items = culling::slots_of(bits);
+  drawn.items = culling::slots_of(drawn_bits_);
 }
 
 void OcclusionPasses::follow(const core::Snapshot& former, const core::Snapshot& snapshot) {

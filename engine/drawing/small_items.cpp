@@ -141,9 +141,9 @@ void SmallItems::find(DrawContext& context, const Culled& culled, culling::SlotB
   parts_.split(culled.visible);
   if (of_part_.size() < parts_.count()) of_part_.resize(parts_.count());
   parts_.for_each(&context.threads, [&](core::VisibleSet& part, std::uint32_t i) {
+    core::VisibleSet& open = of_part_[i].open;
     std::vector<Square>& squares = of_part_[i].squares;
     if (known.occlusion && culled.hierarchy) {
-      thread_local core::VisibleSet open;
       known.occlusion->filter_leaves(*culled.hierarchy, part, open);
       std::swap(part, open);
     }
@@ -159,9 +159,9 @@ void SmallItems::find(DrawContext& context, const Culled& culled, culling::SlotB
       if (hides(square)) nearest.add(square, side(square));
   });
   parts_.for_each(&context.threads, [&](core::VisibleSet&, std::uint32_t i) {
-    auto& [squares, splats] = of_part_[i];
+    std::vector<render::PointSplat>& splats = of_part_[i].splats;
     splats.clear();
-    for (const Square& square : squares)
+    for (const Square& square : of_part_[i].squares)
       if (!one_sample || !hidden(square))
         splats.push_back({unprojection.eye(square), std::min(side(square), largest_side), snapshot.item(square.slot),
                           gpuscene::GpuScene::material_row(snapshot, square.slot)});

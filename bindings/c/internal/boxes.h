@@ -8,6 +8,7 @@
 
 #include "sightline/bindings/c/internal/objects.h"
 #include "sightline/bindings/c/internal/values.h"
+#include "sightline/core/internal/scratch.h"
 
 namespace sightline::capi {
 
@@ -20,13 +21,12 @@ inline std::span<const core::AabbD> boxes_of(const sl_box* boxes, std::size_t co
   return {reinterpret_cast<const core::AabbD*>(boxes), count};
 }
 
-/// The calling thread's indices, so that frames allocate nothing.
-inline std::vector<std::uint32_t>& scratch_indices() {
-  thread_local std::vector<std::uint32_t> indices;
-  return indices;
-}
+struct ListBuffers {
+  std::vector<std::uint32_t> indices;
+  std::size_t memory_bytes() const { return core::bytes_of(indices); }
+};
 
-/// Runs `cull` with the culler and this thread's list of indices, and writes that.
+/// Runs `cull` with the culler and a list of indices, and writes that.
 template <class Cull>
 sl_status list_visible(const char* function, sl_box_culler handle, std::uint32_t* indices, std::size_t capacity,
                        std::size_t* count, const Cull& cull) {
@@ -38,8 +38,9 @@ sl_status list_visible(const char* function, sl_box_culler handle, std::uint32_t
       const std::lock_guard turn(object->turn);
       return std::shared_lock(object->mutex);
     }();
-    cull(object->culler, scratch_indices());
-    write_list(scratch_indices(), indices, capacity, count);
+    const core::Scratch<ListBuffers> scratch;
+    cull(object->culler, scratch->indices);
+    write_list(scratch->indices, indices, capacity, count);
   });
 }
 

@@ -28,6 +28,8 @@ inline constexpr std::size_t kFirstSize<sl_import_report> = offsetof(sl_import_r
 template <>
 inline constexpr std::size_t kFirstSize<sl_engine_config> = offsetof(sl_engine_config, transparency);
 template <>
+inline constexpr std::size_t kFirstSize<sl_engine_info> = offsetof(sl_engine_info, scratch_bytes);
+template <>
 inline constexpr std::size_t kFirstSize<sl_ray> = offsetof(sl_ray, hit_ghosts);
 
 /// No version will have a larger struct: a larger size was never set.

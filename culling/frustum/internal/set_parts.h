@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "sightline/core/internal/scratch.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum/internal/append_range.h"
 #include "sightline/culling/frustum/internal/run_jobs.h"
@@ -62,6 +63,12 @@ class SetParts {
     }
     set.items.resize(of_ranges_items_.size() + singles_.size());
     std::merge(of_ranges_items_.begin(), of_ranges_items_.end(), singles_.begin(), singles_.end(), set.items.begin());
+  }
+
+  std::size_t memory_bytes() const {
+    std::size_t bytes = core::bytes_of(parts_, of_ranges_items_, singles_);
+    for (const core::VisibleSet& part : parts_) bytes += core::bytes_of(part);
+    return bytes;
   }
 
  private:

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sightline/core/internal/intrinsics.h"
+#include "sightline/core/internal/scratch.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum/internal/append_range.h"
@@ -125,6 +126,7 @@ class SlotCollector {
     of_ranges_.clear();
     singles_.clear();
   }
+  std::size_t memory_bytes() const { return core::bytes_of(ranges_, of_ranges_, singles_); }
 
  private:
   std::vector<core::SlotRange> ranges_;
@@ -142,7 +144,8 @@ inline unsigned bits_in(SlotBits set, const SlotGroup& group) {
 template <class Kept>
 void filter_slots(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& out, SlotBits exempt,
                   const Kept& kept) {
-  thread_local SlotCollector collector;
+  const core::Scratch<SlotCollector> scratch;
+  SlotCollector& collector = *scratch;
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
     collector.add(group, (kept(group.coordinates) & used) | bits_in(exempt, group), of_range);
   });

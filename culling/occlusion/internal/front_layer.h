@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "sightline/core/internal/scratch.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/occlusion/internal/lent.h"
 
@@ -24,6 +25,8 @@ struct FrontLayer {
     known = distance;
     owner[pixel] = slot;
   }
+  std::size_t memory_bytes() const { return core::bytes_of(nearest, owner, not_judged); }
+
   std::vector<float> nearest;
   std::vector<core::Slot> owner;  // core::kNone: no box
   std::vector<core::Slot> not_judged;
@@ -52,6 +55,7 @@ class FrontLayers {
       if (first.owner[pixel] != core::kNone) mark(first.owner[pixel]);
     }
   }
+  std::size_t memory_bytes() const { return layers_.memory_bytes(); }
 
  private:
   Lent<FrontLayer> layers_;

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/internal/scratch.h"
+
 namespace sightline::culling {
 
 /// Keeps the objects, and so their memory, from one use to the next.
@@ -38,6 +40,12 @@ class Lent {
   }
   /// Those that were lent since begin(). Not while jobs run.
   std::span<const std::unique_ptr<T>> used() const { return std::span(objects_).first(begun_); }
+  /// Bytes of all objects. Not while jobs run.
+  std::size_t memory_bytes() const {
+    std::size_t bytes = core::bytes_of(objects_, idle_);
+    for (const auto& object : objects_) bytes += sizeof(T) + object->memory_bytes();
+    return bytes;
+  }
 
  private:
   std::mutex mutex_;

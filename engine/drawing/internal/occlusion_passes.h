@@ -34,7 +34,7 @@ class OcclusionPasses {
   /// Slots that were drawn in this frame.
   std::size_t drawn() const { return drawn_count_; }
   /// These, in rising order.
-  void list_drawn(const core::ItemBounds& bounds, core::VisibleSet& drawn) const;
+  void list_drawn(const core::ItemBounds& bounds, core::VisibleSet& drawn);
 
   /// After next() has returned false: what the next frame draws first. Of what was drawn, what the depth of all passes
   /// does not hide, and lines.
@@ -52,8 +52,10 @@ class OcclusionPasses {
   void find_nearest(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   void find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
 
-  std::vector<std::uint64_t> open_;       // a bit per slot, of the last frame
-  std::vector<core::VisibleSet> passes_;  // the first count_ of them; the others keep memory
+  std::vector<std::uint64_t> open_;                        // a bit per slot, of the last frame
+  std::vector<std::uint64_t> drawn_bits_;                  // a bit per slot, of list_drawn()
+  std::vector<core::Slot> first_singles_, other_singles_;  // of ranges that begin() divides
+  std::vector<core::VisibleSet> passes_;                   // the first count_ of them; the others keep memory
   culling::SlotBits lines_;
   const culling::Hierarchy* hierarchy_ = nullptr;
   culling::CullThreads* threads_ = nullptr;

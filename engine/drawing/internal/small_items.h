@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/occlusion/contribution.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
+#include "sightline/culling/occlusion/contribution.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/engine/drawing/internal/draw_context.h"
 #include "sightline/render/internal/point_splats.h"
@@ -46,6 +46,7 @@ class SmallItems {
   core::VisibleSet large_, large_leaves_;
   culling::SetParts parts_;
   struct Part {
+    core::VisibleSet open;
     std::vector<Square> squares;
     std::vector<render::PointSplat> splats;
   };

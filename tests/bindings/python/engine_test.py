@@ -297,7 +297,7 @@ class Engines(Case):
         self.assertEqual(self.engine.culler, "cpu")
         self.assertIn(True, [entry.used for entry in self.engine.plan])
         memory = self.engine.memory
-        self.assertGreater(min(memory.scene, memory.snapshot, memory.bvh), 0)
+        self.assertGreater(min(memory.scene, memory.snapshot, memory.bvh, memory.scratch), 0)
         self.assertEqual(memory.gpu, 0)
         self.engine.rebuild()
         self.assertFalse(self.engine.rebuilding)
