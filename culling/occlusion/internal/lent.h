@@ -7,8 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "sightline/core/internal/scratch.h"
-
 namespace sightline::culling {
 
 /// Keeps the objects, and so their memory, from one use to the next.
@@ -42,7 +40,7 @@ class Lent {
   std::span<const std::unique_ptr<T>> used() const { return std::span(objects_).first(begun_); }
   /// Bytes of all objects. Not while jobs run.
   std::size_t memory_bytes() const {
-    std::size_t bytes = core::bytes_of(objects_, idle_);
+    std::size_t bytes = (objects_.capacity() + idle_.capacity()) * sizeof(T*);
     for (const auto& object : objects_) bytes += sizeof(T) + object->memory_bytes();
     return bytes;
   }
