@@ -26,6 +26,7 @@
 namespace {
 
 using namespace sightline;
+using apps::OptionGroup;
 using Json = json::Value;
 
 constexpr int kLargestWhole = 4096;  // pixels
@@ -54,38 +55,45 @@ struct Options {
   double max = -1.0, mean = -1.0, pixels_per_degree = image::kPixelsPerDegree;
 };
 
-void add_options(apps::CommandLine& line, Options& o) {
-  apps::add_model_options(line, o.model);
-  apps::add_view_options(line, o.view);
-  line.add("--out", o.out, "Colour image, PNG");
-  line.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
-  line.add("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON");
-  line.add("--depth", o.depth, "Depth image, PFM: metres along the view axis; takes 4 bytes a pixel of memory");
+void add_output_options(apps::CommandLine& line, Options& o) {
+  apps::CommandLine general = line.group(OptionGroup::kGeneral);
+  general.add("--out", o.out, "Colour image, PNG");
+  general.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
+  line.group(OptionGroup::kEngine)
+      .add("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON");
+  general.add("--depth", o.depth, "Depth image, PFM: metres along the view axis; takes 4 bytes a pixel of memory");
+}
+
+void add_comparison_options(apps::CommandLine& line, Options& o) {
+  apps::CommandLine general = line.group(OptionGroup::kGeneral);
   const apps::Option compare =
-      line.add("--compare", o.reference,
-               "Reference PNG; exit 1 when the image differs by more than --max or --mean. Prints "
-               "PSNR, SSIM and FLIP too");
-  line.add("--max", o.max, "Largest allowed difference of a channel, 0 to 255 (default 0, or any with --mean)")
+      general.add("--compare", o.reference,
+                  "Reference PNG; exit 1 when the image differs by more than --max or --mean. Prints "
+                  "PSNR, SSIM and FLIP too");
+  general.add("--max", o.max, "Largest allowed difference of a channel, 0 to 255 (default 0, or any with --mean)")
       .needs(compare)
       .in_range(0.0, 255.0)
       .accepted_by(apps::parse_finite);
-  line.add("--mean", o.mean, "Largest allowed mean difference, 0 to 255 (default 0, or any with --max)")
+  general.add("--mean", o.mean, "Largest allowed mean difference, 0 to 255 (default 0, or any with --max)")
       .needs(compare)
       .in_range(0.0, 255.0)
       .accepted_by(apps::parse_finite);
-  line.add("--pixels-per-degree", o.pixels_per_degree, "Of the visual field, for FLIP")
+  general.add("--pixels-per-degree", o.pixels_per_degree, "Of the visual field, for FLIP")
       .needs(compare)
       .shows_default()
       .in_range(1.0, 1000.0);
   const apps::Option compare_ids =
-      line.add("--compare-ids", o.reference_ids,
-               "Reference of --ids, PNG: counts the pixels that show another item, and those of them that lie at no "
-               "silhouette of the reference");
+      general.add("--compare-ids", o.reference_ids,
+                  "Reference of --ids, PNG: counts the pixels that show another item, and those of them that lie at no "
+                  "silhouette of the reference");
   line.add("--compare-depth", o.reference_depth,
            "Reference of --depth, PFM: counts the pixels beyond the bounds that docs/reference/accuracy.md sets, at no "
            "silhouette")
       .needs(compare_ids);
-  line.add("--diff", o.diff, "Difference image, PNG, four times amplified").needs(compare);
+  general.add("--diff", o.diff, "Difference image, PNG, four times amplified").needs(compare);
+}
+
+void add_frames_options(apps::CommandLine& line, Options& o) {
   const apps::Option frames =
       line.add("--write-frames", o.frames_folder,
                "Write the whole --path as numbered pictures to this folder, which must be empty")
@@ -97,7 +105,11 @@ void add_options(apps::CommandLine& line, Options& o) {
       .shows_default()
       .in_range(1e-3, apps::PathFrames::kMostPerSecond)
       .accepted_by(apps::parse_finite);
-  line.add("--tile", o.tile,
+}
+
+void add_engine_options(apps::CommandLine& line, Options& o) {
+  line.group(OptionGroup::kEngine)
+      .add("--tile", o.tile,
            "Draw in tiles of at most so many pixels a side, for GPUs with little memory; without it pictures of "
            "more than 4096 are drawn in tiles of 1024")
       .in_range(2 * engine::kLeastTileSide, 16384);
@@ -109,19 +121,22 @@ void add_options(apps::CommandLine& line, Options& o) {
       .shows_default()
       .in_range(1, 64);
   apps::add_context_option(line, o.platform);
-  line.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
-  line.add("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
+}
+
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::CommandLine general = line.group(OptionGroup::kGeneral);
+  apps::add_model_options(line, o.model);
+  apps::add_view_options(line, o.view);
+  add_output_options(line, o);
+  add_comparison_options(line, o);
+  add_frames_options(line, o);
+  add_engine_options(line, o);
+  general.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
+  general.add("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
   const apps::Option mpi = line.add_flag(
       "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 writes the picture of all");
-  mpi.excludes({"--samples", "--shading", "--lines", "--hide", "--isolate", "--ghost", "--ghost-others", "--fade",
-                "--highlight", "--transparency", "--contribution", "--budget", "--write-frames", "--compare-depth"});
-  apps::add_memory_option(line, o.memory,
-                          {"--translate",    "--explain",      "--ids-json",     "--tile",         "--culler",
-                           "--gpu-pass",     "--sample-test",  "--occlusion",    "--samples",      "--shading",
-                           "--lines",        "--hatch",        "--hide",         "--isolate",      "--ghost",
-                           "--fade",         "--ghost-others", "--highlight",    "--transparency", "--mpi",
-                           "--contribution", "--budget",       "--cache",        "--lenient",      "--contribution-way",
-                           "--write-frames", "--recognise",    "--compare-depth"});
+  line.mode(mpi, {OptionGroup::kGeneral, OptionGroup::kImport, OptionGroup::kEngine});
+  apps::add_memory_option(line, o.memory);
 }
 
 core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,

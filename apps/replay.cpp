@@ -54,7 +54,10 @@ void add_controller_options(apps::CommandLine& line, Options& o) {
     if (o.model.files.empty() && o.controller_trace.empty()) return core::fail("MODEL is required");
     return {};
   });
-  line.add("--policy", o.policy, "Of the hybrid: frame-cost or 2009").one_of({"frame-cost", "2009"}).shows_default();
+  line.group(apps::OptionGroup::kEngine)
+      .add("--policy", o.policy, "Of the hybrid: frame-cost or 2009")
+      .one_of({"frame-cost", "2009"})
+      .shows_default();
   line.add("--rendering", o.rendering, "on: frame times count; off: cull times")
       .one_of({"on", "off"})
       .shows_default()
@@ -62,10 +65,12 @@ void add_controller_options(apps::CommandLine& line, Options& o) {
 }
 
 void add_options(apps::CommandLine& line, Options& o) {
+  using apps::OptionGroup;
+  apps::CommandLine general = line.group(OptionGroup::kGeneral), engine = line.group(OptionGroup::kEngine);
   apps::add_model_options(line, o.model);
-  line.add("--path", o.path, "Camera path JSON file; without it a tour of the model is made");
-  line.add("--save-path", o.save_path, "Write the path that was flown");
-  line.add("--frames", o.frames, "Frames, evenly spaced in time").shows_default().in_range(1, 1000000);
+  general.add("--path", o.path, "Camera path JSON file; without it a tour of the model is made");
+  general.add("--save-path", o.save_path, "Write the path that was flown");
+  general.add("--frames", o.frames, "Frames, evenly spaced in time").shows_default().in_range(1, 1000000);
   apps::add_culler_option(line, o.culler);
   apps::add_gpu_pass_option(line, o.gpu_culler);
   apps::add_shown_options(line, o.shown);
@@ -73,30 +78,24 @@ void add_options(apps::CommandLine& line, Options& o) {
   apps::add_context_option(line, o.platform);
   const apps::Option no_render =
       line.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
-  line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
-  line.add("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
-  line.add("--csv,--trace", o.csv, "Write one line per frame: path, state, times, counts");
+  general.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
+  general.add("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
+  engine.add("--csv,--trace", o.csv, "Write one line per frame: path, state, times, counts");
   line.add("--record-both", o.record_both,
            "Fly with the CPU's path, then with the GPU's, and write what each frame cost on either: a trace for "
            "--controller-only");
-  line.add("--plot", o.plot,
-           "Plot cull time and visible count along the path, SVG; of the hybrid also the path and its probes");
+  engine.add("--plot", o.plot,
+             "Plot cull time and visible count along the path, SVG; of the hybrid also the path and its probes");
   const apps::Option images =
-      line.add("--images", o.images, "Write every N-th frame to this folder (see --every)").excludes(no_render);
-  line.add("--every", o.every, "With --images: N").shows_default().needs(images).positive();
+      general.add("--images", o.images, "Write every N-th frame to this folder (see --every)").excludes(no_render);
+  general.add("--every", o.every, "With --images: N").shows_default().needs(images).positive();
   add_controller_options(line, o);
   const apps::Option mpi = line.add_flag(
       "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 gets the pictures of all");
-  mpi.excludes({"--no-render", "--samples", "--shading", "--lines", "--contribution", "--budget", "--record-both",
-                "--controller-only"});
+  line.mode(mpi, {OptionGroup::kGeneral, OptionGroup::kImport, OptionGroup::kEngine});
 #if SIGHTLINE_HAS_GL
-  apps::add_memory_option(line, o.memory, {"--translate",       "--explain",   "--culler",    "--gpu-pass",
-                                           "--sample-test",     "--occlusion", "--samples",   "--shading",
-                                           "--lines",           "--hatch",     "--mpi",       "--contribution",
-                                           "--budget",          "--cache",     "--lenient",   "--contribution-way",
-                                           "--no-render",       "--csv",       "--plot",      "--record-both",
-                                           "--controller-only", "--recognise", "--rendering", "--policy"});
-  line.add_flag("--settle", o.settle, "Each frame waits until all of its pages are drawn").needs("--memory");
+  apps::add_memory_option(line, o.memory);
+  general.add_flag("--settle", o.settle, "Each frame waits until all of its pages are drawn").needs("--memory");
 #endif
 }
 

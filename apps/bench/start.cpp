@@ -184,13 +184,14 @@ core::Expected<int> run(const Options& options) {
 }
 
 void add_options(apps::CommandLine& line, Options& options) {
-  line.add("FILE", options.file, "Model file, or scene cache").required();
+  apps::CommandLine general = line.group(apps::OptionGroup::kGeneral);
+  general.add("FILE", options.file, "Model file, or scene cache").required();
   apps::add_import_options(line, options.import);
 #if SIGHTLINE_HAS_GL
-  const apps::Option size = line.add("--size", options.size, "Draw a picture of so many pixels at the end")
+  const apps::Option size = general.add("--size", options.size, "Draw a picture of so many pixels at the end")
                                 .metavar("WxH")
                                 .accepted_by(apps::parse_size);
-  apps::add_memory_option(line, options.memory, {"--cache", "--lenient"});
+  apps::add_memory_option(line, options.memory);
   line.option("--memory").needs(size);
 #endif
   apps::add_json_option(line, options.json);

@@ -1,5 +1,6 @@
 #include "sightline/apps/common/command_line.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -143,11 +144,17 @@ CommandLine::CommandLine(const std::string& description, const std::string& tool
   describe(examples);
 }
 
-CommandLine::CommandLine(std::shared_ptr<CLI::App> app) : app_(std::move(app)), rules_(std::make_shared<Rules>()) {}
+CommandLine::CommandLine(std::shared_ptr<CLI::App> app)
+    : app_(std::move(app)), rules_(std::make_shared<Rules>()), groups_(std::make_shared<Groups>()) {}
+
+Option CommandLine::added(CLI::Option* option) {
+  groups_->emplace(option, group_);
+  return Option(option);
+}
 
 template <class T>
 Option CommandLine::add(const std::string& name, T& value, const std::string& help) {
-  return Option(add_to(*app_, name, value, help));
+  return added(add_to(*app_, name, value, help));
 }
 
 template Option CommandLine::add(const std::string&, std::string&, const std::string&);
@@ -169,11 +176,11 @@ Option CommandLine::add_text(const std::string& name, const std::function<void(c
                              const std::function<std::string()>& get, const std::string& help) {
   CLI::Option* option = app_->add_option_function<std::string>(name, set, help);
   option->default_function(get);
-  return Option(option);
+  return added(option);
 }
 
 Option CommandLine::add_flag(const std::string& name, bool& value, const std::string& help) {
-  return Option(app_->add_flag(name, value, help));
+  return added(app_->add_flag(name, value, help));
 }
 
 Option CommandLine::option(const std::string& name) const {
@@ -187,6 +194,36 @@ void CommandLine::describe(const std::string& lines) {
 
 void CommandLine::examples(const std::string& lines) {
   app_->footer("Examples:\n" + lines);
+}
+
+CommandLine CommandLine::group(OptionGroup group) const {
+  CommandLine line = *this;
+  line.group_ = group;
+  return line;
+}
+
+void CommandLine::mode(const Option& option, std::initializer_list<OptionGroup> supported) {
+  CLI::Option* const mode = option.option_;
+  // Rules are part of the application, so they may not keep it alive.
+  const auto refused = [mode, app = app_.get(), groups = groups_, supported = std::vector(supported)] {
+    std::vector<const CLI::Option*> found;
+    for (const CLI::Option* const other : app->get_options()) {
+      const auto known = groups->find(other);  // --help and --version are not
+      if (other != mode && known != groups->end() &&
+          std::find(supported.begin(), supported.end(), known->second) == supported.end())
+        found.push_back(other);
+    }
+    return found;
+  };
+  std::string names;
+  for (const CLI::Option* const other : refused()) names += (names.empty() ? " " : ", ") + other->get_name();
+  if (!names.empty()) mode->description(mode->get_description() + "; not with" + names);
+  check([mode, refused]() -> core::Expected<void> {
+    if (mode->count() == 0) return {};
+    for (const CLI::Option* const other : refused())
+      if (other->count() > 0) return core::fail(other->get_name() + " is not available with " + mode->get_name());
+    return {};
+  });
 }
 
 CommandLine CommandLine::exactly_one_of(const std::string& title) {
@@ -238,7 +275,9 @@ int CommandLine::run(int argc, char** argv, const std::function<core::Expected<i
 }
 
 void add_json_option(CommandLine& line, std::string& file) {
-  line.add("--json", file, "Write the figures as JSON to FILE, or - for stdout").usage_text("FILE");
+  line.group(OptionGroup::kGeneral)
+      .add("--json", file, "Write the figures as JSON to FILE, or - for stdout")
+      .usage_text("FILE");
 }
 
 }  // namespace sightline::apps

@@ -24,6 +24,15 @@ inline constexpr int kExitOk = 0;
 inline constexpr int kExitFailure = 1;  ///< bad input or a failed comparison
 inline constexpr int kExitUsage = 2;
 
+/// What an option needs of the tool's mode. A mode, such as --mpi, names once the groups that it supports
+/// (CommandLine::mode).
+enum class OptionGroup {
+  kPlain,    ///< the mode without a mode's option alone; options are of this group unless they are added to another
+  kGeneral,  ///< nothing: the model, the view, files that are written
+  kImport,   ///< model files that are read and placed here
+  kEngine,   ///< engine::Engine, with the whole scene
+};
+
 /// Handle of one option, valid while its command line exists. Copies name the same option. Functions that change the
 /// option return its handle, so that calls can be chained.
 class Option {
@@ -73,6 +82,8 @@ class Option {
   bool given() const;  ///< after parsing: whether the command line had it
 
  private:
+  friend class CommandLine;
+
   CLI::Option* option_;
 };
 
@@ -123,6 +134,13 @@ class CommandLine {
   /// Sets the examples alone, for a subcommand.
   void examples(const std::string& lines);
 
+  /// Handle of the same command line that adds options of a group.
+  CommandLine group(OptionGroup group) const;
+
+  /// Makes an option a mode of the tool. Options of other groups than `supported` are bad usage beside it, also those
+  /// that are added later. Its help text names the options that exist now.
+  void mode(const Option& option, std::initializer_list<OptionGroup> supported);
+
   /// Group of options, under a title in the help text, of which exactly one has to be given.
   CommandLine exactly_one_of(const std::string& title);
 
@@ -141,13 +159,17 @@ class CommandLine {
 
  private:
   using Rules = std::vector<std::function<core::Expected<void>()>>;
+  using Groups = std::map<const CLI::Option*, OptionGroup>;
 
   explicit CommandLine(std::shared_ptr<CLI::App> app);
+  Option added(CLI::Option* option);
   Option add_text(const std::string& name, const std::function<void(const std::string&)>& set,
                   const std::function<std::string()>& get, const std::string& help);
 
   std::shared_ptr<CLI::App> app_;
   std::shared_ptr<Rules> rules_;
+  std::shared_ptr<Groups> groups_;
+  OptionGroup group_ = OptionGroup::kPlain;  // of options that this handle adds
 };
 
 /// --json FILE, into `file`.

@@ -43,7 +43,8 @@ std::optional<double> metres_of(const std::string& unit) {
   return found == lengths().end() ? std::nullopt : std::optional(found->second);
 }
 
-void add_import_options(CommandLine& line, importers::ImportOptions& options) {
+void add_import_options(CommandLine& to, importers::ImportOptions& options) {
+  CommandLine line = to.group(OptionGroup::kImport);
   line.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage");
   line.add_choice("--units", options.metres_per_unit, lengths(),
                   "Unit of files that name none (OBJ, PLY, STL, VTK): mm, cm, m, km, in or ft")
@@ -81,11 +82,15 @@ void add_model_options(CommandLine& line, ModelOptions& options) {
   std::string extensions;
   for (const std::string_view extension : importers::known_extensions())
     extensions.append(extensions.empty() ? "" : ", ").append(extension);
-  line.add("MODEL", options.files, "Model files (" + extensions + "), loaded into one scene").required();
-  line.add("--translate", options.translate, "Move the model by X,Y,Z metres (root transform)")
+  line.group(OptionGroup::kGeneral)
+      .add("MODEL", options.files, "Model files (" + extensions + "), loaded into one scene")
+      .required();
+  line.group(OptionGroup::kImport)
+      .add("--translate", options.translate, "Move the model by X,Y,Z metres (root transform)")
       .accepted_by(parse_vector);
   add_import_options(line, options.import);
-  line.add_flag("--explain", options.explain, "Print which features the scene needs and which are left out, and why");
+  line.group(OptionGroup::kEngine)
+      .add_flag("--explain", options.explain, "Print which features the scene needs and which are left out, and why");
 }
 
 void print_warnings(const std::vector<importers::ImportWarning>& warnings) {
@@ -166,7 +171,8 @@ void warn_of_outliers(const core::FittedBounds& fitted) {
 
 void add_culler_option(CommandLine& line, engine::CullerChoice& choice) {
   using engine::CullerChoice;
-  line.add_choice("--culler", choice,
+  line.group(OptionGroup::kEngine)
+      .add_choice("--culler", choice,
                   {{"auto", CullerChoice::kAutomatic},
                    {"linear", CullerChoice::kLinear},
                    {"cpu", CullerChoice::kCpu},
@@ -177,14 +183,16 @@ void add_culler_option(CommandLine& line, engine::CullerChoice& choice) {
 }
 
 void add_gpu_pass_option(CommandLine& line, culling::GpuCullerConfig& config) {
-  line.add_choice("--gpu-pass", config.variant,
+  line.group(OptionGroup::kEngine)
+      .add_choice("--gpu-pass", config.variant,
                   {{"geometry", culling::GpuVariant::kGeometry}, {"compute", culling::GpuVariant::kCompute}},
                   "Shaders of the GPU culler: geometry or compute; without it the faster one, measured");
 }
 
 void add_context_option([[maybe_unused]] CommandLine& line, [[maybe_unused]] gl::ContextPlatform& platform) {
 #if SIGHTLINE_HAS_GL
-  line.add_parsed("--context", platform, gl::parse_platform,
+  line.group(OptionGroup::kGeneral)
+      .add_parsed("--context", platform, gl::parse_platform,
                   "Where OpenGL without a window comes from: auto, egl, egl-surfaceless, egl-device or osmesa; auto is "
                   "what the environment variable SIGHTLINE_CONTEXT names, without it EGL, and OSMesa where EGL gives "
                   "none")
@@ -219,11 +227,14 @@ void add_way_option(CommandLine& line, const std::string& name, const std::strin
 }
 
 void add_shown_options(CommandLine& line, ShownOptions& options) {
-  line.add_choice("--sample-test", options.sample_test, {{"on", true}, {"off", false}},
+  CommandLine engine = line.group(OptionGroup::kEngine);
+  engine
+      .add_choice("--sample-test", options.sample_test, {{"on", true}, {"off", false}},
                   "Leave out of drawing what covers no sample of the picture; no pixel is lost")
       .shows_default();
   using engine::OcclusionChoice;
-  line.add_choice("--occlusion", options.occlusion,
+  engine
+      .add_choice("--occlusion", options.occlusion,
                   by_name({OcclusionChoice::kOn, OcclusionChoice::kOff, OcclusionChoice::kAutomatic}),
                   "Leave out of drawing what other items hide; no pixel is lost. auto: while it pays")
       .shows_default();
@@ -237,12 +248,13 @@ void add_shown_options(CommandLine& line, ShownOptions& options) {
       .not_negative();
   add_way_option(line, "--contribution-way", "How items are drawn that are below --contribution or beyond --budget",
                  options.contribution_way);
-  const auto add_strength = [&](const char* name, float& strength, const std::string& what) {
-    line.add(name, strength, what).shows_default().in_range(0.0f, 1.0f);
+  const auto add_strength = [](CommandLine& to, const char* name, float& strength, const std::string& what) {
+    to.add(name, strength, what).shows_default().in_range(0.0f, 1.0f);
   };
-  add_strength("--shading", options.relief.shading, "Darken corners and what lies behind edges: from 0, not, to 1");
-  add_strength("--lines", options.relief.lines, "Draw lines along edges: from 0, none, to 1, black");
-  add_strength("--hatch", options.hatching.strength,
+  add_strength(line, "--shading", options.relief.shading,
+               "Darken corners and what lies behind edges: from 0, not, to 1");
+  add_strength(line, "--lines", options.relief.lines, "Draw lines along edges: from 0, none, to 1, black");
+  add_strength(engine, "--hatch", options.hatching.strength,
                "Draw lines across what section planes cut: from 0, none, to 1, black");
 }
 

@@ -27,13 +27,15 @@ core::Expected<std::size_t> parse_bytes(const std::string& text) {
   return std::size_t(bytes);
 }
 
-void add_memory_option(CommandLine& line, std::string& text, std::initializer_list<const char*> others) {
-  line.add("--memory", text,
-           "Draw a scene cache (.slc, or a folder of them) page by page, and keep the process and the GPU's buffers "
-           "below this, such as 2G")
-      .metavar("LIMIT")
-      .accepted_by(parse_bytes)
-      .excludes(others);
+void add_memory_option(CommandLine& line, std::string& text) {
+  const Option memory =
+      line.add(
+              "--memory", text,
+              "Draw a scene cache (.slc, or a folder of them) page by page, and keep the process and the GPU's buffers "
+              "below this, such as 2G")
+          .metavar("LIMIT")
+          .accepted_by(parse_bytes);
+  line.mode(memory, {OptionGroup::kGeneral});
 }
 
 namespace {

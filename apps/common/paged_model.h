@@ -13,8 +13,9 @@ class CommandLine;
 /// "800M", "2G", "1.5G", "123456789": bytes, with K, M, G or T for powers of 1024.
 core::Expected<std::size_t> parse_bytes(const std::string& text);
 
-/// --memory LIMIT, into `text`. `others`: options that need the whole scene in memory.
-void add_memory_option(CommandLine& line, std::string& text, std::initializer_list<const char*> others);
+/// --memory LIMIT, into `text`: a mode with options of OptionGroup::kGeneral alone, since others need the whole scene
+/// in memory. Add it last.
+void add_memory_option(CommandLine& line, std::string& text);
 
 /// Opens the one file or folder that the tool was given. Fails on anything but a scene cache or a folder of them.
 core::Expected<engine::PagedEngine> open_paged(const ModelOptions& model, const std::string& memory,

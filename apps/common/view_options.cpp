@@ -6,7 +6,8 @@
 
 namespace sightline::apps {
 
-void add_view_options(CommandLine& line, ViewOptions& options) {
+void add_view_options(CommandLine& to, ViewOptions& options) {
+  CommandLine line = to.group(OptionGroup::kGeneral);
   ViewOptions& o = options;
   line.add("--size", o.size, "Pixels").shows_default().accepted_by(parse_size);
   const Option view = line.add("--view", o.view, "View JSON file");

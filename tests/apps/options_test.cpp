@@ -132,5 +132,29 @@ TEST(Options, RelationsBetweenOptions) {
   EXPECT_EQ(run(line, {"--a", "--b"}).code, kExitOk);
 }
 
+TEST(Options, AModeSupportsOptionsOfItsGroupsAlone) {
+  CommandLine line = make_line();
+  bool parts = false, other_mode = false;
+  int general = 0, import = 0, plain = 0, later = 0;
+  line.group(OptionGroup::kGeneral).add("--general", general, "");
+  line.group(OptionGroup::kImport).add("-i,--import", import, "");
+  line.add("--plain", plain, "");
+  const Option mode = line.add_flag("--parts", parts, "Draw parts");
+  const Option other = line.add_flag("--other", other_mode, "Draw pages");
+  line.mode(mode, {OptionGroup::kGeneral, OptionGroup::kImport});
+  line.mode(other, {OptionGroup::kGeneral});
+  line.add("--later", later, "");
+  EXPECT_EQ(run(line, {"--parts", "--general", "1", "--import", "2"}).code, kExitOk);
+  EXPECT_EQ(run(line, {"--plain", "1", "--later", "2", "--import", "3"}).code, kExitOk) << "without a mode";
+  const Outcome refused = run(line, {"--plain", "1", "--parts"});
+  EXPECT_EQ(refused.code, kExitUsage);
+  EXPECT_EQ(refused.err, "tool: --plain is not available with --parts (see --help)\n");
+  EXPECT_EQ(run(line, {"--parts", "--later", "1"}).err, "tool: --later is not available with --parts (see --help)\n");
+  EXPECT_EQ(run(line, {"--other", "-i", "1"}).err, "tool: --import is not available with --other (see --help)\n");
+  EXPECT_EQ(run(line, {"--parts", "--other"}).code, kExitUsage) << "two modes at once";
+  const Outcome help = run(line, {"--help"});
+  EXPECT_NE(help.out.find("Draw parts; not with --plain, --other"), std::string::npos) << help.out;
+}
+
 }  // namespace
 }  // namespace sightline::apps::options_test
