@@ -113,6 +113,7 @@ TEST_F(CapiEngine, CullersAreChosen) {
     EXPECT_EQ(info.culler, sl_culler(twin->plan().culler));
     compare_frame(view);
   }
+  ASSERT_OK(sl_engine_get(engine, &info));
   EXPECT_EQ(info.snapshot_bytes, twin->memory().snapshot);
   EXPECT_EQ(info.hierarchy_bytes, twin->memory().bvh);
   EXPECT_EQ(info.scratch_bytes, twin->memory().scratch);

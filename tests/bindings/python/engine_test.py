@@ -296,6 +296,7 @@ class Engines(Case):
     def test_reports(self):
         self.assertEqual(self.engine.culler, "cpu")
         self.assertIn(True, [entry.used for entry in self.engine.plan])
+        self.engine.frame(self.near)  # a view of a part needs scratch memory
         memory = self.engine.memory
         self.assertGreater(min(memory.scene, memory.snapshot, memory.bvh, memory.scratch), 0)
         self.assertEqual(memory.gpu, 0)
