@@ -70,7 +70,7 @@ class Reporter {
 
   /// One line: state, path, what differs, by how much.
   void print(const Change& change) const {
-    const bool removed = change.after == core::kNone;
+    const bool removed = change.after == core::kNoItem;
     std::printf("%-9s %s  (%s)", state_name(change), removed ? path_before(change).c_str() : path_after(change).c_str(),
                 std::string(core::name_of(removed ? before_.kind(change.before) : after_.kind(change.after))).c_str());
     if (change.differences) std::printf("  %s", names_of(change.differences).c_str());
@@ -85,9 +85,10 @@ class Reporter {
 
   Json to_json(const Change& change) const {
     Json out{{"state", compare::name_of(change.state)}};
-    if (change.before != core::kNone) out["before"] = path_before(change);
-    if (change.after != core::kNone) out["after"] = path_after(change);
-    out["kind"] = core::name_of(change.after != core::kNone ? after_.kind(change.after) : before_.kind(change.before));
+    if (change.before != core::kNoItem) out["before"] = path_before(change);
+    if (change.after != core::kNoItem) out["after"] = path_after(change);
+    out["kind"] =
+        core::name_of(change.after != core::kNoItem ? after_.kind(change.after) : before_.kind(change.before));
     if (change.differences) out["differs"] = names_json(change.differences);
     if (change.differences & compare::kPlace) {
       out["offset"] = {change.offset.x, change.offset.y, change.offset.z};

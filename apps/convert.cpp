@@ -55,7 +55,7 @@ core::Expected<std::string> take_output(std::vector<std::string>& files) {
 /// All items of the scene, and the size of the file.
 Written whole(const core::Scene& scene, const std::string& output) {
   Written written;
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
     if (scene.contains_item(item)) ++written.items[std::size_t(scene.kind(item))];
   std::error_code ignored;
   written.bytes = std::filesystem::file_size(output, ignored);

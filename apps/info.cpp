@@ -30,7 +30,7 @@ Facts gather(const core::Scene& scene) {
         depth_of[node.index] = parent.valid() ? depth_of[parent.index] + 1 : 0;
         facts.max_depth = std::max<std::uint64_t>(facts.max_depth, depth_of[node.index]);
         ++facts.nodes;
-        for (core::ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item)) {
+        for (core::ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item)) {
           facts.bounds.grow(scene.bounds_under(item, world * scene.placement(item)));
           if (int(scene.kind(item)) >= core::kPrimitiveKindCount)
             facts.triangles += scene.mesh(scene.mesh_of(item)).indices.size() / 3;

@@ -144,9 +144,9 @@ core::Expected<void> write_id_names(const std::string& file, const std::set<std:
   Json out = Json::object();
   for (const std::uint32_t id : seen) {
     if (id == 0) continue;
-    const core::ItemId item = id - 1;
-    out[std::to_string(item)] = {{"node", scene.path(scene.node_of(item))},
-                                 {"kind", std::string(core::name_of(scene.kind(item)))}};
+    const core::ItemId item{id - 1};
+    out[std::to_string(to_index(item))] = {{"node", scene.path(scene.node_of(item))},
+                                           {"kind", std::string(core::name_of(scene.kind(item)))}};
   }
   return apps::write_text(file, apps::to_text(json::sorted(std::move(out))));
 }
@@ -212,7 +212,7 @@ core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& dr
   std::map<std::uint32_t, double> radii;  // boxes of meshes take long
   const auto bound = [&](std::uint32_t id, double metres) {
     const auto [radius, added] = radii.try_emplace(id, 0.0);
-    if (added && scene.contains_item(id - 1)) radius->second = item_radius(scene, id - 1);
+    if (added && scene.contains_item(core::ItemId{id - 1})) radius->second = item_radius(scene, core::ItemId{id - 1});
     return 2.0 * (1e-4 * radius->second + 0x1p-22 * metres);
   };
   const auto difference = image::depth_difference(reference, drawn, bound);

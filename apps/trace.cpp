@@ -88,7 +88,7 @@ core::Expected<void> write_visible(const Options& o, const raytrace::Tracer& tra
   if (!items) return tl::unexpected(items.error());
   Json out = Json::array();
   for (const auto& [item, samples] : *items)
-    out.push_back({{"item", item},
+    out.push_back({{"item", to_index(item)},
                    {"node", scene.path(scene.node_of(item))},
                    {"kind", std::string(core::name_of(scene.kind(item)))},
                    {"samples", samples}});
@@ -110,7 +110,7 @@ core::Expected<Json> pick(const Options& o, const raytrace::Tracer& tracer, cons
   if (!hit) return tl::unexpected(hit.error());
   if (!*hit) return Json();
   const raytrace::Hit& h = **hit;
-  Json out = {{"item", h.item},
+  Json out = {{"item", to_index(h.item)},
               {"node", scene.path(scene.node_of(h.item))},
               {"kind", std::string(core::name_of(scene.kind(h.item)))},
               {"face", std::string(raytrace::name_of(h.face))},

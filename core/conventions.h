@@ -44,12 +44,22 @@ enum class ClipDepth : std::uint8_t {
   kMinusOneToOne,      ///< near at -1, far at +1: classic OpenGL, accepted from applications
 };
 
-/// An item's stable name outside the library: items are numbered in the order of their insertion into the scene. Never
-/// reused.
-using ItemId = std::uint32_t;
+inline constexpr std::uint32_t kNone = 0xffffffffu;
 /// An item's place in a snapshot's spatial order: internal, changes with every rebuild.
 using Slot = std::uint32_t;
-inline constexpr std::uint32_t kNone = 0xffffffffu;
+/// An item's stable name outside the library: items are numbered in the order of their insertion into the scene. An id
+/// is never reused, except after Scene::reuse_ids(). A type of its own, so that no slot is taken for an id or the
+/// reverse.
+enum class ItemId : std::uint32_t {};
+inline constexpr ItemId kNoItem{kNone};
+/// The item's number, for arrays by item. Id images hold this number plus 1, and 0 for no item.
+constexpr std::uint32_t to_index(ItemId item) {
+  return std::uint32_t(item);
+}
+/// For loops over all ids of a scene.
+constexpr ItemId& operator++(ItemId& item) {
+  return item = ItemId{to_index(item) + 1};
+}
 
 /// Layer bits. An item is drawn when its layers share a bit with the view's mask.
 inline constexpr std::uint32_t kLayerModel = 1u << 0;

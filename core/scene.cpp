@@ -80,11 +80,11 @@ const Scene::Node& Scene::live(NodeId node) const {
 }
 Scene::Item& Scene::live(ItemId item) {
   SIGHTLINE_CONTRACT(contains_item(item), "an item that is neither removed nor unknown");
-  return items_[item];
+  return items_[to_index(item)];
 }
 const Scene::Item& Scene::live(ItemId item) const {
   SIGHTLINE_CONTRACT(contains_item(item), "an item that is neither removed nor unknown");
-  return items_[item];
+  return items_[to_index(item)];
 }
 
 NodeId Scene::handle(std::uint32_t index) const {
@@ -140,7 +140,7 @@ void Scene::remove_node(NodeId node) {
   for (std::size_t i = 0; i < subtree.size(); ++i)
     for (std::uint32_t c = nodes_[subtree[i]].first_child; c != kNone; c = nodes_[c].next) subtree.push_back(c);
   for (const std::uint32_t index : subtree) {
-    for (ItemId item = nodes_[index].first_item; item != kNone; item = items_[item].next) erase_item(item);
+    for (ItemId item = nodes_[index].first_item; item != kNoItem; item = items_[to_index(item)].next) erase_item(item);
     if (stored_attributes_.has(index))
       attributes_[index].clear();  // another node may get the index
     else
@@ -350,8 +350,9 @@ void Scene::forget_removed_materials() {
   const auto is_removed = [&](std::uint32_t index) { return index != kNone && materials_[index].generation == kNone; };
   for (std::uint32_t n = 0; n < nodes_.size(); ++n)
     if (nodes_[n].alive && is_removed(nodes_[n].material)) nodes_[n].material = kNone, touch_node(n);
-  for (ItemId i = 0; i < items_.size(); ++i)
-    if (items_[i].alive && is_removed(items_[i].material)) items_[i].material = kNone, touch_item(i);
+  for (ItemId i{0}; to_index(i) < items_.size(); ++i)
+    if (items_[to_index(i)].alive && is_removed(items_[to_index(i)].material))
+      items_[to_index(i)].material = kNone, touch_item(i);
 }
 void Scene::remove_mesh(MeshId id) {
   (void)mesh(id);
@@ -406,9 +407,9 @@ ItemId Scene::append_item(NodeId node, Item item) {
   item.alive = true;
   item.previous = owner.last_item;
   if (!freed) items_.emplace_back(), item_states_.push_back(0);
-  items_[id] = item;
-  item_states_[id] &= kDirty;  // it may be in dirty_items_
-  (owner.last_item == kNone ? owner.first_item : items_[owner.last_item].next) = id;
+  items_[to_index(id)] = item;
+  item_states_[to_index(id)] &= kDirty;  // it may be in dirty_items_
+  (owner.last_item == kNoItem ? owner.first_item : items_[to_index(owner.last_item)].next) = id;
   owner.last_item = id;
   ++live_items_;
   touch_item(id);
@@ -451,25 +452,25 @@ ItemId Scene::add_mesh_instance(NodeId node, MeshId mesh_id, const Affine& node_
 }
 
 void Scene::erase_item(ItemId id) {
-  Item& item = items_[id];
+  Item& item = items_[to_index(id)];
   if (!item.alive) return;
   item.alive = false;
   --live_items_;
   stored_snapshot_.reset();
-  item_states_[id] &= std::uint8_t(~kFit);
+  item_states_[to_index(id)] &= std::uint8_t(~kFit);
   if (reuses_ids_ && int(item.kind) < kPrimitiveKindCount)
     free_.parameters[std::size_t(item.kind)].push_back(item.payload);
-  if (item_states_[id] & kCommitted)
+  if (item_states_[to_index(id)] & kCommitted)
     removed_items_.push_back(id);
   else if (reuses_ids_)
-    free_.items.remove({&id, 1}, FreeIds::kAtOnce);
+    free_.items.remove({&id, 1}, free_.items.kAtOnce);
 }
 
 void Scene::remove_item(ItemId id) {
   const Item& item = live(id);
   Node& owner = nodes_[item.node];
-  (item.previous == kNone ? owner.first_item : items_[item.previous].next) = item.next;
-  (item.next == kNone ? owner.last_item : items_[item.next].previous) = item.previous;
+  (item.previous == kNoItem ? owner.first_item : items_[to_index(item.previous)].next) = item.next;
+  (item.next == kNoItem ? owner.last_item : items_[to_index(item.next)].previous) = item.previous;
   erase_item(id);
 }
 
@@ -516,7 +517,7 @@ AabbD Scene::bounds_under(ItemId id, const Affine& world_from_item) const {
 AabbD Scene::bounds(NodeId top, std::uint32_t mask) const {
   AabbD all;
   for_each_node(top, [&](NodeId node, const Affine& world, bool visible, std::uint32_t layers, MaterialId material) {
-    for (ItemId item = first_item(node); item != kNone; item = next_item(item))
+    for (ItemId item = first_item(node); item != kNoItem; item = next_item(item))
       if (const ItemState s = state(item, world, visible, layers, material); (s.layers & mask) != 0)
         all.grow(bounds_under(item, s.world_from_item));
   });
@@ -548,7 +549,7 @@ void Scene::touch_node(std::uint32_t index) {
 
 void Scene::touch_item(ItemId id) {
   stored_snapshot_.reset();
-  std::uint8_t& state = item_states_[id];
+  std::uint8_t& state = item_states_[to_index(id)];
   state &= std::uint8_t(~kFit);
   if (state & kDirty) return;
   state |= kDirty;
@@ -570,7 +571,7 @@ std::vector<ItemId> Scene::collect_dirty_items() {
   for (std::size_t i = 0; i < below.size(); ++i) {
     const Node& node = nodes_[below[i]];
     for (std::uint32_t c = node.first_child; c != kNone; c = nodes_[c].next) enter(c);
-    for (ItemId item = node.first_item; item != kNone; item = items_[item].next) touch_item(item);
+    for (ItemId item = node.first_item; item != kNoItem; item = items_[to_index(item)].next) touch_item(item);
   }
   stored_snapshot_ = stored_snapshot;
   std::vector<ItemId> items = dirty_items_;
@@ -589,25 +590,25 @@ bool Scene::can_commit(ItemId item, const Affine& world_from_item) const {
 
 Expected<SceneDelta> Scene::validated(std::span<const ItemId> items) const {
   SceneDelta delta;
-  ItemId bad = kNone;
+  ItemId bad = kNoItem;
   const auto accept = [&](ItemId id) {
-    (item_states_[id] & kCommitted ? delta.changed : delta.inserted).push_back(id);
+    (item_states_[to_index(id)] & kCommitted ? delta.changed : delta.inserted).push_back(id);
   };
-  if (std::all_of(items.begin(), items.end(), [&](ItemId id) { return (item_states_[id] & kFit) != 0; })) {
+  if (std::all_of(items.begin(), items.end(), [&](ItemId id) { return (item_states_[to_index(id)] & kFit) != 0; })) {
     delta.inserted.reserve(items.size());
     for (const ItemId id : items) accept(id);  // not removed since: that would have taken its bit
     return delta;
   }
   for_each_state(items, [&](ItemId id, const ItemState& state) {
-    if (bad != kNone) return;
-    if (item_states_[id] & kFit || can_commit(id, state.world_from_item)) {
+    if (bad != kNoItem) return;
+    if (item_states_[to_index(id)] & kFit || can_commit(id, state.world_from_item)) {
       accept(id);
     } else {
       bad = id;
     }
   });
-  if (bad == kNone) return delta;
-  return fail("node \"" + path(node_of(bad)) + "\": item " + std::to_string(bad) + " (" +
+  if (bad == kNoItem) return delta;
+  return fail("node \"" + path(node_of(bad)) + "\": item " + std::to_string(to_index(bad)) + " (" +
               std::string(name_of(kind(bad))) +
               ") has parameters, a placement or bounds that are not finite or reach beyond 1e37 m");
 }
@@ -627,7 +628,7 @@ Expected<SceneDelta> Scene::commit() {
   const std::vector<ItemId> items = collect_dirty_items();
   auto delta = validated(items);
   if (!delta) return delta;
-  for (const ItemId id : items) item_states_[id] = kCommitted;
+  for (const ItemId id : items) item_states_[to_index(id)] = kCommitted;
   for (const std::uint32_t node : dirty_nodes_) nodes_[node].dirty = false;
   radix_sort(removed_items_);
   delta->removed = std::move(removed_items_);

@@ -7,7 +7,7 @@
 //
 // Node, mesh and material handles are generational: a handle to something removed never comes to mean something else.
 // Using a stale handle breaks the contract: builds with assertions and builds with SIGHTLINE_CHECKED abort. contains()
-// tells whether a handle is stale. Ids of items are plain numbers; see reuse_ids(). Not thread-safe; concurrent reads
+// tells whether a handle is stale. Ids of items have no generation; see reuse_ids(). Not thread-safe; concurrent reads
 // are fine.
 #pragma once
 
@@ -131,7 +131,7 @@ class SIGHTLINE_API Scene {
   void set_placement(ItemId item, const Affine& node_from_item);
   void set_visible(ItemId item, bool visible);
   void set_material(ItemId item, MaterialId material);
-  bool contains_item(ItemId item) const { return item < items_.size() && items_[item].alive; }
+  bool contains_item(ItemId item) const { return to_index(item) < items_.size() && items_[to_index(item)].alive; }
 
   Kind kind(ItemId item) const { return live(item).kind; }
   Primitive primitive(ItemId item) const;  ///< of an item of a primitive kind
@@ -142,7 +142,7 @@ class SIGHTLINE_API Scene {
   bool item_visible(ItemId item) const { return live(item).visible; }
   ItemId first_item(NodeId node) const {
     return live(node).first_item;
-  }  ///< kNone when the node has none; items come in insertion order
+  }  ///< kNoItem when the node has none; items come in insertion order
   ItemId next_item(ItemId item) const { return live(item).next; }
   std::size_t item_count() const { return live_items_; }
   std::size_t item_slots() const { return items_.size(); }  ///< item ids lie below this
@@ -239,7 +239,7 @@ class SIGHTLINE_API Scene {
   struct Node {
     Affine transform;
     std::uint32_t parent = kNone, first_child = kNone, last_child = kNone, next = kNone, previous = kNone;
-    ItemId first_item = kNone, last_item = kNone;
+    ItemId first_item = kNoItem, last_item = kNoItem;
     std::uint32_t layers = 0, material = kNone, generation = 0, name_offset = 0, name_length = 0;
     bool visible = true, alive = false, dirty = false;
   };
@@ -247,7 +247,7 @@ class SIGHTLINE_API Scene {
     mat3 linear{1.0f};
     dvec3 origin{0.0};
     std::uint32_t node = kNone, payload = kNone, material = kNone;
-    ItemId next = kNone, previous = kNone;
+    ItemId next = kNoItem, previous = kNoItem;
     Kind kind = Kind::kMesh;
     bool alive : 1 = false, visible : 1 = true;
   };
@@ -265,7 +265,8 @@ class SIGHTLINE_API Scene {
   };
   /// What is free of a kind of thing, while ids are reused.
   struct Free {
-    FreeIds items, meshes, materials;
+    FreeIds<ItemId> items;
+    FreeIds<std::uint32_t> meshes, materials;
     std::array<std::vector<std::uint32_t>, kPrimitiveKindCount> parameters;  // by kind: Item::payload
   };
   /// The inboxes of this scene's subscribers. They belong to the scene object: copying or moving its contents leaves
@@ -346,7 +347,7 @@ class SIGHTLINE_API Scene {
   Free free_;
   bool reuses_ids_ = false;
   int marks_ = 0;
-  std::uint64_t commits_ = 1;  // the number of the last one that published anything; above FreeIds::kAtOnce
+  std::uint64_t commits_ = 1;  // the number of the last one that published anything; above kAtOnce of FreeIds
   NodeId root_;
   std::size_t live_nodes_ = 0, live_items_ = 0;
 };
@@ -373,9 +374,9 @@ void Scene::for_each_node(NodeId top, Visit&& visit) const {
 
 /// Prefetches an item's own data, and half as far ahead its node and parameters.
 inline void Scene::prefetch_ahead(std::span<const ItemId> items, std::size_t at) const {
-  if (at + kPrefetchAhead < items.size()) prefetch(items_[items[at + kPrefetchAhead]]);
+  if (at + kPrefetchAhead < items.size()) prefetch(items_[to_index(items[at + kPrefetchAhead])]);
   if (at + kPrefetchAhead / 2 >= items.size()) return;
-  const Item& item = items_[items[at + kPrefetchAhead / 2]];
+  const Item& item = items_[to_index(items[at + kPrefetchAhead / 2])];
   prefetch(nodes_[item.node]);
   if (int(item.kind) < kPrimitiveKindCount) prefetch(parameters_[item.payload]);
 }

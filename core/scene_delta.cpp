@@ -7,15 +7,17 @@
 namespace sightline::core {
 namespace {
 
-std::vector<std::uint32_t> united(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
-  std::vector<std::uint32_t> both;
+template <class Id>
+std::vector<Id> united(const std::vector<Id>& a, const std::vector<Id>& b) {
+  std::vector<Id> both;
   both.reserve(a.size() + b.size());
   std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
   return both;
 }
 
-std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& some) {
-  std::vector<std::uint32_t> rest;
+template <class Id>
+std::vector<Id> without(const std::vector<Id>& all, const std::vector<Id>& some) {
+  std::vector<Id> rest;
   std::set_difference(all.begin(), all.end(), some.begin(), some.end(), std::back_inserter(rest));
   return rest;
 }

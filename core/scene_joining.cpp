@@ -66,9 +66,9 @@ class Scene::NewPlaces {
   template <class Take>
   void reuse(std::size_t count, const Take& take) {
     while (reused_.size() < count) {
-      const std::optional<std::uint32_t> place = take();
+      const auto place = take();
       if (!place) return;
-      reused_.push_back(*place);
+      reused_.push_back(std::uint32_t(*place));
     }
   }
   std::uint32_t operator()(std::uint32_t index) const {
@@ -76,6 +76,7 @@ class Scene::NewPlaces {
     const std::size_t i = index - first_;
     return i < reused_.size() ? reused_[i] : end_ + std::uint32_t(i - reused_.size());
   }
+  ItemId operator()(ItemId item) const { return ItemId{(*this)(to_index(item))}; }
 
  private:
   std::uint32_t end_, first_;
@@ -121,9 +122,10 @@ void Scene::append_items(const Scene& other, const NewPlaces& nodes, const NewPl
   const bool one_by_one = may_reuse();
   const auto values = std::uint32_t(parameters_.size());
   if (!one_by_one) parameters_.insert(parameters_.end(), other.parameters_.begin(), other.parameters_.end());
-  for (ItemId i = 0; i < other.items_.size(); ++i) {
-    const ItemId place = items(i);
-    Item item = other.items_[i];
+  for (ItemId i{0}; to_index(i) < other.items_.size(); ++i) {
+    const ItemId id = items(i);
+    const std::uint32_t place = to_index(id);
+    Item item = other.items_[to_index(i)];
     if (int(item.kind) >= kPrimitiveKindCount)
       item.payload = meshes(item.payload);
     else if (!one_by_one)
@@ -137,9 +139,9 @@ void Scene::append_items(const Scene& other, const NewPlaces& nodes, const NewPl
     if (place == item_states_.size()) item_states_.push_back(0);
     assert((other.item_states_[i] & kCommitted) == 0);
     const std::uint8_t pending = item_states_[place] & kDirty;  // a free place may be in dirty_items_
-    item_states_[place] = pending | (other.item_states_[i] & kDirty);
-    if (pending == 0 && item_states_[place] != 0) dirty_items_.push_back(place);
-    if (!item.alive && reuses_ids_) free_.items.remove({&place, 1}, FreeIds::kAtOnce);
+    item_states_[place] = pending | (other.item_states_[to_index(i)] & kDirty);
+    if (pending == 0 && item_states_[place] != 0) dirty_items_.push_back(id);
+    if (!item.alive && reuses_ids_) free_.items.remove({&id, 1}, free_.items.kAtOnce);
   }
 }
 
@@ -217,7 +219,7 @@ void Scene::take_back(const Mark& mark, std::span<const NodeId> added) {
   for (const NodeId node : added) remove_node(node);
   assert(std::all_of(items_.begin() + std::ptrdiff_t(mark.items), items_.end(),
                      [](const Item& item) { return !item.alive; }));
-  std::erase_if(dirty_items_, [&](ItemId item) { return item >= mark.items; });
+  std::erase_if(dirty_items_, [&](ItemId item) { return to_index(item) >= mark.items; });
   std::erase_if(dirty_materials_, [&](std::uint32_t material) { return material >= mark.materials; });
   std::erase_if(removed_materials_, [&](std::uint32_t material) { return material >= mark.materials; });
   free_.items.truncate(ItemId(mark.items));

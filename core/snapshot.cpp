@@ -28,7 +28,7 @@ void Snapshot::append(const Items& items, std::uint32_t record, std::uint32_t ch
   const Items::Record& r = items.records[record];
   const Slot s = Slot(kinds_.size());
   KindItems& list = kind_items_[std::size_t(r.kind)];
-  if (r.item >= slots_.size()) slots_.resize(r.item + 1, kNone);
+  if (to_index(r.item) >= slots_.size()) slots_.resize(to_index(r.item) + 1, kNone);
   if (int(r.kind) < kPrimitiveKindCount) {
     const std::size_t count = std::size_t(parameter_count(r.kind));
     const auto values = items.parameters.begin() + std::ptrdiff_t(r.payload);
@@ -39,7 +39,7 @@ void Snapshot::append(const Items& items, std::uint32_t record, std::uint32_t ch
   kinds_.push_back(r.kind);
   index_in_kind_.push_back(std::uint32_t(list.size()));
   items_.push_back(r.item);
-  slots_[r.item] = s;
+  slots_[to_index(r.item)] = s;
   materials_.push_back(r.material);
   list.members.push_back(s);
   list.placements.push_back(place(r.linear, r.origin, chunk));

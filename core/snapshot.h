@@ -112,9 +112,13 @@ class SIGHTLINE_API Snapshot {
   std::uint64_t count(const VisibleSet& visible) const;
   Kind kind(Slot slot) const { return kinds_[slot]; }
   std::uint32_t index_in_kind(Slot slot) const { return index_in_kind_[slot]; }
-  ItemId item(Slot slot) const { return items_[slot]; }  ///< kNone when the slot was given up; hidden items keep theirs
-  Slot slot(ItemId item) const { return item < slots_.size() ? slots_[item] : kNone; }  ///< kNone when unknown
-  std::uint32_t material(Slot slot) const { return materials_[slot]; }                  ///< material index or kNone
+  ItemId item(Slot slot) const {
+    return items_[slot];
+  }  ///< kNoItem when the slot was given up; hidden items keep theirs
+  Slot slot(ItemId item) const {
+    return to_index(item) < slots_.size() ? slots_[to_index(item)] : kNone;
+  }                                                                     ///< kNone when unknown
+  std::uint32_t material(Slot slot) const { return materials_[slot]; }  ///< material index or kNone
   const MaterialTable& materials() const { return table_->rows; }
   bool opaque(Slot slot) const { return materials_[slot] == kNone || table_->rows[materials_[slot]].a >= 1.0f; }
   /// The mesh of an item that has one. Empty when the scene had removed the mesh before the last apply(), which it may

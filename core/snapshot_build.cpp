@@ -79,7 +79,7 @@ class Snapshot::SceneItems {
     nodes_.reserve(scene.node_count());
     scene.for_each_node(scene.root(),
                         [&](NodeId id, const Affine& world, bool visible, std::uint32_t layers, MaterialId material) {
-                          if (scene.first_item(id) == kNone) return;
+                          if (scene.first_item(id) == kNoItem) return;
                           if (id.index >= nodes_.size()) nodes_.resize_for_overwrite(id.index + 1);
                           nodes_[id.index] = {world, layers, material, visible};
                         });
@@ -114,11 +114,11 @@ class Snapshot::SceneItems {
   const dvec3& origin() const { return origin_; }   ///< of the bounds
   std::uint32_t layers() const { return layers_; }  ///< that any visible item is on
   std::size_t size() const { return items_.size(); }
-  ItemId item_slots() const { return ItemId(scene_.item_slots()); }
+  std::size_t item_slots() const { return scene_.item_slots(); }
   Kind kind(std::size_t i) const { return scene_.kind(items_[i]); }
   Items::Record record(std::size_t i) const {
     Items::Record r = record_of(scene_, state(items_[i]), items_[i]);
-    r.payload = scene_.items_[items_[i]].payload;
+    r.payload = scene_.items_[to_index(items_[i])].payload;
     return r;
   }
   Aabb box(std::size_t i) const {
@@ -127,9 +127,9 @@ class Snapshot::SceneItems {
   const float* parameters() const { return scene_.parameters_.data(); }
   /// What record(order[at]) reads, ahead of it, and half as far ahead what that leads to.
   void prefetch_ahead(std::span<const std::uint32_t> order, std::size_t at) const {
-    if (at + kPrefetchAhead < order.size()) prefetch(scene_.items_[items_[order[at + kPrefetchAhead]]]);
+    if (at + kPrefetchAhead < order.size()) prefetch(scene_.items_[to_index(items_[order[at + kPrefetchAhead]])]);
     if (at + kPrefetchAhead / 2 >= order.size()) return;
-    const Scene::Item& item = scene_.items_[items_[order[at + kPrefetchAhead / 2]]];
+    const Scene::Item& item = scene_.items_[to_index(items_[order[at + kPrefetchAhead / 2]])];
     prefetch(nodes_[item.node]);
     if (int(item.kind) < kPrimitiveKindCount) prefetch(scene_.parameters_[item.payload]);
   }
@@ -146,7 +146,7 @@ class Snapshot::SceneItems {
     std::uint32_t layers = 0;
   };
   Scene::ItemState state(ItemId item) const {
-    const Node& node = nodes_[scene_.items_[item].node];
+    const Node& node = nodes_[scene_.items_[to_index(item)].node];
     return scene_.state(item, node.world, node.visible, node.layers, node.material);
   }
 
@@ -161,11 +161,12 @@ class Snapshot::SceneItems {
 class Snapshot::CopiedItems {
  public:
   explicit CopiedItems(const Items& items) : items_(items) {
-    for (const auto& r : items.records) item_slots_ = std::max(item_slots_, r.item + 1), layers_ |= r.layers;
+    for (const auto& r : items.records)
+      item_slots_ = std::max(item_slots_, std::size_t(to_index(r.item)) + 1), layers_ |= r.layers;
   }
   std::uint32_t layers() const { return layers_; }
   std::size_t size() const { return items_.records.size(); }
-  ItemId item_slots() const { return item_slots_; }
+  std::size_t item_slots() const { return item_slots_; }
   Kind kind(std::size_t i) const { return items_.records[i].kind; }
   const Items::Record& record(std::size_t i) const { return items_.records[i]; }
   const Aabb& box(std::size_t i) const { return items_.records[i].box; }
@@ -176,7 +177,7 @@ class Snapshot::CopiedItems {
 
  private:
   const Items& items_;
-  ItemId item_slots_ = 0;
+  std::size_t item_slots_ = 0;
   std::uint32_t layers_ = 0;
 };
 
@@ -199,10 +200,10 @@ Snapshot::Snapshot(const Snapshot& like, Items&& items, int threads)
   auto& records = items.records;
   LargeArray<std::uint32_t> latest;  // by item
   latest.resize(CopiedItems(items).item_slots(), kNone);
-  for (std::size_t i = 0; i < records.size(); ++i) latest[records[i].item] = std::uint32_t(i);
+  for (std::size_t i = 0; i < records.size(); ++i) latest[to_index(records[i].item)] = std::uint32_t(i);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
-    if (latest[records[i].item] != i) continue;
+    if (latest[to_index(records[i].item)] != i) continue;
     Items::Record& r = records[kept++] = records[i];
     if (r.layers != 0) continue;
     // Hidden items are ordered by where they will reappear. That is exact for primitives; a mesh would have to be
@@ -304,7 +305,7 @@ Aabb Snapshot::write(const Source& source, std::span<const std::uint32_t> order,
     places[s] = r.origin;
     index_in_kind_[s] = index;
     items_[s] = r.item;
-    slots_[r.item] = Slot(s);
+    slots_[to_index(r.item)] = Slot(s);
     materials_[s] = r.material;
 
     const Aabb& box = boxes[order[s]];
@@ -327,7 +328,7 @@ void Snapshot::make_room(bool with_layers) {
   const std::size_t n = kinds_.size();
   bounds_.reserve(with_headroom(n));
   bounds_.resize_for_overwrite(n, with_layers);
-  for (LargeArray<std::uint32_t>* array : {&index_in_kind_, &items_, &materials_}) resize(*array, n);
+  resize(index_in_kind_, n), resize(items_, n), resize(materials_, n);
   resize(block_sizes_, (n + kBlockSlots - 1) / kBlockSlots);
   vacant_.resize(n / kRankStride + 1);
   for (std::size_t k = 0; k < kKindCount; ++k) {

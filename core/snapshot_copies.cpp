@@ -22,7 +22,7 @@ void copy_items(const Snapshot& snapshot, Slot first, Slot end, ItemCopies& out)
   out.materials = in.table();
   out.meshes = in.meshes();
   for (Slot s = first; s < end; ++s) {
-    if (snapshot.item(s) == kNone) continue;
+    if (snapshot.item(s) == kNoItem) continue;
     const KindItems& list = snapshot.of_kind(snapshot.kind(s));
     const std::size_t i = snapshot.index_in_kind(s);
     ItemCopies::Record r;

@@ -65,7 +65,7 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
     const Slot s = slot(item);
     if (s == kNone) continue;
     give_up(s);
-    slots_[item] = kNone;
+    slots_[to_index(item)] = kNone;
     touched.push_back(s);
   }
   std::vector<std::uint64_t> known;  // slot << 32 | record, to be visited block by block
@@ -73,7 +73,7 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
   known.reserve(items.records.size());
   for (std::size_t i = 0; i < items.records.size(); ++i) {
     if (i + kPrefetchAhead < items.records.size())
-      prefetch(slots_.data() + items.records[i + kPrefetchAhead].item, sizeof(Slot));
+      prefetch(slots_.data() + to_index(items.records[i + kPrefetchAhead].item), sizeof(Slot));
     const Slot s = slot(items.records[i].item);
     if (s != kNone)
       known.push_back(std::uint64_t(s) << 32 | i);
@@ -203,7 +203,7 @@ void Snapshot::append_sorted(const Items& items, std::span<const Newcomer> newco
 
 void Snapshot::give_up(Slot s) {
   show(s, {}, 0);
-  items_[s] = kNone;
+  items_[s] = kNoItem;
   ++given_up_;
 }
 

@@ -6,14 +6,14 @@
 namespace sightline::core {
 
 std::vector<Slot> VisibleSet::sorted_slots() const {
-  std::vector<Slot> slots = items;
+  std::vector<Slot> all = slots;
   for (const SlotRange& range : ranges) {
-    const std::size_t old = slots.size();
-    slots.resize(old + range.count);
-    std::iota(slots.begin() + std::ptrdiff_t(old), slots.end(), range.first);
+    const std::size_t old = all.size();
+    all.resize(old + range.count);
+    std::iota(all.begin() + std::ptrdiff_t(old), all.end(), range.first);
   }
-  std::sort(slots.begin(), slots.end());
-  return slots;
+  std::sort(all.begin(), all.end());
+  return all;
 }
 
 }  // namespace sightline::core

@@ -23,23 +23,24 @@ struct CullCounters {
   int levels_walked = 0;           ///< hierarchy levels walked, from the root's down; 0: none
 };
 
-/// The visible slots of one view. Ranges and items are each in rising order, disjoint, and share no slot. A slot
-/// outside both is not visible. Ranges may hold vacant slots, which have nothing to draw (see snapshot.h); items never
-/// do. Reuse one set from frame to frame: clear() keeps the memory.
+/// The visible slots of one view, not ids of items: Snapshot::item() turns a slot into the item's id. Ranges and single
+/// slots are each in rising order, disjoint, and share no slot. A slot outside both is not visible. Ranges may hold
+/// vacant slots, which have nothing to draw (see snapshot.h); single slots are never vacant. Reuse one set from frame
+/// to frame: clear() keeps the memory.
 struct SIGHTLINE_API VisibleSet {
   std::uint64_t generation = 0;   ///< of the snapshot that the slots belong to
   std::vector<SlotRange> ranges;  ///< neighbours that are all visible
-  std::vector<Slot> items;        ///< single slots
+  std::vector<Slot> slots;        ///< single slots
   CullCounters counters;
 
   void clear() {
     ranges.clear();
-    items.clear();
+    slots.clear();
     counters = {};
   }
   /// Slots, vacant ones included; Snapshot::count leaves those out.
   std::uint64_t count() const {
-    std::uint64_t n = items.size();
+    std::uint64_t n = slots.size();
     for (const SlotRange& r : ranges) n += r.count;
     return n;
   }
@@ -48,7 +49,7 @@ struct SIGHTLINE_API VisibleSet {
   void for_each_slot(const Visit& visit) const {
     for (const SlotRange& r : ranges)
       for (Slot slot = r.first; slot < r.first + r.count; ++slot) visit(slot);
-    for (const Slot slot : items) visit(slot);
+    for (const Slot slot : slots) visit(slot);
   }
   /// All visible slots in rising order, vacant ones included.
   std::vector<Slot> sorted_slots() const;

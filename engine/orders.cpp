@@ -43,15 +43,15 @@ void note_nodes([[maybe_unused]] EngineState& s, [[maybe_unused]] std::span<cons
 #if SIGHTLINE_HAS_RAYTRACE
   s.nodes.resize(s.scene->item_slots());
   for (const core::ItemId item : inserted)
-    if (s.scene->contains_item(item)) s.nodes[item] = s.scene->node_of(item);
+    if (s.scene->contains_item(item)) s.nodes[to_index(item)] = s.scene->node_of(item);
 #endif
 }
 
 void note_all_nodes([[maybe_unused]] EngineState& s) {
 #if SIGHTLINE_HAS_RAYTRACE
   s.nodes.resize(s.scene->item_slots());
-  for (core::ItemId item = 0; item < s.nodes.size(); ++item)
-    if (s.scene->contains_item(item)) s.nodes[item] = s.scene->node_of(item);
+  for (core::ItemId item{0}; to_index(item) < s.nodes.size(); ++item)
+    if (s.scene->contains_item(item)) s.nodes[to_index(item)] = s.scene->node_of(item);
 #endif
 }
 

@@ -33,7 +33,7 @@ void for_each_slot(const Snapshot& snapshot, std::span<const ItemId> items, cons
                    const Visit& visit) {
   std::vector<std::uint64_t> places;  // slot << 32 | item
   places.reserve(items.size());
-  for (const ItemId item : items) places.push_back(std::uint64_t(snapshot.slot(item)) << 32 | item);
+  for (const ItemId item : items) places.push_back(std::uint64_t(snapshot.slot(item)) << 32 | to_index(item));
   core::radix_sort<32>(places);
   places.erase(std::unique(places.begin(), places.end()), places.end());
   const auto call = [&](const auto& function, std::size_t i) { function(ItemId(places[i]), Slot(places[i] >> 32)); };

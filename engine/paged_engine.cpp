@@ -58,7 +58,7 @@ void to_set(culling::SlotBits bits, core::VisibleSet& set) {
     if (slot - first >= kShortestLeafRange)
       set.ranges.push_back({first, slot - first});
     else
-      for (core::Slot s = first; s < slot; ++s) set.items.push_back(s);
+      for (core::Slot s = first; s < slot; ++s) set.slots.push_back(s);
   }
 }
 
@@ -471,7 +471,7 @@ core::VisibleSet PagedEngine::Impl::slots_of_page(std::uint32_t page, const Resi
     const core::Slot end = std::min<core::Slot>(info.slots, first + core::kBlockSlots);
     if (bounds.uses_layers()) {
       for (core::Slot slot = first; slot < end; ++slot)
-        if ((bounds.layers(slot) & view_->layers) != 0 && !bounds.vacant(slot)) set.items.push_back(slot);
+        if ((bounds.layers(slot) & view_->layers) != 0 && !bounds.vacant(slot)) set.slots.push_back(slot);
     } else if ((core::kLayerModel & view_->layers) != 0) {
       culling::append_range(first, end, set.ranges);
     }

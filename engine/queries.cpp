@@ -116,7 +116,7 @@ core::Expected<std::optional<Pick>> Engine::pick(const core::Ray& ray, const ray
                                           : raytrace::nearest_but(**tracer, ray, filter, state_->overrides.ghosts());
   if (!hit) return tl::unexpected(hit.error());
   if (!*hit) return std::nullopt;
-  return Pick{**hit, state_->nodes[(*hit)->item]};
+  return Pick{**hit, state_->nodes[to_index((*hit)->item)]};
 }
 
 core::Expected<std::vector<raytrace::VisibleItem>> Engine::visible_items_in(const core::View& view,

@@ -58,11 +58,11 @@ core::Expected<void> Engine::draw_outline(const core::View& view, std::span<cons
   core::VisibleSet shown;
   shown.generation = snapshot().generation();
   for (const core::ItemId item : items)
-    if (const core::Slot slot = snapshot().slot(item); !snapshot().bounds().vacant(slot)) shown.items.push_back(slot);
-  std::sort(shown.items.begin(), shown.items.end());
+    if (const core::Slot slot = snapshot().slot(item); !snapshot().bounds().vacant(slot)) shown.slots.push_back(slot);
+  std::sort(shown.slots.begin(), shown.slots.end());
   const auto kept = state_->keep_state();
   Drawing* drawing = state_->backend->drawing();
-  if (shown.items.empty() || !drawing || drawing->lost()) return {};
+  if (shown.slots.empty() || !drawing || drawing->lost()) return {};
   return drawing->put_outline({view, snapshot(), shown}, target);
 }
 

@@ -21,7 +21,7 @@ std::vector<core::ItemId> items_outside(const core::Snapshot& snapshot, const Sc
   const std::size_t first = begin_of(part.index), end = begin_of(part.index + 1);
   std::vector<core::ItemId> items;
   for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
-    if ((slot < first || slot >= end) && snapshot.item(slot) != core::kNone) items.push_back(snapshot.item(slot));
+    if ((slot < first || slot >= end) && snapshot.item(slot) != core::kNoItem) items.push_back(snapshot.item(slot));
   return items;
 }
 

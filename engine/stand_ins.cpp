@@ -58,8 +58,8 @@ core::Expected<void> StandIns::draw(const core::PagedScene& scene, const core::V
     const core::Aabb box = scene.leaves.box(at.leaf);
     const core::dvec3 centre = 0.5 * (core::dvec3(box.min) + core::dvec3(box.max)) + scene.leaves.origin;
     const core::vec3 eye(view.eye_from_world() * core::dvec4(centre, 1.0));
-    splats_.push_back(
-        {eye, std::min(std::sqrt(at.area), points_.largest_side()), core::kNone, palette_row(scene.colours[at.leaf])});
+    splats_.push_back({eye, std::min(std::sqrt(at.area), points_.largest_side()), core::kNoItem,
+                       palette_row(scene.colours[at.leaf])});
   }
   return points_.draw(view, splats_, colours_, target);
 }

@@ -8,7 +8,7 @@ namespace sightline::engine {
 core::Expected<void> known(const EngineState& s, const char* call, std::span<const core::ItemId> items) {
   for (const core::ItemId item : items)
     if (s.live.snapshot->slot(item) == core::kNone)
-      return core::fail("engine: " + std::string(call) + ": no item " + std::to_string(item) +
+      return core::fail("engine: " + std::string(call) + ": no item " + std::to_string(to_index(item)) +
                         " as of the last commit");
   return {};
 }
@@ -77,11 +77,11 @@ core::Expected<void> Engine::isolate(std::span<const core::NodeId> nodes) {
   const auto inside = items_below(nodes);
   if (!inside) return tl::unexpected(inside.error());
   std::vector<bool> below(state_->scene->item_slots());
-  for (const core::ItemId item : *inside) below[item] = true;
+  for (const core::ItemId item : *inside) below[to_index(item)] = true;
   std::vector<core::ItemId> outside;
   for (core::Slot slot = 0; slot < snapshot().size(); ++slot) {
     const core::ItemId item = snapshot().item(slot);
-    if (item != core::kNone && !below[item]) outside.push_back(item);
+    if (item != core::kNoItem && !below[to_index(item)]) outside.push_back(item);
   }
   if (auto done = show(*inside); !done) return done;
   return hide(outside);
@@ -108,7 +108,7 @@ core::Expected<std::vector<core::ItemId>> Engine::items_below(std::span<const co
       return core::fail("engine: no node " + std::to_string(top.index) + " of generation " +
                         std::to_string(top.generation));
     scene.for_each_node(top, [&](core::NodeId node, const auto&...) {
-      for (core::ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item))
+      for (core::ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item))
         if (snapshot().slot(item) != core::kNone) items.push_back(item);
     });
   }

@@ -338,7 +338,7 @@ class JointSearch {
   void cover(Slot by, Slot slot, Ends end) {
     const ItemId item = snapshot_.item(slot);
     if (!out_.set(item, end, true)) return;
-    out_.covers_.push_back(std::uint64_t(snapshot_.item(by)) << 32 | item << 1 | (end == kTopEnd));
+    out_.covers_.push_back(std::uint64_t(snapshot_.item(by)) << 32 | to_index(item) << 1 | (end == kTopEnd));
   }
 
   void finish() {
@@ -395,12 +395,12 @@ core::StoredJoints Joints::stored(const Snapshot& snapshot) const {
 
 /// Returns false when nothing changed.
 bool Joints::set(ItemId item, Ends end, bool covered) {
-  const std::size_t word = item / kItemsPerWord;
+  const std::size_t word = to_index(item) / kItemsPerWord;
   if (word >= bits_.size()) {
     if (!covered) return false;
     bits_.resize(word + 1);
   }
-  const std::uint64_t bit = std::uint64_t(end) << 2 * (item % kItemsPerWord);
+  const std::uint64_t bit = std::uint64_t(end) << 2 * (to_index(item) % kItemsPerWord);
   if (((bits_[word] & bit) != 0) == covered) return false;
   bits_[word] ^= bit;
   count_ += covered ? 1 : std::size_t(-1);
@@ -409,7 +409,7 @@ bool Joints::set(ItemId item, Ends end, bool covered) {
 
 Ends Joints::covered(ItemId item) const {
   assert(!of_slots_);
-  return covered_at(item);
+  return covered_at(to_index(item));
 }
 
 Ends Joints::covered_at(std::uint32_t index) const {
@@ -439,7 +439,7 @@ void Joints::dissolve_transparent(const Snapshot& snapshot, std::size_t former_s
   std::vector<ItemId> uncovered;
   for (Slot s = 0; any && s < snapshot.size(); ++s) {
     const ItemId item = snapshot.item(s);
-    if (item == core::kNone || !turned(snapshot.material(s))) continue;
+    if (item == core::kNoItem || !turned(snapshot.material(s))) continue;
     if (covered(item) != kNoEnd) uncovered.push_back(item);
     dissolve(item, uncovered);
   }
@@ -447,14 +447,14 @@ void Joints::dissolve_transparent(const Snapshot& snapshot, std::size_t former_s
 }
 
 void Joints::prefetch(ItemId item) const {
-  const std::size_t group = item / kItemsPerWord;
+  const std::size_t group = to_index(item) / kItemsPerWord;
   if (group + 1 < first_.size()) core::prefetch(covers_.data() + first_[group], sizeof(covers_[0]));
 }
 
 void Joints::dissolve(ItemId item, std::vector<ItemId>& uncovered) {
   set(item, kBottomEnd, false);
   set(item, kTopEnd, false);
-  const std::size_t group = item / kItemsPerWord;
+  const std::size_t group = to_index(item) / kItemsPerWord;
   if (group + 1 >= first_.size()) return;
   const auto end = covers_.begin() + std::ptrdiff_t(first_[group + 1]);
   auto at = std::lower_bound(covers_.begin() + std::ptrdiff_t(first_[group]), end, std::uint64_t(item) << 32);

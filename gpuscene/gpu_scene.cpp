@@ -106,8 +106,8 @@ void GpuScene::pack(const Snapshot& snapshot, const gpuprims::Joints& joints, Sl
     const std::size_t n = std::size_t(core::parameter_count(kind));
     parameters = std::span(items.parameters).subspan(i * n, n);
   }
-  gpuprims::pack(kind, parameters, {items.placements[i], snapshot.item(slot), material_word(snapshot, joints, slot)},
-                 out);
+  gpuprims::pack(kind, parameters,
+                 {items.placements[i], to_index(snapshot.item(slot)), material_word(snapshot, joints, slot)}, out);
 }
 
 // --- uploading -------------------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@
 namespace sightline::gpuscene {
 namespace {
 
+using core::kNoItem;
 using core::kNone;
 using core::Slot;
 using core::Snapshot;
@@ -34,7 +35,7 @@ bool flat_shaded(const Snapshot& snapshot, Slot slot) {
 // --- records ---------------------------------------------------------------------------------------------------------
 
 void MeshPool::add(const Snapshot& snapshot, Slot slot) {
-  const bool given_up = snapshot.item(slot) == kNone;  // it never shows again
+  const bool given_up = snapshot.item(slot) == kNoItem;  // it never shows again
   const std::uint32_t shape = given_up ? kNone : shape_of(snapshot.share_mesh(slot));
   ElementsCommand command{0, snapshot.vacant(slot) ? 0u : 1u, 0, 0, std::uint32_t(commands_.size())};
   if (shape != kNone) {
@@ -49,7 +50,7 @@ void MeshPool::add(const Snapshot& snapshot, Slot slot) {
 
 void MeshPool::update(const Snapshot& snapshot, Slot slot, std::uint32_t record) {
   commands_[record].instance_count = snapshot.vacant(slot) ? 0 : 1;
-  if (snapshot.item(slot) != kNone || shape_of_record_[record] == kNone) return;
+  if (snapshot.item(slot) != kNoItem || shape_of_record_[record] == kNone) return;
   commands_[record].count = 0;
   const std::uint32_t index = std::exchange(shape_of_record_[record], kNone);
   Shape& shape = shapes_[index];

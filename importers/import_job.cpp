@@ -136,7 +136,7 @@ void ImportJob::add_primitive(core::NodeId node, const core::Primitive& primitiv
 void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
   if (reach_promised_ && is_tame(scene_.world_from_node(file_node_))) return;
   std::vector<core::ItemId> added;
-  for (core::ItemId item = first; item < scene_.item_slots(); ++item) added.push_back(item);
+  for (core::ItemId item = first; to_index(item) < scene_.item_slots(); ++item) added.push_back(item);
   std::vector<core::ItemId> bad;
   scene_.for_each_state(added, [&](core::ItemId item, const core::Scene::ItemState& state) {
     if (!scene_.can_commit(item, state.world_from_item)) bad.push_back(item);

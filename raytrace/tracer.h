@@ -74,7 +74,7 @@ SIGHTLINE_API std::string_view name_of(Face face);
 /// A crossing of a ray with a surface.
 struct Hit {
   core::Slot slot = core::kNone;
-  core::ItemId item = core::kNone;
+  core::ItemId item = core::kNoItem;
   double t = 0.0;
   core::dvec3 point{0.0};                ///< in the world
   core::dvec3 normal{0.0};               ///< in the world, of unit length, out of the solid (not towards the ray)

@@ -315,7 +315,7 @@ class Renderer {
       sums_[pixel] = counts_[pixel] == 0 ? colours[i] : sums_[pixel] + colours[i];
       ++counts_[pixel];
       if (!hit || !first) continue;
-      picture_.ids[pixel] = hit->item + 1;
+      picture_.ids[pixel] = to_index(hit->item) + 1;
       picture_.depths[pixel] = float(-(view_.eye_from_world() * core::dvec4(hit->point, 1.0)).z);
     }
     taken_ += pixels.size();

@@ -43,7 +43,7 @@ Side gather(const Revision& revision, Progress& progress, double share) {
     names.add(scene, node, revision.top);
     const std::uint64_t above = node == revision.top ? 0 : names.path[scene.parent(node).index];
     std::uint64_t order = 0;
-    for (core::ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item)) {
+    for (core::ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item)) {
       const core::Scene::ItemState state = scene.state(item, world, visible, layers, material);
       side.entries.push_back({side.shapes.geometry(item, state.world_from_item), names.path[node.index], above,
                               joined(~names.key[node.index], order++), node, item, state.material, kFree});
@@ -107,11 +107,11 @@ class Comparer {
     out.items.reserve(std::max(before_.entries.size(), after_.entries.size()));
     for (std::uint32_t j = 0; j < after_.entries.size() && progress_.go_on(j, after_.entries.size()); ++j) {
       const Entry& entry = after_.entries[j];
-      out.items.push_back(entry.partner == kFree ? Change{core::kNone, entry.item, State::kAdded}
+      out.items.push_back(entry.partner == kFree ? Change{core::kNoItem, entry.item, State::kAdded}
                                                  : change(entry.partner, j));
     }
     for (const Entry& entry : before_.entries)
-      if (entry.partner == kFree) out.items.push_back({entry.item, core::kNone, State::kRemoved});
+      if (entry.partner == kFree) out.items.push_back({entry.item, core::kNoItem, State::kRemoved});
     for (const Change& c : out.items) {
       ++out.counts[std::size_t(c.state)];
       out.renamed += c.differences & kPath ? 1 : 0;
@@ -170,7 +170,7 @@ std::vector<NodeChange> changed_nodes(const Revision& before, const Revision& af
         const std::uint64_t path = names.path[node.index];
         const auto old = old_nodes.find(path);
         if (old == old_nodes.end() || !old->second.valid() || !new_nodes.at(path).valid()) return;
-        if (before.scene->first_item(old->second) != core::kNone && after.scene->first_item(node) != core::kNone)
+        if (before.scene->first_item(old->second) != core::kNoItem && after.scene->first_item(node) != core::kNoItem)
           return;
         if (!attributes_alike(before.scene->attributes(old->second), after.scene->attributes(node)))
           changes.push_back({old->second, node});

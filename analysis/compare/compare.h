@@ -69,8 +69,8 @@ enum Difference : std::uint8_t {
 };
 
 struct Change {
-  core::ItemId before = core::kNone;  ///< kNone when added
-  core::ItemId after = core::kNone;   ///< kNone when removed
+  core::ItemId before = core::kNoItem;  ///< kNoItem when added
+  core::ItemId after = core::kNoItem;   ///< kNoItem when removed
   State state = State::kUnchanged;
   std::uint8_t differences = 0;  ///< bits of Difference; 0 when added or removed
   double turn = 0.0;             ///< radians, 0 … pi, by which the placement turned; 0 where the shape differs

@@ -158,10 +158,10 @@ void keep_large(const core::View& view, const core::Snapshot& snapshot, double l
     const core::vec3 size = box.max - box.min;
     const float distance = glm::dot(axis, 0.5f * (box.min + box.max)) + offset;
     if (glm::dot(size, size) >= square * distance * distance || snapshot.kind(slot) == core::Kind::kLine)
-      kept.items.push_back(slot);
+      kept.slots.push_back(slot);
   };
   in.for_each_slot(visit);
-  std::sort(kept.items.begin(), kept.items.end());
+  std::sort(kept.slots.begin(), kept.slots.end());
 }
 
 // --- pictures ------------------------------------------------------------------------------------------------------

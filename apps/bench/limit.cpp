@@ -123,14 +123,14 @@ class Bench {
     core::VisibleSet owners;
     owners.generation = snapshot.generation();
     for (const std::uint32_t id : ids.ids)
-      if (id != 0) owners.items.push_back(snapshot.slot(id - 1));
-    std::sort(owners.items.begin(), owners.items.end());
-    owners.items.erase(std::unique(owners.items.begin(), owners.items.end()), owners.items.end());
+      if (id != 0) owners.slots.push_back(snapshot.slot(core::ItemId{id - 1}));
+    std::sort(owners.slots.begin(), owners.slots.end());
+    owners.slots.erase(std::unique(owners.slots.begin(), owners.slots.end()), owners.slots.end());
     return timed(engine, [&]() -> core::Expected<std::int64_t> {
       const engine::Culled culled{view, snapshot, owners};
       const auto drawn = engine.drawing()->draw({.view = view, .culled = culled, .all = false});
       if (!drawn) return tl::unexpected(drawn.error());
-      return std::int64_t(owners.items.size());
+      return std::int64_t(owners.slots.size());
     });
   }
 

@@ -32,11 +32,12 @@ core::Expected<std::vector<ItemId>> items_of(const core::Scene& scene, const std
   std::vector<bool> below(scene.item_slots());
   for (const core::NodeId top : *nodes)
     scene.for_each_node(top, [&](core::NodeId node, const auto&...) {
-      for (ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item)) below[item] = true;
+      for (ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item))
+        below[to_index(item)] = true;
     });
   std::vector<ItemId> items;
-  for (ItemId item = 0; item < below.size(); ++item)
-    if (below[item] != others && scene.contains_item(item)) items.push_back(item);
+  for (ItemId item{0}; to_index(item) < below.size(); ++item)
+    if (below[to_index(item)] != others && scene.contains_item(item)) items.push_back(item);
   return items;
 }
 

@@ -37,7 +37,7 @@ class Converter {
       materials_.push_back(old.valid() ? to_.add_material(from_.material(old)) : core::MaterialId{});
     }
     copy_nodes();
-    for (ItemId item = 0; item < from_.item_slots(); ++item) copy_item(item);
+    for (ItemId item{0}; to_index(item) < from_.item_slots(); ++item) copy_item(item);
     return std::move(to_);
   }
 

@@ -69,7 +69,7 @@ core::Expected<std::vector<Fragment>> Composer::fragments(engine::Engine& engine
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::uint8_t* rgb = &colours->pixels[3 * i];
     out[i] = {depths[i], 0xffffffff, ids->ids[i], std::uint32_t(rgb[0] | rgb[1] << 8 | rgb[2] << 16)};
-    if (out[i].id != 0) out[i].order = order_of(engine.snapshot(), out[i].id - 1);
+    if (out[i].id != 0) out[i].order = order_of(engine.snapshot(), core::ItemId{out[i].id - 1});
   }
   return out;
 }

@@ -287,7 +287,7 @@ double one_digit(double value) {
 
 std::uint64_t triangles_of(const core::Scene& scene) {
   std::uint64_t triangles = 0;
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
     if (scene.contains_item(item) && int(scene.kind(item)) >= core::kPrimitiveKindCount)
       triangles += scene.mesh(scene.mesh_of(item)).indices.size() / 3;
   return triangles;
@@ -297,7 +297,7 @@ std::uint64_t triangles_of(const core::Scene& scene) {
 double expected_triangles(const core::Scene& scene, double metres) {
   constexpr std::size_t kSample = 1000;
   std::vector<core::ItemId> items;
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
     if (scene.contains_item(item) && int(scene.kind(item)) < core::kPrimitiveKindCount) items.push_back(item);
   const std::size_t step = std::max<std::size_t>(1, items.size() / kSample);
   core::Scene sample;

@@ -26,7 +26,7 @@ Content content_of(const core::Scene& scene) {
   std::set<std::uint32_t> meshes;
   scene.for_each_node(
       scene.root(), [&](core::NodeId node, const core::Affine&, bool visible, std::uint32_t, core::MaterialId) {
-        for (core::ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item)) {
+        for (core::ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item)) {
           ++content.items;
           content.hidden += !visible || !scene.item_visible(item);
           if (int(scene.kind(item)) < core::kPrimitiveKindCount) continue;

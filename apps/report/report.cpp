@@ -138,7 +138,7 @@ std::string Report::section_command(const std::string& section) const {
 std::vector<core::ItemId> owners(const image::IdImage& picture) {
   std::vector<core::ItemId> owners;
   for (const std::uint32_t id : picture.ids)
-    if (id != 0) owners.push_back(id - 1);
+    if (id != 0) owners.push_back(core::ItemId{id - 1});
   std::sort(owners.begin(), owners.end());
   owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
   return owners;

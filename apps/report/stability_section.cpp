@@ -175,7 +175,7 @@ core::Expected<std::map<Kind, DepthErrors>> measure_depths(const Report& report,
     while (std::gcd(step, std::size_t(report.width())) != 1) ++step;
     for (std::size_t i = 0; i < ids->ids.size(); i += step) {
       if (ids->ids[i] == 0) continue;
-      const core::ItemId item = ids->ids[i] - 1;
+      const core::ItemId item{ids->ids[i] - 1};
       const Kind kind = report.scene().kind(item);
       if (int(kind) >= core::kPrimitiveKindCount || kind == Kind::kLine) continue;
       const std::size_t width = std::size_t(report.width());

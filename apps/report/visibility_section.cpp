@@ -110,7 +110,7 @@ void count_lost(const Ids& set, const Picture& reference, const Picture& picture
   std::set_difference(seen.begin(), seen.end(), now.begin(), now.end(), std::back_inserter(lost));
   for (std::size_t i = 0; i < reference.ids.ids.size(); ++i)
     if (reference.ids.ids[i] != 0 && reference.depth.metres[i] != picture.depth.metres[i])
-      at_another_depth.push_back(reference.ids.ids[i] - 1);
+      at_another_depth.push_back(core::ItemId{reference.ids.ids[i] - 1});
   std::sort(at_another_depth.begin(), at_another_depth.end());
   for (const core::ItemId item : lost)
     ++(std::binary_search(at_another_depth.begin(), at_another_depth.end(), item) ? counts.lost : counts.ties);

@@ -35,7 +35,7 @@ class ItemCopier {
 
   core::Expected<core::ItemId> copy(core::ItemId item) {
     const core::NodeId node = copy_node(from_.node_of(item));
-    core::ItemId copied = core::kNone;
+    core::ItemId copied = core::kNoItem;
     if (int(from_.kind(item)) < core::kPrimitiveKindCount) {
       copied = to_.add_primitive(node, from_.primitive(item), from_.placement(item));
     } else {
@@ -121,7 +121,7 @@ ChangeList::ChangeList(std::string file, Model before, compare::Comparison found
 
 core::Expected<void> ChangeList::add_removed(core::Scene& scene) {
   change_of_.assign(scene.item_slots() + found_.count(State::kRemoved), kNoChange);
-  for (std::size_t i = 0; i < first_removed(); ++i) change_of_[found_.items[i].after] = std::uint32_t(i);
+  for (std::size_t i = 0; i < first_removed(); ++i) change_of_[to_index(found_.items[i].after)] = std::uint32_t(i);
   if (found_.count(State::kRemoved) == 0) return {};
   // Below the root, which moves all of a model, as the former root did.
   const core::Scene& old = before();
@@ -136,7 +136,7 @@ core::Expected<void> ChangeList::add_removed(core::Scene& scene) {
     meshes_ = copier.meshes();
     if (!copied) return take_removed(scene), tl::unexpected(copied.error());
     copies_.push_back(*copied);
-    change_of_[*copied] = std::uint32_t(i);
+    change_of_[to_index(*copied)] = std::uint32_t(i);
   }
   return {};
 }
@@ -213,7 +213,7 @@ std::vector<core::ItemId> ChangeList::items(const core::Scene& scene, std::size_
   if (is_item(row)) return {item_of(rows_[row])};
   std::vector<core::ItemId> items;
   scene.for_each_node(node(scene, row), [&](core::NodeId below, const auto&...) {
-    for (core::ItemId item = scene.first_item(below); item != core::kNone; item = scene.next_item(item))
+    for (core::ItemId item = scene.first_item(below); item != core::kNoItem; item = scene.next_item(item))
       items.push_back(item);
   });
   std::sort(items.begin(), items.end());
@@ -244,12 +244,14 @@ std::optional<std::size_t> ChangeList::step(int by) {
 }
 
 const Change* ChangeList::of(core::ItemId item) const {
-  return item < change_of_.size() && change_of_[item] != kNoChange ? &found_.items[change_of_[item]] : nullptr;
+  return to_index(item) < change_of_.size() && change_of_[to_index(item)] != kNoChange
+             ? &found_.items[change_of_[to_index(item)]]
+             : nullptr;
 }
 
 std::vector<FactChange> ChangeList::differing_facts(const core::Scene& scene, core::ItemId item) const {
   const Change* change = of(item);
-  if (!change || change->before == core::kNone || change->after == core::kNone) return {};
+  if (!change || change->before == core::kNoItem || change->after == core::kNoItem) return {};
   std::vector<FactChange> facts = differing(item_facts(before(), change->before), item_facts(scene, change->after));
   const core::NodeId old = before().node_of(change->before), now = scene.node_of(change->after);
   for (FactChange& fact : differing(attribute_facts(before(), old), attribute_facts(scene, now)))
@@ -260,7 +262,8 @@ std::vector<FactChange> ChangeList::differing_facts(const core::Scene& scene, co
 }
 
 std::string describe(const Change& change) {
-  if (change.before == core::kNone || change.after == core::kNone) return std::string(compare::name_of(change.state));
+  if (change.before == core::kNoItem || change.after == core::kNoItem)
+    return std::string(compare::name_of(change.state));
   std::string text;
   for (const auto& [bit, name] : {std::pair(compare::kShape, "shape"), std::pair(compare::kMaterial, "material"),
                                   std::pair(compare::kAttributes, "attributes")})

@@ -115,7 +115,7 @@ std::vector<CullingBoxes::SlotArea> CullingBoxes::in_picture(const core::View& v
   core::VisibleSet seen, wanted;
   culling::LinearCuller(boxes_).cull(view, seen);
   seen.for_each_slot([&](core::Slot slot) {
-    if (switches.states[std::size_t(states.boxes[slot].state)]) wanted.items.push_back(slot);
+    if (switches.states[std::size_t(states.boxes[slot].state)]) wanted.slots.push_back(slot);
   });
   std::vector<SlotArea> areas;
   culling::ContributionTest(view, boxes_.origin, depth.width, depth.height).areas(boxes_, wanted, areas);

@@ -36,7 +36,7 @@ Document::Document(const core::Scene& scene, engine::Engine& engine)
 std::vector<core::ItemId> Document::items_below(core::NodeId node) const {
   std::vector<core::ItemId> items;
   scene_->for_each_node(node, [&](core::NodeId below, const auto&...) {
-    for (core::ItemId item = scene_->first_item(below); item != core::kNone; item = scene_->next_item(item))
+    for (core::ItemId item = scene_->first_item(below); item != core::kNoItem; item = scene_->next_item(item))
       items.push_back(item);
   });
   std::sort(items.begin(), items.end());
@@ -45,8 +45,8 @@ std::vector<core::ItemId> Document::items_below(core::NodeId node) const {
 
 std::vector<core::ItemId> Document::items_with(Flag flag) const {
   std::vector<core::ItemId> items;
-  for (core::ItemId item = 0; item < flags_.size(); ++item)
-    if ((flags_[item] & flag) != 0) items.push_back(item);
+  for (core::ItemId item{0}; to_index(item) < flags_.size(); ++item)
+    if ((flags_[to_index(item)] & flag) != 0) items.push_back(item);
   return items;
 }
 
@@ -59,7 +59,7 @@ core::AabbD Document::bounds(std::span<const core::ItemId> items) const {
 std::vector<bool> Document::marked(std::span<const core::ItemId> items) const {
   std::vector<bool> marks(flags_.size());
   for (const core::ItemId item : items)
-    if (item < marks.size()) marks[item] = true;
+    if (to_index(item) < marks.size()) marks[to_index(item)] = true;
   return marks;
 }
 
@@ -67,8 +67,9 @@ template <class FlagsOf>
 Document::Changes Document::changes(const FlagsOf& flags_of) const {
   Changes list;
   const core::Snapshot& snapshot = engine_->snapshot();
-  for (core::ItemId item = 0; item < flags_.size(); ++item)
-    if (const std::uint8_t flags = flags_of(item); flags != flags_[item] && snapshot.slot(item) != core::kNone)
+  for (core::ItemId item{0}; to_index(item) < flags_.size(); ++item)
+    if (const std::uint8_t flags = flags_of(item);
+        flags != flags_[to_index(item)] && snapshot.slot(item) != core::kNone)
       list.push_back({item, flags});
   return list;
 }
@@ -76,8 +77,8 @@ Document::Changes Document::changes(const FlagsOf& flags_of) const {
 core::Expected<void> Document::select(std::span<const core::ItemId> items, SelectMode mode) {
   const std::vector<bool> named = marked(items);
   return step(changes([&](core::ItemId item) {
-    const std::uint8_t flags = flags_[item], without = flags & std::uint8_t(~kSelected);
-    if (!named[item]) return mode == SelectMode::kReplace ? without : flags;
+    const std::uint8_t flags = flags_[to_index(item)], without = flags & std::uint8_t(~kSelected);
+    if (!named[to_index(item)]) return mode == SelectMode::kReplace ? without : flags;
     if (unseen(item, flags, looks_)) return without;
     if (mode == SelectMode::kToggle) return std::uint8_t(flags ^ kSelected);
     return std::uint8_t(flags | kSelected);
@@ -87,21 +88,24 @@ core::Expected<void> Document::select(std::span<const core::ItemId> items, Selec
 core::Expected<void> Document::hide(std::span<const core::ItemId> items) {
   const std::vector<bool> named = marked(items);
   return step(changes([&](core::ItemId item) {
-    return named[item] ? std::uint8_t((flags_[item] | kHidden) & ~kSelected) : flags_[item];
+    return named[to_index(item)] ? std::uint8_t((flags_[to_index(item)] | kHidden) & ~kSelected)
+                                 : flags_[to_index(item)];
   }));
 }
 
 core::Expected<void> Document::isolate(std::span<const core::ItemId> items) {
   const std::vector<bool> named = marked(items);
   return step(changes([&](core::ItemId item) {
-    return std::uint8_t(named[item] ? flags_[item] & ~(kHidden | kGhost) : (flags_[item] | kHidden) & ~kSelected);
+    return std::uint8_t(named[to_index(item)] ? flags_[to_index(item)] & ~(kHidden | kGhost)
+                                              : (flags_[to_index(item)] | kHidden) & ~kSelected);
   }));
 }
 
 core::Expected<void> Document::ghost_others(std::span<const core::ItemId> items) {
   const std::vector<bool> named = marked(items);
   return step(changes([&](core::ItemId item) {
-    return std::uint8_t(named[item] ? flags_[item] & ~kGhost : (flags_[item] | kGhost) & ~kSelected);
+    return std::uint8_t(named[to_index(item)] ? flags_[to_index(item)] & ~kGhost
+                                              : (flags_[to_index(item)] | kGhost) & ~kSelected);
   }));
 }
 
@@ -109,16 +113,16 @@ core::Expected<void> Document::set(std::span<const core::ItemId> hidden, std::sp
                                    std::span<const core::ItemId> selected) {
   const std::vector<bool> hide = marked(hidden), faint = marked(ghosts), select = marked(selected);
   return step(changes([&](core::ItemId item) {
-    int flags = flags_[item] & ~(kHidden | kGhost | kSelected);
-    if (hide[item]) flags |= kHidden;
-    if (faint[item]) flags |= kGhost;
-    if (select[item] && !hide[item]) flags |= kSelected;
+    int flags = flags_[to_index(item)] & ~(kHidden | kGhost | kSelected);
+    if (hide[to_index(item)]) flags |= kHidden;
+    if (faint[to_index(item)]) flags |= kGhost;
+    if (select[to_index(item)] && !hide[to_index(item)]) flags |= kSelected;
     return std::uint8_t(flags);
   }));
 }
 
 core::Expected<void> Document::show_all() {
-  return step(changes([&](core::ItemId item) { return std::uint8_t(flags_[item] & ~(kHidden | kGhost)); }));
+  return step(changes([&](core::ItemId item) { return std::uint8_t(flags_[to_index(item)] & ~(kHidden | kGhost)); }));
 }
 
 core::Expected<void> Document::step(Changes changes) {
@@ -159,10 +163,10 @@ core::Expected<void> Document::show(const Changes& changes, const Looks& looks) 
   std::vector<std::vector<core::ItemId>> styled(kStyles * (looks.all.size() + 1));
   std::vector<core::ItemId> hide, show;
   for (const auto& [item, flags] : changes) {
-    const std::uint8_t old = flags_[item];
+    const std::uint8_t old = flags_[to_index(item)];
     const Look* look = looks.of(item);
     if (style_of(flags, look) != style_of(old, looks_.of(item)))
-      styled[style_bits(flags) + kStyles * (look ? looks.which[item] : 0)].push_back(item);
+      styled[style_bits(flags) + kStyles * (look ? looks.which[to_index(item)] : 0)].push_back(item);
     const bool unseen_now = unseen(item, flags, looks);
     if (unseen_now != unseen(item, old, looks_)) (unseen_now ? hide : show).push_back(item);
   }
@@ -184,14 +188,14 @@ core::Expected<Document::Changes> Document::apply(const Changes& changes) {
   bool selects = false, solids_change = false;
   for (const auto& [item, flags] : changes) {
     const Look* look = looks_.of(item);
-    solids_change |= style_of(flags, look).ghost != style_of(flags_[item], look).ghost;
-    const int turned = flags ^ flags_[item];
-    before.push_back({item, flags_[item]});
+    solids_change |= style_of(flags, look).ghost != style_of(flags_[to_index(item)], look).ghost;
+    const int turned = flags ^ flags_[to_index(item)];
+    before.push_back({item, flags_[to_index(item)]});
     selects |= (turned & kSelected) != 0;
     solids_change |= (turned & kHidden) != 0;
     if ((turned & kHidden) != 0) hidden_ += (flags & kHidden) != 0 ? 1 : std::size_t(-1);
     if ((turned & kGhost) != 0) ghosts_ += (flags & kGhost) != 0 ? 1 : std::size_t(-1);
-    flags_[item] = flags;
+    flags_[to_index(item)] = flags;
   }
   if (selects) list_selection();
   ++version_;
@@ -205,10 +209,10 @@ void Document::list_selection() {
 
 core::Expected<void> Document::set_looks(Looks looks) {
   Changes all;
-  for (core::ItemId item = 0; item < flags_.size(); ++item) {
+  for (core::ItemId item{0}; to_index(item) < flags_.size(); ++item) {
     const Look *now = looks.of(item), *then = looks_.of(item);
     const bool same = now && then ? *now == *then : now == then;
-    if (!same && engine_->snapshot().slot(item) != core::kNone) all.push_back({item, flags_[item]});
+    if (!same && engine_->snapshot().slot(item) != core::kNone) all.push_back({item, flags_[to_index(item)]});
   }
   if (auto done = show(all, looks); !done) return done;
   looks_ = std::move(looks);
@@ -220,11 +224,11 @@ core::Expected<void> Document::set_looks(Looks looks) {
 void Document::follow_scene() {
   flags_.resize(scene_->item_slots());
   const auto gone = [&](core::ItemId item) { return !scene_->contains_item(item); };
-  for (core::ItemId item = 0; item < flags_.size(); ++item) {
-    if (flags_[item] == 0 || !gone(item)) continue;
-    hidden_ -= (flags_[item] & kHidden) != 0 ? 1 : 0;
-    ghosts_ -= (flags_[item] & kGhost) != 0 ? 1 : 0;
-    flags_[item] = 0;
+  for (core::ItemId item{0}; to_index(item) < flags_.size(); ++item) {
+    if (flags_[to_index(item)] == 0 || !gone(item)) continue;
+    hidden_ -= (flags_[to_index(item)] & kHidden) != 0 ? 1 : 0;
+    ghosts_ -= (flags_[to_index(item)] & kGhost) != 0 ? 1 : 0;
+    flags_[to_index(item)] = 0;
   }
   for (std::vector<Changes>* steps : {&done_, &undone_}) {
     for (Changes& step : *steps) std::erase_if(step, [&](const Change& change) { return gone(change.item); });

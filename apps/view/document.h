@@ -28,7 +28,7 @@ struct Looks {
   std::vector<std::uint8_t> which;  ///< by item: 0 is the scene's own look, i is all[i - 1]; 0 for items beyond
 
   const Look* of(core::ItemId item) const {
-    return item < which.size() && which[item] != 0 ? &all[which[item] - 1u] : nullptr;
+    return to_index(item) < which.size() && which[to_index(item)] != 0 ? &all[which[to_index(item)] - 1u] : nullptr;
   }
 };
 
@@ -40,9 +40,13 @@ class Document {
   /// Both are borrowed; whoever edits the scene calls follow_scene().
   Document(const core::Scene& scene, engine::Engine& engine);
 
-  bool is(core::ItemId item, Flag flag) const { return item < flags_.size() && (flags_[item] & flag) != 0; }
+  bool is(core::ItemId item, Flag flag) const {
+    return to_index(item) < flags_.size() && (flags_[to_index(item)] & flag) != 0;
+  }
   /// Neither hidden nor without a look that shows.
-  bool shown(core::ItemId item) const { return item < flags_.size() && !unseen(item, flags_[item], looks_); }
+  bool shown(core::ItemId item) const {
+    return to_index(item) < flags_.size() && !unseen(item, flags_[to_index(item)], looks_);
+  }
   std::span<const core::ItemId> selection() const { return selection_; }  ///< in rising order
   std::size_t hidden() const { return hidden_; }                          ///< number of hidden items
   std::size_t ghosts() const { return ghosts_; }                          ///< number of faint items

@@ -9,6 +9,7 @@
 namespace sightline::apps {
 namespace {
 
+using core::kNoItem;
 using core::kNone;
 
 /// FNV-1a: continued by the next piece of a text.
@@ -68,7 +69,7 @@ ItemNames::ItemNames(const core::Scene& scene) : scene_(&scene) {
         const auto here = std::uint32_t(places_.size());
         const std::uint32_t siblings_before = parent == kNone ? 0 : position.back()++;
         const auto first = std::uint32_t(items_.size());
-        for (core::ItemId item = scene.first_item(node); item != kNone; item = scene.next_item(item))
+        for (core::ItemId item = scene.first_item(node); item != kNoItem; item = scene.next_item(item))
           items_.push_back(item);
         places_.push_back({node, kEmptyHash, 0, siblings_before, parent, here, first, std::uint32_t(items_.size())});
         Place& place = places_.back();
@@ -141,8 +142,8 @@ std::vector<PartName> ItemNames::parts(const std::vector<bool>& marked) const {
 PartSet ItemNames::name(std::span<const core::ItemId> items, bool others) const {
   std::vector<bool> named(scene_->item_slots()), marked(items_.size());
   for (const core::ItemId item : items)
-    if (item < named.size()) named[item] = true;
-  for (std::size_t i = 0; i < items_.size(); ++i) marked[i] = named[items_[i]];
+    if (to_index(item) < named.size()) named[to_index(item)] = true;
+  for (std::size_t i = 0; i < items_.size(); ++i) marked[i] = named[to_index(items_[i])];
   PartSet set{false, parts(marked)};
   if (!others || set.parts.size() < 2) return set;
   marked.flip();

@@ -74,7 +74,7 @@ Preview::Preview(const engine::EngineConfig& config) : config_(config), next_(Cl
 
 /// Lets only those into the heap that are larger than its smallest.
 void Preview::look_at(const core::Scene& scene) {
-  std::vector<core::ItemId> added(scene.item_slots() - seen_);
+  std::vector<core::ItemId> added(scene.item_slots() - to_index(seen_));
   std::iota(added.begin(), added.end(), seen_);
   seen_ = core::ItemId(scene.item_slots());
   scene.for_each_state(added, [&](core::ItemId item, const core::Scene::ItemState& state) {

@@ -66,7 +66,7 @@ class Preview {
   engine::EngineConfig config_;
   // The reading thread's.
   std::vector<Sized> largest_;  // a heap: the smallest of them first
-  core::ItemId seen_ = 0;
+  core::ItemId seen_{0};
   bool more_ = false;  // than was last shown
   Clock::time_point next_;
   mutable std::mutex mutex_;

@@ -64,8 +64,8 @@ bool node_row(Viewer& viewer, const TreeRow& row, ModelTree& tree) {
   const core::Scene& scene = viewer.session()->scene();
   const Document& document = viewer.session()->document();
   const core::ItemId first = scene.first_item(row.node);
-  const bool selected = first != core::kNone && document.is(first, Document::kSelected);
-  const bool hidden = first != core::kNone && document.is(first, Document::kHidden);
+  const bool selected = first != core::kNoItem && document.is(first, Document::kSelected);
+  const bool hidden = first != core::kNoItem && document.is(first, Document::kHidden);
   ImGui::PushID(int(row.node.index));
   ImGui::Indent(0.7f * ImGui::GetFontSize() * float(row.depth) + 0.001f);
   ImGuiTreeNodeFlags flags =

@@ -10,6 +10,7 @@
 namespace sightline::apps {
 namespace {
 
+using core::kNoItem;
 using core::kNone;
 using core::NodeId;
 
@@ -59,7 +60,7 @@ void TreeRows::copy_tree(const core::Scene& scene) {
         places_[parent].end = std::uint32_t(places_.size());
         parent = places_[parent].parent;
       });
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
     if (scene.contains_item(item)) ++places_[place_of_[scene.node_of(item).index]].items;
   items_ = scene.item_count();
 }
@@ -227,11 +228,11 @@ void TreeRows::let_all_through() {
 std::string label(const core::Scene& scene, NodeId node) {
   if (const std::string_view name = scene.name(node); !name.empty()) return std::string(name);
   const core::ItemId item = scene.first_item(node);
-  if (item == kNone) return node == scene.root() ? "Model" : "Group " + std::to_string(node.index);
+  if (item == kNoItem) return node == scene.root() ? "Model" : "Group " + std::to_string(node.index);
   std::string kind(core::name_of(scene.kind(item)));
   std::replace(kind.begin(), kind.end(), '_', ' ');
   kind[0] = char(kind[0] - 'a' + 'A');
-  return kind + " " + std::to_string(item);
+  return kind + " " + std::to_string(to_index(item));
 }
 
 }  // namespace sightline::apps

@@ -66,7 +66,8 @@ gl::ExternalTarget target_of(const sl_external_target* from) {
 
 std::span<const core::ItemId> items_of(const sl_item* items, std::size_t count) {
   require(items || count == 0, "items, found null");
-  return {items, count};
+  static_assert(sizeof(core::ItemId) == sizeof(sl_item));
+  return {reinterpret_cast<const core::ItemId*>(items), count};
 }
 
 }  // namespace sightline::capi
@@ -290,7 +291,7 @@ sl_status sl_engine_visible(sl_engine handle, sl_item* items, size_t capacity, s
     std::size_t found = 0;
     visible.for_each_slot([&](core::Slot slot) {
       if (snapshot.vacant(slot)) return;
-      if (found < capacity) items[found] = snapshot.item(slot);
+      if (found < capacity) items[found] = to_index(snapshot.item(slot));
       ++found;
     });
     *count = found;
@@ -470,7 +471,8 @@ std::vector<core::NodeId> nodes_of(const EngineUse& engine, const sl_node* nodes
 void write_items(std::span<const core::ItemId> from, sl_item* items, std::size_t capacity, std::size_t* count) {
   check_buffer(items, capacity);
   check_result(count);
-  std::copy_n(from.begin(), std::min(capacity, from.size()), items);
+  const auto written = from.first(std::min(capacity, from.size()));
+  std::transform(written.begin(), written.end(), items, core::to_index);
   *count = from.size();
 }
 
@@ -489,7 +491,7 @@ sl_status sl_engine_get_override(sl_engine handle, sl_item item, int32_t* there,
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     require(there != nullptr, "there, found null");
     check_result(style);
-    const auto found = engine->override_of(item);
+    const auto found = engine->override_of(core::ItemId{item});
     sl_item_style to SL_ITEM_STYLE_INIT;
     if (found) {
       to.use_colour = found->colour.has_value();
@@ -510,7 +512,7 @@ sl_status sl_engine_overridden_items(sl_engine handle, sl_item* items, size_t ca
 sl_status sl_engine_is_hidden(sl_engine handle, sl_item item, int32_t* hidden) {
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     require(hidden != nullptr, "hidden, found null");
-    *hidden = engine->is_hidden(item);
+    *hidden = engine->is_hidden(core::ItemId{item});
   });
 }
 
@@ -543,7 +545,7 @@ engine::PixelRectangle rectangle_of(const double rectangle[4]) {
 void write_pick(const std::optional<engine::Pick>& from, sl_pick* pick) {
   sl_pick found SL_PICK_INIT;
   if (from) {
-    found.item = from->item;
+    found.item = to_index(from->item);
     found.node = handle_of(from->node);
     found.t = from->t;
     for (int i = 0; i < 3; ++i) found.point[i] = from->point[i], found.normal[i] = from->normal[i];
@@ -654,7 +656,7 @@ sl_status sl_engine_visible_items_in(sl_engine handle, const sl_view* view, cons
     require(samples >= 1 && samples <= 1024, "1 to 1024 samples a pixel");
     write_list(value_of(engine->visible_items_in(view_of(view), rectangle_of(rectangle), samples)), items, capacity,
                count, [](const raytrace::VisibleItem& item) {
-                 return sl_visible_item{item.item, 0, item.samples};
+                 return sl_visible_item{to_index(item.item), 0, item.samples};
                });
 #else
     (void)engine, (void)view, (void)rectangle, (void)samples, (void)items, (void)capacity, (void)count;

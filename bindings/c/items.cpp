@@ -32,7 +32,7 @@ core::Mesh mesh_of(const sl_mesh_data* from) {
 }
 
 bool in_use(const core::Scene& scene, core::MeshId mesh) {
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
     if (scene.contains_item(item) && int(scene.kind(item)) >= core::kPrimitiveKindCount && scene.mesh_of(item) == mesh)
       return true;
   return false;
@@ -141,7 +141,7 @@ sl_status sl_item_add_primitive(sl_scene handle, sl_node node, const sl_primitiv
     check_result(item);
     const core::Primitive made = primitive_of(primitive);
     const SceneUse scene(handle, Access::kEdit);
-    *item = scene->add_primitive(scene.id(node), made, affine_of(placement), scene.id_or_none(material));
+    *item = to_index(scene->add_primitive(scene.id(node), made, affine_of(placement), scene.id_or_none(material)));
   });
 }
 
@@ -150,7 +150,8 @@ sl_status sl_item_add_mesh(sl_scene handle, sl_node node, sl_mesh mesh, const do
   return call(__func__, [&] {
     check_result(item);
     const SceneUse scene(handle, Access::kEdit);
-    *item = scene->add_mesh_instance(scene.id(node), scene.id(mesh), affine_of(placement), scene.id_or_none(material));
+    *item = to_index(
+        scene->add_mesh_instance(scene.id(node), scene.id(mesh), affine_of(placement), scene.id_or_none(material)));
   });
 }
 
@@ -190,7 +191,7 @@ sl_status sl_item_get(sl_scene handle, sl_item item, sl_item_info* info) {
     } else {
       found.mesh = handle_of(scene->mesh_of(id));
     }
-    found.next_item = scene->next_item(id);
+    found.next_item = to_index(scene->next_item(id));
     found.visible = scene->item_visible(id);
     write(info, found);
   });

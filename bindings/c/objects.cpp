@@ -254,9 +254,9 @@ core::MaterialId SceneUse::id(sl_material material) const {
   return id_in<HandleKind::kMaterial, core::MaterialId>(object_->scene, material.id);
 }
 core::ItemId SceneUse::id(sl_item item) const {
-  if (!object_->scene.contains_item(item))
+  if (!object_->scene.contains_item(core::ItemId{item}))
     refuse(SL_ERROR_HANDLE, "item " + std::to_string(item) + ": not in the scene");
-  return item;
+  return core::ItemId{item};
 }
 
 EngineUse::EngineUse(sl_engine handle, Access access) : object_(&find(handle)), scene_(*object_->scene, access) {}

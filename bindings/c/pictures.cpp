@@ -18,8 +18,8 @@ std::vector<std::uint8_t> states_by_item(const culling::CullStates& from, const 
                                          std::size_t items) {
   std::vector<std::uint8_t> states(items, SL_CULL_OUTSIDE);
   for (std::size_t slot = 0; slot < from.of_slot.size(); ++slot)
-    if (const auto s = core::Slot(slot); !snapshot.vacant(s) && snapshot.item(s) < items)
-      states[snapshot.item(s)] = std::uint8_t(from.of_slot[slot]);
+    if (const auto s = core::Slot(slot); !snapshot.vacant(s) && to_index(snapshot.item(s)) < items)
+      states[to_index(snapshot.item(s))] = std::uint8_t(from.of_slot[slot]);
   return states;
 }
 

@@ -58,7 +58,7 @@ sl_status sl_scene_append(sl_scene to, sl_node parent, sl_scene from) {
     const SceneUse other(from, Access::kEdit);  // busy when it is the same scene
     if (other.object().committed || other.object().engines > 0)
       refuse(SL_ERROR_ARGUMENT, "the other scene has been committed");
-    require(other->first_item(other->root()) == core::kNone, "a scene whose root has no items");
+    require(other->first_item(other->root()) == core::kNoItem, "a scene whose root has no items");
     require(scene->node_count() + other->node_count() <= kMostPerScene &&
                 scene->mesh_slots() + other->mesh_slots() <= kMostPerScene &&
                 scene->material_slots() + other->material_slots() <= kMostPerScene,
@@ -195,7 +195,7 @@ sl_status sl_node_get(sl_scene handle, sl_node node, sl_node_info* info) {
     found.material = handle_of(scene->material(id));
     write_affine(scene->transform(id), found.transform);
     found.attributes = scene->attributes(id).size();
-    found.first_item = scene->first_item(id);
+    found.first_item = to_index(scene->first_item(id));
     found.visible = scene->visible(id);
     write(info, found);
   });

@@ -96,7 +96,8 @@ std::vector<core::ItemId> item_ids(py::handle value, const char* argument) {
   std::vector<core::ItemId> ids;
   if (py::isinstance<py::array>(value)) {
     const auto array = indices(value, argument, {-1});
-    ids.assign(array.data(), array.data() + array.size());
+    const auto* first = reinterpret_cast<const core::ItemId*>(array.data());
+    ids.assign(first, first + array.size());
     return ids;
   }
   if (!py::isinstance<py::iterable>(value))
@@ -109,6 +110,10 @@ std::vector<core::ItemId> item_ids(py::handle value, const char* argument) {
     ids.push_back(py::detail::cast_op<core::ItemId>(id));
   }
   return ids;
+}
+
+Numbers<std::uint32_t> to_array(const std::vector<core::ItemId>& items) {
+  return Numbers<std::uint32_t>(Shape{py::ssize_t(items.size())}, reinterpret_cast<const std::uint32_t*>(items.data()));
 }
 
 core::dvec3 vector3(py::handle value, const char* argument) {

@@ -23,6 +23,22 @@
 #include "sightline/core/conventions.h"
 #include "sightline/core/error.h"
 
+/// Python sees ids of items as ints.
+template <>
+struct pybind11::detail::type_caster<sightline::core::ItemId> {
+  using Number = make_caster<std::uint32_t>;
+  PYBIND11_TYPE_CASTER(sightline::core::ItemId, Number::name);
+  bool load(handle from, bool convert) {
+    Number number;
+    if (!number.load(from, convert)) return false;
+    value = sightline::core::ItemId{cast_op<std::uint32_t>(number)};
+    return true;
+  }
+  static handle cast(sightline::core::ItemId item, return_value_policy policy, handle parent) {
+    return Number::cast(sightline::core::to_index(item), policy, parent);
+  }
+};
+
 namespace sightline::python {
 
 namespace py = pybind11;
@@ -76,6 +92,7 @@ core::dmat4 matrix(py::handle value, const char* argument);
 core::Affine affine(py::handle value, const char* argument);
 core::Affine affine(const double* rows, const char* argument);
 
+Numbers<std::uint32_t> to_array(const std::vector<core::ItemId>& items);
 Numbers<double> to_array(const core::dvec3& v);
 Numbers<double> to_array(const core::dmat4& m);
 Numbers<double> to_array(const core::Affine& m);
@@ -105,6 +122,16 @@ py::array_t<T> take(std::vector<T>&& values) {
   };
   const auto size = py::ssize_t(values.size());
   return take(Owner{std::move(values)}, &Owner::values, {size});
+}
+
+/// An array of the ids' numbers, which lie in memory as the ids do.
+inline py::array_t<std::uint32_t> take(std::vector<core::ItemId>&& items) {
+  auto kept = std::make_unique<std::vector<core::ItemId>>(std::move(items));
+  const py::ssize_t size = py::ssize_t(kept->size());
+  const auto* data = reinterpret_cast<const std::uint32_t*>(kept->data());
+  const py::capsule capsule(kept.get(), [](void* p) { delete static_cast<std::vector<core::ItemId>*>(p); });
+  (void)kept.release();  // the capsule has it
+  return view_of(data, {size}, capsule);
 }
 
 }  // namespace sightline::python

@@ -292,7 +292,7 @@ py::array_t<std::uint32_t> items_below(EngineBox& box, const std::vector<Node>& 
 }
 
 /// The arguments of set_override().
-std::optional<py::dict> override_of(EngineBox& box, std::uint32_t item) {
+std::optional<py::dict> override_of(EngineBox& box, core::ItemId item) {
   const auto style = box.call([&](engine::Engine& e) { return e.override_of(item); });
   if (!style) return std::nullopt;
   py::dict named;
@@ -434,7 +434,7 @@ void bind_overrides(EngineClass& c) {
           "Ids of the items with such a style, uint32, rising.")
       .def(
           "is_hidden",
-          [](EngineBox& b, std::uint32_t item) { return b.call([&](engine::Engine& e) { return e.is_hidden(item); }); },
+          [](EngineBox& b, core::ItemId item) { return b.call([&](engine::Engine& e) { return e.is_hidden(item); }); },
           "item"_a, "Whether hide() or isolate() hides the item.")
       .def(
           "hidden_items", [](EngineBox& b) { return take(b.call([](engine::Engine& e) { return e.hidden_items(); })); },

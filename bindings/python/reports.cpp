@@ -188,8 +188,8 @@ ItemStates states_by_item(const culling::CullStates& states, const core::Snapsho
   ItemStates by_item;
   by_item.of_item.assign(items, std::uint8_t(CullState::kOutside));
   for (std::size_t slot = 0; slot < states.of_slot.size(); ++slot)
-    if (const auto s = core::Slot(slot); !snapshot.vacant(s) && snapshot.item(s) < items)
-      by_item.of_item[snapshot.item(s)] = std::uint8_t(states.of_slot[slot]);
+    if (const auto s = core::Slot(slot); !snapshot.vacant(s) && to_index(snapshot.item(s)) < items)
+      by_item.of_item[to_index(snapshot.item(s))] = std::uint8_t(states.of_slot[slot]);
   by_item.items.assign(states.items.begin(), states.items.end());
   const core::dvec3 origin = snapshot.bounds().origin;
   for (const culling::CullBox& box : states.boxes) {

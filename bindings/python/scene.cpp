@@ -97,10 +97,10 @@ py::array_t<T> look_into(const Mesh& mesh, const std::vector<Row>& rows) {
 void remove_mesh(const Mesh& mesh) {
   core::Scene& scene = edit(mesh);
   if (mesh.scene->mesh_views[mesh.id.index] > 0) fail("mesh: arrays still look into it");
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
     if (scene.contains_item(item) && int(scene.kind(item)) >= core::kPrimitiveKindCount &&
         scene.mesh_of(item) == mesh.id)
-      fail("mesh: item " + std::to_string(item) + " still uses it");
+      fail("mesh: item " + std::to_string(to_index(item)) + " still uses it");
   scene.remove_mesh(mesh.id);
 }
 
@@ -245,8 +245,8 @@ void bind_item(py::module_& m) {
       .def("__int__", [](const Item& x) { return x.id; })
       .def(
           "__eq__", [](const Item& a, const Item& b) { return a == b; }, py::is_operator())
-      .def("__hash__", [](const Item& x) { return py::hash(py::int_(x.id)); })
-      .def("__repr__", [](const Item& x) { return "<sightline.Item " + std::to_string(x.id) + ">"; });
+      .def("__hash__", [](const Item& x) { return py::hash(py::int_(to_index(x.id))); })
+      .def("__repr__", [](const Item& x) { return "<sightline.Item " + std::to_string(to_index(x.id)) + ">"; });
 }
 
 // --- nodes -----------------------------------------------------------------------------------------------------------
@@ -262,7 +262,7 @@ std::vector<Node> children(const Node& node) {
 py::array_t<std::uint32_t> items_of(const Node& node) {
   const core::Scene& scene = read(node);
   std::vector<core::ItemId> out;
-  for (core::ItemId id = scene.first_item(node.id); id != core::kNone; id = scene.next_item(id)) out.push_back(id);
+  for (core::ItemId id = scene.first_item(node.id); id != core::kNoItem; id = scene.next_item(id)) out.push_back(id);
   return take(std::move(out));
 }
 
@@ -294,7 +294,7 @@ py::array_t<std::uint32_t> add_primitives(const Node& node, const std::string& k
     places[std::size_t(i)] = affine(matrices.data() + 16 * i, "placements");
   const auto material_id = material_in(node.scene, material);
   core::Scene& scene = edit(node);
-  std::vector<core::ItemId> ids(std::size_t(count), core::kNone);
+  std::vector<core::ItemId> ids(std::size_t(count), core::kNoItem);
   for (py::ssize_t i = 0; i < count; ++i) {
     const auto values = std::span(rows.data() + i * width, std::size_t(width));
     ids[std::size_t(i)] = scene.add_primitive(node.id, core::make_primitive(core::Kind(kind), values),
@@ -434,7 +434,7 @@ py::array_t<std::uint32_t> all_items(const ScenePtr& scene) {
   const core::Scene& from = scene->read();
   std::vector<core::ItemId> ids;
   ids.reserve(from.item_count());
-  for (core::ItemId id = 0; id < from.item_slots(); ++id)
+  for (core::ItemId id{0}; to_index(id) < from.item_slots(); ++id)
     if (from.contains_item(id)) ids.push_back(id);
   return take(std::move(ids));
 }
@@ -448,18 +448,15 @@ std::vector<Handle> all(const ScenePtr& scene, std::size_t slots, const At& at) 
 }
 
 void bind_delta(py::module_& m) {
-  const auto ids = [](const std::vector<std::uint32_t>& values) {
-    return py::array_t<std::uint32_t>(Shape{py::ssize_t(values.size())}, values.data());
-  };
   using core::SceneDelta;
   py::class_<SceneDelta> c(m, "SceneDelta", "What a commit published. Ids as uint32 arrays, rising.");
   c.def_property_readonly(
-       "inserted", [ids](const SceneDelta& d) { return ids(d.inserted); }, "New items.")
+       "inserted", [](const SceneDelta& d) { return to_array(d.inserted); }, "New items.")
       .def_property_readonly(
-          "changed", [ids](const SceneDelta& d) { return ids(d.changed); },
+          "changed", [](const SceneDelta& d) { return to_array(d.changed); },
           "Items moved, hidden, shown, re-layered or given another material.")
       .def_property_readonly(
-          "removed", [ids](const SceneDelta& d) { return ids(d.removed); }, "Items that are gone for good.")
+          "removed", [](const SceneDelta& d) { return to_array(d.removed); }, "Items that are gone for good.")
       .def("__len__", &SceneDelta::size);
   bind_value<&SceneDelta::inserted, &SceneDelta::changed, &SceneDelta::removed>(c);
 }
@@ -528,7 +525,7 @@ void bind_scene(py::module_& m) {
       .def(
           "item",
           [](const ScenePtr& s, core::ItemId id) {
-            if (!s->read().contains_item(id)) fail("item: there is none with id " + std::to_string(id));
+            if (!s->read().contains_item(id)) fail("item: there is none with id " + std::to_string(to_index(id)));
             return Item{{s, id}};
           },
           py::arg("id"), "The item with this id.")

@@ -29,8 +29,10 @@ template <class T>
 inline constexpr bool kIsNumbers = false;
 template <class T>
 inline constexpr bool kIsNumbers<std::vector<T>> = std::is_arithmetic_v<T>;
+template <class T>
+inline constexpr bool kIsItems = std::is_same_v<T, std::vector<core::ItemId>>;
 
-/// A field as pickles have it: enumerators as numbers, texts as bytes, lists of numbers as arrays.
+/// A field as pickles have it: enumerators as numbers, texts as bytes, lists of numbers and ids as arrays.
 template <class T>
 py::object stored(const T& value) {
   if constexpr (kIsOptional<T>)
@@ -41,6 +43,8 @@ py::object stored(const T& value) {
     return py::bytes(value);
   else if constexpr (kIsNumbers<T>)
     return py::array_t<typename T::value_type>(Shape{py::ssize_t(value.size())}, value.data());
+  else if constexpr (kIsItems<T>)
+    return to_array(value);
   else
     return py::cast(value);
 }
@@ -61,6 +65,8 @@ T restored(py::handle value) {
   } else if constexpr (kIsNumbers<T>) {
     const auto array = py::cast<py::array_t<typename T::value_type, py::array::c_style>>(value);
     return T(array.data(), array.data() + array.size());
+  } else if constexpr (kIsItems<T>) {
+    return item_ids(py::cast<py::array_t<std::uint32_t, py::array::c_style>>(value), "pickle");
   } else {
     return py::cast<T>(value);
   }

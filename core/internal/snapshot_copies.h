@@ -15,7 +15,7 @@ namespace sightline::core {
 /// Copies of items, in no order.
 struct Snapshot::Items {
   struct Record {
-    ItemId item = kNone;
+    ItemId item = kNoItem;
     Kind kind = Kind::kMesh;
     std::uint32_t layers = 0;  // 0: hidden
     std::uint32_t material = kNone;

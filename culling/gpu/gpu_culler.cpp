@@ -328,9 +328,9 @@ core::VisibleSet GpuCuller::read_back(const gpuscene::DrawLists& lists) const {
     gl_->GetNamedBufferSubData(target.buffer, GLintptr(target.offset), GLsizeiptr(found.size() * sizeof(found[0])),
                                found.data());
     for (std::size_t i = 0; i < count; ++i)
-      set.items.push_back(batch.bounds.slots()[found[(i + 1) * words - 1]]);  // a mesh's base instance is its record
+      set.slots.push_back(batch.bounds.slots()[found[(i + 1) * words - 1]]);  // a mesh's base instance is its record
   }
-  std::sort(set.items.begin(), set.items.end());
+  std::sort(set.slots.begin(), set.slots.end());
   return set;
 }
 

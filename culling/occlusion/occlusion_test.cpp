@@ -226,8 +226,8 @@ void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy*
   behind.clear();
   front.generation = behind.generation = in.generation;
   for (std::size_t word = 0; word < in_front.size(); ++word) {
-    list_bits(word, in_front[word], front.items);
-    list_bits(word, others[word] & ~in_front[word], behind.items);
+    list_bits(word, in_front[word], front.slots);
+    list_bits(word, others[word] & ~in_front[word], behind.slots);
   }
 }
 

@@ -162,9 +162,9 @@ void SolidOccluders::leave_out_hidden(core::VisibleSet& items, const DepthPyrami
     front = end;
   }
   items.ranges.clear();
-  items.items.clear();
+  items.slots.clear();
   for (std::size_t i = 0; i < slots.size(); ++i)
-    if (hidden[i] == 0) items.items.push_back(slots[i]);
+    if (hidden[i] == 0) items.slots.push_back(slots[i]);
 }
 
 void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn, CullThreads* threads) {

@@ -74,7 +74,7 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
 }
 
 bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms) {
-  pass_.items.clear();
+  pass_.slots.clear();
   counts_.fill(0);
   double left = ms - costs_.pass_ms();
   while (at_ < order_.size()) {
@@ -82,11 +82,11 @@ bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBoun
     if (end == at_) break;
     left -= take(end, test, bounds);
   }
-  while (pass_.items.empty() && at_ < order_.size())  // a frame must come on, however short the time
+  while (pass_.slots.empty() && at_ < order_.size())  // a frame must come on, however short the time
     take(std::min(order_.size(), at_ + kFewest), test, bounds);
-  std::sort(pass_.items.begin(), pass_.items.end());
-  drawn_.items.insert(drawn_.items.end(), pass_.items.begin(), pass_.items.end());
-  return !pass_.items.empty();
+  std::sort(pass_.slots.begin(), pass_.slots.end());
+  drawn_.slots.insert(drawn_.slots.end(), pass_.slots.begin(), pass_.slots.end());
+  return !pass_.slots.empty();
 }
 
 /// The end of the next piece that costs no more than that if none of it is hidden.
@@ -99,24 +99,24 @@ std::size_t BudgetPasses::affordable(double ms) const {
 
 /// Adds what is open of the candidates up to `end` to the pass; returns what drawing it costs.
 double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, const core::ItemBounds& bounds) {
-  piece_.items.clear();
-  for (std::size_t i = at_; i < end; ++i) piece_.items.push_back(order_[i].slot);
+  piece_.slots.clear();
+  for (std::size_t i = at_; i < end; ++i) piece_.slots.push_back(order_[i].slot);
   if (test)
     test->filter(bounds, piece_, open_piece_, lines_);  // keeps their order
   else
     std::swap(piece_, open_piece_);
   double ms = 0.0;
-  auto open = open_piece_.items.begin();
+  auto open = open_piece_.slots.begin();
   for (std::size_t i = at_; i < end; ++i) {
     const int size_class = DrawCosts::class_of(order_[i].area);
     --left_[std::size_t(size_class)];
     looked_at_ms_ += costs_.ms(size_class);
-    if (open == open_piece_.items.end() || *open != order_[i].slot) continue;
+    if (open == open_piece_.slots.end() || *open != order_[i].slot) continue;
     ++open;
     ++counts_[std::size_t(size_class)];
     ms += costs_.ms(size_class);
   }
-  pass_.items.insert(pass_.items.end(), open_piece_.items.begin(), open_piece_.items.end());
+  pass_.slots.insert(pass_.slots.end(), open_piece_.slots.begin(), open_piece_.slots.end());
   at_ = end;
   drawn_ms_ += ms;
   return ms;

@@ -194,8 +194,8 @@ core::Expected<void> Drawing::draw_one(const core::Snapshot& snapshot, const gpu
   const auto shows = [&](core::Slot slot) { return !snapshot.vacant(slot); };
   const auto first = std::find_if(slots.begin(), slots.end(), shows);
   if (first == slots.end()) return {};
-  one.items = {*first};
-  const core::Aabb box = snapshot.bounds().box(one.items[0]);
+  one.slots = {*first};
+  const core::Aabb box = snapshot.bounds().box(one.slots[0]);
   const core::dvec3 origin = snapshot.bounds().origin;
   const auto view =
       core::View::fit({origin + core::dvec3(box.min), origin + core::dvec3(box.max)}, core::kOverviewDirection, 0.9,

@@ -39,7 +39,7 @@ render::PixelBox pixels_around(const core::View& view, const core::Snapshot& sna
 }
 
 bool empty(const core::VisibleSet& set) {
-  return set.ranges.empty() && set.items.empty();
+  return set.ranges.empty() && set.slots.empty();
 }
 
 /// Eye depths between which the boxes of a set lie; none of them is negative in perspective views.

@@ -50,9 +50,9 @@ core::VisibleSet missing_items(const DrawContext& context, const Culled& culled)
   if (context.config.losses.budget_ms > 0.0) image.budget.looked_at(bounds.size(), drawn);
   core::VisibleSet missing;
   culled.visible.for_each_slot([&](core::Slot slot) {
-    if (!bounds.vacant(slot) && !culling::contains(drawn, slot)) missing.items.push_back(slot);
+    if (!bounds.vacant(slot) && !culling::contains(drawn, slot)) missing.slots.push_back(slot);
   });
-  std::sort(missing.items.begin(), missing.items.end());
+  std::sort(missing.slots.begin(), missing.slots.end());
   return missing;
 }
 
@@ -67,7 +67,7 @@ core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& cull
   core::VisibleSet sampled, open;
   context.sample_test(view, bounds).filter(bounds, missing_items(context, culled), sampled);
   const core::VisibleSet* left = &sampled;
-  if (target.format().samples == 1 && !sampled.items.empty()) {
+  if (target.format().samples == 1 && !sampled.slots.empty()) {
     std::vector<float> distances;
     culling::DepthPyramid pyramid;
     target.read_distances(view, distances);

@@ -12,8 +12,8 @@ namespace {
 core::VisibleSet part_of(const core::VisibleSet& visible, core::Slot parts, core::Slot part) {
   core::VisibleSet some;
   some.generation = visible.generation;
-  for (const core::Slot slot : visible.items)
-    if (slot / core::kBlockSlots % parts == part) some.items.push_back(slot);
+  for (const core::Slot slot : visible.slots)
+    if (slot / core::kBlockSlots % parts == part) some.slots.push_back(slot);
   for (const core::SlotRange& range : visible.ranges) {
     const core::Slot end = range.first + range.count, from = range.first / core::kBlockSlots;
     for (core::Slot block = from + (part + parts - from % parts) % parts; block * core::kBlockSlots < end;

@@ -111,7 +111,7 @@ class NearAndFar {
 
 bool in_share(core::ItemId item, float share) {
   // The last step of MurmurHash3 (A. Appleby): each bit of the id changes each bit of the result with probability 1/2.
-  std::uint32_t h = item + 0x9e3779b9u;
+  std::uint32_t h = to_index(item) + 0x9e3779b9u;
   h = (h ^ h >> 16) * 0x85ebca6bu;
   h = (h ^ h >> 13) * 0xc2b2ae35u;
   h ^= h >> 16;

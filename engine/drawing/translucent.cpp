@@ -44,7 +44,7 @@ void part(const core::VisibleSet& set, culling::SlotBits bits, core::VisibleSet&
       first = stop;
     }
   }
-  for (const core::Slot slot : set.items) (culling::contains(bits, slot) ? with : without).items.push_back(slot);
+  for (const core::Slot slot : set.slots) (culling::contains(bits, slot) ? with : without).slots.push_back(slot);
 }
 
 }  // namespace sightline::engine

@@ -23,9 +23,9 @@ core::Expected<void> UnseenItems::split(DrawContext& context, const Culled& cull
   unseen_.clear();
   unseen_.generation = seen_.generation = visible.generation;
   visible.for_each_slot([&](core::Slot slot) {
-    if (!bounds.vacant(slot) && !culling::contains(seen, slot)) unseen_.items.push_back(slot);
+    if (!bounds.vacant(slot) && !culling::contains(seen, slot)) unseen_.slots.push_back(slot);
   });
-  std::sort(unseen_.items.begin(), unseen_.items.end());
+  std::sort(unseen_.slots.begin(), unseen_.slots.end());
   if (auto done = make_materials(context, snapshot); !done) return done;
   split_view_ = view;
   return {};

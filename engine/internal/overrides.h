@@ -37,29 +37,29 @@ class ItemMap {
   }
 
   void prefetch(core::ItemId item) const {
-    if (item < places_.size()) core::prefetch(places_[item]);
+    if (to_index(item) < places_.size()) core::prefetch(places_[to_index(item)]);
   }
   /// Null where the item has none. Valid until the next insertion or removal.
   const Value* find(core::ItemId item) const {
-    const std::uint32_t place = item < places_.size() ? places_[item] : core::kNone;
+    const std::uint32_t place = to_index(item) < places_.size() ? places_[to_index(item)] : core::kNone;
     return place == core::kNone ? nullptr : &entries_[place].value;
   }
   Value* find(core::ItemId item) { return const_cast<Value*>(std::as_const(*this).find(item)); }
   /// The item must have none.
   Value& insert(core::ItemId item, Value value) {
-    if (item >= places_.size()) places_.resize(std::size_t(item) + 1 + item / 8, core::kNone);
-    places_[item] = std::uint32_t(entries_.size());
+    if (to_index(item) >= places_.size()) places_.resize(std::size_t(item) + 1 + to_index(item) / 8, core::kNone);
+    places_[to_index(item)] = std::uint32_t(entries_.size());
     return entries_.emplace_back(Entry{item, std::move(value)}).value;
   }
   /// The item must have one.
   void erase(core::ItemId item) {
-    const std::uint32_t place = places_[item];
+    const std::uint32_t place = places_[to_index(item)];
     if (place + 1 != entries_.size()) {
       entries_[place] = std::move(entries_.back());
-      places_[entries_[place].item] = place;
+      places_[to_index(entries_[place].item)] = place;
     }
     entries_.pop_back();
-    places_[item] = core::kNone;
+    places_[to_index(item)] = core::kNone;
   }
   void clear() { *this = {}; }
   std::size_t memory_bytes() const { return 4 * places_.capacity() + sizeof(Entry) * entries_.capacity(); }

@@ -67,7 +67,7 @@ class Joints {
   Ends covered(core::ItemId item) const;
   /// Of a slot's item, for any Joints.
   Ends covered(const core::Snapshot& snapshot, core::Slot slot) const {
-    return covered_at(of_slots_ ? slot : snapshot.item(slot));
+    return covered_at(of_slots_ ? slot : to_index(snapshot.item(slot)));
   }
   /// Covered ends of all items.
   std::size_t count() const { return count_; }

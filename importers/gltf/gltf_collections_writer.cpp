@@ -20,6 +20,7 @@ using core::Affine;
 using core::dmat3;
 using core::dvec2;
 using core::dvec3;
+using core::kNoItem;
 using core::kNone;
 
 constexpr float kTurn = float(core::kFullTurn);
@@ -83,7 +84,7 @@ class CollectionsWriter {
     }
     std::uint64_t items = 0;
     scene_.for_each_node(top, [&](core::NodeId node, auto&&...) {
-      for (core::ItemId item = scene_.first_item(node); item != kNone; item = scene_.next_item(item)) ++items;
+      for (core::ItemId item = scene_.first_item(node); item != kNoItem; item = scene_.next_item(item)) ++items;
     });
     step_ = 1.0 / double(std::max<std::uint64_t>(1, items));
     scene_.for_each_node(top, [&](core::NodeId node, const Affine& world, bool visible, std::uint32_t layers,
@@ -107,7 +108,7 @@ class CollectionsWriter {
     const std::uint64_t left_out_before = report_.left_out;
     bool shows = false;
     tree_ = float(parts_);
-    for (core::ItemId id = scene_.first_item(node); id != kNone && error_.empty(); id = scene_.next_item(id)) {
+    for (core::ItemId id = scene_.first_item(node); id != kNoItem && error_.empty(); id = scene_.next_item(id)) {
       if (options_.progress && !options_.progress(step_ * double(done_++))) error_ = kCancelled;
       const core::Scene::ItemState state = scene_.state(id, world, visible, layers, material);
       const bool written = (state.layers & core::kDefaultLayerMask) != 0 && write_item(id, state);

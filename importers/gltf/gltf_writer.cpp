@@ -21,6 +21,7 @@ namespace {
 using core::Affine;
 using core::dmat3;
 using core::dvec3;
+using core::kNoItem;
 using core::kNone;
 using core::NodeId;
 
@@ -100,7 +101,7 @@ class TreeWriter {
   core::Expected<void> run(NodeId top) {
     std::uint64_t items = 0;
     scene_.for_each_node(top, [&](NodeId node, auto&&...) {
-      for (core::ItemId item = scene_.first_item(node); item != kNone; item = scene_.next_item(item)) ++items;
+      for (core::ItemId item = scene_.first_item(node); item != kNoItem; item = scene_.next_item(item)) ++items;
     });
     step_ = 1.0 / double(std::max<std::uint64_t>(1, items));
     scene_.for_each_node(
@@ -148,7 +149,7 @@ class TreeWriter {
   std::vector<Item> items_of(NodeId node, const Affine& world, bool visible, std::uint32_t layers,
                              core::MaterialId material) {
     std::vector<Item> items;
-    for (core::ItemId id = scene_.first_item(node); id != kNone && !cancelled_; id = scene_.next_item(id)) {
+    for (core::ItemId id = scene_.first_item(node); id != kNoItem && !cancelled_; id = scene_.next_item(id)) {
       if (options_.progress && !options_.progress(step_ * double(done_++))) cancelled_ = true;
       const core::Scene::ItemState state = scene_.state(id, world, visible, layers, material);
       Item item{id, state.material, kNone, scene_.placement(id)};

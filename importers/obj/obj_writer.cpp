@@ -147,7 +147,7 @@ class ObjWriter {
   core::Expected<ObjWriteReport> run(NodeId top) {
     std::uint64_t items = 0;
     scene_.for_each_node(top, [&](NodeId node, const core::Affine&, bool, std::uint32_t, MaterialId) {
-      for (core::ItemId item = scene_.first_item(node); item != core::kNone; item = scene_.next_item(item)) ++items;
+      for (core::ItemId item = scene_.first_item(node); item != core::kNoItem; item = scene_.next_item(item)) ++items;
     });
     progress_step_ = 1.0 / double(std::max<std::uint64_t>(1, items));
     NodePath path(scene_, top);
@@ -167,7 +167,7 @@ class ObjWriter {
   void write_node(NodeId node, const std::string& name, const core::Affine& world, bool visible, std::uint32_t layers,
                   MaterialId material) {
     bool named = false;
-    for (core::ItemId item = scene_.first_item(node); item != core::kNone && error_.message.empty();
+    for (core::ItemId item = scene_.first_item(node); item != core::kNoItem && error_.message.empty();
          item = scene_.next_item(item)) {
       if (!report_progress()) return;
       const core::Scene::ItemState state = scene_.state(item, world, visible, layers, material);

@@ -42,7 +42,7 @@ class ItemRecogniser {
  public:
   ItemRecogniser(core::Scene& scene, core::ItemId first, double tolerance, RecognitionReport& report)
       : scene_(scene), tolerance_(tolerance), report_(report) {
-    for (core::ItemId item = first; item < scene.item_slots(); ++item)
+    for (core::ItemId item = first; to_index(item) < scene.item_slots(); ++item)
       if (scene.contains_item(item) && int(scene.kind(item)) >= core::kPrimitiveKindCount) {
         const std::uint32_t mesh = scene.mesh_of(item).index;
         const auto [at, fresh] = place_.try_emplace(mesh, meshes_.size());

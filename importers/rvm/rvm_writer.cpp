@@ -96,7 +96,7 @@ class Palette {
 
 /// The items of one node still to be written, and what they inherit.
 struct ItemSource {
-  ItemId next = core::kNone;
+  ItemId next = core::kNoItem;
   std::uint32_t layers = core::kLayerModel;
   MaterialId material;
   Look look;
@@ -152,7 +152,7 @@ class RvmWriter {
     std::vector<NodeId> order;
     scene_.for_each_node(top, [&](NodeId node, const core::Affine&, bool, std::uint32_t, MaterialId) {
       order.push_back(node);
-      if (node.index >= first_item_from_.size()) first_item_from_.resize(node.index + 1, core::kNone);
+      if (node.index >= first_item_from_.size()) first_item_from_.resize(node.index + 1, core::kNoItem);
       first_item_from_[node.index] = scene_.first_item(node);
     });
     for (std::size_t i = order.size(); i-- > 1;) {
@@ -211,7 +211,7 @@ class RvmWriter {
   bool is_layer_node(NodeId node, const Frame& above, const Look& look) const {
     const std::uint32_t layers = scene_.layers(node);
     return (layers == core::kLayerObstruction || layers == core::kLayerInsulation) && above.node != top_ &&
-           scene_.name(node).empty() && !scene_.first_child(node).valid() && scene_.first_item(node) != core::kNone &&
+           scene_.name(node).empty() && !scene_.first_child(node).valid() && scene_.first_item(node) != core::kNoItem &&
            scene_.attributes(node).empty() && is_identity(scene_.transform(node)) &&
            look.colour == above.sources[0].look.colour;
   }
@@ -257,7 +257,7 @@ class RvmWriter {
     ItemSource& source = *std::min_element(frame.sources.begin(), frame.sources.end(),
                                            [](const ItemSource& a, const ItemSource& b) { return a.next < b.next; });
     const NodeId child = frame.next_child;
-    if (source.next != core::kNone && !(child.valid() && first_item_from_[child.index] < source.next)) {
+    if (source.next != core::kNoItem && !(child.valid() && first_item_from_[child.index] < source.next)) {
       const ItemId item = source.next;
       source.next = scene_.next_item(item);
       write_item_in_frame(frame, source, item);

@@ -48,8 +48,8 @@ class TableMaker {
     double weight = 0.0;
     for (core::Slot slot = first; slot < leaf_end(first); ++slot) {
       const core::ItemId item = snapshot_.item(slot);
-      if (item / 32 < joints_.bits.size())
-        ends |= (joints_.bits[item / 32] >> 2 * (item % 32) & 3u) << 2 * (slot - first);
+      if (to_index(item) / 32 < joints_.bits.size())
+        ends |= (joints_.bits[to_index(item) / 32] >> 2 * (to_index(item) % 32) & 3u) << 2 * (slot - first);
       if (snapshot_.vacant(slot)) continue;
       const core::Aabb own = snapshot_.bounds().box(slot);
       box.grow(own);

@@ -398,15 +398,15 @@ class PagedPart {
       if constexpr (std::is_same_v<std::remove_reference_t<decltype(array.data()[0])>, core::ItemId>)
         if (number == storage::kSlotItems)
           for (core::ItemId& item : array) {
-            good = good && item < known;
-            item += first_item_;
+            good = good && to_index(item) < known;
+            item = core::ItemId{to_index(item) + to_index(first_item_)};
           }
     });
     return good;
   }
 
   std::shared_ptr<const SlcFile> file_;
-  core::ItemId first_item_ = 0;
+  core::ItemId first_item_{0};
   bool verified_ = true;
   SlcSnapshotState state_{};
   std::vector<core::dvec3> chunk_origins_;
@@ -518,7 +518,7 @@ core::Expected<std::vector<fs::path>> scene_caches_of(const fs::path& path) {
 }
 
 core::Expected<PagedScene> open_paged_scene(std::shared_ptr<const SlcFile> file, const fs::path& name, bool verified) {
-  auto part = PagedPart::open(std::move(file), 0, verified);
+  auto part = PagedPart::open(std::move(file), core::ItemId{0}, verified);
   if (!part) return core::fail(fmt::format("{}: {}", name.string(), part.error().message));
   return join({{name, std::move(*part)}});
 }

@@ -187,7 +187,7 @@ core::Expected<ImportReport> read(const std::string& name, SlcExpected<std::shar
   report.nodes = scene.append(parent, std::move(loaded->scene));
   if (moved) {
     std::vector<core::ItemId> added;
-    for (core::ItemId item = first; item < scene.item_slots(); ++item) added.push_back(item);
+    for (core::ItemId item = first; to_index(item) < scene.item_slots(); ++item) added.push_back(item);
     drop_what_cannot_be_committed(scene, added, report);
   }
   if (options.progress) (void)options.progress(1.0);

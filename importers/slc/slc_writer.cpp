@@ -40,7 +40,7 @@ core::Scene with_plain_root(const core::Scene& scene) {
 
 ImportReport report_of(const core::Scene& scene) {
   ImportReport report;
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item) {
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item) {
     if (!scene.contains_item(item)) continue;
     const core::Kind kind = scene.kind(item);
     ++report.items[std::size_t(kind)];
@@ -203,7 +203,7 @@ class SceneWriter {
 
 core::Expected<void> write_slc(const core::Scene& scene, const std::filesystem::path& path, const ImportReport* report,
                                const std::function<bool(double)>& progress, std::string_view sources) {
-  if (scene.first_item(scene.root()) != core::kNone)
+  if (scene.first_item(scene.root()) != core::kNoItem)
     return core::fail(fmt::format("{}: the root has items, which a scene cache cannot hold: expected them below a node",
                                   path.string()));
   try {

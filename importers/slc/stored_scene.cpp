@@ -18,6 +18,7 @@ using core::fail;
 using core::ItemId;
 using core::Kind;
 using core::kKindCount;
+using core::kNoItem;
 using core::kNone;
 using core::kPrimitiveKindCount;
 using core::MaterialId;
@@ -71,7 +72,7 @@ bool links_hold(const Scene& scene, std::uint32_t i) {
   const Access::Node& node = nodes[i];
   if (i == 0) {
     if (node.parent != kNone || node.previous != kNone || node.next != kNone || node.generation != 0 ||
-        node.first_item != kNone)
+        node.first_item != kNoItem)
       return false;
   } else {
     if (!alive(node.parent)) return false;
@@ -99,13 +100,16 @@ bool links_hold(const Scene& scene, std::uint32_t i) {
 bool content_holds(const Scene& scene, std::uint32_t i) {
   const auto in = Access::of(scene);
   const Access::Node& node = in.nodes()[i];
-  const auto holds_item = [&](std::uint32_t item) {
-    return item < in.items().size() && in.items()[item].alive && in.items()[item].node == i;
+  const auto holds_item = [&](ItemId item) {
+    const std::uint32_t index = to_index(item);
+    return index < in.items().size() && in.items()[index].alive && in.items()[index].node == i;
   };
-  if ((node.first_item == kNone) != (node.last_item == kNone)) return false;
-  if (node.first_item != kNone && !(holds_item(node.first_item) && in.items()[node.first_item].previous == kNone))
+  if ((node.first_item == kNoItem) != (node.last_item == kNoItem)) return false;
+  if (node.first_item != kNoItem &&
+      !(holds_item(node.first_item) && in.items()[to_index(node.first_item)].previous == kNoItem))
     return false;
-  if (node.last_item != kNone && !(holds_item(node.last_item) && in.items()[node.last_item].next == kNone))
+  if (node.last_item != kNoItem &&
+      !(holds_item(node.last_item) && in.items()[to_index(node.last_item)].next == kNoItem))
     return false;
   if (node.material != kNone &&
       (node.material >= in.materials().size() || in.materials()[node.material].generation == kNone))
@@ -157,13 +161,15 @@ Expected<void> check_items(const Scene& scene) {
     if (item.node >= in.nodes().size() || !in.nodes()[item.node].alive) return false;
     const Access::Node& node = in.nodes()[item.node];
     // Items of a node come in rising order.
-    if (item.previous == kNone ? node.first_item != index
-                               : !(item.previous < index && items[item.previous].alive &&
-                                   items[item.previous].next == index && items[item.previous].node == item.node))
+    if (item.previous == kNoItem ? to_index(node.first_item) != index
+                                 : !(to_index(item.previous) < index && items[to_index(item.previous)].alive &&
+                                     items[to_index(item.previous)].next == ItemId(index) &&
+                                     items[to_index(item.previous)].node == item.node))
       return false;
-    if (item.next == kNone ? node.last_item != index
-                           : !(item.next > index && item.next < items.size() && items[item.next].alive &&
-                               items[item.next].previous == index && items[item.next].node == item.node))
+    if (item.next == kNoItem
+            ? to_index(node.last_item) != index
+            : !(to_index(item.next) > index && to_index(item.next) < items.size() && items[to_index(item.next)].alive &&
+                items[to_index(item.next)].previous == ItemId(index) && items[to_index(item.next)].node == item.node))
       return false;
     if (item.material != kNone &&
         (item.material >= in.materials().size() || in.materials()[item.material].generation == kNone))
@@ -330,7 +336,7 @@ std::vector<ItemId> not_surely_fit(const Scene& scene) {
   const auto in = Access::of(scene);
   std::vector<ItemId> found;
   for (const ItemId item : in.dirty_items())
-    if ((in.item_states()[item] & Access::kFit) == 0) found.push_back(item);
+    if ((in.item_states()[to_index(item)] & Access::kFit) == 0) found.push_back(item);
   return found;
 }
 

@@ -19,6 +19,7 @@ using core::kBlockSlots;
 using core::Kind;
 using core::KindItems;
 using core::kKindCount;
+using core::kNoItem;
 using core::kNone;
 using core::kPrimitiveKindCount;
 using core::LargeArray;
@@ -88,21 +89,21 @@ Expected<void> check_slots(const Scene& scene, const Snapshot& snapshot) {
   const auto of_scene = Access::of(scene);
   const auto in = Access::of(snapshot);
   const std::size_t n = in.kinds().size(), chunks = in.chunks().origins().size();
-  constexpr std::uint8_t kNoItem = 255;
+  constexpr std::uint8_t kGone = 255;
   std::vector<std::uint8_t> kinds(of_scene.items().size());
   for (std::size_t i = 0; i < kinds.size(); ++i)
-    kinds[i] = of_scene.items()[i].alive ? std::uint8_t(of_scene.items()[i].kind) : kNoItem;
+    kinds[i] = of_scene.items()[i].alive ? std::uint8_t(of_scene.items()[i].kind) : kGone;
   const auto holds = [&](std::size_t s) {
     const Kind kind = in.kinds()[s];
     if (std::uint8_t(kind) >= kKindCount) return false;
     const KindItems& list = in.kind_items()[std::size_t(kind)];
     const std::size_t i = in.index_in_kind()[s];
     const ItemId item = in.items()[s];
-    if (i >= list.members.size() || list.members[i] != s || item >= in.slots().size() || in.slots()[item] != s ||
-        kinds[item] != std::uint8_t(kind))
+    if (i >= list.members.size() || list.members[i] != s || to_index(item) >= in.slots().size() ||
+        in.slots()[to_index(item)] != s || kinds[to_index(item)] != std::uint8_t(kind))
       return false;
     if (list.placements[i].chunk >= chunks) return false;
-    if (int(kind) >= kPrimitiveKindCount && list.meshes[i] != of_scene.items()[item].payload) return false;
+    if (int(kind) >= kPrimitiveKindCount && list.meshes[i] != of_scene.items()[to_index(item)].payload) return false;
     const std::uint32_t material = in.materials()[s];
     if (material != kNone && material >= scene.material_slots()) return false;
     return box_holds(snapshot, s);
@@ -112,7 +113,7 @@ Expected<void> check_slots(const Scene& scene, const Snapshot& snapshot) {
     for (std::size_t i = n; i < c.size(); ++i)
       if (std::abs(c[i]) != Aabb::kFar) return fail("the padding of its bounds is inconsistent");
   const auto item_holds = [&](std::size_t item) {
-    return kinds[item] != kNoItem ? in.slots()[item] < n : in.slots()[item] == kNone;
+    return kinds[item] != kGone ? in.slots()[item] < n : in.slots()[item] == kNone;
   };
   if (const std::size_t wrong = first_wrong(scene.item_slots(), item_holds); wrong < scene.item_slots())
     return inconsistent("slot of item", wrong);
@@ -213,7 +214,7 @@ Expected<void> check_page(const Page& page) {
     if (!all_finite(c.data(), c.size())) return fail("its boxes are not finite");
   for (std::size_t s = 0; s < snapshot.size(); ++s) {
     if (in.materials()[s] != kNone && in.materials()[s] >= rows) return fail("its materials are inconsistent");
-    if (in.items()[s] == kNone) return fail("its items are inconsistent");
+    if (in.items()[s] == kNoItem) return fail("its items are inconsistent");
     if (bounds.uses_layers() && arrays.layers()[s] == 0) return fail("its layers are inconsistent");
   }
   for (const dvec3& origin : in.chunks().origins())

@@ -108,7 +108,7 @@ class Reading {
     } else {
       return job_.damage(0, fmt::format("block '{}' refused: expected .vtk, .vtp, .vtu, .vtm or .vtmb", block.file));
     }
-    const bool whole_import = blocks_ > kMaxVtkBlocks || job_.scene().item_slots() != first;
+    const bool whole_import = blocks_ > kMaxVtkBlocks || job_.scene().item_slots() != to_index(first);
     if (read || !job_.options().lenient || whole_import || read.error().message == kCancelled) return read;
     job_.warn(0, read.error().message + "; block left out");
     return {};

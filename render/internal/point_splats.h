@@ -14,7 +14,7 @@ namespace sightline::render {
 struct PointSplat {
   glm::vec3 centre;        ///< in eye space, metres
   float side;              ///< pixels, at most PointSplats::largest_side()
-  std::uint32_t item;      ///< id
+  core::ItemId item;       ///< id
   std::uint32_t material;  ///< row of the GPU scene's material table
 };
 

@@ -50,7 +50,7 @@ core::Expected<int> measure(const Options& o) {
   const std::vector<core::View>& views = *tour;
   std::vector<core::AabbD> boxes;
   boxes.reserve(scene.item_slots());
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
     boxes.push_back(scene.bounds_under(item, scene.state(item).world_from_item));
   const auto culler = culling::BoxCuller::create(boxes);
   if (!culler) return tl::unexpected(culler.error());

@@ -32,7 +32,7 @@ using Edit = void (*)(core::Scene&, std::mt19937_64&);
 
 template <class Call>
 void for_each_item(core::Scene& scene, const Call& call) {
-  for (core::ItemId item = 0, end = core::ItemId(scene.item_slots()); item < end; ++item)
+  for (core::ItemId item{0}, end = core::ItemId(scene.item_slots()); item < end; ++item)
     if (scene.contains_item(item)) call(item);
 }
 

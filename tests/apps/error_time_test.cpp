@@ -198,8 +198,8 @@ TEST_F(TessellatedScene, KeepsEverythingButTheShapes) {
   EXPECT_EQ(made.node_count(), scene.node_count());
   EXPECT_EQ(made.item_count(), scene.item_count());
   ASSERT_EQ(made.item_slots(), scene.item_slots());
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item) {
-    SCOPED_TRACE(item);
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item) {
+    SCOPED_TRACE(to_index(item));
     ASSERT_EQ(made.contains_item(item), scene.contains_item(item));
     if (!scene.contains_item(item)) continue;
     EXPECT_EQ(made.path(made.node_of(item)), scene.path(scene.node_of(item)));
@@ -218,11 +218,11 @@ TEST_F(TessellatedScene, KeepsEverythingButTheShapes) {
 
 TEST_F(TessellatedScene, EqualShapesShareAMesh) {
   const core::Scene made = tessellated(scene, 8);
-  EXPECT_EQ(made.mesh_of(0), made.mesh_of(2)) << "equal cylinders";
-  EXPECT_NE(made.mesh_of(0), made.mesh_of(3));
-  EXPECT_EQ(made.mesh_of(5), made.mesh_of(6)) << "instances of one mesh";
+  EXPECT_EQ(made.mesh_of(core::ItemId{0}), made.mesh_of(core::ItemId{2})) << "equal cylinders";
+  EXPECT_NE(made.mesh_of(core::ItemId{0}), made.mesh_of(core::ItemId{3}));
+  EXPECT_EQ(made.mesh_of(core::ItemId{5}), made.mesh_of(core::ItemId{6})) << "instances of one mesh";
   EXPECT_EQ(made.mesh_slots(), 3u);
-  EXPECT_EQ(made.mesh(made.mesh_of(0)).indices.size() / 3, 8u * 2 + 2 * (8 - 2));
+  EXPECT_EQ(made.mesh(made.mesh_of(core::ItemId{0})).indices.size() / 3, 8u * 2 + 2 * (8 - 2));
 }
 
 /// Millimetres and metres give the same triangles for the same tolerance in the world, and one mesh.
@@ -239,8 +239,8 @@ TEST_F(TessellatedScene, KeepsATolerance) {
   for (const double tolerance : {0.1, 0.01, 0.001}) {
     const core::Scene made = apps::tessellated_within(spheres, tolerance);
     EXPECT_EQ(made.mesh_slots(), 2u);
-    const core::Mesh& mesh = made.mesh(made.mesh_of(0));
-    EXPECT_EQ(mesh.indices, made.mesh(made.mesh_of(1)).indices);
+    const core::Mesh& mesh = made.mesh(made.mesh_of(core::ItemId{0}));
+    EXPECT_EQ(mesh.indices, made.mesh(made.mesh_of(core::ItemId{1})).indices);
     EXPECT_GT(mesh.indices.size(), coarser);
     coarser = mesh.indices.size();
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {

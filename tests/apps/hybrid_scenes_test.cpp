@@ -15,7 +15,7 @@ using core::Kind;
 
 std::array<std::uint64_t, core::kKindCount> kinds_of(const core::Scene& scene) {
   std::array<std::uint64_t, core::kKindCount> counts{};
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
     if (scene.contains_item(item)) ++counts[std::size_t(scene.kind(item))];
   return counts;
 }
@@ -50,17 +50,18 @@ TEST(HybridScenes, AnotherKindKeepsItsPlace) {
   const auto before = core::ItemId(plant.item_slots());
   core::ItemId replacement = before;  // in the order of what they replace
   std::size_t torus_slices = 0;
-  for (core::ItemId item = 0; item < before; ++item) {
+  for (core::ItemId item{0}; item < before; ++item) {
     if (scene.contains_item(item)) continue;
     ASSERT_TRUE(scene.contains_item(replacement));
     torus_slices += scene.kind(replacement) == Kind::kCircularTorus;
-    const AabbD old_box = bounds_of(plant, item), new_box = bounds_of(scene, replacement++);
+    const AabbD old_box = bounds_of(plant, item), new_box = bounds_of(scene, replacement);
+    ++replacement;
     const double size = glm::length(old_box.size());
-    EXPECT_LE(glm::length(new_box.centre() - old_box.centre()), 0.1 * size) << "item " << item;
-    EXPECT_LE(glm::length(new_box.size()), 1.5 * size) << "item " << item;
-    EXPECT_GE(glm::length(new_box.size()), 0.5 * size) << "item " << item;
+    EXPECT_LE(glm::length(new_box.centre() - old_box.centre()), 0.1 * size) << "item " << to_index(item);
+    EXPECT_LE(glm::length(new_box.size()), 1.5 * size) << "item " << to_index(item);
+    EXPECT_GE(glm::length(new_box.size()), 0.5 * size) << "item " << to_index(item);
   }
-  EXPECT_EQ(replacement, scene.item_slots());
+  EXPECT_EQ(to_index(replacement), scene.item_slots());
   EXPECT_GT(torus_slices, 1000u);
 }
 
@@ -70,11 +71,11 @@ TEST(HybridScenes, PrismsFillTheAircraftsBoxes) {
   ASSERT_TRUE(scene.commit());
   const std::vector<core::Aabb> boxes = bench::make_aircraft(scene.item_slots());
   ASSERT_EQ(scene.item_count(), std::size_t(0.005 * double(bench::kAircraftMeshes)));
-  for (core::ItemId item = 0; item < boxes.size(); ++item) {
+  for (core::ItemId item{0}; to_index(item) < boxes.size(); ++item) {
     const AabbD box = bounds_of(scene, item);
     const double near = 1e-5 * glm::length(box.size()) + 1e-9;
-    EXPECT_LE(glm::length(box.min - core::dvec3(boxes[item].min)), near) << "item " << item;
-    EXPECT_LE(glm::length(box.max - core::dvec3(boxes[item].max)), near) << "item " << item;
+    EXPECT_LE(glm::length(box.min - core::dvec3(boxes[to_index(item)].min)), near) << "item " << to_index(item);
+    EXPECT_LE(glm::length(box.max - core::dvec3(boxes[to_index(item)].max)), near) << "item " << to_index(item);
   }
 }
 

@@ -37,7 +37,7 @@ TEST_F(ContractDeathTest, RemovedItems) {
   const char* expected = "sightline: live: expected an item that is neither removed nor unknown";
   EXPECT_DEATH(scene.remove_item(item), expected);
   EXPECT_DEATH((void)scene.primitive(item), expected);
-  EXPECT_DEATH(scene.set_placement(item + 1, {}), expected);
+  EXPECT_DEATH(scene.set_placement(ItemId{to_index(item) + 1}, {}), expected);
 }
 
 TEST_F(ContractDeathTest, StaleMeshes) {

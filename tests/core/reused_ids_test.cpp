@@ -34,7 +34,7 @@ class Traffic {
   Scene& scene() { return scene_; }
   Random& random() { return random_; }
   /// Which item has an id, counted from the first that ever was.
-  int owner(ItemId item) const { return owners_[item]; }
+  int owner(ItemId item) const { return owners_[to_index(item)]; }
   std::size_t most_items() const { return most_; }
 
   void edit() {
@@ -74,8 +74,8 @@ class Traffic {
       const std::array<Primitive, 3> shapes{Cylinder{size, 1.0f}, Sphere{size}, Box{size, 1.0f, 2.0f}};
       item = scene_.add_primitive(node, shapes[random_() % 3], somewhere(), material);
     }
-    if (item >= owners_.size()) owners_.resize(item + 1);
-    owners_[item] = serial_++;
+    if (to_index(item) >= owners_.size()) owners_.resize(to_index(item) + 1);
+    owners_[to_index(item)] = serial_++;
     ASSERT_EQ(std::count(items_.begin(), items_.end(), item), 0) << "in use";
     items_.push_back(item);
     most_ = std::max(most_, items_.size());
@@ -128,25 +128,26 @@ class Traffic {
 };
 
 void expect_same_items(const Snapshot& followed, const Snapshot& fresh, ItemId end) {
-  for (ItemId item = 0; item < end; ++item) {
+  for (ItemId item{0}; item < end; ++item) {
     const Slot a = followed.slot(item), b = fresh.slot(item);
-    ASSERT_EQ(a == kNone, b == kNone) << item;
+    ASSERT_EQ(a == kNone, b == kNone) << to_index(item);
     if (a == kNone) continue;
     ASSERT_EQ(followed.item(a), item);
-    ASSERT_EQ(followed.kind(a), fresh.kind(b)) << item;
-    ASSERT_EQ(followed.vacant(a), fresh.vacant(b)) << item;
+    ASSERT_EQ(followed.kind(a), fresh.kind(b)) << to_index(item);
+    ASSERT_EQ(followed.vacant(a), fresh.vacant(b)) << to_index(item);
     if (int(followed.kind(a)) < kPrimitiveKindCount) {
       const Primitive x = followed.primitive(a), y = fresh.primitive(b);
-      ASSERT_TRUE(std::ranges::equal(parameters(x), parameters(y))) << item;
+      ASSERT_TRUE(std::ranges::equal(parameters(x), parameters(y))) << to_index(item);
     } else {
-      ASSERT_EQ(&followed.mesh(a), &fresh.mesh(b)) << item;
+      ASSERT_EQ(&followed.mesh(a), &fresh.mesh(b)) << to_index(item);
       ASSERT_FALSE(followed.mesh(a).name.empty());
     }
     const auto look = [](const Snapshot& of, Slot slot) {
       return of.material(slot) == kNone ? glm::vec4(-1.0f) : of.materials()[of.material(slot)];
     };
-    ASSERT_EQ(look(followed, a), look(fresh, b)) << item;
-    ASSERT_LT(glm::length(followed.world_from_item(a).origin - fresh.world_from_item(b).origin), 1e-5) << item;
+    ASSERT_EQ(look(followed, a), look(fresh, b)) << to_index(item);
+    ASSERT_LT(glm::length(followed.world_from_item(a).origin - fresh.world_from_item(b).origin), 1e-5)
+        << to_index(item);
   }
 }
 
@@ -162,11 +163,11 @@ struct Follower {
 
   void know(const SceneDelta& delta, const Traffic& traffic) {
     for (const ItemId item : delta.inserted) {
-      if (item >= owners.size()) owners.resize(item + 1, -1);
-      owners[item] = traffic.owner(item);
+      if (to_index(item) >= owners.size()) owners.resize(to_index(item) + 1, -1);
+      owners[to_index(item)] = traffic.owner(item);
     }
     for (const ItemId item : delta.removed)
-      if (!std::binary_search(delta.inserted.begin(), delta.inserted.end(), item)) owners[item] = -1;
+      if (!std::binary_search(delta.inserted.begin(), delta.inserted.end(), item)) owners[to_index(item)] = -1;
   }
 };
 
@@ -188,9 +189,9 @@ TEST(ReusedIds, SnapshotsThatFollowShowWhatTheSceneHas) {
         if (!f.subscribes) f.waiting.push_back(*delta);
         // What a subscriber knows by an id is not another item's, even while it has read half of its edits.
         if (f.subscribes)
-          for (ItemId item = 0; item < f.owners.size(); ++item)
-            if (f.owners[item] >= 0 && scene.contains_item(item)) {
-              ASSERT_EQ(f.owners[item], traffic.owner(item)) << item;
+          for (ItemId item{0}; to_index(item) < f.owners.size(); ++item)
+            if (f.owners[to_index(item)] >= 0 && scene.contains_item(item)) {
+              ASSERT_EQ(f.owners[to_index(item)], traffic.owner(item)) << to_index(item);
             }
         if (traffic.random()() % f.pause != 0) continue;
         if (!f.subscribes) {
@@ -409,7 +410,7 @@ TEST(ReusedIds, WhatIsTakenBackGetsNewIdsMeanwhile) {
     const NodeId node = scene.add_node(scene.root());
     EXPECT_GE(scene.add_mesh(triangle()).value().index, mark.meshes);
     const ItemId tried = scene.add_primitive(node, kPipe);
-    EXPECT_GE(tried, mark.items);
+    EXPECT_GE(to_index(tried), mark.items);
     scene.remove_item(tried);  // as imports drop what cannot be committed
     scene.take_back(mark, std::vector{node});
   }
@@ -418,7 +419,7 @@ TEST(ReusedIds, WhatIsTakenBackGetsNewIdsMeanwhile) {
   EXPECT_EQ(again.index, mesh.index);
   EXPECT_NE(again, mesh);
   const ItemId next = scene.add_primitive(scene.root(), kPipe);
-  EXPECT_EQ(next + 1, scene.item_slots()) << "not the one that was taken back";
+  EXPECT_EQ(to_index(next) + 1, scene.item_slots()) << "not the one that was taken back";
   ASSERT_TRUE(scene.commit());
 }
 

@@ -152,7 +152,7 @@ TEST(SceneCommit, WhatIsTakenBackIsNotPublished) {
   for (int i = 0; i < 3; ++i) scene.add_primitive(tried, kPipe);
   scene.take_back(mark, std::vector{tried});
   const ItemId again = scene.add_primitive(scene.root(), kPipe);
-  EXPECT_EQ(again, pending + 1);
+  EXPECT_EQ(to_index(again), to_index(pending) + 1);
   EXPECT_EQ(scene.commit()->inserted, (Ids{pending, again}));
   EXPECT_TRUE(scene.commit()->empty());
 }

@@ -120,8 +120,8 @@ TEST(SceneMeshes, HandlesOfMeshesAndMaterialsStayStale) {
   other.remove_material(other.add_material({}));
   other.add_mesh_instance(other.add_node(other.root()), other.add_mesh(triangle()).value(), {}, theirs);
   scene.append(scene.root(), std::move(other));
-  EXPECT_EQ(scene.material(scene.item_material(item + 1)).name, "theirs");
-  EXPECT_TRUE(scene.contains(scene.mesh_of(item + 1)));
+  EXPECT_EQ(scene.material(scene.item_material(ItemId{to_index(item) + 1})).name, "theirs");
+  EXPECT_TRUE(scene.contains(scene.mesh_of(ItemId{to_index(item) + 1})));
   EXPECT_FALSE(scene.material_at(scene.material_slots() - 1).valid());
 }
 

@@ -14,7 +14,7 @@ using Ids = std::vector<core::ItemId>;
 
 inline Ids items_of(const core::Scene& scene, core::NodeId node) {
   Ids ids;
-  for (core::ItemId i = scene.first_item(node); i != core::kNone; i = scene.next_item(i)) ids.push_back(i);
+  for (core::ItemId i = scene.first_item(node); i != core::kNoItem; i = scene.next_item(i)) ids.push_back(i);
   return ids;
 }
 

@@ -47,7 +47,7 @@ TEST(Scene, HandlesOfRemovedNodesStayStale) {
     EXPECT_TRUE(scene.visible(node));
     EXPECT_TRUE(scene.attributes(node).empty());
     EXPECT_EQ(scene.layers(node), 0u);
-    EXPECT_EQ(scene.first_item(node), kNone);
+    EXPECT_EQ(scene.first_item(node), kNoItem);
     scene.set_transform(node, {dmat3(2.0), dvec3(1.0)});
     scene.set_visible(node, false);
     scene.set_layers(node, 4);
@@ -301,7 +301,7 @@ TEST(Scene, JoinedScenesReuseTheirPlaces) {
   below.push_back(beyond);
   EXPECT_EQ(children_of(scene, top), below);
   ASSERT_EQ(children_of(scene, added[0]).size(), 1u);
-  EXPECT_EQ(scene.path(scene.node_of(0)), "top/first/last");
+  EXPECT_EQ(scene.path(scene.node_of(ItemId{0})), "top/first/last");
 }
 
 TEST(Scene, NestsAHundredThousandDeep) {
@@ -315,7 +315,7 @@ TEST(Scene, NestsAHundredThousandDeep) {
   }
   ASSERT_EQ(scene.commit()->inserted.size(), std::size_t(kDeep));
   EXPECT_EQ(scene.world_from_node(node).origin.x, double(kDeep));
-  EXPECT_EQ(scene.state(kDeep - 1).world_from_item.origin.x, double(kDeep));
+  EXPECT_EQ(scene.state(ItemId{kDeep - 1}).world_from_item.origin.x, double(kDeep));
   std::size_t visited = 0;
   scene.for_each_node(scene.root(), [&](NodeId, const Affine& world, bool, std::uint32_t, MaterialId) {
     ASSERT_EQ(world.origin.x, double(visited++));
@@ -356,7 +356,7 @@ TEST(Scene, HoldsAHundredThousandChildrenAndItemsOnOneNode) {
   for (int i = kWide - 1; i >= 0; --i) scene.remove_item(items[std::size_t(i)]);
   for (int i = kWide - 1; i >= 0; --i) scene.remove_node(children[std::size_t(i)]);
   EXPECT_FALSE(scene.first_child(wide).valid());
-  EXPECT_EQ(scene.first_item(wide), kNone);
+  EXPECT_EQ(scene.first_item(wide), kNoItem);
   EXPECT_EQ(scene.item_count(), 0u);
   EXPECT_EQ(scene.commit()->removed.size(), 2 * std::size_t(kWide));
 }

@@ -60,7 +60,7 @@ struct Twin {
       if (item.alive && within(item.node, top)) item.touched = true;
   }
   void remove(ItemId id) {
-    Item& item = items[id];
+    Item& item = items[to_index(id)];
     item.alive = false;
     if (item.committed) removed.push_back(id);
     std::erase(nodes[std::size_t(item.node)].items, id);
@@ -98,13 +98,13 @@ struct Twin {
   }
   /// What a commit has to report, nothing when it has to fail; then `worst` names the node.
   bool commit(SceneDelta& delta, std::string& worst) {
-    for (ItemId id = 0; id < items.size(); ++id)
-      if (items[id].alive && bad(items[id])) {
-        worst = path(items[id].node);
+    for (ItemId id{0}; to_index(id) < items.size(); ++id)
+      if (items[to_index(id)].alive && bad(items[to_index(id)])) {
+        worst = path(items[to_index(id)].node);
         return false;
       }
-    for (ItemId id = 0; id < items.size(); ++id) {
-      Item& item = items[id];
+    for (ItemId id{0}; to_index(id) < items.size(); ++id) {
+      Item& item = items[to_index(id)];
       if (item.alive && item.touched) (item.committed ? delta.changed : delta.inserted).push_back(id);
       item.touched = false;
       item.committed = true;
@@ -306,8 +306,8 @@ class RandomEdits {
   }
   void remove_node(int node) {
     scene_.remove_node(twin_.nodes[std::size_t(node)].handle);
-    for (ItemId id = 0; id < twin_.items.size(); ++id)
-      if (twin_.items[id].alive && twin_.within(twin_.items[id].node, node)) twin_.remove(id);
+    for (ItemId id{0}; to_index(id) < twin_.items.size(); ++id)
+      if (twin_.items[to_index(id)].alive && twin_.within(twin_.items[to_index(id)].node, node)) twin_.remove(id);
     std::erase(twin_.nodes[std::size_t(twin_.nodes[std::size_t(node)].parent)].children, node);
     for (std::size_t n = 0; n < twin_.nodes.size(); ++n)
       if (twin_.nodes[n].alive && twin_.within(int(n), node)) doomed_.push_back(n);
@@ -331,7 +331,7 @@ class RandomEdits {
     const NodeId handle = twin_.nodes[std::size_t(node)].handle;
     const ItemId id = random_() % 3 == 0 ? scene_.add_mesh_instance(handle, mesh_, item.placement, item.material)
                                          : scene_.add_primitive(handle, kPipe, item.placement, item.material);
-    EXPECT_EQ(id, twin_.items.size());
+    EXPECT_EQ(to_index(id), twin_.items.size());
     item.placement.linear = dmat3(mat3(item.placement.linear));
     twin_.nodes[std::size_t(node)].items.push_back(id);
     twin_.items.push_back(item);
@@ -339,7 +339,7 @@ class RandomEdits {
   void edit_item() {
     if (twin_.items.empty()) return;
     const ItemId id = ItemId(random_() % twin_.items.size());
-    Twin::Item& item = twin_.items[id];
+    Twin::Item& item = twin_.items[to_index(id)];
     if (!item.alive) return;
     switch (random_() % 4) {
       case 0:
@@ -401,7 +401,7 @@ class RandomEdits {
     }
   }
   void expect_state(ItemId id, const Scene::ItemState& state) const {
-    const Twin::Item& item = twin_.items[id];
+    const Twin::Item& item = twin_.items[to_index(id)];
     const MaterialId material = item.material.valid() ? item.material : twin_.material(item.node);
     ASSERT_EQ(state.layers, item.visible && twin_.visible(item.node) ? twin_.layers(item.node) : 0u);
     ASSERT_EQ(state.material, material.index);
@@ -409,11 +409,11 @@ class RandomEdits {
   }
   void compare_items() const {
     Ids alive;
-    for (ItemId id = 0; id < twin_.items.size(); ++id) {
-      ASSERT_EQ(scene_.contains_item(id), twin_.items[id].alive);
-      if (!twin_.items[id].alive) continue;
+    for (ItemId id{0}; to_index(id) < twin_.items.size(); ++id) {
+      ASSERT_EQ(scene_.contains_item(id), twin_.items[to_index(id)].alive);
+      if (!twin_.items[to_index(id)].alive) continue;
       alive.push_back(id);
-      ASSERT_EQ(scene_.node_of(id), twin_.nodes[std::size_t(twin_.items[id].node)].handle);
+      ASSERT_EQ(scene_.node_of(id), twin_.nodes[std::size_t(twin_.items[to_index(id)].node)].handle);
       ASSERT_NO_FATAL_FAILURE(expect_state(id, scene_.state(id)));
     }
     std::size_t visited = 0;

@@ -66,7 +66,7 @@ class RandomPlant {
       default:
         break;
     }
-    if (item == kNone) return;
+    if (item == kNoItem) return;
     switch (random_() % 4) {
       case 0:
         return scene.remove_item(item);
@@ -101,7 +101,7 @@ class RandomPlant {
   ItemId some_item() {
     for (int tries = 0; tries < 20 && scene.item_slots() > 0; ++tries)
       if (const ItemId item = ItemId(random_() % scene.item_slots()); scene.contains_item(item)) return item;
-    return kNone;
+    return kNoItem;
   }
   void edit_material() {
     MaterialId& material = materials_[random_() % materials_.size()];
@@ -132,7 +132,7 @@ class RandomPlant {
 
 std::vector<ItemId> live_items(const Scene& scene) {
   std::vector<ItemId> items;
-  for (ItemId i = 0; i < scene.item_slots(); ++i)
+  for (ItemId i{0}; to_index(i) < scene.item_slots(); ++i)
     if (scene.contains_item(i)) items.push_back(i);
   return items;
 }
@@ -150,7 +150,7 @@ void expect_consistent(const Snapshot& snapshot) {
     ASSERT_EQ(list.members[snapshot.index_in_kind(s)], s);
     ++counts[std::size_t(kind)];
     const ItemId item = snapshot.item(s);
-    if (item == kNone) {
+    if (item == kNoItem) {
       ASSERT_TRUE(snapshot.vacant(s)) << "given up";
       continue;
     }
@@ -174,7 +174,7 @@ void expect_consistent(const Snapshot& snapshot) {
 void expect_shows(const Snapshot& snapshot, const Scene& scene) {
   std::size_t live = 0;
   for (const ItemId item : live_items(scene)) {
-    SCOPED_TRACE(testing::Message() << "item " << item);
+    SCOPED_TRACE(testing::Message() << "item " << to_index(item));
     const Slot s = snapshot.slot(item);
     ASSERT_LT(s, snapshot.size());
     ++live;
@@ -214,7 +214,7 @@ void expect_shows(const Snapshot& snapshot, const Scene& scene) {
   }
   std::size_t held = 0, vacant = 0;
   for (Slot s = 0; s < snapshot.size(); ++s) {
-    held += snapshot.item(s) != kNone;
+    held += snapshot.item(s) != kNoItem;
     vacant += snapshot.vacant(s);
     ASSERT_EQ(snapshot.bounds().box(s).empty(), snapshot.vacant(s));
   }
@@ -242,7 +242,7 @@ TEST(Snapshot, OfAnEmptyScene) {
   Snapshot snapshot(scene);
   EXPECT_EQ(snapshot.size(), 0u);
   EXPECT_EQ(snapshot.rank(Kind::kBox, 0), 0u);
-  EXPECT_EQ(snapshot.slot(0), kNone);
+  EXPECT_EQ(snapshot.slot(ItemId{0}), kNone);
   EXPECT_EQ(snapshot.bounds().coordinate(0)[0], Aabb::kFar) << "padding even so";
   EXPECT_TRUE(snapshot.apply(SceneDelta{}).empty());
   EXPECT_EQ(snapshot.size(), 0u);
@@ -261,7 +261,7 @@ TEST(Snapshot, GenerationsRiseAndDeltasKeepThem) {
   const Snapshot b(plant.scene);
   EXPECT_LT(a.generation(), b.generation());
   const std::uint64_t generation = a.generation();
-  plant.scene.remove_item(3);
+  plant.scene.remove_item(ItemId{3});
   a.apply(*plant.scene.commit());
   EXPECT_EQ(a.generation(), generation);
 }
@@ -560,7 +560,8 @@ TEST(Snapshot, WhatMovesAsAWholeKeepsItsPlaceInItsChunk) {
     std::vector<vec3> by_item(kItems);
     const KindItems& list = snapshot.of_kind(Kind::kCylinder);
     for (std::size_t i = 0; i < list.size(); ++i)
-      if (const ItemId item = snapshot.item(list.members[i]); item != kNone) by_item[item] = list.placements[i].origin;
+      if (const ItemId item = snapshot.item(list.members[i]); item != kNoItem)
+        by_item[to_index(item)] = list.placements[i].origin;
     return by_item;
   };
   const std::vector<vec3> before = offsets();
@@ -581,7 +582,7 @@ TEST(Snapshot, FollowsADeepNestThatMoves) {
   Snapshot snapshot(scene);
   scene.set_transform(scene.first_child(scene.root()), translation({0, 5, 0}));
   snapshot.apply(*scene.commit());
-  const dvec3 last = snapshot.world_from_item(snapshot.slot(99'999)).origin;
+  const dvec3 last = snapshot.world_from_item(snapshot.slot(ItemId(99'999))).origin;
   EXPECT_NEAR(last.x, 99.999, 1e-5);
   EXPECT_NEAR(last.y, 5.0, 1e-5);
 }

@@ -114,7 +114,7 @@ TEST(CullThreads, SeveralViewsAreTheViewsOneByOne) {
         core::VisibleSet alone;
         scene.culler->cull(views[i], alone);
         ASSERT_EQ(sets[i].ranges, alone.ranges);
-        ASSERT_EQ(sets[i].items, alone.items);
+        ASSERT_EQ(sets[i].slots, alone.slots);
       }
     }
   }

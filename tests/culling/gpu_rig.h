@@ -44,7 +44,7 @@ struct Rig {
 
   std::vector<core::Slot> cull(const core::View& view) {
     EXPECT_TRUE(culler.cull(view, snapshot, gpu, lists));
-    return culler.read_back(lists).items;
+    return culler.read_back(lists).slots;
   }
   /// A set's slots but the vacant ones, which the GPU never names.
   std::vector<core::Slot> occupied(const core::VisibleSet& set) const {

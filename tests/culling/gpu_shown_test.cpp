@@ -48,7 +48,7 @@ struct Answer {
     (void)rig.culler.take_feedback();
     const GpuCuller::Picture picture{view, samples};
     EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 7, &picture));
-    selected = rig.culler.read_back(rig.lists).items;
+    selected = rig.culler.read_back(rig.lists).slots;
     rig.context->functions().Finish();
     const auto feedback = rig.culler.take_feedback();
     EXPECT_TRUE(feedback);
@@ -223,10 +223,10 @@ struct OcclusionFrame {
   OcclusionFrame(Rig& rig, const View& view, const DepthTexture& depth, std::size_t in_view) {
     const GpuCuller::Picture picture{view, {depth.texture.width(), depth.texture.height(), {{0, 0}}}, true};
     EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 3, &picture));
-    first = rig.culler.read_back(rig.lists).items;
+    first = rig.culler.read_back(rig.lists).slots;
     const double error = render::RenderTarget::orthographic_error(view);
     EXPECT_TRUE(rig.culler.cull_others(picture, rig.gpu, rig.lists, depth.texture, error));
-    others = rig.culler.read_back(rig.lists).items;
+    others = rig.culler.read_back(rig.lists).slots;
     rig.context->functions().Finish();
     const auto feedback = rig.culler.take_feedback();
     EXPECT_TRUE(feedback);

@@ -243,14 +243,14 @@ TEST(HiddenBoxes, FrontsAreEnteredFirst) {
     all.ranges = {{0, core::Slot(count)}};
     for_each_instruction_set([&] {
       test.split_front(bounds, nullptr, all, front, behind);
-      for (const core::Slot slot : front.items) {
+      for (const core::Slot slot : front.slots) {
         // Rows of sixteen pixels, of which there may be 64.
         const int columns = rectangles[slot].columns(), rows = rectangles[slot].rows();
         const bool is_large = ((columns - 1) / 16 + 1) * rows > 64;
         ASSERT_TRUE(first[slot] || is_large) << "slot " << slot << " of " << columns << " x " << rows;
         large += is_large;
       }
-      fronts += front.items.size();
+      fronts += front.slots.size();
     });
   }
   EXPECT_GT(fronts, 3000u);

@@ -243,11 +243,11 @@ TEST(OcclusionTest, TheFrontIsWhatRaysMeetFirst) {
     all.ranges = {{0, 24}};
     test.filter(bounds, all, opens);
     test.split_front(bounds, nullptr, all, front, behind);
-    const auto both = merged(front.items, behind.items), open = opens.sorted_slots();
+    const auto both = merged(front.slots, behind.slots), open = opens.sorted_slots();
     ASSERT_TRUE(std::includes(open.begin(), open.end(), both.begin(), both.end()));
     const auto left_out = [&](core::Slot s) { return !std::binary_search(both.begin(), both.end(), s); };
-    in_front += front.items.size();
-    left_behind += behind.items.size();
+    in_front += front.slots.size();
+    left_behind += behind.slots.size();
     for (int y = 0; y < samples.height; ++y)
       for (int x = 0; x < samples.width; ++x) {
         double first = std::numeric_limits<double>::infinity();
@@ -258,9 +258,9 @@ TEST(OcclusionTest, TheFrontIsWhatRaysMeetFirst) {
           const auto nearest = exact.nearest(box, x, y);
           return nearest ? nearest->get_d() : std::numeric_limits<double>::infinity();
         };
-        for (const core::Slot s : front.items) first = std::min(first, entry(s, float(off)));
+        for (const core::Slot s : front.slots) first = std::min(first, entry(s, float(off)));
         for (core::Slot s = 0; s < bounds.size(); ++s) {
-          if (std::binary_search(front.items.begin(), front.items.end(), s)) continue;
+          if (std::binary_search(front.slots.begin(), front.slots.end(), s)) continue;
           const double own = entry(s);
           if (own < kept - off && own < 1e30) {
             ASSERT_FALSE(left_out(s)) << "slot " << s << ", pixel " << x << ' ' << y;
@@ -298,7 +298,7 @@ TEST(OcclusionTest, FiltersSets) {
     const std::uint32_t middle = begin + std::uint32_t(4 * (count - begin) / 5);
     if (middle > begin) in.ranges = {{begin, middle - begin}};
     for (std::uint32_t s = middle; s < count; ++s)
-      if (!bounds.vacant(s) && chance(random, 0.7)) in.items.push_back(s);
+      if (!bounds.vacant(s) && chance(random, 0.7)) in.slots.push_back(s);
     std::vector<std::uint64_t> exempt(count / 64 + 1);
     std::vector<core::Slot> open;
     for (const core::Slot s : in.sorted_slots()) {
@@ -323,15 +323,15 @@ TEST(OcclusionTest, FiltersSets) {
       ASSERT_EQ(both.sorted_slots(), open);
       core::VisibleSet front, behind;
       test.split_front(bounds, nullptr, in, front, behind);  // vacant slots included
-      const auto split = merged(front.items, behind.items);
+      const auto split = merged(front.slots, behind.slots);
       ASSERT_TRUE(std::includes(open.begin(), open.end(), split.begin(), split.end()));
       for (const core::Slot s : split) ASSERT_FALSE(bounds.vacant(s));
-      if (first_front.empty()) first_front = front.items, first_behind = behind.items;
-      ASSERT_EQ(front.items, first_front);
-      ASSERT_EQ(behind.items, first_behind);
+      if (first_front.empty()) first_front = front.slots, first_behind = behind.slots;
+      ASSERT_EQ(front.slots, first_front);
+      ASSERT_EQ(behind.slots, first_behind);
       test.split_front(bounds, &hierarchy, in, front, behind, &threads);
-      ASSERT_EQ(front.items, first_front);
-      ASSERT_EQ(behind.items, first_behind);
+      ASSERT_EQ(front.slots, first_front);
+      ASSERT_EQ(behind.slots, first_behind);
     });
     leaves_out += in.count() - leaves.count();
   }

@@ -120,8 +120,8 @@ TEST(RegionQuery, AgreesWithPointsOfShapes) {
                  within = world.items_in(view, RegionRule::kWholly);
       crossing += int(crossed.size());
       inside += int(within.size());
-      for (const core::ItemId item : within) ASSERT_TRUE(has(crossed, item)) << "item " << item;
-      for (core::ItemId item = 0; item < world.scene.item_slots(); ++item) {
+      for (const core::ItemId item : within) ASSERT_TRUE(has(crossed, item)) << "item " << to_index(item);
+      for (core::ItemId item{0}; to_index(item) < world.scene.item_slots(); ++item) {
         const Slot slot = world.snapshot->slot(item);
         if (int(world.snapshot->kind(slot)) >= core::kPrimitiveKindCount) continue;
         const core::Affine placed = world.snapshot->world_from_item(slot);
@@ -132,18 +132,19 @@ TEST(RegionQuery, AgreesWithPointsOfShapes) {
           all &= keeps(view, p, -1e-6);
         }
         if (any) {
-          ASSERT_TRUE(has(crossed, item)) << "item " << item << " of kind " << core::name_of(world.scene.kind(item));
+          ASSERT_TRUE(has(crossed, item))
+              << "item " << to_index(item) << " of kind " << core::name_of(world.scene.kind(item));
         }
         if (!all && view.section_mode != core::SectionMode::kUnion) {
-          ASSERT_FALSE(has(within, item)) << "item " << item;
+          ASSERT_FALSE(has(within, item)) << "item " << to_index(item);
         }
         tight += any;
       }
       // A box that holds a whole region crosses none of its sides; of such regions some point is kept.
       for (const auto& [solid, mesh] : world.boxes) {
-        ASSERT_EQ(has(within, solid), has(within, mesh)) << "item " << solid;
+        ASSERT_EQ(has(within, solid), has(within, mesh)) << "item " << to_index(solid);
         if (has(crossed, mesh)) {
-          ASSERT_TRUE(has(crossed, solid)) << "item " << solid;
+          ASSERT_TRUE(has(crossed, solid)) << "item " << to_index(solid);
         }
         if (has(crossed, solid) && !has(crossed, mesh)) {
           const auto box = std::get<core::Box>(world.scene.primitive(solid));
@@ -153,7 +154,7 @@ TEST(RegionQuery, AgreesWithPointsOfShapes) {
             const dvec3 p = 0.5 * dvec3(box.size_x, box.size_y, box.size_z) * point(random, 1.0);
             holds = keeps(view, core::transform_point(placed, p), -1e-7);
           }
-          ASSERT_TRUE(holds) << "item " << solid << " is reported, but no part of it lies in the region";
+          ASSERT_TRUE(holds) << "item " << to_index(solid) << " is reported, but no part of it lies in the region";
         }
       }
     }
@@ -320,7 +321,7 @@ TEST(RegionQuery, BoxesTrianglesAndSpheresAreExact) {
       const auto any_part = [&](const auto& test) { return std::any_of(parts.begin(), parts.end(), test); };
       const auto crossed = world.items_in(view, RegionRule::kCrossing),
                  within = world.items_in(view, RegionRule::kWholly);
-      for (core::ItemId item = 0; item < world.scene.item_slots(); ++item) {
+      for (core::ItemId item{0}; to_index(item) < world.scene.item_slots(); ++item) {
         const Slot slot = snapshot.slot(item);
         core::Affine placed = snapshot.world_from_item(slot);
         placed.origin -= world.centre;
@@ -349,14 +350,15 @@ TEST(RegionQuery, BoxesTrianglesAndSpheresAreExact) {
         }
         const bool is_crossed = has(crossed, item), is_whole = has(within, item);
         if (is_crossed) {
-          ASSERT_TRUE(any_part([&](const Planes& part) { return crosses(part, kRoom); })) << "item " << item;
+          ASSERT_TRUE(any_part([&](const Planes& part) { return crosses(part, kRoom); })) << "item " << to_index(item);
         } else {
-          ASSERT_FALSE(any_part([&](const Planes& part) { return crosses(part, -kRoom); })) << "item " << item;
+          ASSERT_FALSE(any_part([&](const Planes& part) { return crosses(part, -kRoom); }))
+              << "item " << to_index(item);
         }
         const auto whole = [&](double room) {
           return any_part([&](const Planes& part) { return wholly_in(part, points, radius, room); });
         };
-        ASSERT_TRUE(is_whole ? whole(kRoom) : !whole(-kRoom)) << "item " << item;
+        ASSERT_TRUE(is_whole ? whole(kRoom) : !whole(-kRoom)) << "item " << to_index(item);
         crossed_ones += is_crossed && !is_whole, whole_ones += is_whole, left_out += !is_crossed;
       }
     }

@@ -104,7 +104,7 @@ TEST(SampleTest, FiltersSets) {
         in.ranges.push_back({s, run});
         s += run;
       } else if (!bounds.vacant(s) && chance(random, 0.7)) {
-        in.items.push_back(s);
+        in.slots.push_back(s);
       }
     }
     std::vector<std::uint64_t> exempt(chance(random, 0.5) ? (count + 63) / 64 : 0);
@@ -119,12 +119,12 @@ TEST(SampleTest, FiltersSets) {
       test.filter(bounds, in, out, exempt);
       ASSERT_EQ(out.sorted_slots(), expected);
       ASSERT_EQ(out.generation, seed);
-      ASSERT_TRUE(std::is_sorted(out.items.begin(), out.items.end()));
+      ASSERT_TRUE(std::is_sorted(out.slots.begin(), out.slots.end()));
       for (std::size_t i = 1; i < out.ranges.size(); ++i)
         ASSERT_LT(out.ranges[i - 1].first + out.ranges[i - 1].count, out.ranges[i].first);
     });
     ranges += out.ranges.size();
-    items += out.items.size();
+    items += out.slots.size();
   }
   EXPECT_GT(ranges, 50u);
   EXPECT_GT(items, 500u);

@@ -38,7 +38,7 @@ class EditedScene {
     const ItemId item = scene.first_item(node);
     switch (kind) {
       case 0:
-        if (item != core::kNone) scene.set_placement(item, core::translation(point(random_, 0.02 * half_)));
+        if (item != core::kNoItem) scene.set_placement(item, core::translation(point(random_, 0.02 * half_)));
         break;
       case 1:
         scene.set_transform(node, core::translation(point(random_, half_)));
@@ -46,12 +46,12 @@ class EditedScene {
       case 2:
         return chance(random_, 0.3) ? add_node() : add_item(node);
       case 3:
-        if (item != core::kNone && chance(random_, 0.8)) return scene.remove_item(item);
+        if (item != core::kNoItem && chance(random_, 0.8)) return scene.remove_item(item);
         scene.remove_node(node);
         nodes_.erase(nodes_.begin() + std::ptrdiff_t(which));
         break;
       case 4:
-        if (item != core::kNone && chance(random_, 0.5)) return scene.set_visible(item, !scene.item_visible(item));
+        if (item != core::kNoItem && chance(random_, 0.5)) return scene.set_visible(item, !scene.item_visible(item));
         scene.set_visible(node, !scene.visible(node));
         break;
       default:
@@ -93,7 +93,7 @@ void expect_same_boxes(const Snapshot& a, const Snapshot& b) {
     if (a.vacant(s)) continue;
     ++count;
     const auto found = boxes.find(a.item(s));
-    ASSERT_NE(found, boxes.end()) << "item " << a.item(s);
+    ASSERT_NE(found, boxes.end()) << "item " << to_index(a.item(s));
     ASSERT_EQ(a.slot(a.item(s)), s);
     ASSERT_EQ(a.bounds().layers(s), b.bounds().layers(b.slot(a.item(s))));
     if (a.bounds().origin != b.bounds().origin) continue;
@@ -235,7 +235,8 @@ TEST(SnapshotEdits, FarMovesOpenNoBlock) {
     return all;
   };
   const std::vector<float> before = sizes();
-  for (ItemId item = 0; item < size; item += 100) scene.set_placement(item, core::translation(point(random, 50.0)));
+  for (ItemId item{0}; to_index(item) < size; item = ItemId{to_index(item) + 100})
+    scene.set_placement(item, core::translation(point(random, 50.0)));
   followed.apply(*scene.commit());
   const std::vector<float> after = sizes();
   for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LE(after[i], 1.11f * before[i]) << "block " << i;

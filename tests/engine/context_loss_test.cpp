@@ -119,7 +119,7 @@ TEST_F(ContextLossTest, TheContextMayComeLater) {
     std::optional<Engine> engine;
     std::jthread([&] { engine = std::move(Engine::create(scene, c).value()); }).join();
     SCOPED_TRACE(name_of(engine->plan().culler));
-    const core::ItemId one = 5577;
+    const core::ItemId one{5577};
     ASSERT_TRUE(engine->hide({&one, 1}));
     const auto report = engine->frame(view(0));
     ASSERT_TRUE(report);

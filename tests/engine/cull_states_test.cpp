@@ -74,14 +74,14 @@ TEST_F(CullStatesTest, WhatIsLeftOutShowsInNoPicture) {
     ASSERT_TRUE(report);
     const std::vector<bool> seen = seen_in(full, view, items);
     std::int64_t in_view = 0, sum = 0;
-    for (core::ItemId item = 0; item < items; ++item) {
+    for (core::ItemId item{0}; to_index(item) < items; ++item) {
       const CullState state = state_of(*engine, *states, item);
       const bool shown = state == CullState::kInside || state == CullState::kIntersecting;
-      if (seen[item]) {
-        ASSERT_TRUE(shown) << "item " << item << " is seen, and " << name_of(state);
+      if (seen[to_index(item)]) {
+        ASSERT_TRUE(shown) << "item " << to_index(item) << " is seen, and " << name_of(state);
       }
       in_view += state != CullState::kOutside;
-      not_seen += state != CullState::kOutside && !seen[item];
+      not_seen += state != CullState::kOutside && !seen[to_index(item)];
       left_out += state != CullState::kOutside && !shown;
     }
     for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += states->items[i], sum += states->items[i];
@@ -112,7 +112,7 @@ TEST_F(CullStatesTest, AreTheSameForAllCullersAndChangeNoFrame) {
     ASSERT_TRUE(fresh && engine->frame(other) && fresh->frame(other));
     expect_same_picture(*engine, *fresh);
   }
-  const std::vector<core::ItemId> some{1, 2, 3, 500};
+  const std::vector<core::ItemId> some{core::ItemId{1}, core::ItemId{2}, core::ItemId{3}, core::ItemId{500}};
   const std::int64_t all = std::int64_t(scene.item_count());
   ASSERT_TRUE(first->hide(some));
   const auto states = first->cull_states(eye);
@@ -139,7 +139,7 @@ TEST_F(CullStatesTest, AgreeWithFramesFromAside) {
   int blue = 0, other = 0;
   for (std::size_t i = 0; i < ids->ids.size(); ++i) {
     if (ids->ids[i] == 0) continue;
-    const CullState state = state_of(*engine, *states, ids->ids[i] - 1);
+    const CullState state = state_of(*engine, *states, core::ItemId{ids->ids[i] - 1});
     const std::uint8_t* pixel = &colours->pixels[3 * i];
     const bool is_blue = pixel[2] > 40 && pixel[2] > 2 * pixel[0],
                left_out = state == CullState::kOccluded || state == CullState::kSmall;

@@ -141,7 +141,8 @@ TEST_F(DrawingTest, EnginesWithContextsOfTheirOwn) {
   core::Scene dense, sparse;
   fill(dense, 22);
   fill(sparse, 22);
-  for (core::ItemId item = 0; item < sparse.item_slots(); item += 3) sparse.set_visible(item, false);
+  for (core::ItemId item{0}; to_index(item) < sparse.item_slots(); item = core::ItemId{to_index(item) + 3})
+    sparse.set_visible(item, false);
   for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu}) {
     engine::EngineConfig own = config(culler);
     own.context.application = nullptr;
@@ -237,7 +238,7 @@ TEST_F(DrawingTest, DrawsFromAsideWhatAnotherViewSees) {
   auto cpu = Engine::create(scene, config(CullerChoice::kCpu));
   ASSERT_TRUE(cpu && cpu->frame(narrow));
   std::vector<bool> seen(scene.item_slots());
-  for (const core::Slot slot : cpu->visible().sorted_slots()) seen[cpu->snapshot().item(slot)] = true;
+  for (const core::Slot slot : cpu->visible().sorted_slots()) seen[to_index(cpu->snapshot().item(slot))] = true;
   auto gpu = Engine::create(scene, config(CullerChoice::kGpu));
   ASSERT_TRUE(gpu && gpu->frame({.view = aside, .cull_view = &narrow}));
   const auto report = cpu->frame({.view = aside, .cull_view = &narrow});
@@ -245,7 +246,7 @@ TEST_F(DrawingTest, DrawsFromAsideWhatAnotherViewSees) {
   EXPECT_EQ(report->visible, std::count(seen.begin(), seen.end(), true));
   EXPECT_LT(report->visible, 1000);
 
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item) scene.set_visible(item, seen[item]);
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item) scene.set_visible(item, seen[to_index(item)]);
   auto expected = Engine::create(scene, config(CullerChoice::kCpu));
   ASSERT_TRUE(expected && expected->frame(aside));
   expect_same_picture(*cpu, *expected, 1);
@@ -295,7 +296,7 @@ TEST_F(DrawingTest, ThePlanNamesTheProgramsThatAreMade) {
       scene.add_mesh_instance(scene.root(), scene.add_mesh(gpuprims::tessellate(core::Box{1, 1, 1})).value());
     auto engine = Engine::create(scene, config(CullerChoice::kAutomatic));
     ASSERT_TRUE(engine);
-    const core::Kind kind = scene.kind(0);
+    const core::Kind kind = scene.kind(core::ItemId{0});
     SCOPED_TRACE(core::name_of(kind));
     std::string program(gpuscene::name_of(gpuscene::batch_of(kind)));
     std::replace(program.begin(), program.end(), '_', ' ');

@@ -63,7 +63,8 @@ class DrawnGrid : public GlTest {
     auto engine = engine::Engine::create(scene, c);
     if (!engine) return engine;
     std::vector<core::ItemId> ghosts, faded;
-    for (core::ItemId item = 0; item < scene.item_slots(); item += 2) (item % 3 == 0 ? ghosts : faded).push_back(item);
+    for (core::ItemId item{0}; to_index(item) < scene.item_slots(); item = core::ItemId{to_index(item) + 2})
+      (to_index(item) % 3 == 0 ? ghosts : faded).push_back(item);
     auto done = engine->set_override(ghosts, {.ghost = true});
     if (done) done = engine->set_override(faded, {.alpha = 0.5f});
     if (done) done = engine->set_override({&faded[3], 1}, {.outline = true});

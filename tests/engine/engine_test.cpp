@@ -212,10 +212,11 @@ TEST(EngineRebuild, LandingReadsNothingOfTheScene) {
   const std::uint64_t generation = engine->snapshot().generation();
   ASSERT_TRUE(engine->frame(view));  // may see it land already
   const std::vector<core::ItemId> before = visible_items(*engine);
-  core::ItemId item = 0;
+  core::ItemId item{0};
   while (!scene.contains_item(item)) ++item;
   scene.set_placement(item, core::translation(dvec3(std::numeric_limits<double>::quiet_NaN())));
-  for (core::ItemId i = item + 1; i < scene.item_slots(); i += 2)
+  for (core::ItemId i = core::ItemId(to_index(item) + 1); to_index(i) < scene.item_slots();
+       i = core::ItemId{to_index(i) + 2})
     if (scene.contains_item(i)) scene.remove_item(i);
   while (engine->snapshot().generation() == generation) {
     ASSERT_TRUE(engine->frame(view));
@@ -270,14 +271,15 @@ TEST(EngineRebuild, BeginsAboveItsShare) {
     double share;
     core::ItemId most;  // slots given up without a new order
   };
-  for (const auto& [side, share, most] : {Case{20, 1.0 / 16.0, 500}, Case{20, 1.0 / 8.0, 1000}, Case{20, 1e-3, 256}}) {
+  for (const auto& [side, share, most] : {Case{20, 1.0 / 16.0, core::ItemId{500}},
+                                          Case{20, 1.0 / 8.0, core::ItemId{1000}}, Case{20, 1e-3, core::ItemId{256}}}) {
     core::Scene scene;
     add_grid(scene, side);
     auto engine = Engine::create(scene, {.culling = {.rebuild_share = share}});
     ASSERT_TRUE(engine);
-    for (core::ItemId item = 0; item < most; ++item) scene.remove_item(item);
+    for (core::ItemId item{0}; item < most; ++item) scene.remove_item(item);
     ASSERT_TRUE(engine->commit());
-    EXPECT_EQ(engine->snapshot().disorder(), most);
+    EXPECT_EQ(engine->snapshot().disorder(), to_index(most));
     EXPECT_FALSE(engine->rebuilding()) << share;
     scene.remove_item(most);
     ASSERT_TRUE(engine->commit());
@@ -394,12 +396,12 @@ TEST(EnginesOfOneScene, ARefusedCommitLosesNothing) {
   add_grid(scene, 4);
   auto a = Engine::create(scene), b = Engine::create(scene);
   ASSERT_TRUE(a && b);
-  scene.remove_item(0);
+  scene.remove_item(core::ItemId{0});
   ASSERT_TRUE(a->commit());
-  scene.set_placement(1, core::translation(dvec3(std::numeric_limits<double>::quiet_NaN())));
+  scene.set_placement(core::ItemId{1}, core::translation(dvec3(std::numeric_limits<double>::quiet_NaN())));
   EXPECT_FALSE(b->commit());
   EXPECT_FALSE(a->commit());
-  scene.set_placement(1, {});
+  scene.set_placement(core::ItemId{1}, {});
   ASSERT_TRUE(b->commit() && a->commit());
   expect_like_new(*a, scene);
   expect_like_new(*b, scene);
@@ -430,7 +432,8 @@ TEST(EngineRebuild, LandsWithTheMaterialsOfNow) {
   core::Scene scene;
   add_grid(scene, 16);
   const core::MaterialId paint = scene.add_material({});
-  for (core::ItemId item = 0; item < scene.item_slots(); item += 2) scene.set_material(item, paint);
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); item = core::ItemId{to_index(item) + 2})
+    scene.set_material(item, paint);
   auto engine = Engine::create(scene);
   ASSERT_TRUE(engine);
   constexpr unsigned kSeed = 16;

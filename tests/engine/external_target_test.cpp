@@ -405,7 +405,8 @@ TEST_F(ExternalTarget, EnginesOfOneSceneShowItsEditsInTheirFramebuffers) {
                       engine(config(CullerChoice::kHybrid, 70, 70))};
   for (int round = 0; round < 6; ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
-    for (core::ItemId item = core::ItemId(round); item < 12 * 12 * 12; item += 7)
+    for (core::ItemId item = core::ItemId(round); to_index(item) < 12 * 12 * 12;
+         item = core::ItemId{to_index(item) + 7})
       scene.set_visible(item, round % 2 == 1);
     scene.add_primitive(scene.root(), core::Sphere{1.0f}, core::translation({2.0 * round, 6.0, 14.0}));
     if (round == 4) {

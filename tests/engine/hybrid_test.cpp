@@ -38,7 +38,8 @@ TEST_F(HybridTest, ASwitchChangesNoPixel) {
   for (int frame = 0; frame < 14; ++frame) {
     SCOPED_TRACE(testing::Message() << "frame " << frame);
     if (frame == kEdit) {
-      for (core::ItemId item = 0; item < 300; ++item) scene.set_visible(item * 7, false);
+      for (core::ItemId item{0}; to_index(item) < 300; ++item)
+        scene.set_visible(core::ItemId{to_index(item) * 7}, false);
       for (int i = 0; i < 40; ++i)
         scene.add_primitive(scene.root(), core::Box{0.5f, 0.5f, 0.5f}, core::translation({0.5 * i, 11.5, 12.5}));
       ASSERT_TRUE(hybrid->commit());
@@ -255,7 +256,7 @@ TEST_F(HybridTest, ARebuildGoesOnWhenOnlyLooksChange) {
   auto engine = Engine::create(scene, config(CullerChoice::kHybrid));
   ASSERT_TRUE(engine) << engine.error().message;
   const std::uint64_t generation = engine->snapshot().generation();
-  for (core::ItemId item = 0; item < 2000; ++item) scene.remove_item(item);
+  for (core::ItemId item{0}; to_index(item) < 2000; ++item) scene.remove_item(item);
   ASSERT_TRUE(engine->commit());
   ASSERT_TRUE(engine->rebuilding());
   EngineConfig changed = engine->config();
@@ -271,7 +272,7 @@ TEST_F(HybridTest, ARebuildGoesOnWhenOnlyLooksChange) {
   EXPECT_TRUE(used("relief"));
   EXPECT_EQ(engine->plan().culler, CullerChoice::kHybrid);
 
-  for (core::ItemId item = 2000; item < 6000; ++item) scene.remove_item(item);
+  for (core::ItemId item{2000}; to_index(item) < 6000; ++item) scene.remove_item(item);
   ASSERT_TRUE(engine->commit());
   ASSERT_TRUE(engine->rebuilding());
   ASSERT_TRUE(engine->set_culler(CullerChoice::kLinear));

@@ -108,10 +108,10 @@ TEST_P(KeptState, IsAsBeforeAfterEveryCall) {
     step("read_depth()", [&] { return engine->read_depth(cut(9)); });
     step("covered()", [&] { return engine->covered(); });
     step("framebuffer()", [&] { return engine->framebuffer(); });
-    scene.set_visible(5, false);
+    scene.set_visible(core::ItemId{5}, false);
     scene.add_primitive(scene.root(), core::Sphere{1.0f}, core::translation({3.0, 3.0, 8.0}));
     step("commit()", [&] { return engine->commit(); });
-    const core::ItemId some[] = {3, 4, 9};
+    const core::ItemId some[] = {core::ItemId{3}, core::ItemId{4}, core::ItemId{9}};
     step("set_override()", [&] { return engine->set_override(some, {.alpha = 0.3f, .outline = true}); });
     step("hide()", [&] { return engine->hide(some); });
     step("isolate()", [&] { return engine->isolate({{scene.root()}}); });

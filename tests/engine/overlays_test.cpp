@@ -40,7 +40,7 @@ class OverlaysTest : public DrawnGrid {
     image::Image colour;
     std::vector<std::uint32_t> ids;
     std::vector<float> depth;
-    bool has_ids(ItemId item) const { return std::find(ids.begin(), ids.end(), item + 1) != ids.end(); }
+    bool has_ids(ItemId item) const { return std::find(ids.begin(), ids.end(), to_index(item) + 1) != ids.end(); }
   };
   static Picture picture(Engine& engine, const core::View& view) {
     if (!draw_complete(engine, view)) return {};
@@ -67,8 +67,8 @@ TEST_P(OverlaysInAllWays, GhostsHideNothing) {
        reference = Engine::create(scene, configured([](EngineConfig&) {}));
   ASSERT_TRUE(engine && without && reference);
   std::vector<ItemId> ghosts;
-  for (ItemId item = 0; item < scene.item_slots(); ++item)
-    if (item % 14 > 2) ghosts.push_back(item);
+  for (ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
+    if (to_index(item) % 14 > 2) ghosts.push_back(item);
   ASSERT_TRUE(engine->set_override(ghosts, {.ghost = true}) && without->hide(ghosts));
   ASSERT_TRUE(reference->set_override(ghosts, {.ghost = true}));
   for (int frame = 0; frame < 6; ++frame) {
@@ -92,15 +92,16 @@ TEST_P(OverlaysInAllWays, BlendedItemsHideNothing) {
   EngineConfig c = configured(GetParam().set);
   set(c);
   const core::MaterialId glass = scene.add_material({"", {0.2f, 0.4f, 0.9f}, 0.4f});
-  for (ItemId item = 0; item < scene.item_slots(); item += 5) scene.set_material(item, glass);
+  for (ItemId item{0}; to_index(item) < scene.item_slots(); item = ItemId{to_index(item) + 5})
+    scene.set_material(item, glass);
   auto engine = Engine::create(scene, c), without = Engine::create(scene, configured(GetParam().set)),
        reference = Engine::create(scene, configured(set));
   ASSERT_TRUE(engine && without && reference);
   std::vector<ItemId> clear, faded;
-  for (ItemId item = 0; item < scene.item_slots(); ++item)
-    if (item % 5 == 0) {
+  for (ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
+    if (to_index(item) % 5 == 0) {
       clear.push_back(item);
-    } else if (item % 5 < 4 && item % 14 > 2) {
+    } else if (to_index(item) % 5 < 4 && to_index(item) % 14 > 2) {
       clear.push_back(item);
       faded.push_back(item);
     }
@@ -138,7 +139,7 @@ TEST_F(OverlaysTest, OneBlendedSurfaceIsExact) {
     auto engine = Engine::create(two, c);
     ASSERT_TRUE(engine);
     const Picture blended = picture(*engine, view);
-    const ItemId pane = 0;
+    const ItemId pane{0};
     ASSERT_TRUE(engine->hide({&pane, 1}));
     const Picture behind = picture(*engine, view);
     two.update_material(front, {"", {0.9f, 0.2f, 0.1f}, 1.0f});
@@ -181,14 +182,14 @@ TEST_F(OverlaysTest, ManyBlendedSurfacesAreNearSortedOnes) {
   const Picture blended = picture(*engine, view);
   std::vector<Picture> alone;
   std::vector<ItemId> all(kPanes);
-  for (ItemId i = 0; i < kPanes; ++i) all[i] = i;
+  for (ItemId i{0}; to_index(i) < kPanes; ++i) all[to_index(i)] = i;
   for (int i = 0; i < kPanes; ++i) {
     auto look = panes.material(looks[i]);
     look.alpha = 1.0f;
     panes.update_material(looks[i], look);
   }
   ASSERT_TRUE(engine->commit());
-  for (ItemId i = 0; i < kPanes; ++i) {
+  for (ItemId i{0}; to_index(i) < kPanes; ++i) {
     ASSERT_TRUE(engine->hide(all) && engine->show({&i, 1}));
     alone.push_back(picture(*engine, view));
   }
@@ -231,7 +232,7 @@ TEST_F(OverlaysTest, OutlinesSurroundWhatIsSeen) {
     c.drawing.outline_colour = {0.0f, 0.0f, 0.0f};
     auto engine = Engine::create(few, c);
     ASSERT_TRUE(engine);
-    const ItemId outlined = 0, before = 1;
+    const ItemId outlined{0}, before = ItemId{1};
     ASSERT_TRUE(engine->hide({&before, 1}));
     const Picture alone = picture(*engine, view);
     ASSERT_TRUE(engine->show_all() && engine->set_override({&outlined, 1}, {.ghost = ghost}));
@@ -271,8 +272,8 @@ TEST_F(OverlaysTest, AreInExternalTargets) {
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine);
     std::vector<ItemId> ghosts, faded;
-    for (ItemId item = 0; item < scene.item_slots(); ++item)
-      if (item % 14 > 2) (item % 2 == 0 ? ghosts : faded).push_back(item);
+    for (ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
+      if (to_index(item) % 14 > 2) (to_index(item) % 2 == 0 ? ghosts : faded).push_back(item);
     ASSERT_TRUE(engine->set_override(ghosts, {.ghost = true}));
     ASSERT_TRUE(engine->set_override(faded, {.alpha = 0.3f}));
     ASSERT_TRUE(engine->set_override({&faded[40], 1}, {.outline = true}));
@@ -291,8 +292,8 @@ TEST_P(OverlaysInAllWays, OutlinesCanBeDrawnLater) {
   EngineConfig c = configured(GetParam().set);
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
-  const std::vector<ItemId> items{1700, 3, 1234, 900, 2743};
-  const ItemId hidden = 900;
+  const std::vector<ItemId> items{ItemId{1700}, ItemId{3}, ItemId{1234}, ItemId{900}, ItemId{2743}};
+  const ItemId hidden{900};
   ASSERT_TRUE(engine->hide({&hidden, 1}));
   const core::View view = around(0.5);
   const image::Image bare = picture(*engine, view).colour;
@@ -318,7 +319,7 @@ TEST_F(OverlaysTest, OutlinesRefuseWhatTheyCannotSurround) {
   auto theirs = render::RenderTarget::create(*context, kWidth, kHeight, {});
   ASSERT_TRUE(theirs);
   const gl::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
-  const ItemId unknown = 1u << 20, known = 5;
+  const ItemId unknown = ItemId(1u << 20), known = ItemId{5};
   const auto missing = engine->draw_outline(around(0), {&unknown, 1}, target);
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message.find("no item 1048576"), std::string::npos) << missing.error().message;
@@ -336,7 +337,7 @@ TEST_F(OverlaysTest, CostNothingUnused) {
   auto engine = Engine::create(scene, configured([](EngineConfig&) {}));
   ASSERT_TRUE(engine && engine->frame(around(0)));
   const std::size_t before = engine->memory().gpu;
-  const ItemId one = 1000;
+  const ItemId one{1000};
   ASSERT_TRUE(engine->set_override({&one, 1}, {.colour = core::vec3(1.0f)}) && engine->frame(around(0)));
   EXPECT_LT(engine->memory().gpu, before + 4096);
   ASSERT_TRUE(engine->set_override({&one, 1}, {.ghost = true}) && engine->frame(around(0)));

@@ -41,7 +41,7 @@ class OverridesTest : public DrawnGrid {
       meshes = *s->add_mesh(mesh);
       for (int i = 0; i < kSide * kSide * kSide; ++i) add(*s, i, {i % kSide, i / kSide % kSide, i / kSide / kSide});
     }
-    items = kSide * kSide * kSide;
+    items = ItemId(kSide * kSide * kSide);
   }
 
   void add(core::Scene& to, int i, const core::dvec3& origin) {
@@ -61,7 +61,7 @@ class OverridesTest : public DrawnGrid {
   /// Makes the twin what the overrides say, with materials and visibility of its own.
   void imitate() {
     std::map<std::array<float, 4>, core::MaterialId> looks;
-    for (ItemId item = 0; item < items; ++item) {
+    for (ItemId item{0}; item < items; ++item) {
       if (!scene.contains_item(item)) continue;
       const State& s = states[item];
       twin.set_visible(item, scene.item_visible(item) && !s.hidden);
@@ -80,17 +80,17 @@ class OverridesTest : public DrawnGrid {
     std::vector<ItemId> styled, hidden;
     for (const auto& [item, state] : states) {
       const auto told = engine.override_of(item);
-      ASSERT_EQ(told.has_value(), !(state.style == ItemStyle())) << item;
+      ASSERT_EQ(told.has_value(), !(state.style == ItemStyle())) << to_index(item);
       if (told) {
-        ASSERT_EQ(*told, state.style) << item;
+        ASSERT_EQ(*told, state.style) << to_index(item);
         styled.push_back(item);
       }
-      ASSERT_EQ(engine.is_hidden(item), state.hidden) << item;
+      ASSERT_EQ(engine.is_hidden(item), state.hidden) << to_index(item);
       if (state.hidden) hidden.push_back(item);
     }
     ASSERT_EQ(engine.overridden_items(), styled);
     ASSERT_EQ(engine.hidden_items(), hidden);
-    ASSERT_FALSE(engine.override_of(core::kNone) || engine.is_hidden(core::kNone));
+    ASSERT_FALSE(engine.override_of(core::kNoItem) || engine.is_hidden(core::kNoItem));
   }
 
   EngineConfig configured(CullerChoice culler) {
@@ -127,7 +127,7 @@ class OverridesTest : public DrawnGrid {
   core::MaterialId materials[3];
   core::NodeId nodes[4];
   core::MeshId meshes;
-  ItemId items = 0;
+  ItemId items{0};
   std::map<ItemId, State> states;
 };
 
@@ -162,7 +162,7 @@ TEST_P(OverridesInAllWays, AreAsMaterialsAndVisibilityThroughAnyEdits) {
     std::vector<ItemId> picked;
     const std::size_t count = below(4) == 0 ? 1 : 1 + below(300);
     while (picked.size() < count)
-      if (const ItemId item = ItemId(below(items)); scene.contains_item(item)) picked.push_back(item);
+      if (const ItemId item = ItemId(below(to_index(items))); scene.contains_item(item)) picked.push_back(item);
     return picked;
   };
   const ItemStyle styles[] = {{kRed}, {kBlue, 0.4f}, {{}, 0.5f}, {kRed, 0.0f}, {}};
@@ -192,7 +192,7 @@ TEST_P(OverridesInAllWays, AreAsMaterialsAndVisibilityThroughAnyEdits) {
       case 5: {
         const core::NodeId isolated[] = {nodes[below(4)], nodes[below(4)]};
         ASSERT_TRUE(engine->isolate(isolated));
-        for (ItemId item = 0; item < items; ++item) {
+        for (ItemId item{0}; item < items; ++item) {
           const bool there = scene.contains_item(item);
           const core::NodeId node = there ? scene.node_of(item) : core::NodeId();
           states[item].hidden = there && node != isolated[0] && node != isolated[1];
@@ -201,7 +201,7 @@ TEST_P(OverridesInAllWays, AreAsMaterialsAndVisibilityThroughAnyEdits) {
       }
       case 6:
         ASSERT_TRUE(below(2) == 0 ? engine->show_all() : engine->clear_overrides());
-        for (ItemId item = 0; item < items; ++item) states[item] = {};
+        for (ItemId item{0}; item < items; ++item) states[item] = {};
         ASSERT_TRUE(engine->show_all() && engine->clear_overrides());
         break;
       case 7:
@@ -251,11 +251,11 @@ TEST_F(OverridesTest, OfWhatHangsOnNodes) {
   ASSERT_TRUE(engine);
   const core::NodeId inner = scene.add_node(nodes[1]);
   const ItemId deep = scene.add_primitive(inner, core::Sphere{0.4f}, core::translation({3, 3, 3}));
-  scene.remove_item(2);
+  scene.remove_item(ItemId{2});
   const auto on = [&](std::initializer_list<int> wanted, bool with_deep) {
     std::vector<ItemId> found;
-    for (ItemId item = 0; item < items; ++item)
-      if (std::count(wanted.begin(), wanted.end(), int(item % 4)) != 0) found.push_back(item);
+    for (ItemId item{0}; item < items; ++item)
+      if (std::count(wanted.begin(), wanted.end(), int(to_index(item) % 4)) != 0) found.push_back(item);
     if (with_deep) found.push_back(deep);
     return found;
   };
@@ -284,7 +284,7 @@ TEST_F(OverridesTest, OrdersFromTheBackgroundAreOverridden) {
   int landed = 0;
   for (std::uint64_t generation = engine->snapshot().generation(); landed < 8;) {
     for (int i = 0; i < 40; ++i) {
-      const ItemId item = ItemId(random() % items);
+      const ItemId item = ItemId(random() % to_index(items));
       if (i % 4 == 0) {
         const core::Affine to = core::translation({anywhere(random), anywhere(random), anywhere(random)});
         for (core::Scene* s : {&scene, &twin}) s->set_placement(item, to);
@@ -315,8 +315,8 @@ TEST_F(OverridesTest, LooksGiveWayToMoreMaterials) {
   auto engine = Engine::create(scene, configured(CullerChoice::kCpu)),
        really = Engine::create(twin, configured(CullerChoice::kCpu));
   ASSERT_TRUE(engine && really);
-  for (ItemId item = 0; item < items; item += 2) {
-    states[item].style = item % 4 == 0 ? ItemStyle{kRed} : ItemStyle{kBlue, 0.7f};
+  for (ItemId item{0}; item < items; item = ItemId{to_index(item) + 2}) {
+    states[item].style = to_index(item) % 4 == 0 ? ItemStyle{kRed} : ItemStyle{kBlue, 0.7f};
     ASSERT_TRUE(engine->set_override({&item, 1}, states[item].style));
   }
   for (int round = 0; round < 3; ++round) {
@@ -346,12 +346,12 @@ TEST_F(OverridesTest, TransparentItemsCoverNoEnds) {
     EXPECT_EQ(really->joints().count(), covered);
     expect_same(*engine, *really, around(1));
   };
-  const ItemId coloured[] = {0, 3, 6};  // of the first material
+  const ItemId coloured[] = {ItemId{0}, ItemId{3}, ItemId{6}};  // of the first material
   ASSERT_TRUE(engine->set_override(coloured, {.colour = kRed}));
   for (const ItemId item : coloured) other.set_material(item, other.add_material({"", kRed}));
   ASSERT_TRUE(really->rebuild());
   EXPECT_EQ(engine->joints().count(), covered);
-  const ItemId clear = 1, gone = 4;
+  const ItemId clear{1}, gone = ItemId{4};
   ASSERT_TRUE(engine->set_override({&clear, 1}, {.alpha = 0.25f}));
   other.set_material(clear, other.add_material({"", {0.7f, 0.7f, 0.7f}, 0.25f}));
   ASSERT_NO_FATAL_FAILURE(expect_uncovered(4));
@@ -370,7 +370,7 @@ TEST_F(OverridesTest, TwoEnginesOnOneSceneShowItDifferently) {
        plain = Engine::create(twin, configured(CullerChoice::kCpu));
   ASSERT_TRUE(a && b && plain);
   std::vector<ItemId> some;
-  for (ItemId item = 0; item < items; item += 3) some.push_back(item);
+  for (ItemId item{0}; item < items; item = ItemId{to_index(item) + 3}) some.push_back(item);
   ASSERT_TRUE(a->set_override(some, {.colour = kRed}) && a->hide({&some[1], 1}));
   expect_same(*b, *plain, around(1));
   ASSERT_TRUE(b->isolate({&nodes[1], 1}));
@@ -388,7 +388,7 @@ TEST_F(OverridesTest, OutliveTheContext) {
     auto engine = Engine::create(scene, configured(culler)), really = Engine::create(twin, configured(culler));
     ASSERT_TRUE(engine && really);
     std::vector<ItemId> red, gone;
-    for (ItemId item = 0; item < items; ++item) (item % 2 == 0 ? red : gone).push_back(item);
+    for (ItemId item{0}; item < items; ++item) (to_index(item) % 2 == 0 ? red : gone).push_back(item);
     ASSERT_TRUE(engine->set_override(red, {.colour = kRed, .alpha = 0.5f}));
     engine->drop_context();
     ASSERT_TRUE(engine->hide(gone)) << "without a context";
@@ -410,16 +410,16 @@ TEST_F(OverridesTest, UnknownIdsAndBadStylesChangeNothing) {
   auto engine = Engine::create(scene, configured(CullerChoice::kCpu)),
        plain = Engine::create(twin, configured(CullerChoice::kCpu));
   ASSERT_TRUE(engine && plain);
-  const ItemId removed = 7, uncommitted = ItemId(scene.item_slots());
+  const ItemId removed{7}, uncommitted = ItemId(scene.item_slots());
   scene.remove_item(removed);
   twin.remove_item(removed);
   ASSERT_TRUE(engine->commit() && plain->commit());
   add(scene, 1, {1, 2, 3});
-  for (const ItemId bad : {removed, uncommitted, ItemId(1'000'000'000), core::kNone}) {
-    const ItemId list[] = {3, 4, bad, 5};
+  for (const ItemId bad : {removed, uncommitted, ItemId{1'000'000'000}, core::kNoItem}) {
+    const ItemId list[] = {ItemId{3}, ItemId{4}, bad, ItemId{5}};
     const auto expect_named = [&](const core::Expected<void>& done, const char* call) {
       ASSERT_FALSE(done);
-      EXPECT_NE(done.error().message.find(std::to_string(bad)), std::string::npos) << done.error().message;
+      EXPECT_NE(done.error().message.find(std::to_string(to_index(bad))), std::string::npos) << done.error().message;
       EXPECT_NE(done.error().message.find(call), std::string::npos) << done.error().message;
     };
     expect_named(engine->set_override(list, {.colour = kRed}), "set_override");
@@ -432,7 +432,7 @@ TEST_F(OverridesTest, UnknownIdsAndBadStylesChangeNothing) {
   const core::NodeId mixed[] = {nodes[0], stale};
   EXPECT_FALSE(engine->isolate(mixed));
   EXPECT_FALSE(engine->isolate({{core::NodeId{1000, 0}}}));
-  const ItemId good = 3;
+  const ItemId good{3};
   for (const float bad : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()}) {
     EXPECT_FALSE(engine->set_override({&good, 1}, {.alpha = bad}));
     EXPECT_FALSE(engine->set_override({&good, 1}, {.colour = core::vec3(0, bad, 0)}));
@@ -446,8 +446,8 @@ TEST_F(OverridesTest, CostNothingAfterTheLastIsCleared) {
        plain = Engine::create(twin, configured(CullerChoice::kCpu));
   ASSERT_TRUE(engine && plain);
   const std::size_t before = engine->memory().snapshot;
-  std::vector<ItemId> all(items);
-  for (ItemId item = 0; item < items; ++item) all[item] = item;
+  std::vector<ItemId> all(to_index(items));
+  for (ItemId item{0}; item < items; ++item) all[to_index(item)] = item;
   ASSERT_TRUE(engine->set_override(all, {.alpha = 0.5f}) && engine->hide(all));
   EXPECT_GT(engine->memory().snapshot, before);
   EXPECT_TRUE(engine->items_in(around(0), {0, 0, 192, 128}, culling::RegionRule::kCrossing)->empty());

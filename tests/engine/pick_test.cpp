@@ -36,7 +36,7 @@ struct Balls {
   core::ItemId pick(Engine& engine, int x, int y) const {
     const auto hit = engine.pick(view, 100.0 * x + 50.0, 100.0 * (n - y) - 50.0);
     EXPECT_TRUE(hit) << hit.error().message;
-    return *hit ? (*hit)->item : core::kNone;
+    return *hit ? (*hit)->item : core::kNoItem;
   }
 };
 
@@ -114,7 +114,7 @@ TEST(Pick, MayBePreparedInTheBackground) {
       const core::ItemId expected = balls.pick(*twin, i % 30, i / 30), found = balls.pick(*engine, i % 30, i / 30);
       if (expected != found) {
         EXPECT_EQ(expected, one);  // hidden in the engine alone
-        EXPECT_EQ(found, core::kNone);
+        EXPECT_EQ(found, core::kNoItem);
       }
     }
     EXPECT_GT(engine->memory().tracer, 0u);
@@ -150,7 +150,7 @@ TEST(Pick, EditsInterruptThePreparation) {
     for (int i = 0; i < 2000; ++i) {
       const std::size_t place = i < int(hidden.size()) ? hidden[std::size_t(i)] : random() % balls.items.size();
       const bool gone = std::find(hidden.begin(), hidden.end(), place) != hidden.end();
-      EXPECT_EQ(balls.pick(*engine, int(place % 200), int(place / 200)), gone ? core::kNone : balls.items[place]);
+      EXPECT_EQ(balls.pick(*engine, int(place % 200), int(place / 200)), gone ? core::kNoItem : balls.items[place]);
     }
   }
 }
@@ -190,7 +190,7 @@ TEST(Pick, DoesNotFindHiddenItems) {
     const core::ItemId hidden[] = {balls.items[0], balls.items[5]};
     ASSERT_TRUE(engine->hide(hidden));
     EXPECT_EQ(balls.pick(*engine, 0, 0), behind);
-    EXPECT_EQ(balls.pick(*engine, 1, 1), core::kNone);
+    EXPECT_EQ(balls.pick(*engine, 1, 1), core::kNoItem);
     EXPECT_EQ(balls.pick(*engine, 2, 1), balls.items[6]);
     const auto seen = engine->visible_items_in(balls.view, {10, 210, 190, 390});
     ASSERT_TRUE(seen);
@@ -200,7 +200,7 @@ TEST(Pick, DoesNotFindHiddenItems) {
     ASSERT_TRUE(engine->show({hidden, 1}));
     EXPECT_EQ(balls.pick(*engine, 0, 0), balls.items[0]);
     ASSERT_TRUE(engine->rebuild());
-    EXPECT_EQ(balls.pick(*engine, 1, 1), core::kNone);
+    EXPECT_EQ(balls.pick(*engine, 1, 1), core::kNoItem);
     ASSERT_TRUE(engine->show_all());
     EXPECT_EQ(balls.pick(*engine, 1, 1), balls.items[5]);
   }
@@ -314,7 +314,7 @@ TEST(Pick, FollowsEditsAndNewOrders) {
     ASSERT_TRUE(engine->commit());
     for (int i = 0; i < 1600; i += 7)
       ASSERT_EQ(balls.pick(*engine, i % 40, i / 40),
-                balls.items[std::size_t(i)] == removed ? core::kNone : balls.items[std::size_t(i)])
+                balls.items[std::size_t(i)] == removed ? core::kNoItem : balls.items[std::size_t(i)])
           << "round " << round << ", place " << i;
     balls.scene.set_visible(removed, true);
   }

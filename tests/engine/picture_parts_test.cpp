@@ -116,11 +116,11 @@ class PictureParts : public DrawnGrid {
 /// What both the tests draw: relief, ghosts, faded and outlined items, and two section planes.
 core::Expected<void> dress(Engine& engine, const core::Scene& scene) {
   std::vector<ItemId> ghosts, faded, red, outlined;
-  for (ItemId item = 0; item < scene.item_slots(); ++item) {
-    if (item % 11 == 0) ghosts.push_back(item);
-    if (item % 5 == 1) faded.push_back(item);
-    if (item % 5 == 2) red.push_back(item);
-    if (item % 60 == 4) outlined.push_back(item);
+  for (ItemId item{0}; to_index(item) < scene.item_slots(); ++item) {
+    if (to_index(item) % 11 == 0) ghosts.push_back(item);
+    if (to_index(item) % 5 == 1) faded.push_back(item);
+    if (to_index(item) % 5 == 2) red.push_back(item);
+    if (to_index(item) % 60 == 4) outlined.push_back(item);
   }
   auto done = engine.set_override(ghosts, {.ghost = true});
   if (done) done = engine.set_override(faded, {.alpha = 0.5f});

@@ -124,8 +124,8 @@ TEST_P(Portions, FollowEdits) {
       },
       [&](Engine& e, int n) {  // overrides
         std::vector<core::ItemId> some, others;
-        for (core::ItemId item = core::ItemId(n); item < 9000; item += 97)
-          if (scene.contains_item(item)) (item % 2 ? some : others).push_back(item);
+        for (core::ItemId item = core::ItemId(n); to_index(item) < 9000; item = core::ItemId{to_index(item) + 97})
+          if (scene.contains_item(item)) (to_index(item) % 2 ? some : others).push_back(item);
         ASSERT_TRUE(e.set_override(some, {.colour = core::vec3(0.2f, 0.9f, 0.1f * float(n % 10))}));
         ASSERT_TRUE(n % 2 == 0 ? e.hide(others) : e.show(others));
         ASSERT_TRUE(e.set_override({&some[2], 1}, {.alpha = 0.5f, .ghost = n % 3 == 0}));
@@ -185,7 +185,7 @@ TEST_P(Portions, SurviveALoss) {
                    }),
               0);
     EXPECT_FALSE(engine->frame(view(0.0))->drawn);
-    ASSERT_TRUE(engine->hide(std::vector<core::ItemId>{5}) && engine->show_all());
+    ASSERT_TRUE(engine->hide(std::vector<core::ItemId>{core::ItemId{5}}) && engine->show_all());
     made = gl::Context::create_offscreen();
     ASSERT_TRUE(made && context->make_current());
     ASSERT_GT(come(*engine, *context), 0);

@@ -190,7 +190,7 @@ TEST_P(ReliefInAllWays, IsTheSameInEachFrame) {
   for (int frame = 0; frame < 6; ++frame) {
     SCOPED_TRACE(frame);
     if (frame == 4) {
-      const std::array<core::ItemId, 3> ghosts{5, 700, 1500};
+      const std::array<core::ItemId, 3> ghosts{core::ItemId{5}, core::ItemId{700}, core::ItemId{1500}};
       ASSERT_TRUE(engine->set_override(ghosts, {.ghost = true}));
     }
     const auto view = core::View::perspective(around(0.4 * (frame / 2)), kFovy, kAspect, kNear);
@@ -200,7 +200,7 @@ TEST_P(ReliefInAllWays, IsTheSameInEachFrame) {
     auto fresh = Engine::create(scene, fresh_config);
     ASSERT_TRUE(fresh);
     if (frame >= 4) {
-      const std::array<core::ItemId, 3> ghosts{5, 700, 1500};
+      const std::array<core::ItemId, 3> ghosts{core::ItemId{5}, core::ItemId{700}, core::ItemId{1500}};
       ASSERT_TRUE(fresh->set_override(ghosts, {.ghost = true}));
     }
     EXPECT_EQ(image::compare(picture(*fresh, *view), seen)->max, 0);

@@ -103,7 +103,8 @@ TEST_F(SeveralViews, EachIsAsInAnEngineOfItsOwn) {
     for (int round = 0; round < 12; ++round) {
       const auto eyes = views(3, 0.02 * round);
       if (round == 6) {
-        for (core::ItemId item = 0; item < 3000; item += 3) scene.set_visible(item, false);
+        for (core::ItemId item{0}; to_index(item) < 3000; item = core::ItemId{to_index(item) + 3})
+          scene.set_visible(item, false);
         ASSERT_TRUE(shared->commit());
         for (Engine& engine : own) ASSERT_TRUE(engine.commit());
       }
@@ -146,7 +147,7 @@ TEST_F(SeveralViews, AnEditShowsInAllPictures) {
   };
   for (int round = 0; round < 3; ++round) ASSERT_NO_FATAL_FAILURE(draw_both());  // complete: frames draw nothing
   std::vector<core::ItemId> all;
-  for (core::ItemId item = 0; item < 5000; ++item) all.push_back(item);
+  for (core::ItemId item{0}; to_index(item) < 5000; ++item) all.push_back(item);
   ASSERT_TRUE(engine->set_override(all, {.colour = core::vec3(1, 0, 0)}));
   ASSERT_NO_FATAL_FAILURE(draw_both());
   for (std::uint32_t i = 0; i < 2; ++i) {

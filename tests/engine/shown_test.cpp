@@ -275,13 +275,13 @@ TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
   };
   const double per_metre = 150.0 / std::tan(0.5) / 4.0;
   const auto near = drawn(4.0);
-  EXPECT_TRUE(near[line]);
+  EXPECT_TRUE(near[to_index(line)]);
   for (std::size_t i = 0; i < plates.size(); ++i) {
     const double edge = 0.01 * double(i + 1) * per_metre;
     const double aside = glm::length(scene.placement(plates[i]).origin - core::dvec3(0, -4, 0)) / 4.0;
     const double area = 0.5 * edge * edge * aside;  // the picture is flat, and larger aside
     if (std::abs(area - 100.0) > 0.5) {
-      EXPECT_EQ(bool(near[plates[i]]), area > 100.0) << i;
+      EXPECT_EQ(bool(near[to_index(plates[i])]), area > 100.0) << i;
     }
   }
   const auto stayed = drawn(4.0 * 1.1);  // areas are 0.83 of what they were
@@ -314,7 +314,7 @@ TEST_P(Budget, IsMadeUpForAtRest) {
   for (int i = 0; i < 12; ++i) {
     SCOPED_TRACE(testing::Message() << "view " << i);
     if (i == 4) {
-      scene.set_visible(3, false);
+      scene.set_visible(core::ItemId{3}, false);
       ASSERT_TRUE(hurried->commit() && all->commit());
     }
     if (i == 8) {
@@ -418,11 +418,12 @@ class HiddenColour : public Shown {
     const image::IdImage ids = *engine.read_ids();
     std::array<std::set<core::ItemId>, 2> found;
     for (std::size_t i = 0; i < ids.ids.size(); ++i)
-      if (ids.ids[i] != 0) found[colour.pixels[3 * i] < colour.pixels[3 * i + 2] / 2].insert(ids.ids[i] - 1);
+      if (ids.ids[i] != 0)
+        found[colour.pixels[3 * i] < colour.pixels[3 * i + 2] / 2].insert(core::ItemId{ids.ids[i] - 1});
     return found;
   }
   core::Scene scene;
-  core::ItemId wall = 0, small = 0;
+  core::ItemId wall{0}, small = core::ItemId{0};
   std::vector<core::ItemId> behind, beside;
   const View front = *View::perspective({{0, -10, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.5, 0.1);
   const View back = *View::perspective({{-4, 12, 8}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.5, 0.1);
@@ -521,7 +522,7 @@ TEST_F(Shown, ShowsTheInsideOfOpenPipes) {
       ASSERT_TRUE(report && all->frame({.view = view, .cull_view = &cull_view}));
       const std::vector<std::uint32_t> expected = all->read_ids()->ids;
       EXPECT_EQ(tested->read_ids()->ids, expected);
-      EXPECT_EQ(std::count(expected.begin(), expected.end(), inside + 1) > 5, open);
+      EXPECT_EQ(std::count(expected.begin(), expected.end(), to_index(inside) + 1) > 5, open);
       if (!open) {
         EXPECT_EQ(report->shown, 1) << "the pipe hides all the rest";
       }

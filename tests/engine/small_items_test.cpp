@@ -63,7 +63,7 @@ class SmallItemsTest : public tests::GlTest {
     std::map<ItemId, int> counts;
     const image::IdImage ids = *engine.read_ids();
     for (const std::uint32_t id : ids.ids)
-      if (id != 0) ++counts[id - 1];
+      if (id != 0) ++counts[ItemId{id - 1}];
     return counts;
   }
 
@@ -87,7 +87,7 @@ TEST_F(SmallItemsTest, EachIsASquareOfItsAreaAtItsPlace) {
   const image::Image colours = *drawn->read_colour();
   for (std::size_t i = 0; i < ids.ids.size(); ++i) {
     if (ids.ids[i] == 0) continue;
-    const dvec3 centre = scene_.placement(ids.ids[i] - 1).origin;
+    const dvec3 centre = scene_.placement(ItemId{ids.ids[i] - 1}).origin;
     const double x = kPixel * (double(i % kSize) + 0.5 - 256.0), z = kPixel * (255.5 - double(i / kSize));
     ASSERT_LT(std::abs(x - centre.x), 1.51 * kPixel);
     ASSERT_LT(std::abs(z - centre.z), 1.51 * kPixel);
@@ -96,7 +96,7 @@ TEST_F(SmallItemsTest, EachIsASquareOfItsAreaAtItsPlace) {
   }
   const std::map<ItemId, int> counts = pixels(*drawn);
   ASSERT_EQ(counts.size(), balls_.size());
-  for (const auto& [item, count] : counts) ASSERT_EQ(count, 9) << item;
+  for (const auto& [item, count] : counts) ASSERT_EQ(count, 9) << to_index(item);
 }
 
 TEST_F(SmallItemsTest, SquaresBetweenPixelCentresAreNotDrawn) {
@@ -122,7 +122,7 @@ TEST_F(SmallItemsTest, AShareOfThemKeepsTheArea) {
     double covered = 0.0;
     for (const auto& [item, count] : counts) {
       covered += count;
-      ASSERT_TRUE(in_share(item, float(share) * 1.001f)) << item;
+      ASSERT_TRUE(in_share(item, float(share) * 1.001f)) << to_index(item);
     }
     EXPECT_NEAR(covered, expected, 4.0 * deviation);
   }
@@ -161,7 +161,7 @@ TEST_F(SmallItemsTest, SectionsCutThemAtTheirCentres) {
     const dvec3 centre = scene_.placement(item).origin;
     const double inside = centre.x + 0.3 * centre.z + 0.2;
     if (std::abs(inside) > 1e-4) {
-      ASSERT_EQ(counts.contains(item), inside > 0.0) << item;
+      ASSERT_EQ(counts.contains(item), inside > 0.0) << to_index(item);
     }
   }
 }
@@ -195,7 +195,7 @@ TEST_F(SmallItemsTest, HideEachOther) {
                          core::translation(at), i % 2 == 0 ? red_ : green_);
   }
   std::vector<std::pair<dvec3, double>> squares;  // centre, half the side
-  for (ItemId item = 0; item < kCount; ++item) {
+  for (ItemId item{0}; to_index(item) < kCount; ++item) {
     const double diameter = std::get<core::Sphere>(scene_.primitive(item)).diameter;
     squares.emplace_back(scene_.placement(item).origin, 0.5 * std::sqrt(0.25 * std::numbers::pi) * diameter);
   }
@@ -215,10 +215,10 @@ TEST_F(SmallItemsTest, HideEachOther) {
       for (int x = kFirst; x <= kLast; ++x) {
         const double px = kPixel * (x + 0.5 - 0.5 * kSize), pz = kPixel * (0.5 * kSize - 0.5 - y);
         double nearest = 1e9, second = 1e9;
-        ItemId owner = core::kNone;
+        ItemId owner = core::kNoItem;
         bool clear = true;
-        for (ItemId item = 0; item < kCount; ++item) {
-          const auto& [centre, half] = squares[item];
+        for (ItemId item{0}; to_index(item) < kCount; ++item) {
+          const auto& [centre, half] = squares[to_index(item)];
           if (cuts == 1 && centre.y < 0.0) continue;
           const double off = std::max(std::abs(px - centre.x), std::abs(pz - centre.z)) - half;
           if (std::abs(off) < 0.02 * kPixel) clear = false;
@@ -226,8 +226,9 @@ TEST_F(SmallItemsTest, HideEachOther) {
           second = std::min(second, std::max(centre.y, nearest));
           if (centre.y < nearest) nearest = centre.y, owner = item;
         }
-        if (!clear || (owner != core::kNone && second - nearest < 2e-3)) continue;
-        ASSERT_EQ(ids.ids[std::size_t(y * kSize + x)], owner == core::kNone ? 0 : owner + 1) << x << ' ' << y;
+        if (!clear || (owner != core::kNoItem && second - nearest < 2e-3)) continue;
+        ASSERT_EQ(ids.ids[std::size_t(y * kSize + x)], owner == core::kNoItem ? 0 : to_index(owner) + 1)
+            << x << ' ' << y;
         ++compared;
       }
     EXPECT_GT(compared, 2000);
@@ -255,7 +256,7 @@ TEST_F(SmallItemsTest, StandInForWhatABudgetDoesNotSufficeFor) {
     EXPECT_GE(drawn->memory().gpu, memory + kSize * kSize * 12) << "a second picture, for views that stay";
     EXPECT_EQ(report->pending, report->squares);
     EXPECT_EQ(report->shown + report->squares, kSide * kSide);
-    for (const auto& [item, count] : pixels(*drawn)) ASSERT_NEAR(count, 9, 4) << item;
+    for (const auto& [item, count] : pixels(*drawn)) ASSERT_NEAR(count, 9, 4) << to_index(item);
   }
 }
 
@@ -333,7 +334,7 @@ TEST(SmallItems, SharesAreEvenAndNested) {
   constexpr int kCount = 100'000;
   for (const double share : {0.0, 0.01, 0.3, 0.5, 0.99, 1.0}) {
     int kept = 0;
-    for (ItemId item = 0; item < kCount; ++item) {
+    for (ItemId item{0}; to_index(item) < kCount; ++item) {
       kept += in_share(item, float(share));
       ASSERT_TRUE(!in_share(item, float(0.5 * share)) || in_share(item, float(share)));
     }

@@ -43,7 +43,8 @@ class StreamingTest : public DrawnGrid {
   /// Ghosts, faint ones, and one with an outline, among those that stay.
   static bool set_styles(Engine& engine) {
     std::vector<core::ItemId> ghosts, faint;
-    for (core::ItemId item = 0; item < 4000; item += 2) (item % 3 == 0 ? ghosts : faint).push_back(item);
+    for (core::ItemId item{0}; to_index(item) < 4000; item = core::ItemId{to_index(item) + 2})
+      (to_index(item) % 3 == 0 ? ghosts : faint).push_back(item);
     return engine.set_override(ghosts, {.ghost = true}) && engine.set_override(faint, {.alpha = 0.5f}) &&
            engine.set_override({&faint[3], 1}, {.outline = true});
   }

@@ -26,7 +26,7 @@ void use(core::Scene& scene) {
     all.push_back(node);
     (void)scene.path(node).size();
     (void)scene.attributes(node).size();
-    for (core::ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item)) ++items;
+    for (core::ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item)) ++items;
   });
   fuzz::require(nodes == scene.node_count() && items == scene.item_count(), "as many nodes and items as counted");
   for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {

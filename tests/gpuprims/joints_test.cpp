@@ -146,14 +146,14 @@ TEST(Joints, SlantedEndsMeet) {
     Solids solids;
     solids.add(cut);
     solids.add(cut, {mirror, centre - mirror * centre});
-    EXPECT_EQ(solids.covered(0), kTopEnd);
-    EXPECT_EQ(solids.covered(1), kTopEnd);
+    EXPECT_EQ(solids.covered(core::ItemId{0}), kTopEnd);
+    EXPECT_EQ(solids.covered(core::ItemId{1}), kTopEnd);
     // Turned about the normal the ellipses differ.
     Solids others;
     others.add(cut);
     const dmat3 twisted = turned(1.0, normal) * mirror;
     others.add(cut, {twisted, centre - twisted * centre});
-    EXPECT_EQ(others.covered(0), kNoEnd);
+    EXPECT_EQ(others.covered(core::ItemId{0}), kNoEnd);
   }
 }
 
@@ -193,7 +193,7 @@ TEST(Joints, OnlyOfVisibleOpaqueItemsInTheSameLayers) {
     solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, 0.5}), paint);
     const ItemId other = solids.scene.add_primitive(node, Cylinder{1.0f, 1.0f}, translation({0, 0, 1.5}));
     change(solids.scene, node, other, see_through);
-    return solids.covered(0) != kNoEnd;
+    return solids.covered(core::ItemId{0}) != kNoEnd;
   };
   EXPECT_TRUE(joined([](auto&&...) {}));
   EXPECT_FALSE(joined([](Scene& s, NodeId, ItemId item, MaterialId glass) { s.set_material(item, glass); }));
@@ -310,25 +310,25 @@ TEST(Joints, EditsDissolveThoseOfTheItemAndItsNeighbours) {
     ASSERT_EQ(joints.count(), 8u);
     edit(scene, paint);
     const std::vector<Slot> touched = joined.commit(scene);
-    EXPECT_EQ(joints.covered(2), kNoEnd);
-    EXPECT_EQ(joints.covered(1), kBottomEnd);
-    EXPECT_EQ(joints.covered(3), kTopEnd);
-    EXPECT_EQ(joints.covered(0), kTopEnd);
-    EXPECT_EQ(joints.covered(4), kBottomEnd);
+    EXPECT_EQ(joints.covered(core::ItemId{2}), kNoEnd);
+    EXPECT_EQ(joints.covered(core::ItemId{1}), kBottomEnd);
+    EXPECT_EQ(joints.covered(core::ItemId{3}), kTopEnd);
+    EXPECT_EQ(joints.covered(core::ItemId{0}), kTopEnd);
+    EXPECT_EQ(joints.covered(core::ItemId{4}), kBottomEnd);
     EXPECT_EQ(joints.count(), 4u);
     const std::set<Slot> set(touched.begin(), touched.end());
     EXPECT_EQ(set.size(), touched.size()) << "each once";
-    EXPECT_TRUE(set.contains(snapshot.slot(1)) && set.contains(snapshot.slot(3)));
-    EXPECT_FALSE(set.contains(snapshot.slot(0)) || set.contains(snapshot.slot(4)));
+    EXPECT_TRUE(set.contains(snapshot.slot(core::ItemId{1})) && set.contains(snapshot.slot(core::ItemId{3})));
+    EXPECT_FALSE(set.contains(snapshot.slot(core::ItemId{0})) || set.contains(snapshot.slot(core::ItemId{4})));
     // A new order finds what there is now.
     core::ItemCopies items;
     core::copy_items(snapshot, 0, Slot(snapshot.size()), items);
     EXPECT_EQ(Joints(core::reordered(snapshot, std::move(items))).count(), count_of(scene));
   };
-  check("moved", [](Scene& s, MaterialId) { s.set_placement(2, translation({0.2, 0, 2})); });
-  check("moved far", [](Scene& s, MaterialId) { s.set_placement(2, translation({900, 0, 2})); });
-  check("moved by nothing", [](Scene& s, MaterialId) { s.set_placement(2, translation({0, 0, 2})); });
-  check("removed", [](Scene& s, MaterialId) { s.remove_item(2); });
+  check("moved", [](Scene& s, MaterialId) { s.set_placement(core::ItemId{2}, translation({0.2, 0, 2})); });
+  check("moved far", [](Scene& s, MaterialId) { s.set_placement(core::ItemId{2}, translation({900, 0, 2})); });
+  check("moved by nothing", [](Scene& s, MaterialId) { s.set_placement(core::ItemId{2}, translation({0, 0, 2})); });
+  check("removed", [](Scene& s, MaterialId) { s.remove_item(core::ItemId{2}); });
   check("hidden", [](Scene& s, MaterialId) { s.set_visible(ItemId(2), false); });
   check("painted", [](Scene& s, MaterialId paint) { s.set_material(ItemId(2), paint); });
 }
@@ -349,13 +349,14 @@ TEST(Joints, DissolveWhereAMaterialTurnsClear) {
   solids.scene.update_material(pane, {.name = "glass", .alpha = 0.5f});
   std::vector<Slot> touched = joined.commit(solids.scene);
   std::sort(touched.begin(), touched.end());
-  std::vector<Slot> expected{snapshot.slot(1), snapshot.slot(2), snapshot.slot(3)};
+  std::vector<Slot> expected{snapshot.slot(core::ItemId{1}), snapshot.slot(core::ItemId{2}),
+                             snapshot.slot(core::ItemId{3})};
   std::sort(expected.begin(), expected.end());
   EXPECT_EQ(touched, expected);
   EXPECT_EQ(joints.count(), 6u);
-  EXPECT_EQ(joints.covered(2), kNoEnd);
-  EXPECT_EQ(joints.covered(1), kBottomEnd);
-  EXPECT_EQ(joints.covered(3), kTopEnd);
+  EXPECT_EQ(joints.covered(core::ItemId{2}), kNoEnd);
+  EXPECT_EQ(joints.covered(core::ItemId{1}), kBottomEnd);
+  EXPECT_EQ(joints.covered(core::ItemId{3}), kTopEnd);
   solids.scene.update_material(pane, {.name = "glass", .alpha = 0.4f});
   EXPECT_TRUE(joined.commit(solids.scene).empty()) << "it was clear before";
   solids.scene.update_material(pane, {});
@@ -373,7 +374,7 @@ TEST(Joints, NeighboursEditedTogetherTouchFormerSlotsOnly) {
     const Snapshot& snapshot = joined.snapshot;
     const std::size_t size = snapshot.size();
     std::vector<Slot> expected;
-    for (ItemId item = 1; item < 5; ++item) expected.push_back(snapshot.slot(item));
+    for (ItemId item{1}; to_index(item) < 5; ++item) expected.push_back(snapshot.slot(item));
     edit(solids.scene);
     std::vector<Slot> touched = joined.commit(solids.scene);
     for (const Slot slot : touched) EXPECT_LT(slot, size);
@@ -381,14 +382,14 @@ TEST(Joints, NeighboursEditedTogetherTouchFormerSlotsOnly) {
     std::sort(expected.begin(), expected.end());
     EXPECT_EQ(touched, expected);
   };
-  check("removed", [](Scene& s) { s.remove_item(2), s.remove_item(3); });
+  check("removed", [](Scene& s) { s.remove_item(core::ItemId{2}), s.remove_item(core::ItemId{3}); });
   check("moved far", [](Scene& s) {
-    s.set_placement(2, translation({900, 0, 2}));
-    s.set_placement(3, translation({900, 0, 3}));
+    s.set_placement(core::ItemId{2}, translation({900, 0, 2}));
+    s.set_placement(core::ItemId{3}, translation({900, 0, 3}));
   });
   check("one removed, the other the first that is appended", [](Scene& s) {
-    s.remove_item(2);
-    s.set_placement(3, translation({900, 0, 3}));
+    s.remove_item(core::ItemId{2});
+    s.set_placement(core::ItemId{3}, translation({900, 0, 3}));
   });
 }
 
@@ -419,7 +420,7 @@ TEST(Joints, EditedNeighboursAreTouchedOnce) {
   Solids solids;
   for (int i = 0; i < 6; ++i) solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i)}));
   Joined joined = solids.joined();
-  for (ItemId i = 1; i < 4; ++i) solids.scene.set_placement(i, translation({0, 0, double(i)}));
+  for (ItemId i{1}; to_index(i) < 4; ++i) solids.scene.set_placement(i, translation({0, 0, double(i)}));
   const std::vector<Slot> touched = joined.commit(solids.scene);
   EXPECT_EQ(std::set<Slot>(touched.begin(), touched.end()).size(), touched.size());
   EXPECT_EQ(touched.size(), 5u);

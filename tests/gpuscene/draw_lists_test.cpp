@@ -74,7 +74,7 @@ class BoxPerPixel : public tests::GlTest {
     std::erase(shown, 0u);
     std::sort(shown.begin(), shown.end());
     for (const core::Slot slot : set.sorted_slots())
-      if (!stage.snapshot.vacant(slot)) wanted.push_back(stage.snapshot.item(slot) + 1);
+      if (!stage.snapshot.vacant(slot)) wanted.push_back(to_index(stage.snapshot.item(slot)) + 1);
     std::sort(wanted.begin(), wanted.end());
     EXPECT_EQ(shown, wanted);
   }
@@ -86,19 +86,19 @@ TEST_F(BoxPerPixel, IsDrawnIfNamed) {
   Stage stage(*context, scene, kWidth, kHeight);
   expect_shown(stage, stage.all());  // runs of many commands
   VisibleSet singles;
-  for (core::Slot slot = 0; slot < kItems; slot += 2) singles.items.push_back(slot);
+  for (core::Slot slot = 0; slot < kItems; slot += 2) singles.slots.push_back(slot);
   expect_shown(stage, singles);
   VisibleSet both;
   both.ranges = {{100, 128}, {1000, 50}, {2000, 9000}, {11000, 127}};
-  for (core::Slot slot = 12000; slot < 19000; slot += 3) both.items.push_back(slot);
+  for (core::Slot slot = 12000; slot < 19000; slot += 3) both.slots.push_back(slot);
   for (int frame = 0; frame < 4; ++frame) expect_shown(stage, both);
   expect_shown(stage, {});
 }
 
 TEST_F(BoxPerPixel, IsGoneWhenHidden) {
   Stage stage(*context, scene, kWidth, kHeight);
-  for (core::ItemId item = 0; item < kItems; ++item)
-    if (item % 10 != 3 && item > 4000) scene.set_visible(item, false);
+  for (core::ItemId item{0}; to_index(item) < kItems; ++item)
+    if (to_index(item) % 10 != 3 && to_index(item) > 4000) scene.set_visible(item, false);
   const auto touched = stage.snapshot.apply(*scene.commit());
   stage.gpu.update(stage.snapshot, touched);
   expect_shown(stage, stage.all());

@@ -127,23 +127,23 @@ class GltfCollectionsTest : public testing::Test {
     ASSERT_TRUE(report) << report.error().message;
     ASSERT_EQ(report->warnings.size(), report->degenerate) << report->warnings[0].message;
     ASSERT_EQ(scene_.item_count(), 1u);
-    EXPECT_EQ(scene_.path(scene_.node_of(0)), "plant.glb/42");
-    const core::Material& material = scene_.material(scene_.item_material(0));
+    EXPECT_EQ(scene_.path(scene_.node_of(core::ItemId{0})), "plant.glb/42");
+    const core::Material& material = scene_.material(scene_.item_material(core::ItemId{0}));
     EXPECT_EQ(material.colour, core::vec3(1.0f, 128 / 255.0f, 0.0f));
     EXPECT_EQ(material.alpha, 1.0f);
     attributes_ = Json::object();
     file_ = {};
   }
   double distance_of(const dvec3& world) {
-    const core::Affine item = scene_.state(0).world_from_item;
+    const core::Affine item = scene_.state(core::ItemId{0}).world_from_item;
     double distance = 1e9;
-    if (int(scene_.kind(0)) < core::kPrimitiveKindCount) {
+    if (int(scene_.kind(core::ItemId{0})) < core::kPrimitiveKindCount) {
       const dvec3 local = glm::inverse(item.linear) * (world - item.origin);
       const double stretch =
           std::max({glm::length(item.linear[0]), glm::length(item.linear[1]), glm::length(item.linear[2])});
-      distance = stretch * std::visit(Distance{local}, scene_.primitive(0));
+      distance = stretch * std::visit(Distance{local}, scene_.primitive(core::ItemId{0}));
     } else {
-      const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+      const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(core::ItemId{0}));
       const auto at = [&](std::size_t i) {
         return core::transform_point(item, dvec3(mesh.positions[mesh.indices[i]]));
       };
@@ -175,7 +175,7 @@ TEST_F(GltfCollectionsTest, BoxesAndQuads) {
   repeat([&] {
     const core::Affine map = matrix({real(0.1, 5), real(0.1, 5), real(0.1, 5)});
     import("BoxCollection");
-    EXPECT_EQ(scene_.kind(0), core::Kind::kBox);
+    EXPECT_EQ(scene_.kind(core::ItemId{0}), core::Kind::kBox);
     for (int i = 0; i < 20; ++i) {
       dvec3 p(real(-0.5, 0.5), real(-0.5, 0.5), real(-0.5, 0.5));
       p[i % 3] = i % 2 ? 0.5 : -0.5;
@@ -200,7 +200,7 @@ TEST_F(GltfCollectionsTest, CirclesAndRings) {
                  arc = scalar("_arcAngle", random_() % 3 == 0 ? 2 * kPi : real(0.1, 6));
     const core::Affine ring = matrix({real(1, 5), real(1, 5), 0});
     import("GeneralRingCollection");
-    EXPECT_EQ(scene_.kind(0), core::Kind::kRectangularTorus);
+    EXPECT_EQ(scene_.kind(core::ItemId{0}), core::Kind::kRectangularTorus);
     for (int i = 0; i < 20; ++i) {
       const double angle = from + real(0, arc), r = real(0.5 * (1 - thickness), 0.5);
       expect_on_surface(core::transform_point(ring, {r * std::cos(angle), r * std::sin(angle), 0.0}), 5);
@@ -220,12 +220,12 @@ TEST_F(GltfCollectionsTest, Cones) {
     const double from = scalar("_angle", real(-3, 3)), arc = scalar("_arcAngle", whole ? 2 * kPi : real(0.5, 6));
     import("ConeCollection");
     using core::Kind;
-    EXPECT_EQ(scene_.kind(0),
+    EXPECT_EQ(scene_.kind(core::ItemId{0}),
               whole ? (straight ? Kind::kCylinder : Kind::kSnout) : (straight ? Kind::kRectangularTorus : Kind::kMesh));
     for (int i = 0; i < 20; ++i) {
       const double t = real(0, 1), angle = from + real(0, arc), r = rb + (ra - rb) * t;
       expect_on_surface(b + t * (a - b) + r * (std::cos(angle) * x + std::sin(angle) * y), 10,
-                        scene_.kind(0) == Kind::kMesh ? kFacetError : 1e-6);
+                        scene_.kind(core::ItemId{0}) == Kind::kMesh ? kFacetError : 1e-6);
     }
   });
 }
@@ -254,9 +254,9 @@ TEST_F(GltfCollectionsTest, EllipsoidSegments) {
     const int which = int(random_() % 3);
     const double height = scalar("_height", which == 0 ? along : which == 1 ? 2 * along : real(0.05, 1.95) * along);
     import("EllipsoidSegmentCollection");
-    EXPECT_EQ(scene_.kind(0), which == 0   ? core::Kind::kEllipticalDish
-                              : which == 1 ? core::Kind::kSphere
-                                           : core::Kind::kSphericalDish);
+    EXPECT_EQ(scene_.kind(core::ItemId{0}), which == 0   ? core::Kind::kEllipticalDish
+                                            : which == 1 ? core::Kind::kSphere
+                                                         : core::Kind::kSphericalDish);
     const dvec3 x = across(n), y = glm::cross(n, x);
     for (int i = 0; i < 20; ++i) {
       const double h = along - real(0, height), angle = real(0, 2 * kPi);
@@ -308,7 +308,7 @@ TEST_F(GltfCollectionsTest, TorusSegments) {
     const double tube = scalar("_tubeRadius", real(0.1, 1)), radius = scalar("_radius", real(1, 5)),
                  arc = scalar("_arcAngle", random_() % 3 == 0 ? 2 * kPi : real(0.1, 6));
     import("TorusSegmentCollection");
-    EXPECT_EQ(scene_.kind(0), core::Kind::kCircularTorus);
+    EXPECT_EQ(scene_.kind(core::ItemId{0}), core::Kind::kCircularTorus);
     for (int i = 0; i < 20; ++i) {
       const double theta = real(0, arc), phi = real(0, 2 * kPi), r = radius + tube * std::cos(phi);
       expect_on_surface(core::transform_point(map, {r * std::cos(theta), r * std::sin(theta), tube * std::sin(phi)}),
@@ -325,14 +325,14 @@ TEST_F(GltfCollectionsTest, NutsAndTrapezia) {
       const double angle = i * kPi / 3;
       expect_on_surface(core::transform_point(map, {0.5 * std::sin(angle), 0.5 * std::cos(angle), real(-0.5, 0.5)}), 4);
     }
-    EXPECT_EQ(core::enclosure(scene_.mesh(scene_.mesh_of(0))), core::Enclosure::kInside);
+    EXPECT_EQ(core::enclosure(scene_.mesh(scene_.mesh_of(core::ItemId{0}))), core::Enclosure::kInside);
     dvec3 v[4];
     for (int i = 0; i < 4; ++i)
       v[i] = vector("_vertex" + std::to_string(i + 1), {real(-9, 9), real(-9, 9), real(-9, 9)});
     import("TrapeziumCollection");
     for (const dvec3& corner : v) expect_on_surface(corner, 20);
     expect_on_surface((v[0] + v[3]) / 2.0, 20);
-    EXPECT_EQ(scene_.mesh(scene_.mesh_of(0)).indices.size(), 6u);
+    EXPECT_EQ(scene_.mesh(scene_.mesh_of(core::ItemId{0})).indices.size(), 6u);
   });
 }
 
@@ -349,7 +349,7 @@ TEST_F(GltfCollectionsTest, PartsGatherOverCollectionsWithZUp) {
   ASSERT_TRUE(scene_.commit());
   std::map<std::string, int> items;
   std::map<std::string, double> top;
-  for (core::ItemId item = 0; item < scene_.item_slots(); ++item) {
+  for (core::ItemId item{0}; to_index(item) < scene_.item_slots(); ++item) {
     const std::string path = scene_.path(scene_.node_of(item));
     ++items[path];
     const auto box = scene_.bounds_under(item, scene_.state(item).world_from_item);
@@ -381,7 +381,7 @@ TEST_F(GltfCollectionsTest, AlphaOfColoursIsIgnored) {
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(scene_.item_count(), 2u);  // alpha parts no mesh, either
   ASSERT_EQ(scene_.material_slots(), 1u);
-  for (core::ItemId item = 0; item < 2; ++item) {
+  for (core::ItemId item{0}; to_index(item) < 2; ++item) {
     const core::Material& material = scene_.material(scene_.item_material(item));
     EXPECT_EQ(material.name, "#ff0000");
     EXPECT_EQ(material.colour, core::vec3(1, 0, 0));
@@ -417,7 +417,7 @@ TEST_F(GltfCollectionsTest, AxesAlongTheFramesOwn) {
     vector("_localXAxis", n), vector("_centerA", 3.0 * n), vector("_centerB", {0, 0, 0});  // says nothing
     scalar("_radiusA", 2), scalar("_radiusB", 1), scalar("_angle", 0), scalar("_arcAngle", 6.28318);
     import("ConeCollection");
-    EXPECT_EQ(scene_.kind(0), core::Kind::kSnout);
+    EXPECT_EQ(scene_.kind(core::ItemId{0}), core::Kind::kSnout);
     expect_on_surface(3.0 * n + std::sqrt(2.0) * (x + y), 10);
   }
 }
@@ -426,11 +426,11 @@ TEST_F(GltfCollectionsTest, NearlyWholeTurnsAndFullRings) {
   vector("_centerA", {0, 0, 2}), vector("_centerB", {0, 0, 0}), vector("_localXAxis", {1, 0, 0});
   scalar("_radiusA", 1), scalar("_radiusB", 1), scalar("_angle", 0), scalar("_arcAngle", 6.2);
   import("ConeCollection");
-  EXPECT_EQ(scene_.kind(0), core::Kind::kRectangularTorus);  // a slit stays open
+  EXPECT_EQ(scene_.kind(core::ItemId{0}), core::Kind::kRectangularTorus);  // a slit stays open
   scalar("_thickness", 1.5), scalar("_angle", 0), scalar("_arcAngle", 2 * kPi);
   matrix({1, 1, 0});
   import("GeneralRingCollection");
-  EXPECT_EQ(std::get<core::RectangularTorus>(scene_.primitive(0)).inner_radius, 0.0f);
+  EXPECT_EQ(std::get<core::RectangularTorus>(scene_.primitive(core::ItemId{0})).inner_radius, 0.0f);
 }
 
 TEST_F(GltfCollectionsTest, SteepPlanesOfCylinders) {
@@ -472,15 +472,15 @@ TEST_F(GltfCollectionsTest, TreeIndicesAndColoursOfAnyType) {
   GltfBytes plain, bytes, shorts;
   boxes({0, -1, 4294967295.0f}, plain.floats({1, 0, 0.2f, 0, 1, 0, 0.2f, 0, 1, 0, 0.2f, 0}, "VEC4"), plain);
   ASSERT_EQ(scene_.item_count(), 3u);
-  EXPECT_EQ(scene_.path(scene_.node_of(0)), "plant.glb/0");
-  EXPECT_EQ(scene_.path(scene_.node_of(1)), "plant.glb/BoxCollection");  // parts of no tree
-  EXPECT_EQ(scene_.path(scene_.node_of(2)), "plant.glb/BoxCollection");
+  EXPECT_EQ(scene_.path(scene_.node_of(core::ItemId{0})), "plant.glb/0");
+  EXPECT_EQ(scene_.path(scene_.node_of(core::ItemId{1})), "plant.glb/BoxCollection");  // parts of no tree
+  EXPECT_EQ(scene_.path(scene_.node_of(core::ItemId{2})), "plant.glb/BoxCollection");
   const core::vec3 colour(1.0f, 0.0f, 51 / 255.0f);
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, colour);
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).colour, colour);
   boxes({1}, bytes.accessor<std::uint8_t>({255, 0, 51, 0}, "VEC4"), bytes);
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, colour);
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).colour, colour);
   boxes({1}, shorts.accessor<std::uint16_t>({65535, 0, 13107, 0}, "VEC4"), shorts);
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, colour);
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).colour, colour);
 }
 
 TEST_F(GltfCollectionsTest, FacesOfOnePartAndColourAreOneMesh) {
@@ -503,7 +503,8 @@ TEST_F(GltfCollectionsTest, FacesOfOnePartAndColourAreOneMesh) {
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(scene_.item_count(), 3u);
   const std::size_t corners[] = {12, 6, 6};
-  for (core::ItemId i = 0; i < 3; ++i) EXPECT_EQ(scene_.mesh(scene_.mesh_of(i)).indices.size(), corners[i]);
+  for (core::ItemId i{0}; to_index(i) < 3; ++i)
+    EXPECT_EQ(scene_.mesh(scene_.mesh_of(i)).indices.size(), corners[to_index(i)]);
 }
 
 }  // namespace

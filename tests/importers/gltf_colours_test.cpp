@@ -51,13 +51,13 @@ TEST_F(GltfColours, EveryTypeOfColour) {
     const auto report = read(g);
     ASSERT_TRUE(report) << report.error().message;
     ASSERT_EQ(scene_.item_count(), 2u);
-    EXPECT_EQ(look(0).name, "#ff0000");
-    EXPECT_EQ(look(0).colour, core::vec3(1, 0, 0));
-    EXPECT_EQ(look(0).alpha, 1.0f);  // no material blends it
-    EXPECT_NEAR(look(1).colour.z, core::srgb_from_linear(half), 0.5 / 255);
-    EXPECT_EQ(look(1).colour.x, 0.0f);
-    expect_corners(0, {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}});
-    expect_corners(1, {{5, 0, 0}, {6, 0, 0}, {5, 0, 1}});
+    EXPECT_EQ(look(core::ItemId{0}).name, "#ff0000");
+    EXPECT_EQ(look(core::ItemId{0}).colour, core::vec3(1, 0, 0));
+    EXPECT_EQ(look(core::ItemId{0}).alpha, 1.0f);  // no material blends it
+    EXPECT_NEAR(look(core::ItemId{1}).colour.z, core::srgb_from_linear(half), 0.5 / 255);
+    EXPECT_EQ(look(core::ItemId{1}).colour.x, 0.0f);
+    expect_corners(core::ItemId{0}, {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}});
+    expect_corners(core::ItemId{1}, {{5, 0, 0}, {6, 0, 0}, {5, 0, 1}});
   };
   for (const int components : {3, 4}) {
     SCOPED_TRACE(components);
@@ -76,14 +76,14 @@ TEST_F(GltfColours, MaterialsAreMultiplied) {
   g.add("materials", {{"name", "paint"}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 1.0, 0.25, 0.5}}}}});
   g.json["meshes"][0]["primitives"][0]["material"] = 0;
   ASSERT_TRUE(read(g));
-  EXPECT_NEAR(look(0).colour.x, core::srgb_from_linear(0.5), 0.005);
-  EXPECT_NEAR(look(1).colour.z, core::srgb_from_linear(0.125), 0.005);
-  EXPECT_EQ(look(0).alpha, 1.0f);
-  EXPECT_EQ(look(0).name, "paint #ff0000");
+  EXPECT_NEAR(look(core::ItemId{0}).colour.x, core::srgb_from_linear(0.5), 0.005);
+  EXPECT_NEAR(look(core::ItemId{1}).colour.z, core::srgb_from_linear(0.125), 0.005);
+  EXPECT_EQ(look(core::ItemId{0}).alpha, 1.0f);
+  EXPECT_EQ(look(core::ItemId{0}).name, "paint #ff0000");
   g.json["materials"][0]["alphaMode"] = "BLEND";
   ASSERT_TRUE(read(g));
-  EXPECT_NEAR(look(0).alpha, 0.25, 0.003);
-  EXPECT_EQ(look(0).name, "paint #ff000080");
+  EXPECT_NEAR(look(core::ItemId{0}).alpha, 0.25, 0.003);
+  EXPECT_EQ(look(core::ItemId{0}).name, "paint #ff000080");
 
   // White everywhere is what exporters write without a thought: it leaves the material as it was.
   GltfBytes white = tests::triangle_gltf();
@@ -94,8 +94,8 @@ TEST_F(GltfColours, MaterialsAreMultiplied) {
   white.root({{"mesh", 0}});
   ASSERT_TRUE(read(white));
   EXPECT_EQ(scene_.item_count(), 1u);
-  EXPECT_EQ(look(0).name, "paint");
-  EXPECT_NEAR(look(0).colour.x, core::srgb_from_linear(0.5), 1e-6);
+  EXPECT_EQ(look(core::ItemId{0}).name, "paint");
+  EXPECT_NEAR(look(core::ItemId{0}).colour.x, core::srgb_from_linear(0.5), 1e-6);
 }
 
 TEST_F(GltfColours, InvisibleBlackIsBlack) {
@@ -103,8 +103,8 @@ TEST_F(GltfColours, InvisibleBlackIsBlack) {
   g.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = g.floats(std::vector<float>(12, 0.0f), "VEC4");
   g.root({{"mesh", 0}});
   ASSERT_TRUE(read(g));
-  EXPECT_EQ(look(0).colour, core::vec3(0.0f));
-  EXPECT_EQ(look(0).alpha, 1.0f);
+  EXPECT_EQ(look(core::ItemId{0}).colour, core::vec3(0.0f));
+  EXPECT_EQ(look(core::ItemId{0}).alpha, 1.0f);
 }
 
 /// Against the plainest way: each triangle's colour from its own corners, compared one by one.
@@ -146,7 +146,7 @@ TEST_F(GltfColours, RandomMeshesKeepEachTrianglesColour) {
       for (int c = 0; c < 3; ++c) key[9 + std::size_t(c)] = std::lround(255 * core::srgb_from_linear(sum[c] / 3.0));
       ++expected[key];
     }
-    for (core::ItemId item = 0; item < scene_.item_slots(); ++item) {
+    for (core::ItemId item{0}; to_index(item) < scene_.item_slots(); ++item) {
       const auto all = corners(item);
       for (std::size_t t = 0; t < all.size(); t += 3) {
         Triangle key;
@@ -169,9 +169,10 @@ TEST_F(GltfColours, CopiesShareTheMeshOfEachColour) {
   EXPECT_EQ(scene_.item_count(), 8u);
   EXPECT_LE(scene_.mesh_slots(), 2u);
   EXPECT_EQ(scene_.material_slots(), 2u);
-  for (core::ItemId item = 0; item < 8; ++item) EXPECT_EQ(look(item).name, look(item % 2).name);
-  expect_corners(3, {{5, 0, 9}, {6, 0, 9}, {5, 0, 10}});
-  expect_corners(6, {{2, 0, 0}, {3, 0, 0}, {2, 0, 1}});
+  for (core::ItemId item{0}; to_index(item) < 8; ++item)
+    EXPECT_EQ(look(item).name, look(core::ItemId{to_index(item) % 2}).name);
+  expect_corners(core::ItemId{3}, {{5, 0, 9}, {6, 0, 9}, {5, 0, 10}});
+  expect_corners(core::ItemId{6}, {{2, 0, 0}, {3, 0, 0}, {2, 0, 1}});
 }
 
 TEST_F(GltfColours, ShadesBecomeTheirAverage) {
@@ -192,8 +193,8 @@ TEST_F(GltfColours, ShadesBecomeTheirAverage) {
     ASSERT_EQ(report->warnings.size(), shades == kMostFaceColours ? 0u : 1u);
     if (shades == kMostFaceColours) continue;
     EXPECT_EQ(report->warnings[0].message.find("more than 256 colours"), 0u);
-    EXPECT_NEAR(look(0).colour.x, 0.5, 0.01);
-    EXPECT_EQ(corners(0).size(), 3 * shades);
+    EXPECT_NEAR(look(core::ItemId{0}).colour.x, 0.5, 0.01);
+    EXPECT_EQ(corners(core::ItemId{0}).size(), 3 * shades);
   }
 }
 

@@ -65,7 +65,7 @@ class GltfCompression : public tests::GltfReading {
   /// Triangles of all items in the world, each from its least corner on, sorted. With colours of their items.
   std::vector<std::array<double, 12>> triangles() const {
     std::vector<std::array<double, 12>> all;
-    for (core::ItemId item = 0; item < scene_.item_slots(); ++item) {
+    for (core::ItemId item{0}; to_index(item) < scene_.item_slots(); ++item) {
       const auto corner = corners(item);
       const core::MaterialId material = scene_.item_material(item);
       const core::vec3 colour = material.valid() ? scene_.material(material).colour : core::vec3(0.5f);
@@ -208,7 +208,7 @@ TEST_F(GltfCompression, MeshoptComesBack) {
     const bool filters = seed % 2 == 1;
     const MeshoptFile file = meshopt_file(sheet, seed % 3 ? "TRIANGLES" : "INDICES", filters);
     expect_as_plain(file.g, sheet, filters ? 1e-3 : 1e-6);
-    const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+    const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(core::ItemId{0}));
     ASSERT_FALSE(mesh.normals.empty());
     for (const core::vec3& n : mesh.normals) EXPECT_NEAR(glm::length(n), 1.0f, 0.02f);
     EXPECT_EQ(scene_.material_slots(), sheet.vertices() > 4 ? scene_.item_count() : scene_.material_slots());
@@ -243,11 +243,11 @@ TEST_F(GltfCompression, MeshoptTurnsInstances) {
   with(packed, rotation), with(plain, plain.floats(turns, "VEC4"));
   ASSERT_TRUE(read(plain));
   std::vector<std::vector<dvec3>> wanted;
-  for (core::ItemId item = 0; item < count; ++item) wanted.push_back(corners(item));
+  for (core::ItemId item{0}; to_index(item) < count; ++item) wanted.push_back(corners(item));
   const auto report = read(packed);
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(scene_.item_count(), count);
-  for (core::ItemId item = 0; item < count; ++item) expect_corners(item, wanted[item], 1e-3);
+  for (core::ItemId item{0}; to_index(item) < count; ++item) expect_corners(item, wanted[to_index(item)], 1e-3);
 }
 
 TEST_F(GltfCompression, MeshoptStreamsThatAreCut) {

@@ -29,14 +29,14 @@ TEST_F(GltfReaderMaterials, MaterialsAreConvertedToSrgb) {
   g.root({{"mesh", 0}});
   ASSERT_TRUE(read(g));
   ASSERT_EQ(scene_.material_slots(), 2u);
-  const core::Material& paint = scene_.material(scene_.item_material(0));
+  const core::Material& paint = scene_.material(scene_.item_material(core::ItemId{0}));
   EXPECT_EQ(paint.name, "paint");
   EXPECT_NEAR(paint.colour.x, 0.5, 1e-4);
   EXPECT_EQ(paint.colour.y, 1.0f);
   EXPECT_EQ(paint.colour.z, 0.0f);
   EXPECT_EQ(paint.alpha, 0.25f);
-  EXPECT_EQ(scene_.material(scene_.item_material(1)).alpha, 1.0f);  // opaque, whatever its alpha
-  EXPECT_FALSE(scene_.item_material(2).valid());
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{1})).alpha, 1.0f);  // opaque, whatever its alpha
+  EXPECT_FALSE(scene_.item_material(core::ItemId{2}).valid());
 }
 
 TEST_F(GltfReaderMaterials, OfTheOlderModelTheDiffuseColourIsRead) {
@@ -50,18 +50,18 @@ TEST_F(GltfReaderMaterials, OfTheOlderModelTheDiffuseColourIsRead) {
   auto report = read(g);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->warnings.empty());
-  const core::vec3 colour = scene_.material(scene_.item_material(0)).colour;
+  const core::vec3 colour = scene_.material(scene_.item_material(core::ItemId{0})).colour;
   EXPECT_LT(glm::length(colour - core::vec3(1.0f, 0.5f, 0.0f)), 1e-4f);
   auto& older = g.json["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"];
   older["diffuseTexture"] = {{"index", 0}};
   older["diffuseFactor"] = {1.0, 1.0, 1.0, 1.0};
   ASSERT_TRUE(read(g));
-  EXPECT_NEAR(scene_.material(scene_.item_material(0)).colour.x, 0.735357, 1e-4) << "mean of the texture";
+  EXPECT_NEAR(scene_.material(scene_.item_material(core::ItemId{0})).colour.x, 0.735357, 1e-4) << "mean of the texture";
   // Assimp states how much shows through in the newer model alone.
   g.json["materials"][0]["alphaMode"] = "BLEND";
   g.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.25;
   ASSERT_TRUE(read(g));
-  EXPECT_NEAR(scene_.material(scene_.item_material(0)).alpha, 0.125, 0.01) << "half of the texture is";
+  EXPECT_NEAR(scene_.material(scene_.item_material(core::ItemId{0})).alpha, 0.125, 0.01) << "half of the texture is";
 }
 
 TEST_F(GltfReaderMaterials, WhatIsLeftOutIsSaidOnce) {
@@ -86,7 +86,7 @@ TEST_F(GltfReaderMaterials, OnlyBlendMakesMaterialsTransparent) {
     g.json["meshes"][0]["primitives"][0]["material"] = 0;
     g.root({{"mesh", 0}});
     ASSERT_TRUE(read(g));
-    EXPECT_EQ(scene_.material(scene_.item_material(0)).alpha, alpha);
+    EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).alpha, alpha);
   }
 }
 
@@ -96,14 +96,14 @@ TEST_F(GltfReaderMaterials, TexturesCountAsTheirMean) {
   auto& material = g.json["materials"][0];
   material["pbrMetallicRoughness"]["baseColorFactor"] = {1.0, 1.0, 1.0, 1.0};
   ASSERT_TRUE(read(g));
-  core::Material found = scene_.material(scene_.item_material(0));
+  core::Material found = scene_.material(scene_.item_material(core::ItemId{0}));
   EXPECT_EQ(found.colour, core::vec3(1, 0, 0));  // blended: the second pixel does not count
   EXPECT_NEAR(found.alpha, 0.5, 1e-6);
   for (const bool said : {false, true}) {
     material.erase("alphaMode");
     if (said) material["alphaMode"] = "OPAQUE";
     ASSERT_TRUE(read(g));
-    found = scene_.material(scene_.item_material(0));
+    found = scene_.material(scene_.item_material(core::ItemId{0}));
     EXPECT_NEAR(found.colour.x, 0.735357, 1e-4);  // sRGB of 1/2
     EXPECT_NEAR(found.colour.z, 0.362249, 1e-4);  // of 0.2158605 / 2
     EXPECT_EQ(found.alpha, 1.0f);
@@ -119,7 +119,7 @@ TEST_F(GltfReaderMaterials, TexturesThatCannotBeReadAreWarnings) {
     ASSERT_TRUE(report) << report.error().message;
     ASSERT_EQ(report->warnings.size(), 1u) << part;
     EXPECT_NE(report->warnings[0].message.find(part), std::string::npos) << report->warnings[0].message;
-    EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, core::vec3(0, 1, 0));
+    EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).colour, core::vec3(0, 1, 0));
   };
   expect({{"uri", "missing.png"}}, "'missing.png' not found");
   expect({{"uri", "../secret.png"}}, "refused");
@@ -200,11 +200,11 @@ TEST_F(GltfReaderMaterials, DarkAndInvisibleTextures) {
   const auto report = read(g);  // blended: nothing of the texture is seen
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->warnings.empty()) << report->warnings[0].message;
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, core::vec3(1.0f));
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).alpha, 0.0f);
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).colour, core::vec3(1.0f));
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).alpha, 0.0f);
   material["alphaMode"] = "OPAQUE";
   ASSERT_TRUE(read(g));
-  const core::vec3 dark = scene_.material(scene_.item_material(0)).colour;
+  const core::vec3 dark = scene_.material(scene_.item_material(core::ItemId{0})).colour;
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(dark[i], core::vec3(2, 10, 11)[i] / 255.0f, 1e-5f);
 }
 

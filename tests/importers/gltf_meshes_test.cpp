@@ -21,7 +21,7 @@ TEST_F(GltfReaderMeshes, EveryComponentType) {
     g.root({{"mesh", 0}});
     const auto report = read(g);
     ASSERT_TRUE(report) << report.error().message;
-    expect_corners(0, {{scale, 0, 0}, {0, 0, scale}, {0, -scale, 0}});
+    expect_corners(core::ItemId{0}, {{scale, 0, 0}, {0, 0, scale}, {0, -scale, 0}});
   };
   const auto with = [&]<class T>(T one) {
     for (const bool normalized : {false, true}) {
@@ -55,16 +55,16 @@ TEST_F(GltfReaderMeshes, IndexTypesStridesStripsAndFans) {
   };
   const std::vector<dvec3> plain = {p[0], p[1], p[2], p[0], p[2], p[3]};
   ASSERT_TRUE(read(file(4, std::uint8_t{})));
-  expect_corners(0, plain);
+  expect_corners(core::ItemId{0}, plain);
   ASSERT_TRUE(read(file(4, std::uint16_t{})));
-  expect_corners(0, plain);
+  expect_corners(core::ItemId{0}, plain);
   ASSERT_TRUE(read(file(4, std::uint32_t{})));
-  expect_corners(0, plain);
+  expect_corners(core::ItemId{0}, plain);
   // 0 1 2 | 2 1 0 turned | 2 0 2 empty | 2 0 3 turned: 0 3 2 … by the rule of the specification.
   ASSERT_TRUE(read(file(5, std::uint8_t{})));
-  expect_corners(0, {p[0], p[1], p[2], p[1], p[0], p[2], p[0], p[3], p[2]});
+  expect_corners(core::ItemId{0}, {p[0], p[1], p[2], p[1], p[0], p[2], p[0], p[3], p[2]});
   ASSERT_TRUE(read(file(6, std::uint8_t{})));
-  expect_corners(0, {p[1], p[2], p[0], p[2], p[3], p[0]});
+  expect_corners(core::ItemId{0}, {p[1], p[2], p[0], p[2], p[3], p[0]});
 }
 
 TEST_F(GltfReaderMeshes, StripsAreStitchedWithEmptyTriangles) {
@@ -75,7 +75,7 @@ TEST_F(GltfReaderMeshes, StripsAreStitchedWithEmptyTriangles) {
     primitive["mode"] = 5, primitive["indices"] = g.accessor(strip, "SCALAR");
     g.root({{"mesh", 0}});
     ASSERT_TRUE(read(g));
-    EXPECT_EQ(scene_.mesh(scene_.mesh_of(0)).indices.size(), strip.size() == 4 ? 3u : 0u);
+    EXPECT_EQ(scene_.mesh(scene_.mesh_of(core::ItemId{0})).indices.size(), strip.size() == 4 ? 3u : 0u);
   }
   GltfBytes g = triangle_gltf();
   g.json["meshes"][0]["primitives"][0]["indices"] = g.accessor<std::int8_t>({0, 1, -1}, "SCALAR");
@@ -106,17 +106,17 @@ TEST_F(GltfReaderMeshes, PrimitivesTakeTheirVerticesOfALongList) {
     g.mesh({{"attributes", attributes}, {"indices", g.accessor(indices, "SCALAR")}});
     g.root({{"mesh", 0}});
     ASSERT_TRUE(read(g));
-    const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+    const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(core::ItemId{0}));
     ASSERT_EQ(mesh.positions.size(), 3u);
     for (std::size_t c = 0; c < 3; ++c) {
       const double i = indices[c];
-      EXPECT_LT(glm::distance(corners(0)[c], dvec3(i, 0, i * i)), 1e-4);
+      EXPECT_LT(glm::distance(corners(core::ItemId{0})[c], dvec3(i, 0, i * i)), 1e-4);
       EXPECT_EQ(mesh.normals[mesh.indices[c]], core::vec3(float(i), 0, 1));
     }
     g.json["accessors"][1]["count"] = 39;
     expect_warning(g, "/meshes/0/primitives/0/attributes/NORMAL: expected 40 normals, found 39; normals left out");
-    EXPECT_EQ(corners(0).size(), 3u);
-    EXPECT_TRUE(scene_.mesh(scene_.mesh_of(0)).normals.empty());
+    EXPECT_EQ(corners(core::ItemId{0}).size(), 3u);
+    EXPECT_TRUE(scene_.mesh(scene_.mesh_of(core::ItemId{0})).normals.empty());
     g.json["accessors"][1]["count"] = 40;
   }
 }
@@ -167,7 +167,7 @@ TEST_F(GltfReaderMeshes, RandomAccessorsHoldTheirNumbers) {
     ASSERT_TRUE(report) << report.error().message;
     std::vector<dvec3> wanted;
     for (const std::uint32_t i : indices) wanted.emplace_back(expected[i].x, -expected[i].z, expected[i].y);
-    expect_corners(0, wanted, 1e-3);
+    expect_corners(core::ItemId{0}, wanted, 1e-3);
     ASSERT_FALSE(HasFailure());
   }
 }
@@ -203,7 +203,7 @@ TEST_F(GltfReaderMeshes, SparseIndicesRiseBelowTheCount) {
     return g;
   };
   ASSERT_TRUE(read(file({1, 3})));
-  expect_corners(0, {{0, 0, 0}, {5, 0, 0}, {0, 0, 1}, {5, 0, 0}, {6, 0, 0}, {0, 0, 1}});
+  expect_corners(core::ItemId{0}, {{0, 0, 0}, {5, 0, 0}, {0, 0, 1}, {5, 0, 0}, {6, 0, 0}, {0, 0, 1}});
   const std::string where = "/accessors/0/sparse/indices: expected rising indices below 4, found ";
   expect_damage(file({4}), where + "4 at place 0");
   expect_damage(file({3, 4}), where + "4 at place 1");
@@ -222,8 +222,8 @@ TEST_F(GltfReaderMeshes, FarFromTheOriginKeepsDetail) {
   g.root({{"mesh", 1}});
   const auto report = read(g);
   ASSERT_TRUE(report) << report.error().message;
-  expect_corners(0, {{1e7, -1e7, 1e7}, {1e7 + 2e-4, -1e7, 1e7}, {1e7, -1e7, 1e7 + 2e-4}}, 1e-8);
-  expect_corners(1, {{4000000001.0, 0, 0}, {4000000000.0, 0, 1}, {4000000000.0, -1, 0}}, 1e-6);
+  expect_corners(core::ItemId{0}, {{1e7, -1e7, 1e7}, {1e7 + 2e-4, -1e7, 1e7}, {1e7, -1e7, 1e7 + 2e-4}}, 1e-8);
+  expect_corners(core::ItemId{1}, {{4000000001.0, 0, 0}, {4000000000.0, 0, 1}, {4000000000.0, -1, 0}}, 1e-6);
 }
 
 TEST_F(GltfReaderMeshes, IndicesBeyondTheVerticesCostTheirTriangles) {
@@ -232,7 +232,7 @@ TEST_F(GltfReaderMeshes, IndicesBeyondTheVerticesCostTheirTriangles) {
       g.accessor<std::uint16_t>({0, 1, 2, 0, 1, 3, 0, 65535, 2}, "SCALAR");
   g.root({{"mesh", 0}});
   expect_damage(g, "/meshes/0/primitives/0/indices: expected indices below the 3 vertices, found 2 triangles beyond");
-  EXPECT_EQ(corners(0).size(), 3u);
+  EXPECT_EQ(corners(core::ItemId{0}).size(), 3u);
 }
 
 TEST_F(GltfReaderMeshes, GeometryThatIsNotFiniteIsDropped) {
@@ -243,7 +243,7 @@ TEST_F(GltfReaderMeshes, GeometryThatIsNotFiniteIsDropped) {
   const auto report = read(g);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->warnings.size(), 1u);
-  EXPECT_EQ(corners(0).size(), 3u);
+  EXPECT_EQ(corners(core::ItemId{0}).size(), 3u);
 }
 
 }  // namespace

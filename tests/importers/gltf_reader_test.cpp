@@ -38,7 +38,7 @@ TEST_F(GltfReader, HierarchyTransformsNamesAndAttributes) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->warnings.empty());
   EXPECT_EQ(report->items[std::size_t(core::Kind::kMesh)], 1u);
-  EXPECT_EQ(scene_.path(scene_.node_of(0)), "model.glb/unit/arm/wedge");
+  EXPECT_EQ(scene_.path(scene_.node_of(core::ItemId{0})), "model.glb/unit/arm/wedge");
   EXPECT_EQ(scene_.attributes(find("unit")), (core::Scene::Attributes{{"extras", "note"}}));
   const auto& attributes = scene_.attributes(find("arm"));
   ASSERT_EQ(attributes.size(), 3u);  // JSON objects have no order
@@ -47,7 +47,7 @@ TEST_F(GltfReader, HierarchyTransformsNamesAndAttributes) {
   EXPECT_EQ(attributes[2], (std::pair<std::string, std::string>("weight", "2.5")));
   EXPECT_EQ(scene_.attributes(find("unit"))[0].second, "note");
   // A quarter turn about z takes x to y and y to -x; then z up: (x, y, z) -> (x, -z, y).
-  expect_corners(0, {{110, -30, 22}, {104, -30, 20}, {110, -42, 20}});
+  expect_corners(core::ItemId{0}, {{110, -30, 22}, {104, -30, 20}, {110, -42, 20}});
 }
 
 TEST_F(GltfReader, InstancesShareTheirMesh) {
@@ -66,11 +66,11 @@ TEST_F(GltfReader, InstancesShareTheirMesh) {
   EXPECT_EQ(scene_.item_count(), 5u);
   EXPECT_EQ(scene_.mesh_slots(), 1u);
   EXPECT_EQ(report->shared_meshes, 4u);
-  expect_corners(0, {{6, 0, 0}, {5, 0, 2}, {5, -3, 0}});
-  expect_corners(1, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
-  expect_corners(2, {{2, 0, 0}, {1, 0, 2}, {1, -3, 0}});
-  expect_corners(3, {{0, 0, 4}, {-4, 0, 2}, {0, -6, 2}}, 1e-5);  // a quarter turn about z, twice as large
-  expect_corners(4, {{-3, -3, 0}, {0, -3, -6}, {0, -12, 0}}, 1e-5);
+  expect_corners(core::ItemId{0}, {{6, 0, 0}, {5, 0, 2}, {5, -3, 0}});
+  expect_corners(core::ItemId{1}, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  expect_corners(core::ItemId{2}, {{2, 0, 0}, {1, 0, 2}, {1, -3, 0}});
+  expect_corners(core::ItemId{3}, {{0, 0, 4}, {-4, 0, 2}, {0, -6, 2}}, 1e-5);  // a quarter turn about z, twice as large
+  expect_corners(core::ItemId{4}, {{-3, -3, 0}, {0, -3, -6}, {0, -12, 0}}, 1e-5);
 }
 
 TEST_F(GltfReader, InstancesByTheThousand) {
@@ -126,13 +126,13 @@ TEST_F(GltfReader, BuffersBesideTheModel) {
   const auto near = read_text(g.gltf("parts/a%20b.bin"));
   ASSERT_TRUE(near) << near.error().message;
   EXPECT_EQ(near->bytes, g.gltf("parts/a%20b.bin").size() + g.binary.size());
-  expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  expect_corners(core::ItemId{0}, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
   ASSERT_TRUE(read_text(g.gltf("data:application/octet-stream;base64," + tests::base64(g.binary))));
-  expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  expect_corners(core::ItemId{0}, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
   std::string escaped;  // RFC 2397 knows data without base64
   for (const auto byte : g.binary) escaped += fmt::format("%{:02x}", unsigned(byte));
   ASSERT_TRUE(read_text(g.gltf("data:application/octet-stream," + escaped)));
-  expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  expect_corners(core::ItemId{0}, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
   for (const std::string other :
        {"parts\\\\a b.bin", ".\\\\parts\\\\a%20b.bin", "Parts/A B.bin", "elsewhere/a b.BIN"}) {
     const auto report = read_text(g.gltf(other));
@@ -143,7 +143,7 @@ TEST_F(GltfReader, BuffersBesideTheModel) {
     }
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_EQ(report->warnings.size(), guessed ? 1u : 0u) << other;
-    expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+    expect_corners(core::ItemId{0}, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
   }
   for (const std::string bad : {"../secret.bin", "%2e%2e/secret.bin", "/etc/passwd", "file:///etc/passwd",
                                 "missing.bin", "", "data:xyz", "data:x;base64,(/)"}) {
@@ -165,12 +165,12 @@ TEST_F(GltfReader, BothAlphabetsOfBase64) {
   std::string text = tests::base64(g.binary);
   ASSERT_EQ(text.substr(0, 8), "++++////");
   ASSERT_TRUE(read_text(g.gltf("data:application/octet-stream;base64," + text)));
-  const auto standard = corners(0);
+  const auto standard = corners(core::ItemId{0});
   ASSERT_EQ(standard.size(), 3u);
   EXPECT_NEAR(standard[0].x, 251, 1e-5);
   text.replace(0, 8, "----____");
   ASSERT_TRUE(read_text(g.gltf("data:application/octet-stream;base64," + text)));
-  EXPECT_EQ(corners(0), standard);
+  EXPECT_EQ(corners(core::ItemId{0}), standard);
 }
 
 TEST_F(GltfReader, PercentSigns) {
@@ -199,7 +199,7 @@ TEST_F(GltfReader, ChunksOfBinaryFiles) {
     const auto report = read(bytes);
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->warnings.empty());
-    expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+    expect_corners(core::ItemId{0}, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
   };
   // Chunks of other kinds say nothing, nor does a second of the same.
   std::vector<std::byte> bytes = glb;
@@ -301,7 +301,7 @@ TEST_F(GltfReader, IndicesMayBeWholeFloats) {
   const auto report = read(g);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->warnings.empty());
-  expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  expect_corners(core::ItemId{0}, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
 }
 
 TEST_F(GltfReader, LastRowsOfMatrices) {
@@ -315,13 +315,13 @@ TEST_F(GltfReader, LastRowsOfMatrices) {
     const auto report = with(5e-6, w);
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_EQ(report->warnings.size(), 1u);
-    expect_corners(0, twice, 1e-4);
+    expect_corners(core::ItemId{0}, twice, 1e-4);
   }
   ASSERT_TRUE(with(0.0, 2.0)) << "0 0 0 w divides by w";
-  expect_corners(0, once);
+  expect_corners(core::ItemId{0}, once);
   EXPECT_FALSE(with(0.1, 1.0)) << "perspective";
   ASSERT_TRUE(with(0.1, 1.0, true));
-  expect_corners(0, twice);  // and the part stays in its place
+  expect_corners(core::ItemId{0}, twice);  // and the part stays in its place
 }
 
 TEST_F(GltfReader, PrimitivesWithoutPositionsAreSkipped) {
@@ -414,11 +414,11 @@ TEST_F(GltfReader, RealFile) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->warnings.empty());
   ASSERT_EQ(scene_.item_count(), 1u);
-  EXPECT_EQ(scene_.mesh(scene_.mesh_of(0)).indices.size(), 3u * 3720u);
-  EXPECT_EQ(scene_.path(scene_.node_of(0)),
+  EXPECT_EQ(scene_.mesh(scene_.mesh_of(core::ItemId{0})).indices.size(), 3u * 3720u);
+  EXPECT_EQ(scene_.path(scene_.node_of(core::ItemId{0})),
             "3d_industrial_tanker.glb/Sketchfab_model/94d6c67918f74c6fbb1dbab506f21050.fbx/RootNode/Tanker/"
             "Tanker_Tanker_0");
-  const core::Material& paint = scene_.material(scene_.item_material(0));
+  const core::Material& paint = scene_.material(scene_.item_material(core::ItemId{0}));
   EXPECT_EQ(paint.name, "Tanker");
   EXPECT_GT(paint.colour.y, paint.colour.z);  // green
 }

@@ -89,10 +89,10 @@ class GltfWriter : public testing::Test {
   void expect_same_items(double tolerance, const std::map<core::Kind, core::Kind>& kinds) {
     std::multimap<std::string, core::ItemId> there;
     std::size_t count = 0;
-    for (core::ItemId i = 0; i < again_.item_slots(); ++i)
+    for (core::ItemId i{0}; to_index(i) < again_.item_slots(); ++i)
       if (again_.contains_item(i)) there.emplace(path(again_, i, top_), i), ++count;
     EXPECT_EQ(count, scene_.item_count());
-    for (core::ItemId i = 0; i < scene_.item_slots(); ++i) {
+    for (core::ItemId i{0}; to_index(i) < scene_.item_slots(); ++i) {
       const std::string name = path(scene_, i, scene_.root());
       const core::AabbD wanted = box(scene_, i);
       const auto mapped = kinds.find(scene_.kind(i));
@@ -171,22 +171,22 @@ TEST_F(GltfWriter, MeshesComeBack) {
     std::map<int, int> positions;
     for (const Json& m : json_["meshes"]) ++positions[m["primitives"][0]["attributes"]["POSITION"].get<int>()];
     EXPECT_EQ(positions.size(), 2u);
-    for (core::ItemId i = 0; i < 6; ++i) {
+    for (core::ItemId i{0}; to_index(i) < 6; ++i) {
       const std::vector<dvec3> before = corners(scene_, i);
       std::vector<dvec3> after = corners(again_, i);
       ASSERT_EQ(before.size(), after.size());
-      if (i == 4 && glm::determinant(scene_.placement(4).linear) < 0.0)
+      if (to_index(i) == 4 && glm::determinant(scene_.placement(core::ItemId{4}).linear) < 0.0)
         for (std::size_t k = 0; k < after.size(); k += 3) std::swap(after[k + 1], after[k + 2]);
-      for (std::size_t k = 0; k < before.size(); ++k) ASSERT_LE(glm::length(before[k] - after[k]), 2e-6) << i;
+      for (std::size_t k = 0; k < before.size(); ++k) ASSERT_LE(glm::length(before[k] - after[k]), 2e-6) << to_index(i);
       EXPECT_EQ(again_.mesh(again_.mesh_of(i)).normals.empty(), seed % 2 == 1);
-      EXPECT_NEAR(look(again_, i).alpha, i == 3 ? 0.25f : 1.0f, 1e-6);
-      EXPECT_EQ(look(again_, i).name, i == 2 ? "" : "paint");
+      EXPECT_NEAR(look(again_, i).alpha, to_index(i) == 3 ? 0.25f : 1.0f, 1e-6);
+      EXPECT_EQ(look(again_, i).name, to_index(i) == 2 ? "" : "paint");
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(look(again_, i).colour[c], look(scene_, i).colour[c], 1e-6);
     }
     const core::NodeId zone = again_.first_child(top_);
     EXPECT_EQ(again_.name(zone), "zone /\xEF\xBF\xBD 1");  // a byte that is not UTF-8
     EXPECT_EQ(again_.attributes(zone), scene_.attributes(group));
-    EXPECT_EQ(again_.name(again_.node_of(5)), "item 5");
+    EXPECT_EQ(again_.name(again_.node_of(core::ItemId{5})), "item 5");
   }
 }
 
@@ -211,10 +211,10 @@ TEST_F(GltfWriter, ManyOfOneMeshAreInstances) {
     EXPECT_EQ(json_.contains("extensionsRequired"), count >= kGltfInstancesFrom);
     EXPECT_EQ(json_["nodes"].size(), count >= kGltfInstancesFrom ? 3 : 2 + count);
     ASSERT_EQ(again_.item_count(), count + 1);
-    for (core::ItemId i = 0; i < count; ++i) {
+    for (core::ItemId i{0}; to_index(i) < count; ++i) {
       const std::vector<dvec3> before = corners(scene_, i), after = corners(again_, i);
       ASSERT_EQ(before.size(), after.size());
-      for (std::size_t k = 0; k < before.size(); ++k) ASSERT_LE(glm::length(before[k] - after[k]), 2e-5) << i;
+      for (std::size_t k = 0; k < before.size(); ++k) ASSERT_LE(glm::length(before[k] - after[k]), 2e-5) << to_index(i);
     }
   }
 }
@@ -284,7 +284,7 @@ TEST_F(GltfWriter, RandomSolidsComeBackThroughCollections) {
     add(core::Pyramid{2, 3, 2, 3, 0, 0, 1});
     ASSERT_TRUE(scene_.commit());
     const std::size_t analytic = scene_.item_count();
-    const core::ItemId slanted = 9;
+    const core::ItemId slanted{9};
     // Without a row of their own.
     add(core::Pyramid{2, 3, 1, 3, 0, 0, 1});
     add(core::RectangularTorus{1, 2, 1, 2});
@@ -294,19 +294,20 @@ TEST_F(GltfWriter, RandomSolidsComeBackThroughCollections) {
     EXPECT_EQ(report.analytic, analytic);
     ASSERT_EQ(again_.item_count(), scene_.item_count());
     std::map<std::string, core::ItemId> there;
-    for (core::ItemId i = 0; i < again_.item_slots(); ++i) there[std::string(again_.name(again_.node_of(i)))] = i;
+    for (core::ItemId i{0}; to_index(i) < again_.item_slots(); ++i)
+      there[std::string(again_.name(again_.node_of(i)))] = i;
     std::normal_distribution<double> normal;
-    for (core::ItemId i = 0; i < scene_.item_slots(); ++i) {
-      const core::ItemId j = there.at("n" + std::to_string(i));
+    for (core::ItemId i{0}; to_index(i) < scene_.item_slots(); ++i) {
+      const core::ItemId j = there.at("n" + std::to_string(to_index(i)));
       const core::AabbD wanted = box(scene_, i);
       const double size = glm::length(wanted.size());
       // Floats of the file, and of the centre that rows count from.
       const double tolerance = 3e-6 * size + (seed % 2 ? 1e-5 : 0.5);
       SCOPED_TRACE(testing::Message() << core::name_of(scene_.kind(i)));
       // Bounds of a snout with slanted ends are larger than its triangles.
-      if (i < analytic || scene_.kind(i) != core::Kind::kSnout)
-        expect_near(box(again_, j), wanted, i < analytic ? tolerance : 0.002 + tolerance);
-      EXPECT_EQ(int(again_.kind(j)) < core::kPrimitiveKindCount, i < analytic);
+      if (to_index(i) < analytic || scene_.kind(i) != core::Kind::kSnout)
+        expect_near(box(again_, j), wanted, to_index(i) < analytic ? tolerance : 0.002 + tolerance);
+      EXPECT_EQ(int(again_.kind(j)) < core::kPrimitiveKindCount, to_index(i) < analytic);
       // The support of a slanted end says nothing about the side that it slants to.
       for (int k = 0; k < 8 && i == slanted; ++k) {
         const core::Snout before = std::get<core::Snout>(scene_.primitive(i)),
@@ -316,7 +317,7 @@ TEST_F(GltfWriter, RandomSolidsComeBackThroughCollections) {
         const dvec3 local = glm::inverse(to.linear) * (world - to.origin);
         EXPECT_LE(glm::length(to.linear * (local - rim(after, std::atan2(local.y, local.x)))), tolerance);
       }
-      for (int k = 0; k < 20 && i < analytic; ++k) {
+      for (int k = 0; k < 20 && to_index(i) < analytic; ++k) {
         const dvec3 d = glm::normalize(dvec3(normal(random), normal(random), normal(random)));
         EXPECT_NEAR(reach(again_, j, d), reach(scene_, i, d), tolerance);
       }
@@ -333,10 +334,10 @@ TEST_F(GltfWriter, RowsCountFromTheMiddleOfAFarModel) {
   ASSERT_TRUE(scene_.commit());
   round_trip({.collections = true});
   ASSERT_EQ(again_.item_count(), 1u);
-  EXPECT_EQ(again_.kind(0), core::Kind::kCylinder);
-  expect_near(box(again_, 0), box(scene_, 0), 1e-6);
-  EXPECT_EQ(again_.name(again_.node_of(0)), "tank");
-  EXPECT_EQ(again_.attributes(again_.node_of(0)), scene_.attributes(node));
+  EXPECT_EQ(again_.kind(core::ItemId{0}), core::Kind::kCylinder);
+  expect_near(box(again_, core::ItemId{0}), box(scene_, core::ItemId{0}), 1e-6);
+  EXPECT_EQ(again_.name(again_.node_of(core::ItemId{0})), "tank");
+  EXPECT_EQ(again_.attributes(again_.node_of(core::ItemId{0})), scene_.attributes(node));
   EXPECT_EQ(json_["nodes"].size(), 4u);  // tank, empty, cylinder, its caps
 }
 
@@ -377,7 +378,7 @@ TEST_F(GltfWriter, TextBesideItsNumbers) {
       json::parse(std::string(reinterpret_cast<const char*>(text.data()), text.size())).value(), numbers);
   EXPECT_EQ(structure.problems, "");
   EXPECT_EQ(again_.item_count(), 1u);
-  expect_near(box(again_, 0), box(scene_, 0), 1e-6);
+  expect_near(box(again_, core::ItemId{0}), box(scene_, core::ItemId{0}), 1e-6);
 }
 
 TEST_F(GltfWriter, LinesAndTheWrittenNodesOwnItems) {
@@ -393,8 +394,8 @@ TEST_F(GltfWriter, LinesAndTheWrittenNodesOwnItems) {
   const auto read = import_file(folder_ / "part.glb", again_, again_.root());
   ASSERT_TRUE(read);
   ASSERT_EQ(again_.item_count(), 1u);
-  EXPECT_EQ(again_.name(again_.node_of(0)), "part");
-  expect_near(box(again_, 0), {{0, 1, 2}, {2, 3, 4}}, 1e-6);
+  EXPECT_EQ(again_.name(again_.node_of(core::ItemId{0})), "part");
+  expect_near(box(again_, core::ItemId{0}), {{0, 1, 2}, {2, 3, 4}}, 1e-6);
 }
 
 TEST_F(GltfWriter, AnEmptySceneIsAFile) {

@@ -218,8 +218,8 @@ TEST(ImportJob, CountsWhatItAdds) {
     job.add_mesh(job.file_node(), square(dvec3(0.0)), "square", {}, {});
     job.add_mesh(job.file_node(), square(dvec3(5.0)), "another", {}, {});
     job.add_mesh(job.file_node(), PolygonMesh{}, "empty", {}, {});
-    job.add_instance(job.file_node(), job.scene().mesh_of(0), {});
-    job.add_instance(job.file_node(), job.scene().mesh_of(2), {}, {}, true);
+    job.add_instance(job.file_node(), job.scene().mesh_of(core::ItemId{0}), {});
+    job.add_instance(job.file_node(), job.scene().mesh_of(core::ItemId{2}), {}, {}, true);
     job.add_primitive(job.file_node(), core::Sphere{0.0f}, {});
     return core::Expected<void>();
   };

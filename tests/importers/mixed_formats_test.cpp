@@ -174,7 +174,7 @@ TEST_P(MixedFormats, StandSideBySide) {
     SCOPED_TRACE(files[i].filename());
     core::AabbD box;
     std::size_t items = 0;
-    for (core::ItemId item = 0; item < scene.item_slots(); ++item) {
+    for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item) {
       core::NodeId node = scene.node_of(item);
       while (node != report->nodes[i] && node.valid()) node = scene.parent(node);
       if (!node.valid()) continue;

@@ -54,17 +54,17 @@ TEST_F(ObjReader, GroupsMaterialsAndRelativeIndices) {
   EXPECT_TRUE(report->warnings.empty()) << report->warnings[0].message;
   ASSERT_EQ(scene_.item_count(), 3u);
   EXPECT_EQ(report->items[std::size_t(core::Kind::kMesh)], 3u);
-  EXPECT_EQ(scene_.name(scene_.node_of(0)), "first");
-  EXPECT_EQ(scene_.name(scene_.node_of(2)), "second");
-  EXPECT_DOUBLE_EQ(area(0), 4.0);
-  EXPECT_DOUBLE_EQ(area(1), 2.0);
-  const core::Material &red = scene_.material(scene_.item_material(0)),
-                       &green = scene_.material(scene_.item_material(1));
+  EXPECT_EQ(scene_.name(scene_.node_of(core::ItemId{0})), "first");
+  EXPECT_EQ(scene_.name(scene_.node_of(core::ItemId{2})), "second");
+  EXPECT_DOUBLE_EQ(area(core::ItemId{0}), 4.0);
+  EXPECT_DOUBLE_EQ(area(core::ItemId{1}), 2.0);
+  const core::Material &red = scene_.material(scene_.item_material(core::ItemId{0})),
+                       &green = scene_.material(scene_.item_material(core::ItemId{1}));
   EXPECT_EQ(red.colour, core::vec3(1, 0, 0));
   EXPECT_EQ(red.alpha, 0.25f);
   EXPECT_EQ(green.alpha, 0.5f);
-  EXPECT_TRUE(scene_.mesh(scene_.mesh_of(0)).normals.empty());
-  EXPECT_EQ(scene_.mesh(scene_.mesh_of(2)).normals.size(), 3u);
+  EXPECT_TRUE(scene_.mesh(scene_.mesh_of(core::ItemId{0})).normals.empty());
+  EXPECT_EQ(scene_.mesh(scene_.mesh_of(core::ItemId{2})).normals.size(), 3u);
 }
 
 TEST_F(ObjReader, MaterialsThatWouldHideTheirFacesAreOpaque) {
@@ -78,10 +78,10 @@ TEST_F(ObjReader, MaterialsThatWouldHideTheirFacesAreOpaque) {
   ASSERT_TRUE(report) << report.error().message;
   const float alphas[] = {1, 1, 1, 1, 1, 0.5f, 0.25f, 0.125f, 1, 1, 1};
   ASSERT_EQ(scene_.item_count(), std::size(alphas));
-  for (core::ItemId item = 0; item < std::size(alphas); ++item) {
+  for (core::ItemId item{0}; to_index(item) < std::size(alphas); ++item) {
     const core::Material& material = scene_.material(scene_.item_material(item));
-    EXPECT_EQ(material.name, std::string(1, char('a' + item)));
-    EXPECT_EQ(material.alpha, alphas[item]) << material.name;
+    EXPECT_EQ(material.name, std::string(1, char('a' + to_index(item))));
+    EXPECT_EQ(material.alpha, alphas[to_index(item)]) << material.name;
   }
   ASSERT_EQ(report->warnings.size(), 2u);
   EXPECT_EQ(report->warnings[0].message,
@@ -98,8 +98,8 @@ TEST_F(ObjReader, ProgramsThatWriteOpacityAsTr) {
         read("mtllib paint.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glass\nf 1 2 3\nusemtl wall\nf 1 2 3\n");
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->warnings.empty());
-    EXPECT_EQ(scene_.material(scene_.item_material(0)).alpha, 0.25f);
-    EXPECT_EQ(scene_.material(scene_.item_material(1)).alpha, 1.0f);
+    EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).alpha, 0.25f);
+    EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{1})).alpha, 1.0f);
   }
 }
 
@@ -114,8 +114,9 @@ TEST_F(ObjReader, ColoursOfFourNumbersAndVerticesFilledUpWithBlack) {
       "paint.mtl: line 2: 1 colours with more than three numbers, of which three count, the first 'Kd 1 0 0 0.5'");
   EXPECT_EQ(report->warnings[1].message,
             "line 7: 1 items with a material whose vertices are all black: the material alone is shown");
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, core::vec3(0.0f)) << "without a material they are black";
-  EXPECT_EQ(scene_.material(scene_.item_material(1)).colour, core::vec3(1, 0, 0));
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).colour, core::vec3(0.0f))
+      << "without a material they are black";
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{1})).colour, core::vec3(1, 0, 0));
 }
 
 TEST_F(ObjReader, ObjectsOfOneNameWithVerticesOfTheirOwn) {
@@ -126,7 +127,7 @@ TEST_F(ObjReader, ObjectsOfOneNameWithVerticesOfTheirOwn) {
   };
   EXPECT_EQ(items("o Ventil\n" + valve + "o Ventil\n" + valve + "o Ventil\n" + valve), 3u);
   EXPECT_EQ(scene_.node_count(), 5u);
-  for (core::ItemId i = 0; i < 3; ++i) EXPECT_EQ(scene_.path(scene_.node_of(i)), "model.obj/Ventil");
+  for (core::ItemId i{0}; to_index(i) < 3; ++i) EXPECT_EQ(scene_.path(scene_.node_of(i)), "model.obj/Ventil");
   EXPECT_EQ(items("o a\ng body\n" + valve + "o a\ng body\n" + valve + "o b\ng body\n" + valve), 3u);
   EXPECT_EQ(scene_.node_count(), 8u);
   EXPECT_EQ(items("o Ger\xe4t\n" + valve + "o Ger\xe4t\n" + valve), 2u);
@@ -138,9 +139,9 @@ TEST_F(ObjReader, FarCoordinatesKeepTheirDigits) {
   const auto report =
       read("v 3000000.001 7000000.002 0\nv 3000000.011 7000000.002 0\nv 3000000.001 7000000.012 0\nf 1 2 3\n");
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_NEAR(area(0), 0.5e-4, 1e-8);
-  const core::dvec3 corner =
-      core::transform_point(scene_.placement(0), core::dvec3(scene_.mesh(scene_.mesh_of(0)).positions[0]));
+  EXPECT_NEAR(area(core::ItemId{0}), 0.5e-4, 1e-8);
+  const core::dvec3 corner = core::transform_point(
+      scene_.placement(core::ItemId{0}), core::dvec3(scene_.mesh(scene_.mesh_of(core::ItemId{0})).positions[0]));
   EXPECT_NEAR(corner.x, 3000000.001, 1e-8);
 }
 
@@ -153,7 +154,7 @@ TEST_F(ObjReader, LargeFacesAreTriangulatedWhole) {
     face += std::to_string(i + 1);
   }
   ASSERT_TRUE(read(text + face + "\n"));
-  EXPECT_NEAR(area(0), M_PI, 1e-3);
+  EXPECT_NEAR(area(core::ItemId{0}), M_PI, 1e-3);
 }
 
 TEST_F(ObjReader, BadIndicesNameTheLine) {
@@ -168,7 +169,7 @@ TEST_F(ObjReader, BadIndicesNameTheLine) {
     const auto lenient = read(text, true);
     ASSERT_TRUE(lenient) << lenient.error().message;
     EXPECT_EQ(lenient->warnings.size(), 1u);
-    EXPECT_DOUBLE_EQ(area(0), 1.0);
+    EXPECT_DOUBLE_EQ(area(core::ItemId{0}), 1.0);
   }
 }
 
@@ -185,7 +186,7 @@ TEST_F(ObjReader, RealFile) {
   SIGHTLINE_NEED_DATA("meshes/rocker-arm.obj");
   const auto report = import_file(tests::data_path("meshes/rocker-arm.obj"), scene_, scene_.root());
   ASSERT_TRUE(report) << report.error().message;
-  const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+  const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(core::ItemId{0}));
   std::ifstream file(tests::data_path("meshes/rocker-arm.obj"));
   std::size_t faces = 0;
   for (std::string line; std::getline(file, line);) faces += line.rfind("f ", 0) == 0;
@@ -197,7 +198,7 @@ TEST_F(ObjReader, VerticesAreAPositionAndANormal) {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nvn 1e999 0 0\n";
   const auto vertices = [&](const std::string& faces) {
     EXPECT_TRUE(read(v + faces));
-    const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+    const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(core::ItemId{0}));
     return std::pair(mesh.positions.size(), mesh.normals.size());
   };
   using Sizes = std::pair<std::size_t, std::size_t>;
@@ -217,7 +218,7 @@ TEST_F(ObjReader, MaterialsOfSeveralFiles) {
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(scene_.item_count(), 3u);
   std::map<std::string, core::vec3> colours;
-  for (core::ItemId i = 0; i < 3; ++i)
+  for (core::ItemId i{0}; to_index(i) < 3; ++i)
     if (const core::MaterialId m = scene_.item_material(i); m.valid())
       colours[scene_.material(m).name] = scene_.material(m).colour;
   EXPECT_EQ(colours, (std::map<std::string, core::vec3>{{"green", {0.8f, 0.8f, 0.8f}}, {"red", {1, 0, 0.5f}}}));
@@ -241,7 +242,7 @@ TEST_F(ObjReader, LinesMayEndInAnyWayAndGoOn) {
       ASSERT_TRUE(report) << report.error().message;
       EXPECT_TRUE(report->warnings.empty()) << report->warnings[0].message;
       ASSERT_EQ(scene_.item_count(), 1u);
-      EXPECT_DOUBLE_EQ(area(0), 1.0);
+      EXPECT_DOUBLE_EQ(area(core::ItemId{0}), 1.0);
     }
     const auto refused = read(text + "f 1 2 9" + end);
     ASSERT_FALSE(refused);
@@ -256,8 +257,8 @@ TEST_F(ObjReader, CornersOfEveryForm) {
     EXPECT_TRUE(report) << report.error().message;
     if (!report || scene_.item_count() != 1) return std::size_t(99);
     EXPECT_EQ(report->warnings.size(), warnings) << face;
-    EXPECT_DOUBLE_EQ(area(0), 0.5) << face;
-    return scene_.mesh(scene_.mesh_of(0)).normals.size();
+    EXPECT_DOUBLE_EQ(area(core::ItemId{0}), 0.5) << face;
+    return scene_.mesh(scene_.mesh_of(core::ItemId{0})).normals.size();
   };
   for (const char* none : {"f 1 2 3", "f 1/1 2/2 3/1", "f 1/1/ 2/2/ 3/1/", "f 1// 2// 3//", "f 1/ 2/ 3/", "fo 1 2 3",
                            "f +1 -2 -1", "f 1/9 2/x 3/-7", "f 1// 2 3/1/"})
@@ -275,7 +276,7 @@ TEST_F(ObjReader, CornersWithoutANormalHaveTheirFacesAndOthersKeepTheirs) {
   ASSERT_EQ(report->warnings.size(), 1u);
   EXPECT_EQ(report->warnings[0].message,
             "line 5: 2 normals that are no direction: faces have their own there, the first '0 0 0'");
-  const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+  const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(core::ItemId{0}));
   const core::vec3 own[] = {{1, 0, 0}, {0, 0, -1}, {0, 0, -1}, {1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
   ASSERT_EQ(mesh.indices.size(), 6u);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(mesh.normals[mesh.indices[i]], own[i]) << i;
@@ -291,8 +292,8 @@ TEST_F(ObjReader, VerticesThatAreNoNumbersTakeTheirFacesAlone) {
     ASSERT_EQ(report->warnings.size(), 2u);
     EXPECT_TRUE(report->warnings[0].message.starts_with("line 4: 1 vertices that are not three numbers"));
     EXPECT_EQ(report->warnings[1].message, "line 6: 2 faces dropped: they have such vertices");
-    EXPECT_DOUBLE_EQ(area(0), 0.5);
-    EXPECT_EQ(scene_.mesh(scene_.mesh_of(0)).positions.size(), 3u);
+    EXPECT_DOUBLE_EQ(area(core::ItemId{0}), 0.5);
+    EXPECT_EQ(scene_.mesh(scene_.mesh_of(core::ItemId{0})).positions.size(), 3u);
   }
 }
 
@@ -301,7 +302,7 @@ TEST_F(ObjReader, SmallFacesAreDroppedAndListed) {
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(report->warnings.size(), 1u);
   EXPECT_EQ(report->warnings[0].message, "line 4: 3 faces dropped: fewer than 3 corners, the first '1 2'");
-  EXPECT_DOUBLE_EQ(area(0), 0.5);
+  EXPECT_DOUBLE_EQ(area(core::ItemId{0}), 0.5);
 }
 
 TEST_F(ObjReader, GroupsStayApartInTheirObjects) {
@@ -311,9 +312,10 @@ TEST_F(ObjReader, GroupsStayApartInTheirObjects) {
   ASSERT_TRUE(report) << report.error().message;
   const char* paths[] = {"PumpA/body", "PumpA", "PumpB", "PumpB/body", "", "a lone group", "Box #2"};
   ASSERT_EQ(scene_.item_count(), std::size(paths));
-  for (core::ItemId i = 0; i < std::size(paths); ++i)
-    EXPECT_EQ(scene_.path(scene_.node_of(i)), std::string("model.obj") + (*paths[i] ? "/" : "") + paths[i]);
-  EXPECT_DOUBLE_EQ(area(4), 1.0);  // both without a name
+  for (core::ItemId i{0}; to_index(i) < std::size(paths); ++i)
+    EXPECT_EQ(scene_.path(scene_.node_of(i)),
+              std::string("model.obj") + (*paths[to_index(i)] ? "/" : "") + paths[to_index(i)]);
+  EXPECT_DOUBLE_EQ(area(core::ItemId{4}), 1.0);  // both without a name
   EXPECT_EQ(scene_.node_count(), 8u);
 }
 
@@ -339,8 +341,8 @@ TEST_F(ObjReader, MaterialNamesWithSpacesAndComments) {
   EXPECT_TRUE(report->warnings.empty()) << report->warnings[0].message;
   const core::vec3 colours[] = {{1, 0, 0}, {0, 1, 0}, {0.5f, 0.5f, 0.5f}, {1, 0, 0}};
   ASSERT_EQ(scene_.item_count(), std::size(colours));
-  for (core::ItemId i = 0; i < std::size(colours); ++i)
-    EXPECT_EQ(scene_.material(scene_.item_material(i)).colour, colours[i]) << i;
+  for (core::ItemId i{0}; to_index(i) < std::size(colours); ++i)
+    EXPECT_EQ(scene_.material(scene_.item_material(i)).colour, colours[to_index(i)]) << to_index(i);
 }
 
 TEST_F(ObjReader, LibrariesAreFoundAsOthersNameThem) {
@@ -390,8 +392,8 @@ TEST_F(ObjReader, MaterialsAreNeverBlackInSilence) {
   ASSERT_TRUE(report) << report.error().message;
   const float green[] = {0, 0.8f, 0.8f, 0, 0.8f, 0.8f};
   ASSERT_EQ(scene_.item_count(), std::size(green));
-  for (core::ItemId i = 0; i < std::size(green); ++i)
-    EXPECT_EQ(scene_.material(scene_.item_material(i)).colour.y, green[i]) << i;
+  for (core::ItemId i{0}; to_index(i) < std::size(green); ++i)
+    EXPECT_EQ(scene_.material(scene_.item_material(i)).colour.y, green[to_index(i)]) << to_index(i);
   ASSERT_EQ(report->warnings.size(), 3u);
   EXPECT_EQ(report->warnings[0].message,
             "paint.mtl: line 11: 2 values that are no numbers left out, the first 'Kd 0,5 0,5 0,5'");
@@ -423,9 +425,10 @@ TEST_F(ObjReader, TexturesCountByTheirMean) {
   ASSERT_TRUE(report) << report.error().message;
   const core::vec3 colours[] = {{1, 128 / 255.0f, 0}, {1, 128 / 255.0f, 0}, {0, 128 / 255.0f, 0}, {1, 128 / 255.0f, 0}};
   ASSERT_EQ(scene_.item_count(), std::size(colours));
-  for (core::ItemId i = 0; i < std::size(colours); ++i)
+  for (core::ItemId i{0}; to_index(i) < std::size(colours); ++i)
     for (int k = 0; k < 3; ++k)
-      EXPECT_NEAR(scene_.material(scene_.item_material(i)).colour[k], colours[i][k], 1e-6f) << i << ' ' << k;
+      EXPECT_NEAR(scene_.material(scene_.item_material(i)).colour[k], colours[to_index(i)][k], 1e-6f)
+          << to_index(i) << ' ' << k;
   ASSERT_EQ(report->warnings.size(), 2u);
   EXPECT_EQ(report->warnings[0].message,
             "line 11: texture 'd:\\tex\\An Orange.PNG' not found; 'An orange.png' is read");
@@ -435,7 +438,7 @@ TEST_F(ObjReader, ColoursOfVertices) {
   const auto colours = [&](const char* a, const char* b, const char* c, const char* more = "") {
     const auto report = read(std::string("v 0 0 0 ") + a + "\nv 1 0 0 " + b + "\nv 0 1 0 " + c + "\nf 1 2 3\n" + more);
     EXPECT_TRUE(report) << report.error().message;
-    const core::MaterialId material = scene_.item_material(0);
+    const core::MaterialId material = scene_.item_material(core::ItemId{0});
     std::string found = material.valid() ? scene_.material(material).name : "none";
     for (const ImportWarning& warning : report->warnings) found += "; " + warning.message;
     return found;
@@ -456,13 +459,13 @@ TEST_F(ObjReader, ColoursOfVertices) {
       "#ff0000; line 2: 1 colours of vertices that are not three finite numbers left out, the first '1 0 0 1 0 x'");
   write("paint.mtl", "newmtl a\nKd 1 1 1\nnewmtl b\nKd 1 0.5 1\n");
   EXPECT_EQ(colours("1 0 0", "1 0 0", "1 0 0", "mtllib paint.mtl\nusemtl b\nf 1 2 3\n"), "#ff0000");
-  EXPECT_EQ(scene_.material(scene_.item_material(1)).colour, core::vec3(1, 0, 0));
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{1})).colour, core::vec3(1, 0, 0));
 }
 
 TEST_F(ObjReader, NormalsBehindVerticesAreNoColours) {
   const auto report = read("v 0 0 0 0 0 -1\nv 1 0 0 0 0 1\nv 0 1 0 0 0 1\nf 1 2 3\n");
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_FALSE(scene_.item_material(0).valid());
+  EXPECT_FALSE(scene_.item_material(core::ItemId{0}).valid());
   ASSERT_EQ(report->warnings.size(), 1u);
   EXPECT_EQ(report->warnings[0].message, "numbers behind the vertices are no colours, some are below 0: left out");
 }
@@ -472,8 +475,8 @@ TEST_F(ObjReader, NamesBecomeUtf8) {
   const auto report = read(std::string("mtllib paint.mtl\no B\xc3\xbchne\ng R\xfchrer\nusemtl gr\xc3\xbcn\n") +
                            kTriangle + "f 1 2 3\n\xff\xfe 1\n");
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(scene_.path(scene_.node_of(0)), "model.obj/B\xc3\xbchne/R\xc3\xbchrer");
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "gr\xc3\xbcn");
+  EXPECT_EQ(scene_.path(scene_.node_of(core::ItemId{0})), "model.obj/B\xc3\xbchne/R\xc3\xbchrer");
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).name, "gr\xc3\xbcn");
   ASSERT_EQ(report->warnings.size(), 3u);
   EXPECT_EQ(report->warnings[0].message,
             "paint.mtl: line 1: 1 names that are not UTF-8, taken for Windows-1252, the first 'gr\xc3\xbcn'");
@@ -487,7 +490,7 @@ TEST_F(ObjReader, Utf16IsRecognised) {
   for (const char c : std::string(kTriangle) + "f 1 2 3\n") wide += c, wide += '\0';
   const auto report = read(wide);
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_DOUBLE_EQ(area(0), 0.5);
+  EXPECT_DOUBLE_EQ(area(core::ItemId{0}), 0.5);
   EXPECT_EQ(report->warnings.size(), 1u);
 }
 

@@ -97,14 +97,14 @@ TEST_F(ObjWriter, MeshesComeBack) {
     EXPECT_EQ(report.vertices, 60u);
     EXPECT_EQ(report.bytes, fs::file_size(folder_ / "a b.obj") + fs::file_size(folder_ / "a_b.mtl"));
     ASSERT_EQ(again_.item_count(), 3u);
-    for (core::ItemId i = 0; i < 3; ++i) {
-      EXPECT_EQ(again_.name(again_.node_of(i)), "part/item " + std::to_string(i));
+    for (core::ItemId i{0}; to_index(i) < 3; ++i) {
+      EXPECT_EQ(again_.name(again_.node_of(i)), "part/item " + std::to_string(to_index(i)));
       const core::Material& look = again_.material(again_.item_material(i));
       EXPECT_EQ(look.colour, scene_.material(scene_.item_material(i)).colour);
-      EXPECT_EQ(look.name, i == 0 ? "paint" : "paint_" + std::to_string(i));
+      EXPECT_EQ(look.name, to_index(i) == 0 ? "paint" : "paint_" + std::to_string(to_index(i)));
       std::vector<dvec3> before = corners(scene_, i), after = corners(again_, i);
       ASSERT_EQ(before.size(), after.size());
-      if (i == 2)
+      if (to_index(i) == 2)
         for (std::size_t k = 0; k < before.size(); k += 3) std::swap(before[k + 1], before[k + 2]);
       for (std::size_t k = 0; k < before.size(); ++k) ASSERT_LE(glm::length(before[k] - after[k]), 1e-6);
       EXPECT_EQ(again_.mesh(again_.mesh_of(i)).normals.empty(), seed % 2 == 1);
@@ -119,7 +119,7 @@ TEST_F(ObjWriter, DigitsOfFarCoordinatesStay) {
   scene_.add_mesh_instance(scene_.root(), scene_.add_mesh(mesh).value(),
                            core::translation({1e7 + 0.1, -2e7 / 3.0, 0.0}));
   round_trip();
-  const std::vector<dvec3> before = corners(scene_, 0), after = corners(again_, 0);
+  const std::vector<dvec3> before = corners(scene_, core::ItemId{0}), after = corners(again_, core::ItemId{0});
   for (int k = 0; k < 3; ++k) EXPECT_LE(glm::length(before[std::size_t(k)] - after[std::size_t(k)]), 4e-9);
 }
 
@@ -143,7 +143,7 @@ TEST_F(ObjWriter, PrimitivesKeepTheTolerance) {
       const ObjWriteReport report = round_trip({.tolerance = tolerance});
       EXPECT_EQ(report.items[std::size_t(core::kind_of(primitive))], 1u);
       EXPECT_LE(report.largest_chord_error, tolerance);
-      EXPECT_GT(signed_volume(corners(again_, 0)), 0.0);
+      EXPECT_GT(signed_volume(corners(again_, core::ItemId{0})), 0.0);
     }
 }
 
@@ -154,7 +154,7 @@ TEST_F(ObjWriter, ChordErrorIsThatOfTheSegments) {
     scene_.add_primitive(scene_.root(), core::Cylinder{float(radius), 50.0f});
     const ObjWriteReport report = round_trip({.tolerance = 0.002});
     double error = 0.0;
-    const std::vector<dvec3> points = corners(again_, 0);
+    const std::vector<dvec3> points = corners(again_, core::ItemId{0});
     for (std::size_t i = 0; i < points.size(); i += 3)
       for (std::size_t k = 0; k < 3; ++k) {
         const dvec3 a = points[i + k], b = points[i + (k + 1) % 3], m = 0.5 * (a + b);
@@ -183,15 +183,15 @@ TEST_F(ObjWriter, NamesAndMaterials) {
   scene_.add_primitive(bare, core::Box{1, 1, 1});
   round_trip();
   ASSERT_EQ(again_.item_count(), 3u);
-  EXPECT_EQ(again_.name(again_.node_of(0)), "unit 1/#0");
-  EXPECT_EQ(again_.name(again_.node_of(1)), "unit 1/line_break");
-  EXPECT_EQ(again_.name(again_.node_of(2)), "unit 1/bare");
-  EXPECT_FALSE(again_.item_material(0).valid());
-  const core::Material& look = again_.material(again_.item_material(1));
+  EXPECT_EQ(again_.name(again_.node_of(core::ItemId{0})), "unit 1/#0");
+  EXPECT_EQ(again_.name(again_.node_of(core::ItemId{1})), "unit 1/line_break");
+  EXPECT_EQ(again_.name(again_.node_of(core::ItemId{2})), "unit 1/bare");
+  EXPECT_FALSE(again_.item_material(core::ItemId{0}).valid());
+  const core::Material& look = again_.material(again_.item_material(core::ItemId{1}));
   EXPECT_EQ(look.name, "signal_red_");
   EXPECT_EQ(look.colour, core::vec3(1, 0, 0));
   EXPECT_EQ(look.alpha, 0.25f);
-  EXPECT_EQ(again_.material(again_.item_material(2)).colour, core::Material{}.colour);
+  EXPECT_EQ(again_.material(again_.item_material(core::ItemId{2})).colour, core::Material{}.colour);
 }
 
 TEST_F(ObjWriter, WhatIsHiddenOrEmptyIsLeftOut) {
@@ -265,7 +265,7 @@ TEST_F(ObjWriter, NormalsGoWithTheSurface) {
   EXPECT_EQ(contents(folder_ / "a b.obj").find("-0 "), std::string::npos);
   std::vector<core::vec3> normals;
   std::vector<std::string> names;
-  for (core::ItemId i = 0; i < again_.item_slots(); ++i) {
+  for (core::ItemId i{0}; to_index(i) < again_.item_slots(); ++i) {
     names.push_back(std::string(again_.name(again_.node_of(i))));
     const core::Mesh& read = again_.mesh(again_.mesh_of(i));
     if (read.normals.empty()) continue;

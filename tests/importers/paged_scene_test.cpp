@@ -193,7 +193,7 @@ TEST_F(PagedSceneTest, FoldersJoinTheirFiles) {
   EXPECT_EQ(joined->items, 48'000u);
   std::set<core::ItemId> ids;
   const Scene* const scenes[] = {&a, &b, &c};
-  const core::ItemId firsts[] = {0, 5000, 8000};
+  const core::ItemId firsts[] = {core::ItemId{0}, core::ItemId{5000}, core::ItemId{8000}};
   for (std::uint32_t number = 0; number < joined->pages.size(); ++number) {
     const auto page = joined->load(number);
     ASSERT_TRUE(page) << page.error().message;
@@ -201,8 +201,8 @@ TEST_F(PagedSceneTest, FoldersJoinTheirFiles) {
     for (Slot s = 0; s < snapshot.size(); ++s) {
       const core::ItemId id = snapshot.item(s);
       EXPECT_TRUE(ids.insert(id).second);
-      const int part = id < 5000 ? 0 : id < 8000 ? 1 : 2;
-      const auto world = scenes[part]->state(id - firsts[part]).world_from_item;
+      const int part = to_index(id) < 5000 ? 0 : to_index(id) < 8000 ? 1 : 2;
+      const auto world = scenes[part]->state(core::ItemId{to_index(id) - to_index(firsts[part])}).world_from_item;
       EXPECT_LT(glm::distance(snapshot.world_from_item(s).origin, world.origin), 1e-3);
       // Leaves hold what they should, from their own origin on, too.
       const core::Aabb own = snapshot.bounds().box(s);
@@ -215,7 +215,7 @@ TEST_F(PagedSceneTest, FoldersJoinTheirFiles) {
     }
   }
   EXPECT_EQ(ids.size(), 48'000u);
-  EXPECT_EQ(*ids.rbegin(), 47'999u);
+  EXPECT_EQ(to_index(*ids.rbegin()), 47'999u);
 }
 
 /// By several threads at once, as one does.

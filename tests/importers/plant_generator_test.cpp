@@ -48,7 +48,7 @@ std::uint64_t hash_of(const Scene& scene) {
     const std::string_view name = scene.name(node);
     hash.bytes(name.data(), name.size());
     if (paint.valid()) hash.add(scene.material(paint).colour), hash.add(scene.material(paint).code);
-    for (core::ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item)) {
+    for (core::ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item)) {
       hash.add(scene.kind(item));
       const Affine placement = scene.placement(item);
       hash.add(placement.linear);
@@ -67,7 +67,7 @@ std::uint64_t hash_of(const Scene& scene) {
 
 std::array<std::size_t, core::kKindCount> count_kinds(const Scene& scene) {
   std::array<std::size_t, core::kKindCount> counts{};
-  for (core::ItemId i = 0; i < scene.item_slots(); ++i) ++counts[std::size_t(scene.kind(i))];
+  for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i) ++counts[std::size_t(scene.kind(i))];
   return counts;
 }
 
@@ -97,7 +97,7 @@ void collect_ends(const Scene& scene, core::ItemId item, std::vector<End>& ends)
 /// The portion of torus slice ends that another item's end meets within 0.1 mm, facing it.
 double connected_torus_ends(const Scene& scene) {
   std::vector<End> ends;
-  for (core::ItemId i = 0; i < scene.item_slots(); ++i)
+  for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i)
     if (scene.kind(i) != Kind::kFacetGroup) collect_ends(scene, i, ends);
   const double cell = 1e-3, reach = 1e-4;
   const auto key = [&](const dvec3& p) {
@@ -167,13 +167,14 @@ TEST_P(Plant, HasTheItemsAndTheStatisticsPromised) {
 
 TEST_P(Plant, StaysWithinTheSite) {
   core::AabbD all;
-  for (core::ItemId i = 0; i < scene.item_slots(); ++i) {
+  for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i) {
     const core::AabbD box = scene.bounds_under(i, scene.placement(i));
-    ASSERT_TRUE(core::is_finite(box.min) && core::is_finite(box.max)) << "item " << i;
+    ASSERT_TRUE(core::is_finite(box.min) && core::is_finite(box.max)) << "item " << to_index(i);
     const bool inside = box.min.x >= -200 && box.max.x <= 200 && box.min.y >= -50 && box.max.y <= 50 &&
                         box.min.z >= -0.001 && box.max.z <= 60;
-    ASSERT_TRUE(inside) << "item " << i << " of " << scene.path(scene.node_of(i)) << " spans " << box.min.x << ","
-                        << box.min.y << "," << box.min.z << " to " << box.max.x << "," << box.max.y << "," << box.max.z;
+    ASSERT_TRUE(inside) << "item " << to_index(i) << " of " << scene.path(scene.node_of(i)) << " spans " << box.min.x
+                        << "," << box.min.y << "," << box.min.z << " to " << box.max.x << "," << box.max.y << ","
+                        << box.max.z;
     all.grow(box);
   }
   if (GetParam().items >= 100'000) {
@@ -187,10 +188,10 @@ TEST_P(Plant, StaysWithinTheSite) {
 TEST_P(Plant, RadiiRunFromTubingToVessels) {
   double least = 1e9, most = 0.0;
   std::array<std::size_t, 11> octaves{};
-  for (core::ItemId i = 0; i < scene.item_slots(); ++i) {
+  for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i) {
     if (scene.kind(i) == Kind::kFacetGroup) continue;
     const core::Primitive p = scene.primitive(i);
-    ASSERT_FALSE(core::is_degenerate(p)) << "item " << i << " of " << scene.path(scene.node_of(i));
+    ASSERT_FALSE(core::is_degenerate(p)) << "item " << to_index(i) << " of " << scene.path(scene.node_of(i));
     for (const double r : radii(p)) {
       least = std::min(least, r), most = std::max(most, r);
       ASSERT_GE(r, 0.00199) << scene.path(scene.node_of(i));
@@ -210,7 +211,7 @@ TEST_P(Plant, PipesMeetEndToEnd) {
 }
 
 TEST_P(Plant, PositionsSurviveSinglePrecision) {
-  for (core::ItemId i = 0; i < scene.item_slots(); ++i) {
+  for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i) {
     const dvec3 p = scene.placement(i).origin;
     for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(p[axis], double(float(p[axis])));
   }
@@ -220,7 +221,7 @@ TEST_P(Plant, EveryGroupWithItemsHasAColourAndAName) {
   std::size_t groups = 0;
   std::array<bool, 32> colours{};
   scene.for_each_node(scene.root(), [&](core::NodeId node, const Affine&, bool, std::uint32_t, core::MaterialId paint) {
-    if (scene.first_item(node) == core::kNone) return;
+    if (scene.first_item(node) == core::kNoItem) return;
     ++groups;
     ASSERT_TRUE(paint.valid());
     ASSERT_FALSE(scene.name(node).empty());
@@ -243,7 +244,7 @@ TEST(PlantGenerator, HoldsForManySeeds) {
     ASSERT_EQ(scene.item_count(), items);
     EXPECT_GE(connected_torus_ends(scene), 0.95);
     core::AabbD all;
-    for (core::ItemId i = 0; i < scene.item_slots(); ++i) all.grow(scene.bounds_under(i, scene.placement(i)));
+    for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i) all.grow(scene.bounds_under(i, scene.placement(i)));
     const double length = 400.0 * std::sqrt(double(items) / 1e5);
     EXPECT_LE(all.size().x, length) << "leaves its share of the site";
     EXPECT_LE(all.size().y, 0.25 * length) << "leaves its share of the site";

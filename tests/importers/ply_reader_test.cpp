@@ -37,12 +37,14 @@ class PlyReader : public testing::Test {
     scene_ = core::Scene();
     return read_ply(std::as_bytes(std::span(text)), "model.ply", scene_, scene_.root(), options);
   }
-  const core::Mesh& mesh(core::ItemId item = 0) const { return scene_.mesh(scene_.mesh_of(item)); }
+  const core::Mesh& mesh(core::ItemId item = core::ItemId{0}) const { return scene_.mesh(scene_.mesh_of(item)); }
   /// Of a mesh's vertex, in the file's node.
-  dvec3 point(std::size_t vertex, core::ItemId item = 0) const {
+  dvec3 point(std::size_t vertex, core::ItemId item = core::ItemId{0}) const {
     return core::transform_point(scene_.placement(item), dvec3(mesh(item).positions[vertex]));
   }
-  const core::Material& material(core::ItemId item = 0) const { return scene_.material(scene_.item_material(item)); }
+  const core::Material& material(core::ItemId item = core::ItemId{0}) const {
+    return scene_.material(scene_.item_material(item));
+  }
   core::Scene scene_;
 };
 
@@ -59,7 +61,7 @@ TEST_F(PlyReader, Text) {
   EXPECT_EQ(scene_.name(report->nodes[0]), "model.ply");
   EXPECT_EQ(mesh().indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
   EXPECT_EQ(point(2), dvec3(1, 1, 0));
-  EXPECT_FALSE(scene_.item_material(0).valid());
+  EXPECT_FALSE(scene_.item_material(core::ItemId{0}).valid());
   EXPECT_TRUE(scene_.commit());
 }
 
@@ -202,14 +204,14 @@ TEST_F(PlyReader, AlphaThatIsZeroThroughoutIsNoAlpha) {
   EXPECT_EQ(material().name, "#010203");
   ASSERT_TRUE(read_faces("3 0 1 2 1 2 3 0\n3 0 1 2 4 5 6 0\n3 0 1 2 0 0 0 0\n"));
   ASSERT_EQ(scene_.item_count(), 3u);
-  EXPECT_EQ(material(0).name, "#010203");
-  EXPECT_EQ(material(1).name, "#040506");
-  EXPECT_EQ(material(1).alpha, 1.0f);
-  EXPECT_FALSE(scene_.item_material(2).valid());
+  EXPECT_EQ(material(core::ItemId{0}).name, "#010203");
+  EXPECT_EQ(material(core::ItemId{1}).name, "#040506");
+  EXPECT_EQ(material(core::ItemId{1}).alpha, 1.0f);
+  EXPECT_FALSE(scene_.item_material(core::ItemId{2}).valid());
   // Where some faces can be seen, the others may well be hidden.
   ASSERT_TRUE(read_faces("3 0 1 2 1 2 3 0\n3 0 1 2 4 5 6 1\n"));
-  EXPECT_EQ(material(0).alpha, 0.0f);
-  EXPECT_EQ(material(1).alpha, 1.0f / 255.0f);
+  EXPECT_EQ(material(core::ItemId{0}).alpha, 0.0f);
+  EXPECT_EQ(material(core::ItemId{1}).alpha, 1.0f / 255.0f);
 }
 
 /// A fan of triangles about vertex 0, each with a colour.
@@ -231,10 +233,10 @@ TEST_F(PlyReader, FaceColoursBecomeItems) {
     const auto report = read(coloured_faces(faces, colours));
     ASSERT_TRUE(report) << report.error().message;
     ASSERT_EQ(scene_.item_count(), colours);
-    for (core::ItemId item = 0; item < colours; ++item) {
+    for (core::ItemId item{0}; to_index(item) < colours; ++item) {
       EXPECT_EQ(material(item).colour, core::vec3(0, float(item), 7) / 255.0f);
       std::size_t triangle = 0;
-      for (std::size_t face = item; face < faces; face += colours, ++triangle)
+      for (std::size_t face = to_index(item); face < faces; face += colours, ++triangle)
         for (std::size_t c = 0; c < 3; ++c) {
           const std::size_t vertex = c == 0 ? 0 : face + c;
           ASSERT_EQ(point(mesh(item).indices[3 * triangle + c], item), dvec3(vertex, vertex * vertex, 0));
@@ -261,10 +263,10 @@ TEST_F(PlyReader, PolygonsKeepTheirColours) {
       "3 0 3 4 1 2 3\n4 0 1 2 3 9 9 9\n3 0 1 2 1 2 3\n");
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(scene_.item_count(), 2u);
-  EXPECT_EQ(mesh(0).indices.size(), 6u);
-  EXPECT_EQ(mesh(1).indices.size(), 6u);
-  EXPECT_EQ(mesh(1).positions.size(), 4u);
-  EXPECT_EQ(mesh(1).normals, std::vector<core::vec3>(4, {0, 0, 1}));
+  EXPECT_EQ(mesh(core::ItemId{0}).indices.size(), 6u);
+  EXPECT_EQ(mesh(core::ItemId{1}).indices.size(), 6u);
+  EXPECT_EQ(mesh(core::ItemId{1}).positions.size(), 4u);
+  EXPECT_EQ(mesh(core::ItemId{1}).normals, std::vector<core::vec3>(4, {0, 0, 1}));
 }
 
 /// A triangle in text with more properties of its vertices; each vertex ends with `values`.
@@ -285,7 +287,7 @@ TEST_F(PlyReader, PropertiesCountOnceAndTogether) {
   ASSERT_TRUE(read(triangle_with("property list uchar uchar red\n" + rgb, "1 9 1 2 3")));
   EXPECT_EQ(material().name, "#010203");
   ASSERT_TRUE(read(triangle_with("property uchar red\nproperty float nx\n", "9 1")));
-  EXPECT_FALSE(scene_.item_material(0).valid());
+  EXPECT_FALSE(scene_.item_material(core::ItemId{0}).valid());
   EXPECT_TRUE(mesh().normals.empty());
 }
 
@@ -311,10 +313,10 @@ TEST_F(PlyReader, FacesOfSeveralElements) {
                    "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n" + list +
                    "end_header\n" + points + "3 0 1 2\n3 1 2 3 1 2 3\n3 0 1 3\n"));
   ASSERT_EQ(scene_.item_count(), 2u);
-  EXPECT_FALSE(scene_.item_material(0).valid());
-  EXPECT_EQ(mesh(0).indices.size(), 6u);
-  EXPECT_EQ(material(1).name, "#010203");
-  EXPECT_EQ(mesh(1).indices.size(), 3u);
+  EXPECT_FALSE(scene_.item_material(core::ItemId{0}).valid());
+  EXPECT_EQ(mesh(core::ItemId{0}).indices.size(), 6u);
+  EXPECT_EQ(material(core::ItemId{1}).name, "#010203");
+  EXPECT_EQ(mesh(core::ItemId{1}).indices.size(), 3u);
   // The second triangle of a strip is turned, wherever in the list the strip begins.
   ASSERT_TRUE(read(head + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + points +
                    "5 -1 0 1 2 3\n"));
@@ -441,7 +443,7 @@ TEST_F(PlyReader, WhatIsNotNeededIsLostAlone) {
   const std::string rgb = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   expect_warning(read(triangle_with(rgb, "red 2 3")),
                  "line 13: words in place of numbers, but for coordinates and corners, are left out (3 times)");
-  EXPECT_FALSE(scene_.item_material(0).valid());
+  EXPECT_FALSE(scene_.item_material(core::ItemId{0}).valid());
   expect_warning(read(triangle_with(rgb, "1 2")),
                  "line 13: missing numbers, but for coordinates and corners, are left out (3 times)");
   EXPECT_EQ(mesh().indices.size(), 3u);

@@ -485,10 +485,11 @@ std::string check_items(const RecognitionInput& input) {
   importers::RecognitionReport report;
   unsigned calls = 0;
   const bool done = importers::recognise_items(
-      scene, 0, input.tolerance, [&](double) { return input.stop_after == 0 || ++calls < input.stop_after; }, report);
+      scene, core::ItemId{0}, input.tolerance,
+      [&](double) { return input.stop_after == 0 || ++calls < input.stop_after; }, report);
   if (!done && input.stop_after == 0) return "an end that nobody asked for";
   std::uint64_t primitives = 0, triangles = 0, made = 0;
-  for (core::ItemId i = 0; i < scene.item_slots(); ++i)
+  for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i)
     primitives += scene.contains_item(i) && int(scene.kind(i)) < core::kPrimitiveKindCount;
   for (std::size_t i = 0; i < scene.mesh_slots(); ++i)
     if (const core::MeshId id = scene.mesh_at(i); id.valid()) triangles += scene.mesh(id).indices.size() / 3;

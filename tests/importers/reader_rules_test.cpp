@@ -210,7 +210,7 @@ class ReaderRules : public testing::TestWithParam<Format> {
   }
   double area() const {
     double sum = 0.0;
-    for (core::ItemId item = 0; item < scene_.item_slots(); ++item) {
+    for (core::ItemId item{0}; to_index(item) < scene_.item_slots(); ++item) {
       const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(item));
       const core::Affine to_world = scene_.world_from_node(scene_.node_of(item)) * scene_.placement(item);
       const auto corner = [&](std::size_t i) {
@@ -276,7 +276,7 @@ TEST_P(ReaderRules, ABadNormalLosesItselfAlone) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_NEAR(area(), 5.0, 1e-5);
   ASSERT_EQ(scene_.item_count(), 1u);
-  const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+  const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(core::ItemId{0}));
   if (!GetParam().normals_used) return;
   EXPECT_EQ(report->warnings.size(), 1u);
   ASSERT_EQ(mesh.normals.size(), mesh.positions.size());

@@ -87,7 +87,7 @@ void compare_with_scan(const std::vector<std::string>& files) {
   EXPECT_EQ(report->degenerate, degenerate);
   EXPECT_EQ(scene.node_count(), total.groups + 1 + files.size());
   std::array<std::uint64_t, core::kKindCount> in_scene{};
-  for (core::ItemId i = 0; i < scene.item_slots(); ++i) ++in_scene[std::size_t(scene.kind(i))];
+  for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i) ++in_scene[std::size_t(scene.kind(i))];
   EXPECT_EQ(in_scene, total.items);
   for (int k = 0; k < core::kKindCount; ++k)
     std::printf("%s %llu\n", std::string(core::name_of(core::Kind(k))).c_str(),

@@ -173,7 +173,7 @@ core::Scene as_meshes(const core::Scene& scene, int segments) {
   scene.for_each_node(scene.root(),
                       [&](core::NodeId node, const core::Affine& world, bool, std::uint32_t, core::MaterialId) {
                         const core::NodeId copy = out.add_node(out.root(), "n" + std::to_string(node.index), world);
-                        for (core::ItemId i = scene.first_item(node); i != core::kNone; i = scene.next_item(i)) {
+                        for (core::ItemId i = scene.first_item(node); i != core::kNoItem; i = scene.next_item(i)) {
                           if (int(scene.kind(i)) >= core::kPrimitiveKindCount) continue;
                           core::Mesh mesh = tessellated(scene.primitive(i), segments);
                           if (!mesh.indices.empty())
@@ -212,14 +212,14 @@ Recovery round_trip(const core::Scene& scene, int segments) {
   };
   std::map<std::tuple<int, int, int>, std::vector<Known>> known;  // by the middle of their bounds
   const auto cell = [](const dvec3& p) { return glm::floor(p / 0.01); };
-  for (core::ItemId i = 0; i < scene.item_slots(); ++i) {
+  for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i) {
     if (!scene.contains_item(i) || int(scene.kind(i)) >= core::kPrimitiveKindCount) continue;
     const core::Affine world = scene.state(i).world_from_item;
     const core::AabbD box = core::bounds(scene.primitive(i), world);
     const dvec3 c = cell(0.5 * (box.min + box.max));
     known[{int(c.x), int(c.y), int(c.z)}].push_back({scene.primitive(i), world});
   }
-  for (core::ItemId i = 0; i < again.item_slots(); ++i) {
+  for (core::ItemId i{0}; to_index(i) < again.item_slots(); ++i) {
     if (!again.contains_item(i)) continue;
     if (int(again.kind(i)) >= core::kPrimitiveKindCount) {
       left += again.mesh(again.mesh_of(i)).indices.size() / 3;
@@ -518,7 +518,7 @@ TEST(Recognise, SharedMeshesStayShared) {
   for (const core::Affine& placement : placements) scene.add_mesh_instance(node, id, placement, red);
   scene.set_visible(core::ItemId(2), false);
   RecognitionReport report;
-  ASSERT_TRUE(recognise_items(scene, 0, 0.0, {}, report));
+  ASSERT_TRUE(recognise_items(scene, core::ItemId{0}, 0.0, {}, report));
   EXPECT_EQ(report.meshes, 1u);
   EXPECT_EQ(report.items[std::size_t(Kind::kCylinder)], 3u);
   EXPECT_EQ(report.items[std::size_t(Kind::kPyramid)], 3u);
@@ -526,7 +526,7 @@ TEST(Recognise, SharedMeshesStayShared) {
   EXPECT_FALSE(scene.contains(id));
   std::vector<core::MeshId> rests;
   int cylinders = 0;
-  for (core::ItemId i = 0; i < scene.item_slots(); ++i) {
+  for (core::ItemId i{0}; to_index(i) < scene.item_slots(); ++i) {
     if (!scene.contains_item(i)) continue;
     EXPECT_EQ(scene.node_of(i), node);
     EXPECT_EQ(scene.item_material(i), red);
@@ -562,7 +562,7 @@ TEST(Recognise, WhatACommitWouldRefuseStaysAMesh) {
     scene.add_mesh_instance(scene.root(), id, turned);
     if (with_another) scene.add_mesh_instance(scene.root(), id);
     RecognitionReport report;
-    ASSERT_TRUE(recognise_items(scene, 0, 0.0, {}, report));
+    ASSERT_TRUE(recognise_items(scene, core::ItemId{0}, 0.0, {}, report));
     EXPECT_TRUE(scene.contains(id));
     EXPECT_EQ(report.items[std::size_t(Kind::kCylinder)], with_another ? 1u : 0u);
     EXPECT_EQ(scene.item_count(), with_another ? 3u : 1u);
@@ -725,7 +725,7 @@ TEST(Recognise, TheLargestDeviationIsOneBothWays) {
         core::Scene scene;
         scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh).value(), map);
         RecognitionReport report;
-        ASSERT_TRUE(recognise_items(scene, 0, 0.0, {}, report));
+        ASSERT_TRUE(recognise_items(scene, core::ItemId{0}, 0.0, {}, report));
         ASSERT_EQ(report.triangles_after, 0u);
         const core::Mesh coarse = placed(mesh, map.linear, map.origin);
         core::Mesh fine = tessellated(primitive, 48);

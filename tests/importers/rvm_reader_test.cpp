@@ -51,11 +51,11 @@ TEST(RvmReader, AllKindsGroupsAndStrings) {
     EXPECT_EQ(scene.placement(item).origin, core::dvec3(1, 2, 3));
     EXPECT_EQ(scene.placement(item).linear, core::dmat3(double(.001f)));
   }
-  const auto snout = std::get<core::Snout>(scene.primitive(6));
+  const auto snout = std::get<core::Snout>(scene.primitive(core::ItemId{6}));
   EXPECT_EQ(snout.bottom_radius, 3);
   EXPECT_EQ(snout.offset_x, 1);
   EXPECT_EQ(snout.bottom_shear_y, .2f);
-  const core::Mesh& mesh = scene.mesh(scene.mesh_of(10));
+  const core::Mesh& mesh = scene.mesh(scene.mesh_of(core::ItemId{10}));
   EXPECT_EQ(mesh.polygon_contours, (std::vector<std::uint32_t>{2, 1}));
   EXPECT_EQ(mesh.contour_sizes, (std::vector<std::uint32_t>{4, 4, 3}));
   EXPECT_EQ(mesh.indices.size(), 3u * (8 + 1));
@@ -97,9 +97,9 @@ TEST(RvmReader, ExtraWordMayStandBeforeTheMatrix) {
     const Read read(b.bytes);
     ASSERT_TRUE(read.report) << read.report.error().message;
     EXPECT_TRUE(read.report->warnings.empty());
-    EXPECT_EQ(read.scene.placement(0).origin, core::dvec3(7, 8, 9)) << first;
-    EXPECT_EQ(read.scene.placement(0).linear[0], core::dvec3(0, 2, 0)) << first;
-    EXPECT_FLOAT_EQ(read.scene.material(read.scene.material(read.scene.node_of(0))).alpha, 0.7f);
+    EXPECT_EQ(read.scene.placement(core::ItemId{0}).origin, core::dvec3(7, 8, 9)) << first;
+    EXPECT_EQ(read.scene.placement(core::ItemId{0}).linear[0], core::dvec3(0, 2, 0)) << first;
+    EXPECT_FLOAT_EQ(read.scene.material(read.scene.material(read.scene.node_of(core::ItemId{0}))).alpha, 0.7f);
   }
 }
 
@@ -119,7 +119,7 @@ TEST(RvmReader, StoredBoxesMayBeAQuarterOfTheSizeOff) {
       const Read read(obstruction({box[0], box[1], box[2], box[3], box[4], box[5]}, 0).bytes);
       ASSERT_TRUE(read.report);
       EXPECT_EQ(read.report->warnings.size(), warnings) << off << " at " << i;
-      EXPECT_EQ(read.scene.placement(0).origin, core::dvec3(1, 2, 3));
+      EXPECT_EQ(read.scene.placement(core::ItemId{0}).origin, core::dvec3(1, 2, 3));
     }
 }
 
@@ -128,7 +128,7 @@ TEST(RvmReader, ExtraWordHoldsATransparencyAndNothingElse) {
     const Read read(obstruction({-1, -1, -2, 1, 1, 2}, extra).bytes);
     ASSERT_TRUE(read.report);
     EXPECT_EQ(read.report->warnings.size(), warnings) << extra;
-    EXPECT_FLOAT_EQ(read.scene.material(read.scene.material(read.scene.node_of(0))).alpha, alpha);
+    EXPECT_FLOAT_EQ(read.scene.material(read.scene.material(read.scene.node_of(core::ItemId{0}))).alpha, alpha);
   };
   expect(100u << 24, 0, 0.0f);
   expect(101u << 24, 1, 0.0f);
@@ -146,7 +146,7 @@ TEST(RvmReader, ExtraWordDecidesWhereBoxesCannot) {
   const Read read(b.bytes);
   ASSERT_TRUE(read.report) << read.report.error().message;
   EXPECT_EQ(read.report->warnings.size(), 1u) << "its one triangle has no area";
-  EXPECT_EQ(read.scene.placement(0).origin, core::dvec3(7, 8, 1));
+  EXPECT_EQ(read.scene.placement(core::ItemId{0}).origin, core::dvec3(7, 8, 1));
 }
 
 TEST(RvmReader, WhereNothingDecidesTheExtraWordIsLast) {
@@ -157,7 +157,7 @@ TEST(RvmReader, WhereNothingDecidesTheExtraWordIsLast) {
   const Read read(b.bytes);
   ASSERT_TRUE(read.report) << read.report.error().message;
   EXPECT_EQ(read.report->warnings.size(), 1u) << "nothing to draw";
-  EXPECT_EQ(read.scene.placement(0).origin, core::dvec3(7, 8, 9));
+  EXPECT_EQ(read.scene.placement(core::ItemId{0}).origin, core::dvec3(7, 8, 9));
   // Nor does a box decide that fits neither: this one fits better after an extra word, but not well.
   b = {};
   b.head().group("g", 1).begin("OBST").u32(1).u32(8).u32(30u << 24).floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 7, 8, 9});
@@ -165,9 +165,9 @@ TEST(RvmReader, WhereNothingDecidesTheExtraWordIsLast) {
   const Read off(b.bytes);
   ASSERT_TRUE(off.report) << off.report.error().message;
   EXPECT_EQ(off.report->warnings.size(), 1u);
-  EXPECT_EQ(off.scene.placement(0).origin, core::dvec3(1, 7, 8));
+  EXPECT_EQ(off.scene.placement(core::ItemId{0}).origin, core::dvec3(1, 7, 8));
   // What stands last is the box's 3.5, of which the first byte is 64.
-  EXPECT_FLOAT_EQ(off.scene.material(off.scene.material(off.scene.node_of(0))).alpha, 0.36f);
+  EXPECT_FLOAT_EQ(off.scene.material(off.scene.material(off.scene.node_of(core::ItemId{0}))).alpha, 0.36f);
 }
 
 TEST(RvmReader, ALayerHasOneNodeForEachTransparency) {
@@ -178,8 +178,9 @@ TEST(RvmReader, ALayerHasOneNodeForEachTransparency) {
   b.group_end().finish();
   const Read read(b.bytes);
   ASSERT_TRUE(read.report) << read.report.error().message;
-  EXPECT_EQ(read.scene.node_of(0), read.scene.node_of(2));
-  const core::NodeId nodes[] = {read.scene.node_of(0), read.scene.node_of(1), read.scene.node_of(3)};
+  EXPECT_EQ(read.scene.node_of(core::ItemId{0}), read.scene.node_of(core::ItemId{2}));
+  const core::NodeId nodes[] = {read.scene.node_of(core::ItemId{0}), read.scene.node_of(core::ItemId{1}),
+                                read.scene.node_of(core::ItemId{3})};
   EXPECT_EQ(read.scene.node_count(), 2u + 1u + 3u);
   const std::uint32_t layers[] = {core::kLayerObstruction, core::kLayerInsulation, core::kLayerObstruction};
   const float alphas[] = {1.0f, 1.0f, 0.5f};
@@ -223,7 +224,7 @@ TEST(RvmReader, AmbiguousExtraWordIsReported) {
   ASSERT_TRUE(read.report);
   ASSERT_EQ(read.report->warnings.size(), 1u);
   EXPECT_NE(read.report->warnings[0].message.find("layout"), std::string::npos);
-  EXPECT_EQ(read.scene.placement(0).origin, core::dvec3(1, 2, 3));
+  EXPECT_EQ(read.scene.placement(core::ItemId{0}).origin, core::dvec3(1, 2, 3));
 }
 
 TEST(RvmReader, GroupVersions) {
@@ -265,7 +266,7 @@ TEST(RvmReader, StoredNormalsDecideWhereOutsideIs) {
     b.head().group("g", 1).item(11).u32(1).u32(1).u32(3);
     b.floats({0, 0, 0, 0, 0, nz}).floats({1, 0, 0, 0, 0, nz}).floats({0, 1, 0, 0, 0, nz}).end().group_end().finish();
     const Read read(b.bytes);
-    const core::Mesh& m = read.scene.mesh(read.scene.mesh_of(0));
+    const core::Mesh& m = read.scene.mesh(read.scene.mesh_of(core::ItemId{0}));
     const core::vec3 normal = glm::cross(m.positions[m.indices[1]] - m.positions[m.indices[0]],
                                          m.positions[m.indices[2]] - m.positions[m.indices[0]]);
     EXPECT_GT(normal.z * nz, 0.0f);
@@ -277,7 +278,7 @@ TEST(RvmReader, NormalsWithoutADirectionTurnNothing) {
   b.head().group("g", 1).item(11).u32(1).u32(1).u32(3);
   b.floats({0, 0, 0, 0, 0, 0}).floats({1, 0, 0, 0, 0, 0}).floats({0, 1, 0, 0, 0, 0}).end().group_end().finish();
   const Read read(b.bytes);
-  EXPECT_EQ(read.scene.mesh(read.scene.mesh_of(0)).indices, (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(read.scene.mesh(read.scene.mesh_of(core::ItemId{0})).indices, (std::vector<std::uint32_t>{0, 1, 2}));
 }
 
 /// Strict: an error that says all of `parts`. Lenient: that many items and at least one warning.
@@ -394,7 +395,7 @@ TEST(RvmReader, BadPolygonsAndNormalsLoseThemselvesAlone) {
   ASSERT_EQ(read.report->warnings.size(), 2u);
   EXPECT_NE(read.report->warnings[0].message.find("1 of 3 polygons dropped"), std::string::npos);
   EXPECT_NE(read.report->warnings[1].message.find("1 normals left out"), std::string::npos);
-  const core::Mesh& mesh = read.scene.mesh(read.scene.mesh_of(0));
+  const core::Mesh& mesh = read.scene.mesh(read.scene.mesh_of(core::ItemId{0}));
   EXPECT_EQ(mesh.indices.size(), 6u);
   EXPECT_EQ(mesh.polygon_contours.size(), 2u);
   for (const core::vec3& normal : mesh.normals) EXPECT_EQ(glm::length(normal) > 0.0f, normal.z == 1.0f);

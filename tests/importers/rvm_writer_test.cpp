@@ -139,8 +139,8 @@ TEST(RvmWriter, TransformsAreBakedInDouble) {
   scene.add_primitive(group, core::Cylinder{1, 2}, {core::dmat3(2.0), {0.125, 0.25, -1000.0}});
   const NodeId file = rewrite(scene, top, again);
   ASSERT_TRUE(file.valid());
-  EXPECT_EQ(again.placement(0).origin, core::dvec3(-0.25, 0.125, 0.0));
-  EXPECT_EQ(again.placement(0).linear[0], core::dvec3(0, 2, 0));
+  EXPECT_EQ(again.placement(core::ItemId{0}).origin, core::dvec3(-0.25, 0.125, 0.0));
+  EXPECT_EQ(again.placement(core::ItemId{0}).linear[0], core::dvec3(0, 2, 0));
 }
 
 TEST(RvmWriter, MeshesBecomeFacetGroups) {
@@ -151,8 +151,8 @@ TEST(RvmWriter, MeshesBecomeFacetGroups) {
   const NodeId top = scene.add_node(scene.root(), "file");
   scene.add_mesh_instance(scene.add_node(top, "g"), scene.add_mesh(mesh).value());
   ASSERT_TRUE(rewrite(scene, top, again).valid());
-  ASSERT_EQ(again.kind(0), core::Kind::kFacetGroup);
-  const core::Mesh& got = again.mesh(again.mesh_of(0));
+  ASSERT_EQ(again.kind(core::ItemId{0}), core::Kind::kFacetGroup);
+  const core::Mesh& got = again.mesh(again.mesh_of(core::ItemId{0}));
   ASSERT_EQ(got.indices.size(), mesh.indices.size());
   for (std::size_t i = 0; i < mesh.indices.size(); ++i)
     EXPECT_EQ(got.positions[got.indices[i]], mesh.positions[mesh.indices[i]]);
@@ -173,7 +173,7 @@ TEST(RvmWriter, ItemMaterialsAndCodesInConflict) {
   ASSERT_TRUE(rewrite(scene, top, again).valid());
   ASSERT_EQ(again.item_count(), 5u);
   const core::vec3 colours[] = {{1, 0, 0}, {0, 0, 1}, {0, 0, 1}, {1, 0, 0}};
-  for (core::ItemId i = 0; i < 5; ++i) {
+  for (core::ItemId i{0}; to_index(i) < 5; ++i) {
     const float diameter = std::get<core::Sphere>(again.primitive(i)).diameter;
     const core::Material& m = again.material(again.material(again.node_of(i)));
     if (diameter < 5) {
@@ -203,7 +203,7 @@ TEST(RvmWriter, FilesAreReplacedWholeOrNotAtAll) {
   EXPECT_NE(failed.error().message.find("out.rvm"), std::string::npos);
   EXPECT_EQ(std::filesystem::file_size(path), 1760u);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
-  scene.remove_item(1);
+  scene.remove_item(core::ItemId{1});
   for (int i = 0; i < 10000; ++i) scene.add_primitive(group, core::Cylinder{1, 2});
   const auto cancelled = write_rvm(scene, top, path, [](double share) { return share < 0.5; });
   ASSERT_FALSE(cancelled);
@@ -259,7 +259,7 @@ struct Seen {
 std::map<float, Seen> spheres_after(const Scene& scene, NodeId top, Scene& again) {
   std::map<float, Seen> seen;
   if (!rewrite(scene, top, again).valid()) return seen;
-  for (core::ItemId i = 0; i < again.item_slots(); ++i) {
+  for (core::ItemId i{0}; to_index(i) < again.item_slots(); ++i) {
     const auto state = again.state(i);
     const core::Material& m = again.material(again.material_at(state.material));
     seen[std::get<core::Sphere>(again.primitive(i)).diameter] = {m.colour, m.alpha, state.layers, m.code,
@@ -341,7 +341,7 @@ TEST(RvmWriter, LayerNodesThatSayMoreGetAGroup) {
   auto seen = spheres_after(scene, top, again);
   ASSERT_EQ(seen.size(), 7u);
   std::map<float, NodeId> above;
-  for (core::ItemId i = 0; i < again.item_slots(); ++i)
+  for (core::ItemId i{0}; to_index(i) < again.item_slots(); ++i)
     above[std::get<core::Sphere>(again.primitive(i)).diameter] = again.parent(again.node_of(i));
   EXPECT_EQ(again.name(above[1]), "named");
   EXPECT_EQ(again.attributes(above[2]), (Scene::Attributes{{std::string(rvm::kPositionKey), "1 2 3"}}));
@@ -362,7 +362,8 @@ TEST(RvmWriter, NormalsOfMeshesAreWritten) {
   scene.add_mesh_instance(group, scene.add_mesh(mesh).value(), {});
   ASSERT_TRUE(rewrite(scene, top, again).valid());
   ASSERT_EQ(again.item_count(), 2u);
-  for (core::ItemId i = 0; i < 2; ++i) EXPECT_EQ(again.mesh(again.mesh_of(i)).normals, mesh.normals) << i;
+  for (core::ItemId i{0}; to_index(i) < 2; ++i)
+    EXPECT_EQ(again.mesh(again.mesh_of(i)).normals, mesh.normals) << to_index(i);
 }
 
 TEST(RvmWriter, BoxesHoldTheirItems) {

@@ -73,15 +73,15 @@ inline std::string scene_difference(const core::Scene& a, core::NodeId top_a, co
     if (!same_bits(a.transform(x), b.transform(y))) return "transform: " + where;
     if (!same_material(a, a.material(x), b, b.material(y))) return "material: " + where;
     core::ItemId i = a.first_item(x), j = b.first_item(y);
-    for (; i != core::kNone && j != core::kNone; i = a.next_item(i), j = b.next_item(j)) {
-      if (!same_item(a, i, b, j)) return "item " + std::to_string(i) + ": " + where;
+    for (; i != core::kNoItem && j != core::kNoItem; i = a.next_item(i), j = b.next_item(j)) {
+      if (!same_item(a, i, b, j)) return "item " + std::to_string(to_index(i)) + ": " + where;
       pairs.emplace_back(i, j);
     }
     if (i != j) return "item count: " + where;
   }
   std::sort(pairs.begin(), pairs.end());
   for (std::size_t k = 1; k < pairs.size(); ++k)
-    if (pairs[k].second <= pairs[k - 1].second) return "item order at " + std::to_string(pairs[k].first);
+    if (pairs[k].second <= pairs[k - 1].second) return "item order at " + std::to_string(to_index(pairs[k].first));
   return {};
 }
 

@@ -68,7 +68,7 @@ inline core::Scene scene_with_everything() {
     if (i % 13 == 0) scene.set_material(node, red);
   }
   scene.set_visible(ItemId(3), false);
-  scene.remove_item(5);
+  scene.remove_item(core::ItemId{5});
   scene.remove_node(nodes[40]);
   scene.remove_node(nodes[80]);
   scene.add_node(file, "takes the place of one that was removed");

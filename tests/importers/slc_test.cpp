@@ -62,12 +62,12 @@ void expect_same(const Scene& a, const Scene& b) {
   ASSERT_EQ(a.item_count(), b.item_count());
   ASSERT_EQ(a.mesh_slots(), b.mesh_slots());
   ASSERT_EQ(a.material_slots(), b.material_slots());
-  for (ItemId i = 0; i < a.item_slots(); ++i) {
-    ASSERT_EQ(a.contains_item(i), b.contains_item(i)) << i;
+  for (ItemId i{0}; to_index(i) < a.item_slots(); ++i) {
+    ASSERT_EQ(a.contains_item(i), b.contains_item(i)) << to_index(i);
     if (!a.contains_item(i)) continue;
-    EXPECT_TRUE(tests::same_item(a, i, b, i)) << i;
-    EXPECT_EQ(a.node_of(i), b.node_of(i)) << i;
-    EXPECT_EQ(a.item_visible(i), b.item_visible(i)) << i;
+    EXPECT_TRUE(tests::same_item(a, i, b, i)) << to_index(i);
+    EXPECT_EQ(a.node_of(i), b.node_of(i)) << to_index(i);
+    EXPECT_EQ(a.item_visible(i), b.item_visible(i)) << to_index(i);
   }
   for (std::size_t i = 0; i < a.mesh_slots(); ++i) {
     ASSERT_EQ(a.mesh_at(i).valid(), b.mesh_at(i).valid());
@@ -186,7 +186,7 @@ TEST_F(SlcTest, ARootGivesItsChildrenWhatItHas) {
   ASSERT_TRUE(write_slc(scene, folder_ / "a.slc"));
   const Scene again = read(folder_ / "a.slc");
   EXPECT_EQ(again.world_from_node(again.first_child(again.root())).origin, core::dvec3(1e7 + 1, 2, 3));
-  EXPECT_EQ(again.state(0).layers, core::kLayerInsulation);
+  EXPECT_EQ(again.state(ItemId{0}).layers, core::kLayerInsulation);
   scene.add_primitive(scene.root(), core::Box{1, 1, 1});
   EXPECT_FALSE(write_slc(scene, folder_ / "a.slc"));
 }
@@ -203,7 +203,7 @@ TEST_F(SlcTest, EditsOfWhatWasReadGiveTheSameAsEditsOfTheSource) {
     scene.set_transform(child, core::translation({5, 6, 7}));
     scene.set_name(child, "a longer name than the one that it had before");
     scene.set_attribute(child, "Tag", "new");
-    scene.remove_item(0);
+    scene.remove_item(ItemId{0});
     const auto added = scene.add_node(top, "added");
     scene.add_primitive(added, core::Cylinder{1, 2});
     for (core::NodeId n = scene.next_sibling(child); n.valid() && scene.name(n) != "added";) {
@@ -241,8 +241,8 @@ TEST_F(SlcTest, HiddenEndsAreThoseThatWouldBeFound) {
   const auto expect_same_ends = [&](const Snapshot& snapshot, const gpuprims::Joints& found) {
     const gpuprims::Joints joints(snapshot);
     EXPECT_EQ(joints.count(), found.count());
-    for (ItemId item = 0; item < cached.item_slots(); ++item)
-      ASSERT_EQ(joints.covered(item), found.covered(item)) << item;
+    for (ItemId item{0}; to_index(item) < cached.item_slots(); ++item)
+      ASSERT_EQ(joints.covered(item), found.covered(item)) << to_index(item);
   };
   Snapshot snapshot(cached);
   ASSERT_NE(core::Access::of(snapshot).stored_joints(), nullptr);

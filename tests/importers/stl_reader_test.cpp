@@ -55,8 +55,8 @@ class StlReader : public testing::Test {
     scene_ = core::Scene();
     return read_stl(std::as_bytes(std::span(bytes)), "model.stl", scene_, scene_.root(), options);
   }
-  const core::Mesh& mesh(core::ItemId item = 0) const { return scene_.mesh(scene_.mesh_of(item)); }
-  dvec3 point(std::size_t vertex, core::ItemId item = 0) const {
+  const core::Mesh& mesh(core::ItemId item = core::ItemId{0}) const { return scene_.mesh(scene_.mesh_of(item)); }
+  dvec3 point(std::size_t vertex, core::ItemId item = core::ItemId{0}) const {
     return core::transform_point(scene_.placement(item), dvec3(mesh(item).positions[vertex]));
   }
   core::Scene scene_;
@@ -70,25 +70,25 @@ TEST_F(StlReader, HeadersThatSaySolidOrColour) {
   EXPECT_EQ(longer->warnings[0].message, "byte 184: 1 bytes after the last facet are ignored");
   const std::vector<std::uint16_t> default_colour = {0x8000, 0x8000};
   ASSERT_TRUE(read(binary(kSquare, default_colour, std::string(70, ' ') + "COLOR=\x01\x02\x03\xff")));
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#010203");
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).name, "#010203");
   ASSERT_TRUE(read(binary(kSquare, default_colour, std::string(71, ' ') + "COLOR=\x01\x02\x03")));
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#000000");  // cut off, it says nothing
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).name, "#000000");  // cut off, it says nothing
   // A colour for all, of writers that give facets none.
   ASSERT_TRUE(read(binary(kSquare, {}, std::string(70, ' ') + "COLOR=\x01\x02\x03\xff")));
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#010203");
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).name, "#010203");
   // MeshLab's header begins like Magics', and its facets say that they have colours.
   const std::string meshlab = "VCG COLOR=\x7f\x7f\x7f MATERIAL=\x7f\x7f\x7f ";
   ASSERT_TRUE(read(binary(kSquare, {}, meshlab)));
-  EXPECT_FALSE(scene_.item_material(0).valid());
+  EXPECT_FALSE(scene_.item_material(core::ItemId{0}).valid());
   ASSERT_TRUE(read(binary(kSquare, {0x801f, 0xfc00}, meshlab)));
   ASSERT_EQ(scene_.item_count(), 2u);
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#ff0000");
-  EXPECT_EQ(scene_.material(scene_.item_material(1)).name, "#0000ff");
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).name, "#ff0000");
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{1})).name, "#0000ff");
   // Facets without a colour behind one with.
   ASSERT_TRUE(read(binary(kSquare, {0x801f, 0})));
   ASSERT_EQ(scene_.item_count(), 2u);
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#0000ff");
-  EXPECT_FALSE(scene_.item_material(1).valid());
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).name, "#0000ff");
+  EXPECT_FALSE(scene_.item_material(core::ItemId{1}).valid());
 }
 
 /// A writer that leaves bytes out displaces the rest, whose numbers then are of any size.
@@ -126,11 +126,11 @@ TEST_F(StlReader, Binary) {
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->warnings.empty());
     ASSERT_EQ(scene_.item_count(), 1u);
-    EXPECT_EQ(scene_.node_of(0), report->nodes[0]);
+    EXPECT_EQ(scene_.node_of(core::ItemId{0}), report->nodes[0]);
     EXPECT_EQ(mesh().positions.size(), 4u);
     EXPECT_EQ(mesh().indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
     EXPECT_EQ(point(2), dvec3(1, 1, 0));
-    EXPECT_FALSE(scene_.item_material(0).valid());
+    EXPECT_FALSE(scene_.item_material(core::ItemId{0}).valid());
     EXPECT_TRUE(scene_.commit());
   }
 }
@@ -140,12 +140,12 @@ TEST_F(StlReader, SolidsOfTextBecomeNodes) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->warnings.empty());
   ASSERT_EQ(scene_.item_count(), 3u);
-  EXPECT_EQ(scene_.name(scene_.node_of(0)), "first part");
-  EXPECT_EQ(scene_.node_of(1), report->nodes[0]);
-  EXPECT_EQ(scene_.name(scene_.node_of(2)), "third");
-  EXPECT_EQ(mesh(0).positions.size(), 4u);
-  EXPECT_EQ(mesh(0).indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
-  EXPECT_EQ(mesh(2).indices.size(), 3u);
+  EXPECT_EQ(scene_.name(scene_.node_of(core::ItemId{0})), "first part");
+  EXPECT_EQ(scene_.node_of(core::ItemId{1}), report->nodes[0]);
+  EXPECT_EQ(scene_.name(scene_.node_of(core::ItemId{2})), "third");
+  EXPECT_EQ(mesh(core::ItemId{0}).positions.size(), 4u);
+  EXPECT_EQ(mesh(core::ItemId{0}).indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+  EXPECT_EQ(mesh(core::ItemId{2}).indices.size(), 3u);
 }
 
 TEST_F(StlReader, FarCoordinatesKeepTheirDigits) {
@@ -166,17 +166,17 @@ TEST_F(StlReader, Colours) {
   // VisCAM: blue lowest, bit 15 says that there is a colour.
   ASSERT_TRUE(read(binary(facets, {0x7fff, 0x801f, 0xfc00, 0x801f})));
   ASSERT_EQ(scene_.item_count(), 3u);
-  EXPECT_FALSE(scene_.item_material(0).valid());
-  EXPECT_EQ(colour(1), core::vec3(0, 0, 255));
-  EXPECT_EQ(colour(2), core::vec3(255, 0, 0));
-  EXPECT_EQ(mesh(1).indices.size(), 6u);
+  EXPECT_FALSE(scene_.item_material(core::ItemId{0}).valid());
+  EXPECT_EQ(colour(core::ItemId{1}), core::vec3(0, 0, 255));
+  EXPECT_EQ(colour(core::ItemId{2}), core::vec3(255, 0, 0));
+  EXPECT_EQ(mesh(core::ItemId{1}).indices.size(), 6u);
   // Magics: red lowest, bit 15 says that there is none.
   ASSERT_TRUE(read(binary(facets, {0x8000, 0x001f, 0x7c00, 0xffff}, "COLOR=\x10\x20\x30\xff,MATERIAL=")));
   ASSERT_EQ(scene_.item_count(), 3u);
-  EXPECT_EQ(colour(0), core::vec3(16, 32, 48));
-  EXPECT_EQ(colour(1), core::vec3(255, 0, 0));
-  EXPECT_EQ(colour(2), core::vec3(0, 0, 255));
-  EXPECT_EQ(mesh(0).indices.size(), 6u);
+  EXPECT_EQ(colour(core::ItemId{0}), core::vec3(16, 32, 48));
+  EXPECT_EQ(colour(core::ItemId{1}), core::vec3(255, 0, 0));
+  EXPECT_EQ(colour(core::ItemId{2}), core::vec3(0, 0, 255));
+  EXPECT_EQ(mesh(core::ItemId{0}).indices.size(), 6u);
 }
 
 TEST_F(StlReader, NoFacetsNoItem) {
@@ -319,9 +319,9 @@ TEST_F(StlReader, PolygonsOfText) {
     EXPECT_NE(report->warnings[0].message.find("a facet of more than three vertices becomes triangles"),
               std::string::npos);
     ASSERT_EQ(scene_.item_count(), 2u);
-    EXPECT_EQ(mesh(0).indices.size(), 9u);
-    EXPECT_EQ(mesh(0).positions.size(), 4u);
-    EXPECT_EQ(mesh(1).indices.size(), 3u);
+    EXPECT_EQ(mesh(core::ItemId{0}).indices.size(), 9u);
+    EXPECT_EQ(mesh(core::ItemId{0}).positions.size(), 4u);
+    EXPECT_EQ(mesh(core::ItemId{1}).indices.size(), 3u);
   }
 }
 
@@ -429,7 +429,8 @@ TEST_F(StlReader, FilesOfVtk) {
     EXPECT_EQ(mesh().positions.size(), 13u);
     EXPECT_EQ(mesh().indices.size(), 3u * 22);
     EXPECT_EQ(core::enclosure(mesh()), core::Enclosure::kInside);
-    EXPECT_EQ(scene_.name(scene_.node_of(0)), std::string(name) == "cone_vtk.stl" ? name : "solid cone by VTK");
+    EXPECT_EQ(scene_.name(scene_.node_of(core::ItemId{0})),
+              std::string(name) == "cone_vtk.stl" ? name : "solid cone by VTK");
   }
 }
 

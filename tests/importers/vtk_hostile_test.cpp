@@ -163,7 +163,7 @@ TEST(VtkHostile, NumbersBeyondReasonAreDropped) {
     const auto report = read_vtk(std::as_bytes(std::span(file)), "a.vtk", scene, scene.root());
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_EQ(report->warnings.size(), 1u);
-    EXPECT_EQ(scene.mesh(scene.mesh_of(0)).indices.size(), 3u);
+    EXPECT_EQ(scene.mesh(scene.mesh_of(core::ItemId{0})).indices.size(), 3u);
     EXPECT_TRUE(scene.commit());
   }
   EXPECT_EQ(error_of("# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 double\n0 1e-400 +3\n", "a.vtk"),

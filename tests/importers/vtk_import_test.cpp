@@ -59,14 +59,14 @@ TEST_F(VtkImport, PolygonsStripsAndNormals) {
   EXPECT_TRUE(report->warnings.empty());
   EXPECT_EQ(report->items[std::size_t(core::Kind::kMesh)], 1u);
   ASSERT_EQ(scene_.item_count(), 1u);
-  EXPECT_EQ(mesh(0).indices.size(), 12u);
-  EXPECT_EQ(mesh(0).normals.size(), 4u);
+  EXPECT_EQ(mesh(core::ItemId{0}).indices.size(), 12u);
+  EXPECT_EQ(mesh(core::ItemId{0}).normals.size(), 4u);
   for (std::size_t t = 0; t < 12; t += 3) {  // both forms of the square face up
-    const auto& m = mesh(0);
+    const auto& m = mesh(core::ItemId{0});
     const auto a = m.positions[m.indices[t]], b = m.positions[m.indices[t + 1]], c = m.positions[m.indices[t + 2]];
     EXPECT_GT(glm::cross(b - a, c - a).z, 0.0f);
   }
-  EXPECT_EQ(corner(0, 2), core::dvec3(0.002, 0.002, 0));
+  EXPECT_EQ(corner(core::ItemId{0}, 2), core::dvec3(0.002, 0.002, 0));
 }
 
 TEST_F(VtkImport, RefusesAUnitThatIsNoLength) {
@@ -81,7 +81,7 @@ TEST_F(VtkImport, FarPointsKeepTheirDigits) {
   ASSERT_TRUE(import(*data));
   for (vtkIdType i = 0; i < 4; ++i) {
     const double* p = data->GetPoint(i);
-    const core::dvec3 got = corner(0, std::size_t(i));
+    const core::dvec3 got = corner(core::ItemId{0}, std::size_t(i));
     EXPECT_NEAR(got.x, p[0], 1e-8);
     EXPECT_NEAR(got.y, p[1], 1e-8);
   }
@@ -90,7 +90,7 @@ TEST_F(VtkImport, FarPointsKeepTheirDigits) {
 TEST_F(VtkImport, UpAxis) {
   const auto data = tests::vtk_square();
   ASSERT_TRUE(import(*data, {.up = UpAxis::kY}));
-  EXPECT_EQ(corner(0, 2), core::dvec3(2, 0, 2));
+  EXPECT_EQ(corner(core::ItemId{0}, 2), core::dvec3(2, 0, 2));
 }
 
 TEST_F(VtkImport, SurfaceOfGridsFacesOutward) {
@@ -99,8 +99,8 @@ TEST_F(VtkImport, SurfaceOfGridsFacesOutward) {
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(scene_.item_count(), 1u);
   // Two hexahedra that share a face, a tetrahedron and a polyhedron: 10 squares, 4 triangles, 5 faces of a pyramid.
-  EXPECT_EQ(mesh(0).indices.size(), 3u * (20 + 4 + 6));
-  EXPECT_EQ(core::enclosure(mesh(0)), core::Enclosure::kInside);
+  EXPECT_EQ(mesh(core::ItemId{0}).indices.size(), 3u * (20 + 4 + 6));
+  EXPECT_EQ(core::enclosure(mesh(core::ItemId{0})), core::Enclosure::kInside);
   EXPECT_TRUE(scene_.commit());
 }
 
@@ -126,7 +126,7 @@ TEST_F(VtkImport, FacesStandInTheOrderOfTheirCellsHoweverManyThreadsFindThem) {
   for (int run = 0; run < 50; ++run) {
     ASSERT_TRUE(import(*grid));
     ASSERT_EQ(scene_.item_count(), 2u);
-    for (const core::ItemId item : {0u, 1u}) {
+    for (const core::ItemId item : {core::ItemId{0}, core::ItemId{1}}) {
       const bool red = scene_.material(scene_.item_material(item)).colour.x > 0.5f;
       const core::Mesh& faces = mesh(item);
       ASSERT_EQ(faces.indices.size(), std::size_t(kCells / 2 * 6 * 2 * 3));
@@ -142,7 +142,7 @@ TEST_F(VtkImport, ImagesShowTheirHull) {
   vtkNew<vtkImageData> image;
   image->SetDimensions(3, 3, 3);
   ASSERT_TRUE(import(*image));
-  EXPECT_EQ(mesh(0).indices.size(), 3u * 2 * 24);
+  EXPECT_EQ(mesh(core::ItemId{0}).indices.size(), 3u * 2 * 24);
 }
 
 TEST_F(VtkImport, ColoursOfCellsAndPoints) {
@@ -159,11 +159,11 @@ TEST_F(VtkImport, ColoursOfCellsAndPoints) {
   data->GetCellData()->AddArray(cells);
   ASSERT_TRUE(import(*data));
   ASSERT_EQ(scene_.item_count(), 2u);
-  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, core::vec3(1, 0, 0));
-  EXPECT_EQ(scene_.material(scene_.item_material(1)).colour, core::vec3(0, 0, 1));
-  EXPECT_NEAR(scene_.material(scene_.item_material(1)).alpha, 0.2, 1e-6);
-  EXPECT_EQ(mesh(0).positions.size(), 3u);
-  EXPECT_EQ(corner(1, 1), core::dvec3(2, 2, 0));
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{0})).colour, core::vec3(1, 0, 0));
+  EXPECT_EQ(scene_.material(scene_.item_material(core::ItemId{1})).colour, core::vec3(0, 0, 1));
+  EXPECT_NEAR(scene_.material(scene_.item_material(core::ItemId{1})).alpha, 0.2, 1e-6);
+  EXPECT_EQ(mesh(core::ItemId{0}).positions.size(), 3u);
+  EXPECT_EQ(corner(core::ItemId{1}, 1), core::dvec3(2, 2, 0));
 
   data->GetCellData()->Initialize();
   points->SetNumberOfComponents(3);
@@ -171,9 +171,9 @@ TEST_F(VtkImport, ColoursOfCellsAndPoints) {
   data->GetPointData()->SetScalars(points);
   ASSERT_TRUE(import(*data));
   ASSERT_EQ(scene_.item_count(), 2u);  // two of three corners are red, and one of three
-  for (core::ItemId item = 0; item < 2; ++item) {
+  for (core::ItemId item{0}; to_index(item) < 2; ++item) {
     const core::vec3 mean = scene_.material(scene_.item_material(item)).colour;
-    EXPECT_NEAR(mean.x, core::srgb_from_linear(item == 0 ? 2.0 / 3.0 : 1.0 / 3.0), 0.003);
+    EXPECT_NEAR(mean.x, core::srgb_from_linear(to_index(item) == 0 ? 2.0 / 3.0 : 1.0 / 3.0), 0.003);
     EXPECT_NEAR(mean.y, 0.2, 0.003);
   }
 }
@@ -217,10 +217,10 @@ TEST_F(VtkImport, BlocksAreNodesAndShareMeshes) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(scene_.item_count(), 4u);
   EXPECT_EQ(report->shared_meshes, 2u);
-  EXPECT_EQ(scene_.path(scene_.node_of(0)), "model/inner/first");
-  EXPECT_EQ(scene_.attributes(scene_.node_of(0)), (core::Scene::Attributes{{"maker", "us"}}));
-  EXPECT_EQ(scene_.mesh_of(0), scene_.mesh_of(1));
-  EXPECT_EQ(scene_.node_of(2), scene_.node_of(3));
+  EXPECT_EQ(scene_.path(scene_.node_of(core::ItemId{0})), "model/inner/first");
+  EXPECT_EQ(scene_.attributes(scene_.node_of(core::ItemId{0})), (core::Scene::Attributes{{"maker", "us"}}));
+  EXPECT_EQ(scene_.mesh_of(core::ItemId{0}), scene_.mesh_of(core::ItemId{1}));
+  EXPECT_EQ(scene_.node_of(core::ItemId{2}), scene_.node_of(core::ItemId{3}));
   EXPECT_EQ(square->GetReferenceCount(), 4);
 }
 
@@ -271,7 +271,7 @@ TEST_F(VtkImport, DamagedCellsNeverReachVtk) {
     EXPECT_EQ(scene_.node_count(), 1u);
     const auto lenient = import(*bad, {.lenient = true});
     ASSERT_TRUE(lenient) << lenient.error().message;
-    EXPECT_EQ(mesh(0).indices.size(), 3u * (20 + 4 + 6));
+    EXPECT_EQ(mesh(core::ItemId{0}).indices.size(), 3u * (20 + 4 + 6));
   }
 }
 

@@ -73,10 +73,10 @@ TEST(VtkReader, CountsCoordinatesAndAttributesAreVtks) {
     scene = core::Scene();
     const auto report = read(bytes, name, scene, {.metres_per_unit = 0.5});
     ASSERT_TRUE(report);
-    const core::Mesh& mesh = scene.mesh(scene.mesh_of(0));
+    const core::Mesh& mesh = scene.mesh(scene.mesh_of(core::ItemId{0}));
     const bool grid = name.starts_with("grid");
     EXPECT_EQ(mesh.indices.size(), 3u * (grid ? 30 : 12));
-    const core::Affine world = scene.world_from_node(scene.node_of(0)) * scene.placement(0);
+    const core::Affine world = scene.world_from_node(scene.node_of(core::ItemId{0})) * scene.placement(core::ItemId{0});
     core::AabbD box;
     for (const core::vec3& p : mesh.positions) box.grow(core::transform_point(world, core::dvec3(p)));
     const double at = 0.5 * tests::kVtkFarAway;
@@ -86,7 +86,7 @@ TEST(VtkReader, CountsCoordinatesAndAttributesAreVtks) {
     ASSERT_EQ(attributes.size(), 2u);
     EXPECT_EQ(attributes[0], (std::pair<std::string, std::string>{"made by[0]", "us, 100%"}));
     EXPECT_EQ(mesh.normals.size(), mesh.positions.size());
-    const core::Material& material = scene.material(scene.item_material(0));
+    const core::Material& material = scene.material(scene.item_material(core::ItemId{0}));
     EXPECT_NEAR(material.colour.x, 1.0, 0.01);
     EXPECT_NEAR(material.colour.y, 0.2, 0.01);
   }
@@ -137,7 +137,7 @@ TEST_F(VtkIndex, TwoLevelsByVtksWriter) {
   core::Scene twin;
   ASSERT_TRUE(import_vtk(*top, "made.vtm", twin, twin.root()));
   EXPECT_EQ(tests::scene_difference(scene_, scene_.root(), twin, twin.root()), "");
-  EXPECT_EQ(scene_.path(scene_.node_of(0)), "made.vtm/inner/cube <1>");
+  EXPECT_EQ(scene_.path(scene_.node_of(core::ItemId{0})), "made.vtm/inner/cube <1>");
   EXPECT_EQ(scene_.item_count(), 3u);
 }
 
@@ -147,7 +147,7 @@ TEST_F(VtkIndex, AFileOfSeveralBlocksIsReadOnce) {
       import(index(R"(<DataSet name="a" file="cube.vtp"/><Block name="b"><DataSet file="cube.vtp"/></Block>)"));
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(scene_.item_count(), 2u);
-  EXPECT_EQ(scene_.mesh_of(0), scene_.mesh_of(1));
+  EXPECT_EQ(scene_.mesh_of(core::ItemId{0}), scene_.mesh_of(core::ItemId{1}));
   EXPECT_EQ(report->shared_meshes, 1u);
 }
 

@@ -371,7 +371,7 @@ TEST(Tracer, FollowsEdits) {
     for (int round = 0; round < 12; ++round) {
       SCOPED_TRACE(testing::Message() << "round " << round);
       Scene& scene = world->scene;
-      for (core::ItemId item = 0; item < scene.item_slots(); ++item) {
+      for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item) {
         if (!scene.contains_item(item) || !chance(random, 0.1)) continue;
         Affine placed = scene.placement(item);
         switch (whole(random, 0, 4)) {

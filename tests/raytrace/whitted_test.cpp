@@ -73,7 +73,7 @@ TEST(Whitted, ShadesAsTheRenderer) {
   const WhittedPicture picture = plates.render({});
   EXPECT_EQ(rgb(picture, 1, 1), rgb(lit_from_above(kRed)));
   EXPECT_EQ(rgb(picture, 6, 1), rgb(WhittedOptions().background));
-  EXPECT_EQ(picture.ids[1], red + 1);
+  EXPECT_EQ(picture.ids[1], to_index(red) + 1);
   EXPECT_EQ(picture.ids[6], 0u);
   EXPECT_FLOAT_EQ(picture.depths[1], 9.5f);
   EXPECT_TRUE(std::isinf(picture.depths[6]));
@@ -126,7 +126,7 @@ TEST(Whitted, ShowsWhatIsBehindTransparentItems) {
   const vec3 behind = glm::mix(lit_from_above(kRed), lit_from_above(kBlue), 0.25f);
   const vec3 expected = glm::mix(behind, lit_from_above(kBlue), 0.25f);
   EXPECT_EQ(rgb(picture, 1, 1), rgb(expected));
-  EXPECT_EQ(picture.ids[1], pane + 1);
+  EXPECT_EQ(picture.ids[1], to_index(pane) + 1);
 }
 
 TEST(Whitted, Reflects) {

@@ -30,7 +30,7 @@ dvec3 meeting(const PixelRay& ray, const core::Plane& plane) {
 double cover(const View& view, const core::Plane& plane, core::ItemId item, int x, int y, const Hatching& hatching) {
   const dvec3 n = glm::normalize(plane.normal), level = glm::cross(dvec3(0, 0, 1), n);
   const dvec3 along = glm::length(level) > 0.0 ? glm::normalize(level) : dvec3(1, 0, 0), up = glm::cross(n, along);
-  const auto kind = int((item * 0x9e3779b1u >> 16) * 6u >> 16);
+  const auto kind = int((to_index(item) * 0x9e3779b1u >> 16) * 6u >> 16);
   const dvec3 across = kind / 3 == 0 ? up + along : up - along;
   const auto place = [&](double px, double py) {
     return glm::dot(across, meeting(pixel_ray(view, kWidth, kHeight, px, py), plane));
@@ -95,7 +95,7 @@ class HatchingTest : public GlTest {
         const std::size_t pixel = std::size_t(y * kWidth + x);
         const PixelSights around = look_around(shapes, view, kWidth, kHeight, x, y);
         if (!around.clear() || around.centre().items.size() > 1) continue;  // where items overlap, either may show
-        if (around.hits > 0 && ids.ids[pixel] != around.centre().items[0] + 1) ++wrong;
+        if (around.hits > 0 && ids.ids[pixel] != to_index(around.centre().items[0]) + 1) ++wrong;
         const PixelRay ray = pixel_ray(view, kWidth, kHeight, x, y);
         double share = 0.0;
         if (around.hits > 0 && around.centre().cut) {
@@ -104,7 +104,7 @@ class HatchingTest : public GlTest {
               view.sections.begin(), view.sections.end(), [&](const core::Plane& a, const core::Plane& b) {
                 return std::abs(core::evaluate(a, point)) < std::abs(core::evaluate(b, point));
               });
-          share = hatching.strength * cover(view, *plane, ids.ids[pixel] - 1, x, y, hatching);
+          share = hatching.strength * cover(view, *plane, core::ItemId{ids.ids[pixel] - 1}, x, y, hatching);
           ++counts.cut;
         }
         counts.lined += share > 0.5 * hatching.strength;

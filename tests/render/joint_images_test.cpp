@@ -178,14 +178,15 @@ class JointImages : public tests::GlTest {
     Pixel pixel;
     for (const Solid* s : near) {
       const double t = tests::first_shown(s->primitive, s->world_from_item, view, ray);
-      if (t < pixel.depth) pixel = {t, s->item + 1};
+      if (t < pixel.depth) pixel = {t, to_index(s->item) + 1};
     }
     return pixel;
   }
 
   /// True when an item has a surface about there, too: which of coincident surfaces shows is arbitrary.
   bool shows(std::uint32_t id, const View& view, int x, int y, double depth, double tolerance) const {
-    const auto solid = std::find_if(solids_.begin(), solids_.end(), [&](const Solid& s) { return s.item + 1 == id; });
+    const auto solid =
+        std::find_if(solids_.begin(), solids_.end(), [&](const Solid& s) { return to_index(s.item) + 1 == id; });
     if (solid == solids_.end()) return false;
     for (int k = 0; k < 9; ++k)
       if (std::abs(reference(view, {&*solid}, x + k % 3 - 1, y + k / 3 - 1).depth - depth) <= tolerance) return true;
@@ -231,7 +232,7 @@ class JointImages : public tests::GlTest {
             most = std::max(most, expected[e].depth);
             around.insert(expected[e].id);
           }
-          other = other || (ids.ids[i] != 0 && others_.contains(ids.ids[i] - 1));
+          other = other || (ids.ids[i] != 0 && others_.contains(core::ItemId{ids.ids[i] - 1}));
         }
         if (!std::isfinite(most) || other) continue;
         ++compared;
@@ -312,7 +313,7 @@ TEST_F(JointImages, RunsAtTheOrigin) {
   std::mt19937 random{1};
   EXPECT_GE(places_.size(), 18u);
   for (const Place& p : places_) {
-    SCOPED_TRACE("item " + std::to_string(p.item));
+    SCOPED_TRACE("item " + std::to_string(to_index(p.item)));
     check_place(p, random);
   }
   EXPECT_GT(total_, 100000u);
@@ -325,7 +326,7 @@ TEST_F(JointImages, RunsFarFromTheOrigin) {
   std::mt19937 random{2};
   EXPECT_GE(places_.size(), 16u);
   for (const Place& p : places_) {
-    SCOPED_TRACE("item " + std::to_string(p.item));
+    SCOPED_TRACE("item " + std::to_string(to_index(p.item)));
     check_place(p, random);
   }
 }
@@ -379,7 +380,7 @@ TEST_P(JointImagesOfModels, AtEveryFewJoints) {
   std::mt19937 random{4};
   const std::size_t step = 1 + places_.size() / 24, last = std::size_t(tests::repeated(24)) * step;
   for (std::size_t i = 0; i < std::min(places_.size(), last); i += step) {
-    SCOPED_TRACE("item " + std::to_string(places_[i].item));
+    SCOPED_TRACE("item " + std::to_string(to_index(places_[i].item)));
     check_place(places_[i], random);
   }
   EXPECT_GT(total_, std::size_t(tests::repeated(100'000)));

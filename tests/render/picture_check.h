@@ -56,8 +56,8 @@ class Camera {
   Picture draw(const core::View& view, std::span<const Shape> shapes) {
     core::VisibleSet visible;
     visible.generation = snapshot_->generation();
-    for (const Shape& shape : shapes) visible.items.push_back(snapshot_->slot(shape.item));
-    std::sort(visible.items.begin(), visible.items.end());
+    for (const Shape& shape : shapes) visible.slots.push_back(snapshot_->slot(shape.item));
+    std::sort(visible.slots.begin(), visible.slots.end());
     EXPECT_TRUE(lists_->update(*snapshot_, *gpu_, visible));
     EXPECT_TRUE(renderer_->draw(view, *snapshot_, *gpu_, *lists_, *target_));
     return {view, target_->read_colour(), target_->read_depth(view), target_->read_ids(), target_->read_normals()};
@@ -129,7 +129,8 @@ inline std::string complaint(const Picture& picture, std::size_t pixel, const Pi
   if (hit != (id != 0) || (with_normals && hit != (normal != dvec3(0.0))))
     return "depth, id and normal disagree on whether there is something";
   if (!hit) {
-    if (around.hits == 5) text << "nothing, not item " << around.centre().items[0] << " at " << around.centre().depth;
+    if (around.hits == 5)
+      text << "nothing, not item " << to_index(around.centre().items[0]) << " at " << around.centre().depth;
     return text.str();
   }
   if (around.hits == 0) {
@@ -138,16 +139,16 @@ inline std::string complaint(const Picture& picture, std::size_t pixel, const Pi
   }
   double low = std::numeric_limits<double>::infinity(), high = -low, beside = 180.0;
   bool known = false;
-  core::ItemId expected = 0;
+  core::ItemId expected{0};
   for (const Sight& sight : around.sights) {
     if (!sight.hit()) continue;
     low = std::min(low, sight.depth);
     high = std::max(high, sight.depth);
     beside = std::min(beside, degrees_between(normal, sight.normal));
     expected = sight.items.front();
-    known = known || std::count(sight.items.begin(), sight.items.end(), id - 1) > 0;
+    known = known || std::count(sight.items.begin(), sight.items.end(), core::ItemId{id - 1}) > 0;
   }
-  if (!known) text << "item " << id - 1 << ", not " << expected << "; ";
+  if (!known) text << "item " << id - 1 << ", not " << to_index(expected) << "; ";
   const double slack = tolerance.depth * std::max(1.0, std::abs(depth)) + (around.smooth ? 0.0 : high - low);
   if (around.hits == 5 && (depth < low - slack || depth > high + slack))
     text << "depth " << depth << ", not " << low << " to " << high << "; ";

@@ -80,7 +80,7 @@ struct Sight {
 
 /// An item and its shape, a primitive or a mesh.
 struct Shape {
-  core::ItemId item = 0;
+  core::ItemId item{0};
   core::Affine world_from_item = {};
   core::Primitive primitive = core::Sphere{};
   const core::Mesh* mesh = nullptr;
@@ -156,7 +156,7 @@ inline Sight first_sight(std::span<const Shape> shapes, const core::View& view, 
 /// none.
 inline double first_shown(const core::Primitive& primitive, const core::Affine& world_from_item, const core::View& view,
                           const PixelRay& ray) {
-  const Shape shape{0, world_from_item, primitive, nullptr, true};
+  const Shape shape{core::ItemId{0}, world_from_item, primitive, nullptr, true};
   return first_sight({&shape, 1}, view, ray).depth;
 }
 

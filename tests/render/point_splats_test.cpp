@@ -81,7 +81,7 @@ class PointSplatsTest : public tests::GlTest {
       const core::dvec4 p =
           eye_from_clip * core::dvec4(random.uniform(-0.99, 0.99), random.uniform(-0.99, 0.99), at.z / at.w, 1.0);
       splats.push_back({glm::vec3(dvec3(p) / p.w), float(std::exp(random.uniform(std::log(0.05), std::log(9.0)))),
-                        std::uint32_t(3 * i), random.below(materials)});
+                        core::ItemId(3 * i), random.below(materials)});
     }
     return splats;
   }
@@ -122,7 +122,7 @@ class PointSplatsTest : public tests::GlTest {
       const dvec3 to_eye = view.orthographic() ? dvec3(0, 0, 1) : -glm::normalize(dvec3(s.centre));
       const dvec3 colour = s.material == 0 ? dvec3(double(0.7f)) : dvec3(snapshot_->materials()[s.material - 1]);
       squares.push_back({(0.5 + 0.5 * clip.x / clip.w) * kWidth, (0.5 + 0.5 * clip.y / clip.w) * kHeight, 0.5 * s.side,
-                         -double(s.centre.z), s.item + 1, mean_shading(colour, to_eye, up)});
+                         -double(s.centre.z), to_index(s.item) + 1, mean_shading(colour, to_eye, up)});
     }
     return squares;
   }
@@ -223,7 +223,7 @@ TEST_F(PointSplatsTest, CoverTheSamplesInside) {
 /// Half the pixels, in the pattern that the item has when it is drawn in full (shading_test.cpp).
 TEST_F(PointSplatsTest, AreTransparentAsTheirMaterial) {
   const View view = *View::orthographic({{0, -10, 0}, {0, 0, 0}, {0, 0, 1}}, 10.0, kAspect, 0.0, 20.0);
-  const PointSplat glass{{0, 0, -10}, 32.0f, 4, 3};
+  const PointSplat glass{{0, 0, -10}, 32.0f, core::ItemId{4}, 3};
   const RenderTarget target = draw(view, {.ids = true}, {&glass, 1});
   const image::IdImage ids = target.read_ids();
   EXPECT_EQ(std::count(ids.ids.begin(), ids.ids.end(), 5u), 32 * 32 / 2);
@@ -231,7 +231,7 @@ TEST_F(PointSplatsTest, AreTransparentAsTheirMaterial) {
 
 TEST_F(PointSplatsTest, DoNotHideWhatIsNearer) {
   const View view = *View::orthographic({{0, -10, 0}, {0, 0, 0}, {0, 0, 1}}, 10.0, kAspect, 0.0, 20.0);
-  const PointSplat both[] = {{{0, 0, -5}, 4.0f, 1, 0}, {{0, 0, -10}, 8.0f, 2, 0}};
+  const PointSplat both[] = {{{0, 0, -5}, 4.0f, core::ItemId{1}, 0}, {{0, 0, -10}, 8.0f, core::ItemId{2}, 0}};
   const RenderTarget target = draw(view, {.ids = true}, both);
   const image::IdImage ids = target.read_ids();
   EXPECT_EQ(std::count(ids.ids.begin(), ids.ids.end(), 2u), 4 * 4);

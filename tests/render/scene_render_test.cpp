@@ -132,7 +132,7 @@ TEST_F(SceneRender, CullingChangesNoPixel) {
     // Nothing that shows may be culled.
     for (const std::uint32_t id : a.ids.ids) {
       if (id == 0) continue;
-      ASSERT_TRUE(std::binary_search(b.visible.begin(), b.visible.end(), id - 1));
+      ASSERT_TRUE(std::binary_search(b.visible.begin(), b.visible.end(), core::ItemId{id - 1}));
     }
   }
 }
@@ -160,9 +160,10 @@ TEST_F(SceneRender, TheGpuCullerChangesNoPixel) {
     }
   };
   check();
-  for (core::ItemId item = 0; item < 3000; item += 7) scene.set_visible(item, false);
-  for (core::ItemId item = 1; item < 3000; item += 40)
-    scene.set_placement(item, core::translation({item / 80.0 - 18.0, 3, 9}));
+  for (core::ItemId item{0}; to_index(item) < 3000; item = core::ItemId{to_index(item) + 7})
+    scene.set_visible(item, false);
+  for (core::ItemId item{1}; to_index(item) < 3000; item = core::ItemId{to_index(item) + 40})
+    scene.set_placement(item, core::translation({to_index(item) / 80.0 - 18.0, 3, 9}));
   ASSERT_TRUE(gpu.commit());
   check();
   ASSERT_TRUE(gpu.rebuild());
@@ -266,13 +267,14 @@ TEST_F(SceneRender, EditsShowAsIfBuiltAnew) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({1500, 6}, scene));
   engine::Engine edited = make(scene, config());
-  for (core::ItemId item = 0; item < 1500; item += 7) scene.set_visible(item, false);
-  for (core::ItemId item = 1; item < 1500; item += 11) {
+  for (core::ItemId item{0}; to_index(item) < 1500; item = core::ItemId{to_index(item) + 7})
+    scene.set_visible(item, false);
+  for (core::ItemId item{1}; to_index(item) < 1500; item = core::ItemId{to_index(item) + 11}) {
     Affine placement = scene.placement(item);
     placement.origin.z += 3.0;
     scene.set_placement(item, placement);
   }
-  for (core::ItemId item = 2; item < 1500; item += 13) scene.remove_item(item);
+  for (core::ItemId item{2}; to_index(item) < 1500; item = core::ItemId{to_index(item) + 13}) scene.remove_item(item);
   ASSERT_TRUE(edited.commit());
   scene.add_primitive(scene.root(), core::Cylinder{2, 4}, core::translation({0, 0, 12}));
   scene.add_primitive(scene.root(), core::Sphere{3}, core::translation({5, 0, 12}));
@@ -291,9 +293,9 @@ TEST_F(SceneRender, AppendedSlotsShowAsIfBuiltAnew) {
   engine::Engine edited = make(scene, no_rebuild);
   for (int round = 0; round < 12; ++round) {
     SCOPED_TRACE(round);
-    for (core::ItemId item = core::ItemId(round); item < 1500; item += 40) {
+    for (core::ItemId item = core::ItemId(round); to_index(item) < 1500; item = core::ItemId{to_index(item) + 40}) {
       Affine placement = scene.placement(item);
-      placement.origin = {item % 30 - 15.0, round - 6.0, item % 11};
+      placement.origin = {to_index(item) % 30 - 15.0, round - 6.0, to_index(item) % 11};
       scene.set_placement(item, placement);
     }
     for (int i = 0; i < 10; ++i) scene.add_mesh_instance(scene.root(), mesh, core::translation({i - 5, round - 6, 14}));
@@ -378,18 +380,21 @@ TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
     const image::IdImage image = engine.drawing()->target().read_ids();
     return std::set<std::uint32_t>(image.ids.begin(), image.ids.end());
   };
-  for (core::ItemId item = 0; item < scene.item_slots(); item += 2) scene.set_visible(item, false);
-  for (core::ItemId item = 1; item < scene.item_slots(); item += 6) scene.remove_item(item);
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); item = core::ItemId{to_index(item) + 2})
+    scene.set_visible(item, false);
+  for (core::ItemId item{1}; to_index(item) < scene.item_slots(); item = core::ItemId{to_index(item) + 6})
+    scene.remove_item(item);
   ASSERT_TRUE(engine.commit());
   for (const View& view : plant_views())
     for (const std::uint32_t id : ids_of_everything(view)) {
       if (id != 0) {
-        ASSERT_TRUE(scene.contains_item(id - 1) && scene.item_visible(id - 1)) << "item " << id - 1;
+        ASSERT_TRUE(scene.contains_item(core::ItemId{id - 1}) && scene.item_visible(core::ItemId{id - 1}))
+            << "item " << id - 1;
       }
     }
   ASSERT_TRUE(engine.rebuild());
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
-    if (scene.contains_item(item)) scene.set_visible(item, item % 2 == 0);
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
+    if (scene.contains_item(item)) scene.set_visible(item, to_index(item) % 2 == 0);
   ASSERT_TRUE(engine.commit());
   std::size_t seen = 0;
   for (const View& view : plant_views())

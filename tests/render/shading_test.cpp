@@ -104,7 +104,7 @@ class Shading : public GlTest {
                        const dvec3& background) const {
     Range range;
     for (const Sight& sight : around.sights)
-      range.add(sight.hit() ? shade(colours_[sight.items.front()], sight.normal, to_eye, view) : background);
+      range.add(sight.hit() ? shade(colours_[to_index(sight.items.front())], sight.normal, to_eye, view) : background);
     return range;
   }
 
@@ -145,8 +145,8 @@ TEST_F(Shading, IsThatOfTheTwin) {
       Range range;
       if (seen[pixel].clear()) {  // elsewhere between what is near
         const Sight& sight = seen[pixel].centre();
-        range.add(sight.hit() ? shade(colours_[sight.items[0]], sight.normal, to_eye, view) : background);
-        if (sight.hit()) ++shown[sight.items[0]];
+        range.add(sight.hit() ? shade(colours_[to_index(sight.items[0])], sight.normal, to_eye, view) : background);
+        if (sight.hit()) ++shown[to_index(sight.items[0])];
       } else {
         range = colours_around(seen[pixel], view, to_eye, background);
       }
@@ -198,7 +198,8 @@ TEST_F(Shading, ShowsTransparentItemsInTheirPatternOfPixels) {
   for (const bool cut : {false, true}) {
     if (cut) view.sections = {{{0, 1, 0}, 1.0}};
     for (const Pane& pane : panes) {
-      SCOPED_TRACE(testing::Message() << "item " << pane.item << ", alpha " << pane.alpha << (cut ? ", cut" : ""));
+      SCOPED_TRACE(testing::Message() << "item " << to_index(pane.item) << ", alpha " << pane.alpha
+                                      << (cut ? ", cut" : ""));
       std::vector<Shape> both(2);
       both[0].item = pane.item;
       both[1].item = wall;
@@ -206,7 +207,8 @@ TEST_F(Shading, ShowsTransparentItemsInTheirPatternOfPixels) {
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
           const core::ItemId expected = shown(pane.alpha, pane.item, x, kHeight - 1 - y) ? pane.item : wall;
-          ASSERT_EQ(picture.ids.ids[std::size_t(y * kWidth + x)], expected + 1) << "(" << x << ", " << y << ")";
+          ASSERT_EQ(picture.ids.ids[std::size_t(y * kWidth + x)], to_index(expected) + 1)
+              << "(" << x << ", " << y << ")";
         }
     }
   }
@@ -254,7 +256,7 @@ TEST_F(Shading, OfLinesIsThatOfWhatFacesTheViewer) {
         for (int x = 0; x < kWidth; ++x) {
           const std::size_t pixel = std::size_t(y * kWidth + x);
           if (picture.ids.ids[pixel] == 0) continue;
-          ASSERT_EQ(picture.ids.ids[pixel], lines[i].item + 1);
+          ASSERT_EQ(picture.ids.ids[pixel], to_index(lines[i].item) + 1);
           const core::dvec2 p(x, y);
           ++steps[std::size_t(p[major])];
           double low = kinds[i].from, high = kinds[i].to;  // of the line's point nearest to the pixel
@@ -311,7 +313,7 @@ TEST_F(Shading, OfSamplesIsTheirMean) {
           surely += around.hits == 5;
           perhaps += around.hits > 0;
           for (const Sight& sight : around.sights)
-            if (sight.hit()) range.add(shade(colours_[shape.item], sight.normal, to_eye, view));
+            if (sight.hit()) range.add(shade(colours_[to_index(shape.item)], sight.normal, to_eye, view));
         }
         Range means;
         for (int covered = surely; covered <= perhaps; ++covered)

@@ -180,7 +180,7 @@ TEST(ChangeList, CopiesWhatIsRemovedAndTakesItAway) {
     }
     EXPECT_EQ(changes->row_count(), row + found.nodes.size());
     const Looks looks = changes->looks();
-    for (ItemId item = 0; item < scene.item_slots(); ++item) {
+    for (ItemId item{0}; to_index(item) < scene.item_slots(); ++item) {
       ASSERT_NE(changes->of(item), nullptr);
       const State state = changes->of(item)->state;
       ASSERT_NE(looks.of(item), nullptr);
@@ -246,7 +246,7 @@ TEST(ChangeList, TellsWhatDiffers) {
   ASSERT_EQ(changes->row_count(), 1u);
   EXPECT_EQ(changes->what(0), "changed: shape, attributes; moved by 1.500 m");
   EXPECT_EQ(changes->name(*open.scene, 0), "valve  box");
-  const auto facts = changes->differing_facts(*open.scene, 0);
+  const auto facts = changes->differing_facts(*open.scene, ItemId{0});
   ASSERT_EQ(facts.size(), 4u);
   EXPECT_EQ(facts[0], (FactChange{"size x", "1 m", "2 m"}));
   EXPECT_EQ(facts[1].name, "from");
@@ -323,7 +323,7 @@ class ComparingSession : public ::testing::Test {
   /// Rays find what is neither hidden nor faint.
   void expect_picks() {
     const Document& document = session->document();
-    for (ItemId item = 0; item < session->scene().item_slots(); ++item) {
+    for (ItemId item{0}; to_index(item) < session->scene().item_slots(); ++item) {
       if (!session->scene().contains_item(item)) continue;
       bool seen = !document.is(item, Document::kHidden), ghost = document.is(item, Document::kGhost);
       if (const ChangeList* changes = session->changes()) {
@@ -331,20 +331,20 @@ class ComparingSession : public ::testing::Test {
         seen &= changes->shown(state);
         ghost |= state == State::kUnchanged;
       }
-      ASSERT_EQ(document.shown(item), seen) << item;
-      ASSERT_EQ(found(item), seen && (!ghost || document.is(item, Document::kSelected))) << item;
+      ASSERT_EQ(document.shown(item), seen) << to_index(item);
+      ASSERT_EQ(found(item), seen && (!ghost || document.is(item, Document::kSelected))) << to_index(item);
     }
   }
   std::vector<int> flags() const {
     std::vector<int> all;
-    for (ItemId item = 0; item < originals; ++item)
+    for (ItemId item{0}; item < originals; ++item)
       for (const auto flag : {Document::kSelected, Document::kHidden, Document::kGhost})
         all.push_back(session->document().is(item, flag) ? 1 : 0);
     return all;
   }
   void random_step(Random& random) {
     std::vector<ItemId> some;
-    for (ItemId item = 0; item < session->scene().item_slots(); ++item)
+    for (ItemId item{0}; to_index(item) < session->scene().item_slots(); ++item)
       if (random() % 4 == 0 && session->scene().contains_item(item)) some.push_back(item);
     Document& document = session->document();
     switch (random() % 8) {
@@ -378,7 +378,7 @@ class ComparingSession : public ::testing::Test {
   }
 
   std::unique_ptr<Session> session;
-  ItemId originals = 0;
+  ItemId originals{0};
 };
 
 TEST_F(ComparingSession, ShowsWhatChangedAndGoesThere) {
@@ -388,7 +388,7 @@ TEST_F(ComparingSession, ShowsWhatChangedAndGoesThere) {
   EXPECT_EQ(changes.found().count(State::kAdded), 10u);
   EXPECT_GT(changes.found().count(State::kMoved), 5u);
   EXPECT_GT(changes.found().count(State::kChanged), 4u);
-  EXPECT_EQ(session->scene().item_count(), originals + 12u);
+  EXPECT_EQ(session->scene().item_count(), to_index(originals) + 12u);
   EXPECT_GT(session->bounds().bounds.max.y, 49.0) << "the whole has a removed part there";
   expect_picks();
   for (std::size_t row = 0; row < changes.row_count(); ++row) {
@@ -403,11 +403,11 @@ TEST_F(ComparingSession, ShowsWhatChangedAndGoesThere) {
   EXPECT_EQ(session->tree().match_count(), 11u) << "three of them removed";
   ASSERT_TRUE(session->end_comparison());
   EXPECT_EQ(session->tree().match_count(), 8u);
-  EXPECT_EQ(session->scene().item_count(), originals);
+  EXPECT_EQ(session->scene().item_count(), to_index(originals));
   EXPECT_LT(session->bounds().bounds.max.y, 5.0);
   EXPECT_TRUE(session->document().selection().empty()) << "the last row was of a removed item";
   expect_picks();
-  EXPECT_EQ(session->document().items_below(session->scene().root()).size(), originals);
+  EXPECT_EQ(session->document().items_below(session->scene().root()).size(), to_index(originals));
 }
 
 /// Undo goes through the whole of a comparison, but for what only its removed items knew of.
@@ -438,11 +438,11 @@ TEST_F(ComparingSession, UndoGoesThroughIt) {
       const auto during = flags();
       ASSERT_TRUE(session->end_comparison());
       EXPECT_EQ(flags(), during);
-      EXPECT_EQ(session->scene().item_count(), originals);
+      EXPECT_EQ(session->scene().item_count(), to_index(originals));
       expect_picks();
     }
     std::size_t hidden = 0, selected = 0;
-    for (ItemId item = 0; item < originals; ++item) {
+    for (ItemId item{0}; item < originals; ++item) {
       hidden += session->document().is(item, Document::kHidden);
       selected += session->document().is(item, Document::kSelected);
     }

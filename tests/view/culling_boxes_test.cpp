@@ -233,7 +233,7 @@ TEST_F(CullingBoxesTest, AFrozenCameraFollowsSectionsAndWhatIsShown) {
   EXPECT_TRUE(is_new());
   EXPECT_GT(outside(), before + 3000);
   EXPECT_EQ(camera.view().sections.size(), 1u);
-  const std::vector<core::ItemId> some{0, 1, 2};
+  const std::vector<core::ItemId> some{core::ItemId{0}, core::ItemId{1}, core::ItemId{2}};
   ASSERT_TRUE(engine_->hide(some));
   ASSERT_TRUE(camera.follow(*engine_, {}, 1));
   EXPECT_TRUE(is_new());

@@ -13,15 +13,15 @@ namespace {
 
 using core::ItemId;
 
-constexpr ItemId kItems = 60;
+constexpr ItemId kItems{60};
 
 class DocumentTest : public ::testing::Test {
  protected:
   /// A row of spheres, five on each node.
   void SetUp() override {
     core::NodeId node;
-    for (ItemId i = 0; i < kItems; ++i) {
-      if (i % 5 == 0) nodes.push_back(node = scene.add_node(scene.root(), "node"));
+    for (ItemId i{0}; i < kItems; ++i) {
+      if (to_index(i) % 5 == 0) nodes.push_back(node = scene.add_node(scene.root(), "node"));
       scene.add_primitive(node, core::Sphere{0.8f}, core::translation({double(i), 0.0, 0.0}));
     }
     engine = std::make_unique<engine::Engine>(*engine::Engine::create(scene));
@@ -41,16 +41,17 @@ class DocumentTest : public ::testing::Test {
 };
 
 TEST_F(DocumentTest, SelectsInThreeWays) {
-  const ItemId first[] = {3, 1}, second[] = {1, 7};
+  const ItemId first[] = {ItemId{3}, ItemId{1}}, second[] = {ItemId{1}, ItemId{7}};
   ASSERT_TRUE(document->select(first));
-  EXPECT_EQ(selection(), (std::vector<ItemId>{1, 3}));
+  EXPECT_EQ(selection(), (std::vector<ItemId>{ItemId{1}, ItemId{3}}));
   ASSERT_TRUE(document->select(second, SelectMode::kToggle));
-  EXPECT_EQ(selection(), (std::vector<ItemId>{3, 7}));
+  EXPECT_EQ(selection(), (std::vector<ItemId>{ItemId{3}, ItemId{7}}));
   ASSERT_TRUE(document->select(second, SelectMode::kAdd));
-  EXPECT_EQ(selection(), (std::vector<ItemId>{1, 3, 7}));
+  EXPECT_EQ(selection(), (std::vector<ItemId>{ItemId{1}, ItemId{3}, ItemId{7}}));
   ASSERT_TRUE(document->select(second));
-  EXPECT_EQ(selection(), (std::vector<ItemId>{1, 7}));
-  EXPECT_EQ(document->items_below(nodes[1]), (std::vector<ItemId>{5, 6, 7, 8, 9}));
+  EXPECT_EQ(selection(), (std::vector<ItemId>{ItemId{1}, ItemId{7}}));
+  EXPECT_EQ(document->items_below(nodes[1]),
+            (std::vector<ItemId>{ItemId{5}, ItemId{6}, ItemId{7}, ItemId{8}, ItemId{9}}));
   EXPECT_EQ(document->items_below(scene.root()).size(), std::size_t(kItems));
   const core::AabbD box = document->bounds(second);
   EXPECT_NEAR(box.min.x, 0.6, 1e-6);
@@ -58,28 +59,28 @@ TEST_F(DocumentTest, SelectsInThreeWays) {
 }
 
 TEST_F(DocumentTest, HiddenItemsAreNotFoundAndNotSelected) {
-  const ItemId some[] = {2, 4}, more[] = {4, 5};
+  const ItemId some[] = {ItemId{2}, ItemId{4}}, more[] = {ItemId{4}, ItemId{5}};
   ASSERT_TRUE(document->select(more) && document->hide(some));
-  EXPECT_EQ(selection(), (std::vector<ItemId>{5}));
-  EXPECT_FALSE(found(2) || found(4));
-  EXPECT_TRUE(found(3));
+  EXPECT_EQ(selection(), (std::vector<ItemId>{ItemId{5}}));
+  EXPECT_FALSE(found(ItemId{2}) || found(ItemId{4}));
+  EXPECT_TRUE(found(ItemId{3}));
   ASSERT_TRUE(document->select(some));
   EXPECT_TRUE(selection().empty());
   ASSERT_TRUE(document->isolate(more));
-  EXPECT_EQ(document->hidden(), std::size_t(kItems - 2));
-  EXPECT_TRUE(found(4) && found(5));
+  EXPECT_EQ(document->hidden(), std::size_t(to_index(kItems) - 2));
+  EXPECT_TRUE(found(ItemId{4}) && found(ItemId{5}));
   ASSERT_TRUE(document->show_all() && document->ghost_others(more));
-  EXPECT_EQ(document->ghosts(), std::size_t(kItems - 2));
-  EXPECT_TRUE(found(4) && !found(6)) << "picks go through ghosts";
+  EXPECT_EQ(document->ghosts(), std::size_t(to_index(kItems) - 2));
+  EXPECT_TRUE(found(ItemId{4}) && !found(ItemId{6})) << "picks go through ghosts";
   ASSERT_TRUE(document->show_all());
-  EXPECT_TRUE(found(6));
+  EXPECT_TRUE(found(ItemId{6}));
   EXPECT_EQ(document->hidden() + document->ghosts(), 0u);
 }
 
 TEST_F(DocumentTest, HoveringIsNoStepAndLeavesThePicture) {
   const std::uint64_t version = document->version();
-  document->hover(3);
-  EXPECT_EQ(document->hovered(), std::optional<ItemId>(3));
+  document->hover(ItemId{3});
+  EXPECT_EQ(document->hovered(), std::optional<ItemId>(ItemId{3}));
   EXPECT_EQ(document->version(), version);
   EXPECT_EQ(document->undo_steps(), 0u);
   ASSERT_TRUE(document->undo() && document->redo()) << "nothing to undo";
@@ -93,7 +94,7 @@ TEST_F(DocumentTest, UndoBringsBackEveryState) {
   constexpr Document::Flag kFlags[] = {Document::kSelected, Document::kHidden, Document::kGhost};
   const auto flags = [&] {
     std::vector<bool> all;
-    for (ItemId item = 0; item < kItems; ++item)
+    for (ItemId item{0}; item < kItems; ++item)
       for (const Document::Flag flag : kFlags) all.push_back(document->is(item, flag));
     return all;
   };
@@ -102,9 +103,9 @@ TEST_F(DocumentTest, UndoBringsBackEveryState) {
   for (int step = 0; step < 400; ++step) {
     SCOPED_TRACE(step);
     std::vector<ItemId> some;
-    for (ItemId item = 0; item < kItems; ++item)
+    for (ItemId item{0}; item < kItems; ++item)
       if (random() % 4 == 0) some.push_back(item);
-    if (random() % 3 == 0) document->hover(ItemId(random() % kItems));
+    if (random() % 3 == 0) document->hover(ItemId(random() % to_index(kItems)));
     const auto what = unsigned(random() % 9);
     if (what == 0 && now > 0) {
       ASSERT_TRUE(document->undo());
@@ -142,12 +143,12 @@ TEST_F(DocumentTest, UndoBringsBackEveryState) {
     }
     ASSERT_EQ(flags(), states[now]);
     std::size_t hidden = 0, ghosts = 0, selected = 0;
-    for (ItemId item = 0; item < kItems; ++item) {
+    for (ItemId item{0}; item < kItems; ++item) {
       hidden += document->is(item, Document::kHidden);
       ghosts += document->is(item, Document::kGhost);
       selected += document->is(item, Document::kSelected);
       const bool faint = document->is(item, Document::kGhost) && !document->is(item, Document::kSelected);
-      ASSERT_EQ(found(item), !document->is(item, Document::kHidden) && !faint) << item;
+      ASSERT_EQ(found(item), !document->is(item, Document::kHidden) && !faint) << to_index(item);
     }
     ASSERT_EQ(document->hidden(), hidden);
     ASSERT_EQ(document->ghosts(), ghosts);

@@ -22,7 +22,8 @@ void build(core::Scene& scene, std::uint64_t seed) {
 std::vector<ItemId> items_of(const core::Scene& scene) {
   std::vector<ItemId> items;
   for (const core::NodeId node : tests::nodes_of(scene))
-    for (ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item)) items.push_back(item);
+    for (ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item))
+      items.push_back(item);
   std::sort(items.begin(), items.end());
   return items;
 }

@@ -39,7 +39,7 @@ struct SlowTree {
   void list(NodeId node, std::uint32_t depth, std::vector<TreeRow>& rows) const {
     if (!member(node)) return;
     std::uint32_t items = 0;
-    for (core::ItemId i = scene.first_item(node); i != core::kNone; i = scene.next_item(i)) ++items;
+    for (core::ItemId i = scene.first_item(node); i != core::kNoItem; i = scene.next_item(i)) ++items;
     const bool children = has_children(node);
     rows.push_back({node, depth, items, children, children && expanded.contains(node), matches.contains(node)});
     if (!rows.back().expanded) return;
@@ -242,8 +242,8 @@ TEST(TreeLabel, NamesANodeOrItsFirstItem) {
   EXPECT_EQ(apps::label(scene, scene.root()), "Model");
   EXPECT_EQ(apps::label(scene, empty), "Group " + std::to_string(empty.index));
   EXPECT_EQ(apps::label(scene, named), "/PIPE-100");
-  EXPECT_EQ(apps::label(scene, pipe), "Cylinder " + std::to_string(cylinder));
-  EXPECT_EQ(apps::label(scene, elbow), "Circular torus " + std::to_string(torus));
+  EXPECT_EQ(apps::label(scene, pipe), "Cylinder " + std::to_string(to_index(cylinder)));
+  EXPECT_EQ(apps::label(scene, elbow), "Circular torus " + std::to_string(to_index(torus)));
   scene.set_name(scene.root(), "Site");
   EXPECT_EQ(apps::label(scene, scene.root()), "Site");
 }

@@ -44,7 +44,7 @@ struct Entry {
   std::uint64_t parent_path = 0;  ///< the same of the node's parent
   std::uint64_t key = 0;          ///< path with the order among equal names, and the order in the node
   core::NodeId node;
-  core::ItemId item = core::kNone;
+  core::ItemId item = core::kNoItem;
   std::uint32_t material = core::kNone;  ///< index, inherited
   std::uint32_t partner = kFree;         ///< entry of the other revision
 };

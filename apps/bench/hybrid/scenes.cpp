@@ -89,11 +89,11 @@ core::Expected<void> make_platform_scene(const Platform& platform, double scale,
   if (auto made = importers::generate_plant(config, scene); !made) return made;
   std::vector<std::uint8_t> kinds;
   const auto count = core::ItemId(scene.item_slots());
-  kinds.reserve(count);
-  for (core::ItemId item = 0; item < count; ++item) kinds.push_back(mix_of(scene.kind(item)));
+  kinds.reserve(to_index(count));
+  for (core::ItemId item{0}; item < count; ++item) kinds.push_back(mix_of(scene.kind(item)));
   mix_kinds(primitives, kinds);
-  for (core::ItemId item = 0; item < count; ++item) {
-    const auto mix = Mix(kinds[item]);
+  for (core::ItemId item{0}; item < count; ++item) {
+    const auto mix = Mix(kinds[to_index(item)]);
     if (mix == kMeshes || mix == mix_of(scene.kind(item))) continue;
     const Place place = fitting(mix, scene.bounds_under(item, Affine()));
     scene.add_primitive(scene.node_of(item), place.primitive, scene.placement(item) * place.box_from_item,

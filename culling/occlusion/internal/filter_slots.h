@@ -79,9 +79,9 @@ void for_each_slot_group(const core::VisibleSet& in, Visit&& visit) {
       for (int i = 0; i < kLanes; ++i) group.slots[i] = range.first + done + core::Slot(i);
       visit(group, true);
     }
-  for (std::size_t done = 0; done < in.items.size(); done += kLanes) {
-    group.count = count_of(in.items.size() - done);
-    std::copy_n(in.items.begin() + std::ptrdiff_t(done), group.count, group.slots);
+  for (std::size_t done = 0; done < in.slots.size(); done += kLanes) {
+    group.count = count_of(in.slots.size() - done);
+    std::copy_n(in.slots.begin() + std::ptrdiff_t(done), group.count, group.slots);
     visit(group, false);
   }
 }
@@ -120,8 +120,8 @@ class SlotCollector {
   /// Replaces the slots of `out` and begins anew.
   void finish(core::VisibleSet& out) {
     std::swap(out.ranges, ranges_);
-    out.items.resize(of_ranges_.size() + singles_.size());
-    std::merge(of_ranges_.begin(), of_ranges_.end(), singles_.begin(), singles_.end(), out.items.begin());
+    out.slots.resize(of_ranges_.size() + singles_.size());
+    std::merge(of_ranges_.begin(), of_ranges_.end(), singles_.begin(), singles_.end(), out.slots.begin());
     ranges_.clear();
     of_ranges_.clear();
     singles_.clear();
@@ -197,7 +197,7 @@ void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core:
   static_assert(64 % kLeafSize == 0);
   out.clear();
   out.generation = in.generation;
-  out.items = in.items;
+  out.slots = in.slots;
   const auto append = [&](core::Slot first, core::Slot end) {
     if (first < end) append_range(first, end, out.ranges);
   };

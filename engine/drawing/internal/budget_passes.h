@@ -48,7 +48,7 @@ class BudgetPasses {
                 culling::CullThreads* threads = nullptr);
 
   const core::VisibleSet& pass() const { return pass_; }  ///< slots in rising order
-  std::size_t drawn() const { return drawn_.items.size(); }
+  std::size_t drawn() const { return drawn_.slots.size(); }
   bool complete() const { return at_ == order_.size(); }
   /// Candidates that were not looked at, and the area of the largest of them.
   std::size_t pending() const { return order_.size() - at_; }

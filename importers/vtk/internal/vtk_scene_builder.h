@@ -24,7 +24,7 @@ class VtkSceneBuilder {
 
   /// Items begin to end - 1.
   struct Items {
-    core::ItemId begin = 0, end = 0;
+    core::ItemId begin{0}, end{0};
   };
   /// Hangs what `data` holds on `node`. Keeps data sets, to recognise them again, until the builder is destroyed or
   /// forget() is called.

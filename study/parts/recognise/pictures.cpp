@@ -3,9 +3,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/render/image/image_metrics.h"
@@ -91,8 +91,9 @@ core::Expected<PictureErrors> Pictures::errors(std::span<const core::Mesh> meshe
   for (std::size_t i = 0; i < views_.size(); ++i) {
     Picture& picture = (*pictures)[i];
     for (std::uint32_t& id : picture.ids.ids)  // the item + 1
-      if (const auto at = id > 0 ? made.item_of.find(id - 1) : made.item_of.end(); at != made.item_of.end())
-        id = at->second + 1;
+      if (const auto at = id > 0 ? made.item_of.find(core::ItemId{id - 1}) : made.item_of.end();
+          at != made.item_of.end())
+        id = to_index(at->second) + 1;
     const auto metrics = image::image_metrics(reference_[i].colour, picture.colour);
     if (!metrics) return tl::unexpected(metrics.error());
     const auto wrong = image::wrong_ids(reference_[i].ids, picture.ids);

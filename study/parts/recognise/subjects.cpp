@@ -69,7 +69,7 @@ double Original::distance_of(const dvec3& point) const {
 
 std::vector<Original> originals_of(const core::Scene& scene) {
   std::vector<core::ItemId> items;
-  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
     if (scene.contains_item(item) && int(scene.kind(item)) < core::kPrimitiveKindCount &&
         scene.kind(item) != core::Kind::kLine && !core::is_degenerate(scene.primitive(item)))
       items.push_back(item);

@@ -291,8 +291,8 @@ void expect_like_twin(const Comparison& found, const std::vector<Listed>& before
   for (std::size_t j = 0; j < after.size(); ++j) {
     const Change& change = found.items[j];
     SCOPED_TRACE("item " + std::to_string(j));
-    ASSERT_EQ(change.after, j);
-    ASSERT_EQ(change.before, partner[j] < 0 ? core::kNone : core::ItemId(partner[j]));
+    ASSERT_EQ(to_index(change.after), j);
+    ASSERT_EQ(change.before, partner[j] < 0 ? core::kNoItem : core::ItemId(partner[j]));
     if (partner[j] < 0) {
       EXPECT_EQ(change.state, State::kAdded);
       EXPECT_EQ(change.differences, 0);
@@ -305,8 +305,8 @@ void expect_like_twin(const Comparison& found, const std::vector<Listed>& before
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (taken[i]) continue;
     ASSERT_LT(at, found.items.size());
-    EXPECT_EQ(found.items[at].before, i);
-    EXPECT_EQ(found.items[at].after, core::kNone);
+    EXPECT_EQ(to_index(found.items[at].before), i);
+    EXPECT_EQ(found.items[at].after, core::kNoItem);
     EXPECT_EQ(found.items[at++].state, State::kRemoved);
   }
   EXPECT_EQ(at, found.items.size());

@@ -1,6 +1,7 @@
 // A scene of the C API, and a small plant that C++ has as well.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -14,6 +15,18 @@
 #define ASSERT_OK(call) ASSERT_EQ(call, SL_OK) << sl_last_error()
 
 namespace sightline::tests {
+
+/// Ids of the C API as those of C++, and the reverse.
+inline std::vector<core::ItemId> cpp_ids(std::span<const sl_item> items) {
+  std::vector<core::ItemId> ids;
+  for (const sl_item item : items) ids.push_back(core::ItemId{item});
+  return ids;
+}
+inline std::vector<sl_item> c_ids(std::span<const core::ItemId> items) {
+  std::vector<sl_item> ids;
+  for (const core::ItemId item : items) ids.push_back(to_index(item));
+  return ids;
+}
 
 struct Matrix {
   double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};

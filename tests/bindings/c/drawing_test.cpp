@@ -227,11 +227,11 @@ TEST_F(CapiDrawing, OverridesLookAsInCpp) {
   style.colour[0] = 1;
   style.alpha = 0.5f;
   ASSERT_OK(sl_engine_set_override(engine, items.data(), items.size(), &style));
-  ASSERT_TRUE(twin.set_override(items, {.colour = core::vec3(1, 0, 0), .alpha = 0.5f}));
+  ASSERT_TRUE(twin.set_override(cpp_ids(items), {.colour = core::vec3(1, 0, 0), .alpha = 0.5f}));
   draw_both();
   EXPECT_NE(twin.read_colour()->pixels, plain);
   ASSERT_OK(sl_engine_clear_override(engine, items.data(), 10));
-  ASSERT_TRUE(twin.clear_override(std::span(items).first(10)));
+  ASSERT_TRUE(twin.clear_override(cpp_ids(std::span(items).first(10))));
   draw_both();
   ASSERT_OK(sl_engine_clear_override(engine, nullptr, 0));
   ASSERT_TRUE(twin.clear_overrides());
@@ -292,7 +292,7 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
     ASSERT_TRUE(twin) << twin.error().message;
     const sl_engine engine = make_engine(with);
     const auto found = picture(engine);
-    ASSERT_TRUE(twin->set_override(every_third, {.alpha = 0.5f, .outline = true}) && twin->frame(cut.cpp));
+    ASSERT_TRUE(twin->set_override(cpp_ids(every_third), {.alpha = 0.5f, .outline = true}) && twin->frame(cut.cpp));
     EXPECT_EQ(found, twin->read_colour()->pixels);
     EXPECT_NE(found, plain);
     EXPECT_OK(sl_engine_destroy(engine));
@@ -322,7 +322,7 @@ TEST_F(CapiDrawing, OutlinesAreDrawnOverAFramebuffer) {
   const auto before = mine.pixels();
   const std::vector<sl_item> items = {0, 7, 43}, unknown = {100'000};
   ASSERT_OK(sl_engine_draw_outline(engine, &view.c, items.data(), items.size(), &target));
-  ASSERT_TRUE(twin.draw_outline(view.cpp, items, same));
+  ASSERT_TRUE(twin.draw_outline(view.cpp, cpp_ids(items), same));
   EXPECT_EQ(mine.pixels(), of_twin.pixels());
   EXPECT_NE(mine.pixels(), before) << "there is a line";
   EXPECT_EQ(sl_engine_draw_outline(engine, &view.c, unknown.data(), 1, &target), SL_ERROR_FAILED);

@@ -65,7 +65,7 @@ class CapiEngine : public ::testing::Test {
     ASSERT_EQ(count, std::size_t(report.visible));
     items.resize(count);
     std::sort(items.begin(), items.end());
-    EXPECT_EQ(items, visible_in_cpp());
+    EXPECT_EQ(items, c_ids(visible_in_cpp()));
   }
 
   CScene c;
@@ -86,11 +86,11 @@ TEST_F(CapiEngine, ShowsEditsAfterCommit) {
   compare_frame(view);
   for (sl_item item = 0; item < 500; item += 3) {
     ASSERT_OK(sl_item_set_placement(c.scene, item, translation(0, 1000, item).m));
-    scene.set_placement(item, core::translation({0, 1000, item}));
+    scene.set_placement(core::ItemId(item), core::translation({0, 1000, item}));
   }
   for (sl_item item = 1; item < 500; item += 3) {
     ASSERT_OK(sl_item_remove(c.scene, item));
-    scene.remove_item(item);
+    scene.remove_item(core::ItemId(item));
   }
   compare_frame(view);
   ASSERT_OK(sl_engine_commit(engine));
@@ -166,14 +166,14 @@ TEST_F(CapiEngine, RegionsAreThoseOfCpp) {
     items.resize(kGrid * kGrid * kGrid);
     ASSERT_OK(sl_engine_items_in(engine, &view.c, rectangle, rule, items.data(), items.size(), &count));
     items.resize(count);
-    EXPECT_EQ(items, *twin->items_in(view.cpp, {100, 50, 220, 160}, culling::RegionRule(rule)));
+    EXPECT_EQ(items, c_ids(*twin->items_in(view.cpp, {100, 50, 220, 160}, culling::RegionRule(rule))));
     EXPECT_GT(count, 10u);
     items.resize(kGrid * kGrid * kGrid);
     const sl_plane planes[2] = {{{1, 0, 0}, -3}, {{0, -1, 0.5}, 6}};
     ASSERT_OK(
         sl_engine_items_in_planes(engine, planes, 2, rule, SL_DEFAULT_LAYERS, items.data(), items.size(), &count));
     items.resize(count);
-    EXPECT_EQ(items, *twin->items_in({{{1, 0, 0}, -3}, {{0, -1, 0.5}, 6}}, culling::RegionRule(rule)));
+    EXPECT_EQ(items, c_ids(*twin->items_in({{{1, 0, 0}, -3}, {{0, -1, 0.5}, 6}}, culling::RegionRule(rule))));
     EXPECT_GT(count, 10u);
   }
   EXPECT_EQ(sl_engine_items_in(engine, &view.c, rectangle, 2, nullptr, 0, &count), SL_ERROR_ARGUMENT);
@@ -190,7 +190,7 @@ void expect_same(const sl_pick& pick, const std::optional<engine::Pick>& expecte
     EXPECT_EQ(pick.item, SL_NO_ITEM);
     return;
   }
-  EXPECT_EQ(pick.item, expected->item);
+  EXPECT_EQ(pick.item, to_index(expected->item));
   EXPECT_NE(pick.node.id, 0u);
   EXPECT_EQ(pick.t, expected->t);
   EXPECT_EQ(glm::make_vec3(pick.point), expected->point);
@@ -223,7 +223,7 @@ void make_ghost(sl_engine engine, engine::Engine& twin, sl_item item) {
   sl_item_style style = SL_ITEM_STYLE_INIT;
   style.ghost = 1;
   ASSERT_OK(sl_engine_set_override(engine, &item, 1, &style));
-  ASSERT_TRUE(twin.set_override({&item, 1}, {.ghost = true}));
+  ASSERT_TRUE(twin.set_override(cpp_ids({&item, 1}), {.ghost = true}));
 }
 
 TEST_F(CapiEngine, GhostsAreHitOnRequest) {
@@ -354,7 +354,7 @@ TEST_F(CapiEngine, ExactlyVisibleItemsAreThoseOfCpp) {
   ASSERT_EQ(count, expected->size());
   EXPECT_GT(count, 5u);
   for (std::size_t i = 0; i < count; ++i) {
-    EXPECT_EQ(items[i].item, (*expected)[i].item);
+    EXPECT_EQ(items[i].item, to_index((*expected)[i].item));
     EXPECT_EQ(items[i].samples, (*expected)[i].samples);
   }
   EXPECT_EQ(sl_engine_visible_items_in(engine, &view.c, rectangle, 0, nullptr, 0, &count), SL_ERROR_ARGUMENT);
@@ -366,10 +366,10 @@ TEST_F(CapiEngine, HidesAndIsolatesAsCppDoes) {
   const BothViews view({7, -20, 7}, {7, 7, 7});
   const std::vector<sl_item> some = {3, 5, 200, 201, 202}, unknown = {1, 100'000};
   ASSERT_OK(sl_engine_set_hidden(engine, some.data(), some.size(), 1));
-  ASSERT_TRUE(twin->hide(some));
+  ASSERT_TRUE(twin->hide(cpp_ids(some)));
   compare_frame(view);
   ASSERT_OK(sl_engine_set_hidden(engine, some.data(), 2, 0));
-  ASSERT_TRUE(twin->show(std::span(some).first(2)));
+  ASSERT_TRUE(twin->show(cpp_ids(std::span(some).first(2))));
   compare_frame(view);
   const std::size_t before = visible_in_cpp().size();
   const sl_node node = c.add_node(c.root);
@@ -384,17 +384,17 @@ TEST_F(CapiEngine, HidesAndIsolatesAsCppDoes) {
   std::vector<sl_item> told(2000);
   std::size_t count = 0;
   ASSERT_OK(sl_engine_hidden_items(engine, told.data(), told.size(), &count));
-  EXPECT_EQ(std::vector(told.begin(), told.begin() + std::ptrdiff_t(count)), twin->hidden_items());
+  EXPECT_EQ(std::vector(told.begin(), told.begin() + std::ptrdiff_t(count)), c_ids(twin->hidden_items()));
   ASSERT_OK(sl_engine_hidden_items(engine, told.data(), 3, &count));
   EXPECT_EQ(count, twin->hidden_items().size()) << "of all, also without room";
-  for (const sl_item item : {sl_item(3), twin->items_below(std::vector{same})->front(), sl_item(100'000)}) {
+  for (const sl_item item : {sl_item(3), to_index(twin->items_below(std::vector{same})->front()), sl_item(100'000)}) {
     std::int32_t hidden = -1;
     ASSERT_OK(sl_engine_is_hidden(engine, item, &hidden));
-    EXPECT_EQ(hidden != 0, twin->is_hidden(item));
+    EXPECT_EQ(hidden != 0, twin->is_hidden(core::ItemId{item}));
   }
   ASSERT_OK(sl_engine_items_below(engine, &node, 1, told.data(), told.size(), &count));
   ASSERT_EQ(count, 1u);
-  EXPECT_EQ(told[0], twin->items_below(std::vector{same})->front());
+  EXPECT_EQ(told[0], to_index(twin->items_below(std::vector{same})->front()));
   EXPECT_EQ(sl_engine_items_below(engine, nullptr, 1, told.data(), 1, &count), SL_ERROR_ARGUMENT);
   EXPECT_EQ(visible_in_cpp().size(), 1u);
   ASSERT_OK(sl_engine_show_all(engine));
@@ -662,7 +662,7 @@ TEST_F(CapiEngine, PartsAreTogetherTheScene) {
 TEST_F(CapiEngine, CullStatesAreThoseOfCpp) {
   const BothViews view({7, -12, 7}, {5, 7, 5});
   ASSERT_OK(sl_item_remove(c.scene, 3));
-  scene.remove_item(3);
+  scene.remove_item(core::ItemId{3});
   ASSERT_OK(sl_engine_commit(engine));
   ASSERT_TRUE(twin->commit());
   const auto expected = twin->cull_states(view.cpp);
@@ -682,7 +682,7 @@ TEST_F(CapiEngine, CullStatesAreThoseOfCpp) {
   const core::Snapshot& snapshot = twin->snapshot();
   for (std::size_t slot = 0; slot < expected->of_slot.size(); ++slot)
     if (const auto s = core::Slot(slot); !snapshot.vacant(s)) {
-      EXPECT_EQ(of_item[snapshot.item(s)], std::uint8_t(expected->of_slot[slot]));
+      EXPECT_EQ(of_item[to_index(snapshot.item(s))], std::uint8_t(expected->of_slot[slot]));
     }
   EXPECT_EQ(of_item[3], SL_CULL_OUTSIDE) << "it is gone";
   for (std::size_t i = 0; i < boxes.size(); ++i) {
