@@ -23,7 +23,7 @@ using Json = json::Value;
 
 struct Flown {
   double time = 0.0;       // on the path
-  double settle_ms = 0.0;  // until the picture was complete; 0 where nobody waited for that
+  double settle_ms = 0.0;  // until the image was complete; 0 where nobody waited for that
   engine::PagedReport report;
 };
 
@@ -84,8 +84,8 @@ constexpr Row kRows[] = {
     {"settle ms", "settle_ms", [](const Flown& f) { return f.settle_ms; }, 3},
     {"leaves", "leaves", [](const Flown& f) { return double(f.report.leaves); }, 0},
     {"pending leaves", "pending", [](const Flown& f) { return double(f.report.pending); }, 0},
-    {"stand-ins", "stand_ins", [](const Flown& f) { return double(f.report.stand_ins); }, 0},
-    {"drawn items", "shown", [](const Flown& f) { return double(f.report.shown); }, 0},
+    {"placeholders", "placeholders", [](const Flown& f) { return double(f.report.placeholders); }, 0},
+    {"drawn items", "items_drawn", [](const Flown& f) { return double(f.report.items_drawn); }, 0},
     {"memory MiB", "memory_mib", [](const Flown& f) { return double(f.report.memory) / (1 << 20); }, 1},
 };
 

@@ -11,7 +11,7 @@ struct PagedReplayOptions {
   ModelOptions model;
   std::string memory, path, save_path, size, json_file, images;
   int frames = 300, every = 30;
-  bool settle = false;  ///< each frame waits until its picture is complete
+  bool settle = false;  ///< each frame waits until its image is complete
   gl::ContextPlatform platform = {};
 };
 

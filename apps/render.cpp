@@ -12,7 +12,7 @@
 #include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/style_options.h"
-#include "sightline/apps/common/tiled_picture.h"
+#include "sightline/apps/common/tiled_image.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/apps/mpi/session.h"
 #if SIGHTLINE_HAS_MPI
@@ -48,7 +48,7 @@ struct Options {
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
-  apps::ShownOptions shown;
+  apps::DrawnOptions shown;
   apps::StyleOptions styles;
   gl::ContextPlatform platform = {};
   bool gl_debug = false, mpi = false;
@@ -94,10 +94,9 @@ void add_comparison_options(apps::CommandLine& line, Options& o) {
 }
 
 void add_frames_options(apps::CommandLine& line, Options& o) {
-  const apps::Option frames =
-      line.add("--write-frames", o.frames_folder,
-               "Write the whole --path as numbered pictures to this folder, which must be empty")
-          .needs("--path");
+  const apps::Option frames = line.add("--write-frames", o.frames_folder,
+                                       "Write the whole --path as numbered images to this folder, which must be empty")
+                                  .needs("--path");
   frames.excludes(
       {"--out", "--ids", "--ids-json", "--depth", "--compare", "--compare-ids", "--compare-depth", "--frame"});
   line.add("--fps", o.fps, "Frames of --write-frames per second of the path")
@@ -110,12 +109,12 @@ void add_frames_options(apps::CommandLine& line, Options& o) {
 void add_engine_options(apps::CommandLine& line, Options& o) {
   line.group(OptionGroup::kEngine)
       .add("--tile", o.tile,
-           "Draw in tiles of at most so many pixels a side, for GPUs with little memory; without it pictures of "
+           "Draw in tiles of at most so many pixels a side, for GPUs with little memory; without it images of "
            "more than 4096 are drawn in tiles of 1024")
       .in_range(2 * engine::kLeastTileSide, 16384);
   apps::add_culler_option(line, o.culler);
   apps::add_gpu_pass_option(line, o.gpu_culler);
-  apps::add_shown_options(line, o.shown);
+  apps::add_drawn_options(line, o.shown);
   apps::add_style_options(line, o.styles);
   line.add("--samples", o.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
       .shows_default()
@@ -134,7 +133,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   general.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
   general.add("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
   const apps::Option mpi = line.add_flag(
-      "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 writes the picture of all");
+      "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 writes the image of all");
   line.mode(mpi, {OptionGroup::kGeneral, OptionGroup::kImport, OptionGroup::kEngine});
   apps::add_memory_option(line, o.memory);
 }
@@ -200,7 +199,7 @@ double item_radius(const core::Scene& scene, core::ItemId item) {
   return box.empty() ? 0.0 : 0.5 * glm::length(box.max - box.min);
 }
 
-/// The depths of two renderers may differ by twice what the stability suite allows each of them in whole pictures: 1e-4
+/// The depths of two renderers may differ by twice what the stability suite allows each of them in whole images: 1e-4
 /// radii and two units in the last place of the distance.
 core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& drawn, const core::Scene& scene,
                                    Json& figures) {
@@ -229,7 +228,7 @@ core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& dr
   return {};
 }
 
-/// What becomes of a picture's rows: files, and in memory what is asked of the whole.
+/// What becomes of an image's rows: files, and in memory what is asked of the whole.
 class Outputs {
  public:
   static core::Expected<Outputs> open(const Options& o, const std::array<int, 2>& size) {
@@ -248,9 +247,9 @@ class Outputs {
     return made;
   }
 
-  core::Expected<void> add(const apps::PictureRows& rows) {
+  core::Expected<void> add(const apps::ImageRows& rows) {
     const auto append = [](const auto& part, auto& all) { all.insert(all.end(), part.begin(), part.end()); };
-    if (!o_->reference.empty()) append(rows.colours, picture.pixels);
+    if (!o_->reference.empty()) append(rows.colours, image.pixels);
     if (!o_->reference_ids.empty()) append(rows.ids, drawn.ids.ids);
     append(rows.metres, drawn.depth.metres);
     if (!o_->ids_json.empty()) seen_.insert(rows.ids.begin(), rows.ids.end());
@@ -270,12 +269,12 @@ class Outputs {
     return done;
   }
 
-  image::Image picture;     // of --compare
+  image::Image image;       // of --compare
   image::ItemDepths drawn;  // ids of --compare-ids; depth of --depth and --compare-depth
 
  private:
   Outputs(const Options& o, const std::array<int, 2>& size)
-      : picture{size[0], size[1], {}}, drawn{{size[0], size[1], {}}, {size[0], size[1], {}}}, o_(&o) {}
+      : image{size[0], size[1], {}}, drawn{{size[0], size[1], {}}, {size[0], size[1], {}}}, o_(&o) {}
 
   const Options* o_;
   std::optional<image::PngWriter> colours_, ids_;
@@ -283,40 +282,40 @@ class Outputs {
 };
 
 /// Draws to the end even where rows cannot be written: other processes may wait for the parts of this one.
-core::Expected<void> draw(engine::Engine& engine, apps::TiledPicture& picture, Outputs& outputs,
+core::Expected<void> draw(engine::Engine& engine, apps::TiledImage& image, Outputs& outputs,
                           const std::function<void()>& after_step) {
   core::Expected<void> written;
-  while (!picture.complete()) {
-    const auto more = picture.step(engine);
+  while (!image.complete()) {
+    const auto more = image.step(engine);
     if (!more) return tl::unexpected(more.error());
-    if (*more && written) written = outputs.add(picture.rows());
+    if (*more && written) written = outputs.add(image.rows());
     after_step();
   }
   for (const std::string& error : engine.take_gl_errors()) return core::fail("GL: " + error);
   return written;
 }
 
-void warn_if_blank(const apps::TiledPicture& picture, const std::string& name) {
-  if (!picture.blank()) return;
-  const std::string count = picture.steps() == 1 ? std::to_string(picture.report().visible) + " " : "";
+void warn_if_blank(const apps::TiledImage& image, const std::string& name) {
+  if (!image.blank()) return;
+  const std::string count = image.steps() == 1 ? std::to_string(image.report().visible) + " " : "";
   std::fprintf(stderr, "warning: %s: no pixel shows any of the %svisible items\n", name.c_str(), count.c_str());
 }
 
-/// What pictures are made with.
+/// What images are made with.
 struct Studio {
   apps::Model model;
   std::optional<engine::Engine> engine;
   std::array<int, 2> size{};
-  engine::PictureTiles tiles;
+  engine::ImageTiles tiles;
 };
 
-/// A picture that is about to be drawn.
+/// An image that is about to be drawn.
 struct Begun {
   core::View view;
   Outputs outputs;
 };
 
-core::Expected<Begun> begin_picture(const Options& o, const Studio& studio) {
+core::Expected<Begun> begin_image(const Options& o, const Studio& studio) {
   // A part of a model is fitted as the whole is.
   std::optional<core::Snapshot> whole;
   if (o.mpi) whole.emplace(*studio.model.scene);
@@ -337,7 +336,7 @@ Json figures_of(Studio& studio) {
 }
 
 /// Writes and compares what was drawn.
-core::Expected<int> finish_picture(const Options& o, const core::Scene& scene, Outputs& outputs, Json figures) {
+core::Expected<int> finish_image(const Options& o, const core::Scene& scene, Outputs& outputs, Json figures) {
   if (auto done = outputs.finish(scene); !done) return tl::unexpected(done.error());
   if (!o.reference_ids.empty())
     if (auto done = compare_ids(o, outputs.drawn.ids, figures); !done) return tl::unexpected(done.error());
@@ -345,7 +344,7 @@ core::Expected<int> finish_picture(const Options& o, const core::Scene& scene, O
     if (auto done = compare_depth(o, outputs.drawn, scene, figures); !done) return tl::unexpected(done.error());
   bool same = true;
   if (!o.reference.empty()) {
-    auto compared = compare(o, outputs.picture, figures);
+    auto compared = compare(o, outputs.image, figures);
     if (!compared) return tl::unexpected(compared.error());
     same = *compared;
   }
@@ -353,30 +352,30 @@ core::Expected<int> finish_picture(const Options& o, const core::Scene& scene, O
   return same ? apps::kExitOk : apps::kExitFailure;
 }
 
-core::Expected<void> draw_with_bar(Studio& studio, apps::TiledPicture& picture, Outputs& outputs) {
-  apps::Progress progress("drawing", picture.steps());
-  return draw(*studio.engine, picture, outputs, [&] { progress.advance(picture.steps_done()); });
+core::Expected<void> draw_with_bar(Studio& studio, apps::TiledImage& image, Outputs& outputs) {
+  apps::Progress progress("drawing", image.steps());
+  return draw(*studio.engine, image, outputs, [&] { progress.advance(image.steps_done()); });
 }
 
-core::Expected<int> render_picture(const Options& o, Studio& studio) {
-  auto begun = begin_picture(o, studio);
+core::Expected<int> render_image(const Options& o, Studio& studio) {
+  auto begun = begin_image(o, studio);
   if (!begun) return tl::unexpected(begun.error());
-  const bool complete = studio.tiles.tiles.size() > 1;  // a budget shows in a picture that is drawn at once
-  apps::TiledPicture picture(begun->view, studio.tiles,
-                             {.ids = o.wants_ids(), .depth = o.wants_depth(), .complete = complete});
-  if (auto done = draw_with_bar(studio, picture, begun->outputs); !done) return tl::unexpected(done.error());
-  warn_if_blank(picture, "the image");
+  const bool complete = studio.tiles.tiles.size() > 1;  // a budget shows in an image that is drawn at once
+  apps::TiledImage image(begun->view, studio.tiles,
+                         {.ids = o.wants_ids(), .depth = o.wants_depth(), .complete = complete});
+  if (auto done = draw_with_bar(studio, image, begun->outputs); !done) return tl::unexpected(done.error());
+  warn_if_blank(image, "the image");
   Json figures = figures_of(studio);
-  const engine::FrameReport& report = picture.report();
+  const engine::FrameReport& report = image.report();
   if (studio.tiles.tiles.size() == 1)
     figures.update({{"visible", report.visible},
                     {"sampled", report.sampled},
-                    {"shown", report.shown},
-                    {"small", report.small},
+                    {"items_drawn", report.items_drawn},
+                    {"below_min_area", report.below_min_area},
                     {"pending", report.pending},
-                    {"squares", report.squares},
+                    {"splats", report.splats},
                     {"tested", report.tested}});
-  return finish_picture(o, *studio.model.scene, begun->outputs, std::move(figures));
+  return finish_image(o, *studio.model.scene, begun->outputs, std::move(figures));
 }
 
 core::Expected<int> render_frames(const Options& o, Studio& studio) {
@@ -397,11 +396,11 @@ core::Expected<int> render_frames(const Options& o, Studio& studio) {
     file.out = (std::filesystem::path(o.frames_folder) / apps::PathFrames::file_name(frame)).string();
     auto outputs = Outputs::open(file, studio.size);
     if (!outputs) return tl::unexpected(outputs.error());
-    apps::TiledPicture picture(*view, studio.tiles, {});
-    auto done = draw(engine, picture, *outputs, [] {});
+    apps::TiledImage image(*view, studio.tiles, {});
+    auto done = draw(engine, image, *outputs, [] {});
     if (done) done = outputs->finish(*model.scene);
     if (!done) return tl::unexpected(done.error());
-    warn_if_blank(picture, apps::PathFrames::file_name(frame));
+    warn_if_blank(image, apps::PathFrames::file_name(frame));
     progress.advance(std::size_t(frame) + 1);
   }
   const Json figures = {{"renderer", engine.renderer()},
@@ -444,12 +443,12 @@ core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& pa
 core::Expected<int> render_alone(const Options& o) {
   auto studio = make_studio(o, {});
   if (!studio) return tl::unexpected(studio.error());
-  return (o.frames_folder.empty() ? render_picture : render_frames)(o, *studio);
+  return (o.frames_folder.empty() ? render_image : render_frames)(o, *studio);
 }
 
-apps::PictureRows rows_of(const Options& o, const engine::PagedEngine& engine) {
+apps::ImageRows rows_of(const Options& o, const engine::PagedEngine& engine) {
   image::Image colours = engine.read_colour();
-  apps::PictureRows rows{colours.width, 0, colours.height, std::move(colours.pixels), {}, {}};
+  apps::ImageRows rows{colours.width, 0, colours.height, std::move(colours.pixels), {}, {}};
   if (o.wants_ids()) rows.ids = engine.read_ids().ids;
   if (!o.depth.empty()) rows.metres = engine.read_depth().metres;
   return rows;
@@ -463,14 +462,14 @@ core::Expected<engine::PagedReport> settle(engine::PagedEngine& engine, const co
   });
 }
 
-struct PagedPicture {
+struct PagedImage {
   Outputs outputs;
-  apps::PictureRows rows;
+  apps::ImageRows rows;
   Json figures;
 };
 
-/// The engine is gone when its picture is written and compared: that takes memory, too.
-core::Expected<PagedPicture> draw_paged(const Options& o) {
+/// The engine is gone when its image is written and compared: that takes memory, too.
+core::Expected<PagedImage> draw_paged(const Options& o) {
   const auto size = apps::parse_size(o.view.size);
   if (!size) return tl::unexpected(size.error());
   auto engine = apps::open_paged(o.model, o.memory,
@@ -494,7 +493,7 @@ core::Expected<PagedPicture> draw_paged(const Options& o) {
                   {"items", engine->scene().items},
                   {"pages", engine->scene().pages.size()},
                   {"leaves", report->leaves},
-                  {"shown", report->shown},
+                  {"items_drawn", report->items_drawn},
                   {"frames", report->frame + 1},
                   {"loaded", report->loaded},
                   {"evicted", report->evicted},
@@ -502,7 +501,7 @@ core::Expected<PagedPicture> draw_paged(const Options& o) {
                    {{"limit", *apps::parse_bytes(o.memory)},
                     {"pages", engine->memory().limit},
                     {"scene", engine->scene().memory_bytes()}}}};
-  return PagedPicture{std::move(*outputs), rows_of(o, *engine), std::move(figures)};
+  return PagedImage{std::move(*outputs), rows_of(o, *engine), std::move(figures)};
 }
 
 core::Expected<int> render_paged(const Options& o) {
@@ -511,10 +510,10 @@ core::Expected<int> render_paged(const Options& o) {
   if (auto done = drawn->outputs.add(drawn->rows); !done) return tl::unexpected(done.error());
   drawn->rows = {};
   drawn->figures["memory"]["peak"] = apps::peak_memory();
-  return finish_picture(o, core::Scene(), drawn->outputs, std::move(drawn->figures));
+  return finish_image(o, core::Scene(), drawn->outputs, std::move(drawn->figures));
 }
 
-/// One of the processes that draw a picture together. Rank 0 writes it.
+/// One of the processes that draw an image together. Rank 0 writes it.
 core::Expected<int> render_parts([[maybe_unused]] Options o) {
   const auto session = apps::MpiSession::begin();
   if (!session) return tl::unexpected(session.error());
@@ -528,13 +527,12 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
   apps::Composer composer(*session);
   auto studio = session->agreed(make_studio(o, composer.part()));
   if (!studio) return tl::unexpected(studio.error());
-  auto begun = session->agreed(begin_picture(o, *studio));
+  auto begun = session->agreed(begin_image(o, *studio));
   if (!begun) return tl::unexpected(begun.error());
   const auto read = [&](auto&... drawn) { return composer.read(drawn...); };
-  apps::TiledPicture picture(begun->view, studio->tiles,
-                             {.ids = o.wants_ids(), .depth = !o.depth.empty(), .read = read});
+  apps::TiledImage image(begun->view, studio->tiles, {.ids = o.wants_ids(), .depth = !o.depth.empty(), .read = read});
   auto drawn =
-      root ? draw_with_bar(*studio, picture, begun->outputs) : draw(*studio->engine, picture, begun->outputs, [] {});
+      root ? draw_with_bar(*studio, image, begun->outputs) : draw(*studio->engine, image, begun->outputs, [] {});
   if (drawn = session->agreed(std::move(drawn)); !drawn) return tl::unexpected(drawn.error());
   Json figures = figures_of(*studio);
   const engine::Engine& engine = *studio->engine;
@@ -545,8 +543,8 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
                   {"part_items", composer.gather(own)},
                   {"part_gpu_bytes", composer.gather(double(engine.memory().gpu))}});
   if (!root) return apps::kExitOk;
-  warn_if_blank(picture, "the image");
-  return finish_picture(o, *studio->model.scene, begun->outputs, std::move(figures));
+  warn_if_blank(image, "the image");
+  return finish_image(o, *studio->model.scene, begun->outputs, std::move(figures));
 #else
   return apps::kExitFailure;
 #endif

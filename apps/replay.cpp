@@ -38,7 +38,7 @@ struct Options {
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
-  apps::ShownOptions shown;
+  apps::DrawnOptions shown;
   int frames = 300, every = 30;
   gl::ContextPlatform platform = {};
   bool no_render = false, mpi = false, settle = false;
@@ -73,7 +73,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   general.add("--frames", o.frames, "Frames, evenly spaced in time").shows_default().in_range(1, 1000000);
   apps::add_culler_option(line, o.culler);
   apps::add_gpu_pass_option(line, o.gpu_culler);
-  apps::add_shown_options(line, o.shown);
+  apps::add_drawn_options(line, o.shown);
   apps::add_samples_option(line, o.samples);
   apps::add_context_option(line, o.platform);
   const apps::Option no_render =
@@ -91,7 +91,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   general.add("--every", o.every, "With --images: N").shows_default().needs(images).positive();
   add_controller_options(line, o);
   const apps::Option mpi = line.add_flag(
-      "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 gets the pictures of all");
+      "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 gets the images of all");
   line.mode(mpi, {OptionGroup::kGeneral, OptionGroup::kImport, OptionGroup::kEngine});
 #if SIGHTLINE_HAS_GL
   apps::add_memory_option(line, o.memory);
@@ -122,9 +122,9 @@ std::string image_name(int frame) {
 core::Expected<void> save_image(engine::Engine& engine, const std::string& folder, Flight& flight) {
 #if SIGHTLINE_HAS_GL
   const std::string name = image_name(int(flight.frames.size()) - 1);
-  const auto picture = engine.read_colour();
-  if (!picture) return tl::unexpected(picture.error());
-  auto done = image::write_png(*picture, std::filesystem::path(folder) / name);
+  const auto image = engine.read_colour();
+  if (!image) return tl::unexpected(image.error());
+  auto done = image::write_png(*image, std::filesystem::path(folder) / name);
   apps::take_late_reports(engine, flight);
   apps::warn_if_blank(engine, flight.frames.back().report.visible, name);
   return done;
@@ -167,14 +167,14 @@ Json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                              {"frame_ms", f.report.frame_ms},
                              {"visible", f.report.visible},
                              {"sampled", f.report.sampled},
-                             {"shown", f.report.shown},
-                             {"small", f.report.small},
+                             {"items_drawn", f.report.items_drawn},
+                             {"below_min_area", f.report.below_min_area},
                              {"pending", f.report.pending},
-                             {"squares", f.report.squares},
+                             {"splats", f.report.splats},
                              {"tested", f.report.tested}});
   out["summary"] = {{"cull_ms", summary_json(flight.cull())},    {"draw_ms", summary_json(flight.draw())},
                     {"frame_ms", summary_json(flight.frame())},  {"visible", summary_json(flight.visible())},
-                    {"sampled", summary_json(flight.sampled())}, {"shown", summary_json(flight.shown())},
+                    {"sampled", summary_json(flight.sampled())}, {"items_drawn", summary_json(flight.items_drawn())},
                     {"tested", summary_json(flight.tested())},   {"switches", flight.switches()}};
   const engine::MemoryReport memory = engine.memory();
   out["memory"] = {{"scene", memory.scene}, {"snapshot", memory.snapshot}, {"bvh", memory.bvh}, {"gpu", memory.gpu}};
@@ -210,7 +210,7 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
   row("frame ms", flight.frame(), 3);
   row("visible items", flight.visible(), 0);
   row("sampled items", flight.sampled(), 0);
-  row("drawn items", flight.shown(), 0);
+  row("drawn items", flight.items_drawn(), 0);
   row("boxes tested", flight.tested(), 0);
   if (const culling::Controller* controller = engine.controller())
     std::fprintf(out, "%-16s %12llu  (%llu probes; %zu of %zu frames on the GPU)\n", "switches",
@@ -367,7 +367,7 @@ core::Expected<Flown> prepare(const Options& o, const engine::ScenePart& part) {
   return Flown{std::move(*model), std::move(*engine), std::move(*path), {config->width, config->height}};
 }
 
-/// One of the processes that draw every frame together. Rank 0 has the pictures and writes all figures.
+/// One of the processes that draw every frame together. Rank 0 has the images and writes all figures.
 core::Expected<int> replay_parts([[maybe_unused]] Options o) {
   const auto session = apps::MpiSession::begin();
   if (!session) return tl::unexpected(session.error());
@@ -390,14 +390,14 @@ core::Expected<int> replay_parts([[maybe_unused]] Options o) {
     FlownFrame& frame = flight.frames.back();
     const auto view = flown->path.view(frame.time, aspect);
     if (!view) return tl::unexpected(view.error());
-    const auto picture = composer.read(*flown->engine, *view, frame.report);
-    agreed = picture.has_value();
-    if (!picture) return tl::unexpected(picture.error());
+    const auto image = composer.read(*flown->engine, *view, frame.report);
+    agreed = image.has_value();
+    if (!image) return tl::unexpected(image.error());
     frame.report.visible = composer.visible();
     if (bar) bar->advance(flight.frames.size());
     const int number = int(flight.frames.size()) - 1;
     if (saved && !o.images.empty() && number % o.every == 0)
-      saved = image::write_png(picture->colours, std::filesystem::path(o.images) / image_name(number));
+      saved = image::write_png(image->colours, std::filesystem::path(o.images) / image_name(number));
     return {};  // other processes wait for the parts of this one, whatever becomes of its files
   };
   auto flight = apps::fly(*flown->engine, flown->path, {o.frames, aspect, true}, after_frame);

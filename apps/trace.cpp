@@ -69,13 +69,13 @@ double seconds() {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
 }
 
-core::Expected<void> write_pictures(const Options& o, raytrace::WhittedPicture& picture) {
-  const int width = picture.width, height = picture.height;
+core::Expected<void> write_images(const Options& o, raytrace::WhittedImage& image) {
+  const int width = image.width, height = image.height;
   core::Expected<void> done;
-  if (!o.out.empty()) done = image::write_png({width, height, std::move(picture.rgb)}, o.out);
-  if (done && !o.depth.empty()) done = image::write_pfm({width, height, std::move(picture.depths)}, o.depth);
+  if (!o.out.empty()) done = image::write_png({width, height, std::move(image.rgb)}, o.out);
+  if (done && !o.depth.empty()) done = image::write_pfm({width, height, std::move(image.depths)}, o.depth);
   if (!done || o.ids.empty()) return done;
-  const auto colours = image::id_colours({width, height, std::move(picture.ids)});
+  const auto colours = image::id_colours({width, height, std::move(image.ids)});
   if (!colours) return tl::unexpected(colours.error());
   return image::write_png(*colours, o.ids);
 }
@@ -147,19 +147,19 @@ core::Expected<int> trace_model(Options& o) {
     plan.entries.push_back({"ray tracer", true, std::to_string(tracer->memory().total()) + " bytes"});
     apps::explain(plan);
   }
-  auto picture = [&] {
+  auto image = [&] {
     apps::Progress progress("tracing");
     o.whitted.progress = progress.callback();
     return raytrace::render_whitted(*tracer, *view, width, height, o.whitted);
   }();
-  if (!picture) return tl::unexpected(picture.error());
+  if (!image) return tl::unexpected(image.error());
   const double traced = seconds();
   Json figures = {{"size", {width, height}},         {"items", snapshot.size()},
-                  {"samples", picture->samples},     {"build_seconds", built - start},
+                  {"samples", image->samples},       {"build_seconds", built - start},
                   {"trace_seconds", traced - built}, {"tracer_bytes", tracer->memory().total()}};
   std::fprintf(apps::table_stream(o.json_file), "%llu samples, %.2f a pixel, in %.2f s, after %.2f s of building\n",
-               (unsigned long long)picture->samples, double(picture->samples) / (double(width) * height),
-               traced - built, built - start);
+               (unsigned long long)image->samples, double(image->samples) / (double(width) * height), traced - built,
+               built - start);
   if (!o.pick.empty()) {
     const auto picked = pick(o, *tracer, *view, width, height, *model->scene);
     if (!picked) return tl::unexpected(picked.error());
@@ -167,7 +167,7 @@ core::Expected<int> trace_model(Options& o) {
     std::fprintf(apps::table_stream(o.json_file), "at %g,%g: %s\n", o.pick[0], o.pick[1],
                  picked->is_null() ? "nothing" : picked->dump().c_str());
   }
-  if (auto done = write_pictures(o, *picture); !done) return tl::unexpected(done.error());
+  if (auto done = write_images(o, *image); !done) return tl::unexpected(done.error());
   if (auto done = write_visible(o, *tracer, *view, width, height, *model->scene); !done)
     return tl::unexpected(done.error());
   if (auto done = apps::write_json(o.json_file, json::sorted(figures)); !done) return tl::unexpected(done.error());

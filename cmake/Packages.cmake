@@ -124,7 +124,7 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "fonts-dejavu-core, libegl1, libgl1-me
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS libosmesa6)
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "draws, replays, traces and converts CAD models
 Command-line tools and a walkthrough window of Sightline, a visibility
-library for CAD viewers: pictures and comparisons of models, flights along
+library for CAD viewers: images and comparisons of models, flights along
 camera paths with figures of culling and drawing, ray tracing, reports,
 conversion of RVM, OBJ, glTF, PLY and STL files.")
 
@@ -137,7 +137,7 @@ if(SIGHTLINE_PYTHON)
 python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "visibility library for CAD viewers - Python module
 Sightline for Python: imports CAD models into a scene graph, culls, draws
-into numpy arrays, picks, and compares pictures.")
+into numpy arrays, picks, and compares images.")
 endif()
 
 include(CPack)

@@ -32,7 +32,7 @@ struct SIGHTLINE_API Page {
   /// slot() knows none of them.
   Snapshot snapshot{meshes};
   /// Ends hidden at joints (gpuprims/internal/joints.h): two bits per slot.
-  std::vector<std::uint64_t> hidden_ends;
+  std::vector<std::uint64_t> internal_end_caps;
 
   /// Gives back what only uploading needs: placements and parameters of primitives.
   void drop_records();

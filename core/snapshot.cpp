@@ -9,10 +9,10 @@
 namespace sightline::core {
 namespace {
 
-glm::vec4 look_of(const Scene& scene, std::size_t material) {
+glm::vec4 material_row(const Scene& scene, std::size_t material) {
   const MaterialId id = scene.material_at(material);
-  const Material look = id.valid() ? scene.material(id) : Material();
-  return {look.colour, look.alpha};
+  const Material style = id.valid() ? scene.material(id) : Material();
+  return {style.colour, style.alpha};
 }
 
 }  // namespace
@@ -61,29 +61,29 @@ Placement Snapshot::place(const mat3& linear, const dvec3& origin, std::uint32_t
   return {linear, vec3(origin - chunks_.origins()[chunk]), chunk};
 }
 
-/// `former` with the current look of `materials`, and with the materials that were added since.
+/// `former` with the current colours of `materials`, and with the materials that were added since.
 std::shared_ptr<Snapshot::Table> Snapshot::updated(const Table& former, const Scene& scene,
                                                    std::span<const std::uint32_t> materials) {
   auto table = std::make_shared<Table>(former);
   const std::size_t known = former.of_scene;
   table->of_scene = std::max(known, scene.material_slots());
-  if (table->first_look == 0)
+  if (table->first_override_row == 0)
     table->rows.resize(table->of_scene);
-  else if (table->of_scene > table->first_look)
-    table->move_looks();
+  else if (table->of_scene > table->first_override_row)
+    table->move_override_rows();
   for (const std::uint32_t material : materials)
-    if (material < known) table->rows[material] = look_of(scene, material);
+    if (material < known) table->rows[material] = material_row(scene, material);
   for (std::size_t material = known; material < table->of_scene; ++material)
-    table->rows[material] = look_of(scene, material);
+    table->rows[material] = material_row(scene, material);
   return table;
 }
 
-/// Leaves room for as many materials as the scene has, so that looks seldom move.
-void Snapshot::Table::move_looks() {
+/// Leaves room for as many materials as the scene has, so that overrides seldom move.
+void Snapshot::Table::move_override_rows() {
   constexpr std::size_t kSpare = 64;
-  const std::size_t before = first_look == 0 ? rows.size() : first_look;
-  first_look = 2 * of_scene + kSpare;
-  rows.insert(rows.begin() + std::ptrdiff_t(before), first_look - before, glm::vec4(0.0f));
+  const std::size_t before = first_override_row == 0 ? rows.size() : first_override_row;
+  first_override_row = 2 * of_scene + kSpare;
+  rows.insert(rows.begin() + std::ptrdiff_t(before), first_override_row - before, glm::vec4(0.0f));
 }
 
 // --- overrides -------------------------------------------------------------------------------------------------------
@@ -101,12 +101,12 @@ void Snapshot::show(std::span<const Slot> slots, std::span<const Shown> as) {
   count_vacant();
 }
 
-void Snapshot::set_look(std::uint32_t number, const glm::vec4& look) {
+void Snapshot::set_override_row(std::uint32_t number, const glm::vec4& style) {
   if (table_.use_count() > 1) table_ = std::make_shared<Table>(*table_);
-  if (table_->first_look == 0) table_->move_looks();
-  const std::size_t row = table_->first_look + number;
+  if (table_->first_override_row == 0) table_->move_override_rows();
+  const std::size_t row = table_->first_override_row + number;
   if (row >= table_->rows.size()) table_->rows.resize(row + 1, glm::vec4(0.0f));
-  table_->rows[row] = look;
+  table_->rows[row] = style;
 }
 
 // --- counting --------------------------------------------------------------------------------------------------------

@@ -42,7 +42,7 @@ struct KindItems {
 };
 
 /// Colour and alpha of each material, by material index. A removed material has the default ones. Looks that override
-/// those of the scene follow: Snapshot::first_look().
+/// those of the scene follow: Snapshot::first_override_row().
 using MaterialTable = std::vector<glm::vec4>;
 
 class SIGHTLINE_API Snapshot {
@@ -81,18 +81,19 @@ class SIGHTLINE_API Snapshot {
   void hide(std::span<const Slot> slots);
   /// Makes slots show what shown() returned before they were hidden.
   void show(std::span<const Slot> slots, std::span<const Shown> as);
-  /// `material`: of the scene, kNone, or first_look() + the number of a look.
+  /// `material`: of the scene, kNone, or first_override_row() + the number of an override.
   void set_material(Slot slot, std::uint32_t material) {
     stored_joints_.reset();
     materials_[slot] = material;
   }
-  /// Sets a look, colour and alpha, beside the scene's materials. Numbers should be small: lower ones take memory, too.
-  void set_look(std::uint32_t number, const glm::vec4& look);
-  /// Material index of the first look; 0 before the first set_look(). apply() changes it when the scene has got many
-  /// more materials.
-  std::uint32_t first_look() const { return std::uint32_t(table_->first_look); }
+  /// Sets an override's colour and alpha beside the scene's materials. Numbers should be small: lower ones take memory,
+  /// too.
+  void set_override_row(std::uint32_t number, const glm::vec4& style);
+  /// Material index of the first override; 0 before the first set_override_row(). apply() changes it when the scene has
+  /// got many more materials.
+  std::uint32_t first_override_row() const { return std::uint32_t(table_->first_override_row); }
 
-  /// Slots appended or given up since the order was made. A new order would remove this disorder.
+  /// Slots appended or given up since the order was made. A new scene version would remove this disorder.
   std::size_t disorder() const { return size() - ordered_size_ + given_up_; }
 
   const Scene& scene() const { return *scene_; }
@@ -112,12 +113,13 @@ class SIGHTLINE_API Snapshot {
   std::uint64_t count(const VisibleSet& visible) const;
   Kind kind(Slot slot) const { return kinds_[slot]; }
   std::uint32_t index_in_kind(Slot slot) const { return index_in_kind_[slot]; }
-  ItemId item(Slot slot) const {
-    return items_[slot];
-  }  ///< kNoItem when the slot was given up; hidden items keep theirs
+  /// kNoItem when the slot was given up; hidden items keep theirs.
+  ItemId item(Slot slot) const { return items_[slot]; }
+  /// kNone when the item is unknown.
   Slot slot(ItemId item) const {
-    return to_index(item) < slots_.size() ? slots_[to_index(item)] : kNone;
-  }                                                                     ///< kNone when unknown
+    const std::uint32_t index = to_index(item);
+    return index < slots_.size() ? slots_[index] : kNone;
+  }
   std::uint32_t material(Slot slot) const { return materials_[slot]; }  ///< material index or kNone
   const MaterialTable& materials() const { return table_->rows; }
   bool opaque(Slot slot) const { return materials_[slot] == kNone || table_->rows[materials_[slot]].a >= 1.0f; }
@@ -149,11 +151,11 @@ class SIGHTLINE_API Snapshot {
   struct Newcomer {
     std::uint32_t record, chunk;
   };
-  /// Rows of the scene's materials, and from first_look on, unless that is 0, those of looks.
+  /// Rows of the scene's materials, and from first_override_row on, unless that is 0, those of overrides.
   struct Table {
     MaterialTable rows;
-    std::size_t of_scene = 0, first_look = 0;
-    void move_looks();
+    std::size_t of_scene = 0, first_override_row = 0;
+    void move_override_rows();
   };
   class SceneItems;
   class CopiedItems;

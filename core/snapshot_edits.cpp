@@ -127,7 +127,8 @@ void Snapshot::prefetch_ahead(std::span<const std::uint64_t> known, std::size_t 
 void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> known, std::vector<Slot>& touched,
                           std::vector<Newcomer>& appended) {
   const auto slot_at = [&](std::size_t i) { return Slot(known[i] >> 32); };
-  // Relocation may take up to a quarter more slots. Without a new order, further edits make blocks larger instead.
+  // Relocation may take up to a quarter more slots. Without a new scene version, further edits make blocks larger
+  // instead.
   const std::size_t live = size() - given_up_;
   std::size_t allowance = std::max(live + live / 4 + kBlockSlots, size()) - size();
   std::vector<std::uint32_t> moved_to(chunks_.origins().size(), kNone);  // by chunk: where its last item went

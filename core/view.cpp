@@ -198,7 +198,7 @@ dvec3 View::eye() const {
   return dvec3(glm::inverse(eye_from_world_)[3]);
 }
 
-bool same_picture(const View& a, const View& b) {
+bool same_image(const View& a, const View& b) {
   const auto same_plane = [](const Plane& p, const Plane& q) { return p.normal == q.normal && p.offset == q.offset; };
   return a.eye_from_world() == b.eye_from_world() && a.clip_from_eye() == b.clip_from_eye() &&
          a.clip_depth() == b.clip_depth() && a.section_mode == b.section_mode && a.layers == b.layers &&

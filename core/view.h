@@ -75,7 +75,7 @@ class SIGHTLINE_API View {
 };
 
 /// Whether both show the same of a scene: equal in every number.
-SIGHTLINE_API bool same_picture(const View& a, const View& b);
+SIGHTLINE_API bool same_image(const View& a, const View& b);
 
 /// The six planes of a clip_from_world matrix in the order of FrustumPlane, not normalised (G. Gribb, K. Hartmann,
 /// "Fast extraction of viewing frustum planes", 2001). An infinite far plane comes out with a zero normal and a

@@ -6,7 +6,7 @@
 namespace sightline::core {
 
 std::vector<Slot> VisibleSet::sorted_slots() const {
-  std::vector<Slot> all = slots;
+  std::vector<Slot> all = single_slots;
   for (const SlotRange& range : ranges) {
     const std::size_t old = all.size();
     all.resize(old + range.count);

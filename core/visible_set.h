@@ -30,17 +30,17 @@ struct CullCounters {
 struct SIGHTLINE_API VisibleSet {
   std::uint64_t generation = 0;   ///< of the snapshot that the slots belong to
   std::vector<SlotRange> ranges;  ///< neighbours that are all visible
-  std::vector<Slot> slots;        ///< single slots
+  std::vector<Slot> single_slots;
   CullCounters counters;
 
   void clear() {
     ranges.clear();
-    slots.clear();
+    single_slots.clear();
     counters = {};
   }
   /// Slots, vacant ones included; Snapshot::count leaves those out.
   std::uint64_t count() const {
-    std::uint64_t n = slots.size();
+    std::uint64_t n = single_slots.size();
     for (const SlotRange& r : ranges) n += r.count;
     return n;
   }
@@ -49,7 +49,7 @@ struct SIGHTLINE_API VisibleSet {
   void for_each_slot(const Visit& visit) const {
     for (const SlotRange& r : ranges)
       for (Slot slot = r.first; slot < r.first + r.count; ++slot) visit(slot);
-    for (const Slot slot : slots) visit(slot);
+    for (const Slot slot : single_slots) visit(slot);
   }
   /// All visible slots in rising order, vacant ones included.
   std::vector<Slot> sorted_slots() const;

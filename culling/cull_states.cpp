@@ -85,7 +85,7 @@ class Sorting {
   CullState set(Slot slot, CullState by_box) {
     CullState state = by_box;
     if (by_box != CullState::kOutside && contains(small_, slot))
-      state = CullState::kSmall;
+      state = CullState::kTooSmall;
     else if (by_box != CullState::kOutside && contains(occluded_, slot))
       state = CullState::kOccluded;
     states_.of_slot[slot] = state;
@@ -107,7 +107,7 @@ class Sorting {
     if (set(slot, state) == state) states_.boxes.push_back({box, state, 1});
   }
 
-  static bool is_left_out(CullState state) { return state == CullState::kOccluded || state == CullState::kSmall; }
+  static bool is_left_out(CullState state) { return state == CullState::kOccluded || state == CullState::kTooSmall; }
   std::uint8_t uniform(const Lane& lane) const {
     std::uint8_t all = kNothing;
     const auto add = [&](std::uint8_t state) {

@@ -21,11 +21,11 @@ enum class CullState : std::uint8_t {
   kIntersecting,  ///< drawn; its box crosses the view volume's border
   kOutside,       ///< its box lies outside the view volume, or its layers are not the view's
   kOccluded,      ///< in the view volume, and hidden by others
-  kSmall,         ///< in the view volume, and covers no sample, or too few pixels to be drawn
+  kTooSmall,      ///< in the view volume, and covers no sample, or too few pixels to be drawn
 };
 inline constexpr int kCullStateCount = 5;
 constexpr std::string_view name_of(CullState state) {
-  constexpr std::string_view kNames[] = {"inside", "intersecting", "outside", "occluded", "small"};
+  constexpr std::string_view kNames[] = {"inside", "intersecting", "outside", "occluded", "too_small"};
   return kNames[std::size_t(state)];
 }
 
@@ -40,8 +40,8 @@ struct CullStates {
   std::vector<CullState> of_slot;                     ///< of a vacant slot: kOutside
   std::array<std::int64_t, kCullStateCount> items{};  ///< by state; vacant slots do not count
   /// Inside and outside: the nodes at which a walk of the hierarchy stops. Below leaves that cross the border, each
-  /// item. Occluded and small: the largest nodes that hold nothing else, otherwise each item. So each item is in one
-  /// box of its state, and those of an inside node that are left out are in other boxes besides.
+  /// item. Occluded and too small: the largest nodes that hold nothing else, otherwise each item. So each item is in
+  /// one box of its state, and those of an inside node that are left out are in other boxes besides.
   std::vector<CullBox> boxes;
 };
 

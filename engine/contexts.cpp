@@ -24,8 +24,8 @@ core::Expected<std::unique_ptr<Backend>> make_complete_backend(const EngineState
 
 }  // namespace
 
-core::Expected<void> follow_plan_in_context(EngineState& s, bool new_order) {
-  if (new_order) s.coming.reset();
+core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version) {
+  if (new_version) s.coming.reset();
   if (!s.needs_gl()) {
     s.backend = std::make_unique<Backend>();
     return {};
@@ -34,7 +34,7 @@ core::Expected<void> follow_plan_in_context(EngineState& s, bool new_order) {
   core::Expected<void> done;
   const bool gpu_culls = s.live.plan.gpu_culls();
   if (s.backend->ready()) {
-    if (new_order)
+    if (new_version)
       done = unless_lost(s, s.backend->rebuild(*s.live.snapshot, s.live.joints, gpu_culls));
     else if (gpu_culls)
       done = unless_lost(s, s.backend->add_culler(*s.live.snapshot));
@@ -88,9 +88,9 @@ core::Expected<void> take_context(EngineState& s, gl::Context& context, std::uni
   const auto before = std::pair(s.config.context.application, s.next_try);
   s.config.context.application = &context;
   s.next_try = -1.0;
-  const bool new_order = !made;
+  const bool new_version = !made;
   s.backend = made ? std::move(made) : std::make_unique<Backend>();
-  if (auto done = follow_plan_in_context(s, new_order); !done) {
+  if (auto done = follow_plan_in_context(s, new_version); !done) {
     s.backend = std::make_unique<Backend>();
     std::tie(s.config.context.application, s.next_try) = before;
     return done;

@@ -11,17 +11,18 @@ namespace {
 
 /// Settings with which the CPU must cull.
 bool needs_cpu(const EngineConfig& config) {
-  return config.draw && (config.losses.contribution > 0.0f || config.losses.budget_ms > 0.0);
+  return config.draw && (config.losses.min_projected_area > 0.0f || config.losses.budget_ms > 0.0);
 }
 
 core::Expected<void> check(const EngineConfig& config) {
-  if (!(config.losses.contribution >= 0.0f)) return core::fail("engine: contribution must be 0 or more pixels");
+  if (!(config.losses.min_projected_area >= 0.0f))
+    return core::fail("engine: min_projected_area must be 0 or more pixels");
   if (config.context.later && config.context.application)
     return core::fail("engine: context_later means that there is no context yet, and there is one");
   if (!(config.losses.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
-  for (const float strength : {config.drawing.relief.shading, config.drawing.relief.lines})
+  for (const float strength : {config.drawing.depth_shading.strength, config.drawing.depth_shading.edge_lines})
     if (!(strength >= 0.0f && strength <= 1.0f))
-      return core::fail("engine: shading and lines of relief must be between 0 and 1");
+      return core::fail("engine: strength and edge_lines of depth_shading must be between 0 and 1");
   if (!(config.drawing.hatching.strength >= 0.0f && config.drawing.hatching.strength <= 1.0f))
     return core::fail("engine: strength of hatching must be between 0 and 1");
   if (!(config.drawing.hatching.spacing >= 2.0f) || !std::isfinite(config.drawing.hatching.spacing))
@@ -30,7 +31,7 @@ core::Expected<void> check(const EngineConfig& config) {
       config.culling.part.index >= config.culling.part.count)
     return core::fail("engine: part must have an index from 0 on and below its count");
   if (config.culling.culler == CullerChoice::kGpu && needs_cpu(config))
-    return core::fail("engine: contribution and budget_ms need a culler on the CPU, and culler is gpu");
+    return core::fail("engine: min_projected_area and budget_ms need a culler on the CPU, and culler is gpu");
   return {};
 }
 
@@ -69,7 +70,7 @@ std::unique_ptr<KeptState> EngineState::keep_state() const {
 }
 
 bool EngineState::shows_unseen(const core::View& view, const core::View& cull_view) const {
-  return config.draw && config.drawing.hidden_colour && backend->ready() && !core::same_picture(view, cull_view);
+  return config.draw && config.drawing.culled_colour && backend->ready() && !core::same_image(view, cull_view);
 }
 
 PlanRequest plan_request(const EngineState& s) {
@@ -78,9 +79,9 @@ PlanRequest plan_request(const EngineState& s) {
           config.draw,
           config.drawing.ids,
           config.culling.occlusion,
-          config.losses.contribution > 0.0f,
+          config.losses.min_projected_area > 0.0f,
           config.losses.budget_ms > 0.0,
-          config.drawing.relief.any(),
+          config.drawing.depth_shading.any(),
           config.drawing.hatching.any(),
           s.picks,
           config.culling.part};
@@ -177,7 +178,7 @@ core::Expected<void> Engine::resize(int width, int height) {
 
 // --- images ----------------------------------------------------------------------------------------------------------
 
-core::Expected<void> use_image(EngineState& s, std::uint32_t number) {
+core::Expected<void> switch_image(EngineState& s, std::uint32_t number) {
   const auto kept = s.keep_state();
   const std::pair before(s.config.width, s.config.height);
   const auto known = s.image_sizes.find(number);
@@ -189,13 +190,13 @@ core::Expected<void> use_image(EngineState& s, std::uint32_t number) {
   return {};
 }
 
-core::Expected<void> Engine::use_picture(std::uint32_t number) {
-  return use_image(*state_, number);
+core::Expected<void> Engine::use_image(std::uint32_t number) {
+  return switch_image(*state_, number);
 }
 
-core::Expected<void> Engine::forget_picture(std::uint32_t number) {
+core::Expected<void> Engine::forget_image(std::uint32_t number) {
   if (number == state_->image)
-    return core::fail("engine: forget_picture: expected a picture that is not in use, found " + std::to_string(number));
+    return core::fail("engine: forget_image: expected an image that is not in use, found " + std::to_string(number));
   state_->image_sizes.erase(number);
   if (!state_->backend->ready()) return {};
   const auto kept = state_->keep_state();
@@ -220,11 +221,12 @@ MemoryReport Engine::memory() const {
   MemoryReport report;
   report.scene = s.scene->memory_bytes();
   report.snapshot = s.overrides.memory_bytes();
-  for (const Order* order : {&s.live, s.landing ? &*s.landing : nullptr}) {
-    if (!order) continue;
-    report.snapshot += order->snapshot->memory_bytes() + order->joints.memory_bytes();
-    if (const auto* culler = std::get_if<culling::CpuCuller>(order->culler.get())) report.bvh += culler->memory_bytes();
-    report.tracer += tracer_bytes(*order);
+  for (const SceneVersion* version : {&s.live, s.landing ? &*s.landing : nullptr}) {
+    if (!version) continue;
+    report.snapshot += version->snapshot->memory_bytes() + version->joints.memory_bytes();
+    if (const auto* culler = std::get_if<culling::CpuCuller>(version->culler.get()))
+      report.bvh += culler->memory_bytes();
+    report.tracer += tracer_bytes(*version);
   }
   report.gpu = s.backend->memory_bytes();
   report.scratch = core::scratch_bytes();

@@ -24,8 +24,8 @@
 #include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/culling/hybrid/controller.h"
 #include "sightline/culling/queries/region_query.h"
+#include "sightline/engine/image_tiles.h"
 #include "sightline/engine/item_style.h"
-#include "sightline/engine/picture_tiles.h"
 #include "sightline/engine/plan.h"
 
 namespace sightline::gl {
@@ -51,19 +51,19 @@ namespace sightline::engine {
 class Drawing;
 struct Pick;
 
-/// Between two corners, in pixels from the picture's upper left corner.
+/// Between two corners, in pixels from the image's upper left corner.
 struct PixelRectangle {
   double x0, y0, x1, y1;
 };
 
-/// Shading and lines by the depth of the picture alone, so that shapes of one colour can be told apart: looks, without
+/// Shading and lines by the depth of the image alone, so that shapes of one colour can be told apart: looks, without
 /// any meaning as light. They cost the same for every scene (docs/results/drawing.md), and nothing where both are 0.
-/// What is drawn over the picture is left as it is: ghosts, blended items, outlines. Dithered items become darker.
-struct Relief {
-  float shading = 0.0f;  ///< 0 … 1: darkness of corners and of what lies behind edges
-  float lines = 0.0f;    ///< 0 … 1: darkness of lines where surfaces begin or end, and along creases
+/// What is drawn over the image is left as it is: ghosts, blended items, outlines. Dithered items become darker.
+struct DepthShading {
+  float strength = 0.0f;    ///< 0 … 1: darkness of corners and of what lies behind edges
+  float edge_lines = 0.0f;  ///< 0 … 1: darkness of lines where surfaces begin or end, and along creases
 
-  bool any() const { return shading > 0.0f || lines > 0.0f; }
+  bool any() const { return strength > 0.0f || edge_lines > 0.0f; }
 };
 
 /// Lines at 45 degrees on the cut faces of section planes, as in drawings: in the plane of the section, where they lie
@@ -106,19 +106,19 @@ enum class GlState : std::uint8_t {
 /// Which items are found visible, and by which means.
 struct CullingConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
-  /// Leave out of drawing what covers no sample of the picture (culling/occlusion/sample_test.h): nothing is lost.
+  /// Leave out of drawing what covers no sample of the image (culling/occlusion/sample_test.h): nothing is lost.
   bool sample_test = true;
   /// Leave out of drawing what other items hide (culling/occlusion/occlusion_test.h): nothing is lost. With one sample
   /// per pixel only.
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
-  /// Draws, culls and finds this part of the scene alone, so that several engines, in several processes, share a
-  /// picture. A pixel is as in a picture of the whole where this part shows there. Of other parts no meshes are in GPU
+  /// Draws, culls and finds this part of the scene alone, so that several engines, in several processes, share an
+  /// image. A pixel is as in an image of the whole where this part shows there. Of other parts no meshes are in GPU
   /// memory; main memory has the whole scene. commit() makes everything anew where there were edits. Functions that
   /// take items know those of the part alone.
   ScenePart part = {};
   /// Edits append slots and leave vacant ones behind. When such slots exceed this share of all, the engine makes a new
-  /// order in the background; 0: never. An item that moves far counts twice. Until the new order lands, 1 % of moved
-  /// items cost up to a tenth of the culling speed.
+  /// scene version in the background; 0: never. An item that moves far counts twice. Until the new scene version lands,
+  /// 1 % of moved items cost up to a tenth of the culling speed.
   double rebuild_share = 0.03;
   culling::GpuCullerConfig gpu_culler = {};  ///< its variant is measured once, unless named here
   /// For CullerChoice::kHybrid. FrameCostConfig::rendering follows EngineConfig::draw. On a software rasteriser
@@ -133,10 +133,10 @@ struct DrawingConfig {
   Transparency transparency = Transparency::kDither;
   core::vec3 outline_colour{1.0f, 0.5f, 0.0f};  ///< sRGB, of ItemStyle::outline
   /// Colour (sRGB) in which frames with a FrameInput::cull_view draw the items that the sample test and the occlusion
-  /// test leave out of the picture of cull_view; then these frames are culled on the CPU. None: such items look like
+  /// test leave out of the image of cull_view; then these frames are culled on the CPU. None: such items look like
   /// all others.
-  std::optional<core::vec3> hidden_colour = {};
-  Relief relief = {};
+  std::optional<core::vec3> culled_colour = {};
+  DepthShading depth_shading = {};
   Hatching hatching = {};
 };
 
@@ -145,13 +145,13 @@ struct LossConfig {
   /// Leave out of drawing items that cover fewer pixels than this: culling/occlusion/contribution.h, with the mean area
   /// over all directions; hysteresis; lines are exempt. 0: nothing is lost. The CPU must cull: create() and
   /// set_culler() fail with kGpu, and kHybrid is then as kAutomatic; both also with a budget.
-  float contribution = 0.0f;
+  float min_projected_area = 0.0f;
   /// How these items are drawn. With a budget also what its time does not suffice for; kStochastic is then as
   /// kPoints.
-  ContributionWay contribution_way = ContributionWay::kDrop;
+  ContributionMode contribution_mode = ContributionMode::kDrop;
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
-  /// what the time does not suffice for is left out (FrameReport::pending), or a square each: contribution_way. While
-  /// view and scene stay the same, each frame draws more of it, until the picture is complete; then frames draw
+  /// what the time does not suffice for is left out (FrameReport::pending), or a splat each: contribution_mode. While
+  /// view and scene stay the same, each frame draws more of it, until the image is complete; then frames draw
   /// nothing. The CPU must cull, as above. Every frame is waited for.
   double budget_ms = 0.0;
 };
@@ -195,33 +195,33 @@ struct FrameReport {
   bool drawn = false;     ///< false without drawing, and while the context is lost
   std::int64_t visible = 0,
                tested = 0;  ///< items in the view volume; hierarchy and item boxes. -1: known to the GPU alone
-  /// Of these, items that may cover a sample of the picture (-1 where occlusion was tested, which includes that); items
+  /// Of these, items that may cover a sample of the image (-1 where occlusion was tested, which includes that); items
   /// drawn. Both -1 without drawing, and where the GPU alone knows.
-  std::int64_t sampled = -1, shown = -1;
-  /// Items in the view volume that are below EngineConfig::losses.contribution; 0 without it.
-  std::int64_t small = 0;
-  std::int64_t squares =
-      0;  ///< of these and of pending ones, drawn as one square: EngineConfig::losses.contribution_way
+  std::int64_t sampled = -1, items_drawn = -1;
+  /// Items in the view volume that are below EngineConfig::losses.min_projected_area; 0 without it.
+  std::int64_t below_min_area = 0;
+  /// Of these and of pending items, those drawn as one splat each: EngineConfig::losses.contribution_mode.
+  std::int64_t splats = 0;
   /// Items in the view volume for which EngineConfig::losses.budget_ms did not suffice: some of them may be hidden. 0:
-  /// the picture is complete.
+  /// the image is complete.
   std::int64_t pending = 0;
 };
 
 /// What the GPU culler found in an earlier frame. It is not asked for translucent items (docs/guide/transparency.md).
 struct LateReport {
-  std::uint64_t frame = 0;    ///< FrameReport::frame
-  std::int64_t visible = 0;   ///< items in the view volume
-  double gpu_cull_ms = -1.0;  ///< on the GPU's clock; -1 where that means nothing
-  std::int64_t shown = -1;    ///< items drawn; -1 without drawing
+  std::uint64_t frame = 0;        ///< FrameReport::frame
+  std::int64_t visible = 0;       ///< items in the view volume
+  double gpu_cull_ms = -1.0;      ///< on the GPU's clock; -1 where that means nothing
+  std::int64_t items_drawn = -1;  ///< items drawn; -1 without drawing
 };
 
-/// What EngineConfig::losses.contribution and budget_ms cost a picture: an estimate of its error.
+/// What EngineConfig::losses.min_projected_area and budget_ms cost an image: an estimate of its error.
 struct LossReport {
-  std::int64_t items = 0;  ///< left out, that may cover a sample and that nothing in the picture is known to hide
+  std::int64_t items = 0;  ///< left out, that may cover a sample and that nothing in the image is known to hide
   double pixels = 0.0;     ///< that these are expected to cover, at most all: see Engine::loss()
 };
 
-/// With what a new order has that is ready and not shown yet, and without one that is still being made.
+/// With what a new scene version has that is ready and not shown yet, and without one that is still being made.
 struct MemoryReport {
   std::size_t scene = 0, snapshot = 0, bvh = 0, gpu = 0;  ///< bytes
   std::size_t tracer = 0;                                 ///< 0 before the first pick
@@ -232,8 +232,8 @@ struct MemoryReport {
 struct FrameInput {
   const core::View& view;  ///< that the image shows
   /// Culls by this view instead: the image then shows from `view` what lies in the view volume of this one, and with
-  /// EngineConfig::drawing.hidden_colour what the tests after the culler leave out. So one can look at culling from the
-  /// side. Null, or a view that shows the same (core::same_picture): culls by `view`.
+  /// EngineConfig::drawing.culled_colour what the tests after the culler leave out. So one can look at culling from the
+  /// side. Null, or a view that shows the same (core::same_image): culls by `view`.
   const core::View* cull_view = nullptr;
   const gl::ExternalTarget* target = nullptr;  ///< a framebuffer that gets the image, too; null: none
 };
@@ -262,59 +262,59 @@ class SIGHTLINE_API Engine {
   core::Expected<FrameReport> frame(const core::View& view);
   /// The same with a culling view or a target, or both: see FrameInput and the next function.
   core::Expected<FrameReport> frame(const FrameInput& input);
-  /// As frame(view), and puts the picture into a framebuffer of the application's context (gl/external_target.h),
+  /// As frame(view), and puts the image into a framebuffer of the application's context (gl/external_target.h),
   /// with the depth test, in the order of GL's commands: what the application draws there before and after hides, and
-  /// is hidden by, what the scene shows. The picture gets the target's size. Several engines, views and framebuffers
-  /// may take turns: see use_picture(). Items with transparent materials are dithered, so
+  /// is hidden by, what the scene shows. The image gets the target's size. Several engines, views and framebuffers
+  /// may take turns: see use_image(). Items with transparent materials are dithered, so
   /// they show the application's pixels, too. Works on all paths; read_colour() and the like read the engine's own
-  /// picture.
+  /// image.
   ///
   /// Fails without EngineConfig::draw and EngineConfig::context.application, on sizes that the context does not
   /// support, and on framebuffers that GL does not draw to. Then nothing is drawn there. Nothing is drawn while the
   /// context is lost.
   core::Expected<FrameReport> frame(const core::View& view, const gl::ExternalTarget& target);
   /// The same for several views at one time, such as the two eyes of a headset: view i goes into target i, which may be
-  /// a layer of a texture, and has picture i of use_picture(). EngineConfig::losses.budget_ms is for all of them
-  /// together. Needs as many targets as views. Where one fails, those before it are drawn. Which picture is in use does
+  /// a layer of a texture, and has image i of use_image(). EngineConfig::losses.budget_ms is for all of them
+  /// together. Needs as many targets as views. Where one fails, those before it are drawn. Which image is in use does
   /// not change.
   core::Expected<std::vector<FrameReport>> frame(std::span<const core::View> views,
                                                  std::span<const gl::ExternalTarget> targets);
-  /// Shows another one of the engine's pictures from now on; each has a number of the application's, at first 0.
-  /// Frames, read_colour() and the like, resize(), loss() and draw_outline() are about the picture in use. One for each
-  /// view keeps what the engine learns from frame to frame: its size, a budget's unfinished picture, what was large or
+  /// Shows another one of the engine's images from now on; each has a number of the application's, at first 0.
+  /// Frames, read_colour() and the like, resize(), loss() and draw_outline() are about the image in use. One for each
+  /// view keeps what the engine learns from frame to frame: its size, a budget's unfinished image, what was large or
   /// seen in the last frame. A new one has the size of the one before. It takes as much GPU memory as its pixels do.
-  /// Fails as resize(); then the picture in use stays.
-  core::Expected<void> use_picture(std::uint32_t number);
-  /// Frees what the engine has for a picture. Fails for the one in use.
-  core::Expected<void> forget_picture(std::uint32_t number);
+  /// Fails as resize(); then the image in use stays.
+  core::Expected<void> use_image(std::uint32_t number);
+  /// Frees what the engine has for an image. Fails for the one in use.
+  core::Expected<void> forget_image(std::uint32_t number);
   /// Draws a line around items, as ItemStyle::outline has it, over a framebuffer of the application's context: for what
   /// is under a cursor, where a frame would take too long. `view` and the target's size must be those of the last
-  /// frame's picture, which the framebuffer should show and which stays as it is. Takes the time of these items and of
-  /// two passes over the picture. Nothing is tested against the framebuffer's depth. Only builds with GL have it.
+  /// frame's image, which the framebuffer should show and which stays as it is. Takes the time of these items and of
+  /// two passes over the image. Nothing is tested against the framebuffer's depth. Only builds with GL have it.
   ///
   /// Fails as frame(view, target), on another size, and with an item that is unknown as of the last commit(). Then, and
   /// while the context is lost, nothing is drawn.
   core::Expected<void> draw_outline(const core::View& view, std::span<const core::ItemId> items,
                                     const gl::ExternalTarget& target);
-  /// What the last frame() has left out by EngineConfig::losses.contribution and budget_ms, `view` being the one that
-  /// it drew; nothing without these. Squares drawn instead count as left out. The pixels are the sum of the items'
+  /// What the last frame() has left out by EngineConfig::losses.min_projected_area and budget_ms, `view` being the one
+  /// that it drew; nothing without these. Splats drawn instead count as left out. The pixels are the sum of the items'
   /// areas as culling/occlusion/contribution.h measures them, so they are too many where items overlap or hide each
-  /// other, or reach out of the picture. A convex solid may cover twice its measure in an unlucky direction. Waits for
-  /// the GPU and takes time in proportion to the items left out: meant for pictures that stay.
+  /// other, or reach out of the image. A convex solid may cover twice its measure in an unlucky direction. Waits for
+  /// the GPU and takes time in proportion to the items left out: meant for images that stay.
   core::Expected<LossReport> loss(const core::View& view);
   /// What culling makes of each item in the view (culling/cull_states.h), by the slots of snapshot(): the culler, then
   /// contribution, sample test and occlusion as configured, the latter two with `draw` alone. A budget does not count,
-  /// nor hysteresis. Draws a picture for that, so that the last frame's is gone. Time is in proportion to all slots.
+  /// nor hysteresis. Draws an image for that, so that the last frame's is gone. Time is in proportion to all slots.
   core::Expected<culling::CullStates> cull_states(const core::View& view);
-  /// Draws a part of a picture of `whole` that may be larger than any framebuffer: the part has the engine's size, and
-  /// read_colour() and the like read it. picture_tiles() tells which parts join without seams.
+  /// Draws a tile of an image of `whole` that may be larger than any framebuffer: the tile has the engine's size, and
+  /// read_colour() and the like read it. image_tiles() tells which tiles join without seams.
   ///
-  /// A pixel is as frame(whole) has it in one picture, but for rounding: corners of triangles move by up to two grains
+  /// A pixel is as frame(whole) has it in one image, but for rounding: corners of triangles move by up to two grains
   /// of the rasteriser (1/256 of a pixel in most), and rays by units in the last place of float. So some pixels at
   /// edges show the other side, and colours may differ in the last bit. `whole` is as wide as part.width / part.height
   /// says. With a budget, a part is complete when FrameReport::pending is 0. Fails on numbers that are not finite, and
   /// unless width and height are above 0.
-  core::Expected<FrameReport> frame_part(const core::View& whole, const PicturePart& part);
+  core::Expected<FrameReport> frame_tile(const core::View& whole, const ImageTile& tile);
   /// The oldest result of the GPU culler that was not yet taken; results arrive some frames late. Nothing while none
   /// has arrived. Never waits. Keeps the newest 64 results.
   std::optional<LateReport> take_late_report();
@@ -325,41 +325,41 @@ class SIGHTLINE_API Engine {
   /// others. Memory that is full is enlarged by half, which the GPU copies; the first item of its kind has its program
   /// compiled.
   ///
-  /// After many edits the engine makes a new order in the background (EngineConfig::culling.rebuild_share). It works on
-  /// a copy of the snapshot, so the scene may be edited meanwhile. Once it is ready, commit() and frame() upload what
-  /// it needs, a quarter of a frame's time in each and 8 ms at most, but for single steps (making the GPU culler); then
-  /// it lands as an exchange of pointers. Slots change with it: visible() names the generation of the snapshot that its
-  /// slots belong to.
+  /// After many edits the engine makes a new scene version in the background (EngineConfig::culling.rebuild_share). It
+  /// works on a copy of the snapshot, so the scene may be edited meanwhile. Once it is ready, commit() and frame()
+  /// upload what it needs, a quarter of a frame's time in each and 8 ms at most, but for single steps (making the GPU
+  /// culler); then it lands as an exchange of pointers. Slots change with it: visible() names the generation of the
+  /// snapshot that its slots belong to.
   core::Expected<void> commit();
   /// The same in portions, for a thread that must not stop: works for about `seconds` and returns whether all edits are
   /// followed. Frames show those that are; call it again for the others, which are then read as the scene has them.
   core::Expected<bool> commit(double seconds);
-  /// Makes a new order at once, the one that a new engine would have. Stops a rebuild in the background.
+  /// Makes a new scene version at once, the one that a new engine would have. Stops a rebuild in the background.
   core::Expected<void> rebuild();
-  /// True while a new order is being made or waits to land.
+  /// True while a new scene version is being made or waits to land.
   bool rebuilding() const;
 
   /// Uses another culler from the next frame on. Makes what that culler lacks. What the former culler had is kept until
-  /// the next new order, so that changing back costs next to nothing. A hybrid that comes begins to learn anew. Stops a
-  /// rebuild in the background if the plan's culler changes; the next commit() begins it again. Fails where create()
-  /// would; then nothing has changed. The same as configure() with that culler.
+  /// the next new scene version, so that changing back costs next to nothing. A hybrid that comes begins to learn anew.
+  /// Stops a rebuild in the background if the plan's culler changes; the next commit() begins it again. Fails where
+  /// create() would; then nothing has changed. The same as configure() with that culler.
   core::Expected<void> set_culler(CullerChoice choice);
   const EngineConfig& config() const;
-  /// Uses other settings from the next frame on: culler, controller, sample_test, occlusion, contribution,
-  /// contribution_way, budget_ms, hidden_colour, outline_colour, relief and hatching. The others must be as they are
-  /// (config()). What that needs is made, as in set_culler(). A rebuild in the background goes on unless the
+  /// Uses other settings from the next frame on: culler, controller, sample_test, occlusion, min_projected_area,
+  /// contribution_mode, budget_ms, culled_colour, outline_colour, depth shading and hatching. The others must be as
+  /// they are (config()). What that needs is made, as in set_culler(). A rebuild in the background goes on unless the
   /// plan names another culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion or the
   /// plan's culler change. Fails where create() would, and on other changes; then nothing has changed.
   core::Expected<void> configure(const EngineConfig& config);
-  /// Draws in another size, in pixels, from the next frame on. The old picture is gone. Fails on sizes that the context
+  /// Draws in another size, in pixels, from the next frame on. The old image is gone. Fails on sizes that the context
   /// does not support; then nothing has changed.
   core::Expected<void> resize(int width, int height);
 
   // --- overrides: what this engine alone shows otherwise than the scene says ---------------------------------------
-  // Items keep their style and stay hidden whatever is edited, and in every new order and context, until they are
-  // removed. Items that are inserted later have no style and show. Next frame on; time is in proportion to the items.
-  // All fail with an id or handle that is unknown as of the last commit(), naming it; then nothing has changed. For
-  // what hangs on nodes ask items_below().
+  // Items keep their style and stay hidden whatever is edited, and in every new scene version and context, until they
+  // are removed. Items that are inserted later have no style and show. Next frame on; time is in proportion to the
+  // items. All fail with an id or handle that is unknown as of the last commit(), naming it; then nothing has changed.
+  // For what hangs on nodes ask items_below().
 
   /// Gives items a style, in place of the one that they have. Fails, too, unless colour and alpha are within 0 … 1.
   core::Expected<void> set_override(std::span<const core::ItemId> items, const ItemStyle& style);
@@ -382,14 +382,14 @@ class SIGHTLINE_API Engine {
   /// commit(). Reads the scene. Fails with a handle that is stale.
   core::Expected<std::vector<core::ItemId>> items_below(std::span<const core::NodeId> nodes) const;
 
-  /// What the view shows at a point of the picture: the item hit first (engine/pick.h). In pixels from the upper
-  /// left corner; the middle of the first pixel is at 0.5, 0.5. The picture has the size of EngineConfig or resize().
+  /// What the view shows at a point of the image: the item hit first (engine/pick.h). In pixels from the upper
+  /// left corner; the middle of the first pixel is at 0.5, 0.5. The image has the size of EngineConfig or resize().
   /// The view's layers and section planes count, transparency does not, and ghosts do on request. Nothing where the ray
   /// hits nothing; lines are never hit. Works with and without drawing. Fails as core::image_ray() does.
   ///
   /// The first pick builds the tracer, about 0.8 s of one processor per million items, unless prepare_picks() has. From
-  /// then on commits keep it up, and new orders come with theirs. Only builds with SIGHTLINE_RAYTRACE have these
-  /// functions.
+  /// then on commits keep it up, and new scene versions come with theirs. Only builds with SIGHTLINE_RAYTRACE have
+  /// these functions.
   core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y, Ghosts ghosts = Ghosts::kPassed);
   /// What a ray hits first. Without a filter: items of the default layers.
   core::Expected<std::optional<Pick>> pick(const core::Ray& ray);
@@ -403,7 +403,7 @@ class SIGHTLINE_API Engine {
   /// Whether that is going on, so that a pick would wait.
   bool preparing_picks() const;
 
-  /// Items in a rectangle of the picture, in rising order, hidden behind others or not: those with any part in it, or
+  /// Items in a rectangle of the image, in rising order, hidden behind others or not: those with any part in it, or
   /// those wholly in it, as culling/queries/region_query.h promises. The view's layers and section planes count. Needs
   /// no tracer. Fails as culling::rectangle_view() does.
   core::Expected<std::vector<core::ItemId>> items_in(const core::View& view, const PixelRectangle& rectangle,
@@ -411,7 +411,7 @@ class SIGHTLINE_API Engine {
   /// Items of `layers` in what all planes keep, at most core::kMaxSectionPlanes; else fails.
   core::Expected<std::vector<core::ItemId>> items_in(std::vector<core::Plane> planes, culling::RegionRule rule,
                                                      std::uint32_t layers = core::kDefaultLayerMask) const;
-  /// Items that a rectangle of the picture shows, rounded outwards to whole pixels, with their samples, in rising
+  /// Items that a rectangle of the image shows, rounded outwards to whole pixels, with their samples, in rising
   /// order: raytrace::ExactVisibility on `samples` a pixel. Never ghosts. As pick() otherwise.
   core::Expected<std::vector<raytrace::VisibleItem>> visible_items_in(const core::View& view,
                                                                       const PixelRectangle& rectangle, int samples = 1);
@@ -428,8 +428,8 @@ class SIGHTLINE_API Engine {
   /// steps: compiling a program, the corners of one mesh, making the GPU culler. The first frame is then no slower than
   /// others, even where drivers compile late.
   ///
-  /// Edits in between are followed. A new order makes it begin anew. Fails as above, and when the context is lost
-  /// meanwhile; the next call then begins anew.
+  /// Edits in between are followed. A new scene version makes it begin anew. Fails as above, and when the context is
+  /// lost meanwhile; the next call then begins anew.
   core::Expected<bool> use_context(gl::Context& context, double seconds);
 
   /// Tells that the application drew nothing for a while (a pause, a dialog): the next frame_ms does not count that
@@ -442,7 +442,7 @@ class SIGHTLINE_API Engine {
   const Plan& plan() const;
   const core::Snapshot& snapshot() const;
   const core::VisibleSet& visible() const;  ///< empty when the GPU culls
-  /// The last frame's picture (render/image/image.h). Only builds with GL have these functions. They wait for the GPU.
+  /// The last frame's image (render/image/image.h). Only builds with GL have these functions. They wait for the GPU.
   /// They fail without EngineConfig::draw, and while the context is lost.
   core::Expected<image::Image> read_colour();
   core::Expected<image::IdImage> read_ids();  ///< fails without EngineConfig::drawing.ids, too
@@ -450,7 +450,7 @@ class SIGHTLINE_API Engine {
   core::Expected<image::DepthImage> read_depth(const core::View& view);
   /// Whether any pixel shows anything but the background.
   core::Expected<bool> covered();
-  /// GL's name of the framebuffer with the picture, one value per pixel, in the context that the engine draws with.
+  /// GL's name of the framebuffer with the image, one value per pixel, in the context that the engine draws with.
   core::Expected<std::uint32_t> framebuffer();
 
   /// As GL names it; empty while there is no context.

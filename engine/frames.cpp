@@ -109,10 +109,10 @@ core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, Fr
   report.wait_ms = result->wait_ms;
   if (!report.drawn || on_gpu) return {};
   report.sampled = result->counts.sampled;
-  report.shown = result->counts.shown;
-  report.small = result->counts.small;
+  report.items_drawn = result->counts.items_drawn;
+  report.below_min_area = result->counts.below_min_area;
   report.pending = result->counts.pending;
-  report.squares = result->counts.squares;
+  report.splats = result->counts.splats;
   return {};
 }
 
@@ -172,7 +172,7 @@ core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::Vie
   std::vector<FrameReport> reports;
   core::Expected<void> done;
   for (std::size_t i = 0; done && i < views.size(); ++i) {
-    done = use_image(s, std::uint32_t(i));
+    done = switch_image(s, std::uint32_t(i));
     if (!done) break;
     // The budget of the last view ends with that of all, and each view may use what those before it have left.
     const double budget_began = began - share * double(views.size() - 1 - i);
@@ -182,15 +182,15 @@ core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::Vie
     else
       done = tl::unexpected(report.error());
   }
-  if (auto back = use_image(s, before); done) done = back;
+  if (auto back = switch_image(s, before); done) done = back;
   if (!done) return tl::unexpected(done.error());
   return reports;
 }
 
-core::Expected<FrameReport> Engine::frame_part(const core::View& whole, const PicturePart& part) {
+core::Expected<FrameReport> Engine::frame_tile(const core::View& whole, const ImageTile& tile) {
   EngineState& s = *state_;
-  const auto view = culling::rectangle_view(whole, part.width, part.height, part.x, part.y, part.x + s.config.width,
-                                            part.y + s.config.height);
+  const auto view = culling::rectangle_view(whole, tile.width, tile.height, tile.x, tile.y, tile.x + s.config.width,
+                                            tile.y + s.config.height);
   if (!view) return tl::unexpected(view.error());
   const auto kept = s.keep_state();
   if (auto landed = land(s); !landed) return tl::unexpected(landed.error());

@@ -45,12 +45,12 @@ void for_each_slot(const Snapshot& snapshot, std::span<const ItemId> items, cons
 
 }  // namespace
 
-std::size_t Overrides::LookHash::operator()(const Look& look) const {
-  const core::vec3 colour = look.style.colour.value_or(core::vec3(-1.0f));
-  std::size_t hash = look.material;
-  for (const float value : {colour.r, colour.g, colour.b, look.style.alpha})
+std::size_t Overrides::MaterialOverrideHash::operator()(const MaterialOverride& material_override) const {
+  const core::vec3 colour = material_override.style.colour.value_or(core::vec3(-1.0f));
+  std::size_t hash = material_override.material;
+  for (const float value : {colour.r, colour.g, colour.b, material_override.style.alpha})
     hash = hash * 0x9e3779b97f4a7c15u + std::bit_cast<std::uint32_t>(value + 0.0f);  // -0 equals 0
-  return hash * 4 + (look.style.ghost ? 1 : 0) + (look.style.outline ? 2 : 0);
+  return hash * 4 + (material_override.style.ghost ? 1 : 0) + (material_override.style.outline ? 2 : 0);
 }
 
 bool SlotFlags::set(Slot slot, bool value) {
@@ -71,36 +71,38 @@ void Overrides::mark(Slot slot, const ItemStyle& style) {
   outlined_.set(slot, style.outline);
 }
 
-// --- looks -----------------------------------------------------------------------------------------------------------
+// --- material overrides -------------------------------------------------------------------------------------------
 
-/// The number of a look, which gains one item.
-std::uint32_t Overrides::take_look(Snapshot& snapshot, const ItemStyle& style, std::uint32_t material, Change& change) {
-  const Look wanted{style, material};
+/// The number of a material override, which gains one item.
+std::uint32_t Overrides::take_override(Snapshot& snapshot, const ItemStyle& style, std::uint32_t material,
+                                       Change& change) {
+  const MaterialOverride wanted{style, material};
   const auto [at, fresh] = number_of_.try_emplace(wanted, kNone);
-  if (fresh && free_looks_.empty()) {
-    at->second = std::uint32_t(looks_.size());
-    looks_.push_back(wanted);
+  if (fresh && free_overrides_.empty()) {
+    at->second = std::uint32_t(material_overrides_.size());
+    material_overrides_.push_back(wanted);
   } else if (fresh) {
-    at->second = free_looks_.back();
-    free_looks_.pop_back();
-    looks_[at->second] = wanted;
+    at->second = free_overrides_.back();
+    free_overrides_.pop_back();
+    material_overrides_[at->second] = wanted;
   }
   if (fresh) set_row(snapshot, at->second, change);
-  ++looks_[at->second].items;
+  ++material_overrides_[at->second].items;
   return at->second;
 }
 
-void Overrides::release_look(std::uint32_t number) {
-  Look& look = looks_[number];
-  if (--look.items > 0) return;
-  number_of_.erase(look);
-  free_looks_.push_back(number);
+void Overrides::release_override(std::uint32_t number) {
+  MaterialOverride& material_override = material_overrides_[number];
+  if (--material_override.items > 0) return;
+  number_of_.erase(material_override);
+  free_overrides_.push_back(number);
 }
 
 void Overrides::set_row(Snapshot& snapshot, std::uint32_t number, Change& change) {
-  snapshot.set_look(number, row_of(snapshot, looks_[number].style, looks_[number].material));
-  first_look_ = snapshot.first_look();
-  change.materials.push_back(first_look_ + number);
+  snapshot.set_override_row(number,
+                            row_of(snapshot, material_overrides_[number].style, material_overrides_[number].material));
+  first_override_row_ = snapshot.first_override_row();
+  change.materials.push_back(first_override_row_ + number);
 }
 
 // --- styles of items -------------------------------------------------------------------------------------------------
@@ -115,17 +117,17 @@ Overrides::Change Overrides::set(Snapshot& snapshot, std::span<const ItemId> ite
   };
   for_each_slot(snapshot, items, prefetch, [&](ItemId item, Slot slot) {
     Styled* styled = styled_.find(item);
-    if (styled && looks_[styled->look].style == style) return;
+    if (styled && material_overrides_[styled->material_override].style == style) return;
     const bool was_opaque = snapshot.opaque(slot);
     const std::uint32_t material = styled ? styled->material : snapshot.material(slot);
-    const std::uint32_t look = take_look(snapshot, style, material, change);
+    const std::uint32_t material_override = take_override(snapshot, style, material, change);
     if (styled) {
-      release_look(styled->look);
-      styled->look = look;
+      release_override(styled->material_override);
+      styled->material_override = material_override;
     } else {
-      styled_.insert(item, {look, material});
+      styled_.insert(item, {material_override, material});
     }
-    snapshot.set_material(slot, snapshot.first_look() + look);
+    snapshot.set_material(slot, snapshot.first_override_row() + material_override);
     mark(slot, style);
     change.touched.push_back(slot);
     if (was_opaque && !snapshot.opaque(slot)) change.uncovered.push_back(item);
@@ -146,7 +148,7 @@ Overrides::Change Overrides::clear(Snapshot& snapshot, std::span<const ItemId> i
     const bool was_opaque = snapshot.opaque(slot);
     snapshot.set_material(slot, styled->material);
     mark(slot, {});
-    release_look(styled->look);
+    release_override(styled->material_override);
     styled_.erase(item);
     change.touched.push_back(slot);
     if (was_opaque && !snapshot.opaque(slot)) change.uncovered.push_back(item);
@@ -206,11 +208,12 @@ Overrides::Change Overrides::show_all(Snapshot& snapshot) {
   return show(snapshot, items);
 }
 
-// --- edits and new orders --------------------------------------------------------------------------------------------
+// --- edits and new scene versions
+// --------------------------------------------------------------------------------------------
 
 void Overrides::forget(ItemId item) {
   if (const Styled* styled = styled_.find(item)) {
-    release_look(styled->look);
+    release_override(styled->material_override);
     styled_.erase(item);
   }
   if (hidden_.find(item)) hidden_.erase(item);
@@ -221,19 +224,19 @@ Overrides::Change Overrides::follow(Snapshot& snapshot, const core::SceneDelta& 
   if (empty()) return change;
   for (const Slot slot : touched) mark(slot, {});
   for (const ItemId item : delta.removed) forget(item);
-  const bool looks_moved = first_look_ != snapshot.first_look();
+  const bool overrides_moved = first_override_row_ != snapshot.first_override_row();
   std::vector<Slot> vacated;
   for (const auto* list : {&delta.changed, &delta.inserted})
     for_each_slot(
         snapshot, *list, [](ItemId, Slot) {},
         [&](ItemId item, Slot slot) {
           if (Styled* styled = styled_.find(item)) {
-            const ItemStyle style = looks_[styled->look].style;
+            const ItemStyle style = material_overrides_[styled->material_override].style;
             styled->material = snapshot.material(slot);
-            const std::uint32_t look = take_look(snapshot, style, styled->material, change);
-            release_look(styled->look);
-            styled->look = look;
-            snapshot.set_material(slot, snapshot.first_look() + look);
+            const std::uint32_t material_override = take_override(snapshot, style, styled->material, change);
+            release_override(styled->material_override);
+            styled->material_override = material_override;
+            snapshot.set_material(slot, snapshot.first_override_row() + material_override);
             mark(slot, style);
           }
           if (Snapshot::Shown* shown = hidden_.find(item)) {
@@ -242,36 +245,36 @@ Overrides::Change Overrides::follow(Snapshot& snapshot, const core::SceneDelta& 
           }
         });
   snapshot.hide(vacated);
-  if (looks_moved || !delta.materials.empty()) follow_table(snapshot, delta.materials, looks_moved, change);
+  if (overrides_moved || !delta.materials.empty()) follow_table(snapshot, delta.materials, overrides_moved, change);
   std::sort(change.materials.begin(), change.materials.end());
   return change;
 }
 
-/// Follows edits of materials, and the looks when the scene's materials have taken their place in the table.
+/// Follows edits of materials, and the overrides when the scene's materials have taken their place in the table.
 void Overrides::follow_table(Snapshot& snapshot, std::span<const std::uint32_t> materials, bool moved, Change& change) {
-  first_look_ = snapshot.first_look();
-  std::vector<bool> turned(looks_.size());  // no longer opaque
+  first_override_row_ = snapshot.first_override_row();
+  std::vector<bool> turned(material_overrides_.size());  // no longer opaque
   bool any_turned = false;
-  for (std::uint32_t number = 0; number < looks_.size(); ++number) {
-    const Look& look = looks_[number];
-    if (look.items == 0) continue;
-    if (std::binary_search(materials.begin(), materials.end(), look.material)) {
-      const bool was_opaque = snapshot.materials()[first_look_ + number].a >= 1.0f;
+  for (std::uint32_t number = 0; number < material_overrides_.size(); ++number) {
+    const MaterialOverride& material_override = material_overrides_[number];
+    if (material_override.items == 0) continue;
+    if (std::binary_search(materials.begin(), materials.end(), material_override.material)) {
+      const bool was_opaque = snapshot.materials()[first_override_row_ + number].a >= 1.0f;
       set_row(snapshot, number, change);
-      turned[number] = was_opaque && snapshot.materials()[first_look_ + number].a < 1.0f;
+      turned[number] = was_opaque && snapshot.materials()[first_override_row_ + number].a < 1.0f;
       any_turned |= turned[number];
     } else if (moved) {
-      change.materials.push_back(first_look_ + number);
+      change.materials.push_back(first_override_row_ + number);
     }
   }
   if (!moved && !any_turned) return;
   for (const auto& [item, styled] : styled_.entries()) {
     const Slot slot = snapshot.slot(item);
     if (moved) {
-      snapshot.set_material(slot, first_look_ + styled.look);
+      snapshot.set_material(slot, first_override_row_ + styled.material_override);
       change.touched.push_back(slot);
     }
-    if (turned[styled.look]) change.uncovered.push_back(item);
+    if (turned[styled.material_override]) change.uncovered.push_back(item);
   }
 }
 
@@ -286,14 +289,15 @@ void Overrides::restore(Snapshot& snapshot) {
   for (auto& [item, styled] : styled_.entries()) {
     const Slot slot = snapshot.slot(item);
     styled.material = snapshot.material(slot);
-    const std::uint32_t look = take_look(snapshot, looks_[styled.look].style, styled.material, change);
-    release_look(styled.look);
-    styled.look = look;
+    const std::uint32_t material_override =
+        take_override(snapshot, material_overrides_[styled.material_override].style, styled.material, change);
+    release_override(styled.material_override);
+    styled.material_override = material_override;
   }
-  for (std::uint32_t number = 0; number < looks_.size(); ++number)
-    if (looks_[number].items > 0) set_row(snapshot, number, change);
+  for (std::uint32_t number = 0; number < material_overrides_.size(); ++number)
+    if (material_overrides_[number].items > 0) set_row(snapshot, number, change);
   for (const auto& [item, styled] : styled_.entries())
-    snapshot.set_material(snapshot.slot(item), snapshot.first_look() + styled.look);
+    snapshot.set_material(snapshot.slot(item), snapshot.first_override_row() + styled.material_override);
   std::vector<Slot> vacated;
   for (auto& [item, shown] : hidden_.entries()) {
     const Slot slot = snapshot.slot(item);
@@ -306,12 +310,13 @@ void Overrides::restore(Snapshot& snapshot) {
 
 void Overrides::reorder(const Snapshot& snapshot) {
   ghosts_ = outlined_ = {};
-  for (const auto& [item, styled] : styled_.entries()) mark(snapshot.slot(item), looks_[styled.look].style);
+  for (const auto& [item, styled] : styled_.entries())
+    mark(snapshot.slot(item), material_overrides_[styled.material_override].style);
 }
 
 std::size_t Overrides::memory_bytes() const {
-  return styled_.memory_bytes() + hidden_.memory_bytes() + looks_.capacity() * sizeof(Look) +
-         number_of_.size() * (sizeof(Look) + 32) + ghosts_.memory_bytes() + outlined_.memory_bytes();
+  return styled_.memory_bytes() + hidden_.memory_bytes() + material_overrides_.capacity() * sizeof(MaterialOverride) +
+         number_of_.size() * (sizeof(MaterialOverride) + 32) + ghosts_.memory_bytes() + outlined_.memory_bytes();
 }
 
 }  // namespace sightline::engine

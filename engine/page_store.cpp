@@ -162,14 +162,14 @@ core::Expected<void> PageStore::take_loaded(const gl::Context& context, std::uin
     }
     if (auto done = upload(context, loaded.page, std::move(*loaded.content)); !done) return done;
     pages_[loaded.page]->used = frame;
-    ++counts_.prefetched;  // until a picture needs it
+    ++counts_.prefetched;  // until an image needs it
   }
   return {};
 }
 
 core::Expected<void> PageStore::upload(const gl::Context& context, std::uint32_t page,
                                        std::unique_ptr<core::Page> content) {
-  const auto joints = gpuprims::Joints::of_slots(std::move(content->hidden_ends));
+  const auto joints = gpuprims::Joints::of_slots(std::move(content->internal_end_caps));
   const core::Snapshot& snapshot = content->snapshot;
   auto scene = gpuscene::GpuScene::create(context, snapshot, joints);
   if (!scene) return tl::unexpected(scene.error());

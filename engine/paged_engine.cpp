@@ -13,7 +13,7 @@
 #include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/page_store.h"
-#include "sightline/engine/internal/stand_ins.h"
+#include "sightline/engine/internal/placeholders.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gl/internal/program_cache.h"
@@ -27,7 +27,7 @@ constexpr std::uint64_t kFirstPass = 1 << 15;  // items to draw before depth is 
 constexpr std::uint32_t kShortestLeafRange = 16;  // leaves
 constexpr int kForeseen = 3;                      // the camera's motion is doubled so often: frames ahead
 constexpr double kLongestTrial = 10.0;            // seconds
-constexpr float kBarShare = 0.2f;                 // of the picture's width
+constexpr float kBarShare = 0.2f;                 // of the image's width
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
 constexpr std::size_t kReserveShare = 10, kLeastReserve = 32 * kMegabyte;  // see reserve_of()
 
@@ -58,7 +58,7 @@ void to_set(culling::SlotBits bits, core::VisibleSet& set) {
     if (slot - first >= kShortestLeafRange)
       set.ranges.push_back({first, slot - first});
     else
-      for (core::Slot s = first; s < slot; ++s) set.slots.push_back(s);
+      for (core::Slot s = first; s < slot; ++s) set.single_slots.push_back(s);
   }
 }
 
@@ -67,7 +67,7 @@ std::size_t reserve_of(std::size_t limit) {
   return std::max(limit / kReserveShare, kLeastReserve);
 }
 
-/// What it takes to read a picture and keep it: three bytes a pixel of colours, four each of depths and ids, and four
+/// What it takes to read an image and keep it: three bytes a pixel of colours, four each of depths and ids, and four
 /// more while one of these is turned upside down.
 std::size_t bytes_to_read(const PagedConfig& config) {
   return std::size_t(config.width) * std::size_t(config.height) * std::size_t(3 + 4 + 4 + (config.ids ? 4 : 0));
@@ -108,7 +108,7 @@ class PagedEngine::Impl {
   std::vector<std::string> take_gl_errors() {
     return context_.make_current() ? context_.take_errors() : std::vector<std::string>();
   }
-  const render::RenderTarget& picture() const {
+  const render::RenderTarget& image() const {
     (void)context_.make_current();
     return target_;
   }
@@ -129,7 +129,7 @@ class PagedEngine::Impl {
 
   core::Expected<void> take_context();
   PagedReport begin(const core::View& view);
-  void open_leaves();
+  void unoccluded_leaves();
   core::Expected<void> refine(double until, bool stays);
   core::Expected<void> refine_more();
   core::Expected<void> draw_resident();
@@ -152,13 +152,13 @@ class PagedEngine::Impl {
   std::vector<std::uint64_t> line_leaves_;
   render::RenderTarget target_, canvas_;
   std::optional<render::Renderer> renderer_;
-  std::optional<StandIns> stand_ins_;
+  std::optional<Placeholders> placeholders_;
   std::size_t page_limit_ = 0;  // bytes for pages, where drivers take what was foreseen
   std::unique_ptr<PageStore> store_;
 
-  // The picture that is being drawn.
+  // The image that is being drawn.
   std::optional<core::View> view_, before_;
-  culling::PictureSamples samples_;
+  culling::ImageSamples samples_;
   culling::DepthPyramid pyramid_;
   std::vector<float> distances_;
   core::VisibleSet in_view_, candidates_;  // leaves
@@ -209,9 +209,9 @@ core::Expected<void> PagedEngine::Impl::prepare() {
   auto renderer = render::Renderer::create(context_, kinds, format);
   if (!renderer) return tl::unexpected(renderer.error());
   renderer_.emplace(std::move(*renderer));
-  auto stand_ins = StandIns::create(context_, format);
-  if (!stand_ins) return tl::unexpected(stand_ins.error());
-  stand_ins_.emplace(std::move(*stand_ins));
+  auto placeholders = Placeholders::create(context_, format);
+  if (!placeholders) return tl::unexpected(placeholders.error());
+  placeholders_.emplace(std::move(*placeholders));
 
   page_boxes_.resize(scene_.pages.size());
   line_leaves_.resize(culling::bit_words(scene_.leaves.size()));
@@ -234,13 +234,13 @@ core::Expected<void> PagedEngine::Impl::warm_up() {
   canvas_.copy_to(target_);
   pyramid_.clear(config_.width, config_.height);
   distances_.resize(std::size_t(config_.width) * std::size_t(config_.height));
-  stand_ins_->forget(config_.width, config_.height);
+  placeholders_->forget(config_.width, config_.height);
   context_.functions().Finish();
   return room_for_pages() < bytes_of_drivers(config_) ? draw_trial() : core::Expected<void>();
 }
 
 /// Drivers compile and allocate when they draw for the first time. Where pages could not give that back later, one is
-/// drawn now, as large as the picture is.
+/// drawn now, as large as the image is.
 core::Expected<void> PagedEngine::Impl::draw_trial() {
   const auto largest = std::max_element(scene_.pages.begin(), scene_.pages.end(), [](const auto& a, const auto& b) {
     return PageStore::bytes_of(a) < PageStore::bytes_of(b);
@@ -307,7 +307,7 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   const gl::CurrentContext kept;
   const double began = now_seconds();
   if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
-  const bool stays = view_ && core::same_picture(*view_, view);
+  const bool stays = view_ && core::same_image(*view_, view);
   if (!stays) report_ = begin(view);
   report_.frame = frames_++;
   if (auto done = refine(began + 1e-3 * config_.refine_ms, stays); !done) return tl::unexpected(done.error());
@@ -317,7 +317,7 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   return report_;
 }
 
-/// Shows no picture before it is complete.
+/// Shows no image before it is complete.
 core::Expected<PagedReport> PagedEngine::Impl::settle(const core::View& view, const Progress& progress) {
   auto report = frame(view);
   while (report && !report_.complete) {
@@ -329,7 +329,7 @@ core::Expected<PagedReport> PagedEngine::Impl::settle(const core::View& view, co
   return report;
 }
 
-/// Of the picture begun, without showing it.
+/// Of the image begun, without showing it.
 core::Expected<void> PagedEngine::Impl::refine_more() {
   const gl::CurrentContext kept;
   if (auto ready = take_context(); !ready) return ready;
@@ -340,14 +340,14 @@ PagedReport PagedEngine::Impl::begin(const core::View& view) {
   before_ = std::exchange(view_, view);
   renderer_->clear(canvas_);
   pyramid_.clear(config_.width, config_.height);
-  open_leaves();
+  unoccluded_leaves();
   PagedReport report;
   report.leaves = std::int64_t(candidates_.count());
   return report;
 }
 
 /// Leaves that may cover a sample, and how many pixels those of each page come to.
-void PagedEngine::Impl::open_leaves() {
+void PagedEngine::Impl::unoccluded_leaves() {
   constexpr std::uint32_t kPart = 1 << 15;  // leaves at a time
   core::View any_layer = *view_;
   any_layer.layers = ~0u;
@@ -423,7 +423,7 @@ core::Expected<void> PagedEngine::Impl::draw_resident() {
   const auto read_back = [&] {
     canvas_.read_distances(*view_, distances_);
     pyramid_.build(distances_, config_.width, config_.height);
-    report_.shown += std::int64_t(std::exchange(drawn, 0));
+    report_.items_drawn += std::int64_t(std::exchange(drawn, 0));
   };
   for (const std::uint32_t page : drawable()) {
     const auto items = draw_page(page);
@@ -471,7 +471,7 @@ core::VisibleSet PagedEngine::Impl::slots_of_page(std::uint32_t page, const Resi
     const core::Slot end = std::min<core::Slot>(info.slots, first + core::kBlockSlots);
     if (bounds.uses_layers()) {
       for (core::Slot slot = first; slot < end; ++slot)
-        if ((bounds.layers(slot) & view_->layers) != 0 && !bounds.vacant(slot)) set.slots.push_back(slot);
+        if ((bounds.layers(slot) & view_->layers) != 0 && !bounds.vacant(slot)) set.single_slots.push_back(slot);
     } else if ((core::kLayerModel & view_->layers) != 0) {
       culling::append_range(first, end, set.ranges);
     }
@@ -504,11 +504,11 @@ core::Expected<std::uint64_t> PagedEngine::Impl::draw_page(std::uint32_t page) {
 /// The canvas, and what stands in for the rest.
 core::Expected<void> PagedEngine::Impl::show() {
   canvas_.copy_to(target_);
-  report_.stand_ins = 0;
+  report_.placeholders = 0;
   if (report_.pending > 0) {
     to_set(open_, candidates_);
-    if (auto done = stand_ins_->draw(scene_, *view_, candidates_, target_); !done) return done;
-    report_.stand_ins = std::int64_t(stand_ins_->drawn());
+    if (auto done = placeholders_->draw(scene_, *view_, candidates_, target_); !done) return done;
+    report_.placeholders = std::int64_t(placeholders_->drawn());
     if (config_.loading_bar) draw_loading_bar();
   }
   context_.functions().Finish();
@@ -619,15 +619,15 @@ std::vector<std::string> PagedEngine::take_gl_errors() {
 }
 image::Image PagedEngine::read_colour() const {
   const gl::CurrentContext kept;
-  return impl_->picture().read_colour();
+  return impl_->image().read_colour();
 }
 image::IdImage PagedEngine::read_ids() const {
   const gl::CurrentContext kept;
-  return impl_->picture().read_ids();
+  return impl_->image().read_ids();
 }
 image::DepthImage PagedEngine::read_depth() const {
   const gl::CurrentContext kept;
-  return impl_->picture().read_depth(impl_->view());
+  return impl_->image().read_depth(impl_->view());
 }
 const core::PagedScene& PagedEngine::scene() const {
   return impl_->scene();

@@ -5,9 +5,9 @@
 //   do { report = engine->frame(view); } while (report && !report->complete);
 //   image::write_png(engine->read_colour(), "out.png");
 //
-// Each frame shows what is in memory, and a square for each leaf that is not. Pages are read by the size that their
-// leaves have in the picture, and ahead of the camera. A view that stays is completed frame by frame, page after page,
-// also where it needs more than memory holds: what is drawn stays in the picture when its page goes. Complete pictures
+// Each frame shows what is in memory, and a splat for each leaf that is not. Pages are read by the size that their
+// leaves have in the image, and ahead of the camera. A view that stays is completed frame by frame, page after page,
+// also where it needs more than memory holds: what is drawn stays in the image when its page goes. Complete images
 // of one scene cache are to the bit what Engine draws of it, but where two items have the very same surface: there
 // either shows. Parts of a folder keep the origins that they were written with. Those of a scene that was joined in
 // memory are others, so last bits of depths and of colours on edges may differ.
@@ -46,12 +46,12 @@ struct PagedConfig {
   /// a pixel, 15 with ids), less a tenth, and 32 MiB at least, for what changes while frames are drawn. Where more than
   /// that is taken, by drivers or the application, pages get less, down to one at a time: nothing else can be given
   /// back. PagedReport::memory says what all takes. A GPU with memory of its own is not asked: pages count what they
-  /// take there, but pictures and drivers are not seen. The files that pages are read from do not count: they stay with
+  /// take there, but images and drivers are not seen. The files that pages are read from do not count: they stay with
   /// the system, which takes their memory back when it is needed.
   std::size_t memory_limit = 0;
   /// Milliseconds for which a frame of a view that stays takes in pages as they arrive, before it shows what it has.
   double refine_ms = 100.0;
-  /// A bar at the lower left of pictures that are not complete: the share of their leaves that are drawn.
+  /// A bar at the lower left of images that are not complete: the share of their leaves that are drawn.
   bool loading_bar = true;
   gl::ContextPlatform context_platform = {};                ///< of the offscreen context (gl/context.h)
   bool gl_debug = false;                                    ///< collect driver messages; slower
@@ -59,19 +59,19 @@ struct PagedConfig {
 };
 
 struct PagedReport {
-  std::uint64_t frame = 0;       ///< calls of frame() before this one
-  double frame_ms = 0.0;         ///< of wall clock, until all was drawn
-  std::int64_t leaves = 0;       ///< in the view volume that may cover a sample
-  std::int64_t pending = 0;      ///< of these, not drawn yet and not known to be hidden: their pages are not in memory
-  std::int64_t stand_ins = 0;    ///< squares drawn for them
-  std::int64_t shown = 0;        ///< items drawn into the picture so far
-  bool complete = false;         ///< nothing is pending; with failed pages, nothing that can be read
-  std::uint32_t resident = 0;    ///< pages in memory
-  std::uint64_t loaded = 0;      ///< pages read since the start
-  std::uint64_t evicted = 0;     ///< pages given up since the start
-  std::uint64_t prefetched = 0;  ///< of those read, pages that no picture needed yet
-  std::uint64_t failed = 0;      ///< pages that cannot be read: take_errors()
-  std::size_t memory = 0;        ///< bytes of the process now; 0 where the system does not say
+  std::uint64_t frame = 0;        ///< calls of frame() before this one
+  double frame_ms = 0.0;          ///< of wall clock, until all was drawn
+  std::int64_t leaves = 0;        ///< in the view volume that may cover a sample
+  std::int64_t pending = 0;       ///< of these, not drawn yet and not known to be hidden: their pages are not in memory
+  std::int64_t placeholders = 0;  ///< splats drawn for them
+  std::int64_t items_drawn = 0;   ///< items drawn into the image so far
+  bool complete = false;          ///< nothing is pending; with failed pages, nothing that can be read
+  std::uint32_t resident = 0;     ///< pages in memory
+  std::uint64_t loaded = 0;       ///< pages read since the start
+  std::uint64_t evicted = 0;      ///< pages given up since the start
+  std::uint64_t prefetched = 0;   ///< of those read, pages that no image needed yet
+  std::uint64_t failed = 0;       ///< pages that cannot be read: take_errors()
+  std::size_t memory = 0;         ///< bytes of the process now; 0 where the system does not say
 };
 
 /// Not thread-safe; reads pages on a thread of its own. The destructor waits for the page that is being read. Its
@@ -88,16 +88,16 @@ class SIGHTLINE_API PagedEngine {
   PagedEngine& operator=(PagedEngine&&) noexcept;
   ~PagedEngine();
 
-  /// Draws what is in memory of the view, and asks for what is not. The same view again goes on with the picture. Fails
+  /// Draws what is in memory of the view, and asks for what is not. The same view again goes on with the image. Fails
   /// for views that cannot be drawn; when GL fails, memory runs out or the context is lost, the engine is of no use
   /// from then on. A page that cannot be read is no failure: see PagedReport::failed. It is not asked for again.
   core::Expected<PagedReport> frame(const core::View& view);
   /// Waits until a page has arrived for the next frame, at most so long; may be infinite. False, at once, where none is
   /// on its way.
   bool wait(double seconds);
-  /// Told now and then how far a picture is. Returning false stops.
+  /// Told now and then how far an image is. Returning false stops.
   using Progress = std::function<bool(const PagedReport&)>;
-  /// As frame() until the picture is complete, without showing what comes between.
+  /// As frame() until the image is complete, without showing what comes between.
   core::Expected<PagedReport> settle(const core::View& view, const Progress& progress = {});
 
   /// Why pages could not be read, each once.
@@ -105,8 +105,8 @@ class SIGHTLINE_API PagedEngine {
   /// Messages of the driver; only with gl_debug.
   std::vector<std::string> take_gl_errors();
 
-  /// Of the last frame, which there must have been; wait for the GPU. Stand-ins have the id of the background, and no
-  /// depth.
+  /// Of the last frame, which there must have been; wait for the GPU. Placeholders have the id of the background, and
+  /// no depth.
   image::Image read_colour() const;
   image::IdImage read_ids() const;  ///< only with PagedConfig::ids
   image::DepthImage read_depth() const;

@@ -8,25 +8,25 @@
 
 namespace sightline::engine {
 
-core::Expected<void> make_tracer(Order& order, const std::stop_token& stop) {
-  if (order.tracer) return {};
-  auto tracer = raytrace::Tracer::create(*order.snapshot, 0, stop);
+core::Expected<void> make_tracer(SceneVersion& version, const std::stop_token& stop) {
+  if (version.tracer) return {};
+  auto tracer = raytrace::Tracer::create(*version.snapshot, 0, stop);
   if (!tracer) return tl::unexpected(tracer.error());
-  order.tracer = std::make_shared<raytrace::Tracer>(std::move(*tracer));
+  version.tracer = std::make_shared<raytrace::Tracer>(std::move(*tracer));
   return {};
 }
 
-void follow_tracer(Order& order, std::span<const core::Slot> touched) {
-  if (order.tracer && !order.tracer->update(touched)) order.tracer.reset();
+void follow_tracer(SceneVersion& version, std::span<const core::Slot> touched) {
+  if (version.tracer && !version.tracer->update(touched)) version.tracer.reset();
 }
 
-std::size_t tracer_bytes(const Order& order) {
-  return order.tracer ? order.tracer->memory().total() : 0;
+std::size_t tracer_bytes(const SceneVersion& version) {
+  return version.tracer ? version.tracer->memory().total() : 0;
 }
 
-void BackgroundTracer::begin(const Order& order) {
-  if (order.tracer || made_.valid()) return;
-  const core::Snapshot& snapshot = *order.snapshot;
+void BackgroundTracer::begin(const SceneVersion& version) {
+  if (version.tracer || made_.valid()) return;
+  const core::Snapshot& snapshot = *version.snapshot;
   try {
     stop_ = {};
     made_ = std::async(std::launch::async, [&snapshot, stop = stop_.get_token()] {
@@ -37,25 +37,25 @@ void BackgroundTracer::begin(const Order& order) {
   }
 }
 
-void BackgroundTracer::finish(Order& order) {
-  if (made_.valid()) order.tracer = made_.get();
+void BackgroundTracer::finish(SceneVersion& version) {
+  if (made_.valid()) version.tracer = made_.get();
 }
 
 bool BackgroundTracer::ready() const {
   return !made_.valid() || made_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-void BackgroundTracer::interrupt(Order& order) {
+void BackgroundTracer::interrupt(SceneVersion& version) {
   stopped_ = !ready() && stops_ < kMostStops;
   if (stopped_) {
     ++stops_;
     stop_.request_stop();
   }
-  finish(order);
+  finish(version);
 }
 
-void BackgroundTracer::follow(const Order& order) {
-  if (std::exchange(stopped_, false)) begin(order);
+void BackgroundTracer::follow(const SceneVersion& version) {
+  if (std::exchange(stopped_, false)) begin(version);
 }
 
 }  // namespace sightline::engine

@@ -102,10 +102,12 @@ Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, c
   plan_culling(plan, snapshot, request);
   plan_programs(plan, snapshot, request.draw);
   const std::size_t hidden = joints.count();
-  plan.entries.push_back({"hidden ends at joints", hidden > 0, std::to_string(hidden) + " ends lie on a neighbour's"});
+  plan.entries.push_back(
+      {"internal end caps at joints", hidden > 0, std::to_string(hidden) + " ends lie on a neighbour's"});
   plan_occlusion(plan, snapshot.size(), request);
   plan_losses(plan, request);
-  plan.entries.push_back({"relief", request.draw && request.relief, request.relief ? "asked for" : "not asked for"});
+  plan.entries.push_back(
+      {"depth shading", request.draw && request.depth_shading, request.depth_shading ? "asked for" : "not asked for"});
   plan.entries.push_back(
       {"hatching", request.draw && request.hatching, request.hatching ? "asked for" : "not asked for"});
   plan.entries.push_back({"item-id target", request.draw && request.ids, request.ids ? "asked for" : "not asked for"});

@@ -54,20 +54,20 @@ enum class Transparency : std::uint8_t {
   /// Blended without sorting, with an error (docs/guide/transparency.md). Ids and depth are those of what lies behind.
   kBlended,
 };
-constexpr std::string_view name_of(Transparency way) {
-  return way == Transparency::kDither ? "dither" : "blended";
+constexpr std::string_view name_of(Transparency mode) {
+  return mode == Transparency::kDither ? "dither" : "blended";
 }
 
-/// How items below EngineConfig::losses.contribution are drawn.
-enum class ContributionWay : std::uint8_t {
+/// How items below EngineConfig::losses.min_projected_area are drawn.
+enum class ContributionMode : std::uint8_t {
   kDrop,    ///< not at all
-  kPoints,  ///< each as one square of the area that it has on average over all directions
+  kPoints,  ///< each as one splat of the area that it has on average over all directions
   /// R. Cook, J. Halstead, M. Planck, D. Ryu, "Stochastic simplification of aggregate detail", 2007: a share of them,
-  /// each as one square that is as much larger. An item is in the share or not by its id, so none flickers.
+  /// each as one splat that is as much larger. An item is in the share or not by its id, so none flickers.
   kStochastic,
 };
-constexpr std::string_view name_of(ContributionWay way) {
-  return way == ContributionWay::kDrop ? "drop" : way == ContributionWay::kPoints ? "points" : "stochastic";
+constexpr std::string_view name_of(ContributionMode mode) {
+  return mode == ContributionMode::kDrop ? "drop" : mode == ContributionMode::kPoints ? "points" : "stochastic";
 }
 
 struct PlanEntry {

@@ -44,11 +44,12 @@ core::Expected<culling::CullStates> Engine::cull_states(const core::View& view) 
 
 namespace {
 
-std::vector<core::ItemId> items_in_volume(const Order& order, const core::View& volume, culling::RegionRule rule) {
-  const core::Snapshot& snapshot = *order.snapshot;
+std::vector<core::ItemId> items_in_volume(const SceneVersion& version, const core::View& volume,
+                                          culling::RegionRule rule) {
+  const core::Snapshot& snapshot = *version.snapshot;
   core::VisibleSet candidates;
-  if (order.culler)
-    std::visit([&](const auto& culler) { culler.cull(volume, candidates); }, *order.culler);
+  if (version.culler)
+    std::visit([&](const auto& culler) { culler.cull(volume, candidates); }, *version.culler);
   else
     culling::LinearCuller(snapshot.bounds()).cull(volume, candidates);
   std::vector<core::ItemId> items;

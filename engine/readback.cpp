@@ -14,12 +14,12 @@ auto read_from(EngineState& s, Read read) -> core::Expected<std::invoke_result_t
   const auto kept = s.keep_state();
   const Drawing* drawing = s.backend->drawing();
   if (!drawing || drawing->target().width() == 0)
-    return core::fail("picture: nothing is drawn without EngineConfig::draw, or while the context is lost");
+    return core::fail("image: nothing is drawn without EngineConfig::draw, or while the context is lost");
   const gl::Functions& gl = drawing->context().functions();
   gl::discard_errors(gl);
   auto result = read(drawing->target());
   if (const GLenum error = gl::check_error(gl); error != GL_NO_ERROR)
-    return core::fail("picture: reading it failed with " + gl::error_name(error));
+    return core::fail("image: reading it failed with " + gl::error_name(error));
   return result;
 }
 
@@ -31,7 +31,7 @@ core::Expected<image::Image> Engine::read_colour() {
 
 core::Expected<image::IdImage> Engine::read_ids() {
   if (config().draw && !config().drawing.ids)
-    return core::fail("picture: ids are not drawn without EngineConfig::drawing.ids");
+    return core::fail("image: ids are not drawn without EngineConfig::drawing.ids");
   return read_from(*state_, [](const render::RenderTarget& target) { return target.read_ids(); });
 }
 
@@ -53,16 +53,17 @@ core::Expected<void> Engine::draw_outline(const core::View& view, std::span<cons
     return core::fail(
         "engine: an outline needs EngineConfig::draw and the application's EngineConfig::context.application");
   if (target.width != config().width || target.height != config().height)
-    return core::fail("engine: the target of an outline must have the size of the picture");
+    return core::fail("engine: the target of an outline must have the size of the image");
   if (auto good = known(*state_, "draw_outline", items); !good) return good;
   core::VisibleSet shown;
   shown.generation = snapshot().generation();
   for (const core::ItemId item : items)
-    if (const core::Slot slot = snapshot().slot(item); !snapshot().bounds().vacant(slot)) shown.slots.push_back(slot);
-  std::sort(shown.slots.begin(), shown.slots.end());
+    if (const core::Slot slot = snapshot().slot(item); !snapshot().bounds().vacant(slot))
+      shown.single_slots.push_back(slot);
+  std::sort(shown.single_slots.begin(), shown.single_slots.end());
   const auto kept = state_->keep_state();
   Drawing* drawing = state_->backend->drawing();
-  if (shown.slots.empty() || !drawing || drawing->lost()) return {};
+  if (shown.single_slots.empty() || !drawing || drawing->lost()) return {};
   return drawing->put_outline({view, snapshot(), shown}, target);
 }
 

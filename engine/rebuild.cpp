@@ -36,19 +36,20 @@ std::vector<std::uint64_t> slots_of_lines(const core::Snapshot& snapshot) {
   return bits;
 }
 
-void Order::follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials, std::size_t former_size,
-                   std::vector<core::Slot>& touched) {
+void SceneVersion::follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials,
+                          std::size_t former_size, std::vector<core::Slot>& touched) {
   joints.dissolve(*snapshot, edited, former_size, touched);
   if (materials) joints.dissolve_transparent(*snapshot, former_size, touched);
   follow_boxes(former_size, touched);
 }
 
-void Order::follow_overrides(std::span<const core::ItemId> uncovered, bool boxes, std::vector<core::Slot>& touched) {
+void SceneVersion::follow_overrides(std::span<const core::ItemId> uncovered, bool boxes,
+                                    std::vector<core::Slot>& touched) {
   joints.dissolve(*snapshot, {uncovered}, snapshot->size(), touched);
   if (boxes) follow_boxes(snapshot->size(), touched);
 }
 
-void Order::follow_boxes(std::size_t former_size, std::span<const core::Slot> touched) {
+void SceneVersion::follow_boxes(std::size_t former_size, std::span<const core::Slot> touched) {
   const auto is_line = [&](core::Slot slot) { return snapshot->kind(slot) == core::Kind::kLine; };
   bool lines_edited = std::any_of(touched.begin(), touched.end(), is_line);
   for (core::Slot slot = core::Slot(former_size); slot < snapshot->size(); ++slot) lines_edited |= is_line(slot);
@@ -57,7 +58,7 @@ void Order::follow_boxes(std::size_t former_size, std::span<const core::Slot> to
   follow_tracer(*this, touched);
 }
 
-void Order::follow_plan(const PlanRequest& request) {
+void SceneVersion::follow_plan(const PlanRequest& request) {
   plan = make_plan(*snapshot, joints, request);
   const bool has_tree = culler && std::holds_alternative<culling::CpuCuller>(*culler);
   if (plan.has_tree() && !has_tree)
@@ -66,25 +67,27 @@ void Order::follow_plan(const PlanRequest& request) {
     culler = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());
 }
 
-Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request, const std::stop_token& stop) {
-  Order order;
-  order.snapshot = std::move(snapshot);
-  if (request.draw) order.joints = gpuprims::Joints(*order.snapshot);
+SceneVersion make_version(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request,
+                          const std::stop_token& stop) {
+  SceneVersion version;
+  version.snapshot = std::move(snapshot);
+  if (request.draw) version.joints = gpuprims::Joints(*version.snapshot);
   if (request.part.count > 1) {  // ends that another part covers stay as they are in the whole
     core::ItemCopies others;
-    others.removed = items_outside(*order.snapshot, request.part);
-    core::apply_copies(*order.snapshot, others);
+    others.removed = items_outside(*version.snapshot, request.part);
+    core::apply_copies(*version.snapshot, others);
   }
-  order.lines = slots_of_lines(*order.snapshot);
-  order.follow_plan(request);
-  if (request.pick) (void)make_tracer(order, stop);  // where that fails, the next pick says why
-  return order;
+  version.lines = slots_of_lines(*version.snapshot);
+  version.follow_plan(request);
+  if (request.pick) (void)make_tracer(version, stop);  // where that fails, the next pick says why
+  return version;
 }
 
-std::vector<core::Slot> catch_up(Order& order, std::span<const core::ItemId> edited, const core::ItemCopies& copies) {
-  const std::size_t former_size = order.snapshot->size();
-  std::vector<core::Slot> touched = core::apply_copies(*order.snapshot, copies);
-  order.follow({edited}, true, former_size, touched);
+std::vector<core::Slot> catch_up(SceneVersion& version, std::span<const core::ItemId> edited,
+                                 const core::ItemCopies& copies) {
+  const std::size_t former_size = version.snapshot->size();
+  std::vector<core::Slot> touched = core::apply_copies(*version.snapshot, copies);
+  version.follow({edited}, true, former_size, touched);
   return touched;
 }
 
@@ -107,18 +110,18 @@ void BackgroundRebuild::edit(const core::SceneDelta& delta, const std::function<
   changed_.notify_one();
 }
 
-bool BackgroundRebuild::take(Order& out) {
+bool BackgroundRebuild::take(SceneVersion& out) {
   const std::unique_lock<std::mutex> held(mutex_, std::try_to_lock);
   if (!held.owns_lock() || state_ != State::kReady || behind_) return false;
-  out = std::exchange(order_, {});
+  out = std::exchange(version_, {});
   state_ = State::kTaken;
   return true;
 }
 
-void BackgroundRebuild::retire(Order&& old) {
+void BackgroundRebuild::retire(SceneVersion&& old) {
   {
     const std::lock_guard held(mutex_);
-    order_ = std::move(old);
+    version_ = std::move(old);
     state_ = State::kRetired;
   }
   changed_.notify_one();
@@ -166,8 +169,8 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
   core::ItemCopies items;
   if (!copy_all(stop, items)) return;
   constexpr int kThreads = 1;  // the others are the application's
-  Order order =
-      make_order(std::make_unique<core::Snapshot>(core::reordered(*live_, std::move(items), kThreads)), request, stop);
+  SceneVersion version = make_version(
+      std::make_unique<core::Snapshot>(core::reordered(*live_, std::move(items), kThreads)), request, stop);
   for (;;) {
     std::vector<core::ItemId> missed;
     core::ItemCopies late;
@@ -175,11 +178,11 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
       std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
       if (!lock(held, stop)) return;
       if (!behind_) {
-        std::swap(order, order_);
+        std::swap(version, version_);
         state_ = State::kReady;
         const bool go_on = changed_.wait(
             held, stop, [&] { return state_ == State::kRetired || (state_ == State::kReady && behind_ && !editing_); });
-        std::swap(order, order_);
+        std::swap(version, version_);
         if (!go_on || state_ == State::kRetired) break;
         state_ = State::kWorking;
       }
@@ -190,9 +193,9 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
     std::sort(missed.begin(), missed.end());
     missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
     if (!copy_missed(stop, missed, late)) return;
-    catch_up(order, missed, late);
+    catch_up(version, missed, late);
   }
-  order = {};
+  version = {};
   finished_ = true;
 }
 

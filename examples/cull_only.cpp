@@ -48,11 +48,11 @@ bool project(const core::AabbD& box, const glm::dmat4& clip_from_world, std::arr
   return true;
 }
 
-void fill(image::Image& picture, const std::array<int, 4>& rectangle, const glm::dvec3& colour) {
+void fill(image::Image& image, const std::array<int, 4>& rectangle, const glm::dvec3& colour) {
   for (int y = rectangle[1]; y < rectangle[3]; ++y)
     for (int x = rectangle[0]; x < rectangle[2]; ++x)
       for (int c = 0; c < 3; ++c)
-        picture.pixels[std::size_t(3 * (y * kWidth + x) + c)] = std::uint8_t(std::lround(255.0 * colour[c]));
+        image.pixels[std::size_t(3 * (y * kWidth + x) + c)] = std::uint8_t(std::lround(255.0 * colour[c]));
 }
 
 }  // namespace
@@ -73,13 +73,13 @@ int main(int argc, char** argv) {
   const auto distance = [&](std::uint32_t i) { return glm::distance(eye, 0.5 * (houses[i].min + houses[i].max)); };
   std::sort(visible.begin(), visible.end(),
             [&](std::uint32_t a, std::uint32_t b) { return std::pair(distance(a), a) > std::pair(distance(b), b); });
-  image::Image picture{kWidth, kHeight, std::vector<std::uint8_t>(std::size_t(3 * kWidth * kHeight), 225)};
+  image::Image image{kWidth, kHeight, std::vector<std::uint8_t>(std::size_t(3 * kWidth * kHeight), 225)};
   for (const std::uint32_t i : visible) {
     std::array<int, 4> rectangle;
     if (!project(houses[i], clip_from_world, rectangle)) continue;
     const double haze = std::min(1.0, distance(i) / 3000.0);
-    fill(picture, rectangle, glm::mix(glm::dvec3(0.45 + 0.1 * (i % 3), 0.35, 0.3), glm::dvec3(0.88), haze));
+    fill(image, rectangle, glm::mix(glm::dvec3(0.45 + 0.1 * (i % 3), 0.35, 0.3), glm::dvec3(0.88), haze));
   }
-  const auto saved = image::write_png(picture, argv[1]);
+  const auto saved = image::write_png(image, argv[1]);
   return saved ? 0 : (std::fprintf(stderr, "cull_only: %s\n", saved.error().message.c_str()), 1);
 }

@@ -64,8 +64,8 @@ int main(int argc, char** argv) {
     if (!view) return complain(view.error().message);
     if (const auto report = engine->frame(*view); !report) return complain(report.error().message);
   }
-  const auto picture = engine->read_colour();
-  if (!picture) return complain(picture.error().message);
-  const auto saved = image::write_png(*picture, argv[1]);
+  const auto image = engine->read_colour();
+  if (!image) return complain(image.error().message);
+  const auto saved = image::write_png(*image, argv[1]);
   return saved ? 0 : complain(saved.error().message);
 }

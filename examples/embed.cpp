@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   auto report = engine->frame(*view);
   if (!report) return std::fprintf(stderr, "%s\n", report.error().message.c_str()), 1;
   std::printf("%llu items visible, culled in %.3f ms\n", (unsigned long long)report->visible, report->cull_ms);
-  auto picture = engine->read_colour();
-  auto saved = picture ? image::write_png(*picture, argv[2]) : tl::unexpected(picture.error());
+  auto image = engine->read_colour();
+  auto saved = image ? image::write_png(*image, argv[2]) : tl::unexpected(image.error());
   return saved ? 0 : 1;
 }

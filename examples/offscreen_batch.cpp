@@ -1,4 +1,4 @@
-// Pictures of a model from many sides, without a window or display: what a regression suite or a catalogue needs.
+// Images of a model from many sides, without a window or display: what a regression suite or a catalogue needs.
 //   offscreen_batch MODEL FOLDER [COUNT]     writes FOLDER/view-0.png and so on; 4 unless COUNT says otherwise
 #include <cmath>
 #include <cstdio>
@@ -46,10 +46,10 @@ int main(int argc, char** argv) {
     if (!view) return complain(view.error().message);
     const auto report = engine->frame(*view);
     if (!report) return complain(report.error().message);
-    const auto picture = engine->read_colour();
-    if (!picture) return complain(picture.error().message);
+    const auto image = engine->read_colour();
+    if (!image) return complain(image.error().message);
     const std::string file = std::string(argv[2]) + "/view-" + std::to_string(i) + ".png";
-    if (const auto saved = image::write_png(*picture, file); !saved) return complain(saved.error().message);
+    if (const auto saved = image::write_png(*image, file); !saved) return complain(saved.error().message);
     std::printf("%s: %lld of %zu items in the view\n", file.c_str(), (long long)report->visible, scene.item_count());
   }
   return 0;

@@ -71,14 +71,14 @@ class Model : public osg::Camera::DrawCallback {
 
   core::Expected<void> save(const gl::ExternalTarget& target) const {
     const std::size_t row = std::size_t(3 * target.width), rows = std::size_t(target.height);
-    image::Image picture{target.width, target.height, std::vector<std::uint8_t>(row * rows)};
+    image::Image image{target.width, target.height, std::vector<std::uint8_t>(row * rows)};
     std::vector<std::uint8_t> pixels(row * rows);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(target.x, target.y, target.width, target.height, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
     for (std::size_t y = 0; y < rows; ++y)  // OpenGL's rows begin at the bottom
       std::copy_n(pixels.begin() + std::ptrdiff_t((rows - 1 - y) * row), row,
-                  picture.pixels.begin() + std::ptrdiff_t(y * row));
-    return image::write_png(picture, out_);
+                  image.pixels.begin() + std::ptrdiff_t(y * row));
+    return image::write_png(image, out_);
   }
 
   core::Scene& scene_;

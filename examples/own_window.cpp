@@ -122,15 +122,15 @@ int show(GLFWwindow* window, core::Scene& scene, const char* out) {
     if (!report) return complain(report.error().message);
 
     if (out) {
-      image::Image picture{width, height, std::vector<std::uint8_t>(std::size_t(3 * width * height))};
-      std::vector<std::uint8_t> rows(picture.pixels.size());
+      image::Image image{width, height, std::vector<std::uint8_t>(std::size_t(3 * width * height))};
+      std::vector<std::uint8_t> rows(image.pixels.size());
       gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
       gl.ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, rows.data());
       const std::size_t row = std::size_t(3 * width);
       for (std::size_t y = 0; y < std::size_t(height); ++y)  // OpenGL's rows begin at the bottom
         std::copy_n(rows.begin() + std::ptrdiff_t((std::size_t(height) - 1 - y) * row), row,
-                    picture.pixels.begin() + std::ptrdiff_t(y * row));
-      const auto saved = image::write_png(picture, out);
+                    image.pixels.begin() + std::ptrdiff_t(y * row));
+      const auto saved = image::write_png(image, out);
       return saved ? 0 : complain(saved.error().message);
     }
     glfwSwapBuffers(window);

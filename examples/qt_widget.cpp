@@ -1,5 +1,5 @@
 // Sightline in a Qt 6 widget: QOpenGLWidget has a context and a framebuffer of its own, whose name changes when the
-// widget is resized. A label of Qt's lies over the picture.
+// widget is resized. A label of Qt's lies over the image.
 //   qt_widget MODEL [OUT.png]      with OUT.png: one frame, saved; otherwise a window that turns about the model
 #include <QApplication>
 #include <QElapsedTimer>

@@ -1,9 +1,9 @@
 # %% [markdown]
-# # A regression suite for pictures of a plant
+# # A regression suite for images of a plant
 #
-# Renders views of a model, keeps them as references, and compares later pictures with them: by the largest and the mean
+# Renders views of a model, keeps them as references, and compares later images with them: by the largest and the mean
 # difference, by FLIP (what somebody sees who flips between both), and by the items that pixels show. The result is one
-# HTML page with reference, picture and difference of each view.
+# HTML page with reference, image and difference of each view.
 #
 #     python3 regression_suite.py OUTPUT_FOLDER
 #
@@ -81,8 +81,8 @@ engine.commit()
 # %%
 
 
-def figure(picture: NDArray[np.uint8]) -> str:
-    return f'<img src="data:image/png;base64,{base64.b64encode(sightline.encode_png(picture)).decode()}">'
+def figure(image: NDArray[np.uint8]) -> str:
+    return f'<img src="data:image/png;base64,{base64.b64encode(sightline.encode_png(image)).decode()}">'
 
 
 rows, failed = [], []
@@ -97,13 +97,13 @@ for name, view in views.items():
         failed.append(name)
     print(f"{name:12} max {difference.max:3}  mean {difference.mean:.4f}  FLIP {flip:.5f}  other items in {wrong} pixels"
           f"  {'ok' if passed else 'DIFFERS'}")
-    pictures = (reference, colour, sightline.difference_image(reference, colour))
+    images = (reference, colour, sightline.difference_image(reference, colour))
     rows.append(f"<tr><th>{name}<br>max {difference.max}<br>FLIP {flip:.5f}<br>other items in {wrong} pixels"
-                f"<td>{'<td>'.join(map(figure, pictures))}")
+                f"<td>{'<td>'.join(map(figure, images))}")
 
 page = f"""<!DOCTYPE html><meta charset="utf-8"><title>Regression suite</title>
 <h1>{len(failed)} of {len(views)} views differ</h1>
-<p>Item {item} ({moved.path}) was moved. Reference, picture, and their difference four times amplified.</p>
+<p>Item {item} ({moved.path}) was moved. Reference, image, and their difference four times amplified.</p>
 <table>{"".join(rows)}</table>"""
 (folder / "report.html").write_text(page)
 print(folder / "report.html")

@@ -206,7 +206,7 @@ Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   for (int i = 0; i < crossing_count; i += 2) {
     Span pieces[2];
     const int count = wedge.cut(tube.o, tube.u, {crossings[i], crossings[i + 1], kLateral, kLateral}, pieces);
-    for (int j = 0; j < count; ++j) add_hits(hits, local, pieces[j], hidden_faces(caps), normal);
+    for (int j = 0; j < count; ++j) add_hits(hits, local, pieces[j], internal_faces(caps), normal);
   }
   return hits;
 }

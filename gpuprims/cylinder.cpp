@@ -17,7 +17,7 @@ Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps) {
   const double per_unit = inverse_power_of_two(radius);
   auto span = cylinder_span(local.origin, local.direction, radius * per_unit, kLateral);
   span.clip_slab(local.origin.z, local.direction.z, half * per_unit, kBottom, kTop);
-  add_hits(hits, local, span, hidden_faces(caps), [](int face, const dvec3& p) {
+  add_hits(hits, local, span, internal_faces(caps), [](int face, const dvec3& p) {
     constexpr double kAcross[] = {1, 0, 0}, kAlong[] = {0, -1, 1};  // indexed by face
     return dvec3(kAcross[face] * p.x, kAcross[face] * p.y, kAlong[face]);
   });

@@ -38,7 +38,7 @@ Hits intersect_dome(const Ray& ray, double radius, double bulge, double height, 
   const Dome dome{base * base, side * side, 1.0 / (scale * height)};
   Span span = dome.span(local.origin, local.direction);
   if (!whole) span.clip(local.origin.z, local.direction.z, kBottom);
-  add_hits(hits, local, span, hidden_faces(caps), [&](int face, const dvec3& p) { return dome.normal(face, p); });
+  add_hits(hits, local, span, internal_faces(caps), [&](int face, const dvec3& p) { return dome.normal(face, p); });
   return hits;
 }
 

@@ -71,7 +71,7 @@ Hits intersect(const core::Pyramid& pyramid, const Ray& ray, Caps caps) {
   } else if (span.empty() || !frustum.casts_shadow_on(local.at(span.from))) {
     return hits;
   }
-  add_hits(hits, local, span, hidden_faces(caps), [&](int face, const dvec3& /*p*/) { return frustum.normal(face); });
+  add_hits(hits, local, span, internal_faces(caps), [&](int face, const dvec3& /*p*/) { return frustum.normal(face); });
   return hits;
 }
 

@@ -33,7 +33,7 @@ Hits intersect(const core::RectangularTorus& torus, const Ray& ray, Caps caps) {
   };
   for (int i = 0; i < ring_count; ++i) {
     const int count = wedge.cut(o, u, rings[i], pieces);
-    for (int j = 0; j < count; ++j) add_hits(hits, local, pieces[j], hidden_faces(caps), normal);
+    for (int j = 0; j < count; ++j) add_hits(hits, local, pieces[j], internal_faces(caps), normal);
   }
   return hits;
 }

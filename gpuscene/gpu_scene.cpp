@@ -280,7 +280,7 @@ void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed, c
   });
 }
 
-void GpuScene::update_looks(const Snapshot& snapshot, std::span<const Slot> changed, const gpuprims::Joints& joints) {
+void GpuScene::update_styles(const Snapshot& snapshot, std::span<const Slot> changed, const gpuprims::Joints& joints) {
   for_each_batch(snapshot, changed, [&](const Batch& target, const Changed& now) {
     const std::uint32_t stride = std::uint32_t(record_bytes(target.kind) / sizeof(std::uint32_t));
     std::vector<std::uint32_t> places, words;

@@ -41,7 +41,7 @@ void VisibleRecords::assign(const Snapshot& snapshot, const core::VisibleSet& vi
       for (Slot slot = first; slot < end; ++slot)
         if (!snapshot.vacant(slot)) add_slot(snapshot, slot);
     });
-  for (const Slot slot : visible.slots) add_slot(snapshot, slot);
+  for (const Slot slot : visible.single_slots) add_slot(snapshot, slot);
 }
 
 void VisibleRecords::add_range(const Snapshot& snapshot, Slot first, Slot end) {

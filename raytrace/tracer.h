@@ -82,7 +82,7 @@ struct Hit {
   Face face = Face::kTriangle;
 };
 
-/// Of the nearest hit, what pictures of ids and of distances need.
+/// Of the nearest hit, what images of ids and of distances need.
 struct FirstHit {
   core::Slot slot = core::kNone;  ///< kNone: nothing is hit, and t says nothing
   double t = 0.0;
@@ -119,7 +119,7 @@ class SIGHTLINE_API Tracer {
   core::Expected<std::optional<Hit>> nearest(const core::Ray& ray, const RayFilter& filter = {}) const;
   /// Its slot and t alone, in less time: for distances and lines of sight.
   core::Expected<FirstHit> first(const core::Ray& ray, const RayFilter& filter = {}) const;
-  /// nearest() for many rays, for pictures: hits[i] is what nearest(rays[i]) answers, bit for bit. Only of surfaces
+  /// nearest() for many rays, for images: hits[i] is what nearest(rays[i]) answers, bit for bit. Only of surfaces
   /// that are nearer to one another than their errors may it be another. Its slot is kNone where nothing is hit; the
   /// rest then says nothing. Rays that follow one another should be near to each other, as those of 4 x 4 pixels are:
   /// sixteen at a time are traced together. Fails as nearest() does, naming the first such ray, and unless there are as

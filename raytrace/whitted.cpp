@@ -232,20 +232,20 @@ class Shader {
   bool all_opaque_ = true;
 };
 
-/// A picture in the making.
+/// An image in the making.
 class Renderer {
  public:
   Renderer(const Tracer& tracer, const core::View& view, const core::ImageRays& rays, int width, int height,
            const WhittedOptions& options)
       : view_(view), options_(options), shader_(tracer, view, options), rays_(rays) {
     const std::size_t pixels = std::size_t(width) * std::size_t(height);
-    picture_ = {width, height, std::vector<std::uint8_t>(3 * pixels), std::vector<std::uint32_t>(pixels),
-                std::vector<float>(pixels, std::numeric_limits<float>::infinity())};
+    image_ = {width, height, std::vector<std::uint8_t>(3 * pixels), std::vector<std::uint32_t>(pixels),
+              std::vector<float>(pixels, std::numeric_limits<float>::infinity())};
     sums_.resize(pixels);
     counts_.resize(pixels);
   }
 
-  core::Expected<WhittedPicture> run() {
+  core::Expected<WhittedImage> run() {
     const int samples = options_.samples;
     const std::vector<core::dvec2> places = sample_positions(samples);
     if (!options_.edge_threshold) {
@@ -253,21 +253,21 @@ class Renderer {
         if (!pass(places[std::size_t(sample)], {}, sample, samples)) return core::fail("cancelled");
     } else {
       if (!pass(core::dvec2(0.5), {}, 0, samples + 1)) return core::fail("cancelled");
-      const auto edges = mark_edges(sums_, picture_.width, picture_.height, *options_.edge_threshold);
+      const auto edges = mark_edges(sums_, image_.width, image_.height, *options_.edge_threshold);
       for (std::size_t i = 0; i < edges.size(); ++i)
         if (edges[i]) counts_[i] = 0;  // the samples of an edge replace the one that found it
       for (int sample = 0; sample < samples; ++sample)
         if (!pass(places[std::size_t(sample)], edges, sample + 1, samples + 1)) return core::fail("cancelled");
     }
     quantise();
-    return std::move(picture_);
+    return std::move(image_);
   }
 
  private:
   /// Adds a sample at that place of the pixels that are marked, or of all without marks. False: cancelled.
   bool pass(const core::dvec2& at, const std::vector<std::uint8_t>& marks, int done, int passes) {
-    const int columns = (picture_.width + kTilePixels - 1) / kTilePixels,
-              rows = (picture_.height + kTilePixels - 1) / kTilePixels;
+    const int columns = (image_.width + kTilePixels - 1) / kTilePixels,
+              rows = (image_.height + kTilePixels - 1) / kTilePixels;
     std::atomic<int> tiles_done = 0;
     std::atomic<bool> cancelled = false;
 #ifdef _OPENMP
@@ -287,7 +287,7 @@ class Renderer {
     if (cancelled) return false;
     if (options_.preview && done + 1 < passes) {
       quantise();
-      options_.preview(picture_);
+      options_.preview(image_);
     }
     return true;
   }
@@ -298,8 +298,8 @@ class Renderer {
     // By 4 x 4 pixels, which are traced together.
     for (int i = 0; i < kTilePixels * kTilePixels; ++i) {
       const int block = i / 16, x = left + block % 4 * 4 + i % 4, y = top + block / 4 * 4 + i / 4 % 4;
-      if (x >= picture_.width || y >= picture_.height) continue;
-      const std::size_t pixel = std::size_t(y) * std::size_t(picture_.width) + std::size_t(x);
+      if (x >= image_.width || y >= image_.height) continue;
+      const std::size_t pixel = std::size_t(y) * std::size_t(image_.width) + std::size_t(x);
       if (!marks.empty() && !marks[pixel]) continue;
       rays.push_back(rays_.through(x + at.x, y + at.y));
       pixels.push_back(pixel);
@@ -315,18 +315,18 @@ class Renderer {
       sums_[pixel] = counts_[pixel] == 0 ? colours[i] : sums_[pixel] + colours[i];
       ++counts_[pixel];
       if (!hit || !first) continue;
-      picture_.ids[pixel] = to_index(hit->item) + 1;
-      picture_.depths[pixel] = float(-(view_.eye_from_world() * core::dvec4(hit->point, 1.0)).z);
+      image_.ids[pixel] = to_index(hit->item) + 1;
+      image_.depths[pixel] = float(-(view_.eye_from_world() * core::dvec4(hit->point, 1.0)).z);
     }
     taken_ += pixels.size();
   }
 
   void quantise() {
-    picture_.samples = taken_;
+    image_.samples = taken_;
     for (std::size_t i = 0; i < sums_.size(); ++i)
       for (int channel = 0; channel < 3; ++channel) {
         const float mean = sums_[i][channel] / float(std::max(counts_[i], 1));
-        picture_.rgb[3 * i + std::size_t(channel)] = std::uint8_t(std::lround(255.0f * std::clamp(mean, 0.0f, 1.0f)));
+        image_.rgb[3 * i + std::size_t(channel)] = std::uint8_t(std::lround(255.0f * std::clamp(mean, 0.0f, 1.0f)));
       }
   }
 
@@ -334,7 +334,7 @@ class Renderer {
   const WhittedOptions& options_;
   Shader shader_;
   const core::ImageRays& rays_;
-  WhittedPicture picture_;
+  WhittedImage image_;
   std::vector<core::vec3> sums_;
   std::vector<int> counts_;  // samples in a sum
   std::atomic<std::uint64_t> taken_ = 0;
@@ -348,8 +348,8 @@ Light head_light(const core::View& view) {
   return {dvec3(world_from_eye[2]), true};
 }
 
-core::Expected<WhittedPicture> render_whitted(const Tracer& tracer, const core::View& view, int width, int height,
-                                              const WhittedOptions& options) {
+core::Expected<WhittedImage> render_whitted(const Tracer& tracer, const core::View& view, int width, int height,
+                                            const WhittedOptions& options) {
   if (auto good = check(options); !good) return tl::unexpected(good.error());
   const auto rays = core::ImageRays::create(view, width, height);
   if (!rays) return tl::unexpected(rays.error());

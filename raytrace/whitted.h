@@ -1,8 +1,8 @@
-// Reference pictures by rays (T. Whitted, "An improved illumination model for shaded display", 1980): as the renderer
+// Reference images by rays (T. Whitted, "An improved illumination model for shaded display", 1980): as the renderer
 // shades, exact at every sample, and on request with lights, shadows, mirrors and refraction.
 //
-//   auto picture = raytrace::render_whitted(*tracer, view, 1280, 720, {.samples = 16, .edge_threshold = 0.1});
-//   if (picture) write(picture->rgb);
+//   auto image = raytrace::render_whitted(*tracer, view, 1280, 720, {.samples = 16, .edge_threshold = 0.1});
+//   if (image) write(image->rgb);
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct Optics {
   float refractive_index = 1.0f;  ///< of the inside of transparent solids, above 0
 };
 
-struct WhittedPicture {
+struct WhittedImage {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;   ///< sRGB, 3 bytes per pixel, rows top to bottom; the mean of the pixel's samples
   std::vector<std::uint32_t> ids;  ///< item + 1 that the pixel's first sample shows, 0 for background
@@ -55,19 +55,19 @@ struct WhittedOptions {
   int max_depth = 16;  ///< surfaces that a path of light may meet, above 0; beyond them it shows the background
   core::vec3 background{0.86f, 0.88f, 0.91f};  ///< sRGB, the renderer's
 
-  int threads = 0;  ///< 0: all that OpenMP offers; the picture does not depend on them
+  int threads = 0;  ///< 0: all that OpenMP offers; the image does not depend on them
   /// Called on the calling thread with the share of the work that is done, 0 to 1. False cancels: then rendering fails
   /// with "cancelled" as its message.
   std::function<bool(double)> progress = {};
-  /// Called on the calling thread with the picture so far, after each sample of all pixels but the last.
-  std::function<void(const WhittedPicture&)> preview = {};
+  /// Called on the calling thread with the image so far, after each sample of all pixels but the last.
+  std::function<void(const WhittedImage&)> preview = {};
 };
 
 /// Renders the items of the tracer's snapshot as `view` shows them, its layers and section planes included, with filled
 /// cuts; lines are not seen. Opaque surfaces look as the renderer draws them. Transparent ones show what is
 /// behind them by their alpha, as the renderer's dithering does in the mean. Several threads may render at once. Fails
 /// as core::image_ray() does, for options out of range, and when cancelled.
-SIGHTLINE_API core::Expected<WhittedPicture> render_whitted(const Tracer& tracer, const core::View& view, int width,
-                                                            int height, const WhittedOptions& options = {});
+SIGHTLINE_API core::Expected<WhittedImage> render_whitted(const Tracer& tracer, const core::View& view, int width,
+                                                          int height, const WhittedOptions& options = {});
 
 }  // namespace sightline::raytrace

@@ -62,7 +62,7 @@ core::Expected<void> Compositor::put(const RenderTarget& from, const gl::Externa
   if (samples > 1) gl.GetNamedFramebufferParameteriv(to.framebuffer, GL_SAMPLES, &their_samples);
   const bool each = samples > 1 && their_samples == samples;
   const auto made = pass_.program(each ? each_sample_ : whole_pixels_, "composite.frag", samples,
-                                  {layer ? "LAYER" : "PICTURE", each ? "EACH_SAMPLE" : "WHOLE_PIXELS"});
+                                  {layer ? "LAYER" : "IMAGE", each ? "EACH_SAMPLE" : "WHOLE_PIXELS"});
   if (!made) return tl::unexpected(made.error());
   pass_.begin(**made, to);
   pass_.test_depth(to);

@@ -11,11 +11,11 @@ constexpr GLint kLineColourUniform = 3;
 
 // --- sums ------------------------------------------------------------------------------------------------------------
 
-core::Expected<BlendedSums> BlendedSums::create(const gl::Functions& gl, const RenderTarget& picture) {
+core::Expected<BlendedSums> BlendedSums::create(const gl::Functions& gl, const RenderTarget& image) {
   BlendedSums made;
   made.gl_ = &gl;
   const auto make = [&](gl::Texture2D& texture, GLenum format, const char* what) -> core::Expected<void> {
-    auto created = gl::Texture2D::create(gl, picture.width(), picture.height(), format, what, picture.format().samples);
+    auto created = gl::Texture2D::create(gl, image.width(), image.height(), format, what, image.format().samples);
     if (!created) return tl::unexpected(created.error());
     texture = std::move(*created);
     return {};
@@ -27,7 +27,7 @@ core::Expected<BlendedSums> BlendedSums::create(const gl::Functions& gl, const R
   const gl::Attachment attachments[] = {{GL_COLOR_ATTACHMENT0, &made.sums_},
                                         {GL_COLOR_ATTACHMENT1, &made.let_pass_},
                                         {GL_COLOR_ATTACHMENT2, &made.nearest_},
-                                        {GL_DEPTH_ATTACHMENT, &picture.depth()}};
+                                        {GL_DEPTH_ATTACHMENT, &image.depth()}};
   auto framebuffer = gl::Framebuffer::create(gl, attachments, "sums of transparent surfaces");
   if (!framebuffer) return tl::unexpected(framebuffer.error());
   made.framebuffer_ = std::move(*framebuffer);
@@ -66,50 +66,50 @@ std::size_t BlendedSums::memory_bytes() const {
 
 // --- layers ----------------------------------------------------------------------------------------------------------
 
-core::Expected<void> Overlays::make_layer(const gl::Context& context, const RenderTarget& picture) {
-  const int samples = picture.format().samples;
-  if (layer_ && layer_->width() == picture.width() && layer_->height() == picture.height() &&
+core::Expected<void> Overlays::make_layer(const gl::Context& context, const RenderTarget& image) {
+  const int samples = image.format().samples;
+  if (layer_ && layer_->width() == image.width() && layer_->height() == image.height() &&
       layer_->format().samples == samples)
     return {};
-  auto made = RenderTarget::create(context, picture.width(), picture.height(), {.samples = samples});
+  auto made = RenderTarget::create(context, image.width(), image.height(), {.samples = samples});
   if (!made) return tl::unexpected(made.error());
   layer_ = std::move(*made);
   return {};
 }
 
-core::Expected<const RenderTarget*> Overlays::begin_layer(const gl::Context& context, const RenderTarget& picture,
+core::Expected<const RenderTarget*> Overlays::begin_layer(const gl::Context& context, const RenderTarget& image,
                                                           bool behind) {
-  if (auto done = make_layer(context, picture); !done) return tl::unexpected(done.error());
+  if (auto done = make_layer(context, image); !done) return tl::unexpected(done.error());
   const gl::Functions& gl = *gl_;
   gl::reset_pipeline_state(gl);
   const GLuint framebuffer = layer_->framebuffer().id();
   const float nothing[4] = {0.0f, 0.0f, 0.0f, 0.0f}, far_depth = 0.0f;
   gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, nothing);
-  const GLenum target = picture.texture_target();
+  const GLenum target = image.texture_target();
   if (behind)
-    gl.CopyImageSubData(picture.depth().id(), target, 0, 0, 0, 0, layer_->depth().id(), target, 0, 0, 0, 0,
-                        picture.width(), picture.height(), 1);
+    gl.CopyImageSubData(image.depth().id(), target, 0, 0, 0, 0, layer_->depth().id(), target, 0, 0, 0, 0, image.width(),
+                        image.height(), 1);
   else
     gl.ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
   return &*layer_;
 }
 
-core::Expected<const BlendedSums*> Overlays::begin_sums(const RenderTarget& picture) {
-  if (!sums_ || sums_depth_ != picture.depth().id()) {
+core::Expected<const BlendedSums*> Overlays::begin_sums(const RenderTarget& image) {
+  if (!sums_ || sums_depth_ != image.depth().id()) {
     sums_.reset();
-    auto made = BlendedSums::create(*gl_, picture);
+    auto made = BlendedSums::create(*gl_, image);
     if (!made) return tl::unexpected(made.error());
     sums_ = std::move(*made);
-    sums_depth_ = picture.depth().id();
+    sums_depth_ = image.depth().id();
   }
   sums_->clear();
   return &*sums_;
 }
 
-core::Expected<void> Overlays::resolve_sums(const gl::Context& context, const RenderTarget& picture) {
-  const auto layer = begin_layer(context, picture, false);
+core::Expected<void> Overlays::resolve_sums(const gl::Context& context, const RenderTarget& image) {
+  const auto layer = begin_layer(context, image, false);
   if (!layer) return tl::unexpected(layer.error());
-  const auto made = pass_.program(resolve_, "blend_resolve.frag", picture.format().samples);
+  const auto made = pass_.program(resolve_, "blend_resolve.frag", image.format().samples);
   if (!made) return tl::unexpected(made.error());
   layer_->begin_drawing();
   pass_.draw(**made, sums_->textures(), layer_->texture_target());
@@ -122,9 +122,9 @@ core::Expected<void> Overlays::put_layer(const gl::ExternalTarget& over) {
   return done;
 }
 
-core::Expected<void> Overlays::put_outline(const RenderTarget& picture, const core::vec3& colour,
-                                           const PixelBox& within, const gl::ExternalTarget& over) {
-  const auto made = pass_.program(outline_, "outline.frag", picture.format().samples);
+core::Expected<void> Overlays::put_outline(const RenderTarget& image, const core::vec3& colour, const PixelBox& within,
+                                           const gl::ExternalTarget& over) {
+  const auto made = pass_.program(outline_, "outline.frag", image.format().samples);
   if (!made) return tl::unexpected(made.error());
   pass_.begin(**made, over);
   gl_->DepthMask(GL_FALSE);
@@ -132,7 +132,7 @@ core::Expected<void> Overlays::put_outline(const RenderTarget& picture, const co
   gl_->Enable(GL_SCISSOR_TEST);
   gl_->Scissor(over.x + within.x, over.y + within.y, within.width, within.height);
   gl_->ProgramUniform3f((*made)->id(), kLineColourUniform, colour.r, colour.g, colour.b);
-  pass_.draw(**made, std::array{layer_->colour().id(), layer_->depth().id(), picture.depth().id()},
+  pass_.draw(**made, std::array{layer_->colour().id(), layer_->depth().id(), image.depth().id()},
              layer_->texture_target());
   gl::reset_pipeline_state(*gl_);
   return {};

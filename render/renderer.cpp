@@ -214,9 +214,9 @@ core::Expected<void> Renderer::draw_ghosts(const core::View& view, const core::S
 
 core::Expected<void> Renderer::draw_blended(const core::View& view, const core::Snapshot& snapshot,
                                             const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                            const RenderTarget& picture, const BlendedSums& sums,
+                                            const RenderTarget& image, const BlendedSums& sums,
                                             const glm::vec2& range) {
-  return draw_surfaces(view, snapshot, scene, lists, picture, Surface::kBlended, scene.materials(), &sums, range);
+  return draw_surfaces(view, snapshot, scene, lists, image, Surface::kBlended, scene.materials(), &sums, range);
 }
 
 core::Expected<void> Renderer::draw_surfaces(const core::View& view, const core::Snapshot& snapshot,

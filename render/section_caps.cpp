@@ -84,7 +84,7 @@ core::Expected<void> SectionCaps::prepare(const core::Snapshot& snapshot, const 
 
 void SectionCaps::begin_counting() const {
   const gl::Functions& gl = *gl_;
-  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);  // caps of other scenes in this picture have counted here
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);  // caps of other scenes in this image have counted here
   cells_.fill(0, cells_.size(), 0);
   nodes_.fill(0, kNodeHeaderBytes, 0);
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);

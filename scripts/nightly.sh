@@ -41,7 +41,7 @@ run_counts() {
 }
 run_counts-gl() {
   release
-  SIGHTLINE_LONG=1 ctest_in release -R '^(engine_gl\..*(OcclusionShown|Portions|ForeignState)|render_gl\..*JointImages)'
+  SIGHTLINE_LONG=1 ctest_in release -R '^(engine_gl\..*(OcclusionDrawnItems|Portions|ForeignState)|render_gl\..*JointImages)'
 }
 run_isa() {
   release
@@ -112,7 +112,7 @@ run_mutants() {
   scripts/mutate.sh --minutes 2 --seed "$(git rev-list --count HEAD)" "${files[@]}" || echo "mutants: could not be tried"
 }
 # By name alone, wherever they lie in culling/.
-quiet_files='solid_figures.cpp|occluder_raster.cpp|occlusion_test.cpp|depth_test.cpp|depth_test.h|depth_pyramid.cpp|cover_polygons.h|small_boxes.h|near_first.cpp|region_query.cpp|contribution.cpp|cull_states.cpp'
+quiet_files='inner_occluders.cpp|occluder_raster.cpp|occlusion_test.cpp|depth_test.cpp|depth_test.h|depth_pyramid.cpp|cover_polygons.h|small_boxes.h|near_first.cpp|region_query.cpp|contribution.cpp|cull_states.cpp'
 changed_files() {
   local since
   since=$(git rev-list --max-count=51 HEAD | tail -1)

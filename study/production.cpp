@@ -60,7 +60,8 @@ class Production : public Method {
       std::memcpy(out, scene_.order.data() + r.first, r.count * sizeof(std::uint32_t));
       out += r.count;
     }
-    std::transform(set_.slots.begin(), set_.slots.end(), out, [this](core::Slot s) { return scene_.order[s]; });
+    std::transform(set_.single_slots.begin(), set_.single_slots.end(), out,
+                   [this](core::Slot s) { return scene_.order[s]; });
   }
 
   ProductionForm form_;

@@ -1,7 +1,7 @@
-// sightline-bench contribution: error of the picture against the time of a frame, for rules that leave out small items.
+// sightline-bench contribution: error of the image against the time of a frame, for rules that leave out small items.
 //
-// Frames of the automatic tour are drawn with each rule and threshold. The reference is the full picture with 64
-// samples per pixel: eight times as wide and high, averaged in linear light. The full picture of one sample per pixel
+// Frames of the automatic tour are drawn with each rule and threshold. The reference is the full image with 64
+// samples per pixel: eight times as wide and high, averaged in linear light. The full image of one sample per pixel
 // has an error, too, which no rule need go below.
 //
 // Rules:
@@ -48,7 +48,7 @@ namespace sightline::bench::contribution_bench {
 namespace {
 
 using Json = json::Value;
-using engine::ContributionWay;
+using engine::ContributionMode;
 
 constexpr int kFiner = 8;  // of the reference, along each axis
 
@@ -71,7 +71,7 @@ void add_options(apps::CommandLine& line, Options& o) {
     return {};
   });
   add_frames_option(line, o.frames, 1);
-  line.add("--step", o.step, "Seconds of the tour between the two pictures that show flicker")
+  line.add("--step", o.step, "Seconds of the tour between the two images that show flicker")
       .accepted_by(apps::parse_finite)
       .in_range(1e-6, 1.0)
       .shows_default();
@@ -92,7 +92,7 @@ void add_options(apps::CommandLine& line, Options& o) {
 struct Rule {
   enum class Measure { kNone, kSolid, kBox, kOpenSceneGraph, kOpenCascade, kSphere };
   Measure measure = Measure::kNone;
-  ContributionWay way = ContributionWay::kDrop;
+  ContributionMode mode = ContributionMode::kDrop;
   double threshold = 0.0;  // pixels, of area or of length
 };
 
@@ -101,7 +101,7 @@ std::string name_of(const Rule& rule) {
     case Rule::Measure::kNone:
       return "full";
     case Rule::Measure::kSolid:
-      return "solid, " + std::string(engine::name_of(rule.way));
+      return "solid, " + std::string(engine::name_of(rule.mode));
     case Rule::Measure::kBox:
       return "box";
     case Rule::Measure::kOpenSceneGraph:
@@ -118,13 +118,15 @@ std::string name_of(const Rule& rule) {
 std::vector<Rule> all_rules() {
   using Measure = Rule::Measure;
   std::vector<Rule> rules{{}};
-  for (const ContributionWay way : {ContributionWay::kDrop, ContributionWay::kPoints, ContributionWay::kStochastic})
-    for (const double area : {0.25, 1.0, 4.0, 16.0, 64.0}) rules.push_back({Measure::kSolid, way, area});
-  for (const double area : {0.25, 1.0, 4.0, 16.0, 64.0}) rules.push_back({Measure::kBox, ContributionWay::kDrop, area});
+  for (const ContributionMode mode :
+       {ContributionMode::kDrop, ContributionMode::kPoints, ContributionMode::kStochastic})
+    for (const double area : {0.25, 1.0, 4.0, 16.0, 64.0}) rules.push_back({Measure::kSolid, mode, area});
+  for (const double area : {0.25, 1.0, 4.0, 16.0, 64.0})
+    rules.push_back({Measure::kBox, ContributionMode::kDrop, area});
   for (const Measure measure : {Measure::kOpenSceneGraph, Measure::kOpenCascade})
-    for (const double length : {1.0, 2.0, 4.0, 8.0, 16.0}) rules.push_back({measure, ContributionWay::kDrop, length});
+    for (const double length : {1.0, 2.0, 4.0, 8.0, 16.0}) rules.push_back({measure, ContributionMode::kDrop, length});
   for (const double area : {1.0, 4.0, 16.0, 64.0, 256.0})
-    rules.push_back({Measure::kSphere, ContributionWay::kDrop, area});
+    rules.push_back({Measure::kSphere, ContributionMode::kDrop, area});
   return rules;
 }
 
@@ -158,13 +160,13 @@ void keep_large(const core::View& view, const core::Snapshot& snapshot, double l
     const core::vec3 size = box.max - box.min;
     const float distance = glm::dot(axis, 0.5f * (box.min + box.max)) + offset;
     if (glm::dot(size, size) >= square * distance * distance || snapshot.kind(slot) == core::Kind::kLine)
-      kept.slots.push_back(slot);
+      kept.single_slots.push_back(slot);
   };
   in.for_each_slot(visit);
-  std::sort(kept.slots.begin(), kept.slots.end());
+  std::sort(kept.single_slots.begin(), kept.single_slots.end());
 }
 
-// --- pictures ------------------------------------------------------------------------------------------------------
+// --- images --------------------------------------------------------------------------------------------------------
 
 /// The mean of kFiner x kFiner pixels each, in linear light.
 image::Image reduced(const image::Image& fine) {
@@ -185,14 +187,14 @@ image::Image reduced(const image::Image& fine) {
 }
 
 /// By how much a channel changes more than in the reference, mean, in 255ths.
-double flicker(const std::array<image::Image, 2>& pictures, const std::array<image::Image, 2>& reference) {
+double flicker(const std::array<image::Image, 2>& images, const std::array<image::Image, 2>& reference) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < pictures[0].pixels.size(); ++i) {
-    const int change = std::abs(int(pictures[1].pixels[i]) - int(pictures[0].pixels[i]));
+  for (std::size_t i = 0; i < images[0].pixels.size(); ++i) {
+    const int change = std::abs(int(images[1].pixels[i]) - int(images[0].pixels[i]));
     const int right = std::abs(int(reference[1].pixels[i]) - int(reference[0].pixels[i]));
     sum += std::max(0, change - right);
   }
-  return sum / double(pictures[0].pixels.size());
+  return sum / double(images[0].pixels.size());
 }
 
 // --- measuring -----------------------------------------------------------------------------------------------------
@@ -201,7 +203,7 @@ using ViewPair = std::array<core::View, 2>;
 
 struct Figures {
   Rule rule;
-  std::vector<double> flip_mean, flip_p99, wrong_ids, flicker, items, squares, ms, processor_ms;  // of each frame
+  std::vector<double> flip_mean, flip_p99, wrong_ids, flicker, items, splats, ms, processor_ms;  // of each frame
 };
 
 struct Took {
@@ -221,13 +223,13 @@ class Subject {
   engine::Engine& engine() { return engine_; }
   const engine::DrawCounts& counts() const { return counts_; }  ///< of the last draw()
 
-  /// Until the picture is complete, culling included.
+  /// Until the image is complete, culling included.
   core::Expected<Took> draw(const Rule& rule, const core::View& view) {
     engine::Drawing& drawing = *engine_.drawing();
     const core::Snapshot& snapshot = engine_.snapshot();
     const render::RenderTarget& target = drawing.target();
     const bool by_engine = rule.measure == Rule::Measure::kNone || rule.measure == Rule::Measure::kSolid;
-    drawing.set_contribution(by_engine ? float(rule.threshold) : 0.0f, rule.way);
+    drawing.set_min_projected_area(by_engine ? float(rule.threshold) : 0.0f, rule.mode);
     drawing.finish();
     const Took begin{milliseconds(), processor_milliseconds()};
     culler_.cull(view, visible_);
@@ -283,42 +285,42 @@ core::Expected<std::vector<ViewPair>> views_of(const core::Scene& scene, const O
 }
 
 core::Expected<std::array<image::Image, 2>> draw_reference(Subject& subject, const ViewPair& views) {
-  std::array<image::Image, 2> pictures;
+  std::array<image::Image, 2> images;
   for (std::size_t i = 0; i < 2; ++i) {
     if (auto ms = subject.draw({}, views[i]); !ms) return tl::unexpected(ms.error());
     auto fine = subject.engine().read_colour();
     if (!fine) return tl::unexpected(fine.error());
-    pictures[i] = reduced(*fine);
+    images[i] = reduced(*fine);
   }
-  return pictures;
+  return images;
 }
 
-/// Adds the errors of one frame. `full_ids`: of the full picture with one sample; that picture's own rule sets them.
+/// Adds the errors of one frame. `full_ids`: of the full image with one sample; that image's own rule sets them.
 core::Expected<void> compare(Subject& subject, const ViewPair& views, const std::array<image::Image, 2>& reference,
                              image::IdImage& full_ids, Figures& figures) {
-  std::array<image::Image, 2> pictures;
+  std::array<image::Image, 2> images;
   image::IdImage ids;
   for (std::size_t i = 0; i < 2; ++i) {
     if (auto ms = subject.draw_again(figures.rule, views[i]); !ms) return tl::unexpected(ms.error());
     auto colour = subject.engine().read_colour();
     if (!colour) return tl::unexpected(colour.error());
-    pictures[i] = std::move(*colour);
+    images[i] = std::move(*colour);
     if (i > 0) continue;
     auto read = subject.engine().read_ids();
     if (!read) return tl::unexpected(read.error());
     ids = std::move(*read);
-    figures.items.push_back(double(subject.counts().shown));
-    figures.squares.push_back(double(subject.counts().squares));
+    figures.items.push_back(double(subject.counts().items_drawn));
+    figures.splats.push_back(double(subject.counts().splats));
   }
   if (figures.rule.measure == Rule::Measure::kNone) full_ids = ids;
-  const auto metrics = image::image_metrics(reference[0], pictures[0]);
+  const auto metrics = image::image_metrics(reference[0], images[0]);
   if (!metrics) return tl::unexpected(metrics.error());
   const auto wrong = image::wrong_ids(full_ids, ids);
   if (!wrong) return tl::unexpected(wrong.error());
   figures.flip_mean.push_back(metrics->flip_mean);
   figures.flip_p99.push_back(metrics->flip_p99);
   figures.wrong_ids.push_back(double(*wrong) / double(ids.ids.size()));
-  figures.flicker.push_back(flicker(pictures, reference));
+  figures.flicker.push_back(flicker(images, reference));
   return {};
 }
 
@@ -378,7 +380,7 @@ Json to_json(const Figures& f) {
           {"wrong_ids", mean(f.wrong_ids)},
           {"flicker", mean(f.flicker)},
           {"items", mean(f.items)},
-          {"squares", mean(f.squares)},
+          {"splats", mean(f.splats)},
           {"ms", {{"mean", mean(f.ms)}, {"median", apps::median(f.ms)}, {"frames", f.ms}}},
           {"processor_ms", {{"mean", mean(f.processor_ms)}, {"frames", f.processor_ms}}}};
 }
@@ -388,7 +390,7 @@ void print(const std::vector<Figures>& all, std::FILE* out) {
   std::fprintf(out,
                "| rule              | threshold, px | processor ms | ms, mean | first frame | FLIP, mean |    p99 | "
                "wrong ids, %% "
-               "| flicker |   items | squares |\n"
+               "| flicker |   items |  splats |\n"
                "| ----------------- | ------------: | -----------: | -------: | ----------: | ---------: | -----: | "
                "-----------: "
                "| ------: | ------: | ------: |\n");
@@ -396,10 +398,10 @@ void print(const std::vector<Figures>& all, std::FILE* out) {
     std::fprintf(
         out, "| %-17s | %13.4g | %12.1f | %8.1f | %11.1f | %10.5f | %6.4f | %12.2f | %7.3f | %7.0f | %7.0f |\n",
         name_of(f.rule).c_str(), f.rule.threshold, mean(f.processor_ms), mean(f.ms), f.ms.front(), mean(f.flip_mean),
-        mean(f.flip_p99), 100.0 * mean(f.wrong_ids), mean(f.flicker), mean(f.items), mean(f.squares));
+        mean(f.flip_p99), 100.0 * mean(f.wrong_ids), mean(f.flicker), mean(f.items), mean(f.splats));
 }
 
-/// The full picture is a line: rules need not go below its error.
+/// The full image is a line: rules need not go below its error.
 core::Expected<void> write_plot(const std::vector<Figures>& all, const std::string& model, const std::string& file,
                                 const std::string& label, std::vector<double> Figures::*figure) {
   using apps::PanelSeries;
@@ -411,7 +413,7 @@ core::Expected<void> write_plot(const std::vector<Figures>& all, const std::stri
   }
   const double floor = mean(all.front().*figure);
   panel.series.push_back(
-      {"full picture, one sample", {{least, floor, ""}, {most, floor, ""}}, PanelSeries::Style::kDashes});
+      {"full image, one sample", {{least, floor, ""}, {most, floor, ""}}, PanelSeries::Style::kDashes});
   for (const Figures& f : all) {
     if (f.rule.measure == Rule::Measure::kNone) continue;
     const std::string name = name_of(f.rule);

@@ -1,4 +1,4 @@
-// sightline-bench edit: the cost of edits, and their effect on culling speed until a new order lands.
+// sightline-bench edit: the cost of edits, and their effect on culling speed until a new scene version lands.
 //
 // Uses a plant of cylinders and boxes. For each kind of edit, every commit edits a share of all items. Measures the
 // parts of the commit (validation by the scene, snapshot, culler), and culling along a path before, after, and in the

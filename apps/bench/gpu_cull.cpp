@@ -1,4 +1,4 @@
-// sightline-bench gpu-cull: compares the variants of the GPU culler and of its boxes with each other. Draws no picture.
+// sightline-bench gpu-cull: compares the variants of the GPU culler and of its boxes with each other. Draws no image.
 //
 // Culls generated plants along an orbit. Every variant culls each view in turn, and the best of some passes counts: the
 // time from submission until the GPU has finished, and the part of it for the submission. Memory as in table 5.1 of E.

@@ -1,7 +1,8 @@
 // sightline-bench limit: frames of a tour with the tests for what colours no pixel, beside drawing nothing but what
-// owns a pixel. No test can do better than that without knowing the picture, so it is the limit to approach.
+// is visible in the id image. No test can do better than that without knowing the image, so it is the limit to
+// approach.
 //
-// What owns a pixel is read from the ids of the picture with both tests. All ways take turns in each view, so that a
+// The items that are visible are read from the id image with both tests. All modes take turns in each view, so that a
 // machine whose speed changes slows all of them.
 #include <algorithm>
 #include <cstdio>
@@ -46,7 +47,7 @@ void add_options(apps::CommandLine& line, Options& o) {
       "  sightline-bench limit plant.rvm --size 1280x720 --frames 200 --json limit.json");
 }
 
-struct Way {
+struct Mode {
   const char *name, *title;
   std::vector<double> ms, processor_ms, items;  // of each frame
 };
@@ -74,7 +75,7 @@ class Bench {
   enum : std::size_t { kSamples, kBoth, kLimit };
 
   struct Frame {
-    double ms = 0.0, processor_ms = 0.0;  // until the picture is drawn
+    double ms = 0.0, processor_ms = 0.0;  // until the image is drawn
     std::int64_t items = 0;
   };
 
@@ -93,19 +94,19 @@ class Bench {
       const auto report = engine.frame(view);
       if (!report) return tl::unexpected(report.error());
       if (!report->drawn) return core::fail("the GL context was lost");
-      return report->shown;
+      return report->items_drawn;
     });
   }
 
   core::Expected<void> fly(const core::View& view) {
-    for (const std::size_t way : {kSamples, kBoth}) {
-      const auto made = frame(engines_[way], view);
+    for (const std::size_t mode : {kSamples, kBoth}) {
+      const auto made = frame(engines_[mode], view);
       if (!made) return tl::unexpected(made.error());
-      add(way, *made);
+      add(mode, *made);
     }
     const auto ids = engines_[kBoth].read_ids();
     if (!ids) return tl::unexpected(ids.error());
-    const auto made = draw_owners(view, *ids);
+    const auto made = draw_visible(view, *ids);
     if (!made) return tl::unexpected(made.error());
     add(kLimit, *made);
     const auto alone = engines_[kLimit].read_ids();
@@ -116,49 +117,51 @@ class Bench {
     return {};
   }
 
-  /// Draws the items that own a pixel, and nothing else.
-  core::Expected<Frame> draw_owners(const core::View& view, const image::IdImage& ids) {
+  /// Draws the items that are visible in the id image, and nothing else.
+  core::Expected<Frame> draw_visible(const core::View& view, const image::IdImage& ids) {
     Engine& engine = engines_[kLimit];
     const core::Snapshot& snapshot = engine.snapshot();
-    core::VisibleSet owners;
-    owners.generation = snapshot.generation();
+    core::VisibleSet visible_in_ids;
+    visible_in_ids.generation = snapshot.generation();
     for (const std::uint32_t id : ids.ids)
-      if (id != 0) owners.slots.push_back(snapshot.slot(core::ItemId{id - 1}));
-    std::sort(owners.slots.begin(), owners.slots.end());
-    owners.slots.erase(std::unique(owners.slots.begin(), owners.slots.end()), owners.slots.end());
+      if (id != 0) visible_in_ids.single_slots.push_back(snapshot.slot(core::ItemId{id - 1}));
+    std::sort(visible_in_ids.single_slots.begin(), visible_in_ids.single_slots.end());
+    visible_in_ids.single_slots.erase(
+        std::unique(visible_in_ids.single_slots.begin(), visible_in_ids.single_slots.end()),
+        visible_in_ids.single_slots.end());
     return timed(engine, [&]() -> core::Expected<std::int64_t> {
-      const engine::Culled culled{view, snapshot, owners};
+      const engine::Culled culled{view, snapshot, visible_in_ids};
       const auto drawn = engine.drawing()->draw({.view = view, .culled = culled, .all = false});
       if (!drawn) return tl::unexpected(drawn.error());
-      return std::int64_t(owners.slots.size());
+      return std::int64_t(visible_in_ids.single_slots.size());
     });
   }
 
-  void add(std::size_t way, const Frame& made) {
-    ways_[way].ms.push_back(made.ms);
-    ways_[way].processor_ms.push_back(made.processor_ms);
-    ways_[way].items.push_back(double(made.items));
+  void add(std::size_t mode, const Frame& made) {
+    modes_[mode].ms.push_back(made.ms);
+    modes_[mode].processor_ms.push_back(made.processor_ms);
+    modes_[mode].items.push_back(double(made.items));
   }
 
   const Options& options_;
   std::vector<core::View> views_;
   std::vector<Engine> engines_;
-  Way ways_[3] = {
+  Mode modes_[3] = {
       {"samples", "sample test", {}, {}, {}}, {"both", "both tests", {}, {}, {}}, {"limit", "the limit", {}, {}, {}}};
-  std::uint64_t different_ = 0;  // pixels whose item is another in the limit's pictures
+  std::uint64_t different_ = 0;  // pixels whose item is another in the limit's images
 };
 
 Json Bench::figures() const {
   Json json;
-  const apps::Summary limit = apps::summarise(ways_[kLimit].ms);
-  for (const Way& way : ways_) {
-    const apps::Summary ms = apps::summarise(way.ms);
-    json[way.name] = {{"title", way.title},
-                      {"ms", apps::to_json(ms)},
-                      {"items", apps::summarise(way.items).mean},
-                      {"processor_ms", apps::summarise(way.processor_ms).mean},
-                      {"mean_ratio", ms.mean / limit.mean},
-                      {"median_ratio", ms.median / limit.median}};
+  const apps::Summary limit = apps::summarise(modes_[kLimit].ms);
+  for (const Mode& mode : modes_) {
+    const apps::Summary ms = apps::summarise(mode.ms);
+    json[mode.name] = {{"title", mode.title},
+                       {"ms", apps::to_json(ms)},
+                       {"items", apps::summarise(mode.items).mean},
+                       {"processor_ms", apps::summarise(mode.processor_ms).mean},
+                       {"mean_ratio", ms.mean / limit.mean},
+                       {"median_ratio", ms.median / limit.median}};
   }
   json["other_ids"] = different_;
   return json;
@@ -168,18 +171,18 @@ Json Bench::figures() const {
 void print(const Json& json, std::FILE* out) {
   std::fprintf(
       out,
-      "| way         | ms, mean | median |    p99 | processor ms |   items | mean / limit | median / limit |\n"
+      "| mode        | ms, mean | median |    p99 | processor ms |   items | mean / limit | median / limit |\n"
       "| ----------- | -------: | -----: | -----: | -----------: | ------: | -----------: | -------------: |\n");
   for (const char* name : {"samples", "both", "limit"}) {
-    const Json& way = json["ways"][name];
-    const auto figure = [&](const char* of) { return way[of].get<double>(); };
+    const Json& mode = json["modes"][name];
+    const auto figure = [&](const char* of) { return mode[of].get<double>(); };
     std::fprintf(out, "| %-11s | %8.1f | %6.1f | %6.1f | %12.1f | %7.0f | %12.2f | %14.2f |\n",
-                 way["title"].get<std::string>().c_str(), way["ms"]["mean"].get<double>(),
-                 way["ms"]["median"].get<double>(), way["ms"]["p99"].get<double>(), figure("processor_ms"),
+                 mode["title"].get<std::string>().c_str(), mode["ms"]["mean"].get<double>(),
+                 mode["ms"]["median"].get<double>(), mode["ms"]["p99"].get<double>(), figure("processor_ms"),
                  figure("items"), figure("mean_ratio"), figure("median_ratio"));
   }
-  std::fprintf(out, "\npixels whose item is another when owners are drawn alone: %llu\n",
-               static_cast<unsigned long long>(json["ways"]["other_ids"].get<std::uint64_t>()));
+  std::fprintf(out, "\npixels whose item is another when visible items are drawn alone: %llu\n",
+               static_cast<unsigned long long>(json["modes"]["other_ids"].get<std::uint64_t>()));
 }
 
 core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, bool samples, bool occlusion) {
@@ -210,7 +213,7 @@ core::Expected<int> run(const Options& o) {
                engine::count_text(snapshot.size()).c_str(), o.size.c_str(), o.frames, renderer_line(context).c_str());
   Bench bench(o, std::move(*views), std::move(engines));
   if (auto done = bench.run(); !done) return tl::unexpected(done.error());
-  json["ways"] = bench.figures();
+  json["modes"] = bench.figures();
   return finish(o.json, json, print);
 }
 

@@ -9,7 +9,7 @@
 
 namespace sightline::bench {
 
-/// Pictures with ids. Culled by the CPU, so that no frame is culled another way than the one before.
+/// Images with ids. Culled by the CPU, so that no frame is culled another way than the one before.
 inline engine::EngineConfig drawing_config(int width, int height, gl::ContextPlatform platform) {
   engine::EngineConfig config;
   config.draw = config.drawing.ids = true;

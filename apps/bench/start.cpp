@@ -1,9 +1,9 @@
-// sightline-bench start: from a model file, or from its scene cache, to the first cull, and to the first picture.
+// sightline-bench start: from a model file, or from its scene cache, to the first cull, and to the first image.
 //
 // One start per process, since memory that was used once is not new again. Steps: import (with --cache the cache), the
-// commit, the snapshot, the view of the whole, the hidden ends at joints, the hierarchy and one cull; with --size an
-// engine and its first picture. With --memory a cache is drawn page by page: it is opened, the engine is made, the
-// first picture shows stand-ins for what is missing, and the last step is the complete picture. Times are elapsed ones
+// commit, the snapshot, the view of the whole, the internal end caps at joints, the hierarchy and one cull; with --size
+// an engine and its first image. With --memory a cache is drawn page by page: it is opened, the engine is made, the
+// first image shows placeholders for what is missing, and the last step is the complete image. Times are elapsed ones
 // and, since other programs may run beside, those of the processors. Memory is what the process then has in RAM: its
 // own pages, and pages of files, which the system takes back when it needs them.
 
@@ -57,7 +57,7 @@ class Steps {
   double at_ = milliseconds(), used_ = processor_milliseconds();
 };
 
-constexpr double kAspect = 1.5;  // where no picture is drawn
+constexpr double kAspect = 1.5;  // where no image is drawn
 
 /// The view of the whole, of `size` where one was given.
 core::Expected<core::View> overview(const core::FittedBounds& fitted, const std::array<int, 2>& size) {
@@ -104,16 +104,16 @@ core::Expected<int> run_paged(const Options& options, const std::array<int, 2>& 
   const auto first = engine->frame(*view);
   if (!first) return tl::unexpected(first.error());
   (void)engine->read_colour();
-  steps.done("first picture");
+  steps.done("first image");
   const auto last = engine->settle(*view);
   if (!last) return tl::unexpected(last.error());
   (void)engine->read_colour();
-  steps.done("complete picture");
+  steps.done("complete image");
   if (auto done = apps::page_errors(*engine); !done) return tl::unexpected(done.error());
   return report(options,
                 {{"items", engine->scene().items},
-                 {"visible", last->shown},
-                 {"first_stand_ins", first->stand_ins},
+                 {"visible", last->items_drawn},
+                 {"first_placeholders", first->placeholders},
                  {"pages", last->loaded},
                  {"peak_bytes", apps::peak_memory()}},
                 steps.json());
@@ -125,8 +125,8 @@ core::Expected<void> draw(core::Scene& scene, const core::View& view, const std:
   if (!engine) return tl::unexpected(engine.error());
   steps.done("engine");
   if (auto drawn = engine->frame(view); !drawn) return tl::unexpected(drawn.error());
-  if (auto picture = engine->read_colour(); !picture) return tl::unexpected(picture.error());
-  steps.done("first picture");
+  if (auto image = engine->read_colour(); !image) return tl::unexpected(image.error());
+  steps.done("first image");
   return {};
 }
 
@@ -188,7 +188,7 @@ void add_options(apps::CommandLine& line, Options& options) {
   general.add("FILE", options.file, "Model file, or scene cache").required();
   apps::add_import_options(line, options.import);
 #if SIGHTLINE_HAS_GL
-  const apps::Option size = general.add("--size", options.size, "Draw a picture of so many pixels at the end")
+  const apps::Option size = general.add("--size", options.size, "Draw an image of so many pixels at the end")
                                 .metavar("WxH")
                                 .accepted_by(apps::parse_size);
   apps::add_memory_option(line, options.memory);

@@ -1,9 +1,9 @@
-// sightline-bench trace: primary rays of one picture through the ray tracer, on one thread, and beside Embree 3 where
+// sightline-bench trace: primary rays of one image through the ray tracer, on one thread, and beside Embree 3 where
 // the build has found it. Embree gets all meshes as one mesh in world coordinates. It gets solids in two ways: as
 // triangles, whose chords deviate by a quarter of a pixel at the median distance unless --chord says otherwise, and as
 // user geometry that calls our reference intersectors.
 //
-// The rays exist before the clock runs, by default in the cache, where those of a picture are that makes them tile by
+// The rays exist before the clock runs, by default in the cache, where those of an image are that makes them tile by
 // tile. Figures are the least of interleaved passes, in processor time.
 #include <algorithm>
 #include <array>
@@ -20,8 +20,8 @@
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
-#include "sightline/importers/json/internal/json.h"
 #include "sightline/core/image_rays.h"
+#include "sightline/importers/json/internal/json.h"
 #if SIGHTLINE_HAS_EMBREE
 #include "sightline/apps/bench/embree_peer.h"
 #include "sightline/gpuprims/internal/primitives.h"
@@ -63,7 +63,7 @@ core::Mesh bumpy_ball(std::size_t triangles) {
   return mesh;
 }
 
-/// All rays of the picture, by tiles of 4 x 4 pixels.
+/// All rays of the image, by tiles of 4 x 4 pixels.
 core::Expected<std::vector<core::Ray>> primary_rays(const core::View& view, int width, int height) {
   const auto pixels = core::ImageRays::create(view, width, height);
   if (!pixels) return tl::unexpected(pixels.error());
@@ -76,7 +76,7 @@ core::Expected<std::vector<core::Ray>> primary_rays(const core::View& view, int 
 }
 
 /// One way to trace all rays: its least time, and the distances of the last pass.
-struct Way {
+struct Variant {
   std::string name;
   std::function<void(std::size_t first, std::span<float> t)> trace;  ///< some rays, from `first` on
   double ms = std::numeric_limits<double>::infinity();
@@ -133,21 +133,21 @@ struct Peers {
 };
 
 void add_peer(const std::string& name, const core::Mesh& mesh, std::vector<PeerSolid> solids, bool robust, int threads,
-              Peers& peers, std::vector<Way>& ways, json::Value& json) {
+              Peers& peers, std::vector<Variant>& variants, json::Value& json) {
   if (mesh.indices.empty() && solids.empty()) return;
   const EmbreePeer* peer =
       peers.scenes.emplace_back(std::make_unique<EmbreePeer>(mesh, std::move(solids), robust, threads)).get();
   json["builds"].push_back(
       {{"name", name}, {"ms", peer->build_ms()}, {"bytes", peer->bytes()}, {"triangles", mesh.indices.size() / 3}});
-  ways.push_back({.name = name + ", single", .trace = [peer, &peers](std::size_t first, std::span<float> t) {
-                    peer->single(std::span(peers.rays).subspan(first, t.size()), t);
-                  }});
-  ways.push_back({.name = name + ", packets of 16", .trace = [peer, &peers](std::size_t first, std::span<float> t) {
-                    peer->packets(std::span(peers.rays).subspan(first, t.size()), t);
-                  }});
+  variants.push_back({.name = name + ", single", .trace = [peer, &peers](std::size_t first, std::span<float> t) {
+                        peer->single(std::span(peers.rays).subspan(first, t.size()), t);
+                      }});
+  variants.push_back({.name = name + ", packets of 16", .trace = [peer, &peers](std::size_t first, std::span<float> t) {
+                        peer->packets(std::span(peers.rays).subspan(first, t.size()), t);
+                      }});
 }
 
-/// A chord tolerance that a picture shows as one pixel at the median distance of what it hits; metres.
+/// A chord tolerance that an image shows as one pixel at the median distance of what it hits; metres.
 double one_pixel(const raytrace::Tracer& tracer, std::span<const core::Ray> rays, int height) {
   std::vector<double> distances;
   for (std::size_t i = 0; i < rays.size(); i += 97)
@@ -159,20 +159,20 @@ double one_pixel(const raytrace::Tracer& tracer, std::span<const core::Ray> rays
 }
 
 void add_peers(const core::Snapshot& snapshot, const raytrace::Tracer& tracer, std::span<const core::Ray> rays,
-               const Options& options, Peers& peers, std::vector<Way>& ways, json::Value& json) {
+               const Options& options, Peers& peers, std::vector<Variant>& variants, json::Value& json) {
   for (const core::Ray& r : rays)
     peers.rays.push_back({vec3(r.origin), vec3(r.direction), float(r.t_min), float(std::min(r.t_max, 1e30))});
   const core::Mesh mesh = joined(snapshot);
   const std::vector<PeerSolid> solids = solids_of(snapshot);
   if (solids.empty()) {
-    add_peer("Embree robust", mesh, {}, true, options.threads, peers, ways, json);
-    add_peer("Embree default", mesh, {}, false, options.threads, peers, ways, json);
+    add_peer("Embree robust", mesh, {}, true, options.threads, peers, variants, json);
+    add_peer("Embree default", mesh, {}, false, options.threads, peers, variants, json);
     return;
   }
   const double tolerance = options.chord * one_pixel(tracer, rays, options.height);
   json["chord_tolerance_m"] = tolerance;
-  add_peer("Embree robust, tessellated", joined(snapshot, tolerance), {}, true, options.threads, peers, ways, json);
-  add_peer("Embree, our intersectors", mesh, solids, true, options.threads, peers, ways, json);
+  add_peer("Embree robust, tessellated", joined(snapshot, tolerance), {}, true, options.threads, peers, variants, json);
+  add_peer("Embree, our intersectors", mesh, solids, true, options.threads, peers, variants, json);
 }
 #endif
 
@@ -184,9 +184,10 @@ void print_table(const json::Value& json, std::FILE* out) {
   for (const auto& build : json["builds"])
     std::fprintf(out, "%-32s build %9.1f ms %9.1f MB\n", build["name"].get<std::string>().c_str(),
                  build["ms"].get<double>(), build["bytes"].get<double>() / 1e6);
-  for (const auto& way : json["ways"])
-    std::fprintf(out, "%-32s %8.2f Mray/s, %zu hit, %zu differ\n", way["name"].get<std::string>().c_str(),
-                 way["mrays_per_s"].get<double>(), way["hits"].get<std::size_t>(), way["different"].get<std::size_t>());
+  for (const auto& variant : json["variants"])
+    std::fprintf(out, "%-32s %8.2f Mray/s, %zu hit, %zu differ\n", variant["name"].get<std::string>().c_str(),
+                 variant["mrays_per_s"].get<double>(), variant["hits"].get<std::size_t>(),
+                 variant["different"].get<std::size_t>());
 }
 
 core::Expected<std::unique_ptr<core::Scene>> ball_of(std::size_t triangles) {
@@ -206,7 +207,7 @@ float distance_of(const Answer& hit) {
 
 /// Streams of 256 rays.
 template <class Answer>
-Way stream_way(const char* name, const raytrace::Tracer& tracer, std::span<const core::Ray> rays) {
+Variant stream_variant(const char* name, const raytrace::Tracer& tracer, std::span<const core::Ray> rays) {
   return {.name = name, .trace = [&tracer, rays](std::size_t first, std::span<float> t) {
             std::array<Answer, 256> hits;
             for (std::size_t at = 0; at < t.size(); at += hits.size()) {
@@ -217,7 +218,7 @@ Way stream_way(const char* name, const raytrace::Tracer& tracer, std::span<const
           }};
 }
 
-std::vector<Way> own_ways(const raytrace::Tracer& tracer, std::span<const core::Ray> rays) {
+std::vector<Variant> own_variants(const raytrace::Tracer& tracer, std::span<const core::Ray> rays) {
   const auto single = [&tracer, rays](std::size_t first, std::span<float> t) {
     for (std::size_t i = 0; i < t.size(); ++i) {
       const auto hit = tracer.nearest(rays[first + i]);
@@ -229,8 +230,8 @@ std::vector<Way> own_ways(const raytrace::Tracer& tracer, std::span<const core::
   };
   return {{.name = "Sightline, single", .trace = single},
           {.name = "Sightline, single first hits", .trace = first_hits},
-          stream_way<raytrace::Hit>("Sightline, streams", tracer, rays),
-          stream_way<raytrace::FirstHit>("Sightline, streams of first hits", tracer, rays)};
+          stream_variant<raytrace::Hit>("Sightline, streams", tracer, rays),
+          stream_variant<raytrace::FirstHit>("Sightline, streams of first hits", tracer, rays)};
 }
 
 /// Reads what is there, so that it is in the cache.
@@ -241,14 +242,14 @@ void read(std::span<const std::byte> bytes) {
 }
 
 /// All rays once; `fetch` brings some into the cache.
-double pass_ms(const Way& way, std::size_t chunk, std::span<float> t,
+double pass_ms(const Variant& variant, std::size_t chunk, std::span<float> t,
                const std::function<void(std::size_t first, std::size_t count)>& fetch) {
   double ms = 0.0;
   for (std::size_t first = 0; first < t.size(); first += chunk) {
     const std::size_t count = std::min(chunk, t.size() - first);
     if (count < t.size()) fetch(first, count);
     const double start = processor_milliseconds();
-    way.trace(first, t.subspan(first, count));
+    variant.trace(first, t.subspan(first, count));
     ms += processor_milliseconds() - start;
   }
   return ms;
@@ -281,15 +282,16 @@ core::Expected<int> run(const Options& options) {
   if (!tracer) return tl::unexpected(tracer.error());
   json["builds"].push_back({{"name", "Sightline"}, {"ms", build_ms}, {"bytes", tracer->memory().total()}});
 
-  std::vector<Way> ways = own_ways(*tracer, *rays);
+  std::vector<Variant> variants = own_variants(*tracer, *rays);
 #if SIGHTLINE_HAS_EMBREE
   Peers peers;
-  if (!options.only.starts_with("Sightline")) add_peers(snapshot, *tracer, *rays, options, peers, ways, json);
+  if (!options.only.starts_with("Sightline")) add_peers(snapshot, *tracer, *rays, options, peers, variants, json);
 #endif
   if (!options.only.empty())
-    std::erase_if(ways, [&](const Way& way) { return way.name.find(options.only) == std::string::npos; });
-  if (ways.empty()) return core::fail("--only " + options.only + ": no tracer has such a name");
-  for (Way& way : ways) way.t.resize(rays->size());
+    std::erase_if(variants,
+                  [&](const Variant& variant) { return variant.name.find(options.only) == std::string::npos; });
+  if (variants.empty()) return core::fail("--only " + options.only + ": no tracer has such a name");
+  for (Variant& variant : variants) variant.t.resize(rays->size());
   const auto fetch = [&](std::size_t first, std::size_t count) {
     read(std::as_bytes(std::span(*rays).subspan(first, count)));
 #if SIGHTLINE_HAS_EMBREE
@@ -298,17 +300,17 @@ core::Expected<int> run(const Options& options) {
   };
   const std::size_t chunk = options.chunk > 0 ? options.chunk : rays->size();
   for (int pass = 0; pass < options.passes; ++pass)
-    for (Way& way : ways) way.ms = std::min(way.ms, pass_ms(way, chunk, way.t, fetch));
-  for (const Way& way : ways) {
+    for (Variant& variant : variants) variant.ms = std::min(variant.ms, pass_ms(variant, chunk, variant.t, fetch));
+  for (const Variant& variant : variants) {
     std::size_t different = 0;
     for (std::size_t i = 0; i < rays->size(); ++i) {
-      const float a = way.t[i], b = ways.front().t[i];
+      const float a = variant.t[i], b = variants.front().t[i];
       different += !(a == b || std::abs(a - b) <= 1e-4f * std::abs(b));
     }
-    json["ways"].push_back({{"name", way.name},
-                            {"mrays_per_s", double(rays->size()) / 1e3 / way.ms},
-                            {"hits", way.hits()},
-                            {"different", different}});
+    json["variants"].push_back({{"name", variant.name},
+                                {"mrays_per_s", double(rays->size()) / 1e3 / variant.ms},
+                                {"hits", variant.hits()},
+                                {"different", different}});
   }
   return finish(options.json, json::sorted(std::move(json)), print_table);
 }

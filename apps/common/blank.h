@@ -1,4 +1,4 @@
-// Warns of pictures that show nothing although items are visible.
+// Warns of images that show nothing although items are visible.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace sightline::apps {
 
-/// Prints a one-line warning on stderr if `visible` items were found for the last frame but no pixel of the picture
-/// shows any. `picture` names the picture. Reads the picture back.
-inline void warn_if_blank(engine::Engine& engine, std::int64_t visible, const std::string& picture) {
+/// Prints a one-line warning on stderr if `visible` items were found for the last frame but no pixel of the image
+/// shows any. `image` names the image. Reads the image back.
+inline void warn_if_blank(engine::Engine& engine, std::int64_t visible, const std::string& image) {
   if (visible > 0 && !engine.covered().value_or(true))
-    std::fprintf(stderr, "warning: %s: no pixel shows any of the %lld visible items\n", picture.c_str(),
+    std::fprintf(stderr, "warning: %s: no pixel shows any of the %lld visible items\n", image.c_str(),
                  (long long)visible);
 }
 

@@ -16,7 +16,7 @@ double milliseconds() {
 
 }  // namespace
 
-std::uint64_t count_ties(const DrawnPicture& a, const DrawnPicture& b) {
+std::uint64_t count_ties(const DrawnImage& a, const DrawnImage& b) {
   constexpr double kSameDepth = 1e-5;  // relative; float depths of touching faces differ by some 1e-7
   std::uint64_t ties = 0;
   for (std::size_t i = 0; i < a.ids.ids.size(); ++i) {
@@ -43,18 +43,18 @@ core::Expected<double> DrawnVariant::draw(const core::View& view) {
   const auto frame = engine_->frame(view);
   if (!frame) return tl::unexpected(frame.error());
   engine_->finish();
-  shown_ = frame->shown;
+  items_drawn_ = frame->items_drawn;
   return milliseconds() - begin;
 }
 
-core::Expected<DrawnPicture> DrawnVariant::picture(const core::View& view) {
+core::Expected<DrawnImage> DrawnVariant::image(const core::View& view) {
   auto colour = engine_->read_colour();
   if (!colour) return tl::unexpected(colour.error());
   auto ids = engine_->read_ids();
   if (!ids) return tl::unexpected(ids.error());
   auto depth = engine_->read_depth(view);
   if (!depth) return tl::unexpected(depth.error());
-  return DrawnPicture{std::move(*colour), std::move(*ids), std::move(*depth)};
+  return DrawnImage{std::move(*colour), std::move(*ids), std::move(*depth)};
 }
 
 std::size_t DrawnVariant::gpu_bytes() {

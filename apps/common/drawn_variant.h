@@ -1,4 +1,4 @@
-// Several ways to draw a model, timed in turns and compared picture by picture.
+// Several ways to draw a model, timed in turns and compared image by image.
 #pragma once
 
 #include <memory>
@@ -11,36 +11,36 @@
 
 namespace sightline::apps {
 
-struct DrawnPicture {
+struct DrawnImage {
   image::Image colour;
   image::IdImage ids;
   image::DepthImage depth;
 };
 
-/// Pixels where the pictures show different items at the same depth: several items have one surface there, and any of
+/// Pixels where the images show different items at the same depth: several items have one surface there, and any of
 /// them may be drawn. Sizes must be equal.
-std::uint64_t count_ties(const DrawnPicture& a, const DrawnPicture& b);
+std::uint64_t count_ties(const DrawnImage& a, const DrawnImage& b);
 
 /// A scene and an engine that draws it.
 class DrawnVariant {
  public:
-  /// `config` names the context, which must be current and outlive this. Pictures have ids whatever it says.
+  /// `config` names the context, which must be current and outlive this. Images have ids whatever it says.
   static core::Expected<DrawnVariant> create(std::shared_ptr<core::Scene> scene, engine::EngineConfig config);
 
-  /// Draws a frame and returns the milliseconds until the picture is complete.
+  /// Draws a frame and returns the milliseconds until the image is complete.
   core::Expected<double> draw(const core::View& view);
-  /// The last frame's picture. `view` is the one that was drawn.
-  core::Expected<DrawnPicture> picture(const core::View& view);
-  /// On the GPU, without the picture.
+  /// The last frame's image. `view` is the one that was drawn.
+  core::Expected<DrawnImage> image(const core::View& view);
+  /// On the GPU, without the image.
   std::size_t gpu_bytes();
   const core::Scene& scene() const { return *scene_; }
   /// Items drawn in the last frame, -1 where only the GPU knows.
-  std::int64_t shown() const { return shown_; }
+  std::int64_t items_drawn() const { return items_drawn_; }
 
  private:
   std::shared_ptr<core::Scene> scene_;  // must outlive the engine
   std::unique_ptr<engine::Engine> engine_;
-  std::int64_t shown_ = -1;
+  std::int64_t items_drawn_ = -1;
 };
 
 /// Median milliseconds of each variant's frames of one view over `passes`. Draws all variants in turns, so that other

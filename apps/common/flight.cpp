@@ -27,8 +27,8 @@ std::vector<double> Flight::sampled() const {
   return collect([](const engine::FrameReport& r) { return double(r.sampled); });
 }
 
-std::vector<double> Flight::shown() const {
-  return collect([](const engine::FrameReport& r) { return double(r.shown); });
+std::vector<double> Flight::items_drawn() const {
+  return collect([](const engine::FrameReport& r) { return double(r.items_drawn); });
 }
 
 std::vector<double> Flight::tested() const {
@@ -61,7 +61,7 @@ void take_late_reports(engine::Engine& engine, Flight& flight) {
   while (const auto late = engine.take_late_report()) {
     FlownFrame& frame = flight.frames[std::size_t(late->frame)];
     frame.report.visible = late->visible;
-    if (frame.report.drawn) frame.report.shown = late->shown;
+    if (frame.report.drawn) frame.report.items_drawn = late->items_drawn;
     frame.gpu_cull_ms = late->gpu_cull_ms;
   }
 }

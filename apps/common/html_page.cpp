@@ -20,8 +20,8 @@ code { display: block; margin-top: 0.2rem; white-space: pre-wrap; overflow-wrap:
        font-family: "Liberation Mono", Consolas, monospace; }
 img, svg { display: block; max-width: 100%; height: auto; }
 img { width: 100%; border: 1px solid #999; box-sizing: border-box; }
-.pictures { display: grid; grid-template-columns: repeat(var(--columns), minmax(0, 1fr)); gap: 0.8rem; }
-.pictures > div { font-size: 0.85rem; }
+.images { display: grid; grid-template-columns: repeat(var(--columns), minmax(0, 1fr)); gap: 0.8rem; }
+.images > div { font-size: 0.85rem; }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem; }
 th, td { padding: 0.15rem 0.5rem; border-bottom: 1px solid #ccc; text-align: left; vertical-align: top; }
 .texts td { overflow-wrap: anywhere; }
@@ -95,11 +95,10 @@ void HtmlBody::table_of(const char* style, const std::vector<std::string>& head,
   close_figure(caption);
 }
 
-core::Expected<void> HtmlBody::pictures(std::span<const LabelledPicture> pictures, const Caption& caption,
-                                        int columns) {
-  html_ += "<figure>\n<div class=\"pictures\" style=\"--columns: " + std::to_string(columns) + "\">\n";
-  for (const auto& [label, picture] : pictures) {
-    const auto png = image::encode_png(picture, image::PngSize::kSmall);
+core::Expected<void> HtmlBody::images(std::span<const LabelledImage> images, const Caption& caption, int columns) {
+  html_ += "<figure>\n<div class=\"images\" style=\"--columns: " + std::to_string(columns) + "\">\n";
+  for (const auto& [label, image] : images) {
+    const auto png = image::encode_png(image, image::PngSize::kSmall);
     if (!png) return tl::unexpected(png.error());
     html_ += "<div>" + escaped(label) + "<img alt=\"" + escaped(label) + "\" src=\"data:image/png;base64," +
              base64(*png) + "\"/></div>\n";

@@ -17,10 +17,10 @@ struct Caption {
   std::string text, command;
 };
 
-/// A picture and what it shows.
-struct LabelledPicture {
+/// An image and what it shows.
+struct LabelledImage {
   std::string label;
-  image::Image picture;
+  image::Image image;
 };
 
 /// The content of a section.
@@ -37,9 +37,9 @@ class HtmlBody {
   /// The same with text in all columns.
   void text_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows,
                   const Caption& caption);
-  /// Pictures side by side, so many in a row, 1 to 4.
-  core::Expected<void> pictures(std::span<const LabelledPicture> pictures, const Caption& caption, int columns = 2);
-  /// `svg`: a picture by SvgCanvas, which is not escaped again.
+  /// Images side by side, so many in a row, 1 to 4.
+  core::Expected<void> images(std::span<const LabelledImage> images, const Caption& caption, int columns = 2);
+  /// `svg`: an image by SvgCanvas, which is not escaped again.
   void plot(const std::string& svg, const Caption& caption);
 
   const std::string& text() const { return html_; }

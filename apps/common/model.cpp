@@ -206,31 +206,32 @@ void add_samples_option(CommandLine& line, int& samples) {
       .in_range(1, 32);
 }
 
-void ShownOptions::apply(engine::EngineConfig& config) const {
+void DrawnOptions::apply(engine::EngineConfig& config) const {
   config.culling.sample_test = sample_test;
   config.culling.occlusion = occlusion;
-  config.losses.contribution = contribution;
+  config.losses.min_projected_area = min_projected_area;
   config.losses.budget_ms = budget_ms;
-  config.losses.contribution_way = contribution_way;
-  config.drawing.relief = relief;
+  config.losses.contribution_mode = contribution_mode;
+  config.drawing.depth_shading = depth_shading;
   config.drawing.hatching = hatching;
 }
 
-void add_way_option(CommandLine& line, const std::string& name, const std::string& help, engine::ContributionWay& to) {
-  using engine::ContributionWay;
+void add_contribution_mode_option(CommandLine& line, const std::string& name, const std::string& help,
+                                  engine::ContributionMode& to) {
+  using engine::ContributionMode;
   line.add_choice(
-          name, to, by_name({ContributionWay::kDrop, ContributionWay::kPoints, ContributionWay::kStochastic}),
+          name, to, by_name({ContributionMode::kDrop, ContributionMode::kPoints, ContributionMode::kStochastic}),
           help +
-              ": drop: not at all; points: each as one square of its area; stochastic: a share of them as squares that "
+              ": drop: not at all; points: each as one splat of its area; stochastic: a share of them as splats that "
               "are as much larger")
       .shows_default();
 }
 
-void add_shown_options(CommandLine& line, ShownOptions& options) {
+void add_drawn_options(CommandLine& line, DrawnOptions& options) {
   CommandLine engine = line.group(OptionGroup::kEngine);
   engine
       .add_choice("--sample-test", options.sample_test, {{"on", true}, {"off", false}},
-                  "Leave out of drawing what covers no sample of the picture; no pixel is lost")
+                  "Leave out of drawing what covers no sample of the image; no pixel is lost")
       .shows_default();
   using engine::OcclusionChoice;
   engine
@@ -238,22 +239,24 @@ void add_shown_options(CommandLine& line, ShownOptions& options) {
                   by_name({OcclusionChoice::kOn, OcclusionChoice::kOff, OcclusionChoice::kAutomatic}),
                   "Leave out of drawing what other items hide; no pixel is lost. auto: while it pays")
       .shows_default();
-  line.add("--contribution", options.contribution,
-           "Leave out items that are expected to cover fewer pixels of the picture than this; 0: none")
+  line.add("--min-projected-area", options.min_projected_area,
+           "Leave out items that are expected to cover fewer pixels of the image than this; 0: none")
       .shows_default()
       .not_negative();
   line.add("--budget", options.budget_ms,
            "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
       .shows_default()
       .not_negative();
-  add_way_option(line, "--contribution-way", "How items are drawn that are below --contribution or beyond --budget",
-                 options.contribution_way);
+  add_contribution_mode_option(line, "--contribution-mode",
+                               "How items are drawn that are below --min-projected-area or beyond --budget",
+                               options.contribution_mode);
   const auto add_strength = [](CommandLine& to, const char* name, float& strength, const std::string& what) {
     to.add(name, strength, what).shows_default().in_range(0.0f, 1.0f);
   };
-  add_strength(line, "--shading", options.relief.shading,
+  add_strength(line, "--depth-shading", options.depth_shading.strength,
                "Darken corners and what lies behind edges: from 0, not, to 1");
-  add_strength(line, "--lines", options.relief.lines, "Draw lines along edges: from 0, none, to 1, black");
+  add_strength(line, "--edge-lines", options.depth_shading.edge_lines,
+               "Draw lines along edges: from 0, none, to 1, black");
   add_strength(engine, "--hatch", options.hatching.strength,
                "Draw lines across what section planes cut: from 0, none, to 1, black");
 }

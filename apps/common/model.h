@@ -77,24 +77,25 @@ void add_context_option(CommandLine& line, gl::ContextPlatform& platform);
 void add_samples_option(CommandLine& line, int& samples);
 
 /// What of the view volume is drawn.
-struct ShownOptions {
+struct DrawnOptions {
   bool sample_test = true;
   engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
-  float contribution = 0.0f;
-  engine::ContributionWay contribution_way = engine::ContributionWay::kDrop;
+  float min_projected_area = 0.0f;
+  engine::ContributionMode contribution_mode = engine::ContributionMode::kDrop;
   double budget_ms = 0.0;
-  engine::Relief relief;
+  engine::DepthShading depth_shading;
   engine::Hatching hatching;
 
   void apply(engine::EngineConfig& config) const;
 };
 
 /// drop|points|stochastic under a name. `help`: what it is about.
-void add_way_option(CommandLine& line, const std::string& name, const std::string& help, engine::ContributionWay& way);
+void add_contribution_mode_option(CommandLine& line, const std::string& name, const std::string& help,
+                                  engine::ContributionMode& mode);
 
-/// --sample-test on|off, --occlusion on|off|auto, --contribution PX, --contribution-way drop|points|stochastic,
-/// --budget MS, --shading X, --lines X, --hatch X
-void add_shown_options(CommandLine& line, ShownOptions& options);
+/// --sample-test on|off, --occlusion on|off|auto, --min-projected-area PX, --contribution-mode drop|points|stochastic,
+/// --budget MS, --depth-shading X, --edge-lines X, --hatch X
+void add_drawn_options(CommandLine& line, DrawnOptions& options);
 
 /// Prints to stderr which features are used and which are left out.
 void explain(const engine::Plan& plan);

@@ -10,7 +10,7 @@
 
 namespace sightline::apps {
 
-/// An SVG picture with a white background. Lengths are pixels, y points down, colours are "#rrggbb". Text may hold any
+/// An SVG image with a white background. Lengths are pixels, y points down, colours are "#rrggbb". Text may hold any
 /// bytes: markup characters are escaped.
 class SvgCanvas {
  public:

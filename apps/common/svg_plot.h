@@ -52,7 +52,7 @@ struct PanelPlot {
   std::vector<Panel> panels = {};
   bool log_x = true;
   bool own_x = false;  ///< each panel has its own x axis
-  bool large = false;  ///< panels as wide as the picture instead of three in a row
+  bool large = false;  ///< panels as wide as the image instead of three in a row
 };
 std::string svg_panels(const PanelPlot& plot);
 

@@ -1,4 +1,4 @@
-// What a picture of a model shows, in the same way for every tool that makes one.
+// What an image of a model shows, in the same way for every tool that makes one.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct ViewOptions {
 /// --size, --view, --path with --frame and --frames, --fit
 void add_view_options(CommandLine& line, ViewOptions& options);
 
-/// The view of a picture whose width is `aspect` times its height; by default of the whole model, with a warning on
+/// The view of an image whose width is `aspect` times its height; by default of the whole model, with a warning on
 /// stderr of what that leaves out.
 core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
                                        double aspect);

@@ -13,7 +13,7 @@
 namespace sightline::apps {
 namespace {
 
-/// For MPI, which calls it with any parts of the pictures, in any order and grouping.
+/// For MPI, which calls it with any parts of the images, in any order and grouping.
 void compose_fragments(void* more, void* into, int* count, MPI_Datatype*) {
   const auto size = std::size_t(*count);
   compose({static_cast<const Fragment*>(more), size}, {static_cast<Fragment*>(into), size});
@@ -63,7 +63,7 @@ core::Expected<std::vector<Fragment>> Composer::fragments(engine::Engine& engine
   const auto ids = engine.read_ids();
   if (!ids) return tl::unexpected(ids.error());
   engine::Drawing* drawing = engine.drawing();
-  if (!drawing) return core::fail("the GL context was lost before the picture was read");
+  if (!drawing) return core::fail("the GL context was lost before the image was read");
   const std::vector<float> depths = drawing->target().read_reversed_depths();
   std::vector<Fragment> out(depths.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -80,8 +80,8 @@ std::vector<double> Composer::gather(double own) const {
   return all;
 }
 
-core::Expected<ReadPicture> Composer::read(engine::Engine& engine, const core::View& whole,
-                                           const core::Expected<engine::FrameReport>& drawn) {
+core::Expected<ReadImage> Composer::read(engine::Engine& engine, const core::View& whole,
+                                         const core::Expected<engine::FrameReport>& drawn) {
   const bool draws = drawn && drawn->visible != 0;
   core::Expected<std::vector<Fragment>> own;
   if (!drawn)
@@ -97,7 +97,7 @@ core::Expected<ReadPicture> Composer::read(engine::Engine& engine, const core::V
   MPI_Allreduce(counts, sums, 2, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   drawing_ = int(sums[0]);
   visible_ = sums[1];
-  // Rank 0 stays in, though it may draw nothing: it gets the picture.
+  // Rank 0 stays in, though it may draw nothing: it gets the image.
   const bool takes_part = draws || session_.rank() == 0;
   MPI_Comm those = MPI_COMM_NULL;
   MPI_Comm_split(MPI_COMM_WORLD, takes_part ? 0 : MPI_UNDEFINED, session_.rank(), &those);
@@ -109,7 +109,7 @@ core::Expected<ReadPicture> Composer::read(engine::Engine& engine, const core::V
   }
   seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   own->resize(std::size_t(width) * std::size_t(height));
-  ReadPicture out;
+  ReadImage out;
   out.colours = {width, height, std::vector<std::uint8_t>(3 * own->size())};
   out.ids = {width, height, std::vector<std::uint32_t>(own->size())};
   out.depth = {width, height, std::vector<float>(own->size(), std::numeric_limits<float>::infinity())};

@@ -1,7 +1,7 @@
-// The picture of a scene whose parts are drawn by the processes of an MPI run.
+// The image of a scene whose parts are drawn by the processes of an MPI run.
 #pragma once
 
-#include "sightline/apps/common/tiled_picture.h"
+#include "sightline/apps/common/tiled_image.h"
 #include "sightline/apps/mpi/composition.h"
 #include "sightline/apps/mpi/session.h"
 
@@ -17,12 +17,12 @@ class Composer {
   /// The part of a scene that this process draws: engines need that, one sample, and ids.
   engine::ScenePart part() const { return {session_.rank(), session_.size()}; }
 
-  /// All processes call it after each frame of the same view, with what that frame gave. Rank 0 gets the picture
+  /// All processes call it after each frame of the same view, with what that frame gave. Rank 0 gets the image
   /// of all parts, the others that of theirs. Processes whose part is not in the view send nothing: MPI_Comm_split
-  /// leaves them out. The rest meet in one MPI_Reduce with an operator on fragments, so how pictures travel is up to
+  /// leaves them out. The rest meet in one MPI_Reduce with an operator on fragments, so how images travel is up to
   /// MPI. Fails in all processes where it fails in one.
-  core::Expected<ReadPicture> read(engine::Engine& engine, const core::View& whole,
-                                   const core::Expected<engine::FrameReport>& drawn);
+  core::Expected<ReadImage> read(engine::Engine& engine, const core::View& whole,
+                                 const core::Expected<engine::FrameReport>& drawn);
 
   /// A number of each process, by rank, for rank 0; empty for the others. All processes call it.
   std::vector<double> gather(double own) const;

@@ -1,4 +1,4 @@
-// sightline-regress: pictures of many views of many models against references, by many processes.
+// sightline-regress: images of many views of many models against references, by many processes.
 
 #include <algorithm>
 #include <csignal>
@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr int kMostWorkers = 256;
 
 struct Options {
-  std::string suite, out = "regress", shard, pictures = "failed", html, junit, json_file;
+  std::string suite, out = "regress", shard, images = "failed", html, junit, json_file;
   std::vector<std::string> only, from;
   int workers = 1;
   double timeout = 0.0, silence = 15.0;
@@ -53,7 +53,7 @@ void add_limit(apps::CommandLine& line, const char* name, std::optional<T>& limi
 
 void add_options(apps::CommandLine& line, Options& o) {
   line.add("SUITE", o.suite, "Suite JSON file (docs/guide/regress.md)").required();
-  line.add("--out", o.out, "Folder for pictures and results, report.html and junit.xml").shows_default();
+  line.add("--out", o.out, "Folder for images and results, report.html and junit.xml").shows_default();
   const apps::Option workers =
       line.add("-j,--jobs", o.workers, "Worker processes").shows_default().in_range(1, kMostWorkers);
   const apps::Option mpi =
@@ -75,7 +75,7 @@ void add_options(apps::CommandLine& line, Options& o) {
           .excludes(mpi)
           .excludes(shard)
           .excludes(resume);
-  line.add_flag("--accept", o.accept, "Make references of the pictures that fail or have none");
+  line.add_flag("--accept", o.accept, "Make references of the images that fail or have none");
   line.add_flag("--list", o.list, "Print the names of the tasks, one a line, and draw nothing")
       .excludes(merge)
       .excludes(workers)
@@ -93,7 +93,7 @@ void add_options(apps::CommandLine& line, Options& o) {
       .shows_default()
       .needs(mpi)
       .in_range(1.0, 1e6);
-  line.add("--pictures", o.pictures, "Pictures in report.html: failed, all or none")
+  line.add("--images", o.images, "Images in report.html: failed, all or none")
       .shows_default()
       .one_of({"failed", "all", "none"});
   line.add("--html", o.html, "Write the page to FILE (default: report.html in --out)").usage_text("FILE");
@@ -161,12 +161,12 @@ core::Expected<int> serve(const Options& o, const apps::Suite& suite) {
   });
 }
 
-/// Pictures of accepted tasks become references.
+/// Images of accepted tasks become references.
 core::Expected<void> copy_accepted(const apps::Suite& suite, const apps::ResultFolder& results,
                                    const std::vector<apps::Outcome>& outcomes) {
   for (const apps::Outcome& o : outcomes) {
     if (o.status != apps::Status::kAccepted) continue;
-    if (auto done = apps::copy_whole(results.picture(*o.task), suite.reference(*o.task)); !done) return done;
+    if (auto done = apps::copy_whole(results.image(*o.task), suite.reference(*o.task)); !done) return done;
     if (!o.task->limits.ids) continue;
     if (auto done = apps::copy_whole(results.ids(*o.task), suite.id_reference(*o.task)); !done) return done;
   }
@@ -175,10 +175,10 @@ core::Expected<void> copy_accepted(const apps::Suite& suite, const apps::ResultF
 
 core::Expected<void> write_pages(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
                                  const std::vector<apps::Outcome>& outcomes) {
-  using apps::ShownPictures;
-  const ShownPictures shown = o.pictures == "all"    ? ShownPictures::kAll
-                              : o.pictures == "none" ? ShownPictures::kNone
-                                                     : ShownPictures::kFailed;
+  using apps::ShownImages;
+  const ShownImages shown = o.images == "all"    ? ShownImages::kAll
+                            : o.images == "none" ? ShownImages::kNone
+                                                 : ShownImages::kFailed;
   const auto in_folder = [&](const std::string& file, const char* name) {
     return file.empty() ? (results.path() / name).string() : file;
   };
@@ -291,11 +291,11 @@ core::Expected<int> regress(const Options& o, const std::vector<std::string>& wo
 }  // namespace
 
 int main(int argc, char** argv) {
-  apps::CommandLine line("Pictures of many views of many models against references, by many processes",
+  apps::CommandLine line("Images of many views of many models against references, by many processes",
                          "sightline-regress",
                          "  sightline-regress suite.json --accept          # the first references\n"
                          "  sightline-regress suite.json -j 4 --out results\n"
-                         "  sightline-regress suite.json --only 'plant/*' --max 8 --pictures all\n"
+                         "  sightline-regress suite.json --only 'plant/*' --max 8 --images all\n"
                          "  sightline-regress suite.json --resume --accept # takes what the last run drew\n"
                          "  mpirun --enable-recovery -np 8 sightline-regress suite.json --mpi\n"
                          "  seq 4 | parallel sightline-regress suite.json --out results --shard {}/4\n"

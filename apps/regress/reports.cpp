@@ -30,7 +30,7 @@ std::string renderers(const std::vector<Outcome>& outcomes) {
   return text;
 }
 
-/// White where two pictures of the same size show different colours.
+/// White where two images of the same size show different colours.
 image::Image mask(const image::Image& a, const image::Image& b) {
   image::Image out{a.width, a.height, std::vector<std::uint8_t>(a.pixels.size())};
   for (std::size_t i = 0; i + 2 < a.pixels.size(); i += 3)
@@ -42,15 +42,15 @@ bool same_size(const core::Expected<image::Image>& a, const core::Expected<image
   return a && b && a->width == b->width && a->height == b->height;
 }
 
-/// Reference, picture and difference, as far as they are there; of ids where they differ.
-std::vector<LabelledPicture> pictures_of(const Suite& suite, const ResultFolder& results, const Outcome& outcome) {
-  std::vector<LabelledPicture> out;
+/// Reference, image and difference, as far as they are there; of ids where they differ.
+std::vector<LabelledImage> images_of(const Suite& suite, const ResultFolder& results, const Outcome& outcome) {
+  std::vector<LabelledImage> out;
   const auto reference = image::read_png(suite.reference(*outcome.task));
-  const auto picture = image::read_png(results.picture(*outcome.task));
+  const auto image = image::read_png(results.image(*outcome.task));
   if (reference) out.push_back({outcome.status == Status::kAccepted ? "reference, accepted" : "reference", *reference});
-  if (picture) out.push_back({"picture", *picture});
-  if (same_size(reference, picture))
-    out.push_back({"difference, four times amplified", image::difference_image(*picture, *reference)});
+  if (image) out.push_back({"image", *image});
+  if (same_size(reference, image))
+    out.push_back({"difference, four times amplified", image::difference_image(*image, *reference)});
   if (!outcome.result || outcome.result->wrong_ids == 0) return out;
   const auto ids = image::read_png(results.ids(*outcome.task));
   const auto reference_ids = image::read_png(suite.id_reference(*outcome.task));
@@ -96,7 +96,7 @@ bool all_good(const std::vector<Outcome>& outcomes) {
 }
 
 std::string summary(const std::vector<Outcome>& outcomes) {
-  std::string text = std::to_string(outcomes.size()) + (outcomes.size() == 1 ? " picture" : " pictures");
+  std::string text = std::to_string(outcomes.size()) + (outcomes.size() == 1 ? " image" : " images");
   const char* separator = ": ";
   for (const Status status : {Status::kPassed, Status::kAccepted, Status::kFailed, Status::kError, Status::kMissing}) {
     if (count(outcomes, status) == 0) continue;
@@ -166,27 +166,27 @@ std::string junit_xml(const Suite& suite, const std::vector<Outcome>& outcomes) 
 }
 
 core::Expected<std::string> html_report(const Suite& suite, const ResultFolder& results,
-                                        const std::vector<Outcome>& outcomes, ShownPictures shown,
+                                        const std::vector<Outcome>& outcomes, ShownImages shown,
                                         const std::string& suite_file) {
   const std::string command = "sightline-regress " + shell_word(suite_file);
   std::vector<PageSection> sections;
   std::vector<std::vector<std::string>> rows;
   for (const Outcome& o : outcomes) rows.push_back(table_row(o));
   HtmlBody table;
-  table.table({"picture", "", "max", "mean", "FLIP", "pixels that differ", "of another item", "seconds"}, rows,
-              {"All pictures. Differences of a channel are 0 to 255, mean FLIP 0 to 1.", command});
-  sections.push_back({"all", "All pictures", summary(outcomes), table.text()});
+  table.table({"image", "", "max", "mean", "FLIP", "pixels that differ", "of another item", "seconds"}, rows,
+              {"All images. Differences of a channel are 0 to 255, mean FLIP 0 to 1.", command});
+  sections.push_back({"all", "All images", summary(outcomes), table.text()});
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const Outcome& o = outcomes[i];
-    if (shown == ShownPictures::kNone || (shown == ShownPictures::kFailed && o.status == Status::kPassed)) continue;
+    if (shown == ShownImages::kNone || (shown == ShownImages::kFailed && o.status == Status::kPassed)) continue;
     HtmlBody body;
     if (!o.reason.empty()) body.paragraph(std::string(name_of(o.status)) + ": " + o.reason);
-    const auto pictures = pictures_of(suite, results, o);
+    const auto images = images_of(suite, results, o);
     const Caption caption{o.task->name + ", " + std::to_string(o.task->size[0]) + "x" +
                               std::to_string(o.task->size[1]) + ", limits " + limits_json(o.task->limits).dump(),
-                          command + " --only " + o.task->name + " --pictures all"};
-    if (!pictures.empty())
-      if (auto done = body.pictures(pictures, caption, int(std::max<std::size_t>(3, pictures.size()))); !done)
+                          command + " --only " + o.task->name + " --images all"};
+    if (!images.empty())
+      if (auto done = body.images(images, caption, int(std::max<std::size_t>(3, images.size()))); !done)
         return tl::unexpected(done.error());
     sections.push_back({"task" + std::to_string(i), o.task->name, std::string(name_of(o.status)), body.text()});
   }

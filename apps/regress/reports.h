@@ -19,17 +19,17 @@ std::size_t count(const std::vector<Outcome>& outcomes, Status status);
 /// Whether all passed or were accepted.
 bool all_good(const std::vector<Outcome>& outcomes);
 
-/// "14 pictures: 12 passed, 1 failed, 1 error"
+/// "14 images: 12 passed, 1 failed, 1 error"
 std::string summary(const std::vector<Outcome>& outcomes);
 json::Value to_json(const Suite& suite, const std::vector<Outcome>& outcomes);
 /// As JUnit writes it, and CI servers read: a test suite a model, a test case a view.
 std::string junit_xml(const Suite& suite, const std::vector<Outcome>& outcomes);
 
-enum class ShownPictures : std::uint8_t { kNone, kFailed, kAll };
-/// One page that holds its pictures: reference, picture and difference of each task. `suite_file`: for the commands
+enum class ShownImages : std::uint8_t { kNone, kFailed, kAll };
+/// One page that holds its images: reference, image and difference of each task. `suite_file`: for the commands
 /// that draw them again.
 core::Expected<std::string> html_report(const Suite& suite, const ResultFolder& results,
-                                        const std::vector<Outcome>& outcomes, ShownPictures shown,
+                                        const std::vector<Outcome>& outcomes, ShownImages shown,
                                         const std::string& suite_file);
 
 }  // namespace sightline::apps

@@ -299,7 +299,7 @@ class SuiteReader {
       return core::fail(at.pointer + ": two views of a model have the name " + name);
     override_limits(task.limits, instead_);
     if (task.limits.flip && std::min(task.size[0], task.size[1]) < 11)
-      return core::fail(at.pointer + ": FLIP needs pictures of at least 11 pixels a side");
+      return core::fail(at.pointer + ": FLIP needs images of at least 11 pixels a side");
     if (task.view && !model.options.translate.empty()) {
       auto moved = importers::translated(*task.view, parse_vector(model.options.translate).value());
       if (!moved) return core::fail(at.pointer + ": " + moved.error().message);

@@ -1,4 +1,4 @@
-// Suites of regression pictures: which views of which models are drawn, and how far they may differ from references
+// Suites of regression images: which views of which models are drawn, and how far they may differ from references
 // (docs/guide/regress.md). A view of a model is a task: it needs no other one, so tasks can be drawn in any order, by
 // anybody.
 #pragma once

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "sightline/apps/common/tiled_picture.h"
+#include "sightline/apps/common/tiled_image.h"
 #include "sightline/render/image/image_metrics.h"
 
 namespace sightline::apps {
@@ -14,7 +14,7 @@ constexpr int kLargestWhole = 4096;  // pixels
 constexpr int kLeastForMetrics = 11;
 
 /// Colours or ids of a reference. What is wrong with it goes to `unlike`.
-std::optional<image::Image> read_reference(const fs::path& file, const image::Image& picture, std::string& unlike) {
+std::optional<image::Image> read_reference(const fs::path& file, const image::Image& image, std::string& unlike) {
   std::error_code none;
   if (!fs::exists(file, none)) {
     unlike = "no reference: " + file.string();
@@ -25,21 +25,19 @@ std::optional<image::Image> read_reference(const fs::path& file, const image::Im
     unlike = reference.error().message;
     return std::nullopt;
   }
-  if (reference->width == picture.width && reference->height == picture.height) return std::move(*reference);
-  const auto size = [](const image::Image& image) {
-    return std::to_string(image.width) + "x" + std::to_string(image.height);
-  };
-  unlike = file.string() + ": has " + size(*reference) + " pixels, the picture " + size(picture);
+  if (reference->width == image.width && reference->height == image.height) return std::move(*reference);
+  const auto size = [](const image::Image& of) { return std::to_string(of.width) + "x" + std::to_string(of.height); };
+  unlike = file.string() + ": has " + size(*reference) + " pixels, the image " + size(image);
   return std::nullopt;
 }
 
-void compare(const Suite& suite, const Task& task, const image::Image& picture, const image::Image& ids,
+void compare(const Suite& suite, const Task& task, const image::Image& image, const image::Image& ids,
              TaskResult& result) {
-  const auto reference = read_reference(suite.reference(task), picture, result.unlike);
+  const auto reference = read_reference(suite.reference(task), image, result.unlike);
   if (!reference) return;
-  result.difference = image::compare(picture, *reference).value();
-  if (result.difference.max > 0 && std::min(picture.width, picture.height) >= kLeastForMetrics)
-    if (const auto metrics = image::image_metrics(*reference, picture)) result.flip = metrics->flip_mean;
+  result.difference = image::compare(image, *reference).value();
+  if (result.difference.max > 0 && std::min(image.width, image.height) >= kLeastForMetrics)
+    if (const auto metrics = image::image_metrics(*reference, image)) result.flip = metrics->flip_mean;
   if (!task.limits.ids) return;
   const auto other = read_reference(suite.id_reference(task), ids, result.unlike);
   if (other) result.wrong_ids = image::wrong_ids(image::ids_of_colours(*other), image::ids_of_colours(ids)).value();
@@ -51,7 +49,7 @@ double now() {
 
 }  // namespace
 
-core::Expected<engine::PictureTiles> TaskDrawer::prepare(const Task& task) {
+core::Expected<engine::ImageTiles> TaskDrawer::prepare(const Task& task) {
   if (model_ != task.model) {
     engine_.reset();
     read_.reset();
@@ -86,7 +84,7 @@ core::Expected<engine::PictureTiles> TaskDrawer::prepare(const Task& task) {
   return tiles;
 }
 
-core::Expected<void> TaskDrawer::draw(const Task& task, image::Image& picture, image::IdImage& ids) {
+core::Expected<void> TaskDrawer::draw(const Task& task, image::Image& image, image::IdImage& ids) {
   auto tiles = prepare(task);
   if (!tiles) return tl::unexpected(tiles.error());
   const double aspect = double(task.size[0]) / task.size[1];
@@ -94,15 +92,15 @@ core::Expected<void> TaskDrawer::draw(const Task& task, image::Image& picture, i
                               : core::View::fit(engine_->snapshot().bounds().fitted_bounds().bounds,
                                                 core::kOverviewDirection, kFovy, aspect);
   if (!view) return tl::unexpected(view.error());
-  TiledPicture drawn(*view, std::move(*tiles), {.ids = engine_->config().drawing.ids});
-  picture = {task.size[0], task.size[1], {}};
+  TiledImage drawn(*view, std::move(*tiles), {.ids = engine_->config().drawing.ids});
+  image = {task.size[0], task.size[1], {}};
   ids = {task.size[0], task.size[1], {}};
   while (!drawn.complete()) {
     const auto rows = drawn.step(*engine_);
     if (!rows) return tl::unexpected(rows.error());
     if (!*rows) continue;
-    const PictureRows& more = drawn.rows();
-    picture.pixels.insert(picture.pixels.end(), more.colours.begin(), more.colours.end());
+    const ImageRows& more = drawn.rows();
+    image.pixels.insert(image.pixels.end(), more.colours.begin(), more.colours.end());
     ids.ids.insert(ids.ids.end(), more.ids.begin(), more.ids.end());
   }
   return {};
@@ -114,15 +112,15 @@ core::Expected<void> TaskDrawer::run(const Task& task) {
   TaskResult result;
   result.key = task.key;
   result.files_key = suite_.files_key(task);
-  image::Image picture, id_colours;
+  image::Image image, id_colours;
   image::IdImage ids;
-  if (auto drawn = draw(task, picture, ids); !drawn) {
+  if (auto drawn = draw(task, image, ids); !drawn) {
     model_.reset();  // the next task begins anew
     result.error = drawn.error().message;
     return results_.write(task, result);
   }
   result.renderer = engine_->renderer();
-  if (auto done = image::write_png(picture, results_.picture(task)); !done) return done;
+  if (auto done = image::write_png(image, results_.image(task)); !done) return done;
   if (task.limits.ids) {
     auto colours = image::id_colours(ids);
     if (!colours) {
@@ -132,7 +130,7 @@ core::Expected<void> TaskDrawer::run(const Task& task) {
     id_colours = std::move(*colours);
     if (auto done = image::write_png(id_colours, results_.ids(task)); !done) return done;
   }
-  compare(suite_, task, picture, id_colours, result);
+  compare(suite_, task, image, id_colours, result);
   result.seconds = now() - begin;
   return results_.write(task, result);
 }

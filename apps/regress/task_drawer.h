@@ -1,4 +1,4 @@
-// Draws tasks of a suite and compares the pictures with their references.
+// Draws tasks of a suite and compares the images with their references.
 #pragma once
 
 #include "sightline/apps/regress/task_result.h"
@@ -6,7 +6,7 @@
 
 namespace sightline::apps {
 
-/// Keeps the model of the last task, so that tasks of one model in a row read it once. The picture of a task does not
+/// Keeps the model of the last task, so that tasks of one model in a row read it once. The image of a task does not
 /// depend on those before it: nothing is on that learns from earlier frames.
 class TaskDrawer {
  public:
@@ -17,8 +17,8 @@ class TaskDrawer {
   core::Expected<void> run(const Task& task);
 
  private:
-  core::Expected<engine::PictureTiles> prepare(const Task& task);
-  core::Expected<void> draw(const Task& task, image::Image& picture, image::IdImage& ids);
+  core::Expected<engine::ImageTiles> prepare(const Task& task);
+  core::Expected<void> draw(const Task& task, image::Image& image, image::IdImage& ids);
 
   const Suite& suite_;
   ResultFolder results_;

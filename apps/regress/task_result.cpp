@@ -113,7 +113,7 @@ core::Expected<bool> ResultFolder::take(const Task& task, const ResultFolder& fr
   std::error_code none;
   if (fs::equivalent(from.folder_, folder_, none)) return true;
   if (auto done = remove(task); !done) return tl::unexpected(done.error());
-  for (const auto& file : {&ResultFolder::picture, &ResultFolder::ids})
+  for (const auto& file : {&ResultFolder::image, &ResultFolder::ids})
     if (fs::exists((from.*file)(task), none))
       if (auto done = copy_whole((from.*file)(task), (this->*file)(task)); !done) return tl::unexpected(done.error());
   if (auto done = copy_whole(from.result(task), result(task)); !done) return tl::unexpected(done.error());

@@ -1,9 +1,9 @@
 // What drawing a task gave, as it is kept in the folder of results:
 //
 //   OUT/MODEL/VIEW/result.json      written last: where it is, the task is done
-//   OUT/MODEL/VIEW/picture.png, ids.png
+//   OUT/MODEL/VIEW/image.png, ids.png
 //
-// Whether a task passes follows from its result and its limits, so that other limits need no new pictures.
+// Whether a task passes follows from its result and its limits, so that other limits need no new images.
 #pragma once
 
 #include "sightline/apps/regress/suite.h"
@@ -13,10 +13,10 @@ namespace sightline::apps {
 
 struct TaskResult {
   std::string key, files_key;  ///< of the task, when it was drawn
-  std::string error;           ///< why there is no picture; empty where there is one
+  std::string error;           ///< why there is no image; empty where there is one
   std::string unlike;          ///< why it cannot be compared: no reference, another size
   image::ImageDifference difference;
-  double flip = 0.0;            ///< mean; 0 for pictures below 11 pixels
+  double flip = 0.0;            ///< mean; 0 for images below 11 pixels
   std::uint64_t wrong_ids = 0;  ///< pixels that show another item
   std::string renderer;         ///< as GL names it
   double seconds = 0.0;         ///< to draw and to compare
@@ -25,8 +25,8 @@ struct TaskResult {
 enum class Status : std::uint8_t {
   kPassed,
   kFailed,
-  kError,     ///< there is no picture
-  kAccepted,  ///< it failed, and its picture is the reference now
+  kError,     ///< there is no image
+  kAccepted,  ///< it failed, and its image is the reference now
   kMissing,   ///< nobody has done it
 };
 std::string_view name_of(Status status);
@@ -44,17 +44,17 @@ class ResultFolder {
   explicit ResultFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   const std::filesystem::path& path() const { return folder_; }
-  std::filesystem::path picture(const Task& task) const { return folder_ / task.name / "picture.png"; }
+  std::filesystem::path image(const Task& task) const { return folder_ / task.name / "image.png"; }
   std::filesystem::path ids(const Task& task) const { return folder_ / task.name / "ids.png"; }
 
   /// Nothing where there is none that can be read, and where it is of another task.
   std::optional<TaskResult> read(const Task& task) const;
   /// Replaces what is there.
   core::Expected<void> write(const Task& task, const TaskResult& result) const;
-  /// Removes the result, and leaves pictures.
+  /// Removes the result, and leaves images.
   core::Expected<void> remove(const Task& task) const;
   core::Expected<void> make_place(const Task& task) const;
-  /// Copies result and pictures of a task; they are there whole, or not at all. False where `from` has no result.
+  /// Copies result and images of a task; they are there whole, or not at all. False where `from` has no result.
   core::Expected<bool> take(const Task& task, const ResultFolder& from) const;
 
  private:

@@ -109,9 +109,9 @@ core::Expected<std::vector<double>> time_culler(const Report& report) {
 }
 
 /// By frame: items in the view volume, items that may cover a sample, items drawn with the occlusion test, and items
-/// that own a pixel.
+/// that are visible in the id image.
 struct Shares {
-  std::vector<double> visible, sampled, shown, owners;
+  std::vector<double> visible, sampled, items_drawn, visible_in_ids;
 };
 
 core::Expected<Shares> measure_shares(const Report& report, const SectionProgress& progress) {
@@ -122,19 +122,19 @@ core::Expected<Shares> measure_shares(const Report& report, const SectionProgres
   for (const OcclusionChoice occlusion : {OcclusionChoice::kOff, OcclusionChoice::kOn}) {
     config.culling.occlusion = occlusion;
     const bool first = occlusion == OcclusionChoice::kOff;
-    const auto count_owners = [&](engine::Engine& engine) -> core::Expected<void> {
+    const auto count_visible = [&](engine::Engine& engine) -> core::Expected<void> {
       const auto ids = engine.read_ids();
       if (!ids) return tl::unexpected(ids.error());
-      shares.owners.push_back(double(owners(*ids).size()));
-      progress(0.5 * double(shares.owners.size()) / report.options().frames);
+      shares.visible_in_ids.push_back(double(visible_in_ids(*ids).size()));
+      progress(0.5 * double(shares.visible_in_ids.size()) / report.options().frames);
       return {};
     };
-    const auto flight = first ? fly_tour(report, config, count_owners) : fly_tour(report, config);
+    const auto flight = first ? fly_tour(report, config, count_visible) : fly_tour(report, config);
     if (!flight) return tl::unexpected(flight.error());
     if (first)
       shares.visible = flight->visible(), shares.sampled = flight->sampled();
     else
-      shares.shown = flight->shown();
+      shares.items_drawn = flight->items_drawn();
   }
   return shares;
 }
@@ -165,22 +165,22 @@ constexpr Tests kTests[] = {
 struct Differences {
   std::uint64_t pixels = 0, wrong = 0, ties = 0;
   std::uint64_t worst = 0;  ///< pixels of another colour; 0: there is no such frame
-  std::vector<LabelledPicture> worst_pictures;
+  std::vector<LabelledImage> worst_images;
 };
 
-core::Expected<void> compare(const DrawnPicture& reference, const DrawnPicture& picture, const std::string& label,
+core::Expected<void> compare(const DrawnImage& reference, const DrawnImage& image, const std::string& label,
                              Differences& differences) {
-  const auto wrong = image::wrong_ids(reference.ids, picture.ids);
+  const auto wrong = image::wrong_ids(reference.ids, image.ids);
   if (!wrong) return tl::unexpected(wrong.error());
   differences.pixels += reference.ids.ids.size();
   differences.wrong += *wrong;
-  differences.ties += count_ties(reference, picture);
-  const auto colours = image::compare(reference.colour, picture.colour);
+  differences.ties += count_ties(reference, image);
+  const auto colours = image::compare(reference.colour, image.colour);
   if (!colours) return tl::unexpected(colours.error());
   if (colours->pixels <= differences.worst) return {};
   differences.worst = colours->pixels;
-  differences.worst_pictures = {{"neither test, " + label, reference.colour},
-                                {kDifferenceLabel, differences_on_white(reference.colour, picture.colour)}};
+  differences.worst_images = {{"neither test, " + label, reference.colour},
+                              {kDifferenceLabel, differences_on_white(reference.colour, image.colour)}};
   return {};
 }
 
@@ -188,7 +188,7 @@ int compared_frames(const Report& report) {
   return std::min(12, report.options().frames);
 }
 
-/// Draws some frames of the tour with each choice of tests, and compares the pictures with those of the first.
+/// Draws some frames of the tour with each choice of tests, and compares the images with those of the first.
 core::Expected<std::vector<Differences>> compare_tests(const Report& report, const SectionProgress& progress) {
   const auto views = report.tour_views(compared_frames(report));
   if (!views) return tl::unexpected(views.error());
@@ -205,14 +205,14 @@ core::Expected<std::vector<Differences>> compare_tests(const Report& report, con
   }
   std::vector<Differences> differences(variants.size());
   for (std::size_t v = 0; v < views->size(); ++v) {
-    DrawnPicture reference;
+    DrawnImage reference;
     for (std::size_t i = 0; i < variants.size(); ++i) {
       if (auto ms = variants[i].draw((*views)[v]); !ms) return tl::unexpected(ms.error());
-      auto picture = variants[i].picture((*views)[v]);
-      if (!picture) return tl::unexpected(picture.error());
+      auto image = variants[i].image((*views)[v]);
+      if (!image) return tl::unexpected(image.error());
       if (i == 0)
-        reference = std::move(*picture);
-      else if (auto done = compare(reference, *picture, "frame " + std::to_string(v), differences[i]); !done)
+        reference = std::move(*image);
+      else if (auto done = compare(reference, *image, "frame " + std::to_string(v), differences[i]); !done)
         return tl::unexpected(done.error());
     }
     progress(0.5 + 0.5 * double(v + 1) / double(views->size()));
@@ -239,40 +239,46 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
   const auto shares = measure_shares(report, progress);
   if (!shares) return tl::unexpected(shares.error());
   const double all = double(report.scene().item_count()), frames = double(report.options().frames);
-  const double visible = sum(shares->visible), owners = sum(shares->owners);
+  const double visible = sum(shares->visible), visible_in_ids = sum(shares->visible_in_ids);
   Rows rows;
   const auto row = [&](const char* name, const char* key, const std::vector<double>& counts) {
     const double total = sum(counts);
     rows.push_back({name, number(total / frames), percent(total / frames / all),
-                    visible > 0.0 ? percent(total / visible) : "-", total > 0.0 ? percent(1.0 - owners / total) : "-"});
-    section.figures[key] = {{"mean", total / frames}, {"false_positives", total > 0.0 ? 1.0 - owners / total : 0.0}};
+                    visible > 0.0 ? percent(total / visible) : "-",
+                    total > 0.0 ? percent(1.0 - visible_in_ids / total) : "-"});
+    section.figures[key] = {{"mean", total / frames},
+                            {"false_positives", total > 0.0 ? 1.0 - visible_in_ids / total : 0.0}};
   };
   row("in the view volume (frustum culling)", "visible", shares->visible);
   row("and may cover a sample (sample test)", "sampled", shares->sampled);
-  row("and not found hidden (occlusion test): drawn", "shown", shares->shown);
-  row("own a pixel", "owners", shares->owners);
-  section.html.table(
-      {"items", "mean of a frame", "of all items", "of those in the view volume", "of these, own no pixel"}, rows,
-      {"What each step keeps, and its false positives: items that own no pixel of the picture at " +
-           report.options().size + ". No step leaves out an item that would own one.",
-       report.command("replay", "--culler cpu --occlusion on " + frames_option(report) + " " + report.size_option() +
-                                    " --json -") +
-           "\n" + report.section_command("culling")});
+  row("and not found hidden (occlusion test): drawn", "items_drawn", shares->items_drawn);
+  row("are visible in the id image", "visible_in_ids", shares->visible_in_ids);
+  section.html.table({"items", "mean of a frame", "of all items", "of those in the view volume",
+                      "of these, are not visible in the id image"},
+                     rows,
+                     {"What each step keeps, and its false positives: items that are not visible in the id image at " +
+                          report.options().size + ". No step leaves out a visible item.",
+                      report.command("replay", "--culler cpu --occlusion on " + frames_option(report) + " " +
+                                                   report.size_option() + " --json -") +
+                          "\n" + report.section_command("culling")});
   section.html.plot(
-      plot_over_frames("Items kept by each step", "items",
-                       {line_over_frames("in the view volume", shares->visible, PanelSeries::Style::kHeavyLine),
-                        line_over_frames("may cover a sample", shares->sampled, PanelSeries::Style::kDashes),
-                        line_over_frames("drawn with the occlusion test", shares->shown, PanelSeries::Style::kLine),
-                        line_over_frames("own a pixel", shares->owners, PanelSeries::Style::kPointsAndLine)}),
+      plot_over_frames(
+          "Items kept by each step", "items",
+          {line_over_frames("in the view volume", shares->visible, PanelSeries::Style::kHeavyLine),
+           line_over_frames("may cover a sample", shares->sampled, PanelSeries::Style::kDashes),
+           line_over_frames("drawn with the occlusion test", shares->items_drawn, PanelSeries::Style::kLine),
+           line_over_frames("are visible in the id image", shares->visible_in_ids,
+                            PanelSeries::Style::kPointsAndLine)}),
       {"The same frame by frame.", report.section_command("culling")});
-  const double unseen = sum(shares->sampled) - owners, found = sum(shares->sampled) - sum(shares->shown);
+  const double unseen = sum(shares->sampled) - visible_in_ids, found = sum(shares->sampled) - sum(shares->items_drawn);
   if (unseen > 0.0)
-    section.html.paragraph("Of the items that may cover a sample but own no pixel, the occlusion test leaves out " +
-                           percent(found / unseen) + ".");
-  section.figures["hidden_found"] = unseen > 0.0 ? found / unseen : 1.0;
+    section.html.paragraph(
+        "Of the items that may cover a sample but are not visible in the id image, the occlusion test leaves out " +
+        percent(found / unseen) + ".");
+  section.figures["occluded_found"] = unseen > 0.0 ? found / unseen : 1.0;
   section.headline = number(median(*times)) + " ms a view; " +
-                     (visible > 0.0 ? percent(owners / visible) : std::string("none")) +
-                     " of the items in the view volume own a pixel.";
+                     (visible > 0.0 ? percent(visible_in_ids / visible) : std::string("none")) +
+                     " of the items in the view volume are visible in the id image.";
   return section;
 }
 
@@ -353,7 +359,7 @@ core::Expected<Section> options_section(const Report& report, const SectionProgr
     const std::vector<double> frame = frame_times((*flights)[i]);
     const Differences& d = (*differences)[i];
     std::vector<std::string> row = summary_row(kTests[i].label, frame);
-    row.push_back(number(sum((*flights)[i].shown()) / double((*flights)[i].frames.size())));
+    row.push_back(number(sum((*flights)[i].items_drawn()) / double((*flights)[i].frames.size())));
     row.push_back(i == 0 ? "reference" : count_words(d.wrong - d.ties));
     row.push_back(i == 0 ? "" : count_words(d.ties));
     rows.push_back(std::move(row));
@@ -380,10 +386,10 @@ core::Expected<Section> options_section(const Report& report, const SectionProgr
   if (shown.worst == 0) {
     section.html.paragraph("All pixels of these frames have equal colours.");
   } else {
-    auto done = section.html.pictures(
-        shown.worst_pictures, {"The frame with most differences, with the " + std::string(kTests[worst].label) + ": " +
-                                   count_words(shown.worst) + " pixels have another colour.",
-                               report.section_command("options")});
+    auto done = section.html.images(
+        shown.worst_images, {"The frame with most differences, with the " + std::string(kTests[worst].label) + ": " +
+                                 count_words(shown.worst) + " pixels have another colour.",
+                             report.section_command("options")});
     if (!done) return tl::unexpected(done.error());
   }
   section.headline = "median frame " + number(median(frame_times(flights->front()))) + " ms when all is drawn, " +

@@ -21,7 +21,7 @@ struct Variant {
   int reduced = 1;  ///< drawn that many times smaller, and enlarged
 };
 
-/// What a picture should show. A pixel's item is wrong when the reference shows it at no sample of the pixel.
+/// What an image should show. A pixel's item is wrong when the reference shows it at no sample of the pixel.
 struct Reference {
   image::Image colour;
   std::vector<std::uint64_t> seen;  ///< pixel << 32 | id, sorted
@@ -36,13 +36,13 @@ using MakeReference = core::Expected<Reference> (*)(const Report&, const core::V
 struct VariantFigures {
   std::string label;
   double ms = 0.0, flip_mean = 0.0, flip_p99 = 0.0;
-  double wrong_ids = 0.0;              ///< share of all pixels
-  std::vector<image::Image> pictures;  ///< by view
-  std::vector<double> flips;           ///< mean FLIP by view
-  bool on_front = false;               ///< no other variant is faster without being more wrong
+  double wrong_ids = 0.0;            ///< share of all pixels
+  std::vector<image::Image> images;  ///< by view
+  std::vector<double> flips;         ///< mean FLIP by view
+  bool on_front = false;             ///< no other variant is faster without being more wrong
 };
 
-/// Bilinear between the centres of the small picture's pixels.
+/// Bilinear between the centres of the small image's pixels.
 image::Image enlarged(const image::Image& small, int width, int height) {
   image::Image out{width, height, std::vector<std::uint8_t>(3 * std::size_t(width) * std::size_t(height))};
   for (int y = 0; y < height; ++y)
@@ -100,7 +100,7 @@ core::Expected<Reference> plain(const Report& report, const core::View& view) {
 
 constexpr int kGrid = 8;  // samples of the reference per pixel and axis
 
-/// Averages the stored colours of 8 x 8 pictures whose samples lie on a regular grid in each pixel. The items seen are
+/// Averages the stored colours of 8 x 8 images whose samples lie on a regular grid in each pixel. The items seen are
 /// those at these samples and at the pixel's centre, which is none of them.
 core::Expected<Reference> supersampled(const Report& report, const core::View& view) {
   const std::size_t pixels = std::size_t(report.width()) * std::size_t(report.height());
@@ -130,21 +130,21 @@ core::Expected<Reference> supersampled(const Report& report, const core::View& v
   return reference;
 }
 
-core::Expected<void> add_errors(const Reference& reference, const Variant& variant, DrawnPicture picture, double share,
+core::Expected<void> add_errors(const Reference& reference, const Variant& variant, DrawnImage image, double share,
                                 VariantFigures& figures) {
   if (variant.reduced > 1) {
-    picture.colour = enlarged(picture.colour, reference.colour.width, reference.colour.height);
-    picture.ids = enlarged(picture.ids, reference.colour.width, reference.colour.height);
+    image.colour = enlarged(image.colour, reference.colour.width, reference.colour.height);
+    image.ids = enlarged(image.ids, reference.colour.width, reference.colour.height);
   }
-  const auto metrics = image::image_metrics(reference.colour, picture.colour);
+  const auto metrics = image::image_metrics(reference.colour, image.colour);
   if (!metrics) return tl::unexpected(metrics.error());
   figures.flips.push_back(metrics->flip_mean);
   figures.flip_mean += share * metrics->flip_mean;
   figures.flip_p99 += share * metrics->flip_p99;
   std::uint64_t wrong = 0;
-  for (std::size_t i = 0; i < picture.ids.ids.size(); ++i) wrong += !reference.shows(i, picture.ids.ids[i]);
-  figures.wrong_ids += share * double(wrong) / double(picture.ids.ids.size());
-  figures.pictures.push_back(std::move(picture.colour));
+  for (std::size_t i = 0; i < image.ids.ids.size(); ++i) wrong += !reference.shows(i, image.ids.ids[i]);
+  figures.wrong_ids += share * double(wrong) / double(image.ids.ids.size());
+  figures.images.push_back(std::move(image.colour));
   return {};
 }
 
@@ -166,7 +166,7 @@ core::Expected<std::vector<Reference>> make_references(const Report& report, Mak
   return references;
 }
 
-/// Draws all variants from the report's views, and compares each picture with the view's reference.
+/// Draws all variants from the report's views, and compares each image with the view's reference.
 core::Expected<std::vector<VariantFigures>> error_against_time(const Report& report,
                                                                const std::vector<Variant>& variants,
                                                                const std::vector<Reference>& references,
@@ -192,9 +192,9 @@ core::Expected<std::vector<VariantFigures>> error_against_time(const Report& rep
     for (std::size_t i = 0; i < variants.size(); ++i) {
       figures[i].ms += share * (*times)[i];
       if (auto ms = drawn[i].draw(view); !ms) return tl::unexpected(ms.error());
-      auto picture = drawn[i].picture(view);
-      if (!picture) return tl::unexpected(picture.error());
-      auto done = add_errors(references[v], variants[i], std::move(*picture), share, figures[i]);
+      auto image = drawn[i].image(view);
+      if (!image) return tl::unexpected(image.error());
+      auto done = add_errors(references[v], variants[i], std::move(*image), share, figures[i]);
       if (!done) return tl::unexpected(done.error());
     }
     progress(double(v + 1) * share);
@@ -207,7 +207,7 @@ core::Expected<std::vector<VariantFigures>> error_against_time(const Report& rep
 
 struct Explanation {
   std::string title, text, command;
-  std::size_t pictured;  ///< the variant whose picture is shown beside the reference
+  std::size_t pictured;  ///< the variant whose image is shown beside the reference
 };
 
 std::string pareto_plot(const std::string& title, const std::vector<VariantFigures>& variants) {
@@ -252,12 +252,12 @@ core::Expected<void> show(const Report& report, const std::vector<VariantFigures
   const VariantFigures& pictured = variants[words.pictured];
   const auto view =
       std::size_t(std::max_element(pictured.flips.begin(), pictured.flips.end()) - pictured.flips.begin());
-  const std::array pictures{
-      LabelledPicture{"reference, " + report.views()[view].name, references[view].colour},
-      LabelledPicture{pictured.label, pictured.pictures[view]},
-      LabelledPicture{kDifferenceLabel, differences_on_white(references[view].colour, pictured.pictures[view])}};
-  return section.html.pictures(
-      pictures, {"The reference and one of the variants, in the view where they differ most.", words.command});
+  const std::array images{
+      LabelledImage{"reference, " + report.views()[view].name, references[view].colour},
+      LabelledImage{pictured.label, pictured.images[view]},
+      LabelledImage{kDifferenceLabel, differences_on_white(references[view].colour, pictured.images[view])}};
+  return section.html.images(
+      images, {"The reference and one of the variants, in the view where they differ most.", words.command});
 }
 
 // --- comparisons -----------------------------------------------------------------------------------------------------
@@ -339,16 +339,15 @@ core::Expected<void> compare_tessellations(const Report& report, const std::shar
   if (!figures) return tl::unexpected(figures.error());
   section.headline = "ray-cast " + number(figures->front().ms) + " ms a frame, triangles " +
                      number(figures->back().ms) + " ms with a mean FLIP of " + number(figures->back().flip_mean) + ".";
-  return show(
-      report, *figures, *references,
-      {"Primitives: ray-cast, and as triangles within a tolerance",
-       "The model's primitives as triangles that lie within a tolerance of the true surface (number of "
-       "triangles in brackets), drawn by the same engine. The reference is the ray-cast picture, so ray-casting "
-       "has no error here by definition; the section on stability compares it with double precision. The "
-       "tolerances follow from half the usual thickness of an item, " +
-           length_words(radius) + "." + too_many,
-       report.command("bench error-time", report.size_option()) + "\n" + report.section_command("error"), 1},
-      "tessellation", section);
+  return show(report, *figures, *references,
+              {"Primitives: ray-cast, and as triangles within a tolerance",
+               "The model's primitives as triangles that lie within a tolerance of the true surface (number of "
+               "triangles in brackets), drawn by the same engine. The reference is the ray-cast image, so ray-casting "
+               "has no error here by definition; the section on stability compares it with double precision. The "
+               "tolerances follow from half the usual thickness of an item, " +
+                   length_words(radius) + "." + too_many,
+               report.command("bench error-time", report.size_option()) + "\n" + report.section_command("error"), 1},
+              "tessellation", section);
 }
 
 core::Expected<void> compare_samples(const Report& report, const std::shared_ptr<core::Scene>& scene,
@@ -369,7 +368,7 @@ core::Expected<void> compare_samples(const Report& report, const std::shared_ptr
                       number(most.flip_mean) + ".";
   return show(report, *figures, references,
               {"Samples per pixel",
-               "The reference averages 64 samples per pixel, a grid of 8 x 8 made by moving the picture by parts of a "
+               "The reference averages 64 samples per pixel, a grid of 8 x 8 made by moving the image by parts of a "
                "pixel. Its colours are averaged as they are stored, as the engine's own samples are. A pixel's item is "
                "wrong when none of the 64 samples shows it, nor the pixel's centre.",
                report.section_command("error"), 1},
@@ -384,18 +383,18 @@ core::Expected<void> compare_contributions(const Report& report, const std::shar
     const std::string label = pixels > 0.0f ? "without items below " + number(pixels) + " px" : "all items";
     variants.push_back({label, scene, report.engine_config()});
     variants.back().config.culling.culler = engine::CullerChoice::kCpu;
-    variants.back().config.losses.contribution = pixels;
+    variants.back().config.losses.min_projected_area = pixels;
   }
   const auto figures = error_against_time(report, variants, references, progress);
   if (!figures) return tl::unexpected(figures.error());
   std::string commands;
   for (const char* pixels : {"0", "0.25", "1", "4", "16"})
-    commands +=
-        report.command("replay", std::string("--culler cpu --contribution ") + pixels + " " + report.size_option()) +
-        "\n";
+    commands += report.command(
+                    "replay", std::string("--culler cpu --min-projected-area ") + pixels + " " + report.size_option()) +
+                "\n";
   return show(report, *figures, references,
-              {"Contribution: items that are small in the picture left out",
-               "Items whose bounding box covers fewer pixels of the picture are not drawn. The reference is the one "
+              {"Contribution: items that are small in the image left out",
+               "Items whose bounding box covers fewer pixels of the image are not drawn. The reference is the one "
                "above, 64 samples per pixel of everything: one sample per pixel is itself wrong where items are small.",
                commands + report.section_command("error"), 3},
               "contribution", section);
@@ -411,7 +410,7 @@ core::Expected<Section> error_section(const Report& report, const SectionProgres
   }
   const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it
   section.html.paragraph(
-      "FLIP is a measure of the difference that a viewer sees who flips between two pictures: 0 for equal ones, 1 at "
+      "FLIP is a measure of the difference that a viewer sees who flips between two images: 0 for equal ones, 1 at "
       "most (render/image/image_metrics.h).");
   const auto third = [&](int step) { return [&progress, step](double share) { progress((step + share) / 3.0); }; };
   if (auto done = compare_tessellations(report, scene, third(0), section); !done) return tl::unexpected(done.error());

@@ -1,5 +1,5 @@
 // sightline-report: one HTML page about a model. What it holds, how it is culled and drawn, how long that takes, and
-// how wrong the pictures are.
+// how wrong the images are.
 
 #include <array>
 #include <ctime>
@@ -19,7 +19,7 @@ namespace {
 constexpr SectionMaker kMakers[] = {
     {"model", "What is in the model", model_section},
     {"plan", "The plan", plan_section},
-    {"pictures", "Pictures", pictures_section},
+    {"images", "Images", images_section},
     {"culling", "Culling", culling_section},
     {"visibility", "Cullers against exact visibility", visibility_section},
     {"trace", "CPU, GPU and hybrid culling along the tour", trace_section},
@@ -31,7 +31,7 @@ constexpr SectionMaker kMakers[] = {
 void add_options(CommandLine& line, ReportOptions& o) {
   add_model_options(line, o.model);
   line.add("--out", o.out, "The page, HTML").required();
-  line.add("--size", o.size, "Pixels of all pictures and timed frames, 64x36 at least")
+  line.add("--size", o.size, "Pixels of all images and timed frames, 64x36 at least")
       .shows_default()
       .accepted_by(parse_report_size);
   line.add("--frames", o.frames, "Frames of the tour that is flown").shows_default().in_range(4, 100000);
@@ -151,7 +151,7 @@ core::Expected<int> write_report(const ReportOptions& options, const std::string
   for (const std::string& file : options.model.files)
     names += (names.empty() ? "" : ", ") + std::filesystem::path(file).filename().string();
   const std::vector<std::string> intro = {
-      "Made by " + version + " on " + date + ". Pictures and frames have " + options.size +
+      "Made by " + version + " on " + date + ". Images and frames have " + options.size +
       " pixels, times are milliseconds of wall clock unless stated otherwise. Below each figure stands the command "
       "that gives it again."};
   const std::string html = html_page("Report: " + names, intro, page->sections);
@@ -175,11 +175,11 @@ core::Expected<int> write_report(const ReportOptions& options, const std::string
 int main(int argc, char** argv) {
   using namespace sightline;
   apps::CommandLine line(
-      "One HTML page about a model: content, culling, frame times, and the error of pictures against time",
+      "One HTML page about a model: content, culling, frame times, and the error of images against time",
       "sightline-report",
       "  sightline-report plant.rvm --out report.html\n"
       "  sightline-report a.rvm b.rvm --out report.html --size 1280x720 --frames 300 --json figures.json\n"
-      "  sightline-report plant.rvm --out report.html --sections model,pictures --quiet");
+      "  sightline-report plant.rvm --out report.html --sections model,images --quiet");
   apps::ReportOptions options;
   apps::add_options(line, options);
   return line.run(argc, argv, [&] { return apps::write_report(options, apps::command_line(argc, argv)); });

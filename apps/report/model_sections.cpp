@@ -120,7 +120,7 @@ void add_memory(const Report& report, Section& section) {
   for (const auto& [name, bytes] : {std::pair("scene", m.scene),
                                     {"snapshot", m.snapshot},
                                     {"hierarchy", m.bvh},
-                                    {"GPU, pictures with ids included", m.gpu}})
+                                    {"GPU, images with ids included", m.gpu}})
     rows.push_back({name, bytes_words(bytes), per_item(bytes)});
   section.html.table({"part", "memory", "bytes an item"}, rows,
                      {"Memory of the engine.", report.command("replay", "--frames 2 " + report.size_option())});
@@ -197,14 +197,14 @@ core::Expected<Section> plan_section(const Report& report, const SectionProgress
   return section;
 }
 
-core::Expected<Section> pictures_section(const Report& report, const SectionProgress& progress) {
+core::Expected<Section> images_section(const Report& report, const SectionProgress& progress) {
   Section section;
   if (report.empty()) {
     section.left_out = "the scene has nothing to draw";
     return section;
   }
   section.html.paragraph(
-      "Pictures at the left show the model as it is drawn, those at the right each item in a colour of its own. The "
+      "Images at the left show the model as it is drawn, those at the right each item in a colour of its own. The "
       "tour is a camera path made for the model; this command writes it:");
   section.html.commands(report.command("replay", std::string("--no-render --frames 2 --save-path ") + kTourFile));
   for (const ReportView& place : report.views()) {
@@ -214,14 +214,14 @@ core::Expected<Section> pictures_section(const Report& report, const SectionProg
     if (!colour) return tl::unexpected(colour.error());
     const auto ids = report.engine().read_ids();
     if (!ids) return tl::unexpected(ids.error());
-    const std::size_t seen = owners(*ids).size();
-    const std::array pictures{LabelledPicture{place.name, std::move(*colour)},
-                              LabelledPicture{"items, " + place.name, item_colours(*ids)}};
-    auto done = section.html.pictures(pictures, {count_words(seen) + " items own a pixel.",
-                                                 report.command("render", place.options + " " + report.size_option() +
-                                                                              " --out picture.png --ids items.png")});
+    const std::size_t seen = visible_in_ids(*ids).size();
+    const std::array images{LabelledImage{place.name, std::move(*colour)},
+                            LabelledImage{"items, " + place.name, item_colours(*ids)}};
+    auto done = section.html.images(images, {count_words(seen) + " items are visible in the id image.",
+                                             report.command("render", place.options + " " + report.size_option() +
+                                                                          " --out image.png --ids items.png")});
     if (!done) return tl::unexpected(done.error());
-    section.figures["views"].push_back({{"name", place.name}, {"owners", seen}});
+    section.figures["views"].push_back({{"name", place.name}, {"visible_in_ids", seen}});
     progress(double(section.figures["views"].size()) / double(report.views().size()));
   }
   section.headline = "overview and " + std::to_string(report.views().size() - 1) + " places of the tour.";

@@ -88,9 +88,9 @@ core::Expected<void> Report::find_views() {
     const auto ids = engine_->read_ids();
     if (!ids) return tl::unexpected(ids.error());
     const auto background = std::size_t(std::count(ids->ids.begin(), ids->ids.end(), 0u));
-    candidates.push_back({frame, *view, owners(*ids).size(), ids->ids.size() - background});
+    candidates.push_back({frame, *view, visible_in_ids(*ids).size(), ids->ids.size() - background});
   }
-  // One place that shows many items, and one where they fill the picture.
+  // One place that shows many items, and one where they fill the image.
   for (std::size_t Candidate::*figure : {&Candidate::items, &Candidate::pixels}) {
     const auto best = std::max_element(candidates.begin(), candidates.end(),
                                        [&](const auto& a, const auto& b) { return a.*figure < b.*figure; });
@@ -135,13 +135,13 @@ std::string Report::section_command(const std::string& section) const {
                                " --out report.html");
 }
 
-std::vector<core::ItemId> owners(const image::IdImage& picture) {
-  std::vector<core::ItemId> owners;
-  for (const std::uint32_t id : picture.ids)
-    if (id != 0) owners.push_back(core::ItemId{id - 1});
-  std::sort(owners.begin(), owners.end());
-  owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
-  return owners;
+std::vector<core::ItemId> visible_in_ids(const image::IdImage& image) {
+  std::vector<core::ItemId> visible_in_ids;
+  for (const std::uint32_t id : image.ids)
+    if (id != 0) visible_in_ids.push_back(core::ItemId{id - 1});
+  std::sort(visible_in_ids.begin(), visible_in_ids.end());
+  visible_in_ids.erase(std::unique(visible_in_ids.begin(), visible_in_ids.end()), visible_in_ids.end());
+  return visible_in_ids;
 }
 
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text) {

@@ -31,18 +31,18 @@ struct LoadTimes {
   double read = 0.0, commit = 0.0, snapshot = 0.0, hierarchy = 0.0;
   double context = 0.0, engine = 0.0, first_frame = 0.0;
 
-  /// From the files to the first picture. The engine makes its own snapshot and hierarchy.
+  /// From the files to the first image. The engine makes its own snapshot and hierarchy.
   double first_image() const { return read + commit + context + engine + first_frame; }
 };
 
-/// A place from which pictures are taken.
+/// A place from which images are taken.
 struct ReportView {
   std::string name;
   core::View view;
   std::string options;  ///< that make sightline-render show it
 };
 
-/// Frames that the tour is divided into for single pictures, so that a frame's number is per cent; and the file with
+/// Frames that the tour is divided into for single images, so that a frame's number is per cent; and the file with
 /// the tour in commands.
 inline constexpr int kTourFrames = 101;
 inline constexpr const char* kTourFile = "tour.json";
@@ -113,7 +113,7 @@ struct SectionMaker {
 };
 core::Expected<Section> model_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> plan_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> pictures_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> images_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> visibility_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> trace_section(const Report& report, const SectionProgress& progress);
@@ -126,8 +126,8 @@ inline constexpr const char* kNothing = "the scene has nothing to draw";
 
 // --- how figures are written -----------------------------------------------------------------------------------------
 
-/// Items that own a pixel, in rising order.
-std::vector<core::ItemId> owners(const image::IdImage& picture);
+/// Items that are visible in the id image, in rising order.
+std::vector<core::ItemId> visible_in_ids(const image::IdImage& image);
 /// WIDTHxHEIGHT, large enough for the measures of errors.
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text);
 /// Steady clock, milliseconds.

@@ -146,7 +146,7 @@ gpuprims::Ray pixel_ray(const core::View& view, std::size_t x, std::size_t y, in
   return {view.eye(), glm::transpose(dmat3(view.eye_from_world())) * eye};
 }
 
-/// The first crossing in front of the eye, in double. Ends that a neighbour covers are open, as in the picture.
+/// The first crossing in front of the eye, in double. Ends that a neighbour covers are open, as in the image.
 std::optional<double> reference_depth(const Report& report, core::ItemId item, const gpuprims::Ray& ray) {
   const core::Affine world_from_item = report.scene().state(item).world_from_item;
   const dmat3 item_from_world = glm::inverse(world_from_item.linear);
@@ -227,7 +227,7 @@ core::Expected<void> add_depths(const Report& report, const SectionProgress& pro
       {"Relative errors of drawn depths: float shaders, float records and depth buffer against the first crossing of "
        "the pixel's ray with the same item in double, over a sample of the pixels of " +
            std::to_string(report.views().size()) +
-           " views. A ray that misses passes just beside an item's edge that the picture shows. Large errors stand "
+           " views. A ray that misses passes just beside an item's edge that the image shows. Large errors stand "
            "where a ray grazes a surface: another crossing of the same item is then the first.",
        report.section_command("stability")});
   section.headline = "depths differ from double precision by " + number(percentile(all, 0.99)) +

@@ -20,16 +20,16 @@ using Ids = std::vector<core::ItemId>;
 
 constexpr int kMostFrames = 24;
 
-/// A culler, and the tests after it. The first is the reference for pictures: nothing but frustum culling, item by
+/// A culler, and the tests after it. The first is the reference for images: nothing but frustum culling, item by
 /// item.
-struct Way {
+struct CullingVariant {
   const char* label;
   CullerChoice culler;
   bool sample_test;
   OcclusionChoice occlusion;
   PanelSeries::Style style;
 };
-constexpr Way kWays[] = {
+constexpr CullingVariant kCullingVariants[] = {
     {"linear", CullerChoice::kLinear, false, OcclusionChoice::kOff, PanelSeries::Style::kLine},
     {"cpu", CullerChoice::kCpu, false, OcclusionChoice::kOff, PanelSeries::Style::kDashes},
     {"gpu", CullerChoice::kGpu, false, OcclusionChoice::kOff, PanelSeries::Style::kPoints},
@@ -39,16 +39,16 @@ constexpr Way kWays[] = {
     {"gpu, occlusion test", CullerChoice::kGpu, true, OcclusionChoice::kOn, PanelSeries::Style::kPoints},
 };
 
-struct Picture {
+struct Image {
   image::IdImage ids;
   image::DepthImage depth;
-  Ids owners;  ///< of a pixel, sorted
+  Ids visible_in_ids;  ///< items, sorted
 };
 
 /// Of one way, by frame.
 struct Drawn {
   std::vector<double> items;
-  std::vector<Picture> pictures;
+  std::vector<Image> images;
   std::uint64_t lost = 0, ties = 0;  ///< items of all frames
 };
 
@@ -72,18 +72,19 @@ core::Expected<std::int64_t> draw(engine::Engine& engine, const core::View& view
   if (!frame) return tl::unexpected(frame.error());
   if (!frame->drawn) return core::fail("the GL context was lost");
   engine.finish();
-  std::int64_t shown = frame->shown;
+  std::int64_t shown = frame->items_drawn;
   while (const auto late = engine.take_late_report())
-    if (late->frame == frame->frame) shown = late->shown;
+    if (late->frame == frame->frame) shown = late->items_drawn;
   return shown;
 }
 
-core::Expected<Drawn> draw_all(const Report& report, const Way& way, const std::vector<core::View>& views) {
+core::Expected<Drawn> draw_all(const Report& report, const CullingVariant& variant,
+                               const std::vector<core::View>& views) {
   engine::EngineConfig config = report.engine_config();
   config.drawing.ids = true;
-  config.culling.culler = way.culler;
-  config.culling.sample_test = way.sample_test;
-  config.culling.occlusion = way.occlusion;
+  config.culling.culler = variant.culler;
+  config.culling.sample_test = variant.sample_test;
+  config.culling.occlusion = variant.occlusion;
   auto engine = engine::Engine::create(report.scene(), config);
   if (!engine) return tl::unexpected(engine.error());
   Drawn drawn;
@@ -95,30 +96,31 @@ core::Expected<Drawn> draw_all(const Report& report, const Way& way, const std::
     if (!ids) return tl::unexpected(ids.error());
     auto depth = engine->read_depth(view);
     if (!depth) return tl::unexpected(depth.error());
-    Ids owned = owners(*ids);
-    drawn.pictures.push_back({std::move(*ids), std::move(*depth), std::move(owned)});
+    Ids seen_items = visible_in_ids(*ids);
+    drawn.images.push_back({std::move(*ids), std::move(*depth), std::move(seen_items)});
   }
   return drawn;
 }
 
-/// Items of `set` that own a pixel of `reference` and none of `picture`. A tie: wherever the item was seen, another is
-/// seen at the same depth.
-void count_lost(const Ids& set, const Picture& reference, const Picture& picture, Drawn& counts) {
-  const Ids &before = reference.owners, &now = picture.owners;
+/// Items of `set` that are visible in the id image of `reference` and none of `image`. A tie: wherever the item was
+/// seen, another is seen at the same depth.
+void count_lost(const Ids& set, const Image& reference, const Image& image, Drawn& counts) {
+  const Ids &before = reference.visible_in_ids, &now = image.visible_in_ids;
   Ids seen, lost, at_another_depth;
   std::set_intersection(set.begin(), set.end(), before.begin(), before.end(), std::back_inserter(seen));
   std::set_difference(seen.begin(), seen.end(), now.begin(), now.end(), std::back_inserter(lost));
   for (std::size_t i = 0; i < reference.ids.ids.size(); ++i)
-    if (reference.ids.ids[i] != 0 && reference.depth.metres[i] != picture.depth.metres[i])
+    if (reference.ids.ids[i] != 0 && reference.depth.metres[i] != image.depth.metres[i])
       at_another_depth.push_back(core::ItemId{reference.ids.ids[i] - 1});
   std::sort(at_another_depth.begin(), at_another_depth.end());
   for (const core::ItemId item : lost)
     ++(std::binary_search(at_another_depth.begin(), at_another_depth.end(), item) ? counts.lost : counts.ties);
 }
 
-std::size_t count_missing(const Ids& set, const Ids& owners) {
+std::size_t count_missing(const Ids& set, const Ids& visible_in_ids) {
   Ids missing;
-  std::set_difference(set.begin(), set.end(), owners.begin(), owners.end(), std::back_inserter(missing));
+  std::set_difference(set.begin(), set.end(), visible_in_ids.begin(), visible_in_ids.end(),
+                      std::back_inserter(missing));
   return missing.size();
 }
 
@@ -147,30 +149,30 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
   section.figures = {{"frames", frames}, {"exact", mean_of(exact)}};
   std::optional<Drawn> reference;
   std::uint64_t unlike = 0, lost = 0;
-  for (const Way& way : kWays) {
-    auto drawn = draw_all(report, way, *views);
+  for (const CullingVariant& variant : kCullingVariants) {
+    auto drawn = draw_all(report, variant, *views);
     if (!drawn) return tl::unexpected(drawn.error());
-    const std::vector<Picture>& all = reference ? reference->pictures : drawn->pictures;
+    const std::vector<Image>& all = reference ? reference->images : drawn->images;
     std::vector<double> excess;
     for (std::size_t i = 0; i < sets->size(); ++i) {
-      count_lost((*sets)[i], all[i], drawn->pictures[i], *drawn);
-      if (!reference) unlike += count_missing((*sets)[i], all[i].owners);
+      count_lost((*sets)[i], all[i], drawn->images[i], *drawn);
+      if (!reference) unlike += count_missing((*sets)[i], all[i].visible_in_ids);
       if (exact[i] > 0.0) excess.push_back(drawn->items[i] / exact[i]);
     }
     const double ratio = excess.empty() ? 0.0 : median(excess);
-    rows.push_back(
-        {way.label, number(mean_of(drawn->items)), number(ratio), count_words(drawn->lost), count_words(drawn->ties)});
-    section.figures["ways"].push_back({{"label", way.label},
-                                       {"drawn", mean_of(drawn->items)},
-                                       {"per_exact", ratio},
-                                       {"lost", drawn->lost},
-                                       {"ties", drawn->ties}});
-    series.push_back(line_over_frames(way.label, drawn->items, way.style));
+    rows.push_back({variant.label, number(mean_of(drawn->items)), number(ratio), count_words(drawn->lost),
+                    count_words(drawn->ties)});
+    section.figures["variants"].push_back({{"label", variant.label},
+                                           {"drawn", mean_of(drawn->items)},
+                                           {"per_exact", ratio},
+                                           {"lost", drawn->lost},
+                                           {"ties", drawn->ties}});
+    series.push_back(line_over_frames(variant.label, drawn->items, variant.style));
     section.headline += (section.headline.empty() ? "items drawn for each that rays see: " : ", ") +
-                        (way.label + (" " + number(ratio)));
+                        (variant.label + (" " + number(ratio)));
     lost += drawn->lost;
     if (!reference) reference = std::move(*drawn);
-    progress(0.3 + 0.7 * double(&way - kWays + 1) / double(std::size(kWays)));
+    progress(0.3 + 0.7 * double(&variant - kCullingVariants + 1) / double(std::size(kCullingVariants)));
   }
   section.headline += "; lost: " + count_words(lost) + ".";
   section.figures["unlike_raster"] = unlike;
@@ -179,7 +181,7 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
       {"culler", "items drawn, mean", "per item seen, median", "lost", "ties"}, rows,
       {"What cullers keep in " + std::to_string(frames) + " frames of the tour at " + report.options().size +
            ", beside the exact set: the items that a ray through the centre of a pixel hits first "
-           "(raytrace/exact_visibility.h). Lost: seen by rays and in the picture of the linear culler, but in no pixel "
+           "(raytrace/exact_visibility.h). Lost: seen by rays and in the image of the linear culler, but in no pixel "
            "of this one; ties: the same, where another item has its depth. Rays do not see lines, nor what is behind "
            "transparent items; both are drawn. " +
            count_words(unlike) + " times the rasteriser itself shows no pixel of an item that rays see.",

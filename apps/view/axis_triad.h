@@ -1,4 +1,4 @@
-// The axes of the world in a corner of the picture: where their ends are, and which view each of them stands for.
+// The axes of the world in a corner of the image: where their ends are, and which view each of them stands for.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ class AxisTriad {
   const std::array<End, 6>& ends() const { return ends_; }
   /// The end that shows at a point.
   std::optional<End> end_at(const core::dvec2& point) const;
-  /// The command that looks from an end; from the other one where that is what the picture shows already.
+  /// The command that looks from an end; from the other one where that is what the image shows already.
   static const char* view_from(const End& end);
 
  private:

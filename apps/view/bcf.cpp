@@ -364,8 +364,8 @@ core::Expected<bool> Reader::viewpoint(const Node& markup, const std::string& gu
   // A view stands for its topic; further ones of the same topic have only the viewpoint's GUID.
   view->guid = lower(index == 0 ? topic.attribute("Guid").value() : guid.c_str());
   if (index > 0) view->name += " (" + std::to_string(index + 1) + ")";
-  if (const std::string* picture = entry(snapshot); picture && picture->starts_with(kPng))
-    view->snapshot.assign(picture->begin(), picture->end());
+  if (const std::string* image = entry(snapshot); image && image->starts_with(kPng))
+    view->snapshot.assign(image->begin(), image->end());
   views_.emplace_back(number_of(topic.child("Index")).value_or(HUGE_VAL), std::move(*view));
   return true;
 }

@@ -17,11 +17,11 @@ class Camera {
   /// For a model with these bounds. Shows all of it from kOverviewDirection. `fovy`: radians.
   Camera(const core::AabbD& bounds, double fovy, double aspect);
 
-  /// What it sees of a picture whose width is `aspect` times its height; `shift`: by which the model is moved right and
+  /// What it sees of an image whose width is `aspect` times its height; `shift`: by which the model is moved right and
   /// up in it, in parts of its width and height.
   core::Expected<core::View> view(double aspect, const core::dvec2& shift = core::dvec2(0.0)) const;
 
-  /// Moves back or forth until a box fills the picture.
+  /// Moves back or forth until a box fills the image.
   void fit(const core::AabbD& bounds, double aspect);
   /// The same along another direction, not 0.
   void look_along(const core::dvec3& direction, const core::AabbD& bounds, double aspect);
@@ -29,17 +29,17 @@ class Camera {
   void fly(const core::dvec3& held, double seconds);
   /// Turns the head by radians to the right, and up.
   void look(const core::dvec2& by);
-  /// Moves about a point, at which the picture stays as it is; by radians, so that the model follows.
+  /// Moves about a point, at which the image stays as it is; by radians, so that the model follows.
   void orbit(const core::dvec2& by, const core::dvec3& about);
-  /// Moves the model right and up in the picture, by parts of the picture's height at the distance of a point.
+  /// Moves the model right and up in the image, by parts of the image's height at the distance of a point.
   void pan(const core::dvec2& by, const core::dvec3& at);
-  /// Moves towards a point, or away from it; the point stays where it is in the picture.
+  /// Moves towards a point, or away from it; the point stays where it is in the image.
   void zoom(double notches, const core::dvec3& at);
   /// Makes flying faster or slower.
   void change_speed(double notches);
 
   bool orthographic() const { return orthographic_; }
-  /// The picture keeps its size where the target is.
+  /// The image keeps its size where the target is.
   void set_orthographic(bool orthographic) { orthographic_ = orthographic; }
 
   const core::Pose& pose() const { return pose_; }

@@ -184,17 +184,17 @@ void ChangeList::list() {
   if (same != rows_.end() && *same == *was) current_ = std::size_t(same - rows_.begin());
 }
 
-Looks ChangeList::looks() const {
-  Looks looks;
+BaseStyles ChangeList::base_styles() const {
+  BaseStyles base_styles;
   for (std::size_t i = 0; i < compare::kStateCount; ++i) {
     const std::optional<core::vec3> colour = ChangeList::colour(State(i));
-    looks.all.push_back({{.colour = colour, .ghost = !colour}, shown_[i]});
+    base_styles.all.push_back({{.colour = colour, .ghost = !colour}, shown_[i]});
   }
-  looks.which.resize(change_of_.size());
+  base_styles.which.resize(change_of_.size());
   for (std::size_t item = 0; item < change_of_.size(); ++item)
     if (change_of_[item] != kNoChange)
-      looks.which[item] = std::uint8_t(std::size_t(found_.items[change_of_[item]].state) + 1);
-  return looks;
+      base_styles.which[item] = std::uint8_t(std::size_t(found_.items[change_of_[item]].state) + 1);
+  return base_styles;
 }
 
 core::ItemId ChangeList::item_of(std::size_t change) const {

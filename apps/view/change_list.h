@@ -44,7 +44,7 @@ class ChangeList {
   static std::optional<core::vec3> colour(compare::State state);
   bool shown(compare::State state) const { return shown_[std::size_t(state)]; }
   void set_shown(compare::State state, bool shown);
-  Looks looks() const;
+  BaseStyles base_styles() const;
 
   // The list: what has changed in states that are shown, items in the order of compare::Comparison, then groups, which
   // are nodes with other attributes but without items of their own. An index must be below row_count().

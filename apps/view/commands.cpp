@@ -100,7 +100,7 @@ Done toggle_boxes(Viewer& viewer, const std::string& state) {
     bool& on = switches.states[std::size_t(i)];
     return on = !on, Done();
   }
-  return core::fail("boxes: expected inside, intersecting, outside, occluded or small, found \"" + state + "\"");
+  return core::fail("boxes: expected inside, intersecting, outside, occluded or too_small, found \"" + state + "\"");
 }
 
 /// A setting of the engine, by a script.
@@ -129,11 +129,11 @@ const Command kCommands[] = {
     {"compare-end", "File", "End the comparison", 0, 0, "", "show the model alone again", end_comparison},
     {"compare-toggle", nullptr, "", 0, 0, "",
      "show or hide items that are added, removed, moved, changed or unchanged: WHICH", toggle_changes},
-    {"screenshot", "File", "Save picture", GLFW_KEY_F12, 0, "F12",
-     "write the picture, PNG, in any size up to 16384x16384: FILE [WxH]", write_picture},
-    {"large-picture", "File", "Save large picture…", GLFW_KEY_F12, kShift, "Shift+F12",
-     "ask for a size and a file, and write the picture",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.path = false, v.shown.picture = true, Done(); }},
+    {"screenshot", "File", "Save image", GLFW_KEY_F12, 0, "F12",
+     "write the image, PNG, in any size up to 16384x16384: FILE [WxH]", write_image},
+    {"large-image", "File", "Save large image…", GLFW_KEY_F12, kShift, "Shift+F12",
+     "ask for a size and a file, and write the image",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.path = false, v.shown.image = true, Done(); }},
     {"save-view", "File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write what is seen and shown, JSON: FILE",
      [](Viewer& v, const std::string& file) { return v.save_view(file); }},
     {"load-view", nullptr, "", 0, 0, "", "see what a view file shows; or drop it on the window: FILE",
@@ -158,9 +158,9 @@ const Command kCommands[] = {
      [](Viewer& v, const std::string&) -> Done { return v.player().loop = !v.player().loop, Done(); }},
     {"path-speed", nullptr, "", 0, 0, "", "how fast camera paths play, times their own speed: FACTOR", set_path_speed},
     {"write-frames", nullptr, "", 0, 0, "",
-     "write that path as pictures for a video, 25 a second unless told otherwise: FOLDER [FPS] [WxH]", write_frames},
+     "write that path as images for a video, 25 a second unless told otherwise: FOLDER [FPS] [WxH]", write_frames},
     {"camera-path", "File", "Camera path and video…", 0, 0, "", "ask for a camera path to play, and write its frames",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.picture = false, v.shown.path = true, Done(); }},
+     [](Viewer& v, const std::string&) -> Done { return v.shown.image = false, v.shown.path = true, Done(); }},
     {"lose-context", nullptr, "", 0, 0, "", "make window and graphics context anew, as after a reset of the driver",
      [](Viewer& v, const std::string&) -> Done { return v.lose_context(), Done(); }, nullptr, false},
     {"quit", "File", "Quit", GLFW_KEY_Q, kCtrl, "Ctrl+Q", "end",
@@ -260,15 +260,16 @@ const Command kCommands[] = {
      [](Viewer& v, const std::string&) -> Done { return v.shown.smooth = !v.shown.smooth, Done(); },
      [](Viewer& v) { return v.shown.smooth; }, false},
     {"lower-resolution", "View", "Lower resolution in motion", 0, 0, "",
-     "switch whether pictures have fewer pixels while the view moves and frames come late",
+     "switch whether images have fewer pixels while the view moves and frames come late",
      [](Viewer& v, const std::string&) -> Done { return v.shown.lower = !v.shown.lower, Done(); },
      [](Viewer& v) { return v.shown.lower; }, false},
     {"triad", "View", "Axes", 0, 0, "", "show or hide the axes beside the panels; a click on an end looks from there",
      [](Viewer& v, const std::string&) -> Done { return v.shown.triad = !v.shown.triad, Done(); },
      [](Viewer& v) { return v.shown.triad; }, false},
-    {"relief", "View", "Shading and lines", GLFW_KEY_L, 0, "L",
+    {"depth-shading", "View", "Depth shading and edge lines", GLFW_KEY_L, 0, "L",
      "switch the shading and the lines that make shapes of one colour legible on or off",
-     [](Viewer& v, const std::string&) { return v.toggle_relief(); }, [](Viewer& v) { return v.shown.relief; }, false},
+     [](Viewer& v, const std::string&) { return v.toggle_depth_shading(); },
+     [](Viewer& v) { return v.shown.depth_shading; }, false},
     {"hatch", "View", "Hatching of cut faces", 0, 0, "", "switch the lines across what sections cut on or off",
      [](Viewer& v, const std::string&) { return v.toggle_hatching(); }, [](Viewer& v) { return v.shown.hatching; },
      false},
@@ -298,10 +299,10 @@ const Command kCommands[] = {
      [](Viewer& v, const std::string& text) {
        return set_number(v, text, [](engine::EngineConfig& c, double ms) { c.losses.budget_ms = ms; });
      }},
-    {"contribution", nullptr, "", 0, 0, "", "leave out what covers fewer pixels; 0: nothing: PX",
+    {"min-projected-area", nullptr, "", 0, 0, "", "leave out what covers fewer pixels; 0: nothing: PX",
      [](Viewer& v, const std::string& text) {
        return set_number(v, text,
-                         [](engine::EngineConfig& c, double pixels) { c.losses.contribution = float(pixels); });
+                         [](engine::EngineConfig& c, double pixels) { c.losses.min_projected_area = float(pixels); });
      }},
 
     {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse",

@@ -16,7 +16,7 @@ constexpr double kStep = 2.0;       // pixels between looks at the depth along a
 constexpr double kInFront = 2e-3;   // of the distance: lines on surfaces are not behind them
 constexpr double kLeastLine = 0.5;  // pixels
 
-/// Puts lines into a picture, in parts before and behind what it shows.
+/// Puts lines into an image, in parts before and behind what it shows.
 class Projection {
  public:
   Projection(const core::View& view, const image::DepthImage& depth, std::vector<CullingLine>& lines)
@@ -52,7 +52,7 @@ class Projection {
   static End between(const End& a, const End& b, double t) {
     return {a.clip + t * (b.clip - a.clip), a.distance + t * (b.distance - a.distance)};
   }
-  /// What lies in the picture's four sides and before its near plane: Y. Liang, B. Barsky, 1984.
+  /// What lies in the image's four sides and before its near plane: Y. Liang, B. Barsky, 1984.
   bool clip(End& a, End& b) const {
     double low = 0.0, high = 1.0;
     const auto inside = [&](double at_a, double at_b) {
@@ -76,7 +76,7 @@ class Projection {
     const dvec2 at = dvec2(end.clip.x, end.clip.y) / end.clip.w;
     return {0.5 * (at.x + 1.0) * depth_.width, 0.5 * (1.0 - at.y) * depth_.height};
   }
-  /// At a share of the line's way through the picture.
+  /// At a share of the line's way through the image.
   bool hidden(const dvec2& at_a, const dvec2& at_b, const End& a, const End& b, double share) const {
     const dvec2 at = at_a + share * (at_b - at_a);
     const int x = std::clamp(int(at.x), 0, depth_.width - 1), y = std::clamp(int(at.y), 0, depth_.height - 1);
@@ -109,13 +109,13 @@ void CullingBoxes::clear() {
   drawn_ = wanted_ = 0;
 }
 
-std::vector<CullingBoxes::SlotArea> CullingBoxes::in_picture(const core::View& view, const image::DepthImage& depth,
-                                                             const culling::CullStates& states,
-                                                             const CullingSwitches& switches) const {
+std::vector<CullingBoxes::SlotArea> CullingBoxes::in_image(const core::View& view, const image::DepthImage& depth,
+                                                           const culling::CullStates& states,
+                                                           const CullingSwitches& switches) const {
   core::VisibleSet seen, wanted;
   culling::LinearCuller(boxes_).cull(view, seen);
   seen.for_each_slot([&](core::Slot slot) {
-    if (switches.states[std::size_t(states.boxes[slot].state)]) wanted.slots.push_back(slot);
+    if (switches.states[std::size_t(states.boxes[slot].state)]) wanted.single_slots.push_back(slot);
   });
   std::vector<SlotArea> areas;
   culling::ContributionTest(view, boxes_.origin, depth.width, depth.height).areas(boxes_, wanted, areas);
@@ -137,7 +137,7 @@ void CullingBoxes::update(const core::View& view, const image::DepthImage& depth
   core::View whole = view;  // boxes of what is cut away or on other layers show, too
   whole.sections.clear();
   whole.layers = ~0u;
-  std::vector<SlotArea> areas = in_picture(whole, depth, states, switches);
+  std::vector<SlotArea> areas = in_image(whole, depth, states, switches);
   wanted_ = areas.size();
   drawn_ = std::min(wanted_, kMost);
   const auto last = areas.begin() + std::ptrdiff_t(drawn_);

@@ -8,7 +8,7 @@
 namespace sightline::apps {
 namespace {
 
-constexpr float kBehind = 0.14f;  // alpha of what the picture hides
+constexpr float kBehind = 0.14f;  // alpha of what the image hides
 const std::array<ImVec4, CullingLine::kInkCount> kInks{{
     {0.0f, 0.62f, 0.45f, 1.0f},   // inside: bluish green
     {0.90f, 0.62f, 0.0f, 1.0f},   // intersecting: orange

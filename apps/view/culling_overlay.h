@@ -1,4 +1,4 @@
-// Draws a frozen camera's culling over the picture.
+// Draws a frozen camera's culling over the image.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ class CullingOverlay {
  public:
   CullingSwitches switches;
 
-  /// After the picture was drawn, whose part of the window this is. Costs nothing unless the camera is frozen.
+  /// After the image was drawn, whose part of the window this is. Costs nothing unless the camera is frozen.
   void draw(Session& session, const Part& part);
   const CullingBoxes& boxes() const { return boxes_; }
   /// Of a state's boxes: M. Okabe, K. Ito, "Color universal design", 2008.

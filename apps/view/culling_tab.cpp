@@ -16,7 +16,7 @@ namespace {
 /// What the sliders cost, beside them.
 void error_figures(Session& session) {
   const engine::EngineConfig& now = session.engine().config();
-  if (now.losses.budget_ms <= 0.0 && now.losses.contribution <= 0.0f) return;
+  if (now.losses.budget_ms <= 0.0 && now.losses.min_projected_area <= 0.0f) return;
   const auto loss = session.loss();
   if (!loss) return ImGui::TextDisabled("error: known when nothing moves");
   const double share = 100.0 * loss->pixels / (double(session.size()[0]) * session.size()[1]);
@@ -24,7 +24,7 @@ void error_figures(Session& session) {
                      grouped(std::int64_t(std::ceil(loss->pixels))).c_str(), share);
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip(
-        "left out of the picture, and not known to be hidden;\n"
+        "left out of the image, and not known to be hidden;\n"
         "pixels that these would cover if none hid another");
 }
 
@@ -42,8 +42,8 @@ void settings_sliders(Viewer& viewer, Session& session) {
   };
   slider("budget, ms", "what a frame may take while the view moves; 0: any time", now.losses.budget_ms, 200.0, "%.0f",
          [](auto& config, float ms) { config.losses.budget_ms = std::round(ms); });
-  slider("least area, px", "items that cover fewer pixels are left out; 0: none", now.losses.contribution, 16.0, "%.1f",
-         [](auto& config, float pixels) { config.losses.contribution = pixels; });
+  slider("min area, px", "items that cover fewer pixels are left out; 0: none", now.losses.min_projected_area, 16.0,
+         "%.1f", [](auto& config, float pixels) { config.losses.min_projected_area = pixels; });
   error_figures(session);
   if (session.engine().plan().culler != engine::CullerChoice::kHybrid) return;
   const culling::FrameCostConfig& hybrid = now.culling.controller.frame_cost;
@@ -92,7 +92,7 @@ std::string milliseconds(double ms) {
   return text;
 }
 
-/// Of the last pictures. Colours differ for all kinds of colour blindness.
+/// Of the last images. Colours differ for all kinds of colour blindness.
 void plots(const std::vector<FrameFigures>& frames) {
   const ImVec4 kFirst{0.0f, 0.62f, 0.45f, 1.0f}, kSecond{0.90f, 0.62f, 0.0f, 1.0f};
   constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
@@ -100,10 +100,11 @@ void plots(const std::vector<FrameFigures>& frames) {
     return [&frames, on_gpu](std::size_t i) { return frames[i].on_gpu == on_gpu ? frames[i].cull_ms : kGap; };
   };
   plot("culling", milliseconds<3>, frames.size(), {{"CPU", kFirst, culled(false)}, {"GPU", kSecond, culled(true)}});
-  plot("pictures", milliseconds<1>, frames.size(), {{"", kFirst, [&](std::size_t i) { return frames[i].picture_ms; }}});
+  plot("images", milliseconds<1>, frames.size(), {{"", kFirst, [&](std::size_t i) { return frames[i].image_ms; }}});
   plot("items", [](double most) { return grouped(std::int64_t(most)); }, frames.size(),
        {{"in view", kFirst, [&](std::size_t i) { return double(frames[i].visible); }},
-        {"drawn", kSecond, [&](std::size_t i) { return frames[i].shown < 0 ? kGap : double(frames[i].shown); }}});
+        {"drawn", kSecond,
+         [&](std::size_t i) { return frames[i].items_drawn < 0 ? kGap : double(frames[i].items_drawn); }}});
 }
 
 }  // namespace
@@ -130,8 +131,8 @@ void culling_tab(Viewer& viewer) {
     row("in the view", grouped(session.visible()));
     row("boxes tested", known(report.tested));
     row("with a sample", known(report.sampled));
-    row("drawn", known(report.shown));
-    row("too small", grouped(report.small));
+    row("drawn", known(report.items_drawn));
+    row("too small", grouped(report.below_min_area));
     row("not yet drawn", grouped(report.pending));
     row("culling", milliseconds<3>(report.cull_ms));
     row("drawing", milliseconds<1>(report.draw_ms));

@@ -16,8 +16,8 @@ std::uint8_t style_bits(std::uint8_t flags) {
   return flags & std::uint8_t(Document::kSelected | Document::kGhost);
 }
 
-engine::ItemStyle style_of(std::uint8_t flags, const Look* look) {
-  engine::ItemStyle style = look ? look->style : engine::ItemStyle();
+engine::ItemStyle style_of(std::uint8_t flags, const BaseStyle* base_style) {
+  engine::ItemStyle style = base_style ? base_style->style : engine::ItemStyle();
   if ((flags & Document::kSelected) != 0) {
     if (!style.colour) style.colour = kSelectedColour;
     style.outline = true;
@@ -79,7 +79,7 @@ core::Expected<void> Document::select(std::span<const core::ItemId> items, Selec
   return step(changes([&](core::ItemId item) {
     const std::uint8_t flags = flags_[to_index(item)], without = flags & std::uint8_t(~kSelected);
     if (!named[to_index(item)]) return mode == SelectMode::kReplace ? without : flags;
-    if (unseen(item, flags, looks_)) return without;
+    if (unseen(item, flags, base_styles_)) return without;
     if (mode == SelectMode::kToggle) return std::uint8_t(flags ^ kSelected);
     return std::uint8_t(flags | kSelected);
   }));
@@ -152,29 +152,29 @@ core::Expected<void> Document::take(std::vector<Changes>& from, std::vector<Chan
   return {};
 }
 
-bool Document::unseen(core::ItemId item, std::uint8_t flags, const Looks& looks) {
-  const Look* look = looks.of(item);
-  return (flags & kHidden) != 0 || (look && !look->shown);
+bool Document::unseen(core::ItemId item, std::uint8_t flags, const BaseStyles& base_styles) {
+  const BaseStyle* base_style = base_styles.of(item);
+  return (flags & kHidden) != 0 || (base_style && !base_style->shown);
 }
 
-/// Lets the engine show these items with their new flags and looks.
-core::Expected<void> Document::show(const Changes& changes, const Looks& looks) {
-  constexpr std::size_t kStyles = 8;  // of each look, by style bits
-  std::vector<std::vector<core::ItemId>> styled(kStyles * (looks.all.size() + 1));
+/// Lets the engine show these items with their new flags and base styles.
+core::Expected<void> Document::show(const Changes& changes, const BaseStyles& base_styles) {
+  constexpr std::size_t kStyles = 8;  // of each base style, by style bits
+  std::vector<std::vector<core::ItemId>> styled(kStyles * (base_styles.all.size() + 1));
   std::vector<core::ItemId> hide, show;
   for (const auto& [item, flags] : changes) {
     const std::uint8_t old = flags_[to_index(item)];
-    const Look* look = looks.of(item);
-    if (style_of(flags, look) != style_of(old, looks_.of(item)))
-      styled[style_bits(flags) + kStyles * (look ? looks.which[to_index(item)] : 0)].push_back(item);
-    const bool unseen_now = unseen(item, flags, looks);
-    if (unseen_now != unseen(item, old, looks_)) (unseen_now ? hide : show).push_back(item);
+    const BaseStyle* base_style = base_styles.of(item);
+    if (style_of(flags, base_style) != style_of(old, base_styles_.of(item)))
+      styled[style_bits(flags) + kStyles * (base_style ? base_styles.which[to_index(item)] : 0)].push_back(item);
+    const bool unseen_now = unseen(item, flags, base_styles);
+    if (unseen_now != unseen(item, old, base_styles_)) (unseen_now ? hide : show).push_back(item);
   }
   core::Expected<void> done;
   for (std::size_t i = 0; i < styled.size() && done; ++i)
     if (!styled[i].empty())
       done = engine_->set_override(
-          styled[i], style_of(std::uint8_t(i % kStyles), i < kStyles ? nullptr : &looks.all[i / kStyles - 1]));
+          styled[i], style_of(std::uint8_t(i % kStyles), i < kStyles ? nullptr : &base_styles.all[i / kStyles - 1]));
   if (done && !hide.empty()) done = engine_->hide(hide);
   if (done && !show.empty()) done = engine_->show(show);
   return done;
@@ -182,13 +182,13 @@ core::Expected<void> Document::show(const Changes& changes, const Looks& looks) 
 
 /// Returns what brings back the state before.
 core::Expected<Document::Changes> Document::apply(const Changes& changes) {
-  if (auto done = show(changes, looks_); !done) return tl::unexpected(done.error());
+  if (auto done = show(changes, base_styles_); !done) return tl::unexpected(done.error());
   Changes before;
   before.reserve(changes.size());
   bool selects = false, solids_change = false;
   for (const auto& [item, flags] : changes) {
-    const Look* look = looks_.of(item);
-    solids_change |= style_of(flags, look).ghost != style_of(flags_[to_index(item)], look).ghost;
+    const BaseStyle* base_style = base_styles_.of(item);
+    solids_change |= style_of(flags, base_style).ghost != style_of(flags_[to_index(item)], base_style).ghost;
     const int turned = flags ^ flags_[to_index(item)];
     before.push_back({item, flags_[to_index(item)]});
     selects |= (turned & kSelected) != 0;
@@ -207,15 +207,15 @@ void Document::list_selection() {
   selection_ = items_with(kSelected);
 }
 
-core::Expected<void> Document::set_looks(Looks looks) {
+core::Expected<void> Document::set_base_styles(BaseStyles base_styles) {
   Changes all;
   for (core::ItemId item{0}; to_index(item) < flags_.size(); ++item) {
-    const Look *now = looks.of(item), *then = looks_.of(item);
+    const BaseStyle *now = base_styles.of(item), *then = base_styles_.of(item);
     const bool same = now && then ? *now == *then : now == then;
     if (!same && engine_->snapshot().slot(item) != core::kNone) all.push_back({item, flags_[to_index(item)]});
   }
-  if (auto done = show(all, looks); !done) return done;
-  looks_ = std::move(looks);
+  if (auto done = show(all, base_styles); !done) return done;
+  base_styles_ = std::move(base_styles);
   ++version_;
   ++solid_version_;
   return {};

@@ -15,19 +15,19 @@ namespace sightline::apps {
 enum class SelectMode { kReplace, kAdd, kToggle };
 
 /// How items look that nobody has selected, hidden or made faint.
-struct Look {
+struct BaseStyle {
   engine::ItemStyle style;
   bool shown = true;  ///< false: as if hidden
 
-  friend bool operator==(const Look&, const Look&) = default;
+  friend bool operator==(const BaseStyle&, const BaseStyle&) = default;
 };
 
-/// A look for each item.
-struct Looks {
-  std::vector<Look> all;            ///< at most 255
-  std::vector<std::uint8_t> which;  ///< by item: 0 is the scene's own look, i is all[i - 1]; 0 for items beyond
+/// A base style for each item.
+struct BaseStyles {
+  std::vector<BaseStyle> all;       ///< at most 255
+  std::vector<std::uint8_t> which;  ///< by item: 0 is the scene's own style, i is all[i - 1]; 0 for items beyond
 
-  const Look* of(core::ItemId item) const {
+  const BaseStyle* of(core::ItemId item) const {
     return to_index(item) < which.size() && which[to_index(item)] != 0 ? &all[which[to_index(item)] - 1u] : nullptr;
   }
 };
@@ -43,9 +43,9 @@ class Document {
   bool is(core::ItemId item, Flag flag) const {
     return to_index(item) < flags_.size() && (flags_[to_index(item)] & flag) != 0;
   }
-  /// Neither hidden nor without a look that shows.
+  /// Neither hidden nor without a base style that shows.
   bool shown(core::ItemId item) const {
-    return to_index(item) < flags_.size() && !unseen(item, flags_[to_index(item)], looks_);
+    return to_index(item) < flags_.size() && !unseen(item, flags_[to_index(item)], base_styles_);
   }
   std::span<const core::ItemId> selection() const { return selection_; }  ///< in rising order
   std::size_t hidden() const { return hidden_; }                          ///< number of hidden items
@@ -72,20 +72,20 @@ class Document {
   std::size_t undo_steps() const { return done_.size(); }
   std::size_t redo_steps() const { return undone_.size(); }
 
-  /// The item under the cursor. Neither a step of undo() nor part of the picture, which need not be drawn anew for it.
+  /// The item under the cursor. Neither a step of undo() nor part of the image, which need not be drawn anew for it.
   void hover(std::optional<core::ItemId> item) { hovered_ = item; }
   std::optional<core::ItemId> hovered() const { return hovered_; }
 
-  /// Shows items in these looks, and no others. A selected item keeps the colour that its look gives it and has a line
-  /// around it. No step of undo().
-  core::Expected<void> set_looks(Looks looks);
+  /// Shows items in these base styles, and no others. A selected item keeps the colour that its base style gives it and
+  /// has a line around it. No step of undo().
+  core::Expected<void> set_base_styles(BaseStyles base_styles);
   /// Takes notice of items that were added and removed, once the engine has. What undo() brings back of those that are
   /// gone is forgotten.
   void follow_scene();
 
-  /// Rises whenever the picture changes.
+  /// Rises whenever the image changes.
   std::uint64_t version() const { return version_; }
-  /// Rises whenever other items hide something in the picture: with those that are hidden or faint.
+  /// Rises whenever other items hide something in the image: with those that are hidden or faint.
   std::uint64_t solid_version() const { return solid_version_; }
 
  private:
@@ -98,8 +98,8 @@ class Document {
   /// Flags of all items as `flags_of` says.
   template <class FlagsOf>
   Changes changes(const FlagsOf& flags_of) const;
-  static bool unseen(core::ItemId item, std::uint8_t flags, const Looks& looks);
-  core::Expected<void> show(const Changes& changes, const Looks& looks);
+  static bool unseen(core::ItemId item, std::uint8_t flags, const BaseStyles& base_styles);
+  core::Expected<void> show(const Changes& changes, const BaseStyles& base_styles);
   void list_selection();
   core::Expected<void> step(Changes changes);
   core::Expected<Changes> apply(const Changes& changes);
@@ -109,7 +109,7 @@ class Document {
   const core::Scene* scene_;
   engine::Engine* engine_;
   std::vector<std::uint8_t> flags_;  // by item
-  Looks looks_;
+  BaseStyles base_styles_;
   std::vector<core::ItemId> selection_;
   std::optional<core::ItemId> hovered_;
   std::size_t hidden_ = 0, ghosts_ = 0;

@@ -17,7 +17,7 @@ Export::Export(Session& session, const Options& options, std::string target)
       target_(std::move(target)),
       budget_ms_(session.engine().config().losses.budget_ms) {
   if (options.smooth && session.engine().config().drawing.samples == 1)
-    shifts_ = RestingPicture::shifts();
+    shifts_ = RestingImage::shifts();
   else
     shifts_ = {core::dvec2(0.0)};
 }
@@ -30,14 +30,14 @@ core::Expected<std::unique_ptr<Export>> Export::create(Session& session, const O
   if (!tiles) return tl::unexpected(tiles.error());
   made->tiles_ = std::move(*tiles);
   if (auto drawn = session.draw(); !drawn) return tl::unexpected(drawn.error());
-  auto before = session.picture(options.smooth);
+  auto before = session.image(options.smooth);
   if (!before) return tl::unexpected(before.error());
   made->before_ = std::move(*before);
   return made;
 }
 
-core::Expected<std::unique_ptr<Export>> Export::picture(Session& session, const Options& options,
-                                                        const std::string& file) {
+core::Expected<std::unique_ptr<Export>> Export::image(Session& session, const Options& options,
+                                                      const std::string& file) {
   auto made = create(session, options, file);
   if (!made) return made;
   if (auto done = (*made)->begin_frame(); !done) return tl::unexpected(done.error());
@@ -87,25 +87,25 @@ core::Expected<void> Export::begin_frame() {
     if (auto done = session_->configure([](engine::EngineConfig& config) { config.losses.budget_ms = 0.0; }); !done)
       return done;
   file_ = std::move(*opened);
-  picture_.emplace(*view, tiles_, TiledPicture::Wanted{.shifts = shifts_});
+  image_.emplace(*view, tiles_, TiledImage::Wanted{.shifts = shifts_});
   return {};
 }
 
 core::Expected<void> Export::step() {
-  const auto more = picture_->step(session_->engine());
+  const auto more = image_->step(session_->engine());
   if (!more) return tl::unexpected(more.error());
   if (*more)
-    if (auto done = file_->write_rows(picture_->rows().colours); !done) return done;
-  if (!picture_->complete()) return {};
+    if (auto done = file_->write_rows(image_->rows().colours); !done) return done;
+  if (!image_->complete()) return {};
   if (auto done = file_->finish(); !done) return done;
-  blank_ |= picture_->blank();
+  blank_ |= image_->blank();
   ++frame_;
   return complete() ? core::Expected<void>() : begin_frame();
 }
 
 double Export::progress() const {
   if (complete()) return 1.0;
-  return (frame_ + double(picture_->steps_done()) / double(picture_->steps())) / count_;
+  return (frame_ + double(image_->steps_done()) / double(image_->steps())) / count_;
 }
 
 }  // namespace sightline::apps

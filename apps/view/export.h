@@ -1,4 +1,4 @@
-// Pictures that take a while: drawn in short steps, so that the window stays alive.
+// Images that take a while: drawn in short steps, so that the window stays alive.
 #pragma once
 
 #include <functional>
@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "sightline/apps/common/tiled_picture.h"
+#include "sightline/apps/common/tiled_image.h"
 #include "sightline/apps/view/session.h"
 
 namespace sightline::apps {
@@ -21,9 +21,9 @@ class Export {
     bool smooth = true;  ///< edges, where the session smooths them at rest
   };
 
-  /// One picture. Fails where the file cannot be written.
-  static core::Expected<std::unique_ptr<Export>> picture(Session& session, const Options& options,
-                                                         const std::string& file);
+  /// One image. Fails where the file cannot be written.
+  static core::Expected<std::unique_ptr<Export>> image(Session& session, const Options& options,
+                                                       const std::string& file);
   /// Those of a path, into a folder that is empty or not there yet.
   static core::Expected<std::unique_ptr<Export>> frames(Session& session, const Options& options,
                                                         const core::CameraPath& path, double per_second,
@@ -39,8 +39,8 @@ class Export {
   int count() const { return count_; }
   const std::array<int, 2>& size() const { return options_.size; }
   const std::string& target() const { return target_; }  ///< file or folder
-  bool blank() const { return blank_; }                  ///< whether a picture shows nothing of what should be there
-  /// What the session's picture was.
+  bool blank() const { return blank_; }                  ///< whether an image shows nothing of what should be there
+  /// What the session's image was.
   const image::Image& before() const { return before_; }
 
  private:
@@ -51,12 +51,12 @@ class Export {
   Session* session_;
   Options options_;
   std::string target_;
-  std::optional<core::CameraPath> path_;  // without it one picture of the session's camera
+  std::optional<core::CameraPath> path_;  // without it one image of the session's camera
   PathFrames frames_;
   int frame_ = 0, count_ = 1;
-  engine::PictureTiles tiles_;
+  engine::ImageTiles tiles_;
   std::vector<core::dvec2> shifts_;
-  std::optional<TiledPicture> picture_;  // of the frame that is being drawn
+  std::optional<TiledImage> image_;  // of the frame that is being drawn
   std::optional<image::PngWriter> file_;
   image::Image before_;
   double budget_ms_ = 0.0;

@@ -72,14 +72,14 @@ std::string size_text(const std::array<int, 2>& size) {
 
 }  // namespace
 
-Done write_picture(Viewer& viewer, const std::string& argument) {
+Done write_image(Viewer& viewer, const std::string& argument) {
   std::string file = argument;
   const auto word = take_last_word(file, looks_like_size);
   if (!word) return viewer.write_screenshot(file);
   const auto size = parse_size(*word);
   if (!size) return tl::unexpected(size.error());
   if (file.empty()) file = free_name("screenshot", ".png");
-  return begin(viewer, Export::picture(*viewer.session(), options_of(viewer, *size), file));
+  return begin(viewer, Export::image(*viewer.session(), options_of(viewer, *size), file));
 }
 
 Done play_path(Viewer& viewer, const std::string& file) {
@@ -125,16 +125,16 @@ Done write_frames(Viewer& viewer, const std::string& argument) {
                                       fps_word ? *parse_finite(*fps_word) : kFps, folder));
 }
 
-void picture_window(Viewer& viewer) {
+void image_window(Viewer& viewer) {
   static std::array<int, 2> size = kSizes[0].second;  // these stay from time to time
   static std::string file;
-  begin_centred("Save large picture", &viewer.shown.picture, 34.0f);
+  begin_centred("Save large image", &viewer.shown.image, 34.0f);
   size_fields(size);
   ImGui::SetNextItemWidth(-1.0f);
   ImGui::InputTextWithHint("##file", "file; empty: the next screenshot-1.png …", &file);
   if (ImGui::Button("Save")) {
-    const Done done = write_picture(viewer, file.empty() ? size_text(size) : file + " " + size_text(size));
-    viewer.shown.picture = !done;
+    const Done done = write_image(viewer, file.empty() ? size_text(size) : file + " " + size_text(size));
+    viewer.shown.image = !done;
     tell_failure(viewer, done);
   }
   ImGui::SameLine();

@@ -1,4 +1,4 @@
-// Pictures, camera paths and frames of videos, as the viewer's commands and dialogs ask for them. All need an open
+// Images, camera paths and frames of videos, as the viewer's commands and dialogs ask for them. All need an open
 // model.
 #pragma once
 
@@ -9,14 +9,14 @@
 namespace sightline::apps {
 
 /// "FILE [WxH]", both optional: in the window's size at once, or in any size in steps.
-core::Expected<void> write_picture(Viewer& viewer, const std::string& argument);
+core::Expected<void> write_image(Viewer& viewer, const std::string& argument);
 /// "FILE", or nothing for the path that was played or recorded last.
 core::Expected<void> play_path(Viewer& viewer, const std::string& file);
 core::Expected<void> set_path_speed(Viewer& viewer, const std::string& factor);
 /// "FOLDER [FPS] [WxH]": frames of the path that was played or recorded last.
 core::Expected<void> write_frames(Viewer& viewer, const std::string& argument);
 
-void picture_window(Viewer& viewer);    ///< a size and a file for a picture
+void image_window(Viewer& viewer);      ///< a size and a file for an image
 void path_window(Viewer& viewer);       ///< plays a path, and writes its frames
 void exporting_window(Viewer& viewer);  ///< progress, and a button that cancels
 

@@ -98,7 +98,7 @@ core::Expected<void> FrozenCamera::follow(engine::Engine& engine, const std::vec
                                           std::uint64_t shown) {
   core::View now = view_;
   now.sections = sections;
-  if (states_ && shown_ == shown && core::same_picture(now, view_)) return {};
+  if (states_ && shown_ == shown && core::same_image(now, view_)) return {};
   auto states = engine.cull_states(now);
   if (!states) return tl::unexpected(states.error());
   view_ = now;

@@ -1,4 +1,4 @@
-// The culling camera held still, while the picture is taken from elsewhere.
+// The culling camera held still, while the image is taken from elsewhere.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ class FrozenCamera {
   /// The next follow() finds out anew, for example after a change of settings.
   void forget() { states_.reset(); }
   /// Cuts with these sections, and finds out what culling makes of the items unless that is known: for these sections,
-  /// and as of `shown`, which rises whenever other items are hidden or faint. The engine's picture may be gone then.
+  /// and as of `shown`, which rises whenever other items are hidden or faint. The engine's image may be gone then.
   core::Expected<void> follow(engine::Engine& engine, const std::vector<core::Plane>& sections, std::uint64_t shown);
 
  private:

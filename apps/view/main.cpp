@@ -16,7 +16,7 @@ void add_options(apps::CommandLine& line, apps::ViewerOptions& o) {
   line.add("--size", o.size, "Of the window, in the screen's units").shows_default().accepted_by(apps::parse_size);
   apps::add_culler_option(line, o.culler);
   apps::add_gpu_pass_option(line, o.gpu_culler);
-  apps::add_shown_options(line, o.shown);
+  apps::add_drawn_options(line, o.shown);
   apps::add_samples_option(line, o.samples);
   line.add("--path", o.path,
            "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time");
@@ -24,7 +24,7 @@ void add_options(apps::CommandLine& line, apps::ViewerOptions& o) {
   line.add("--frames", o.frames, "Quit after so many frames, drawn as fast as they come, without panels").positive();
   line.add("--script", o.script, "Carry out the commands of this file, then quit; fails where it expects otherwise")
       .existing_file();
-  line.add("--screenshot", o.screenshot, "Write the last picture, PNG");
+  line.add("--screenshot", o.screenshot, "Write the last image, PNG");
   line.add("--json", o.json_file, "Write state and figures as JSON to FILE, or - for stdout, at the end");
   line.add_flag("!--no-smooth", o.smooth, "Leave edges as they are when nothing moves; scripts begin so");
   line.add_flag("!--no-panels", o.panels, "Show the model alone");

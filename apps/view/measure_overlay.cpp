@@ -1,4 +1,4 @@
-// Marks and distances over the picture.
+// Marks and distances over the image.
 #include <algorithm>
 
 #include <imgui.h>

@@ -29,7 +29,7 @@ float panel_width(float chosen, float usual, float usual_share) {
   return std::min(std::max(chosen, kLeastWidth) * font, kMostShare * wide);
 }
 
-/// A panel's vertical edge at `x`, held within the panel, which lies to the left or right of it: the picture has
+/// A panel's vertical edge at `x`, held within the panel, which lies to the left or right of it: the image has
 /// handles of its own. Pixels by which it is dragged to the right.
 float drag_edge(const char* name, float x, float y, float height, bool panel_left) {
   const float grip = std::max(2.0f, kGrip * ImGui::GetFontSize());
@@ -125,7 +125,7 @@ void status_bar(Viewer& viewer) {
                 grouped(std::int64_t(document.selection().size())).c_str(),
                 grouped(std::int64_t(document.hidden())).c_str());
     ImGui::SameLine(0.0f, 2.0f * ImGui::GetFontSize());
-    ImGui::Text("%s, cull %.3f ms, picture %.1f ms%s%s", name_of(session->report().culler).data(),
+    ImGui::Text("%s, cull %.3f ms, image %.1f ms%s%s", name_of(session->report().culler).data(),
                 session->report().cull_ms, session->report().cull_ms + session->report().draw_ms,
                 session->frozen() ? ", culling camera frozen" : "", viewer.recording() ? ", recording" : "");
     ImGui::SameLine(0.0f, 2.0f * ImGui::GetFontSize());

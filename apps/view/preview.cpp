@@ -12,7 +12,7 @@
 namespace sightline::apps {
 namespace {
 
-constexpr int kPatience = 8;  // times as long as making a picture took, until the next one
+constexpr int kPatience = 8;  // times as long as making an image took, until the next one
 
 /// Adds items of one scene to another, with what they share.
 class PreviewCopier {

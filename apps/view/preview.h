@@ -24,20 +24,20 @@ class Preview {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kFirst{300}, kBetween{1000};  ///< files read sooner need no preview
 
-  /// `config`: of the pictures; their size and context do not matter.
+  /// `config`: of the images; their size and context do not matter.
   explicit Preview(const engine::EngineConfig& config);
 
   /// By the thread that reads, with the scene as far as it was read; of always the same scene, to which items are only
   /// added. True: there is more to draw. `now` must not go back.
   bool follow(const core::Scene& scene, Clock::time_point now = Clock::now());
 
-  /// By the thread that draws, in that context, which is current: the framebuffer with the newest picture that is
+  /// By the thread that draws, in that context, which is current: the framebuffer with the newest image that is
   /// complete, of that size. Each call goes on for about kPortion with the next one. None while there is nothing to
   /// see, and where it cannot be drawn.
   std::optional<std::uint32_t> draw(gl::Context& context, const std::array<int, 2>& size);
-  /// Whether another draw() would go on with a picture.
+  /// Whether another draw() would go on with an image.
   bool drawing() const;
-  /// How many items that picture shows.
+  /// How many items that image shows.
   std::size_t items() const { return shown_ ? shown_->scene->item_count() : 0; }
 
   /// The items themselves: the largest ones of those that follow() has seen, in rising order.

@@ -14,7 +14,7 @@
 //   window-shot FILE            PNG of the whole window
 //   expect /selection/count = 3 a value of the viewer's state (--json): = != < > <= >=, value in JSON or as text
 //
-// Each line waits until the lines before it have been carried out and the picture is complete.
+// Each line waits until the lines before it have been carried out and the image is complete.
 #pragma once
 
 #include <filesystem>

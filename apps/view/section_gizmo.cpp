@@ -13,8 +13,8 @@ using core::dvec3;
 constexpr double kArrow = 64.0, kLeastArrow = 54.0, kSquare = 34.0;  // pixels from the middle
 constexpr double kMiddleRadius = 8.0, kArrowRadius = 9.0, kTurnRadius = 6.0, kShaft = 5.0, kSlack = 2.0;
 constexpr double kOwnMargin = 28.0;                      // pixels where no middle is
-constexpr double kMargin = 76.0, kBottomMargin = 118.0;  // nor one that is moved into the picture: below are the axes
-constexpr double kMarginShare = 0.3;                     // of the picture at most
+constexpr double kMargin = 76.0, kBottomMargin = 118.0;  // nor one that is moved into the image: below are the axes
+constexpr double kMarginShare = 0.3;                     // of the image at most
 constexpr double kNoDirection = 8.0;                     // pixels of an arrow
 constexpr double kAlongSight = 0.97;                     // cosine: an axis that is seen from its end
 constexpr double kEdgeOn = 0.3;                          // cosine: a plane that is seen from its side
@@ -26,8 +26,8 @@ dvec2 clamped(const dvec2& at, const dvec2& size, double scale) {
   return glm::clamp(at, dvec2(margin), size - dvec2(margin, std::min(kBottomMargin * scale, most)));
 }
 
-/// A point of the section's plane whose handles the picture has room for.
-std::optional<dvec3> anchor_of(const PictureFrame& frame, const Sections::Section& section, double scale) {
+/// A point of the section's plane whose handles the image has room for.
+std::optional<dvec3> anchor_of(const ImageFrame& frame, const Sections::Section& section, double scale) {
   const dvec3 place = section.place();
   if (const auto at = frame.project(place)) {
     const dvec2 room = clamped(*at, frame.size(), scale), own(kOwnMargin * scale);
@@ -56,34 +56,34 @@ double distance_to_segment(const dvec2& point, const dvec2& a, const dvec2& b) {
 
 }  // namespace
 
-// --- the picture -----------------------------------------------------------------------------------------------------
+// --- the image -------------------------------------------------------------------------------------------------------
 
-PictureFrame::PictureFrame(const core::View& view, const dvec2& size, core::ImageRays rays)
+ImageFrame::ImageFrame(const core::View& view, const dvec2& size, core::ImageRays rays)
     : clip_from_eye_(view.clip_from_eye()),
       eye_from_world_(view.eye_from_world()),
       size_(size),
       rays_(std::move(rays)),
       orthographic_(view.orthographic()) {}
 
-core::Expected<PictureFrame> PictureFrame::create(const core::View& view, int width, int height) {
+core::Expected<ImageFrame> ImageFrame::create(const core::View& view, int width, int height) {
   auto rays = core::ImageRays::create(view, width, height);
   if (!rays) return tl::unexpected(rays.error());
-  return PictureFrame(view, dvec2(width, height), std::move(*rays));
+  return ImageFrame(view, dvec2(width, height), std::move(*rays));
 }
 
-std::optional<dvec2> PictureFrame::project(const dvec3& point) const {
+std::optional<dvec2> ImageFrame::project(const dvec3& point) const {
   const core::dvec4 clip = clip_from_eye_ * (eye_from_world_ * core::dvec4(point, 1.0));
   if (!(clip.w > 0.0)) return std::nullopt;
   const dvec2 at = 0.5 * size_ * (1.0 + dvec2(clip.x, -clip.y) / clip.w);
   return std::isfinite(at.x) && std::isfinite(at.y) ? std::optional(at) : std::nullopt;
 }
 
-double PictureFrame::pixel_at(const dvec3& point) const {
+double ImageFrame::pixel_at(const dvec3& point) const {
   const core::dvec4 clip = clip_from_eye_ * (eye_from_world_ * core::dvec4(point, 1.0));
   return 2.0 * clip.w / (clip_from_eye_[1][1] * size_.y);
 }
 
-std::optional<double> PictureFrame::along_axis(const dvec2& at, const dvec3& point, const dvec3& axis) const {
+std::optional<double> ImageFrame::along_axis(const dvec2& at, const dvec3& point, const dvec3& axis) const {
   const core::Ray r = ray(at);
   const dvec3 to = point - r.origin;
   const double cosine = glm::dot(r.direction, axis);
@@ -95,7 +95,7 @@ std::optional<double> PictureFrame::along_axis(const dvec2& at, const dvec3& poi
   return along;
 }
 
-std::optional<dvec3> PictureFrame::on_plane(const dvec2& at, const dvec3& point, const dvec3& normal) const {
+std::optional<dvec3> ImageFrame::on_plane(const dvec2& at, const dvec3& point, const dvec3& normal) const {
   const core::Ray r = ray(at);
   const double slope = glm::dot(r.direction, normal);
   if (!(std::abs(slope) > kParallel)) return std::nullopt;
@@ -106,7 +106,7 @@ std::optional<dvec3> PictureFrame::on_plane(const dvec2& at, const dvec3& point,
 
 // --- the handles -----------------------------------------------------------------------------------------------------
 
-SectionGizmo::SectionGizmo(const PictureFrame& frame, const Sections::Section& section, const dvec3& anchor, bool whole,
+SectionGizmo::SectionGizmo(const ImageFrame& frame, const Sections::Section& section, const dvec3& anchor, bool whole,
                            double scale)
     : frame_(frame), section_(section), anchor_(anchor), scale_(scale), pixel_(frame.pixel_at(anchor)), whole_(whole) {
   const dvec3 level = glm::cross(dvec3(0.0, 0.0, 1.0), section.normal);
@@ -114,8 +114,8 @@ SectionGizmo::SectionGizmo(const PictureFrame& frame, const Sections::Section& s
   up_ = glm::cross(section.normal, right_);
 }
 
-std::optional<SectionGizmo> SectionGizmo::create(const PictureFrame& frame, const Sections::Section& section,
-                                                 bool whole, double scale) {
+std::optional<SectionGizmo> SectionGizmo::create(const ImageFrame& frame, const Sections::Section& section, bool whole,
+                                                 double scale) {
   const auto anchor = anchor_of(frame, section, scale);
   if (!anchor) return std::nullopt;
   SectionGizmo gizmo(frame, section, *anchor, whole, scale);

@@ -1,5 +1,5 @@
-// The handles of a section in the picture: where they show, which one lies under the cursor, and where dragging it
-// takes the section. Pure geometry: no window. Points of the picture are in pixels from its upper left corner.
+// The handles of a section in the image: where they show, which one lies under the cursor, and where dragging it
+// takes the section. Pure geometry: no window. Points of the image are in pixels from its upper left corner.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@
 namespace sightline::apps {
 
 /// A view with the pixels that show it.
-class PictureFrame {
+class ImageFrame {
  public:
   /// Fails where core::ImageRays does.
-  static core::Expected<PictureFrame> create(const core::View& view, int width, int height);
+  static core::Expected<ImageFrame> create(const core::View& view, int width, int height);
 
   const core::dvec2& size() const { return size_; }
   /// None behind the eye.
@@ -31,7 +31,7 @@ class PictureFrame {
   std::optional<core::dvec3> on_plane(const core::dvec2& at, const core::dvec3& point, const core::dvec3& normal) const;
 
  private:
-  PictureFrame(const core::View& view, const core::dvec2& size, core::ImageRays rays);
+  ImageFrame(const core::View& view, const core::dvec2& size, core::ImageRays rays);
   bool ahead(double t) const { return orthographic_ || t > 0.0; }
 
   core::dmat4 clip_from_eye_, eye_from_world_;
@@ -52,9 +52,9 @@ class SectionGizmo {
   };
 
   /// All handles of a section with `whole`, otherwise the middle and the arrow out. `scale`: pixels of what is one on a
-  /// screen of 96 dots per inch. They are at the section's place; where that is outside the picture or close to its
-  /// border, at another point of the plane. None where the picture does not show the plane.
-  static std::optional<SectionGizmo> create(const PictureFrame& frame, const Sections::Section& section, bool whole,
+  /// screen of 96 dots per inch. They are at the section's place; where that is outside the image or close to its
+  /// border, at another point of the plane. None where the image does not show the plane.
+  static std::optional<SectionGizmo> create(const ImageFrame& frame, const Sections::Section& section, bool whole,
                                             double scale);
 
   const std::vector<Handle>& handles() const { return handles_; }  ///< the middle first
@@ -76,7 +76,7 @@ class SectionGizmo {
   Sections::Section moved(Part part, double by) const;
 
  private:
-  SectionGizmo(const PictureFrame& frame, const Sections::Section& section, const core::dvec3& anchor, bool whole,
+  SectionGizmo(const ImageFrame& frame, const Sections::Section& section, const core::dvec3& anchor, bool whole,
                double scale);
   bool add_handles();
   /// From the middle to a side handle; unit.
@@ -84,7 +84,7 @@ class SectionGizmo {
   /// Where a point beside the anchor shows from the middle.
   std::optional<core::dvec2> seen(const core::dvec3& off) const;
 
-  PictureFrame frame_;
+  ImageFrame frame_;
   Sections::Section section_;
   core::dvec3 anchor_, right_, up_;  // right, up: in the plane, as seen from the removed side
   core::dvec3 sight_;                // direction of the ray to the anchor

@@ -35,7 +35,7 @@ std::vector<SectionHandles::Shown> SectionHandles::shown(const Session& session,
   std::vector<Shown> all;
   const auto view = session.view();
   if (!view) return all;
-  const auto frame = PictureFrame::create(*view, session.size()[0], session.size()[1]);
+  const auto frame = ImageFrame::create(*view, session.size()[0], session.size()[1]);
   if (!frame) return all;
   const Sections& sections = session.sections();
   for (std::size_t i = 0; i < sections.all().size(); ++i) {

@@ -1,4 +1,4 @@
-// The handles of all sections in the picture, and the one that is being dragged.
+// The handles of all sections in the image, and the one that is being dragged.
 #pragma once
 
 #include <optional>
@@ -28,7 +28,7 @@ class SectionHandles {
 
   /// Of all sections that are on; the one to draw first comes first, the selected one last and whole.
   static std::vector<Shown> shown(const Session& session, double scale);
-  /// The handle at a point of the picture.
+  /// The handle at a point of the image.
   static std::optional<Target> at(const Session& session, const core::dvec2& at, double scale);
 
   /// Begins to drag what is at a point, and selects its section. False where no handle is.

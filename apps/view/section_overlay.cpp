@@ -1,4 +1,4 @@
-// Draws the handles of sections over the picture.
+// Draws the handles of sections over the image.
 #include <imgui.h>
 
 #include "sightline/apps/view/panels.h"
@@ -10,7 +10,7 @@ constexpr float kLinePixels = 2.5f, kRimPixels = 1.5f;
 const ImVec4 kColour{1.0f, 0.62f, 0.1f, 1.0f}, kAimed{1.0f, 0.95f, 0.55f, 1.0f}, kRim{0.05f, 0.05f, 0.05f, 0.9f};
 const ImVec4 kArea{1.0f, 0.62f, 0.1f, 0.14f}, kShade{0.0f, 0.0f, 0.0f, 0.75f}, kWhite{1.0f, 1.0f, 1.0f, 1.0f};
 
-/// Draws one section's handles. Every part has a dark rim, so that it shows on any picture.
+/// Draws one section's handles. Every part has a dark rim, so that it shows on any image.
 class Pen {
  public:
   Pen(ImDrawList& list, const SectionGizmo& gizmo, const core::dvec2& corner, std::optional<SectionGizmo::Part> aimed)

@@ -35,7 +35,7 @@ class Sections {
 
   std::vector<Section>& all() { return sections_; }
   const std::vector<Section>& all() const { return sections_; }
-  /// The one whose handles the picture shows; none unless select() says so. It stays the same when others go.
+  /// The one whose handles the image shows; none unless select() says so. It stays the same when others go.
   std::optional<std::size_t> selected() const { return selected_; }
   void select(std::optional<std::size_t> index) { selected_ = index; }
   /// As View::sections has them.

@@ -7,7 +7,7 @@ void sections_tab(Viewer& viewer) {
   Session& session = *viewer.session();
   for (const char* name : {"section-box", "section-clear"})
     if (ImGui::Button(find_command(name)->title)) run(viewer, *find_command(name));
-  ImGui::TextWrapped("X cuts at the face under the cursor. Drag the arrows in the picture, or a number here.");
+  ImGui::TextWrapped("X cuts at the face under the cursor. Drag the arrows in the image, or a number here.");
   const core::AabbD& bounds = session.bounds().bounds;
   const double size = bounds.empty() ? 1.0 : glm::length(bounds.size());
   Sections& sections = session.sections();

@@ -38,7 +38,7 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
     engine::EngineConfig config = engine_.config();
     budget_ms_ = config.losses.budget_ms;
     config.losses.budget_ms = 1e3 * kPortion;
-    (void)engine_.configure(config);  // it cannot while the GPU must cull: then the first picture is drawn at once
+    (void)engine_.configure(config);  // it cannot while the GPU must cull: then the first image is drawn at once
   }
   if (auto done = resize(size); !done) return tl::unexpected(done.error());
   if (!engine_.drawing()) return engine_.use_context(context, kPortion).map([](bool) { return false; });
@@ -93,7 +93,7 @@ core::Expected<core::View> Session::view_of(const Camera& camera, double aspect,
 bool Session::stale() const {
   const auto seen = view();
   return !drawn_ || report_.pending > 0 || drawn_version_ != document_.version() ||
-         (seen && !core::same_picture(*seen, *drawn_));
+         (seen && !core::same_image(*seen, *drawn_));
 }
 
 core::Expected<bool> Session::draw() {
@@ -124,14 +124,14 @@ core::Expected<void> Session::refine() {
   const auto report = engine_.frame({.view = *view, .cull_view = frozen_ ? &frozen_->view() : nullptr});
   if (!report) return tl::unexpected(report.error());
   if (report->pending > 0) return {};
-  const auto picture = engine_.read_colour();
-  if (!picture) return tl::unexpected(picture.error());
-  resting_.add(*picture);
+  const auto image = engine_.read_colour();
+  if (!image) return tl::unexpected(image.error());
+  resting_.add(*image);
   if (resting_.complete()) mean_ = resting_.mean();
   return {};
 }
 
-core::Expected<image::Image> Session::picture(bool smooth) {
+core::Expected<image::Image> Session::image(bool smooth) {
   if (auto done = set_coarse(false); !done) return tl::unexpected(done.error());
   if (const auto drawn = draw(); !drawn) return tl::unexpected(drawn.error());
   if (const image::Image* mean = smooth ? this->smooth() : nullptr) return *mean;
@@ -252,7 +252,7 @@ core::Expected<void> Session::begin_comparison(std::unique_ptr<ChangeList> chang
   if (auto ended = end_comparison(); !ended) return ended;
   changes_ = std::move(changes);
   auto done = edit_scene([&](core::Scene& scene) { return changes_->add_removed(scene); });
-  if (done) done = document_.set_looks(changes_->looks());
+  if (done) done = document_.set_base_styles(changes_->base_styles());
   if (done) return done;
   if (const auto ended = end_comparison(); !ended) return ended;
   return done;
@@ -260,7 +260,7 @@ core::Expected<void> Session::begin_comparison(std::unique_ptr<ChangeList> chang
 
 core::Expected<void> Session::end_comparison() {
   if (!changes_) return {};
-  auto done = document_.set_looks({});
+  auto done = document_.set_base_styles({});
   const auto edited = edit_scene([&](core::Scene& scene) -> core::Expected<void> {
     changes_->take_removed(scene);
     return {};
@@ -271,7 +271,7 @@ core::Expected<void> Session::end_comparison() {
 
 core::Expected<void> Session::show_changes(compare::State state, bool shown) {
   changes_->set_shown(state, shown);
-  if (auto done = document_.set_looks(changes_->looks()); !done) return done;
+  if (auto done = document_.set_base_styles(changes_->base_styles()); !done) return done;
   const std::vector<core::ItemId> selection(document_.selection().begin(), document_.selection().end());
   return document_.select(selection);  // but for those that are no longer seen
 }

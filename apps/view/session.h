@@ -15,7 +15,7 @@
 #include "sightline/apps/view/item_names.h"
 #include "sightline/apps/view/measuring.h"
 #include "sightline/apps/view/model_tree.h"
-#include "sightline/apps/view/resting_picture.h"
+#include "sightline/apps/view/resting_image.h"
 #include "sightline/apps/view/sections.h"
 #include "sightline/apps/view/viewpoint.h"
 #include "sightline/engine/engine.h"
@@ -25,7 +25,7 @@ namespace sightline::apps {
 
 class Session {
  public:
-  /// `config`: of the picture. By any thread where the context comes later (begin()). The engine's tracer is then on
+  /// `config`: of the image. By any thread where the context comes later (begin()). The engine's tracer is then on
   /// its way, so that picks need not wait long.
   static core::Expected<std::unique_ptr<Session>> open(Model model, const engine::EngineConfig& config,
                                                        const engine::Engine::Progress& progress = {});
@@ -37,7 +37,7 @@ class Session {
   const core::dvec3& offset() const { return model_.offset; }
   engine::Engine& engine() { return engine_; }
   const engine::Engine& engine() const { return engine_; }
-  /// Draws in that context, which is current, for the first time: all of the model, in a picture of that size. In
+  /// Draws in that context, which is current, for the first time: all of the model, in an image of that size. In
   /// portions of about kPortion: to be called, with other work in between, until it returns true. Begins anew after a
   /// loss of the context.
   core::Expected<bool> begin(gl::Context& context, const std::array<int, 2>& size);
@@ -56,18 +56,18 @@ class Session {
   Sections& sections() { return sections_; }
   const Sections& sections() const { return sections_; }
 
-  /// What the picture shows now: the camera's view, cut by the sections; `shift` as Camera::view() has it.
+  /// What the image shows now: the camera's view, cut by the sections; `shift` as Camera::view() has it.
   core::Expected<core::View> view(const core::dvec2& shift = core::dvec2(0.0)) const;
-  /// The same with another camera, of a picture of any shape.
+  /// The same with another camera, of an image of any shape.
   core::Expected<core::View> view_of(const Camera& camera, double aspect,
                                      const core::dvec2& shift = core::dvec2(0.0)) const;
   double aspect() const { return double(size_[0]) / size_[1]; }
   const std::array<int, 2>& size() const { return size_; }
   core::Expected<void> resize(const std::array<int, 2>& size);
-  /// Draws half as many pixels each way, or all of them again. Points of the picture are those of all its pixels.
+  /// Draws half as many pixels each way, or all of them again. Points of the image are those of all its pixels.
   core::Expected<void> set_coarse(bool coarse);
   bool coarse() const { return coarse_; }
-  std::array<int, 2> drawn_size() const;  ///< that of the engine's picture
+  std::array<int, 2> drawn_size() const;  ///< that of the engine's image
 
   /// Draws a frame unless it would be the last one again. True where it has drawn.
   core::Expected<bool> draw();
@@ -78,27 +78,27 @@ class Session {
     drawn_.reset();
     resting_.clear();
   }
-  /// Draws one more of the pictures whose mean has smooth edges, or with a budget as much of it as that allows; nothing
-  /// once they are complete, while the picture is stale, or where multisampling leaves none to draw.
+  /// Draws one more of the images whose mean has smooth edges, or with a budget as much of it as that allows; nothing
+  /// once they are complete, while the image is stale, or where multisampling leaves none to draw.
   core::Expected<void> refine();
   bool refining() const { return smooths() && !coarse_ && !stale() && !resting_.complete(); }
   bool partly_refined() const { return resting_.count() > 0 && !resting_.complete(); }
   /// That mean; null until it is complete and while something has changed.
   const image::Image* smooth() const { return !stale() && resting_.complete() ? &mean_ : nullptr; }
-  /// That mean, or with `smooth` false or where there is none the last frame's picture, with all its pixels.
-  core::Expected<image::Image> picture(bool smooth);
-  /// Draws a line around the item under the cursor, unless it is selected, over a framebuffer that shows the picture.
+  /// That mean, or with `smooth` false or where there is none the last frame's image, with all its pixels.
+  core::Expected<image::Image> image(bool smooth);
+  /// Draws a line around the item under the cursor, unless it is selected, over a framebuffer that shows the image.
   core::Expected<void> outline_hovered(const gl::ExternalTarget& target);
-  const std::optional<core::View>& drawn() const { return drawn_; }  ///< the view of the picture
+  const std::optional<core::View>& drawn() const { return drawn_; }  ///< the view of the image
   const engine::FrameReport& report() const { return report_; }
   std::int64_t visible() const { return visible_; }  ///< items in the view volume, as last known
 
-  /// What the picture shows at a point, pixels from its upper left corner.
+  /// What the image shows at a point, pixels from its upper left corner.
   core::Expected<std::optional<engine::Pick>> pick(const core::dvec2& at);
-  /// Engine::items_in() a rectangle of the picture.
+  /// Engine::items_in() a rectangle of the image.
   core::Expected<std::vector<core::ItemId>> items_in(const engine::PixelRectangle& rectangle,
                                                      culling::RegionRule rule) const;
-  /// The feature that a point of the picture is nearest to, within `reach` pixels, and its item.
+  /// The feature that a point of the image is nearest to, within `reach` pixels, and its item.
   struct Aimed {
     core::ItemId item;
     measure::Snap snap;
@@ -127,9 +127,9 @@ class Session {
   void camera_back();
   void remember();
 
-  /// The culling camera that stays where it is; null where it is the picture's.
+  /// The culling camera that stays where it is; null where it is the image's.
   const FrozenCamera* frozen() const { return frozen_ ? &*frozen_ : nullptr; }
-  /// What contribution and budget left out of the picture; nothing while it is stale, and while frozen().
+  /// What contribution and budget left out of the image; nothing while it is stale, and while frozen().
   std::optional<engine::LossReport> loss();
   /// Culls for this view from now on, or again for the camera's.
   void set_frozen(bool frozen);
@@ -163,7 +163,7 @@ class Session {
   std::optional<FrozenCamera> frozen_;
   std::optional<engine::LossReport> loss_;  // of drawn_, once it was asked for
   std::uint64_t drawn_version_ = 0;
-  RestingPicture resting_;
+  RestingImage resting_;
   image::Image mean_;
   engine::FrameReport report_;
   std::int64_t visible_ = 0;

@@ -88,7 +88,7 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("smooth", settings.smooth, flag_of);
   take("panels", settings.panels, flag_of);
   take("triad", settings.triad, flag_of);
-  take("relief", settings.relief, flag_of);
+  take("depth_shading", settings.depth_shading, flag_of);
   take("hatching", settings.hatching, flag_of);
   take("lower-resolution", settings.lower, flag_of);
   take("tree-width", settings.tree_width, lines_of);
@@ -114,7 +114,7 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.smooth != before.smooth) json["smooth"] = now.smooth;
   if (now.panels != before.panels) json["panels"] = now.panels;
   if (now.triad != before.triad) json["triad"] = now.triad;
-  if (now.relief != before.relief) json["relief"] = now.relief;
+  if (now.depth_shading != before.depth_shading) json["depth_shading"] = now.depth_shading;
   if (now.hatching != before.hatching) json["hatching"] = now.hatching;
   if (now.lower != before.lower) json["lower-resolution"] = now.lower;
   if (now.tree_width != before.tree_width) json["tree-width"] = now.tree_width;

@@ -17,7 +17,7 @@ struct Settings {
   bool smooth = true;                       ///< edges at rest
   bool panels = true;                       ///< shown
   bool triad = true;                        ///< shown
-  bool relief = true;                       ///< engine::Relief
+  bool depth_shading = true;                ///< engine::DepthShading
   bool hatching = true;                     ///< engine::Hatching
   bool lower = true;                        ///< resolution while the view moves and frames come late
   float tree_width = 0.0f;                  ///< of the left panel, in lines of text; 0: as the window's size suggests

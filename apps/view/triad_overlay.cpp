@@ -1,4 +1,4 @@
-// Draws the axes in a corner of the picture.
+// Draws the axes in a corner of the image.
 #include <imgui.h>
 
 #include "sightline/apps/view/panels.h"

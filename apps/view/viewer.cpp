@@ -25,12 +25,12 @@ namespace {
 
 using Type = Event::Type;
 
-constexpr core::vec3 kHiddenColour{0.85f, 0.1f, 0.55f};
+constexpr core::vec3 kCulledColour{0.85f, 0.1f, 0.55f};
 constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
-constexpr engine::Relief kRelief{0.6f, 0.4f};
+constexpr engine::DepthShading kDepthShading{0.6f, 0.4f};
 constexpr engine::Hatching kHatching{0.6f, 6.0f};
 constexpr double kLongestStep = 0.25;                          // seconds: a hitch must not make the camera jump
-constexpr double kExportSlice = 0.05;                          // seconds between pictures of the window
+constexpr double kExportSlice = 0.05;                          // seconds between images of the window
 constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
 constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
 
@@ -50,8 +50,8 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.lower = now_.lower;
   shown.tree_width = now_.tree_width;
   shown.side_width = now_.side_width;
-  shown.relief = options.shown.relief.any() || (now_.relief && options.remembers());
-  if (!options.shown.relief.any()) options_.shown.relief = kRelief;
+  shown.depth_shading = options.shown.depth_shading.any() || (now_.depth_shading && options.remembers());
+  if (!options.shown.depth_shading.any()) options_.shown.depth_shading = kDepthShading;
   shown.hatching = options.shown.hatching.any() || (now_.hatching && options.remembers());
   if (!options.shown.hatching.any()) options_.shown.hatching = kHatching;
   options_.shown.hatching.spacing = float(kHatching.spacing * std::max(1.0, gui_.scale()));
@@ -183,17 +183,17 @@ bool Viewer::at_rest() const {
   return !session_ || !session_->stale();
 }
 
-/// Of the pictures; their context and size come later.
-engine::EngineConfig Viewer::picture_config() const {
+/// Of the images; their context and size come later.
+engine::EngineConfig Viewer::image_config() const {
   engine::EngineConfig config;
   config.draw = true;
   config.culling.culler = options_.culler;
   config.culling.gpu_culler = options_.gpu_culler;
   config.drawing.samples = options_.samples;
   options_.shown.apply(config);
-  if (!shown.relief) config.drawing.relief = {};
+  if (!shown.depth_shading) config.drawing.depth_shading = {};
   if (!shown.hatching) config.drawing.hatching = {};
-  config.drawing.hidden_colour = kHiddenColour;
+  config.drawing.culled_colour = kCulledColour;
   config.context.later = true;
   return config;
 }
@@ -226,7 +226,7 @@ core::Expected<void> Viewer::frame(double seconds) {
   if (shown.open) open_window(*this);
   if (shown.compare) compare_window(*this);
   if (shown.quit) quit_window(*this);
-  if (shown.picture && session_) picture_window(*this);
+  if (shown.image && session_) image_window(*this);
   if (shown.path && session_) path_window(*this);
   if (loader_) loading_window(*this);
   exporting_window(*this);
@@ -263,7 +263,7 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
   }
   if (!session_) return {};
   if (export_) {
-    if (!window_.keeps_picture())
+    if (!window_.keeps_image())
       if (auto done = window_.keep(&export_->before()); !done) return done;
     return window_.copy_kept(part), core::Expected<void>();
   }
@@ -274,10 +274,10 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
   if (options_.frames > 0 || shifted) session_->changed();
   const auto drawn = session_->draw();
   if (!drawn) return tl::unexpected(drawn.error());
-  if (*drawn) note_picture();
+  if (*drawn) note_image();
   const image::Image* smooth = shown.smooth ? session_->smooth() : nullptr;
   core::Expected<void> copied;
-  if (!smooth || !window_.keeps_picture()) copied = window_.keep(smooth);
+  if (!smooth || !window_.keeps_image()) copied = window_.keep(smooth);
   if (smooth && copied)
     window_.copy_kept(part);
   else
@@ -289,13 +289,13 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
 /// Fewer pixels while the view moves and frames come late.
 core::Expected<void> Viewer::adapt_resolution() {
   const auto view = session_->view();
-  const bool moves = view && shown_view_ && !core::same_picture(*view, *shown_view_);
+  const bool moves = view && shown_view_ && !core::same_image(*view, *shown_view_);
   if (view) shown_view_ = *view;
   const bool coarse = motion_.next(moves, glfwGetTime(), frame_seconds_) && shown.lower && options_.frames == 0;
   return session_->set_coarse(coarse);
 }
 
-void Viewer::note_picture() {
+void Viewer::note_image() {
   const engine::FrameReport& report = session_->report();
   ++frames_;
   if (recorder_) recorder_->add(glfwGetTime(), {session_->camera().pose(), session_->camera().fovy()});
@@ -343,7 +343,7 @@ core::Expected<void> Viewer::step_export() {
        done && !export_cancelled_ && !export_->complete() && glfwGetTime() < end;)
     done = export_->step();
   if (done && !export_cancelled_ && !export_->complete()) return {};
-  const std::string frames = export_->count() > 1 ? std::to_string(export_->frame()) + " frames: " : "picture: ";
+  const std::string frames = export_->count() > 1 ? std::to_string(export_->frame()) + " frames: " : "image: ";
   const std::string target = export_->target();
   const bool blank = export_->blank(), complete = export_->complete();
   export_.reset();
@@ -363,28 +363,28 @@ void Viewer::tell(std::string message, bool error) {
   redraws_ = kSettlingFrames;
 }
 
-core::Expected<void> Viewer::toggle_relief() {
-  shown.relief = !shown.relief;
-  return apply_looks();
+core::Expected<void> Viewer::toggle_depth_shading() {
+  shown.depth_shading = !shown.depth_shading;
+  return apply_styles();
 }
 
 core::Expected<void> Viewer::toggle_hatching() {
   shown.hatching = !shown.hatching;
-  return apply_looks();
+  return apply_styles();
 }
 
-core::Expected<void> Viewer::apply_looks() {
+core::Expected<void> Viewer::apply_styles() {
   redraws_ = kSettlingFrames;
   if (!session_) return {};
   return session_->configure([&](engine::EngineConfig& config) {
-    config.drawing.relief = shown.relief ? options_.shown.relief : engine::Relief();
+    config.drawing.depth_shading = shown.depth_shading ? options_.shown.depth_shading : engine::DepthShading();
     config.drawing.hatching = shown.hatching ? options_.shown.hatching : engine::Hatching();
   });
 }
 
 core::Expected<std::optional<engine::Pick>> Viewer::under_cursor() {
   if (!in_viewport(cursor_)) return std::optional<engine::Pick>();
-  return session_->pick(in_picture(cursor_));
+  return session_->pick(in_image(cursor_));
 }
 
 core::Expected<void> Viewer::select_nodes(const std::vector<core::NodeId>& nodes) {
@@ -398,11 +398,11 @@ core::Expected<void> Viewer::select_nodes(const std::vector<core::NodeId>& nodes
 
 core::Expected<void> Viewer::write_screenshot(const std::string& file) {
   const std::string name = file.empty() ? free_name("screenshot", ".png") : file;
-  const auto picture = session_->picture(shown.smooth);
-  if (!picture) return tl::unexpected(picture.error());
-  if (auto done = image::write_png(*picture, name); !done) return done;
+  const auto image = session_->image(shown.smooth);
+  if (!image) return tl::unexpected(image.error());
+  if (auto done = image::write_png(*image, name); !done) return done;
   warn_if_blank(session_->engine(), session_->visible(), name);
-  tell("picture: " + name);
+  tell("image: " + name);
   return {};
 }
 
@@ -442,7 +442,7 @@ void Viewer::take_settings() {
   now_.smooth = shown.smooth;
   now_.panels = shown.panels;
   now_.triad = shown.triad;
-  now_.relief = shown.relief;
+  now_.depth_shading = shown.depth_shading;
   now_.hatching = shown.hatching;
   now_.lower = shown.lower;
   now_.recognise = shown.recognise;

@@ -33,7 +33,7 @@ struct ViewerOptions {
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
-  ShownOptions shown;
+  DrawnOptions shown;
   int frames = 0;
   double scale = 0.0;  ///< of text and panels; 0: as the screen suggests
   bool panels = true, smooth = true;
@@ -71,11 +71,11 @@ class Viewer {
   core::Expected<void> save_view(const std::string& file);
   core::Expected<void> load_view(const std::string& file);
   core::Expected<void> toggle_recording();
-  core::Expected<void> toggle_relief();
+  core::Expected<void> toggle_depth_shading();
   core::Expected<void> toggle_hatching();
   bool recording() const { return recorder_.has_value(); }
   PathPlayer& player() { return player_; }
-  /// Draws and writes from now on, between pictures of the window, which takes nothing else until that is done.
+  /// Draws and writes from now on, between images of the window, which takes nothing else until that is done.
   void begin_export(std::unique_ptr<Export> work);
   const Export* exporting() const { return export_.get(); }
   void cancel_export() { export_cancelled_ = true; }
@@ -85,11 +85,11 @@ class Viewer {
   }
   const std::string& message() const { return message_; }
   bool message_is_error() const { return message_is_error_; }
-  /// What the picture shows under the cursor.
+  /// What the image shows under the cursor.
   core::Expected<std::optional<engine::Pick>> under_cursor();
   /// What a click would mark.
   const std::optional<measure::Snap>& aimed() const { return aimed_; }
-  /// The axes in the picture's corner; none beside hidden panels or in a small picture.
+  /// The axes in the image's corner; none beside hidden panels or in a small image.
   std::optional<AxisTriad> triad() const;
   std::optional<AxisTriad::End> triad_end() const;  ///< under the cursor
   /// Handles of sections show beside panels.
@@ -109,10 +109,10 @@ class Viewer {
   /// Switches of panels.
   struct Shown {
     bool panels = true, help = false, open = false, compare = false;
-    bool quit = false;     ///< asks before views are lost
-    bool smooth = true;    ///< edges, while nothing moves
-    bool relief = true;    ///< what has one colour
-    bool hatching = true;  ///< of cut faces
+    bool quit = false;          ///< asks before views are lost
+    bool smooth = true;         ///< edges, while nothing moves
+    bool depth_shading = true;  ///< what has one colour
+    bool hatching = true;       ///< of cut faces
     bool section_handles = true;
     bool lower = true;                           ///< resolution, while the view moves and frames come late
     bool triad = true;                           ///< beside panels
@@ -120,7 +120,7 @@ class Viewer {
     bool measure = false;                        ///< clicks set marks
     bool find = false;                           ///< the search field gets the keyboard next
     float tree_width = 0.0f, side_width = 0.0f;  ///< of the panels, in lines of text; 0: as the window's size suggests
-    bool picture = false, path = false;          ///< dialogs
+    bool image = false, path = false;            ///< dialogs
     const char* tab = "";                        ///< of the right panel, that comes to the front next; "": as it is
   } shown;
   const std::vector<std::string>& recent() const { return now_.recent; }
@@ -155,12 +155,12 @@ class Viewer {
   bool refining() const;
   core::Expected<void> frame(double seconds);
   core::Expected<void> draw_model(const Part& part);
-  engine::EngineConfig picture_config() const;
-  core::Expected<void> apply_looks();
+  engine::EngineConfig image_config() const;
+  core::Expected<void> apply_styles();
   core::Expected<void> adapt_resolution();
-  void note_picture();
+  void note_image();
   Part viewport() const;
-  core::dvec2 in_picture(const core::dvec2& cursor) const;
+  core::dvec2 in_image(const core::dvec2& cursor) const;
   bool in_viewport(const core::dvec2& cursor) const;
 
   void handle(const Event& event);
@@ -205,7 +205,7 @@ class Viewer {
   std::size_t next_step_ = 0;
   double wait_until_ = 0.0;
   std::optional<Event> release_;  // of a key that the script holds until then
-  std::string window_shot_;       // file for the next frame's picture of the window
+  std::string window_shot_;       // file for the next frame's image of the window
   std::set<int> held_;            // keys
   std::optional<Walker> walker_;
   std::optional<Drag> drag_, click_;  // the second until picks do not wait

@@ -1,4 +1,4 @@
-// What mouse and keys do in the picture.
+// What mouse and keys do in the image.
 #include <algorithm>
 #include <utility>
 
@@ -15,23 +15,23 @@ namespace {
 
 using Type = Event::Type;
 
-constexpr double kRadiansPerHeight = 3.14159265358979;  // dragging from the bottom of the picture to its top
+constexpr double kRadiansPerHeight = 3.14159265358979;  // dragging from the bottom of the image to its top
 constexpr double kClickPixels = 4.0;                    // a drag that moves no farther is a click
 constexpr double kReach = 10.0;                         // pixels within which marks snap
 constexpr double kDoubleClick = 0.35;                   // seconds
 constexpr double kFaster = 8.0;                         // flying with Shift
 constexpr double kFasterOnFoot = 3.0;                   // walking with Shift
 constexpr double kTriadMargin = 6.0;                    // pixels beside the axes
-constexpr double kTriadShare = 0.2;                     // of the picture that they may reach over
+constexpr double kTriadShare = 0.2;                     // of the image that they may reach over
 
 }  // namespace
 
-core::dvec2 Viewer::in_picture(const core::dvec2& cursor) const {
+core::dvec2 Viewer::in_image(const core::dvec2& cursor) const {
   return {cursor.x - part_.x, cursor.y - (window_.size()[1] - part_.y - part_.height)};
 }
 
 bool Viewer::in_viewport(const core::dvec2& cursor) const {
-  const core::dvec2 at = in_picture(cursor);
+  const core::dvec2 at = in_image(cursor);
   return at.x >= 0.0 && at.y >= 0.0 && at.x < part_.width && at.y < part_.height;
 }
 
@@ -52,7 +52,7 @@ std::optional<SectionHandles::Target> Viewer::section_target() const {
   if (section_handles_.dragging()) return section_handles_.dragged();
   if (drag_ || !shows_section_handles() || !in_viewport(cursor_) || ImGui::GetIO().WantCaptureMouse)
     return std::nullopt;
-  return SectionHandles::at(*session_, in_picture(cursor_), gui_.scale());
+  return SectionHandles::at(*session_, in_image(cursor_), gui_.scale());
 }
 
 void Viewer::handle(const Event& event) {
@@ -69,7 +69,7 @@ void Viewer::handle(const Event& event) {
     case Type::kWheel:
       if (!session_ || !in_viewport(event.at) || section_handles_.dragging()) break;
       session_->remember();
-      session_->camera().zoom(event.wheel, session_->point_at(in_picture(event.at)));
+      session_->camera().zoom(event.wheel, session_->point_at(in_image(event.at)));
       break;
     case Type::kDrop:
       drop(event.files);
@@ -106,11 +106,11 @@ void Viewer::press_button(const Event& event) {
   if (const auto end = triad_end(); end && event.key == GLFW_MOUSE_BUTTON_LEFT)
     return sightline::apps::run(*this, *find_command(AxisTriad::view_from(*end)));
   if (event.key == GLFW_MOUSE_BUTTON_LEFT && shows_section_handles() &&
-      section_handles_.press(*session_, in_picture(event.at), gui_.scale())) {
+      section_handles_.press(*session_, in_image(event.at), gui_.scale())) {
     drag_ = {event.key, event.mods, event.at, event.at};
     return;
   }
-  drag_ = {event.key, event.mods, event.at, event.at, session_->point_at(in_picture(event.at))};
+  drag_ = {event.key, event.mods, event.at, event.at, session_->point_at(in_image(event.at))};
   session_->remember();
 }
 
@@ -137,7 +137,7 @@ void Viewer::move_cursor(const core::dvec2& to) {
     const auto holds = [&](int mod, int left, int right) {
       return (drag_->mods & mod) != 0 || held_.contains(left) || held_.contains(right);
     };
-    return section_handles_.drag(*session_, in_picture(to),
+    return section_handles_.drag(*session_, in_image(to),
                                  {.round = holds(GLFW_MOD_CONTROL, GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL),
                                   .model = holds(GLFW_MOD_SHIFT, GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT)});
   }
@@ -154,7 +154,7 @@ void Viewer::move_cursor(const core::dvec2& to) {
 }
 
 void Viewer::set_mark(const core::dvec2& at) {
-  const auto aimed = session_->aim(in_picture(at), kReach * gui_.scale());
+  const auto aimed = session_->aim(in_image(at), kReach * gui_.scale());
   if (!aimed) return tell(aimed.error().message, true);
   if (!*aimed) return tell("there is nothing to measure");
   const auto done = session_->measuring().add(session_->scene(), (*aimed)->item, (*aimed)->snap);
@@ -164,7 +164,7 @@ void Viewer::set_mark(const core::dvec2& at) {
 
 void Viewer::click(const Drag& drag) {
   if (shown.measure) return set_mark(drag.from);
-  const auto hit = session_->pick(in_picture(drag.from));
+  const auto hit = session_->pick(in_image(drag.from));
   if (!hit) return tell(hit.error().message, true);
   const SelectMode mode = (drag.mods & GLFW_MOD_CONTROL) != 0 ? SelectMode::kToggle
                           : (drag.mods & GLFW_MOD_SHIFT) != 0 ? SelectMode::kAdd
@@ -185,7 +185,7 @@ void Viewer::click(const Drag& drag) {
 }
 
 void Viewer::select_rectangle(const Drag& drag) {
-  const core::dvec2 a = in_picture(drag.from), b = in_picture(drag.last);
+  const core::dvec2 a = in_image(drag.from), b = in_image(drag.last);
   const engine::PixelRectangle rectangle{std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x),
                                          std::max(a.y, b.y)};
   const auto rule = b.x < a.x ? culling::RegionRule::kCrossing : culling::RegionRule::kWholly;
@@ -250,14 +250,13 @@ void Viewer::hover() {
   if (click_) click(*std::exchange(click_, std::nullopt));
   if (!std::exchange(cursor_moved_, false)) return;
   std::optional<core::ItemId> item;
-  const bool over_picture =
-      in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end() && !section_target();
+  const bool over_image = in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end() && !section_target();
   aimed_.reset();
-  if (over_picture && shown.measure) {
-    if (const auto aimed = session_->aim(in_picture(cursor_), kReach * gui_.scale()); aimed && *aimed)
+  if (over_image && shown.measure) {
+    if (const auto aimed = session_->aim(in_image(cursor_), kReach * gui_.scale()); aimed && *aimed)
       aimed_ = (*aimed)->snap;
-  } else if (over_picture)
-    if (const auto hit = session_->pick(in_picture(cursor_)); hit && *hit) item = (*hit)->item;
+  } else if (over_image)
+    if (const auto hit = session_->pick(in_image(cursor_)); hit && *hit) item = (*hit)->item;
   session_->document().hover(item);
 }
 

@@ -1,4 +1,4 @@
-// Models, from a file's name to the picture: reading, landing in the window, and what becomes of it where that fails.
+// Models, from a file's name to the image: reading, landing in the window, and what becomes of it where that fails.
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
@@ -35,13 +35,13 @@ void Viewer::open(const std::vector<std::string>& files) {
   model.files = files;
   model.import.recognise = shown.recognise;
   if (!session_) {
-    preview_ = std::make_unique<Preview>(picture_config());
+    preview_ = std::make_unique<Preview>(image_config());
     model.follow = [preview = preview_.get()](const core::Scene& scene) {
       if (preview->follow(scene)) Window::wake();
     };
   }
   // The window goes on while the engine is made.
-  const auto make_session = [this, config = picture_config()](Model& read, const auto& go_on) -> core::Expected<void> {
+  const auto make_session = [this, config = image_config()](Model& read, const auto& go_on) -> core::Expected<void> {
     const auto part = [&](double share) { return go_on(kShareOfEngine * share); };
     if (!part(0.0)) return core::fail(std::string(importers::kCancelled));
     auto session = Session::open(std::move(read), config, part);
@@ -115,9 +115,9 @@ core::Expected<void> Viewer::landed() {
   session_ = std::move(opened_);
   shown_view_.reset();
   if (const engine::EngineConfig& config = session_->engine().config();
-      shown.relief != config.drawing.relief.any() ||
+      shown.depth_shading != config.drawing.depth_shading.any() ||
       shown.hatching != config.drawing.hatching.any())  // switched meanwhile
-    if (auto done = apply_looks(); !done) return done;
+    if (auto done = apply_styles(); !done) return done;
   files_ = files;
   for (const std::string& file : files) now_.add_recent(file);
   warn_of_outliers(session_->bounds());

@@ -140,11 +140,11 @@ Json Viewer::state() const {
             {"walk", walking()},
             {"triad", shown.triad},
             {"smooth", shown.smooth},
-            {"relief", shown.relief},
+            {"depth_shading", shown.depth_shading},
             {"hatching", shown.hatching},
             {"lower", shown.lower},
             {"recognise", shown.recognise},
-            {"picture", {{"width", part_.width}, {"height", part_.height}}},
+            {"image", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
             {"pause_ms", pause_ms_},
             {"recording", recording()},
@@ -159,7 +159,7 @@ Json Viewer::state() const {
   if (shows_section_handles())
     for (const SectionHandles::Shown& one : SectionHandles::shown(*session_, gui_.scale()))
       for (const SectionGizmo::Handle& handle : one.gizmo.handles()) {
-        const core::dvec2 at = handle.at - in_picture({0.0, 0.0});
+        const core::dvec2 at = handle.at - in_image({0.0, 0.0});
         json["section_list"][one.section]["handles"][SectionGizmo::name_of(handle.part)] = {at.x, at.y};
       }
   json["section_selected"] = sections.selected() ? *sections.selected() + 1 : 0;
@@ -168,7 +168,7 @@ Json Viewer::state() const {
                {"culler", name_of(session_->engine().plan().culler)},
                {"culled_by", name_of(session_->report().culler)},
                {"visible", session_->visible()},
-               {"drawn", session_->report().shown},
+               {"drawn", session_->report().items_drawn},
                {"selection", {{"count", document.selection().size()}}},
                {"hidden", document.hidden()},
                {"ghosts", document.ghosts()},
@@ -183,7 +183,7 @@ Json Viewer::state() const {
                {"compare", compare_json(session_->changes())},
                {"culling", culling_json(*session_, culling_.boxes())},
                {"budget_ms", session_->engine().config().losses.budget_ms},
-               {"contribution", session_->engine().config().losses.contribution},
+               {"min_projected_area", session_->engine().config().losses.min_projected_area},
                {"camera",
                 {{"eye", vector_json(pose.eye)},
                  {"target", vector_json(pose.target)},

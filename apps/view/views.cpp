@@ -11,30 +11,31 @@ namespace {
 constexpr int kSnapshotWidth = 320;
 
 /// Means of squares of pixels, at most so wide.
-image::Image shrunk(const image::Image& picture, int width) {
-  const int by = std::max(1, (picture.width + width - 1) / width);
-  image::Image small{picture.width / by, picture.height / by, {}};
+image::Image shrunk(const image::Image& image, int width) {
+  const int by = std::max(1, (image.width + width - 1) / width);
+  image::Image small{image.width / by, image.height / by, {}};
   for (int y = 0; y < small.height; ++y)
     for (int x = 0; x < small.width; ++x)
       for (int channel = 0; channel < 3; ++channel) {
         int sum = 0;
         for (int i = 0; i < by * by; ++i)
-          sum += picture.pixels[3 * (std::size_t(y * by + i / by) * std::size_t(picture.width) +
-                                     std::size_t(x * by + i % by)) +
-                                std::size_t(channel)];
+          sum +=
+              image
+                  .pixels[3 * (std::size_t(y * by + i / by) * std::size_t(image.width) + std::size_t(x * by + i % by)) +
+                          std::size_t(channel)];
         small.pixels.push_back(std::uint8_t(sum / (by * by)));
       }
   return small;
 }
 
-/// What is seen and shown now, with a picture of it.
+/// What is seen and shown now, with an image of it.
 core::Expected<Viewpoint> seen_now(Viewer& viewer) {
   Session& session = *viewer.session();
   Viewpoint seen = session.viewpoint();
   if (auto drawn = session.draw(); !drawn) return tl::unexpected(drawn.error());
-  const auto picture = session.picture(true);
-  if (!picture) return tl::unexpected(picture.error());
-  const image::Image small = shrunk(*picture, kSnapshotWidth);
+  const auto image = session.image(true);
+  if (!image) return tl::unexpected(image.error());
+  const image::Image small = shrunk(*image, kSnapshotWidth);
   if (small.width > 0 && small.height > 0)
     if (auto png = image::encode_png(small, image::PngSize::kSmall)) seen.snapshot = std::move(*png);
   return seen;

@@ -116,11 +116,11 @@ void listen(GLFWwindow* window, std::vector<Event>& events) {
 }
 
 /// GL has the lowest row first.
-void flip_rows(image::Image& picture) {
-  const auto row = 3 * std::ptrdiff_t(picture.width);
-  for (int y = 0; y < picture.height / 2; ++y)
-    std::swap_ranges(picture.pixels.begin() + y * row, picture.pixels.begin() + (y + 1) * row,
-                     picture.pixels.begin() + (picture.height - 1 - y) * row);
+void flip_rows(image::Image& image) {
+  const auto row = 3 * std::ptrdiff_t(image.width);
+  for (int y = 0; y < image.height / 2; ++y)
+    std::swap_ranges(image.pixels.begin() + y * row, image.pixels.begin() + (y + 1) * row,
+                     image.pixels.begin() + (image.height - 1 - y) * row);
 }
 
 }  // namespace
@@ -150,7 +150,7 @@ core::Expected<void> Window::State::open(const std::array<int, 2>& size) {
   glfwDefaultWindowHints();
   ask_for(gl::kRequiredMajor, gl::kRequiredMinor);
   glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);  // ignored where it is not offered
-  glfwWindowHint(GLFW_DEPTH_BITS, 0);                                   // pictures are drawn elsewhere and copied
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);                                   // images are drawn elsewhere and copied
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   if (window) glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);  // until it is where the former one is
   GLFWwindow* made = glfwCreateWindow(size[0], size[1], title.c_str(), nullptr, nullptr);
@@ -264,16 +264,16 @@ void Window::copy(std::uint32_t framebuffer, const std::array<int, 2>& size, con
                           to.y + to.height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
 }
 
-core::Expected<void> Window::keep(const image::Image* picture) {
+core::Expected<void> Window::keep(const image::Image* image) {
   state_->kept = {};
-  if (!picture) return {};
+  if (!image) return {};
   const gl::Functions& gl = context().functions();
-  auto texture = gl::Texture2D::create(gl, picture->width, picture->height, GL_RGB8, "picture at rest");
+  auto texture = gl::Texture2D::create(gl, image->width, image->height, GL_RGB8, "image at rest");
   if (!texture) return tl::unexpected(texture.error());
   const gl::Attachment attachment{GL_COLOR_ATTACHMENT0, &*texture};
-  auto framebuffer = gl::Framebuffer::create(gl, {&attachment, 1}, "picture at rest");
+  auto framebuffer = gl::Framebuffer::create(gl, {&attachment, 1}, "image at rest");
   if (!framebuffer) return tl::unexpected(framebuffer.error());
-  image::Image rows = *picture;
+  image::Image rows = *image;
   flip_rows(rows);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   texture->write(GL_RGB, GL_UNSIGNED_BYTE, std::as_bytes(std::span(rows.pixels)));
@@ -300,12 +300,12 @@ void Window::clear(const core::vec3& colour) {
 image::Image Window::read() const {
   const gl::Functions& gl = context().functions();
   const std::array<int, 2> all = size();
-  image::Image picture{all[0], all[1], std::vector<std::uint8_t>(3 * std::size_t(all[0]) * std::size_t(all[1]))};
+  image::Image image{all[0], all[1], std::vector<std::uint8_t>(3 * std::size_t(all[0]) * std::size_t(all[1]))};
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, kBackBuffer);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl.ReadPixels(0, 0, all[0], all[1], GL_RGB, GL_UNSIGNED_BYTE, picture.pixels.data());
-  flip_rows(picture);
-  return picture;
+  gl.ReadPixels(0, 0, all[0], all[1], GL_RGB, GL_UNSIGNED_BYTE, image.pixels.data());
+  flip_rows(image);
+  return image;
 }
 
 void Window::present() {

@@ -57,10 +57,10 @@ class Window {
 
   /// Copies a framebuffer object of that size into the back buffer; stretched where the part has another size.
   void copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to);
-  /// Keeps a picture in the context, in place of another one; null: none.
-  core::Expected<void> keep(const image::Image* picture);
-  bool keeps_picture() const { return state_->kept.framebuffer.id() != 0; }
-  /// Copies the picture that is kept.
+  /// Keeps an image in the context, in place of another one; null: none.
+  core::Expected<void> keep(const image::Image* image);
+  bool keeps_image() const { return state_->kept.framebuffer.id() != 0; }
+  /// Copies the image that is kept.
   void copy_kept(const Part& to);
   void clear(const core::vec3& colour);
   image::Image read() const;  ///< the back buffer

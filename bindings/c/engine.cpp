@@ -18,7 +18,7 @@ using namespace sightline::capi;
 
 namespace {
 
-constexpr std::int32_t kCullerChoices = 5, kLargestPicture = 65'536;
+constexpr std::int32_t kCullerChoices = 5, kLargestImage = 65'536;
 [[maybe_unused]] constexpr double kLongestRay = 1e150;  // core::Ray
 
 }  // namespace
@@ -26,7 +26,7 @@ constexpr std::int32_t kCullerChoices = 5, kLargestPicture = 65'536;
 namespace sightline::capi {
 
 void check_size(std::int32_t width, std::int32_t height) {
-  require(width >= 1 && width <= kLargestPicture && height >= 1 && height <= kLargestPicture,
+  require(width >= 1 && width <= kLargestImage && height >= 1 && height <= kLargestImage,
           "a width and height of 1 to 65536 pixels");
 }
 
@@ -41,8 +41,8 @@ sl_frame_report report_of(const engine::FrameReport& from) {
   report.cull_ms = from.cull_ms, report.draw_ms = from.draw_ms;
   report.wait_ms = from.wait_ms, report.frame_ms = from.frame_ms;
   report.visible = from.visible, report.tested = from.tested;
-  report.sampled = from.sampled, report.shown = from.shown;
-  report.small = from.small, report.squares = from.squares;
+  report.sampled = from.sampled, report.items_drawn = from.items_drawn;
+  report.below_min_area = from.below_min_area, report.splats = from.splats;
   report.pending = from.pending;
   report.drawn = from.drawn;
   report.hybrid_state = from.state ? std::int32_t(*from.state) : -1;
@@ -164,21 +164,21 @@ sl_status sl_engine_frame_views(sl_engine handle, const sl_view* const* views, c
   });
 }
 
-sl_status sl_engine_use_picture(sl_engine handle, uint32_t number) {
+sl_status sl_engine_use_image(sl_engine handle, uint32_t number) {
   return with_engine(__func__, handle, Access::kEdit,
-                     [&](const EngineUse& engine) { value_of(engine->use_picture(number)); });
+                     [&](const EngineUse& engine) { value_of(engine->use_image(number)); });
 }
 
-sl_status sl_engine_forget_picture(sl_engine handle, uint32_t number) {
+sl_status sl_engine_forget_image(sl_engine handle, uint32_t number) {
   return with_engine(__func__, handle, Access::kEdit,
-                     [&](const EngineUse& engine) { value_of(engine->forget_picture(number)); });
+                     [&](const EngineUse& engine) { value_of(engine->forget_image(number)); });
 }
 
 sl_status sl_engine_late_report(sl_engine handle, sl_late_report* report) {
   return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
     check_result(report);
     const auto late = engine->take_late_report();
-    write(report, late ? sl_late_report{0, 1, late->frame, late->visible, late->shown, late->gpu_cull_ms}
+    write(report, late ? sl_late_report{0, 1, late->frame, late->visible, late->items_drawn, late->gpu_cull_ms}
                        : sl_late_report SL_LATE_REPORT_INIT);
   });
 }
@@ -287,7 +287,7 @@ sl_status sl_engine_visible(sl_engine handle, sl_item* items, size_t capacity, s
     const core::Snapshot& snapshot = engine->snapshot();
     const core::VisibleSet& visible = engine->visible();
     if (visible.count() > 0 && visible.generation != snapshot.generation())
-      refuse(SL_ERROR_BUSY, "a new order of the items has landed since the last frame");
+      refuse(SL_ERROR_BUSY, "a new scene version has landed since the last frame");
     std::size_t found = 0;
     visible.for_each_slot([&](core::Slot slot) {
       if (snapshot.vacant(slot)) return;
@@ -366,17 +366,17 @@ sl_status sl_engine_use_context_for(sl_engine handle, sl_get_proc get_proc, void
   });
 }
 
-// --- pictures --------------------------------------------------------------------------------------------------------
+// --- images ----------------------------------------------------------------------------------------------------------
 
 #if SIGHTLINE_HAS_GL
 namespace {
 
 template <class T, class Pixels>
-void write_picture(const Pixels& from, T* to, std::size_t capacity) {
-  require(to != nullptr, "room for the picture, found null");
+void write_image(const Pixels& from, T* to, std::size_t capacity) {
+  require(to != nullptr, "room for the image, found null");
   if (capacity < from.size())
     refuse(SL_ERROR_ARGUMENT,
-           "the picture has " + std::to_string(from.size()) + " values, found room for " + std::to_string(capacity));
+           "the image has " + std::to_string(from.size()) + " values, found room for " + std::to_string(capacity));
   std::copy(from.begin(), from.end(), to);
 }
 
@@ -387,7 +387,7 @@ sl_status sl_engine_read_colour(sl_engine handle, uint8_t* rgb, size_t capacity)
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     check_drawing(true);
 #if SIGHTLINE_HAS_GL
-    write_picture(value_of(engine->read_colour()).pixels, rgb, capacity);
+    write_image(value_of(engine->read_colour()).pixels, rgb, capacity);
 #else
     (void)engine, (void)rgb, (void)capacity;
 #endif
@@ -398,7 +398,7 @@ sl_status sl_engine_read_ids(sl_engine handle, uint32_t* ids, size_t capacity) {
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     check_drawing(true);
 #if SIGHTLINE_HAS_GL
-    write_picture(value_of(engine->read_ids()).ids, ids, capacity);
+    write_image(value_of(engine->read_ids()).ids, ids, capacity);
 #else
     (void)engine, (void)ids, (void)capacity;
 #endif
@@ -409,7 +409,7 @@ sl_status sl_engine_read_depth(sl_engine handle, const sl_view* view, float* met
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     check_drawing(true);
 #if SIGHTLINE_HAS_GL
-    write_picture(value_of(engine->read_depth(view_of(view))).metres, metres, capacity);
+    write_image(value_of(engine->read_depth(view_of(view))).metres, metres, capacity);
 #else
     (void)engine, (void)view, (void)metres, (void)capacity;
 #endif

@@ -131,23 +131,25 @@ const std::array<Setting, kChangeableSettings> kChangeable = {
     named<&EngineConfig::culling, &engine::CullingConfig::culler>("culler"),
     plain<&EngineConfig::culling, &engine::CullingConfig::sample_test>("sample_test"),
     named<&EngineConfig::culling, &engine::CullingConfig::occlusion>("occlusion"),
-    plain<&EngineConfig::losses, &engine::LossConfig::contribution>("contribution"),
-    named<&EngineConfig::losses, &engine::LossConfig::contribution_way>("contribution_way"),
+    plain<&EngineConfig::losses, &engine::LossConfig::min_projected_area>("min_projected_area"),
+    named<&EngineConfig::losses, &engine::LossConfig::contribution_mode>("contribution_mode"),
     plain<&EngineConfig::losses, &engine::LossConfig::budget_ms>("budget_ms"),
-    Setting{"hidden_colour",
+    Setting{"culled_colour",
             [](const EngineConfig& c) -> py::object {
-              return c.drawing.hidden_colour ? colour(*c.drawing.hidden_colour) : py::none();
+              return c.drawing.culled_colour ? colour(*c.drawing.culled_colour) : py::none();
             },
             [](EngineConfig& c, const char* name, py::handle value) {
-              c.drawing.hidden_colour = {};
-              if (!value.is_none()) c.drawing.hidden_colour = core::vec3(vector3(value, name));
+              c.drawing.culled_colour = {};
+              if (!value.is_none()) c.drawing.culled_colour = core::vec3(vector3(value, name));
             }},
     Setting{"outline_colour", [](const EngineConfig& c) -> py::object { return colour(c.drawing.outline_colour); },
             [](EngineConfig& c, const char* name, py::handle value) {
               c.drawing.outline_colour = core::vec3(vector3(value, name));
             }},
-    plain<&EngineConfig::drawing, &engine::DrawingConfig::relief, &engine::Relief::shading>("relief_shading"),
-    plain<&EngineConfig::drawing, &engine::DrawingConfig::relief, &engine::Relief::lines>("relief_lines"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::depth_shading, &engine::DepthShading::strength>(
+        "depth_shading"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::depth_shading, &engine::DepthShading::edge_lines>(
+        "edge_lines"),
     plain<&EngineConfig::drawing, &engine::DrawingConfig::hatching, &engine::Hatching::strength>("hatching_strength"),
     plain<&EngineConfig::drawing, &engine::DrawingConfig::hatching, &engine::Hatching::spacing>("hatching_spacing"),
     Setting{"controller",

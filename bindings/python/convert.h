@@ -81,7 +81,7 @@ Numbers<double> doubles(py::handle value, const char* argument, const Shape& sha
 Numbers<float> floats(py::handle value, const char* argument, const Shape& shape);
 /// Whole numbers from 0 to 2^32 - 1.
 Numbers<std::uint32_t> indices(py::handle value, const char* argument, const Shape& shape);
-/// Bytes of a picture: nothing but uint8, since other types are scaled otherwise.
+/// Bytes of an image: nothing but uint8, since other types are scaled otherwise.
 Numbers<std::uint8_t> bytes(py::handle value, const char* argument, const Shape& shape);
 /// Item ids: an array, or any iterable of ids and Items.
 std::vector<core::ItemId> item_ids(py::handle value, const char* argument);

@@ -203,7 +203,7 @@ void bind_raster(py::module_& m) {
       "be solid, opaque and drawn. Reuse one from frame to frame.")
       .def(py::init<>(), "Without an image: see begin().")
       .def("begin", &begin_image, py::arg("view"), py::arg("width"), py::arg("height"),
-           "Empties the image, for occluders of this view in a picture of so many pixels, 1 to 16384 each.")
+           "Empties the image, for occluders of this view in an image of so many pixels, 1 to 16384 each.")
       .def(
           "add_largest",
           [](GatedRaster& to, const py::object& boxes, std::size_t count) {

@@ -1,4 +1,4 @@
-// The engine: frames, pictures, picks and queries.
+// The engine: frames, images, picks and queries.
 //
 // An engine's calls are long: they release the GIL. An engine's own context is current during its calls alone, so any
 // thread may call, and Python may free the engine on any. With a context of the application's, its thread calls.
@@ -12,9 +12,9 @@
 
 #include "sightline/bindings/python/config.h"
 #include "sightline/bindings/python/engine_box.h"
+#include "sightline/bindings/python/images.h"
 #include "sightline/bindings/python/module.h"
 #include "sightline/bindings/python/names.h"
-#include "sightline/bindings/python/pictures.h"
 #include "sightline/bindings/python/planes.h"
 #include "sightline/bindings/python/reports.h"
 #include "sightline/core/camera_path.h"
@@ -54,7 +54,7 @@ void configure(EngineBox& box, std::span<const py::object> changeable) {
   EngineConfig config = box.call([](engine::Engine& e) { return e.config(); });
   set_all(config, kChangeable, changeable);
   unwrap(box.call([&](engine::Engine& e) {
-    // Another thread may have resized the picture or changed the context meanwhile.
+    // Another thread may have resized the image or changed the context meanwhile.
     config.width = e.config().width, config.height = e.config().height;
     config.context.application = e.config().context.application;
     config.context.later = e.config().context.later;
@@ -85,18 +85,18 @@ std::vector<engine::FrameReport> frame_views(EngineBox& box, const std::vector<c
   return unwrap(box.call([&](engine::Engine& e) { return e.frame(views, targets); }));
 }
 
-void use_picture(EngineBox& box, std::uint32_t number) {
+void use_image(EngineBox& box, std::uint32_t number) {
   unwrap(box.call([&](engine::Engine& e) {
-    auto done = e.use_picture(number);
+    auto done = e.use_image(number);
     box.note_size(e);
     return done;
   }));
 }
 
-engine::FrameReport frame_part(EngineBox& box, const core::View& whole, const engine::PicturePart& part) {
+engine::FrameReport frame_tile(EngineBox& box, const core::View& whole, const engine::ImageTile& tile) {
   const core::View seen = whole;
-  const engine::PicturePart drawn = part;
-  return unwrap(box.call([&](engine::Engine& e) { return e.frame_part(seen, drawn); }));
+  const engine::ImageTile drawn = tile;
+  return unwrap(box.call([&](engine::Engine& e) { return e.frame_tile(seen, drawn); }));
 }
 
 void draw_outline(EngineBox& box, const core::View& view, const py::object& items, const gl::ExternalTarget& target) {
@@ -313,32 +313,32 @@ void bind_frames(EngineClass& c) {
   c.def("frame", &frame, "view"_a, "cull_view"_a = py::none(),
         "Culls and, with `draw`, draws. `cull_view`: draws from `view` what lies in the volume of this one.")
       .def("frame_into", &frame_into, "view"_a, "target"_a,
-           "As frame(view), and puts the picture into a framebuffer of the application's context, with the depth test. "
-           "The picture gets the target's size. Needs `draw` and `get_proc`.")
+           "As frame(view), and puts the image into a framebuffer of the application's context, with the depth test. "
+           "The image gets the target's size. Needs `draw` and `get_proc`.")
       .def(
           "frame_views", &frame_views, "views"_a, "targets"_a,
           "As frame_into() for several views at one time, such as the two eyes of a headset. View i goes into target i "
-          "and has picture i of use_picture(); a budget is for all of them together.")
+          "and has image i of use_image(); a budget is for all of them together.")
+      .def("use_image", &use_image, "number"_a,
+           "Shows another one of the engine's images from now on, at first 0. One for each view keeps what the engine "
+           "learns from frame to frame: its size, a budget's unfinished image, what was large or seen.")
       .def(
-          "use_picture", &use_picture, "number"_a,
-          "Shows another one of the engine's pictures from now on, at first 0. One for each view keeps what the engine "
-          "learns from frame to frame: its size, a budget's unfinished picture, what was large or seen.")
-      .def(
-          "forget_picture",
+          "forget_image",
           [](EngineBox& b, std::uint32_t number) {
-            unwrap(b.call([&](engine::Engine& e) { return e.forget_picture(number); }));
+            unwrap(b.call([&](engine::Engine& e) { return e.forget_image(number); }));
           },
-          "number"_a, "Frees what the engine has for a picture that is not in use.")
-      .def("frame_part", &frame_part, "whole"_a, "part"_a,
-           "Draws a part of a picture of the view `whole`, which may be larger than any framebuffer: see "
-           "picture_tiles(). The part has the engine's size.")
+          "number"_a, "Frees what the engine has for an image that is not in use.")
+      .def("frame_tile", &frame_tile, "whole"_a, "tile"_a,
+           "Draws a tile of an image of the view `whole`, which may be larger than any framebuffer: see "
+           "image_tiles(). The tile has the engine's size.")
       .def("draw_outline", &draw_outline, "view"_a, "items"_a, "target"_a,
-           "Draws a line around items over a framebuffer that shows the last frame's picture, of this view and of the "
+           "Draws a line around items over a framebuffer that shows the last frame's image, of this view and of the "
            "target's size, in the time that these items take alone.")
-      .def("loss", &loss, "view"_a,
-           "What the last frame, of this view, has left out by `contribution` and `budget_ms`. Waits for the GPU.")
+      .def(
+          "loss", &loss, "view"_a,
+          "What the last frame, of this view, has left out by `min_projected_area` and `budget_ms`. Waits for the GPU.")
       .def("cull_states", &cull_states, "view"_a,
-           "What culling makes of each item in the view. Draws for that: the last frame's picture is gone.")
+           "What culling makes of each item in the view. Draws for that: the last frame's image is gone.")
       .def(
           "finish", [](EngineBox& b) { b.call([](engine::Engine& e) { e.finish(); }); },
           "Waits until everything submitted is drawn.")
@@ -352,7 +352,7 @@ void bind_frames(EngineClass& c) {
       .def(
           "read_colour",
           [](EngineBox& b) { return to_array(unwrap(b.call([](engine::Engine& e) { return e.read_colour(); }))); },
-          "The last frame's picture, (height, width, 3) uint8, rows from the top. The array owns it.")
+          "The last frame's image, (height, width, 3) uint8, rows from the top. The array owns it.")
       .def(
           "read_ids",
           [](EngineBox& b) { return to_array(unwrap(b.call([](engine::Engine& e) { return e.read_ids(); }))); },
@@ -371,7 +371,7 @@ void bind_frames(EngineClass& c) {
           "Whether any pixel shows anything but the background.")
       .def(
           "framebuffer", [](EngineBox& b) { return unwrap(b.call([](engine::Engine& e) { return e.framebuffer(); })); },
-          "GL's name of the framebuffer with the last frame's picture, in the context that the engine draws with.")
+          "GL's name of the framebuffer with the last frame's image, in the context that the engine draws with.")
       .def("visible_items", &visible_items,
            "Ids of the items that the last frame's culler found in the view volume, uint32, rising. Empty when the GPU "
            "culled.");
@@ -394,12 +394,12 @@ void bind_queries(EngineClass& c) {
           "preparing_picks", [](EngineBox& b) { return b.call([](engine::Engine& e) { return e.preparing_picks(); }); },
           "Whether that is going on, so that a pick would wait.")
       .def("items_in", &items_in, "view"_a, "rectangle"_a, "rule"_a = "crossing",
-           "Ids of the items in a rectangle (x0, y0, x1, y1) of the picture, hidden or not, uint32, rising. `rule`: "
+           "Ids of the items in a rectangle (x0, y0, x1, y1) of the image, hidden or not, uint32, rising. `rule`: "
            "\"crossing\" (any part) or \"wholly\".")
       .def("items_in_planes", &items_in_planes, "planes"_a, "rule"_a = "crossing", py::kw_only(),
            "layers"_a = core::kDefaultLayerMask, "The same for what all planes keep, (N, 4), at most 8.")
       .def("visible_items_in", &visible_items_in, "view"_a, "rectangle"_a, py::kw_only(), "samples"_a = 1,
-           "Items that a rectangle of the picture shows, by rays: a structured array of `item` and `samples`.")
+           "Items that a rectangle of the image shows, by rays: a structured array of `item` and `samples`.")
       .def("fit", &fit, "direction"_a = py::none(), py::kw_only(), "fovy"_a = 0.25 * std::numbers::pi,
            "aspect"_a = py::none(),
            "The view of the whole model along `direction`, without items that lie too far from all others. "
@@ -460,7 +460,7 @@ void bind_state(EngineClass& c) {
           "Commits, and orders all items anew.")
       .def_property_readonly(
           "rebuilding", [](EngineBox& b) { return b.call([](engine::Engine& e) { return e.rebuilding(); }); },
-          "True while a new order is made in the background or waits to land.")
+          "True while a new scene version is made in the background or waits to land.")
       .def(
           "set_culler",
           [](EngineBox& b, const std::string& culler) {
@@ -495,8 +495,8 @@ void bind_state(EngineClass& c) {
       .def_property_readonly(
           "config", [](EngineBox& b) { return settings_of(b.call([](engine::Engine& e) { return e.config(); })); },
           "All settings as they are now: a dict of the constructor's keyword arguments.")
-      .def_property_readonly("width", &EngineBox::width, "Of the picture, in pixels.")
-      .def_property_readonly("height", &EngineBox::height, "Of the picture, in pixels.")
+      .def_property_readonly("width", &EngineBox::width, "Of the image, in pixels.")
+      .def_property_readonly("height", &EngineBox::height, "Of the image, in pixels.")
       .def_property_readonly("scene", &EngineBox::scene, "The scene that it shows. The engine keeps it alive.");
 }
 
@@ -519,11 +519,12 @@ constexpr const char* kEngineDoc =
     "program_cache: folder of linked programs; None: the user's cache; \"\": none.\n"
     "culler: \"automatic\", \"linear\", \"cpu\", \"gpu\" or \"hybrid\".\n"
     "sample_test, occlusion (\"off\", \"on\", \"auto\"): leave out what cannot be seen; no pixel is lost.\n"
-    "contribution: leave out items below so many pixels; contribution_way: \"drop\", \"points\", \"stochastic\".\n"
+    "min_projected_area: leave out items below so many pixels; contribution_mode: \"drop\", \"points\", "
+    "\"stochastic\".\n"
     "budget_ms: time for a frame; 0: any.\n"
-    "hidden_colour: (r, g, b) of what the tests leave out, in frames with a `cull_view`.\n"
+    "culled_colour: (r, g, b) of what the tests leave out, in frames with a `cull_view`.\n"
     "outline_colour: (r, g, b) of outlines.\n"
-    "relief_shading, relief_lines: 0 to 1, darkness of corners and along edges, by depth.\n"
+    "depth_shading, edge_lines: 0 to 1, darkness of corners and along edges, by depth.\n"
     "hatching_strength, hatching_spacing: 0 to 1, darkness of lines on what sections cut; pixels between them.\n"
     "controller: of the hybrid, a ControllerConfig.\n"
     "get_proc: draws in the application's context, which is current in this and all later calls. Finds GL's functions: "

@@ -36,7 +36,7 @@ class EngineBox {
   }
 
   void resize(int width, int height);
-  /// Within call(): the picture may have another size now.
+  /// Within call(): the image may have another size now.
   void note_size(const engine::Engine& engine);
 
   void drop_context();
@@ -48,7 +48,7 @@ class EngineBox {
  private:
   ScenePtr scene_;
   Gate gate_;
-  int width_, height_;  // of the picture, in pixels
+  int width_, height_;  // of the image, in pixels
   // The application's contexts, which the engine must not outlive: the one it draws with, and the one it is taking.
   std::unique_ptr<gl::Context> context_, coming_;
   bool context_in_use_ = false;  // neither dropped nor abandoned

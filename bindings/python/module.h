@@ -1,5 +1,5 @@
 // python: the library for Python, as the package sightline. Translates and nothing more: numpy arrays for vectors,
-// matrices, pictures and sets of items, keyword arguments for structs, exceptions for errors. A misuse that breaks a
+// matrices, images and sets of items, keyword arguments for structs, exceptions for errors. A misuse that breaks a
 // contract in C++ (a stale handle, a node of another scene) is an exception here.
 #pragma once
 

@@ -31,7 +31,7 @@ inline constexpr int kEnumerators<engine::CullerChoice> = 5;
 template <>
 inline constexpr int kEnumerators<engine::OcclusionChoice> = 3;
 template <>
-inline constexpr int kEnumerators<engine::ContributionWay> = 3;
+inline constexpr int kEnumerators<engine::ContributionMode> = 3;
 template <>
 inline constexpr int kEnumerators<engine::Transparency> = 2;
 template <>

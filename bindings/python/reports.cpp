@@ -32,18 +32,18 @@ void bind_frame_report(py::module_& m) {
       .def_readonly("visible", &FrameReport::visible, "Items in the view volume; -1: the GPU alone knows.")
       .def_readonly("tested", &FrameReport::tested, "Boxes tested; -1: the GPU alone knows.")
       .def_readonly("sampled", &FrameReport::sampled, "Items that may cover a sample; -1: unknown.")
-      .def_readonly("shown", &FrameReport::shown, "Items drawn; -1: unknown.")
-      .def_readonly("small", &FrameReport::small, "Items below `contribution`.")
-      .def_readonly("squares", &FrameReport::squares, "Items drawn as one square.")
+      .def_readonly("items_drawn", &FrameReport::items_drawn, "Items drawn; -1: unknown.")
+      .def_readonly("below_min_area", &FrameReport::below_min_area, "Items below `min_projected_area`.")
+      .def_readonly("splats", &FrameReport::splats, "Items drawn as one splat.")
       .def_readonly("pending", &FrameReport::pending, "Items that `budget_ms` did not suffice for.")
       .def("__repr__", [](const FrameReport& r) {
         return "<sightline.FrameReport " + std::to_string(r.frame) + ": " + std::to_string(r.visible) + " visible, " +
-               std::to_string(r.shown) + " shown>";
+               std::to_string(r.items_drawn) + " drawn>";
       });
   bind_value<&FrameReport::frame, &FrameReport::culler, &FrameReport::state, &FrameReport::cull_ms,
              &FrameReport::draw_ms, &FrameReport::wait_ms, &FrameReport::frame_ms, &FrameReport::drawn,
-             &FrameReport::visible, &FrameReport::tested, &FrameReport::sampled, &FrameReport::shown,
-             &FrameReport::small, &FrameReport::squares, &FrameReport::pending>(c);
+             &FrameReport::visible, &FrameReport::tested, &FrameReport::sampled, &FrameReport::items_drawn,
+             &FrameReport::below_min_area, &FrameReport::splats, &FrameReport::pending>(c);
 }
 
 void bind_small_reports(py::module_& m) {
@@ -52,13 +52,13 @@ void bind_small_reports(py::module_& m) {
   late.def_readonly("frame", &LateReport::frame, "FrameReport.frame of that frame.")
       .def_readonly("visible", &LateReport::visible, "Items in the view volume.")
       .def_readonly("gpu_cull_ms", &LateReport::gpu_cull_ms, "On the GPU's clock; -1: not known.")
-      .def_readonly("shown", &LateReport::shown, "Items drawn; -1 without drawing.");
-  bind_value<&LateReport::frame, &LateReport::visible, &LateReport::gpu_cull_ms, &LateReport::shown>(late);
+      .def_readonly("items_drawn", &LateReport::items_drawn, "Items drawn; -1 without drawing.");
+  bind_value<&LateReport::frame, &LateReport::visible, &LateReport::gpu_cull_ms, &LateReport::items_drawn>(late);
 
   using engine::LossReport;
-  py::class_<LossReport> loss(m, "LossReport", "What `contribution` and `budget_ms` cost a picture: an estimate.");
+  py::class_<LossReport> loss(m, "LossReport", "What `min_projected_area` and `budget_ms` cost an image: an estimate.");
   loss.def_readonly("items", &LossReport::items,
-                    "Left out, that may cover a sample and that nothing in the picture is known to hide.")
+                    "Left out, that may cover a sample and that nothing in the image is known to hide.")
       .def_readonly("pixels", &LossReport::pixels, "That these are expected to cover, at most all.");
   bind_value<&LossReport::items, &LossReport::pixels>(loss);
 
@@ -134,46 +134,46 @@ void bind_item_states(py::module_& m) {
 }
 
 void bind_parts(py::module_& m) {
-  using engine::PicturePart;
-  py::class_<PicturePart> part(m, "PicturePart", "A part of a picture, of the size that an engine draws in.");
-  part.def(py::init([](int width, int height, double x, double y) {
-             return PicturePart{width, height, x, y};
+  using engine::ImageTile;
+  py::class_<ImageTile> tile(m, "ImageTile", "A tile of an image, of the size that an engine draws in.");
+  tile.def(py::init([](int width, int height, double x, double y) {
+             return ImageTile{width, height, x, y};
            }),
            py::arg("width"), py::arg("height"), py::arg("x"), py::arg("y"),
-           "`width`, `height`: of the whole picture; `x`, `y`: the part's upper left corner in it. Pixels.")
-      .def_readwrite("width", &PicturePart::width, "Of the whole picture, pixels.")
-      .def_readwrite("height", &PicturePart::height, "Of the whole picture, pixels.")
-      .def_readwrite("x", &PicturePart::x, "Of the part's upper left corner.")
-      .def_readwrite("y", &PicturePart::y, "Of the part's upper left corner.");
-  bind_value<&PicturePart::width, &PicturePart::height, &PicturePart::x, &PicturePart::y>(part);
+           "`width`, `height`: of the whole image; `x`, `y`: the tile's upper left corner in it. Pixels.")
+      .def_readwrite("width", &ImageTile::width, "Of the whole image, pixels.")
+      .def_readwrite("height", &ImageTile::height, "Of the whole image, pixels.")
+      .def_readwrite("x", &ImageTile::x, "Of the tile's upper left corner.")
+      .def_readwrite("y", &ImageTile::y, "Of the tile's upper left corner.");
+  bind_value<&ImageTile::width, &ImageTile::height, &ImageTile::x, &ImageTile::y>(tile);
 
-  using engine::PictureTile;
-  py::class_<PictureTile> tile(m, "PictureTile", "A part, and the rectangle of the whole picture taken from it.");
-  tile.def_readonly("part", &PictureTile::part, "For Engine.frame_part().")
-      .def_readonly("x0", &PictureTile::x0, "First column of the whole picture.")
-      .def_readonly("y0", &PictureTile::y0, "First row, from the top.")
-      .def_readonly("x1", &PictureTile::x1, "Column after the last.")
-      .def_readonly("y1", &PictureTile::y1, "Row after the last.");
-  bind_value<&PictureTile::part, &PictureTile::x0, &PictureTile::y0, &PictureTile::x1, &PictureTile::y1>(tile);
+  using engine::CroppedTile;
+  py::class_<CroppedTile> cropped(m, "CroppedTile", "A tile, and the rectangle of the whole image taken from it.");
+  cropped.def_readonly("tile", &CroppedTile::tile, "For Engine.frame_tile().")
+      .def_readonly("x0", &CroppedTile::x0, "First column of the whole image.")
+      .def_readonly("y0", &CroppedTile::y0, "First row, from the top.")
+      .def_readonly("x1", &CroppedTile::x1, "Column after the last.")
+      .def_readonly("y1", &CroppedTile::y1, "Row after the last.");
+  bind_value<&CroppedTile::tile, &CroppedTile::x0, &CroppedTile::y0, &CroppedTile::x1, &CroppedTile::y1>(cropped);
 
-  using engine::PictureTiles;
-  py::class_<PictureTiles> tiles(m, "PictureTiles", "Parts of one size whose rectangles cover a picture.");
-  tiles.def_readonly("width", &PictureTiles::width, "Of each part, pixels.")
-      .def_readonly("height", &PictureTiles::height, "Of each part, pixels.")
-      .def_readonly("tiles", &PictureTiles::tiles, "A list, rows from the top, each from left to right.");
-  constexpr int kMost = 1 << 18;  // more would be more parts than memory holds
+  using engine::ImageTiles;
+  py::class_<ImageTiles> tiles(m, "ImageTiles", "Parts of one size whose rectangles cover an image.");
+  tiles.def_readonly("width", &ImageTiles::width, "Of each tile, pixels.")
+      .def_readonly("height", &ImageTiles::height, "Of each tile, pixels.")
+      .def_readonly("tiles", &ImageTiles::tiles, "A list, rows from the top, each from left to right.");
+  constexpr int kMost = 1 << 18;  // more would be more tiles than memory holds
   m.def(
-      "picture_tiles",
+      "image_tiles",
       [](int width, int height, int largest_side, int more_margin) {
         for (const int side : {width, height, largest_side, more_margin})
-          if (side > kMost) fail("picture_tiles: expected at most 262144 pixels, found " + std::to_string(side));
-        return unwrap(engine::picture_tiles(width, height, largest_side, more_margin));
+          if (side > kMost) fail("image_tiles: expected at most 262144 pixels, found " + std::to_string(side));
+        return unwrap(engine::image_tiles(width, height, largest_side, more_margin));
       },
       py::arg("width"), py::arg("height"), py::arg("largest_side"), py::arg("more_margin") = 0,
-      "Parts of at most `largest_side` pixels a side, at least 80, that join without seams, for pictures that are "
+      "Parts of at most `largest_side` pixels a side, at least 80, that join without seams, for images that are "
       "larger "
       "than what is drawn at once. They overlap by 8 and `more_margin` pixels.");
-  bind_value<&PictureTiles::width, &PictureTiles::height, &PictureTiles::tiles>(tiles);
+  bind_value<&ImageTiles::width, &ImageTiles::height, &ImageTiles::tiles>(tiles);
 }
 
 }  // namespace

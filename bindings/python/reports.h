@@ -1,4 +1,4 @@
-// What engines tell, and what is told to them about pictures.
+// What engines tell, and what is told to them about images.
 #pragma once
 
 #include "sightline/bindings/python/convert.h"

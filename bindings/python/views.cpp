@@ -174,7 +174,7 @@ void bind_view(py::module_& m) {
       .def(
           "__deepcopy__", [](const View& v, const py::dict&) { return View(v); }, py::arg("memo"))
       .def(
-          "__eq__", [](const View& a, const View& b) { return core::same_picture(a, b); }, py::is_operator())
+          "__eq__", [](const View& a, const View& b) { return core::same_image(a, b); }, py::is_operator())
       .def(py::pickle(&state_of_view, &view_of_state));
 }
 

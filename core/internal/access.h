@@ -1,6 +1,6 @@
 // The private parts of scenes and snapshots, for code of the library that does not go through their functions: the
-// scene cache (importers/slc) writes their arrays to a file and maps them from it, and a new order is built from copies
-// of items. Whoever changes a part keeps what the functions of the class rely on.
+// scene cache (importers/slc) writes their arrays to a file and maps them from it, and a new scene version is built
+// from copies of items. Whoever changes a part keeps what the functions of the class rely on.
 #pragma once
 
 #include <memory>

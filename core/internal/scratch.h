@@ -31,7 +31,7 @@ std::size_t memory_of(const std::vector<T>& array) {
   return array.capacity() * sizeof(T);
 }
 inline std::size_t memory_of(const VisibleSet& set) {
-  return memory_of(set.ranges) + memory_of(set.slots);
+  return memory_of(set.ranges) + memory_of(set.single_slots);
 }
 template <class T>
 requires requires(const T& object) {

@@ -1,4 +1,4 @@
-// Copies of a snapshot's items, for a new order that is built in the background.
+// Copies of a snapshot's items, for a new scene version that is built in the background.
 //
 // The scene is not read, so it may be edited meanwhile. First copy all slots piece by piece, then build with
 // reordered(), then copy and apply the items that were edited since the first piece.
@@ -38,9 +38,9 @@ void copy_items(const Snapshot& snapshot, Slot first, Slot end, ItemCopies& out)
 /// Items that are gone go to ItemCopies::removed.
 void copy_items(const Snapshot& snapshot, std::span<const ItemId> items, ItemCopies& out);
 
-/// Builds a new order from copies. When an item was copied twice because it changed its slot meanwhile, the later copy
-/// counts. The scene and the origin of the bounds are those of `like`; nothing else of it is read, since only these
-/// never change.
+/// Builds a new scene version from copies. When an item was copied twice because it changed its slot meanwhile, the
+/// later copy counts. The scene and the origin of the bounds are those of `like`; nothing else of it is read, since
+/// only these never change.
 inline Snapshot reordered(const Snapshot& like, ItemCopies&& items, int threads = 0) {
   return Access::reordered(like, std::move(items), threads);
 }

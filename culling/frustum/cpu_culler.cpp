@@ -100,7 +100,7 @@ void cull_tree(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const
   const FoundSlots begin{scratch->items.reserve((leaves + 1) * kLeafSize), scratch->edges.reserve(leaves + 4 * kLanes)};
   FoundSlots end = begin;
   kernel.extract(in, end);
-  set.slots.assign(begin.items, end.items);
+  set.single_slots.assign(begin.items, end.items);
   append_ranges({begin.edges, end.edges}, in.slot_count, set.ranges);
 }
 

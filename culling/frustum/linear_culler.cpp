@@ -21,7 +21,7 @@ void cull_slots(const core::ItemBounds& bounds, const CullPlanes& planes, PlaneM
   for (; first < end; first += kItemsAtOnce) {
     FoundSlots found{items.data(), edges.data()};
     frustum_kernels().cull_items(test, mask, first, std::min(end, first + kItemsAtOnce), found);
-    set.slots.insert(set.slots.end(), items.data(), found.items);
+    set.single_slots.insert(set.single_slots.end(), items.data(), found.items);
     for (const core::Slot* edge = edges.data(); edge < found.edges; edge += 2)
       append_range(edge[0], edge[1], set.ranges);
   }

@@ -15,14 +15,14 @@ void list_slots(const core::VisibleSet& set, std::span<core::Slot> out) {
     count_up(to, range.first, range.count);
     to += range.count;
   }
-  std::copy(set.slots.begin(), set.slots.end(), to);
+  std::copy(set.single_slots.begin(), set.single_slots.end(), to);
 }
 
 void list_ids(const core::VisibleSet& set, std::span<const std::uint32_t> ids, std::span<std::uint32_t> out) {
   assert(out.size() >= set.count());
   std::uint32_t* to = out.data();
   for (const core::SlotRange& range : set.ranges) to = std::copy_n(ids.data() + range.first, range.count, to);
-  for (const core::Slot slot : set.slots) *to++ = ids[slot];
+  for (const core::Slot slot : set.single_slots) *to++ = ids[slot];
 }
 
 }  // namespace sightline::culling

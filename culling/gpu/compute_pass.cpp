@@ -109,7 +109,7 @@ class ComputePass : public GpuPass {
   void run(std::span<const CullBatch> batches, const DrawLists& lists, Selection selection,
            std::size_t probe) override {
     lay_out(batches);
-    if (selection != Selection::kOpenNow) {
+    if (selection != Selection::kUnoccludedNow) {
       counts_in_view_[probe] = counts_in_view(selection);
       results_.fill(probe * kProbeBytes, kProbeBytes, 0);
     }

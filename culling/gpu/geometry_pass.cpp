@@ -56,7 +56,7 @@ class GeometryPass : public GpuPass {
   core::Expected<void> make_cluster_pass(Selection selection) {
     auto clusters =
         describe_pass("cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}},
-                      selection == Selection::kOpenNow ? selection : Selection::kAll);
+                      selection == Selection::kUnoccludedNow ? selection : Selection::kAll);
     clusters.feedback_varyings = {"found"};
     auto program = gl::Program::create(*gl_, clusters);
     if (!program) return tl::unexpected(program.error());
@@ -80,8 +80,8 @@ class GeometryPass : public GpuPass {
 
   void run(std::span<const CullBatch> batches, const DrawLists& lists, Selection selection,
            std::size_t probe) override {
-    if (selection != Selection::kOpenNow) probes_[probe].counts_in_view = counts_in_view(selection);
-    probes_[probe].goes_on = selection == Selection::kOpenNow;
+    if (selection != Selection::kUnoccludedNow) probes_[probe].counts_in_view = counts_in_view(selection);
+    probes_[probe].goes_on = selection == Selection::kUnoccludedNow;
     gl_->Enable(GL_RASTERIZER_DISCARD);
     framebuffer_.bind();
     cluster_array_.bind();
@@ -89,7 +89,8 @@ class GeometryPass : public GpuPass {
     item_array_.bind();
     for (std::size_t i = 0; i < batches.size(); ++i) find_items(batches[i], kept_[i], lists, selection, probes_[probe]);
     gl_->Disable(GL_RASTERIZER_DISCARD);
-    if (selection == Selection::kOpenNow) gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);  // of open_frames
+    if (selection == Selection::kUnoccludedNow)
+      gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);  // of unoccluded_frames
   }
 
   std::optional<Found> found(std::size_t place) override {
@@ -121,13 +122,13 @@ class GeometryPass : public GpuPass {
     bool made = false;
   };
 
-  gl::Program& cluster_pass(Selection selection) { return cluster_pass_[selection == Selection::kOpenNow]; }
+  gl::Program& cluster_pass(Selection selection) { return cluster_pass_[selection == Selection::kUnoccludedNow]; }
 
   void find_clusters(const CullBatch& batch, const Kept& kept, Selection selection) {
     const gl::Program& program = cluster_pass(selection);
     program.use();
     bind_batch(*gl_, batch);
-    if (selection == Selection::kOpenNow) bind_selection(*gl_, program, batch, selection);
+    if (selection == Selection::kUnoccludedNow) bind_selection(*gl_, program, batch, selection);
     kept.feedback.begin_points();
     gl_->DrawArrays(GL_POINTS, 0, GLsizei(batch.bounds.cluster_count()));
     kept.feedback.end();
@@ -169,7 +170,7 @@ class GeometryPass : public GpuPass {
   }
 
   const gl::Functions* gl_;
-  std::array<gl::Program, 2> cluster_pass_;  // of kOpenNow, and of all other selections the first
+  std::array<gl::Program, 2> cluster_pass_;  // of kUnoccludedNow, and of all other selections the first
   std::array<ItemPrograms, kSelectionCount> item_pass_;
   gl::VertexArray cluster_array_, item_array_;
   gl::Framebuffer framebuffer_;

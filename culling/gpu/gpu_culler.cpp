@@ -148,15 +148,15 @@ std::size_t GpuCuller::bounds_memory_bytes() const {
 
 // --- culling ---------------------------------------------------------------------------------------------------------
 
-core::Expected<void> GpuCuller::prepare(bool for_picture, bool occlusion) {
-  if (!for_picture) return pass_->prepare(batches_, Selection::kAll);
+core::Expected<void> GpuCuller::prepare(bool for_image, bool occlusion) {
+  if (!for_image) return pass_->prepare(batches_, Selection::kAll);
   if (!occlusion) return pass_->prepare(batches_, Selection::kSampled);
   return prepare_occlusion();
 }
 
 /// Makes what the test of occlusion lacks: after batches_ were made anew, only a part.
 core::Expected<void> GpuCuller::prepare_occlusion() {
-  for (const Selection selection : {Selection::kOpenBefore, Selection::kOpenNow})
+  for (const Selection selection : {Selection::kUnoccludedBefore, Selection::kUnoccludedNow})
     if (auto done = pass_->prepare(batches_, selection); !done) return done;
   if (!pyramid_) {
     auto made = GpuDepthPyramid::create(*gl_);
@@ -165,12 +165,12 @@ core::Expected<void> GpuCuller::prepare_occlusion() {
     if (timer_) others_timer_.emplace(*gl_);
   }
   for (CullBatch& batch : batches_) {
-    if (batch.open_frames.id() != 0) continue;
+    if (batch.unoccluded_frames.id() != 0) continue;
     const std::size_t records = std::size_t(batch.bounds.cluster_capacity()) * kItemsPerCluster;
     auto made = gl::Buffer::create(*gl_, records * sizeof(std::uint32_t), nullptr, 0, "last frames of open items");
     if (!made) return tl::unexpected(made.error());
-    batch.open_frames = std::move(*made);
-    batch.open_frames.fill(0, batch.open_frames.size(), 0);
+    batch.unoccluded_frames = std::move(*made);
+    batch.unoccluded_frames.fill(0, batch.unoccluded_frames.size(), 0);
   }
   return {};
 }
@@ -180,11 +180,11 @@ bool GpuCuller::can_test_occlusion() const {
 }
 
 core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                                     gpuscene::DrawLists& lists, std::uint64_t frame, const Picture* picture) {
-  const bool sampled = picture && picture->samples.offsets.size() <= std::size_t(kMaxSamples);
-  const bool occlusion = sampled && picture->occlusion;
+                                     gpuscene::DrawLists& lists, std::uint64_t frame, const Image* image) {
+  const bool sampled = image && image->samples.offsets.size() <= std::size_t(kMaxSamples);
+  const bool occlusion = sampled && image->occlusion;
   auto done = prepare(sampled, occlusion);
-  if (done && sampled) done = upload_picture(*picture, snapshot.bounds());
+  if (done && sampled) done = upload_image(*image, snapshot.bounds());
   if (done && occlusion) done = begin_occlusion();
   if (done) done = lists.begin_gpu_update(scene, pass_->counting());
   if (!done) return done;
@@ -202,7 +202,7 @@ core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& sna
   gl::reset_pipeline_state(*gl_);
   gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, plane_block_.id());
   pass_->run(batches_, lists,
-             occlusion ? Selection::kOpenBefore
+             occlusion ? Selection::kUnoccludedBefore
              : sampled ? Selection::kSampled
                        : Selection::kAll,
              last_probe_);
@@ -211,18 +211,18 @@ core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& sna
   return {};
 }
 
-core::Expected<void> GpuCuller::cull_others(const Picture& picture, const gpuscene::GpuScene& scene,
+core::Expected<void> GpuCuller::cull_others(const Image& image, const gpuscene::GpuScene& scene,
                                             gpuscene::DrawLists& lists, const gl::Texture2D& depth, double error) {
   Probe& probe = probes_[last_probe_];
   if (probe.skipped) return {};  // the lists are still empty
   probe.others_timed = probe.timed && others_timer_->begin();
   auto done = lists.begin_gpu_update(scene, pass_->counting());
-  if (done) done = upload_pyramid(picture, depth, error);
+  if (done) done = upload_pyramid(image, depth, error);
   if (done) {
     gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, plane_block_.id());
     gl_->BindBufferBase(GL_UNIFORM_BUFFER, kScreenBinding, screen_block_.id());
     gl_->BindTextureUnit(kPyramidUnit, pyramid_->texels().id());
-    pass_->run(batches_, lists, Selection::kOpenNow, last_probe_);
+    pass_->run(batches_, lists, Selection::kUnoccludedNow, last_probe_);
     lists.end_gpu_update(scene);
   }
   if (probe.others_timed) others_timer_->end();
@@ -236,9 +236,9 @@ core::Expected<void> GpuCuller::begin_occlusion() {
   return write_block(occlusion_block_, sizeof block, &block, kOcclusionBinding);
 }
 
-core::Expected<void> GpuCuller::upload_pyramid(const Picture& picture, const gl::Texture2D& depth, double error) {
-  assert(depth.width() == picture.samples.width && depth.height() == picture.samples.height);
-  if (auto done = pyramid_->build(depth, picture.view); !done) return done;
+core::Expected<void> GpuCuller::upload_pyramid(const Image& image, const gl::Texture2D& depth, double error) {
+  assert(depth.width() == image.samples.width && depth.height() == image.samples.height);
+  if (auto done = pyramid_->build(depth, image.view); !done) return done;
   OcclusionBlock block{};
   const auto levels = pyramid_->levels();
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -267,8 +267,8 @@ void GpuCuller::upload_planes(const CullPlanes& planes, const core::ItemBounds& 
   plane_block_.write(0, sizeof block, &block);
 }
 
-core::Expected<void> GpuCuller::upload_picture(const Picture& picture, const core::ItemBounds& bounds) {
-  const ScreenBlock block = make_screen_block(picture.view, bounds, picture.samples);
+core::Expected<void> GpuCuller::upload_image(const Image& image, const core::ItemBounds& bounds) {
+  const ScreenBlock block = make_screen_block(image.view, bounds, image.samples);
   return write_block(screen_block_, sizeof block, &block, kScreenBinding);
 }
 
@@ -276,7 +276,7 @@ core::Expected<void> GpuCuller::upload_picture(const Picture& picture, const cor
 core::Expected<void> GpuCuller::write_block(gl::Buffer& block, std::size_t bytes, const void* data,
                                             GLuint binding) const {
   if (block.id() == 0) {
-    auto made = gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, "culled picture");
+    auto made = gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, "culled image");
     if (!made) return tl::unexpected(made.error());
     block = std::move(*made);
   }
@@ -303,7 +303,7 @@ std::optional<GpuCuller::Feedback> GpuCuller::take_feedback() {
     const auto found = pass_->found(first_probe_);
     if (!found) return std::nullopt;
     feedback.visible = found->in_view;
-    feedback.shown = found->written;
+    feedback.items_drawn = found->written;
     const auto unknown = [](bool timed, std::optional<double>& time_ms, std::optional<gl::GpuTimer>& timer) {
       return timed && !time_ms && !(time_ms = timer->poll());
     };
@@ -328,9 +328,10 @@ core::VisibleSet GpuCuller::read_back(const gpuscene::DrawLists& lists) const {
     gl_->GetNamedBufferSubData(target.buffer, GLintptr(target.offset), GLsizeiptr(found.size() * sizeof(found[0])),
                                found.data());
     for (std::size_t i = 0; i < count; ++i)
-      set.slots.push_back(batch.bounds.slots()[found[(i + 1) * words - 1]]);  // a mesh's base instance is its record
+      set.single_slots.push_back(
+          batch.bounds.slots()[found[(i + 1) * words - 1]]);  // a mesh's base instance is its record
   }
-  std::sort(set.slots.begin(), set.slots.end());
+  std::sort(set.single_slots.begin(), set.single_slots.end());
   return set;
 }
 

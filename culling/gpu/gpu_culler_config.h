@@ -7,7 +7,7 @@
 
 namespace sightline::culling {
 
-/// How the GPU culls. Both give the same answer in the same order, so that pictures are equal to the bit.
+/// How the GPU culls. Both give the same answer in the same order, so that images are equal to the bit.
 enum class GpuVariant : std::uint8_t {
   kGeometry,  ///< vertex and geometry stages with transform feedback
   kCompute,   ///< compute shaders

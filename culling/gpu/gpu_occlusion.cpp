@@ -34,7 +34,7 @@ core::Expected<GpuDepthPyramid> GpuDepthPyramid::create(const gl::Functions& gl)
 core::Expected<void> GpuDepthPyramid::resize(int width, int height) {
   if (!levels_.empty() && levels_[0].width == width && levels_[0].height == height) return {};
   levels_ = DepthPyramid::levels_of(width, height);
-  if (levels_.size() > std::size_t(kMaxLevels)) return core::fail("depth pyramid: the picture is too large");
+  if (levels_.size() > std::size_t(kMaxLevels)) return core::fail("depth pyramid: the image is too large");
   auto buffer = gl::Buffer::create(*gl_, levels_.back().end() * sizeof(float), nullptr, 0, "depth pyramid");
   if (!buffer) return tl::unexpected(buffer.error());
   auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_R32F, "depth pyramid");

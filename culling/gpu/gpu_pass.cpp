@@ -30,8 +30,8 @@ gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDesc
   description.shaders.tables.push_back(shaders());
   std::vector<std::string>& defines = description.shaders.defines;
   if (selection != Selection::kAll) {
-    constexpr const char* kDefines[] = {"", "SAMPLED", "OPEN_BEFORE", "OPEN_NOW"};
-    defines.emplace_back("FOR_PICTURE");
+    constexpr const char* kDefines[] = {"", "SAMPLED", "UNOCCLUDED_BEFORE", "UNOCCLUDED_NOW"};
+    defines.emplace_back("FOR_IMAGE");
     defines.emplace_back(kDefines[std::size_t(selection)]);
     if (counts_in_view(selection)) defines.emplace_back("COUNTS_IN_VIEW");
   }
@@ -40,11 +40,11 @@ gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDesc
 
 void bind_selection(const gl::Functions& gl, const gl::Program& program, const CullBatch& batch, Selection selection) {
   constexpr GLint kExemptUniform = 1;
-  constexpr GLuint kOpenFramesBinding = 5;
+  constexpr GLuint kUnoccludedFramesBinding = 5;
   if (selection != Selection::kAll)
     gl.ProgramUniform1i(program.id(), kExemptUniform, batch.kind == gpuscene::BatchKind::kLine);
   if (tests_occlusion(selection))
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kOpenFramesBinding, batch.open_frames.id());
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kUnoccludedFramesBinding, batch.unoccluded_frames.id());
 }
 
 void bind_batch(const gl::Functions& gl, const CullBatch& batch) {

@@ -14,7 +14,7 @@ constexpr double kUnits = 0x1p-20;
 
 }  // namespace
 
-ScreenBlock make_screen_block(const core::View& view, const core::ItemBounds& bounds, const PictureSamples& samples) {
+ScreenBlock make_screen_block(const core::View& view, const core::ItemBounds& bounds, const ImageSamples& samples) {
   assert(!samples.offsets.empty() && samples.offsets.size() <= std::size_t(kMaxSamples));
   const ScreenView screen = make_screen_view(view, bounds.origin, samples.width, samples.height, samples.snap);
   double sizes = 0.0;  // of all coordinates

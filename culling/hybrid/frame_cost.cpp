@@ -26,10 +26,11 @@ constexpr double kClear = 3.0;
 constexpr double kPresumed = 8.0;
 // Frames within which a probe's sample comes.
 constexpr std::uint64_t kAnswer = 6;
-// A path that was left because it had become dearer is probed again after so many frames: it may have been a hiccup.
+// A path that was left because it had become more expensive is probed again after so many frames: it may have been a
+// hiccup.
 constexpr std::uint64_t kCheck = 16;
-// When the path taken has become dearer, a probe of the other path may cost at most so many extra frames of the path
-// taken.
+// When the path taken has become more expensive, a probe of the other path may cost at most so many extra frames of the
+// path taken.
 constexpr double kClose = 1.5;
 // A probe that was not saved for may cost at most so many frames.
 constexpr double kWorthwhile = 32.0;
@@ -113,8 +114,8 @@ double FrameCost::doubt(CullPath path) {
   return error + std::min(kMostFarOptimism, kOptimismPerOctave * s.table.distance(x_));
 }
 
-/// Switches at once when the path taken has become dearer, and the other one, left for the same reason, was then found
-/// cheap again.
+/// Switches at once when the path taken has become more expensive, and the other one, left for the same reason, was
+/// then found cheap again.
 bool FrameCost::try_recovered(double own, double theirs) {
   Side& s = side(other(path_));
   if (!risen_ || !s.recovers || theirs - s.rise > own - config_.dwell_margin) return false;

@@ -24,10 +24,10 @@ struct FrameCostConfig {
   double probe_cost = 0.004;           ///< unprovoked probes may lengthen the sum of all frames by this share
   std::uint32_t probe_interval = 200;  ///< frames between unprovoked probes
   std::uint32_t silent_frames = 16;    ///< frames on the GPU without a sample, after which it is given up
-  /// Share by which frames of the GPU path are presumed to be dearer, until some ten measured ones show otherwise. 0:
-  /// nothing is presumed, and a path is tried wherever it is not known to be dearer. Meant for software rasterisers,
-  /// where the CPU's cores do the GPU's work: there such trials are only ever lost. With rendering off, GPU frames on
-  /// these have no clock that could show otherwise, so the GPU path is then never taken.
+  /// Share by which frames of the GPU path are presumed to be more expensive, until some ten measured ones show
+  /// otherwise. 0: nothing is presumed, and a path is tried wherever it is not known to be more expensive. Meant for
+  /// software rasterisers, where the CPU's cores do the GPU's work: there such trials are only ever lost. With
+  /// rendering off, GPU frames on these have no clock that could show otherwise, so the GPU path is then never taken.
   double presumed_gpu_excess = 0.0;
   friend bool operator==(const FrameCostConfig&, const FrameCostConfig&) = default;
 };
@@ -84,7 +84,7 @@ class SIGHTLINE_API FrameCost {
   std::array<Side, 2> sides_;
   CullPath path_ = CullPath::kCpu;
   bool gpu_ = false, probing_ = false;
-  bool risen_ = false;  // the path taken has become dearer: the other one is worth a probe
+  bool risen_ = false;  // the path taken has become more expensive: the other one is worth a probe
   double items_ = 0.0;  // of the scene; 0: unknown
   double x_ = 0.0;      // position() of the newest frame whose visible items are known
   std::uint64_t visible_frame_ = 0;

@@ -1,4 +1,4 @@
-// Contribution: how large an item is in the picture, and culling by that. The only culling here that loses something.
+// Contribution: how large an item is in the image, and culling by that. The only culling here that loses something.
 //
 // The measure is the number of samples that an item is expected to cover, with one sample per pixel: an area, in
 // pixels.
@@ -41,12 +41,12 @@ class SIGHTLINE_API ContributionTest {
  public:
   static constexpr float kHysteresis = 0.8f;
 
-  /// `origin`: of the bounds whose boxes will be measured. width, height: of the picture, in pixels. `solids`: by slot,
+  /// `origin`: of the bounds whose boxes will be measured. width, height: of the image, in pixels. `solids`: by slot,
   /// square metres, 0 or more; infinity where only the box is known, as it is of slots beyond the last. Borrowed.
   ContributionTest(const core::View& view, const core::dvec3& origin, int width, int height,
                    std::span<const float> solids = {});
 
-  /// In pixels, beyond the picture's edges included. Infinity for boxes that reach behind the eye; 0 for empty ones.
+  /// In pixels, beyond the image's edges included. Infinity for boxes that reach behind the eye; 0 for empty ones.
   float area(const core::Aabb& box, float solid = std::numeric_limits<float>::infinity()) const;
 
   struct SlotArea {
@@ -73,7 +73,7 @@ class SIGHTLINE_API ContributionTest {
     float area;      ///< pixels
   };
   enum class SquareRule { kOnPixelCentres, kAll };
-  /// Replaces `squares` by those of the slots of `in` without a bit in `without` whose centres are in the picture; with
+  /// Replaces `squares` by those of the slots of `in` without a bit in `without` whose centres are in the image; with
   /// kOnPixelCentres only those that may cover a pixel centre. Those smaller than
   /// `least_area`, in pixels, will be drawn that large. There are none of boxes that reach behind the eye.
   void squares(const core::ItemBounds& bounds, const core::VisibleSet& in, SlotBits without, float least_area,

@@ -15,7 +15,7 @@
 
 namespace sightline::culling {
 
-/// Farthest distances of blocks of 1, 2 x 2, 4 x 4, … pixels, of any picture size. Blocks at the right and upper edge
+/// Farthest distances of blocks of 1, 2 x 2, 4 x 4, … pixels, of any image size. Blocks at the right and upper edge
 /// hold fewer pixels.
 class SIGHTLINE_API DepthPyramid {
  public:
@@ -37,7 +37,7 @@ class SIGHTLINE_API DepthPyramid {
 
   int width() const { return levels_.empty() ? 0 : levels_[0].width; }
   int height() const { return levels_.empty() ? 0 : levels_[0].height; }
-  /// True only if the pixels x0 … x1, y0 … y1, at least one and all within the picture, hold less than `distance`. It
+  /// True only if the pixels x0 … x1, y0 … y1, at least one and all within the image, hold less than `distance`. It
   /// may be false because of a pixel beside them: at most 9 x 9 blocks that contain them are looked at,
   /// single pixels where they are no more.
   bool all_nearer(int x0, int y0, int x1, int y1, float distance) const;

@@ -47,7 +47,7 @@ bool DepthTest::hide_all(const PixelRectangle& pixels, float nearest) const {
 }
 
 bool DepthTest::hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const {
-  if (waits(pixels)) return open_boxes(RayQueues::only(box, pixels)) == 0;
+  if (waits(pixels)) return unoccluded_boxes(RayQueues::only(box, pixels)) == 0;
   if (hide_all(pixels, nearest)) return true;
   BoxSpan span;
   if (!rays_.span(box, span)) return false;
@@ -55,16 +55,16 @@ bool DepthTest::hides(const BoxCoordinates& box, const PixelRectangle& pixels, f
   int level = 0;
   while (size >> level >= unsigned(kLanes) - 1) level += kLevels;
   int rows = 0;
-  return all_hidden(span, pixels, std::min(level, pyramid_->level_count() - 1), rows);
+  return all_occluded(span, pixels, std::min(level, pyramid_->level_count() - 1), rows);
 }
 
 bool DepthTest::waits(const PixelRectangle& pixels) const {
   return rays_.usable() && RayQueues::takes(pixels);
 }
 
-unsigned DepthTest::open_boxes(const SmallBoxes& boxes, PixelEntries* entries) const {
-  return occlusion_kernels().open_boxes(ray_field_, boxes, view_.snap, pyramid_->blocks(), {kDistanceMargin, error_},
-                                        entries);
+unsigned DepthTest::unoccluded_boxes(const SmallBoxes& boxes, PixelEntries* entries) const {
+  return occlusion_kernels().unoccluded_boxes(ray_field_, boxes, view_.snap, pyramid_->blocks(),
+                                              {kDistanceMargin, error_}, entries);
 }
 
 /// The tile for looks at blocks of a level, without its place.
@@ -90,7 +90,7 @@ void DepthTest::move(BlockTile& tile, int level, int x, int y, int last) const {
 
 /// Whether no ray of these pixels meets the box in front of what the pixel holds. Looks at blocks of a level, and into
 /// those that do not answer for all of their pixels.
-bool DepthTest::all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const {
+bool DepthTest::all_occluded(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const {
   const PixelRectangle blocks{pixels.x0 >> level, pixels.y0 >> level, pixels.x1 >> level, pixels.y1 >> level};
   const TileShape shape(blocks.x1 - blocks.x0 + 1);
   BlockTile tile = tile_of(shape, level);
@@ -99,15 +99,15 @@ bool DepthTest::all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int
     rows += std::min(shape.rows(), blocks.y1 - y + 1);
     if (rows > kMostRows) return false;
     move(tile, level, blocks.x0, y, blocks.y1);
-    unsigned open =
-        occlusion_kernels().open_blocks(box, tile, entries) & shape.lanes(blocks.x1 - blocks.x0 + 1, blocks.y1 - y + 1);
-    if (open != 0 && level == 0) return false;
-    for (; open != 0; open &= open - 1) {
-      const int lane = std::countr_zero(open), at_x = blocks.x0 + shape.x(lane), at_y = y + shape.y(lane);
+    unsigned unoccluded = occlusion_kernels().unoccluded_blocks(box, tile, entries) &
+                          shape.lanes(blocks.x1 - blocks.x0 + 1, blocks.y1 - y + 1);
+    if (unoccluded != 0 && level == 0) return false;
+    for (; unoccluded != 0; unoccluded &= unoccluded - 1) {
+      const int lane = std::countr_zero(unoccluded), at_x = blocks.x0 + shape.x(lane), at_y = y + shape.y(lane);
       const PixelRectangle inside{std::max(pixels.x0, at_x << level), std::max(pixels.y0, at_y << level),
                                   std::min(pixels.x1, ((at_x + 1) << level) - 1),
                                   std::min(pixels.y1, ((at_y + 1) << level) - 1)};
-      if (!all_hidden(box, inside, std::max(0, level - kLevels), rows)) return false;
+      if (!all_occluded(box, inside, std::max(0, level - kLevels), rows)) return false;
     }
   }
   return true;
@@ -119,35 +119,35 @@ float DepthTest::distance(const core::Aabb& box) const {
          t.z * (t.z > 0.0f ? box.min.z : box.max.z) + t.d;
 }
 
-unsigned DepthTest::maybe_open(const float* const (&coordinates)[6], BoxRectangles& r) const {
+unsigned DepthTest::maybe_unoccluded(const float* const (&coordinates)[6], BoxRectangles& r) const {
   occlusion_kernels().rectangles(view_, coordinates, r);
   const unsigned judged = r.covering & r.projects;
   if (judged == 0) return r.covering;
   return r.covering & ~(judged & occlusion_kernels().behind(view_, r, pyramid_->blocks(), {kDistanceMargin, error_}));
 }
 
-unsigned DepthTest::undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned open) const {
-  unsigned judged = open & r.projects;
+unsigned DepthTest::undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned unoccluded) const {
+  unsigned judged = unoccluded & r.projects;
   if (judged != 0 && rays_.usable())
     judged &= ~occlusion_kernels().seen(view_, ray_field_, coordinates, r, judged, pyramid_->blocks());
   return judged;
 }
 
-unsigned DepthTest::open_nodes(const float* const (&coordinates)[6]) const {
+unsigned DepthTest::unoccluded_nodes(const float* const (&coordinates)[6]) const {
   BoxRectangles r;
-  unsigned open = maybe_open(coordinates, r);
-  for (unsigned bits = undecided(coordinates, r, open); bits != 0; bits &= bits - 1) {
+  unsigned unoccluded = maybe_unoccluded(coordinates, r);
+  for (unsigned bits = undecided(coordinates, r, unoccluded); bits != 0; bits &= bits - 1) {
     const int i = std::countr_zero(bits);
-    if (hide_all(pixels_of(view_, r, i), r.nearest[i])) open &= ~(1u << i);
+    if (hide_all(pixels_of(view_, r, i), r.nearest[i])) unoccluded &= ~(1u << i);
   }
-  return open;
+  return unoccluded;
 }
 
-unsigned DepthTest::hidden(const float* const (&coordinates)[6]) const {
+unsigned DepthTest::occluded(const float* const (&coordinates)[6]) const {
   BoxRectangles r;
-  const unsigned open = maybe_open(coordinates, r);
-  unsigned found = ~open;
-  for (unsigned bits = undecided(coordinates, r, open); bits != 0; bits &= bits - 1) {
+  const unsigned unoccluded = maybe_unoccluded(coordinates, r);
+  unsigned found = ~unoccluded;
+  for (unsigned bits = undecided(coordinates, r, unoccluded); bits != 0; bits &= bits - 1) {
     const int i = std::countr_zero(bits);
     if (hides(box_of(coordinates, i), pixels_of(view_, r, i), r.nearest[i])) found |= 1u << i;
   }
@@ -156,21 +156,22 @@ unsigned DepthTest::hidden(const float* const (&coordinates)[6]) const {
 
 DepthTest::Found DepthTest::enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels,
                                   float nearest, FrontLayer& layer) const {
-  if (hide_all(pixels, nearest)) return Found::kHidden;
+  if (hide_all(pixels, nearest)) return Found::kOccluded;
   BoxSpan span;
   const int columns = (pixels.x1 - pixels.x0) / kLanes + 1;
   if (columns * (pixels.y1 - pixels.y0 + 1) > kMostRows || !rays_.span(box, span))
-    return hides(box, pixels, nearest) ? Found::kHidden : Found::kNotJudged;
+    return hides(box, pixels, nearest) ? Found::kOccluded : Found::kNotJudged;
   const TileShape shape(pixels.x1 - pixels.x0 + 1);
   BlockTile tile = tile_of(shape, 0);
   alignas(64) float entries[kLanes];
-  Found found = Found::kHidden;
+  Found found = Found::kOccluded;
   for (int y = pixels.y0; y <= pixels.y1; y += shape.rows())
     for (int x = pixels.x0; x <= pixels.x1; x += shape.columns()) {
       move(tile, 0, x, y, pixels.y1);
       const unsigned lanes = shape.lanes(pixels.x1 - x + 1, pixels.y1 - y + 1);
-      for (unsigned open = occlusion_kernels().open_blocks(span, tile, entries) & lanes; open != 0; open &= open - 1) {
-        const int lane = std::countr_zero(open);
+      for (unsigned unoccluded = occlusion_kernels().unoccluded_blocks(span, tile, entries) & lanes; unoccluded != 0;
+           unoccluded &= unoccluded - 1) {
+        const int lane = std::countr_zero(unoccluded);
         const std::size_t row = std::size_t(y + shape.y(lane)) * std::size_t(pyramid_->width());
         layer.enter(row + std::size_t(x + shape.x(lane)), entries[lane], slot);
         found = Found::kEntered;

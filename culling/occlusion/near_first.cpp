@@ -45,14 +45,14 @@ void NearFirst::split(const core::VisibleSet& set, const Hierarchy& hierarchy, c
   for_each_piece(set, [&](std::uint32_t node, const core::SlotRange& piece) {
     append_range(piece.first, piece.first + piece.count, parts_[part_of_[node]].ranges);
   });
-  for (const core::Slot s : set.slots) parts_[part_of_[s / kNodeSlots]].slots.push_back(s);
+  for (const core::Slot s : set.single_slots) parts_[part_of_[s / kNodeSlots]].single_slots.push_back(s);
 }
 
 /// In order of their distances.
 void NearFirst::find_nodes(const core::VisibleSet& set, const Hierarchy& hierarchy, const OcclusionTest& test) {
   slots_of_.assign(hierarchy.level(0).size(), 0);
   for_each_piece(set, [&](std::uint32_t node, const core::SlotRange& piece) { slots_of_[node] += piece.count; });
-  for (const core::Slot s : set.slots) ++slots_of_[s / kNodeSlots];
+  for (const core::Slot s : set.single_slots) ++slots_of_[s / kNodeSlots];
   nodes_.clear();
   const bool one = hierarchy.level_count() == 1;
   for (std::uint32_t node = 0; node < slots_of_.size(); ++node)

@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "sightline/core/internal/scratch.h"
+#include "sightline/culling/occlusion/internal/inner_occluders.h"
 #include "sightline/culling/occlusion/internal/kernels.h"
 #include "sightline/culling/occlusion/internal/occluder_area.h"
 #include "sightline/culling/occlusion/internal/polygon_area.h"
 #include "sightline/culling/occlusion/internal/prisms.h"
 #include "sightline/culling/occlusion/internal/raster_placement.h"
-#include "sightline/culling/occlusion/internal/solid_figures.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 
 namespace sightline::culling {
@@ -61,7 +61,7 @@ Area::Diagonals diagonals_of(std::span<const Corner> corners, const Polygon::Fac
 }
 
 /// 1, -1; 0 where rounding leaves the sign of the area open.
-int turn_of(std::span<const Corner> corners, const Polygon::Face& face) {
+int winding_of(std::span<const Corner> corners, const Polygon::Face& face) {
   double reach = 0.0;
   for (const int i : {0, face.count / 4, face.count / 2, 3 * face.count / 4})
     reach = std::max(reach, corners[face.corners[i]].reach);
@@ -103,7 +103,7 @@ bool cover(OccluderImage& image, const Polygon& polygon, double shift) {
   Area found;
   for (const Corner& c : polygon.corners) {
     if (!(c.reach < kMostReach)) return false;
-    found.add(c.x, c.y, c.nearness, c.reach);
+    found.add(c.x, c.y, c.reciprocal_depth, c.reach);
   }
   if (polygon.side_count == 0 || !found.find_pixels(image.width, image.height, shift)) return false;
   std::array<Area::Side, OccluderArea::kMostSides> sides;
@@ -119,7 +119,7 @@ bool cover(OccluderImage& image, const Polygon& polygon, double shift) {
   area.columns = int(found.columns()), area.rows = int(found.rows());
   find_lines(found, std::span(sides).first(std::size_t(polygon.side_count)), area);
   find_planes(found, polygon, area);
-  occlusion_kernels().fill_area(area, image.nearness.data(), image.stride);
+  occlusion_kernels().fill_area(area, image.reciprocal_depth.data(), image.stride);
   return true;
 }
 
@@ -132,12 +132,12 @@ Polygon::Face all_of(std::span<const Corner> corners) {
 }
 
 /// A convex polygon by itself. `turn`: its own.
-bool cover_polygon(OccluderImage& image, std::span<const Corner> corners, int turn, double shift) {
+bool cover_polygon(OccluderImage& image, std::span<const Corner> corners, int winding, double shift) {
   const int count = int(corners.size());
   Polygon polygon(corners);
   for (int i = 0; i < count; ++i) {
     const auto from = std::uint8_t(i), to = std::uint8_t((i + 1) % count);
-    turn > 0 ? polygon.add_side(from, to) : polygon.add_side(to, from);
+    winding > 0 ? polygon.add_side(from, to) : polygon.add_side(to, from);
   }
   polygon.add_face(all_of(corners));
   return cover(image, polygon, shift);
@@ -160,24 +160,24 @@ bool at_outline(const Polygon& polygon, const Polygon::Face& face, double snap) 
 }
 
 /// A solid beyond the near plane. `turn`: of its front faces.
-bool cover_whole(OccluderImage& image, const Prism& solid, std::span<const Corner> corners, int turn) {
+bool cover_whole(OccluderImage& image, const Prism& solid, std::span<const Corner> corners, int winding) {
   Polygon polygon(corners);
-  std::array<int, Prism::kMostSides + 2> turns{};
+  std::array<int, Prism::kMostSides + 2> windings{};
   const auto face_of = [&](std::size_t i) { return Polygon::Face{solid.faces[i].data(), int(solid.faces[i].size())}; };
   for (std::size_t i = 0; i < solid.faces.size(); ++i) {
-    turns[i] = turn_of(corners, face_of(i));
-    if (turns[i] != turn) continue;
+    windings[i] = winding_of(corners, face_of(i));
+    if (windings[i] != winding) continue;
     if (polygon.face_count == OccluderArea::kMostPlanes) return false;
     polygon.add_face(face_of(i));
   }
   for (const Prism::Edge& edge : solid.edges) {
-    const bool left = turns[edge.left] == turn, right = turns[edge.right] == turn;
+    const bool left = windings[edge.left] == winding, right = windings[edge.right] == winding;
     if (left == right) continue;
     if (polygon.side_count == OccluderArea::kMostSides) return false;
-    left == (turn > 0) ? polygon.add_side(edge.from, edge.to) : polygon.add_side(edge.to, edge.from);
+    left == (winding > 0) ? polygon.add_side(edge.from, edge.to) : polygon.add_side(edge.to, edge.from);
   }
   for (std::size_t i = 0; i < solid.faces.size(); ++i)
-    if (turns[i] == 0 && !at_outline(polygon, face_of(i), image.snap)) polygon.face_count = 0;
+    if (windings[i] == 0 && !at_outline(polygon, face_of(i), image.snap)) polygon.face_count = 0;
   return cover(image, polygon, image.snap);
 }
 
@@ -225,7 +225,7 @@ double entry_of(std::span<const std::uint8_t> face, std::span<const Point> corne
 /// whose bulge is cut hides nothing: what is drawn is open there. What is drawn lies within the solid made `growth`
 /// times as large: 1, or in perspective views more.
 bool cover_cut(OccluderImage& image, const Prism& solid, const Placement& placement, std::span<const Point> points,
-               int turn, double growth) {
+               int winding, double growth) {
   const core::Scratch<ClipBuffers> scratch;
   std::vector<Point>& polygon = scratch->polygon;
   const std::vector<Corner>& corners = scratch->corners;
@@ -246,7 +246,7 @@ bool cover_cut(OccluderImage& image, const Prism& solid, const Placement& placem
     }
     clip(placement, *scratch);
     if (corners.size() < 3) continue;
-    if (turn_of(corners, all_of(corners)) == turn) covers |= cover_polygon(image, corners, turn, image.snap);
+    if (winding_of(corners, all_of(corners)) == winding) covers |= cover_polygon(image, corners, winding, image.snap);
   }
   return covers;
 }
@@ -273,12 +273,12 @@ bool add_solid(OccluderImage& image, const Prism& solid, std::span<const dvec3> 
     kept &= placement.kept(p);
   }
   if (!placement.whole(kept)) return false;
-  const int turn = placement.handedness() > 0.0 ? -1 : 1;
+  const int winding = placement.handedness() > 0.0 ? -1 : 1;
   if (in_front < all || (growth != 1.0 && !all_in_front(placement, own, growth)))
-    return cover_cut(image, solid, placement, std::span(points).first(all), turn, growth);
+    return cover_cut(image, solid, placement, std::span(points).first(all), winding, growth);
   std::array<Corner, 2 * Prism::kMostSides> corners;
   for (std::size_t i = 0; i < count; ++i) corners[i] = placement.project(points[i]);
-  return cover_whole(image, solid, std::span(corners).first(count), turn);
+  return cover_whole(image, solid, std::span(corners).first(count), winding);
 }
 
 bool add_solid(OccluderImage& image, const Prism& solid, const Affine& eye_from_solid) {
@@ -325,7 +325,7 @@ class PolygonQueue {
 
  private:
   void cover() {
-    covers_ |= kernel_(image_, batch_, image_.nearness.data()) != 0;
+    covers_ |= kernel_(image_, batch_, image_.reciprocal_depth.data()) != 0;
     batch_.count = 0;
   }
 
@@ -423,8 +423,8 @@ void OccluderRaster::begin(const core::View& view, int width, int height, float 
   image.snap = double(snap);
   image.stride = (width + kLanes - 1) / kLanes * kLanes;
   image.perspective = !view.orthographic();
-  image.nearness.assign(std::size_t(image.stride) * std::size_t(height),
-                        image.perspective ? 0.0f : -std::numeric_limits<float>::infinity());
+  image.reciprocal_depth.assign(std::size_t(image.stride) * std::size_t(height),
+                                image.perspective ? 0.0f : -std::numeric_limits<float>::infinity());
   image.eye = view.eye();
   const core::dmat4 clip = glm::transpose(view.clip_from_world()), eye = glm::transpose(view.eye_from_world());
   const auto of_row = [&](const dvec4& row) { return form_at(image.eye, dvec3(row), row.w); };
@@ -468,26 +468,26 @@ bool OccluderRaster::add_cylinder(const Affine& world_from_cylinder, int sides) 
   return add_solid(image_, prism(sides), from(image_.eye, world_from_cylinder));
 }
 
-bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<const SolidFigure> figures) {
+bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<const OccluderPolygon> polygons) {
   if (!image_.usable) return false;
   bool covers = false;
   PolygonQueue<4> quads(image_, occlusion_kernels().cover_quads);
   PolygonQueue<8> octagons(image_, occlusion_kernels().cover_octagons);
   for (const WholeSolid& solid : solids) {
-    const std::span<const SolidFigure> own = figures.first(solid.figures);
-    figures = figures.subspan(solid.figures);
+    const std::span<const OccluderPolygon> own = polygons.first(solid.polygons);
+    polygons = polygons.subspan(solid.polygons);
     const std::array<dvec3, 2> ends{solid.box.min, solid.box.max};
     const dvec3 reach = reach_of(ends);
     const Placement placement(image_, reach);
     const bool whole = placement.leaves_whole(solid.box.min, solid.box.max);
-    for (const SolidFigure& figure : own) {
-      if (!whole && !(figure.hexahedron && figure.growth > 0.0 && image_.perspective)) continue;
-      if (figure.hexahedron)
-        covers |= add_solid(image_, cube(), figure.corners, placement, whole ? 1.0 : figure.growth);
-      else if (figure.count == 4)
-        quads.add(figure.polygon(), reach);
+    for (const OccluderPolygon& polygon : own) {
+      if (!whole && !(polygon.hexahedron && polygon.growth > 0.0 && image_.perspective)) continue;
+      if (polygon.hexahedron)
+        covers |= add_solid(image_, cube(), polygon.corners, placement, whole ? 1.0 : polygon.growth);
+      else if (polygon.count == 4)
+        quads.add(polygon.points(), reach);
       else
-        octagons.add(figure.polygon(), reach);
+        octagons.add(polygon.points(), reach);
     }
   }
   covers |= quads.finish();
@@ -495,7 +495,7 @@ bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<co
   return covers;
 }
 
-void OccluderRaster::find_seen(std::span<const SolidFigure> quads, const DepthPyramid& pyramid, double error,
+void OccluderRaster::find_seen(std::span<const OccluderPolygon> quads, const DepthPyramid& pyramid, double error,
                                std::vector<std::uint8_t>& seen) const {
   assert(pyramid.width() == image_.width && pyramid.height() == image_.height);
   seen.assign(quads.size(), 1);
@@ -503,8 +503,9 @@ void OccluderRaster::find_seen(std::span<const SolidFigure> quads, const DepthPy
   PolygonBatch<4> batch{};
   for (std::size_t first = 0; first < quads.size(); first += kPolygonsAtOnce) {
     batch.count = 0;
-    for (const SolidFigure& quad : quads.subspan(first, std::min<std::size_t>(kPolygonsAtOnce, quads.size() - first)))
-      append(quad.polygon(), reach_of(quad.polygon()), batch);
+    for (const OccluderPolygon& quad :
+         quads.subspan(first, std::min<std::size_t>(kPolygonsAtOnce, quads.size() - first)))
+      append(quad.points(), reach_of(quad.points()), batch);
     const unsigned bits =
         occlusion_kernels().seen_quads(image_, batch, pyramid.blocks(), {OcclusionTest::kDistanceMargin, float(error)});
     for (int i = 0; i < batch.count; ++i) seen[first + std::size_t(i)] = bits >> i & 1u;
@@ -538,7 +539,8 @@ void OccluderRaster::add_mesh(std::span<const core::vec3> positions, std::span<c
       if (clipped.corners.size() < 3) continue;
       triangle = clipped.corners;
     }
-    if (const int turn = turn_of(triangle, all_of(triangle)); turn != 0) cover_polygon(image_, triangle, turn, 0.0);
+    if (const int winding = winding_of(triangle, all_of(triangle)); winding != 0)
+      cover_polygon(image_, triangle, winding, 0.0);
   }
 }
 
@@ -568,10 +570,10 @@ void OccluderRaster::distances_of_rows(int first_row, int end_row, std::span<flo
   std::vector<const float*>& rows = scratch->rows;
   for (int y = first_row; y < end_row; ++y) {
     const std::size_t first = std::size_t(y) * std::size_t(image_.stride);
-    rows.assign(1, image_.nearness.data() + first);
+    rows.assign(1, image_.reciprocal_depth.data() + first);
     for (const OccluderRaster* other : others) {
       assert(other->image_.width == image_.width && other->image_.height == image_.height);
-      rows.push_back(other->image_.nearness.data() + first);
+      rows.push_back(other->image_.reciprocal_depth.data() + first);
     }
     occlusion_kernels().distances(rows.data(), int(rows.size()), image_.perspective, image_.width,
                                   out.data() + std::size_t(y) * std::size_t(image_.width));

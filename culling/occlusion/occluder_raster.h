@@ -21,20 +21,21 @@
 // tile: the depth pyramid begins with pixels.
 //
 // Rounding. What is computed in double, forms of the corners and their quotients, is off by at most a distance `reach`
-// in the picture, which follows from the sizes of the terms; occluders for which it is not tiny are left out. What is
+// in the image, which follows from the sizes of the terms; occluders for which it is not tiny are left out. What is
 // computed in float, spans and distances within one area, is off by a few units of the area's size.
 //   - Coverage: let p lie to the left of every side of the outline, by `reach` + `inset` along both axes. The square of
 //     that half size around p then lies in the hull of the computed corners. Corners are off by less, so p lies in the
 //     hull of the exact ones: else a line would part p from these, and the square from the computed ones. The inset
-//     holds the error of the float sides and, for boxes and cylinders, what a rasteriser may move a vertex: a picture
+//     holds the error of the float sides and, for boxes and cylinders, what a rasteriser may move a vertex: an image
 //     drawn from the same solids covers these pixels too. Meshes have only the former, or gaps would open between their
 //     triangles.
-//   - Distance: nearness (the reciprocal of the distance, or its negative where the view is orthographic) is linear
+//   - Distance: reciprocal depth (the reciprocal of the distance, or its negative where the view is orthographic) is
+//   linear
 //     across a face. A computed plane is lowered until it lies below all corners of its face, then by its slope times
-//     `reach` and the vertex shift, then by its error in float: it is not nearer than the face. A solid's nearness
-//     where a line of sight enters is that of some front face, so at least the least of all front planes; and at least
-//     that of its farthest corner. Where rounding leaves open whether a face is a front face, the latter alone counts,
-//     unless the face is so near to the outline that the inset leaves no pixel that could see it.
+//     `reach` and the vertex shift, then by its error in float: it is not nearer than the face. A solid's reciprocal
+//     depth where a line of sight enters is that of some front face, so at least the least of all front planes; and at
+//     least that of its farthest corner. Where rounding leaves open whether a face is a front face, the latter alone
+//     counts, unless the face is so near to the outline that the inset leaves no pixel that could see it.
 //   - Faces and triangles that cross the near plane are clipped there, or so far in front of the eye that `reach` is
 //     tiny (some millimetres, for occluders of hundreds of metres). The new corners lie on the exact edges but for what
 //     `reach` allows. An eye inside a solid sees none of its front faces: the solid hides nothing.
@@ -55,13 +56,13 @@
 
 namespace sightline::culling {
 
-struct SolidFigure;
+struct OccluderPolygon;
 struct WholeSolid;
 
 /// Reuse one from frame to frame: it keeps its memory. One thread at a time.
 class SIGHTLINE_API OccluderRaster {
  public:
-  /// Empties the image, for occluders of this view in a picture of width x height pixels, 1 … kMostPixels each. The
+  /// Empties the image, for occluders of this view in an image of width x height pixels, 1 … kMostPixels each. The
   /// view must know its eye; in one made from a combined matrix, or whose depth is not a function of the distance along
   /// the viewing direction, nothing is covered. `snap`: of the rasteriser that draws the occluders (rasteriser_snap).
   void begin(const core::View& view, int width, int height, float snap = kCoarsestSnap);
@@ -78,15 +79,15 @@ class SIGHTLINE_API OccluderRaster {
   /// cost more. Sides that the near plane cuts hide nothing: it opens the cylinder before it meets the prism.
   bool add_cylinder(const core::Affine& world_from_cylinder, int sides = 8);
 
-  /// Figures within solids (internal/solid_figures.h), first those of the first solid. Those of solids whose box the
-  /// near plane or a section plane may cut hide nothing, except for hexahedra whose growth is known, in perspective
-  /// views: the near plane clips these.
-  bool add_within(std::span<const WholeSolid> solids, std::span<const SolidFigure> figures);
+  /// Occluder polygons within solids (internal/inner_occluders.h), first those of the first solid. Those of solids
+  /// whose box the near plane or a section plane may cut hide nothing, except for hexahedra whose growth is known, in
+  /// perspective views: the near plane clips these.
+  bool add_within(std::span<const WholeSolid> solids, std::span<const OccluderPolygon> polygons);
 
-  /// Of quads in front of solids (internal/solid_figures.h): 0 for those that lie behind what all of their pixels hold
-  /// in a pyramid of this view and size, else 1. So a solid is hidden when all its quads are. `error`: as for
+  /// Of quads in front of solids (internal/inner_occluders.h): 0 for those that lie behind what all of their pixels
+  /// hold in a pyramid of this view and size, else 1. So a solid is hidden when all its quads are. `error`: as for
   /// OcclusionTest.
-  void find_seen(std::span<const SolidFigure> quads, const DepthPyramid& pyramid, double error,
+  void find_seen(std::span<const OccluderPolygon> quads, const DepthPyramid& pyramid, double error,
                  std::vector<std::uint8_t>& seen) const;
 
   /// Triangles of any winding, seen from both sides; three indices each, all below positions.size().

@@ -24,7 +24,7 @@ void list_bits(std::size_t word, std::uint64_t bits, std::vector<core::Slot>& sl
 
 /// The answers for the boxes of a set. Boxes whose rays are still to be tested wait in queues.
 struct Judgement {
-  void add_group(unsigned open) { of_groups.push_back(std::uint16_t(open)); }
+  void add_group(unsigned unoccluded) { of_groups.push_back(std::uint16_t(unoccluded)); }
   void hide(const RayQueues::Place& place) { of_groups[place.group] &= std::uint16_t(~(1u << place.lane)); }
   std::uint32_t last_group() const { return std::uint32_t(of_groups.size() - 1); }
   /// Replaces `out` by the open slots of `in`, whose groups have been added.
@@ -64,24 +64,24 @@ struct FrontBuffers {
   SetParts parts;
   FrontLayers layers;
   std::vector<std::uint64_t> in_front, others;  // a bit per slot
-  core::VisibleSet open;
-  std::size_t memory_bytes() const { return core::bytes_of(parts, layers, in_front, others, open); }
+  core::VisibleSet unoccluded;
+  std::size_t memory_bytes() const { return core::bytes_of(parts, layers, in_front, others, unoccluded); }
 };
 
-/// Replaces `open` by the slots of `in` that are not hidden, or exempt.
+/// Replaces `unoccluded` by the slots of `in` that are not hidden, or exempt.
 void filter_boxes(const DepthTest& depth, const core::ItemBounds& bounds, const core::VisibleSet& in,
-                  core::VisibleSet& open, SlotBits exempt) {
+                  core::VisibleSet& unoccluded, SlotBits exempt) {
   const core::Scratch<Judgement> scratch;
   Judgement& judged = *scratch;
   const auto test = [&](const SmallBoxes& boxes, std::span<const RayQueues::Place> places) {
-    const unsigned found = depth.open_boxes(boxes);
+    const unsigned found = depth.unoccluded_boxes(boxes);
     for (std::size_t i = 0; i < places.size(); ++i)
       if ((found >> i & 1u) == 0) judged.hide(places[i]);
   };
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool) {
     BoxRectangles r;
     const unsigned spared = bits_in(exempt, group);
-    const unsigned maybe = depth.maybe_open(group.coordinates, r) & used;
+    const unsigned maybe = depth.maybe_unoccluded(group.coordinates, r) & used;
     judged.add_group(maybe | spared);
     for (unsigned bits = depth.undecided(group.coordinates, r, maybe) & ~spared; bits != 0; bits &= bits - 1) {
       const int i = std::countr_zero(bits);
@@ -95,14 +95,14 @@ void filter_boxes(const DepthTest& depth, const core::ItemBounds& bounds, const 
     }
   });
   judged.queues.finish(test);
-  judged.list(in, open);
+  judged.list(in, unoccluded);
 }
 
 /// Enters sixteen boxes that have waited in a queue.
 void enter_queued(const DepthTest& depth, const SmallBoxes& boxes, std::span<const RayQueues::Place> places,
                   EnteringBuffers& buffers, FrontLayer& layer) {
   auto& [judged, entries] = buffers;
-  const unsigned found = depth.open_boxes(boxes, &entries);
+  const unsigned found = depth.unoccluded_boxes(boxes, &entries);
   for (const PixelEntries::Entry& e : std::span(entries.of).first(std::size_t(entries.count)))
     layer.enter(std::size_t(e.y) * std::size_t(depth.width()) + std::size_t(e.x), e.distance,
                 places[std::size_t(e.box)].slot);
@@ -112,9 +112,9 @@ void enter_queued(const DepthTest& depth, const SmallBoxes& boxes, std::span<con
   }
 }
 
-/// Replaces `open` by the slots of `in` that are not hidden, and enters them.
+/// Replaces `unoccluded` by the slots of `in` that are not hidden, and enters them.
 void enter_all(const DepthTest& depth, const core::ItemBounds& bounds, const core::VisibleSet& in,
-               core::VisibleSet& open, FrontLayer& layer) {
+               core::VisibleSet& unoccluded, FrontLayer& layer) {
   using Found = DepthTest::Found;
   const core::Scratch<EnteringBuffers> scratch;
   Judgement& judged = scratch->judged;
@@ -123,14 +123,14 @@ void enter_all(const DepthTest& depth, const core::ItemBounds& bounds, const cor
   };
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool) {
     BoxRectangles r;
-    const unsigned maybe = depth.maybe_open(group.coordinates, r) & used;
+    const unsigned maybe = depth.maybe_unoccluded(group.coordinates, r) & used;
     judged.add_group(maybe);
     for (unsigned bits = maybe; bits != 0; bits &= bits - 1) {
       const int i = std::countr_zero(bits);
       const RayQueues::Place place{judged.last_group(), i, group.slots[i]};
       Found found = Found::kNotJudged;
       if (bounds.vacant(place.slot)) {
-        found = Found::kHidden;
+        found = Found::kOccluded;
       } else if ((r.projects >> i & 1u) != 0) {
         const BoxCoordinates box = box_of(group.coordinates, i);
         const PixelRectangle pixels = pixels_of(depth.view(), r, i);
@@ -140,12 +140,12 @@ void enter_all(const DepthTest& depth, const core::ItemBounds& bounds, const cor
         }
         found = depth.enter(place.slot, box, pixels, r.nearest[i], layer);
       }
-      if (found == Found::kHidden) judged.hide(place);
+      if (found == Found::kOccluded) judged.hide(place);
       if (found == Found::kNotJudged) layer.not_judged.push_back(place.slot);
     }
   });
   judged.queues.finish(test);
-  judged.list(in, open);
+  judged.list(in, unoccluded);
 }
 
 /// Calls visit(set) with `in` after filter_leaves(), or as it is without a hierarchy.
@@ -168,35 +168,36 @@ float OcclusionTest::distance(const core::Aabb& box) const {
   return depth_.distance(box);
 }
 
-bool OcclusionTest::hidden(const core::Aabb& box) const {
-  return depth_.fits() && of_one_box(box, [&](const auto& boxes) { return depth_.hidden(boxes); });
+bool OcclusionTest::occluded(const core::Aabb& box) const {
+  return depth_.fits() && of_one_box(box, [&](const auto& boxes) { return depth_.occluded(boxes); });
 }
 
-void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& unoccluded,
                            SlotBits exempt, CullThreads* threads, const Hierarchy* hierarchy) const {
   if (!depth_.fits()) {
-    open = in;
+    unoccluded = in;
     return;
   }
   const auto filter_part = [&](const core::VisibleSet& part, core::VisibleSet& kept) {
     with_open_leaves(*this, hierarchy, part, exempt,
                      [&](const core::VisibleSet& leaves) { filter_boxes(depth_, bounds, leaves, kept, exempt); });
   };
-  if (!threads) return filter_part(in, open);
+  if (!threads) return filter_part(in, unoccluded);
   const core::Scratch<FilterBuffers> scratch;
   SetParts& parts = scratch->parts;
   parts.split(in, part_size(in.count(), threads->count()));
   parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) { filter_part(part, part); });
-  parts.join(open);
+  parts.join(unoccluded);
 }
 
-void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
+void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& unoccluded,
                                   SlotBits exempt) const {
   if (!depth_.fits()) {
-    open = in;
+    unoccluded = in;
     return;
   }
-  culling::filter_leaves(hierarchy, in, open, exempt, [&](const auto& boxes) { return depth_.open_nodes(boxes); });
+  culling::filter_leaves(hierarchy, in, unoccluded, exempt,
+                         [&](const auto& boxes) { return depth_.unoccluded_nodes(boxes); });
 }
 
 void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy* hierarchy, const core::VisibleSet& in,
@@ -208,7 +209,7 @@ void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy*
     return;
   }
   const core::Scratch<FrontBuffers> scratch;
-  auto& [parts, layers, in_front, others, open] = *scratch;
+  auto& [parts, layers, in_front, others, unoccluded] = *scratch;
   layers.begin(std::size_t(depth_.width()) * std::size_t(depth_.height()));
   parts.split(in);
   parts.for_each(threads, [&, &shared_layers = layers](core::VisibleSet& part, std::uint32_t) {
@@ -217,17 +218,17 @@ void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy*
                      [&](const core::VisibleSet& leaves) { enter_all(depth_, bounds, leaves, part, layer); });
     shared_layers.give_back(layer);
   });
-  parts.join(open);
+  parts.join(unoccluded);
   in_front.assign(bit_words(bounds.size()), 0);
   others.assign(bit_words(bounds.size()), 0);
   layers.mark_front(in_front);
-  set_bits(open, others);
+  set_bits(unoccluded, others);
   front.clear();
   behind.clear();
   front.generation = behind.generation = in.generation;
   for (std::size_t word = 0; word < in_front.size(); ++word) {
-    list_bits(word, in_front[word], front.slots);
-    list_bits(word, others[word] & ~in_front[word], behind.slots);
+    list_bits(word, in_front[word], front.single_slots);
+    list_bits(word, others[word] & ~in_front[word], behind.single_slots);
   }
 }
 

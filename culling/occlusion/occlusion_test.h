@@ -11,7 +11,7 @@
 // pixels of the box at a time, whole blocks first. Most boxes are decided sooner, sixteen of them at a time: one look
 // at 2 x 2 blocks of the pyramid hides them, or the ray of one pixel meets them in front of what it holds.
 //
-// Where the distances come from does not matter: a picture's own depth after a first pass, a raster of chosen
+// Where the distances come from does not matter: an image's own depth after a first pass, a raster of chosen
 // occluders, or the application. They must be those of surfaces that are drawn, or larger. Section planes and
 // transparency need no rule then: what is cut away or left out by a dither has left no distance. Distances may be
 // rounded; kDistanceMargin is more than a float depth buffer and a shader's ray lose.
@@ -39,25 +39,25 @@ class SIGHTLINE_API OcclusionTest {
   static constexpr float kDistanceMargin = 0x1p-16f;
 
   /// `origin`: of the bounds whose boxes will be tested. Borrows the pyramid, which may be built anew between tests: of
-  /// the distances of `view` in a picture of width x height pixels, drawn by a rasteriser of that `snap`
+  /// the distances of `view` in an image of width x height pixels, drawn by a rasteriser of that `snap`
   /// (rasteriser_snap). While it is of another size, or not built at all, nothing is hidden. They may also be off by
   /// `error` metres, as in orthographic views, whose depth is linear.
   OcclusionTest(const core::View& view, const core::dvec3& origin, int width, int height, const DepthPyramid& pyramid,
                 double error = 0.0, float snap = kCoarsestSnap);
 
   /// Also true of boxes that cover no pixel centre.
-  bool hidden(const core::Aabb& box) const;
+  bool occluded(const core::Aabb& box) const;
   /// The least distance of a box along the viewing direction, but for rounding.
   float distance(const core::Aabb& box) const;
 
-  /// Replaces `open` by the slots of `in` whose boxes are not hidden, or whose bit is set in `exempt`. Vacant slots are
-  /// left out. Large sets are shared out among `threads`, if there are any. filter_leaves() comes first where there is
-  /// a `hierarchy`.
-  void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open, SlotBits exempt = {},
-              CullThreads* threads = nullptr, const Hierarchy* hierarchy = nullptr) const;
+  /// Replaces `unoccluded` by the slots of `in` whose boxes are not hidden, or whose bit is set in `exempt`. Vacant
+  /// slots are left out. Large sets are shared out among `threads`, if there are any. filter_leaves() comes first where
+  /// there is a `hierarchy`.
+  void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& unoccluded,
+              SlotBits exempt = {}, CullThreads* threads = nullptr, const Hierarchy* hierarchy = nullptr) const;
   /// A first, coarse step for large sets: leaves out those leaves of the hierarchy that lie within ranges of `in` and
   /// whose boxes, or those of nodes above, are hidden. `hierarchy`: over the bounds that `in` belongs to.
-  void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
+  void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& unoccluded,
                      SlotBits exempt = {}) const;
 
   /// Distributes the slots of `in` that are not hidden: `front` gets the box that the ray of each pixel enters first,

@@ -28,7 +28,7 @@ dvec4 moved(const dvec4& form, const dvec3& origin) {
 
 }  // namespace
 
-/// The projection relative to the bounds' origin: a point is at x / w, y / w in the picture.
+/// The projection relative to the bounds' origin: a point is at x / w, y / w in the image.
 struct RaySpans::Projection {
   dvec4 x, y, w, distance;
   dvec3 lost;  // by the constant terms of x, y and w
@@ -132,7 +132,7 @@ bool RaySpans::solve_eye(const Projection& p) {
 }
 
 /// The function per_value * (the axis's function) + constant, moved by `widen` of the axis's error.
-void RaySpans::add(double per_value, double constant, int axis, double widen, PictureFunction& out) const {
+void RaySpans::add(double per_value, double constant, int axis, double widen, ImageFunction& out) const {
   const Axis& a = axes_[axis];
   const double lost = widen * (std::abs(per_value) * a.error + 0x1p-22 * std::abs(constant + per_value * a.constant));
   out = {float(constant + per_value * a.constant + lost), float(per_value * a.x), float(per_value * a.y)};
@@ -143,8 +143,8 @@ void RaySpans::span_of_axis(int axis, double low, double high, BoxSpan& out) con
   const double drawn_off = 0x1p-19 + 0x1p-23 * std::max(std::abs(low), std::abs(high)) + 0x1p-21 * (high - low);
   const double grown = drawn_off + a.grown + 0x1p-50 * std::abs(a.from);
   low -= grown, high += grown;
-  PictureFunction* near = &out.near[out.near_count];
-  PictureFunction* far = &out.far[out.far_count];
+  ImageFunction* near = &out.near[out.near_count];
+  ImageFunction* far = &out.far[out.far_count];
   if (parallel_) {
     if (std::abs(a.along) < kAlong) return;
     const double per_value = 1.0 / a.along, first = a.along > 0.0 ? low : high, last = a.along > 0.0 ? high : low;

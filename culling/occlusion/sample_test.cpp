@@ -32,7 +32,7 @@ std::vector<core::Slot> slots_of(SlotBits bits) {
   return slots;
 }
 
-SampleTest::SampleTest(const core::View& view, const core::dvec3& origin, PictureSamples samples)
+SampleTest::SampleTest(const core::View& view, const core::dvec3& origin, ImageSamples samples)
     : samples_(std::move(samples)),
       view_(make_screen_view(view, origin, samples_.width, samples_.height, samples_.snap)),
       rays_(view, origin, samples_.width, samples_.height) {
@@ -69,7 +69,7 @@ bool SampleTest::rays_meet(const BoxCoordinates& box, const BoxRectangles& recta
     tile.x = float(pixels.x0) + x;
     for (int at = pixels.y0; at <= pixels.y1; at += shape.rows()) {
       tile.y = float(at) + y;
-      if ((occlusion_kernels().open_blocks(span, tile, entries) & shape.lanes(width, pixels.y1 - at + 1)) != 0)
+      if ((occlusion_kernels().unoccluded_blocks(span, tile, entries) & shape.lanes(width, pixels.y1 - at + 1)) != 0)
         return true;
     }
   }

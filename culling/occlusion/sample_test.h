@@ -1,7 +1,7 @@
-// The sample test: which boxes can colour a picture at all. A picture is a finite set of samples, and an item whose
+// The sample test: which boxes can colour an image at all. An image is a finite set of samples, and an item whose
 // projection contains none of them colours nothing, wherever it lies in depth. Distant items mostly are of that kind.
 //
-// Promise: conservative, so a picture loses nothing. A box is rejected only when the rectangle around its projection
+// Promise: conservative, so an image loses nothing. A box is rejected only when the rectangle around its projection
 // contains no sample (internal/screen_boxes.h), or when no ray through one of these samples meets the box (internal/
 // ray_spans.h). Both are computed in float and grown by every error of that and by what a rasteriser may move a
 // vertex. Boxes that reach behind the eye, and of those with a larger rectangle than 16 x 16 pixels all, are kept. All
@@ -29,13 +29,13 @@ namespace sightline::culling {
 
 /// Pixels by which any GL's rasteriser may move a vertex: it has four bits of sub-pixel precision or more.
 inline constexpr float kCoarsestSnap = 0.08f;
-/// The same for a picture and a rasteriser with so many bits (GL_SUBPIXEL_BITS), with what float loses of a place.
+/// The same for an image and a rasteriser with so many bits (GL_SUBPIXEL_BITS), with what float loses of a place.
 inline float rasteriser_snap(int subpixel_bits, int width, int height) {
   return std::ldexp(1.0f, -subpixel_bits) + 0x1p-20f * float(std::max(width, height));
 }
 
-/// Where a picture takes its samples.
-struct PictureSamples {
+/// Where an image takes its samples.
+struct ImageSamples {
   int width = 0, height = 0;                          ///< pixels, positive
   std::vector<std::array<float, 2>> offsets{{0, 0}};  ///< of a pixel's samples from its centre, pixels; not empty
   float snap = kCoarsestSnap;                         ///< rasteriser_snap()
@@ -61,7 +61,7 @@ constexpr std::size_t bit_words(std::size_t slot_count) {
 class SIGHTLINE_API SampleTest {
  public:
   /// `origin`: of the bounds whose boxes will be tested.
-  SampleTest(const core::View& view, const core::dvec3& origin, PictureSamples samples);
+  SampleTest(const core::View& view, const core::dvec3& origin, ImageSamples samples);
 
   /// Whether a box may cover a sample. Empty boxes cover none.
   bool covers(const core::Aabb& box) const;
@@ -76,7 +76,7 @@ class SIGHTLINE_API SampleTest {
   unsigned covering(const ScreenView& view, const float* const (&coordinates)[6]) const;
   bool rays_meet(const BoxCoordinates& box, const BoxRectangles& rectangles, int i) const;
 
-  PictureSamples samples_;
+  ImageSamples samples_;
   ScreenView view_;
   RaySpans rays_;
 };

@@ -8,7 +8,7 @@
 #include "sightline/core/internal/snapshot_prefetch.h"
 #include "sightline/culling/frustum/internal/run_jobs.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
-#include "sightline/culling/occlusion/internal/solid_figures.h"
+#include "sightline/culling/occlusion/internal/inner_occluders.h"
 
 namespace sightline::culling {
 namespace {
@@ -46,15 +46,15 @@ struct SolidOccluders::Solid {
 struct SolidOccluders::AddBuffers {
   std::vector<Solid> solids;
   std::vector<WholeSolid> wholes;
-  std::vector<SolidFigure> figures;
+  std::vector<OccluderPolygon> polygons;
 
-  std::size_t memory_bytes() const { return core::bytes_of(solids, wholes, figures); }
+  std::size_t memory_bytes() const { return core::bytes_of(solids, wholes, polygons); }
 };
 
 struct SolidOccluders::HiddenBuffers {
   std::vector<core::Slot> slots;
   std::vector<Solid> solids;
-  std::vector<SolidFigure> fronts;
+  std::vector<OccluderPolygon> fronts;
   std::vector<std::size_t> ends;  // of each solid's fronts; some have none
   std::vector<std::uint8_t> seen, hidden;
 
@@ -88,15 +88,15 @@ void SolidOccluders::add(const core::VisibleSet& items, CullThreads* threads) {
 /// Items lie all over arrays of hundreds of megabytes, so they are prefetched.
 void SolidOccluders::add(std::span<const core::Slot> slots, OccluderRaster& raster) const {
   const core::Scratch<AddBuffers> scratch;
-  auto& [solids, wholes, figures] = *scratch;
+  auto& [solids, wholes, polygons] = *scratch;
   while (!slots.empty()) {
     const auto some = slots.first(std::min(kSolidsAtOnce, slots.size()));
     slots = slots.subspan(some.size());
     look_up(some, solids);
     wholes.clear();
-    figures.clear();
-    for (const Solid& solid : solids) wholes.push_back(find_figures(solid, figures));
-    raster.add_within(wholes, figures);
+    polygons.clear();
+    for (const Solid& solid : solids) wholes.push_back(find_inner_occluders(solid, polygons));
+    raster.add_within(wholes, polygons);
   }
 }
 
@@ -128,17 +128,17 @@ SolidOccluders::Placed SolidOccluders::place(const Solid& solid) const {
   return {{core::dmat3(placement.linear), origin}, box, glm::length(box.size())};
 }
 
-WholeSolid SolidOccluders::find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const {
+WholeSolid SolidOccluders::find_inner_occluders(const Solid& solid, std::vector<OccluderPolygon>& polygons) const {
   const Placed placed = place(solid);
   // A neighbour that covers an end must be there, too: what is cut off in a joint leaves the solid open.
   const core::dvec3 joint(kLostOfRadius * placed.size);
-  const std::size_t before = figures.size();
-  add_figures(solid.kind, solid.parameters, placed.eye_from_item, {perspective_, forward_}, kLostOfRadius,
-              kLostOfBox * placed.size, figures);
-  return {{placed.box.min - joint, placed.box.max + joint}, std::uint32_t(figures.size() - before)};
+  const std::size_t before = polygons.size();
+  add_inner_occluders(solid.kind, solid.parameters, placed.eye_from_item, {perspective_, forward_}, kLostOfRadius,
+                      kLostOfBox * placed.size, polygons);
+  return {{placed.box.min - joint, placed.box.max + joint}, std::uint32_t(polygons.size() - before)};
 }
 
-void SolidOccluders::leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error) const {
+void SolidOccluders::leave_out_occluded(core::VisibleSet& items, const DepthPyramid& pyramid, double error) const {
   const core::Scratch<HiddenBuffers> scratch;
   auto& [slots, solids, fronts, ends, seen, hidden] = *scratch;
   list(items, slots);
@@ -162,9 +162,9 @@ void SolidOccluders::leave_out_hidden(core::VisibleSet& items, const DepthPyrami
     front = end;
   }
   items.ranges.clear();
-  items.slots.clear();
+  items.single_slots.clear();
   for (std::size_t i = 0; i < slots.size(); ++i)
-    if (hidden[i] == 0) items.slots.push_back(slots[i]);
+    if (hidden[i] == 0) items.single_slots.push_back(slots[i]);
 }
 
 void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn, CullThreads* threads) {

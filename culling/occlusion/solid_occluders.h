@@ -6,27 +6,28 @@
 //   solids.add(visible, &threads);
 //   solids.build(pyramid);
 //
-// A round solid hides what the flat figures in it hide that face the eye: a cylinder or a snout its section along the
+// A round solid hides what the flat polygons in it hide that face the eye: a cylinder or a snout its section along the
 // axis, and its end where that is seen; a torus a strip along its centre line; a sphere or a dish a polygon. Boxes and
-// pyramids are rasterised as wholes. A figure within a solid lies behind its surface. So the image is nowhere nearer
-// than the solids. Sections cover outlines up to a few thousandths of the radius, strips up to a tenth, octagons nine
-// tenths of a disc.
+// pyramids are rasterised as wholes. An occluder polygon within a solid lies behind its surface. So the image is
+// nowhere nearer than the solids. Sections cover outlines up to a few thousandths of the radius, strips up to a tenth,
+// octagons nine tenths of a disc.
 //
 // Promise: inner-conservative, as OccluderRaster, for solids that are drawn opaque, by rays through the pixel centres.
 // Figures are smaller than the solids by more than a renderer loses whose rays are float: by kLostPixels, kLostOfBox of
 // the box's diagonal, and kLostOfRadius of the radius (for thin tori more). Items that are no solids, are not opaque,
 // or that the near plane or a section plane cuts, hide nothing, except for boxes: the near plane clips these, and of
-// those that a section plane cuts by less than they are smaller, the figures are whole, and lie behind the caps.
+// those that a section plane cuts by less than they are smaller, the occluder polygons are whole, and lie behind the
+// caps.
 //
 // Solids are narrower than their boxes, so some are hidden whose boxes are not. A cylinder is seen through a rectangle
 // in the plane that touches it along the line nearest to the eye; an elbow through those of cylinders about its chords.
-// Where these lie behind what their pixels hold, the solid is hidden. Promise of leave_out_hidden(): conservative at
-// the pixel centres, also where a solid is drawn larger, by as much as figures are smaller.
+// Where these lie behind what their pixels hold, the solid is hidden. Promise of leave_out_occluded(): conservative at
+// the pixel centres, also where a solid is drawn larger, by as much as occluder polygons are smaller.
 #pragma once
 
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/frustum/cull_threads.h"
-#include "sightline/culling/occlusion/internal/lent.h"
+#include "sightline/culling/occlusion/internal/object_pool.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 
 namespace sightline::culling {
@@ -48,10 +49,10 @@ class SIGHTLINE_API SolidOccluders {
   /// DepthPyramid::build() takes them, or none; where they are nearer, they count. More items may follow. `threads`
   /// share in it, if there are any.
   void build(DepthPyramid& pyramid, std::span<const float> drawn = {}, CullThreads* threads = nullptr);
-  /// Leaves out cylinders, straight snouts and circular tori that are hidden by what a pyramid holds, of a picture of
+  /// Leaves out cylinders, straight snouts and circular tori that are hidden by what a pyramid holds, of an image of
   /// this view and size. Other items stay: their boxes should have been tested (OcclusionTest). `error`: as there.
   /// Several threads may call it at once.
-  void leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error = 0.0) const;
+  void leave_out_occluded(core::VisibleSet& items, const DepthPyramid& pyramid, double error = 0.0) const;
 
  private:
   struct Solid;
@@ -65,14 +66,14 @@ class SIGHTLINE_API SolidOccluders {
   void add(std::span<const core::Slot> slots, OccluderRaster& raster) const;
   void look_up(std::span<const core::Slot> slots, std::vector<Solid>& solids) const;
   Placed place(const Solid& solid) const;
-  WholeSolid find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const;
+  WholeSolid find_inner_occluders(const Solid& solid, std::vector<OccluderPolygon>& polygons) const;
 
   const core::Snapshot* snapshot_ = nullptr;
   int width_ = 0, height_ = 0;
   core::dvec3 eye_{0.0}, forward_{0.0};
   bool perspective_ = true;
   OccluderRaster empty_;  // of this view
-  Lent<OccluderRaster> of_threads_;
+  ObjectPool<OccluderRaster> of_threads_;
   std::vector<const OccluderRaster*> rasters_;
 };
 

@@ -1,4 +1,4 @@
-// Items in a region of space: a rectangle of a picture, or what any planes keep. Tests shapes and not only boxes.
+// Items in a region of space: a rectangle of an image, or what any planes keep. Tests shapes and not only boxes.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@ namespace sightline::engine {
 namespace {
 
 constexpr int kLeastExponent = -8;          // of the area of the smallest class
-constexpr int kOpenFirst = 4;               // classes by which items that were open come earlier
+constexpr int kUnoccludedFirst = 4;         // classes by which items that were not occluded come earlier
 constexpr std::size_t kTestedPiece = 2048;  // slots tested at a time
 constexpr std::size_t kFewest = 64;         // of a pass, hidden ones included
 constexpr double kSteady = 0.25;            // of a pass's own cost, which hardly changes; else estimates oscillate
@@ -56,10 +56,10 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
   drawn_.generation = pass_.generation = piece_.generation = candidates.generation;
   at_ = 0;
   measure.areas(bounds, candidates, areas_);
-  constexpr int kRanks = DrawCosts::kClasses + kOpenFirst;
+  constexpr int kRanks = DrawCosts::kClasses + kUnoccludedFirst;
   const auto rank_of = [&](const SlotArea& a) {  // 0 comes first
     if (culling::contains(lines, a.slot)) return 0;
-    return kRanks - 1 - (DrawCosts::class_of(a.area) + (culling::contains(open_, a.slot) ? kOpenFirst : 0));
+    return kRanks - 1 - (DrawCosts::class_of(a.area) + (culling::contains(unoccluded_, a.slot) ? kUnoccludedFirst : 0));
   };
   std::array<std::size_t, kRanks + 1> begins{};
   left_.fill(0);
@@ -74,7 +74,7 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
 }
 
 bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms) {
-  pass_.slots.clear();
+  pass_.single_slots.clear();
   counts_.fill(0);
   double left = ms - costs_.pass_ms();
   while (at_ < order_.size()) {
@@ -82,11 +82,11 @@ bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBoun
     if (end == at_) break;
     left -= take(end, test, bounds);
   }
-  while (pass_.slots.empty() && at_ < order_.size())  // a frame must come on, however short the time
+  while (pass_.single_slots.empty() && at_ < order_.size())  // a frame must come on, however short the time
     take(std::min(order_.size(), at_ + kFewest), test, bounds);
-  std::sort(pass_.slots.begin(), pass_.slots.end());
-  drawn_.slots.insert(drawn_.slots.end(), pass_.slots.begin(), pass_.slots.end());
-  return !pass_.slots.empty();
+  std::sort(pass_.single_slots.begin(), pass_.single_slots.end());
+  drawn_.single_slots.insert(drawn_.single_slots.end(), pass_.single_slots.begin(), pass_.single_slots.end());
+  return !pass_.single_slots.empty();
 }
 
 /// The end of the next piece that costs no more than that if none of it is hidden.
@@ -99,24 +99,25 @@ std::size_t BudgetPasses::affordable(double ms) const {
 
 /// Adds what is open of the candidates up to `end` to the pass; returns what drawing it costs.
 double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, const core::ItemBounds& bounds) {
-  piece_.slots.clear();
-  for (std::size_t i = at_; i < end; ++i) piece_.slots.push_back(order_[i].slot);
+  piece_.single_slots.clear();
+  for (std::size_t i = at_; i < end; ++i) piece_.single_slots.push_back(order_[i].slot);
   if (test)
-    test->filter(bounds, piece_, open_piece_, lines_);  // keeps their order
+    test->filter(bounds, piece_, unoccluded_piece_, lines_);  // keeps their order
   else
-    std::swap(piece_, open_piece_);
+    std::swap(piece_, unoccluded_piece_);
   double ms = 0.0;
-  auto open = open_piece_.slots.begin();
+  auto unoccluded = unoccluded_piece_.single_slots.begin();
   for (std::size_t i = at_; i < end; ++i) {
     const int size_class = DrawCosts::class_of(order_[i].area);
     --left_[std::size_t(size_class)];
     looked_at_ms_ += costs_.ms(size_class);
-    if (open == open_piece_.slots.end() || *open != order_[i].slot) continue;
-    ++open;
+    if (unoccluded == unoccluded_piece_.single_slots.end() || *unoccluded != order_[i].slot) continue;
+    ++unoccluded;
     ++counts_[std::size_t(size_class)];
     ms += costs_.ms(size_class);
   }
-  pass_.slots.insert(pass_.slots.end(), open_piece_.slots.begin(), open_piece_.slots.end());
+  pass_.single_slots.insert(pass_.single_slots.end(), unoccluded_piece_.single_slots.begin(),
+                            unoccluded_piece_.single_slots.end());
   at_ = end;
   drawn_ms_ += ms;
   return ms;
@@ -136,13 +137,13 @@ double BudgetPasses::pending_ms() const {
 
 void BudgetPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds,
                             culling::CullThreads* threads) {
-  test.filter(bounds, drawn_, open_piece_, lines_, threads);
-  open_.assign(culling::bit_words(bounds.size()), 0);
-  culling::set_bits(open_piece_, open_);
+  test.filter(bounds, drawn_, unoccluded_piece_, lines_, threads);
+  unoccluded_.assign(culling::bit_words(bounds.size()), 0);
+  culling::set_bits(unoccluded_piece_, unoccluded_);
 }
 
 void BudgetPasses::reset() {
-  open_.clear();
+  unoccluded_.clear();
   order_.clear();
   drawn_.clear();
   at_ = 0;

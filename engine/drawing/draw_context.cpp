@@ -6,8 +6,8 @@ float DrawContext::snap() const {
   return culling::rasteriser_snap(context.capabilities().subpixel_bits, target().width(), target().height());
 }
 
-culling::PictureSamples DrawContext::samples() const {
-  culling::PictureSamples samples{target().width(), target().height(), {}, snap()};
+culling::ImageSamples DrawContext::samples() const {
+  culling::ImageSamples samples{target().width(), target().height(), {}, snap()};
   for (const glm::vec2& offset : target().sample_offsets()) samples.offsets.push_back({offset.x, offset.y});
   return samples;
 }

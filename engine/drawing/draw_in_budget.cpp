@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kPassShare = 0.5;     // of the time left, for the next pass: it may take longer than expected
 constexpr double kLeastPasses = 2.0;   // passes for which the time left must suffice
-constexpr double kSlower = 0.92;       // the estimate of squares_ms_ falls by at most this factor a frame
+constexpr double kSlower = 0.92;       // the estimate of splats_ms_ falls by at most this factor a frame
 constexpr float kUnmeasured = 0.125f;  // of the area that the last frame came to: smaller items are not measured
 
 }  // namespace
@@ -16,14 +16,14 @@ constexpr float kUnmeasured = 0.125f;  // of the area that the last frame came t
 core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawInput& input) {
   const Culled& culled = input.candidates;
   ImageState& image = *context.image;
-  const bool stays = image.budget_view && core::same_picture(*image.budget_view, culled.view);
+  const bool stays = image.budget_view && core::same_image(*image.budget_view, culled.view);
   const bool goes_on = stays && image.refines;
-  const bool squares = context.config.losses.contribution_way != ContributionWay::kDrop;
-  const bool beside = stays && (squares || input.postprocessed);
+  const bool splats = context.config.losses.contribution_mode != ContributionMode::kDrop;
+  const bool beside = stays && (splats || input.postprocessed);
   DrawCounts& counts = image.budget_counts;
   if (goes_on && image.budget.complete()) {
     image.unchanged = true;
-    counts.shown = std::int64_t(image.budget.drawn());
+    counts.items_drawn = std::int64_t(image.budget.drawn());
     return counts;
   }
   if (beside && !image.refined) {
@@ -41,14 +41,14 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
   if (context.may_test_occlusion() && !goes_on)
     image.budget.remember(context.occlusion_test(culled.view, culled.snapshot.bounds()), culled.snapshot.bounds(),
                           &context.threads);
-  counts = {-1, std::int64_t(image.budget.drawn()), counts.small,
+  counts = {-1, std::int64_t(image.budget.drawn()), counts.below_min_area,
             std::int64_t(image.budget.pending()) + image.unmeasured};
   const double begin = now_seconds();
   if (beside) image.refined->copy_to(image.target);
-  if (!squares) return counts;
-  auto done = draw_squares(context, culled);
+  if (!splats) return counts;
+  auto done = draw_splats(context, culled);
   context.gl().Finish();
-  squares_ms_ = std::max(1e3 * (now_seconds() - begin), kSlower * squares_ms_);
+  splats_ms_ = std::max(1e3 * (now_seconds() - begin), kSlower * splats_ms_);
   if (!done) return tl::unexpected(done.error());
   return counts;
 }
@@ -56,13 +56,13 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
 /// Begins the image anew.
 void DrawInBudget::begin(DrawContext& context, const Culled& culled, bool stays) {
   ImageState& image = *context.image;
-  const float least = context.config.losses.contribution;
+  const float least = context.config.losses.min_projected_area;
   const float threshold = stays ? least : std::max(least, kUnmeasured * image.budget.largest_pending());
   context.clear_pyramid();
-  const core::VisibleSet& candidates = small_items_.leave_out(context, culled, threshold);
+  const core::VisibleSet& candidates = contribution_culling_.leave_out(context, culled, threshold);
   const auto left_out = std::int64_t(culled.snapshot.count(culled.visible) - culled.snapshot.count(candidates));
   image.unmeasured = threshold > least ? left_out : 0;
-  image.budget_counts.small = left_out - image.unmeasured;
+  image.budget_counts.below_min_area = left_out - image.unmeasured;
   image.budget.begin(context.contribution_test(culled.view, culled.snapshot), culled.snapshot.bounds(), candidates,
                      culled.lines);
   image.refines = stays;
@@ -78,7 +78,7 @@ core::Expected<void> DrawInBudget::draw_passes(DrawContext& context, const DrawI
   const culling::OcclusionTest test = context.occlusion_test(culled.view, bounds);
   for (int passes = 0; !budget.complete(); ++passes) {
     double left = 1e3 * (input.deadline - now_seconds());
-    if (budget.pending_ms() > left) left -= squares_ms_;
+    if (budget.pending_ms() > left) left -= splats_ms_;
     if (passes > 0 && left < kLeastPasses * budget.least_ms()) break;
     if (!budget.next(tests ? &test : nullptr, bounds, kPassShare * left)) break;
     const double begin = now_seconds();
@@ -93,15 +93,15 @@ core::Expected<void> DrawInBudget::draw_passes(DrawContext& context, const DrawI
   return {};
 }
 
-/// Draws a square for each item that is small or pending.
-core::Expected<void> DrawInBudget::draw_squares(DrawContext& context, const Culled& culled) {
+/// Draws a splat for each item that is small or pending.
+core::Expected<void> DrawInBudget::draw_splats(DrawContext& context, const Culled& culled) {
   ImageState& image = *context.image;
-  if (image.budget_counts.pending + image.budget_counts.small == 0) return {};
-  image.budget.looked_at(culled.snapshot.size(), without_squares_);
+  if (image.budget_counts.pending + image.budget_counts.below_min_area == 0) return {};
+  image.budget.looked_at(culled.snapshot.size(), without_splats_);
   const bool distances_known = context.may_test_occlusion() && image.budget.drawn() > 0;
-  const auto drawn = small_items_.draw(context, culled, without_squares_, 0.0f, distances_known);
+  const auto drawn = contribution_culling_.draw(context, culled, without_splats_, 0.0f, distances_known);
   if (!drawn) return tl::unexpected(drawn.error());
-  image.budget_counts.squares = *drawn;
+  image.budget_counts.splats = *drawn;
   return {};
 }
 

@@ -120,15 +120,15 @@ core::Expected<bool> Drawing::advance(const core::Snapshot& snapshot, const gpup
   return done.map([] { return true; });
 }
 
-core::Expected<bool> Drawing::advance_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
-                                            bool gpu_culls, core::Deadline deadline) {
+core::Expected<bool> Drawing::advance_version(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                              bool gpu_culls, core::Deadline deadline) {
   if (auto current = make_current(); !current) return tl::unexpected(current.error());
   if (!upload_.active()) upload_.begin();
   return advance_upload(snapshot, joints, gpu_culls, deadline);
 }
 
-core::Expected<void> Drawing::take_order(const core::Snapshot& former, const core::Snapshot& snapshot,
-                                         const gpuprims::Joints& joints, bool gpu_culls) {
+core::Expected<void> Drawing::take_version(const core::Snapshot& former, const core::Snapshot& snapshot,
+                                           const gpuprims::Joints& joints, bool gpu_culls) {
   if (auto current = make_current(); !current) return current;
   for (auto& [number, image] : context_.images) image.passes.follow(former, snapshot);
   if (auto done = take_upload(snapshot); !done) return done;
@@ -181,7 +181,7 @@ core::Expected<bool> Drawing::warm_up(const core::Snapshot& snapshot, core::Dead
     if (core::over(deadline)) return false;
   }
   const EngineConfig& config = context_.config;
-  return (config.losses.contribution <= 0.0f && config.losses.budget_ms <= 0.0) ||
+  return (config.losses.min_projected_area <= 0.0f && config.losses.budget_ms <= 0.0) ||
          context_.solid_areas.measure(snapshot, deadline);
 }
 
@@ -194,8 +194,8 @@ core::Expected<void> Drawing::draw_one(const core::Snapshot& snapshot, const gpu
   const auto shows = [&](core::Slot slot) { return !snapshot.vacant(slot); };
   const auto first = std::find_if(slots.begin(), slots.end(), shows);
   if (first == slots.end()) return {};
-  one.slots = {*first};
-  const core::Aabb box = snapshot.bounds().box(one.slots[0]);
+  one.single_slots = {*first};
+  const core::Aabb box = snapshot.bounds().box(one.single_slots[0]);
   const core::dvec3 origin = snapshot.bounds().origin;
   const auto view =
       core::View::fit({origin + core::dvec3(box.min), origin + core::dvec3(box.max)}, core::kOverviewDirection, 0.9,
@@ -213,7 +213,7 @@ core::Expected<void> Drawing::update(Edit edit, const core::Snapshot& snapshot, 
                                      std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) {
   if (auto current = make_current(); !current) return current;
   if (edit == Edit::kStyles) {
-    context_.scene->update_looks(snapshot, touched, joints);
+    context_.scene->update_styles(snapshot, touched, joints);
     return follow_edit(edit, snapshot, touched, materials);
   }
   const auto larger = context_.scene->append(snapshot, joints);
@@ -254,18 +254,18 @@ void Drawing::configure(const EngineConfig& config) {
   const glm::vec2 hatching(config.drawing.hatching.strength, config.drawing.hatching.spacing);
   for (render::Renderer* renderer : {context_.renderer ? &*context_.renderer : nullptr, upload_.renderer()})
     if (renderer) renderer->hatching = hatching;
-  const float contribution = context_.config.losses.contribution;
+  const float min_projected_area = context_.config.losses.min_projected_area;
   context_.config = config;
-  context_.config.losses.contribution = contribution;
-  set_contribution(config.losses.contribution, config.losses.contribution_way);
+  context_.config.losses.min_projected_area = min_projected_area;
+  set_min_projected_area(config.losses.min_projected_area, config.losses.contribution_mode);
 }
 
-void Drawing::set_contribution(float pixels, ContributionWay way) {
-  if (pixels != context_.config.losses.contribution)
+void Drawing::set_min_projected_area(float pixels, ContributionMode mode) {
+  if (pixels != context_.config.losses.min_projected_area)
     for (auto& [number, image] : context_.images) image.was_large.clear();
   images_changed();
-  context_.config.losses.contribution = pixels;
-  context_.config.losses.contribution_way = way;
+  context_.config.losses.min_projected_area = pixels;
+  context_.config.losses.contribution_mode = mode;
 }
 
 core::Expected<render::RenderTarget> Drawing::make_target(int width, int height) const {
@@ -329,8 +329,8 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
   if (auto current = make_current(); !current) return tl::unexpected(current.error());
   context_.external = request.target ? std::optional(*request.target) : std::nullopt;
   context_.image->composed = false;
-  const bool aside = !core::same_picture(request.view, request.culled.view);
-  const bool shows_unseen = aside && context_.config.drawing.hidden_colour && !request.on_gpu;
+  const bool aside = !core::same_image(request.view, request.culled.view);
+  const bool shows_unseen = aside && context_.config.drawing.culled_colour && !request.on_gpu;
   if (request.on_gpu || (!shows_unseen && (aside || unseen_.active()))) image_changed();
   result.wait_ms = queue_.wait_for_room();
   if (context_.renderer) {
@@ -355,7 +355,7 @@ core::Expected<DrawCounts> Drawing::draw_opaque(const DrawRequest& request) {
     return culling_.draw(context_, request.view, culled.snapshot).map([] { return DrawCounts(); });
   }
   const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.losses.budget_ms;
-  const bool all_visible = request.all && core::same_picture(request.view, request.culled.view);
+  const bool all_visible = request.all && core::same_image(request.view, request.culled.view);
   return opaque_.draw(context_, {culled.with(opaque), deadline, all_visible, overlays_.change_image(context_)});
 }
 
@@ -369,7 +369,7 @@ core::Expected<DrawCounts> Drawing::draw_with_unseen(const DrawRequest& request)
   if (!counts) return counts;
   const auto unseen = unseen_.draw(context_, request.view, request.culled.snapshot);
   if (!unseen) return tl::unexpected(unseen.error());
-  counts->shown += *unseen;
+  counts->items_drawn += *unseen;
   return counts;
 }
 
@@ -378,7 +378,7 @@ std::optional<LateReport> Drawing::take_late_report() {
   const auto feedback = culling_.take_feedback();
   if (!feedback) return std::nullopt;
   return LateReport{feedback->frame, std::int64_t(feedback->visible), feedback->time_ms.value_or(-1.0),
-                    context_.config.draw ? std::int64_t(feedback->shown) : -1};
+                    context_.config.draw ? std::int64_t(feedback->items_drawn) : -1};
 }
 
 void Drawing::finish() {

@@ -39,7 +39,7 @@ render::PixelBox pixels_around(const core::View& view, const core::Snapshot& sna
 }
 
 bool empty(const core::VisibleSet& set) {
-  return set.ranges.empty() && set.slots.empty();
+  return set.ranges.empty() && set.single_slots.empty();
 }
 
 /// Eye depths between which the boxes of a set lie; none of them is negative in perspective views.
@@ -98,16 +98,16 @@ core::Expected<void> ImageOverlays::finish(DrawContext& context, const Culled& c
 }
 
 core::Expected<void> ImageOverlays::draw_depth_shading(const DrawContext& context, const core::View& view) {
-  const Relief& relief = context.config.drawing.relief;
-  if (!relief.any()) return {};
-  if (!relief_pass_) relief_pass_.emplace(context.gl());
-  return relief_pass_->draw(context.target(), view, relief.shading, relief.lines);
+  const DepthShading& depth_shading = context.config.drawing.depth_shading;
+  if (!depth_shading.any()) return {};
+  if (!depth_shading_pass_) depth_shading_pass_.emplace(context.gl());
+  return depth_shading_pass_->draw(context.target(), view, depth_shading.strength, depth_shading.edge_lines);
 }
 
 /// The items to be drawn over the image that are large enough and cover a sample, as far as the tests know.
 const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context, const Culled& culled) {
   const core::ItemBounds& bounds = culled.snapshot.bounds();
-  const float least = context.config.losses.contribution;
+  const float least = context.config.losses.min_projected_area;
   const core::VisibleSet* left = &culled.visible;
   if (least > 0.0f) {
     context.contribution_test(culled.view, culled.snapshot).filter(bounds, *left, least, tested_, {}, culled.lines);
@@ -146,7 +146,7 @@ core::Expected<void> ImageOverlays::draw_translucent(DrawContext& context, const
   const glm::vec2 depths = range ? *range : depth_range(culled.view, culled.snapshot.bounds(), blended_);
   const core::VisibleSet& drawn = leave_out_invisible(context, culled);
   const auto count = std::int64_t(culled.snapshot.count(drawn));
-  counts.shown += count;
+  counts.items_drawn += count;
   if (counts.sampled >= 0) counts.sampled += count;
   part(drawn, translucent_.ghosts(), ghosts_, blended_);
   if (auto done = draw_blended(context, culled.with(blended_), depths); !done) return done;

@@ -18,7 +18,7 @@ void for_each_of_some(const core::VisibleSet& set, std::uint64_t step, const Vis
     for (; next < passed + range.count; next += step) visit(core::Slot(range.first + (next - passed)));
     passed += range.count;
   }
-  for (; next < passed + set.slots.size(); next += step) visit(set.slots[next - passed]);
+  for (; next < passed + set.single_slots.size(); next += step) visit(set.single_slots[next - passed]);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ std::vector<std::uint64_t> without(const core::VisibleSet& all, const core::Visi
 core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overlays, const Culled& culled) {
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
-  const float least = context.config.losses.contribution;
+  const float least = context.config.losses.min_projected_area;
   LeftOut out;
   core::VisibleSet large, sampled, shown;
   const core::VisibleSet* left = &visible;
@@ -50,9 +50,9 @@ core::VisibleSet missing_items(const DrawContext& context, const Culled& culled)
   if (context.config.losses.budget_ms > 0.0) image.budget.looked_at(bounds.size(), drawn);
   core::VisibleSet missing;
   culled.visible.for_each_slot([&](core::Slot slot) {
-    if (!bounds.vacant(slot) && !culling::contains(drawn, slot)) missing.slots.push_back(slot);
+    if (!bounds.vacant(slot) && !culling::contains(drawn, slot)) missing.single_slots.push_back(slot);
   });
-  std::sort(missing.slots.begin(), missing.slots.end());
+  std::sort(missing.single_slots.begin(), missing.single_slots.end());
   return missing;
 }
 
@@ -60,22 +60,22 @@ core::VisibleSet missing_items(const DrawContext& context, const Culled& culled)
 
 /// Tests against the image as it is now, with a depth pyramid beside the image's: what a budget goes on with must stay.
 core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& culled) {
-  if (context.config.losses.contribution <= 0.0f && context.config.losses.budget_ms <= 0.0) return LossReport();
+  if (context.config.losses.min_projected_area <= 0.0f && context.config.losses.budget_ms <= 0.0) return LossReport();
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
   const render::RenderTarget& target = context.target();
-  core::VisibleSet sampled, open;
+  core::VisibleSet sampled, unoccluded;
   context.sample_test(view, bounds).filter(bounds, missing_items(context, culled), sampled);
   const core::VisibleSet* left = &sampled;
-  if (target.format().samples == 1 && !sampled.slots.empty()) {
+  if (target.format().samples == 1 && !sampled.single_slots.empty()) {
     std::vector<float> distances;
     culling::DepthPyramid pyramid;
     target.read_distances(view, distances);
     pyramid.build(distances, target.width(), target.height());
     culling::OcclusionTest(view, bounds.origin, target.width(), target.height(), pyramid,
                            render::RenderTarget::orthographic_error(view), context.snap())
-        .filter(bounds, sampled, open);
-    left = &open;
+        .filter(bounds, sampled, unoccluded);
+    left = &unoccluded;
   }
   std::vector<culling::ContributionTest::SlotArea> areas;
   context.contribution_test(view, snapshot).areas(bounds, *left, areas);

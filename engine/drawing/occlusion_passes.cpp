@@ -19,9 +19,10 @@ void append(core::VisibleSet& set, std::vector<core::Slot>& singles, core::Slot 
 }
 
 void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& of_ranges) {
-  const std::size_t middle = set.slots.size();
-  set.slots.insert(set.slots.end(), of_ranges.begin(), of_ranges.end());
-  std::inplace_merge(set.slots.begin(), set.slots.begin() + std::ptrdiff_t(middle), set.slots.end());
+  const std::size_t middle = set.single_slots.size();
+  set.single_slots.insert(set.single_slots.end(), of_ranges.begin(), of_ranges.end());
+  std::inplace_merge(set.single_slots.begin(), set.single_slots.begin() + std::ptrdiff_t(middle),
+                     set.single_slots.end());
   of_ranges.clear();
 }
 
@@ -39,9 +40,9 @@ void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBit
   pending_.clear();
   pass_.generation = pending_.generation = candidates.generation;
   const auto word_of = [](culling::SlotBits bits, std::size_t word) { return word < bits.size() ? bits[word] : 0; };
-  const auto firsts_of = [&](std::size_t word) { return word_of(open_, word) | word_of(lines, word); };
+  const auto firsts_of = [&](std::size_t word) { return word_of(unoccluded_, word) | word_of(lines, word); };
   const auto is_first = [&](core::Slot s) { return (firsts_of(s / 64) >> s % 64 & 1u) != 0; };
-  for (const core::Slot s : candidates.slots) (is_first(s) ? pass_ : pending_).slots.push_back(s);
+  for (const core::Slot s : candidates.single_slots) (is_first(s) ? pass_ : pending_).single_slots.push_back(s);
   for (const core::SlotRange& range : candidates.ranges) {
     const core::Slot end = range.first + range.count;
     for (core::Slot s = range.first, run = s; run < end; run = s) {
@@ -94,7 +95,7 @@ void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::
   test.split_front(bounds, hierarchy_, pending_, found_, others_, threads_);
   std::swap(pending_, others_);
   if (found_.count() + pending_.count() <= kFew || count_ == kMostPasses - 1) {
-    merge_singles(found_, pending_.slots);
+    merge_singles(found_, pending_.single_slots);
   }
   std::swap(pass_, found_);
 }
@@ -104,29 +105,29 @@ void OcclusionPasses::list_drawn(const core::ItemBounds& bounds, core::VisibleSe
   for (int i = 0; i < count_; ++i) culling::set_bits(passes_[std::size_t(i)], drawn_bits_);
   drawn.clear();
   drawn.generation = pass_.generation;
-  drawn.slots = culling::slots_of(drawn_bits_);
+  drawn.single_slots = culling::slots_of(drawn_bits_);
 }
 
 void OcclusionPasses::follow(const core::Snapshot& former, const core::Snapshot& snapshot) {
-  core::VisibleSet open;
-  for (const core::Slot before : culling::slots_of(open_)) {
+  core::VisibleSet unoccluded;
+  for (const core::Slot before : culling::slots_of(unoccluded_)) {
     if (before >= former.size() || former.item(before) == core::kNoItem) continue;
     const core::Slot slot = snapshot.slot(former.item(before));
-    if (slot != core::kNone) open.slots.push_back(slot);
+    if (slot != core::kNone) unoccluded.single_slots.push_back(slot);
   }
-  remember(open, snapshot.bounds());
+  remember(unoccluded, snapshot.bounds());
 }
 
-void OcclusionPasses::remember(const core::VisibleSet& open, const core::ItemBounds& bounds) {
-  open_.assign(culling::bit_words(bounds.size()), 0);
-  culling::set_bits(open, open_);
+void OcclusionPasses::remember(const core::VisibleSet& unoccluded, const core::ItemBounds& bounds) {
+  unoccluded_.assign(culling::bit_words(bounds.size()), 0);
+  culling::set_bits(unoccluded, unoccluded_);
 }
 
 void OcclusionPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
-  open_.assign(culling::bit_words(bounds.size()), 0);
+  unoccluded_.assign(culling::bit_words(bounds.size()), 0);
   for (int i = 0; i < count_; ++i) {
     test.filter(bounds, passes_[std::size_t(i)], found_, lines_, threads_);
-    culling::set_bits(found_, open_);
+    culling::set_bits(found_, unoccluded_);
   }
 }
 

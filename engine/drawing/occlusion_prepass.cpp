@@ -83,7 +83,7 @@ core::Expected<void> OcclusionPrepass::rasterise(DrawContext& context, const Cul
     if (first)
       if (auto done = draw_meshes(context, culled); !done) return done;
     solids_.add(image.passes.pass(), &context.threads);
-    if (first && !meshes_.slots.empty()) image.target.read_distances(view, image.distances);
+    if (first && !meshes_.single_slots.empty()) image.target.read_distances(view, image.distances);
     solids_.build(image.pyramid, image.distances, &context.threads);
   }
   return {};
@@ -95,10 +95,10 @@ core::Expected<void> OcclusionPrepass::draw_meshes(DrawContext& context, const C
   meshes_.generation = culled.visible.generation;
   context.image->passes.pass().for_each_slot([&](core::Slot slot) {
     const Kind kind = culled.snapshot.kind(slot);
-    if (!is_solid(kind) && kind != Kind::kLine) meshes_.slots.push_back(slot);
+    if (!is_solid(kind) && kind != Kind::kLine) meshes_.single_slots.push_back(slot);
   });
-  std::sort(meshes_.slots.begin(), meshes_.slots.end());
-  if (meshes_.slots.empty()) return {};
+  std::sort(meshes_.single_slots.begin(), meshes_.single_slots.end());
+  if (meshes_.single_slots.empty()) return {};
   auto done = context.draw_more(culled.view, culled.snapshot, meshes_, context.target());
   context.gl().Flush();
   return done;
@@ -111,8 +111,8 @@ core::Expected<DrawCounts> OcclusionPrepass::draw_visible(DrawContext& context, 
   OcclusionPasses& passes = context.image->passes;
   const core::ItemBounds& bounds = culled.snapshot.bounds();
   passes.list_drawn(bounds, visible_);
-  halves_.split(visible_, std::max(kLeastOfHalf, std::uint32_t(visible_.slots.size() + 1) / 2));
-  core::Expected<std::int64_t> drawn = std::int64_t(meshes_.slots.size());
+  halves_.split(visible_, std::max(kLeastOfHalf, std::uint32_t(visible_.single_slots.size() + 1) / 2));
+  core::Expected<std::int64_t> drawn = std::int64_t(meshes_.single_slots.size());
   const core::VisibleSet* tested = nullptr;
   const auto draw_tested = [&] {
     if (!tested || !drawn) return;
@@ -138,7 +138,7 @@ void OcclusionPrepass::leave_out_occluded(DrawContext& context, const Culled& cu
   parts_.split(set, kSlotsOfPart);
   const auto leave_out = [&](core::VisibleSet& part, std::uint32_t) {
     test.filter(bounds, part, part, culled.lines);
-    solids_.leave_out_hidden(part, context.image->pyramid, error);
+    solids_.leave_out_occluded(part, context.image->pyramid, error);
   };
   parts_.for_each(&context.threads, leave_out, beside);
   parts_.join(set);
@@ -149,9 +149,9 @@ core::Expected<std::int64_t> OcclusionPrepass::draw_solids(DrawContext& context,
                                                            const core::VisibleSet& set) {
   drawn_.clear();
   drawn_.generation = set.generation;
-  std::set_difference(set.slots.begin(), set.slots.end(), meshes_.slots.begin(), meshes_.slots.end(),
-                      std::back_inserter(drawn_.slots));
-  const auto count = std::int64_t(drawn_.slots.size());
+  std::set_difference(set.single_slots.begin(), set.single_slots.end(), meshes_.single_slots.begin(),
+                      meshes_.single_slots.end(), std::back_inserter(drawn_.single_slots));
+  const auto count = std::int64_t(drawn_.single_slots.size());
   return context.draw_more(culled.view, culled.snapshot, drawn_, context.target()).map([count] { return count; });
 }
 

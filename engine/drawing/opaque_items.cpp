@@ -12,8 +12,8 @@ namespace {
 core::VisibleSet part_of(const core::VisibleSet& visible, core::Slot parts, core::Slot part) {
   core::VisibleSet some;
   some.generation = visible.generation;
-  for (const core::Slot slot : visible.slots)
-    if (slot / core::kBlockSlots % parts == part) some.slots.push_back(slot);
+  for (const core::Slot slot : visible.single_slots)
+    if (slot / core::kBlockSlots % parts == part) some.single_slots.push_back(slot);
   for (const core::SlotRange& range : visible.ranges) {
     const core::Slot end = range.first + range.count, from = range.first / core::kBlockSlots;
     for (core::Slot block = from + (part + parts - from % parts) % parts; block * core::kBlockSlots < end;
@@ -33,7 +33,7 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const DrawInp
   ImageState& image = *context.image;
   image.pyramid_valid = image.unchanged = false;
   if (config.losses.budget_ms > 0.0) return in_budget_.draw(context, input);
-  const core::VisibleSet& large = small_items_.leave_out(context, culled, config.losses.contribution);
+  const core::VisibleSet& large = contribution_culling_.leave_out(context, culled, config.losses.min_projected_area);
   const bool all = &large == &culled.visible;
   DrawInput left = {culled.with(large), input.deadline, input.all_visible && all, input.postprocessed};
   const auto count = std::int64_t(culled.snapshot.count(large));
@@ -43,13 +43,14 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const DrawInp
                 : mode == OcclusionMode::kOn ? tested_strategy(left).draw(context, left)
                                              : draw_and_measure(context, left);
   if (!counts) return counts;
-  counts->small = all ? 0 : std::int64_t(culled.snapshot.count(culled.visible)) - count;
-  if (counts->small == 0 || config.losses.contribution_way == ContributionWay::kDrop) return counts;
+  counts->below_min_area = all ? 0 : std::int64_t(culled.snapshot.count(culled.visible)) - count;
+  if (counts->below_min_area == 0 || config.losses.contribution_mode == ContributionMode::kDrop) return counts;
   const float least_area =
-      config.losses.contribution_way == ContributionWay::kStochastic ? config.losses.contribution : 0.0f;
-  const auto squares = small_items_.draw(context, culled, image.was_large, least_area, mode != OcclusionMode::kOff);
-  if (!squares) return tl::unexpected(squares.error());
-  counts->squares = *squares;
+      config.losses.contribution_mode == ContributionMode::kStochastic ? config.losses.min_projected_area : 0.0f;
+  const auto splats =
+      contribution_culling_.draw(context, culled, image.was_large, least_area, mode != OcclusionMode::kOff);
+  if (!splats) return tl::unexpected(splats.error());
+  counts->splats = *splats;
   return counts;
 }
 

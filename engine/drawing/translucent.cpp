@@ -22,7 +22,8 @@ std::vector<core::Slot> TranslucentSlots::update(const core::Snapshot& snapshot,
   if (!blended_) return changed;
   const auto look_at = [&](core::Slot slot) { return blended_slots_.set(slot, !snapshot.opaque(slot)); };
   for (const core::Slot slot : touched) look_at(slot);
-  const bool of_scene = !materials.empty() && (snapshot.first_look() == 0 || materials.front() < snapshot.first_look());
+  const bool of_scene =
+      !materials.empty() && (snapshot.first_override_row() == 0 || materials.front() < snapshot.first_override_row());
   for (core::Slot slot = 0; of_scene && slot < size_; ++slot)
     if (look_at(slot)) changed.push_back(slot);
   for (; size_ < snapshot.size(); ++size_) look_at(size_);
@@ -44,7 +45,8 @@ void part(const core::VisibleSet& set, culling::SlotBits bits, core::VisibleSet&
       first = stop;
     }
   }
-  for (const core::Slot slot : set.slots) (culling::contains(bits, slot) ? with : without).slots.push_back(slot);
+  for (const core::Slot slot : set.single_slots)
+    (culling::contains(bits, slot) ? with : without).single_slots.push_back(slot);
 }
 
 }  // namespace sightline::engine

@@ -6,7 +6,7 @@ namespace sightline::engine {
 
 core::Expected<void> UnseenItems::split(DrawContext& context, const Culled& culled) {
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
-  if (split_view_ && core::same_picture(*split_view_, view)) return {};
+  if (split_view_ && core::same_image(*split_view_, view)) return {};
   context.image->changed();
   split_view_.reset();
   const core::ItemBounds& bounds = snapshot.bounds();
@@ -23,16 +23,16 @@ core::Expected<void> UnseenItems::split(DrawContext& context, const Culled& cull
   unseen_.clear();
   unseen_.generation = seen_.generation = visible.generation;
   visible.for_each_slot([&](core::Slot slot) {
-    if (!bounds.vacant(slot) && !culling::contains(seen, slot)) unseen_.slots.push_back(slot);
+    if (!bounds.vacant(slot) && !culling::contains(seen, slot)) unseen_.single_slots.push_back(slot);
   });
-  std::sort(unseen_.slots.begin(), unseen_.slots.end());
+  std::sort(unseen_.single_slots.begin(), unseen_.single_slots.end());
   if (auto done = make_materials(context, snapshot); !done) return done;
   split_view_ = view;
   return {};
 }
 
 core::Expected<void> UnseenItems::make_materials(const DrawContext& context, const core::Snapshot& snapshot) {
-  const core::vec3 colour = context.config.drawing.hidden_colour.value_or(core::vec3(0.0f));
+  const core::vec3 colour = context.config.drawing.culled_colour.value_or(core::vec3(0.0f));
   const std::vector<glm::vec4> rows(snapshot.materials().size() + 1, glm::vec4(colour, 1.0f));
   auto buffer = gl::Buffer::create(context.gl(), std::span(rows), 0, "colour of unseen items");
   if (!buffer) return tl::unexpected(buffer.error());

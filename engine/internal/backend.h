@@ -74,16 +74,16 @@ class Backend {
     return true;
   }
   /// Uploads another order of the items in portions, as advance(), while frames show the present one. Once it has
-  /// returned true, take_order() shows the other one. abandon_order() drops it.
-  virtual core::Expected<bool> advance_order(const core::Snapshot&, const gpuprims::Joints&, bool /*gpu_culls*/,
-                                             core::Deadline) {
+  /// returned true, take_version() shows the other one. abandon_version() drops it.
+  virtual core::Expected<bool> advance_version(const core::Snapshot&, const gpuprims::Joints&, bool /*gpu_culls*/,
+                                               core::Deadline) {
     return true;
   }
-  virtual core::Expected<void> take_order(const core::Snapshot& /*former*/, const core::Snapshot&,
-                                          const gpuprims::Joints&, bool /*gpu_culls*/) {
+  virtual core::Expected<void> take_version(const core::Snapshot& /*former*/, const core::Snapshot&,
+                                            const gpuprims::Joints&, bool /*gpu_culls*/) {
     return {};
   }
-  virtual void abandon_order() {}
+  virtual void abandon_version() {}
   /// Uploads everything anew from another snapshot, at once.
   virtual core::Expected<void> rebuild(const core::Snapshot&, const gpuprims::Joints&, bool /*gpu_culls*/) {
     return {};
@@ -95,7 +95,7 @@ class Backend {
 
   enum class Edit {
     kItems,   ///< placements and shapes may have changed, and slots were appended
-    kStyles,  ///< only looks and whether items are drawn
+    kStyles,  ///< only styles and whether items are drawn
   };
   /// Follows an edit of touched slots (Snapshot::apply) and of materials (SceneDelta::materials).
   virtual core::Expected<void> update(Edit, const core::Snapshot&, const gpuprims::Joints&,
@@ -103,7 +103,7 @@ class Backend {
                                       std::span<const std::uint32_t> /*materials*/) {
     return {};
   }
-  /// Notes an edit of the snapshot that advance() or advance_order() works on.
+  /// Notes an edit of the snapshot that advance() or advance_version() works on.
   virtual void follow_later(std::span<const core::Slot> /*touched*/, std::span<const std::uint32_t> /*materials*/) {}
 
   // --- settings ---
@@ -112,7 +112,7 @@ class Backend {
   virtual void configure(const EngineConfig&) {}
   /// See Engine::resize().
   virtual core::Expected<void> resize(int /*width*/, int /*height*/) { return {}; }
-  /// Uses another image from now on: Engine::use_picture(). It is created unless there is one of that size.
+  /// Uses another image from now on: Engine::use_image(). It is created unless there is one of that size.
   virtual core::Expected<void> use_image(std::uint32_t /*number*/, int /*width*/, int /*height*/) { return {}; }
   virtual void forget_image(std::uint32_t /*number*/) {}
 
@@ -132,7 +132,7 @@ class Backend {
   }
   /// Submits a frame. Waits first until at most one earlier frame is still being drawn. Leaves out items that cover no
   /// sample of the image, or that others occlude, as configured. Where the view is not the one that was culled for,
-  /// and EngineConfig::drawing.hidden_colour is set, the items that these tests leave out of the image of that one are
+  /// and EngineConfig::drawing.culled_colour is set, the items that these tests leave out of the image of that one are
   /// drawn in this colour.
   virtual core::Expected<DrawResult> draw(const DrawRequest&) { return DrawResult(); }
   /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The image stays.

@@ -20,8 +20,9 @@
 namespace sightline::engine {
 
 /// Plain state: Engine's functions work on it. engine.cpp has those about settings, frames.cpp those about frames,
-/// orders.cpp those about edits and the order of the items, styles.cpp those about what this engine shows otherwise
-/// than the scene, contexts.cpp those about the context, and queries.cpp those that ask something between frames.
+/// scene_versions.cpp those about edits and the order of the items, styles.cpp those about what this engine shows
+/// otherwise than the scene, contexts.cpp those about the context, and queries.cpp those that ask something between
+/// frames.
 struct EngineState {
   EngineState(core::Scene& scene, const EngineConfig& config);
 
@@ -29,8 +30,8 @@ struct EngineState {
   core::SceneSubscription edits;
   core::SceneDelta edits_left;  // taken from `edits` by a commit in portions, and not followed yet
   EngineConfig config;
-  Order live;
-  std::optional<Order> landing;  // a new order, for which the backend uploads what it lacks
+  SceneVersion live;
+  std::optional<SceneVersion> landing;  // a new scene version, for which the backend uploads what it lacks
   Overrides overrides;
   core::VisibleSet visible;
   core::VisibleSet overlaid;  // visible items where the GPU culls, for what is drawn over its image
@@ -70,23 +71,23 @@ struct EngineState {
 /// Arguments of the plan that the settings ask for.
 PlanRequest plan_request(const EngineState& s);
 core::Expected<void> resize(EngineState& s, int width, int height);
-core::Expected<void> use_image(EngineState& s, std::uint32_t number);
+core::Expected<void> switch_image(EngineState& s, std::uint32_t number);
 
-// --- orders.cpp ---
+// --- scene_versions.cpp ---
 /// Builds everything that the plan names. The scene must be committed.
 core::Expected<void> build(EngineState& s, const Engine::Progress& progress = {});
-/// Brings in a new order when one is ready and the backend has what it needs for it.
+/// Brings in a new scene version when one is ready and the backend has what it needs for it.
 core::Expected<void> land(EngineState& s);
 void abandon_rebuild(EngineState& s);
 /// Makes the hybrid culler follow the plan, the scene and the context.
 void follow_hybrid(EngineState& s);
-/// Makes a new order that is about to land follow an edit. `edited`: of the live order, which shows it already.
+/// Makes a new scene version that is about to land follow an edit. `edited`: of the live order, which shows it already.
 void follow_in_landing(EngineState& s, const core::SceneDelta& edited, std::span<const std::uint32_t> materials);
 
 // --- contexts.cpp ---
-/// Makes what the plan needs in the context: everything for a new order of the items or a new context, otherwise what
+/// Makes what the plan needs in the context: everything for a new scene version or a new context, otherwise what
 /// is missing. Does nothing while the context is lost.
-core::Expected<void> follow_plan_in_context(EngineState& s, bool new_order);
+core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version);
 /// Detects a lost context, and tries to replace it if the engine made it.
 void look_after_context(EngineState& s);
 void drop_context(EngineState& s);

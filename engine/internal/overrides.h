@@ -85,16 +85,17 @@ class SlotFlags {
   std::size_t count_ = 0;
 };
 
-/// Looks of items, which are rows of the snapshot's table after the scene's materials (Snapshot::set_look), hidden
-/// items, which are vacant in the snapshot, and a bit for each slot with a ghost or an outline. So cullers, joints,
-/// records and the tracer need not know of overrides, and nothing costs anything while there are none.
+/// Material overrides of items, which are rows of the snapshot's table after the scene's materials
+/// (Snapshot::set_override_row), hidden items, which are vacant in the snapshot, and a bit for each slot with a ghost
+/// or an outline. So cullers, joints, records and the tracer need not know of overrides, and nothing costs anything
+/// while there are none.
 class Overrides {
  public:
   /// What a change asks of those that follow the snapshot.
   struct Change {
     std::vector<core::Slot> touched;       ///< each once
     std::vector<core::ItemId> uncovered;   ///< items that no longer cover the ends of others
-    std::vector<std::uint32_t> materials;  ///< indices of the looks that were set, in rising order
+    std::vector<std::uint32_t> materials;  ///< indices of the overrides that were set, in rising order
     bool boxes = false;                    ///< touched slots became vacant, or no longer are
   };
 
@@ -102,7 +103,7 @@ class Overrides {
   /// None where the item has none.
   std::optional<ItemStyle> style(core::ItemId item) const {
     const Styled* styled = styled_.find(item);
-    return styled ? std::optional(looks_[styled->look].style) : std::nullopt;
+    return styled ? std::optional(material_overrides_[styled->material_override].style) : std::nullopt;
   }
   bool is_hidden(core::ItemId item) const { return hidden_.find(item) != nullptr; }
   std::vector<core::ItemId> styled_items() const { return styled_.items(); }
@@ -117,7 +118,7 @@ class Overrides {
   Change show_all(core::Snapshot& snapshot);
 
   /// Follows Snapshot::apply(), which has touched these slots: overrides again the items that it made what the scene
-  /// says, and forgets those that are gone. Where the looks have moved in the table, further slots are touched.
+  /// says, and forgets those that are gone. Where the overrides have moved in the table, further slots are touched.
   Change follow(core::Snapshot& snapshot, const core::SceneDelta& delta, std::span<const core::Slot> touched);
   /// Overrides the items of another snapshot, which is as the scene says, and forgets those that it has not.
   void restore(core::Snapshot& snapshot);
@@ -132,20 +133,22 @@ class Overrides {
 
  private:
   struct Styled {
-    std::uint32_t look;      // number of a row after the scene's materials
-    std::uint32_t material;  // what the scene says
+    std::uint32_t material_override;  // number of a row after the scene's materials
+    std::uint32_t material;           // what the scene says
   };
-  struct Look {
+  struct MaterialOverride {
     ItemStyle style;
     std::uint32_t material = core::kNone;
     std::size_t items = 0;
-    friend bool operator==(const Look& a, const Look& b) { return a.material == b.material && a.style == b.style; }
+    friend bool operator==(const MaterialOverride& a, const MaterialOverride& b) {
+      return a.material == b.material && a.style == b.style;
+    }
   };
-  struct LookHash {
-    std::size_t operator()(const Look& look) const;
+  struct MaterialOverrideHash {
+    std::size_t operator()(const MaterialOverride& material_override) const;
   };
-  std::uint32_t take_look(core::Snapshot& snapshot, const ItemStyle& style, std::uint32_t material, Change& change);
-  void release_look(std::uint32_t number);
+  std::uint32_t take_override(core::Snapshot& snapshot, const ItemStyle& style, std::uint32_t material, Change& change);
+  void release_override(std::uint32_t number);
   void set_row(core::Snapshot& snapshot, std::uint32_t number, Change& change);
   void follow_table(core::Snapshot& snapshot, std::span<const std::uint32_t> materials, bool moved, Change& change);
   void mark(core::Slot slot, const ItemStyle& style);
@@ -153,10 +156,10 @@ class Overrides {
 
   ItemMap<Styled> styled_;
   ItemMap<core::Snapshot::Shown> hidden_;
-  std::vector<Look> looks_;  // those without items are free
-  std::vector<std::uint32_t> free_looks_;
-  std::unordered_map<Look, std::uint32_t, LookHash> number_of_;
-  std::uint32_t first_look_ = 0;  // as last seen
+  std::vector<MaterialOverride> material_overrides_;  // those without items are free
+  std::vector<std::uint32_t> free_overrides_;
+  std::unordered_map<MaterialOverride, std::uint32_t, MaterialOverrideHash> number_of_;
+  std::uint32_t first_override_row_ = 0;  // as last seen
   SlotFlags ghosts_, outlined_;
 };
 

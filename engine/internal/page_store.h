@@ -64,7 +64,7 @@ struct ResidentPage {
   std::size_t bytes = 0;             ///< as counted against the limit
   std::uint64_t used = 0;            ///< frame that last drew it
   float area = 0.0f;                 ///< pixels of its leaves in that frame
-  bool needed = false;               ///< whether a picture has needed it
+  bool needed = false;               ///< whether an image has needed it
 
   std::size_t memory_bytes() const;
 };
@@ -72,7 +72,7 @@ struct ResidentPage {
 /// Keeps pages within a number of bytes. What a page will take is counted from when it is asked for.
 class PageStore {
  public:
-  /// A page that should come, and how much of the picture waits for it. `now`: or only foreseen.
+  /// A page that should come, and how much of the image waits for it. `now`: or only foreseen.
   struct Wanted {
     std::uint32_t page;
     float area;
@@ -89,7 +89,7 @@ class PageStore {
   static std::size_t bytes_of(const core::PagedScene::PageInfo& info);
   static std::size_t largest_page(const core::PagedScene& scene);
 
-  /// Pages asked for at a time: few, so that what is asked for next is what the newest picture needs.
+  /// Pages asked for at a time: few, so that what is asked for next is what the newest image needs.
   static constexpr std::size_t kMostAsked = 12;
 
   std::span<const std::uint32_t> resident() const { return resident_; }
@@ -98,11 +98,11 @@ class PageStore {
   /// Uploads what was read. `context` must be current.
   core::Expected<void> take_loaded(const gl::Context& context, std::uint64_t frame);
   /// Asks for pages, first things first, as long as there is room or pages can go: those that were used longest ago,
-  /// and the smallest of them. Where `stays`, what this frame's picture has drawn may go, too; else only for what is
+  /// and the smallest of them. Where `stays`, what this frame's image has drawn may go, too; else only for what is
   /// larger.
   void ask_for(std::span<const Wanted> wanted, std::uint64_t frame, bool stays);
   /// Gives up pages until no more than so many bytes are in use. Room for the largest page stays in any case: else no
-  /// picture could be completed.
+  /// image could be completed.
   void set_limit(std::size_t limit);
   /// A page has drawn: what it takes may have grown.
   void count_again(std::uint32_t page);

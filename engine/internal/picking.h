@@ -14,10 +14,10 @@ namespace sightline::engine {
 #if SIGHTLINE_HAS_RAYTRACE
 
 /// Makes the tracer unless there is one. Fails soon after a stop was requested.
-core::Expected<void> make_tracer(Order& order, const std::stop_token& stop = {});
+core::Expected<void> make_tracer(SceneVersion& version, const std::stop_token& stop = {});
 /// Updates the tracer, if there is one, after an edit of the snapshot. Where that fails it is dropped.
-void follow_tracer(Order& order, std::span<const core::Slot> touched);
-std::size_t tracer_bytes(const Order& order);
+void follow_tracer(SceneVersion& version, std::span<const core::Slot> touched);
+std::size_t tracer_bytes(const SceneVersion& version);
 
 /// The tracer of an order, made on another thread. The order's snapshot must not be edited meanwhile.
 class BackgroundTracer {
@@ -29,15 +29,15 @@ class BackgroundTracer {
   BackgroundTracer& operator=(const BackgroundTracer&) = delete;
 
   /// Unless the order has one or it is being made. Does nothing where the system gives no thread.
-  void begin(const Order& order);
+  void begin(const SceneVersion& version);
   /// Whether finish() would not wait.
   bool ready() const;
   /// Waits for it, and gives it to that order. Where it could not be made, make_tracer() says why.
-  void finish(Order& order);
+  void finish(SceneVersion& version);
   /// Gives it to that order if it is made, and stops it if not: the snapshot will be edited. After that follow()
   /// begins it anew. It is stopped a few times and waited for then, so that edits cannot keep it from ending.
-  void interrupt(Order& order);
-  void follow(const Order& order);
+  void interrupt(SceneVersion& version);
+  void follow(const SceneVersion& version);
 
  private:
   static constexpr int kMostStops = 8;
@@ -50,18 +50,18 @@ class BackgroundTracer {
 
 #else
 
-inline core::Expected<void> make_tracer(Order&, const std::stop_token& = {}) {
+inline core::Expected<void> make_tracer(SceneVersion&, const std::stop_token& = {}) {
   return {};
 }
-inline void follow_tracer(Order&, std::span<const core::Slot>) {}
-inline std::size_t tracer_bytes(const Order&) {
+inline void follow_tracer(SceneVersion&, std::span<const core::Slot>) {}
+inline std::size_t tracer_bytes(const SceneVersion&) {
   return 0;
 }
 class BackgroundTracer {
  public:
-  void finish(Order&) {}
-  void interrupt(Order&) {}
-  void follow(const Order&) {}
+  void finish(SceneVersion&) {}
+  void interrupt(SceneVersion&) {}
+  void follow(const SceneVersion&) {}
 };
 
 #endif

@@ -1,4 +1,4 @@
-// A new order of the items, made in the background while the old one stays in use. Internal to engine.
+// A new scene version, made in the background while the old one stays in use. Internal to engine.
 #pragma once
 
 #include <atomic>
@@ -35,7 +35,7 @@ struct PlanRequest {
   bool draw = false, ids = false;
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   bool contribution = false, budget = false;  // asked for; what draws must then be culled on the CPU
-  bool relief = false, hatching = false;
+  bool depth_shading = false, hatching = false;
   bool pick = false;  // orders come with a tracer
   ScenePart part = {};
 
@@ -46,7 +46,7 @@ struct PlanRequest {
 std::vector<std::uint64_t> slots_of_lines(const core::Snapshot& snapshot);
 
 /// Everything that depends on one order of the items.
-struct Order {
+struct SceneVersion {
   std::unique_ptr<core::Snapshot> snapshot;  // at a fixed address: the culler borrows its bounds
   gpuprims::Joints joints;                   // none unless the request draws
   std::vector<std::uint64_t> lines;          // a bit per slot that holds a line; empty where none does
@@ -76,13 +76,14 @@ struct Order {
 
 Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, const PlanRequest& request);
 /// `stop`: the result may then lack a tracer.
-Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request,
-                 const std::stop_token& stop = {});
+SceneVersion make_version(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request,
+                          const std::stop_token& stop = {});
 
 /// Makes an order show its items as copies from another one do. Items that were removed must be in ItemCopies::removed,
 /// even where others have got their ids. Returns the slots that were touched below the former size of its snapshot, in
 /// rising order.
-std::vector<core::Slot> catch_up(Order& order, std::span<const core::ItemId> edited, const core::ItemCopies& copies);
+std::vector<core::Slot> catch_up(SceneVersion& version, std::span<const core::ItemId> edited,
+                                 const core::ItemCopies& copies);
 
 /// One rebuild. Its thread copies the live snapshot in pieces, builds from the copy, catches up with the edits made
 /// meanwhile, and waits for take(). It never reads the scene. All calls must come from the thread that edits the
@@ -100,11 +101,11 @@ class BackgroundRebuild {
   /// millisecond.
   void edit(const core::SceneDelta& delta, const std::function<void()>& apply);
 
-  /// Gives away the new order if it is ready and shows all edits. From then on it follows edits by catch_up(). Never
-  /// waits for the build.
-  bool take(Order& out);
+  /// Gives away the new scene version if it is ready and shows all edits. From then on it follows edits by catch_up().
+  /// Never waits for the build.
+  bool take(SceneVersion& out);
   /// After take(): lets the background thread free the order that is no longer in use.
-  void retire(Order&& old);
+  void retire(SceneVersion&& old);
   /// True some time after retire(), when nothing is left to do: destroying the object then takes no time.
   bool finished() const { return finished_; }
 
@@ -122,7 +123,7 @@ class BackgroundRebuild {
   std::condition_variable_any changed_;
   std::atomic<bool> editing_{false}, finished_{false};
   State state_ = State::kWorking;
-  Order order_;                                 // the ready one, or one to be freed
+  SceneVersion version_;                        // the ready one, or one to be freed
   bool behind_ = false;                         // an edit is not yet in order_: of items in missed_, or of materials
   std::vector<core::ItemId> missed_, removed_;  // removed_: those of missed_ that were removed
   std::jthread thread_;                         // last: stops before the other members are destroyed

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A suite by several processes of this machine, one shard each, and one report of all. Exit code 0: all pictures passed.
+# A suite by several processes of this machine, one shard each, and one report of all. Exit code 0: all images passed.
 #   examples/regress/parallel.sh SUITE.json OUT [SHARDS]
 # With GNU parallel the shards can run on other machines that see the same folders: add --sshlogin a,b --workdir .
 set -euo pipefail

@@ -19,7 +19,7 @@ namespace sightline::gl {
 ///
 /// With Functions::pinned_memory, large ones lie in memory of ours, in huge pages that exist from when they are written
 /// to. A software rasteriser's own buffers are zeroed first, in small pages, headroom and all: that took half of the
-/// time until the first picture of 5 million items.
+/// time until the first image of 5 million items.
 class Buffer {
  public:
   Buffer() = default;

@@ -1,4 +1,4 @@
-// Resets state that an application may have left in a context and that affects the picture.
+// Resets state that an application may have left in a context and that affects the image.
 #pragma once
 
 #include <span>

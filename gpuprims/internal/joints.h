@@ -28,8 +28,8 @@ namespace sightline::gpuprims {
 
 // Tolerances, in units of the covered face's smaller half-axis. They hold between the placements that are drawn, those
 // of the snapshot. Real files store coordinates in float: their neighbours differ by up to 1e-3 radii.
-/// Largest distance between the two planes, tilt included. Equal to kHiddenReach in search.glsl, by which shaders
-/// extend each covered end.
+/// Largest distance between the two planes, tilt included. Equal to kInternalCapOverlap in search.glsl, by which
+/// shaders extend each covered end.
 inline constexpr double kJointGap = 2e-4;
 /// How far the covered face may reach beyond the other, sideways.
 inline constexpr double kJointExcess = 1e-4;

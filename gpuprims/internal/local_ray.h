@@ -20,7 +20,7 @@ namespace sightline::gpuprims {
 using core::dvec2;
 
 /// One bit per face that is not drawn.
-inline unsigned hidden_faces(Caps caps) {
+inline unsigned internal_faces(Caps caps) {
   return (caps.bottom ? 0u : 1u << kBottom) | (caps.top ? 0u : 1u << kTop);
 }
 

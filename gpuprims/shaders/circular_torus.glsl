@@ -70,7 +70,7 @@ void intersect_primitive(inout Search search, vec3 o, vec3 direction) {
   float outer = shape.major + shape.tube_radius, p = dot(o, o), reach2 = outer * outer - p;
   if (!(reach2 > 0.0)) return;
   Span wedges[2];
-  vec2 ends_reach = shape.tube_radius * vec2(hidden_reach(search, kBottom), hidden_reach(search, kTop));
+  vec2 ends_reach = shape.tube_radius * vec2(internal_cap_overlap(search, kBottom), internal_cap_overlap(search, kTop));
   int wedge_count = wedge_spans(o, direction, shape.half_angle, shape.closed, ends_reach, wedges);
   if (wedge_count == 0) return;
 

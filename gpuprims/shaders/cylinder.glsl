@@ -10,8 +10,8 @@ void load_shape(uint record, float height, float shift) { shape = Shape(-0.5 * h
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
   if (!cylinder_span(o, d, 1.0, kLateral, span)) return;
-  clip(span, o.z - shape.low + hidden_reach(search, kBottom), d.z, kBottom);
-  clip(span, shape.high - o.z + hidden_reach(search, kTop), -d.z, kTop);
+  clip(span, o.z - shape.low + internal_cap_overlap(search, kBottom), d.z, kBottom);
+  clip(span, shape.high - o.z + internal_cap_overlap(search, kTop), -d.z, kTop);
   offer_span(search, span);
 }
 

@@ -1,6 +1,6 @@
 // Includes the code of one primitive, which one of these defines selects. Shared files come first: each file is
 // included once, where it is first named, even if that is in a branch that is not taken.
-#include "hidden_faces.glsl"
+#include "internal_faces.glsl"
 #include "payload.glsl"
 #include "arithmetic.glsl"
 #include "search.glsl"

@@ -31,12 +31,12 @@ void offer(inout Search s, float t, int face) {
 
 bool shown(Search s, int face) { return (s.hidden >> uint(face) & 1u) == 0u; }
 
-// How far hidden ends reach beyond their plane, in radii: into the neighbour that covers them, which may be that far
+// How far internal end caps reach beyond their plane, in radii: into the neighbour that covers them, which may be that far
 // away (kJointGap in gpuprims/internal/joints.h). So no ray passes between the two, and a section that lies in the joint
 // cuts at least one of them.
-const float kHiddenReach = 2e-4;
+const float kInternalCapOverlap = 2e-4;
 
-float hidden_reach(Search s, int face) { return shown(s, face) ? 0.0 : kHiddenReach; }
+float internal_cap_overlap(Search s, int face) { return shown(s, face) ? 0.0 : kInternalCapOverlap; }
 
 void offer_part(inout Search s, float t0, int face0, float t1, int face1, vec2 kept, bool cut) {
   if (!(max(t0, kept.x) <= min(t1, kept.y))) return;

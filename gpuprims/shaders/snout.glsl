@@ -80,8 +80,8 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   float start = flat_one ? move_to_level(o, d, 4.0) : 0.0;
   if (!nappe(o, d, span)) return;
   vec2 from_bottom = o.xy + shape.lean * shape.to_bottom, from_top = o.xy - shape.lean * shape.to_top;
-  float reach_bottom = hidden_reach(search, kBottom) * length(vec3(shape.bottom_slant, 1.0));
-  float reach_top = hidden_reach(search, kTop) * length(vec3(shape.top_slant, 1.0));
+  float reach_bottom = internal_cap_overlap(search, kBottom) * length(vec3(shape.bottom_slant, 1.0));
+  float reach_top = internal_cap_overlap(search, kTop) * length(vec3(shape.top_slant, 1.0));
   clip(span, o.z + shape.to_bottom - dot(shape.bottom_slant, from_bottom) + reach_bottom, d.z - dot(shape.bottom_slant, d.xy),
        kBottom);
   clip(span, shape.to_top - o.z + dot(shape.top_slant, from_top) + reach_top, dot(shape.top_slant, d.xy) - d.z, kTop);

@@ -50,7 +50,7 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
     clip(span, o.z, d.z, kBottom);  // even if hidden: below it the ball is wider than the neighbour that covers it
   } else {
     if (!ball(o, d, span)) return;
-    if (shape.c < 2.0) clip(span, o.z - (1.0 - shape.c) + hidden_reach(search, kBottom), d.z, kBottom);
+    if (shape.c < 2.0) clip(span, o.z - (1.0 - shape.c) + internal_cap_overlap(search, kBottom), d.z, kBottom);
   }
   offer_span(search, span, start);
 }

@@ -56,8 +56,8 @@ class GpuScene {
   /// far fewer for many runs (ElementWriter, which lists the GL state that it changes).
   void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const gpuprims::Joints& joints = {});
   /// The same where placements and shapes are as they were: rewrites one word of each record.
-  void update_looks(const core::Snapshot& snapshot, std::span<const core::Slot> changed,
-                    const gpuprims::Joints& joints = {});
+  void update_styles(const core::Snapshot& snapshot, std::span<const core::Slot> changed,
+                     const gpuprims::Joints& joints = {});
   /// Adds records of the slots appended since the last call, `most` of them, with their meshes and kinds. Where a batch
   /// is full it gets half as much again, and the GPU copies what was there. True: some batches are larger or new, so
   /// that who keeps something for each batch (DrawLists, a culler, a renderer) needs it anew. Fails when the GPU has

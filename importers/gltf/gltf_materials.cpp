@@ -104,7 +104,7 @@ core::Expected<ImageMean> GltfMaterials::texture_mean(std::uint64_t texture, con
   const auto view = embedded ? gltf_index(*image->json, "bufferView", where) : 0;
   if (!view) return tl::unexpected(view.error());
 
-  // Images are recognised by their source: a file may name one picture many times.
+  // Images are recognised by their source: a file may name one image many times.
   const std::string name = embedded ? fmt::format("view {}", *view) : uri->get<std::string>();
   const bool inside = name.starts_with("data:");
   const std::string key = fmt::format("{} {}", weigh, inside ? where : name);

@@ -103,7 +103,7 @@ class PagedPart {
     std::copy(std::begin(row.kind_count), std::end(row.kind_count), info.of_kind.begin());
     info.mesh_positions = row.mesh_positions;
     info.mesh_indices = row.mesh_indices;
-    // Chunks and hidden ends are small beside the rest: a word per slot is more than they take.
+    // Chunks and internal end caps are small beside the rest: a word per slot is more than they take.
     info.memory_bytes = kept_bytes(row) + record_bytes(row) + row.mesh_bytes + row.count * sizeof(std::uint64_t);
     return info;
   }
@@ -290,8 +290,8 @@ class PagedPart {
     SlcExpected<void> done;
     for (const SlcSlice& slice : slices(row, has_layers())) {
       if (slice.number == kSlcSlotEnds) {
-        page.hidden_ends.resize(std::size_t(slice.count));
-        done = read(slice.number, slice.first, std::as_writable_bytes(std::span(page.hidden_ends)),
+        page.internal_end_caps.resize(std::size_t(slice.count));
+        done = read(slice.number, slice.first, std::as_writable_bytes(std::span(page.internal_end_caps)),
                     sizeof(std::uint64_t), sum);
       }
       storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {

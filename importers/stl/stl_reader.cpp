@@ -102,9 +102,9 @@ class AttributeColours {
     if (key == std::string_view::npos || key + 10 > text.size()) return;
     const auto byte = [&](std::size_t i) { return std::uint32_t(std::uint8_t(text[key + 6 + i])); };
     if (text.substr(key + 9).starts_with(" MATERIAL=")) {
-      way_ = Way::kMeshLab;
+      colour_mode_ = ColourMode::kMeshLab;
     } else {
-      way_ = has_attributes(bytes, facets) ? Way::kMagics : Way::kDefault;
+      colour_mode_ = has_attributes(bytes, facets) ? ColourMode::kMagics : ColourMode::kDefault;
       default_ = pack_colour(byte(0), byte(1), byte(2), byte(3));
     }
   }
@@ -115,27 +115,27 @@ class AttributeColours {
     };
     const bool bit_15 = (attribute & 0x8000u) != 0;
     const PackedColour red_low = pack_colour(channel(0), channel(5), channel(10));
-    switch (way_) {
-      case Way::kVisCam:
+    switch (colour_mode_) {
+      case ColourMode::kVisCam:
         return bit_15 ? pack_colour(channel(10), channel(5), channel(0)) : kNoColour;
-      case Way::kMagics:
+      case ColourMode::kMagics:
         return bit_15 ? default_ : red_low;
-      case Way::kMeshLab:
+      case ColourMode::kMeshLab:
         return bit_15 ? red_low : kNoColour;
-      case Way::kDefault:
+      case ColourMode::kDefault:
         return default_;
     }
     return kNoColour;
   }
 
  private:
-  enum class Way : std::uint8_t {
+  enum class ColourMode : std::uint8_t {
     kVisCam,   ///< no colour in the header; bit 15 says that a facet has one, red in the high bits
     kMagics,   ///< COLOR=rgba in the header is that of facets with bit 15; others have their own, red in the low bits
     kMeshLab,  ///< COLOR=rgb MATERIAL=…, but bit 15 says that a facet has a colour, red in the low bits
     kDefault,  ///< as kMagics, but no facet has a colour of its own
   };
-  Way way_ = Way::kVisCam;
+  ColourMode colour_mode_ = ColourMode::kVisCam;
   PackedColour default_ = kNoColour;
 };
 

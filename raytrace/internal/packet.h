@@ -1,4 +1,4 @@
-// Internal: sixteen rays side by side, for pictures. See kernels.h on what the kernels' files may include.
+// Internal: sixteen rays side by side, for images. See kernels.h on what the kernels' files may include.
 #pragma once
 
 #include <cstdint>

@@ -23,7 +23,7 @@ core::Expected<std::vector<std::uint8_t>> encode_png(const Image& image, PngSize
   header.height = png_uint_32(image.height);
   header.format = PNG_FORMAT_RGB;
   header.flags = size == PngSize::kFast ? PNG_IMAGE_FLAG_FAST : 0;
-  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(header);  // asking for the size would encode the picture twice
+  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(header);  // asking for the size would encode the image twice
   std::vector<std::uint8_t> encoded(bytes);
   if (!png_image_write_to_memory(&header, encoded.data(), &bytes, 0, image.pixels.data(), 0, nullptr))
     return core::fail(std::string("PNG: ") + header.message);

@@ -39,7 +39,7 @@ struct NormalImage {
 
 enum class PngSize : std::uint8_t {
   kFast,   ///< four times faster to write, a little larger
-  kSmall,  ///< for pictures that are kept
+  kSmall,  ///< for images that are kept
 };
 /// The bytes of a PNG file.
 SIGHTLINE_API core::Expected<std::vector<std::uint8_t>> encode_png(const Image& image, PngSize size = PngSize::kFast);
@@ -47,7 +47,7 @@ SIGHTLINE_API core::Expected<std::vector<std::uint8_t>> encode_png(const Image& 
 /// Writers replace `path` only when complete (core/internal/atomic_file.h). Errors name the file and the reason.
 SIGHTLINE_API core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
 SIGHTLINE_API core::Expected<Image> read_png(const std::filesystem::path& path);
-/// A PNG file that is written row by row, so that no picture as large as it need be in memory. As write_png() does.
+/// A PNG file that is written row by row, so that no image as large as it need be in memory. As write_png() does.
 class SIGHTLINE_API PngWriter {
  public:
   /// Fails where the file cannot be written, and on sizes that PNG does not have.
@@ -84,7 +84,7 @@ struct ImageDifference {
 };
 /// Fails when the sizes differ.
 SIGHTLINE_API core::Expected<ImageDifference> compare(const Image& a, const Image& b);
-/// Absolute differences, amplified four times, as a picture. Sizes must be equal.
+/// Absolute differences, amplified four times, as an image. Sizes must be equal.
 SIGHTLINE_API Image difference_image(const Image& a, const Image& b);
 
 }  // namespace sightline::image

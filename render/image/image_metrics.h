@@ -48,13 +48,13 @@ struct IdDifference {
 /// Fails when the sizes differ.
 SIGHTLINE_API core::Expected<IdDifference> id_difference(const IdImage& reference, const IdImage& image);
 
-/// A picture's items with their depths.
+/// An image's items with their depths.
 struct ItemDepths {
   IdImage ids;
   DepthImage depth;
 };
 
-/// Differences of depth, over the pixels in which both pictures show the same item and no silhouette of the reference
+/// Differences of depth, over the pixels in which both images show the same item and no silhouette of the reference
 /// is near.
 struct DepthDifference {
   std::uint64_t pixels = 0;  ///< that were compared

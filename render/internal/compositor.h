@@ -18,12 +18,11 @@ namespace sightline::render {
 class Compositor {
  public:
   enum class Source {
-    kPicture,  ///< its depth says where it shows anything
-    kLayer,    ///< its alpha does; colours are multiplied by it, blended, and write no depth
+    kImage,  ///< its depth says where it shows anything
+    kLayer,  ///< its alpha does; colours are multiplied by it, blended, and write no depth
   };
 
-  explicit Compositor(const gl::Functions& gl, Source source = Source::kPicture)
-      : gl_(&gl), pass_(gl), source_(source) {}
+  explicit Compositor(const gl::Functions& gl, Source source = Source::kImage) : gl_(&gl), pass_(gl), source_(source) {}
 
   /// As put(), into a framebuffer of the application's, which is cleared first where it says so. `to` must have the
   /// size of `from`. `background`: sRGB, to clear with. Fails on a framebuffer that does not exist or is not complete,

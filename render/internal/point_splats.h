@@ -1,4 +1,4 @@
-// Items so small that their shape does not show, each drawn as one square.
+// Items so small that their shape does not show, each drawn as one splat.
 #pragma once
 
 #include <span>
@@ -22,13 +22,13 @@ struct PointSplat {
 /// the colours that a ball of its material shows. It is transparent as its material is. It is not drawn where section
 /// planes cut its centre away, or where its centre is outside the view volume.
 ///
-/// Costs one program, for targets of one format, and 24 bytes for each square of the largest draw so far, rounded up.
+/// Costs one program, for targets of one format, and 24 bytes for each splat of the largest draw so far, rounded up.
 class PointSplats {
  public:
   /// Fails with the driver's log.
   static core::Expected<PointSplats> create(const gl::Context& context, const TargetFormat& format);
 
-  /// Draws the squares beside what the target holds of the same view. Where two items have the same depth, the pixel
+  /// Draws the splats beside what the target holds of the same view. Where two items have the same depth, the pixel
   /// keeps what it has. Sets GL state as Renderer::draw() does. Does not wait for the GPU. Fails for views that
   /// Renderer does not draw, and when the GPU has not enough memory.
   core::Expected<void> draw(const core::View& view, std::span<const PointSplat> splats, const gpuscene::GpuScene& scene,

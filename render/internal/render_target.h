@@ -47,13 +47,13 @@ class RenderTarget {
   GLenum texture_target() const { return format_.samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE; }
   /// Makes draws write to it, in the state that all draws begin with: reverse-Z depth test, no blending.
   void begin_drawing() const;
-  /// The picture with one value per pixel: the average of the colours, and one sample's value of everything else.
+  /// The image with one value per pixel: the average of the colours, and one sample's value of everything else.
   const gl::Framebuffer& resolved() const;
   /// Copies all that is drawn here to a target of the same size and format.
   void copy_to(const RenderTarget& to) const;
   std::size_t memory_bytes() const;
 
-  /// Read-backs resolve the picture and wait for the GPU. They are for pictures and tests, not for use between cull and
+  /// Read-backs resolve the image and wait for the GPU. They are for images and tests, not for use between cull and
   /// draw.
   image::Image read_colour() const;
   image::IdImage read_ids() const;          ///< only for a target with ids

@@ -1,4 +1,4 @@
-// render: view + visible set -> picture in a RenderTarget. Programs only for what a scene holds, one indirect
+// render: view + visible set -> image in a RenderTarget. Programs only for what a scene holds, one indirect
 // multi-draw per batch. Knows nothing of cullers; render/image/ reads, writes and compares what it has drawn.
 #pragma once
 
@@ -52,7 +52,7 @@ class Renderer {
                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                  const RenderTarget& target, const gl::TextureBuffer* materials = nullptr);
 
-  /// Draw the records in the lists as ghosts, or as transparent surfaces of the scene's alpha, over a picture of the
+  /// Draw the records in the lists as ghosts, or as transparent surfaces of the scene's alpha, over an image of the
   /// same view: see Overlays. `range`: eye depths between which the surfaces lie. Both compile programs of their own
   /// when they are first used.
   core::Expected<void> draw_ghosts(const core::View& view, const core::Snapshot& snapshot,
@@ -60,7 +60,7 @@ class Renderer {
                                    const RenderTarget& layer);
   core::Expected<void> draw_blended(const core::View& view, const core::Snapshot& snapshot,
                                     const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                    const RenderTarget& picture, const BlendedSums& sums, const glm::vec2& range);
+                                    const RenderTarget& image, const BlendedSums& sums, const glm::vec2& range);
 
   std::array<float, 3> background{0.86f, 0.88f, 0.91f};  ///< sRGB
   /// Lines on cut faces: their strength, 0 … 1, and their least distance in pixels; a sixth of that, or one pixel, is

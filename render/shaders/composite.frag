@@ -1,5 +1,5 @@
 // What a target shows, for a framebuffer. LAYER: where its alpha is not 0, with colours that are multiplied by it;
-// PICTURE: where its depth says that anything is drawn. SAMPLES: of its pixels; without it one. EACH_SAMPLE: the
+// IMAGE: where its depth says that anything is drawn. SAMPLES: of its pixels; without it one. EACH_SAMPLE: the
 // framebuffer has as many, and gets each of them; otherwise WHOLE_PIXELS: their mean, at the nearest of their depths.
 #include "srgb.glsl"
 

@@ -1,7 +1,7 @@
 // Hatching of cut faces, as drawing offices do it: lines at 45 degrees that lie still in the section plane. Their
 // distance is a power of two of metres along the plane's coordinates, between one and two of the least distance in the
-// picture. Where they come too near to each other every second line fades. Needs kept_ray.glsl. HATCHING: compiled for
-// pictures that have it, since a branch alone would cost a tenth of a picture on a CPU.
+// image. Where they come too near to each other every second line fades. Needs kept_ray.glsl. HATCHING: compiled for
+// images that have it, since a branch alone would cost a tenth of an image on a CPU.
 
 const float kFadeRange = 0.3;         // in powers of two of the distance
 const int kLeastPower = -24, kMostPower = 19;  // of metres; half of kHatchPeriod

@@ -1,4 +1,4 @@
-// A line around what a layer shows of some items: full where the picture shows them, fainter where something hides them.
+// A line around what a layer shows of some items: full where the image shows them, fainter where something hides them.
 #include "srgb.glsl"
 
 #ifdef SAMPLES
@@ -14,14 +14,14 @@ layout(binding = 2) uniform sampler2D depths;
 #define COUNT 1
 #define ITEMS_SIZE textureSize(items, 0)
 #endif
-layout(location = 0) uniform ivec2 corner;  // of the picture in the framebuffer, pixels
+layout(location = 0) uniform ivec2 corner;  // of the image in the framebuffer, pixels
 layout(location = 2) uniform bool linear_colour;
 layout(location = 3) uniform vec3 line_colour;
 
 layout(location = 0) out vec4 pixel;  // multiplied by its alpha
 
 const int kReach = 2;            // pixels
-const float kHiddenLine = 0.35;  // alpha
+const float kOccludedLine = 0.35;  // alpha
 const float kSameDepth = 1e-4;   // of the depth
 
 // Shares of a pixel's samples that the items cover, and where nothing hides them.
@@ -47,7 +47,7 @@ void main() {
       around = max(around, covered(at));
     }
   }
-  float alpha = max(around.y, kHiddenLine * around.x) * (1.0 - here.x);
+  float alpha = max(around.y, kOccludedLine * around.x) * (1.0 - here.x);
   if (alpha == 0.0) discard;
   pixel = vec4((linear_colour ? linear_of(line_colour) : line_colour) * alpha, alpha);
 }

@@ -13,7 +13,7 @@ layout(location = 0) flat in vec4 local_from_eye[3];
 layout(location = 3) flat in uvec4 anchor;
 
 // Result of a ray: local position, depth, and everything that shading needs.
-struct Sight {
+struct RayHit {
   vec3 p;
   float depth;
   int face;
@@ -21,7 +21,7 @@ struct Sight {
 };
 
 // Casts the ray through a pixel coordinate; false when it hits nothing.
-bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out Sight sight) {
+bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out RayHit hit) {
   float anchor_depth = uintBitsToFloat(anchor.x);
   vec2 from_anchor = pixel - vec2(anchor.w & 0xffffu, anchor.w >> 16);
   vec3 direction = eye_direction(pixel);
@@ -31,11 +31,11 @@ bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out Sight sight) {
   float start = -dot(o, d) / dot(d, d);
   o += start * d;
   start += anchor_depth;
-  Search search = search_kept(eye_point(pixel, start), direction, hidden, sight.section);
+  Search search = search_kept(eye_point(pixel, start), direction, hidden, hit.section);
   intersect_primitive(search, o, d);
-  sight.p = o + search.t * d;
-  sight.depth = start + search.t;
-  sight.face = search.face;
+  hit.p = o + search.t * d;
+  hit.depth = start + search.t;
+  hit.face = search.face;
   return search.t != kNoHit;
 }
 
@@ -47,19 +47,19 @@ void main() {
   if (dithered_away(words.z, words.y)) discard;
   load_shape(record, uintBitsToFloat(words.w), uintBitsToFloat(anchor.y));
   mat3 rows = mat3(local_from_eye[0].xyz, local_from_eye[1].xyz, local_from_eye[2].xyz);
-  uint hidden = hidden_faces(words.z);
-  Sight sight;
+  uint hidden = internal_faces(words.z);
+  RayHit hit;
 #ifdef SAMPLES
   gl_SampleMask[0] = 1 << gl_SampleID;  // each sample runs the shader, and casts the ray through its own place
 #endif
-  if (!cast_ray(place, rows, hidden, sight)) discard;
+  if (!cast_ray(place, rows, hidden, hit)) discard;
 #ifdef HATCHING
   // Solids that overlap have one depth, so that their lines do not mingle.
-  if (sight.face == kCut) sight.depth = depth_on(place, sight.section);
+  if (hit.face == kCut) hit.depth = depth_on(place, hit.section);
 #endif
-  gl_FragDepth = min(depth_at(sight.depth), proxy_depth);  // depth_less must hold despite rounding
-  bool cut = sight.face == kCut;
-  vec3 normal = cut ? cut_normal(sight.section) : rows * face_normal(sight.p, sight.face);
-  float hatch = cut ? hatch_cover(place, sight.section, words.y) : 0.0;
+  gl_FragDepth = min(depth_at(hit.depth), proxy_depth);  // depth_less must hold despite rounding
+  bool cut = hit.face == kCut;
+  vec3 normal = cut ? cut_normal(hit.section) : rows * face_normal(hit.p, hit.face);
+  float hatch = cut ? hatch_cover(place, hit.section, words.y) : 0.0;
   write_surface(normal, eye_direction(place), hatch, words.z, words.y);
 }

@@ -2,7 +2,7 @@
 // the proxy, which primitive.geom emits. Only the anchor needs doubles.
 #include "item.glsl"
 #include "make_proxy.glsl"
-#include "hidden_faces.glsl"
+#include "internal_faces.glsl"
 
 out gl_PerVertex {
   vec4 gl_Position;
@@ -70,7 +70,7 @@ void main() {
   float farthest = dot(abs(towards_eye), reach) - dot(towards_eye, box.low + reach) - origin.z;
   vec2 size = abs(eye_step(vec2(1.0), max(farthest, 0.0)).xy) * (1.0 / 32.0);
   vec3 margin = 1e-5 * reach + max(size.x, size.y) * vec3(length(rows[0]), length(rows[1]), length(rows[2]));
-  if (hidden_faces(item.material) != 0u) margin += kHiddenReach;
+  if (internal_faces(item.material) != 0u) margin += kInternalCapOverlap;
 
   vec3 viewer = vec3(rows[0].z, rows[1].z, rows[2].z);
   bool inside = false;

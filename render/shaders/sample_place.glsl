@@ -1,4 +1,4 @@
-// Where a fragment's ray goes through the picture, and the depth that the rasteriser has there. SAMPLES: through the
+// Where a fragment's ray goes through the image, and the depth that the rasteriser has there. SAMPLES: through the
 // fragment's sample, else through the pixel's centre. With samples some drivers (llvmpipe) have gl_FragCoord tell the
 // place of the sample, and others (NVIDIA's) that of the centre, depth included.
 #ifdef SAMPLES

@@ -2,8 +2,8 @@
 
 layout(binding = 2) uniform samplerBuffer materials;  // rgb: sRGB colour, a: alpha
 
-// GHOST: faint surfaces, which render/internal/overlays.h puts over the picture. BLENDED: what is summed up of
-// transparent surfaces, in any order. Without either: the picture itself.
+// GHOST: faint surfaces, which render/internal/overlays.h puts over the image. BLENDED: what is summed up of
+// transparent surfaces, in any order. Without either: the image itself.
 #ifdef BLENDED
 layout(location = 0) out vec4 out_sum;         // colour * alpha, alpha, times the weight
 layout(location = 1) out float out_let_pass;   // share of the light from behind; blending multiplies it

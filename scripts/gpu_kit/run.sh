@@ -32,7 +32,7 @@ trap 'exit 130' INT TERM
 
 # Drivers and programs keep shaders of this run alone, so that a first start is one. The tests find their data here.
 export XDG_CACHE_HOME=$scratch/cache __GL_SHADER_DISK_CACHE_PATH=$scratch/cache
-export SIGHTLINE_CHECKOUT=$kit/checkout SIGHTLINE_BIN=$bin SIGHTLINE_SHOWN_VIEWS=100
+export SIGHTLINE_CHECKOUT=$kit/checkout SIGHTLINE_BIN=$bin SIGHTLINE_DRAWN_VIEWS=100
 mkdir -p "$XDG_CACHE_HOME"
 
 say() { printf '%s\n' "$*" >>"$report"; }
@@ -275,7 +275,7 @@ step_occlusion() {
 step_samples() {
   local file looks
   file=$(plant "$(items 100000)")
-  for looks in "--samples 1" "--samples 4" "--samples 8" "--samples 4 --shading 0.5 --lines 0.5"; do
+  for looks in "--samples 1" "--samples 4" "--samples 8" "--samples 4 --depth-shading 0.5 --edge-lines 0.5"; do
     # shellcheck disable=SC2086
     show 7 sightline-replay "$file" $looks --frames "$frames" --size "$size"
   done

@@ -1,9 +1,9 @@
-// sightline-study budget: what a frame budget leaves of the picture while the camera moves, and how long the full
-// picture takes once it rests: alone, and in turns with the pictures of other views that rest.
+// sightline-study budget: what a frame budget leaves of the image while the camera moves, and how long the full
+// image takes once it rests: alone, and in turns with the images of other views that rest.
 //
-// A tour is flown with the budget. Some of its pictures are compared with the full picture of the same view. Beside
+// A tour is flown with the budget. Some of its images are compared with the full image of the same view. Beside
 // them stands a threshold of contribution in the same time: of several the least whose frame takes no longer than the
-// budget. Both drop what is too small, or draw it as squares.
+// budget. Both drop what is too small, or draw it as splats.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -38,7 +38,7 @@ struct Options {
   apps::ModelOptions model;
   double budget_ms = 33.0;
   int frames = 200, compared = 20, rests = 10, viewports = 4;
-  engine::ContributionWay way = engine::ContributionWay::kDrop;
+  engine::ContributionMode mode = engine::ContributionMode::kDrop;
   gl::ContextPlatform platform = {};
   std::string size = "640x360", json;
 };
@@ -50,31 +50,31 @@ void add_options(apps::CommandLine& line, Options& o) {
       .positive()
       .shows_default();
   add_frames_option(line, o.frames, 2);
-  line.add("--compared", o.compared, "Frames whose pictures are compared, evenly spaced")
+  line.add("--compared", o.compared, "Frames whose images are compared, evenly spaced")
       .in_range(1, 10'000)
       .shows_default();
   line.add("--rests", o.rests, "Frames at which the camera comes to rest, evenly spaced")
       .in_range(1, 10'000)
       .shows_default();
-  line.add("--viewports", o.viewports, "Views that rest in turns, each with a picture of its own, evenly spaced")
+  line.add("--viewports", o.viewports, "Views that rest in turns, each with an image of its own, evenly spaced")
       .in_range(1, 100)
       .shows_default();
-  apps::add_way_option(line, "--way", "How what is left out is drawn", o.way);
+  apps::add_contribution_mode_option(line, "--mode", "How what is left out is drawn", o.mode);
   line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
   apps::add_context_option(line, o.platform);
   apps::add_json_option(line, o.json);
   line.examples(
       "  sightline-study budget plant.rvm\n"
-      "  sightline-study budget plant.rvm --way points\n"
+      "  sightline-study budget plant.rvm --mode points\n"
       "  sightline-study budget plant.rvm --budget 16.7 --frames 400 --json budget.json");
 }
 
-/// How far a picture is from the full one.
+/// How far an image is from the full one.
 struct Error {
   double flip_mean = 0.0, flip_p99 = 0.0, wrong_ids = 0.0;  // wrong_ids: a share of all pixels
 };
 
-struct Picture {
+struct Image {
   image::Image colour;
   image::IdImage ids;
 };
@@ -90,30 +90,30 @@ struct Rest {
 };
 
 struct Figures {
-  std::vector<double> ms, shown;  // of each frame of the tour
+  std::vector<double> ms, items_drawn;  // of each frame of the tour
   int complete = 0;
   std::vector<Compared> compared;
   std::vector<Rest> rests;
   Rest together;  // of all viewports
 };
 
-core::Expected<Picture> read(Engine& engine) {
+core::Expected<Image> read(Engine& engine) {
   auto colour = engine.read_colour();
   if (!colour) return tl::unexpected(colour.error());
   auto ids = engine.read_ids();
   if (!ids) return tl::unexpected(ids.error());
-  return Picture{std::move(*colour), std::move(*ids)};
+  return Image{std::move(*colour), std::move(*ids)};
 }
 
-core::Expected<Error> error_of(const Picture& picture, const Picture& full) {
-  const auto metrics = image::image_metrics(full.colour, picture.colour);
+core::Expected<Error> error_of(const Image& image, const Image& full) {
+  const auto metrics = image::image_metrics(full.colour, image.colour);
   if (!metrics) return tl::unexpected(metrics.error());
-  const auto wrong = image::wrong_ids(full.ids, picture.ids);
+  const auto wrong = image::wrong_ids(full.ids, image.ids);
   if (!wrong) return tl::unexpected(wrong.error());
   return Error{metrics->flip_mean, metrics->flip_p99, double(*wrong) / double(full.ids.ids.size())};
 }
 
-/// Milliseconds until the picture of a view is complete, or its budget spent.
+/// Milliseconds until the image of a view is complete, or its budget spent.
 core::Expected<double> timed_frame(Engine& engine, const core::View& view, engine::FrameReport* report = nullptr) {
   const double begin = milliseconds();
   const auto made = engine.frame(view);
@@ -154,7 +154,7 @@ class Bench {
     const auto ms = timed_frame(hurried_, views_[i], &report);
     if (!ms) return tl::unexpected(ms.error());
     figures_.ms.push_back(*ms);
-    figures_.shown.push_back(double(report.shown));
+    figures_.items_drawn.push_back(double(report.items_drawn));
     figures_.complete += report.pending == 0;
     for (int k = 0; k < options_.compared; ++k)
       if (spaced(k, options_.compared) == i) return compare(i, *ms);
@@ -162,28 +162,28 @@ class Bench {
   }
 
   core::Expected<void> compare(std::size_t i, double ms) {
-    const auto picture = read(hurried_);
-    if (!picture) return tl::unexpected(picture.error());
+    const auto image = read(hurried_);
+    if (!image) return tl::unexpected(image.error());
     Compared figures;
     figures.budget_ms = ms;
-    Picture full;
+    Image full;
     for (const float threshold : kThresholds) {
       const auto took = draw_with(threshold, i);
       if (!took) return tl::unexpected(took.error());
       if (threshold == 0.0f) figures.full_ms = *took;
       if (threshold > 0.0f && *took > options_.budget_ms && threshold < std::end(kThresholds)[-1]) continue;
-      auto picture_of = read(full_);
-      if (!picture_of) return tl::unexpected(picture_of.error());
-      if (threshold == 0.0f) full = *picture_of;
+      auto image_of = read(full_);
+      if (!image_of) return tl::unexpected(image_of.error());
+      if (threshold == 0.0f) full = *image_of;
       if (threshold == 0.0f && *took > options_.budget_ms) continue;
-      const auto error = error_of(*picture_of, full);
+      const auto error = error_of(*image_of, full);
       if (!error) return tl::unexpected(error.error());
       figures.contribution = *error;
       figures.contribution_ms = *took;
       figures.threshold = threshold;
       break;
     }
-    const auto error = error_of(*picture, full);
+    const auto error = error_of(*image, full);
     if (!error) return tl::unexpected(error.error());
     figures.budget = *error;
     figures_.compared.push_back(figures);
@@ -193,7 +193,7 @@ class Bench {
 
   /// Draws the frame before, too, as a flight does.
   core::Expected<double> draw_with(float threshold, std::size_t i) {
-    full_.drawing()->set_contribution(threshold, options_.way);
+    full_.drawing()->set_min_projected_area(threshold, options_.mode);
     if (auto before = timed_frame(full_, views_[i > 0 ? i - 1 : i]); !before) return before;
     return timed_frame(full_, views_[i]);
   }
@@ -207,7 +207,7 @@ class Bench {
       const auto ms = timed_frame(hurried_, views_[at], &report);
       if (!ms) return tl::unexpected(ms.error());
       rest.ms += *ms;
-      if (++rest.frames > kMostAtRest) return core::fail("the picture does not become complete");
+      if (++rest.frames > kMostAtRest) return core::fail("the image does not become complete");
     } while (report.pending > 0);
     figures_.rests.push_back(rest);
     return {};
@@ -217,13 +217,13 @@ class Bench {
     for (std::int64_t pending = 1; pending > 0;) {
       pending = 0;
       for (int i = 0; i < options_.viewports; ++i) {
-        if (auto chosen = hurried_.use_picture(std::uint32_t(i + 1)); !chosen) return chosen;
+        if (auto chosen = hurried_.use_image(std::uint32_t(i + 1)); !chosen) return chosen;
         engine::FrameReport report;
         const auto ms = timed_frame(hurried_, views_[spaced(i, options_.viewports)], &report);
         if (!ms) return tl::unexpected(ms.error());
         figures_.together.ms += *ms;
         pending += report.pending;
-        if (++figures_.together.frames > kMostAtRest) return core::fail("the pictures do not become complete");
+        if (++figures_.together.frames > kMostAtRest) return core::fail("the images do not become complete");
       }
     }
     return {};
@@ -240,7 +240,7 @@ core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, double 
   engine::EngineConfig config = drawing_config(width, height, o.platform);
   config.culling.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
   config.losses.budget_ms = budget_ms;
-  config.losses.contribution_way = o.way;
+  config.losses.contribution_mode = o.mode;
   return Engine::create(scene, config);
 }
 
@@ -268,7 +268,7 @@ Json to_json(const Figures& f, double budget_ms) {
   json["moving"] = {{"ms", apps::to_json(apps::summarise(f.ms))},
                     {"within", double(within) / double(f.ms.size())},
                     {"complete", double(f.complete) / double(f.ms.size())},
-                    {"shown", apps::summarise(f.shown).mean}};
+                    {"items_drawn", apps::summarise(f.items_drawn).mean}};
   json["compared"] = {{"budget", to_json(f.compared, &Compared::budget, &Compared::budget_ms)},
                       {"contribution", to_json(f.compared, &Compared::contribution, &Compared::contribution_ms)},
                       {"full_ms", apps::summarise(all(f.compared, [](const Compared& c) { return c.full_ms; })).mean}};
@@ -291,17 +291,17 @@ void print(const Json& json, std::FILE* out) {
                "| -------------------- | -------: | -----: | ---------: | ----------: | ------: |\n"
                "| all frames           | %8.1f | %6.1f | %10.1f | %11.1f | %7.0f |\n\n",
                figure(moving["ms"], "mean"), figure(moving["ms"], "p99"), 100.0 * figure(moving, "within"),
-               100.0 * figure(moving, "complete"), figure(moving, "shown"));
+               100.0 * figure(moving, "complete"), figure(moving, "items_drawn"));
   std::fprintf(out,
-               "| against full picture | ms, mean | FLIP, mean |    p99 | wrong ids, %% |\n"
+               "| against full image | ms, mean | FLIP, mean |    p99 | wrong ids, %% |\n"
                "| -------------------- | -------: | ---------: | -----: | -----------: |\n");
-  for (const char* way : {"budget", "contribution"})
-    std::fprintf(out, "| %-20s | %8.1f | %10.5f | %6.4f | %12.2f |\n", way, figure(compared[way]["ms"], "mean"),
-                 figure(compared[way]["flip"], "mean"), figure(compared[way]["flip"], "p99"),
-                 100.0 * figure(compared[way], "wrong_ids"));
+  for (const char* mode : {"budget", "contribution"})
+    std::fprintf(out, "| %-20s | %8.1f | %10.5f | %6.4f | %12.2f |\n", mode, figure(compared[mode]["ms"], "mean"),
+                 figure(compared[mode]["flip"], "mean"), figure(compared[mode]["flip"], "p99"),
+                 100.0 * figure(compared[mode], "wrong_ids"));
   std::fprintf(out, "| %-20s | %8.1f | %10s | %6s | %12s |\n\n", "full", figure(compared, "full_ms"), "0", "0", "0");
   std::fprintf(out,
-               "| until the picture is complete at rest |   mean | median |    max |\n"
+               "| until the image is complete at rest |   mean | median |    max |\n"
                "| ------------------------------------- | -----: | -----: | -----: |\n");
   for (const char* what : {"frames", "ms"})
     std::fprintf(out, "| %-37s | %6.1f | %6.1f | %6.1f |\n", what, figure(rest[what], "mean"),
@@ -328,7 +328,7 @@ core::Expected<int> run(const Options& o) {
                {"frames", o.frames},
                {"budget_ms", o.budget_ms},
                {"viewports", o.viewports},
-               {"way", name_of(o.way)}});
+               {"mode", name_of(o.mode)}});
   std::fprintf(apps::table_stream(o.json), "%s, %s, %.4g ms, %d frames of the tour, %s\n\n",
                engine::count_text(full->snapshot().size()).c_str(), o.size.c_str(), o.budget_ms, o.frames,
                renderer_line(context).c_str());

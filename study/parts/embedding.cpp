@@ -1,5 +1,5 @@
 // sightline-study embedding: what a frame costs more in a context of the application's: giving its state back, and
-// putting the picture into its framebuffer. The same views in turns, the medians of all; each frame is waited for.
+// putting the image into its framebuffer. The same views in turns, the medians of all; each frame is waited for.
 #include <array>
 
 #include "sightline/apps/bench/harness.h"
@@ -31,9 +31,9 @@ struct Options {
 
 void add_options(apps::CommandLine& line, Options& o) {
   line.add("--items", o.items, "Of the generated plant").shows_default().in_range(1000, 10000000);
-  line.add("--width", o.size[0], "Of the picture, pixels").shows_default().in_range(1, 16384);
-  line.add("--height", o.size[1], "Of the picture, pixels").shows_default().in_range(1, 16384);
-  line.add("--samples", o.samples, "Per pixel, of the picture").shows_default().in_range(1, 32);
+  line.add("--width", o.size[0], "Of the image, pixels").shows_default().in_range(1, 16384);
+  line.add("--height", o.size[1], "Of the image, pixels").shows_default().in_range(1, 16384);
+  line.add("--samples", o.samples, "Per pixel, of the image").shows_default().in_range(1, 32);
   line.add("--frames", o.frames, "Views of the tour").shows_default().in_range(2, 100000);
   apps::add_json_option(line, o.json_file);
   line.examples(
@@ -59,7 +59,7 @@ core::Expected<Window> make_window(const gl::Functions& gl, const std::array<int
   return window;
 }
 
-struct Way {
+struct Mode {
   const char* name;
   GlState state;
   bool target;
@@ -67,11 +67,11 @@ struct Way {
   std::vector<double> ms = {};
 };
 
-core::Expected<void> fly(Way& way, core::Scene& scene, gl::Context& context, const Window& window, const Options& o) {
+core::Expected<void> fly(Mode& mode, core::Scene& scene, gl::Context& context, const Window& window, const Options& o) {
   engine::EngineConfig config;
   config.draw = true;
   config.context.application = &context;
-  config.context.gl_state = way.state;
+  config.context.gl_state = mode.state;
   config.width = o.size[0];
   config.height = o.size[1];
   config.drawing.samples = o.samples;
@@ -84,20 +84,20 @@ core::Expected<void> fly(Way& way, core::Scene& scene, gl::Context& context, con
   gl::ExternalTarget target{window.framebuffer.id(), 0, 0, o.size[0], o.size[1]};
   target.clear_colour = target.clear_depth = true;
   for (int i = 0; i < o.frames; ++i) {
-    const core::View view = way.empty ? nothing : *path.view(path.time_of(i, o.frames), aspect);
+    const core::View view = mode.empty ? nothing : *path.view(path.time_of(i, o.frames), aspect);
     const double begin = milliseconds();
-    const auto report = way.target ? engine->frame(view, target) : engine->frame(view);
+    const auto report = mode.target ? engine->frame(view, target) : engine->frame(view);
     if (!report) return tl::unexpected(report.error());
     context.functions().Finish();
-    if (i > 0) way.ms.push_back(milliseconds() - begin);  // the first compiles shaders
+    if (i > 0) mode.ms.push_back(milliseconds() - begin);  // the first compiles shaders
   }
   return {};
 }
 
 void print(const Json& json, std::FILE* out) {
   std::fprintf(out, "%-44s %9s %9s %9s\n", "ms a frame", "p50", "p90", "least");
-  for (const Json& row : json["ways"])
-    std::fprintf(out, "%-44s %9.3f %9.3f %9.3f\n", row["way"].get<std::string>().c_str(), row["p50_ms"].get<double>(),
+  for (const Json& row : json["modes"])
+    std::fprintf(out, "%-44s %9.3f %9.3f %9.3f\n", row["mode"].get<std::string>().c_str(), row["p50_ms"].get<double>(),
                  row["p90_ms"].get<double>(), row["least_ms"].get<double>());
 }
 
@@ -108,22 +108,22 @@ core::Expected<int> run(const Options& o) {
   if (!context) return tl::unexpected(context.error());
   auto window = make_window(context->functions(), o.size);
   if (!window) return tl::unexpected(window.error());
-  Way ways[] = {{"nothing in view, state left", GlState::kLeave, false, true},
-                {"nothing in view, state restored", GlState::kRestore, false, true},
-                {"nothing in view, restored, into a framebuffer", GlState::kRestore, true, true},
-                {"tour, state left", GlState::kLeave, false, false},
-                {"tour, state restored", GlState::kRestore, false, false},
-                {"tour, restored, into a framebuffer", GlState::kRestore, true, false}};
+  Mode modes[] = {{"nothing in view, state left", GlState::kLeave, false, true},
+                  {"nothing in view, state restored", GlState::kRestore, false, true},
+                  {"nothing in view, restored, into a framebuffer", GlState::kRestore, true, true},
+                  {"tour, state left", GlState::kLeave, false, false},
+                  {"tour, state restored", GlState::kRestore, false, false},
+                  {"tour, restored, into a framebuffer", GlState::kRestore, true, false}};
   constexpr int kTurns = 5;
   for (int turn = 0; turn < kTurns; ++turn)
-    for (Way& way : ways)
-      if (auto done = fly(way, scene, *context, *window, o); !done) return tl::unexpected(done.error());
+    for (Mode& mode : modes)
+      if (auto done = fly(mode, scene, *context, *window, o); !done) return tl::unexpected(done.error());
   Json json = renderer_json(*context);
   json.update({{"items", o.items}, {"size", o.size}, {"samples", o.samples}, {"views", o.frames}, {"turns", kTurns}});
-  for (Way& way : ways) {
-    std::sort(way.ms.begin(), way.ms.end());
-    const auto at = [&](double share) { return way.ms[std::size_t(share * double(way.ms.size() - 1))]; };
-    json["ways"].push_back({{"way", way.name}, {"p50_ms", at(0.5)}, {"p90_ms", at(0.9)}, {"least_ms", at(0.0)}});
+  for (Mode& mode : modes) {
+    std::sort(mode.ms.begin(), mode.ms.end());
+    const auto at = [&](double share) { return mode.ms[std::size_t(share * double(mode.ms.size() - 1))]; };
+    json["modes"].push_back({{"mode", mode.name}, {"p50_ms", at(0.5)}, {"p90_ms", at(0.9)}, {"least_ms", at(0.0)}});
   }
   return finish(o.json_file, json, print);
 }

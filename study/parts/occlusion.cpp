@@ -1,8 +1,6 @@
 // sightline-study occlusion: what occlusion culling costs and finds without a renderer. Two scenes: the boxes of a
 // made-up plant, each taken as solid, the largest of them as occluders; and the same with walls, which are the
 // occluders.
-#include "sightline/culling/occlusion/occlusion_test.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -21,6 +19,7 @@
 #include "sightline/core/view.h"
 #include "sightline/culling/box_culler.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/study/parts/parts.h"
 
@@ -43,7 +42,7 @@ struct Options {
 
 void add_options(apps::CommandLine& line, Options& options) {
   add_generate_option(line, options.generate).shows_default();
-  line.add("--size", options.size, "picture, WIDTHxHEIGHT").accepted_by(apps::parse_size).shows_default();
+  line.add("--size", options.size, "image, WIDTHxHEIGHT").accepted_by(apps::parse_size).shows_default();
   line.add("--occluders", options.occluders, "boxes that are rastered for each view").shows_default();
   line.add("--solids", options.solids, "pipes alone: the largest boxes, which these are chosen from")
       .in_range(1, 50'000'000)
@@ -63,7 +62,7 @@ void add_options(apps::CommandLine& line, Options& options) {
       "  sightline-study occlusion --generate 100000 --occluders 1000 --json out.json");
 }
 
-struct Picture {
+struct Image {
   int width, height;
 };
 
@@ -122,36 +121,36 @@ std::vector<AabbD> largest(const std::vector<AabbD>& boxes, std::size_t count) {
 // --- what single things cost
 // -------------------------------------------------------------------------------------------
 
-/// Nanoseconds for a turned box that covers about side x side pixels, its place in the picture at random.
-double box_ns(const Picture& picture, double side, int passes) {
-  const View view = *View::perspective({}, 1.0, double(picture.width) / picture.height, 0.1);
+/// Nanoseconds for a turned box that covers about side x side pixels, its place in the image at random.
+double box_ns(const Image& image, double side, int passes) {
+  const View view = *View::perspective({}, 1.0, double(image.width) / image.height, 0.1);
   Random random(3);
   std::vector<core::Affine> boxes;
-  const double pixel = 2.0 * std::tan(0.5) / picture.height;  // metres at 1 m
+  const double pixel = 2.0 * std::tan(0.5) / image.height;  // metres at 1 m
   for (int i = 0; i < 2000; ++i) {
     const double distance = 5.0 + 50.0 * random.unit(), half = 0.35 * side * pixel * distance;
     const double angle = 6.28 * random.unit(), c = std::cos(angle), s = std::sin(angle);
     const double u = random.unit() - 0.5, v = random.unit() - 0.5;
-    const dvec3 at = distance * dvec3(u * picture.width * pixel, 1.0, v * picture.height * pixel);
+    const dvec3 at = distance * dvec3(u * image.width * pixel, 1.0, v * image.height * pixel);
     boxes.push_back({half * core::dmat3(c, s, 0, -s, c, 0, 0, 0, 1), at});
   }
   OccluderRaster raster;
   const auto times = least_times(1, passes, [&](std::size_t) {
-    raster.begin(view, picture.width, picture.height);
+    raster.begin(view, image.width, image.height);
     for (const core::Affine& box : boxes) raster.add_box(box);
   });
   return 1e6 * times[0] / double(boxes.size());
 }
 
-/// Nanoseconds for a triangle of half side x side pixels: a sheet of them covers the picture.
-double triangle_ns(const Picture& picture, double side, int passes) {
-  const View view = *View::orthographic({}, picture.height, double(picture.width) / picture.height, 0.0, 100.0);
-  const int columns = int(picture.width / side), rows = int(picture.height / side);
+/// Nanoseconds for a triangle of half side x side pixels: a sheet of them covers the image.
+double triangle_ns(const Image& image, double side, int passes) {
+  const View view = *View::orthographic({}, image.height, double(image.width) / image.height, 0.0, 100.0);
+  const int columns = int(image.width / side), rows = int(image.height / side);
   std::vector<core::vec3> positions;
   std::vector<std::uint32_t> indices;
   for (int y = 0; y <= rows; ++y)
     for (int x = 0; x <= columns; ++x)
-      positions.emplace_back(x * side - 0.5 * picture.width, 50.0 + (x + y) % 3, y * side - 0.5 * picture.height);
+      positions.emplace_back(x * side - 0.5 * image.width, 50.0 + (x + y) % 3, y * side - 0.5 * image.height);
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
       const auto at = std::uint32_t(y * (columns + 1) + x), above = at + std::uint32_t(columns) + 1;
@@ -160,7 +159,7 @@ double triangle_ns(const Picture& picture, double side, int passes) {
   }
   OccluderRaster raster;
   const auto times = least_times(1, passes, [&](std::size_t) {
-    raster.begin(view, picture.width, picture.height);
+    raster.begin(view, image.width, image.height);
     raster.add_mesh(positions, indices, {});
   });
   return 3e6 * times[0] / double(indices.size());
@@ -169,18 +168,18 @@ double triangle_ns(const Picture& picture, double side, int passes) {
 // --- the plant
 // ---------------------------------------------------------------------------------------------------------
 
-/// What an exact test would leave: boxes that own a pixel when all boxes are drawn.
+/// What an exact test would leave: boxes that are visible in the id image when all boxes are drawn.
 class Truth {
  public:
-  Truth(const View& view, const Picture& picture, const std::vector<AabbD>& boxes,
+  Truth(const View& view, const Image& image, const std::vector<AabbD>& boxes,
         const std::vector<std::uint32_t>& in_view)
-      : picture_(picture), eye_(view.eye()) {
+      : image_(image), eye_(view.eye()) {
     const core::dmat4 clip = view.clip_from_world();
     const core::dmat4 inverse = glm::inverse(clip);
-    for (int y = 0; y < picture.height; ++y) {
-      for (int x = 0; x < picture.width; ++x) {
-        const core::dvec4 p = inverse * core::dvec4((2.0 * x + 1.0) / picture.width - 1.0,
-                                                    (2.0 * y + 1.0) / picture.height - 1.0, 0.5, 1.0);
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const core::dvec4 p =
+            inverse * core::dvec4((2.0 * x + 1.0) / image.width - 1.0, (2.0 * y + 1.0) / image.height - 1.0, 0.5, 1.0);
         const dvec3 along = dvec3(p) / p.w - eye_;
         const double forward = -(view.eye_from_world() * core::dvec4(along, 0.0)).z;
         sights_.push_back(1.0 / (along / forward));
@@ -195,7 +194,7 @@ class Truth {
       });
     }
   }
-  /// The boxes that own a pixel, sorted.
+  /// The boxes that are visible in the id image, sorted.
   std::vector<std::uint32_t> owners() const {
     std::vector<std::uint32_t> ids = owner_;
     std::erase(ids, core::kNone);
@@ -206,7 +205,7 @@ class Truth {
   DepthPyramid pyramid() const {
     std::vector<float> distances(nearest_.begin(), nearest_.end());
     DepthPyramid pyramid;
-    pyramid.build(distances, picture_.width, picture_.height);
+    pyramid.build(distances, image_.width, image_.height);
     return pyramid;
   }
 
@@ -227,17 +226,16 @@ class Truth {
         x0 = y0 = -1e9, x1 = y1 = 1e9;
         break;
       }
-      const double x = (0.5 * p.x / p.w + 0.5) * picture_.width - 0.5,
-                   y = (0.5 * p.y / p.w + 0.5) * picture_.height - 0.5;
+      const double x = (0.5 * p.x / p.w + 0.5) * image_.width - 0.5, y = (0.5 * p.y / p.w + 0.5) * image_.height - 0.5;
       x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
     }
-    const int left = int(std::ceil(std::max(x0, 0.0))), right = int(std::floor(std::min(x1, picture_.width - 1.0)));
-    const int bottom = int(std::ceil(std::max(y0, 0.0))), top = int(std::floor(std::min(y1, picture_.height - 1.0)));
+    const int left = int(std::ceil(std::max(x0, 0.0))), right = int(std::floor(std::min(x1, image_.width - 1.0)));
+    const int bottom = int(std::ceil(std::max(y0, 0.0))), top = int(std::floor(std::min(y1, image_.height - 1.0)));
     for (int y = bottom; y <= top; ++y)
-      for (int x = left; x <= right; ++x) visit(std::size_t(y) * std::size_t(picture_.width) + std::size_t(x));
+      for (int x = left; x <= right; ++x) visit(std::size_t(y) * std::size_t(image_.width) + std::size_t(x));
   }
 
-  Picture picture_;
+  Image image_;
   dvec3 eye_;
   std::vector<dvec3> sights_;  // reciprocals of the directions, 1 m forward
   std::vector<double> nearest_;
@@ -264,13 +262,13 @@ std::vector<AabbD> walls(const AabbD& bounds, std::size_t count) {
   return out;
 }
 
-Json measure(const Scene& scene, const std::vector<View>& views, const Picture& picture, const Options& options) {
+Json measure(const Scene& scene, const std::vector<View>& views, const Image& image, const Options& options) {
   const auto culler = culling::BoxCuller::create(scene.boxes);
   OccluderRaster raster;
   DepthPyramid depth;
   std::vector<std::uint32_t> indices;
   const auto raster_and_pyramid = [&](std::size_t i) {
-    raster.begin(views[i], picture.width, picture.height);
+    raster.begin(views[i], image.width, image.height);
     raster.add_largest(scene.solids, options.occluders);
     raster.build(depth);
   };
@@ -293,7 +291,7 @@ Json measure(const Scene& scene, const std::vector<View>& views, const Picture& 
   for (std::size_t i = 0; i < views.size(); ++i) {
     frustum(i);
     in_view += indices.size();
-    const Truth truth(views[i], picture, scene.boxes, indices);
+    const Truth truth(views[i], image, scene.boxes, indices);
     const std::vector<std::uint32_t> owners = truth.owners();
     owning += owners.size();
     all(i);
@@ -316,19 +314,19 @@ Json measure(const Scene& scene, const std::vector<View>& views, const Picture& 
 
 /// Nanoseconds a box for the occlusion test of all boxes one after the other, by one thread.
 double test_ns(const std::vector<core::Aabb>& boxes, const std::vector<AabbD>& solids, const std::vector<View>& views,
-               const Picture& picture, const Options& options) {
+               const Image& image, const Options& options) {
   const core::ItemBounds ordered = in_production_order(boxes);
   core::VisibleSet all, open;
   all.ranges = {{0, std::uint32_t(ordered.size())}};
   OccluderRaster raster;
   std::vector<DepthPyramid> depths;
   for (const View& view : views) {
-    raster.begin(view, picture.width, picture.height);
+    raster.begin(view, image.width, image.height);
     raster.add_largest(solids, options.occluders);
     raster.build(depths.emplace_back());
   }
   const auto times = least_times(views.size(), options.passes, [&](std::size_t i) {
-    OcclusionTest(views[i], ordered.origin, picture.width, picture.height, depths[i]).filter(ordered, all, open);
+    OcclusionTest(views[i], ordered.origin, image.width, image.height, depths[i]).filter(ordered, all, open);
   });
   return 1e6 * apps::median(times) / double(ordered.size());
 }
@@ -352,25 +350,26 @@ void print_table(const Json& json, std::FILE* out) {
                  scene["boxes"].get<std::size_t>(), scene["solids"].get<std::size_t>());
     std::fprintf(out, "  ms: view volume %.3f, the same and occlusion %.3f, raster %.3f, all together %.3f\n",
                  median("frustum_ms"), median("frustum_and_test_ms"), median("raster_ms"), median("all_ms"));
-    std::fprintf(out, "  boxes: in the view volume %.0f, left %.0f (exact depth: %.0f), owning a pixel %.0f\n",
+    std::fprintf(out, "  boxes: in the view volume %.0f, left %.0f (exact depth: %.0f), visible in the id image %.0f\n",
                  scene["in_view"].get<double>(), scene["left"].get<double>(),
                  scene["left_with_exact_depth"].get<double>(), scene["owning_a_pixel"].get<double>());
-    std::fprintf(out, "  culled: of those that own no pixel %.1f %%, of the others %d in all views\n",
+    std::fprintf(out,
+                 "  culled: of those that are not visible in the id image %.1f %%, of the others %d in all views\n",
                  100.0 * scene["culled_of_hidden"].get<double>(), scene["owning_but_culled"].get<int>());
   }
 }
 
 core::Expected<int> run(const Options& options) {
   const auto size = *apps::parse_size(options.size);
-  const Picture picture{size[0], size[1]};
+  const Image image{size[0], size[1]};
   Json json{{"instructions", core::name_of(core::instruction_set())},
             {"size", options.size},
             {"passes", options.passes},
             {"views", options.views},
             {"occluders", options.occluders}};
-  for (const int side : {8, 32, 128}) json["box_ns"][std::to_string(side)] = box_ns(picture, side, options.passes);
+  for (const int side : {8, 32, 128}) json["box_ns"][std::to_string(side)] = box_ns(image, side, options.passes);
   for (const int side : {4, 16, 64})
-    json["triangle_ns"][std::to_string(side)] = triangle_ns(picture, side, options.passes);
+    json["triangle_ns"][std::to_string(side)] = triangle_ns(image, side, options.passes);
 
   auto floats = boxes_of({{}, {}, options.generate});
   if (!floats) return tl::unexpected(floats.error());
@@ -383,9 +382,9 @@ core::Expected<int> run(const Options& options) {
   pipes.solids = largest(pipes.boxes, options.solids);
   Scene walled{"pipes and walls", pipes.boxes, walls(bounds, options.walls)};
   walled.boxes.insert(walled.boxes.end(), walled.solids.begin(), walled.solids.end());
-  const auto views = made_up_views(options.views, bounds, double(picture.width) / picture.height);
-  json["test_ns"] = test_ns(*floats, walled.solids, views, picture, options);
-  for (const Scene& scene : {pipes, walled}) json["scenes"].push_back(measure(scene, views, picture, options));
+  const auto views = made_up_views(options.views, bounds, double(image.width) / image.height);
+  json["test_ns"] = test_ns(*floats, walled.solids, views, image, options);
+  for (const Scene& scene : {pipes, walled}) json["scenes"].push_back(measure(scene, views, image, options));
   return finish(options.json, json, print_table);
 }
 

@@ -23,13 +23,12 @@ constexpr Subcommand kParts[] = {
     {"calls", "what calls take that do little: a frame that is only culled, a pick, a query of boxes", add_calls},
 #endif
 #if SIGHTLINE_HAS_SUPERSAMPLING
-    {"supersampling", "error of traced pictures against their time: uniform and edge-adaptive samples",
+    {"supersampling", "error of traced images against their time: uniform and edge-adaptive samples",
      add_supersampling},
 #endif
 #if SIGHTLINE_HAS_GL
     {"embedding", "what frames cost more in the context of an application", add_embedding},
-    {"budget",
-     "what a frame budget leaves of the picture while the camera moves, and until the picture is full at rest",
+    {"budget", "what a frame budget leaves of the image while the camera moves, and until the image is full at rest",
      add_budget},
     {"overrides", "what it costs to override or hide items of a model", add_overrides},
     {"stream", "what the worst frame takes while meshes come and go", add_stream},

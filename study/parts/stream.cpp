@@ -42,7 +42,7 @@ struct Options {
 void add_options(apps::CommandLine& line, Options& o) {
   line.add("--items", o.items, "Of the generated plant").in_range(1, 100'000'000).shows_default();
   apps::add_culler_option(line, o.culler);
-  line.add("--size", o.size, "Of the picture").shows_default();
+  line.add("--size", o.size, "Of the image").shows_default();
   line.add("--rate", o.rate, "Meshes that come a second").in_range(0.0, 1e7).shows_default();
   line.add("--kept", o.kept, "Meshes that stay, the newest").in_range(1, 100'000'000).shows_default();
   line.add("--seconds", o.seconds, "Of the flight").in_range(0.1, 86'400.0).shows_default();
@@ -90,7 +90,7 @@ class Stream {
 };
 
 struct Times {
-  std::vector<double> frames, commits;  // milliseconds; frames include commits and the wait for the picture
+  std::vector<double> frames, commits;  // milliseconds; frames include commits and the wait for the image
   int landings = 0;
   std::size_t meshes = 0;
 };

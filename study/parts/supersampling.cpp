@@ -1,4 +1,4 @@
-// sightline-study supersampling: what samples cost and gain in traced pictures, everywhere or only at edges. Table 6-1
+// sightline-study supersampling: what samples cost and gain in traced images, everywhere or only at edges. Table 6-1
 // and graph 6-9 of the dissertation about RT² (2011), and beside them the error, which it does not tell.
 #include <algorithm>
 #include <cstdio>
@@ -36,7 +36,7 @@ void add_options(apps::CommandLine& line, Options& o) {
       .in_range(0.0, 1.0)
       .separated_by(',')
       .shows_default();
-  line.add("--reference", o.reference, "Samples per pixel of the picture that errors are against")
+  line.add("--reference", o.reference, "Samples per pixel of the image that errors are against")
       .in_range(2, 4096)
       .shows_default();
   line.add("--passes", o.passes, "Of which the least time counts").in_range(1, 1000).shows_default();
@@ -48,7 +48,7 @@ struct Variant {
   int samples;
   std::optional<double> threshold;
   double seconds = std::numeric_limits<double>::infinity();
-  raytrace::WhittedPicture picture = {};
+  raytrace::WhittedImage image = {};
 };
 
 std::vector<Variant> variants_of(const Options& o) {
@@ -60,8 +60,8 @@ std::vector<Variant> variants_of(const Options& o) {
   return variants;
 }
 
-image::Image image_of(const raytrace::WhittedPicture& picture) {
-  return {picture.width, picture.height, picture.rgb};
+image::Image image_of(const raytrace::WhittedImage& image) {
+  return {image.width, image.height, image.rgb};
 }
 
 void print_table(const Json& json, std::FILE* out) {
@@ -99,21 +99,21 @@ core::Expected<int> run(const Options& o) {
       whitted.samples = variant.samples;
       whitted.edge_threshold = variant.threshold;
       const double start = processor_milliseconds();
-      auto picture = raytrace::render_whitted(*tracer, *view, width, height, whitted);
-      if (!picture) return tl::unexpected(picture.error());
+      auto image = raytrace::render_whitted(*tracer, *view, width, height, whitted);
+      if (!image) return tl::unexpected(image.error());
       variant.seconds = std::min(variant.seconds, 1e-3 * (processor_milliseconds() - start));
-      variant.picture = std::move(*picture);
+      variant.image = std::move(*image);
     }
 
   Json json{{"size", {width, height}}, {"items", snapshot.size()}, {"reference", o.reference}, {"passes", o.passes}};
   double uniform = 0.0;  // seconds for as many samples everywhere, which comes before
   for (const Variant& variant : variants) {
     if (!variant.threshold) uniform = variant.seconds;
-    const auto metrics = image::image_metrics(image_of(*reference), image_of(variant.picture));
+    const auto metrics = image::image_metrics(image_of(*reference), image_of(variant.image));
     if (!metrics) return tl::unexpected(metrics.error());
     json["variants"].push_back({{"samples", variant.samples},
                                 {"threshold", variant.threshold ? Json(*variant.threshold) : Json()},
-                                {"samples_per_pixel", double(variant.picture.samples) / (double(width) * height)},
+                                {"samples_per_pixel", double(variant.image.samples) / (double(width) * height)},
                                 {"seconds", variant.seconds},
                                 {"speed_up", uniform / variant.seconds},
                                 {"flip", {{"mean", metrics->flip_mean}, {"p99", metrics->flip_p99}}}});

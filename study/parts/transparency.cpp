@@ -2,7 +2,7 @@
 // and what they cost.
 //
 // Balls of random places and colours lie behind one another. The reference draws each of them alone and opaque, and
-// blends these pictures pixel by pixel, from the farthest to the nearest.
+// blends these images pixel by pixel, from the farthest to the nearest.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -38,7 +38,7 @@ struct Options {
 };
 
 void add_options(apps::CommandLine& line, Options& o) {
-  line.add("--frames", o.frames, "Timed for each picture; the least counts").in_range(1, 1000).shows_default();
+  line.add("--frames", o.frames, "Timed for each image; the least counts").in_range(1, 1000).shows_default();
   line.add("--seed", o.seed, "Of places and colours").shows_default();
   line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
   apps::add_json_option(line, o.json);
@@ -64,21 +64,21 @@ struct Balls {
 
 using Pixels = std::vector<double>;  // three channels each, 0 … 255
 
-struct Picture {
+struct Image {
   Pixels colour;
   std::vector<std::uint32_t> ids;
   std::vector<float> depth;
   double ms = 0.0;  // of a frame
 };
 
-core::Expected<Picture> draw(Engine& engine, const core::View& view, int frames) {
-  Picture picture;
+core::Expected<Image> draw(Engine& engine, const core::View& view, int frames) {
+  Image image;
   for (int i = 0; i < frames; ++i) {
     const double start = milliseconds();
     if (auto report = engine.frame(view); !report) return tl::unexpected(report.error());
     engine.finish();
     const double ms = milliseconds() - start;
-    picture.ms = i == 0 ? ms : std::min(picture.ms, ms);
+    image.ms = i == 0 ? ms : std::min(image.ms, ms);
   }
   const auto colour = engine.read_colour();
   const auto ids = engine.read_ids();
@@ -86,19 +86,19 @@ core::Expected<Picture> draw(Engine& engine, const core::View& view, int frames)
   if (!colour) return tl::unexpected(colour.error());
   if (!ids) return tl::unexpected(ids.error());
   if (!depth) return tl::unexpected(depth.error());
-  picture.colour.assign(colour->pixels.begin(), colour->pixels.end());
-  picture.ids = ids->ids;
-  picture.depth = depth->metres;
-  return picture;
+  image.colour.assign(colour->pixels.begin(), colour->pixels.end());
+  image.ids = ids->ids;
+  image.depth = depth->metres;
+  return image;
 }
 
-/// What exact sorting shows, from pictures of each ball alone.
-Pixels sorted(const std::vector<Picture>& alone, const Pixels& background, double alpha) {
+/// What exact sorting shows, from images of each ball alone.
+Pixels sorted(const std::vector<Image>& alone, const Pixels& background, double alpha) {
   Pixels shown = background;
-  std::vector<std::pair<float, const Picture*>> layers;
+  std::vector<std::pair<float, const Image*>> layers;
   for (std::size_t pixel = 0; pixel < shown.size() / 3; ++pixel) {
     layers.clear();
-    for (const Picture& one : alone)
+    for (const Image& one : alone)
       if (one.ids[pixel] != 0) layers.emplace_back(one.depth[pixel], &one);
     std::sort(layers.rbegin(), layers.rend());
     for (std::size_t at = 3 * pixel; at < 3 * pixel + 3; ++at)
@@ -138,14 +138,14 @@ core::Expected<Json> measure(int count, float alpha, const Options& o) {
   const core::View view =
       *core::View::perspective({{0, 0, 6}, {0, 0, -10}, {0, 1, 0}}, 0.6, double(width) / height, 0.1);
   Json row{{"balls", count}, {"alpha", alpha}};
-  std::vector<Picture> pictures;
-  for (const Transparency way : {Transparency::kBlended, Transparency::kDither}) {
+  std::vector<Image> images;
+  for (const Transparency mode : {Transparency::kBlended, Transparency::kDither}) {
     auto engine = Engine::create(
-        balls.scene, {.draw = true, .width = width, .height = height, .drawing = {.ids = true, .transparency = way}});
+        balls.scene, {.draw = true, .width = width, .height = height, .drawing = {.ids = true, .transparency = mode}});
     if (!engine) return tl::unexpected(engine.error());
-    auto picture = draw(*engine, view, o.frames);
-    if (!picture) return tl::unexpected(picture.error());
-    pictures.push_back(std::move(*picture));
+    auto image = draw(*engine, view, o.frames);
+    if (!image) return tl::unexpected(image.error());
+    images.push_back(std::move(*image));
   }
   for (const core::MaterialId look : balls.looks) {
     core::Material opaque = balls.scene.material(look);
@@ -159,7 +159,7 @@ core::Expected<Json> measure(int count, float alpha, const Options& o) {
   if (auto done = engine->hide(balls.items); !done) return tl::unexpected(done.error());
   const auto background = draw(*engine, view, 1);
   if (!background) return tl::unexpected(background.error());
-  std::vector<Picture> alone;
+  std::vector<Image> alone;
   for (const ItemId item : balls.items) {
     if (auto done = engine->show({&item, 1}); !done) return tl::unexpected(done.error());
     auto one = draw(*engine, view, 1);
@@ -169,10 +169,10 @@ core::Expected<Json> measure(int count, float alpha, const Options& o) {
   }
   const Pixels wanted = sorted(alone, background->colour, double(alpha));
   const Pixels wanted_means = blurred(wanted, width);
-  for (const auto& [name, picture] : {std::pair("blended", &pictures[0]), std::pair("dither", &pictures[1])})
-    row[name] = {{"error", error_of(picture->colour, wanted)},
-                 {"error_of_means", error_of(blurred(picture->colour, width), wanted_means)},
-                 {"frame_ms", picture->ms}};
+  for (const auto& [name, image] : {std::pair("blended", &images[0]), std::pair("dither", &images[1])})
+    row[name] = {{"error", error_of(image->colour, wanted)},
+                 {"error_of_means", error_of(blurred(image->colour, width), wanted_means)},
+                 {"frame_ms", image->ms}};
   row["opaque_ms"] = opaque->ms;
   return row;
 }
@@ -183,11 +183,11 @@ void print(const Json& json, std::FILE* out) {
                "ms", "dither", "of means", "ms", "opaque ms");
   for (const Json& row : json["rows"]) {
     std::fprintf(out, "%5d %5.2f |", row["balls"].get<int>(), row["alpha"].get<double>());
-    for (const char* way : {"blended", "dither"}) {
+    for (const char* mode : {"blended", "dither"}) {
       for (const char* error : {"error", "error_of_means"})
-        std::fprintf(out, " %5.1f (%5.1f) ", row[way][error]["mean"].get<double>(),
-                     row[way][error]["max"].get<double>());
-      std::fprintf(out, "%8.2f |", row[way]["frame_ms"].get<double>());
+        std::fprintf(out, " %5.1f (%5.1f) ", row[mode][error]["mean"].get<double>(),
+                     row[mode][error]["max"].get<double>());
+      std::fprintf(out, "%8.2f |", row[mode]["frame_ms"].get<double>());
     }
     std::fprintf(out, " %8.2f\n", row["opaque_ms"].get<double>());
   }

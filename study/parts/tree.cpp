@@ -1,6 +1,6 @@
 // sightline-study tree: what the viewer's tree panel and search take per operation, on a model or on a made-up tree.
 //
-// The operations are those between a key or click and the next picture: the rows of a window, expanding, revealing, and
+// The operations are those between a key or click and the next image: the rows of a window, expanding, revealing, and
 // a search with the filter of the tree for each text. A search uses several threads, so processor time is given, too.
 #include <algorithm>
 #include <cstdio>

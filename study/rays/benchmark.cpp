@@ -54,21 +54,21 @@ std::size_t search(const Traversal& traversal, const Structures& structures, con
   return hits;
 }
 
-double balance(const std::vector<std::uint32_t>& visits, const Picture& picture, int tile_width, int tile_height) {
+double balance(const std::vector<std::uint32_t>& visits, const Image& image, int tile_width, int tile_height) {
   constexpr std::size_t kDevices = 4;
   std::array<double, kDevices> load{};
-  const int tiles_across = (picture.width + tile_width - 1) / tile_width;
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
+  const int tiles_across = (image.width + tile_width - 1) / tile_width;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
       const std::size_t tile = std::size_t(y / tile_height) * std::size_t(tiles_across) + std::size_t(x / tile_width);
-      load[tile % kDevices] += visits[std::size_t(y) * std::size_t(picture.width) + std::size_t(x)];
+      load[tile % kDevices] += visits[std::size_t(y) * std::size_t(image.width) + std::size_t(x)];
     }
   const double most = *std::max_element(load.begin(), load.end());
   return most == 0.0 ? 1.0 : (load[0] + load[1] + load[2] + load[3]) / (double(kDevices) * most);
 }
 
 /// Runs the primary rays with counters. Fills `hits` if it is empty, and otherwise compares with it.
-void count_visits(TraversalRun& run, const Structures& structures, const Rays& rays, const Picture& picture,
+void count_visits(TraversalRun& run, const Structures& structures, const Rays& rays, const Image& image,
                   std::vector<Hit>& hits) {
   const bool first = hits.empty();
   std::vector<std::uint32_t> visits(rays.size());
@@ -84,10 +84,10 @@ void count_visits(TraversalRun& run, const Structures& structures, const Rays& r
   }
   run.nodes = double(sum.nodes) / double(rays.size());
   run.triangles = double(sum.triangles) / double(rays.size());
-  run.lanes_rows = lanes_at_work(visits, picture, 32, 1);
-  run.lanes_tiles = lanes_at_work(visits, picture, 8, 4);
-  run.balance_rows = balance(visits, picture, picture.width, 1);
-  run.balance_tiles = balance(visits, picture, 32, 32);
+  run.lanes_rows = lanes_at_work(visits, image, 32, 1);
+  run.lanes_tiles = lanes_at_work(visits, image, 8, 4);
+  run.balance_rows = balance(visits, image, image.width, 1);
+  run.balance_tiles = balance(visits, image, 32, 32);
 }
 
 double time_brute_force(const TriangleSet& triangles, const Rays& rays) {
@@ -101,14 +101,14 @@ double time_brute_force(const TriangleSet& triangles, const Rays& rays) {
 
 }  // namespace
 
-double lanes_at_work(const std::vector<std::uint32_t>& visits, const Picture& picture, int width, int height) {
+double lanes_at_work(const std::vector<std::uint32_t>& visits, const Image& image, int width, int height) {
   double busy = 0.0, paid = 0.0;
-  for (int y0 = 0; y0 < picture.height; y0 += height)
-    for (int x0 = 0; x0 < picture.width; x0 += width) {
+  for (int y0 = 0; y0 < image.height; y0 += height)
+    for (int x0 = 0; x0 < image.width; x0 += width) {
       std::uint32_t most = 0;
-      for (int y = y0; y < std::min(y0 + height, picture.height); ++y)
-        for (int x = x0; x < std::min(x0 + width, picture.width); ++x) {
-          const std::uint32_t v = visits[std::size_t(y) * std::size_t(picture.width) + std::size_t(x)];
+      for (int y = y0; y < std::min(y0 + height, image.height); ++y)
+        for (int x = x0; x < std::min(x0 + width, image.width); ++x) {
+          const std::uint32_t v = visits[std::size_t(y) * std::size_t(image.width) + std::size_t(x)];
           most = std::max(most, v);
           busy += v;
         }
@@ -117,18 +117,18 @@ double lanes_at_work(const std::vector<std::uint32_t>& visits, const Picture& pi
   return paid == 0.0 ? 1.0 : busy / paid;
 }
 
-std::vector<Ray> primary_rays(const UnitSpace& space, const Picture& picture) {
+std::vector<Ray> primary_rays(const UnitSpace& space, const Image& image) {
   constexpr double kTanHalfFovy = 0.41421356237309503;  // of 45 degrees
   const Sphere around(space);
   const dvec3 back = glm::normalize(dvec3(0.55, -0.7, 0.45));
   const dvec3 right = glm::normalize(glm::cross(dvec3(0, 0, 1), back)), up = glm::cross(back, right);
   const dvec3 eye = around.centre + 1.9 * around.radius * back;
   Rays rays;
-  rays.reserve(std::size_t(picture.width) * std::size_t(picture.height));
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const double across = (2.0 * x + 1.0 - picture.width) / picture.height;
-      const double upwards = 1.0 - (2.0 * y + 1.0) / picture.height;
+  rays.reserve(std::size_t(image.width) * std::size_t(image.height));
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const double across = (2.0 * x + 1.0 - image.width) / image.height;
+      const double upwards = 1.0 - (2.0 * y + 1.0) / image.height;
       rays.push_back({eye, kTanHalfFovy * (across * right + upwards * up) - back});
     }
   return rays;
@@ -158,7 +158,7 @@ const TraversalRun* Benchmark::find(const std::string& traversal) const {
   return nullptr;
 }
 
-Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, const Picture& picture, int passes,
+Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, const Image& image, int passes,
                         const std::function<void(const std::string&)>& step, const BenchmarkHook& then) {
   step("building");
   const Structures structures(triangles);
@@ -166,13 +166,13 @@ Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, 
   for (std::size_t i = 0; i < kStructures; ++i)
     result.structures.push_back({Structure(i), structures.bytes(Structure(i)), structures.build_seconds[i]});
 
-  BenchmarkRays searched{picture, {primary_rays(triangles.space(), picture), {}, {}}, {}};
+  BenchmarkRays searched{image, {primary_rays(triangles.space(), image), {}, {}}, {}};
   std::array<Rays, kRayKinds>& rays = searched.rays;
   std::vector<Hit>& hits = searched.hits;
   for (const Traversal& traversal : traversals()) {
     step(std::string("counting, ") + traversal.name);
     result.traversals.push_back({&traversal, {}, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, std::nullopt});
-    count_visits(result.traversals.back(), structures, rays[0], picture, hits);
+    count_visits(result.traversals.back(), structures, rays[0], image, hits);
   }
   for (const Start& s : starts_of(triangles, rays[0], hits))
     rays[1].push_back({s.point, s.incoming - 2.0 * glm::dot(s.incoming, s.normal) * s.normal});

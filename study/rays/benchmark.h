@@ -1,4 +1,4 @@
-// All traversals on the rays of a picture: times, visits, and how rays share out among lanes and devices.
+// All traversals on the rays of an image: times, visits, and how rays share out among lanes and devices.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace sightline::study::rays {
 
-struct Picture {
+struct Image {
   int width = 1408, height = 768;
 };
 
@@ -38,7 +38,7 @@ struct TraversalRun {
   /// Share of lanes at work when 32 neighbouring primary rays go in step, one node visit a step, as a warp's threads
   /// do. Groups are 32 x 1 (rows) or 8 x 4 pixels (tiles).
   double lanes_rows = 0.0, lanes_tiles = 0.0;
-  /// Mean load of four devices over the largest, in node visits of primary rays: the picture is dealt out by rows or by
+  /// Mean load of four devices over the largest, in node visits of primary rays: the image is dealt out by rows or by
   /// tiles of 32 x 32 pixels.
   double balance_rows = 0.0, balance_tiles = 0.0;
   std::size_t disagreements = 0;  ///< primary rays whose hit differs from the first traversal's
@@ -65,13 +65,13 @@ struct Benchmark {
 
 /// What a benchmark searched for.
 struct BenchmarkRays {
-  Picture picture;
+  Image image;
   std::array<std::vector<Ray>, kRayKinds> rays;  ///< by RayKind; primary ones row by row
   std::vector<Hit> hits;                         ///< of the primary rays
 };
 
 /// From an eye outside that looks at the middle of the triangles, row by row.
-std::vector<Ray> primary_rays(const UnitSpace& space, const Picture& picture);
+std::vector<Ray> primary_rays(const UnitSpace& space, const Image& image);
 /// A point above the triangles, `turned` by an angle (radians) about their upright axis.
 core::dvec3 light_over(const UnitSpace& space, double turned = 0.0);
 /// To the light from where `rays` hit.
@@ -80,14 +80,14 @@ std::vector<Ray> shadow_rays(const TriangleSet& triangles, const std::vector<Ray
 
 /// Share of lanes at work, when each group of width x height rays takes as long as its slowest. `visits`: of nodes, by
 /// primary ray.
-double lanes_at_work(const std::vector<std::uint32_t>& visits, const Picture& picture, int width, int height);
+double lanes_at_work(const std::vector<std::uint32_t>& visits, const Image& image, int width, int height);
 
 /// May add to a result what it finds out about the same rays.
 using BenchmarkHook = std::function<void(const Structures&, const BenchmarkRays&, Benchmark&)>;
 
 /// Traversals take turns, `passes` times (>= 1) each; `step` is told what comes next. `then`, where given, is called at
 /// the end.
-Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, const Picture& picture, int passes,
+Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, const Image& image, int passes,
                         const std::function<void(const std::string&)>& step, const BenchmarkHook& then = {});
 
 }  // namespace sightline::study::rays

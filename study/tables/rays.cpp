@@ -232,7 +232,7 @@ std::function<core::Expected<int>()> add_rays(apps::CommandLine& line) {
   line.add_flag("--tables", options->tables, "print the tables (not with --json -)");
   line.add("--csv", options->csv, "write the tables' data and a plot into this directory");
   apps::add_json_option(line, options->json);
-  line.add("--size", options->size, "of the picture, WxH").accepted_by(apps::parse_size);
+  line.add("--size", options->size, "of the image, WxH").accepted_by(apps::parse_size);
   line.add("--passes", options->passes, "times each traversal runs; the fastest counts").in_range(1, 1000);
   constexpr std::size_t kFewest = 12, kMost = 100'000'000;
   line.add("--scan", options->scans, "triangles of generated scans; 12 at least")

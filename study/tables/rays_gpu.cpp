@@ -101,7 +101,7 @@ void print_grids(const GridRun& run) {
               run.scene->lights, run.scene->lights == 1 ? "" : "s", run.scene->tables.c_str());
   std::printf("%6s %11s %13s %13s %9s %9s %9s %6s\n", "cells", "references", "CPU build ms", "GPU build ms", "CPU fps",
               "GPU fps", "speed-up", "differ");
-  for (const GridPicture& p : run.pictures)
+  for (const GridImage& p : run.images)
     std::printf("%6d %11zu %13.2f %13.2f %9.2f %9.2f %9.2f %6zu\n", p.size, p.references, p.cpu_build_ms,
                 p.gpu_build_ms, per_second(p.cpu_ms), per_second(p.gpu_ms), p.cpu_ms / p.gpu_ms, p.disagreements);
   std::fflush(stdout);
@@ -111,7 +111,7 @@ core::Expected<void> write_grids(const std::vector<GridRun>& all, const std::fil
   std::string text =
       "tables,scene,triangles,lights,cells,references,CPU build ms,GPU build ms,CPU fps,GPU fps,disagreements\n";
   for (const GridRun& run : all)
-    for (const GridPicture& p : run.pictures) {
+    for (const GridImage& p : run.images) {
       text += run.scene->tables + ',' + run.scene->name;
       for (const std::size_t v : {run.triangles, std::size_t(run.scene->lights), std::size_t(p.size), p.references})
         text += ',' + std::to_string(v);
@@ -163,8 +163,8 @@ std::function<core::Expected<int>()> add_grids(apps::CommandLine& line) {
   line.add("--csv", options->csv, "write the tables' data into this directory");
   line.add("--only", options->only, "these scenes alone: PRI_I to PRI_V, DIST_I to DIST_III, BUNNY, DRAGON, ALEXANDRA");
   line.add("--bunny", options->bunny, "model of the scene BUNNY, instead of a generated scan");
-  line.add("--size", options->size, "of the picture, WxH").accepted_by(apps::parse_size);
-  line.add("--passes", options->passes, "times each picture is made; the fastest counts").in_range(1, 1000);
+  line.add("--size", options->size, "of the image, WxH").accepted_by(apps::parse_size);
+  line.add("--passes", options->passes, "times each image is made; the fastest counts").in_range(1, 1000);
   return [options] { return run_grid_study(*options); };
 }
 

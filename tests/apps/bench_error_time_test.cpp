@@ -15,7 +15,7 @@ Args quick(std::initializer_list<std::string> more) {
 using BenchErrorTime = RenderTest;
 
 TEST_F(BenchErrorTime, MeasuresKinds) {
-  const Json json = run_json("bench", quick({"--only", "cylinder,box", "--pictures", "1", "--samples", "2", "--csv",
+  const Json json = run_json("bench", quick({"--only", "cylinder,box", "--images", "1", "--samples", "2", "--csv",
                                              path("kinds.csv"), "--plot", path("kinds")}));
   ASSERT_EQ(json["kinds"].size(), 4u);  // two sizes each
   for (const Json& kind : json["kinds"]) {

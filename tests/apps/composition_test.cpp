@@ -1,4 +1,4 @@
-// The operator by which pictures of parts meet, against a plain loop.
+// The operator by which images of parts meet, against a plain loop.
 #include "sightline/apps/mpi/composition.h"
 
 #include <algorithm>

@@ -126,7 +126,7 @@ TEST(ControllerTrace, NextToTheBestPathWhenStationary) {
       mean += r.chosen_ms / r.best_fixed_ms / kSeeds;
       EXPECT_LE(double(r.probes), 0.005 * double(r.choice.size())) << traces[t].name << ", seed " << seed;
     }
-    // The dearest trace for noise alone: a spike in a probe costs some frames.
+    // The most expensive trace for noise alone: a spike in a probe costs some frames.
     EXPECT_LE(mean, traces[t].name.find("spikes") == std::string::npos ? 1.01 : 1.02) << traces[t].name;
   }
 }

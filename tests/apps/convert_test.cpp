@@ -121,7 +121,7 @@ TEST_F(Convert, RefusesBadFilesAndLeavesNothing) {
   EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), fs::directory_iterator()), 1);
 }
 
-class ConvertPictures : public RenderTest {
+class ConvertImages : public RenderTest {
  protected:
   /// Depths of a PFM file, lowest row first.
   static std::vector<float> depths(const std::string& file) {
@@ -142,12 +142,12 @@ class ConvertPictures : public RenderTest {
   }
 };
 
-/// What is read back shows the same items. Collections change their order, so that only the picture can be compared.
-TEST_F(ConvertPictures, GltfShowsWhatRvmShows) {
+/// What is read back shows the same items. Collections change their order, so that only the image can be compared.
+TEST_F(ConvertImages, GltfShowsWhatRvmShows) {
   const auto known = importers::known_extensions();
   if (std::find(known.begin(), known.end(), ".glb") == known.end()) GTEST_SKIP() << "a build without glTF";
-  const std::string model = plant(1000), picture = path("before.png"), ids = path("before_ids.png");
-  render({model, "--size", "600x400", "--out", picture, "--ids", ids, "--depth", path("before.pfm")});
+  const std::string model = plant(1000), image = path("before.png"), ids = path("before_ids.png");
+  render({model, "--size", "600x400", "--out", image, "--ids", ids, "--depth", path("before.pfm")});
   const auto compared = [&](const Args& extra, const std::string& name) {
     Args args = {model, path(name)};
     args.insert(args.end(), extra.begin(), extra.end());
@@ -155,8 +155,8 @@ TEST_F(ConvertPictures, GltfShowsWhatRvmShows) {
     EXPECT_EQ(facts["left_out"], 0) << name;
     EXPECT_EQ(facts["analytic"], extra.size() == 1 ? 999 : 0) << name;  // all but a rectangular torus
     return run_json("render", {path(name), "--size", "600x400", "--out", path("after.png"), "--ids",
-                               path("after_ids.png"), "--depth", path("after.pfm"), "--compare", picture,
-                               "--compare-ids", ids, "--max", "255", "--mean", "255"});
+                               path("after_ids.png"), "--depth", path("after.pfm"), "--compare", image, "--compare-ids",
+                               ids, "--max", "255", "--mean", "255"});
   };
   for (const char* name : {"plant.glb", "plant.gltf"}) {
     const Json facts = compared({"--tolerance", "0.0005"}, name);

@@ -35,7 +35,7 @@ SampleImage disc(double x0, double y0, double radius, double depth) {
 
 // --- errors ----------------------------------------------------------------------------------------------------------
 
-TEST(SampleErrors, EqualPicturesHaveNone) {
+TEST(SampleErrors, EqualImagesHaveNone) {
   const SampleImage image = disc(30, 24, 12, 5.0);
   const SampleErrors e = compare_samples(image, image, 3);
   EXPECT_GT(e.hits, 400u);
@@ -118,7 +118,7 @@ TEST(SampleErrors, SilhouettesAgreeWithAllPairs) {
 
 // --- fields ----------------------------------------------------------------------------------------------------------
 
-TEST(ErrorField, ItemsAreSideBySideAndWithinThePicture) {
+TEST(ErrorField, ItemsAreSideBySideAndWithinTheImage) {
   for (const Kind kind : measured_kinds()) {
     SCOPED_TRACE(core::name_of(kind));
     for (const FieldSize& size : {FieldSize{30, 8, 8, 1}, FieldSize{288, 2, 1, 1}}) {

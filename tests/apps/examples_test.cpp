@@ -1,4 +1,4 @@
-// The examples as they stand in examples/: each draws a picture, which is compared with one that was looked at
+// The examples as they stand in examples/: each draws an image, which is compared with one that was looked at
 // (tests/data/examples).
 #include <sstream>
 
@@ -12,8 +12,8 @@ namespace {
 struct Example {
   const char* name;
   const char* model = nullptr;   // below tests/data; "plant": a generated one
-  const char* folder = nullptr;  // for a program that writes several pictures: the one to compare
-  int max = 96;                  // other drivers make the same picture but for a few pixels on edges
+  const char* folder = nullptr;  // for a program that writes several images: the one to compare
+  int max = 96;                  // other drivers make the same image but for a few pixels on edges
   double mean = 0.05;
 };
 std::ostream& operator<<(std::ostream& to, const Example& example) {
@@ -49,9 +49,9 @@ std::vector<Example> built(const Example (&all)[N]) {
 template <class Fixture>
 class ExampleTest : public Fixture, public testing::WithParamInterface<Example> {
  protected:
-  void draws_its_picture() const {
+  void draws_its_image() const {
     const Example& example = GetParam();
-    const std::string folder = this->path(""), written = this->path(example.folder ? example.folder : "picture.png");
+    const std::string folder = this->path(""), written = this->path(example.folder ? example.folder : "image.png");
     Args args;
     if (example.model)
       args.push_back(example.model == std::string("plant")
@@ -75,13 +75,13 @@ using Examples = ExampleTest<RenderTest>;
 using ExamplesInWindows = ExampleTest<WindowTest>;
 const auto name_of = [](const testing::TestParamInfo<Example>& info) { return std::string(info.param.name); };
 
-TEST_P(Examples, DrawsItsPicture) {
-  draws_its_picture();
+TEST_P(Examples, DrawsItsImage) {
+  draws_its_image();
 }
 INSTANTIATE_TEST_SUITE_P(All, Examples, testing::ValuesIn(built(kOffscreen)), name_of);
 
-TEST_P(ExamplesInWindows, DrawsItsPicture) {
-  draws_its_picture();
+TEST_P(ExamplesInWindows, DrawsItsImage) {
+  draws_its_image();
 }
 INSTANTIATE_TEST_SUITE_P(All, ExamplesInWindows, testing::ValuesIn(built(kInWindows)), name_of);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ExamplesInWindows);

@@ -1,4 +1,4 @@
-// One view by several processes of mpirun: the picture of one.
+// One view by several processes of mpirun: the image of one.
 #include <algorithm>
 
 #include "sightline/tests/apps/mpi_launcher.h"
@@ -32,7 +32,7 @@ class MpiRender : public RenderTest {
   }
 
   /// Colours, ids and depths of one process and of several.
-  void expect_same_pictures(const Args& args, const std::vector<int>& ranks, const std::string& more = "") const {
+  void expect_same_images(const Args& args, const std::vector<int>& ranks, const std::string& more = "") const {
     const auto outputs = [&](const std::string& name) {
       return Args{"--out", path(name + ".png"), "--ids", path(name + "-ids.png"), "--depth", path(name + ".pfm")};
     };
@@ -53,29 +53,29 @@ class MpiRender : public RenderTest {
   }
 };
 
-TEST_F(MpiRender, DrawsThePictureOfOneProcess) {
+TEST_F(MpiRender, DrawsTheImageOfOneProcess) {
   const std::string model = plant(4000);
-  expect_same_pictures({model, "--size", "400x240"}, {1, 2, 4, 7}, "of the whole");
-  expect_same_pictures({model, "--size", "400x240", "--view", near_view()}, {4}, "near");
-  expect_same_pictures({model, "--size", "400x240", "--view", near_view(R"(,"sections":[{"n":[0,1,0],"d":-1}])")}, {4},
-                       "cut");
-  expect_same_pictures({model, "--size", "401x243", "--tile", "160", "--view", near_view()}, {3}, "in tiles");
+  expect_same_images({model, "--size", "400x240"}, {1, 2, 4, 7}, "of the whole");
+  expect_same_images({model, "--size", "400x240", "--view", near_view()}, {4}, "near");
+  expect_same_images({model, "--size", "400x240", "--view", near_view(R"(,"sections":[{"n":[0,1,0],"d":-1}])")}, {4},
+                     "cut");
+  expect_same_images({model, "--size", "401x243", "--tile", "160", "--view", near_view()}, {3}, "in tiles");
 }
 
 TEST_F(MpiRender, DrawsMeshesAndMaterialsAsOneProcess) {
   const std::string model = in_checkout("tests/data/small_plant.rvm").string();
-  expect_same_pictures({model, "--size", "320x200"}, {2, 4});
+  expect_same_images({model, "--size", "320x200"}, {2, 4});
   std::vector<std::array<std::array<int, 3>, 3>> triangles;
   for (int i = 0; i < 200; ++i)
     triangles.push_back({{{i % 20, i / 20, 0}, {i % 20 + 2, i / 20, i % 7}, {i % 20, i / 20 + 2, 3}}});
-  expect_same_pictures({write("soup.stl", stl_text(triangles)), "--size", "320x200"}, {4});
+  expect_same_images({write("soup.stl", stl_text(triangles)), "--size", "320x200"}, {4});
 }
 
 /// Items that lie in one place have equal depths: the order in which one process draws them decides. The sample test
 /// changes that order.
 TEST_F(MpiRender, TiesAreDecidedAsInOneProcess) {
   const std::string model = plant(2000);
-  expect_same_pictures({model, model, "--size", "320x200", "--sample-test", "off"}, {4});
+  expect_same_images({model, model, "--size", "320x200", "--sample-test", "off"}, {4});
 }
 
 TEST_F(MpiRender, PartsOutOfViewAreLeftOut) {

@@ -60,10 +60,10 @@ class Paged : public RenderTest {
   }
 };
 
-TEST_F(Paged, TheLimitHoldsAndThePictureIsTheSame) {
+TEST_F(Paged, TheLimitHoldsAndTheImageIsTheSame) {
   const std::string model = parts(240'000, 3);
-  const Args picture = {model, "--size", "320x180", "--out"};
-  Args tight = picture, loose = picture;
+  const Args image = {model, "--size", "320x180", "--out"};
+  Args tight = image, loose = image;
   tight.push_back(path("tight.png"));
   loose.insert(loose.end(), {path("loose.png"), "--memory", "8G"});
   render(loose);
@@ -73,11 +73,11 @@ TEST_F(Paged, TheLimitHoldsAndThePictureIsTheSame) {
   EXPECT_TRUE(read_bytes(path("tight.png")) == read_bytes(path("loose.png")));
 }
 
-/// Memory that grows with the picture counts: of squares that stand in, of drivers, and of pictures that are read.
-TEST_F(Paged, TheLimitHoldsForLargePictures) {
+/// Memory that grows with the image counts: of squares that stand in, of drivers, and of images that are read.
+TEST_F(Paged, TheLimitHoldsForLargeImages) {
   const std::string model = parts(40'000, 2);
-  const Args picture = {model, "--size", "2400x1500"};
-  Args first = picture, second = picture;
+  const Args image = {model, "--size", "2400x1500"};
+  Args first = image, second = image;
   first.insert(first.end(), {"--out", path("first.png")});
   second.insert(second.end(), {"--out", path("second.png"), "--ids", path("ids.png"), "--depth", path("depth.pfm")});
   run_limited("render", first);
@@ -113,7 +113,7 @@ TEST_F(Paged, AFolderMayHaveMorePartsThanAShellAllowsFiles) {
   EXPECT_EQ(drawn.code, 0) << drawn;
 }
 
-TEST_F(Paged, APictureIsThatOfTheWholeInMemory) {
+TEST_F(Paged, AnImageIsThatOfTheWholeInMemory) {
   ASSERT_EQ(run("generate", {path("plant.slc"), "--items", "120000"}).code, 0);
   for (const std::string& view : {std::string(R"({"eye":[-30,-12,6],"target":[5,2,3],"fovy_deg":60,"near":0.1})"),
                                   std::string(R"({"eye":[0,0,150],"target":[1,0,0],"fovy_deg":45,"near":1})")}) {
@@ -136,7 +136,7 @@ TEST_F(Paged, AFlightStaysBelowTheLimitAndComesToRest) {
   const Json figures = run_limited("replay", {model, "--size", "320x180", "--frames", "24", "--images", path("images"),
                                               "--every", "24", "--save-path", path("path.json")});
   ASSERT_EQ(figures["frames"].size(), 24u);
-  EXPECT_GT(figures["frames"][0]["stand_ins"], 0);
+  EXPECT_GT(figures["frames"][0]["placeholders"], 0);
   EXPECT_GT(figures["loaded"], 0);
   // At rest the last view is what it is without a flight before.
   const Outcome rest = render({model, "--size", "320x180", "--memory", "4G", "--path", path("path.json"), "--frame",

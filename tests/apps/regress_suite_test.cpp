@@ -208,9 +208,9 @@ TEST_F(RegressSuite, ResultsComeBackAsTheyWereWritten) {
   changed.key = "another";
   EXPECT_FALSE(folder.read(changed));
 
-  write("out/a/v/picture.png", "a picture");
+  write("out/a/v/image.png", "an image");
   EXPECT_TRUE(other.take(task, folder).value());
-  EXPECT_EQ(read_bytes(other.picture(task)), "a picture");
+  EXPECT_EQ(read_bytes(other.image(task)), "an image");
   EXPECT_EQ(other.read(task)->difference.max, 12);
   EXPECT_FALSE(other.take(made->tasks[1], folder).value());
   EXPECT_TRUE(folder.take(task, ResultFolder(path("out/../out"))).value());  // itself
@@ -331,7 +331,7 @@ TEST_F(RegressSuite, JUnitTellsAllThatHappened) {
       << text;
   EXPECT_NE(text.find(R"(classname="suite.a" name="bad")"), std::string::npos) << text;
   EXPECT_NE(text.find("&lt;a&gt; &amp; &quot;b&quot;"), std::string::npos) << text;
-  EXPECT_EQ(summary(all), "5 pictures: 1 passed, 1 accepted, 1 failed, 1 error, 1 missing");
+  EXPECT_EQ(summary(all), "5 images: 1 passed, 1 accepted, 1 failed, 1 error, 1 missing");
   EXPECT_FALSE(all_good(all));
   const Json json = to_json(*made, all);
   EXPECT_EQ(json["failed"], 1);

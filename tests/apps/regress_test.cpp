@@ -1,4 +1,4 @@
-// sightline-regress: the same pictures and verdicts however the work is shared out, and whoever dies meanwhile.
+// sightline-regress: the same images and verdicts however the work is shared out, and whoever dies meanwhile.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -15,8 +15,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Bytes of all pictures below a folder, by their names in it.
-std::map<std::string, std::string> pictures_in(const fs::path& folder) {
+/// Bytes of all images below a folder, by their names in it.
+std::map<std::string, std::string> images_in(const fs::path& folder) {
   std::map<std::string, std::string> out;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.path().extension() == ".png") out[fs::relative(entry.path(), folder).string()] = read_bytes(entry.path());
@@ -107,17 +107,17 @@ class Regress : public RenderTest {
   static constexpr int count = 10;  // tasks
 };
 
-TEST_F(Regress, PicturesAreTheSameForAnyNumberOfWorkersAndShards) {
+TEST_F(Regress, ImagesAreTheSameForAnyNumberOfWorkersAndShards) {
   make_references();
-  const auto reference = pictures_in(path("first"));
+  const auto reference = images_in(path("first"));
   ASSERT_EQ(reference.size(), 18u);  // eight with ids
   const Json one = regress("one", 0);
   EXPECT_EQ(one["passed"], count);
-  EXPECT_EQ(pictures_in(path("one")), reference);
+  EXPECT_EQ(images_in(path("one")), reference);
   for (const char* jobs : {"2", "4"}) {
     SCOPED_TRACE(jobs);
     expect_same(regress(jobs, 0, {"-j", jobs}), one);
-    EXPECT_EQ(pictures_in(path(jobs)), reference);
+    EXPECT_EQ(images_in(path(jobs)), reference);
   }
   // In folders of their own, in any order, and merged.
   Args merge = {"--merge"};
@@ -127,7 +127,7 @@ TEST_F(Regress, PicturesAreTheSameForAnyNumberOfWorkersAndShards) {
     EXPECT_FALSE(fs::exists(path(std::string("shard") + shard[0] + "/report.html")));
   }
   expect_same(regress("merged", 0, merge), one);
-  EXPECT_EQ(pictures_in(path("merged")), reference);
+  EXPECT_EQ(images_in(path("merged")), reference);
   // Tasks alone, in reverse order, into one folder.
   const Outcome list = run("regress", {suite, "--list"});
   std::vector<std::string> names;
@@ -136,10 +136,10 @@ TEST_F(Regress, PicturesAreTheSameForAnyNumberOfWorkersAndShards) {
   ASSERT_EQ(names.size(), std::size_t(count)) << list;
   for (const std::string& name : names) EXPECT_EQ(regress("alone", 0, {"--only", name})["count"], 1);
   expect_same(regress("alone", 0, {"--merge"}), one);
-  EXPECT_EQ(pictures_in(path("alone")), reference);
+  EXPECT_EQ(images_in(path("alone")), reference);
 }
 
-TEST_F(Regress, AChangedModelFailsWithPicturesOfIt) {
+TEST_F(Regress, AChangedModelFailsWithImagesOfIt) {
   make_references();
   fs::rename(plant(2000, 3), path("b.rvm"));
   const Json json = regress("out", 1, {"-j", "2"});
@@ -155,12 +155,12 @@ TEST_F(Regress, AChangedModelFailsWithPicturesOfIt) {
     for (std::size_t at = text.find(of); at != std::string::npos; at = text.find(of, at + 1)) ++found;
     return found;
   };
-  EXPECT_EQ(occurrences(page, "<img "), 3 * count / 2 + 4);  // four with a picture of ids
+  EXPECT_EQ(occurrences(page, "<img "), 3 * count / 2 + 4);  // four with an image of ids
   EXPECT_EQ(occurrences(page, "<section "), 1 + count / 2);
   EXPECT_EQ(occurrences(junit, "<failure "), count / 2);
   EXPECT_EQ(occurrences(junit, "<testcase "), count);
   EXPECT_EQ(regress("out", 0, {"--resume", "--max", "255", "--ids", "100000000"})["passed"], count);
-  // The new pictures become the references, without drawing any again.
+  // The new images become the references, without drawing any again.
   const auto time = fs::last_write_time(path("out/b/whole/result.json"));
   EXPECT_EQ(regress("out", 0, {"--resume", "--accept"})["accepted"], count / 2);
   EXPECT_EQ(fs::last_write_time(path("out/b/whole/result.json")), time);
@@ -192,14 +192,14 @@ TEST_F(Regress, WhatCannotBeDrawnIsAnErrorOfItsTasksAlone) {
   EXPECT_NE(json["tasks"][5]["reason"].get<std::string>().find("b.rvm"), std::string::npos);
   EXPECT_EQ(regress("out", 1, {"--accept"})["error"], count / 2);
   fs::remove(path("references/a/whole.png"));
-  write("references/a/smooth.png", "this is no picture\n");
-  fs::copy_file(path("first/b/whole/picture.png"), path("references/a/flight-00000.ids.png"),
+  write("references/a/smooth.png", "this is no image\n");
+  fs::copy_file(path("first/b/whole/image.png"), path("references/a/flight-00000.ids.png"),
                 fs::copy_options::overwrite_existing);
   json = regress("out", 1, {"--only", "a/*"});
   EXPECT_EQ(json["failed"], 3);
   EXPECT_NE(json["tasks"][0]["reason"].get<std::string>().find("no reference"), std::string::npos);
   EXPECT_NE(json["tasks"][1]["reason"].get<std::string>().find("smooth.png"), std::string::npos);
-  // A picture of another size.
+  // An image of another size.
   fs::copy_file(path("references/a/whole.ids.png"), path("references/a/whole.png"));
   write_suite("100x60", 3);
   json = regress("out", 1, {"--only", "a/whole"});
@@ -229,8 +229,8 @@ TEST_F(Regress, AKilledWorkersTaskIsDoneByAnother) {
   const Outcome outcome =
       run_and_kill(child, 1, [](const auto& workers) { return workers.empty() ? 0 : workers.back(); });
   EXPECT_EQ(outcome.code, 0) << outcome;
-  EXPECT_EQ(outcome.out, "12 pictures: 12 passed\n") << outcome;
-  EXPECT_EQ(pictures_in(path("out")), pictures_in(path("first")));
+  EXPECT_EQ(outcome.out, "12 images: 12 passed\n") << outcome;
+  EXPECT_EQ(images_in(path("out")), images_in(path("first")));
 }
 
 TEST_F(Regress, ATaskThatKillsTwoWorkersFailsWithTheReason) {
@@ -267,15 +267,15 @@ TEST_F(Regress, TheExampleSuitePasses) {
   const std::string example = in_checkout("examples/regress/suite.json").string();
   const Outcome outcome = run("regress", {example, "--out", path("out"), "-j", "2"});
   EXPECT_EQ(outcome.code, 0) << outcome;
-  EXPECT_EQ(outcome.out, "7 pictures: 7 passed\n");
+  EXPECT_EQ(outcome.out, "7 images: 7 passed\n");
 }
 
 TEST_F(Regress, ShardsOfGnuParallelAndOfSlurm) {
   make_references();
   Outcome outcome = run_script("parallel.sh", {suite, path("parallel"), "3"});
   EXPECT_EQ(outcome.code, 0) << outcome;
-  EXPECT_EQ(outcome.out, "10 pictures: 10 passed\n") << outcome;
-  EXPECT_EQ(pictures_in(path("parallel")), pictures_in(path("first")));
+  EXPECT_EQ(outcome.out, "10 images: 10 passed\n") << outcome;
+  EXPECT_EQ(images_in(path("parallel")), images_in(path("first")));
   // An array job of two, the second one after its node died.
   for (const char* task : {"1", "2"}) {
     outcome = run_script("shards.slurm", {suite, path("slurm")},
@@ -324,7 +324,7 @@ TEST_F(RegressMpi, RanksDrawWhatOneProcessDraws) {
     const Outcome outcome = run_program("env", mpi_command(ranks, {"-np", ranks}));
     EXPECT_EQ(outcome.code, 0) << outcome;
     expect_same(figures(ranks), one);
-    EXPECT_EQ(pictures_in(path(ranks)), pictures_in(path("first")));
+    EXPECT_EQ(images_in(path(ranks)), images_in(path("first")));
   }
   fs::remove(path("references/b/whole.png"));
   EXPECT_EQ(run_program("env", mpi_command("2", {"-np", "2"})).code, 1);
@@ -358,7 +358,7 @@ TEST_F(RegressMpi, AKilledWorkerOfARankIsReplaced) {
   });
   EXPECT_EQ(outcome.code, 0) << outcome;
   EXPECT_EQ(figures("out")["passed"], 12) << outcome;
-  EXPECT_EQ(pictures_in(path("out")), pictures_in(path("first")));
+  EXPECT_EQ(images_in(path("out")), images_in(path("first")));
 }
 
 TEST_F(RegressMpi, AKilledRanksTasksAreDoneByOthers) {
@@ -373,7 +373,7 @@ TEST_F(RegressMpi, AKilledRanksTasksAreDoneByOthers) {
     outcome = run_and_kill(
         child, 1, [](const auto& ranks) { return ranks.size() < 3 || children_of(ranks[2]).empty() ? 0 : ranks[2]; });
     EXPECT_EQ(figures("out")["passed"], 12) << outcome;
-    EXPECT_EQ(pictures_in(path("out")), pictures_in(path("first")));
+    EXPECT_EQ(images_in(path("out")), images_in(path("first")));
   }
   EXPECT_TRUE(missed()) << outcome;
   EXPECT_EQ(regress("out", 0, {"--merge"})["passed"], 12);
@@ -400,7 +400,7 @@ TEST_F(RegressMpi, ARunThatMpirunEndedIsResumed) {
   }
   EXPECT_GT(missing, 0);
   EXPECT_EQ(regress("out", 0, {"--resume"})["passed"], tasks);
-  EXPECT_EQ(pictures_in(path("out")), pictures_in(path("first")));
+  EXPECT_EQ(images_in(path("out")), images_in(path("first")));
 }
 
 #endif

@@ -20,7 +20,7 @@ const char* const kOrthoView =
     R"({"eye":[-40,-60,50],"target":[0,0,4],"up":[0,0,1],"ortho_height":30,"near":0.1,"far":1000})";
 
 /// 8-bit RGB, rows top to bottom.
-struct Picture {
+struct Image {
   std::size_t width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
 
@@ -35,15 +35,14 @@ struct Picture {
   }
 };
 
-Picture read_picture(const std::string& file) {
+Image read_image(const std::string& file) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   EXPECT_TRUE(png_image_begin_read_from_file(&header, file.c_str())) << file << ": " << header.message;
   header.format = PNG_FORMAT_RGB;
-  Picture picture{header.width, header.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(header))};
-  EXPECT_TRUE(png_image_finish_read(&header, nullptr, picture.rgb.data(), 0, nullptr))
-      << file << ": " << header.message;
-  return picture;
+  Image image{header.width, header.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(header))};
+  EXPECT_TRUE(png_image_finish_read(&header, nullptr, image.rgb.data(), 0, nullptr)) << file << ": " << header.message;
+  return image;
 }
 
 class Render : public RenderTest {
@@ -73,23 +72,23 @@ class Render : public RenderTest {
   std::string model, view;
 };
 
-TEST_F(Render, WritesAPicture) {
+TEST_F(Render, WritesAnImage) {
   const std::string out = path("out.png");
   const Outcome outcome = render(with({"--view", view, "--out", out}));
   EXPECT_EQ(outcome.out, "");
-  const Picture picture = read_picture(out);
-  EXPECT_EQ(picture.width, std::size_t(kWidth));
-  EXPECT_EQ(picture.height, std::size_t(kHeight));
-  EXPECT_GT(picture.colours(), 100u) << "hardly anything is drawn";
+  const Image image = read_image(out);
+  EXPECT_EQ(image.width, std::size_t(kWidth));
+  EXPECT_EQ(image.height, std::size_t(kHeight));
+  EXPECT_GT(image.colours(), 100u) << "hardly anything is drawn";
 }
 
-/// What a picture of ids shows: how many pixels, and the largest part of its width or height that they span.
+/// What an image of ids shows: how many pixels, and the largest part of its width or height that they span.
 struct Filled {
   std::size_t pixels = 0;
   double span = 0.0;
 };
 
-Filled filled_by(const Picture& ids) {
+Filled filled_by(const Image& ids) {
   Filled filled;
   std::size_t low[2] = {ids.width, ids.height}, high[2] = {0, 0};
   for (std::size_t y = 0; y < ids.height; ++y)
@@ -109,7 +108,7 @@ TEST_F(Render, FitsTheModelByDefault) {
   const Outcome outcome = render(with({"--fit", "--out", fit}));
   EXPECT_EQ(outcome.err.find("warning"), std::string::npos) << outcome;
   render(with({"--compare", fit, "--ids", ids}));
-  const Filled filled = filled_by(read_picture(ids));
+  const Filled filled = filled_by(read_image(ids));
   EXPECT_GT(filled.pixels, std::size_t(kWidth * kHeight / 10));
   EXPECT_GT(filled.span, 0.8);
 }
@@ -124,8 +123,8 @@ TEST_F(Render, FitsWithoutWhatLiesFarOff) {
   const Outcome outcome = render(with({far, "--ids", together}));
   EXPECT_NE(outcome.err.find("warning: 1 item lies too far from all others"), std::string::npos) << outcome;
   // Not equal: boxes are floats relative to the middle of all items, which the far one moves.
-  const double expected = double(filled_by(read_picture(alone)).pixels);
-  EXPECT_NEAR(double(filled_by(read_picture(together)).pixels), expected, 0.02 * expected);
+  const double expected = double(filled_by(read_image(alone)).pixels);
+  EXPECT_NEAR(double(filled_by(read_image(together)).pixels), expected, 0.02 * expected);
 }
 
 TEST_F(Render, WritesFiguresAsJson) {
@@ -166,7 +165,7 @@ TEST_F(Render, ComparisonSaysWhatTheEyeSees) {
   EXPECT_GT(changed["wrong_ids"], 100);
 }
 
-TEST_F(Render, ComparisonFailsOnAnotherPicture) {
+TEST_F(Render, ComparisonFailsOnAnotherImage) {
   const std::string out = path("out.png"), diff = path("diff.png");
   const std::string other = write("other.json", kOrthoView);
   render(with({"--view", view, "--out", out}));
@@ -174,7 +173,7 @@ TEST_F(Render, ComparisonFailsOnAnotherPicture) {
   const Outcome outcome = run("render", compare);
   EXPECT_EQ(outcome.code, 1) << outcome;
   EXPECT_NE(outcome.out.find("DIFFERS"), std::string::npos) << outcome;
-  EXPECT_GT(read_picture(diff).colours(), 10u);
+  EXPECT_GT(read_image(diff).colours(), 10u);
   const auto verdict = [&](const Args& limits) {
     Args args = compare;
     args.insert(args.end(), limits.begin(), limits.end());
@@ -188,12 +187,12 @@ TEST_F(Render, ComparisonFailsOnAnotherPicture) {
   EXPECT_EQ(verdict({"--mean", "0.01"}), 1);
 }
 
-TEST_F(Render, ComparisonNeedsAPictureOfTheSameSize) {
+TEST_F(Render, ComparisonNeedsAnImageOfTheSameSize) {
   const std::string out = path("out.png"), diff = path("diff.png");
   render({model, "--size", "64x64", "--out", out});
   expect_failure("render", with({"--compare", out, "--max", "255", "--mean", "255", "--diff", diff}), out, true);
   EXPECT_FALSE(fs::exists(diff));
-  for (const std::string& bad : {path("missing.png"), write("text.png", "no picture"), write("empty.png", ""),
+  for (const std::string& bad : {path("missing.png"), write("text.png", "no image"), write("empty.png", ""),
                                  write("cut.png", read_bytes(out).substr(0, 200))})
     expect_failure("render", {model, "--size", "64x64", "--compare", bad}, bad, true);
 }
@@ -203,11 +202,11 @@ TEST_F(Render, IdsNameItems) {
     SCOPED_TRACE(text);
     const std::string ids = path("ids.png"), names = path("ids.json"), looked = write("looked.json", text);
     render(with({"--view", looked, "--ids", ids, "--ids-json", names}));
-    const Picture picture = read_picture(ids);
-    ASSERT_EQ(picture.width * picture.height, std::size_t(kWidth * kHeight));
+    const Image image = read_image(ids);
+    ASSERT_EQ(image.width * image.height, std::size_t(kWidth * kHeight));
     std::set<std::string> seen;
-    for (std::size_t i = 0; i < picture.width * picture.height; ++i)
-      if (const std::uint32_t number = picture.number(i)) {
+    for (std::size_t i = 0; i < image.width * image.height; ++i)
+      if (const std::uint32_t number = image.number(i)) {
         ASSERT_LE(number, 3000u);
         seen.insert(std::to_string(number - 1));
       }
@@ -236,12 +235,12 @@ TEST_F(Render, DepthAgreesWithIds) {
     ASSERT_EQ(bytes.size(), header.size() + 4 * std::size_t(kWidth * kHeight));
     std::vector<float> metres(std::size_t(kWidth * kHeight));
     std::memcpy(metres.data(), bytes.data() + header.size(), 4 * metres.size());
-    const Picture picture = read_picture(ids);
+    const Image image = read_image(ids);
     std::size_t hits = 0;
-    for (std::size_t y = 0; y < picture.height; ++y)
-      for (std::size_t x = 0; x < picture.width; ++x) {
-        const float z = metres[(picture.height - 1 - y) * picture.width + x];  // PFM begins at the bottom
-        const bool hit = picture.number(y * picture.width + x) != 0;
+    for (std::size_t y = 0; y < image.height; ++y)
+      for (std::size_t x = 0; x < image.width; ++x) {
+        const float z = metres[(image.height - 1 - y) * image.width + x];  // PFM begins at the bottom
+        const bool hit = image.number(y * image.width + x) != 0;
         hits += hit;
         ASSERT_EQ(std::isfinite(z), hit) << x << " " << y;
         if (hit) {
@@ -391,15 +390,15 @@ TEST_F(Render, ReplayWritesTheFramesThatRenderDraws) {
   }
 }
 
-/// By tiles of several sizes the same picture comes out, its ids, names and depths too.
-TEST_F(Render, TilesMakeTheSamePicture) {
+/// By tiles of several sizes the same image comes out, its ids, names and depths too.
+TEST_F(Render, TilesMakeTheSameImage) {
   const auto files = [&](const std::string& name) {
     return Args{"--out",   path(name + ".png"), "--ids",      path(name + "-ids.png"),
                 "--depth", path(name + ".pfm"), "--ids-json", path(name + ".json")};
   };
   for (const char* text : {kNearView, kOrthoView}) {
     const std::string looked = write("looked.json", text);
-    const Args scene = {"--view", looked, "--shading", "0.6", "--lines", "0.4", "--highlight", "PIPE"};
+    const Args scene = {"--view", looked, "--depth-shading", "0.6", "--edge-lines", "0.4", "--highlight", "PIPE"};
     const auto draw = [&](const std::string& name, Args more) {
       Args args = with(scene);
       for (const Args& part : {files(name), more, Args{"--json", "-"}})
@@ -427,21 +426,21 @@ TEST_F(Render, TilesMakeTheSamePicture) {
   }
 }
 
-TEST_F(Render, PicturesLargerThanWhatIsDrawnAtOnce) {
+TEST_F(Render, ImagesLargerThanWhatIsDrawnAtOnce) {
   const std::string out = path("large.png");
   const Json figures = run_json("render", {model, "--size", "16384x40", "--out", out});
   EXPECT_EQ(figures["tiles"], 17);
-  const Picture picture = read_picture(out);
-  EXPECT_EQ(picture.width, 16384u);
-  EXPECT_EQ(picture.height, 40u);
-  EXPECT_GT(picture.colours(), 20u);
+  const Image image = read_image(out);
+  EXPECT_EQ(image.width, 16384u);
+  EXPECT_EQ(image.height, 40u);
+  EXPECT_GT(image.colours(), 20u);
   for (const char* size : {"0x0", "20000x20000", "16385x16384", "-5x5", "1e9x1"})
     expect_usage_error("render", {model, "--size", size, "--out", out}, "between 1 and 16384");
   expect_usage_error("render", {model, "--tile", "5", "--out", out}, "--tile");
   expect_failure("render", {model, "--size", "300x200", "--out", path("no/such/folder.png")}, "folder.png", true);
 }
 
-/// Each frame is the picture of the path's camera at its time.
+/// Each frame is the image of the path's camera at its time.
 TEST_F(Render, WritesThePathAsFrames) {
   const std::string flight =
       write("flight.json", R"({"keys":[{"t":2,"eye":[-30,-12,6],"target":[5,2,3],"up":[0,0,1],"fovy_deg":60},)"

@@ -139,8 +139,7 @@ class ReportPage : public RenderTest {
 
 /// In ascending order.
 std::vector<std::string> all() {
-  return of_this_build(
-      {"culling", "error", "model", "options", "pictures", "plan", "stability", "trace", "visibility"});
+  return of_this_build({"culling", "error", "model", "options", "images", "plan", "stability", "trace", "visibility"});
 }
 
 std::vector<std::string> all_but(const std::string& name) {
@@ -159,26 +158,26 @@ TEST_F(ReportPage, OfPrimitives) {
   EXPECT_EQ(page.figures["sections"]["model"]["items"], info["items"]);
 }
 
-/// Each step keeps what the step after it keeps, down to the items that own a pixel.
+/// Each step keeps what the step after it keeps, down to the items that are visible in the id image.
 TEST_F(ReportPage, CountsWhatEachStepKeeps) {
   const Json culling = report({plant(2000), "--sections", "culling"}).figures["sections"]["culling"];
   const auto mean = [&](const char* step) { return culling[step]["mean"].get<double>(); };
-  EXPECT_GT(mean("owners"), 0.0);
-  EXPECT_GE(mean("shown"), mean("owners"));
-  EXPECT_GE(mean("sampled"), mean("shown"));
+  EXPECT_GT(mean("visible_in_ids"), 0.0);
+  EXPECT_GE(mean("items_drawn"), mean("visible_in_ids"));
+  EXPECT_GE(mean("sampled"), mean("items_drawn"));
   EXPECT_GE(mean("visible"), mean("sampled"));
-  EXPECT_EQ(culling["owners"]["false_positives"], 0.0);
-  EXPECT_GE(culling["hidden_found"], 0.0);
-  EXPECT_LE(culling["hidden_found"], 1.0);
+  EXPECT_EQ(culling["visible_in_ids"]["false_positives"], 0.0);
+  EXPECT_GE(culling["occluded_found"], 0.0);
+  EXPECT_LE(culling["occluded_found"], 1.0);
 }
 
 /// No culler loses what rays see, and each test that is added leaves out more of the rest.
 TEST_F(ReportPage, ComparesCullersWithExactVisibility) {
   if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
   const Json page = report({plant(3000), "--sections", "visibility"}).figures["sections"]["visibility"];
-  ASSERT_EQ(page["ways"].size(), 7u);
+  ASSERT_EQ(page["variants"].size(), 7u);
   std::map<std::string, double> drawn;
-  for (const Json& way : page["ways"]) {
+  for (const Json& way : page["variants"]) {
     EXPECT_EQ(way["lost"], 0) << way;
     EXPECT_GE(way["per_exact"], 1.0) << way;
     drawn[way["label"].string()] = way["drawn"].get<double>();
@@ -249,7 +248,7 @@ TEST_F(ReportPage, OfNothing) {
   const Page page = report({write("nothing.obj", "v 0 0 0\n")});
   EXPECT_EQ(sections(page, false), (std::vector<std::string>{"model", "plan"}));
   EXPECT_EQ(sections(page, true),
-            of_this_build({"culling", "error", "options", "pictures", "stability", "trace", "visibility"}));
+            of_this_build({"culling", "error", "options", "images", "stability", "trace", "visibility"}));
   EXPECT_NE(page.text.find("left out: "), std::string::npos);
   EXPECT_EQ(page.text.find("<img"), std::string::npos);
 }
@@ -267,7 +266,7 @@ TEST_F(ReportPage, EscapesNames) {
 TEST_F(ReportPage, HoldsTheChosenSectionsAlone) {
   const Page page = report({data_path("small_plant.rvm"), "--sections", "plan,model"});
   EXPECT_EQ(sections(page, false), (std::vector<std::string>{"model", "plan"}));
-  EXPECT_EQ(page.text.find("id=\"pictures\""), std::string::npos);
+  EXPECT_EQ(page.text.find("id=\"images\""), std::string::npos);
 }
 
 TEST_F(ReportPage, IsQuietOnRequest) {

@@ -16,7 +16,7 @@ constexpr int kFiner = 3;             // odd, so that the middle of a pixel is t
 constexpr double kDepthError = 1e-4;  // of the depth; the raster's depth buffer has about that in orthographic views
 constexpr int kColourError = 2;       // of 255
 
-struct Pictures {
+struct Images {
   int width = 0;
   std::vector<std::uint8_t> rgb;
   std::vector<std::uint32_t> ids;
@@ -39,7 +39,7 @@ std::vector<float> read_depths(const std::string& file, int width, int height) {
 class TraceAgainstRaster : public RenderTest,
                            public ::testing::WithParamInterface<std::tuple<std::string, std::string>> {
  protected:
-  Pictures pictures(const std::string& tool, int finer) const {
+  Images images(const std::string& tool, int finer) const {
     const int width = kWidth * finer, height = kHeight * finer;
     const std::string out = path("out.png"), ids = path("ids.png"), depth = path("depth.pfm");
     Args args = scene_;
@@ -57,14 +57,14 @@ class TraceAgainstRaster : public RenderTest,
   Args scene_;
 };
 
-/// What the finer picture shows within a pixel and one finer pixel around it. `id`: of which item depth and colour
+/// What the finer image shows within a pixel and one finer pixel around it. `id`: of which item depth and colour
 /// are taken.
 struct Around {
   bool shows = false;
   float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0f;
   std::array<int, 3> darkest{255, 255, 255}, brightest{0, 0, 0};
 
-  Around(const Pictures& finer, int x, int y, std::uint32_t id) {
+  Around(const Images& finer, int x, int y, std::uint32_t id) {
     for (int row = std::max(0, kFiner * y - 1); row < std::min(kFiner * kHeight, kFiner * (y + 1) + 1); ++row)
       for (int column = std::max(0, kFiner * x - 1); column < std::min(kFiner * kWidth, kFiner * (x + 1) + 1);
            ++column) {
@@ -107,7 +107,7 @@ TEST_P(TraceAgainstRaster, Agrees) {
   const Json items = json::parse(read_bytes(names)).value();
   ASSERT_TRUE(items.is_object());
 
-  const Pictures raster = pictures("render", 1), traced = pictures("trace", 1), finer = pictures("trace", kFiner);
+  const Images raster = images("render", 1), traced = images("trace", 1), finer = images("trace", kFiner);
   ASSERT_EQ(raster.ids.size(), std::size_t(kPixels));
   ASSERT_EQ(traced.ids.size(), raster.ids.size());
   ASSERT_EQ(finer.ids.size(), std::size_t(kPixels * kFiner * kFiner));
@@ -147,7 +147,7 @@ TEST_P(TraceAgainstRaster, Agrees) {
       }
       edges += !same;  // of an item's own faces
       if (same || within) continue;
-      ++slivers;  // faces between the finer picture's samples, or too near to each other for the raster's depth
+      ++slivers;  // faces between the finer image's samples, or too near to each other for the raster's depth
       std::printf("pixel %d %d of item %u: depths %.6f and %.6f m\n", x, y, id, raster.depths[i], traced.depths[i]);
     }
   std::printf(

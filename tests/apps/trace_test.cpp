@@ -1,4 +1,4 @@
-// sightline-trace: pictures, ids, depth, and the items that they show.
+// sightline-trace: images, ids, depth, and the items that they show.
 #include "sightline/tests/apps/tool_test.h"
 
 namespace sightline::tests::trace_test {
@@ -14,7 +14,7 @@ class Trace : public ToolTest {
     view = write("view.json", kView);
   }
 
-  /// Runs on a small picture; must succeed. Returns the bytes that it wrote to `option`.
+  /// Runs on a small image; must succeed. Returns the bytes that it wrote to `option`.
   std::string traced(const std::string& option, const Args& more) const {
     const std::string out = path("traced");
     fs::remove(out);
@@ -41,8 +41,8 @@ TEST_F(Trace, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-TEST_F(Trace, EachOptionChangesThePicture) {
-  std::vector<std::string> pictures;
+TEST_F(Trace, EachOptionChangesTheImage) {
+  std::vector<std::string> images;
   for (const Args& more : {Args{},
                            {"--samples", "4"},
                            {"--samples", "4", "--adaptive", "0.2"},
@@ -50,9 +50,9 @@ TEST_F(Trace, EachOptionChangesThePicture) {
                            {"--sun", "1,-1,2", "--shadows"},
                            {"--sun", "1,-1,2", "--sun", "-1,-1,2"},
                            {"--reflect", "0.5"}})
-    pictures.push_back(traced("--out", more));
-  for (std::size_t i = 0; i < pictures.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(pictures[i], pictures[j]) << i << " " << j;
+    images.push_back(traced("--out", more));
+  for (std::size_t i = 0; i < images.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(images[i], images[j]) << i << " " << j;
 }
 
 TEST_F(Trace, CountsTheSamplesOfVisibleItems) {

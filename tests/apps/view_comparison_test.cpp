@@ -21,13 +21,13 @@ class ViewComparison : public ViewScript {
              "\n";
   }
   /// The shares of red, green and blue in a pixel, which shading leaves as they are.
-  static std::array<double, 3> hue(const Picture& picture, int x, int y) {
-    const std::size_t at = 3 * (std::size_t(y) * std::size_t(picture.width) + std::size_t(x));
-    const double sum = picture.rgb.at(at) + picture.rgb.at(at + 1) + picture.rgb.at(at + 2);
-    return {picture.rgb[at] / sum, picture.rgb[at + 1] / sum, picture.rgb[at + 2] / sum};
+  static std::array<double, 3> hue(const Image& image, int x, int y) {
+    const std::size_t at = 3 * (std::size_t(y) * std::size_t(image.width) + std::size_t(x));
+    const double sum = image.rgb.at(at) + image.rgb.at(at + 1) + image.rgb.at(at + 2);
+    return {image.rgb[at] / sum, image.rgb[at + 1] / sum, image.rgb[at + 2] / sum};
   }
-  static void expect_hue(const Picture& picture, int x, int y, const std::array<int, 3>& rgb) {
-    const std::array<double, 3> found = hue(picture, x, y);
+  static void expect_hue(const Image& image, int x, int y, const std::array<int, 3>& rgb) {
+    const std::array<double, 3> found = hue(image, x, y);
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(found[c], double(rgb[c]) / (rgb[0] + rgb[1] + rgb[2]), 0.1) << x << ", " << y << ": " << c;
   }
@@ -47,13 +47,13 @@ TEST_F(ViewComparison, ColoursWhatChanged) {
                     "expect /compare/rows = 3\nscreenshot " +
                     some + "\ncompare-end\nexpect /compare = null\nexpect /items = 4\nscreenshot " + after + "\n",
                 {new_, "--size", kSize, "--no-panels"});
-  const Picture old = read_png(before), all = read_png(during), three = read_png(some), end = read_png(after);
+  const Image old = read_png(before), all = read_png(during), three = read_png(some), end = read_png(after);
   EXPECT_EQ(old.rgb, end.rgb) << "all is as it was";
   const std::array<double, 3> sky = hue(old, 140, 200);
-  for (const Picture* picture : {&all, &three}) {
-    expect_hue(*picture, 140, 200, {213, 94, 0});
-    expect_hue(*picture, 220, 170, {86, 180, 233});
-    expect_hue(*picture, 460, 200, {0, 158, 115});
+  for (const Image* image : {&all, &three}) {
+    expect_hue(*image, 140, 200, {213, 94, 0});
+    expect_hue(*image, 220, 170, {86, 180, 233});
+    expect_hue(*image, 460, 200, {0, 158, 115});
   }
   expect_hue(all, 300, 200, {240, 228, 66});
   EXPECT_EQ(hue(three, 300, 200), sky);
@@ -86,13 +86,13 @@ TEST_F(ViewComparison, GoesFromChangeToChange) {
                     "\npress n\npress n\nexpect /compare/current = 2\npress backspace\npress backspace\n"
                     "expect /camera/target/0 < -7\n",
                 {new_, "--size", "800x600"});
-  const Picture picture = read_png(shot);
+  const Image image = read_png(shot);
   for (const std::array<int, 3>& colour : {std::array{0, 158, 115}, {213, 94, 0}, {86, 180, 233}, {240, 228, 66}}) {
     int pixels = 0;
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 570; x < picture.width; ++x) {
-        const std::size_t at = 3 * (std::size_t(y) * std::size_t(picture.width) + std::size_t(x));
-        pixels += picture.rgb[at] == colour[0] && picture.rgb[at + 1] == colour[1] && picture.rgb[at + 2] == colour[2];
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 570; x < image.width; ++x) {
+        const std::size_t at = 3 * (std::size_t(y) * std::size_t(image.width) + std::size_t(x));
+        pixels += image.rgb[at] == colour[0] && image.rgb[at + 1] == colour[1] && image.rgb[at + 2] == colour[2];
       }
     EXPECT_GT(pixels, 2 * 100) << "the legend and a row have squares of it: " << colour[0];
   }

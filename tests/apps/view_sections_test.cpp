@@ -6,7 +6,7 @@
 namespace sightline::tests::view_sections_test {
 namespace {
 
-TEST_F(ViewScript, SectionsCutThePictureAndPicks) {
+TEST_F(ViewScript, SectionsCutTheImageAndPicks) {
   expect_driven(
       "front\n"
       "move 300 200\npress x\nexpect /sections = 1\n"  // at the front box's face: nothing is gone
@@ -43,7 +43,7 @@ TEST_F(ViewScript, HandlesOfSectionsMoveTurnAndFlip) {
   const double depth = seen.at("camera").at("eye").at(0).get<double>() - section.at("at").at(0).get<double>(),
                pixel = 2.0 * depth * std::tan(0.125 * 3.14159265358979) / seen.at("size").at(1).get<double>();
 
-  // Moved by as much as the cursor, along the normal alone; the picture changes, camera and selection do not.
+  // Moved by as much as the cursor, along the normal alone; the image changes, camera and selection do not.
   const Json whole = state_after(begin + drag("out", 60, 30) + "screenshot " + after + "\n", args),
              moved = whole.at("section_list").at(0);
   EXPECT_NEAR(moved.at("moved").get<double>(), -0.25 - 60.0 * pixel, pixel);

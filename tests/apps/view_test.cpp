@@ -1,4 +1,4 @@
-// sightline-view in a window of a virtual display: pictures, scripts, real keys. Skipped without Xvfb; keys without
+// sightline-view in a window of a virtual display: images, scripts, real keys. Skipped without Xvfb; keys without
 // xdotool.
 #include <array>
 #include <chrono>
@@ -12,16 +12,16 @@
 namespace sightline::tests::view_test {
 namespace {
 
-int magenta_pixels(const Picture& picture) {
+int magenta_pixels(const Image& image) {
   int count = 0;
-  for (std::size_t i = 0; i < picture.rgb.size(); i += 3) {
-    const int red = picture.rgb[i], green = picture.rgb[i + 1], blue = picture.rgb[i + 2];
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    const int red = image.rgb[i], green = image.rgb[i + 1], blue = image.rgb[i + 2];
     count += red > 60 && 5 * green < 2 * blue && 5 * blue > 2 * red && red > blue;
   }
   return count;
 }
 
-/// Items against the sky: without them the picture would be of one colour.
+/// Items against the sky: without them the image would be of one colour.
 void expect_not_empty(const std::string& file) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
@@ -220,7 +220,7 @@ TEST_F(ViewScript, AFrozenCameraIsSeenFromOutside) {
   expect_driven(
       "front\n"
       "press c\nexpect /culling/occluded = 1\nexpect /culling/inside = 3\nexpect /culling/outside = 0\n"
-      "expect /culling/small = 0\nexpect /culling/intersecting = 0\n"
+      "expect /culling/too_small = 0\nexpect /culling/intersecting = 0\n"
       "left\nzoom-out\nzoom-out\nzoom-out\nexpect /culling/occluded = 1\n"
       "expect /culling/boxes = 3\nexpect /culling/drawn = 3\n"
       "boxes occluded\nexpect /culling/boxes = 4\nboxes occluded\nexpect /culling/boxes = 3\nwindow-shot " +
@@ -229,12 +229,12 @@ TEST_F(ViewScript, AFrozenCameraIsSeenFromOutside) {
           "\nfind front\nselect-found\nhide\nexpect /culling/occluded = 0\nexpect /culling/inside = 3\n"
           "undo\nexpect /culling/occluded = 1\n"
           "section-box\nexpect /sections = 6\nexpect /culling/intersecting > 0\nsection-clear\n"
-          "contribution 1e9\nexpect /culling/small = 4\ncontribution 0\nexpect /culling/small = 0\n"
+          "min-projected-area 1e9\nexpect /culling/too_small = 4\nmin-projected-area 0\nexpect /culling/too_small = 0\n"
           "resize 300x200\nexpect /culling/occluded = 1\n"
           "lose-context\nwait 0.2\nexpect /culling/occluded = 1\n"
           "press c\nexpect /frozen = false\nexpect /culling/loss/items = 0\n",
       {boxes(), "--size", kSize, "--no-panels"});
-  const Picture lines = read_png(with), plain = read_png(without);
+  const Image lines = read_png(with), plain = read_png(without);
   EXPECT_EQ(lines.rgb, read_png(again).rgb);
   ASSERT_EQ(lines.rgb.size(), plain.rgb.size());
   int changed = 0;
@@ -250,21 +250,23 @@ TEST_F(ViewScript, AFrozenCameraIsSeenFromOutside) {
 TEST_F(ViewScript, TellsWhatIsLost) {
   expect_driven(
       "expect /culling/loss/items = 0\n"
-      "contribution 40\nexpect /culling/loss/items > 0\nexpect /culling/loss/pixels > 0\n"
-      "contribution 0\nexpect /culling/loss/items = 0\n"
+      "min-projected-area 40\nexpect /culling/loss/items > 0\nexpect /culling/loss/pixels > 0\n"
+      "min-projected-area 0\nexpect /culling/loss/items = 0\n"
       "budget 5\nexpect /culling/loss/items = 0\n",  // complete, since nothing moves
       {plant(12000), "--size", "200x150", "--no-panels"});
 }
 
 /// As sightline-render draws it with the same options, and as without it once it is switched off.
-TEST_F(ViewScript, ReliefAndWhatIsLeftOut) {
+TEST_F(ViewScript, DepthShadingAndWhatIsLeftOut) {
   const std::string model = plant(3000), with = path("with.png"), without = path("without.png");
-  expect_driven("expect /relief = false\nfit\npress l\nexpect /relief = true\nscreenshot " + with +
-                    "\nrelief\nexpect /relief = false\nscreenshot " + without +
-                    "\nbudget 40\nexpect /budget_ms = 40\nbudget 0\ncontribution 1000000\n"
-                    "expect /contribution = 1000000\nexpect /drawn = 0\ncontribution 0\nexpect /drawn > 1000\n",
-                {model, "--size", "200x150", "--no-panels"});
-  for (const auto& [shot, args] : {std::pair{with, Args{"--shading", "0.6", "--lines", "0.4"}}, {without, Args{}}}) {
+  expect_driven(
+      "expect /depth_shading = false\nfit\npress l\nexpect /depth_shading = true\nscreenshot " + with +
+          "\ndepth-shading\nexpect /depth_shading = false\nscreenshot " + without +
+          "\nbudget 40\nexpect /budget_ms = 40\nbudget 0\nmin-projected-area 1000000\n"
+          "expect /min_projected_area = 1000000\nexpect /drawn = 0\nmin-projected-area 0\nexpect /drawn > 1000\n",
+      {model, "--size", "200x150", "--no-panels"});
+  for (const auto& [shot, args] :
+       {std::pair{with, Args{"--depth-shading", "0.6", "--edge-lines", "0.4"}}, {without, Args{}}}) {
     Args all{model, "--size", "200x150"};
     all.insert(all.end(), args.begin(), args.end());
     const Outcome same = compare(shot, all);
@@ -297,7 +299,7 @@ TEST_F(ViewScript, PanelsShowAndHideAtAnySize) {
   EXPECT_EQ(same.code, 0) << same;
 }
 
-/// Each pixel of the smooth picture lies between those of sharp ones; on edges it is none of them.
+/// Each pixel of the smooth image lies between those of sharp ones; on edges it is none of them.
 TEST_F(ViewScript, EdgesBecomeSmoothAtRest) {
   const std::string sharp = path("sharp.png"), smooth = path("smooth.png"), many = path("many.png");
   const std::string model = boxes();
@@ -307,7 +309,7 @@ TEST_F(ViewScript, EdgesBecomeSmoothAtRest) {
                   {model, "--size", kSize, "--no-panels"});
   expect_driven("drag 300 200 330 190 right\northographic\nscreenshot " + many + "\n",
                 {model, "--size", kSize, "--no-panels", "--samples", "4"});
-  const Picture a = read_png(sharp), b = read_png(smooth), reference = read_png(many);
+  const Image a = read_png(sharp), b = read_png(smooth), reference = read_png(many);
   ASSERT_EQ(a.rgb.size(), b.rgb.size());
   ASSERT_EQ(a.rgb.size(), reference.rgb.size());
   double sharp_error = 0.0, smooth_error = 0.0;
@@ -319,26 +321,26 @@ TEST_F(ViewScript, EdgesBecomeSmoothAtRest) {
   EXPECT_LT(smooth_error, 0.5 * sharp_error) << smooth_error << " of " << sharp_error;
 }
 
-/// A budget and pixels left out while the view moves leave the picture at rest as it is.
-TEST_F(ViewScript, MotionAtLessQualityEndsInTheSamePicture) {
+/// A budget and pixels left out while the view moves leave the image at rest as it is.
+TEST_F(ViewScript, MotionAtLessQualityEndsInTheSameImage) {
   const std::string model = plant(3000);
-  std::vector<Picture> pictures;
+  std::vector<Image> images;
   for (const char* budget : {"0", "1"}) {
     const std::string file = path("at-rest.png");
     expect_driven(
         "smooth\nexpect /lower = true\ndrag 300 200 380 230\nexpect /response_ms > 0\nscreenshot " + file + "\n",
         {model, "--size", kSize, "--no-panels", "--budget", budget});
-    pictures.push_back(read_png(file));
+    images.push_back(read_png(file));
   }
   const std::string file = path("same.png");
   expect_driven("smooth\nlower-resolution\nexpect /lower = false\ndrag 300 200 380 230\nscreenshot " + file + "\n",
                 {model, "--size", kSize, "--no-panels"});
-  EXPECT_EQ(read_png(file).rgb, pictures[0].rgb);
-  EXPECT_EQ(pictures[1].rgb, pictures[0].rgb);
+  EXPECT_EQ(read_png(file).rgb, images[0].rgb);
+  EXPECT_EQ(images[1].rgb, images[0].rgb);
 }
 
-/// What is under the cursor has a line in the window, and none in pictures that are written.
-TEST_F(ViewScript, HoveringLeavesThePicture) {
+/// What is under the cursor has a line in the window, and none in images that are written.
+TEST_F(ViewScript, HoveringLeavesTheImage) {
   const std::string with = path("with.png"), without = path("without.png");
   expect_driven("front\nmove 5 5\nexpect /hovered = -1\nwindow-shot " + without + "\nscreenshot " + path("a.png") +
                     "\nmove 300 200\nexpect /hovered >= 0\nwindow-shot " + with + "\nscreenshot " + path("b.png") +
@@ -346,7 +348,7 @@ TEST_F(ViewScript, HoveringLeavesThePicture) {
                 {boxes(), "--size", kSize, "--no-panels"});
   EXPECT_EQ(read_png(path("a.png")).rgb, read_png(path("b.png")).rgb);
   EXPECT_EQ(read_png(path("a.png")).rgb, read_png(without).rgb);
-  const Picture lined = read_png(with), bare = read_png(without);
+  const Image lined = read_png(with), bare = read_png(without);
   int changed = 0;
   for (std::size_t i = 0; i < bare.rgb.size(); i += 3)
     changed += lined.rgb[i + 2] + 100 < bare.rgb[i + 2] && lined.rgb[i] > 240;  // orange
@@ -354,15 +356,15 @@ TEST_F(ViewScript, HoveringLeavesThePicture) {
   EXPECT_LT(changed, 2000);
 }
 
-/// Dragged at once or slowly, and not beyond what leaves room for the picture.
+/// Dragged at once or slowly, and not beyond what leaves room for the image.
 TEST_F(ViewScript, PanelsAreAsWideAsOneDragsThem) {
   const std::string settings = path("settings.json");
   expect_driven(
-      "expect /picture/width = 387\ndrag 241 300 148 300\nexpect /picture/width = 480\n"
-      "drag 632 300 602 290\nexpect /picture/width = 450\n"
-      "drag 602 300 12 300\nexpect /picture/width = 345\ndrag 148 200 1 200\nexpect /picture/width = 375\n",
+      "expect /image/width = 387\ndrag 241 300 148 300\nexpect /image/width = 480\n"
+      "drag 632 300 602 290\nexpect /image/width = 450\n"
+      "drag 602 300 12 300\nexpect /image/width = 345\ndrag 148 200 1 200\nexpect /image/width = 375\n",
       {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
-  expect_driven("expect /picture/width = 375\n",
+  expect_driven("expect /image/width = 375\n",
                 {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
 }
 
@@ -401,27 +403,27 @@ TEST_F(ViewScript, RecordsAPathThatCanBePlayed) {
 }
 
 /// In the window's size as at once; in other sizes, by tiles, as sightline-render draws them.
-TEST_F(ViewScript, WritesPicturesOfAnySize) {
+TEST_F(ViewScript, WritesImagesOfAnySize) {
   const std::string model = plant(3000), seen = path("seen.json");
   const auto shot = [&](const char* name) { return path(name) + ".png"; };
   expect_driven("drag 300 200 330 190 right\nmove 1 1\nsave-view " + seen + "\nscreenshot " + shot("at once") +
-                    "\nscreenshot " + shot("in steps") + " 600x400\nexpect /message = \"picture: " + shot("in steps") +
-                    "\"\nrelief\nsmooth\nscreenshot " + shot("smooth") + "\nscreenshot " + shot("smooth steps") +
+                    "\nscreenshot " + shot("in steps") + " 600x400\nexpect /message = \"image: " + shot("in steps") +
+                    "\"\ndepth-shading\nsmooth\nscreenshot " + shot("smooth") + "\nscreenshot " + shot("smooth steps") +
                     " 600x400\nsmooth\nbudget 5\nscreenshot " + shot("wide") + " 2500x300\nexpect /budget_ms = 5\n" +
                     "expect /size/0 = 600\nbudget 0\nscreenshot " + shot("again") + "\nscreenshot " + shot("last") +
                     " 64x32\n",
                 {model, "--size", kSize, "--no-panels"});
   EXPECT_EQ(read_png(shot("at once")).rgb, read_png(shot("in steps")).rgb);
-  EXPECT_EQ(read_png(shot("last")).width, 64) << "a script waits for its last picture";
-  const Picture a = read_png(shot("smooth")), b = read_png(shot("smooth steps"));
+  EXPECT_EQ(read_png(shot("last")).width, 64) << "a script waits for its last image";
+  const Image a = read_png(shot("smooth")), b = read_png(shot("smooth steps"));
   ASSERT_EQ(a.rgb.size(), b.rgb.size());
   double error = 0.0;
   for (std::size_t i = 0; i < a.rgb.size(); ++i) error += std::abs(int(a.rgb[i]) - int(b.rgb[i]));
   EXPECT_LT(error / double(a.rgb.size()), 0.01);
-  const Args relief = {"--view", seen, "--shading", "0.6", "--lines", "0.4"};
+  const Args depth_shading = {"--view", seen, "--depth-shading", "0.6", "--edge-lines", "0.4"};
   for (const auto& [name, size] : {std::pair("wide", "2500x300"), {"again", kSize}}) {
     Args args = {model, "--size", size};
-    args.insert(args.end(), relief.begin(), relief.end());
+    args.insert(args.end(), depth_shading.begin(), depth_shading.end());
     const Outcome same = compare(shot(name), args);
     EXPECT_EQ(same.code, 0) << name << "\n" << same;
   }
@@ -453,7 +455,7 @@ TEST_F(ViewScript, PlaysPathsAndWritesTheirFrames) {
   EXPECT_GE(std::distance(fs::directory_iterator(two), {}), 3) << "of what was recorded";
 }
 
-TEST_F(ViewScript, RefusesPicturesAndFramesThatCannotBe) {
+TEST_F(ViewScript, RefusesImagesAndFramesThatCannotBe) {
   const std::string model = boxes(), flight = path("flight.json"), folder = path("used");
   ASSERT_EQ(run("replay", {model, "--no-render", "--frames", "2", "--save-path", flight}).code, 0);
   fs::create_directory(folder);
@@ -501,7 +503,7 @@ TEST_F(ViewScript, FailsWhereTheScriptExpectsOtherwise) {
   }
 }
 
-/// The picture is the same after the context was made anew, and all that the user has done is still there.
+/// The image is the same after the context was made anew, and all that the user has done is still there.
 TEST_F(ViewScript, ALostContextIsMadeAnew) {
   const std::string before = path("before.png"), after = path("after.png"), model = boxes();
   for (const char* culler : {"cpu", "gpu"}) {
@@ -527,7 +529,7 @@ TEST_F(View, SaysWhatOpenGLThereIsAndWhatItNeeds) {
     EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome;
 }
 
-/// The axes lie in the lower left corner of the picture, 56 pixels from its sides; the tree takes 189, the bar 21.
+/// The axes lie in the lower left corner of the image, 56 pixels from its sides; the tree takes 189, the bar 21.
 TEST_F(ViewScript, EndsOfTheAxesLeadToViews) {
   const std::string model = boxes(), with = path("with.png"), without = path("without.png"), shot = path("shot.png");
   expect_driven("fit\nexpect /triad = true\nwindow-shot " + with + "\nscreenshot " + shot +
@@ -535,7 +537,7 @@ TEST_F(ViewScript, EndsOfTheAxesLeadToViews) {
                     "\n",
                 {model, "--size", "700x500"});
   EXPECT_NE(read_png(with).rgb, read_png(without).rgb);
-  EXPECT_EQ(read_png(shot).rgb, read_png(path("bare.png")).rgb) << "the picture of the model has no axes";
+  EXPECT_EQ(read_png(shot).rgb, read_png(path("bare.png")).rgb) << "the image of the model has no axes";
   expect_driven(
       "front\nclick 281 423\nexpect /camera/eye/0 > 5\n"
       "click 245 387\nexpect /camera/eye/2 > 5\n"
@@ -660,8 +662,8 @@ class ViewKeys : public View {
   std::string window_;
 };
 
-/// Real keys reach the commands, the window follows its size, and the screen shows the picture.
-TEST_F(ViewKeys, TheWindowShowsThePictureAtAnySize) {
+/// Real keys reach the commands, the window follows its size, and the screen shows the image.
+TEST_F(ViewKeys, TheWindowShowsTheImageAtAnySize) {
   const std::string model = plant(3000), figures = path("figures.json");
   open({model, "--size", "320x200", "--no-panels", "--no-smooth", "--json", figures});
   for (const std::array<int, 2>& wanted : {std::array{320, 200}, {200, 300}, {500, 400}}) {
@@ -672,7 +674,7 @@ TEST_F(ViewKeys, TheWindowShowsThePictureAtAnySize) {
     Outcome same;
     ASSERT_TRUE(comes_true([&] {
       press("Home");
-      same = compare(screen(width, height), {model, "--size", size, "--shading", "0.6", "--lines", "0.4"});
+      same = compare(screen(width, height), {model, "--size", size, "--depth-shading", "0.6", "--edge-lines", "0.4"});
       return same.code == 0;
     })) << same;
   }
@@ -715,11 +717,11 @@ TEST_F(ViewKeys, QuittingAsksOnceForUnsavedViews) {
   EXPECT_EQ(outcome.code, 0) << outcome;
 }
 
-/// Nothing is left of a picture that is cancelled, and the window goes on as before.
-TEST_F(ViewKeys, EscapeCancelsAPicture) {
+/// Nothing is left of an image that is cancelled, and the window goes on as before.
+TEST_F(ViewKeys, EscapeCancelsAnImage) {
   const std::string huge = path("huge.png"), after = path("after.png"), model = plant(3000);
   open({model, "--size", "320x200", "--no-panels", "--script",
-        write("script.txt", "smooth\nscreenshot " + huge + " 16384x16384\nexpect /message = \"cancelled, picture: " +
+        write("script.txt", "smooth\nscreenshot " + huge + " 16384x16384\nexpect /message = \"cancelled, image: " +
                                 huge + "\"\nsmooth\nscreenshot " + after + "\n")});
   const auto parts = [&] {
     return std::count_if(

@@ -1,4 +1,4 @@
-// sightline-view in a window of a virtual display: its pictures, and scripts that drive it.
+// sightline-view in a window of a virtual display: its images, and scripts that drive it.
 #pragma once
 
 #include <array>
@@ -13,36 +13,36 @@
 namespace sightline::tests {
 
 /// 8-bit RGB, rows top to bottom.
-struct Picture {
+struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
 };
 
-inline void write_png(const Picture& picture, const std::string& file) {
+inline void write_png(const Image& image, const std::string& file) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
-  header.width = png_uint_32(picture.width);
-  header.height = png_uint_32(picture.height);
+  header.width = png_uint_32(image.width);
+  header.height = png_uint_32(image.height);
   header.format = PNG_FORMAT_RGB;
-  EXPECT_TRUE(png_image_write_to_file(&header, file.c_str(), 0, picture.rgb.data(), 0, nullptr)) << header.message;
+  EXPECT_TRUE(png_image_write_to_file(&header, file.c_str(), 0, image.rgb.data(), 0, nullptr)) << header.message;
 }
 
-inline Picture read_png(const std::string& file) {
+inline Image read_png(const std::string& file) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
-  Picture picture;
+  Image image;
   EXPECT_TRUE(png_image_begin_read_from_file(&header, file.c_str())) << file << ": " << header.message;
   header.format = PNG_FORMAT_RGB;
-  picture.rgb.resize(PNG_IMAGE_SIZE(header));
-  EXPECT_TRUE(png_image_finish_read(&header, nullptr, picture.rgb.data(), 0, nullptr)) << header.message;
-  picture.width = int(header.width);
-  picture.height = int(header.height);
-  return picture;
+  image.rgb.resize(PNG_IMAGE_SIZE(header));
+  EXPECT_TRUE(png_image_finish_read(&header, nullptr, image.rgb.data(), 0, nullptr)) << header.message;
+  image.width = int(header.width);
+  image.height = int(header.height);
+  return image;
 }
 
 /// The upper left corner of a screen that Xvfb keeps as a file: an X window dump (XWDFile.h, version 7) of 32 bits per
 /// pixel, blue first.
-inline Picture read_screen(const std::string& file, int width, int height) {
+inline Image read_screen(const std::string& file, int width, int height) {
   const std::string bytes = read_bytes(file);
   const auto word = [&](std::size_t index) {
     std::uint32_t value = 0;
@@ -51,12 +51,12 @@ inline Picture read_screen(const std::string& file, int width, int height) {
   };
   constexpr std::size_t kHeaderBytes = 0, kBytesPerLine = 12, kColours = 19, kBytesPerColour = 12;
   const std::size_t first = word(kHeaderBytes) + kBytesPerColour * word(kColours);
-  Picture picture{width, height, {}};
+  Image image{width, height, {}};
   for (std::size_t y = 0; y < std::size_t(height); ++y)
     for (std::size_t x = 0; x < std::size_t(width); ++x)
       for (const std::size_t channel : {2, 1, 0})
-        picture.rgb.push_back(std::uint8_t(bytes.at(first + y * word(kBytesPerLine) + 4 * x + channel)));
-  return picture;
+        image.rgb.push_back(std::uint8_t(bytes.at(first + y * word(kBytesPerLine) + 4 * x + channel)));
+  return image;
 }
 
 class View : public WindowTest {
@@ -73,9 +73,9 @@ class View : public WindowTest {
     write_png(read_screen(path("Xvfb_screen0"), width, height), file);
     return file;
   }
-  /// Other drivers make the same picture but for a few pixels on edges.
-  Outcome compare(const std::string& picture, Args render_args) const {
-    render_args.insert(render_args.end(), {"--compare", picture, "--max", "255", "--mean", "0.05"});
+  /// Other drivers make the same image but for a few pixels on edges.
+  Outcome compare(const std::string& image, Args render_args) const {
+    render_args.insert(render_args.end(), {"--compare", image, "--max", "255", "--mean", "0.05"});
     return run("render", render_args);
   }
 };

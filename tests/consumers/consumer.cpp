@@ -31,7 +31,7 @@ int cull_boxes() {
 }
 
 #ifdef CONSUMER_DRAWS
-int draw_model(const char* model, const char* picture) {
+int draw_model(const char* model, const char* image) {
   core::Scene scene;
   if (auto imported = importers::import_file(model, scene, scene.root()); !imported)
     return fail(imported.error().message.c_str());
@@ -43,8 +43,8 @@ int draw_model(const char* model, const char* picture) {
   const auto view = core::View::fit(scene.bounds(scene.root()), {1, 1, -0.5}, 0.8, 160.0 / 120.0);
   if (!view) return fail(view.error().message.c_str());
   if (auto report = engine->frame(*view); !report) return fail(report.error().message.c_str());
-  if (!engine->covered().value_or(false)) return fail("the picture shows nothing");
-  const auto saved = image::write_png(*engine->read_colour(), picture);
+  if (!engine->covered().value_or(false)) return fail("the image shows nothing");
+  const auto saved = image::write_png(*engine->read_colour(), image);
   return saved ? 0 : fail(saved.error().message.c_str());
 }
 #endif
@@ -56,5 +56,5 @@ int main(int argc, char** argv) {
 #ifdef CONSUMER_DRAWS
   if (argc == 3) return draw_model(argv[1], argv[2]);
 #endif
-  return argc == 1 ? 0 : fail("usage: consumer [MODEL PICTURE]");
+  return argc == 1 ? 0 : fail("usage: consumer [MODEL IMAGE]");
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # debs.sh BIN FOLDER: builds the Debian packages, lets lintian judge them, installs them and uses them (use_debs.sh).
-# BIN holds the tools of another build, whose picture the packaged one's must equal. dpkg installs the packages in an
+# BIN holds the tools of another build, whose image the packaged one's must equal. dpkg installs the packages in an
 # overlay of this machine's files, which leaves the machine as it is. Without the right to mount one (root), they are
 # unpacked below FOLDER.
 set -euo pipefail

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # use_debs.sh PREFIX MODEL FOLDER: what users of the Debian packages do, which are installed below PREFIX: a tool, whose
-# picture is FOLDER/reference.png, applications in C++ and C that find the library with CMake and with pkg-config,
-# and Python, which draws the same picture.
+# image is FOLDER/reference.png, applications in C++ and C that find the library with CMake and with pkg-config,
+# and Python, which draws the same image.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 prefix=$1 model=$2 folder=$3
@@ -18,7 +18,7 @@ done
 rm -rf "$folder/cmake"
 cmake -S "$here/package" -B "$folder/cmake" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCONSUMER_DRAWS=ON >/dev/null
 cmake --build "$folder/cmake" >/dev/null
-"$folder/cmake/consumer" "$model" "$folder/cmake/picture.png"
+"$folder/cmake/consumer" "$model" "$folder/cmake/image.png"
 # (Not grep -q: it leaves before ldd has finished, which then fails.)
 ldd "$folder/cmake/consumer" | grep 'libsightline\.so' >/dev/null || { echo "use_debs: not the shared library" >&2; exit 1; }
 

@@ -21,7 +21,7 @@ dvec3 point(Random& random, double half) {
   return {x, y, uniform(random, -half, half)};
 }
 
-TEST(ImageRays, RefusesPicturesOfNothing) {
+TEST(ImageRays, RefusesImagesOfNothing) {
   const View view = *View::perspective({{0, -20, 3}, {0, 0, 0}, {0, 0, 1}}, 0.6, 1.5, 0.1);
   EXPECT_TRUE(ImageRays::create(view, 30, 20));
   EXPECT_FALSE(ImageRays::create(view, 0, 20));

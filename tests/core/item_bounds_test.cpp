@@ -101,7 +101,7 @@ TEST(VisibleSet, SortedSlotsAreRangesAndItemsTogether) {
   VisibleSet set;
   EXPECT_TRUE(set.sorted_slots().empty());
   set.ranges = {{2, 3}, {10, 1}};
-  set.slots = {0, 7, 20};
+  set.single_slots = {0, 7, 20};
   EXPECT_EQ(set.count(), 7u);
   EXPECT_EQ(set.sorted_slots(), (std::vector<Slot>{0, 2, 3, 4, 7, 10, 20}));
   set.counters.nodes_tested = 5;

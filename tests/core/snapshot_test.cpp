@@ -418,14 +418,14 @@ TEST(Snapshot, DoesNotDependOnThreads) {
 // --- deltas ----------------------------------------------------------------------------------------------------------
 
 /// Both show the same: the same items in the same boxes up to float rounding about different origins.
-void expect_same_picture(const Snapshot& followed, const Snapshot& fresh) {
-  const auto picture = [](const Snapshot& snapshot) {
+void expect_same_image(const Snapshot& followed, const Snapshot& fresh) {
+  const auto image = [](const Snapshot& snapshot) {
     std::set<ItemId> items;
     for (Slot s = 0; s < snapshot.size(); ++s)
       if (!snapshot.vacant(s)) items.insert(snapshot.item(s));
     return items;
   };
-  ASSERT_EQ(picture(followed), picture(fresh));
+  ASSERT_EQ(image(followed), image(fresh));
 }
 
 TEST(Snapshot, FollowsRandomDeltas) {
@@ -458,7 +458,7 @@ TEST(Snapshot, FollowsRandomDeltas) {
       for (const ItemId item : delta->inserted) ASSERT_GE(snapshot.slot(item), order_before.size());
       ASSERT_NO_FATAL_FAILURE(expect_consistent(snapshot));
       ASSERT_NO_FATAL_FAILURE(expect_shows(snapshot, plant.scene));
-      ASSERT_NO_FATAL_FAILURE(expect_same_picture(snapshot, Snapshot(plant.scene)));
+      ASSERT_NO_FATAL_FAILURE(expect_same_image(snapshot, Snapshot(plant.scene)));
     }
   }
 }

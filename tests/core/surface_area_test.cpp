@@ -1,4 +1,5 @@
-// Surfaces against closed forms. Those of each kind are compared with triangles in tests/engine/small_items_test.cpp.
+// Surfaces against closed forms. Those of each kind are compared with triangles in
+// tests/engine/contribution_culling_test.cpp.
 #include "sightline/core/surface_area.h"
 
 #include <cmath>

@@ -293,7 +293,7 @@ TEST(BoxCuller, LeavesOutWhatADepthImageHides) {
     culler->visible(view, all);
     culler->visible(view, depth, found);
     for (const std::uint32_t i : all)
-      if (!test.hidden(core::round_outwards(boxes[i], dvec3(0.0)))) expected.push_back(i);
+      if (!test.occluded(core::round_outwards(boxes[i], dvec3(0.0)))) expected.push_back(i);
     std::sort(found.begin(), found.end());
     std::sort(expected.begin(), expected.end());
     ASSERT_EQ(found, expected);

@@ -133,7 +133,7 @@ TEST(ContributionTest, SolidsLimitAreasAndMakeSquares) {
     core::VisibleSet in;
     in.ranges = {{0, std::uint32_t(count / 2)}};
     for (auto s = std::uint32_t(count / 2); s < count; ++s)
-      if (!bounds.vacant(s) && chance(random, 0.7)) in.slots.push_back(s);
+      if (!bounds.vacant(s) && chance(random, 0.7)) in.single_slots.push_back(s);
     const ContributionTest plain(view, origin, width, height), test(view, origin, width, height, solids);
     const float fixed = chance(random, 0.5) ? float(magnitude(random, 0.1, 100.0)) : 0.0f;
     SquareCounts counts;
@@ -252,7 +252,7 @@ TEST(ContributionTest, FiltersSets) {
     in.counters.nodes_tested = 3;
     in.ranges = {{0, std::uint32_t(count / 2)}};
     for (std::uint32_t s = std::uint32_t(count / 2); s < count; ++s)
-      if (!bounds.vacant(s) && chance(random, 0.7)) in.slots.push_back(s);
+      if (!bounds.vacant(s) && chance(random, 0.7)) in.single_slots.push_back(s);
     std::vector<std::uint64_t> before(count / 64 + 1), exempt(count / 64 + 1);
     std::vector<core::Slot> expected;
     for (const core::Slot s : in.sorted_slots()) {

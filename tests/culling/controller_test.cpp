@@ -103,8 +103,8 @@ TEST(FrameCost, ReactsToAChangeWithinEightFrames) {
   }
 }
 
-/// Where the GPU's path is presumed to be dearer nothing but probes goes there, however new the view, unless they keep
-/// saying that it is cheaper.
+/// Where the GPU's path is presumed to be more expensive nothing but probes goes there, however new the view, unless
+/// they keep saying that it is cheaper.
 TEST(FrameCost, APresumptionStandsUntilItIsRefuted) {
   ControllerConfig config;
   config.frame_cost.presumed_gpu_excess = 0.1;

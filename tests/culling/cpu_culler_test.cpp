@@ -67,7 +67,7 @@ TEST(CpuCuller, WhollyVisibleSceneIsOneRange) {
   scene.culler->cull(around(20), set);
   ASSERT_EQ(set.ranges.size(), 1u);
   EXPECT_EQ(set.ranges[0], (core::SlotRange{0, 8000}));
-  EXPECT_TRUE(set.slots.empty());
+  EXPECT_TRUE(set.single_slots.empty());
   EXPECT_LE(set.counters.nodes_tested, 16u);
   EXPECT_EQ(set.counters.boxes_tested, 0u);
 }
@@ -91,7 +91,7 @@ TEST(CpuCuller, PartialViewTestsFarLessThanEverything) {
   EXPECT_LT(set.counters.boxes_tested + set.counters.nodes_tested, 64000u / 2);
   EXPECT_GT(set.counters.nodes_tested, 16u);
   EXPECT_FALSE(set.ranges.empty());
-  EXPECT_FALSE(set.slots.empty());
+  EXPECT_FALSE(set.single_slots.empty());
   EXPECT_EQ(set.sorted_slots(), linear.sorted_slots());
 }
 
@@ -190,7 +190,7 @@ TEST(CpuCuller, VacantSlotsCutNoRangeAndAreNeverItems) {
   scene.culler->cull(around(8), set);
   ASSERT_EQ(set.ranges.size(), 1u);
   EXPECT_EQ(set.ranges[0], (core::SlotRange{0, 512}));
-  EXPECT_TRUE(set.slots.empty());
+  EXPECT_TRUE(set.single_slots.empty());
   EXPECT_EQ(scene.occupied(set).size(), 511u);
   // A view of everything there is: no plane at all.
   core::dmat4 everywhere(0.0);
@@ -204,8 +204,8 @@ TEST(CpuCuller, VacantSlotsCutNoRangeAndAreNeverItems) {
   for (core::Slot i = 0; i < 512; i += 2) scene.bounds.set(i, Aabb{});
   scene.culler->refit();
   scene.culler->cull(partial(8), set);
-  EXPECT_FALSE(set.slots.empty());
-  for (const core::Slot slot : set.slots) EXPECT_FALSE(scene.bounds.vacant(slot));
+  EXPECT_FALSE(set.single_slots.empty());
+  for (const core::Slot slot : set.single_slots) EXPECT_FALSE(scene.bounds.vacant(slot));
 }
 
 TEST(CpuCuller, RefitFollowsMovedBoxes) {
@@ -306,7 +306,7 @@ TEST(CpuCuller, SeveralThreadsAtOnce) {
   for (std::thread& thread : threads) thread.join();
   for (const VisibleSet& set : sets) {
     EXPECT_EQ(set.ranges, expected.ranges);
-    EXPECT_EQ(set.slots, expected.slots);
+    EXPECT_EQ(set.single_slots, expected.single_slots);
   }
 }
 

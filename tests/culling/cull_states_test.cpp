@@ -94,7 +94,7 @@ void expect_right(const core::View& view, const Scene& scene, const CullStates& 
     ASSERT_EQ(state != CullState::kOutside, bool(kept[slot])) << "slot " << slot << " " << name_of(state);
     if (!kept[slot]) continue;
     if (culling::contains(small, slot)) {
-      ASSERT_EQ(state, CullState::kSmall);
+      ASSERT_EQ(state, CullState::kTooSmall);
     } else if (culling::contains(occluded, slot)) {
       ASSERT_EQ(state, CullState::kOccluded);
     } else {

@@ -114,7 +114,7 @@ TEST(CullThreads, SeveralViewsAreTheViewsOneByOne) {
         core::VisibleSet alone;
         scene.culler->cull(views[i], alone);
         ASSERT_EQ(sets[i].ranges, alone.ranges);
-        ASSERT_EQ(sets[i].slots, alone.slots);
+        ASSERT_EQ(sets[i].single_slots, alone.single_slots);
       }
     }
   }

@@ -13,7 +13,8 @@ using core::View;
 
 /// Lists in rising order, disjoint and merged.
 void expect_well_formed(const core::VisibleSet& set) {
-  ASSERT_EQ(std::adjacent_find(set.slots.begin(), set.slots.end(), std::greater_equal<>()), set.slots.end());
+  ASSERT_EQ(std::adjacent_find(set.single_slots.begin(), set.single_slots.end(), std::greater_equal<>()),
+            set.single_slots.end());
   for (std::size_t i = 0; i < set.ranges.size(); ++i) {
     ASSERT_GT(set.ranges[i].count, 0u);
     if (i > 0) {
@@ -36,14 +37,15 @@ void expect_same(const Scene& scene, const View& view, core::VisibleSet& set) {
   set = trees[0];
   for (std::size_t i = 1; i < trees.size(); ++i) {
     ASSERT_EQ(trees[i].ranges, trees[0].ranges);
-    ASSERT_EQ(trees[i].slots, trees[0].slots);
+    ASSERT_EQ(trees[i].single_slots, trees[0].single_slots);
     ASSERT_EQ(trees[i].counters.nodes_tested, trees[0].counters.nodes_tested);
     ASSERT_EQ(trees[i].counters.boxes_tested, trees[0].counters.boxes_tested);
-    ASSERT_EQ(linears[i].slots, linears[0].slots);
+    ASSERT_EQ(linears[i].single_slots, linears[0].single_slots);
     ASSERT_EQ(linears[i].ranges, linears[0].ranges);
   }
   ASSERT_EQ(scene.occupied(set), linears[0].sorted_slots());
-  ASSERT_TRUE(std::none_of(set.slots.begin(), set.slots.end(), [&](auto slot) { return scene.bounds.vacant(slot); }));
+  ASSERT_TRUE(std::none_of(set.single_slots.begin(), set.single_slots.end(),
+                           [&](auto slot) { return scene.bounds.vacant(slot); }));
   ASSERT_NO_FATAL_FAILURE(expect_well_formed(set));
   ASSERT_NO_FATAL_FAILURE(expect_well_formed(linears[0]));
 }
@@ -225,7 +227,7 @@ TEST(CullerEquality, ManyShortRanges) {
   core::VisibleSet set;
   ASSERT_NO_FATAL_FAILURE(expect_same(scene, view, set));
   EXPECT_EQ(set.ranges.size(), 10000u);
-  EXPECT_EQ(set.slots.size(), 160000u);
+  EXPECT_EQ(set.single_slots.size(), 160000u);
 }
 
 }  // namespace

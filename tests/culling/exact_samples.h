@@ -1,4 +1,4 @@
-// The samples of a picture in exact arithmetic: the line of sight of every sample, in rationals, meets a box or not.
+// The samples of an image in exact arithmetic: the line of sight of every sample, in rationals, meets a box or not.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace sightline::tests {
 
 using core::Aabb;
 using core::View;
-using culling::PictureSamples;
+using culling::ImageSamples;
 
 using Form = std::array<mpq_class, 4>;  // of a world point: three coefficients and the constant term
 
@@ -46,10 +46,10 @@ struct ExactLine {
   }
 };
 
-/// The samples of a picture, in rationals.
+/// The samples of an image, in rationals.
 class ExactSamples {
  public:
-  ExactSamples(const View& view, const core::dvec3& origin, const PictureSamples& samples) : samples_(samples) {
+  ExactSamples(const View& view, const core::dvec3& origin, const ImageSamples& samples) : samples_(samples) {
     const core::dmat4 clip = view.clip_from_world();
     for (int row = 0; row < 4; ++row) {
       Form& form = rows_[std::size_t(row)];
@@ -129,14 +129,13 @@ class ExactSamples {
     return std::min(value(distance_, first), value(distance_, last));
   }
 
-  PictureSamples samples_;
+  ImageSamples samples_;
   std::array<Form, 4> rows_;
   Form distance_;
 };
 
 /// A box that barely touches the line of sight of a sample, with a corner, an edge or a face, or barely misses it.
-inline Aabb box_at_a_sample(Random& random, const View& view, const core::dvec3& origin,
-                            const PictureSamples& samples) {
+inline Aabb box_at_a_sample(Random& random, const View& view, const core::dvec3& origin, const ImageSamples& samples) {
   const auto& offset = samples.offsets[std::size_t(whole(random, 0, int(samples.offsets.size()) - 1))];
   const double u = (2.0 * (whole(random, 0, samples.width - 1) + double(offset[0])) + 1.0) / samples.width - 1.0;
   const double v = (2.0 * (whole(random, 0, samples.height - 1) + double(offset[1])) + 1.0) / samples.height - 1.0;

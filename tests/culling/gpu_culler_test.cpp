@@ -360,19 +360,19 @@ TEST_P(GpuCullerTest, FeedbackWaitsToBeTaken) {
   }
 }
 
-constexpr double kAspect = double(tests::PicturePair::kWidth) / tests::PicturePair::kHeight;
+constexpr double kAspect = double(tests::ImagePair::kWidth) / tests::ImagePair::kHeight;
 
-// --- pictures --------------------------------------------------------------------------------------------------------
+// --- images ----------------------------------------------------------------------------------------------------------
 
-class GpuCullerPictures : public GpuCullerTest {
+class GpuCullerImages : public GpuCullerTest {
  protected:
-  void expect_same_pictures(const core::Scene& scene, const std::vector<View>& views) {
+  void expect_same_images(const core::Scene& scene, const std::vector<View>& views) {
     Rig rig(*context, scene, GetParam());
-    tests::PicturePair pictures(*context, rig);
+    tests::ImagePair images(*context, rig);
     for (const View& view : views) {
       core::VisibleSet set;
       culling::LinearCuller(rig.snapshot.bounds()).cull(view, set);
-      const auto [shown, ties] = pictures.expect_same(rig, view, set);
+      const auto [shown, ties] = images.expect_same(rig, view, set);
       EXPECT_GT(shown, 100u);
       EXPECT_LE(ties, shown / 50);
     }
@@ -398,42 +398,42 @@ class GpuCullerPictures : public GpuCullerTest {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(All, GpuCullerPictures, testing::ValuesIn(all_gpu_configs()), gpu_config_name);
+INSTANTIATE_TEST_SUITE_P(All, GpuCullerImages, testing::ValuesIn(all_gpu_configs()), gpu_config_name);
 
-TEST_P(GpuCullerPictures, AreThoseOfTheCpu) {
+TEST_P(GpuCullerImages, AreThoseOfTheCpu) {
   core::Scene scene;
   make_plant(scene);
-  expect_same_pictures(scene, plant_views());
+  expect_same_images(scene, plant_views());
 }
 
 /// Without ARB_indirect_parameters.
-TEST_P(GpuCullerPictures, NeedNoCountOfCommands) {
+TEST_P(GpuCullerImages, NeedNoCountOfCommands) {
   auto& table = const_cast<gl::Functions&>(context->functions());
   const auto taken = std::exchange(table.MultiDrawElementsIndirectCountARB, nullptr);
   core::Scene scene;
   make_plant(scene);
-  expect_same_pictures(scene, plant_views());
+  expect_same_images(scene, plant_views());
   table.MultiDrawElementsIndirectCountARB = taken;
 }
 
 // --- no read-back ----------------------------------------------------------------------------------------------------
 
-TEST_P(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
+TEST_P(GpuCullerImages, NothingIsReadBackFromCullToDraw) {
   core::Scene scene;
   make_plant(scene);
   Rig rig(*context, scene, GetParam());
   auto renderer = render::Renderer::create(*context, rig.gpu);
   auto target =
-      render::RenderTarget::create(*context, tests::PicturePair::kWidth, tests::PicturePair::kHeight, {.ids = true});
+      render::RenderTarget::create(*context, tests::ImagePair::kWidth, tests::ImagePair::kHeight, {.ids = true});
   ASSERT_TRUE(renderer && target);
   const auto frames = [&] {
     for (const View& view : plant_views()) {
       ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists));
       ASSERT_TRUE(renderer->draw(view, rig.snapshot, rig.gpu, rig.lists, *target));
-      const GpuCuller::Picture picture{view, {target->width(), target->height(), {{0, 0}}}, true};
-      ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 0, &picture));
+      const GpuCuller::Image image{view, {target->width(), target->height(), {{0, 0}}}, true};
+      ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 0, &image));
       ASSERT_TRUE(renderer->draw(view, rig.snapshot, rig.gpu, rig.lists, *target));
-      ASSERT_TRUE(rig.culler.cull_others(picture, rig.gpu, rig.lists, target->depth(), 0.0));
+      ASSERT_TRUE(rig.culler.cull_others(image, rig.gpu, rig.lists, target->depth(), 0.0));
       ASSERT_TRUE(renderer->draw_more(view, rig.snapshot, rig.gpu, rig.lists, *target));
       while (rig.culler.take_feedback()) {
       }

@@ -1,5 +1,5 @@
 // Both production paths on real models, flown through as users do: the same visible set but for what lies within the
-// float planes' band, and the same pictures.
+// float planes' band, and the same images.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,7 +22,7 @@ using tests::Random;
 using tests::uniform;
 
 constexpr int kFrames = 100, kDrawnEvery = 25;
-constexpr double kAspect = double(tests::PicturePair::kWidth) / tests::PicturePair::kHeight;
+constexpr double kAspect = double(tests::ImagePair::kWidth) / tests::ImagePair::kHeight;
 
 struct Flight {
   const char* name;
@@ -81,7 +81,7 @@ class GpuRealModels : public tests::GlTest, public testing::WithParamInterface<c
   };
   Found fly(tests::Rig& rig, const CameraPath& path) {
     const culling::CpuCuller cpu(rig.snapshot.bounds());
-    tests::PicturePair pictures(*context, rig);
+    tests::ImagePair images(*context, rig);
     Found found;
     for (int i = 0; i < kFrames; ++i) {
       SCOPED_TRACE("frame " + std::to_string(i));
@@ -92,7 +92,7 @@ class GpuRealModels : public tests::GlTest, public testing::WithParamInterface<c
       found.items += wanted.size();
       found.extra += tests::expect_found(rig, *view, wanted);
       if (i % kDrawnEvery != 0) continue;
-      const auto pixels = pictures.expect_same(rig, *view, set);
+      const auto pixels = images.expect_same(rig, *view, set);
       found.shown += pixels.shown;
       found.ties += pixels.ties;
     }

@@ -44,7 +44,7 @@ struct Rig {
 
   std::vector<core::Slot> cull(const core::View& view) {
     EXPECT_TRUE(culler.cull(view, snapshot, gpu, lists));
-    return culler.read_back(lists).slots;
+    return culler.read_back(lists).single_slots;
   }
   /// A set's slots but the vacant ones, which the GPU never names.
   std::vector<core::Slot> occupied(const core::VisibleSet& set) const {
@@ -98,11 +98,11 @@ inline std::size_t expect_same(const gl::Functions& gl, Rig& rig, const core::Vi
 }
 
 /// Draws what either path finds and compares.
-class PicturePair {
+class ImagePair {
  public:
   static constexpr int kWidth = 160, kHeight = 120;
 
-  PicturePair(const gl::Context& context, const Rig& rig)
+  ImagePair(const gl::Context& context, const Rig& rig)
       : renderer_(std::move(*render::Renderer::create(context, rig.gpu))),
         target_(std::move(*render::RenderTarget::create(context, kWidth, kHeight, {.ids = true}))) {}
 
@@ -112,9 +112,9 @@ class PicturePair {
   /// Depths are equal, and colours where the same item is shown.
   Pixels expect_same(Rig& rig, const core::View& view, const core::VisibleSet& cpu_set) {
     EXPECT_TRUE(rig.lists.update(rig.snapshot, rig.gpu, cpu_set));
-    const Picture cpu = draw(rig, view);
+    const Image cpu = draw(rig, view);
     EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists));
-    const Picture gpu = draw(rig, view);
+    const Image gpu = draw(rig, view);
     EXPECT_EQ(cpu.depth.metres, gpu.depth.metres);
     Pixels pixels;
     std::size_t other_colours = 0;
@@ -131,12 +131,12 @@ class PicturePair {
   }
 
  private:
-  struct Picture {
+  struct Image {
     image::Image colour;
     image::IdImage ids;
     image::DepthImage depth;
   };
-  Picture draw(const Rig& rig, const core::View& view) {
+  Image draw(const Rig& rig, const core::View& view) {
     EXPECT_TRUE(renderer_.draw(view, rig.snapshot, rig.gpu, rig.lists, target_));
     return {target_.read_colour(), target_.read_ids(), target_.read_depth(view)};
   }

@@ -29,7 +29,7 @@ VisibleSet random_set(Random& random, std::uint32_t count) {
       set.ranges.push_back({s, length});
     else
       for (Slot single = s; single < s + length; ++single)
-        if (chance(random, 0.1)) set.slots.push_back(single);
+        if (chance(random, 0.1)) set.single_slots.push_back(single);
     s += length;
   }
   return set;
@@ -98,7 +98,7 @@ TEST(NearFirst, PartsAreTheSetFromNearToFar) {
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const VisibleSet& part = near_first.parts()[i];
       ASSERT_EQ(part.generation, set.generation);
-      ASSERT_TRUE(std::is_sorted(part.slots.begin(), part.slots.end()));
+      ASSERT_TRUE(std::is_sorted(part.single_slots.begin(), part.single_slots.end()));
       ASSERT_EQ(part.sorted_slots(), expected[i]) << "part " << i;
     }
   }

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes.h"
-#include "sightline/culling/occlusion/internal/solid_figures.h"
+#include "sightline/culling/occlusion/internal/inner_occluders.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 
 namespace sightline::tests::occluder_image_test {
@@ -33,7 +33,7 @@ struct Ray {
   dvec3 at, along;
 };
 
-/// A camera whose near plane is known, and its picture.
+/// A camera whose near plane is known, and its image.
 struct Camera {
   View view;
   double near;
@@ -154,7 +154,7 @@ struct Tally {
   std::size_t held = 0, must = 0, lost = 0;
 };
 
-double nearness(const Camera& camera, double distance) {
+double reciprocal_depth(const Camera& camera, double distance) {
   return camera.view.orthographic() ? -distance : 1.0 / distance;
 }
 
@@ -180,17 +180,17 @@ void expect_image(const Camera& camera, std::span<const float> image, double win
         const Entry at = entry(camera.ray(x + (i & 1 ? window : -window), y + (i & 2 ? window : -window)));
         must = at.distance < kNever && hides(at) && (i == 0 || mixed || at.face == face);
         face = at.face;
-        least = std::min(least, nearness(camera, at.distance));
-        most = std::max(most, nearness(camera, at.distance));
+        least = std::min(least, reciprocal_depth(camera, at.distance));
+        most = std::max(most, reciprocal_depth(camera, at.distance));
       }
       if (!must) continue;
       ++tally.must;
       tally.lost += held == kNothing;
       if (held == kNothing) continue;
-      // Planes are evaluated in float: a share of what they rise by over the whole picture is lost.
+      // Planes are evaluated in float: a share of what they rise by over the whole image is lost.
       const double slope = (most - least) / window;
       const double off = 2e-6 * (std::abs(least) + slope * (camera.width + camera.height));
-      ASSERT_GE(nearness(camera, double(held)), least - off) << "pixel " << x << " " << y;
+      ASSERT_GE(reciprocal_depth(camera, double(held)), least - off) << "pixel " << x << " " << y;
     }
 }
 
@@ -348,16 +348,16 @@ TEST(OccluderImage, TrianglesHoldNeitherMoreNorLess) {
 }
 
 /// A convex polygon of so many corners on an ellipse.
-culling::SolidFigure figure_on(const Affine& place, int count, Polygon& polygon) {
-  culling::SolidFigure figure;
-  figure.count = count;
-  figure.hexahedron = false;
-  figure.growth = 0.0;
+culling::OccluderPolygon occluder_on(const Affine& place, int count, Polygon& polygon) {
+  culling::OccluderPolygon occluder;
+  occluder.count = count;
+  occluder.hexahedron = false;
+  occluder.growth = 0.0;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / count;
     polygon.corners.push_back(core::transform_point(place, {std::cos(angle), std::sin(angle), 0.0}));
   }
-  return figure;
+  return occluder;
 }
 
 AabbD box_around_points(std::span<const dvec3> points, const dvec3& eye, double room) {
@@ -368,7 +368,7 @@ AabbD box_around_points(std::span<const dvec3> points, const dvec3& eye, double 
 }
 
 /// Figures hide what they cover if all of their box is kept, and nothing otherwise.
-TEST(OccluderImage, FlatFiguresHoldNeitherMoreNorLess) {
+TEST(OccluderImage, FlatOccluderPolygonsHoldNeitherMoreNorLess) {
   Tally tally;
   std::size_t removed = 0;
   for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
@@ -380,12 +380,13 @@ TEST(OccluderImage, FlatFiguresHoldNeitherMoreNorLess) {
     add_some_sections(random, place, camera.view);
     Polygon polygon;
     const int counts[] = {3, 4, 5, 6, 8};
-    culling::SolidFigure figure = figure_on(place, counts[whole(random, 0, 4)], polygon);
-    for (std::size_t i = 0; i < polygon.corners.size(); ++i) figure.corners[i] = polygon.corners[i] - camera.view.eye();
+    culling::OccluderPolygon occluder = occluder_on(place, counts[whole(random, 0, 4)], polygon);
+    for (std::size_t i = 0; i < polygon.corners.size(); ++i)
+      occluder.corners[i] = polygon.corners[i] - camera.view.eye();
     const AabbD box = box_around_points(polygon.corners, camera.view.eye(), 0.1);
     const culling::WholeSolid solid{box, 1};
     const auto image = image_of(camera, snap, [&](OccluderRaster& raster) {
-      return raster.add_within({&solid, 1}, {&figure, 1});
+      return raster.add_within({&solid, 1}, {&occluder, 1});
     });
     std::vector<dvec3> of_box;
     for (int i = 0; i < 8; ++i)
@@ -409,7 +410,7 @@ TEST(OccluderImage, FlatFiguresHoldNeitherMoreNorLess) {
   EXPECT_GT(removed, 200u);
 }
 
-/// What is drawn lies within a hexahedron made larger. Where that is entered before the near plane, the picture is
+/// What is drawn lies within a hexahedron made larger. Where that is entered before the near plane, the image is
 /// open. Elsewhere the hexahedron hides what it covers, and all of it where its whole box is beyond the near plane.
 TEST(OccluderImage, HexahedraHideWhereWhatIsDrawnIsWhole) {
   Tally tally, cut;
@@ -426,21 +427,21 @@ TEST(OccluderImage, HexahedraHideWhereWhatIsDrawnIsWhole) {
     Affine larger = place;
     larger.linear *= std::max(1.0, growth);
     const Solid drawn = prism_of(larger, 4, true);
-    culling::SolidFigure figure;
-    figure.count = 8;
-    figure.hexahedron = true;
-    figure.growth = growth;
+    culling::OccluderPolygon occluder;
+    occluder.count = 8;
+    occluder.hexahedron = true;
+    occluder.growth = growth;
     // Corners turn left as seen from the other face, unless the placement mirrors.
     const bool mirrored = glm::determinant(place.linear) < 0.0;
     for (int i = 0; i < 8; ++i) {
       const int k = i % 4;
       const dvec3 own(k == 0 || k == 3 ? -1.0 : 1.0, k < 2 ? -1.0 : 1.0, (i < 4) != mirrored ? -1.0 : 1.0);
-      figure.corners[std::size_t(i)] = core::transform_point(place, own) - camera.view.eye();
+      occluder.corners[std::size_t(i)] = core::transform_point(place, own) - camera.view.eye();
     }
     const AabbD box = box_around_points(drawn.corners, camera.view.eye(), 1e-3);
     const culling::WholeSolid whole_solid{box, 1};
     const auto image = image_of(camera, snap, [&](OccluderRaster& raster) {
-      return raster.add_within({&whole_solid, 1}, {&figure, 1});
+      return raster.add_within({&whole_solid, 1}, {&occluder, 1});
     });
     double least = kNever;
     for (int i = 0; i < 8; ++i)
@@ -480,7 +481,7 @@ TEST(OccluderImage, HexahedraHideWhereWhatIsDrawnIsWhole) {
   EXPECT_GT(open, 50u);
 }
 
-/// A parallelogram in the picture.
+/// A parallelogram in the image.
 class FlatQuad {
  public:
   FlatQuad(const Camera& camera, const dvec3& middle, const dvec3& u, const dvec3& v)
@@ -512,7 +513,7 @@ class FlatQuad {
       return least <= middle + size;
     });
   }
-  /// Greatest nearness of its plane in the square, and by how much float may miss it.
+  /// Greatest reciprocal depth of its plane in the square, and by how much float may miss it.
   std::pair<double, double> nearest(int x, int y, double half) const {
     const dvec3 normal =
         glm::cross(polygon_.corners[1] - polygon_.corners[0], polygon_.corners[3] - polygon_.corners[0]);
@@ -552,10 +553,10 @@ TEST(OccluderImage, QuadsAreSeenThroughTheirPixelsAlone) {
     }
     const FlatQuad quad(camera, ray.at + away * ray.along, u, v);
     if (!quad.in_front()) continue;
-    culling::SolidFigure figure;
-    figure.count = 4;
-    figure.hexahedron = false;
-    for (std::size_t i = 0; i < 4; ++i) figure.corners[i] = quad.polygon().corners[i] - camera.view.eye();
+    culling::OccluderPolygon occluder;
+    occluder.count = 4;
+    occluder.hexahedron = false;
+    for (std::size_t i = 0; i < 4; ++i) occluder.corners[i] = quad.polygon().corners[i] - camera.view.eye();
     OccluderRaster raster;
     raster.begin(camera.view, camera.width, camera.height, snap);
     std::vector<float> distances(std::size_t(camera.width) * std::size_t(camera.height), kNothing);
@@ -563,7 +564,7 @@ TEST(OccluderImage, QuadsAreSeenThroughTheirPixelsAlone) {
       DepthPyramid pyramid;
       pyramid.build(distances, camera.width, camera.height);
       std::vector<std::uint8_t> found;
-      raster.find_seen({&figure, 1}, pyramid, error, found);
+      raster.find_seen({&occluder, 1}, pyramid, error, found);
       return found == std::vector<std::uint8_t>{1};
     };
     const double half = 0.02 + double(snap);
@@ -593,7 +594,7 @@ TEST(OccluderImage, QuadsAreSeenThroughTheirPixelsAlone) {
   EXPECT_GT(seen_ones, 3000u);
 }
 
-/// Long quads that are nearly level, of which the picture shows a part in the middle, as occluders and in front.
+/// Long quads that are nearly level, of which the image shows a part in the middle, as occluders and in front.
 TEST(OccluderImage, LongSidesAreWhereTheyAre) {
   std::size_t held = 0, must = 0;
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
@@ -610,14 +611,14 @@ TEST(OccluderImage, LongSidesAreWhereTheyAre) {
       p.z += slope * (p.x - column) - 0.5 * (height - 1);
       p.x -= 0.5 * (width - 1);
     }
-    culling::SolidFigure figure;
-    figure.count = 4;
-    figure.hexahedron = false;
-    std::copy(corners.begin(), corners.end(), figure.corners.begin());
+    culling::OccluderPolygon occluder;
+    occluder.count = 4;
+    occluder.hexahedron = false;
+    std::copy(corners.begin(), corners.end(), occluder.corners.begin());
     const culling::WholeSolid solid{{{-2 * far, 4, -1e3}, {2 * far, 6, 1e3}}, 1};
     OccluderRaster raster;
     raster.begin(view, width, height, 0.0f);
-    raster.add_within({&solid, 1}, {&figure, 1});
+    raster.add_within({&solid, 1}, {&occluder, 1});
     std::vector<float> image(std::size_t(width) * std::size_t(height)), open(image.size(), kNothing);
     raster.distances(image);
     for (int y = 0; y < height; ++y)
@@ -639,7 +640,7 @@ TEST(OccluderImage, LongSidesAreWhereTheyAre) {
       DepthPyramid pyramid;
       pyramid.build(open, width, height);
       std::vector<std::uint8_t> found;
-      raster.find_seen({&figure, 1}, pyramid, 0.0, found);
+      raster.find_seen({&occluder, 1}, pyramid, 0.0, found);
       return found[0] == 1;
     };
     const bool above_edge = std::min(std::abs(low - std::round(low)), std::abs(high - std::round(high))) > 0.03;
@@ -706,11 +707,11 @@ TEST(OccluderImage, ViewsThatCannotBeJudgedHideNothing) {
   const View view = *View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
   const View combined = *View::from_matrices(core::dmat4(1.0), view.clip_from_world(), view.clip_depth());
   const auto backwards = View::from_matrices(view.eye_from_world(), -0.5 * view.clip_from_eye(), view.clip_depth());
-  culling::SolidFigure figure;
-  figure.count = 4;
-  figure.hexahedron = false;
+  culling::OccluderPolygon occluder;
+  occluder.count = 4;
+  occluder.hexahedron = false;
   const dvec3 corners[] = {{-1, 5, -1}, {1, 5, -1}, {1, 5, 1}, {-1, 5, 1}};
-  std::copy_n(corners, 4, figure.corners.begin());
+  std::copy_n(corners, 4, occluder.corners.begin());
   const culling::WholeSolid solid{{{-2, 4, -2}, {2, 6, 2}}, 1};
   DepthPyramid pyramid;
   pyramid.build(std::vector<float>(64, 1.0f), 8, 8);
@@ -718,9 +719,9 @@ TEST(OccluderImage, ViewsThatCannotBeJudgedHideNothing) {
     OccluderRaster raster;
     raster.begin(*bad, 8, 8);
     EXPECT_FALSE(raster.add_box(AabbD{{-1, 5, -1}, {1, 7, 1}}));
-    EXPECT_FALSE(raster.add_within({&solid, 1}, {&figure, 1}));
+    EXPECT_FALSE(raster.add_within({&solid, 1}, {&occluder, 1}));
     std::vector<std::uint8_t> seen;
-    raster.find_seen({&figure, 1}, pyramid, 0.0, seen);
+    raster.find_seen({&occluder, 1}, pyramid, 0.0, seen);
     EXPECT_EQ(seen, std::vector<std::uint8_t>{1});
     std::vector<float> distances(64);
     raster.distances(distances);

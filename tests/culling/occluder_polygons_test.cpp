@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes.h"
-#include "sightline/culling/occlusion/internal/solid_figures.h"
+#include "sightline/culling/occlusion/internal/inner_occluders.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 #include "sightline/tests/support/instruction_sets.h"
 
@@ -17,8 +17,8 @@ namespace {
 
 using core::dvec3;
 using core::View;
+using culling::OccluderPolygon;
 using culling::OccluderRaster;
-using culling::SolidFigure;
 using culling::WholeSolid;
 
 constexpr int kWidth = 90, kHeight = 60;
@@ -49,24 +49,24 @@ std::vector<float> distances_of(const View& view, const Add& add) {
   return distances;
 }
 
-/// Polygons of `count` corners, each as the only figure of a solid.
-struct Figures {
+/// Polygons of `count` corners, each as the only occluder polygon of a solid.
+struct Polygons {
   std::vector<WholeSolid> solids;
-  std::vector<SolidFigure> figures;
+  std::vector<OccluderPolygon> polygons;
 
   void add(std::span<const dvec3> corners) {
-    SolidFigure figure;
-    std::copy(corners.begin(), corners.end(), figure.corners.begin());
-    figure.count = int(corners.size());
-    figure.hexahedron = false;
-    figure.growth = 0.0;
+    OccluderPolygon occluder;
+    std::copy(corners.begin(), corners.end(), occluder.corners.begin());
+    occluder.count = int(corners.size());
+    occluder.hexahedron = false;
+    occluder.growth = 0.0;
     core::AabbD box{corners[0], corners[0]};
     for (const dvec3& corner : corners) box.min = glm::min(box.min, corner), box.max = glm::max(box.max, corner);
     solids.push_back({box, 1});
-    figures.push_back(figure);
+    polygons.push_back(occluder);
   }
   std::vector<float> distances(const View& view) const {
-    return distances_of(view, [&](OccluderRaster& raster) { raster.add_within(solids, figures); });
+    return distances_of(view, [&](OccluderRaster& raster) { raster.add_within(solids, polygons); });
   }
 };
 
@@ -76,14 +76,14 @@ TEST(OccluderPolygons, AreThoseOfMeshes) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const View view = view_from_origin(random);
-    Figures figures;
+    Polygons polygons;
     std::vector<std::array<core::vec3, 3>> meshes;
     for (int i = whole(random, 1, 20); i > 0; --i) {
       std::array<dvec3, 3> corners{};
       const dvec3 middle = point_in_front(random, view);  // the box about the corners lies in front, too
       for (dvec3& corner : corners) corner = dvec3(core::vec3(middle + point(random, 0.9)));
       if (chance(random, 0.2)) corners[2] = dvec3(core::vec3(0.5 * corners[0] + 0.501 * corners[1]));  // a sliver
-      figures.add(corners);
+      polygons.add(corners);
       meshes.push_back({core::vec3(corners[0]), core::vec3(corners[1]), core::vec3(corners[2])});
     }
     const std::uint32_t indices[] = {0, 1, 2};
@@ -91,7 +91,7 @@ TEST(OccluderPolygons, AreThoseOfMeshes) {
       for (const auto& mesh : meshes) raster.add_mesh(mesh, indices, {});
     });
     covered += std::size_t(std::count_if(expected.begin(), expected.end(), [](float d) { return d < 1e30f; }));
-    for_each_instruction_set([&] { ASSERT_EQ(figures.distances(view), expected); });
+    for_each_instruction_set([&] { ASSERT_EQ(polygons.distances(view), expected); });
   }
   EXPECT_GT(covered, 20'000u);
 }
@@ -102,7 +102,7 @@ TEST(OccluderPolygons, MayRepeatCorners) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const View view = view_from_origin(random);
-    Figures quads, octagons;
+    Polygons quads, octagons;
     for (int i = whole(random, 1, 20); i > 0; --i) {
       const dvec3 middle = point_in_front(random, view), x = point(random, 0.9), y = point(random, 0.9);
       const std::array<dvec3, 4> quad{middle - x, middle - y, middle + x, middle + y};

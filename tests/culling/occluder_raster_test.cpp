@@ -119,9 +119,9 @@ struct Sight {
   Interval part;
 };
 
-class ExactPicture {
+class ExactImage {
  public:
-  ExactPicture(const View& view, const PictureSamples& samples)
+  ExactImage(const View& view, const ImageSamples& samples)
       : depth_(view.clip_depth()), exact_(view, dvec3(0.0), samples) {}
 
   std::optional<Sight> sight(int x, int y, float ox = 0.0f, float oy = 0.0f) const {
@@ -163,14 +163,14 @@ class ExactPicture {
 };
 
 /// A point that lies on a sample's line of sight but for rounding, in front of the near plane.
-dvec3 point_at_a_sample(Random& random, const View& view, const PictureSamples& samples) {
+dvec3 point_at_a_sample(Random& random, const View& view, const ImageSamples& samples) {
   const double u = (2.0 * whole(random, -1, samples.width) + 1.0) / samples.width - 1.0;
   const double v = (2.0 * whole(random, -1, samples.height) + 1.0) / samples.height - 1.0;
   const core::dvec4 p = glm::inverse(view.clip_from_world()) * core::dvec4(u, v, uniform(random, 0.01, 0.99), 1.0);
   return dvec3(p) / p.w;
 }
 
-Occluder random_occluder(Random& random, const View& view, double half, const PictureSamples& samples) {
+Occluder random_occluder(Random& random, const View& view, double half, const ImageSamples& samples) {
   Occluder occluder{Shape(whole(random, 0, 2)), {}};
   const auto place = [&] {
     return chance(random, 0.5) ? point_at_a_sample(random, view, samples) : point(random, half);
@@ -202,8 +202,8 @@ Occluder random_occluder(Random& random, const View& view, double half, const Pi
 }
 
 /// The line of sight, and those at all sides of it, enter the occluder beyond the near plane, and the eye is not so
-/// near to it that places in the picture lose their digits.
-bool clearly_covered(const ExactPicture& exact, const Occluder& occluder, double half, int x, int y) {
+/// near to it that places in the image lose their digits.
+bool clearly_covered(const ExactImage& exact, const Occluder& occluder, double half, int x, int y) {
   constexpr float kAside = 0.2f;  // more than an outline moves inwards
   const core::dmat3& m = occluder.placement.linear;
   const double size = half + glm::length(m[0]) + glm::length(m[1]) + glm::length(m[2]);
@@ -225,8 +225,8 @@ TEST(OccluderRaster, CoversOnlyWhatIsMetAndNoNearer) {
     Random random(seed);
     const double half = magnitude(random, 1e-3, 1e4);
     const View view = random_view(random, dvec3(0.0), half);
-    const PictureSamples samples{whole(random, 1, 21), whole(random, 1, 9), {{0, 0}}};
-    const ExactPicture exact(view, samples);
+    const ImageSamples samples{whole(random, 1, 21), whole(random, 1, 9), {{0, 0}}};
+    const ExactImage exact(view, samples);
     OccluderRaster raster;
     raster.begin(view, samples.width, samples.height);
     std::vector<Occluder> occluders;
@@ -264,11 +264,11 @@ View view_from(const dvec3& eye, const dvec3& target, double near = 0.1) {
   return *View::perspective({eye, target, {0, 0, 1}}, 1.0, double(kWidth) / kHeight, near);
 }
 
-struct Picture {
+struct Image {
   std::vector<float> distances = std::vector<float>(std::size_t(kWidth) * kHeight);
 
   template <class Add>
-  Picture(const View& view, const Add& add) {
+  Image(const View& view, const Add& add) {
     OccluderRaster raster;
     raster.begin(view, kWidth, kHeight);
     add(raster);
@@ -317,23 +317,23 @@ TEST(OccluderRaster, LosesLittle) {
     for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
     const std::vector<std::uint32_t> triangles = {0, 1, 3, 0, 3, 2, 4, 7, 5, 4, 6, 7, 0, 5, 1, 0, 4, 5,
                                                   2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
-    const Picture pictures[] = {{view, [&](OccluderRaster& r) { EXPECT_TRUE(r.add_box(box)); }},
-                                {view, [&](OccluderRaster& r) { EXPECT_TRUE(r.add_box(mirrored)); }},
-                                {view, [&](OccluderRaster& r) { r.add_mesh(corners, triangles, placement); }}};
-    for (const Picture& picture : pictures) {
+    const Image images[] = {{view, [&](OccluderRaster& r) { EXPECT_TRUE(r.add_box(box)); }},
+                            {view, [&](OccluderRaster& r) { EXPECT_TRUE(r.add_box(mirrored)); }},
+                            {view, [&](OccluderRaster& r) { r.add_mesh(corners, triangles, placement); }}};
+    for (const Image& image : images) {
       std::size_t expected = 0;
       double worst = 1.0;
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
           const double exact = entry(view, box, x, y);
-          const float found = picture.distances[std::size_t(y * kWidth + x)];
+          const float found = image.distances[std::size_t(y * kWidth + x)];
           ASSERT_GE(found, exact * (1.0 - 1e-9));
           expected += exact < kNothing;
           if (found < kNothing && exact < 50.0) worst = std::max(worst, found / exact);
         }
       }
       EXPECT_GT(expected, 1000u);
-      EXPECT_GT(picture.covered(), expected * 96 / 100);
+      EXPECT_GT(image.covered(), expected * 96 / 100);
       EXPECT_LT(worst, 1.02);
     }
   }
@@ -344,11 +344,11 @@ TEST(OccluderRaster, CylindersHideMoreTheMoreSidesTheyHave) {
   const Affine standing{{{2, 0, 0}, {0, 2, 0}, {0, 0, 5}}, {0, 10, 0}};
   std::size_t before = 0;
   for (const int sides : {3, 6, 12, 16}) {
-    const Picture picture(view, [&](OccluderRaster& r) { EXPECT_TRUE(r.add_cylinder(standing, sides)); });
-    EXPECT_GT(picture.covered(), before);
-    before = picture.covered();
+    const Image image(view, [&](OccluderRaster& r) { EXPECT_TRUE(r.add_cylinder(standing, sides)); });
+    EXPECT_GT(image.covered(), before);
+    before = image.covered();
   }
-  const Picture box(view, [](OccluderRaster& r) { r.add_box(AabbD{{-2, 8, -5}, {2, 12, 5}}); });
+  const Image box(view, [](OccluderRaster& r) { r.add_box(AabbD{{-2, 8, -5}, {2, 12, 5}}); });
   EXPECT_GT(before, box.covered() * 8 / 10);
   EXPECT_LT(before, box.covered());
 }
@@ -368,10 +368,10 @@ TEST(OccluderRaster, AMeshHasNoGapsBetweenItsTriangles) {
       indices.insert(indices.end(), {at, at + 1, above, at + 1, above + 1, above});
     }
   const View view = view_from({0.1, -5, 0.3}, {0, 0, 0});
-  const Picture picture(view, [&](OccluderRaster& r) { r.add_mesh(positions, indices, {core::dmat3(2.0), {}}); });
-  EXPECT_GT(picture.covered(), 10'000u);
+  const Image image(view, [&](OccluderRaster& r) { r.add_mesh(positions, indices, {core::dmat3(2.0), {}}); });
+  EXPECT_GT(image.covered(), 10'000u);
   for (int y = 0; y < kHeight; ++y) {
-    const float* row = picture.distances.data() + y * kWidth;
+    const float* row = image.distances.data() + y * kWidth;
     int changes = 0;
     for (int x = 1; x < kWidth; ++x) changes += (row[x] < kNothing) != (row[x - 1] < kNothing);
     ASSERT_LE(changes, 2) << "row " << y;
@@ -387,8 +387,8 @@ TEST(OccluderRaster, WhatIsCutHidesNothing) {
     View view = view_from({0, 0, 0}, {0, 1, 0});
     view.sections = std::move(planes);
     view.section_mode = mode;
-    const std::size_t solid = Picture(view, [&](OccluderRaster& r) { r.add_box(box); }).covered();
-    const std::size_t mesh = Picture(view, [&](OccluderRaster& r) { r.add_mesh(positions, indices, {}); }).covered();
+    const std::size_t solid = Image(view, [&](OccluderRaster& r) { r.add_box(box); }).covered();
+    const std::size_t mesh = Image(view, [&](OccluderRaster& r) { r.add_mesh(positions, indices, {}); }).covered();
     return std::pair(solid, mesh);
   };
   const core::Plane keeps{{0, 1, 0}, -4.0}, cuts{{0, 1, 0}, -6.0}, removes{{0, 1, 0}, -8.0}, none{{0, 0, 0}, -1.0};
@@ -422,7 +422,7 @@ TEST(OccluderRaster, LeavesOutWhatItCannotJudge) {
   EXPECT_FALSE(raster.add_box(AabbD{{-1, 5, -1}, {1, inf, 1}}));
   EXPECT_FALSE(raster.add_box(AabbD{{-1, 5, -1}, {1, 1e200, 1}}));
   EXPECT_FALSE(raster.add_box(AabbD{{-1, 5, nan}, {1, 7, 1}}));
-  EXPECT_FALSE(raster.add_box(AabbD{{100, 5, -1}, {101, 7, 1}})) << "beside the picture";
+  EXPECT_FALSE(raster.add_box(AabbD{{100, 5, -1}, {101, 7, 1}})) << "beside the image";
   EXPECT_FALSE(raster.add_box(AabbD{{0, 5, 0}, {1e-6, 5, 1e-6}})) << "smaller than a pixel";
   EXPECT_FALSE(raster.add_box(Affine{core::dmat3(nan), {0, 5, 0}}));
   EXPECT_FALSE(raster.add_cylinder(Affine{core::dmat3(0.0), {0, 5, 0}}));
@@ -441,7 +441,7 @@ TEST(OccluderRaster, LeavesOutWhatItCannotJudge) {
   // Scaled, it is the same view.
   const View scaled = *View::from_matrices(view.eye_from_world(), 3.0 * view.clip_from_eye(), view.clip_depth());
   const auto add = [](OccluderRaster& r) { EXPECT_TRUE(r.add_box(AabbD{{-1, 5, -1}, {1, 7, 1}})); };
-  EXPECT_EQ(Picture(scaled, add).covered(), Picture(view, add).covered());
+  EXPECT_EQ(Image(scaled, add).covered(), Image(view, add).covered());
 }
 
 /// The nearest occluder counts, in any order, and the same with any instructions.
@@ -451,7 +451,7 @@ TEST(OccluderRaster, IsTheSameInAnyOrderAndForm) {
     Random random(seed);
     const double half = 10.0;
     const View view = random_view(random, dvec3(0.0), half);
-    const PictureSamples samples{whole(random, 1, 150), whole(random, 1, 90), {{0, 0}}};
+    const ImageSamples samples{whole(random, 1, 150), whole(random, 1, 90), {{0, 0}}};
     std::vector<Occluder> occluders;
     for (int i = 0; i < 30; ++i) occluders.push_back(random_occluder(random, view, half, samples));
     std::vector<float> expected(std::size_t(samples.width * samples.height)), found = expected;
@@ -475,7 +475,7 @@ TEST(OccluderRaster, JoinsImages) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const View view = random_view(random, dvec3(0.0), 10.0);
-    const PictureSamples samples{whole(random, 1, 90), whole(random, 1, 50), {{0, 0}}};
+    const ImageSamples samples{whole(random, 1, 90), whole(random, 1, 50), {{0, 0}}};
     std::array<OccluderRaster, 4> rasters;  // the last one with all
     for (OccluderRaster& raster : rasters) raster.begin(view, samples.width, samples.height);
     for (int i = 0; i < 12; ++i) {
@@ -499,13 +499,13 @@ TEST(OccluderRaster, AddsTheLargestFirst) {
                                      {{-50, 30, -1}, {50, 31, 20}}, {}};
   for (std::size_t count = 0; count <= 4; ++count) {
     std::size_t added = 0;
-    const Picture picture(view, [&](OccluderRaster& r) { added = r.add_largest(solids, count); });
-    const Picture expected(view, [&](OccluderRaster& r) {
+    const Image image(view, [&](OccluderRaster& r) { added = r.add_largest(solids, count); });
+    const Image expected(view, [&](OccluderRaster& r) {
       const std::size_t order[] = {4, 1, 0};
       for (std::size_t i = 0; i < std::min<std::size_t>(count, 3); ++i) r.add_box(solids[order[i]]);
     });
     EXPECT_EQ(added, std::min<std::size_t>(count, 3));
-    EXPECT_EQ(picture.distances, expected.distances);
+    EXPECT_EQ(image.distances, expected.distances);
   }
 }
 
@@ -521,13 +521,13 @@ TEST(OccluderRaster, FeedsTheOcclusionTest) {
     DepthPyramid pyramid;
     raster.build(pyramid);
     const culling::OcclusionTest test(view, dvec3(0.0), kWidth, kHeight, pyramid);
-    EXPECT_TRUE(test.hidden({{-1, 12, -1}, {1, 14, 1}}));
-    EXPECT_TRUE(test.hidden({{-1, 10.2f, -1}, {1, 10.5f, 1}})) << "within the wall";
-    EXPECT_FALSE(test.hidden({{-1, 9.9f, -1}, {1, 14, 1}}));
-    EXPECT_FALSE(test.hidden({{-1, 12, -1}, {5, 14, 1}}));
+    EXPECT_TRUE(test.occluded({{-1, 12, -1}, {1, 14, 1}}));
+    EXPECT_TRUE(test.occluded({{-1, 10.2f, -1}, {1, 10.5f, 1}})) << "within the wall";
+    EXPECT_FALSE(test.occluded({{-1, 9.9f, -1}, {1, 14, 1}}));
+    EXPECT_FALSE(test.occluded({{-1, 12, -1}, {5, 14, 1}}));
     raster.begin(view, kWidth, kHeight);
     raster.build(pyramid);
-    EXPECT_FALSE(test.hidden({{-1, 12, -1}, {1, 14, 1}})) << "begun anew";
+    EXPECT_FALSE(test.occluded({{-1, 12, -1}, {1, 14, 1}})) << "begun anew";
   }
 }
 

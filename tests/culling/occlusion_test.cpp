@@ -121,7 +121,7 @@ TEST(OcclusionTest, HidesOnlyWhatEveryPixelHides) {
     const auto [half, origin, view] = RandomSite(random);
     // Boxes of up to 64 pixels are tested with others, larger ones by themselves.
     const int most = chance(random, 0.05) ? 3 : 1;
-    const PictureSamples samples{whole(random, 1, 9 * most), whole(random, 1, 7 * most), {{0, 0}}};
+    const ImageSamples samples{whole(random, 1, 9 * most), whole(random, 1, 7 * most), {{0, 0}}};
     const ExactSamples exact(view, origin, samples);
     for (int i = 0; i < 12; ++i) {
       const Aabb box = chance(random, 0.3) ? random_box(random, half) : box_at_a_sample(random, view, origin, samples);
@@ -135,7 +135,7 @@ TEST(OcclusionTest, HidesOnlyWhatEveryPixelHides) {
           if (nearest[k]) distances[k] = float(nearest[k]->get_d() * (1.0 + uniform(random, -4e-5, 1e-6)));
       DepthPyramid pyramid;
       pyramid.build(distances, samples.width, samples.height);
-      const bool hides = OcclusionTest(view, origin, samples.width, samples.height, pyramid).hidden(box);
+      const bool hides = OcclusionTest(view, origin, samples.width, samples.height, pyramid).occluded(box);
       ++(hides ? hidden : open);
       if (!hides) continue;
       for (std::size_t k = 0; k < nearest.size(); ++k) {
@@ -155,18 +155,18 @@ TEST(OcclusionTest, AWallHidesWhatIsBehindItAlone) {
   DepthPyramid pyramid;
   pyramid.build(wall, 640, 480);
   const OcclusionTest test(view, core::dvec3(0.0), 640, 480, pyramid);
-  EXPECT_TRUE(test.hidden({{-1, 10.01f, -1}, {1, 11, 1}}));
-  EXPECT_FALSE(test.hidden({{-1, 9.99f, -1}, {1, 11, 1}}));
+  EXPECT_TRUE(test.occluded({{-1, 10.01f, -1}, {1, 11, 1}}));
+  EXPECT_FALSE(test.occluded({{-1, 9.99f, -1}, {1, 11, 1}}));
   const auto behind_by = [](float share) { return Aabb{{-1, 10.0f * (1.0f + share), -1}, {1, 11, 1}}; };
-  EXPECT_TRUE(test.hidden(behind_by(1.3f * 0x1p-16f)));
-  EXPECT_FALSE(test.hidden(behind_by(0.8f * 0x1p-16f)));
-  EXPECT_FALSE(test.hidden({{-1, -1, -1}, {1, 30, 1}})) << "around the eye";
-  EXPECT_TRUE(test.hidden({{900, 10.01f, 900}, {901, 11, 901}})) << "beside the picture";
-  EXPECT_TRUE(test.hidden({}));
+  EXPECT_TRUE(test.occluded(behind_by(1.3f * 0x1p-16f)));
+  EXPECT_FALSE(test.occluded(behind_by(0.8f * 0x1p-16f)));
+  EXPECT_FALSE(test.occluded({{-1, -1, -1}, {1, 30, 1}})) << "around the eye";
+  EXPECT_TRUE(test.occluded({{900, 10.01f, 900}, {901, 11, 901}})) << "beside the image";
+  EXPECT_TRUE(test.occluded({}));
   wall[240 * 640 + 320] = kNothing;  // a hole of one pixel
   pyramid.build(wall, 640, 480);
-  EXPECT_FALSE(test.hidden({{-1, 20, -1}, {1, 21, 1}}));
-  EXPECT_TRUE(test.hidden({{1, 20, -1}, {2, 21, 1}}));
+  EXPECT_FALSE(test.occluded({{-1, 20, -1}, {1, 21, 1}}));
+  EXPECT_TRUE(test.occluded({{1, 20, -1}, {2, 21, 1}}));
 }
 
 TEST(OcclusionTest, HidesNothingBeforeItsPyramidIsBuilt) {
@@ -180,7 +180,7 @@ TEST(OcclusionTest, HidesNothingBeforeItsPyramidIsBuilt) {
   DepthPyramid pyramid;
   const OcclusionTest test(view, core::dvec3(0.0), 64, 48, pyramid);
   const auto left = [&] {
-    EXPECT_EQ(test.hidden(bounds.box(0)), pyramid.width() == 64 && pyramid.height() == 48);
+    EXPECT_EQ(test.occluded(bounds.box(0)), pyramid.width() == 64 && pyramid.height() == 48);
     core::VisibleSet open, leaves, front, behind;
     test.filter(bounds, all, open);
     test.filter_leaves(hierarchy, all, leaves);
@@ -229,7 +229,7 @@ TEST(OcclusionTest, TheFrontIsWhatRaysMeetFirst) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const auto [half, origin, view] = RandomSite(random);
-    const PictureSamples samples{whole(random, 1, 24), whole(random, 1, 5), {{0, 0}}};
+    const ImageSamples samples{whole(random, 1, 24), whole(random, 1, 5), {{0, 0}}};
     const ExactSamples exact(view, origin, samples);
     core::ItemBounds bounds;
     bounds.resize(24);
@@ -243,11 +243,11 @@ TEST(OcclusionTest, TheFrontIsWhatRaysMeetFirst) {
     all.ranges = {{0, 24}};
     test.filter(bounds, all, opens);
     test.split_front(bounds, nullptr, all, front, behind);
-    const auto both = merged(front.slots, behind.slots), open = opens.sorted_slots();
+    const auto both = merged(front.single_slots, behind.single_slots), open = opens.sorted_slots();
     ASSERT_TRUE(std::includes(open.begin(), open.end(), both.begin(), both.end()));
     const auto left_out = [&](core::Slot s) { return !std::binary_search(both.begin(), both.end(), s); };
-    in_front += front.slots.size();
-    left_behind += behind.slots.size();
+    in_front += front.single_slots.size();
+    left_behind += behind.single_slots.size();
     for (int y = 0; y < samples.height; ++y)
       for (int x = 0; x < samples.width; ++x) {
         double first = std::numeric_limits<double>::infinity();
@@ -258,9 +258,9 @@ TEST(OcclusionTest, TheFrontIsWhatRaysMeetFirst) {
           const auto nearest = exact.nearest(box, x, y);
           return nearest ? nearest->get_d() : std::numeric_limits<double>::infinity();
         };
-        for (const core::Slot s : front.slots) first = std::min(first, entry(s, float(off)));
+        for (const core::Slot s : front.single_slots) first = std::min(first, entry(s, float(off)));
         for (core::Slot s = 0; s < bounds.size(); ++s) {
-          if (std::binary_search(front.slots.begin(), front.slots.end(), s)) continue;
+          if (std::binary_search(front.single_slots.begin(), front.single_slots.end(), s)) continue;
           const double own = entry(s);
           if (own < kept - off && own < 1e30) {
             ASSERT_FALSE(left_out(s)) << "slot " << s << ", pixel " << x << ' ' << y;
@@ -298,14 +298,14 @@ TEST(OcclusionTest, FiltersSets) {
     const std::uint32_t middle = begin + std::uint32_t(4 * (count - begin) / 5);
     if (middle > begin) in.ranges = {{begin, middle - begin}};
     for (std::uint32_t s = middle; s < count; ++s)
-      if (!bounds.vacant(s) && chance(random, 0.7)) in.slots.push_back(s);
+      if (!bounds.vacant(s) && chance(random, 0.7)) in.single_slots.push_back(s);
     std::vector<std::uint64_t> exempt(count / 64 + 1);
     std::vector<core::Slot> open;
     for (const core::Slot s : in.sorted_slots()) {
       if (bounds.vacant(s)) continue;
       const bool spared = chance(random, 0.02);
       if (spared) exempt[s / 64] |= std::uint64_t(1) << s % 64;
-      if (spared || !test.hidden(bounds.box(s))) open.push_back(s);
+      if (spared || !test.occluded(bounds.box(s))) open.push_back(s);
     }
     std::vector<core::Slot> first_front, first_behind;
     culling::CullThreads threads(3);
@@ -323,15 +323,15 @@ TEST(OcclusionTest, FiltersSets) {
       ASSERT_EQ(both.sorted_slots(), open);
       core::VisibleSet front, behind;
       test.split_front(bounds, nullptr, in, front, behind);  // vacant slots included
-      const auto split = merged(front.slots, behind.slots);
+      const auto split = merged(front.single_slots, behind.single_slots);
       ASSERT_TRUE(std::includes(open.begin(), open.end(), split.begin(), split.end()));
       for (const core::Slot s : split) ASSERT_FALSE(bounds.vacant(s));
-      if (first_front.empty()) first_front = front.slots, first_behind = behind.slots;
-      ASSERT_EQ(front.slots, first_front);
-      ASSERT_EQ(behind.slots, first_behind);
+      if (first_front.empty()) first_front = front.single_slots, first_behind = behind.single_slots;
+      ASSERT_EQ(front.single_slots, first_front);
+      ASSERT_EQ(behind.single_slots, first_behind);
       test.split_front(bounds, &hierarchy, in, front, behind, &threads);
-      ASSERT_EQ(front.slots, first_front);
-      ASSERT_EQ(behind.slots, first_behind);
+      ASSERT_EQ(front.single_slots, first_front);
+      ASSERT_EQ(behind.single_slots, first_behind);
     });
     leaves_out += in.count() - leaves.count();
   }

@@ -13,11 +13,11 @@ namespace {
 
 using core::Aabb;
 using core::View;
-using culling::PictureSamples;
+using culling::ImageSamples;
 using culling::SampleTest;
 
-PictureSamples random_samples(Random& random) {
-  PictureSamples samples{whole(random, 1, 9), whole(random, 1, 7), {}};
+ImageSamples random_samples(Random& random) {
+  ImageSamples samples{whole(random, 1, 9), whole(random, 1, 7), {}};
   const int count = chance(random, 0.7) ? 1 : whole(random, 2, 8);
   for (int i = 0; i < count; ++i)
     samples.offsets.push_back(
@@ -32,7 +32,7 @@ TEST(SampleTest, NeverRejectsABoxThatASampleSees) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const auto [half, origin, view] = RandomSite(random);
-    const PictureSamples samples = random_samples(random);
+    const ImageSamples samples = random_samples(random);
     const SampleTest test(view, origin, samples);
     const ExactSamples exact(view, origin, samples);
     for (int i = 0; i < 12; ++i) {
@@ -104,7 +104,7 @@ TEST(SampleTest, FiltersSets) {
         in.ranges.push_back({s, run});
         s += run;
       } else if (!bounds.vacant(s) && chance(random, 0.7)) {
-        in.slots.push_back(s);
+        in.single_slots.push_back(s);
       }
     }
     std::vector<std::uint64_t> exempt(chance(random, 0.5) ? (count + 63) / 64 : 0);
@@ -119,12 +119,12 @@ TEST(SampleTest, FiltersSets) {
       test.filter(bounds, in, out, exempt);
       ASSERT_EQ(out.sorted_slots(), expected);
       ASSERT_EQ(out.generation, seed);
-      ASSERT_TRUE(std::is_sorted(out.slots.begin(), out.slots.end()));
+      ASSERT_TRUE(std::is_sorted(out.single_slots.begin(), out.single_slots.end()));
       for (std::size_t i = 1; i < out.ranges.size(); ++i)
         ASSERT_LT(out.ranges[i - 1].first + out.ranges[i - 1].count, out.ranges[i].first);
     });
     ranges += out.ranges.size();
-    items += out.slots.size();
+    items += out.single_slots.size();
   }
   EXPECT_GT(ranges, 50u);
   EXPECT_GT(items, 500u);

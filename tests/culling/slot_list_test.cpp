@@ -14,7 +14,7 @@ std::vector<core::Slot> by_hand(const core::VisibleSet& set) {
   std::vector<core::Slot> slots;
   for (const core::SlotRange& range : set.ranges)
     for (std::uint32_t i = 0; i < range.count; ++i) slots.push_back(range.first + i);
-  slots.insert(slots.end(), set.slots.begin(), set.slots.end());
+  slots.insert(slots.end(), set.single_slots.begin(), set.single_slots.end());
   return slots;
 }
 
@@ -30,7 +30,7 @@ core::VisibleSet random_set(std::mt19937& random) {
     set.ranges.push_back({next, count});
     next += count + 1 + below(random, 50);
   }
-  for (std::uint32_t i = below(random, 40); i > 0; --i) set.slots.push_back(next += 1 + below(random, 9));
+  for (std::uint32_t i = below(random, 40); i > 0; --i) set.single_slots.push_back(next += 1 + below(random, 9));
   return set;
 }
 

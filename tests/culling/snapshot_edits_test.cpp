@@ -1,5 +1,5 @@
-// A snapshot that followed edits, and a copy of it in a new order, show what a new snapshot of the scene shows: the
-// same items, in the same boxes, in every view, by every culler.
+// A snapshot that followed edits, and a copy of it in a new scene version, show what a new snapshot of the scene shows:
+// the same items, in the same boxes, in every view, by every culler.
 #include <algorithm>
 #include <map>
 

@@ -11,7 +11,7 @@
 
 #include "scenes.h"
 #include "sightline/core/scene.h"
-#include "sightline/culling/occlusion/internal/solid_figures.h"
+#include "sightline/culling/occlusion/internal/inner_occluders.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/gpuprims/internal/primitives.h"
 
@@ -60,7 +60,7 @@ View random_sight(Random& random, const dvec3& target) {
              : *View::perspective(pose, uniform(random, 0.2, 1.2), aspect, magnitude(random, 1e-3, 1.0));
 }
 
-/// Distances at which lines of sight enter a solid, of the picture above.
+/// Distances at which lines of sight enter a solid, of the image above.
 class Reference {
  public:
   Reference(const View& view, const Primitive& solid, const Affine& world_from_item)
@@ -175,7 +175,8 @@ TEST_P(SolidOccludersOf, CoverOnlyWhatIsMetAndNoNearer) {
     found += pixels.found;
   }
   EXPECT_GT(met, 20'000u);
-  // Of small ones the outline's margin takes much, the near plane cuts some, and tori have no figures at their ends.
+  // Of small ones the outline's margin takes much, the near plane cuts some, and tori have no occluder polygons at
+  // their ends.
   const bool torus = GetParam() == Kind::kRectangularTorus || GetParam() == Kind::kCircularTorus;
   EXPECT_GT(found, met * (torus ? 33 : 55) / 100) << "of " << met;
   RecordProperty("percent_covered", int(100 * found / met));
@@ -222,8 +223,8 @@ TEST_P(SolidOccludersOf, HideNothingWhereTheyAreCut) {
   EXPECT_GE(clipped, clips ? 20 : 0);
 }
 
-/// The figure of a box begins a margin behind its faces. A section plane that cuts less than that leaves the figure,
-/// and the cap lies in front of it.
+/// The occluder polygon of a box begins a margin behind its faces. A section plane that cuts less than that leaves the
+/// occluder polygon, and the cap lies in front of it.
 TEST(SolidOccluders, BoxesCutByLessThanTheirMarginHideWhatLiesBehindTheirCaps) {
   constexpr float kSide = 2.0f, kLess = 0x1p-10f, kMore = 0x1p-9f;
   const auto box_cut_by = [](float depth) { return core::Box{kSide - depth, kSide, kSide}; };
@@ -276,7 +277,7 @@ TEST_P(SolidOccludersOf, AreLeftOutOnlyWhereAllPixelsHideThem) {
       culling::DepthPyramid pyramid;
       pyramid.build(distances, kWidth, kHeight);
       core::VisibleSet items = all_of(one.snapshot);
-      solids.leave_out_hidden(items, pyramid);
+      solids.leave_out_occluded(items, pyramid);
       return items.count() > 0;
     };
     if (meeting.empty()) continue;
@@ -326,21 +327,22 @@ TEST(SolidOccluders, LeaveOutWhatHidesNothing) {
   EXPECT_GT(covered(distances_of(core::Snapshot(scene), kFront)), 0u) << "opaque";
 
   // Parameters that no scene takes.
-  std::vector<culling::SolidFigure> figures;
+  std::vector<culling::OccluderPolygon> polygons;
   for (int kind = 0; kind < core::kPrimitiveKindCount; ++kind)
     for (int bad = 0; bad < core::parameter_count(Kind(kind)); ++bad)
       for (const float value : {nan, std::numeric_limits<float>::infinity()}) {
         float parameters[9] = {1, 0.3f, 0.7f, 1, 1, 1, 1, 0, 0};
         parameters[bad] = value;
-        culling::add_figures(Kind(kind), parameters, core::translation({0, 5, 0}), {true, {}}, 1e-3, 1e-3, figures);
+        culling::add_inner_occluders(Kind(kind), parameters, core::translation({0, 5, 0}), {true, {}}, 1e-3, 1e-3,
+                                     polygons);
       }
   culling::OccluderRaster raster;
   raster.begin(kFront, kWidth, kHeight);
-  for (const culling::SolidFigure& figure : figures) {
-    const bool finite = std::all_of(figure.polygon().begin(), figure.polygon().end(),
+  for (const culling::OccluderPolygon& polygon : polygons) {
+    const bool finite = std::all_of(polygon.points().begin(), polygon.points().end(),
                                     [](const dvec3& p) { return core::is_finite(p); });
     const culling::WholeSolid solid{{dvec3(-1.0, 4.0, -1.0), dvec3(1.0, 6.0, 1.0)}, 1};
-    EXPECT_TRUE(finite || !raster.add_within({&solid, 1}, {&figure, 1}));
+    EXPECT_TRUE(finite || !raster.add_within({&solid, 1}, {&polygon, 1}));
   }
 }
 
@@ -358,17 +360,17 @@ std::array<dvec3, 4> random_quad(Random& random, double far) {
   return quad;
 }
 
-culling::SolidFigure figure_of(const std::array<dvec3, 4>& quad, int count) {
-  culling::SolidFigure figure;
-  figure.count = count;
-  figure.hexahedron = false;
+culling::OccluderPolygon occluder_of(const std::array<dvec3, 4>& quad, int count) {
+  culling::OccluderPolygon polygon;
+  polygon.count = count;
+  polygon.hexahedron = false;
   for (int i = 0; i < count; ++i)
-    figure.corners[std::size_t(i)] = quad[std::size_t(count == 8 ? i / 2 : std::min(i, 3))];
-  return figure;
+    polygon.corners[std::size_t(i)] = quad[std::size_t(count == 8 ? i / 2 : std::min(i, 3))];
+  return polygon;
 }
 
-culling::SolidFigure parallelogram(const dvec3& middle, const dvec3& u, const dvec3& v) {
-  return figure_of({middle - u - v, middle + u - v, middle + u + v, middle - u + v}, 4);
+culling::OccluderPolygon parallelogram(const dvec3& middle, const dvec3& u, const dvec3& v) {
+  return occluder_of({middle - u - v, middle + u - v, middle + u + v, middle - u + v}, 4);
 }
 
 /// From the origin along y, or a little upwards.
@@ -378,9 +380,9 @@ View random_front(Random& random) {
                              : *View::perspective(pose, 1.0, 1.5, 0.1);
 }
 
-/// Quads and octagons are rasterised eight at a time. With a corner twice they have five corners, as figures that are
-/// rasterised one by one, or eight. Then sides and area are the same.
-TEST(SolidOccluders, FiguresAreTheSameManyAtOnceAndOneByOne) {
+/// Quads and octagons are rasterised eight at a time. With a corner twice they have five corners, as occluder polygons
+/// that are rasterised one by one, or eight. Then sides and area are the same.
+TEST(SolidOccluders, OccluderPolygonsAreTheSameManyAtOnceAndOneByOne) {
   std::size_t covered_pixels = 0;
   for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -388,23 +390,23 @@ TEST(SolidOccluders, FiguresAreTheSameManyAtOnceAndOneByOne) {
     const View view = random_front(random);
     const int width = whole(random, 1, 150), height = whole(random, 1, 100);
     std::vector<culling::WholeSolid> solids;
-    std::array<std::vector<culling::SolidFigure>, 3> figures;  // of four, five and eight corners
+    std::array<std::vector<culling::OccluderPolygon>, 3> polygons;  // of four, five and eight corners
     for (int i = whole(random, 1, 30); i > 0; --i) {
       const double far = magnitude(random, 0.3, 100.0);
       const double wide = chance(random, 0.3) ? magnitude(random, 10.0, 1e13) : 3.0;  // then places are less exact
       const core::AabbD box{{-3 * far, 0.5 * far, -3 * far}, {wide * far, 2 * far, 3 * far}};
       solids.push_back({box, std::uint32_t(whole(random, 0, 3))});
-      for (std::uint32_t k = 0; k < solids.back().figures; ++k) {
+      for (std::uint32_t k = 0; k < solids.back().polygons; ++k) {
         const std::array<dvec3, 4> quad = random_quad(random, far);
-        figures[0].push_back(figure_of(quad, 4));
-        figures[1].push_back(figure_of(quad, 5));
-        figures[2].push_back(figure_of(quad, 8));
+        polygons[0].push_back(occluder_of(quad, 4));
+        polygons[1].push_back(occluder_of(quad, 5));
+        polygons[2].push_back(occluder_of(quad, 8));
       }
     }
     const auto image_of = [&](std::size_t form) {
       culling::OccluderRaster raster;
       raster.begin(view, width, height);
-      raster.add_within(solids, figures[form]);
+      raster.add_within(solids, polygons[form]);
       std::vector<float> distances(std::size_t(width * height));
       raster.distances(distances);
       return distances;
@@ -420,7 +422,7 @@ TEST(SolidOccluders, FiguresAreTheSameManyAtOnceAndOneByOne) {
 }
 
 /// Parallelograms against lines of sight through pixel centres.
-TEST(SolidOccluders, QuadsAreHiddenOnlyByAllTheirPixels) {
+TEST(SolidOccluders, QuadsAreOccludedOnlyByAllTheirPixels) {
   std::size_t met = 0, hidden = 0, quads = 0;
   for (std::uint64_t seed = 1; seed <= 600; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -429,7 +431,7 @@ TEST(SolidOccluders, QuadsAreHiddenOnlyByAllTheirPixels) {
     const core::dmat4 world_from_clip = glm::inverse(view.clip_from_world());
     const dvec3 forward = -dvec3(glm::transpose(view.eye_from_world())[2]);
     const int width = whole(random, 1, 60), height = whole(random, 1, 40);
-    std::vector<culling::SolidFigure> figures;
+    std::vector<culling::OccluderPolygon> polygons;
     std::vector<std::array<dvec3, 3>> spans;  // middle and half sides
     for (int i = whole(random, 1, 20); i > 0; --i) {
       const double far = magnitude(random, 0.5, 100.0), size = magnitude(random, 1e-2, 0.4) * far;
@@ -437,7 +439,7 @@ TEST(SolidOccluders, QuadsAreHiddenOnlyByAllTheirPixels) {
       const dvec3 u = size * random_direction(random),
                   v = magnitude(random, 0.01, 1.0) * size * random_direction(random);
       spans.push_back({middle, u, v});
-      figures.push_back(parallelogram(middle, u, v));
+      polygons.push_back(parallelogram(middle, u, v));
     }
     std::vector<float> distances(std::size_t(width * height), float(magnitude(random, 0.5, 50.0)));
     for (float& d : distances)
@@ -447,9 +449,9 @@ TEST(SolidOccluders, QuadsAreHiddenOnlyByAllTheirPixels) {
     culling::OccluderRaster raster;
     raster.begin(view, width, height);
     std::vector<std::uint8_t> seen, others;
-    raster.find_seen(figures, pyramid, 0.0, seen);
+    raster.find_seen(polygons, pyramid, 0.0, seen);
     for_each_instruction_set([&] {
-      raster.find_seen(figures, pyramid, 0.0, others);
+      raster.find_seen(polygons, pyramid, 0.0, others);
       ASSERT_EQ(others, seen);
     });
     for (std::size_t i = 0; i < spans.size(); ++i) {
@@ -482,12 +484,12 @@ TEST(SolidOccluders, QuadsAreHiddenOnlyByAllTheirPixels) {
 }
 
 /// Sides and corners through pixel centres.
-TEST(SolidOccluders, QuadsAreSeenWhereTheyTouchAnOpenPixel) {
+TEST(SolidOccluders, QuadsAreSeenWhereTheyTouchAnUnoccludedPixel) {
   constexpr int kSize = 16;  // pixels of a metre; centres lie at halves
   const View view = *View::orthographic({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, double(kSize), 1.0, -1.0, 100.0);
   culling::OccluderRaster raster;
   raster.begin(view, kSize, kSize);
-  const auto seen = [&](const culling::SolidFigure& quad, int x, int y) {
+  const auto seen = [&](const culling::OccluderPolygon& quad, int x, int y) {
     std::vector<float> distances(std::size_t(kSize * kSize), 1.0f);
     distances[std::size_t(y * kSize + x)] = kNothing;
     culling::DepthPyramid pyramid;
@@ -497,10 +499,11 @@ TEST(SolidOccluders, QuadsAreSeenWhereTheyTouchAnOpenPixel) {
     return found[0] == 1;
   };
   const auto quad_of = [](double left, double right, double bottom, double top) {
-    return figure_of({dvec3{left, 5, bottom}, dvec3{right, 5, bottom}, dvec3{right, 5, top}, dvec3{left, 5, top}}, 4);
+    return occluder_of({dvec3{left, 5, bottom}, dvec3{right, 5, bottom}, dvec3{right, 5, top}, dvec3{left, 5, top}}, 4);
   };
-  const culling::SolidFigure level = quad_of(-2.5, 3.5, -4.5, 1.5);
-  const culling::SolidFigure askew = figure_of({dvec3{-2.5, 5, 0.5}, {0.5, 5, -2.5}, {3.5, 5, 0.5}, {0.5, 5, 3.5}}, 4);
+  const culling::OccluderPolygon level = quad_of(-2.5, 3.5, -4.5, 1.5);
+  const culling::OccluderPolygon askew =
+      occluder_of({dvec3{-2.5, 5, 0.5}, {0.5, 5, -2.5}, {3.5, 5, 0.5}, {0.5, 5, 3.5}}, 4);
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
       const double at_x = x + 0.5 - kSize / 2, at_z = y + 0.5 - kSize / 2;
@@ -518,13 +521,13 @@ TEST(SolidOccluders, QuadsOfWhichNothingIsKnownAreSeen) {
   pyramid.build(std::vector<float>(std::size_t(kWidth) * kHeight, 1.0f), kWidth, kHeight);
   const auto seen = [&](const dvec3& middle, const dvec3& u, const dvec3& v) {
     std::vector<std::uint8_t> found;
-    const culling::SolidFigure quad = parallelogram(middle, u, v);
+    const culling::OccluderPolygon quad = parallelogram(middle, u, v);
     raster.find_seen({&quad, 1}, pyramid, 0.0, found);
     return found == std::vector<std::uint8_t>{1};
   };
   // Relative to the eye, which looks along y.
   EXPECT_FALSE(seen({0, 5, 0}, {1, 0, 0}, {0, 0, 1})) << "behind all pixels";
-  EXPECT_FALSE(seen({50, 5, 0}, {1, 0, 0}, {0, 0, 1})) << "beside the picture";
+  EXPECT_FALSE(seen({50, 5, 0}, {1, 0, 0}, {0, 0, 1})) << "beside the image";
   EXPECT_TRUE(seen({0, 0.5, 0}, {0.1, 0, 0}, {0, 0, 0.1})) << "in front";
   EXPECT_TRUE(seen({0, 5, 0}, {1, 0, 0}, {0, 1, 0})) << "edge-on";
   EXPECT_TRUE(seen({0, 5, 0}, {1, 0, 0}, {2, 0, 0})) << "without area";
@@ -565,12 +568,12 @@ TEST(SolidOccluders, FeedTheOcclusionTest) {
   solids.add(all_of(snapshot));
   solids.build(pyramid);
   const culling::OcclusionTest test(kFront, dvec3(0.0), kWidth, kHeight, pyramid);
-  EXPECT_TRUE(test.hidden({{-1.5f, 1, -1}, {1.5f, 2, 1}}));
-  EXPECT_FALSE(test.hidden({{-1.5f, -1, -1}, {1.5f, 2, 1}}));
-  EXPECT_FALSE(test.hidden({{-1.5f, 1, -1}, {5.0f, 2, 1}}));
+  EXPECT_TRUE(test.occluded({{-1.5f, 1, -1}, {1.5f, 2, 1}}));
+  EXPECT_FALSE(test.occluded({{-1.5f, -1, -1}, {1.5f, 2, 1}}));
+  EXPECT_FALSE(test.occluded({{-1.5f, 1, -1}, {5.0f, 2, 1}}));
   solids.begin(snapshot, kFront, kWidth, kHeight);
   solids.build(pyramid);
-  EXPECT_FALSE(test.hidden({{-1.5f, 1, -1}, {1.5f, 2, 1}})) << "begun anew";
+  EXPECT_FALSE(test.occluded({{-1.5f, 1, -1}, {1.5f, 2, 1}})) << "begun anew";
 }
 
 }  // namespace

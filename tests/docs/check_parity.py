@@ -15,7 +15,7 @@ import re
 import sys
 
 STRUCTS = {
-    "engine/engine.h": ["EngineConfig", "CullingConfig", "DrawingConfig", "LossConfig", "ContextConfig", "Relief", "Hatching", "PixelRectangle", "FrameReport", "LateReport", "LossReport",
+    "engine/engine.h": ["EngineConfig", "CullingConfig", "DrawingConfig", "LossConfig", "ContextConfig", "DepthShading", "Hatching", "PixelRectangle", "FrameReport", "LateReport", "LossReport",
                         "MemoryReport"],
     "engine/plan.h": ["ScenePart", "PlanEntry", "Plan"],
     "engine/item_style.h": ["ItemStyle"],
@@ -23,7 +23,7 @@ STRUCTS = {
     "core/ray.h": ["Ray"],
     "raytrace/tracer.h": ["Hit", "RayFilter"],
     "raytrace/exact_visibility.h": ["VisibleItem"],
-    "engine/picture_tiles.h": ["PicturePart", "PictureTile", "PictureTiles"],
+    "engine/image_tiles.h": ["ImageTile", "CroppedTile", "ImageTiles"],
     "culling/gpu/gpu_culler_config.h": ["GpuCullerConfig"],
     "culling/hybrid/controller.h": ["ControllerConfig"],
     "culling/hybrid/frame_cost.h": ["FrameCostConfig"],

@@ -20,7 +20,7 @@ namespace sightline::tests {
 
 /// How an application makes depths: normalised device z is offset + scale * (reverse-Z depth from 1 to 0), then come
 /// glClipControl and glDepthRange.
-struct DepthWay {
+struct DepthMode {
   const char* name;
   double offset, scale;
   GLenum clip_depth;
@@ -29,7 +29,7 @@ struct DepthWay {
   GLenum format = GL_DEPTH_COMPONENT24;
 };
 
-inline constexpr DepthWay kDepthWays[] = {
+inline constexpr DepthMode kDepthModes[] = {
     {"Classic", 1.0, -2.0, GL_NEGATIVE_ONE_TO_ONE, 0.0, 1.0, 0.0, 1.0},
     {"ReverseZ", 0.0, 1.0, GL_ZERO_TO_ONE, 0.0, 1.0, 1.0, 0.0, GL_DEPTH_COMPONENT32F},
     {"ZeroToOne", 1.0, -1.0, GL_ZERO_TO_ONE, 0.0, 1.0, 0.0, 1.0, GL_DEPTH_COMPONENT32F},
@@ -42,12 +42,12 @@ class Application {
  public:
   static constexpr std::array<float, 4> kSky{0.2f, 0.4f, 0.6f, 1.0f};
 
-  Application(const gl::Functions& functions, int width, int height, const DepthWay& depth_way = kDepthWays[0],
+  Application(const gl::Functions& functions, int width, int height, const DepthMode& depth_mode = kDepthModes[0],
               int samples = 1, GLenum colours = GL_RGBA8)
-      : gl(functions), way(depth_way), array(functions) {
+      : gl(functions), mode(depth_mode), array(functions) {
     colour = *gl::Texture2D::create(gl, width, height, colours, "application colour", samples);
-    depth = *gl::Texture2D::create(gl, width, height, way.format, "application depth", samples);
-    const bool stencil = way.format == GL_DEPTH24_STENCIL8;
+    depth = *gl::Texture2D::create(gl, width, height, mode.format, "application depth", samples);
+    const bool stencil = mode.format == GL_DEPTH24_STENCIL8;
     const gl::Attachment attachments[] = {
         {GL_COLOR_ATTACHMENT0, &colour}, {GLenum(stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT), &depth}};
     framebuffer = *gl::Framebuffer::create(gl, attachments, "application");
@@ -70,14 +70,14 @@ class Application {
   /// All of its framebuffer, or a part of it.
   gl::ExternalTarget target() const { return target(0, 0, width(), height()); }
   gl::ExternalTarget target(int x, int y, int w, int h) const {
-    return {framebuffer.id(), x, y, w, h, way.near_depth, way.far_depth};
+    return {framebuffer.id(), x, y, w, h, mode.near_depth, mode.far_depth};
   }
 
   void clear() const {
     set_state();
     gl.ClearNamedFramebufferfv(framebuffer.id(), GL_COLOR, 0, kSky.data());
-    const auto far_depth = GLfloat(way.far_depth);
-    if (way.format == GL_DEPTH24_STENCIL8)
+    const auto far_depth = GLfloat(mode.far_depth);
+    if (mode.format == GL_DEPTH24_STENCIL8)
       gl.ClearNamedFramebufferfi(framebuffer.id(), GL_DEPTH_STENCIL, 0, far_depth, 3);
     else
       gl.ClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &far_depth);
@@ -87,10 +87,10 @@ class Application {
   void set_state() const {
     framebuffer.bind();
     gl.Viewport(0, 0, width(), height());
-    gl.ClipControl(GL_LOWER_LEFT, way.clip_depth);
-    gl.DepthRange(way.range_near, way.range_far);
+    gl.ClipControl(GL_LOWER_LEFT, mode.clip_depth);
+    gl.DepthRange(mode.range_near, mode.range_far);
     gl.Enable(GL_DEPTH_TEST);
-    gl.DepthFunc(way.near_depth < way.far_depth ? GL_LESS : GL_GREATER);
+    gl.DepthFunc(mode.near_depth < mode.far_depth ? GL_LESS : GL_GREATER);
     gl.BindProgramPipeline(0);
     program.use();
     array.bind();
@@ -101,7 +101,7 @@ class Application {
     set_state();
     core::dmat4 clip = view.clip_from_eye();
     for (int column = 0; column < 4; ++column)
-      clip[column][2] = way.offset * clip[column][3] + way.scale * clip[column][2];
+      clip[column][2] = mode.offset * clip[column][3] + mode.scale * clip[column][2];
     const core::dmat4 full = clip * view.eye_from_world();
     std::array<float, 16> matrix;
     for (int i = 0; i < 16; ++i) matrix[std::size_t(i)] = float(full[i / 4][i % 4]);
@@ -155,7 +155,7 @@ class Application {
   }
 
   const gl::Functions& gl;
-  DepthWay way;
+  DepthMode mode;
   gl::Texture2D colour, depth;
   gl::Framebuffer framebuffer;
   gl::Program program;

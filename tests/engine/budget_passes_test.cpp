@@ -36,8 +36,8 @@ TEST(BudgetPasses, DrawsTheLargestFirstAndEachOnce) {
   int count = 0;
   while (passes.next(nullptr, site.bounds, 2.0)) {
     float largest = 0.0f, smallest = std::numeric_limits<float>::infinity();
-    ASSERT_TRUE(std::is_sorted(passes.pass().slots.begin(), passes.pass().slots.end()));
-    for (const core::Slot s : passes.pass().slots) {
+    ASSERT_TRUE(std::is_sorted(passes.pass().single_slots.begin(), passes.pass().single_slots.end()));
+    for (const core::Slot s : passes.pass().single_slots) {
       ASSERT_TRUE(drawn.insert(s).second);
       const float area = site.measure.area(site.bounds.box(s));
       largest = std::max(largest, area), smallest = std::min(smallest, area);
@@ -63,7 +63,7 @@ TEST(BudgetPasses, LearnsWhatItemsCost) {
     for (int frame = 0; frame < 40; ++frame) {
       passes.begin(site.measure, site.bounds, site.all, {});
       ASSERT_TRUE(passes.next(nullptr, site.bounds, 10.0));
-      took = 0.3 + per_item * double(passes.pass().slots.size());
+      took = 0.3 + per_item * double(passes.pass().single_slots.size());
       passes.took(took);
     }
     if (per_item * 3000 > 10.0)
@@ -73,7 +73,7 @@ TEST(BudgetPasses, LearnsWhatItemsCost) {
   }
 }
 
-TEST(BudgetPasses, HiddenItemsCostNothingAndOpenOnesComeFirst) {
+TEST(BudgetPasses, OccludedItemsCostNothingAndOthersComeFirst) {
   Site site;
   culling::DepthPyramid pyramid;
   std::vector<float> distances(1000 * 1000, 50.0f);  // in front of everything, but for the left half
@@ -94,7 +94,7 @@ TEST(BudgetPasses, HiddenItemsCostNothingAndOpenOnesComeFirst) {
   ASSERT_TRUE(passes.next(&test, site.bounds, 0.5 * passes.least_ms()));  // the least pass there is
   const auto slots = open.sorted_slots();
   const std::set<core::Slot> were_open(slots.begin(), slots.end());
-  for (const core::Slot s : passes.pass().slots) EXPECT_TRUE(were_open.count(s));
+  for (const core::Slot s : passes.pass().single_slots) EXPECT_TRUE(were_open.count(s));
 }
 
 /// What is pending is expected to be hidden as much as what was looked at.

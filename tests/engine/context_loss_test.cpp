@@ -1,5 +1,5 @@
 // A context that is lost takes nothing with it but what lay in it: frames go on, culled by the CPU, edits too, and
-// where there is a context again the pictures are what they would have been.
+// where there is a context again the images are what they would have been.
 #include <optional>
 #include <thread>
 
@@ -26,16 +26,16 @@ class ContextLossTest : public DrawnGrid {
     switch_often(c);
     return c;
   }
-  static image::Image picture(Engine& engine) { return engine.drawing()->target().read_colour(); }
+  static image::Image image(Engine& engine) { return engine.drawing()->target().read_colour(); }
   /// The same view on an engine of its own that knows no trouble.
   image::Image wanted(const core::View& view) {
     auto twin = Engine::create(scene, switching(CullerChoice::kCpu, nullptr));
     EXPECT_TRUE(twin && twin->frame(view));
-    image::Image image = picture(*twin);
-    return image;
+    image::Image wanted = image(*twin);
+    return wanted;
   }
-  void expect_picture(Engine& engine, const core::View& view) {
-    const image::Image shown = picture(engine);
+  void expect_image(Engine& engine, const core::View& view) {
+    const image::Image shown = image(engine);
     const auto difference = image::compare(wanted(view), shown);
     ASSERT_TRUE(difference);
     EXPECT_LE(difference->max, 1);  // another order of the items has other last bits
@@ -51,14 +51,14 @@ TEST_F(ContextLossTest, AnEngineReplacesItsOwnContext) {
     ASSERT_TRUE(engine) << engine.error().message;
     SCOPED_TRACE(name_of(engine->plan().culler));
     ASSERT_TRUE(engine->frame(view(0)));
-    const image::Image before = picture(*engine);
+    const image::Image before = image(*engine);
     lose(engine->drawing()->context());
     const auto report = engine->frame(view(0));
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->drawn);
     ASSERT_NE(engine->drawing(), nullptr);
     EXPECT_FALSE(engine->drawing()->context().lost());
-    const auto difference = image::compare(before, picture(*engine));
+    const auto difference = image::compare(before, image(*engine));
     ASSERT_TRUE(difference);
     EXPECT_EQ(difference->max, 0);
     bool gpu = false;
@@ -106,12 +106,12 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
       on_gpu += report->culler == CullerChoice::kGpu;
     }
     EXPECT_GE(on_gpu, 3);
-    expect_picture(*engine, view(1.1));
+    expect_image(*engine, view(1.1));
     ASSERT_TRUE(made->make_current());
   }
 }
 
-/// Whatever is done before there is a context, pictures are then those of an engine that had one.
+/// Whatever is done before there is a context, images are then those of an engine that had one.
 TEST_F(ContextLossTest, TheContextMayComeLater) {
   for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
     EngineConfig c = switching(culler, nullptr);
@@ -132,7 +132,7 @@ TEST_F(ContextLossTest, TheContextMayComeLater) {
     int on_gpu = 0;
     for (int frame = 0; frame < 12; ++frame) on_gpu += engine->frame(view(0.1 * frame))->culler == CullerChoice::kGpu;
     EXPECT_EQ(on_gpu > 0, culler != CullerChoice::kCpu);
-    expect_picture(*engine, view(1.1));
+    expect_image(*engine, view(1.1));
     ASSERT_TRUE(engine->configure(engine->config()));
   }
   EngineConfig both = switching(CullerChoice::kCpu, &*context);
@@ -172,12 +172,12 @@ TEST_F(ContextLossTest, AContextThatGoesFirstIsLost) {
     ASSERT_TRUE(engine->rebuild());
     { Engine gone = std::move(*unused); }
     ASSERT_TRUE(other->commit() && other->frame(view(1)));
-    ASSERT_NO_FATAL_FAILURE(expect_picture(*other, view(1)));
+    ASSERT_NO_FATAL_FAILURE(expect_image(*other, view(1)));
     for (const std::string& error : other->drawing()->take_gl_errors()) ADD_FAILURE() << error;
     const auto used = engine->use_context(*context);
     ASSERT_TRUE(used) << used.error().message;
     EXPECT_TRUE(engine->frame(view(2))->drawn);
-    ASSERT_NO_FATAL_FAILURE(expect_picture(*engine, view(2)));
+    ASSERT_NO_FATAL_FAILURE(expect_image(*engine, view(2)));
   }
 }
 
@@ -200,7 +200,7 @@ TEST_F(ContextLossTest, LossInTheMiddleOfARebuild) {
   ASSERT_TRUE(other);
   ASSERT_TRUE(engine->use_context(*other));
   EXPECT_TRUE(engine->frame(view(2))->drawn);
-  expect_picture(*engine, view(2));
+  expect_image(*engine, view(2));
   ASSERT_TRUE(other->make_current());
   engine->drop_context();  // which goes before the engine
 }

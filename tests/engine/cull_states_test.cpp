@@ -1,4 +1,4 @@
-// What an engine says of every item of a view, and of what a picture loses: against pictures of everything.
+// What an engine says of every item of a view, and of what an image loses: against images of everything.
 #include <cstdio>
 #include <random>
 
@@ -55,7 +55,7 @@ class CullStatesTest : public DrawnGrid {
   }
 };
 
-TEST_F(CullStatesTest, WhatIsLeftOutShowsInNoPicture) {
+TEST_F(CullStatesTest, WhatIsLeftOutShowsInNoImage) {
   core::Scene scene;
   fill(scene, 22);
   const std::size_t items = scene.item_count();
@@ -89,7 +89,7 @@ TEST_F(CullStatesTest, WhatIsLeftOutShowsInNoPicture) {
     EXPECT_EQ(sum, std::int64_t(items));
   }
   for (const std::int64_t of_state : sums) EXPECT_GT(of_state, 100);
-  EXPECT_GT(left_out, not_seen * 7 / 10) << "of " << not_seen << " items that no picture shows";
+  EXPECT_GT(left_out, not_seen * 7 / 10) << "of " << not_seen << " items that no image shows";
 }
 
 /// Whoever culls, it is the same; the frames that follow are as if nobody had asked; hidden items are not counted.
@@ -110,7 +110,7 @@ TEST_F(CullStatesTest, AreTheSameForAllCullersAndChangeNoFrame) {
     EXPECT_EQ(a->boxes.size(), b->boxes.size());
     auto fresh = Engine::create(scene, config());
     ASSERT_TRUE(fresh && engine->frame(other) && fresh->frame(other));
-    expect_same_picture(*engine, *fresh);
+    expect_same_image(*engine, *fresh);
   }
   const std::vector<core::ItemId> some{core::ItemId{1}, core::ItemId{2}, core::ItemId{3}, core::ItemId{500}};
   const std::int64_t all = std::int64_t(scene.item_count());
@@ -126,7 +126,7 @@ TEST_F(CullStatesTest, AgreeWithFramesFromAside) {
   core::Scene scene;
   fill(scene, 16);
   EngineConfig c = config();
-  c.drawing.hidden_colour = core::vec3(0, 0, 1);
+  c.drawing.culled_colour = core::vec3(0, 0, 1);
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
   const core::View eye = *core::View::perspective({{-6, 8, 8}, {8, 8, 8}, {0, 0, 1}}, 0.6, 1.5, 0.1),
@@ -142,7 +142,7 @@ TEST_F(CullStatesTest, AgreeWithFramesFromAside) {
     const CullState state = state_of(*engine, *states, core::ItemId{ids->ids[i] - 1});
     const std::uint8_t* pixel = &colours->pixels[3 * i];
     const bool is_blue = pixel[2] > 40 && pixel[2] > 2 * pixel[0],
-               left_out = state == CullState::kOccluded || state == CullState::kSmall;
+               left_out = state == CullState::kOccluded || state == CullState::kTooSmall;
     ASSERT_EQ(left_out, is_blue) << "item " << ids->ids[i] - 1 << " is " << name_of(state) << ", of red "
                                  << int(pixel[0]);
     ++(is_blue ? blue : other);
@@ -151,20 +151,20 @@ TEST_F(CullStatesTest, AgreeWithFramesFromAside) {
   EXPECT_GT(other, 100);
 }
 
-TEST_F(CullStatesTest, SmallAreThoseBelowTheContribution) {
+TEST_F(CullStatesTest, TooSmallAreThoseBelowTheMinProjectedArea) {
   core::Scene scene;
   fill(scene, 22);
   EngineConfig c = config();
   c.culling.sample_test = false;
   c.culling.occlusion = engine::OcclusionChoice::kOff;
   for (const float pixels : {0.0f, 1.0f, 20.0f}) {
-    c.losses.contribution = pixels;
+    c.losses.min_projected_area = pixels;
     for (const double turn : {0.0, 0.7}) {
       auto engine = Engine::create(scene, c);  // without a history, which hysteresis would keep
       const auto states = engine->cull_states(view(turn));
       const auto report = engine->frame(view(turn));
       ASSERT_TRUE(states && report);
-      EXPECT_EQ(states->items[std::size_t(CullState::kSmall)], report->small);
+      EXPECT_EQ(states->items[std::size_t(CullState::kTooSmall)], report->below_min_area);
       EXPECT_EQ(states->items[std::size_t(CullState::kOccluded)], 0);
     }
   }
@@ -181,7 +181,7 @@ TEST_F(CullStatesTest, WithoutDrawingTheViewVolumeAloneCounts) {
   const auto report = engine->frame(view(0.4));
   ASSERT_TRUE(states && report);
   EXPECT_EQ(states->items[0] + states->items[1], report->visible);
-  EXPECT_EQ(states->items[std::size_t(CullState::kOccluded)] + states->items[std::size_t(CullState::kSmall)], 0);
+  EXPECT_EQ(states->items[std::size_t(CullState::kOccluded)] + states->items[std::size_t(CullState::kTooSmall)], 0);
   EXPECT_EQ(engine->loss(view(0.4))->items, 0);
 }
 
@@ -198,7 +198,7 @@ TEST_F(CullStatesTest, ALostContextLeavesTheViewVolume) {
   EXPECT_TRUE(engine->loss(view(0.4)));
 }
 
-/// Pixels that differ from the full picture, beside what the engine says before it knows that picture.
+/// Pixels that differ from the full image, beside what the engine says before it knows that image.
 TEST_F(CullStatesTest, ALossIsHardlyMoreThanSaid) {
   core::Scene scene;
   fill(scene, 22);
@@ -210,7 +210,7 @@ TEST_F(CullStatesTest, ALossIsHardlyMoreThanSaid) {
     Random random(seed);
     const core::View view = DrawnGrid::view(uniform(random, 0.0, 6.0));
     EngineConfig c = config();
-    c.losses.contribution = float(magnitude(random, 4.0, 400.0));
+    c.losses.min_projected_area = float(magnitude(random, 4.0, 400.0));
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine && engine->frame(view) && full.frame(view));
     const auto loss = engine->loss(view);
@@ -232,8 +232,8 @@ TEST_F(CullStatesTest, ALossIsHardlyMoreThanSaid) {
   EXPECT_LT(said, 8.0 * lost);
 }
 
-/// A budget loses what is pending, and nothing once the picture is complete.
-TEST_F(CullStatesTest, ABudgetLosesUntilThePictureIsComplete) {
+/// A budget loses what is pending, and nothing once the image is complete.
+TEST_F(CullStatesTest, ABudgetLosesUntilTheImageIsComplete) {
   core::Scene scene;
   fill(scene, 22);
   EngineConfig c = config();
@@ -250,7 +250,7 @@ TEST_F(CullStatesTest, ABudgetLosesUntilThePictureIsComplete) {
   while (asked->frame(view(0.2))->pending > 0) ASSERT_TRUE(asked->loss(view(0.2)));  // asking changes nothing
   EXPECT_EQ(asked->loss(view(0.2))->items, 0);
   ASSERT_TRUE(draw_complete(*engine, view(0.2)));
-  expect_same_picture(*engine, *asked);
+  expect_same_image(*engine, *asked);
 }
 
 }  // namespace

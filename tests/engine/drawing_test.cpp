@@ -1,4 +1,4 @@
-// What may change while an engine runs and draws: the culler, the size, the view that culls. Pictures are compared with
+// What may change while an engine runs and draws: the culler, the size, the view that culls. Images are compared with
 // those of engines made for the purpose.
 #include <filesystem>
 #include <random>
@@ -100,7 +100,7 @@ TEST_F(DrawingTest, AnotherSizeIsThatOfANewEngine) {
     ASSERT_TRUE(fresh);
     const core::View eye = view(0.4, double(width) / height);
     ASSERT_TRUE(engine->frame(eye) && fresh->frame(eye));
-    expect_same_picture(*engine, *fresh);
+    expect_same_image(*engine, *fresh);
   }
   for (const auto& [width, height] : {std::pair{0, 10}, {10, -1}, {1 << 20, 10}}) {
     SCOPED_TRACE(testing::Message() << width << " x " << height);
@@ -131,8 +131,8 @@ TEST_F(DrawingTest, TwoEnginesDrawOneScene) {
     ASSERT_TRUE(fresh);
     const core::View eye = view(0.4 * round);
     ASSERT_TRUE(a->frame(eye) && b->frame(eye) && fresh->frame(eye));
-    expect_same_picture(*a, *fresh, 1);
-    expect_same_picture(*b, *fresh, 1);
+    expect_same_image(*a, *fresh, 1);
+    expect_same_image(*b, *fresh, 1);
   }
 }
 
@@ -155,8 +155,8 @@ TEST_F(DrawingTest, EnginesWithContextsOfTheirOwn) {
       SCOPED_TRACE(testing::Message() << "round " << round);
       const core::View eye = view(0.3 * round);
       ASSERT_TRUE(a->frame(eye) && b->frame(eye) && expected_a->frame(eye) && expected_b->frame(eye));
-      expect_same_picture(*a, *expected_a);
-      expect_same_picture(*b, *expected_b);
+      expect_same_image(*a, *expected_a);
+      expect_same_image(*b, *expected_b);
       dense.set_visible(core::ItemId(5000 + round), false);
       sparse.set_visible(core::ItemId(5000 + round), true);
       ASSERT_TRUE(a->commit() && b->commit() && expected_a->commit() && expected_b->commit());
@@ -167,7 +167,7 @@ TEST_F(DrawingTest, EnginesWithContextsOfTheirOwn) {
     ASSERT_TRUE(context->make_current());
     { Engine gone = std::move(*a); }  // frees nothing of what is current
     ASSERT_TRUE(expected_a->frame(view(0)) && b->frame(view(0)) && expected_b->frame(view(0)));
-    expect_same_picture(*b, *expected_b);
+    expect_same_image(*b, *expected_b);
     for (const std::string& error : expected_b->drawing()->take_gl_errors()) ADD_FAILURE() << error;
   }
 }
@@ -206,7 +206,7 @@ TEST_F(DrawingTest, MaterialsFollowTheScene) {
       const core::View eye = view(0.4 * round);
       for (int frame = 0; frame < 3; ++frame) ASSERT_TRUE(engine->frame(eye));
       ASSERT_TRUE(fresh->frame(eye));
-      ASSERT_NO_FATAL_FAILURE(expect_same_picture(*engine, *fresh, 1));
+      ASSERT_NO_FATAL_FAILURE(expect_same_image(*engine, *fresh, 1));
     }
   }
 }
@@ -227,7 +227,7 @@ TEST_F(DrawingTest, EndsShowWhereAMaterialTurnsClear) {
   ASSERT_TRUE(fresh);
   const core::View eye = *core::View::perspective({{6, 1, 12}, {0, 0, 4}, {0, 0, 1}}, 0.9, 1.5, 0.1);
   ASSERT_TRUE(engine->frame(eye) && fresh->frame(eye));
-  expect_same_picture(*engine, *fresh);
+  expect_same_image(*engine, *fresh);
 }
 
 TEST_F(DrawingTest, DrawsFromAsideWhatAnotherViewSees) {
@@ -249,8 +249,8 @@ TEST_F(DrawingTest, DrawsFromAsideWhatAnotherViewSees) {
   for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item) scene.set_visible(item, seen[to_index(item)]);
   auto expected = Engine::create(scene, config(CullerChoice::kCpu));
   ASSERT_TRUE(expected && expected->frame(aside));
-  expect_same_picture(*cpu, *expected, 1);
-  expect_same_picture(*gpu, *expected, 1);
+  expect_same_image(*cpu, *expected, 1);
+  expect_same_image(*gpu, *expected, 1);
 }
 
 TEST_F(DrawingTest, ProgramsAreKeptWhereTheConfigurationSays) {
@@ -311,7 +311,7 @@ TEST_F(DrawingTest, ThePlanNamesTheProgramsThatAreMade) {
 }
 
 /// What an application reads of the last frame, and what it is told where there is none.
-TEST_F(DrawingTest, PicturesAreReadThroughTheEngine) {
+TEST_F(DrawingTest, ImagesAreReadThroughTheEngine) {
   engine::EngineConfig config;
   config.draw = config.drawing.ids = true;
   config.width = 60, config.height = 40;
@@ -339,7 +339,7 @@ TEST_F(DrawingTest, PicturesAreReadThroughTheEngine) {
   config.drawing.ids = false;
   auto without_ids = Engine::create(scene, config);
   ASSERT_TRUE(without_ids->frame(view));
-  EXPECT_EQ(without_ids->read_ids().error().message, "picture: ids are not drawn without EngineConfig::drawing.ids");
+  EXPECT_EQ(without_ids->read_ids().error().message, "image: ids are not drawn without EngineConfig::drawing.ids");
   auto culling_alone = Engine::create(scene, {});
   ASSERT_TRUE(culling_alone->frame(view));
   EXPECT_TRUE(culling_alone->renderer().empty());

@@ -46,7 +46,7 @@ class DrawnGrid : public GlTest {
     c.context.application = &*context;
     return c;
   }
-  /// Draws until the picture is complete, which takes several frames with a budget, and waits for it.
+  /// Draws until the image is complete, which takes several frames with a budget, and waits for it.
   static bool draw_complete(engine::Engine& engine, const core::View& view) {
     for (std::int64_t pending = 1; pending > 0;) {
       const auto report = engine.frame(view);
@@ -57,9 +57,9 @@ class DrawnGrid : public GlTest {
     engine.finish();
     return true;
   }
-  /// An engine that changes its pictures: relief, ghosts, transparent items and one with an outline.
+  /// An engine that changes its images: depth shading, ghosts, transparent items and one with an outline.
   static core::Expected<engine::Engine> create_with_overlays(core::Scene& scene, engine::EngineConfig c) {
-    c.drawing.relief = {0.5f, 0.5f};
+    c.drawing.depth_shading = {0.5f, 0.5f};
     auto engine = engine::Engine::create(scene, c);
     if (!engine) return engine;
     std::vector<core::ItemId> ghosts, faded;
@@ -83,7 +83,7 @@ class DrawnGrid : public GlTest {
 
  protected:
   /// Another order of the items has other chunk origins, and so other last bits: for that, `max` 1.
-  static void expect_same_picture(engine::Engine& a, engine::Engine& b, int max = 0) {
+  static void expect_same_image(engine::Engine& a, engine::Engine& b, int max = 0) {
     a.finish();
     b.finish();
     const auto difference = image::compare(a.drawing()->target().read_colour(), b.drawing()->target().read_colour());

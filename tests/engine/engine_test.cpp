@@ -198,7 +198,7 @@ TEST(EngineRebuild, LandsBetweenEditsThatGoOn) {
   }
 }
 
-/// Edits that are pending when a new order lands show with their own commit, not before.
+/// Edits that are pending when a new scene version lands show with their own commit, not before.
 TEST(EngineRebuild, LandingReadsNothingOfTheScene) {
   core::Scene scene;
   add_grid(scene, 16);
@@ -269,7 +269,7 @@ TEST(EngineRebuild, BeginsAboveItsShare) {
   struct Case {
     int side;
     double share;
-    core::ItemId most;  // slots given up without a new order
+    core::ItemId most;  // slots given up without a new scene version
   };
   for (const auto& [side, share, most] : {Case{20, 1.0 / 16.0, core::ItemId{500}},
                                           Case{20, 1.0 / 8.0, core::ItemId{1000}}, Case{20, 1e-3, core::ItemId{256}}}) {
@@ -295,7 +295,7 @@ TEST(EngineRebuild, WhatLandsShowsTheLastEdit) {
     add_grid(scene, 7);
     ASSERT_TRUE(scene.commit());
     const PlanRequest request{CullerChoice::kCpu};
-    Order live = make_order(std::make_unique<core::Snapshot>(scene), request);
+    SceneVersion live = make_version(std::make_unique<core::Snapshot>(scene), request);
     const std::uint64_t first = live.snapshot->generation();
     BackgroundRebuild rebuild(*live.snapshot, request);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));  // mostly enough for the build
@@ -305,7 +305,7 @@ TEST(EngineRebuild, WhatLandsShowsTheLastEdit) {
     const auto delta = scene.commit();
     ASSERT_TRUE(delta);
     rebuild.edit(*delta, [&] { live.snapshot->apply(*delta); });
-    Order made;
+    SceneVersion made;
     while (!rebuild.take(made)) std::this_thread::yield();
     std::swap(live, made);
     rebuild.retire(std::move(made));
@@ -329,7 +329,7 @@ TEST(EngineRebuild, NeverWhenNotWanted) {
 
 // --- several engines -------------------------------------------------------------------------------------------------
 
-/// Each follows every edit, whoever commits it, from its own commit on; one of them in new orders all the time.
+/// Each follows every edit, whoever commits it, from its own commit on; one of them in new scene versions all the time.
 TEST(EnginesOfOneScene, AllFollowWhoeverCommits) {
   constexpr unsigned kSeed = 15;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -427,7 +427,7 @@ TEST(EnginesOfOneScene, AMeshMayGoBeforeAllHaveAsked) {
   expect_like_new(*b, scene);
 }
 
-/// A new order that was begun before the material was edited shows it all the same, also when no item was.
+/// A new scene version that was begun before the material was edited shows it all the same, also when no item was.
 TEST(EngineRebuild, LandsWithTheMaterialsOfNow) {
   core::Scene scene;
   add_grid(scene, 16);

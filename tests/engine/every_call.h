@@ -16,7 +16,7 @@ namespace sightline::tests {
 inline void make_every_call(core::Scene& scene, engine::EngineConfig config, const core::View& view,
                             const std::function<void(const std::string&)>& check) {
   config.draw = config.drawing.ids = true;
-  config.losses.contribution = 1.0f;  // so that loss() has something to tell
+  config.losses.min_projected_area = 1.0f;  // so that loss() has something to tell
   const auto works = [&](const char* name, const auto& result) {
     EXPECT_TRUE(result) << name << ": " << result.error().message;
     check(name);
@@ -34,7 +34,7 @@ inline void make_every_call(core::Scene& scene, engine::EngineConfig config, con
     works("framebuffer", engine->framebuffer());
     works("loss", engine->loss(view));
     works("cull_states", engine->cull_states(view));
-    works("frame_part", engine->frame_part(view, {config.width, config.height, 0, 0}));
+    works("frame_tile", engine->frame_tile(view, {config.width, config.height, 0, 0}));
     const core::ItemId item[] = {scene.add_primitive(scene.root(), core::Sphere{0.5f}, {})};
     works("commit", engine->commit());
     works("set_override", engine->set_override(item, {.colour = core::vec3(1.0f, 0.0f, 0.0f)}));
@@ -44,7 +44,7 @@ inline void make_every_call(core::Scene& scene, engine::EngineConfig config, con
     works("rebuild", engine->rebuild());
     works("resize", engine->resize(config.width + 3, config.height));
     engine::EngineConfig changed = engine->config();
-    changed.losses.contribution = 0.0f;
+    changed.losses.min_projected_area = 0.0f;
     works("configure", engine->configure(changed));
     works("set_culler", engine->set_culler(engine::CullerChoice::kGpu));
     works("frame culled by the GPU", engine->frame(view));

@@ -1,4 +1,4 @@
-// Pictures in framebuffers of an application's.
+// Images in framebuffers of an application's.
 #include "sightline/gl/external_target.h"
 
 #include <gtest/gtest.h>
@@ -66,12 +66,12 @@ class ExternalTarget : public DrawnGrid {
   core::Scene scene;
 };
 
-TEST_F(ExternalTarget, AClearedOneHoldsTheEnginesPicture) {
+TEST_F(ExternalTarget, AClearedOneHoldsTheEnginesImage) {
   fill(scene, 22);
   for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu}) {
-    for (const DepthWay& way : kDepthWays) {
-      SCOPED_TRACE(way.name);
-      const Application application(gl(), kWidth, kHeight, way);
+    for (const DepthMode& mode : kDepthModes) {
+      SCOPED_TRACE(mode.name);
+      const Application application(gl(), kWidth, kHeight, mode);
       Engine drawn = engine(culler);
       gl::ExternalTarget target = application.target();
       target.clear_colour = target.clear_depth = true;
@@ -86,7 +86,7 @@ TEST_F(ExternalTarget, AClearedOneHoldsTheEnginesPicture) {
           ASSERT_EQ(pixel(rgba, x, y), pixel(own, x, y)) << x << ", " << y;
           const double distance = metres.metres[std::size_t((kHeight - 1 - y) * kWidth + x)];
           const double reversed = std::isinf(distance) ? 0.0 : 0.5 * (90.0 - distance) / (distance * 89.5);
-          const double expected = way.far_depth + (way.near_depth - way.far_depth) * reversed;
+          const double expected = mode.far_depth + (mode.near_depth - mode.far_depth) * reversed;
           ASSERT_NEAR(depths[std::size_t(y * kWidth + x)], expected, 0x1p-22) << x << ", " << y;
           covered += !std::isinf(distance);
         }
@@ -99,9 +99,9 @@ TEST_F(ExternalTarget, AClearedOneHoldsTheEnginesPicture) {
 TEST_F(ExternalTarget, HidesAndIsHiddenByWhatTheApplicationDrawsBeforeAndAfter) {
   fill(scene, 22);
   for (const core::View& view : {perspective(), orthographic()}) {
-    for (const DepthWay& way : kDepthWays) {
-      SCOPED_TRACE(testing::Message() << way.name << (view.orthographic() ? ", orthographic" : ", perspective"));
-      const Application application(gl(), kWidth, kHeight, way);
+    for (const DepthMode& mode : kDepthModes) {
+      SCOPED_TRACE(testing::Message() << mode.name << (view.orthographic() ? ", orthographic" : ", perspective"));
+      const Application application(gl(), kWidth, kHeight, mode);
       Engine drawn = engine();
       application.clear();
       application.draw(view, kWall, kWallColour);
@@ -141,7 +141,7 @@ TEST_F(ExternalTarget, HidesAndIsHiddenByWhatTheApplicationDrawsBeforeAndAfter) 
 
 TEST_F(ExternalTarget, NothingOutsideThePartIsTouched) {
   fill(scene, 22);
-  Application application(gl(), 2 * kWidth, 2 * kHeight, kDepthWays[5]);
+  Application application(gl(), 2 * kWidth, 2 * kHeight, kDepthModes[5]);
   const auto other = *gl::Texture2D::create(gl(), 2 * kWidth, 2 * kHeight, GL_RGBA8, "second output");
   const gl::Attachment attachments[] = {{GL_COLOR_ATTACHMENT0, &application.colour},
                                         {GL_COLOR_ATTACHMENT1, &other},
@@ -181,19 +181,19 @@ TEST_F(ExternalTarget, WhatIsDrawnFirstStaysWhereDepthsAreEqual) {
     scene.add_primitive(scene.root(), core::Sphere{2.0f}, at);
     red.add_primitive(red.root(), core::Sphere{2.0f}, at, material);
   }
-  for (const DepthWay& way : kDepthWays) {
-    const Application application(gl(), kWidth, kHeight, way);
+  for (const DepthMode& mode : kDepthModes) {
+    const Application application(gl(), kWidth, kHeight, mode);
     Engine first = engine(), second = *Engine::create(red, config(CullerChoice::kCpu, kWidth, kHeight));
     application.clear();
     expect_frame(first, perspective(), application.target());
     const auto before = application.pixels();
     expect_frame(second, perspective(), application.target());
-    EXPECT_TRUE(application.pixels() == before) << way.name;
+    EXPECT_TRUE(application.pixels() == before) << mode.name;
     EXPECT_GT(std::count(before.begin(), before.end(), 51), 0);
   }
 }
 
-/// Samples of the picture and of the application's framebuffer.
+/// Samples of the image and of the application's framebuffer.
 TEST_F(ExternalTarget, SmoothEdgesAreBlendedWithWhatTheApplicationDrew) {
   fill(scene, 22);
   const core::View view = perspective();
@@ -208,7 +208,7 @@ TEST_F(ExternalTarget, SmoothEdgesAreBlendedWithWhatTheApplicationDrew) {
   const auto blended = single.pixels();
 
   // Each sample, resolved by the application: the same where one depth stands for all.
-  const Application multi(gl(), kWidth, kHeight, kDepthWays[0], 4);
+  const Application multi(gl(), kWidth, kHeight, kDepthModes[0], 4);
   multi.clear();
   expect_frame(smooth, view, multi.target());
   const Application resolved(gl(), kWidth, kHeight);
@@ -238,7 +238,7 @@ TEST_F(ExternalTarget, SmoothEdgesAreBlendedWithWhatTheApplicationDrew) {
   EXPECT_GT(mixed, 300);
 }
 
-/// Each sample has the depth of the ray through its own place: that of a picture which is moved by a part of a pixel.
+/// Each sample has the depth of the ray through its own place: that of an image which is moved by a part of a pixel.
 TEST_F(ExternalTarget, DepthsAreThoseOfEachSample) {
   fill(scene, 22);
   engine::EngineConfig four = config(CullerChoice::kCpu, kWidth, kHeight);
@@ -247,7 +247,7 @@ TEST_F(ExternalTarget, DepthsAreThoseOfEachSample) {
   core::View cut = perspective();
   cut.sections = {{{0.3, 0.2, -1.0}, 6.0}};
   for (const core::View& view : {perspective(), cut}) {
-    const Application application(gl(), kWidth, kHeight, kDepthWays[1], 4);
+    const Application application(gl(), kWidth, kHeight, kDepthModes[1], 4);
     application.clear();
     expect_frame(smooth, view, application.target());
     const std::vector<glm::vec2> offsets = smooth.drawing()->target().sample_offsets();
@@ -317,8 +317,8 @@ TEST_F(ExternalTarget, TheFramebufferMayChangeBetweenFrames) {
   }
 }
 
-/// At rest nothing is left to draw, but the application's framebuffer needs the picture all the same.
-TEST_F(ExternalTarget, EveryFrameOfABudgetPutsThePictureThere) {
+/// At rest nothing is left to draw, but the application's framebuffer needs the image all the same.
+TEST_F(ExternalTarget, EveryFrameOfABudgetPutsTheImageThere) {
   fill(scene, 22);
   engine::EngineConfig c = config(CullerChoice::kCpu, kWidth, kHeight);
   c.losses.budget_ms = 1000.0;
@@ -400,7 +400,7 @@ TEST_F(ExternalTarget, EnginesOfOneSceneShowItsEditsInTheirFramebuffers) {
   const core::View views[] = {
       *core::View::perspective({{-9, -4, 14}, {6, 6, 6}, {0, 0, 1}}, 0.8, double(kWidth) / kHeight, 0.5, 90.0),
       *core::View::orthographic({{20, 25, 14}, {6, 6, 6}, {0, 0, 1}}, 18.0, 1.0, 0.5, 90.0)};
-  const Application windows[] = {{gl(), kWidth, kHeight, kDepthWays[0]}, {gl(), 70, 70, kDepthWays[1]}};
+  const Application windows[] = {{gl(), kWidth, kHeight, kDepthModes[0]}, {gl(), 70, 70, kDepthModes[1]}};
   Engine engines[] = {engine(config(CullerChoice::kCpu, kWidth, kHeight)),
                       engine(config(CullerChoice::kHybrid, 70, 70))};
   for (int round = 0; round < 6; ++round) {
@@ -418,7 +418,7 @@ TEST_F(ExternalTarget, EnginesOfOneSceneShowItsEditsInTheirFramebuffers) {
       expect_frame(engines[w], views[w], windows[w].target());
     }
     for (std::size_t w = 0; w < 2; ++w) {
-      const Application fresh_window(gl(), windows[w].width(), windows[w].height(), windows[w].way);
+      const Application fresh_window(gl(), windows[w].width(), windows[w].height(), windows[w].mode);
       Engine fresh = engine(config(CullerChoice::kCpu, windows[w].width(), windows[w].height()));
       fresh_window.clear();
       expect_frame(fresh, views[w], fresh_window.target());

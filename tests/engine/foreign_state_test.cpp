@@ -1,4 +1,4 @@
-// Whatever an application leaves in the context that it shares with an engine, pictures, ids, depths and counts are
+// Whatever an application leaves in the context that it shares with an engine, images, ids, depths and counts are
 // those of a clean context, bit for bit.
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 using engine::CullerChoice;
 using engine::Engine;
 
-struct Way {
+struct Mode {
   const char* name;
   CullerChoice culler;
   culling::GpuVariant variant;
@@ -22,11 +22,11 @@ struct Way {
   bool overlays = false;
 };
 
-std::ostream& operator<<(std::ostream& to, const Way& way) {
-  return to << way.name;
+std::ostream& operator<<(std::ostream& to, const Mode& mode) {
+  return to << mode.name;
 }
 
-class ForeignState : public DrawnGrid, public testing::WithParamInterface<Way> {
+class ForeignState : public DrawnGrid, public testing::WithParamInterface<Mode> {
  protected:
   void SetUp() override {
     DrawnGrid::SetUp();
@@ -99,7 +99,7 @@ class ForeignState : public DrawnGrid, public testing::WithParamInterface<Way> {
     return shown;
   }
   void expect_same(const Shown& shown, const Shown& same) {
-    EXPECT_TRUE(shown.colour.pixels == same.colour.pixels) << "another picture";
+    EXPECT_TRUE(shown.colour.pixels == same.colour.pixels) << "another image";
     EXPECT_TRUE(shown.ids.ids == same.ids.ids) << "other ids";
     EXPECT_TRUE(shown.depth.metres == same.depth.metres) << "other depths";
     EXPECT_EQ(shown.visible, same.visible);
@@ -169,18 +169,18 @@ TEST_P(ForeignState, MayBeAllThereIsFromTheFirstCallOn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Ways, ForeignState,
+    Modes, ForeignState,
     testing::Values(
-        Way{"Cpu", CullerChoice::kCpu, {}, 1}, Way{"CpuMultisampled", CullerChoice::kCpu, {}, 4},
-        Way{"GpuGeometry", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1},
-        Way{"GpuCompute", CullerChoice::kGpu, culling::GpuVariant::kCompute, 1},
-        Way{"GpuComputeMultisampled", CullerChoice::kGpu, culling::GpuVariant::kCompute, 4},
-        Way{"GpuGeometryOcclusion", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1,
-            engine::OcclusionChoice::kOn},
-        Way{"GpuComputeOcclusion", CullerChoice::kGpu, culling::GpuVariant::kCompute, 1, engine::OcclusionChoice::kOn},
-        Way{"CpuOverlays", CullerChoice::kCpu, {}, 4, engine::OcclusionChoice::kAutomatic, true},
-        Way{"GpuOverlays", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1, engine::OcclusionChoice::kOn, true}),
-    [](const testing::TestParamInfo<Way>& way) { return std::string(way.param.name); });
+        Mode{"Cpu", CullerChoice::kCpu, {}, 1}, Mode{"CpuMultisampled", CullerChoice::kCpu, {}, 4},
+        Mode{"GpuGeometry", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1},
+        Mode{"GpuCompute", CullerChoice::kGpu, culling::GpuVariant::kCompute, 1},
+        Mode{"GpuComputeMultisampled", CullerChoice::kGpu, culling::GpuVariant::kCompute, 4},
+        Mode{"GpuGeometryOcclusion", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1,
+             engine::OcclusionChoice::kOn},
+        Mode{"GpuComputeOcclusion", CullerChoice::kGpu, culling::GpuVariant::kCompute, 1, engine::OcclusionChoice::kOn},
+        Mode{"CpuOverlays", CullerChoice::kCpu, {}, 4, engine::OcclusionChoice::kAutomatic, true},
+        Mode{"GpuOverlays", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1, engine::OcclusionChoice::kOn, true}),
+    [](const testing::TestParamInfo<Mode>& mode) { return std::string(mode.param.name); });
 
 }  // namespace
 }  // namespace sightline::tests::foreign_state_test

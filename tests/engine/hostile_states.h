@@ -62,7 +62,7 @@ struct HostileState {
   std::function<void()> set, unset;
 };
 
-/// All state of OpenGL 4.5 core that could come between a draw and its picture, or between a picture and who reads it.
+/// All state of OpenGL 4.5 core that could come between a draw and its image, or between an image and who reads it.
 /// Rows that another row is stronger than are left out. `unset` gives GL's initial value.
 inline std::vector<HostileState> hostile_states(const ForeignObjects& own) {
   const gl::Functions& gl = own.table;

@@ -51,7 +51,7 @@ TEST_F(HybridTest, ASwitchChangesNoPixel) {
     ++frames_on[gpu];
     EXPECT_EQ(b->visible < 0, gpu);
     SCOPED_TRACE(name_of(b->culler));
-    expect_same_picture(*cpu, *hybrid, frame < kEdit ? 0 : 1);
+    expect_same_image(*cpu, *hybrid, frame < kEdit ? 0 : 1);
   }
   EXPECT_GE(frames_on[0], 2);
   EXPECT_GE(frames_on[1], 6);
@@ -69,7 +69,7 @@ TEST_F(HybridTest, FramesFromAsideTeachItNothing) {
   core::Scene scene;
   fill(scene, 22);
   EngineConfig c = config(CullerChoice::kHybrid);
-  c.drawing.hidden_colour = core::vec3(0, 0, 1);
+  c.drawing.culled_colour = core::vec3(0, 0, 1);
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
   int on_gpu = 0;
@@ -109,7 +109,7 @@ TEST_F(HybridTest, ASmallSceneGetsNoGpuCuller) {
     }
 }
 
-/// The plan changes with the number of items: a scene that grows gets its GPU culler with the new order.
+/// The plan changes with the number of items: a scene that grows gets its GPU culler with the new scene version.
 TEST_F(HybridTest, AHybridOfASceneThatGrows) {
   core::Scene small;
   for (int i = 0; i < 9000; ++i)
@@ -216,8 +216,8 @@ TEST_F(HybridTest, AGpuCullerThatFails) {
   }
 }
 
-/// Looks cost both paths the same, so that a hybrid need not learn anew, nor a new order begin again.
-TEST_F(HybridTest, KeepsWhatItKnowsWhenOnlyLooksChange) {
+/// Looks cost both paths the same, so that a hybrid need not learn anew, nor a new scene version begin again.
+TEST_F(HybridTest, KeepsWhatItKnowsWhenOnlyStylesChange) {
   core::Scene scene;
   fill(scene, 22);
   auto engine = Engine::create(scene, config(CullerChoice::kHybrid));
@@ -234,8 +234,8 @@ TEST_F(HybridTest, KeepsWhatItKnowsWhenOnlyLooksChange) {
   };
   ASSERT_NO_FATAL_FAILURE(learn());
   EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.outline_colour = {0, 1, 0}; }), 8u);
-  EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.relief = {0.5f, 0.5f}; }), 8u);
-  EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.hidden_colour = core::vec3(0, 0, 1); }), 8u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.depth_shading = {0.5f, 0.5f}; }), 8u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.culled_colour = core::vec3(0, 0, 1); }), 8u);
   EXPECT_EQ(configure([](EngineConfig&) {}), 8u);
   EXPECT_EQ(configure([](EngineConfig& c) { c.culling.controller.policy_2009.gpu_frames = 4; }), 0u);
   ASSERT_NO_FATAL_FAILURE(learn());
@@ -243,14 +243,14 @@ TEST_F(HybridTest, KeepsWhatItKnowsWhenOnlyLooksChange) {
   ASSERT_NO_FATAL_FAILURE(learn());
   EXPECT_EQ(configure([](EngineConfig& c) { c.culling.occlusion = engine::OcclusionChoice::kOff; }), 0u);
   ASSERT_NO_FATAL_FAILURE(learn());
-  EXPECT_EQ(configure([](EngineConfig& c) { c.losses.contribution = 1.0f; }), 0u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.losses.min_projected_area = 1.0f; }), 0u);
   EXPECT_EQ(engine->controller(), nullptr);
-  configure([](EngineConfig& c) { c.losses.contribution = 0.0f; });
+  configure([](EngineConfig& c) { c.losses.min_projected_area = 0.0f; });
   EXPECT_NE(engine->controller(), nullptr);
 }
 
 /// What lands is as the settings say by then, though they have changed since the rebuild began.
-TEST_F(HybridTest, ARebuildGoesOnWhenOnlyLooksChange) {
+TEST_F(HybridTest, ARebuildGoesOnWhenOnlyStylesChange) {
   core::Scene scene;
   fill(scene, 30);
   auto engine = Engine::create(scene, config(CullerChoice::kHybrid));
@@ -260,16 +260,16 @@ TEST_F(HybridTest, ARebuildGoesOnWhenOnlyLooksChange) {
   ASSERT_TRUE(engine->commit());
   ASSERT_TRUE(engine->rebuilding());
   EngineConfig changed = engine->config();
-  changed.drawing.relief = {0.5f, 0.0f};
+  changed.drawing.depth_shading = {0.5f, 0.0f};
   changed.drawing.outline_colour = {0, 1, 0};
   ASSERT_TRUE(engine->configure(changed));
   while (engine->rebuilding()) ASSERT_TRUE(engine->frame(view(0)));
-  EXPECT_NE(engine->snapshot().generation(), generation) << "the new order has landed";
+  EXPECT_NE(engine->snapshot().generation(), generation) << "the new scene version has landed";
   const auto used = [&](std::string_view feature) {
     return std::any_of(engine->plan().entries.begin(), engine->plan().entries.end(),
                        [&](const engine::PlanEntry& entry) { return entry.feature == feature && entry.used; });
   };
-  EXPECT_TRUE(used("relief"));
+  EXPECT_TRUE(used("depth shading"));
   EXPECT_EQ(engine->plan().culler, CullerChoice::kHybrid);
 
   for (core::ItemId item{2000}; to_index(item) < 6000; ++item) scene.remove_item(item);

@@ -32,7 +32,7 @@ TEST(ItemSizes, AreThoseOfTheDiagonals) {
   const core::ItemBounds one = row_of_cubes(1, 10.0f, 0.0f);
   core::VisibleSet set;
   EXPECT_EQ(mean_area(sight(), one, set, kHeight), 0.0);
-  set.slots = {0};
+  set.single_slots = {0};
   EXPECT_NEAR(mean_area(sight(), one, set, kHeight), 400.0, 1e-2);  // a tenth of 200 pixels is 20
   EXPECT_NEAR(mean_area(sight(-10.0), one, set, kHeight), 100.0, 1e-2);
   EXPECT_NEAR(mean_area(sight(), one, set, 2 * kHeight), 1600.0, 1e-1);
@@ -45,7 +45,7 @@ TEST(ItemSizes, AreNearlyTheMeanOfAll) {
   const core::ItemBounds row = row_of_cubes(20'000, 5.0f, 0.01f);
   core::VisibleSet set;
   set.ranges = {{0, 7'000}, {9'000, 1'000}};
-  for (core::Slot slot = 10'000; slot < 20'000; slot += 2) set.slots.push_back(slot);
+  for (core::Slot slot = 10'000; slot < 20'000; slot += 2) set.single_slots.push_back(slot);
   double sum = 0.0;
   set.for_each_slot([&](core::Slot slot) { sum += std::pow(kHeight / (5.0 + 0.01 * slot), 2.0); });
   const double exact = sum / double(set.count());

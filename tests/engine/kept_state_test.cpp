@@ -1,4 +1,4 @@
-// With GlState::kRestore an application finds its state as it was, and with both states its own picture, whatever it
+// With GlState::kRestore an application finds its state as it was, and with both states its own image, whatever it
 // left in the context. Nothing of the engine's stays there.
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ using engine::GlState;
 
 constexpr int kWidth = 97, kHeight = 61;
 
-struct Way {
+struct Mode {
   const char* name;
   CullerChoice culler;
   culling::GpuVariant variant = {};
@@ -28,10 +28,10 @@ struct Way {
   double budget_ms = 0.0;
   bool overlays = false;
 };
-std::ostream& operator<<(std::ostream& to, const Way& way) {
-  return to << way.name;
+std::ostream& operator<<(std::ostream& to, const Mode& mode) {
+  return to << mode.name;
 }
-constexpr Way kWays[] = {
+constexpr Mode kModes[] = {
     {"Cpu", CullerChoice::kCpu},
     {"CpuOcclusion", CullerChoice::kCpu, {}, 1, engine::OcclusionChoice::kOn},
     {"CpuMultisampled", CullerChoice::kCpu, {}, 4},
@@ -42,7 +42,7 @@ constexpr Way kWays[] = {
     {"GpuOverlays", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 4, engine::OcclusionChoice::kOff, 0.0, true},
 };
 
-class KeptState : public DrawnGrid, public testing::WithParamInterface<Way> {
+class KeptState : public DrawnGrid, public testing::WithParamInterface<Mode> {
  protected:
   void SetUp() override {
     DrawnGrid::SetUp();
@@ -61,7 +61,7 @@ class KeptState : public DrawnGrid, public testing::WithParamInterface<Way> {
     c.culling.occlusion = GetParam().occlusion;
     c.losses.budget_ms = GetParam().budget_ms;
     if (GetParam().overlays) c.drawing.transparency = engine::Transparency::kBlended;
-    if (c.losses.budget_ms > 0.0) c.losses.contribution_way = engine::ContributionWay::kPoints;
+    if (c.losses.budget_ms > 0.0) c.losses.contribution_mode = engine::ContributionMode::kPoints;
     return c;
   }
   core::Expected<Engine> create(const engine::EngineConfig& c) {
@@ -82,7 +82,7 @@ class KeptState : public DrawnGrid, public testing::WithParamInterface<Way> {
 };
 
 TEST_P(KeptState, IsAsBeforeAfterEveryCall) {
-  const Application application(gl(), kWidth, kHeight, kDepthWays[5]);
+  const Application application(gl(), kWidth, kHeight, kDepthModes[5]);
   const ForeignObjects own(gl());
   application.set_state();
   const auto at_all_calls = [&](const char* name) {
@@ -99,7 +99,7 @@ TEST_P(KeptState, IsAsBeforeAfterEveryCall) {
     step("frame()", [&] { return engine->frame(cut()); });
     step("frame() again", [&] { return engine->frame(cut()); });
     step("frame() into a target", [&] { return engine->frame(cut(9), application.target()); });
-    step("frame_part()", [&] { return engine->frame_part(cut(9), {1000, 700, 100.0, 50.0}); });
+    step("frame_tile()", [&] { return engine->frame_tile(cut(9), {1000, 700, 100.0, 50.0}); });
     engine->finish();
     (void)engine->take_late_report();
     expect_unchanged(before, "take_late_report()");
@@ -137,7 +137,7 @@ TEST_P(KeptState, IsAsBeforeAfterEveryCall) {
 }
 
 TEST_P(KeptState, IsAsBeforeAfterAFrameInEachHostileState) {
-  const Application application(gl(), kWidth, kHeight, kDepthWays[5]);
+  const Application application(gl(), kWidth, kHeight, kDepthModes[5]);
   const ForeignObjects own(gl());
   auto engine = create(config(GlState::kRestore));
   ASSERT_TRUE(engine) << engine.error().message;
@@ -156,8 +156,8 @@ TEST_P(KeptState, IsAsBeforeAfterAFrameInEachHostileState) {
   }
 }
 
-/// Two halves of a picture, with and without an engine's frame between them.
-TEST_P(KeptState, TheApplicationsPictureIsItsOwn) {
+/// Two halves of an image, with and without an engine's frame between them.
+TEST_P(KeptState, TheApplicationsImageIsItsOwn) {
   const ForeignObjects own(gl());
   const core::View eye = cut();
   const Application application(gl(), kWidth, kHeight), elsewhere(gl(), kWidth, kHeight);
@@ -175,7 +175,7 @@ TEST_P(KeptState, TheApplicationsPictureIsItsOwn) {
     ASSERT_TRUE(engine) << engine.error().message;
     for (const HostileState& state : hostile_states(own)) {
       SCOPED_TRACE(testing::Message() << state.name << (kept == GlState::kRestore ? ", restored" : ", left"));
-      const auto picture = [&](bool between) {
+      const auto image = [&](bool between) {
         first();
         state.set();
         if (between) {
@@ -199,19 +199,19 @@ TEST_P(KeptState, TheApplicationsPictureIsItsOwn) {
         state.unset();
         return std::pair(application.pixels(), application.depths());
       };
-      EXPECT_TRUE(picture(false) == picture(true));
+      EXPECT_TRUE(image(false) == image(true));
     }
   }
   (void)context->take_errors();  // some states let the application's own draw fail, with the engine and without
 }
 
-TEST_P(KeptState, NothingSpoilsThePictureInTheApplicationsFramebuffer) {
-  const Application application(gl(), kWidth, kHeight, kDepthWays[5], 1, GL_SRGB8_ALPHA8);
+TEST_P(KeptState, NothingSpoilsTheImageInTheApplicationsFramebuffer) {
+  const Application application(gl(), kWidth, kHeight, kDepthModes[5], 1, GL_SRGB8_ALPHA8);
   const ForeignObjects own(gl());
   for (const GlState kept : {GlState::kRestore, GlState::kLeave}) {
     auto engine = create(config(kept));
     ASSERT_TRUE(engine) << engine.error().message;
-    const auto picture = [&](bool clears) {
+    const auto image = [&](bool clears) {
       gl::ExternalTarget target = application.target(1, 2, kWidth - 3, kHeight - 4);
       target.clear_colour = target.clear_depth = clears;
       EXPECT_TRUE(engine->frame(cut(), target));
@@ -219,12 +219,12 @@ TEST_P(KeptState, NothingSpoilsThePictureInTheApplicationsFramebuffer) {
     };
     for (const bool clears : {false, true}) {
       application.clear();
-      const auto clean = picture(clears);
+      const auto clean = image(clears);
       for (const HostileState& state : hostile_states(own)) {
         SCOPED_TRACE(state.name);
         application.clear();
         state.set();
-        const auto spoilt = picture(clears);
+        const auto spoilt = image(clears);
         state.unset();
         EXPECT_TRUE(spoilt == clean);
       }
@@ -233,7 +233,7 @@ TEST_P(KeptState, NothingSpoilsThePictureInTheApplicationsFramebuffer) {
 }
 
 TEST_P(KeptState, NoObjectIsLeftBehind) {
-  const Application application(gl(), kWidth, kHeight, kDepthWays[0], GetParam().samples);
+  const Application application(gl(), kWidth, kHeight, kDepthModes[0], GetParam().samples);
   for (const GlState kept : {GlState::kRestore, GlState::kLeave}) {
     const CountedObjects objects(const_cast<gl::Functions&>(gl()));
     {
@@ -254,8 +254,8 @@ TEST_P(KeptState, NoObjectIsLeftBehind) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Ways, KeptState, testing::ValuesIn(kWays),
-                         [](const testing::TestParamInfo<Way>& way) { return std::string(way.param.name); });
+INSTANTIATE_TEST_SUITE_P(Modes, KeptState, testing::ValuesIn(kModes),
+                         [](const testing::TestParamInfo<Mode>& mode) { return std::string(mode.param.name); });
 
 }  // namespace
 }  // namespace sightline::tests::kept_state_test

@@ -1,5 +1,5 @@
-// The occluder raster, and figures within solids, beside the depth of the same items drawn: nowhere nearer, and hardly
-// less.
+// The occluder raster, and occluder polygons within solids, beside the depth of the same items drawn: nowhere nearer,
+// and hardly less.
 #include <cmath>
 #include <cstdint>
 
@@ -122,7 +122,7 @@ TEST_F(OccluderDepth, IsNowhereNearerThanWhatIsDrawn) {
 }
 
 /// Solids of all kinds, far from the world's origin too, seen by shaders in float.
-TEST_F(OccluderDepth, OfFiguresWithinSolidsIsNowhereNearerThanTheSolids) {
+TEST_F(OccluderDepth, OfInnerOccludersIsNowhereNearerThanTheSolids) {
   std::int64_t drawn = 0, covered = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);

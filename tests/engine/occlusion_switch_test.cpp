@@ -25,8 +25,8 @@ Flown fly(OcclusionSwitch& choice, int frames, const Cost& cost, const std::func
   std::uniform_real_distribution<double> noise(0.95, 1.05), view(10.0, 100.0);
   Flown flown;
   for (int i = 0; i < frames; ++i) {
-    const OcclusionMode way = choice.use(area ? area(i) : 50.0);
-    const bool on = way != OcclusionMode::kOff, measured = way == OcclusionMode::kOnBesidePart;
+    const OcclusionMode mode = choice.use(area ? area(i) : 50.0);
+    const bool on = mode != OcclusionMode::kOff, measured = mode == OcclusionMode::kOnBesidePart;
     const double of_view = view(random), ms = cost(i, on) * of_view * noise(random);
     const double part_ms = measured ? kPart * cost(i, false) * of_view * noise(random) : 0.0;
     if (measured) choice.measured(ms, part_ms);
@@ -40,25 +40,25 @@ Flown fly(OcclusionSwitch& choice, int frames, const Cost& cost, const std::func
 }
 
 TEST(OcclusionSwitch, KeepsWhatPays) {
-  for (const double dearer : {1.1, 1.5, 3.0, 20.0}) {
+  for (const double ratio : {1.1, 1.5, 3.0, 20.0}) {
     OcclusionSwitch choice;
-    const auto cost = [&](int, bool on) { return on ? 1.0 : dearer; };
+    const auto cost = [&](int, bool on) { return on ? 1.0 : ratio; };
     const Flown first = fly(choice, 60, cost), later = fly(choice, 2000, cost);
-    EXPECT_EQ(first.frames_on + later.frames_on, 2060) << dearer;
-    EXPECT_LT(first.chosen, (1.01 + 4 * kPart * dearer / 60) * first.best) << dearer;
-    EXPECT_LT(later.chosen, 1.03 * later.best) << dearer;
-    EXPECT_LT(later.worst, 1.1 * (1.0 + kPart * dearer)) << dearer;
+    EXPECT_EQ(first.frames_on + later.frames_on, 2060) << ratio;
+    EXPECT_LT(first.chosen, (1.01 + 4 * kPart * ratio / 60) * first.best) << ratio;
+    EXPECT_LT(later.chosen, 1.03 * later.best) << ratio;
+    EXPECT_LT(later.worst, 1.1 * (1.0 + kPart * ratio)) << ratio;
   }
 }
 
 TEST(OcclusionSwitch, LeavesWhatDoesNotPay) {
-  for (const double dearer : {1.1, 1.5, 2.0}) {
+  for (const double ratio : {1.1, 1.5, 2.0}) {
     OcclusionSwitch choice;
-    const auto cost = [&](int, bool on) { return on ? dearer : 1.0; };
+    const auto cost = [&](int, bool on) { return on ? ratio : 1.0; };
     const Flown first = fly(choice, 60, cost), later = fly(choice, 2000, cost);
-    EXPECT_LT(first.frames_on, 15) << dearer;
-    EXPECT_LT(first.chosen, 1.1 * first.best * (1.0 + 0.1 * (dearer - 1.0))) << dearer;
-    EXPECT_LT(later.chosen, 1.05 * later.best) << dearer;
+    EXPECT_LT(first.frames_on, 15) << ratio;
+    EXPECT_LT(first.chosen, 1.1 * first.best * (1.0 + 0.1 * (ratio - 1.0))) << ratio;
+    EXPECT_LT(later.chosen, 1.05 * later.best) << ratio;
   }
 }
 

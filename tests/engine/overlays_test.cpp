@@ -1,4 +1,4 @@
-// What is drawn over the finished picture: ghosts, blended transparency, outlines.
+// What is drawn over the finished image: ghosts, blended transparency, outlines.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -7,7 +7,7 @@
 
 #include "sightline/core/scene.h"
 #include "sightline/gl/external_target.h"
-#include "sightline/tests/engine/ways_to_draw.h"
+#include "sightline/tests/engine/drawing_modes.h"
 
 namespace sightline::tests::overlays_test {
 namespace {
@@ -36,13 +36,13 @@ class OverlaysTest : public DrawnGrid {
     const core::dvec3 centre(7.0), eye = centre + 15.0 * core::dvec3(std::cos(turn), std::sin(turn), 0.2);
     return *core::View::perspective({eye, centre, {0, 0, 1}}, 0.8, 1.5, 0.1);
   }
-  struct Picture {
+  struct Image {
     image::Image colour;
     std::vector<std::uint32_t> ids;
     std::vector<float> depth;
     bool has_ids(ItemId item) const { return std::find(ids.begin(), ids.end(), to_index(item) + 1) != ids.end(); }
   };
-  static Picture picture(Engine& engine, const core::View& view) {
+  static Image image(Engine& engine, const core::View& view) {
     if (!draw_complete(engine, view)) return {};
     return {*engine.read_colour(), engine.read_ids()->ids, engine.read_depth(view)->metres};
   }
@@ -52,16 +52,16 @@ class OverlaysTest : public DrawnGrid {
   core::Scene scene;
 };
 
-const auto kWays = ways_to_draw({{"budget_squares", [](EngineConfig& c) {
-                                    c.losses.budget_ms = 1e5;
-                                    c.losses.contribution_way = engine::ContributionWay::kPoints;
-                                  }}});
+const auto kModes = drawing_modes({{"budget_splats", [](EngineConfig& c) {
+                                      c.losses.budget_ms = 1e5;
+                                      c.losses.contribution_mode = engine::ContributionMode::kPoints;
+                                    }}});
 
-class OverlaysInAllWays : public OverlaysTest, public testing::WithParamInterface<WayToDraw> {};
-INSTANTIATE_TEST_SUITE_P(, OverlaysInAllWays, testing::ValuesIn(kWays), name_of);
+class OverlaysInAllModes : public OverlaysTest, public testing::WithParamInterface<DrawingMode> {};
+INSTANTIATE_TEST_SUITE_P(, OverlaysInAllModes, testing::ValuesIn(kModes), name_of);
 
-/// Ids and depth are those of the picture without ghosts, whose colours shine through, however many ghosts there are.
-TEST_P(OverlaysInAllWays, GhostsHideNothing) {
+/// Ids and depth are those of the image without ghosts, whose colours shine through, however many ghosts there are.
+TEST_P(OverlaysInAllModes, GhostsHideNothing) {
   auto engine = Engine::create(scene, configured(GetParam().set)),
        without = Engine::create(scene, configured(GetParam().set)),
        reference = Engine::create(scene, configured([](EngineConfig&) {}));
@@ -74,20 +74,20 @@ TEST_P(OverlaysInAllWays, GhostsHideNothing) {
   for (int frame = 0; frame < 6; ++frame) {
     SCOPED_TRACE(frame);
     const core::View view = around(0.2 * (frame / 2));  // each twice: a budget goes on
-    const Picture with = picture(*engine, view), bare = picture(*without, view);
+    const Image with = image(*engine, view), bare = image(*without, view);
     EXPECT_EQ(with.ids, bare.ids);
     EXPECT_EQ(with.depth, bare.depth);
     EXPECT_GT(difference(with.colour, bare.colour), 20);
     EXPECT_LE(difference(with.colour, bare.colour), 128) << "half of the light passes";
     if (GetParam().name != std::string("samples")) {
-      EXPECT_EQ(difference(with.colour, picture(*reference, view).colour), 0) << "as any other culler's";
+      EXPECT_EQ(difference(with.colour, image(*reference, view).colour), 0) << "as any other culler's";
     }
   }
   ASSERT_TRUE(engine->clear_overrides() && without->show_all());
-  EXPECT_EQ(difference(picture(*engine, around(1)).colour, picture(*without, around(1)).colour), 0);
+  EXPECT_EQ(difference(image(*engine, around(1)).colour, image(*without, around(1)).colour), 0);
 }
 
-TEST_P(OverlaysInAllWays, BlendedItemsHideNothing) {
+TEST_P(OverlaysInAllModes, BlendedItemsHideNothing) {
   const auto set = [](EngineConfig& c) { c.drawing.transparency = Transparency::kBlended; };
   EngineConfig c = configured(GetParam().set);
   set(c);
@@ -110,17 +110,17 @@ TEST_P(OverlaysInAllWays, BlendedItemsHideNothing) {
   for (int frame = 0; frame < 4; ++frame) {
     SCOPED_TRACE(frame);
     const core::View view = around(0.2 * (frame / 2));
-    const Picture with = picture(*engine, view), bare = picture(*without, view);
+    const Image with = image(*engine, view), bare = image(*without, view);
     EXPECT_EQ(with.ids, bare.ids);
     EXPECT_EQ(with.depth, bare.depth);
     EXPECT_GT(difference(with.colour, bare.colour), 50);
     if (GetParam().name != std::string("samples")) {  // sums in another order differ in their last bits
-      EXPECT_LE(difference(with.colour, picture(*reference, view).colour), 1);
+      EXPECT_LE(difference(with.colour, image(*reference, view).colour), 1);
     }
   }
   scene.update_material(glass, {"", {0.2f, 0.4f, 0.9f}, 1.0f});
   ASSERT_TRUE(engine->commit() && engine->clear_overrides() && without->commit() && without->show_all());
-  const Picture opaque = picture(*engine, around(1)), wanted = picture(*without, around(1));
+  const Image opaque = image(*engine, around(1)), wanted = image(*without, around(1));
   EXPECT_EQ(opaque.ids, wanted.ids);
   EXPECT_EQ(difference(opaque.colour, wanted.colour), 0);
 }
@@ -138,13 +138,13 @@ TEST_F(OverlaysTest, OneBlendedSurfaceIsExact) {
     c.drawing.samples = samples;
     auto engine = Engine::create(two, c);
     ASSERT_TRUE(engine);
-    const Picture blended = picture(*engine, view);
+    const Image blended = image(*engine, view);
     const ItemId pane{0};
     ASSERT_TRUE(engine->hide({&pane, 1}));
-    const Picture behind = picture(*engine, view);
+    const Image behind = image(*engine, view);
     two.update_material(front, {"", {0.9f, 0.2f, 0.1f}, 1.0f});
     ASSERT_TRUE(engine->show_all() && engine->commit());
-    const Picture opaque = picture(*engine, view);
+    const Image opaque = image(*engine, view);
     two.update_material(front, {"", {0.9f, 0.2f, 0.1f}, 0.35f});
     int seen = 0;
     for (std::size_t i = 0; i < blended.ids.size(); ++i) {
@@ -179,8 +179,8 @@ TEST_F(OverlaysTest, ManyBlendedSurfacesAreNearSortedOnes) {
   auto engine =
       Engine::create(panes, configured([](EngineConfig& e) { e.drawing.transparency = Transparency::kBlended; }));
   ASSERT_TRUE(engine);
-  const Picture blended = picture(*engine, view);
-  std::vector<Picture> alone;
+  const Image blended = image(*engine, view);
+  std::vector<Image> alone;
   std::vector<ItemId> all(kPanes);
   for (ItemId i{0}; to_index(i) < kPanes; ++i) all[to_index(i)] = i;
   for (int i = 0; i < kPanes; ++i) {
@@ -191,7 +191,7 @@ TEST_F(OverlaysTest, ManyBlendedSurfacesAreNearSortedOnes) {
   ASSERT_TRUE(engine->commit());
   for (ItemId i{0}; to_index(i) < kPanes; ++i) {
     ASSERT_TRUE(engine->hide(all) && engine->show({&i, 1}));
-    alone.push_back(picture(*engine, view));
+    alone.push_back(image(*engine, view));
   }
   const auto background = alone[0].colour.pixels;  // in a corner
   double sum = 0.0, most = 0.0;
@@ -234,11 +234,11 @@ TEST_F(OverlaysTest, OutlinesSurroundWhatIsSeen) {
     ASSERT_TRUE(engine);
     const ItemId outlined{0}, before = ItemId{1};
     ASSERT_TRUE(engine->hide({&before, 1}));
-    const Picture alone = picture(*engine, view);
+    const Image alone = image(*engine, view);
     ASSERT_TRUE(engine->show_all() && engine->set_override({&outlined, 1}, {.ghost = ghost}));
-    const Picture bare = picture(*engine, view);
+    const Image bare = image(*engine, view);
     ASSERT_TRUE(engine->set_override({&outlined, 1}, {.outline = true, .ghost = ghost}));
-    const Picture lined = picture(*engine, view);
+    const Image lined = image(*engine, view);
     EXPECT_EQ(lined.ids, bare.ids);
     int full = 0, faint = 0;
     for (int y = 0; y < kHeight; ++y)
@@ -287,8 +287,8 @@ TEST_F(OverlaysTest, AreInExternalTargets) {
   }
 }
 
-/// An outline over a copy of the picture is the one that a frame with that style has; the picture stays.
-TEST_P(OverlaysInAllWays, OutlinesCanBeDrawnLater) {
+/// An outline over a copy of the image is the one that a frame with that style has; the image stays.
+TEST_P(OverlaysInAllModes, OutlinesCanBeDrawnLater) {
   EngineConfig c = configured(GetParam().set);
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
@@ -296,7 +296,7 @@ TEST_P(OverlaysInAllWays, OutlinesCanBeDrawnLater) {
   const ItemId hidden{900};
   ASSERT_TRUE(engine->hide({&hidden, 1}));
   const core::View view = around(0.5);
-  const image::Image bare = picture(*engine, view).colour;
+  const image::Image bare = image(*engine, view).colour;
   auto theirs = render::RenderTarget::create(*context, kWidth, kHeight, {});
   ASSERT_TRUE(theirs);
   gl::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
@@ -306,9 +306,9 @@ TEST_P(OverlaysInAllWays, OutlinesCanBeDrawnLater) {
   ASSERT_TRUE(drawn) << drawn.error().message;
   const image::Image later = theirs->read_colour();
   EXPECT_EQ(difference(*engine->read_colour(), bare), 0);
-  EXPECT_EQ(difference(picture(*engine, view).colour, bare), 0) << "the next frame";
+  EXPECT_EQ(difference(image(*engine, view).colour, bare), 0) << "the next frame";
   ASSERT_TRUE(engine->set_override(items, {.outline = true}));
-  const image::Image styled = picture(*engine, view).colour;
+  const image::Image styled = image(*engine, view).colour;
   EXPECT_LE(difference(later, styled), 1);
   EXPECT_GT(difference(styled, bare), 50) << "there is a line";
 }

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/scene.h"
-#include "sightline/tests/engine/ways_to_draw.h"
+#include "sightline/tests/engine/drawing_modes.h"
 
 namespace sightline::tests::overrides_test {
 namespace {
@@ -131,32 +131,32 @@ class OverridesTest : public DrawnGrid {
   std::map<ItemId, State> states;
 };
 
-const auto kWays = ways_to_draw({
+const auto kModes = drawing_modes({
     {"no_sample_test",  // ranges that are drawn have vacant slots
      [](EngineConfig& c) {
        c.culling.occlusion = engine::OcclusionChoice::kOff;
        c.culling.sample_test = false;
      }},
-    {"contribution", [](EngineConfig& c) { c.losses.contribution = 30.0f; }},
-    {"squares",
+    {"contribution", [](EngineConfig& c) { c.losses.min_projected_area = 30.0f; }},
+    {"splats",
      [](EngineConfig& c) {
-       c.losses.contribution = 30.0f;
-       c.losses.contribution_way = engine::ContributionWay::kPoints;
+       c.losses.min_projected_area = 30.0f;
+       c.losses.contribution_mode = engine::ContributionMode::kPoints;
      }},
 });
 
-class OverridesInAllWays : public OverridesTest, public testing::WithParamInterface<WayToDraw> {};
-INSTANTIATE_TEST_SUITE_P(, OverridesInAllWays, testing::ValuesIn(kWays), name_of);
+class OverridesInAllModes : public OverridesTest, public testing::WithParamInterface<DrawingMode> {};
+INSTANTIATE_TEST_SUITE_P(, OverridesInAllModes, testing::ValuesIn(kModes), name_of);
 
-TEST_P(OverridesInAllWays, AreAsMaterialsAndVisibilityThroughAnyEdits) {
+TEST_P(OverridesInAllModes, AreAsMaterialsAndVisibilityThroughAnyEdits) {
   const unsigned seed = 4711;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> anywhere(0.0, kSide);  // no two surfaces at the same depth
   const auto below = [&](std::size_t n) { return std::size_t(random() % n); };
-  EngineConfig way = configured(CullerChoice::kAutomatic);
-  GetParam().set(way);
-  auto engine = Engine::create(scene, way), really = Engine::create(twin, way);
+  EngineConfig mode = configured(CullerChoice::kAutomatic);
+  GetParam().set(mode);
+  auto engine = Engine::create(scene, mode), really = Engine::create(twin, mode);
   ASSERT_TRUE(engine && really);
   const auto pick_items = [&] {
     std::vector<ItemId> picked;
@@ -237,8 +237,8 @@ TEST_P(OverridesInAllWays, AreAsMaterialsAndVisibilityThroughAnyEdits) {
       ASSERT_TRUE(engine->commit() && really->commit());
     }
     for (Engine* e : {&*engine, &*really}) {  // what was large in the last frame depends on when slots were given up
-      e->drawing()->set_contribution(0.0f, way.losses.contribution_way);
-      e->drawing()->set_contribution(way.losses.contribution, way.losses.contribution_way);
+      e->drawing()->set_min_projected_area(0.0f, mode.losses.contribution_mode);
+      e->drawing()->set_min_projected_area(mode.losses.min_projected_area, mode.losses.contribution_mode);
     }
     ASSERT_NO_FATAL_FAILURE(expect_told(*engine));
     expect_same(*engine, *really, around(0.3 * step));
@@ -272,7 +272,7 @@ TEST_F(OverridesTest, OfWhatHangsOnNodes) {
   EXPECT_FALSE(engine->items_below({{nodes[0], inner}}));
 }
 
-TEST_F(OverridesTest, OrdersFromTheBackgroundAreOverridden) {
+TEST_F(OverridesTest, VersionsFromTheBackgroundAreOverridden) {
   const unsigned seed = 12;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
@@ -307,11 +307,11 @@ TEST_F(OverridesTest, OrdersFromTheBackgroundAreOverridden) {
     ASSERT_TRUE(engine->frame(view) && really->frame(view));
     EXPECT_EQ(*engine->items_in(view, {0, 0, 192, 128}, culling::RegionRule::kCrossing),
               *really->items_in(view, {0, 0, 192, 128}, culling::RegionRule::kCrossing));
-    expect_same_picture(*engine, *really, 1);
+    expect_same_image(*engine, *really, 1);
   }
 }
 
-TEST_F(OverridesTest, LooksGiveWayToMoreMaterials) {
+TEST_F(OverridesTest, OverridesGiveWayToMoreMaterials) {
   auto engine = Engine::create(scene, configured(CullerChoice::kCpu)),
        really = Engine::create(twin, configured(CullerChoice::kCpu));
   ASSERT_TRUE(engine && really);

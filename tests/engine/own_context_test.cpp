@@ -103,7 +103,7 @@ class EglHost final : public Host {
   EGLSurface draw_ = EGL_NO_SURFACE, read_ = EGL_NO_SURFACE;
 };
 
-/// OSMesa with a picture of floats, in which a clear colour shows.
+/// OSMesa with an image of floats, in which a clear colour shows.
 class OsMesaHost final : public Host {
  public:
   static std::unique_ptr<Host> make() {

@@ -1,4 +1,4 @@
-// Pictures drawn page by page are those of an engine that has everything in memory.
+// Images drawn page by page are those of an engine that has everything in memory.
 #include "sightline/engine/paged_engine.h"
 
 #include <algorithm>
@@ -81,7 +81,7 @@ class PagedEngineTest : public tests::GlTest {
   }
 
   /// Colours and depths to the bit. Ids, too, but where two items are at the same depth.
-  static void expect_same_picture(PagedEngine& paged, Engine& whole, const View& view) {
+  static void expect_same_image(PagedEngine& paged, Engine& whole, const View& view) {
     const auto report = paged.settle(view, [](const PagedReport& so_far) {
       EXPECT_FALSE(so_far.complete);
       EXPECT_GT(so_far.pending, 0);
@@ -90,7 +90,7 @@ class PagedEngineTest : public tests::GlTest {
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->complete);
     EXPECT_EQ(report->pending, 0);
-    EXPECT_EQ(report->stand_ins, 0);
+    EXPECT_EQ(report->placeholders, 0);
     ASSERT_TRUE(whole.frame(view));
     const auto depth = whole.read_depth(view);
     const auto ids = whole.read_ids();
@@ -162,7 +162,7 @@ core::Expected<Engine> whole_engine(core::Scene& scene) {
                                 .drawing = {.ids = true}});
 }
 
-TEST_F(PagedEngineTest, SettledPicturesAreThoseOfTheWhole) {
+TEST_F(PagedEngineTest, SettledImagesAreThoseOfTheWhole) {
   const std::string file = write(plant(200'000));
   core::Scene scene;
   ASSERT_TRUE(importers::import_file(file, scene, scene.root()));
@@ -179,7 +179,7 @@ TEST_F(PagedEngineTest, SettledPicturesAreThoseOfTheWhole) {
   for (const bool tight : {false, true}) {
     auto paged = tight ? tight_engine(file) : engine(file);
     ASSERT_TRUE(paged) << paged.error().message;
-    for (const View& view : views) expect_same_picture(*paged, *whole, view);
+    for (const View& view : views) expect_same_image(*paged, *whole, view);
     for (const std::string& error : paged->take_errors()) ADD_FAILURE() << error;
     EXPECT_LE(paged->memory().pages, paged->memory().limit);
   }
@@ -206,7 +206,7 @@ TEST_F(PagedEngineTest, AllKindsOfItemsLayersAndMaterials) {
     if (i % 3 == 1) view.layers = core::kLayerInsulation;
     if (i % 3 == 2) view.layers = core::kLayerModel | core::kLayerInsulation;
     if (i % 4 == 3) view.sections = {{{0, 0.6, 0.8}, -0.6 * middle.y}, {{1, 0, 0}, 5.0 - middle.x}};
-    expect_same_picture(*paged, *whole, view);
+    expect_same_image(*paged, *whole, view);
   }
 }
 
@@ -266,14 +266,14 @@ TEST_F(PagedEngineTest, ASmallLimitGivesUpPagesAndLosesNothing) {
   EXPECT_EQ(most->evicted, 0u);
   EXPECT_EQ(small->read_colour().pixels, large->read_colour().pixels);
   EXPECT_LE(small->memory().pages, small->memory().limit);
-  // Complete pictures stay as they are, and ask for nothing. A page that what came before it hides may be under way.
+  // Complete images stay as they are, and ask for nothing. A page that what came before it hides may be under way.
   auto rest = least;
   while (small->wait(60.0)) rest = small->frame(view);
   const auto again = small->frame(view);
   ASSERT_TRUE(rest && again);
   EXPECT_TRUE(again->complete);
   EXPECT_EQ(again->loaded, rest->loaded);
-  EXPECT_EQ(again->shown, least->shown);
+  EXPECT_EQ(again->items_drawn, least->items_drawn);
   EXPECT_FALSE(small->wait(0.0));
 }
 
@@ -286,15 +286,15 @@ TEST_F(PagedEngineTest, WhatIsMissingIsStoodInFor) {
   ASSERT_TRUE(first);
   EXPECT_FALSE(first->complete);
   EXPECT_EQ(first->pending, first->leaves);
-  EXPECT_GT(first->stand_ins, 100);
-  EXPECT_EQ(first->shown, 0);
+  EXPECT_GT(first->placeholders, 100);
+  EXPECT_EQ(first->items_drawn, 0);
   const image::Image coarse = paged->read_colour();
   for (const std::uint32_t id : paged->read_ids().ids) ASSERT_EQ(id, 0u);
-  // Stand-ins cover about what the model does.
+  // Placeholders cover about what the model does.
   ASSERT_TRUE(paged->settle(view));
   const image::Image fine = paged->read_colour();
-  const auto is_background = [](const image::Image& picture, std::size_t pixel) {
-    return std::memcmp(&picture.pixels[3 * pixel], &picture.pixels[0], 3) == 0;
+  const auto is_background = [](const image::Image& image, std::size_t pixel) {
+    return std::memcmp(&image.pixels[3 * pixel], &image.pixels[0], 3) == 0;
   };
   std::size_t covered = 0, both = 0;
   for (std::size_t i = 0; i < fine.pixels.size() / 3; ++i) {
@@ -360,8 +360,8 @@ TEST_F(PagedEngineTest, ADamagedPageIsToldAndTheOthersAreDrawn) {
   ASSERT_TRUE(report);
   EXPECT_TRUE(report->complete);
   EXPECT_EQ(report->failed, 1u);
-  EXPECT_GT(report->shown, 1000);
-  EXPECT_GT(report->stand_ins, 0);
+  EXPECT_GT(report->items_drawn, 1000);
+  EXPECT_GT(report->placeholders, 0);
   const auto errors = paged->take_errors();
   ASSERT_EQ(errors.size(), 1u);
   EXPECT_NE(errors[0].find("it does not match its checksum"), std::string::npos) << errors[0];
@@ -425,9 +425,9 @@ TEST_F(PagedEngineTest, AFrameOfAViewThatStaysTakesItsTime) {
   EXPECT_EQ(first->frame + 1, second->frame);
 }
 
-TEST_F(PagedEngineTest, ABarSaysThatThePictureIsNotComplete) {
+TEST_F(PagedEngineTest, ABarSaysThatTheImageIsNotComplete) {
   const std::string file = write(plant(50'000));
-  std::vector<image::Image> pictures;
+  std::vector<image::Image> images;
   for (const bool bar : {false, true}) {
     auto paged = PagedEngine::create(
         open(file), {.width = kWidth, .height = kHeight, .memory_limit = kMany, .refine_ms = 0.0, .loading_bar = bar});
@@ -435,14 +435,14 @@ TEST_F(PagedEngineTest, ABarSaysThatThePictureIsNotComplete) {
     const auto first = paged->frame(overview(*paged));
     ASSERT_TRUE(first);
     ASSERT_FALSE(first->complete);
-    pictures.push_back(paged->read_colour());
+    images.push_back(paged->read_colour());
   }
-  ASSERT_EQ(pictures[0].pixels.size(), pictures[1].pixels.size());
+  ASSERT_EQ(images[0].pixels.size(), images[1].pixels.size());
   int changed = 0;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       const std::size_t at = 3 * (std::size_t(y) * kWidth + std::size_t(x));
-      if (std::memcmp(&pictures[0].pixels[at], &pictures[1].pixels[at], 3) == 0) continue;
+      if (std::memcmp(&images[0].pixels[at], &images[1].pixels[at], 3) == 0) continue;
       ++changed;
       EXPECT_GT(y, kHeight * 9 / 10);
       EXPECT_LT(x, kWidth / 4);

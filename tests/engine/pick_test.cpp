@@ -1,4 +1,4 @@
-// Picks: what a view shows at a point, through edits and new orders of the items.
+// Picks: what a view shows at a point, through edits and new scene versions.
 #include "sightline/engine/pick.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 using core::dvec3;
 
-/// A square of n x n balls of 0.8 m diameter, one metre apart, seen from above in a picture of 100 pixels a ball.
+/// A square of n x n balls of 0.8 m diameter, one metre apart, seen from above in an image of 100 pixels a ball.
 struct Balls {
   core::Scene scene;
   int n;
@@ -218,7 +218,7 @@ TEST(Pick, GoesThroughGhostsUnlessAsked) {
   ASSERT_TRUE(engine->set_override(ghosts, {.ghost = true}));
   EXPECT_EQ(balls.pick(*engine, 0, 0), behind);
   EXPECT_EQ(balls.pick(*engine, 1, 1), inside);
-  EXPECT_EQ(balls.pick(*engine, 2, 2), core::kNone);
+  EXPECT_EQ(balls.pick(*engine, 2, 2), core::kNoItem);
   EXPECT_EQ(balls.pick(*engine, 1, 0), balls.items[1]);
   const auto asked = engine->pick(balls.view, 50.0, 250.0, Ghosts::kHit);
   ASSERT_TRUE(asked && *asked);
@@ -281,7 +281,7 @@ TEST(Pick, FindsItemsInRectangles) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(engine->visible_items_in(balls.view, {nan, 0, 1, 1}));
     EXPECT_FALSE(engine->items_in(balls.view, {0, nan, 1, 1}, culling::RegionRule::kWholly));
-    // The samples of a part of the picture are those of the whole.
+    // The samples of a part of the image are those of the whole.
     const auto whole = engine->visible_items_in(balls.view, {0, 0, 1000, 1000}, 4);
     const auto left = engine->visible_items_in(balls.view, {0, 0, 333, 1000}, 4);
     const auto right = engine->visible_items_in(balls.view, {333, 0, 1000, 1000}, 4);
@@ -296,14 +296,14 @@ TEST(Pick, FindsItemsInRectangles) {
   }
 }
 
-TEST(Pick, FollowsEditsAndNewOrders) {
+TEST(Pick, FollowsEditsAndNewVersions) {
   Balls balls(40);
   EngineConfig config = balls.config();
   config.culling.rebuild_share = 0.2;
   auto engine = Engine::create(balls.scene, config);
   ASSERT_TRUE(engine);
   EXPECT_EQ(balls.pick(*engine, 3, 4), balls.items[163]);
-  // Each round moves every ball of a row to another row, which in the end brings a new order.
+  // Each round moves every ball of a row to another row, which in the end brings a new scene version.
   for (int round = 0; round < 39; ++round) {
     for (int x = 0; x < 40; ++x) {
       std::swap(balls.items[std::size_t(40 * round + x)], balls.items[std::size_t(40 * 39 + x)]);
@@ -338,7 +338,7 @@ TEST(Pick, FollowsBackgroundRebuilds) {
   for (int i = 0; i < 1600; ++i) balls.scene.set_placement(balls.items[std::size_t(i)], Balls::at(i % 40, i / 40));
   ASSERT_TRUE(engine->commit());
   for (int tries = 0; engine->snapshot().generation() == before; ++tries) {
-    ASSERT_LT(tries, 20'000) << "no new order";
+    ASSERT_LT(tries, 20'000) << "no new scene version";
     ASSERT_TRUE(engine->frame(balls.view));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

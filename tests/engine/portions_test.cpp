@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "sightline/gpuprims/internal/box.h"
+#include "sightline/tests/engine/drawing_modes.h"
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/engine/state_dump.h"
-#include "sightline/tests/engine/ways_to_draw.h"
 #include "sightline/tests/support/effort.h"
 
 namespace sightline::tests::portions_test {
@@ -23,7 +23,7 @@ using engine::EngineConfig;
 constexpr int kGrid = 22;            // enough for several portions of a batch
 constexpr int kMostPortions = 1000;  // then it does not end
 
-class Portions : public DrawnGrid, public testing::WithParamInterface<WayToDraw> {
+class Portions : public DrawnGrid, public testing::WithParamInterface<DrawingMode> {
  protected:
   void SetUp() override {
     DrawnGrid::SetUp();
@@ -35,13 +35,13 @@ class Portions : public DrawnGrid, public testing::WithParamInterface<WayToDraw>
     scene.add_primitive(scene.root(), core::Line{0.0f, 6.0f}, core::translation({2.0, 0.0, 6.0}));
   }
   /// Orders that are made in the background would come at other times.
-  EngineConfig way(gl::Context* used) const {
+  EngineConfig mode(gl::Context* used) const {
     EngineConfig c;
     c.draw = c.drawing.ids = true;
     c.width = 96;
     c.height = 64;
     c.culling.rebuild_share = 0.0;
-    c.drawing.relief = {0.5f, 0.5f};
+    c.drawing.depth_shading = {0.5f, 0.5f};
     GetParam().set(c);
     c.context.application = used;
     c.context.later = !used;
@@ -62,7 +62,7 @@ class Portions : public DrawnGrid, public testing::WithParamInterface<WayToDraw>
   void expect_same(Engine& a, Engine& b) {
     for (int turn = 0; turn < (long_run() ? 4 : 2); ++turn) {
       ASSERT_TRUE(draw_complete(a, view(0.5 * turn)) && draw_complete(b, view(0.5 * turn)));
-      ASSERT_NO_FATAL_FAILURE(expect_same_picture(a, b)) << "turn " << turn;
+      ASSERT_NO_FATAL_FAILURE(expect_same_image(a, b)) << "turn " << turn;
       ASSERT_EQ(a.read_ids()->ids, b.read_ids()->ids);
     }
     for (Engine* engine : {&a, &b})
@@ -75,16 +75,16 @@ class Portions : public DrawnGrid, public testing::WithParamInterface<WayToDraw>
   core::MaterialId material = scene.add_material({"", {0.8f, 0.2f, 0.1f}});
 };
 
-INSTANTIATE_TEST_SUITE_P(Ways, Portions,
-                         testing::ValuesIn(ways_to_draw({
-                             {"contribution", [](EngineConfig& c) { c.losses.contribution = 3.0f; }},
+INSTANTIATE_TEST_SUITE_P(Modes, Portions,
+                         testing::ValuesIn(drawing_modes({
+                             {"contribution", [](EngineConfig& c) { c.losses.min_projected_area = 3.0f; }},
                              {"blended",
                               [](EngineConfig& c) { c.drawing.transparency = engine::Transparency::kBlended; }},
                          })),
                          name_of);
 
 TEST_P(Portions, DrawTheSame) {
-  auto wanted = Engine::create(scene, way(&*context)), engine = Engine::create(scene, way(nullptr));
+  auto wanted = Engine::create(scene, mode(&*context)), engine = Engine::create(scene, mode(nullptr));
   ASSERT_TRUE(wanted && engine) << engine.error().message;
   const StateDump before = dump_state(context->functions());
   EXPECT_GT(come(*engine, *context,
@@ -148,7 +148,7 @@ TEST_P(Portions, FollowEdits) {
           ASSERT_TRUE(e.resize(64 + n, 64) && e.resize(96, 64));
         }
         EngineConfig c = e.config();
-        c.drawing.relief.lines = n % 2 == 0 ? 0.5f : 0.0f;
+        c.drawing.depth_shading.edge_lines = n % 2 == 0 ? 0.5f : 0.0f;
         c.drawing.hatching.strength = n % 2 == 0 ? 0.5f : 0.0f;
         ASSERT_TRUE(e.configure(c));
       },
@@ -157,7 +157,7 @@ TEST_P(Portions, FollowEdits) {
   for (const auto& edit : edits)
     for (const int at : std::span(kPlaces).first(long_run() ? 4 : 2)) {
       SCOPED_TRACE(testing::Message() << "edit " << &edit - edits << " before " << at);
-      auto wanted = Engine::create(scene, way(&*context)), engine = Engine::create(scene, way(nullptr));
+      auto wanted = Engine::create(scene, mode(&*context)), engine = Engine::create(scene, mode(nullptr));
       ASSERT_TRUE(wanted && engine);
       first = &*wanted;
       ASSERT_GT(come(*engine, *context,
@@ -177,7 +177,7 @@ TEST_P(Portions, SurviveALoss) {
     SCOPED_TRACE(at);
     auto made = gl::Context::create_offscreen();
     ASSERT_TRUE(made);
-    auto wanted = Engine::create(scene, way(&*context)), engine = Engine::create(scene, way(nullptr));
+    auto wanted = Engine::create(scene, mode(&*context)), engine = Engine::create(scene, mode(nullptr));
     ASSERT_TRUE(wanted && engine);
     EXPECT_EQ(come(*engine, *made,
                    [&](int portion) {
@@ -203,7 +203,7 @@ GLenum error_after_some_calls() {
 
 /// Memory runs out at any allocation: the call fails, nothing has changed, and the next one begins anew.
 TEST_P(Portions, SurviveTooLittleMemory) {
-  auto wanted = Engine::create(scene, way(&*context)), engine = Engine::create(scene, way(nullptr));
+  auto wanted = Engine::create(scene, mode(&*context)), engine = Engine::create(scene, mode(nullptr));
   ASSERT_TRUE(wanted && engine);
   auto& gl = const_cast<gl::Functions&>(context->functions());
   real_error = gl.GetError;
@@ -231,8 +231,8 @@ TEST_P(Portions, MayBeGivenUp) {
   ASSERT_TRUE(other);
   for (const int at : {1, 4, 7}) {
     SCOPED_TRACE(at);
-    auto gone = Engine::create(scene, way(nullptr)), engine = Engine::create(scene, way(nullptr));
-    auto wanted = Engine::create(scene, way(&*context));
+    auto gone = Engine::create(scene, mode(nullptr)), engine = Engine::create(scene, mode(nullptr));
+    auto wanted = Engine::create(scene, mode(&*context));
     ASSERT_TRUE(gone && engine && wanted && other->make_current());
     for (int portion = 0; portion < at; ++portion) {
       ASSERT_FALSE(*gone->use_context(*other, 0.0));

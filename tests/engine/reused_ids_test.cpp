@@ -85,7 +85,7 @@ void expect_picks_of_an_engine_made_anew(double share) {
   int landings = 0;
   for (int round = 0; round < 60; ++round) {
     const std::uint64_t order = followed->snapshot().generation();
-    for (int piece = 0; piece < 8; ++piece) {  // commits that a new order comes to know at once
+    for (int piece = 0; piece < 8; ++piece) {  // commits that a new scene version comes to know at once
       traffic.exchange(12);
       ASSERT_TRUE(piece % 2 == 1 || followed->commit());
       while (!*followed->commit(0.0)) continue;
@@ -105,7 +105,7 @@ void expect_picks_of_an_engine_made_anew(double share) {
 TEST(ReusedIds, PicksAfterEdits) {
   ASSERT_NO_FATAL_FAILURE(expect_picks_of_an_engine_made_anew(0.0));
 }
-TEST(ReusedIds, PicksAcrossNewOrders) {
+TEST(ReusedIds, PicksAcrossNewVersions) {
   ASSERT_NO_FATAL_FAILURE(expect_picks_of_an_engine_made_anew(0.05));
 }
 

@@ -1,4 +1,4 @@
-// EngineConfig::culling.part: pictures of the parts of a scene, put together by depth, beside that of the whole.
+// EngineConfig::culling.part: images of the parts of a scene, put together by depth, beside that of the whole.
 #include <algorithm>
 #include <set>
 
@@ -6,7 +6,7 @@
 
 #include "sightline/core/scene.h"
 #include "sightline/engine/drawing/internal/drawing.h"
-#include "sightline/tests/engine/ways_to_draw.h"
+#include "sightline/tests/engine/drawing_modes.h"
 
 namespace sightline::tests::scene_parts_test {
 namespace {
@@ -16,7 +16,7 @@ using engine::EngineConfig;
 
 constexpr int kWidth = 200, kHeight = 140;
 
-struct Picture {
+struct Image {
   std::vector<std::uint8_t> colours;
   std::vector<std::uint32_t> ids;
   std::vector<float> depths;  // reversed
@@ -54,13 +54,13 @@ class SceneParts : public DrawnGrid {
     return made;
   }
 
-  static Picture drawn(Engine& engine) {
+  static Image drawn(Engine& engine) {
     const auto report = engine.frame(seen());
     EXPECT_TRUE(report && report->drawn);
     return {engine.read_colour()->pixels, engine.read_ids()->ids, engine.drawing()->target().read_reversed_depths()};
   }
 
-  static void put(const Picture& part, Picture& into) {
+  static void put(const Image& part, Image& into) {
     for (std::size_t i = 0; i < into.ids.size(); ++i) {
       if (part.depths[i] <= into.depths[i]) continue;
       into.depths[i] = part.depths[i];
@@ -72,20 +72,20 @@ class SceneParts : public DrawnGrid {
   core::Scene scene;
 };
 
-TEST_F(SceneParts, MakeThePictureOfTheWhole) {
+TEST_F(SceneParts, MakeTheImageOfTheWhole) {
   auto whole = Engine::create(scene, config(0, 1));
   ASSERT_TRUE(whole) << whole.error().message;
-  const Picture expected = drawn(*whole);
+  const Image expected = drawn(*whole);
   ASSERT_GT(whole->joints().count(), 500u);
   for (const int count : {2, 3, 5, 40}) {
     SCOPED_TRACE(count);
-    std::optional<Picture> all;
+    std::optional<Image> all;
     std::set<core::ItemId> seen_items;
     std::size_t items = 0;
     for (int index = 0; index < count; ++index) {
       auto engine = Engine::create(scene, config(index, count));
       ASSERT_TRUE(engine) << engine.error().message;
-      const Picture part = drawn(*engine);
+      const Image part = drawn(*engine);
       for (core::Slot slot = 0; slot < engine->snapshot().size(); ++slot)
         if (!engine->snapshot().vacant(slot)) seen_items.insert(engine->snapshot().item(slot)), ++items;
       if (!all) all = part;
@@ -113,9 +113,9 @@ TEST_F(SceneParts, FollowEdits) {
   add(0.0);
   add(4.0);
   ASSERT_TRUE(whole->commit() && whole->rebuild() && first->commit() && second->commit());
-  Picture all = drawn(*first);
+  Image all = drawn(*first);
   put(drawn(*second), all);
-  const Picture expected = drawn(*whole);
+  const Image expected = drawn(*whole);
   EXPECT_EQ(all.ids, expected.ids);
   EXPECT_EQ(all.colours, expected.colours);
 }

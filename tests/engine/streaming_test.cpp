@@ -1,4 +1,4 @@
-// Meshes and kinds of items that come and go while an engine draws: the picture is that of an engine made for the
+// Meshes and kinds of items that come and go while an engine draws: the image is that of an engine made for the
 // purpose, and memory does not grow.
 #include <map>
 #include <random>
@@ -105,7 +105,7 @@ TEST_F(StreamingTest, MeshesThatComeAndGoShowAsIfBuiltAnew) {
       if (round % 3 != 1) continue;
       auto anew = Engine::create(scene, c);
       ASSERT_TRUE(anew && anew->frame(view(0.3 * round)));
-      ASSERT_NO_FATAL_FAILURE(expect_same_picture(*streamed, *anew, 1));
+      ASSERT_NO_FATAL_FAILURE(expect_same_image(*streamed, *anew, 1));
     }
     items.clear();
   }
@@ -133,21 +133,21 @@ TEST_F(StreamingTest, KindsMayComeIntoAnEmptyScene) {
       if (kind % 2 == 1) eye.sections = {{{0.1, 0.2, -1.0}, 12.0}};
       auto anew = Engine::create(scene, c);
       ASSERT_TRUE(anew && streamed->frame(eye) && anew->frame(eye));
-      ASSERT_NO_FATAL_FAILURE(expect_same_picture(*streamed, *anew, 1));
+      ASSERT_NO_FATAL_FAILURE(expect_same_image(*streamed, *anew, 1));
       EXPECT_EQ(programs(streamed->plan()), programs(anew->plan()));
     }
   }
 }
 
-/// What a new order needs is uploaded while frames show the former one and edits go on, with overlays beside.
-TEST_F(StreamingTest, NewOrdersLandBetweenEdits) {
+/// What a new scene version needs is uploaded while frames show the former one and edits go on, with overlays beside.
+TEST_F(StreamingTest, NewVersionsLandBetweenEdits) {
   SCOPED_TRACE("seed 11");
   for (const auto culler : {CullerChoice::kCpu, CullerChoice::kGpu}) {
     core::Scene scene;
     fill(scene, 22);
     engine::EngineConfig c = config(culler);
     c.culling.rebuild_share = 0.01;
-    c.drawing.relief = {0.5f, 0.5f};
+    c.drawing.depth_shading = {0.5f, 0.5f};
     auto streamed = Engine::create(scene, c);
     ASSERT_TRUE(streamed && set_styles(*streamed));
     std::map<core::ItemId, bool> is_red;
@@ -166,7 +166,8 @@ TEST_F(StreamingTest, NewOrdersLandBetweenEdits) {
       scene.set_placement(core::ItemId(random() % 10'000), somewhere());
       const auto nudged = core::ItemId(random() % 10'000);
       scene.set_placement(nudged, core::translation({0.0, 0.0, 0.3}) * scene.placement(nudged));
-      std::vector<core::ItemId> coloured;  // many, so that some show that are edited while a new order is uploaded
+      std::vector<core::ItemId>
+          coloured;  // many, so that some show that are edited while a new scene version is uploaded
       for (int i = 0; i < 3000; ++i) coloured.push_back(core::ItemId(4000 + random() % 6000));
       streamed->paused();  // then the portions are the smallest
       const bool red = round % 2 == 0;
@@ -226,7 +227,7 @@ TEST_F(StreamingTest, EditsMayBeFollowedInPortions) {
     ASSERT_TRUE(streamed->frame(view(0.2 * round)));
     auto anew = Engine::create(scene, c);
     ASSERT_TRUE(anew && anew->frame(view(0.2 * round)));
-    ASSERT_NO_FATAL_FAILURE(expect_same_picture(*streamed, *anew, 1));
+    ASSERT_NO_FATAL_FAILURE(expect_same_image(*streamed, *anew, 1));
     EXPECT_EQ(streamed->snapshot().size() - streamed->snapshot().vacant_count(),
               anew->snapshot().size() - anew->snapshot().vacant_count());
   }
@@ -251,7 +252,7 @@ TEST_F(StreamingTest, ReusedIdsAreThoseOfOtherItems) {
     int landings = 0;
     for (int round = 0; round < 60; ++round) {
       const std::uint64_t order = streamed->snapshot().generation();
-      for (int piece = 0; piece < 6; ++piece) {  // commits that a new order comes to know at once
+      for (int piece = 0; piece < 6; ++piece) {  // commits that a new scene version comes to know at once
         exchange_items(scene, shapes, is_red);
         while (!*streamed->commit(round % 3 ? 1.0 : 0.0)) continue;
         ASSERT_TRUE(streamed->set_override({&items.back(), 1}, piece % 2 ? kRed : kBlue));

@@ -1,6 +1,6 @@
-// One thread edits a scene; engines on other threads cull, pick, query and make new orders meanwhile. Only create(),
-// commit() and rebuild() keep out of the edits' way, as docs/guide/embedding.md says. ThreadSanitizer finds what reads
-// the scene nevertheless; without it wrong picks do.
+// One thread edits a scene; engines on other threads cull, pick, query and make new scene versions meanwhile. Only
+// create(), commit() and rebuild() keep out of the edits' way, as docs/guide/embedding.md says. ThreadSanitizer finds
+// what reads the scene nevertheless; without it wrong picks do.
 #include <atomic>
 #include <mutex>
 #include <random>
@@ -128,7 +128,7 @@ TEST(Threads, EnginesReadNoSceneThatIsEdited) {
   EXPECT_GT(edits, 0u);
 }
 
-/// On one thread, as the manual allows: meshes come and go while a new order, and the tracer for it, are made.
+/// On one thread, as the manual allows: meshes come and go while a new scene version, and the tracer for it, are made.
 TEST(Threads, MeshesComeAndGoWhileATracerIsMade) {
   Editor editor(2);
   engine::EngineConfig config;

@@ -320,7 +320,7 @@ TEST(Joints, EditsDissolveThoseOfTheItemAndItsNeighbours) {
     EXPECT_EQ(set.size(), touched.size()) << "each once";
     EXPECT_TRUE(set.contains(snapshot.slot(core::ItemId{1})) && set.contains(snapshot.slot(core::ItemId{3})));
     EXPECT_FALSE(set.contains(snapshot.slot(core::ItemId{0})) || set.contains(snapshot.slot(core::ItemId{4})));
-    // A new order finds what there is now.
+    // A new scene version finds what there is now.
     core::ItemCopies items;
     core::copy_items(snapshot, 0, Slot(snapshot.size()), items);
     EXPECT_EQ(Joints(core::reordered(snapshot, std::move(items))).count(), count_of(scene));
@@ -427,7 +427,7 @@ TEST(Joints, EditedNeighboursAreTouchedOnce) {
   EXPECT_EQ(joined.joints.count(), 2u);  // between 4 and 5
 }
 
-TEST(Joints, AMaterialOfLaterIsKnownToANewOrder) {
+TEST(Joints, AMaterialOfLaterIsKnownToANewVersion) {
   Solids solids;
   solids.add(Cylinder{1.0f, 1.0f});
   solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, 1}));

@@ -1,4 +1,4 @@
-// Draw lists, by the pictures they give: every record that a set names is drawn, however many commands that takes; and
+// Draw lists, by the images they give: every record that a set names is drawn, however many commands that takes; and
 // faces that are left out are those that do not show.
 #include "sightline/gpuscene/internal/draw_lists.h"
 
@@ -67,7 +67,7 @@ class BoxPerPixel : public tests::GlTest {
     return *View::orthographic({{0.5 * kWidth, 0.5 * kHeight, 10.0}, {0.5 * kWidth, 0.5 * kHeight, 0.0}, {0, 1, 0}},
                                kHeight, double(kWidth) / kHeight, 0.0, 20.0);
   }
-  /// The picture shows the items of a set and no others.
+  /// The image shows the items of a set and no others.
   void expect_shown(Stage& stage, const VisibleSet& set) {
     ASSERT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, set));
     std::vector<std::uint32_t> shown = stage.ids(view()), wanted;
@@ -86,11 +86,11 @@ TEST_F(BoxPerPixel, IsDrawnIfNamed) {
   Stage stage(*context, scene, kWidth, kHeight);
   expect_shown(stage, stage.all());  // runs of many commands
   VisibleSet singles;
-  for (core::Slot slot = 0; slot < kItems; slot += 2) singles.slots.push_back(slot);
+  for (core::Slot slot = 0; slot < kItems; slot += 2) singles.single_slots.push_back(slot);
   expect_shown(stage, singles);
   VisibleSet both;
   both.ranges = {{100, 128}, {1000, 50}, {2000, 9000}, {11000, 127}};
-  for (core::Slot slot = 12000; slot < 19000; slot += 3) both.slots.push_back(slot);
+  for (core::Slot slot = 12000; slot < 19000; slot += 3) both.single_slots.push_back(slot);
   for (int frame = 0; frame < 4; ++frame) expect_shown(stage, both);
   expect_shown(stage, {});
 }

@@ -122,10 +122,10 @@ TEST_F(ManyEdits, TakeFewCallsAndLeaveWhatANewSceneHas) {
     ASSERT_TRUE(view);
     auto lists = gpuscene::DrawLists::create(*context, *gpu);
     ASSERT_TRUE(culler->cull(*view, snapshot, *gpu, *lists));
-    const auto found = culler->read_back(*lists).slots;
+    const auto found = culler->read_back(*lists).single_slots;
     auto fresh = culling::GpuCuller::create(*context, snapshot, *anew, {form});
     ASSERT_TRUE(fresh->cull(*view, snapshot, *anew, *lists));
-    EXPECT_EQ(found, fresh->read_back(*lists).slots);
+    EXPECT_EQ(found, fresh->read_back(*lists).single_slots);
     EXPECT_GT(found.size(), 1000u);
     for (const core::ItemId item : items) scene.set_visible(item, true);
     EXPECT_TRUE(scene.commit());

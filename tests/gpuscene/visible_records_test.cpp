@@ -79,7 +79,7 @@ VisibleSet random_set(Random& random, const Snapshot& snapshot) {
     if (what == 0) set.ranges.push_back({slot, count});
     if (what == 1)
       for (Slot s = slot; s < slot + count; ++s)
-        if (!snapshot.vacant(s) && chance(random, 0.3)) set.slots.push_back(s);
+        if (!snapshot.vacant(s) && chance(random, 0.3)) set.single_slots.push_back(s);
     slot += count;
   }
   return set;
@@ -109,7 +109,7 @@ void expect_same_as_slot_by_slot(const Snapshot& snapshot, const VisibleSet& set
         spare[std::size_t(gpuscene::batch_of(snapshot.kind(slot)))].push_back(GpuScene::record_of(snapshot, slot));
       }
     }
-  for (const Slot slot : set.slots) want(slot);
+  for (const Slot slot : set.single_slots) want(slot);
   EXPECT_EQ(found.meshes, meshes);
   for (int kind = 0; kind < int(BatchKind::kMesh); ++kind) {
     const auto& batch = found.batches[std::size_t(kind)];

@@ -92,10 +92,10 @@ void expect_same(const PagedScene& paged, const Scene& scene) {
     const auto page = paged.load(number);
     ASSERT_TRUE(page) << page.error().message;
     const Snapshot& snapshot = (*page)->snapshot;
-    const auto hidden = gpuprims::Joints::of_slots((*page)->hidden_ends);
+    const auto hidden = gpuprims::Joints::of_slots((*page)->internal_end_caps);
     ASSERT_EQ(snapshot.size(), paged.pages[number].slots);
     // However far apart the ids of its items are.
-    EXPECT_EQ((*page)->hidden_ends.size(), (snapshot.size() + 31) / 32);
+    EXPECT_EQ((*page)->internal_end_caps.size(), (snapshot.size() + 31) / 32);
     EXPECT_EQ(snapshot.materials(), whole.materials());
     EXPECT_EQ(snapshot.bounds().origin, whole.bounds().origin);
     EXPECT_EQ(paged.pages[number].first_leaf, slot / core::kBlockSlots);
@@ -239,7 +239,7 @@ TEST_F(PagedSceneTest, AnyThreadMayReadPages) {
   for (const auto& pages : shared)
     for (std::size_t number = 0; number < alone.size(); ++number) {
       EXPECT_TRUE(generations.insert(pages[number]->snapshot.generation()).second);
-      EXPECT_EQ(pages[number]->hidden_ends, alone[number]->hidden_ends);
+      EXPECT_EQ(pages[number]->internal_end_caps, alone[number]->internal_end_caps);
       for (Slot s = 0; s < alone[number]->snapshot.size(); s += 17)
         expect_same_slot(pages[number]->snapshot, s, alone[number]->snapshot, s);
     }
@@ -336,7 +336,7 @@ TEST_F(PagedSceneTest, EveryChangedByteIsFoundOrDoesNotMatter) {
     const Snapshot &a = (*page)->snapshot, &b = (*good)->snapshot;
     ASSERT_EQ(a.size(), b.size());
     for (Slot s = 0; s < a.size(); ++s) expect_same_slot(a, s, b, s);
-    EXPECT_EQ((*page)->hidden_ends, (*good)->hidden_ends);
+    EXPECT_EQ((*page)->internal_end_caps, (*good)->internal_end_caps);
     ASSERT_FALSE(HasFailure()) << "byte " << at;
   }
   EXPECT_GT(at_opening, 450 / step);

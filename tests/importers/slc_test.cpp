@@ -233,7 +233,7 @@ TEST_F(SlcTest, SnapshotsOfOneSceneDoNotShareTheirMemory) {
   expect_same_snapshot(second, Snapshot(tests::scene_with_everything()));
 }
 
-TEST_F(SlcTest, HiddenEndsAreThoseThatWouldBeFound) {
+TEST_F(SlcTest, InternalEndCapsAreThoseThatWouldBeFound) {
   const fs::path model = plant();
   const Scene source = read(model);
   ASSERT_TRUE(write_slc(source, folder_ / "a.slc"));

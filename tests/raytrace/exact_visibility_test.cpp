@@ -15,7 +15,7 @@ namespace {
 
 using core::dvec3;
 
-/// Looks down on the square 0 … 8, one metre a pixel in a picture of 8 x 8.
+/// Looks down on the square 0 … 8, one metre a pixel in an image of 8 x 8.
 core::View from_above() {
   return *core::View::orthographic({{4, 4, 10}, {4, 4, 0}, {0, 1, 0}}, 8.0, 1.0, 1.0, 100.0);
 }
@@ -90,7 +90,7 @@ TEST(ExactVisibility, AgreesWithSingleRays) {
   EXPECT_EQ(*ExactVisibility(tracer).compute(view, 60, 40), expected);
 }
 
-TEST(ExactVisibility, RefusesPicturesOfNothing) {
+TEST(ExactVisibility, RefusesImagesOfNothing) {
   core::Scene scene;
   ASSERT_TRUE(scene.commit());
   const core::Snapshot snapshot(scene);

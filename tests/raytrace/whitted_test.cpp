@@ -1,4 +1,4 @@
-// Pictures by rays against colours that are known, and against single rays.
+// Images by rays against colours that are known, and against single rays.
 #include "sightline/raytrace/whitted.h"
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 using core::dvec3;
 using core::vec3;
 
-/// Looks down on the square 0 … 8, one metre a pixel in a picture of 8 x 8.
+/// Looks down on the square 0 … 8, one metre a pixel in an image of 8 x 8.
 core::View from_above() {
   return *core::View::orthographic({{4, 4, 10}, {4, 4, 0}, {0, 1, 0}}, 8.0, 1.0, 1.0, 100.0);
 }
@@ -40,16 +40,16 @@ struct Plates {
     snapshot.emplace(scene);
     tracer.emplace(std::move(*Tracer::create(*snapshot)));
   }
-  WhittedPicture render(const core::View& view, int size, const WhittedOptions& options) const {
-    auto picture = render_whitted(*tracer, view, size, size, options);
-    EXPECT_TRUE(picture);
-    return picture ? *picture : WhittedPicture();
+  WhittedImage render(const core::View& view, int size, const WhittedOptions& options) const {
+    auto image = render_whitted(*tracer, view, size, size, options);
+    EXPECT_TRUE(image);
+    return image ? *image : WhittedImage();
   }
-  WhittedPicture render(const WhittedOptions& options) const { return render(from_above(), 8, options); }
+  WhittedImage render(const WhittedOptions& options) const { return render(from_above(), 8, options); }
 };
 
-std::array<int, 3> rgb(const WhittedPicture& picture, int x, int y) {
-  const std::uint8_t* p = picture.rgb.data() + 3 * (y * picture.width + x);
+std::array<int, 3> rgb(const WhittedImage& image, int x, int y) {
+  const std::uint8_t* p = image.rgb.data() + 3 * (y * image.width + x);
   return {p[0], p[1], p[2]};
 }
 std::array<int, 3> rgb(const vec3& colour) {
@@ -70,14 +70,14 @@ TEST(Whitted, ShadesAsTheRenderer) {
   Plates plates;
   const core::ItemId red = plates.add({4, 8, 1}, {2, 4, 0}, plates.material(kRed));
   plates.build();
-  const WhittedPicture picture = plates.render({});
-  EXPECT_EQ(rgb(picture, 1, 1), rgb(lit_from_above(kRed)));
-  EXPECT_EQ(rgb(picture, 6, 1), rgb(WhittedOptions().background));
-  EXPECT_EQ(picture.ids[1], to_index(red) + 1);
-  EXPECT_EQ(picture.ids[6], 0u);
-  EXPECT_FLOAT_EQ(picture.depths[1], 9.5f);
-  EXPECT_TRUE(std::isinf(picture.depths[6]));
-  EXPECT_EQ(picture.samples, 64u);
+  const WhittedImage image = plates.render({});
+  EXPECT_EQ(rgb(image, 1, 1), rgb(lit_from_above(kRed)));
+  EXPECT_EQ(rgb(image, 6, 1), rgb(WhittedOptions().background));
+  EXPECT_EQ(image.ids[1], to_index(red) + 1);
+  EXPECT_EQ(image.ids[6], 0u);
+  EXPECT_FLOAT_EQ(image.depths[1], 9.5f);
+  EXPECT_TRUE(std::isinf(image.depths[6]));
+  EXPECT_EQ(image.samples, 64u);
 }
 
 TEST(Whitted, AddsUpLights) {
@@ -101,19 +101,19 @@ TEST(Whitted, CastsShadowsOnRequest) {
   plates.build();
   WhittedOptions options;
   options.lights = {{{0, 0, 1}, true}};
-  const auto left_of = [&](const WhittedPicture& p) { return rgb(p, 0, 4); };
+  const auto left_of = [&](const WhittedImage& p) { return rgb(p, 0, 4); };
   EXPECT_EQ(left_of(plates.render(options)), rgb(lit_from_above(kRed)));
   options.lights = {{{2.0, 0.0, 2.5}, true}};  // shadows fall 2 m to the left, on columns 0, 1, 4 and 5
   const vec3 free = [&] {
-    const WhittedPicture lit = plates.render(options);
+    const WhittedImage lit = plates.render(options);
     return vec3(left_of(lit)[0], left_of(lit)[1], left_of(lit)[2]) / 255.0f;
   }();
   options.shadows = true;
-  const WhittedPicture picture = plates.render(options);
-  EXPECT_EQ(left_of(picture), rgb(in_shadow(kRed)));
+  const WhittedImage image = plates.render(options);
+  EXPECT_EQ(left_of(image), rgb(in_shadow(kRed)));
   // Both surfaces of the transparent plate take three quarters of the light.
   const vec3 dim = in_shadow(kRed) + (free - in_shadow(kRed)) / 16.0f;
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb(picture, 4, 4)[std::size_t(c)], 255.0f * dim[c], 1.0f);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb(image, 4, 4)[std::size_t(c)], 255.0f * dim[c], 1.0f);
 }
 
 TEST(Whitted, ShowsWhatIsBehindTransparentItems) {
@@ -121,12 +121,12 @@ TEST(Whitted, ShowsWhatIsBehindTransparentItems) {
   plates.add({8, 8, 1}, {4, 4, 0}, plates.material(kRed));
   const core::ItemId pane = plates.add({4, 8, 1}, {2, 4, 3}, plates.material(kBlue, 0.25f));
   plates.build();
-  const WhittedPicture picture = plates.render({});
+  const WhittedImage image = plates.render({});
   // Two surfaces of the pane, both lit on the side that the eye sees.
   const vec3 behind = glm::mix(lit_from_above(kRed), lit_from_above(kBlue), 0.25f);
   const vec3 expected = glm::mix(behind, lit_from_above(kBlue), 0.25f);
-  EXPECT_EQ(rgb(picture, 1, 1), rgb(expected));
-  EXPECT_EQ(picture.ids[1], to_index(pane) + 1);
+  EXPECT_EQ(rgb(image, 1, 1), rgb(expected));
+  EXPECT_EQ(image.ids[1], to_index(pane) + 1);
 }
 
 TEST(Whitted, Reflects) {
@@ -159,10 +159,10 @@ TEST(Whitted, RefractsByTheIndex) {
     const auto view = *core::View::orthographic({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 8.0, 1.0, 1.0, 100.0);
     WhittedOptions options;
     options.optics.refractive_index = index;
-    const WhittedPicture picture = plates.render(view, 64, options);
+    const WhittedImage image = plates.render(view, 64, options);
     const vec3 facing = glm::min(kRed * (0.30f + 0.125f + 0.50f) + 0.12f, vec3(1.0f));
     int columns = 0;
-    for (int x = 0; x < 64; ++x) columns += rgb(picture, x, 32) == rgb(facing);
+    for (int x = 0; x < 64; ++x) columns += rgb(image, x, 32) == rgb(facing);
     // d sin(a - b) / cos(b), where sin a = index * sin b.
     const double inside = std::asin(std::sin(angle) / index);
     const double shift = 2.0 * std::sin(angle - inside) / std::cos(inside);
@@ -206,9 +206,9 @@ TEST(Whitted, ShowsTheMeanOfItsSamples) {
     int covered = 0;
     for (const core::dvec2& at : sample_positions(samples)) covered += at.x < 0.6;
     const vec3 mean = glm::mix(WhittedOptions().background, lit_from_above(kRed), float(covered) / float(samples));
-    const WhittedPicture picture = plates.render({.samples = samples});
-    EXPECT_EQ(rgb(picture, 2, 3), rgb(mean)) << samples;
-    EXPECT_EQ(picture.samples, 64u * unsigned(samples));
+    const WhittedImage image = plates.render({.samples = samples});
+    EXPECT_EQ(rgb(image, 2, 3), rgb(mean)) << samples;
+    EXPECT_EQ(image.samples, 64u * unsigned(samples));
   }
 }
 
@@ -226,7 +226,7 @@ TEST(Whitted, AdaptivePixelsAreThoseOfOneSampleOrOfAll) {
     const auto edges = mark_edges(colours, kSize, kSize, threshold);
     std::size_t refined = 0, doubtful = 0;
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      const auto at = [&](const WhittedPicture& p) { return rgb(p, int(i % kSize), int(i / kSize)); };
+      const auto at = [&](const WhittedImage& p) { return rgb(p, int(i % kSize), int(i / kSize)); };
       const bool is_once = at(adaptive) == at(once), is_all = at(adaptive) == at(all);
       EXPECT_TRUE(is_once || is_all) << i;
       doubtful += edges[i] ? !is_all : !is_once;  // rounding to bytes moves gradients across the threshold
@@ -261,7 +261,7 @@ TEST(Whitted, TellsProgressAndStopsOnRequest) {
     shares.push_back(share);
     return true;
   };
-  options.preview = [&](const WhittedPicture& picture) { previews.push_back(picture.rgb); };
+  options.preview = [&](const WhittedImage& image) { previews.push_back(image.rgb); };
   const auto whole = plates.render(from_outside(), 40, options);
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_GT(shares.front(), 0.0);

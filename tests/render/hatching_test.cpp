@@ -6,7 +6,7 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/render/image/image.h"
-#include "sightline/tests/render/picture_check.h"
+#include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::tests::hatching_test {
@@ -58,7 +58,7 @@ class HatchingTest : public GlTest {
     config.drawing.hatching = hatching;
     return config;
   }
-  static image::Image picture(Engine& engine, const View& view) {
+  static image::Image image(Engine& engine, const View& view) {
     EXPECT_TRUE(engine.frame(view));
     return *engine.read_colour();
   }
@@ -83,17 +83,17 @@ class HatchingTest : public GlTest {
   struct Counts {
     int cut = 0, lined = 0;
   };
-  /// Compares every clear pixel of a picture with the plain one. `may_differ`: share of those of cut faces.
+  /// Compares every clear pixel of an image with the plain one. `may_differ`: share of those of cut faces.
   Counts check(Engine& plain, Engine& hatched, const View& view, const Hatching& hatching = kHatching,
                double may_differ = 0.0) {
-    const image::Image before = picture(plain, view), after = picture(hatched, view);
+    const image::Image before = image(plain, view), after = image(hatched, view);
     const image::IdImage ids = *hatched.read_ids();
     Counts counts;
     int wrong = 0;
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
         const std::size_t pixel = std::size_t(y * kWidth + x);
-        const PixelSights around = look_around(shapes, view, kWidth, kHeight, x, y);
+        const PixelHits around = look_around(shapes, view, kWidth, kHeight, x, y);
         if (!around.clear() || around.centre().items.size() > 1) continue;  // where items overlap, either may show
         if (around.hits > 0 && ids.ids[pixel] != to_index(around.centre().items[0]) + 1) ++wrong;
         const PixelRay ray = pixel_ray(view, kWidth, kHeight, x, y);
@@ -148,7 +148,7 @@ TEST_P(HatchingAtPlaces, LiesWhereTheWorldSays) {
     auto plain = Engine::create(scene, configured({})), hatched = Engine::create(scene, configured(kHatching));
     ASSERT_TRUE(plain && hatched);
     for (int i = 0; i < 8; ++i) {
-      SCOPED_TRACE(testing::Message() << "seed " << seed << ", size " << size << ", picture " << i);
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", size " << size << ", image " << i);
       const dvec3 aside = direction();
       const core::Pose pose{centre + uniform(2.5, 9.0) * size * aside, centre, {0, 0, 1}};
       View view = i % 3 == 2 ? *View::orthographic(pose, uniform(1.0, 5.0) * size, kAspect, -1e3 * size, 1e3 * size)
@@ -197,7 +197,7 @@ TEST_F(HatchingTest, IsTheSameFarFromTheOrigin) {
     ASSERT_TRUE(engine);
     View view = *View::perspective({centre + dvec3(2.25, -6.0, 3.5), centre, {0, 0, 1}}, 0.7, kAspect, kNear);
     view.sections = {{{0, 1, 0}, -centre.y - 0.125}, {{0, 0, -1}, centre.z + 0.5}};
-    seen[moved] = picture(*engine, view);
+    seen[moved] = image(*engine, view);
   }
   const auto difference = image::compare(seen[0], seen[1]);
   ASSERT_TRUE(difference);
@@ -211,7 +211,7 @@ TEST_F(HatchingTest, ConfigureSwitchesIt) {
   ASSERT_TRUE(plain && engine);
   View view = *View::perspective({{2.0, -5.0, 3.0}, {0, 0, 0}, {0, 0, 1}}, 0.7, kAspect, kNear);
   view.sections = {{{0, 1, 0}, 0.1}};
-  const image::Image before = picture(*engine, view);
+  const image::Image before = image(*engine, view);
   for (const Hatching& hatching : {Hatching{1.0f, 6.0f}, {0.4f, 24.0f}, {0.7f, 4.0f}}) {
     EngineConfig changed = engine->config();
     changed.drawing.hatching = hatching;
@@ -221,7 +221,7 @@ TEST_F(HatchingTest, ConfigureSwitchesIt) {
   EngineConfig changed = engine->config();
   changed.drawing.hatching = {};
   ASSERT_TRUE(engine->configure(changed));
-  EXPECT_EQ(image::compare(picture(*engine, view), before)->max, 0);
+  EXPECT_EQ(image::compare(image(*engine, view), before)->max, 0);
   for (const Hatching& bad : {Hatching{1.5f, 8.0f}, {std::nanf(""), 8.0f}, {1.0f, 1.0f}, {1.0f, HUGE_VALF}}) {
     changed.drawing.hatching = bad;
     const auto done = engine->configure(changed);

@@ -1,4 +1,4 @@
-// Smooth edges: pictures with several samples per pixel against the mean of pictures of many times the pixels, and no
+// Smooth edges: images with several samples per pixel against the mean of images of many times the pixels, and no
 // light between neighbours that share a pixel.
 #include <cmath>
 #include <numbers>
@@ -20,7 +20,7 @@ constexpr int kWidth = 80, kHeight = 60;
 
 class Multisample : public tests::GlTest {
  protected:
-  image::Image picture(core::Scene& scene, const View& view, int samples, int scale = 1) {
+  image::Image image(core::Scene& scene, const View& view, int samples, int scale = 1) {
     engine::EngineConfig config;
     config.draw = true;
     config.width = scale * kWidth;
@@ -79,9 +79,9 @@ TEST_F(Multisample, ComesCloserToTheMeanOfManyPixels) {
     SCOPED_TRACE(name);
     core::Scene scene;
     scene.add_primitive(scene.add_node(scene.root(), "item"), solid);
-    const image::Image reference = reduced(picture(scene, look(), 1, 8), 8);
-    const double jagged = rms(picture(scene, look(), 1), reference), smooth = rms(picture(scene, look(), 4), reference);
-    EXPECT_LT(smooth, 0.65 * jagged) << "rms over the picture";
+    const image::Image reference = reduced(image(scene, look(), 1, 8), 8);
+    const double jagged = rms(image(scene, look(), 1), reference), smooth = rms(image(scene, look(), 4), reference);
+    EXPECT_LT(smooth, 0.65 * jagged) << "rms over the image";
   }
 }
 
@@ -102,7 +102,7 @@ TEST_F(Multisample, ShowsNothingBetweenPipesThatMeet) {
     halves.add_primitive(halves.add_node(halves.root(), "half", {turn, side * turn[2]}), core::Cylinder{0.5f, 2.0f}, {},
                          black(halves));
   const View view = look(6.0);
-  const auto difference = image::compare(picture(whole, view, 4), picture(halves, view, 4));
+  const auto difference = image::compare(image(whole, view, 4), image(halves, view, 4));
   ASSERT_TRUE(difference);
   EXPECT_LE(difference->max, 24);
 }
@@ -111,11 +111,11 @@ TEST_F(Multisample, ShowsNothingBetweenPipesThatMeet) {
 TEST_F(Multisample, EveryNumberOfSamplesIsDrawnWhole) {
   core::Scene scene;
   scene.add_primitive(scene.root(), core::Box{60.0f, 60.0f, 60.0f}, core::translation({-40.0, 0.0, 0.0}));
-  const image::Image one = picture(scene, look(), 1);
+  const image::Image one = image(scene, look(), 1);
   for (const int samples : {2, 3, 4}) {
-    const auto difference = image::compare(one, picture(scene, look(), samples));
+    const auto difference = image::compare(one, image(scene, look(), samples));
     ASSERT_TRUE(difference);
-    EXPECT_LE(difference->max, 1) << samples << " samples of a picture that one face fills";
+    EXPECT_LE(difference->max, 1) << samples << " samples of an image that one face fills";
   }
 }
 

@@ -69,7 +69,7 @@ inline PixelRay pixel_ray(const core::View& view, int width, int height, double 
 }
 
 /// What a ray meets first of what a view shows.
-struct Sight {
+struct RayHit {
   double depth = std::numeric_limits<double>::infinity();  ///< in eye space; infinity: nothing
   dvec3 normal{0.0};                                       ///< unit, in eye space, towards the eye
   bool cut = false;                                        ///< on the face where a section cuts a solid
@@ -125,8 +125,8 @@ inline std::vector<gpuprims::Hit> crossings(const Shape& shape, const PixelRay& 
 
 /// What the ray meets first of all shapes: their surfaces, which are seen from both sides, and the faces where sections
 /// cut closed ones.
-inline Sight first_sight(std::span<const Shape> shapes, const core::View& view, const PixelRay& ray) {
-  Sight first;
+inline RayHit first_hit(std::span<const Shape> shapes, const core::View& view, const PixelRay& ray) {
+  RayHit first;
   const auto offer = [&](const Shape& shape, double t, const dvec3& normal, bool cut) {
     if (!(t >= ray.t_near && t <= ray.t_far)) return;
     const double alike = 1e-9 * (1.0 + std::abs(t));
@@ -157,7 +157,7 @@ inline Sight first_sight(std::span<const Shape> shapes, const core::View& view, 
 inline double first_shown(const core::Primitive& primitive, const core::Affine& world_from_item, const core::View& view,
                           const PixelRay& ray) {
   const Shape shape{core::ItemId{0}, world_from_item, primitive, nullptr, true};
-  return first_sight({&shape, 1}, view, ray).depth;
+  return first_hit({&shape, 1}, view, ray).depth;
 }
 
 }  // namespace sightline::tests

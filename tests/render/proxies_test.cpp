@@ -2,7 +2,7 @@
 // Counts, not times.
 #include <gtest/gtest.h>
 
-#include "sightline/tests/render/picture_check.h"
+#include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::tests::proxies_test {
@@ -111,7 +111,7 @@ TEST_F(Proxies, CoverNoMoreThanTheBoxOfTheSolid) {
       }
     EXPECT_GT(covered, kViews * kSize * kSize / 20);
     // Implementations may count whole blocks of pixels at each triangle's edges: 4 x 4 of them add 4 pixels on average
-    // to edges and diagonals of three sides, which together are some ten times as long as the picture of the box is
+    // to edges and diagonals of three sides, which together are some ten times as long as the image of the box is
     // wide.
     const double width = std::sqrt(covered / kViews);
     EXPECT_LE(drawn, covered + kViews * 40.0 * width) << covered << " pixels covered";

@@ -1,4 +1,4 @@
-// Every pixel of a ray-cast primitive against the double-precision intersection of the same ray (picture_check.h):
+// Every pixel of a ray-cast primitive against the double-precision intersection of the same ray (image_check.h):
 // cylinders, snouts and torus slices, from outside, inside, along the axis, orthographic, cut by section planes,
 // mirrored, sheared, and far from the origin.
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
-#include "sightline/tests/render/picture_check.h"
+#include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::ray_cast_test {
@@ -44,9 +44,9 @@ class RayCast : public tests::GlTest {
     ASSERT_TRUE(engine->frame(view));
     engine->finish();
     const render::RenderTarget& target = engine->drawing()->target();
-    const tests::Picture picture{view, target.read_colour(), target.read_depth(view), target.read_ids(), {}};
+    const tests::Image image{view, target.read_colour(), target.read_depth(view), target.read_ids(), {}};
     const tests::Compared compared =
-        tests::compare(picture, tests::look_at({&shape, 1}, view, kWidth, kHeight), {2e-5, 0.0});
+        tests::compare(image, tests::look_at({&shape, 1}, view, kWidth, kHeight), {2e-5, 0.0});
     EXPECT_GT(compared.clear + compared.edges, 50) << "the case shows nothing";
   }
 

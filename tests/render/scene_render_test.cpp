@@ -42,30 +42,30 @@ class SceneRender : public tests::GlTest {
     return std::move(*engine);
   }
 
-  struct Picture {
+  struct Image {
     image::Image colour;
     image::IdImage ids;
     image::DepthImage depth;
     std::vector<core::ItemId> visible;
   };
   /// What was drawn last.
-  static Picture picture_of(engine::Engine& engine, const View& view) {
+  static Image image_of(engine::Engine& engine, const View& view) {
     engine.finish();
     const render::RenderTarget& target = engine.drawing()->target();
     return {target.read_colour(), target.read_ids(), target.read_depth(view), {}};
   }
-  static Picture take(engine::Engine& engine, const View& view) {
+  static Image take(engine::Engine& engine, const View& view) {
     EXPECT_TRUE(engine.frame(view));
-    Picture picture = picture_of(engine, view);
+    Image image = image_of(engine, view);
     for (const core::Slot slot : engine.visible().sorted_slots())
-      if (!engine.snapshot().vacant(slot)) picture.visible.push_back(engine.snapshot().item(slot));
-    std::sort(picture.visible.begin(), picture.visible.end());
-    return picture;
+      if (!engine.snapshot().vacant(slot)) image.visible.push_back(engine.snapshot().item(slot));
+    std::sort(image.visible.begin(), image.visible.end());
+    return image;
   }
 
   /// Items that lie at one depth may show either one, since another order of the items draws them in another order; all
   /// other pixels are the same, but for a colour step where chunks have other origins and so other last bits.
-  static void expect_same_but_for_ties(const Picture& a, const Picture& b) {
+  static void expect_same_but_for_ties(const Image& a, const Image& b) {
     ASSERT_EQ(a.ids.ids.size(), b.ids.ids.size());
     int wrong = 0, ties = 0;
     for (std::size_t p = 0; p < a.ids.ids.size(); ++p) {
@@ -112,7 +112,7 @@ class SceneRender : public tests::GlTest {
   void expect_shown_as_if_built_anew(engine::Engine& edited, core::Scene& scene) {
     engine::Engine fresh = make(scene, config());
     for (const View& view : plant_views()) {
-      const Picture a = take(edited, view), b = take(fresh, view);
+      const Image a = take(edited, view), b = take(fresh, view);
       EXPECT_EQ(a.visible, b.visible);
       expect_same_but_for_ties(a, b);
     }
@@ -125,7 +125,7 @@ TEST_F(SceneRender, CullingChangesNoPixel) {
   engine::Engine linear = make(scene, config(engine::CullerChoice::kLinear));
   engine::Engine tree = make(scene, config(engine::CullerChoice::kCpu));
   for (View& view : plant_views()) {
-    const Picture a = take(linear, view), b = take(tree, view);
+    const Image a = take(linear, view), b = take(tree, view);
     EXPECT_EQ(a.visible, b.visible);
     EXPECT_LT(a.visible.size(), 3000u + 1);
     expect_same_but_for_ties(a, b);
@@ -137,7 +137,7 @@ TEST_F(SceneRender, CullingChangesNoPixel) {
   }
 }
 
-/// Its counts arrive late, in order, and with the frame they are of; edits and new orders reach it.
+/// Its counts arrive late, in order, and with the frame they are of; edits and new scene versions reach it.
 TEST_F(SceneRender, TheGpuCullerChangesNoPixel) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({3000, 3}, scene));
@@ -149,7 +149,7 @@ TEST_F(SceneRender, TheGpuCullerChangesNoPixel) {
   const auto check = [&] {
     engine::Engine cpu = make(scene, config(engine::CullerChoice::kCpu));
     for (const View& view : plant_views()) {
-      const Picture a = take(cpu, view), b = take(gpu, view);
+      const Image a = take(cpu, view), b = take(gpu, view);
       expect_same_but_for_ties(a, b);
       const auto late = gpu.take_late_report();
       ASSERT_TRUE(late);
@@ -195,11 +195,11 @@ TEST_F(SceneRender, UnculledDrawingShowsTheSame) {
   ASSERT_TRUE(importers::generate_plant({2000, 4}, scene));
   engine::Engine engine = make(scene, config());
   for (const View& view : plant_views()) {
-    const Picture culled = take(engine, view);
+    const Image culled = take(engine, view);
     core::VisibleSet all;
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
     ASSERT_TRUE(draw_all(engine, view, all));
-    expect_same_but_for_ties(culled, picture_of(engine, view));
+    expect_same_but_for_ties(culled, image_of(engine, view));
   }
 }
 
@@ -213,7 +213,7 @@ TEST_F(SceneRender, AFarSiteLooksTheSame) {
   const auto near_views = plant_views(), far_views = plant_views(far);
   for (std::size_t i = 0; i < near_views.size(); ++i) {
     SCOPED_TRACE(i);
-    const Picture here = take(a, near_views[i]), there = take(b, far_views[i]);
+    const Image here = take(a, near_views[i]), there = take(b, far_views[i]);
     EXPECT_EQ(here.visible, there.visible);
     expect_same_but_for_ties(here, there);
   }
@@ -235,8 +235,8 @@ TEST_F(SceneRender, EveryKindShowsUnderItsId) {
     scene.add_primitive(scene.root(), kinds[i], core::translation({1.5 * (i % 4), 0, 1.5 * (i / 4)}));
   scene.add_mesh_instance(scene.root(), add_triangle(scene), core::translation({3, 0, 3}));
   engine::Engine engine = make(scene, config());
-  const Picture picture = take(engine, look({2.2, -8, 1.6}, {2.2, 0, 1.6}));
-  const std::set<std::uint32_t> seen(picture.ids.ids.begin(), picture.ids.ids.end());
+  const Image image = take(engine, look({2.2, -8, 1.6}, {2.2, 0, 1.6}));
+  const std::set<std::uint32_t> seen(image.ids.ids.begin(), image.ids.ids.end());
   for (std::uint32_t id = 0; id <= 11; ++id) EXPECT_TRUE(seen.count(id)) << "id " << id;
   EXPECT_EQ(seen.size(), 12u);
 }
@@ -259,8 +259,8 @@ TEST_F(SceneRender, OnlyWhatTheSceneHoldsIsMade) {
 TEST_F(SceneRender, AnEmptySceneIsBackground) {
   core::Scene scene;
   engine::Engine engine = make(scene, config());
-  const Picture picture = take(engine, look({0, -5, 0}, {0, 0, 0}));
-  EXPECT_TRUE(std::all_of(picture.ids.ids.begin(), picture.ids.ids.end(), [](std::uint32_t id) { return id == 0; }));
+  const Image image = take(engine, look({0, -5, 0}, {0, 0, 0}));
+  EXPECT_TRUE(std::all_of(image.ids.ids.begin(), image.ids.ids.end(), [](std::uint32_t id) { return id == 0; }));
 }
 
 TEST_F(SceneRender, EditsShowAsIfBuiltAnew) {
@@ -282,7 +282,7 @@ TEST_F(SceneRender, EditsShowAsIfBuiltAnew) {
   expect_shown_as_if_built_anew(edited, scene);
 }
 
-/// Records of appended slots, as long as there is memory, and everything anew after that: the picture is the same.
+/// Records of appended slots, as long as there is memory, and everything anew after that: the image is the same.
 TEST_F(SceneRender, AppendedSlotsShowAsIfBuiltAnew) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({1500, 9}, scene));
@@ -414,8 +414,8 @@ TEST_F(SceneRender, TransparencyIsDitheredAndIdsStayExact) {
   scene.set_material(scene.root(), scene.add_material(glass));
   scene.add_primitive(scene.root(), core::Box{4, 0.1f, 4});
   engine::Engine engine = make(scene, config());
-  const Picture picture = take(engine, look({0, -3, 0}, {0, 0, 0}));
-  const auto hits = std::count(picture.ids.ids.begin(), picture.ids.ids.end(), 1u);
+  const Image image = take(engine, look({0, -3, 0}, {0, 0, 0}));
+  const auto hits = std::count(image.ids.ids.begin(), image.ids.ids.end(), 1u);
   // Two layers of the box (front and back side, same pattern) at half coverage.
   EXPECT_NEAR(double(hits) / (kWidth * kHeight), 0.5, 0.05);
 }

@@ -1,11 +1,11 @@
 // Section planes cut closed meshes open to filled faces: every pixel of random stacks of boxes, as meshes and as
-// primitives, against the spans of its ray inside them (picture_check.h).
+// primitives, against the spans of its ray inside them (image_check.h).
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
-#include "sightline/tests/render/picture_check.h"
+#include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::tests::section_caps_test {
@@ -37,7 +37,7 @@ Shape add_box(core::Scene& scene, const core::Box& box, const core::Affine& plac
 
 /// How many clear pixels showed a cut face.
 int check(Camera& camera, std::span<const Shape> shapes, const View& view) {
-  const std::vector<PixelSights> seen = look_at(shapes, view, kWidth, kHeight);
+  const std::vector<PixelHits> seen = look_at(shapes, view, kWidth, kHeight);
   return compare(camera.draw(view, shapes), seen, kTolerance).cut;
 }
 
@@ -126,10 +126,10 @@ TEST_F(SectionCaps, CountCrossingsOncePerPixelOfManySamples) {
   View view = *View::perspective({{0.5, -9, 1}, {0, 0, 0}, {0, 0, 1}}, 0.6, kAspect, kNear);
   view.sections = {{{0.1, 1, 0}, 0.0}};
   // A pixel's id and depth are those of a sample, which may lie anywhere within it; normals are averaged.
-  Picture picture = camera.draw(view, boxes);
-  picture.normals = {};
-  const std::vector<PixelSights> seen = look_at(boxes, view, kWidth, kHeight, 0.5);
-  EXPECT_GT(compare(picture, seen, kTolerance).cut, 200);
+  Image image = camera.draw(view, boxes);
+  image.normals = {};
+  const std::vector<PixelHits> seen = look_at(boxes, view, kWidth, kHeight, 0.5);
+  EXPECT_GT(compare(image, seen, kTolerance).cut, 200);
 }
 
 /// What an engine notes of meshes, and of pixels, follows edits and sizes.
@@ -154,8 +154,8 @@ TEST_F(SectionCaps, FollowEditsAndSizes) {
       ASSERT_TRUE(engine->frame(view));
       engine->finish();
       const render::RenderTarget& target = engine->drawing()->target();
-      const Picture picture{view, target.read_colour(), target.read_depth(view), target.read_ids(), {}};
-      EXPECT_GT(compare(picture, look_at(boxes, view, width, height), kTolerance).cut, 50);
+      const Image image{view, target.read_colour(), target.read_depth(view), target.read_ids(), {}};
+      EXPECT_GT(compare(image, look_at(boxes, view, width, height), kTolerance).cut, 50);
     }
   };
   const std::pair<int, int> sizes[] = {{64, 48}, {64, 80}, {31, 57}, {96, 48}, {96, 48}};

@@ -2,7 +2,7 @@
 // pixels a transparent item shows; lines; and the colours of pixels of several samples.
 #include <gtest/gtest.h>
 
-#include "sightline/tests/render/picture_check.h"
+#include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::tests::shading_test {
@@ -100,11 +100,11 @@ class Shading : public GlTest {
     }
   }
 
-  Range colours_around(const PixelSights& around, const View& view, const dvec3& to_eye,
-                       const dvec3& background) const {
+  Range colours_around(const PixelHits& around, const View& view, const dvec3& to_eye, const dvec3& background) const {
     Range range;
-    for (const Sight& sight : around.sights)
-      range.add(sight.hit() ? shade(colours_[to_index(sight.items.front())], sight.normal, to_eye, view) : background);
+    for (const RayHit& seen_hit : around.hits_around)
+      range.add(seen_hit.hit() ? shade(colours_[to_index(seen_hit.items.front())], seen_hit.normal, to_eye, view)
+                               : background);
     return range;
   }
 
@@ -134,9 +134,9 @@ TEST_F(Shading, IsThatOfTheTwin) {
   int number = 0;
   for (const View& view : views()) {
     SCOPED_TRACE(testing::Message() << "view " << number++);
-    const Picture picture = camera.draw(view, shapes_);
-    const std::vector<PixelSights> seen = look_at(shapes_, view, kWidth, kHeight);
-    const Compared compared = compare(picture, seen, {1e-5, 0.1});
+    const Image image = camera.draw(view, shapes_);
+    const std::vector<PixelHits> seen = look_at(shapes_, view, kWidth, kHeight);
+    const Compared compared = compare(image, seen, {1e-5, 0.1});
     EXPECT_GT(compared.clear, kWidth * kHeight / 16);
     std::vector<int> shown(shapes_.size());
     for (std::size_t pixel = 0; pixel < seen.size(); ++pixel) {
@@ -144,17 +144,18 @@ TEST_F(Shading, IsThatOfTheTwin) {
       const dvec3 to_eye = towards_eye(view, pixel_ray(view, kWidth, kHeight, x, y));
       Range range;
       if (seen[pixel].clear()) {  // elsewhere between what is near
-        const Sight& sight = seen[pixel].centre();
-        range.add(sight.hit() ? shade(colours_[to_index(sight.items[0])], sight.normal, to_eye, view) : background);
-        if (sight.hit()) ++shown[to_index(sight.items[0])];
+        const RayHit& seen_hit = seen[pixel].centre();
+        range.add(seen_hit.hit() ? shade(colours_[to_index(seen_hit.items[0])], seen_hit.normal, to_eye, view)
+                                 : background);
+        if (seen_hit.hit()) ++shown[to_index(seen_hit.items[0])];
       } else {
         range = colours_around(seen[pixel], view, to_eye, background);
       }
       const double slack = seen[pixel].clear() ? kLevels : 4.0 * kLevels;
-      ASSERT_TRUE(range.holds(pixel_of(picture.colour, pixel), slack))
-          << "(" << x << ", " << y << "): " << testing::PrintToString(picture.ids.ids[pixel]) << " "
-          << pixel_of(picture.colour, pixel).x << ", " << pixel_of(picture.colour, pixel).y << ", "
-          << pixel_of(picture.colour, pixel).z << ", not " << range;
+      ASSERT_TRUE(range.holds(pixel_of(image.colour, pixel), slack))
+          << "(" << x << ", " << y << "): " << testing::PrintToString(image.ids.ids[pixel]) << " "
+          << pixel_of(image.colour, pixel).x << ", " << pixel_of(image.colour, pixel).y << ", "
+          << pixel_of(image.colour, pixel).z << ", not " << range;
     }
     if (view.sections.empty()) {
       EXPECT_GE(std::count_if(shown.begin(), shown.end(), [](int n) { return n > 10; }), 8) << "items shown";
@@ -203,12 +204,11 @@ TEST_F(Shading, ShowsTransparentItemsInTheirPatternOfPixels) {
       std::vector<Shape> both(2);
       both[0].item = pane.item;
       both[1].item = wall;
-      const Picture picture = camera.draw(view, both);
+      const Image image = camera.draw(view, both);
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
           const core::ItemId expected = shown(pane.alpha, pane.item, x, kHeight - 1 - y) ? pane.item : wall;
-          ASSERT_EQ(picture.ids.ids[std::size_t(y * kWidth + x)], to_index(expected) + 1)
-              << "(" << x << ", " << y << ")";
+          ASSERT_EQ(image.ids.ids[std::size_t(y * kWidth + x)], to_index(expected) + 1) << "(" << x << ", " << y << ")";
         }
     }
   }
@@ -237,7 +237,7 @@ TEST_F(Shading, OfLinesIsThatOfWhatFacesTheViewer) {
   for (const View& view : from_here)
     for (std::size_t i = 0; i < 3; ++i) {
       SCOPED_TRACE(testing::Message() << "view " << &view - from_here.data() << ", line " << i);
-      const Picture picture = camera.draw(view, {&lines[i], 1});
+      const Image image = camera.draw(view, {&lines[i], 1});
       // In steps along its longer axis on the screen.
       const auto at = [&](double s) {
         return lines[i].world_from_item.origin + s * lines[i].world_from_item.linear[0];
@@ -255,8 +255,8 @@ TEST_F(Shading, OfLinesIsThatOfWhatFacesTheViewer) {
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
           const std::size_t pixel = std::size_t(y * kWidth + x);
-          if (picture.ids.ids[pixel] == 0) continue;
-          ASSERT_EQ(picture.ids.ids[pixel], to_index(lines[i].item) + 1);
+          if (image.ids.ids[pixel] == 0) continue;
+          ASSERT_EQ(image.ids.ids[pixel], to_index(lines[i].item) + 1);
           const core::dvec2 p(x, y);
           ++steps[std::size_t(p[major])];
           double low = kinds[i].from, high = kinds[i].to;  // of the line's point nearest to the pixel
@@ -266,13 +266,13 @@ TEST_F(Shading, OfLinesIsThatOfWhatFacesTheViewer) {
           }
           ASSERT_LE(glm::length(on_screen(low) - p), 0.5 + kReach) << "(" << x << ", " << y << ")";
           const dvec3 eye(view.eye_from_world() * dvec4(at(low), 1.0));
-          ASSERT_NEAR(picture.depth.metres[pixel], -eye.z, half_a_pixel + 1e-5) << "(" << x << ", " << y << ")";
+          ASSERT_NEAR(image.depth.metres[pixel], -eye.z, half_a_pixel + 1e-5) << "(" << x << ", " << y << ")";
           ASSERT_TRUE(sections_keep(view, at(low)) || sections_keep(view, at(low + 0.01)) ||
                       sections_keep(view, at(low - 0.01)));
           Range range;
           range.add(shade(dvec3(material.colour), {0, 0, 1}, towards_eye(view, pixel_ray(view, kWidth, kHeight, x, y)),
                           view));
-          ASSERT_TRUE(range.holds(pixel_of(picture.colour, pixel), 1.5 * kLevels))
+          ASSERT_TRUE(range.holds(pixel_of(image.colour, pixel), 1.5 * kLevels))
               << "(" << x << ", " << y << "): " << range;
         }
       for (int step = 0; step < int(steps.size()); ++step) {
@@ -300,20 +300,20 @@ TEST_F(Shading, OfSamplesIsTheirMean) {
   View view = views()[0];
   int mixed = 0;
   for (const Shape& shape : shapes_) {  // one by one
-    SCOPED_TRACE(testing::Message() << "item " << shape.item);
-    const Picture picture = camera.draw(view, {&shape, 1});
+    SCOPED_TRACE(testing::Message() << "item " << to_index(shape.item));
+    const Image image = camera.draw(view, {&shape, 1});
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
         const dvec3 to_eye = towards_eye(view, pixel_ray(view, kWidth, kHeight, x, y));
         Range range;
         int surely = 0, perhaps = 0;
         for (const glm::vec2& offset : offsets) {
-          const PixelSights around =
+          const PixelHits around =
               look_around({&shape, 1}, view, kWidth, kHeight, x + double(offset.x), y - double(offset.y));
           surely += around.hits == 5;
           perhaps += around.hits > 0;
-          for (const Sight& sight : around.sights)
-            if (sight.hit()) range.add(shade(colours_[to_index(shape.item)], sight.normal, to_eye, view));
+          for (const RayHit& seen_hit : around.hits_around)
+            if (seen_hit.hit()) range.add(shade(colours_[to_index(shape.item)], seen_hit.normal, to_eye, view));
         }
         Range means;
         for (int covered = surely; covered <= perhaps; ++covered)
@@ -323,7 +323,7 @@ TEST_F(Shading, OfSamplesIsTheirMean) {
                           : (double(covered) * colour + double(kSamples - covered) * background) / double(kSamples));
         mixed += surely > 0 && perhaps < kSamples;
         const std::size_t pixel = std::size_t(y * kWidth + x);
-        const dvec3 found = pixel_of(picture.colour, pixel);
+        const dvec3 found = pixel_of(image.colour, pixel);
         ASSERT_TRUE(means.holds(found, 2.0 * kLevels))
             << "(" << x << ", " << y << "): " << found.x << ", " << found.y << ", " << found.z << ", not " << means
             << ", " << surely << " to " << perhaps << " samples";

@@ -1,12 +1,12 @@
 // Surfaces as they are drawn: item, depth and normal of every pixel of each solid and of meshes, against the reference
-// in double (picture_check.h). Turned, mirrored, sheared and stretched; in perspective and orthographic views, off-axis
+// in double (image_check.h). Turned, mirrored, sheared and stretched; in perspective and orthographic views, off-axis
 // ones, and from within; whole and cut by sections; at 1 m and at 1e7 m from the origin.
 #include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "sightline/tests/render/picture_check.h"
+#include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::tests::surfaces_test {
@@ -106,7 +106,7 @@ class Surfaces : public GlTest {
     return middle;
   }
 
-  /// Each shape at each place, alone in the picture.
+  /// Each shape at each place, alone in the image.
   void check(std::span<const Shape> kinds, const Tolerance& tolerance) {
     core::Scene scene;
     std::vector<Shape> shapes;
@@ -135,7 +135,7 @@ class Surfaces : public GlTest {
         SCOPED_TRACE(testing::Message() << "shape " << i % kinds.size() << ", "
                                         << kPlaced[i / kinds.size() % std::size(kPlaced)].name
                                         << (far ? ", far away, " : ", ") << named.name);
-        const std::vector<PixelSights> seen = look_at({&shape, 1}, named.view, kWidth, kHeight);
+        const std::vector<PixelHits> seen = look_at({&shape, 1}, named.view, kWidth, kHeight);
         const Compared compared = compare(camera.draw(named.view, {&shape, 1}), seen, tolerance);
         EXPECT_GT(compared.clear + compared.edges + compared.silhouettes, 4) << "the view shows nothing";
         sum.clear += compared.clear;
@@ -214,7 +214,7 @@ TEST_F(Surfaces, AlongTheAxesAndFromTheSidesOfTheirBoxes) {
     const dvec3 middle = box.centre(), half = 0.5 * (box.max - box.min);
     for (int axis = 0; axis < 3; ++axis)
       for (const double side : {-1.0, 1.0}) {
-        SCOPED_TRACE(testing::Message() << "item " << shape.item << ", axis " << axis << ", side " << side);
+        SCOPED_TRACE(testing::Message() << "item " << to_index(shape.item) << ", axis " << axis << ", side " << side);
         dvec3 out(0.0), up(0.0);
         out[axis] = side;
         up[(axis + 1) % 3] = 1.0;
@@ -287,18 +287,18 @@ TEST_F(Surfaces, OfWhatCoversFewSamples) {
     const std::vector<Shape> shapes = add_small_shapes(scene, seed);
     Camera camera(*context, scene, kWidth, kHeight, 4);
     for (const View& view : few_pixel_views()) {
-      const Picture picture = camera.draw(view, shapes);
+      const Image image = camera.draw(view, shapes);
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
           bool hit = false, missed = true;
           for (const glm::vec2& offset : camera.target().sample_offsets()) {
-            const PixelSights around =
+            const PixelHits around =
                 look_around(shapes, view, kWidth, kHeight, double(x) + offset.x, double(y) - offset.y);
             hit = hit || around.hits == 5;
             missed = missed && around.hits == 0;
           }
           if (!hit && !missed) continue;  // by 1/32 pixel
-          const std::uint8_t* colour = &picture.colour.pixels[3 * (std::size_t(y) * kWidth + std::size_t(x))];
+          const std::uint8_t* colour = &image.colour.pixels[3 * (std::size_t(y) * kWidth + std::size_t(x))];
           bool background = true;
           for (std::size_t c = 0; c < 3; ++c)
             background = background && colour[c] == std::lround(255.0f * camera.background()[c]);
@@ -326,9 +326,8 @@ TEST_F(Surfaces, OfSolidsUnderSingularPlacementsAreNone) {
       shapes.push_back(shape);
     }
   Camera camera(*context, scene, kWidth, kHeight);
-  const Picture picture =
-      camera.draw(*View::perspective({{3, 2, 1}, {0, 0, 0}, {0, 0, 1}}, 0.9, kAspect, 0.01), shapes);
-  EXPECT_EQ(std::count(picture.ids.ids.begin(), picture.ids.ids.end(), 0u), kWidth * kHeight);
+  const Image image = camera.draw(*View::perspective({{3, 2, 1}, {0, 0, 0}, {0, 0, 1}}, 0.9, kAspect, 0.01), shapes);
+  EXPECT_EQ(std::count(image.ids.ids.begin(), image.ids.ids.end(), 0u), kWidth * kHeight);
 }
 
 core::Mesh turned_inside_out(core::Mesh mesh) {

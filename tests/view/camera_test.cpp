@@ -99,7 +99,7 @@ TEST_F(CameraTest, LookingTurnsTheHead) {
   EXPECT_NEAR(distance(camera.pose()), 10.0, 1e-6);
 }
 
-TEST_F(CameraTest, OrbitingKeepsThePointInThePicture) {
+TEST_F(CameraTest, OrbitingKeepsThePointInTheImage) {
   look_north();
   const dvec3 centre = camera.pose().target;
   camera.orbit({kPi / 2, 0.0}, centre);

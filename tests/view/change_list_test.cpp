@@ -179,13 +179,13 @@ TEST(ChangeList, CopiesWhatIsRemovedAndTakesItAway) {
       ++row;
     }
     EXPECT_EQ(changes->row_count(), row + found.nodes.size());
-    const Looks looks = changes->looks();
+    const BaseStyles base_styles = changes->base_styles();
     for (ItemId item{0}; to_index(item) < scene.item_slots(); ++item) {
       ASSERT_NE(changes->of(item), nullptr);
       const State state = changes->of(item)->state;
-      ASSERT_NE(looks.of(item), nullptr);
-      EXPECT_EQ(looks.of(item)->style.ghost, state == State::kUnchanged);
-      EXPECT_EQ(looks.of(item)->style.colour, ChangeList::colour(state));
+      ASSERT_NE(base_styles.of(item), nullptr);
+      EXPECT_EQ(base_styles.of(item)->style.ghost, state == State::kUnchanged);
+      EXPECT_EQ(base_styles.of(item)->style.colour, ChangeList::colour(state));
     }
     changes->take_removed(scene);
     ASSERT_TRUE(scene.commit());
@@ -218,7 +218,7 @@ TEST(ChangeList, RowsAreThoseOfTheStatesThatShow) {
     }
     EXPECT_EQ(rows, expected);
     for (std::size_t i = 0; i < compare::kStateCount; ++i)
-      EXPECT_EQ(changes->looks().all[i].shown, (set >> i & 1) != 0);
+      EXPECT_EQ(changes->base_styles().all[i].shown, (set >> i & 1) != 0);
   }
   ASSERT_GT(changes->row_count(), 3u);
   EXPECT_EQ(changes->step(-1), changes->row_count() - 1);

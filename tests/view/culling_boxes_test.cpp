@@ -160,7 +160,7 @@ TEST_F(CullingBoxesTest, DrawsTheBoxesOfStatesThatAreOn) {
       boxes.update(seen, depth_of(1e9f), camera, origin(), reach_, switches);
       std::size_t expected = 0;
       for (const culling::CullBox& box : camera.states()->boxes) expected += box.state == CullState(state);
-      EXPECT_EQ(boxes.wanted(), expected) << "all are in the picture";
+      EXPECT_EQ(boxes.wanted(), expected) << "all are in the image";
       EXPECT_EQ(boxes.drawn(), std::min(expected, CullingBoxes::kMost));
       for (const CullingLine& line : boxes.lines()) {
         EXPECT_TRUE(line.ink == state || line.ink >= CullingLine::kVolume);
@@ -195,7 +195,7 @@ TEST_F(CullingBoxesTest, DrawsTheLargestOfMany) {
 }
 
 /// A wall at a distance: what is nearer is drawn in front of it, what is farther behind.
-TEST_F(CullingBoxesTest, KnowsWhatThePictureHides) {
+TEST_F(CullingBoxesTest, KnowsWhatTheImageHides) {
   const FrozenCamera camera = frozen(view({10, -200, 10}, {10, 10, 10}));
   const core::View aside = view({10, -30, 10}, {10, 10, 10});
   CullingBoxes boxes;

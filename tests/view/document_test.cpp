@@ -77,7 +77,7 @@ TEST_F(DocumentTest, HiddenItemsAreNotFoundAndNotSelected) {
   EXPECT_EQ(document->hidden() + document->ghosts(), 0u);
 }
 
-TEST_F(DocumentTest, HoveringIsNoStepAndLeavesThePicture) {
+TEST_F(DocumentTest, HoveringIsNoStepAndLeavesTheImage) {
   const std::uint64_t version = document->version();
   document->hover(ItemId{3});
   EXPECT_EQ(document->hovered(), std::optional<ItemId>(ItemId{3}));

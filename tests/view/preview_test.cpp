@@ -1,4 +1,4 @@
-// Pictures of a model that is being read.
+// Images of a model that is being read.
 #include "sightline/apps/view/preview.h"
 
 #include <algorithm>
@@ -25,17 +25,17 @@ class PreviewTest : public tests::GlTest {
     c.draw = true;
     return c;
   }
-  /// Later than any picture waits.
+  /// Later than any image waits.
   image::Image read(std::uint32_t framebuffer, int width, int height) const {
     const gl::Functions& gl = context->functions();
-    image::Image picture{width, height, std::vector<std::uint8_t>(std::size_t(3 * width * height))};
+    image::Image image{width, height, std::vector<std::uint8_t>(std::size_t(3 * width * height))};
     gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    gl.ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, picture.pixels.data());
-    image::Image flipped = picture;
+    gl.ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, image.pixels.data());
+    image::Image flipped = image;
     const int row = 3 * width;
     for (int y = 0; y < height; ++y)
-      std::copy_n(picture.pixels.begin() + y * row, row, flipped.pixels.begin() + (height - 1 - y) * row);
+      std::copy_n(image.pixels.begin() + y * row, row, flipped.pixels.begin() + (height - 1 - y) * row);
     return flipped;
   }
   /// Once it is complete.
@@ -76,7 +76,7 @@ TEST_F(PreviewTest, KeepsTheLargestItems) {
   EXPECT_EQ(preview.largest(), expected);
 }
 
-/// Solids, meshes with their materials and what lies below turned nodes: the picture of the scene itself.
+/// Solids, meshes with their materials and what lies below turned nodes: the image of the scene itself.
 TEST_F(PreviewTest, ShowsWhatTheSceneShows) {
   constexpr unsigned kSeed = 8;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

@@ -17,8 +17,8 @@ constexpr double kAspect = double(kWidth) / kHeight;
 const dvec2 kSize(kWidth, kHeight);
 constexpr Part kParts[] = {Part::kMiddle, Part::kOut, Part::kIn, Part::kRight, Part::kLeft, Part::kUp, Part::kDown};
 
-PictureFrame frame_of(const core::View& view) {
-  return *PictureFrame::create(view, kWidth, kHeight);
+ImageFrame frame_of(const core::View& view) {
+  return *ImageFrame::create(view, kWidth, kHeight);
 }
 
 core::View looking(const dvec3& eye, const dvec3& target, bool parallel) {
@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(, SectionGizmoTest, testing::Values(0.0, 1e7),
 TEST_P(SectionGizmoTest, PixelsAndPointsAreOfOneKind) {
   for (int i = 0; i < 300; ++i) {
     const Case c = next(i);
-    const PictureFrame frame = frame_of(c.view);
+    const ImageFrame frame = frame_of(c.view);
     const dvec2 at(uniform(0, kWidth), uniform(0, kHeight));
     const core::Ray ray = frame.ray(at);
     const dvec3 point = ray.origin + uniform(0.5, 3.0) * c.reach * ray.direction;
@@ -80,7 +80,7 @@ TEST_P(SectionGizmoTest, FindsThePointOfAnAxisNearestToARay) {
   int found = 0;
   for (int i = 0; i < 400; ++i) {
     const Case c = next(i);
-    const PictureFrame frame = frame_of(c.view);
+    const ImageFrame frame = frame_of(c.view);
     const dvec2 at(uniform(0, kWidth), uniform(0, kHeight));
     const auto along = frame.along_axis(at, c.section.point, c.section.normal);
     if (!along) continue;
@@ -108,7 +108,7 @@ TEST_P(SectionGizmoTest, WhatIsGrabbedFollows) {
   for (int i = 0; i < 400; ++i) {
     SCOPED_TRACE(i);
     const Case c = next(i);
-    const PictureFrame frame = frame_of(c.view);
+    const ImageFrame frame = frame_of(c.view);
     const auto gizmo = SectionGizmo::create(frame, c.section, true, 1.0);
     if (!gizmo) continue;
     for (const SectionGizmo::Handle& handle : gizmo->handles()) {
@@ -158,7 +158,7 @@ TEST_P(SectionGizmoTest, WorksAlongTheLineOfSight) {
   const dvec3 centre = GetParam() * dvec3(1.0, -0.6, 0.2);
   for (const bool parallel : {false, true})
     for (const dvec3& normal : {dvec3(0, -1, 0), dvec3(0, 1, 0), glm::normalize(dvec3(1e-4, -1, 2e-4))}) {
-      const PictureFrame frame = frame_of(looking(centre + dvec3(0, -20, 0), centre, parallel));
+      const ImageFrame frame = frame_of(looking(centre + dvec3(0, -20, 0), centre, parallel));
       const auto gizmo = SectionGizmo::create(frame, {centre, normal, 0.0, true}, true, 1.5);
       ASSERT_TRUE(gizmo);
       const dvec2 arrow = gizmo->handles()[1].at - gizmo->middle();
@@ -172,13 +172,13 @@ TEST_P(SectionGizmoTest, WorksAlongTheLineOfSight) {
 
 /// Where the place is outside, the handles are at another point of the plane that has room; a plane that is not shown
 /// has none.
-TEST_P(SectionGizmoTest, HandlesHaveRoomInThePicture) {
+TEST_P(SectionGizmoTest, HandlesHaveRoomInTheImage) {
   int shown = 0;
   for (int i = 0; i < 400; ++i) {
     SCOPED_TRACE(i);
     Case c = next(i);
     c.section.point += uniform(0.0, 8.0) * c.reach * direction();
-    const PictureFrame frame = frame_of(c.view);
+    const ImageFrame frame = frame_of(c.view);
     const auto gizmo = SectionGizmo::create(frame, c.section, i % 2 == 0, 1.0);
     if (!gizmo) continue;
     ++shown;
@@ -190,7 +190,7 @@ TEST_P(SectionGizmoTest, HandlesHaveRoomInThePicture) {
   }
   EXPECT_GT(shown, 200);
   const dvec3 centre = GetParam() * dvec3(1.0, -0.6, 0.2);
-  const PictureFrame frame = frame_of(looking(centre + dvec3(0, -20, 0), centre, false));
+  const ImageFrame frame = frame_of(looking(centre + dvec3(0, -20, 0), centre, false));
   EXPECT_FALSE(SectionGizmo::create(frame, {centre + dvec3(0, -21, 0), {0, 1, 0}, 0.0, true}, true, 1.0)) << "behind";
   const auto floor = SectionGizmo::create(frame, {centre + dvec3(0, -30, -2), {0, 0, 1}, 0.0, true}, true, 1.0);
   ASSERT_TRUE(floor) << "its point is behind the eye, but below there is more of it";
@@ -199,7 +199,7 @@ TEST_P(SectionGizmoTest, HandlesHaveRoomInThePicture) {
 
 /// Beyond the horizon nothing is under the cursor.
 TEST(SectionGizmo, EndsAtTheHorizon) {
-  const PictureFrame frame = frame_of(looking({0, -20, 0}, {0, 0, 0}, false));
+  const ImageFrame frame = frame_of(looking({0, -20, 0}, {0, 0, 0}, false));
   const dvec3 axis = glm::normalize(dvec3(0.3, 1.0, 0.0));
   const auto horizon = frame.project(dvec3(0, -20, 0) + 1e6 * axis);
   ASSERT_TRUE(horizon);
@@ -209,7 +209,7 @@ TEST(SectionGizmo, EndsAtTheHorizon) {
 }
 
 TEST(SectionGizmo, UnselectedOnesHaveOneArrow) {
-  const PictureFrame frame = frame_of(looking({4, -20, 6}, {0, 0, 0}, false));
+  const ImageFrame frame = frame_of(looking({4, -20, 6}, {0, 0, 0}, false));
   const auto gizmo = SectionGizmo::create(frame, {{0, 0, 0}, {0, -1, 0}, 0.0, true}, false, 2.0);
   ASSERT_TRUE(gizmo);
   ASSERT_EQ(gizmo->handles().size(), 2u);

@@ -40,7 +40,7 @@ class SectionHandlesTest : public testing::Test {
     return {};
   }
   dvec2 pixel_of(const dvec3& in_model) const {
-    return *PictureFrame::create(*session->view(), 800, 600)->project(place(in_model));
+    return *ImageFrame::create(*session->view(), 800, 600)->project(place(in_model));
   }
   const Sections::Section& section(std::size_t index = 0) const { return session->sections().all()[index]; }
 

@@ -1,7 +1,7 @@
 // sightline-bench error-time: the cost and the errors of the forms of a primitive.
 //
-// Without a model: measures each kind separately, with random items 1/16 and 6/10 as large as the picture's height.
-// Depth, normal and silhouette errors are against the C++ intersections in double. With models: compares whole pictures
+// Without a model: measures each kind separately, with random items 1/16 and 6/10 as large as the image's height.
+// Depth, normal and silhouette errors are against the C++ intersections in double. With models: compares whole images
 // with those of triangles so small that no pixel shows them. Everything compared is timed in turns.
 #include <algorithm>
 #include <cstdio>
@@ -34,7 +34,7 @@ struct Options {
   std::vector<std::string> only;
   std::vector<int> segments;  // none: kSegments
   std::string size, views, csv, plot, json;
-  int samples = 3, passes = 7, pictures = 4, reference = 512;
+  int samples = 3, passes = 7, images = 4, reference = 512;
   std::uint32_t seed = 1;
   gl::ContextPlatform platform = {};
 };
@@ -52,7 +52,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.add("--samples", o.samples, "Per pixel and axis where the errors of kinds are taken")
       .in_range(1, 8)
       .shows_default();
-  line.add("--pictures", o.pictures, "Of two large items each").in_range(1, 64).shows_default();
+  line.add("--images", o.images, "Of two large items each").in_range(1, 64).shows_default();
   line.add("--passes", o.passes, "Of which the median time counts").in_range(1, 1000).shows_default();
   line.add("--seed", o.seed, "Of the random items").shows_default();
   line.add("--views", o.views, "Folder with view files NAME_*.json of models NAME.*; without, views are made up")
@@ -101,7 +101,7 @@ core::Expected<int> measure_kinds(const Options& o, gl::Context& context, std::F
   std::fprintf(out, "%s, %dx%d, %d x %d samples per pixel, median of %d passes, seed %u\n",
                renderer_line(context).c_str(), size[0], size[1], o.samples, o.samples, o.passes, o.seed);
 
-  const FieldSize sizes[] = {{height / 16.0, 8, 8, 1}, {0.6 * height, 2, 1, o.pictures}};
+  const FieldSize sizes[] = {{height / 16.0, 8, 8, 1}, {0.6 * height, 2, 1, o.images}};
   const std::size_t steps = kinds.size() * std::size(sizes);
   std::vector<KindResult> results;
   apps::Progress progress("error against time", 1000);

@@ -40,15 +40,15 @@ struct KindConfig {
   std::vector<int> segments;
 };
 
-/// Items of one size: `columns` x `rows` of them in each of `pictures` pictures, none in front of another.
+/// Items of one size: `columns` x `rows` of them in each of `images` images, none in front of another.
 struct FieldSize {
   double pixels;  ///< diameter of an item's bounding ball
-  int columns, rows, pictures;
+  int columns, rows, images;
 };
 
 struct KindFigures {
   Form form;
-  SampleErrors errors;          ///< against C++ double, over all pictures
+  SampleErrors errors;          ///< against C++ double, over all images
   double ms = 0.0;              ///< per frame; on the CPU, time of its rays on one thread
   double ns_per_ray = 0.0;      ///< on the CPU only
   double bytes_per_item = 0.0;  ///< on the GPU: records, or records and triangles; 0 on the CPU
@@ -86,8 +86,8 @@ struct ModelConfig {
 struct ModelFigures {
   Form form;
   double ms = 0.0;            ///< per frame, culling included
-  std::size_t gpu_bytes = 0;  ///< without the picture
-  /// Against the triangles of the reference, and against the ray-cast picture.
+  std::size_t gpu_bytes = 0;  ///< without the image
+  /// Against the triangles of the reference, and against the ray-cast image.
   image::ImageMetrics to_triangles, to_ray_cast;
   std::uint64_t wrong_ids = 0, wrong_ids_to_ray_cast = 0;  ///< pixels
   std::uint64_t ties = 0;  ///< of wrong_ids, those where both show the same depth: faces of several items in one place

@@ -111,7 +111,7 @@ core::Scene Field::scene() const {
 }
 
 Field make_field(Kind kind, const FieldSize& size, int width, int height, std::uint32_t seed) {
-  const double across = width / size.pixels, high = height / size.pixels;  // size of the picture, in items
+  const double across = width / size.pixels, high = height / size.pixels;  // size of the image, in items
   const dvec3 eye(0.0, -0.5 * high / std::tan(0.5 * kFovy), 0.0);
   Field field{*core::View::perspective({eye, dvec3(0.0), {0, 0, 1}}, kFovy, double(width) / height, kNear),
               {},

@@ -24,7 +24,7 @@ struct Field {
   core::Scene scene() const;
 };
 
-/// One picture of `size`, with the given width and height in pixels. The same seed gives the same picture.
+/// One image of `size`, with the given width and height in pixels. The same seed gives the same image.
 Field make_field(core::Kind kind, const FieldSize& size, int width, int height, std::uint32_t seed);
 
 /// Rays through the centres of samples, in an item's own coordinates; t is the distance along the view axis.
@@ -33,10 +33,10 @@ struct ItemRays {
   std::vector<std::uint32_t> samples;  ///< of each ray: y * width + x
 };
 
-/// For each item, the rays that may meet its ball in a picture of width x height samples.
+/// For each item, the rays that may meet its ball in an image of width x height samples.
 std::vector<ItemRays> field_rays(const Field& field, int width, int height);
 
-/// Casts rays with gpuprims::intersect. `first_row`: row of `image` where the field's picture begins.
+/// Casts rays with gpuprims::intersect. `first_row`: row of `image` where the field's image begins.
 void cast(const Field& field, const std::vector<ItemRays>& rays, int first_row, SampleImage& image);
 
 }  // namespace sightline::bench

@@ -81,13 +81,13 @@ class Stage {
   render::Renderer renderer_;
 };
 
-/// Measures all pictures of a kind at one size, in every form.
+/// Measures all images of a kind at one size, in every form.
 class KindMeasurement {
  public:
   KindMeasurement(const gl::Context& context, Kind kind, const FieldSize& size, const KindConfig& config,
                   const Report& report)
       : context_(context), config_(config), report_(report), result_{kind, size, 0.0, 0.0, {}} {
-    for (int i = 0; i < size.pictures; ++i)
+    for (int i = 0; i < size.images; ++i)
       fields_.push_back(make_field(kind, size, config.width, config.height, config.seed + std::uint32_t(i)));
     for (const Form& form : forms_of(kind, config)) result_.forms.push_back({form, {}});
   }
@@ -122,14 +122,14 @@ class KindMeasurement {
   }
 
   core::Expected<void> measure_errors() {
-    const int width = sampled_.width(), height = sampled_.height(), pictures = int(fields_.size());
+    const int width = sampled_.width(), height = sampled_.height(), images = int(fields_.size());
     std::vector<std::vector<ItemRays>> rays;
     for (const Field& field : fields_) rays.push_back(field_rays(field, width, height));
-    SampleImage reference(width, pictures * height);
-    for (int i = 0; i < pictures; ++i) cast(fields_[std::size_t(i)], rays[std::size_t(i)], i * height, reference);
+    SampleImage reference(width, images * height);
+    for (int i = 0; i < images; ++i) cast(fields_[std::size_t(i)], rays[std::size_t(i)], i * height, reference);
     for (KindFigures& figures : result_.forms) {
-      SampleImage image(width, pictures * height);
-      for (int i = 0; i < pictures; ++i) {
+      SampleImage image(width, images * height);
+      for (int i = 0; i < images; ++i) {
         const Field& field = fields_[std::size_t(i)];
         if (figures.form.method == Method::kDouble) {
           cast(field, rays[std::size_t(i)], i * height, image);

@@ -9,7 +9,7 @@ namespace {
 
 using Method = Form::Method;
 
-using apps::DrawnPicture;
+using apps::DrawnImage;
 using apps::DrawnVariant;
 
 core::Expected<DrawnVariant> make_variant(gl::Context& context, const core::Scene& scene, const Form& form,
@@ -24,7 +24,7 @@ core::Expected<DrawnVariant> make_variant(gl::Context& context, const core::Scen
 }
 
 struct Reference {
-  std::vector<DrawnPicture> pictures;  // by view
+  std::vector<DrawnImage> images;  // by view
   std::vector<double> ms;
   std::size_t gpu_bytes = 0;
 };
@@ -37,26 +37,26 @@ core::Expected<Reference> draw_reference(gl::Context& context, const core::Scene
   for (const NamedView& named : views) {
     auto ms = variant->draw(named.view);
     if (!ms) return tl::unexpected(ms.error());
-    auto picture = variant->picture(named.view);
-    if (!picture) return tl::unexpected(picture.error());
+    auto image = variant->image(named.view);
+    if (!image) return tl::unexpected(image.error());
     reference.ms.push_back(*ms);
-    reference.pictures.push_back(std::move(*picture));
+    reference.images.push_back(std::move(*image));
   }
   reference.gpu_bytes = variant->gpu_bytes();
   return reference;
 }
 
-core::Expected<void> compare(const DrawnPicture& triangles, const DrawnPicture& ray_cast, const DrawnPicture& picture,
+core::Expected<void> compare(const DrawnImage& triangles, const DrawnImage& ray_cast, const DrawnImage& image,
                              ModelFigures& figures) {
-  auto metrics = image::image_metrics(triangles.colour, picture.colour);
+  auto metrics = image::image_metrics(triangles.colour, image.colour);
   if (!metrics) return tl::unexpected(metrics.error());
   figures.to_triangles = *metrics;
-  metrics = image::image_metrics(ray_cast.colour, picture.colour);
+  metrics = image::image_metrics(ray_cast.colour, image.colour);
   if (!metrics) return tl::unexpected(metrics.error());
   figures.to_ray_cast = *metrics;
-  figures.wrong_ids = *image::wrong_ids(triangles.ids, picture.ids);
-  figures.ties = apps::count_ties(triangles, picture);
-  figures.wrong_ids_to_ray_cast = *image::wrong_ids(ray_cast.ids, picture.ids);
+  figures.wrong_ids = *image::wrong_ids(triangles.ids, image.ids);
+  figures.ties = apps::count_ties(triangles, image);
+  figures.wrong_ids_to_ray_cast = *image::wrong_ids(ray_cast.ids, image.ids);
   return {};
 }
 
@@ -84,26 +84,26 @@ core::Expected<std::vector<ModelResult>> measure_model(gl::Context& context, con
     auto times = apps::time_in_turns(variants, views[v].view, config.passes);
     if (!times) return tl::unexpected(times.error());
     ModelResult result{views[v].name, {}};
-    DrawnPicture ray_cast;
-    const auto add = [&](const Form& form, double ms, std::size_t gpu_bytes, const DrawnPicture& picture) {
+    DrawnImage ray_cast;
+    const auto add = [&](const Form& form, double ms, std::size_t gpu_bytes, const DrawnImage& image) {
       ModelFigures figures;
       figures.form = form;
       figures.ms = ms;
       figures.gpu_bytes = gpu_bytes;
-      auto done = compare(reference->pictures[v], ray_cast, picture, figures);
+      auto done = compare(reference->images[v], ray_cast, image, figures);
       result.forms.push_back(figures);
       return done;
     };
     for (std::size_t i = 0; i < variants.size(); ++i) {
       if (auto ms = variants[i].draw(views[v].view); !ms) return tl::unexpected(ms.error());
-      const auto picture = variants[i].picture(views[v].view);
-      if (!picture) return tl::unexpected(picture.error());
-      if (i == 0) ray_cast = *picture;
-      if (auto done = add(forms[i], (*times)[i], variants[i].gpu_bytes(), *picture); !done)
+      const auto image = variants[i].image(views[v].view);
+      if (!image) return tl::unexpected(image.error());
+      if (i == 0) ray_cast = *image;
+      if (auto done = add(forms[i], (*times)[i], variants[i].gpu_bytes(), *image); !done)
         return tl::unexpected(done.error());
     }
     const Form last{Method::kTriangles, config.reference_segments};
-    if (auto done = add(last, reference->ms[v], reference->gpu_bytes, reference->pictures[v]); !done)
+    if (auto done = add(last, reference->ms[v], reference->gpu_bytes, reference->images[v]); !done)
       return tl::unexpected(done.error());
     results.push_back(std::move(result));
     if (report) report((double(v) + 2.0) / steps);

@@ -104,21 +104,21 @@ core::Expected<void> write_model_plot(const std::vector<NamedModel>& models, con
       panels.push_back({model.name + ", " + view.view, {std::move(triangles), std::move(ray_cast)}});
     }
   return apps::write_text(
-      file, apps::svg_panels({"Error of the picture against its cost", label, "mean FLIP", std::move(panels)}));
+      file, apps::svg_panels({"Error of the image against its cost", label, "mean FLIP", std::move(panels)}));
 }
 
 }  // namespace
 
 void print(const KindResult& result, std::FILE* out) {
-  std::fprintf(
-      out,
-      "\n%s, %s across: %d items in %d picture(s), %llu samples hit, %.0f rays a frame, empty frame %.2f ms\n\n"
-      "| form         | ms/frame | ns/ray | bytes/item | depth, mean |     p99 | normal, mean ° |    p99 | "
-      "silhouette, mean px |    max | false hits | false misses |\n"
-      "| ------------ | -------: | -----: | ---------: | ----------: | ------: | -------------: | -----: | "
-      "------------------: | -----: | ---------: | -----------: |\n",
-      kind_of(result).c_str(), size_name(result).c_str(), result.size.columns * result.size.rows * result.size.pictures,
-      result.size.pictures, (unsigned long long)result.forms.front().errors.hits, result.rays, result.empty_frame_ms);
+  std::fprintf(out,
+               "\n%s, %s across: %d items in %d image(s), %llu samples hit, %.0f rays a frame, empty frame %.2f ms\n\n"
+               "| form         | ms/frame | ns/ray | bytes/item | depth, mean |     p99 | normal, mean ° |    p99 | "
+               "silhouette, mean px |    max | false hits | false misses |\n"
+               "| ------------ | -------: | -----: | ---------: | ----------: | ------: | -------------: | -----: | "
+               "------------------: | -----: | ---------: | -----------: |\n",
+               kind_of(result).c_str(), size_name(result).c_str(),
+               result.size.columns * result.size.rows * result.size.images, result.size.images,
+               (unsigned long long)result.forms.front().errors.hits, result.rays, result.empty_frame_ms);
   for (const KindFigures& f : result.forms) {
     const std::string ns = f.form.on_cpu() ? short_text(f.ns_per_ray) : "";
     const std::string bytes = f.form.on_cpu() ? "" : short_text(f.bytes_per_item);
@@ -227,8 +227,8 @@ Json to_json(const KindResult& result) {
   }
   return {{"primitive", kind_of(result)},
           {"pixels", result.size.pixels},
-          {"items", result.size.columns * result.size.rows * result.size.pictures},
-          {"pictures", result.size.pictures},
+          {"items", result.size.columns * result.size.rows * result.size.images},
+          {"images", result.size.images},
           {"samples_hit", result.forms.front().errors.hits},
           {"rays", result.rays},
           {"empty_frame_ms", result.empty_frame_ms},

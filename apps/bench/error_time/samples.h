@@ -1,4 +1,4 @@
-// What a form shows at every sample of a picture, and the errors of that.
+// What a form shows at every sample of an image, and the errors of that.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ inline constexpr int kFarthestSilhouette = 40;
 
 /// Errors of `image` against `reference`. Both have the same size, with `samples_per_pixel` >= 1 along each axis.
 ///
-/// The silhouette of a picture is the set of hit samples that have a miss among their four neighbours. The mean error
+/// The silhouette of an image is the set of hit samples that have a miss among their four neighbours. The mean error
 /// of two silhouettes averages, over all samples of both, the distance to the nearest sample of the other. The maximum
 /// is the Hausdorff distance. A shift by less than a sample changes only some samples, so the mean resolves far less
 /// than a sample.

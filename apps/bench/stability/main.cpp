@@ -126,7 +126,7 @@ core::Expected<void> measure_shaders([[maybe_unused]] const std::vector<Case>& c
   return {};
 }
 
-/// Measures the cases that need a whole picture, after those of single rays.
+/// Measures the cases that need a whole image, after those of single rays.
 core::Expected<void> measure_views([[maybe_unused]] const Options& options,
                                    [[maybe_unused]] std::vector<Result>& results) {
 #if SIGHTLINE_HAS_GL
@@ -140,7 +140,7 @@ core::Expected<void> measure_views([[maybe_unused]] const Options& options,
   if (!views) return tl::unexpected(views.error());
   apps::Progress progress("views", cases.size());
   for (const bench::ViewCase& c : cases) {
-    const auto figures = views->judge_picture(c, options.rays);
+    const auto figures = views->judge_image(c, options.rays);
     if (!figures) return tl::unexpected(figures.error());
     results.push_back({c.kind, c.family, c.name(), c.magnitude, Path::kGlsl, *figures});
     progress.advance(results.size());

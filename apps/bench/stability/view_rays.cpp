@@ -25,7 +25,7 @@ double half_size(const core::AabbD& box) {
 ViewCase make_case(Kind kind, const char* family, double magnitude, const dvec3& site, double distance, double fovy,
                    Random& random) {
   ViewCase c{kind, family, magnitude, {}, {}};
-  Picture& p = c.picture;
+  Image& p = c.image;
   p.primitive = plain_shape(kind, random);
   p.radius = radius_of(p.primitive);
   p.world_from_item.origin = site;
@@ -45,7 +45,7 @@ ViewCase make_case(Kind kind, const char* family, double magnitude, const dvec3&
   return c;
 }
 
-gpuprims::Ray pixel_ray(const Picture& p, const dmat3& world_from_eye, int x, int y) {
+gpuprims::Ray pixel_ray(const Image& p, const dmat3& world_from_eye, int x, int y) {
   const double up = std::tan(0.5 * p.fovy), across = up * kWidth / kHeight;
   const dvec3 eye((2.0 * (x + 0.5) / kWidth - 1.0) * across, (1.0 - 2.0 * (y + 0.5) / kHeight) * up, -1.0);
   return {p.pose.eye, world_from_eye * eye};
@@ -67,7 +67,7 @@ std::vector<ViewCase> view_cases(std::uint64_t seed) {
     for (int e = 1; e <= 8; ++e) {
       const double ratio = std::pow(10.0, e);
       cases.push_back(make_case(kind, "near-far", ratio, dvec3(0.0), 8.0, 0.0, random));
-      Picture& p = cases.back().picture;
+      Image& p = cases.back().image;
       // The near and far plane are as far apart as requested, with the item between them.
       const core::AabbD box = core::bounds(p.primitive, p.world_from_item);
       const double size = half_size(box), away = glm::length(p.pose.eye - p.pose.target);
@@ -92,8 +92,8 @@ core::Expected<ViewRays> ViewRays::create(gl::ContextPlatform platform) {
   return ViewRays(std::move(*context));
 }
 
-core::Expected<Figures> ViewRays::judge_picture(const ViewCase& c, int rays) {
-  const Picture& p = c.picture;
+core::Expected<Figures> ViewRays::judge_image(const ViewCase& c, int rays) {
+  const Image& p = c.image;
   core::Scene scene;
   const core::NodeId node = scene.add_node(scene.root(), "item", p.world_from_item);
   scene.add_primitive(node, p.primitive);

@@ -13,7 +13,7 @@
 namespace sightline::bench {
 
 /// One item and the camera that sees it.
-struct Picture {
+struct Image {
   core::Primitive primitive;
   core::Affine world_from_item;
   core::Pose pose;
@@ -21,14 +21,14 @@ struct Picture {
   double radius = 1.0;                                      ///< unit of errors
 };
 
-/// Like Case, for pictures. Depth is a float, so t may be off by two ulps of it in addition to the limits for rays near
+/// Like Case, for images. Depth is a float, so t may be off by two ulps of it in addition to the limits for rays near
 /// the item. The band is wider by a 128th of a pixel, which is less than rasterisers resolve.
 struct ViewCase {
   core::Kind kind = core::Kind::kCylinder;
   std::string family;
   double magnitude = 1.0;
   Limits limits;
-  Picture picture;
+  Image image;
 
   std::string name() const;
 };
@@ -41,9 +41,9 @@ class ViewRays {
   /// Fails without GL.
   static core::Expected<ViewRays> create(gl::ContextPlatform platform = {});
 
-  /// Draws the picture and judges about `rays` of its pixels, or all of them for very wide fields of view. Does not
+  /// Draws the image and judges about `rays` of its pixels, or all of them for very wide fields of view. Does not
   /// read back normals.
-  core::Expected<Figures> judge_picture(const ViewCase& c, int rays);
+  core::Expected<Figures> judge_image(const ViewCase& c, int rays);
 
  private:
   explicit ViewRays(gl::Context context) : context_(std::move(context)) {}

@@ -13,7 +13,7 @@ sl_status with_engine(const char* function, sl_engine handle, Access access, con
   return call(function, [&] { run(EngineUse(handle, access)); });
 }
 
-/// Refuses what is no size of a picture.
+/// Refuses what is no size of an image.
 void check_size(std::int32_t width, std::int32_t height);
 /// Refuses a call that needs GL, where this library has none.
 void check_drawing(bool needed);

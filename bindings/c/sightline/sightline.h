@@ -113,7 +113,7 @@ typedef struct sl_box_culler {
 typedef struct sl_occluder_raster {
   uint64_t id;
 } sl_occluder_raster;
-/* Items are numbered in the order of their insertion into their scene; numbers are not used again. Pictures of ids and
+/* Items are numbered in the order of their insertion into their scene; numbers are not used again. Images of ids and
  * visible sets hold them. */
 typedef uint32_t sl_item;
 #define SL_NO_ITEM 0xffffffffu
@@ -489,7 +489,7 @@ SL_API sl_status sl_box_culler_refit(sl_box_culler culler, const sl_box* boxes, 
 
 SL_API sl_status sl_occluder_raster_create(sl_occluder_raster* raster);
 SL_API sl_status sl_occluder_raster_destroy(sl_occluder_raster raster);
-/* Empties the image, for occluders of this view in a picture of width x height pixels, 1 to 16384 each. */
+/* Empties the image, for occluders of this view in an image of width x height pixels, 1 to 16384 each. */
 SL_API sl_status sl_occluder_raster_begin(sl_occluder_raster raster, const sl_view* view, int32_t width,
                                           int32_t height);
 /* Solid boxes in the world: of these the `most` that look largest from the eye. `added` (may be null): how many of them
@@ -565,16 +565,16 @@ typedef struct sl_engine_config {
   sl_culler culler;
   int32_t draw; /* 0: no GL at all, unless the culler needs it */
   int32_t width, height;
-  int32_t ids;              /* a picture of item ids beside colour and depth */
-  int32_t sample_test;      /* leave out of drawing what covers no sample */
-  int32_t occlusion;        /* SL_OCCLUSION_...: leave out of drawing what others hide */
-  int32_t contribution_way; /* SL_CONTRIBUTION_... */
-  float contribution;       /* pixels; leave out of drawing what covers fewer; 0: nothing is lost */
-  double budget_ms;         /* a frame may take; 0: any time */
-  int32_t samples;          /* per pixel */
-  int32_t use_hidden_colour;
-  float hidden_colour[3]; /* sRGB; of what the tests leave out in frames with a cull_view */
-  float rebuild_share;    /* disorder by edits that starts a new order in the background; 0: never */
+  int32_t ids;               /* an image of item ids beside colour and depth */
+  int32_t sample_test;       /* leave out of drawing what covers no sample */
+  int32_t occlusion;         /* SL_OCCLUSION_...: leave out of drawing what others hide */
+  int32_t contribution_mode; /* SL_CONTRIBUTION_... */
+  float min_projected_area;  /* pixels; leave out of drawing what covers fewer; 0: nothing is lost */
+  double budget_ms;          /* a frame may take; 0: any time */
+  int32_t samples;           /* per pixel */
+  int32_t use_culled_colour;
+  float culled_colour[3]; /* sRGB; of what the tests leave out in frames with a cull_view */
+  float rebuild_share;    /* disorder by edits that starts a new scene version in the background; 0: never */
   /* The application's GL context, which must be current now and in all later calls on the engine. Null: the engine
    * makes an offscreen context. Called in sl_engine_create() alone. */
   sl_get_proc get_proc;
@@ -584,13 +584,13 @@ typedef struct sl_engine_config {
   const char* program_cache; /* folder that keeps linked programs; null: the user's cache folder; "": none */
   int32_t transparency;      /* SL_TRANSPARENCY_...: how transparent items are drawn */
   float outline_colour[3];   /* sRGB; of sl_item_style.outline and sl_engine_draw_outline() */
-  /* Shading and lines by the depth of the picture: 0 to 1, darkness of corners and of what lies behind edges, and of
+  /* Shading and lines by the depth of the image: 0 to 1, darkness of corners and of what lies behind edges, and of
    * lines along edges. 0: none. */
-  float relief_shading, relief_lines;
+  float depth_shading, edge_lines;
   /* Lines on what section planes cut: 0 to 1, their darkness, 0: none; and their least distance, 2 pixels or more. */
   float hatching_strength, hatching_spacing;
   /* Draws, culls and finds part part_index of part_count parts of the scene alone: for several engines, in several
-   * processes, that share a picture. */
+   * processes, that share an image. */
   int32_t part_index, part_count;
   int32_t gl_debug;                       /* collect driver messages: sl_engine_take_gl_errors() */
   int32_t context_later;                  /* no context until sl_engine_use_context(); not with get_proc */
@@ -616,10 +616,10 @@ typedef struct sl_frame_report {
   sl_culler culler; /* that culled: linear, CPU or GPU */
   uint64_t frame;   /* frames before this one */
   double cull_ms, draw_ms, wait_ms, frame_ms;
-  int64_t visible, tested; /* items in the view volume; boxes tested */
-  int64_t sampled, shown;  /* of the visible, that may cover a sample; drawn */
-  int64_t small, squares;  /* below the contribution; drawn as squares */
-  int64_t pending;         /* items that the budget did not suffice for */
+  int64_t visible, tested;        /* items in the view volume; boxes tested */
+  int64_t sampled, items_drawn;   /* of the visible, that may cover a sample; drawn */
+  int64_t below_min_area, splats; /* below min_projected_area; drawn as splats */
+  int64_t pending;                /* items that the budget did not suffice for */
   int32_t drawn;
   int32_t hybrid_state; /* -1 without a hybrid; else ControllerState of culling/hybrid/frame_sample.h */
 } sl_frame_report;
@@ -645,7 +645,7 @@ typedef struct sl_late_report {
   uint32_t size;
   int32_t there; /* 0: nothing new has arrived, and the rest says nothing */
   uint64_t frame;
-  int64_t visible, shown;
+  int64_t visible, items_drawn;
   double gpu_cull_ms;
 } sl_late_report;
 #define SL_LATE_REPORT_INIT \
@@ -654,7 +654,7 @@ typedef struct sl_late_report {
 typedef struct sl_engine_info {
   uint32_t size;
   sl_culler culler;        /* as planned: never automatic */
-  int32_t rebuilding;      /* a new order is being made in the background */
+  int32_t rebuilding;      /* a new scene version is being made in the background */
   int32_t preparing_picks; /* the ray tracer is being made in the background, and a pick would wait for it */
   uint64_t scene_bytes, snapshot_bytes, hierarchy_bytes, gpu_bytes, tracer_bytes;
   uint64_t scratch_bytes; /* buffers that all threads of the process keep from call to call */
@@ -662,11 +662,11 @@ typedef struct sl_engine_info {
 #define SL_ENGINE_INFO_INIT \
   { sizeof(sl_engine_info), 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
-/* What contribution and budget leave out of a picture: an estimate of its error. */
+/* What contribution and budget leave out of an image: an estimate of its error. */
 typedef struct sl_loss_report {
   uint32_t size;
   int32_t reserved; /* 0 */
-  int64_t items;    /* left out, that may cover a sample and that nothing in the picture is known to hide */
+  int64_t items;    /* left out, that may cover a sample and that nothing in the image is known to hide */
   double pixels;    /* that these are expected to cover, at most all */
 } sl_loss_report;
 #define SL_LOSS_REPORT_INIT \
@@ -685,7 +685,7 @@ typedef struct sl_controller_info {
   { sizeof(sl_controller_info), 0, 0, 0, 0, 0, 0 }
 
 /* What culling makes of an item, or of a node of the hierarchy: sightline/culling/cull_states.h. */
-enum { SL_CULL_INSIDE = 0, SL_CULL_INTERSECTING = 1, SL_CULL_OUTSIDE = 2, SL_CULL_OCCLUDED = 3, SL_CULL_SMALL = 4 };
+enum { SL_CULL_INSIDE = 0, SL_CULL_INTERSECTING = 1, SL_CULL_OUTSIDE = 2, SL_CULL_OCCLUDED = 3, SL_CULL_TOO_SMALL = 4 };
 #define SL_CULL_STATE_COUNT 5
 typedef struct sl_cull_box {
   sl_box box; /* in the world */
@@ -706,16 +706,16 @@ typedef struct sl_cull_states {
 #define SL_CULL_STATES_INIT \
   { sizeof(sl_cull_states), 0, {0}, NULL, 0, 0, NULL, 0, 0 }
 
-/* A part of a picture, of the size that the engine draws in: sightline/engine/picture_tiles.h. */
-typedef struct sl_picture_part {
-  int32_t width, height; /* of the whole picture, pixels */
-  double x, y;           /* of the part's upper left corner in it */
-} sl_picture_part;
-/* A part, and the rectangle x0 <= x < x1, y0 <= y < y1 of the whole picture that is taken from it. */
-typedef struct sl_picture_tile {
-  sl_picture_part part;
+/* A tile of an image, of the size that the engine draws in: sightline/engine/image_tiles.h. */
+typedef struct sl_image_tile {
+  int32_t width, height; /* of the whole image, pixels */
+  double x, y;           /* of the tile's upper left corner in it */
+} sl_image_tile;
+/* A tile, and the rectangle x0 <= x < x1, y0 <= y < y1 of the whole image that is taken from it. */
+typedef struct sl_cropped_tile {
+  sl_image_tile tile;
   int32_t x0, y0, x1, y1;
-} sl_picture_tile;
+} sl_cropped_tile;
 
 /* Commits the scene and builds what the engine needs. `config` may be null. */
 SL_API sl_status sl_engine_create(sl_scene scene, const sl_engine_config* config, sl_engine* engine);
@@ -726,51 +726,51 @@ SL_API sl_status sl_engine_destroy(sl_engine engine);
 SL_API sl_status sl_engine_frame(sl_engine engine, const sl_view* view, const sl_view* cull_view,
                                  sl_frame_report* report);
 /* The same into a framebuffer of the application's context, with the depth test, in the order of GL's commands. The
- * engine's picture gets the target's size. */
+ * engine's image gets the target's size. */
 SL_API sl_status sl_engine_frame_into(sl_engine engine, const sl_view* view, const sl_external_target* target,
                                       sl_frame_report* report);
-/* Draws a line around items over a framebuffer that shows the last frame's picture, `view` and the target's size being
- * those of that frame: for what is under a cursor. Takes the time of these items and of two passes over the picture. */
+/* Draws a line around items over a framebuffer that shows the last frame's image, `view` and the target's size being
+ * those of that frame: for what is under a cursor. Takes the time of these items and of two passes over the image. */
 SL_API sl_status sl_engine_draw_outline(sl_engine engine, const sl_view* view, const sl_item* items, size_t item_count,
                                         const sl_external_target* target);
-/* Draws a part of a picture of `whole` that may be larger than any framebuffer. `report` may be null. */
-SL_API sl_status sl_engine_frame_part(sl_engine engine, const sl_view* whole, const sl_picture_part* part,
+/* Draws a tile of an image of `whole` that may be larger than any framebuffer. `report` may be null. */
+SL_API sl_status sl_engine_frame_tile(sl_engine engine, const sl_view* whole, const sl_image_tile* tile,
                                       sl_frame_report* report);
-/* Parts of at most `largest_side` pixels a side that join without seams, all of part_width x part_height pixels.
+/* Tiles of at most `largest_side` pixels a side that join without seams, all of tile_width x tile_height pixels.
  * Fails unless largest_side is at least 64 and twice the margins of 8 and `more_margin` pixels more. Sizes are at most
  * 262144 pixels. */
-SL_API sl_status sl_picture_tiles(int32_t width, int32_t height, int32_t largest_side, int32_t more_margin,
-                                  int32_t* part_width, int32_t* part_height, sl_picture_tile* tiles, size_t capacity,
-                                  size_t* count);
+SL_API sl_status sl_image_tiles(int32_t width, int32_t height, int32_t largest_side, int32_t more_margin,
+                                int32_t* tile_width, int32_t* tile_height, sl_cropped_tile* tiles, size_t capacity,
+                                size_t* count);
 /* What the last frame has left out, `view` being the one that it drew. Waits for the GPU. */
 SL_API sl_status sl_engine_loss(sl_engine engine, const sl_view* view, sl_loss_report* report);
-/* What culling makes of each item in the view. Draws for that, so that the last frame's picture is gone. */
+/* What culling makes of each item in the view. Draws for that, so that the last frame's image is gone. */
 SL_API sl_status sl_engine_cull_states(sl_engine engine, const sl_view* view, sl_cull_states* states);
-/* The same for several views at one time, such as the two eyes of a headset: view i goes into target i and has picture
- * i of sl_engine_use_picture(); a budget is for all of them together. `reports` may be null. */
+/* The same for several views at one time, such as the two eyes of a headset: view i goes into target i and has image
+ * i of sl_engine_use_image(); a budget is for all of them together. `reports` may be null. */
 SL_API sl_status sl_engine_frame_views(sl_engine engine, const sl_view* const* views,
                                        const sl_external_target* const* targets, size_t count,
                                        sl_frame_report* const* reports);
-/* Shows another one of the engine's pictures from now on; each has a number of the application's, at first 0. One for
- * each view keeps what the engine learns from frame to frame: its size, a budget's unfinished picture, what was large
+/* Shows another one of the engine's images from now on; each has a number of the application's, at first 0. One for
+ * each view keeps what the engine learns from frame to frame: its size, a budget's unfinished image, what was large
  * or seen in the last frame. A new one has the size of the one before. */
-SL_API sl_status sl_engine_use_picture(sl_engine engine, uint32_t number);
-/* Frees what the engine has for a picture. Fails for the one in use. */
-SL_API sl_status sl_engine_forget_picture(sl_engine engine, uint32_t number);
+SL_API sl_status sl_engine_use_image(sl_engine engine, uint32_t number);
+/* Frees what the engine has for an image. Fails for the one in use. */
+SL_API sl_status sl_engine_forget_image(sl_engine engine, uint32_t number);
 SL_API sl_status sl_engine_late_report(sl_engine engine, sl_late_report* report);
 /* Commits the scene's edits; frames show none before. */
 SL_API sl_status sl_engine_commit(sl_engine engine);
 /* The same in portions: works for about `seconds`, and says whether all edits are followed. */
 SL_API sl_status sl_engine_commit_for(sl_engine engine, double seconds, int32_t* complete);
-/* Makes a new order of the items at once. */
+/* Makes a new scene version at once. */
 SL_API sl_status sl_engine_rebuild(sl_engine engine);
 SL_API sl_status sl_engine_set_culler(sl_engine engine, sl_culler culler);
 /* The settings as they are now, in the size of the last sl_engine_resize(). Pointers among them are null. `controller`
  * may be null. */
 SL_API sl_status sl_engine_get_config(sl_engine engine, sl_engine_config* config, sl_controller_config* controller);
 /* Uses other settings from the next frame on: culler, controller (null: as it is), sample_test, occlusion,
- * contribution, contribution_way, budget_ms, hidden_colour, outline_colour, relief and hatching. get_proc,
- * program_cache and progress are not looked at; all others must be as they are. */
+ * min_projected_area, contribution_mode, budget_ms, culled_colour, outline_colour, depth shading and hatching.
+ * get_proc, program_cache and progress are not looked at; all others must be as they are. */
 SL_API sl_status sl_engine_configure(sl_engine engine, const sl_engine_config* config);
 /* In pixels, 1 to 65536. */
 SL_API sl_status sl_engine_resize(sl_engine engine, int32_t width, int32_t height);
@@ -789,7 +789,7 @@ SL_API sl_status sl_engine_renderer(sl_engine engine, sl_text* text);
 SL_API sl_status sl_engine_take_gl_errors(sl_engine engine, sl_text* text);
 
 /* Items in the view volume of the last frame, in no order, for renderers of one's own. None where the GPU culled. Fails
- * with SL_ERROR_BUSY when a new order has landed since: ask before the next sl_engine_commit(). */
+ * with SL_ERROR_BUSY when a new scene version has landed since: ask before the next sl_engine_commit(). */
 SL_API sl_status sl_engine_visible(sl_engine engine, sl_item* items, size_t capacity, size_t* count);
 
 /* Frees what the engine has in its context, which must be current. Frames are then culled and not drawn. */
@@ -804,16 +804,16 @@ SL_API sl_status sl_engine_use_context(sl_engine engine, sl_get_proc get_proc, v
 SL_API sl_status sl_engine_use_context_for(sl_engine engine, sl_get_proc get_proc, void* user, double seconds,
                                            int32_t* complete);
 
-/* The picture of the last frame, rows from top to bottom; waits for the GPU. `capacity` is in values, of which
+/* The image of the last frame, rows from top to bottom; waits for the GPU. `capacity` is in values, of which
  * width * height (colour: three times as many) are needed. */
 SL_API sl_status sl_engine_read_colour(sl_engine engine, uint8_t* rgb, size_t capacity);
 /* Item + 1; 0 where there is none. */
 SL_API sl_status sl_engine_read_ids(sl_engine engine, uint32_t* ids, size_t capacity);
 /* Metres along the axis of `view`, which is the one that was drawn; infinity where there is nothing. */
 SL_API sl_status sl_engine_read_depth(sl_engine engine, const sl_view* view, float* metres, size_t capacity);
-/* Whether any pixel of the last frame's picture shows anything but the background. */
+/* Whether any pixel of the last frame's image shows anything but the background. */
 SL_API sl_status sl_engine_covered(sl_engine engine, int32_t* covered);
-/* GL's name of the framebuffer with that picture, in the context that the engine draws with. */
+/* GL's name of the framebuffer with that image, in the context that the engine draws with. */
 SL_API sl_status sl_engine_framebuffer(sl_engine engine, uint32_t* framebuffer);
 /* Rows from top to bottom, three bytes a pixel. Replaces the file only when complete. */
 SL_API sl_status sl_write_png(const char* path, int32_t width, int32_t height, const uint8_t* rgb);
@@ -858,7 +858,7 @@ typedef struct sl_visible_item {
   uint64_t samples;  /* that show it */
 } sl_visible_item;
 
-/* What the view shows at a point of the picture, in pixels from its upper left corner. */
+/* What the view shows at a point of the image, in pixels from its upper left corner. */
 SL_API sl_status sl_engine_pick(sl_engine engine, const sl_view* view, double x, double y, sl_pick* pick);
 /* The same, and items whose style is ghost are hit as all others. */
 SL_API sl_status sl_engine_pick_ghosts(sl_engine engine, const sl_view* view, double x, double y, sl_pick* pick);
@@ -866,7 +866,7 @@ SL_API sl_status sl_engine_pick_ghosts(sl_engine engine, const sl_view* view, do
  * frames do not: sl_engine_info.preparing_picks. */
 SL_API sl_status sl_engine_prepare_picks(sl_engine engine);
 SL_API sl_status sl_engine_pick_ray(sl_engine engine, const sl_ray* ray, sl_pick* pick);
-/* Items with any part (SL_REGION_CROSSING) or with all of them (SL_REGION_WHOLLY) in x0, y0, x1, y1 of the picture,
+/* Items with any part (SL_REGION_CROSSING) or with all of them (SL_REGION_WHOLLY) in x0, y0, x1, y1 of the image,
  * hidden or not, in rising order. */
 SL_API sl_status sl_engine_items_in(sl_engine engine, const sl_view* view, const double rectangle[4], int32_t rule,
                                     sl_item* items, size_t capacity, size_t* count);
@@ -886,7 +886,7 @@ typedef struct sl_item_style {
   int32_t use_colour; /* 0: the material's colour */
   float colour[3];    /* sRGB, 0 to 1 */
   float alpha;        /* 0 to 1, times the material's */
-  int32_t outline;    /* draw a line around what the picture shows of the item */
+  int32_t outline;    /* draw a line around what the image shows of the item */
   int32_t ghost;      /* draw a faint shell that hides nothing; picks go through it */
 } sl_item_style;
 #define SL_ITEM_STYLE_INIT \

@@ -1,11 +1,11 @@
-"""Visibility for CAD viewers: scenes, culling, drawing offscreen, picks, and comparing pictures.
+"""Visibility for CAD viewers: scenes, culling, drawing offscreen, picks, and comparing images.
 
     import sightline
 
     scene = sightline.Scene()
     scene.import_file("plant.rvm")
-    picture = sightline.render(scene, width=1280, height=720)  # (720, 1280, 3) uint8
-    sightline.write_png("plant.png", picture)
+    image = sightline.render(scene, width=1280, height=720)  # (720, 1280, 3) uint8
+    sightline.write_png("plant.png", image)
 
 Coordinates are metres, right-handed, z up; angles radians. Matrices are 4 x 4 for column vectors: world = m @ local.
 What goes wrong is a sightline.Error, whose text says where, what was expected and what was found. Calls that take long
@@ -30,7 +30,7 @@ __all__ = [
     "Engine", "Error", "ExternalTarget", "flip", "FrameReport", "id_colours", "ids_of_colours", "ImageDifference",
     "ImageMetrics", "ImportReport", "ImportWarning", "Item", "KINDS", "known_extensions", "LateReport", "Line",
     "LossReport", "Material", "MemoryReport", "Mesh", "metrics", "Node", "OccluderRaster", "OVERVIEW_DIRECTION", "Pick",
-    "picture_tiles", "PicturePart", "PictureTile", "PictureTiles", "PlanEntry", "Pyramid", "read_png",
+    "image_tiles", "ImageTile", "CroppedTile", "ImageTiles", "PlanEntry", "Pyramid", "read_png",
     "Recognition", "RectangularTorus", "render", "replay", "Scene", "SceneDelta", "Snout", "Sphere",
     "SphericalDish", "translation", "View", "write_pfm", "write_png", "wrong_ids",
 ]
@@ -39,16 +39,16 @@ __all__ = [
 def render(
     scene: Scene, view: View | None = None, width: int = 1280, height: int = 720, **config: Any
 ) -> NDArray[np.uint8]:
-    """A picture of the scene, (height, width, 3) uint8, with an engine made for it.
+    """An image of the scene, (height, width, 3) uint8, with an engine made for it.
 
     Without a view the whole model, as sightline-render shows it. `config`: keyword arguments of Engine. For more than
-    one picture of a scene keep an Engine: it builds what it needs once.
+    one image of a scene keep an Engine: it builds what it needs once.
     """
     with Engine(scene, draw=True, width=width, height=height, **config) as engine:
         if view is None:
             view = engine.fit()
         if not engine.frame(view).drawn:
-            raise Error("render: the GL context was lost before the picture was drawn")
+            raise Error("render: the GL context was lost before the image was drawn")
         return engine.read_colour()
 
 
@@ -62,7 +62,7 @@ def replay(
 ) -> list[FrameReport]:
     """Flies a camera path in evenly spaced frames, as sightline-replay does. Returns the report of each frame.
 
-    `after_frame` is called with the frame's number and view; there pictures may be read. Of frames that the GPU culls,
+    `after_frame` is called with the frame's number and view; there images may be read. Of frames that the GPU culls,
     counts arrive late: with engine.take_late_report(). `aspect`: width / height; None: the engine's.
     """
     if aspect is None:

@@ -30,11 +30,11 @@ class SetParts {
       }
     }
     of_ranges_ = count_;
-    for (std::size_t first = 0; first < set.slots.size(); first += size) {
+    for (std::size_t first = 0; first < set.single_slots.size(); first += size) {
       begin_part(set);
-      const auto begin = set.slots.begin() + std::ptrdiff_t(first);
-      const std::size_t taken = std::min<std::size_t>(size, set.slots.size() - first);
-      parts_[count_ - 1].slots.assign(begin, begin + std::ptrdiff_t(taken));
+      const auto begin = set.single_slots.begin() + std::ptrdiff_t(first);
+      const std::size_t taken = std::min<std::size_t>(size, set.single_slots.size() - first);
+      parts_[count_ - 1].single_slots.assign(begin, begin + std::ptrdiff_t(taken));
     }
     generation_ = set.generation;
   }
@@ -59,10 +59,11 @@ class SetParts {
       const core::VisibleSet& part = parts_[i];
       for (const core::SlotRange& range : part.ranges) append_range(range.first, range.first + range.count, set.ranges);
       std::vector<core::Slot>& items = i < of_ranges_ ? of_ranges_items_ : singles_;
-      items.insert(items.end(), part.slots.begin(), part.slots.end());
+      items.insert(items.end(), part.single_slots.begin(), part.single_slots.end());
     }
-    set.slots.resize(of_ranges_items_.size() + singles_.size());
-    std::merge(of_ranges_items_.begin(), of_ranges_items_.end(), singles_.begin(), singles_.end(), set.slots.begin());
+    set.single_slots.resize(of_ranges_items_.size() + singles_.size());
+    std::merge(of_ranges_items_.begin(), of_ranges_items_.end(), singles_.begin(), singles_.end(),
+               set.single_slots.begin());
   }
 
   std::size_t memory_bytes() const {

@@ -44,7 +44,7 @@ struct CullBatch;
 /// once that is drawn, cull_others() tests everything in the view volume against its depth, and finds what is open
 /// besides. What was drawn first is tested again, so that the set drawn first follows what is open. The rule is that of
 /// OcclusionTest, with the bands of the sample test. What the culler remembers decides only which pass draws an item,
-/// so edits, other sizes of the picture and frames without the test cannot lose any.
+/// so edits, other sizes of the image and frames without the test cannot lose any.
 ///
 /// The context must be current in all calls. cull() changes this state and leaves it changed: program, texture units 0
 /// to 5, uniform blocks 1 to 3; the geometry variant also vertex array, framebuffer, transform feedback and, with
@@ -80,37 +80,37 @@ class GpuCuller {
     return follow(snapshot, scene, touched, left_out, &GpuBounds::update_shown);
   }
 
-  /// The picture that shows what is culled.
-  struct Picture {
+  /// The image that shows what is culled.
+  struct Image {
     core::View view;
-    PictureSamples samples;
+    ImageSamples samples;
     bool occlusion = false;  ///< only with one sample per pixel, at its centre, and if can_test_occlusion()
   };
 
-  /// Compiles the programs of cull() with a picture, or without one, which its first call does otherwise.
-  core::Expected<void> prepare(bool for_picture, bool occlusion = false);
+  /// Compiles the programs of cull() with an image, or without one, which its first call does otherwise.
+  core::Expected<void> prepare(bool for_image, bool occlusion = false);
   /// False where the variant would need storage blocks in vertex stages and the context has none.
   bool can_test_occlusion() const;
 
-  /// Fills `lists` with what `view` can see. With `picture` it leaves out items that cover none of its samples, except
-  /// lines. With Picture::occlusion it leaves out what was not found open in the frame before, and cull_others() must
+  /// Fills `lists` with what `view` can see. With `image` it leaves out items that cover none of its samples, except
+  /// lines. With Image::occlusion it leaves out what was not found open in the frame before, and cull_others() must
   /// follow. Submits the work and returns; `frame` comes back with the feedback.
   /// Fails when the GPU has too little memory for the lists.
   core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                            gpuscene::DrawLists& lists, std::uint64_t frame = 0, const Picture* picture = nullptr);
+                            gpuscene::DrawLists& lists, std::uint64_t frame = 0, const Image* image = nullptr);
 
-  /// Goes on with the frame of the last cull(), which had the same `picture`, once its lists are drawn. Fills `lists`
-  /// with the items that are not in them and that `depth` does not hide. `depth`: reverse-Z, of the picture's size.
+  /// Goes on with the frame of the last cull(), which had the same `image`, once its lists are drawn. Fills `lists`
+  /// with the items that are not in them and that `depth` does not hide. `depth`: reverse-Z, of the image's size.
   /// `error`: metres by which its distances may be off, as in orthographic views. Submits the work and returns. Fails
   /// as cull() does.
-  core::Expected<void> cull_others(const Picture& picture, const gpuscene::GpuScene& scene, gpuscene::DrawLists& lists,
+  core::Expected<void> cull_others(const Image& image, const gpuscene::GpuScene& scene, gpuscene::DrawLists& lists,
                                    const gl::Texture2D& depth, double error);
 
   /// What became known of an earlier cull(), and of cull_others() after it.
   struct Feedback {
     std::uint64_t frame = 0;        ///< as given to cull()
     std::uint64_t visible = 0;      ///< items in the view volume
-    std::uint64_t shown = 0;        ///< of these, items in the lists
+    std::uint64_t items_drawn = 0;  ///< of these, items in the lists
     std::optional<double> time_ms;  ///< on the GPU; none on software rasterisers, whose timer queries mean nothing
   };
   /// The oldest feedback not yet taken, in order; nothing until the GPU is done with it. Never waits. A few results can
@@ -149,9 +149,9 @@ class GpuCuller {
   void upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const;
   core::Expected<void> prepare_occlusion();
   core::Expected<void> begin_occlusion();
-  core::Expected<void> upload_pyramid(const Picture& picture, const gl::Texture2D& depth, double error);
+  core::Expected<void> upload_pyramid(const Image& image, const gl::Texture2D& depth, double error);
   core::Expected<void> write_block(gl::Buffer& block, std::size_t bytes, const void* data, GLuint binding) const;
-  core::Expected<void> upload_picture(const Picture& picture, const core::ItemBounds& bounds);
+  core::Expected<void> upload_image(const Image& image, const core::ItemBounds& bounds);
   std::size_t next_probe(std::uint64_t frame);
 
   const gl::Functions* gl_ = nullptr;

@@ -22,28 +22,29 @@ namespace sightline::culling {
 struct CullBatch {
   gpuscene::BatchKind kind;
   GpuBounds bounds;
-  TexelArray commands;     ///< of all meshes; none of other batches
-  gl::Buffer open_frames;  ///< see occlusion_test.glsl; made with the first test of occlusion
+  TexelArray commands;           ///< of all meshes; none of other batches
+  gl::Buffer unoccluded_frames;  ///< see occlusion_test.glsl; made with the first test of occlusion
 
   bool meshes() const { return kind == gpuscene::BatchKind::kMesh; }
-  std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size() + open_frames.size(); }
+  std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size() + unoccluded_frames.size(); }
 };
 
 /// Which items of the view volume a pass writes.
 enum class Selection : std::uint8_t {
   kAll,
-  kSampled,     ///< those that may cover a sample of the picture, and lines
-  kOpenBefore,  ///< of these, those that kOpenNow has found open in the frame before, and lines
-  kOpenNow,     ///< finds all that the pyramid does not hide, and writes those that kOpenBefore has not written
+  kSampled,           ///< those that may cover a sample of the image, and lines
+  kUnoccludedBefore,  ///< of these, those that kUnoccludedNow has found unoccluded in the frame before, and lines
+  kUnoccludedNow,     ///< finds all that the pyramid does not hide, and writes those that kUnoccludedBefore has not
+                      ///< written
 };
 inline constexpr std::size_t kSelectionCount = 4;
 constexpr bool tests_occlusion(Selection selection) {
-  return selection == Selection::kOpenBefore || selection == Selection::kOpenNow;
+  return selection == Selection::kUnoccludedBefore || selection == Selection::kUnoccludedNow;
 }
 
 /// Whether a pass counts the items of the view volume apart from those that it writes.
 constexpr bool counts_in_view(Selection selection) {
-  return selection == Selection::kSampled || selection == Selection::kOpenBefore;
+  return selection == Selection::kSampled || selection == Selection::kUnoccludedBefore;
 }
 
 /// Numbers of items.
@@ -65,7 +66,7 @@ class GpuPass {
   /// Makes the programs of a selection, unless they are made.
   virtual core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) = 0;
   /// Fills the lists between their begin_gpu_update() and end_gpu_update(). The selection is prepared; the blocks with
-  /// planes and picture are bound, and the pyramid. kOpenNow goes on with the probe of kOpenBefore.
+  /// planes and image are bound, and the pyramid. kUnoccludedNow goes on with the probe of kUnoccludedBefore.
   virtual void run(std::span<const CullBatch> batches, const gpuscene::DrawLists& lists, Selection selection,
                    std::size_t probe) = 0;
   /// What the last run with this probe found, or the last two; nothing until the GPU is done with it. Never waits.

@@ -1,4 +1,4 @@
-// A picture as the GPU culler's shaders see it. Internal to culling/gpu.
+// An image as the GPU culler's shaders see it. Internal to culling/gpu.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +24,6 @@ struct ScreenBlock {
 static_assert(sizeof(ScreenBlock) == 16 * (10 + kMaxSamples));
 
 /// `samples` has at most kMaxSamples offsets.
-ScreenBlock make_screen_block(const core::View& view, const core::ItemBounds& bounds, const PictureSamples& samples);
+ScreenBlock make_screen_block(const core::View& view, const core::ItemBounds& bounds, const ImageSamples& samples);
 
 }  // namespace sightline::culling

@@ -11,8 +11,8 @@ layout(std140, binding = 3) uniform OcclusionBlock {
 
 layout(binding = 5) uniform samplerBuffer farthest;  // distances, see build_pyramid.comp
 
-layout(std430, binding = 5) restrict buffer OpenFrames {
-  uint open_frames[];  // by record: the last frame in which it was not hidden, or 0
+layout(std430, binding = 5) restrict buffer UnoccludedFrames {
+  uint unoccluded_frames[];  // by record: the last frame in which it was not hidden, or 0
 };
 
 const float kDistanceMargin = 1.0 / 65536.0;  // OcclusionTest::kDistanceMargin
@@ -30,14 +30,14 @@ bool all_nearer(ivec2 first, ivec2 last, float distance) {
   return true;
 }
 
-// Also true of boxes that cover no sample. For pictures with one sample per pixel, at its centre.
-bool hidden(ScreenBox box) {
+// Also true of boxes that cover no sample. For images with one sample per pixel, at its centre.
+bool occluded(ScreenBox box) {
   if (!box.projects) return false;
   if (!covers_sample(box)) return true;
   ivec2 first = ivec2(ceil(max(box.low, vec2(0.0)))), last = ivec2(min(box.high, screen.last));
   return all_nearer(first, last, box.nearest - (kDistanceMargin * abs(box.nearest) + occlusion.error));
 }
 
-bool open_in_frame_before(uint record) {
-  return open_frames[record] == occlusion.this_frame - 1u;
+bool unoccluded_in_frame_before(uint record) {
+  return unoccluded_frames[record] == occlusion.this_frame - 1u;
 }

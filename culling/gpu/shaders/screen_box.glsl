@@ -1,4 +1,4 @@
-// Which samples of a picture a box may cover, and how near it may be: culling/occlusion/internal/screen_boxes.h, which argues why
+// Which samples of an image a box may cover, and how near it may be: culling/occlusion/internal/screen_boxes.h, which argues why
 // the rectangle contains the projection. GLSL leaves more open than C++: sums and products may be off by 2^-23 of their
 // size, twice as much, quotients by 2.5 units in the last place, and denormals may be zero. The bands, which the C++
 // side computes (culling/gpu/gpu_screen.cpp), and kQuotientError hold all that. `precise` keeps operations in order.
@@ -6,7 +6,7 @@
 #include "cull_limits.glsl"
 
 layout(std140, binding = 2) uniform ScreenBlock {
-  // Four linear forms of a point p: X, Y, W with X / W and Y / W its place in the picture in pixels, the first pixel's
+  // Four linear forms of a point p: X, Y, W with X / W and Y / W its place in the image in pixels, the first pixel's
   // centre at 0; and its distance from the eye. A value is (along_x p.x + along_y p.y) + (along_z p.z + constant).
   vec4 along_x, along_y, along_z, constant;
   // Their errors are less than band_x |p.x| + band_y |p.y| + band_z |p.z| + band_constant.
@@ -62,7 +62,7 @@ bool between_samples(float low, float high, float offset, float last) {
   return to < from || floor(to) < from;
 }
 
-// Whether a box may cover a sample of the picture.
+// Whether a box may cover a sample of the image.
 bool covers_sample(ScreenBox box) {
   if (!box.projects) return true;
   for (int i = 0; i < screen.sample_count; ++i) {

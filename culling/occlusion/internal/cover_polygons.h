@@ -88,39 +88,40 @@ class PolygonAreas {
     known_ = Area::spread(0.0) == Area::spread(0.0);
     for (int k = 0; k < kCorners; ++k) {
       const Numbers px = load(polygons_.x[k]), py = load(polygons_.y[k]), pz = load(polygons_.z[k]);
-      Numbers x = x_form(px, py, pz), y = y_form(px, py, pz), nearness, reach;
+      Numbers x = x_form(px, py, pz), y = y_form(px, py, pz), reciprocal_depth, reach;
       const Numbers z = z_form(px, py, pz);
       if (image_.perspective) {
         const Numbers inverse = 1.0 / z, off = z_form.lost * inverse;
         known_ &= (off >= 0.0) & (off < 0x1p-6) & (z < raster::kLarge);
         x *= inverse, y *= inverse;
         const Numbers place = Area::greater(Area::magnitude(x), Area::magnitude(y));
-        nearness = inverse * (1.0 - kInwards * 1.1 * off - kInwards * raster::kLost);
+        reciprocal_depth = inverse * (1.0 - kInwards * 1.1 * off - kInwards * raster::kLost);
         reach = 1.1 * (lost * inverse + place * off) + raster::kPlaceLost * place;
       } else {
-        nearness = -z - kInwards * z_form.lost - kInwards * raster::kLost * Area::magnitude(z);
+        reciprocal_depth = -z - kInwards * z_form.lost - kInwards * raster::kLost * Area::magnitude(z);
         reach = lost + raster::kPlaceLost * Area::greater(Area::magnitude(x), Area::magnitude(y));
       }
       const Numbers largest =
-          Area::greater(Area::greater(Area::magnitude(x), Area::magnitude(y)), Area::magnitude(nearness));
+          Area::greater(Area::greater(Area::magnitude(x), Area::magnitude(y)), Area::magnitude(reciprocal_depth));
       known_ &= (reach < raster::kMostReach) & (largest < raster::kLarge);
-      corners_[k] = {x, y, nearness};
-      area_.add(x, y, nearness, reach);
+      corners_[k] = {x, y, reciprocal_depth};
+      area_.add(x, y, reciprocal_depth, reach);
     }
   }
 
   void find_turn() {
     const auto diagonals = Area::diagonals(kCorners, [&](int k) { return corners_[k]; });
     const Numbers open = diagonals.open(area_.reach());
-    left_turn_ = diagonals.area > open;
-    known_ &= left_turn_ | (diagonals.area < -open);
+    counter_clockwise_ = diagonals.area > open;
+    known_ &= counter_clockwise_ | (diagonals.area < -open);
   }
 
   /// Side k, in the order that turns left.
   typename Area::Side side(int k) const {
     const Corner &from = corners_[k], &to = corners_[(k + 1) % kCorners];
     const Numbers dx = to.x - from.x, dy = to.y - from.y;
-    return {left_turn_ ? from.x : to.x, left_turn_ ? from.y : to.y, left_turn_ ? dx : -dx, left_turn_ ? dy : -dy};
+    return {counter_clockwise_ ? from.x : to.x, counter_clockwise_ ? from.y : to.y, counter_clockwise_ ? dx : -dx,
+            counter_clockwise_ ? dy : -dy};
   }
 
   void find_lines() {
@@ -145,10 +146,10 @@ class PolygonAreas {
   const OccluderImage& image_;
   const Polygons& polygons_;
   struct Corner {
-    Numbers x, y, nearness;
+    Numbers x, y, reciprocal_depth;
   } corners_[kCorners];
   Area area_;
-  Mask known_, covers_, left_turn_;
+  Mask known_, covers_, counter_clockwise_;
   Mask side_counts_[kCorners], side_is_left_[kCorners];
   Floats side_x_[kCorners], side_slope_[kCorners], least_, plane_x_, plane_y_, plane_constant_;
 };
@@ -177,10 +178,11 @@ bool seen_area(const OccluderArea& area, bool perspective, const PyramidBlocks& 
     const Lanes constant = Simd::spread(plane.y * float(row) + plane.constant);
     for (int first = begin / kLanes * kLanes; first < end; first += kLanes) {
       const Lanes columns = Simd::add(Simd::ramp(), Simd::spread(float(first)));
-      const Lanes nearness = Simd::add(Simd::multiply(Simd::spread(plane.x), columns), constant);
+      const Lanes reciprocal_depth = Simd::add(Simd::multiply(Simd::spread(plane.x), columns), constant);
       constexpr float kLeast = 1e-30f;
-      const Lanes distance = perspective ? Simd::divide(Simd::spread(1.0f), Simd::most(nearness, Simd::spread(kLeast)))
-                                         : Simd::subtract(Simd::spread(0.0f), nearness);
+      const Lanes distance = perspective
+                                 ? Simd::divide(Simd::spread(1.0f), Simd::most(reciprocal_depth, Simd::spread(kLeast)))
+                                 : Simd::subtract(Simd::spread(0.0f), reciprocal_depth);
       const unsigned hidden = Simd::less(Simd::load(held + row * width + first), in_front<Simd>(distance, margin));
       if ((~hidden & lanes_within(first, begin, end)) != 0) return true;
     }

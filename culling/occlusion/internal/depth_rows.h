@@ -7,19 +7,20 @@ namespace sightline::culling {
 
 /// OcclusionKernels::distances: the reciprocal of the greatest one, or its negative where the view is not perspective.
 template <class Simd>
-void distances(const float* const* nearness, int images, bool perspective, int count, float* out) {
+void distances(const float* const* reciprocal_depth, int images, bool perspective, int count, float* out) {
   using Lanes = typename Simd::Lanes;
   constexpr float kUp = 1.0f + 0x1p-22f;  // more than what rounding takes
   int done = 0;
   for (; done + kLanes <= count; done += kLanes) {
-    Lanes nearest = Simd::load(nearness[0] + done);
-    for (int i = 1; i < images; ++i) nearest = Simd::most(nearest, Simd::load(nearness[i] + done));
+    Lanes nearest = Simd::load(reciprocal_depth[0] + done);
+    for (int i = 1; i < images; ++i) nearest = Simd::most(nearest, Simd::load(reciprocal_depth[i] + done));
     Simd::store(out + done,
                 perspective ? Simd::divide(Simd::spread(kUp), nearest) : Simd::multiply(Simd::spread(-1.0f), nearest));
   }
   for (; done < count; ++done) {
-    float nearest = nearness[0][done];
-    for (int i = 1; i < images; ++i) nearest = nearest < nearness[i][done] ? nearness[i][done] : nearest;
+    float nearest = reciprocal_depth[0][done];
+    for (int i = 1; i < images; ++i)
+      nearest = nearest < reciprocal_depth[i][done] ? reciprocal_depth[i][done] : nearest;
     out[done] = perspective ? kUp / nearest : -1.0f * nearest;
   }
 }

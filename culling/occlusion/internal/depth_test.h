@@ -1,8 +1,9 @@
 // Internal: boxes against what the pixels of a depth pyramid hold. What OcclusionTest decides for a set, this decides
 // for sixteen boxes, or for one box of a given rectangle of pixels.
 //
-// Boxes are decided in this order: by their rectangles, sixteen at a time (maybe_open); by the rays of three pixels
-// (undecided); then by the rays of all their pixels (hides, or, sixteen small boxes at a time, open_boxes).
+// Boxes are decided in this order: by their rectangles, sixteen at a time (maybe_unoccluded); by the rays of three
+// pixels (undecided); then by the rays of all their pixels (hides, or, sixteen small boxes at a time,
+// unoccluded_boxes).
 #pragma once
 
 #include "sightline/core/aabb.h"
@@ -37,22 +38,22 @@ class DepthTest {
 
   /// Finds the rectangles of sixteen boxes. Returns bits of those that may cover a pixel centre, and that one look at
   /// the pyramid does not hide.
-  unsigned maybe_open(const float* const (&coordinates)[6], BoxRectangles& r) const;
-  /// Bits of those among `open` whose rays are worth testing: not seen at one of three pixels.
-  unsigned undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned open) const;
+  unsigned maybe_unoccluded(const float* const (&coordinates)[6], BoxRectangles& r) const;
+  /// Bits of those among `unoccluded` whose rays are worth testing: not seen at one of three pixels.
+  unsigned undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned unoccluded) const;
   /// Bits of sixteen nodes that are not hidden by all their pixels alike. Their rays are not tested: nodes are large.
-  unsigned open_nodes(const float* const (&coordinates)[6]) const;
+  unsigned unoccluded_nodes(const float* const (&coordinates)[6]) const;
   /// Bit i: box i of sixteen is hidden, or covers no pixel centre.
-  unsigned hidden(const float* const (&coordinates)[6]) const;
+  unsigned occluded(const float* const (&coordinates)[6]) const;
 
-  /// Whether a box of these pixels is tested with others, by open_boxes().
+  /// Whether a box of these pixels is tested with others, by unoccluded_boxes().
   bool waits(const PixelRectangle& pixels) const;
-  /// See OcclusionKernels::open_boxes.
-  unsigned open_boxes(const SmallBoxes& boxes, PixelEntries* entries = nullptr) const;
+  /// See OcclusionKernels::unoccluded_boxes.
+  unsigned unoccluded_boxes(const SmallBoxes& boxes, PixelEntries* entries = nullptr) const;
   /// Whether all these pixels hide a box. `nearest`: its least distance.
   bool hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const;
 
-  enum class Found { kHidden, kEntered, kNotJudged };
+  enum class Found { kOccluded, kEntered, kNotJudged };
   /// Enters a box into the layer at each of these pixels whose ray meets it in front of what the pixel holds.
   Found enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels, float nearest,
               FrontLayer& layer) const;
@@ -61,7 +62,7 @@ class DepthTest {
   bool hide_all(const PixelRectangle& pixels, float nearest) const;
   BlockTile tile_of(const TileShape& shape, int level) const;
   void move(BlockTile& tile, int level, int x, int y, int last) const;
-  bool all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const;
+  bool all_occluded(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const;
 
   ScreenView view_;
   RaySpans rays_;

@@ -1,7 +1,8 @@
 // Internal: the kernels of areas over any instruction set.
 //
 // Rows of an area are spans of columns, since the area is convex: sixteen spans at a time are cut out by its sides.
-// Then each span is filled, sixteen pixels at a time, with the greater of what the image holds and the area's nearness.
+// Then each span is filled, sixteen pixels at a time, with the greater of what the image holds and the area's
+// reciprocal depth.
 #pragma once
 
 #include "sightline/culling/occlusion/internal/kernels.h"
@@ -79,12 +80,12 @@ class AreaFiller {
     float* const pixels = image_ + row * std::ptrdiff_t(stride_);
     for (int first = begin / kLanes * kLanes; first < end; first += kLanes) {
       const Lanes columns = Simd::add(Simd::ramp(), Simd::spread(float(first)));
-      Lanes nearness = Simd::add(Simd::multiply(Simd::spread(area_.planes[0].x), columns), constants[0]);
+      Lanes reciprocal_depth = Simd::add(Simd::multiply(Simd::spread(area_.planes[0].x), columns), constants[0]);
       for (int k = 1; k < planes; ++k)
-        nearness =
-            Simd::least(nearness, Simd::add(Simd::multiply(Simd::spread(area_.planes[k].x), columns), constants[k]));
-      nearness = Simd::most(nearness, Simd::spread(area_.least));
-      Simd::raise(pixels + first, nearness, lanes_within(first, begin, end));
+        reciprocal_depth = Simd::least(
+            reciprocal_depth, Simd::add(Simd::multiply(Simd::spread(area_.planes[k].x), columns), constants[k]));
+      reciprocal_depth = Simd::most(reciprocal_depth, Simd::spread(area_.least));
+      Simd::raise(pixels + first, reciprocal_depth, lanes_within(first, begin, end));
     }
   }
 

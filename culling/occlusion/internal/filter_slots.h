@@ -24,7 +24,7 @@ inline BoxCoordinates box_of(const float* const (&coordinates)[6], int i) {
   return {c[0][i], c[1][i], c[2][i], c[3][i], c[4][i], c[5][i]};
 }
 
-/// Pixels of the picture with a sample in the rectangle of box i; offsets of the samples from the pixel centre. None
+/// Pixels of the image with a sample in the rectangle of box i; offsets of the samples from the pixel centre. None
 /// where x1 < x0 or y1 < y0. Without std::floor, which is a function call where the instruction set has no floor.
 inline PixelRectangle pixels_of(const ScreenView& view, const BoxRectangles& r, int i, float offset_x = 0.0f,
                                 float offset_y = 0.0f) {
@@ -79,9 +79,9 @@ void for_each_slot_group(const core::VisibleSet& in, Visit&& visit) {
       for (int i = 0; i < kLanes; ++i) group.slots[i] = range.first + done + core::Slot(i);
       visit(group, true);
     }
-  for (std::size_t done = 0; done < in.slots.size(); done += kLanes) {
-    group.count = count_of(in.slots.size() - done);
-    std::copy_n(in.slots.begin() + std::ptrdiff_t(done), group.count, group.slots);
+  for (std::size_t done = 0; done < in.single_slots.size(); done += kLanes) {
+    group.count = count_of(in.single_slots.size() - done);
+    std::copy_n(in.single_slots.begin() + std::ptrdiff_t(done), group.count, group.slots);
     visit(group, false);
   }
 }
@@ -120,8 +120,8 @@ class SlotCollector {
   /// Replaces the slots of `out` and begins anew.
   void finish(core::VisibleSet& out) {
     std::swap(out.ranges, ranges_);
-    out.slots.resize(of_ranges_.size() + singles_.size());
-    std::merge(of_ranges_.begin(), of_ranges_.end(), singles_.begin(), singles_.end(), out.slots.begin());
+    out.single_slots.resize(of_ranges_.size() + singles_.size());
+    std::merge(of_ranges_.begin(), of_ranges_.end(), singles_.begin(), singles_.end(), out.single_slots.begin());
     ranges_.clear();
     of_ranges_.clear();
     singles_.clear();
@@ -197,7 +197,7 @@ void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core:
   static_assert(64 % kLeafSize == 0);
   out.clear();
   out.generation = in.generation;
-  out.slots = in.slots;
+  out.single_slots = in.single_slots;
   const auto append = [&](core::Slot first, core::Slot end) {
     if (first < end) append_range(first, end, out.ranges);
   };

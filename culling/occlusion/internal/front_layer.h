@@ -1,4 +1,4 @@
-// Internal: which boxes the rays of a picture enter first.
+// Internal: which boxes the rays of an image enter first.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "sightline/core/internal/scratch.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/occlusion/internal/lent.h"
+#include "sightline/culling/occlusion/internal/object_pool.h"
 
 namespace sightline::culling {
 
@@ -16,19 +16,19 @@ namespace sightline::culling {
 struct FrontLayer {
   void clear(std::size_t pixels) {
     nearest.assign(pixels, std::numeric_limits<float>::infinity());
-    owner.assign(pixels, core::kNone);
+    front_slot.assign(pixels, core::kNone);
     not_judged.clear();
   }
   void enter(std::size_t pixel, float distance, core::Slot slot) {
     float& known = nearest[pixel];
-    if (!(distance < known || (distance == known && slot < owner[pixel]))) return;
+    if (!(distance < known || (distance == known && slot < front_slot[pixel]))) return;
     known = distance;
-    owner[pixel] = slot;
+    front_slot[pixel] = slot;
   }
-  std::size_t memory_bytes() const { return core::bytes_of(nearest, owner, not_judged); }
+  std::size_t memory_bytes() const { return core::bytes_of(nearest, front_slot, not_judged); }
 
   std::vector<float> nearest;
-  std::vector<core::Slot> owner;  // core::kNone: no box
+  std::vector<core::Slot> front_slot;  // core::kNone: no box
   std::vector<core::Slot> not_judged;
 };
 
@@ -51,14 +51,15 @@ class FrontLayers {
     for (std::size_t pixel = 0; pixel < pixels_ && !layers.empty(); ++pixel) {
       FrontLayer& first = *layers[0];
       for (const auto& other : layers.subspan(1))
-        if (other->owner[pixel] != core::kNone) first.enter(pixel, other->nearest[pixel], other->owner[pixel]);
-      if (first.owner[pixel] != core::kNone) mark(first.owner[pixel]);
+        if (other->front_slot[pixel] != core::kNone)
+          first.enter(pixel, other->nearest[pixel], other->front_slot[pixel]);
+      if (first.front_slot[pixel] != core::kNone) mark(first.front_slot[pixel]);
     }
   }
   std::size_t memory_bytes() const { return layers_.memory_bytes(); }
 
  private:
-  Lent<FrontLayer> layers_;
+  ObjectPool<FrontLayer> layers_;
   std::size_t pixels_ = 0;
 };
 

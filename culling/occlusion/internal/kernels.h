@@ -14,12 +14,12 @@ namespace sightline::culling {
 
 struct OccluderImage;
 
-/// Of sixteen boxes: rectangles in the picture, pixel centres at integers, and the least distance from the eye. Errors
+/// Of sixteen boxes: rectangles in the image, pixel centres at integers, and the least distance from the eye. Errors
 /// make rectangles larger and distances smaller, never the other way. They hold for boxes with their bit in `projects`.
 struct BoxRectangles {
   alignas(64) float left[kLanes], right[kLanes], bottom[kLanes], top[kLanes], nearest[kLanes];
   unsigned projects;
-  unsigned covering;  // bit i: box i may cover a sample of the picture
+  unsigned covering;  // bit i: box i may cover a sample of the image
 };
 
 /// A box is behind a distance by more than this share of its own, and by metres.
@@ -27,12 +27,12 @@ struct DistanceMargin {
   float share, metres;
 };
 
-/// Squares in place of sixteen boxes: where the centres are in the picture, pixel centres at integers, how far they are
+/// Squares in place of sixteen boxes: where the centres are in the image, pixel centres at integers, how far they are
 /// along the viewing direction, and the squares' areas in pixels. Means nothing without a bit in `showing`.
 struct BoxSquares {
   alignas(64) float x[kLanes], y[kLanes], distance[kLanes], area[kLanes];
-  unsigned showing;  // bit i: square i may cover a pixel centre of the picture; or, if that is asked for, its centre is
-                     // in the picture
+  unsigned showing;  // bit i: square i may cover a pixel centre of the image; or, if that is asked for, its centre is
+                     // in the image
 };
 
 /// Sixteen blocks of pixels, and how what they hold is compared.
@@ -48,7 +48,7 @@ struct BlockTile {
 };
 
 /// Up to sixteen boxes, and the pixels of their rectangles: whole numbers, from left to right and from bottom to top,
-/// all in the picture.
+/// all in the image.
 struct SmallBoxes {
   static constexpr int kMostPixels = 64;  // of each
   alignas(64) float coordinates[6][kLanes];
@@ -86,10 +86,10 @@ struct OcclusionKernels {
   unsigned (*seen)(const ScreenView& view, const RayField& rays, const float* const (&coordinates)[6],
                    const BoxRectangles& boxes, unsigned asked, const PyramidBlocks& pyramid);
   /// Bit i: a ray of block i may meet the box within the block's distance. Writes the least distances of entry.
-  unsigned (*open_blocks)(const BoxSpan& box, const BlockTile& tile, float* entries);
+  unsigned (*unoccluded_blocks)(const BoxSpan& box, const BlockTile& tile, float* entries);
   /// Finds boxes that a ray may meet within its pixel's distance, or of which nothing is known. `entries` may be null.
-  unsigned (*open_boxes)(const RayField& rays, const SmallBoxes& boxes, float snap, const PyramidBlocks& pyramid,
-                         const DistanceMargin& margin, PixelEntries* entries);
+  unsigned (*unoccluded_boxes)(const RayField& rays, const SmallBoxes& boxes, float snap, const PyramidBlocks& pyramid,
+                               const DistanceMargin& margin, PixelEntries* entries);
   /// Whether a block of at most kLanes x kLanes floats is less than a limit. Reads kLanes floats of each row.
   bool (*all_less)(const float* first, std::ptrdiff_t pitch, int width, int height, float limit);
 
@@ -105,7 +105,7 @@ struct OcclusionKernels {
 
   // --- rows of depth images ---
   /// Writes distances of `count` pixels from the greatest reciprocal depth of several images, rounded up.
-  void (*distances)(const float* const* nearness, int images, bool perspective, int count, float* out);
+  void (*distances)(const float* const* reciprocal_depth, int images, bool perspective, int count, float* out);
   /// Writes the greatest of each 2 x 2 floats of two rows; with an odd width the last column stands alone.
   void (*coarser_row)(const float* low, const float* high, int width, float* out);
 };

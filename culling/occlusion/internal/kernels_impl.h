@@ -28,7 +28,7 @@ inline constexpr TilePlaces kTilePlaces = [] {
 /// The keys of a face in the sixteen blocks of a tile, at the place of a block where they are greatest (sign 1) or
 /// least.
 template <class Simd>
-typename Simd::Lanes keys_of_face(const PictureFunction& f, float reach, const typename Simd::Lanes& x,
+typename Simd::Lanes keys_of_face(const ImageFunction& f, float reach, const typename Simd::Lanes& x,
                                   const typename Simd::Lanes& y, float sign) {
   const float slope = (f.x < 0.0f ? -f.x : f.x) + (f.y < 0.0f ? -f.y : f.y);
   const auto in_row = Simd::add(Simd::spread(f.constant), Simd::multiply(Simd::spread(f.y), y));
@@ -46,14 +46,14 @@ typename Simd::Lanes held_by(const BlockTile& tile) {
 }
 
 template <class Simd>
-unsigned open_blocks(const BoxSpan& box, const BlockTile& tile, float* entries) {
+unsigned unoccluded_blocks(const BoxSpan& box, const BlockTile& tile, float* entries) {
   using Lanes = typename Simd::Lanes;
   const auto places = [&](float first, const float(&of)[kLanes]) {
     return Simd::add(Simd::spread(first), Simd::multiply(Simd::spread(tile.step), Simd::load(of)));
   };
   const Lanes x = places(tile.x, kTilePlaces.x[tile.columns_log2]);
   const Lanes y = places(tile.y, kTilePlaces.y[tile.columns_log2]);
-  const auto keys = [&](const PictureFunction& f, float sign) { return keys_of_face<Simd>(f, tile.reach, x, y, sign); };
+  const auto keys = [&](const ImageFunction& f, float sign) { return keys_of_face<Simd>(f, tile.reach, x, y, sign); };
   Lanes entry = keys(box.near[0], 1.0f);
   for (int i = 1; i < box.near_count; ++i) entry = Simd::least(entry, keys(box.near[i], 1.0f));
   Lanes exit = keys(box.far[0], -1.0f);
@@ -155,8 +155,8 @@ constexpr OcclusionKernels make_occlusion_kernels() {
   k.squares = ScreenBoxes<Simd>::store_squares;
   k.behind = behind<Simd>;
   k.seen = seen<Simd>;
-  k.open_blocks = open_blocks<Simd>;
-  k.open_boxes = open_boxes<Simd>;
+  k.unoccluded_blocks = unoccluded_blocks<Simd>;
+  k.unoccluded_boxes = unoccluded_boxes<Simd>;
   k.all_less = [](const float* first, std::ptrdiff_t pitch, int width, int height, float limit) {
     const unsigned looked_at = (1u << width) - 1u;
     const auto most = Simd::spread(limit);

@@ -1,5 +1,6 @@
 // Internal: the slots of a set from near to far, in parts. What lies in a part may hide what the next ones hold, so its
-// figures are rasterised before these are tested: most of a plant is then hidden by whole nodes of the hierarchy.
+// occluder polygons are rasterised before these are tested: most of a plant is then hidden by whole nodes of the
+// hierarchy.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@ namespace raster {
 
 // Bound for the rounding of a form's value, by the sum of its terms' sizes; more than twice what it can be.
 inline constexpr double kLost = 0x1p-48;
-// The same for what is computed of places in the picture.
+// The same for what is computed of places in the image.
 inline constexpr double kPlaceLost = 0x1p-44;
 // The raster leaves out occluders whose corners may be off by more, in pixels.
 inline constexpr double kMostReach = 0x1p-7;
@@ -28,8 +28,8 @@ struct PolygonBatch {
   int count;                                     // entries behind are any numbers
 };
 
-/// A convex area of a picture, and how near what covers it is. Columns and rows count from the area's own first ones;
-/// those of the area lie within the picture.
+/// A convex area of an image, and how near what covers it is. Columns and rows count from the area's own first ones;
+/// those of the area lie within the image.
 struct OccluderArea {
   static constexpr int kMostSides = 20, kMostPlanes = 10;
 
@@ -37,7 +37,7 @@ struct OccluderArea {
   struct Side {
     float x, slope;
   };
-  /// Nearness, a linear function of column and row.
+  /// Reciprocal depth, a linear function of column and row.
   struct Plane {
     float x, y, constant;
   };
@@ -45,7 +45,7 @@ struct OccluderArea {
   int column, row;  // the first ones; `column` is a multiple of kLanes
   int columns, rows;
   int left_count, right_count, plane_count;
-  float least;  // nearness all over the area
+  float least;  // reciprocal depth all over the area
   Side left[kMostSides], right[kMostSides];
   Plane planes[kMostPlanes];  // at least one; the least of them counts where it exceeds `least`
 };

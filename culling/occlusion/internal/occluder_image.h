@@ -18,12 +18,12 @@ struct EyeForm {
 
 struct OccluderImage {
   int width = 0, height = 0;
-  int stride = 0;                    // pixels from row to row
-  core::LargeArray<float> nearness;  // row by row
+  int stride = 0;                            // pixels from row to row
+  core::LargeArray<float> reciprocal_depth;  // row by row
   bool perspective = true;
   bool usable = false;  // else nothing can be covered
   double snap = 0.0;    // pixels by which a rasteriser may move a corner
-  // x, y: place in the picture, in pixels with centres at integers; times z in perspective views. z: distance along the
+  // x, y: place in the image, in pixels with centres at integers; times z in perspective views. z: distance along the
   // viewing direction. near: 0 or more where the near plane leaves a point.
   EyeForm x, y, z, near;
   core::dvec3 eye, forward;  // forward: not of unit length if the view scales

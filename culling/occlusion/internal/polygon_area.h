@@ -31,9 +31,9 @@ class PolygonArea {
   // --- the corners ---
 
   /// A corner of all polygons: its place, reciprocal depth, and by how much the place may be off.
-  void add(const Numbers& x, const Numbers& y, const Numbers& nearness, const Numbers& reach) {
+  void add(const Numbers& x, const Numbers& y, const Numbers& reciprocal_depth, const Numbers& reach) {
     reach_ = greater(reach_, reach);
-    farthest_ = lesser(farthest_, nearness);
+    farthest_ = lesser(farthest_, reciprocal_depth);
     left_ = lesser(left_, x), right_ = greater(right_, x);
     bottom_ = lesser(bottom_, y), top_ = greater(top_, y);
   }
@@ -108,11 +108,13 @@ class PolygonArea {
       return 8.0 * reach * (first + second) + kLost * first * second;
     }
   };
-  /// at(i): corner i of `count`, with its x, y and nearness.
+  /// at(i): corner i of `count`, with its x, y and reciprocal depth.
   template <class At>
   static Diagonals diagonals(int count, const At& at) {
     const auto a = at(0), b = at(count / 2), c = at(count / 4), d = at(3 * count / 4);
-    Diagonals s{b.x - a.x, b.y - a.y, b.nearness - a.nearness, d.x - c.x, d.y - c.y, d.nearness - c.nearness, {}};
+    Diagonals s{b.x - a.x, b.y - a.y, b.reciprocal_depth - a.reciprocal_depth,
+                d.x - c.x, d.y - c.y, d.reciprocal_depth - c.reciprocal_depth,
+                {}};
     s.area = s.x1 * s.y2 - s.x2 * s.y1;
     return s;
   }
@@ -133,7 +135,7 @@ class PolygonArea {
     Numbers constant = spread(kInwards * kLarge);
     for (int k = 0; k < count; ++k) {
       const auto c = at(k);
-      const Numbers at_corner = c.nearness - x * (c.x - column_) - y * (c.y - first_row_);
+      const Numbers at_corner = c.reciprocal_depth - x * (c.x - column_) - y * (c.y - first_row_);
       constant = kOuter ? greater(constant, at_corner) : lesser(constant, at_corner);
     }
     const Numbers off =

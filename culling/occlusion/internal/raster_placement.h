@@ -1,4 +1,4 @@
-// Internal: places in the picture of an occluder's points, with bounds for what rounding takes. See occluder_raster.h.
+// Internal: places in the image of an occluder's points, with bounds for what rounding takes. See occluder_raster.h.
 #pragma once
 
 #include <algorithm>
@@ -43,10 +43,10 @@ struct Point {
   double x, y, z, near;
 };
 
-/// Place in the picture, and nearness: 1 / z, or -z in orthographic views. x and y are off by less than `reach`;
-/// nearness is not greater than the exact one. A corner that cannot be used has a NaN reach.
+/// Place in the image, and reciprocal depth: 1 / z, or -z in orthographic views. x and y are off by less than `reach`;
+/// reciprocal depth is not greater than the exact one. A corner that cannot be used has a NaN reach.
 struct Corner {
-  double x, y, nearness, reach;
+  double x, y, reciprocal_depth, reach;
 };
 
 /// An occluder's own coordinates in a view.
@@ -75,7 +75,7 @@ class Placement {
 
   static constexpr int kClipPlanes = 2;
   /// Greater than 0 where clip plane k leaves a point: the near plane, or one so far in front of the eye that places in
-  /// the picture still are exact.
+  /// the image still are exact.
   double inside(int k, const Point& p) const { return (k == 0 ? p.near : p.z) - least_[k]; }
   bool in_front(const Point& p) const { return inside(0, p) > 0.0 && inside(1, p) > 0.0; }
 
@@ -98,11 +98,11 @@ class Placement {
       const double place = std::max(std::abs(p.x), std::abs(p.y));
       return usable({p.x, p.y, -p.z - z_.lost - kLost * std::abs(p.z), lost + kPlaceLost * place});
     }
-    const double nearness = 1.0 / p.z, off = z_.lost * nearness;
+    const double reciprocal_depth = 1.0 / p.z, off = z_.lost * reciprocal_depth;
     if (!(off >= 0.0 && off < 0x1p-6 && p.z < kLarge)) return unusable();
-    const double x = p.x * nearness, y = p.y * nearness, place = std::max(std::abs(x), std::abs(y));
-    return usable(
-        {x, y, nearness * (1.0 - 1.1 * off - kLost), 1.1 * (lost * nearness + place * off) + kPlaceLost * place});
+    const double x = p.x * reciprocal_depth, y = p.y * reciprocal_depth, place = std::max(std::abs(x), std::abs(y));
+    return usable({x, y, reciprocal_depth * (1.0 - 1.1 * off - kLost),
+                   1.1 * (lost * reciprocal_depth + place * off) + kPlaceLost * place});
   }
   /// Greater than 0 where the placement mirrors: faces then wind the other way.
   double handedness() const {
@@ -128,7 +128,7 @@ class Placement {
   }
   static Corner unusable() { return {0.0, 0.0, 0.0, std::numeric_limits<double>::quiet_NaN()}; }
   static Corner usable(const Corner& c) {
-    const double most = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.nearness)});
+    const double most = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.reciprocal_depth)});
     return c.reach < kMostReach && most < kLarge ? c : unusable();
   }
 

@@ -1,5 +1,5 @@
-// Internal: where a box lies along the rays of a picture, exactly but for rounding. The rectangle of a long box that
-// stands askew in the picture contains many pixels whose rays miss it.
+// Internal: where a box lies along the rays of an image, exactly but for rounding. The rectangle of a long box that
+// stands askew in the image contains many pixels whose rays miss it.
 //
 // The ray of the pixel (x, y), centres at integers, is eye + t D(x, y) in a perspective view, and O(x, y) + t D in a
 // parallel one; t is the distance along the viewing direction, and D and O are linear in x and y. So the t at which a
@@ -12,7 +12,7 @@
 // too early, never the other way. The eye and D are computed in double; the eye's coordinates are off by at most a
 // bound from the residuals of the equations that it solves, by which boxes grow. Functions are evaluated in float with
 // a few roundings, each relative to the greatest size of a term: below 2^-20 of the sizes of D's terms in twice the
-// picture, as far as blocks of pixels reach; 2^-19 of these is added.
+// image, as far as blocks of pixels reach; 2^-19 of these is added.
 #pragma once
 
 #include "sightline/core/view.h"
@@ -38,7 +38,7 @@ class RaySpans {
   bool trace_parallel(const Projection& p);
   bool trace_from_eye(const Projection& p);
   bool solve_eye(const Projection& p);
-  void add(double per_value, double constant, int axis, double widen, PictureFunction& out) const;
+  void add(double per_value, double constant, int axis, double widen, ImageFunction& out) const;
   void span_of_axis(int axis, double low, double high, BoxSpan& out) const;
 
   struct Axis {

@@ -1,13 +1,13 @@
-// Internal: which samples of a picture a box may cover, and how near it may be. See sample_test.h for what follows.
+// Internal: which samples of an image a box may cover, and how near it may be. See sample_test.h for what follows.
 //
-// Let X, Y and W be linear forms such that X / W and Y / W are the place of a point in the picture, in pixels, with
+// Let X, Y and W be linear forms such that X / W and Y / W are the place of a point in the image, in pixels, with
 // pixel centres at integers. Where W > 0 all over a box, X / W and Y / W take their least and greatest values in the
 // box's corners. The rectangle of the eight corners contains the whole projection, after three errors are added:
 //   - A form's value is a sum of four products. Coefficients, products and sums are rounded, so its error is at most
 //     B = 8 u (|a x| + |b y| + |c z| + |d|), u = 2^-24, and what d has lost before.
 //   - The quotient q is off by at most (Bx + |q| Bw) / (W - Bw) from the forms, and by 3 u |q| from its own rounding.
 //   - A rasteriser may move vertices: ScreenView::snap.
-// Where W may be 0 or less in a box, or a product may overflow, the rectangle is the whole picture.
+// Where W may be 0 or less in a box, or a product may overflow, the rectangle is the whole image.
 //
 // Simd::Lanes holds sixteen floats. least() and most() are a < b ? a : b and a < b ? b : a, so every instruction set
 // gives the same answer.
@@ -85,7 +85,7 @@ class ScreenBoxes {
     nearest_ = Simd::subtract(t.least(), band(view.t, sizes));
   }
 
-  /// Bit i: box i may cover a sample of the picture. A box with a NaN neither is empty nor projects: it covers all.
+  /// Bit i: box i may cover a sample of the image. A box with a NaN neither is empty nor projects: it covers all.
   unsigned covering(const ScreenView& view) const {
     unsigned found = 0;
     for (int s = 0; s < view.sample_count; ++s)
@@ -126,11 +126,11 @@ class ScreenBoxes {
     Simd::store(out.y, centres.y);
     Simd::store(out.distance, centres.distance);
     const Lanes none = Simd::spread(0.0f), half = Simd::spread(0.5f);
-    const auto in_picture = [&](const Lanes& at, float last) {
+    const auto in_image = [&](const Lanes& at, float last) {
       return Simd::at_most(none, Simd::add(at, half)) & Simd::at_most(at, Simd::spread(last + 0.5f));
     };
-    out.showing = boxes.projects_ & Simd::less(none, area) & in_picture(centres.x, view.last_x) &
-                  in_picture(centres.y, view.last_y) & 0xffffu;
+    out.showing = boxes.projects_ & Simd::less(none, area) & in_image(centres.x, view.last_x) &
+                  in_image(centres.y, view.last_y) & 0xffffu;
     if (all) return;
     const Lanes side = Simd::root(Simd::most(area, Simd::spread(least_area)));
     const Lanes reach = Simd::add(Simd::multiply(half, side), Simd::spread(kReach));

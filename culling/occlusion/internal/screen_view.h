@@ -15,7 +15,7 @@ struct LinearForm {
 };
 
 struct ScreenView {
-  LinearForm x, y, w;         // x / w, y / w: place in the picture, in pixels, with the first pixel's centre at 0
+  LinearForm x, y, w;         // x / w, y / w: place in the image, in pixels, with the first pixel's centre at 0
   LinearForm t;               // distance from the eye along the viewing direction
   float last_x, last_y;       // the last pixel's centre
   const float (*samples)[2];  // offsets from the pixel centre
@@ -45,7 +45,7 @@ struct PyramidBlocks {
   int level_count;
 };
 
-/// The rays of a picture: at distance t the ray of the pixel (x, y) is at from + t * (constant + x * per_x + y *
+/// The rays of an image: at distance t the ray of the pixel (x, y) is at from + t * (constant + x * per_x + y *
 /// per_y), or, if parallel, at constant + x * per_x + y * per_y + t * along. Rounded to float.
 struct RayField {
   float constant[3], per_x[3], per_y[3], from[3], along[3];
@@ -55,15 +55,15 @@ struct RayField {
   bool parallel;
 };
 
-/// constant + x * (place in the picture).x + y * (place in the picture).y.
-struct PictureFunction {
+/// constant + x * (place in the image).x + y * (place in the image).y.
+struct ImageFunction {
   float constant, x, y;
 };
 
 /// The ray of a pixel meets a box where all `far` are at most all `near`, and enters it at the least of `near`: see
 /// internal/ray_spans.h.
 struct BoxSpan {
-  PictureFunction near[3], far[6];
+  ImageFunction near[3], far[6];
   int near_count, far_count;
 };
 

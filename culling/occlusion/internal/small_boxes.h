@@ -1,5 +1,5 @@
 // Internal: boxes of few pixels against the rays of all these pixels, sixteen boxes at a time. See ray_spans.h for
-// what is compared; here a lane is a box, in open_blocks() it is a block of pixels.
+// what is compared; here a lane is a box, in unoccluded_blocks() it is a block of pixels.
 //
 // Rounding, beside what ray_spans.h says: a face's place relative to the eye, or to the rays' start, and the
 // reciprocal are computed in float. Each is off by a few units of its own size, since the eye is known in twice the
@@ -11,7 +11,7 @@
 
 namespace sightline::culling {
 
-/// Keys of sixteen faces, linear in the place in the picture.
+/// Keys of sixteen faces, linear in the place in the image.
 template <class Simd>
 struct FaceKeys {
   using Lanes = typename Simd::Lanes;
@@ -163,11 +163,11 @@ void note_entries(unsigned met, const typename Simd::Lanes& x, const typename Si
   }
 }
 
-/// OcclusionKernels::open_boxes. `entries` gets the pixels and distances at which rays enter the boxes of which
+/// OcclusionKernels::unoccluded_boxes. `entries` gets the pixels and distances at which rays enter the boxes of which
 /// something is known.
 template <class Simd>
-unsigned open_boxes(const RayField& rays, const SmallBoxes& boxes, float snap, const PyramidBlocks& pyramid,
-                    const DistanceMargin& margin, PixelEntries* entries) {
+unsigned unoccluded_boxes(const RayField& rays, const SmallBoxes& boxes, float snap, const PyramidBlocks& pyramid,
+                          const DistanceMargin& margin, PixelEntries* entries) {
   using Lanes = typename Simd::Lanes;
   const SmallBoxSpans<Simd> spans(rays, boxes, snap);
   const unsigned used = (1u << boxes.count) - 1u;
@@ -176,7 +176,7 @@ unsigned open_boxes(const RayField& rays, const SmallBoxes& boxes, float snap, c
   const Lanes one = Simd::spread(1.0f), left = Simd::load(boxes.left), right = Simd::load(boxes.right);
   const Lanes top = Simd::load(boxes.top);
   Lanes x = left, y = Simd::load(boxes.bottom);
-  unsigned open = 0, left_over = judged;
+  unsigned unoccluded = 0, left_over = judged;
   while (left_over != 0) {
     const Lanes entry = spans.entry(x, y);
     const Lanes distance = rays.parallel ? Simd::subtract(Simd::spread(0.0f), entry) : Simd::divide(one, entry);
@@ -185,7 +185,7 @@ unsigned open_boxes(const RayField& rays, const SmallBoxes& boxes, float snap, c
     const Lanes held = Simd::look_up(pyramid.farthest, pixel);
     const unsigned met =
         Simd::at_most(spans.exit(x, y), entry) & ~Simd::less(held, in_front<Simd>(distance, margin)) & left_over;
-    open |= met;
+    unoccluded |= met;
     if (entries)
       note_entries<Simd>(met, x, y, distance, *entries);
     else
@@ -197,7 +197,7 @@ unsigned open_boxes(const RayField& rays, const SmallBoxes& boxes, float snap, c
     left_over &= Simd::at_most(y, top);
     y = Simd::least(y, top);
   }
-  return open | (used & ~judged);
+  return unoccluded | (used & ~judged);
 }
 
 }  // namespace sightline::culling

@@ -48,7 +48,7 @@ class BudgetPasses {
                 culling::CullThreads* threads = nullptr);
 
   const core::VisibleSet& pass() const { return pass_; }  ///< slots in rising order
-  std::size_t drawn() const { return drawn_.slots.size(); }
+  std::size_t drawn() const { return drawn_.single_slots.size(); }
   bool complete() const { return at_ == order_.size(); }
   /// Candidates that were not looked at, and the area of the largest of them.
   std::size_t pending() const { return order_.size() - at_; }
@@ -60,7 +60,7 @@ class BudgetPasses {
   /// What a pass costs at least.
   double least_ms() const { return costs_.pass_ms(); }
 
-  /// Forgets the frame before. For a new order of the items.
+  /// Forgets the frame before. For a new scene version.
   void reset();
 
  private:
@@ -71,11 +71,11 @@ class BudgetPasses {
   DrawCosts costs_;
   std::vector<SlotArea> areas_, order_;                      // order_: the largest first, in classes
   std::size_t at_ = 0;                                       // in order_: what is before has been drawn, or is hidden
-  std::vector<std::uint64_t> open_;                          // a bit per slot, of the last frame
+  std::vector<std::uint64_t> unoccluded_;                    // a bit per slot, of the last frame
   std::array<std::uint32_t, DrawCosts::kClasses> counts_{};  // of the pass
   std::array<std::uint32_t, DrawCosts::kClasses> left_{};    // pending, of each class
   double drawn_ms_ = 0.0, looked_at_ms_ = 0.0;               // what was drawn cost, and would with what is hidden
-  core::VisibleSet pass_, piece_, open_piece_, drawn_;
+  core::VisibleSet pass_, piece_, unoccluded_piece_, drawn_;
   culling::SlotBits lines_;
 };
 

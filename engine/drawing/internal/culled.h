@@ -32,10 +32,10 @@ struct LeftOut {
 
 /// Number of items by what a frame did with them.
 struct DrawCounts {
-  std::int64_t sampled = 0, shown = 0;  // items that may cover a sample, -1 with the occlusion test; items drawn
-  std::int64_t small = 0;               // items below the minimum projected area that is asked for
-  std::int64_t pending = 0;             // items for which the budget did not suffice
-  std::int64_t squares = 0;             // small and pending items that were drawn as one square each
+  std::int64_t sampled = 0, items_drawn = 0;  // items that may cover a sample, -1 with the occlusion test; items drawn
+  std::int64_t below_min_area = 0;            // items below the minimum projected area that is asked for
+  std::int64_t pending = 0;                   // items for which the budget did not suffice
+  std::int64_t splats = 0;                    // of these and pending ones, items drawn as one splat each
 };
 
 }  // namespace sightline::engine

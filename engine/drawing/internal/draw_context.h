@@ -43,7 +43,7 @@ struct DrawContext {
 
   /// Pixels by which the rasteriser may move corners.
   float snap() const;
-  culling::PictureSamples samples() const;
+  culling::ImageSamples samples() const;
   culling::SampleTest sample_test(const core::View& view, const core::ItemBounds& bounds) const {
     return {view, bounds.origin, samples()};
   }

@@ -7,8 +7,8 @@
 
 #include "sightline/culling/frustum/internal/set_parts.h"
 #include "sightline/culling/occlusion/solid_occluders.h"
+#include "sightline/engine/drawing/internal/contribution_culling.h"
 #include "sightline/engine/drawing/internal/draw_context.h"
-#include "sightline/engine/drawing/internal/small_items.h"
 
 namespace sightline::engine {
 
@@ -70,21 +70,21 @@ class OcclusionPrepass : public DrawStrategy {
 
 /// Draws the largest items first until the deadline: see BudgetPasses. While the view moves, candidates far smaller
 /// than the smallest of the last frame are not even measured. The first frame of a view that stays begins anew with all
-/// of them, and the next ones go on. They do so beside the image where the image has more in it (squares, depth
+/// of them, and the next ones go on. They do so beside the image where the image has more in it (splats, depth
 /// shading, overlays): it then gets a copy.
 class DrawInBudget : public DrawStrategy {
  public:
-  explicit DrawInBudget(SmallItems& small_items) : small_items_(small_items) {}
+  explicit DrawInBudget(ContributionCulling& contribution_culling) : contribution_culling_(contribution_culling) {}
   core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
 
  private:
   void begin(DrawContext& context, const Culled& culled, bool stays);
   core::Expected<void> draw_passes(DrawContext& context, const DrawInput& input, const render::RenderTarget& canvas);
-  core::Expected<void> draw_squares(DrawContext& context, const Culled& culled);
+  core::Expected<void> draw_splats(DrawContext& context, const Culled& culled);
 
-  SmallItems& small_items_;
-  std::vector<std::uint64_t> without_squares_;  // a bit per slot
-  double squares_ms_ = 0.0;                     // time that copying and squares of a frame take
+  ContributionCulling& contribution_culling_;
+  std::vector<std::uint64_t> without_splats_;  // a bit per slot
+  double splats_ms_ = 0.0;                     // time that copying and splats of a frame take
 };
 
 }  // namespace sightline::engine

@@ -31,11 +31,11 @@ class Drawing : public Backend {
 
   core::Expected<bool> advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
                                core::Deadline deadline) override;
-  core::Expected<bool> advance_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
-                                     core::Deadline deadline) override;
-  core::Expected<void> take_order(const core::Snapshot& former, const core::Snapshot& snapshot,
-                                  const gpuprims::Joints& joints, bool gpu_culls) override;
-  void abandon_order() override { upload_.abandon(); }
+  core::Expected<bool> advance_version(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
+                                       core::Deadline deadline) override;
+  core::Expected<void> take_version(const core::Snapshot& former, const core::Snapshot& snapshot,
+                                    const gpuprims::Joints& joints, bool gpu_culls) override;
+  void abandon_version() override { upload_.abandon(); }
   core::Expected<void> rebuild(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls) override;
   core::Expected<void> add_culler(const core::Snapshot& snapshot) override;
 
@@ -46,8 +46,8 @@ class Drawing : public Backend {
   }
 
   void configure(const EngineConfig& config) override;
-  /// Changes EngineConfig::losses.contribution and contribution_way alone.
-  void set_contribution(float pixels, ContributionWay way);
+  /// Changes EngineConfig::losses.min_projected_area and contribution_mode alone.
+  void set_min_projected_area(float pixels, ContributionMode mode);
   core::Expected<void> resize(int width, int height) override;
   core::Expected<void> use_image(std::uint32_t number, int width, int height) override;
   void forget_image(std::uint32_t number) override;

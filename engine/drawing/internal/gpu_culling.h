@@ -45,7 +45,7 @@ class GpuCulling {
   std::optional<culling::GpuCuller> culler_;
   std::optional<culling::GpuVariant> variant_;  // once it is settled
   std::string why_variant_;
-  std::optional<culling::GpuCuller::Picture> image_;  // of the last cull(); none where all of the view is drawn
+  std::optional<culling::GpuCuller::Image> image_;  // of the last cull(); none where all of the view is drawn
 };
 
 }  // namespace sightline::engine

@@ -7,8 +7,8 @@
 
 #include "sightline/engine/drawing/internal/draw_context.h"
 #include "sightline/engine/drawing/internal/translucent.h"
+#include "sightline/render/internal/depth_shading_pass.h"
 #include "sightline/render/internal/overlays.h"
-#include "sightline/render/internal/relief_pass.h"
 
 namespace sightline::engine {
 
@@ -26,7 +26,9 @@ class ImageOverlays {
     return context.renderer && !(items().empty() && translucent_.outlined().empty());
   }
   /// Whether the image of the opaque items is changed, so that nothing more can be drawn to it.
-  bool change_image(const DrawContext& context) const { return context.config.drawing.relief.any() || any(context); }
+  bool change_image(const DrawContext& context) const {
+    return context.config.drawing.depth_shading.any() || any(context);
+  }
 
   /// Splits a visible set: returns its opaque items, and keeps the others for finish().
   const core::VisibleSet& split(const DrawContext& context, const core::VisibleSet& visible);
@@ -52,8 +54,8 @@ class ImageOverlays {
   const core::VisibleSet& leave_out_invisible(DrawContext& context, const Culled& culled);
 
   TranslucentSlots translucent_;
-  std::optional<render::Overlays> overlays_;       // created with the first overlay
-  std::optional<render::ReliefPass> relief_pass_;  // created with the first frame that has depth shading
+  std::optional<render::Overlays> overlays_;                    // created with the first overlay
+  std::optional<render::DepthShadingPass> depth_shading_pass_;  // created with the first frame that has depth shading
   core::VisibleSet opaque_, over_, blended_, ghosts_, outlined_, tested_, unused_;  // subsets of the visible items
 };
 

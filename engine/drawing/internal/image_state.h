@@ -16,7 +16,7 @@
 namespace sightline::engine {
 
 /// An engine that shows several views in turn has one state for each, so that what it learns of one view is not lost to
-/// the next: Engine::use_picture().
+/// the next: Engine::use_image().
 struct ImageState {
   render::RenderTarget target;
   bool unchanged = false;  // the last frame drew nothing, because the image was complete

@@ -7,7 +7,7 @@
 
 namespace sightline::engine {
 
-/// How many pixels items are large in the mean, as the diagonals of their boxes say, in a picture of `height` rows: the
+/// How many pixels items are large in the mean, as the diagonals of their boxes say, in an image of `height` rows: the
 /// diagonal's square as it looks from the side. An estimate: some 128 of the items are looked at, evenly spaced in the
 /// set, and one of more than 10,000 pixels counts as that many. 0: there are none.
 double mean_area(const core::View& view, const core::ItemBounds& bounds, const core::VisibleSet& set, int height);

@@ -15,11 +15,11 @@ namespace sightline::engine {
 /// Several passes a frame, so that nothing pops: first what the frame before has found open, then, of all others, what
 /// the depth of the passes before does not hide. When that is much, its nearest part comes next, and the rest is tested
 /// once more. So every frame shows everything that its own view sees. What is drawn first converges to what the test
-/// leaves open in the whole picture.
+/// leaves open in the whole image.
 class OcclusionPasses {
  public:
-  /// What follows the first pass: what is in front of all else, where much is open, since to draw is dear; or the other
-  /// candidates from near to far, in a dozen passes, for which there must be a hierarchy.
+  /// What follows the first pass: what is in front of all else, where much is open, since drawing is expensive; or the
+  /// other candidates from near to far, in a dozen passes, for which there must be a hierarchy.
   enum class Next { kFront, kNearest };
 
   /// Begins a frame with its candidates. Slots of `lines` are not tested. `hierarchy`: that of the candidates, or null;
@@ -40,10 +40,10 @@ class OcclusionPasses {
   /// does not hide, and lines.
   void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   /// The same for who has found it out.
-  void remember(const core::VisibleSet& open, const core::ItemBounds& bounds);
+  void remember(const core::VisibleSet& unoccluded, const core::ItemBounds& bounds);
 
   /// Forgets the frame before.
-  void reset() { open_.clear(); }
+  void reset() { unoccluded_.clear(); }
   /// Remembers the same items in another order.
   void follow(const core::Snapshot& former, const core::Snapshot& snapshot);
 
@@ -52,7 +52,7 @@ class OcclusionPasses {
   void find_nearest(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   void find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
 
-  std::vector<std::uint64_t> open_;                        // a bit per slot, of the last frame
+  std::vector<std::uint64_t> unoccluded_;                  // a bit per slot, of the last frame
   std::vector<std::uint64_t> drawn_bits_;                  // a bit per slot, of list_drawn()
   std::vector<core::Slot> first_singles_, other_singles_;  // of ranges that begin() divides
   std::vector<core::VisibleSet> passes_;                   // the first count_ of them; the others keep memory

@@ -27,20 +27,20 @@ class OcclusionSwitch {
   /// The way of the next frame, whose items are so many pixels large in the mean.
   OcclusionMode use(double area) {
     class_ = class_of(area);
-    return ways_[class_].use();
+    return class_times_[class_].use();
   }
   /// Tells what that frame has taken if it was kOnBesidePart, both from an idle start to the end of all work: the frame
   /// with the test, and the part. Both must be positive, or the frame tells nothing.
   void measured(double on_ms, double part_ms) {
     if (!(on_ms > 0.0 && part_ms > 0.0)) return;
-    Way& way = ways_[class_];
-    if (!way.measured(on_ms, part_ms * kOverlap / kTriedPart)) return;
-    for (Way& other : ways_) other.begin_with(way);
+    ClassTimes& times = class_times_[class_];
+    if (!times.measured(on_ms, part_ms * kOverlap / kTriedPart)) return;
+    for (ClassTimes& other : class_times_) other.begin_with(times);
   }
 
  private:
   /// Of one class.
-  class Way {
+  class ClassTimes {
    public:
     OcclusionMode use() {
       if (wait_ > 0) {
@@ -57,7 +57,7 @@ class OcclusionSwitch {
     bool measured(double on_ms, double off_ms);
     /// A class that has measured nothing takes what another one has found. It measures later, and where the ways differ
     /// by much, much later.
-    void begin_with(const Way& other) {
+    void begin_with(const ClassTimes& other) {
       if (known_) return;
       used_ = other.used_;
       wait_ = other.clear_ ? other.wait_ : kSoon;
@@ -83,16 +83,16 @@ class OcclusionSwitch {
   static constexpr int kShortest = 32;  // frames until it measures again
   static constexpr int kLongest = 512;
   static constexpr double kBetter = 0.97;  // hysteresis: a way must be so much cheaper to be taken
-  static constexpr double kClear = 1.5;    // times as dear
+  static constexpr double kClear = 1.5;    // times as expensive
   // Frames without the test that follow one another overlap, and small draws have a fixed cost. So they take less than
   // what a part that is waited for tells: 0.72 to 0.78 of it with 7,000 to a million items on llvmpipe.
   static constexpr double kOverlap = 0.75;
 
-  std::array<Way, kClasses> ways_;
+  std::array<ClassTimes, kClasses> class_times_;
   std::size_t class_ = 0;  // of the next frame
 };
 
-inline bool OcclusionSwitch::Way::measured(double on_ms, double off_ms) {
+inline bool OcclusionSwitch::ClassTimes::measured(double on_ms, double off_ms) {
   on_ += on_ms;
   off_ += off_ms;
   if (++frames_ < kMeasured) return false;

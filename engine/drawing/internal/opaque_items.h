@@ -11,18 +11,18 @@ namespace sightline::engine {
 class OpaqueItems : public DrawStrategy {
  public:
   core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
-  std::size_t memory_bytes() const { return small_items_.memory_bytes(); }  ///< of the GPU
+  std::size_t memory_bytes() const { return contribution_culling_.memory_bytes(); }  ///< of the GPU
 
  private:
   OcclusionMode occlusion_mode(const DrawContext& context, const Culled& candidates, std::int64_t count);
   DrawStrategy& tested_strategy(const DrawInput& input);
   core::Expected<DrawCounts> draw_and_measure(DrawContext& context, const DrawInput& input);
 
-  SmallItems small_items_;
+  ContributionCulling contribution_culling_;
   DrawAtOnce at_once_;
   DrawInPasses in_passes_;
   OcclusionPrepass prepass_;
-  DrawInBudget in_budget_{small_items_};
+  DrawInBudget in_budget_{contribution_culling_};
   OcclusionSwitch occlusion_switch_;
   core::Slot measured_part_ = 0;  // of the frame that measured last
   core::VisibleSet sampled_;

@@ -1,4 +1,4 @@
-// The items that are drawn over the finished picture, and hide nothing. Internal to engine.
+// The items that are drawn over the finished image, and hide nothing. Internal to engine.
 #pragma once
 
 #include <span>

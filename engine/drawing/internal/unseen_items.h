@@ -8,7 +8,7 @@
 
 namespace sightline::engine {
 
-/// For frames whose culling view is not the view that they show, with EngineConfig::drawing.hidden_colour: the items
+/// For frames whose culling view is not the view that they show, with EngineConfig::drawing.culled_colour: the items
 /// that the image of the culling view would not show are drawn in that colour. Costs nothing before the first such
 /// frame.
 class UnseenItems {

@@ -1,4 +1,5 @@
-// sightline-study recognise: error against time of the recognition of primitives in triangles (docs/guide/recognition.md).
+// sightline-study recognise: error against time of the recognition of primitives in triangles
+// (docs/guide/recognition.md).
 //
 // Each primitive of a model becomes a mesh, as in a file with an object for each: of a number of segments, or within a
 // chord, with coordinates as floats or rounded as files with few decimals have them. What is recognised in each mesh,
@@ -24,7 +25,7 @@
 #include "sightline/study/parts/parts.h"
 #include "sightline/study/parts/recognise/subjects.h"
 #if SIGHTLINE_HAS_GL
-#include "sightline/study/parts/recognise/pictures.h"
+#include "sightline/study/parts/recognise/images.h"
 #endif
 
 namespace sightline::bench::recognise_bench {
@@ -39,7 +40,7 @@ struct Options {
   std::vector<int> segments;  // without chords either: kSegments and kChords
   std::vector<double> chords;
   std::vector<double> tolerances{0.0, 1e-5, 1e-4, 1e-3, 1e-2}, roundings{0.0, 1e-4, 1e-3};
-  int passes = 3, pictures = 0;
+  int passes = 3, images = 0;
 #if SIGHTLINE_HAS_GL
   gl::ContextPlatform platform = {};
 #endif
@@ -73,7 +74,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.add("--passes", o.passes, "Of which the median time counts").in_range(1, 1000).shows_default();
   line.add("--plot", o.plot, "Write error against time as SVG to FILE");
 #if SIGHTLINE_HAS_GL
-  line.add("--pictures", o.pictures,
+  line.add("--images", o.images,
            "Frames of the tour in which triangles and what is recognised in them are compared with the primitives")
       .in_range(0, 10'000)
       .shows_default();
@@ -83,7 +84,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.examples(
       "  sightline-study recognise --plot recognise.svg --json recognise.json\n"
       "  sightline-study recognise plant.rvm --segments 12,24 --tolerances 0,0.001\n"
-      "  sightline-study recognise --items 100000 --chords 0.002 --roundings 0 --pictures 20");
+      "  sightline-study recognise --items 100000 --chords 0.002 --roundings 0 --images 20");
 }
 
 // --- measuring -----------------------------------------------------------------------------------------------------
@@ -102,7 +103,7 @@ struct Tessellated {
   std::uint64_t triangles = 0;
   std::vector<double> error = {};  // of each item's triangles, metres
   std::vector<Outcome> outcomes = {};
-  Json pictures = nullptr;
+  Json images = nullptr;
 };
 
 std::vector<RecognisedMesh> recognise_all(const std::vector<core::Mesh>& meshes, double tolerance) {
@@ -206,7 +207,7 @@ Json to_json(const Tessellated& made) {
             {"triangles", made.triangles},
             {"error_of_triangles", apps::to_json(apps::summarise(made.error))}};
   for (const Outcome& outcome : made.outcomes) json["tolerances"].push_back(to_json(outcome, made));
-  if (!made.pictures.is_null()) json["pictures"] = made.pictures;
+  if (!made.images.is_null()) json["images"] = made.images;
   return json;
 }
 
@@ -230,15 +231,15 @@ void print(const std::vector<Tessellated>& all, std::FILE* out) {
                    mm(outcome.reported).c_str(), mm(surface.mean).c_str(), mm(surface.max).c_str(),
                    mm(lengths.mean).c_str(), mm(lengths.max).c_str());
     }
-  if (std::all_of(all.begin(), all.end(), [](const Tessellated& made) { return made.pictures.is_null(); })) return;
+  if (std::all_of(all.begin(), all.end(), [](const Tessellated& made) { return made.images.is_null(); })) return;
   std::fprintf(
       out,
       "\n| triangles | coordinates | FLIP, triangles | FLIP, recognised | wrong ids, triangles, %% | wrong ids, "
       "recognised, %% |\n"
       "| --- | --- | --: | --: | --: | --: |\n");
   for (const Tessellated& made : all) {
-    if (made.pictures.is_null()) continue;
-    const Json &triangles = made.pictures["triangles"], &recognised = made.pictures["recognised"];
+    if (made.images.is_null()) continue;
+    const Json &triangles = made.images["triangles"], &recognised = made.images["recognised"];
     std::fprintf(out, "| %s | %s | %.3g | %.3g | %.4f | %.4f |\n", name_of(made.fineness).c_str(),
                  name_of_rounding(made.fineness.rounding).c_str(), triangles["flip"].get<double>(),
                  recognised["flip"].get<double>(), 100.0 * triangles["wrong_ids"].get<double>(),
@@ -282,12 +283,11 @@ core::Expected<void> write_plot(std::vector<Tessellated> all, const Options& o, 
 
 #if SIGHTLINE_HAS_GL
 /// Recognised with the first of the tolerances.
-core::Expected<Json> compare_pictures(const Pictures& pictures, const std::vector<core::Mesh>& meshes,
-                                      double tolerance) {
+core::Expected<Json> compare_images(const Images& images, const std::vector<core::Mesh>& meshes, double tolerance) {
   Json json;
   for (const bool recognised : {false, true}) {
     const auto errors =
-        pictures.errors(meshes, recognised ? recognise_all(meshes, tolerance) : std::vector<RecognisedMesh>{});
+        images.errors(meshes, recognised ? recognise_all(meshes, tolerance) : std::vector<RecognisedMesh>{});
     if (!errors) return tl::unexpected(errors.error());
     json[recognised ? "recognised" : "triangles"] = {{"flip", errors->flip}, {"wrong_ids", errors->wrong_ids}};
   }
@@ -304,11 +304,11 @@ core::Expected<int> run(const Options& o) {
   const std::vector<Original> originals = originals_of(**made);
   if (originals.empty()) return core::fail(name + ": has no primitives whose triangles could be recognised");
 #if SIGHTLINE_HAS_GL
-  std::optional<Pictures> pictures;
-  if (o.pictures > 0) {
-    auto drawn = Pictures::create(**made, originals, o.pictures, o.platform);
+  std::optional<Images> images;
+  if (o.images > 0) {
+    auto drawn = Images::create(**made, originals, o.images, o.platform);
     if (!drawn) return tl::unexpected(drawn.error());
-    pictures.emplace(std::move(*drawn));
+    images.emplace(std::move(*drawn));
   }
 #endif
   const std::vector<Fineness> finenesses = finenesses_of(o);
@@ -319,10 +319,10 @@ core::Expected<int> run(const Options& o) {
     for (const Original& original : originals) meshes.push_back(triangles_of(original, fineness));
     all.push_back(measure(originals, meshes, fineness, o));
 #if SIGHTLINE_HAS_GL
-    if (pictures) {
-      auto errors = compare_pictures(*pictures, meshes, o.tolerances.front());
+    if (images) {
+      auto errors = compare_images(*images, meshes, o.tolerances.front());
       if (!errors) return tl::unexpected(errors.error());
-      all.back().pictures = std::move(*errors);
+      all.back().images = std::move(*errors);
     }
 #endif
     progress.advance(all.size());

@@ -23,7 +23,7 @@ class GpuBenchmark {
     if (!triangles) return tl::unexpected(triangles.error());
     triangles_ = std::move(*triangles);
     for (std::size_t kind = 0; kind < kRayKinds; ++kind) {
-      const std::uint32_t width = kind == 0 ? std::uint32_t(searched_.picture.width) : kGroup * kGroup;
+      const std::uint32_t width = kind == 0 ? std::uint32_t(searched_.image.width) : kGroup * kGroup;
       auto batch = RayBatch::create(context_, structures_.triangles, searched_.rays[kind], width);
       if (!batch) return tl::unexpected(batch.error());
       batches_[kind] = std::move(*batch);
@@ -55,8 +55,8 @@ class GpuBenchmark {
     }
     run.nodes /= double(answers.size());
     run.triangles /= double(answers.size());
-    run.divergence_rows = 1.0 / lanes_at_work(visits, searched_.picture, 32, 1);
-    run.divergence_tiles = 1.0 / lanes_at_work(visits, searched_.picture, 8, 4);
+    run.divergence_rows = 1.0 / lanes_at_work(visits, searched_.image, 32, 1);
+    run.divergence_tiles = 1.0 / lanes_at_work(visits, searched_.image, 8, 4);
     return {};
   }
 

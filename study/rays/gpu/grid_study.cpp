@@ -119,16 +119,16 @@ const Traversal& grid_traversal() {
                        [](const Traversal& t) { return t.structure == Structure::kGrid; });
 }
 
-/// A scene with all rays of its picture.
+/// A scene with all rays of its image.
 struct Searched {
   TriangleSet triangles;
   std::vector<core::Aabb> boxes;
   std::vector<Ray> primary, shadow;
   std::vector<Hit> hits;
 
-  Searched(const GridScene& scene, const Picture& picture)
+  Searched(const GridScene& scene, const Image& image)
       : triangles(scene.mesh.positions, scene.mesh.indices), boxes(triangles.boxes()) {
-    primary = primary_rays(triangles.space(), picture);
+    primary = primary_rays(triangles.space(), image);
     const core::Aabb& bounds = triangles.space().bounds;
     const UniformGrid grid = build_grid_per_object(boxes, bounds, automatic_resolution(boxes, bounds));
     for (const Ray& ray : primary) hits.push_back(search<Find::kNearest>(triangles, grid, ray));
@@ -159,7 +159,7 @@ struct OnGpu {
   }
 };
 
-void run_on_cpu(const Searched& on, const GridLines& lines, GridPicture& result) {
+void run_on_cpu(const Searched& on, const GridLines& lines, GridImage& result) {
   std::optional<UniformGrid> grid;
   lower(result.cpu_build_ms,
         processor_ms([&] { grid = build_grid_per_object(on.boxes, on.triangles.space().bounds, lines.cells); }));
@@ -173,8 +173,7 @@ void run_on_cpu(const Searched& on, const GridLines& lines, GridPicture& result)
 }
 
 core::Expected<void> run_on_gpu(const gl::Context& context, const GridBuilder& builder, GpuTracer& tracer,
-                                const Searched& on, const OnGpu& uploaded, const GridLines& lines,
-                                GridPicture& result) {
+                                const Searched& on, const OnGpu& uploaded, const GridLines& lines, GridImage& result) {
   core::Expected<GridBuilder::Grid> grid;
   lower(result.gpu_build_ms,
         1e3 * seconds_on_gpu(context, [&] { grid = builder.build(on.triangles, uploaded.boxes, lines); }));
@@ -214,20 +213,20 @@ std::vector<GridScene> grid_scenes() {
 }
 
 core::Expected<GridRun> run_grids(const gl::Context& context, const GridBuilder& builder, GpuTracer& tracer,
-                                  const GridScene& scene, const Picture& picture, int passes,
+                                  const GridScene& scene, const Image& image, int passes,
                                   const std::function<void(const std::string&)>& step) {
-  const Searched on(scene, picture);
-  auto uploaded = OnGpu::create(context, builder, on, picture.width);
+  const Searched on(scene, image);
+  auto uploaded = OnGpu::create(context, builder, on, image.width);
   if (!uploaded) return tl::unexpected(uploaded.error());
   GridRun run{&scene, on.triangles.size(), {}};
-  GridPicture unmeasured;  // drivers finish a program when it first runs
+  GridImage unmeasured;  // drivers finish a program when it first runs
   const core::Aabb& bounds = on.triangles.space().bounds;
   const auto lines_of = [&](int size) { return GridLines(bounds, Cell{size, size, size}); };
   if (auto done = run_on_gpu(context, builder, tracer, on, *uploaded, lines_of(scene.sizes.back()), unmeasured); !done)
     return tl::unexpected(done.error());
-  for (const int size : scene.sizes) run.pictures.push_back({.size = size});
+  for (const int size : scene.sizes) run.images.push_back({.size = size});
   for (int pass = 0; pass < passes; ++pass)
-    for (GridPicture& p : run.pictures) {
+    for (GridImage& p : run.images) {
       step(scene.name + ", " + std::to_string(p.size) + " cells along each axis");
       run_on_cpu(on, lines_of(p.size), p);
       if (auto done = run_on_gpu(context, builder, tracer, on, *uploaded, lines_of(p.size), p); !done)

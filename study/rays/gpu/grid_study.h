@@ -1,4 +1,4 @@
-// The tables of G. Ordeix, S. Cioli, "Computación Gráfica sobre GPUs" (2010), chapter 5: pictures a second against the
+// The tables of G. Ordeix, S. Cioli, "Computación Gráfica sobre GPUs" (2010), chapter 5: images a second against the
 // size of the uniform grid, on the CPU and on the GPU, where the grid is built, too.
 #pragma once
 
@@ -23,8 +23,8 @@ struct GridScene {
 /// The dissertation's scenes, made up by what it says of them. Those of scanned models are generated scans.
 std::vector<GridScene> grid_scenes();
 
-/// A picture: the primary rays, and from each hit a shadow ray to each light. Rays are made ready beforehand.
-struct GridPicture {
+/// An image: the primary rays, and from each hit a shadow ray to each light. Rays are made ready beforehand.
+struct GridImage {
   int size = 0;
   std::size_t references = 0;
   double cpu_build_ms = 0.0, gpu_build_ms = 0.0;
@@ -36,12 +36,12 @@ struct GridPicture {
 struct GridRun {
   const GridScene* scene = nullptr;
   std::size_t triangles = 0;
-  std::vector<GridPicture> pictures;  ///< by size
+  std::vector<GridImage> images;  ///< by size
 };
 
 /// Times are the least of `passes` (>= 1): processor time of one thread, and as seconds_on_gpu() has it.
 core::Expected<GridRun> run_grids(const gl::Context& context, const GridBuilder& builder, GpuTracer& tracer,
-                                  const GridScene& scene, const Picture& picture, int passes,
+                                  const GridScene& scene, const Image& image, int passes,
                                   const std::function<void(const std::string&)>& step);
 
 }  // namespace sightline::study::rays

@@ -26,7 +26,7 @@ struct GpuAnswer {
 /// the same in both. Each is made ready once for all traversals; those that hit nothing by definition are marked.
 class RayBatch {
  public:
-  /// Rays of a picture, row by row, `width` (>= 1) each; the last row may be shorter. Of a batch without picture any
+  /// Rays of an image, row by row, `width` (>= 1) each; the last row may be shorter. Of a batch without image any
   /// width serves. Split where one storage block cannot hold all. Fails when the GPU has not the memory.
   static core::Expected<RayBatch> create(const gl::Context& context, const TriangleSet& triangles,
                                          std::span<const Ray> rays, std::uint32_t width = 1024);

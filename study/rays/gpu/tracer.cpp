@@ -64,7 +64,7 @@ core::Expected<const GpuTracer::Program*> GpuTracer::program_of(const Traversal&
   auto made = gl::Program::create(context_->functions(), description);
   if (!made) return tl::unexpected(made.error());
   Program program{std::move(*made), -1, -1, -1, -1};
-  program.picture = program.program.uniform("picture");
+  program.image = program.program.uniform("image");
   program.tile = program.program.uniform("tile");
   program.ray_count = program.program.uniform("ray_count");
   program.most_tiles = program.program.uniform("most_tiles");
@@ -98,7 +98,7 @@ core::Expected<void> GpuTracer::trace(const Traversal& traversal, Ask ask, const
     const std::uint32_t down = divided_up(divided_up(part.count, batch.width()), tile_height);
     bind(Binding::kRays, 0, part.rays);
     bind(Binding::kAnswers, 0, part.answers);
-    gl.ProgramUniform3ui(id, program.picture, across, down, batch.width());
+    gl.ProgramUniform3ui(id, program.image, across, down, batch.width());
     gl.ProgramUniform1ui(id, program.ray_count, part.count);
     if (persistent) {
       next_tile_.fill(0, next_tile_.size(), 0);

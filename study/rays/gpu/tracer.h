@@ -23,7 +23,7 @@ enum class Ask : std::uint8_t { kNearest, kAny, kCount };  ///< as Traversal's t
 
 /// How rays go to work groups of 32 invocations, the size of a warp.
 struct Launch {
-  bool tiles = false;  ///< 8 x 4 rays of the picture to a group, instead of 32 of a row
+  bool tiles = false;  ///< 8 x 4 rays of the image to a group, instead of 32 of a row
   /// Persistent threads: that many groups take one tile after the other from a counter. 0: a group for each tile. On
   /// software rasterisers, which run one group after the other, a group ends after a few tiles for the sake of
   /// llvmpipe's loops, and there are more groups.
@@ -45,7 +45,7 @@ class GpuTracer {
  private:
   struct Program {
     gl::Program program;
-    GLint picture, tile, ray_count, most_tiles;
+    GLint image, tile, ray_count, most_tiles;
   };
   core::Expected<const Program*> program_of(const Traversal& traversal, Ask ask, bool persistent);
 

@@ -1,4 +1,4 @@
-// Engines that draw: pictures in C are those of C++ to the bit, in contexts of their own and of the application's.
+// Engines that draw: images in C are those of C++ to the bit, in contexts of their own and of the application's.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -64,7 +64,7 @@ class CapiDrawing : public GlTest {
   }
   engine::Engine make_twin() { return std::move(*engine::Engine::create(scene, twin_config())); }
 
-  void expect_same_pictures(sl_engine engine, engine::Engine& twin) {
+  void expect_same_images(sl_engine engine, engine::Engine& twin) {
     const auto pixels = std::size_t(kWidth) * kHeight;
     std::vector<std::uint8_t> rgb(3 * pixels);
     std::vector<std::uint32_t> ids(pixels);
@@ -97,8 +97,8 @@ TEST_F(CapiDrawing, DrawsWhatCppDraws) {
     ASSERT_OK(sl_engine_frame(engine, &view.c, nullptr, &report));
     EXPECT_EQ(report.drawn, 1);
     EXPECT_EQ(report.visible, expected->visible);
-    EXPECT_EQ(report.shown, expected->shown);
-    expect_same_pictures(engine, twin);
+    EXPECT_EQ(report.items_drawn, expected->items_drawn);
+    expect_same_images(engine, twin);
     EXPECT_OK(sl_engine_finish(engine));
     EXPECT_OK(sl_engine_destroy(engine));
     ASSERT_TRUE(context->make_current());
@@ -198,11 +198,11 @@ TEST_F(CapiDrawing, SeveralViewsLookAsInCpp) {
   }
   EXPECT_NE(mine[0].pixels(), mine[1].pixels());
   sl_engine_config now = SL_ENGINE_CONFIG_INIT;
-  ASSERT_OK(sl_engine_use_picture(engine, 1));
+  ASSERT_OK(sl_engine_use_image(engine, 1));
   ASSERT_OK(sl_engine_get_config(engine, &now, nullptr));
   EXPECT_EQ(now.width, kWidth - 10);
-  EXPECT_EQ(sl_engine_forget_picture(engine, 1), SL_ERROR_FAILED) << "it is in use";
-  EXPECT_OK(sl_engine_forget_picture(engine, 0));
+  EXPECT_EQ(sl_engine_forget_image(engine, 1), SL_ERROR_FAILED) << "it is in use";
+  EXPECT_OK(sl_engine_forget_image(engine, 0));
   targets[1] = nullptr;
   EXPECT_EQ(sl_engine_frame_views(engine, views, targets, 2, nullptr), SL_ERROR_ARGUMENT);
   EXPECT_EQ(sl_engine_frame_views(engine, nullptr, targets, 1, nullptr), SL_ERROR_ARGUMENT);
@@ -216,7 +216,7 @@ TEST_F(CapiDrawing, OverridesLookAsInCpp) {
   const auto draw_both = [&] {
     ASSERT_OK(sl_engine_frame(engine, &view.c, nullptr, nullptr));
     ASSERT_TRUE(twin.frame(view.cpp));
-    expect_same_pictures(engine, twin);
+    expect_same_images(engine, twin);
   };
   std::vector<sl_item> items;
   for (sl_item item = 0; item < 100; item += 2) items.push_back(item);
@@ -250,12 +250,12 @@ struct Setting {
 
 TEST_F(CapiDrawing, SettingsLookAsInCpp) {
   const Setting settings[] = {
-      {"relief", [](sl_engine_config& k) { k.relief_shading = 0.8f, k.relief_lines = 0.6f; },
+      {"depth_shading", [](sl_engine_config& k) { k.depth_shading = 0.8f, k.edge_lines = 0.6f; },
        [](engine::EngineConfig& k) {
-         k.drawing.relief = {0.8f, 0.6f};
+         k.drawing.depth_shading = {0.8f, 0.6f};
        }},
-      {"shading alone", [](sl_engine_config& k) { k.relief_shading = 0.8f; },
-       [](engine::EngineConfig& k) { k.drawing.relief.shading = 0.8f; }},
+      {"shading alone", [](sl_engine_config& k) { k.depth_shading = 0.8f; },
+       [](engine::EngineConfig& k) { k.drawing.depth_shading.strength = 0.8f; }},
       {"hatching", [](sl_engine_config& k) { k.hatching_strength = 0.9f, k.hatching_spacing = 4.0f; },
        [](engine::EngineConfig& k) {
          k.drawing.hatching = {0.9f, 4.0f};
@@ -273,7 +273,7 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
   faded.alpha = 0.5f, faded.outline = 1;
   std::vector<sl_item> every_third;
   for (sl_item item = 0; item < kGrid * kGrid * kGrid; item += 3) every_third.push_back(item);
-  const auto picture = [&](sl_engine engine) {
+  const auto image = [&](sl_engine engine) {
     std::vector<std::uint8_t> rgb(std::size_t(3) * kWidth * kHeight);
     EXPECT_OK(sl_engine_set_override(engine, every_third.data(), every_third.size(), &faded));
     EXPECT_OK(sl_engine_frame(engine, &cut.c, nullptr, nullptr));
@@ -281,7 +281,7 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
     return rgb;
   };
   const sl_engine living = make_engine(config());
-  const auto plain = picture(living);
+  const auto plain = image(living);
   for (const Setting& setting : settings) {
     SCOPED_TRACE(setting.name);
     sl_engine_config with = config();
@@ -291,7 +291,7 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
     auto twin = engine::Engine::create(scene, same);
     ASSERT_TRUE(twin) << twin.error().message;
     const sl_engine engine = make_engine(with);
-    const auto found = picture(engine);
+    const auto found = image(engine);
     ASSERT_TRUE(twin->set_override(cpp_ids(every_third), {.alpha = 0.5f, .outline = true}) && twin->frame(cut.cpp));
     EXPECT_EQ(found, twin->read_colour()->pixels);
     EXPECT_NE(found, plain);
@@ -300,11 +300,11 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
     ASSERT_OK(sl_engine_get_config(living, &now, nullptr));
     setting.c(now);
     ASSERT_EQ(sl_engine_configure(living, &now), setting.later ? SL_OK : SL_ERROR_FAILED);
-    EXPECT_EQ(picture(living), setting.later ? found : plain);
+    EXPECT_EQ(image(living), setting.later ? found : plain);
     if (!setting.later) continue;
     sl_engine_config back = config();
     ASSERT_OK(sl_engine_configure(living, &back));
-    EXPECT_EQ(picture(living), plain) << "nothing is left of it";
+    EXPECT_EQ(image(living), plain) << "nothing is left of it";
   }
   EXPECT_OK(sl_engine_destroy(living));
 }
@@ -332,7 +332,7 @@ TEST_F(CapiDrawing, OutlinesAreDrawnOverAFramebuffer) {
   EXPECT_OK(sl_engine_destroy(engine));
 }
 
-TEST_F(CapiDrawing, PartsAreTheWholePicture) {
+TEST_F(CapiDrawing, TilesAreTheWholeImage) {
   constexpr int kWide = 200, kHigh = 150;
   const BothViews whole({5, -14, 9}, {5, 5, 5}, double(kWide) / kHigh);
   sl_engine_config with = config();
@@ -342,21 +342,21 @@ TEST_F(CapiDrawing, PartsAreTheWholePicture) {
   ASSERT_OK(sl_engine_frame(engine, &whole.c, nullptr, nullptr));
   ASSERT_OK(sl_engine_read_ids(engine, expected.data(), expected.size()));
   std::int32_t width = 0, height = 0;
-  sl_picture_tile tiles[64];
+  sl_cropped_tile tiles[64];
   std::size_t count = 0;
-  ASSERT_OK(sl_picture_tiles(kWide, kHigh, 96, 0, &width, &height, tiles, 64, &count));
+  ASSERT_OK(sl_image_tiles(kWide, kHigh, 96, 0, &width, &height, tiles, 64, &count));
   EXPECT_GE(count, 4u);
   ASSERT_OK(sl_engine_resize(engine, width, height));
   for (std::size_t i = 0; i < count; ++i) {
-    const sl_picture_tile& tile = tiles[i];
+    const sl_cropped_tile& tile = tiles[i];
     sl_frame_report report = SL_FRAME_REPORT_INIT;
-    ASSERT_OK(sl_engine_frame_part(engine, &whole.c, &tile.part, &report));
+    ASSERT_OK(sl_engine_frame_tile(engine, &whole.c, &tile.tile, &report));
     EXPECT_EQ(report.drawn, 1);
     std::vector<std::uint32_t> ids(std::size_t(width) * std::size_t(height));
     ASSERT_OK(sl_engine_read_ids(engine, ids.data(), ids.size()));
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x)
-        found[std::size_t(y * kWide + x)] = ids[std::size_t((y - int(tile.part.y)) * width + x - int(tile.part.x))];
+        found[std::size_t(y * kWide + x)] = ids[std::size_t((y - int(tile.tile.y)) * width + x - int(tile.tile.x))];
   }
   int other = 0;
   for (std::size_t i = 0; i < found.size(); ++i) other += found[i] != expected[i];
@@ -367,9 +367,9 @@ TEST_F(CapiDrawing, PartsAreTheWholePicture) {
 
 TEST_F(CapiDrawing, LossIsThatOfCpp) {
   sl_engine_config with = config();
-  with.contribution = 40.0f;
+  with.min_projected_area = 40.0f;
   engine::EngineConfig same = twin_config();
-  same.losses.contribution = 40.0f;
+  same.losses.min_projected_area = 40.0f;
   auto twin = engine::Engine::create(scene, same);
   ASSERT_TRUE(twin && twin->frame(view.cpp));
   const auto expected = twin->loss(view.cpp);
@@ -383,7 +383,7 @@ TEST_F(CapiDrawing, LossIsThatOfCpp) {
   EXPECT_GT(loss.items, 5);
   sl_engine_config now = SL_ENGINE_CONFIG_INIT;
   ASSERT_OK(sl_engine_get_config(engine, &now, nullptr));
-  now.contribution = 0.0f;
+  now.min_projected_area = 0.0f;
   ASSERT_OK(sl_engine_configure(engine, &now));
   ASSERT_OK(sl_engine_frame(engine, &view.c, nullptr, nullptr));
   ASSERT_OK(sl_engine_loss(engine, &view.c, &loss));
@@ -392,7 +392,7 @@ TEST_F(CapiDrawing, LossIsThatOfCpp) {
   EXPECT_OK(sl_engine_destroy(engine));
 }
 
-TEST_F(CapiDrawing, CullStatesKnowWhatIsHidden) {
+TEST_F(CapiDrawing, CullStatesKnowWhatIsOccluded) {
   const sl_engine engine = make_engine(config());
   engine::Engine twin = make_twin();
   const BothViews near({5, -3, 5}, {5, 5, 5}, double(kWidth) / kHeight);
@@ -404,7 +404,7 @@ TEST_F(CapiDrawing, CullStatesKnowWhatIsHidden) {
   EXPECT_OK(sl_engine_destroy(engine));
 }
 
-TEST_F(CapiDrawing, ThePictureIsInAFramebuffer) {
+TEST_F(CapiDrawing, TheImageIsInAFramebuffer) {
   const sl_engine engine = make_engine(config());
   std::int32_t covered = 7;
   std::uint32_t name = 0;
@@ -495,13 +495,13 @@ TEST_F(CapiDrawing, AContextIsTakenInPortions) {
   take(100'000);
   EXPECT_EQ(complete, 1);
   EXPECT_GT(portions, 3);
-  expect_same_pictures(engine, twin);
+  expect_same_images(engine, twin);
   EXPECT_EQ(sl_engine_use_context_for(engine, find_proc, &procs_asked, 0.0, &complete), SL_ERROR_BUSY);
   ASSERT_OK(sl_engine_abandon_context(engine));
   ASSERT_OK(sl_engine_use_context_for(engine, find_proc, &procs_asked, HUGE_VAL, &complete));
   EXPECT_EQ(complete, 1);
   ASSERT_OK(sl_engine_frame(engine, &view.c, nullptr, nullptr));
-  expect_same_pictures(engine, twin);
+  expect_same_images(engine, twin);
   ASSERT_OK(sl_engine_drop_context(engine));
   ASSERT_OK(sl_engine_use_context_for(engine, find_proc, &procs_asked, 0.0, &complete));
   EXPECT_EQ(complete, 0);
@@ -550,7 +550,7 @@ TEST_F(CapiDrawing, CreationWithAContextMayBeCancelled) {
   EXPECT_OK(sl_engine_destroy(engine));
 }
 
-TEST_F(CapiDrawing, PicturesNeedRoom) {
+TEST_F(CapiDrawing, ImagesNeedRoom) {
   const sl_engine engine = make_engine(config());
   ASSERT_OK(sl_engine_frame(engine, &view.c, nullptr, nullptr));
   std::vector<std::uint8_t> rgb(3 * kWidth * kHeight - 1, 7);
@@ -595,7 +595,7 @@ TEST_F(CapiDrawing, ContextsAreDroppedAbandonedAndReplaced) {
     ASSERT_OK(sl_engine_use_context(engine, find_proc, &procs_asked));
     ASSERT_OK(sl_engine_frame(engine, &view.c, nullptr, &report));
     EXPECT_EQ(report.drawn, 1);
-    expect_same_pictures(engine, twin);
+    expect_same_images(engine, twin);
   }
   EXPECT_OK(sl_engine_destroy(engine));
 }

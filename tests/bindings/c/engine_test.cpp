@@ -56,7 +56,7 @@ class CapiEngine : public ::testing::Test {
     EXPECT_EQ(report.tested, expected->tested);
     EXPECT_EQ(report.frame, expected->frame);
     EXPECT_EQ(report.culler, sl_culler(expected->culler));
-    EXPECT_EQ(report.shown, -1);
+    EXPECT_EQ(report.items_drawn, -1);
     EXPECT_EQ(report.hybrid_state, -1);
     EXPECT_EQ(report.drawn, 0);
     std::vector<sl_item> items(kGrid * kGrid * kGrid + 1);
@@ -145,7 +145,7 @@ TEST_F(CapiEngine, BadArgumentsAreErrors) {
   EXPECT_NE(sl_engine_read_colour(engine, nullptr, 0), SL_OK);
   sl_engine_config config = SL_ENGINE_CONFIG_INIT;
   sl_engine other = {5};
-  config.contribution = -1;
+  config.min_projected_area = -1;
   EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_FAILED);
   config = SL_ENGINE_CONFIG_INIT;
   config.occlusion = 3;
@@ -442,11 +442,11 @@ sl_engine_config other_settings(const sl_controller_config* controller) {
   c.culler = SL_CULLER_LINEAR;
   c.width = 300, c.height = 200;
   c.ids = 1, c.sample_test = 0, c.occlusion = SL_OCCLUSION_OFF;
-  c.contribution_way = SL_CONTRIBUTION_POINTS, c.contribution = 2.5f, c.budget_ms = 7.0;
-  c.samples = 4, c.use_hidden_colour = 1, c.hidden_colour[2] = 0.75f;
+  c.contribution_mode = SL_CONTRIBUTION_POINTS, c.min_projected_area = 2.5f, c.budget_ms = 7.0;
+  c.samples = 4, c.use_culled_colour = 1, c.culled_colour[2] = 0.75f;
   c.rebuild_share = 0.25f, c.gl_state = SL_GL_STATE_LEAVE, c.context_platform = SL_CONTEXT_OSMESA;
   c.transparency = SL_TRANSPARENCY_BLENDED, c.outline_colour[1] = 0.125f;
-  c.relief_shading = 0.5f, c.relief_lines = 0.25f, c.hatching_strength = 0.75f, c.hatching_spacing = 9.0f;
+  c.depth_shading = 0.5f, c.edge_lines = 0.25f, c.hatching_strength = 0.75f, c.hatching_spacing = 9.0f;
   c.part_index = 1, c.part_count = 3;
   c.gl_debug = 1, c.context_later = 1, c.gpu_variant = SL_GPU_VARIANT_COMPUTE;
   c.controller = controller;
@@ -515,11 +515,11 @@ TEST_F(CapiEngine, DefaultsAreThoseOfCpp) {
   sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
   const engine::EngineConfig d;
   ASSERT_OK(sl_engine_get_config(other, &of_c, &controller));
-  of_cpp.contribution = d.losses.contribution, of_cpp.budget_ms = d.losses.budget_ms,
+  of_cpp.min_projected_area = d.losses.min_projected_area, of_cpp.budget_ms = d.losses.budget_ms,
   of_cpp.samples = d.drawing.samples;
   of_cpp.rebuild_share = float(d.culling.rebuild_share), of_cpp.transparency = std::int32_t(d.drawing.transparency);
   for (int i = 0; i < 3; ++i) of_cpp.outline_colour[i] = d.drawing.outline_colour[i];
-  of_cpp.relief_shading = d.drawing.relief.shading, of_cpp.relief_lines = d.drawing.relief.lines;
+  of_cpp.depth_shading = d.drawing.depth_shading.strength, of_cpp.edge_lines = d.drawing.depth_shading.edge_lines;
   of_cpp.hatching_strength = d.drawing.hatching.strength, of_cpp.hatching_spacing = d.drawing.hatching.spacing;
   of_cpp.part_index = d.culling.part.index, of_cpp.part_count = d.culling.part.count;
   EXPECT_TRUE(same_bytes(of_c, of_cpp));
@@ -558,7 +558,7 @@ TEST_F(CapiEngine, SettingsChangeWhileItLives) {
   refused("ids", [](sl_engine_config& bad) { bad.ids = 1; });
   refused("part", [](sl_engine_config& bad) { bad.part_count = 2; });
   refused("transparency", [](sl_engine_config& bad) { bad.transparency = SL_TRANSPARENCY_BLENDED; });
-  refused("shading and lines of relief", [](sl_engine_config& bad) { bad.relief_lines = 1.5f; });
+  refused("strength and edge_lines of depth_shading", [](sl_engine_config& bad) { bad.edge_lines = 1.5f; });
   refused("spacing of hatching", [](sl_engine_config& bad) { bad.hatching_spacing = 1.0f; });
   config.transparency = 2;
   EXPECT_EQ(sl_engine_configure(engine, &config), SL_ERROR_ARGUMENT);
@@ -654,10 +654,10 @@ TEST_F(CapiEngine, PartsAreTogetherTheScene) {
   }
   ASSERT_TRUE(twin->frame(view.cpp));
   std::sort(all.begin(), all.end());
-  EXPECT_EQ(all, visible_in_cpp());
+  EXPECT_EQ(all, c_ids(visible_in_cpp()));
 }
 
-// --- what culling makes of items, and parts of pictures --------------------------------------------------------------
+// --- what culling makes of items, and parts of images ----------------------------------------------------------------
 
 TEST_F(CapiEngine, CullStatesAreThoseOfCpp) {
   const BothViews view({7, -12, 7}, {5, 7, 5});
@@ -699,27 +699,27 @@ TEST_F(CapiEngine, CullStatesAreThoseOfCpp) {
   EXPECT_EQ(sl_engine_cull_states(engine, &view.c, nullptr), SL_ERROR_ARGUMENT);
 }
 
-TEST_F(CapiEngine, PartsOfPicturesAreCulledApart) {
+TEST_F(CapiEngine, PartsOfImagesAreCulledApart) {
   const BothViews view({7, -20, 7}, {7, 7, 7}, 2.0);
   std::int32_t width = 0, height = 0;
   std::size_t count = 0;
-  ASSERT_OK(sl_picture_tiles(400, 200, 130, 3, &width, &height, nullptr, 0, &count));
-  const auto expected = engine::picture_tiles(400, 200, 130, 3);
+  ASSERT_OK(sl_image_tiles(400, 200, 130, 3, &width, &height, nullptr, 0, &count));
+  const auto expected = engine::image_tiles(400, 200, 130, 3);
   ASSERT_TRUE(expected);
   ASSERT_EQ(count, expected->tiles.size());
   EXPECT_GT(count, 4u);
-  std::vector<sl_picture_tile> tiles(count);
-  ASSERT_OK(sl_picture_tiles(400, 200, 130, 3, &width, &height, tiles.data(), count, &count));
+  std::vector<sl_cropped_tile> tiles(count);
+  ASSERT_OK(sl_image_tiles(400, 200, 130, 3, &width, &height, tiles.data(), count, &count));
   EXPECT_EQ(width, expected->width);
   EXPECT_EQ(height, expected->height);
   ASSERT_OK(sl_engine_resize(engine, width, height));
   ASSERT_TRUE(twin->resize(width, height));
   std::vector<bool> taken(400 * 200);
   for (std::size_t i = 0; i < count; ++i) {
-    const sl_picture_tile& tile = tiles[i];
+    const sl_cropped_tile& tile = tiles[i];
     sl_frame_report report = SL_FRAME_REPORT_INIT;
-    ASSERT_OK(sl_engine_frame_part(engine, &view.c, &tile.part, &report));
-    EXPECT_EQ(report.visible, twin->frame_part(view.cpp, expected->tiles[i].part)->visible);
+    ASSERT_OK(sl_engine_frame_tile(engine, &view.c, &tile.tile, &report));
+    EXPECT_EQ(report.visible, twin->frame_tile(view.cpp, expected->tiles[i].tile)->visible);
     for (std::int32_t y = tile.y0; y < tile.y1; ++y)
       for (std::int32_t x = tile.x0; x < tile.x1; ++x) {
         EXPECT_FALSE(taken[std::size_t(y * 400 + x)]);
@@ -727,13 +727,13 @@ TEST_F(CapiEngine, PartsOfPicturesAreCulledApart) {
       }
   }
   EXPECT_EQ(std::count(taken.begin(), taken.end(), false), 0);
-  EXPECT_EQ(sl_engine_frame_part(engine, &view.c, nullptr, nullptr), SL_ERROR_ARGUMENT);
-  const sl_picture_part nothing = {0, 10, 0.0, 0.0};
-  EXPECT_EQ(sl_engine_frame_part(engine, &view.c, &nothing, nullptr), SL_ERROR_FAILED);
-  EXPECT_EQ(sl_picture_tiles(400, 200, 10, 0, &width, &height, nullptr, 0, &count), SL_ERROR_FAILED);
-  EXPECT_EQ(sl_picture_tiles(1 << 30, 200, 100, 0, &width, &height, nullptr, 0, &count), SL_ERROR_ARGUMENT);
-  EXPECT_EQ(sl_picture_tiles(400, 200, 100, 0, nullptr, &height, nullptr, 0, &count), SL_ERROR_ARGUMENT);
-  EXPECT_EQ(sl_picture_tiles(400, 200, 100, 0, &width, &height, nullptr, 1, &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_engine_frame_tile(engine, &view.c, nullptr, nullptr), SL_ERROR_ARGUMENT);
+  const sl_image_tile nothing = {0, 10, 0.0, 0.0};
+  EXPECT_EQ(sl_engine_frame_tile(engine, &view.c, &nothing, nullptr), SL_ERROR_FAILED);
+  EXPECT_EQ(sl_image_tiles(400, 200, 10, 0, &width, &height, nullptr, 0, &count), SL_ERROR_FAILED);
+  EXPECT_EQ(sl_image_tiles(1 << 30, 200, 100, 0, &width, &height, nullptr, 0, &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_image_tiles(400, 200, 100, 0, nullptr, &height, nullptr, 0, &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_image_tiles(400, 200, 100, 0, &width, &height, nullptr, 1, &count), SL_ERROR_ARGUMENT);
 }
 
 TEST_F(CapiEngine, TwoEnginesFollowOneScene) {

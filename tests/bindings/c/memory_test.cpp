@@ -119,9 +119,9 @@ TEST(CapiMemory, RunsOutInEngines) {
     states.of_item = of_item, states.item_capacity = 8;
     return sl_engine_cull_states(f.engine, &view.c, &states);
   });
-  run_out("sl_engine_frame_part", [&](Filled& f) {
-    const sl_picture_part part = {4000, 3000, 100.0, 50.0};
-    return sl_engine_frame_part(f.engine, &view.c, &part, nullptr);
+  run_out("sl_engine_frame_tile", [&](Filled& f) {
+    const sl_image_tile part = {4000, 3000, 100.0, 50.0};
+    return sl_engine_frame_tile(f.engine, &view.c, &part, nullptr);
   });
 }
 

@@ -216,15 +216,15 @@ class Sequence {
       config.gl_state = in_.integer();
       config.program_cache = "";
     }
-    if (in_.one_in(8)) config.contribution = in_.small();
+    if (in_.one_in(8)) config.min_projected_area = in_.small();
     if (in_.one_in(8)) config.budget_ms = in_.number();
     if (in_.one_in(8)) config.rebuild_share = in_.small();
     if (in_.one_in(16)) config.occlusion = in_.integer();
-    if (in_.one_in(16)) config.contribution_way = in_.integer();
+    if (in_.one_in(16)) config.contribution_mode = in_.integer();
     if (in_.one_in(16)) config.transparency = in_.integer();
     if (in_.one_in(16)) config.gpu_variant = in_.integer();
     if (in_.one_in(16)) config.part_index = in_.integer(), config.part_count = in_.integer();
-    if (in_.one_in(8)) config.relief_shading = in_.small(), config.relief_lines = in_.small();
+    if (in_.one_in(8)) config.depth_shading = in_.small(), config.edge_lines = in_.small();
     if (in_.one_in(8)) config.hatching_strength = in_.small(), config.hatching_spacing = float(in_.number());
     sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
     controller.policy = in_.integer(), controller.trigger = in_.integer(), controller.margin = in_.number();
@@ -588,8 +588,8 @@ class Sequence {
         check(sl_engine_get_config(by, sized(config), in_.one_in(2) ? nullptr : sized(controller)), by);
         config.controller = in_.one_in(4) ? sized(controller) : nullptr;
         if (in_.one_in(2)) config.culler = draws_ ? in_.integer() : std::int32_t(in_.below(3));
-        if (in_.one_in(2)) config.contribution = in_.small(), config.budget_ms = in_.number();
-        if (in_.one_in(2)) config.relief_shading = in_.small(), config.hatching_strength = in_.small();
+        if (in_.one_in(2)) config.min_projected_area = in_.small(), config.budget_ms = in_.number();
+        if (in_.one_in(2)) config.depth_shading = in_.small(), config.hatching_strength = in_.small();
         if (in_.one_in(8)) config.ids = in_.integer(), config.samples = in_.integer();
         check(sl_engine_configure(by, sized(config)), by);
         return;
@@ -604,17 +604,17 @@ class Sequence {
         return;
       }
       case 30: {
-        sl_picture_tile tiles[kRoom];
-        sl_picture_tile* to = buffer(tiles, capacity);
+        sl_cropped_tile tiles[kRoom];
+        sl_cropped_tile* to = buffer(tiles, capacity);
         std::int32_t width = 0, height = 0;
         const std::int32_t wide = in_.one_in(16) ? in_.integer() : std::int32_t(100 * in_.below(8));
         const std::int32_t high = in_.one_in(16) ? in_.integer() : std::int32_t(100 * in_.below(8));
-        const sl_status made = sl_picture_tiles(wide, high, std::int32_t(in_.byte()), in_.integer(), &width, &height,
-                                                to, capacity, count());
-        const sl_picture_part part = made == SL_OK && capacity > 0
-                                         ? tiles[0].part
-                                         : sl_picture_part{in_.integer(), in_.integer(), in_.number(), in_.number()};
-        check(sl_engine_frame_part(by, view(), in_.one_in(16) ? nullptr : &part, nullptr), by);
+        const sl_status made =
+            sl_image_tiles(wide, high, std::int32_t(in_.byte()), in_.integer(), &width, &height, to, capacity, count());
+        const sl_image_tile part = made == SL_OK && capacity > 0
+                                       ? tiles[0].tile
+                                       : sl_image_tile{in_.integer(), in_.integer(), in_.number(), in_.number()};
+        check(sl_engine_frame_tile(by, view(), in_.one_in(16) ? nullptr : &part, nullptr), by);
         return;
       }
       case 31: {
@@ -664,8 +664,8 @@ class Sequence {
         const sl_view* const views[2] = {view(), nullptr};
         const sl_external_target* const targets[2] = {&target, nullptr};
         check(sl_engine_frame_views(by, views, targets, in_.below(3), nullptr), by);
-        check(sl_engine_use_picture(by, in_.below(4)), by);
-        check(sl_engine_forget_picture(by, in_.below(4)), by);
+        check(sl_engine_use_image(by, in_.below(4)), by);
+        check(sl_engine_forget_image(by, in_.below(4)), by);
         return;
       }
       case 24: {

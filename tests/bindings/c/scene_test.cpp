@@ -90,7 +90,7 @@ TEST(CapiScene, ItemsOfAllKindsAreThoseOfCpp) {
     const core::NodeId twin_node = scene.add_node(scene.root());
     const core::ItemId twin = scene.add_primitive(
         twin_node, core::make_primitive(core::Kind(kind), some_parameters()[std::size_t(kind)]), map);
-    EXPECT_EQ(item, twin);
+    EXPECT_EQ(item, to_index(twin));
     sl_item_info info = SL_ITEM_INFO_INIT;
     ASSERT_OK(sl_item_get(c.scene, item, &info));
     EXPECT_EQ(info.kind, kind);

@@ -131,8 +131,8 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(sizeof(sl_controller_info), 40u);
     EXPECT_EQ(sizeof(sl_cull_states), 96u);
     EXPECT_EQ(sizeof(sl_cull_box), 56u);
-    EXPECT_EQ(sizeof(sl_picture_part), 24u);
-    EXPECT_EQ(sizeof(sl_picture_tile), 40u);
+    EXPECT_EQ(sizeof(sl_image_tile), 24u);
+    EXPECT_EQ(sizeof(sl_cropped_tile), 40u);
     EXPECT_EQ(sizeof(sl_external_target), 56u);
     EXPECT_EQ(sizeof(sl_item_style), 32u);
     EXPECT_EQ(sizeof(sl_pick), 80u);

@@ -17,7 +17,7 @@ const core::Pose kSamePose{{1, -20, 3}, {4, 5, 6}, {0, 0, 1}};
 
 void expect_same(const sl_view& view, const core::Expected<core::View>& expected) {
   ASSERT_TRUE(expected) << expected.error().message;
-  EXPECT_TRUE(core::same_picture(capi::view_of(&view), *expected));
+  EXPECT_TRUE(core::same_image(capi::view_of(&view), *expected));
 }
 
 TEST(CapiViews, AreThoseOfCpp) {

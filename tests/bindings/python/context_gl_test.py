@@ -64,7 +64,7 @@ class Contexts(GlCase):
         with self.assertRaises(ValueError):
             self.engine(get_proc=lambda name: "no address")
 
-    def test_a_framebuffer_gets_the_picture(self):
+    def test_a_framebuffer_gets_the_image(self):
         engine = self.engine()
         mine, target = self.framebuffer()
         report = engine.frame_into(self.view, target)
@@ -84,7 +84,7 @@ class Contexts(GlCase):
         with sightline.Engine(self.scene, draw=True) as offscreen:
             self.assert_error("context", offscreen.frame_into, self.view, sightline.ExternalTarget(width=8, height=8))
 
-    def test_several_views_have_a_picture_each(self):
+    def test_several_views_have_an_image_each(self):
         engine = self.engine()
         (mine, target), (other, small) = self.framebuffer(), self.framebuffer()
         small.width, small.height = 64, 48
@@ -93,11 +93,11 @@ class Contexts(GlCase):
         self.assertEqual([report.drawn for report in reports], [True, True])
         np.testing.assert_array_equal(mine.read(), self.expected)
         self.assertFalse((other.read() == [255, 0, 0]).all())
-        engine.use_picture(1)
+        engine.use_image(1)
         self.assertEqual((engine.width, engine.height), (64, 48))
-        self.assert_error("not in use", engine.forget_picture, 1)
-        engine.use_picture(0)
-        engine.forget_picture(1)
+        self.assert_error("not in use", engine.forget_image, 1)
+        engine.use_image(0)
+        engine.forget_image(1)
         np.testing.assert_array_equal(engine.read_colour(), self.expected)
         self.assert_error("as many targets", engine.frame_views, [self.view], [])
 
@@ -153,7 +153,7 @@ class Contexts(GlCase):
         self.assertTrue(engine.config["context_later"])
         self.assertTrue(engine.use_context(self.application.address))
         self.assertFalse(engine.config["context_later"])
-        engine.configure(relief_lines=0.0)
+        engine.configure(edge_lines=0.0)
         engine.frame(self.view)
         np.testing.assert_array_equal(engine.read_colour(), self.expected)
 
@@ -186,7 +186,7 @@ class Contexts(GlCase):
         self.assertEqual(len(engine.take_gl_errors()), 1)
         self.assertEqual(engine.take_gl_errors(), [])
 
-    def test_the_picture_is_in_a_framebuffer(self):
+    def test_the_image_is_in_a_framebuffer(self):
         engine = self.engine()
         engine.frame(self.view)
         made = Framebuffer.__new__(Framebuffer)

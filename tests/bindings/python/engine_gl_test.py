@@ -1,4 +1,4 @@
-"""Engines that draw: pictures as arrays, picks, queries, edits, threads."""
+"""Engines that draw: images as arrays, picks, queries, edits, threads."""
 
 import copy
 import gc
@@ -24,12 +24,12 @@ class Drawing(GlCase):
         self.addCleanup(engine.close)
         return engine
 
-    def test_pictures_are_arrays(self):
+    def test_images_are_arrays(self):
         engine = self.engine(ids=True)
         report = engine.frame(self.view)
         self.assertTrue(report.drawn and engine.covered())
         self.assertEqual((report.visible, report.frame, report.culler), (3000, 0, engine.culler))
-        self.assertTrue(0 < report.shown <= report.visible)
+        self.assertTrue(0 < report.items_drawn <= report.visible)
         colour, ids, depth = engine.read_colour(), engine.read_ids(), engine.read_depth(self.view)
         self.assertEqual((colour.shape, colour.dtype), ((200, 320, 3), np.uint8))
         self.assertEqual((ids.shape, ids.dtype), ((200, 320), np.uint32))
@@ -51,9 +51,9 @@ class Drawing(GlCase):
         engine.frame(self.view)
         shown = set(np.unique(engine.read_ids())) - {0}
         culler = sightline.BoxCuller(np.array([self.scene.item(i).bounds.reshape(6) for i in self.scene.items]))
-        open_boxes = culler.visible(self.view, engine.read_depth(self.view))
-        self.assertLess(len(open_boxes), len(culler.visible(self.view)))
-        self.assertLessEqual({i - 1 for i in shown}, set(open_boxes), "what owns a pixel is not hidden")
+        unoccluded_boxes = culler.visible(self.view, engine.read_depth(self.view))
+        self.assertLess(len(unoccluded_boxes), len(culler.visible(self.view)))
+        self.assertLessEqual({i - 1 for i in shown}, set(unoccluded_boxes), "what is visible in the id image is not hidden")
 
     def test_depth_is_where_the_pick_is(self):
         engine = self.engine(ids=True)
@@ -79,17 +79,17 @@ class Drawing(GlCase):
 
     def test_every_culler_draws_the_same(self):
         engine = self.engine()
-        pictures = []
+        images = []
         for culler in ("automatic", "linear", "cpu", "gpu", "hybrid"):
             engine.set_culler(culler)
             engine.frame(self.view)
-            pictures.append(engine.read_colour())
-            np.testing.assert_array_equal(pictures[-1], pictures[0])
+            images.append(engine.read_colour())
+            np.testing.assert_array_equal(images[-1], images[0])
         with self.engine(culler="gpu", gpu_pass="compute") as gpu:
             report = gpu.frame(self.view)
             gpu.finish()
             self.assertEqual((report.visible, gpu.take_late_report().visible, gpu.take_late_report()), (-1, 3000, None))
-            np.testing.assert_array_equal(gpu.read_colour(), pictures[0])
+            np.testing.assert_array_equal(gpu.read_colour(), images[0])
 
     def test_the_gpu_may_cull_without_drawing(self):
         engine = self.engine(draw=False)
@@ -126,7 +126,7 @@ class Drawing(GlCase):
         self.assert_error("1 or more pixels, found 0 and 10", engine.resize, 0, 10)
         self.assert_error("", self.engine, samples=1000)
 
-    def test_sections_cut_the_picture(self):
+    def test_sections_cut_the_image(self):
         engine = self.engine(ids=True)
         cut = sightline.View.from_matrices(self.view.eye_from_world, self.view.clip_from_eye)
         cut.sections = [[1, 0, 0, 0]]
@@ -135,28 +135,28 @@ class Drawing(GlCase):
         self.assertTrue(all(self.scene.item(i - 1).bounds[1, 0] >= -1e-6 for i in ids[1:]))
         self.assertLess(len(ids), 3000)
 
-    def test_settings_change_the_picture(self):
+    def test_settings_change_the_image(self):
         cut = copy.copy(self.view)
         cut.sections = [[1, -0.2, 0, 0]]
         faded = self.scene.items[::3]
-        def picture(engine):
+        def image(engine):
             engine.set_override(faded, alpha=0.5, outline=True)
             engine.frame(cut)
             return engine.read_colour()
         living = self.engine()
-        plain = picture(living)
-        for config in (dict(relief_shading=0.8), dict(relief_lines=0.6), dict(outline_colour=(0, 1, 0))):
+        plain = image(living)
+        for config in (dict(depth_shading=0.8), dict(edge_lines=0.6), dict(outline_colour=(0, 1, 0))):
             with self.subTest(**config):
                 with self.engine(**config) as engine:
-                    expected = picture(engine)
+                    expected = image(engine)
                 self.assertGreater(sightline.compare(plain, expected).pixels, 100)
                 living.configure(**config)
-                np.testing.assert_array_equal(picture(living), expected)
+                np.testing.assert_array_equal(image(living), expected)
                 before = self.engine().config
                 living.configure(**{name: before[name] for name in config})
-                np.testing.assert_array_equal(picture(living), plain)
+                np.testing.assert_array_equal(image(living), plain)
         with self.engine(transparency="blended") as engine:
-            self.assertGreater(sightline.compare(plain, picture(engine)).pixels, 100)
+            self.assertGreater(sightline.compare(plain, image(engine)).pixels, 100)
 
     def test_hatching_lies_on_cuts_alone(self):
         scene = sightline.Scene()
@@ -164,35 +164,35 @@ class Drawing(GlCase):
         whole = sightline.View.perspective((-6, -9, 5), (0, 0, 0), fovy=0.7, aspect=1.6)
         cut = copy.copy(whole)
         cut.sections = [[0, 1, 0, 0.5]]  # keeps y > -0.5
-        def picture(view, **config):
+        def image(view, **config):
             with sightline.Engine(scene, draw=True, **SIZE, **config) as engine:
                 engine.frame(view)
                 y, x = np.mgrid[:200, :320]
                 picks = [engine.pick(view, i + 0.5, j + 0.5) for i, j in zip(x[::8, ::8].ravel(), y[::8, ::8].ravel())]
                 faces = np.array([pick.face if pick else "" for pick in picks]).reshape(25, 40)
                 return engine.read_colour(), faces
-        plain, faces = picture(cut)
-        hatched, _ = picture(cut, hatching_strength=0.9, hatching_spacing=4)
+        plain, faces = image(cut)
+        hatched, _ = image(cut, hatching_strength=0.9, hatching_spacing=4)
         changed = (hatched != plain).any(axis=2)
         self.assertGreater(changed.sum(), 1000)
         self.assertTrue(changed[::8, ::8].any())
         self.assertEqual(set(faces[changed[::8, ::8]]), {"cut"})
         self.assertIn("cut", faces[~changed[::8, ::8]], "lines, and what lies between them")
-        np.testing.assert_array_equal(picture(cut, hatching_spacing=4)[0], plain)
-        np.testing.assert_array_equal(picture(whole, hatching_strength=0.9)[0], picture(whole)[0])
+        np.testing.assert_array_equal(image(cut, hatching_spacing=4)[0], plain)
+        np.testing.assert_array_equal(image(whole, hatching_strength=0.9)[0], image(whole)[0])
 
-    def test_parts_are_the_whole_picture(self):
+    def test_tiles_are_the_whole_image(self):
         engine = self.engine(ids=True)
         engine.frame(self.view)
         colour, ids = engine.read_colour(), engine.read_ids()
-        tiles = sightline.picture_tiles(320, 200, 128)
+        tiles = sightline.image_tiles(320, 200, 128)
         self.assertGreater(len(tiles.tiles), 4)
         engine.resize(tiles.width, tiles.height)
         joined, joined_ids = np.zeros_like(colour), np.zeros_like(ids)
         for tile in tiles.tiles:
-            self.assertTrue(engine.frame_part(self.view, tile.part).drawn)
+            self.assertTrue(engine.frame_tile(self.view, tile.tile).drawn)
             rows, columns = slice(tile.y0, tile.y1), slice(tile.x0, tile.x1)
-            y, x = tile.y0 - int(tile.part.y), tile.x0 - int(tile.part.x)
+            y, x = tile.y0 - int(tile.tile.y), tile.x0 - int(tile.tile.x)
             of_part = slice(y, y + tile.y1 - tile.y0), slice(x, x + tile.x1 - tile.x0)
             joined[rows, columns] = engine.read_colour()[of_part]
             joined_ids[rows, columns] = engine.read_ids()[of_part]
@@ -201,12 +201,12 @@ class Drawing(GlCase):
         self.assertLess((np.abs(joined.astype(int) - colour).max(axis=2) > 2).mean(), 0.02)
 
     def test_loss_is_what_is_left_out(self):
-        engine = self.engine(contribution=20)
+        engine = self.engine(min_projected_area=20)
         report = engine.frame(self.view)
         loss = engine.loss(self.view)
-        self.assertTrue(0 < loss.items <= report.small)
+        self.assertTrue(0 < loss.items <= report.below_min_area)
         self.assertGreater(loss.pixels, 0)
-        engine.configure(contribution=0)
+        engine.configure(min_projected_area=0)
         engine.frame(self.view)
         self.assertEqual(engine.loss(self.view), sightline.Engine(self.scene).loss(self.view))
         self.assertEqual(engine.loss(self.view).items, 0)
@@ -215,7 +215,7 @@ class Drawing(GlCase):
         engine = self.engine(occlusion="on")
         states = engine.cull_states(self.view)
         self.assertGreater(states.items["occluded"], 0)
-        self.assertGreater(states.items["small"] + states.items["inside"], 0)
+        self.assertGreater(states.items["too_small"] + states.items["inside"], 0)
         self.assertEqual(sum(states.items.values()), 3000)
 
     def test_hybrids_are_told(self):
@@ -295,19 +295,19 @@ class Drawing(GlCase):
         np.testing.assert_array_equal(sightline.render(self.scene, self.view, context="egl", **SIZE), expected)
         self.assert_error("osmesa", sightline.render, self.scene, self.view, context="x", **SIZE)
         try:
-            picture = sightline.render(self.scene, self.view, context="osmesa", **SIZE)
+            image = sightline.render(self.scene, self.view, context="osmesa", **SIZE)
         except sightline.Error as error:
             self.skipTest(str(error))
-        np.testing.assert_array_equal(picture, expected)
+        np.testing.assert_array_equal(image, expected)
 
     def test_any_thread_may_draw_and_free(self):
         expected = sightline.render(self.scene, self.view, **SIZE)
         engine = self.engine()
-        pictures = [None] * 4
+        images = [None] * 4
         def draw(i):
             for _ in range(5):
                 engine.frame(self.view)
-            pictures[i] = engine.read_colour()
+            images[i] = engine.read_colour()
             other = sightline.Engine(self.scene, draw=True, **SIZE)
             other.frame(self.view)
             np.testing.assert_array_equal(other.read_colour(), expected)
@@ -318,8 +318,8 @@ class Drawing(GlCase):
             thread.start()
         for thread in threads:
             thread.join()
-        for picture in pictures:
-            np.testing.assert_array_equal(picture, expected)
+        for image in images:
+            np.testing.assert_array_equal(image, expected)
         self.assertEqual(len(keep), 4)
         keep.clear()  # made on other threads
 
@@ -336,7 +336,7 @@ class Drawing(GlCase):
 class Aside(GlCase):
     def test_what_another_view_culls_is_drawn_from_aside(self):
         scene = plant()
-        with sightline.Engine(scene, draw=True, hidden_colour=(1, 0, 1), **SIZE) as engine:
+        with sightline.Engine(scene, draw=True, culled_colour=(1, 0, 1), **SIZE) as engine:
             view = engine.fit()
             engine.frame(view)
             plain = engine.read_colour()

@@ -23,7 +23,7 @@ class Engines(Case):
     def test_what_is_visible_is_what_boxes_say(self):
         report = self.engine.frame(self.near)
         ids = self.engine.visible_items()
-        self.assertEqual((report.visible, report.drawn, report.shown), (len(ids), False, -1))
+        self.assertEqual((report.visible, report.drawn, report.items_drawn), (len(ids), False, -1))
         self.assertTrue(0 < len(ids) < 3000)
         rows = np.array([self.scene.item(i).bounds.reshape(6) for i in self.scene.items])
         by_box = sightline.BoxCuller(rows).visible(self.near)
@@ -71,14 +71,14 @@ class Engines(Case):
     def test_the_configuration_is_checked(self):
         for text, config in (("culler: expected automatic, linear, cpu, gpu or hybrid, found \"x\"", dict(culler="x")),
                              ("occlusion: expected off, on or auto", dict(occlusion="x")),
-                             ("contribution_way", dict(contribution_way="x")), ("gpu_pass", dict(gpu_pass="x")),
-                             ("contribution must be", dict(contribution=-1)), ("transparency", dict(transparency="x")),
+                             ("contribution_mode", dict(contribution_mode="x")), ("gpu_pass", dict(gpu_pass="x")),
+                             ("min_projected_area must be", dict(min_projected_area=-1)), ("transparency", dict(transparency="x")),
                              ("part must have", dict(part=(2, 2))), ("outline_colour", dict(outline_colour=(1, 2))),
-                             ("shading and lines", dict(relief_shading=1.5)), ("spacing", dict(hatching_spacing=1)),
+                             ("shading and lines", dict(depth_shading=1.5)), ("spacing", dict(hatching_spacing=1)),
                              ("strength of hatching", dict(hatching_strength=-1)), ("gl_state", dict(gl_state="x")),
                              ("budget_ms must be", dict(budget_ms=float("nan"))),
                              ("1 or more pixels", dict(width=0)), ("1 or more pixels", dict(draw=True, height=-5)),
-                             ("hidden_colour", dict(hidden_colour=(1, 2)))):
+                             ("culled_colour", dict(culled_colour=(1, 2)))):
             self.assert_error(text, sightline.Engine, self.scene, **config)
         with self.assertRaises(TypeError):
             sightline.Engine(self.scene, colour="red")
@@ -112,9 +112,9 @@ class Engines(Case):
     def test_settings_come_back(self):
         chosen = dict(width=30, height=20, ids=True, samples=4, transparency="blended", part=(1, 3), rebuild_share=0.25,
                       gpu_pass="compute", context="osmesa", context_later=True, gl_state="leave", gl_debug=True,
-                      program_cache=self.folder, culler="linear", sample_test=False, occlusion="off", contribution=2.5,
-                      contribution_way="points", budget_ms=7.0, hidden_colour=(0, 0.25, 1), outline_colour=(1, 0, 0.5),
-                      relief_shading=0.5, relief_lines=0.25, hatching_strength=0.75, hatching_spacing=9.0,
+                      program_cache=self.folder, culler="linear", sample_test=False, occlusion="off", min_projected_area=2.5,
+                      contribution_mode="points", budget_ms=7.0, culled_colour=(0, 0.25, 1), outline_colour=(1, 0, 0.5),
+                      depth_shading=0.5, edge_lines=0.25, hatching_strength=0.75, hatching_spacing=9.0,
                       controller=sightline.ControllerConfig(policy="2009", gpu_frames=9))
         engine = sightline.Engine(self.scene, **chosen)
         self.assertEqual(engine.config, {"draw": False, **chosen})
@@ -131,19 +131,19 @@ class Engines(Case):
     def test_settings_change_while_it_lives(self):
         engine = sightline.Engine(self.scene, width=400, height=250)
         before = engine.config
-        engine.configure(budget_ms=12, culler="linear", hidden_colour=(1, 0, 0),
+        engine.configure(budget_ms=12, culler="linear", culled_colour=(1, 0, 0),
                          controller=sightline.ControllerConfig(margin=0.5))
-        changed = {**before, "budget_ms": 12, "culler": "linear", "hidden_colour": (1, 0, 0),
+        changed = {**before, "budget_ms": 12, "culler": "linear", "culled_colour": (1, 0, 0),
                    "controller": sightline.ControllerConfig(margin=0.5)}
         self.assertEqual(engine.config, changed)
         self.assertEqual((engine.culler, engine.frame(self.near).culler), ("linear", "linear"))
         engine.configure()
         self.assertEqual(engine.config, changed)
         engine.resize(30, 20)
-        engine.configure(hidden_colour=None, controller=None)
-        self.assertEqual((engine.config["hidden_colour"], engine.config["width"]), (None, 30))
+        engine.configure(culled_colour=None, controller=None)
+        self.assertEqual((engine.config["culled_colour"], engine.config["width"]), (None, 30))
         self.assertEqual(engine.config["controller"], before["controller"])
-        self.assert_error("shading and lines of relief", engine.configure, relief_lines=2, budget_ms=1)
+        self.assert_error("strength and edge_lines of depth_shading", engine.configure, edge_lines=2, budget_ms=1)
         self.assertEqual(engine.config["budget_ms"], 12)
         self.assert_error("culler: expected", engine.configure, culler="x")
         with self.assertRaises(TypeError):
@@ -218,14 +218,14 @@ class Engines(Case):
             inside = (kept[:, :3] <= low + 1e-3) & (kept[:, 3:] >= high - 1e-3)
             self.assertTrue(inside.all(axis=1).any(), item)
 
-    def test_parts_of_pictures_are_culled_apart(self):
+    def test_parts_of_images_are_culled_apart(self):
         engine = sightline.Engine(self.scene, width=400, height=250)
         whole = set(engine.items_in(self.near, (0, 0, 400, 250)))
-        tiles = sightline.picture_tiles(400, 250, 130)
+        tiles = sightline.image_tiles(400, 250, 130)
         engine.resize(tiles.width, tiles.height)
         taken, seen = np.zeros((250, 400), int), set()
         for tile in tiles.tiles:
-            engine.frame_part(self.near, tile.part)
+            engine.frame_tile(self.near, tile.tile)
             found = set(engine.visible_items())
             self.assertLess(len(found), len(whole))
             seen |= found
@@ -233,9 +233,9 @@ class Engines(Case):
         self.assertTrue((taken == 1).all())
         self.assertLessEqual(whole, seen)
         self.assertLess(len(seen - whole), 5, "but for rounding, boxes that touch a border")
-        self.assert_error("too small", sightline.picture_tiles, 400, 250, 30)
-        self.assert_error("at most 262144 pixels", sightline.picture_tiles, 10**6, 250, 300)
-        self.assert_error("", engine.frame_part, self.near, sightline.PicturePart(0, 0, 0, 0))
+        self.assert_error("too small", sightline.image_tiles, 400, 250, 30)
+        self.assert_error("at most 262144 pixels", sightline.image_tiles, 10**6, 250, 300)
+        self.assert_error("", engine.frame_tile, self.near, sightline.ImageTile(0, 0, 0, 0))
 
     def test_the_tracer_is_made_ahead(self):
         engine = sightline.Engine(self.scene, width=400, height=250)

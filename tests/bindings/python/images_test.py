@@ -1,4 +1,4 @@
-"""Pictures as arrays: files and comparison."""
+"""Images as arrays: files and comparison."""
 
 import math
 import unittest
@@ -14,12 +14,12 @@ def noise(seed, height=40, width=60):
 
 class Images(Case):
     def test_png_comes_back(self):
-        picture = noise(1)
-        sightline.write_png(self.folder / "a.png", picture)
+        image = noise(1)
+        sightline.write_png(self.folder / "a.png", image)
         again = sightline.read_png(self.folder / "a.png")
-        np.testing.assert_array_equal(again, picture)
-        (self.folder / "b.png").write_bytes(sightline.encode_png(picture[:, ::-1]))
-        np.testing.assert_array_equal(sightline.read_png(self.folder / "b.png"), picture[:, ::-1])
+        np.testing.assert_array_equal(again, image)
+        (self.folder / "b.png").write_bytes(sightline.encode_png(image[:, ::-1]))
+        np.testing.assert_array_equal(sightline.read_png(self.folder / "b.png"), image[:, ::-1])
 
     def test_compare_is_numpy(self):
         a, b = noise(1), noise(2)
@@ -58,8 +58,8 @@ class Images(Case):
 
     def test_misuse(self):
         a = noise(1)
-        self.assert_error("picture: expected uint8 of shape (N, N, 3), found float64", sightline.compare, a, a / 255)
-        self.assert_error("picture: expected uint8, found uint16", sightline.compare, a, a.astype(np.uint16))
+        self.assert_error("image: expected uint8 of shape (N, N, 3), found float64", sightline.compare, a, a / 255)
+        self.assert_error("image: expected uint8, found uint16", sightline.compare, a, a.astype(np.uint16))
         self.assert_error("found uint8 of shape (40, 60, 4)", sightline.write_png, "x.png",
                           np.zeros((40, 60, 4), np.uint8))
         for compare in (sightline.compare, sightline.metrics, sightline.flip, sightline.difference_image):

@@ -131,7 +131,7 @@ class Stubs(Case):
             "    item = scene.root.add(sightline.Cylinder(1, 2), sightline.translation([1, 2, 3]))\n"
             "    with sightline.Engine(scene, draw=True, culler='gpu') as engine:\n"
             "        report = engine.frame(engine.fit())\n"
-            "        pixels: int = int(engine.read_ids().sum()) + report.shown + item.id\n"
+            "        pixels: int = int(engine.read_ids().sum()) + report.items_drawn + item.id\n"
             "        visible = sightline.BoxCuller(np.zeros((1, 6))).visible(engine.fit())\n"
             "        reveal_type(visible)\n"
             "    scene.root.add('no primitive')\n")

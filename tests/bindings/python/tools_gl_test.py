@@ -16,7 +16,7 @@ class Tools(GlCase):
         self.scene = sightline.Scene()
         self.scene.import_file(self.model)
 
-    def test_a_picture_is_that_of_render(self):
+    def test_an_image_is_that_of_render(self):
         view = self.folder / "view.json"
         view.write_text('{"eye":[-30,-25,12],"target":[0,0,3],"fovy_deg":50,"near":0.5,'
                         '"sections":[{"n":[1,0.2,0],"d":4}]}')
@@ -60,19 +60,19 @@ class Tools(GlCase):
         rows = [line.split(",") for line in (self.folder / "out.csv").read_text().splitlines()
                 if line and not line.startswith("#")]
         visible = rows[0].index("visible")
-        pictures = {}
+        images = {}
         with sightline.Engine(self.scene, draw=True, width=200, height=160) as engine:
             def keep(frame, view):
                 if frame % 4 == 0:
-                    pictures[frame] = engine.read_colour()
+                    images[frame] = engine.read_colour()
             tour = engine.tour()
             reports = sightline.replay(engine, tour, 9, after_frame=keep)
         self.assertEqual([report.visible for report in reports], [int(row[visible]) for row in rows[1:]])
         self.assertEqual(tour.format(), (self.folder / "path.json").read_text())
         saved = sorted(frames.glob("*.png"))
         self.assertEqual(len(saved), 3)
-        for file, picture in zip(saved, pictures.values()):
-            np.testing.assert_array_equal(picture, sightline.read_png(file))
+        for file, image in zip(saved, images.values()):
+            np.testing.assert_array_equal(image, sightline.read_png(file))
 
     def test_a_pick_is_that_of_trace(self):
         engine = sightline.Engine(self.scene, width=200, height=160)

@@ -118,17 +118,17 @@ class Values(Case):
                                           clear_colour=True, linear_colour=True)
         self.assert_report(target, framebuffer=3, x=1, y=2, width=30, height=40, near_depth=1.0, far_depth=0.0,
                            clear_colour=True, clear_depth=False, linear_colour=True)
-        part = sightline.PicturePart(300, 200, 10.5, 20)
+        part = sightline.ImageTile(300, 200, 10.5, 20)
         self.assert_report(part, width=300, height=200, x=10.5, y=20)
-        tiles = sightline.picture_tiles(400, 300, 128)
+        tiles = sightline.image_tiles(400, 300, 128)
         self.assert_report(tiles)
         self.assert_report(tiles.tiles[3])
-        self.assertNotEqual(tiles, sightline.picture_tiles(400, 300, 96))
+        self.assertNotEqual(tiles, sightline.image_tiles(400, 300, 96))
         controller = sightline.ControllerConfig(policy="2009", trigger="share", margin=0.5, gpu_frames=7)
         self.assert_report(controller, policy="2009", trigger="share", margin=0.5, gpu_frames=7)
         self.assertNotEqual(controller, sightline.ControllerConfig())
 
-    def test_differences_of_pictures(self):
+    def test_differences_of_images(self):
         random = np.random.default_rng(1)
         a, b = random.integers(0, 255, (2, 16, 20, 3)).astype(np.uint8)
         self.assert_report(sightline.compare(a, b))
@@ -142,7 +142,7 @@ class Values(Case):
             self.assert_report(warning)
 
     def test_broken_pickles_are_errors(self):
-        for value in (some_view(), sightline.Sphere(1), sightline.picture_tiles(100, 100, 96),
+        for value in (some_view(), sightline.Sphere(1), sightline.image_tiles(100, 100, 96),
                       sightline.ControllerConfig(), sightline.Engine(plant(1000)).memory):
             for state in ((), (1,) * 50, ("x",) * len(value.__getstate__())):
                 with self.assertRaises((sightline.Error, RuntimeError, TypeError)):
@@ -153,7 +153,7 @@ class Values(Case):
             sightline.ControllerConfig).__setstate__, tuple(state))
 
     def test_values_may_not_be_hashed(self):
-        for value in (some_view(), sightline.Sphere(1), sightline.picture_tiles(100, 100, 96)):
+        for value in (some_view(), sightline.Sphere(1), sightline.image_tiles(100, 100, 96)):
             with self.assertRaises(TypeError):
                 hash(value)
 

@@ -1,4 +1,4 @@
-// One sample of each pixel of a picture.
+// One sample of each pixel of an image.
 layout(binding = 0) uniform sampler2DMS samples;
 uniform int u_sample;
 layout(location = 0) out vec4 o_value;

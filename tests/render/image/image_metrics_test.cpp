@@ -147,8 +147,8 @@ TEST(Flip, IsWhatThePaperSays) {
 }
 
 TEST(Flip, EndsOfTheScale) {
-  const Image picture = discs(32, 32, 0.0);
-  for (const float v : flip(picture, picture)) EXPECT_EQ(v, 0.0f);
+  const Image image = discs(32, 32, 0.0);
+  for (const float v : flip(image, image)) EXPECT_EQ(v, 0.0f);
   // The colours that lie farthest apart.
   for (const float v : flip(uniform(32, 32, 0, 255, 0), uniform(32, 32, 0, 0, 255))) EXPECT_NEAR(v, 1.0f, 1e-4f);
   for (const float v : flip(noise(32, 32, 3), noise(32, 32, 4))) EXPECT_TRUE(v > 0.0f && v <= 1.0f);
@@ -170,7 +170,7 @@ TEST(ImageMetrics, EqualImages) {
 }
 
 /// Squares of bright values round coarsely, and variances of flat areas may come out below 0.
-TEST(ImageMetrics, EqualBrightPicturesHaveFullSsim) {
+TEST(ImageMetrics, EqualBrightImagesHaveFullSsim) {
   for (int grey = 0; grey < 256; ++grey) {
     const auto level = std::uint8_t(grey);
     const Image image = uniform(16, 16, level, level, level);
@@ -193,7 +193,7 @@ TEST(ImageMetrics, ValuesKnownByHand) {
   EXPECT_LT(m->ssim, -0.8) << "the negative of noise";
 }
 
-/// Of pictures of one colour each, the means of the lightness alone count (ITU-R BT.601).
+/// Of images of one colour each, the means of the lightness alone count (ITU-R BT.601).
 TEST(ImageMetrics, SsimWeighsRedGreenAndBlue) {
   const double weights[3] = {0.299, 0.587, 0.114}, c1 = 2.55 * 2.55;
   for (int channel = 0; channel < 3; ++channel) {

@@ -33,7 +33,7 @@ TEST(Image, PngComesBackBitForBit) {
   EXPECT_EQ(back->pixels, image.pixels);
 }
 
-TEST(Image, SmallPngsHoldTheSamePicture) {
+TEST(Image, SmallPngsHoldTheSameImage) {
   const Image image = gradient(200, 100);
   const auto fast = encode_png(image), small = encode_png(image, PngSize::kSmall);
   ASSERT_TRUE(fast && small);
@@ -51,7 +51,7 @@ std::string bytes_of(const std::string& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(PngWriter, RowsMakeTheSamePicture) {
+TEST(PngWriter, RowsMakeTheSameImage) {
   const Image image = gradient(37, 21);
   const std::string file = temporary("rows.png");
   for (const int rows : {1, 2, 5, 21}) {
@@ -118,7 +118,7 @@ TEST(Image, ErrorsNameTheFile) {
   ASSERT_FALSE(unwritable);
   EXPECT_NE(unwritable.error().message.find("/nonexistent/image.png"), std::string::npos);
   const std::string file = temporary("broken.png");
-  std::ofstream(file) << "no picture";
+  std::ofstream(file) << "no image";
   EXPECT_FALSE(read_png(file));
 }
 
@@ -155,7 +155,7 @@ TEST(Image, PfmReadsWhatItWrote) {
 TEST(Image, PfmThatIsNoneIsAnError) {
   const std::string file = temporary("broken.pfm"), four(4, 'x');
   for (const std::string& bytes :
-       {std::string(), std::string("no picture"), "Pf\n1 1\n-1.0\n" + four + four, std::string("Pf\n1 1\n-1.0\nxxx"),
+       {std::string(), std::string("no image"), "Pf\n1 1\n-1.0\n" + four + four, std::string("Pf\n1 1\n-1.0\nxxx"),
         "PF\n1 1\n-1.0\n" + four + four + four, "Pf\n1 1\n1.0\n" + four, "Pf\n0 1\n-1.0\n" + four,
         "Pf\n-1 -1\n-1.0\n" + four, "Pf\n60000 60000\n-1.0\n" + four, std::string("Pf\n1 1")}) {
     SCOPED_TRACE(bytes);

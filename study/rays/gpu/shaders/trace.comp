@@ -1,4 +1,4 @@
-// An invocation a ray; a work group, as wide as a warp, has a tile of the picture. With PERSISTENT there are as many
+// An invocation a ray; a work group, as wide as a warp, has a tile of the image. With PERSISTENT there are as many
 // groups as the caller wants, and each takes tiles from one counter until there are no more, or it had its share
 // (T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", 2009).
 layout(local_size_x = 32) in;
@@ -10,14 +10,14 @@ struct Answer {  // GpuAnswer of ray_batch.h
 layout(std430, binding = 1) writeonly restrict buffer Answers {
   Answer answers[];
 };
-uniform uvec3 picture;  // width and height in tiles, and in rays the width
+uniform uvec3 image;  // width and height in tiles, and in rays the width
 uniform uvec2 tile;     // size in rays; 32 in all
 uniform uint ray_count;
 
 void trace(uvec2 of_tile) {
   uvec2 place = of_tile * tile + uvec2(gl_LocalInvocationIndex % tile.x, gl_LocalInvocationIndex / tile.x);
-  uint index = place.y * picture.z + place.x;
-  if (place.x >= picture.z || index >= ray_count) return;
+  uint index = place.y * image.z + place.x;
+  if (place.x >= image.z || index >= ray_count) return;
   ray = rays[index];
   ray_exit = ray.unit_origin.w;
   hit_t = ray.start.w;
@@ -41,8 +41,8 @@ void main() {
     barrier();
     uint number = taken;
     barrier();
-    if (number >= picture.x * picture.y) return;
-    trace(uvec2(number % picture.x, number / picture.x));
+    if (number >= image.x * image.y) return;
+    trace(uvec2(number % image.x, number / image.x));
   }
 }
 #else

@@ -1,0 +1,136 @@
+#include "sightline/apps/common/tiled_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "sightline/apps/common/output.h"
+
+namespace sightline::apps {
+
+core::Expected<bool> TiledImage::step(engine::Engine& engine) {
+  const engine::CroppedTile& tile = tiles_.tiles[done_ / wanted_.shifts.size()];
+  const std::size_t shift = done_ % wanted_.shifts.size();
+  const auto drawn = read(engine, draw(engine, tile, wanted_.shifts[shift]), shift == 0);
+  if (!drawn) return tl::unexpected(drawn.error());
+  covered_ |= drawn->covered;
+  if (shift == 0) {
+    begin_rows(tile);
+    if (wanted_.ids) take(tile, drawn->ids.ids, rows_.ids, 1);
+    if (wanted_.depth) take(tile, drawn->depth.metres, rows_.metres, 1);
+  }
+  const image::Image& image = drawn->colours;
+  ++done_;
+  const bool last = shift + 1 == wanted_.shifts.size();
+  if (wanted_.shifts.size() == 1) {
+    take(tile, image.pixels, rows_.colours, 3);
+  } else {
+    if (shift == 0) mean_.clear();
+    mean_.add(image);
+    if (last) take(tile, mean_.mean().pixels, rows_.colours, 3);
+  }
+  return last && tile.x1 == tile.tile.width;
+}
+
+core::Expected<void> TiledImage::draw(engine::Engine& engine, const engine::CroppedTile& tile,
+                                      const core::dvec2& shift) {
+  engine::ImageTile part = tile.tile;
+  part.x -= shift.x;
+  part.y += shift.y;
+  do {  // more than once with a budget
+    const auto report = engine.frame_tile(whole_, part);
+    if (!report) return tl::unexpected(report.error());
+    if (!report->drawn) return core::fail("the GL context was lost before the image was drawn");
+    report_ = *report;
+  } while (wanted_.complete && report_.pending > 0);
+  engine.finish();
+  while (const auto late = engine.take_late_report()) report_.visible = late->visible;
+  found_ |= report_.visible > 0;
+  return {};
+}
+
+void TiledImage::begin_rows(const engine::CroppedTile& tile) {
+  if (tile.x0 > 0) return;
+  rows_.width = tile.tile.width;
+  rows_.first = tile.y0;
+  rows_.count = tile.y1 - tile.y0;
+  const std::size_t pixels = std::size_t(rows_.width) * std::size_t(rows_.count);
+  rows_.colours.resize(3 * pixels);
+  rows_.ids.resize(wanted_.ids ? pixels : 0);
+  rows_.metres.resize(wanted_.depth ? pixels : 0);
+}
+
+core::Expected<ReadImage> TiledImage::read(engine::Engine& engine, const core::Expected<void>& drawn,
+                                           bool ids_and_depth) {
+  using Report = core::Expected<engine::FrameReport>;
+  if (wanted_.read) return wanted_.read(engine, whole_, drawn ? Report(report_) : tl::unexpected(drawn.error()));
+  if (!drawn) return tl::unexpected(drawn.error());
+  ReadImage out;
+  if (ids_and_depth && wanted_.ids) {
+    auto ids = engine.read_ids();
+    if (!ids) return tl::unexpected(ids.error());
+    out.ids = std::move(*ids);
+  }
+  if (ids_and_depth && wanted_.depth) {
+    auto depth = engine.read_depth(whole_);
+    if (!depth) return tl::unexpected(depth.error());
+    out.depth = std::move(*depth);
+  }
+  auto colours = engine.read_colour();
+  if (!colours) return tl::unexpected(colours.error());
+  out.colours = std::move(*colours);
+  out.covered = report_.visible != 0 && (covered_ || engine.covered().value_or(true));
+  return out;
+}
+
+template <class T>
+void TiledImage::take(const engine::CroppedTile& tile, const std::vector<T>& drawn, std::vector<T>& rows,
+                      std::size_t channels) {
+  const std::size_t left = std::size_t(tile.x0 - int(tile.tile.x)), count = std::size_t(tile.x1 - tile.x0);
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    const std::size_t from = std::size_t(y - int(tile.tile.y)) * std::size_t(tiles_.width) + left;
+    const std::size_t to = std::size_t(y - tile.y0) * std::size_t(rows_.width) + std::size_t(tile.x0);
+    std::copy_n(drawn.begin() + std::ptrdiff_t(channels * from), channels * count,
+                rows.begin() + std::ptrdiff_t(channels * to));
+  }
+}
+
+core::Expected<engine::ImageTiles> tiles_for(const std::array<int, 2>& size, int largest_side,
+                                             const engine::EngineConfig& config) {
+  const bool splats = config.losses.contribution_mode != engine::ContributionMode::kDrop;
+  const int side = splats ? int(std::ceil(std::sqrt(config.losses.min_projected_area))) : 0;
+  return engine::image_tiles(size[0], size[1], largest_side, side);
+}
+
+core::Expected<PathFrames> PathFrames::create(const core::CameraPath& path, double per_second) {
+  if (!(per_second > 0.0 && per_second <= kMostPerSecond))
+    return core::fail("frames per second: expected a number above 0 and at most 1000");
+  const double rounding = 1e-9, frames = std::floor((path.end() - path.begin()) * per_second * (1.0 + rounding)) + 1.0;
+  if (frames > double(kMost))
+    return core::fail("a path of " + std::to_string(path.end() - path.begin()) + " seconds has more than " +
+                      std::to_string(kMost) + " frames at that rate");
+  PathFrames made;
+  made.begin_ = path.begin();
+  made.per_second_ = per_second;
+  made.count_ = int(frames);
+  return made;
+}
+
+std::string PathFrames::file_name(int frame) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame-%06d.png", frame + 1);
+  return name;
+}
+
+core::Expected<void> take_empty_folder(const std::string& folder) {
+  if (folder.empty()) return core::fail("expected the name of a folder");
+  if (auto made = make_directory(folder); !made) return made;
+  std::error_code reason;
+  const bool empty = std::filesystem::is_empty(folder, reason);
+  if (reason) return core::fail(folder + ": " + reason.message());
+  if (!empty) return core::fail(folder + ": is not empty; frames of two flights must not mix");
+  return {};
+}
+
+}  // namespace sightline::apps

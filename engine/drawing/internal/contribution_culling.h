@@ -1,0 +1,59 @@
+// Items below the minimum projected area: left out, or drawn as one splat each. Internal to engine.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sightline/core/snapshot.h"
+#include "sightline/culling/frustum/internal/set_parts.h"
+#include "sightline/culling/occlusion/contribution.h"
+#include "sightline/culling/occlusion/occlusion_test.h"
+#include "sightline/engine/drawing/internal/draw_context.h"
+#include "sightline/render/internal/point_splats.h"
+
+namespace sightline::engine {
+
+/// Whether an item is among the `share` (0 … 1) of all items that are kept. The same for an item at all times, and a
+/// larger share keeps what a smaller one keeps.
+bool in_share(core::ItemId item, float share);
+
+/// Costs nothing before the first draw(). From then on what PointSplats costs, and memory for the splats of a frame.
+class ContributionCulling {
+ public:
+  /// The subset of the candidates that project to `threshold` pixels or more, with the image's hysteresis; all of them
+  /// where it is 0. Valid until the next call.
+  const core::VisibleSet& leave_out(DrawContext& context, const Culled& culled, float threshold);
+
+  /// Draws the visible slots without a bit in `large` beside what the image holds of the same view. Of items smaller
+  /// than `least_area`, in pixels, a share area / least_area is drawn, with that area; 0: all. `depth_known`: the
+  /// image's distances and depth pyramid are valid. With one sample per pixel, splats that cover no pixel centre, or
+  /// that the image or other splats occlude, are left out. Returns the number of splats.
+  core::Expected<std::int64_t> draw(DrawContext& context, const Culled& culled, culling::SlotBits large,
+                                    float least_area, bool depth_known);
+
+  std::size_t memory_bytes() const { return points_ ? points_->memory_bytes() : 0; }  ///< of the GPU
+
+ private:
+  using Square = culling::ContributionTest::Square;
+  /// What the image holds, or a part of that.
+  struct Known {
+    std::span<const float> distances = {};              // RenderTarget::read_distances(); empty: not known
+    const culling::OcclusionTest* occlusion = nullptr;  // against these
+  };
+  void find(DrawContext& context, const Culled& culled, culling::SlotBits large, float least_area, const Known& known);
+
+  core::VisibleSet large_, large_leaves_;
+  culling::SetParts parts_;
+  struct Part {
+    core::VisibleSet open;
+    std::vector<Square> squares;
+    std::vector<render::PointSplat> splats;
+  };
+  std::vector<Part> of_part_;
+  std::vector<float> nearest_;  // distance by pixel, row by row from the bottom up
+  std::vector<render::PointSplat> splats_;
+  std::optional<render::PointSplats> points_;
+};
+
+}  // namespace sightline::engine

@@ -1,0 +1,43 @@
+#include "sightline/render/internal/depth_shading_pass.h"
+
+#include "sightline/gl/internal/pipeline_state.h"
+#include "sightline/gpuprims/internal/view_block.h"
+
+namespace sightline::render {
+namespace {
+
+enum Uniform : GLint { kPixelDepth = 3, kShading = 4, kLines = 5 };
+
+/// What one pixel is in depth, as factor and offset of the depth: pixels are as wide as high.
+glm::vec2 pixel_depth(const core::View& view, int height) {
+  const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
+  const double pixel = 2.0 / (clip[1][1] * height);  // in parallel views metres, else at the distance of 1
+  return view.orthographic() ? glm::vec2(0.0, clip[2][2] * pixel) : glm::vec2(pixel, clip[2][2] * pixel);
+}
+
+}  // namespace
+
+core::Expected<void> DepthShadingPass::draw(const RenderTarget& image, const core::View& view, float shading,
+                                            float lines) {
+  const auto program = pass_.program(program_, "depth_shading.frag", image.format().samples);
+  if (!program) return tl::unexpected(program.error());
+  const gl::Functions& gl = *gl_;
+  const gl::ExternalTarget whole{image.framebuffer().id(), 0, 0, image.width(), image.height()};
+  pass_.begin(**program, whole);
+  gl.DepthMask(GL_FALSE);  // it is read
+  gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  gl.Enablei(GL_BLEND, 0);
+  gl.BlendEquationSeparatei(0, GL_FUNC_ADD, GL_FUNC_ADD);
+  gl.BlendFuncSeparatei(0, GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_ONE);
+  const glm::vec2 step = pixel_depth(view, image.height());
+  const GLuint id = (*program)->id();
+  gl.ProgramUniform2f(id, kPixelDepth, step.x, step.y);
+  gl.ProgramUniform1f(id, kShading, shading);
+  gl.ProgramUniform1f(id, kLines, lines);
+  const GLuint depth = image.depth().id();
+  pass_.draw(**program, {&depth, 1}, image.texture_target());
+  gl::reset_pipeline_state(gl);
+  return {};
+}
+
+}  // namespace sightline::render

@@ -1,0 +1,76 @@
+// Darkens what lies in corners and behind edges, and draws lines along them, by depth alone: a factor for each pixel.
+//
+// Reverse-Z depth is an affine function of the pixel on any plane, in perspective and parallel views alike. So the sum
+// of the steps to two opposite neighbours is 0 on planes, above 0 in corners and behind edges, and below 0 on ridges.
+// Steps are measured in pixels, that is in the width of a pixel at the surface: slopes, whatever the view.
+layout(location = 0) uniform ivec2 corner;  // of the image in the framebuffer, pixels
+layout(location = 2) uniform bool linear_colour;
+layout(location = 3) uniform vec2 pixel_depth;  // of a step of one pixel, as an affine function of depth: factor, offset
+layout(location = 4) uniform float shading;     // 0 … 1
+layout(location = 5) uniform float lines;       // 0 … 1
+
+#ifdef SAMPLES
+layout(binding = 0) uniform sampler2DMS depths;
+#define SIZE textureSize(depths)
+#else
+layout(binding = 0) uniform sampler2D depths;
+#define SIZE textureSize(depths, 0)
+#endif
+
+layout(location = 0) out vec4 factor;
+
+const ivec2 kAxes[4] = ivec2[](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1));
+const ivec2 kWideAxes[4] = ivec2[](ivec2(5, 2), ivec2(2, 5), ivec2(-2, 5), ivec2(-5, 2));
+const float kWide = 5.4;           // their length, pixels
+const float kSteepest = 4.0;       // slope of a surface whose creases are drawn; what is steeper is a rounded outline
+const float kJump = 12.0;          // slope from which on a surface ends
+const vec2 kCrease = vec2(0.7, 1.4);  // change of slope: where lines begin, and where they are full
+
+float depth_at(ivec2 place) {
+  return texelFetch(depths, clamp(place, ivec2(0), SIZE - 1), 0).r;  // the first sample stands for the pixel
+}
+
+bool inside(ivec2 place) { return all(greaterThanEqual(place, ivec2(0))) && all(lessThan(place, SIZE)); }
+
+// Differences of depth to two opposite neighbours; none at the image's border, where one of them is missing.
+vec2 steps(ivec2 place, ivec2 axis, float here) {
+  if (!inside(place + axis) || !inside(place - axis)) return vec2(0.0);
+  return vec2(depth_at(place + axis), depth_at(place - axis)) - here;
+}
+
+// 0 on planes, towards 1 in corners and behind edges.
+float hollow(float slope_sum) {
+  float h = max(0.0, slope_sum);
+  return h / (1.0 + h);
+}
+
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy) - corner;
+  float here = depth_at(place);
+  if (here == 0.0) {  // nothing is drawn here: only outlines
+    bool beside = false;
+    for (int i = 0; i < 2; ++i) beside = beside || depth_at(place + kAxes[i]) > 0.0 || depth_at(place - kAxes[i]) > 0.0;
+    if (!beside || lines == 0.0) discard;
+    factor = vec4(vec3(1.0 - lines), 1.0);
+    return;
+  }
+  float per_pixel = 1.0 / (pixel_depth.x * here + pixel_depth.y);
+  float line = 0.0, dark = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    float reach = i < 2 ? 1.0 : 1.41421356;
+    vec2 slopes = steps(place, kAxes[i], here) * per_pixel / reach;
+    float change = slopes.x + slopes.y;
+    bool gap = min(slopes.x, slopes.y) > kJump;  // a pixel between two surfaces: detail too fine to be shaded
+    dark += gap ? 0.0 : hollow(change);
+    if (max(slopes.x, slopes.y) > kJump && abs(min(slopes.x, slopes.y)) < kSteepest)
+      line = 1.0;  // on a surface that begins behind another one
+    else if (max(abs(slopes.x), abs(slopes.y)) < kSteepest)
+      line = max(line, smoothstep(kCrease.x, kCrease.y, abs(change)));
+  }
+  if (shading > 0.0)
+    for (int i = 0; i < 4; ++i) {
+      vec2 wide = steps(place, kWideAxes[i], here);
+      dark += hollow((wide.x + wide.y) * per_pixel / kWide);
+    }
+  factor = vec4(vec3((1.0 - shading * dark / 8.0) * (1.0 - lines * line)), 1.0);
+}
