@@ -139,7 +139,7 @@ class ReportPage : public RenderTest {
 
 /// In ascending order.
 std::vector<std::string> all() {
-  return of_this_build({"culling", "error", "model", "options", "images", "plan", "stability", "trace", "visibility"});
+  return of_this_build({"culling", "error", "images", "model", "options", "plan", "stability", "trace", "visibility"});
 }
 
 std::vector<std::string> all_but(const std::string& name) {
@@ -248,7 +248,7 @@ TEST_F(ReportPage, OfNothing) {
   const Page page = report({write("nothing.obj", "v 0 0 0\n")});
   EXPECT_EQ(sections(page, false), (std::vector<std::string>{"model", "plan"}));
   EXPECT_EQ(sections(page, true),
-            of_this_build({"culling", "error", "options", "images", "stability", "trace", "visibility"}));
+            of_this_build({"culling", "error", "images", "options", "stability", "trace", "visibility"}));
   EXPECT_NE(page.text.find("left out: "), std::string::npos);
   EXPECT_EQ(page.text.find("<img"), std::string::npos);
 }

@@ -74,7 +74,7 @@ class Engines(Case):
                              ("contribution_mode", dict(contribution_mode="x")), ("gpu_pass", dict(gpu_pass="x")),
                              ("min_projected_area must be", dict(min_projected_area=-1)), ("transparency", dict(transparency="x")),
                              ("part must have", dict(part=(2, 2))), ("outline_colour", dict(outline_colour=(1, 2))),
-                             ("shading and lines", dict(depth_shading=1.5)), ("spacing", dict(hatching_spacing=1)),
+                             ("edge_lines", dict(depth_shading=1.5)), ("spacing", dict(hatching_spacing=1)),
                              ("strength of hatching", dict(hatching_strength=-1)), ("gl_state", dict(gl_state="x")),
                              ("budget_ms must be", dict(budget_ms=float("nan"))),
                              ("1 or more pixels", dict(width=0)), ("1 or more pixels", dict(draw=True, height=-5)),
