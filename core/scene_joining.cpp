@@ -137,7 +137,7 @@ void Scene::append_items(const Scene& other, const NewPlaces& nodes, const NewPl
     item.material = materials(item.material);
     put(items_, place, item);
     if (place == item_states_.size()) item_states_.push_back(0);
-    assert((other.item_states_[i] & kCommitted) == 0);
+    assert((other.item_states_[to_index(i)] & kCommitted) == 0);
     const std::uint8_t pending = item_states_[place] & kDirty;  // a free place may be in dirty_items_
     item_states_[place] = pending | (other.item_states_[to_index(i)] & kDirty);
     if (pending == 0 && item_states_[place] != 0) dirty_items_.push_back(id);
@@ -146,7 +146,7 @@ void Scene::append_items(const Scene& other, const NewPlaces& nodes, const NewPl
 }
 
 std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
-  assert(other.removed_items_.empty() && other.nodes_[0].first_item == kNone);
+  assert(other.removed_items_.empty() && other.nodes_[0].first_item == kNoItem);
   other.forget_removed_materials();
   if (takes_over(parent, other)) return take_over(std::move(other));
   other.read_all_attributes();
