@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/engine/internal/picking.h"
 
@@ -190,8 +191,7 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
       std::swap(late.removed, removed_);
       behind_ = false;
     }
-    std::sort(missed.begin(), missed.end());
-    missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
+    core::sort_unique(missed);
     if (!copy_missed(stop, missed, late)) return;
     catch_up(version, missed, late);
   }

@@ -1,6 +1,7 @@
 // Functions of Engine about what this engine alone shows otherwise than the scene says: styles and hidden items.
 #include <algorithm>
 
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/engine/internal/engine_state.h"
 
 namespace sightline::engine {
@@ -112,8 +113,7 @@ core::Expected<std::vector<core::ItemId>> Engine::items_below(std::span<const co
         if (snapshot().slot(item) != core::kNone) items.push_back(item);
     });
   }
-  std::sort(items.begin(), items.end());
-  items.erase(std::unique(items.begin(), items.end()), items.end());
+  core::sort_unique(items);
   return items;
 }
 

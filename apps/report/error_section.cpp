@@ -8,6 +8,7 @@
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/apps/report/report.h"
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/render/image/image_metrics.h"
 
 namespace sightline::apps {
@@ -125,8 +126,7 @@ core::Expected<Reference> supersampled(const Report& report, const core::View& v
   constexpr std::uint32_t kSamples = kGrid * kGrid;
   for (std::size_t i = 0; i < sums.size(); ++i)
     reference->colour.pixels[i] = std::uint8_t((sums[i] + kSamples / 2) / kSamples);
-  std::sort(reference->seen.begin(), reference->seen.end());
-  reference->seen.erase(std::unique(reference->seen.begin(), reference->seen.end()), reference->seen.end());
+  core::sort_unique(reference->seen);
   return reference;
 }
 

@@ -6,6 +6,7 @@
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/svg_canvas.h"
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 
 namespace sightline::apps {
@@ -139,8 +140,7 @@ std::vector<core::ItemId> visible_in_ids(const image::IdImage& image) {
   std::vector<core::ItemId> visible_in_ids;
   for (const std::uint32_t id : image.ids)
     if (id != 0) visible_in_ids.push_back(core::ItemId{id - 1});
-  std::sort(visible_in_ids.begin(), visible_in_ids.end());
-  visible_in_ids.erase(std::unique(visible_in_ids.begin(), visible_in_ids.end()), visible_in_ids.end());
+  core::sort_unique(visible_in_ids);
   return visible_in_ids;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/core/internal/srgb.h"
 
 namespace sightline::importers {
@@ -70,8 +71,7 @@ std::vector<std::uint32_t> compact(std::vector<std::uint32_t>& corners, std::uin
   // Several primitives may share one long list of vertices: the cost of each must follow its own corners.
   if (count > corners.size()) {
     used = corners;
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    core::sort_unique(used);
     for (std::uint32_t& corner : corners)
       corner = std::uint32_t(std::lower_bound(used.begin(), used.end(), corner) - used.begin());
     count = std::uint32_t(used.size());

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sightline/core/affine.h"
+#include "sightline/core/internal/sort_unique.h"
 
 namespace sightline::importers::recognition {
 namespace {
@@ -24,8 +25,7 @@ bool is_finite(const core::vec3& p) {
 double decimal_step(std::vector<double>& values, double rounding) {
   if (values.empty()) return 0.0;
   const double first = values.front();
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
+  core::sort_unique(values);
   const double extent = values.back() - values.front();
   if (!(extent > 0.0)) return 0.0;
   for (int exponent = int(std::floor(std::log10(extent))); exponent > -40; --exponent) {

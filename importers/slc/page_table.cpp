@@ -4,6 +4,8 @@
 #include <map>
 #include <memory>
 
+#include "sightline/core/internal/sort_unique.h"
+
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -111,8 +113,7 @@ class TableMaker {
       const auto first = meshes.begin() + page.kind_first[kind];
       used.insert(used.end(), first, first + page.kind_count[kind]);
     }
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    core::sort_unique(used);
     for (const std::uint32_t i : used) {
       const core::Mesh& mesh = scene_.mesh(scene_.mesh_at(i));
       XXH3_64bits_update(state.get(), &meshes_[i], sizeof meshes_[i]);

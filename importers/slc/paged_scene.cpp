@@ -12,6 +12,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/slc/internal/page_table.h"
@@ -309,8 +310,7 @@ class PagedPart {
     std::vector<std::uint32_t> used;
     for_each_mesh(page, [&](std::uint32_t& mesh) { used.push_back(mesh); });
     if (used.empty()) return {};
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    core::sort_unique(used);
     const SlcFile::Section *rows = file_->find(kSlcMeshes), *values = file_->find(kSlcMeshValues);
     if (!rows || !values || rows->element_size != sizeof(SlcMesh) || values->element_size != 1 ||
         used.back() >= rows->count)

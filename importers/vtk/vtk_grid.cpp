@@ -13,6 +13,8 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 
+#include "sightline/core/internal/sort_unique.h"
+
 namespace sightline::importers {
 namespace {
 
@@ -31,8 +33,7 @@ std::vector<vtkIdType> points_of_stream(std::span<const vtkIdType> ids) {
     points.insert(points.end(), ids.begin() + std::ptrdiff_t(at + 1), ids.begin() + std::ptrdiff_t(end));
     at = end;
   }
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  core::sort_unique(points);
   return points;
 }
 
