@@ -9,9 +9,18 @@
 namespace sightline::engine {
 namespace {
 
-/// Settings with which the CPU must cull.
-bool needs_cpu(const EngineConfig& config) {
-  return config.draw && (config.losses.min_projected_area > 0.0f || config.losses.budget_ms > 0.0);
+/// `picks`: the application has picked.
+PlanRequest plan_request(const EngineConfig& config, bool picks) {
+  return {config.culling.culler,
+          config.draw,
+          config.drawing.ids,
+          config.culling.occlusion,
+          config.losses.min_projected_area > 0.0f,
+          config.losses.budget_ms > 0.0,
+          config.drawing.depth_shading.any(),
+          config.drawing.hatching.any(),
+          picks,
+          config.culling.part};
 }
 
 core::Expected<void> check(const EngineConfig& config) {
@@ -30,7 +39,7 @@ core::Expected<void> check(const EngineConfig& config) {
   if (config.culling.part.count < 1 || config.culling.part.index < 0 ||
       config.culling.part.index >= config.culling.part.count)
     return core::fail("engine: part must have an index from 0 on and below its count");
-  if (config.culling.culler == CullerChoice::kGpu && needs_cpu(config))
+  if (config.culling.culler == CullerChoice::kGpu && plan_request(config, false).needs_cpu())
     return core::fail("engine: min_projected_area and budget_ms need a culler on the CPU, and culler is gpu");
   return {};
 }
@@ -74,17 +83,7 @@ bool EngineState::shows_unseen(const core::View& view, const core::View& cull_vi
 }
 
 PlanRequest plan_request(const EngineState& s) {
-  const EngineConfig& config = s.config;
-  return {config.culling.culler,
-          config.draw,
-          config.drawing.ids,
-          config.culling.occlusion,
-          config.losses.min_projected_area > 0.0f,
-          config.losses.budget_ms > 0.0,
-          config.drawing.depth_shading.any(),
-          config.drawing.hatching.any(),
-          s.picks,
-          config.culling.part};
+  return plan_request(s.config, s.picks);
 }
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config, const Progress& progress) {

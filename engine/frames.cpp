@@ -84,7 +84,7 @@ core::Expected<bool> cull(EngineState& s, const FrameTask& task, bool on_cpu, Fr
   return false;
 }
 
-core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, FrameReport& report) {
+core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, bool shows_unseen, FrameReport& report) {
   if (!s.backend->ready()) return {};
   const double begin = now_seconds();
   if (on_gpu) {
@@ -96,6 +96,7 @@ core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, Fr
   const auto result = s.backend->draw({.view = task.input.view,
                                        .culled = culled,
                                        .on_gpu = on_gpu,
+                                       .shows_unseen = shows_unseen,
                                        .frame = report.frame,
                                        .budget_began = task.budget_began,
                                        .target = task.input.target,
@@ -140,7 +141,7 @@ core::Expected<FrameReport> run_frame(EngineState& s, const FrameTask& task) {
   const bool shows_unseen = s.shows_unseen(task.input.view, task.cull_view());
   const auto on_gpu = cull(s, task, shows_unseen, report);
   if (!on_gpu) return tl::unexpected(on_gpu.error());
-  if (auto done = draw(s, task, *on_gpu, report); !done) return tl::unexpected(done.error());
+  if (auto done = draw(s, task, *on_gpu, shows_unseen, report); !done) return tl::unexpected(done.error());
   if (s.hybrid && !shows_unseen) s.hybrid->measured(report, describe_walk(s));
   return report;
 }

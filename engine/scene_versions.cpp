@@ -1,7 +1,9 @@
 // Functions of Engine about edits and the order of the items.
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/engine/internal/engine_state.h"
 
 namespace sightline::engine {
@@ -20,8 +22,7 @@ constexpr double kSoftwareGpuExcess = 0.1;
 void add_slots(std::span<const core::Slot> slots, std::size_t size, std::vector<core::Slot>& touched) {
   for (const core::Slot slot : slots)
     if (slot < size) touched.push_back(slot);
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  core::sort_unique(touched);
 }
 
 /// Takes some edits out of a delta, of which removals come first.
@@ -40,20 +41,19 @@ core::SceneDelta first_of(core::SceneDelta& delta) {
 }
 
 /// Remembers for picks which nodes hold these items. Items keep their nodes.
-void note_nodes([[maybe_unused]] EngineState& s, [[maybe_unused]] std::span<const core::ItemId> inserted) {
+template <class Items>
+void note_nodes([[maybe_unused]] EngineState& s, [[maybe_unused]] const Items& items) {
 #if SIGHTLINE_HAS_RAYTRACE
   s.nodes.resize(s.scene->item_slots());
-  for (const core::ItemId item : inserted)
+  for (const core::ItemId item : items)
     if (s.scene->contains_item(item)) s.nodes[to_index(item)] = s.scene->node_of(item);
 #endif
 }
 
-void note_all_nodes([[maybe_unused]] EngineState& s) {
-#if SIGHTLINE_HAS_RAYTRACE
-  s.nodes.resize(s.scene->item_slots());
-  for (core::ItemId item{0}; to_index(item) < s.nodes.size(); ++item)
-    if (s.scene->contains_item(item)) s.nodes[to_index(item)] = s.scene->node_of(item);
-#endif
+/// All ids that the scene has given, those of removed items included.
+auto all_ids(const core::Scene& scene) {
+  return std::views::iota(std::uint32_t(0), std::uint32_t(scene.item_slots())) |
+         std::views::transform([](std::uint32_t index) { return core::ItemId{index}; });
 }
 
 /// Updates everything that depends on the plan and on the order of the items, except the CPU culler.
@@ -88,7 +88,7 @@ culling::ControllerConfig controller_config(const EngineState& s) {
 
 core::Expected<void> build(EngineState& s, const Engine::Progress& progress) {
   auto snapshot = std::make_unique<core::Snapshot>(*s.scene);
-  note_all_nodes(s);
+  note_nodes(s, all_ids(*s.scene));
   if (progress && !progress(kShareOfSnapshot)) return core::fail("engine: cancelled");
   s.overrides.restore(*snapshot);
   s.live = make_version(std::move(snapshot), plan_request(s));
@@ -139,8 +139,7 @@ void follow_in_landing(EngineState& s, const core::SceneDelta& edited, std::span
   std::vector<core::ItemId> items;
   for (const auto* list : {&edited.removed, &edited.changed, &edited.inserted})
     items.insert(items.end(), list->begin(), list->end());
-  std::sort(items.begin(), items.end());
-  items.erase(std::unique(items.begin(), items.end()), items.end());
+  core::sort_unique(items);
   core::ItemCopies copies;
   core::copy_items(*s.live.snapshot, items, copies);
   s.backend->follow_later(catch_up(*s.landing, items, copies), materials);

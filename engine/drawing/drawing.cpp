@@ -102,7 +102,7 @@ std::vector<std::string> Drawing::take_gl_errors() {
   return make_current() ? context_.context.take_errors() : std::vector<std::string>();
 }
 
-// --- the order of the items ------------------------------------------------------------------------------------------
+// --- scene versions -------------------------------------------------------------------------------------------------
 
 core::Expected<bool> Drawing::advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
                                       core::Deadline deadline) {
@@ -251,21 +251,19 @@ core::Expected<void> Drawing::follow_edit(Edit edit, const core::Snapshot& snaps
 // --- settings and images ---------------------------------------------------------------------------------------------
 
 void Drawing::configure(const EngineConfig& config) {
-  const glm::vec2 hatching(config.drawing.hatching.strength, config.drawing.hatching.spacing);
-  for (render::Renderer* renderer : {context_.renderer ? &*context_.renderer : nullptr, upload_.renderer()})
-    if (renderer) renderer->hatching = hatching;
-  const float min_projected_area = context_.config.losses.min_projected_area;
+  if (config.losses.min_projected_area != context_.config.losses.min_projected_area)
+    for (auto& [number, image] : context_.images) image.was_large.clear();
   context_.config = config;
-  context_.config.losses.min_projected_area = min_projected_area;
-  set_min_projected_area(config.losses.min_projected_area, config.losses.contribution_mode);
+  for (render::Renderer* renderer : {context_.renderer ? &*context_.renderer : nullptr, upload_.renderer()})
+    if (renderer) renderer->hatching = context_.hatching();
+  images_changed();
 }
 
 void Drawing::set_min_projected_area(float pixels, ContributionMode mode) {
-  if (pixels != context_.config.losses.min_projected_area)
-    for (auto& [number, image] : context_.images) image.was_large.clear();
-  images_changed();
-  context_.config.losses.min_projected_area = pixels;
-  context_.config.losses.contribution_mode = mode;
+  EngineConfig changed = context_.config;
+  changed.losses.min_projected_area = pixels;
+  changed.losses.contribution_mode = mode;
+  configure(changed);
 }
 
 core::Expected<render::RenderTarget> Drawing::make_target(int width, int height) const {
@@ -330,11 +328,10 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
   context_.external = request.target ? std::optional(*request.target) : std::nullopt;
   context_.image->composed = false;
   const bool aside = !core::same_image(request.view, request.culled.view);
-  const bool shows_unseen = aside && context_.config.drawing.culled_colour && !request.on_gpu;
-  if (request.on_gpu || (!shows_unseen && (aside || unseen_.active()))) image_changed();
+  if (request.on_gpu || (!request.shows_unseen && (aside || unseen_.active()))) image_changed();
   result.wait_ms = queue_.wait_for_room();
   if (context_.renderer) {
-    auto counts = shows_unseen ? draw_with_unseen(request) : draw_opaque(request);
+    auto counts = request.shows_unseen ? draw_with_unseen(request) : draw_opaque(request, aside);
     if (!counts) return tl::unexpected(counts.error());
     const Culled visible = request.culled.seen_in(request.view);
     if (auto done = overlays_.finish(context_, visible, request.blend_range, *counts); !done)
@@ -347,25 +344,28 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
   return result;
 }
 
-core::Expected<DrawCounts> Drawing::draw_opaque(const DrawRequest& request) {
+DrawInput Drawing::input_of(const DrawRequest& request, const Culled& candidates, bool all_visible) const {
+  const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.losses.budget_ms;
+  return {candidates, deadline, all_visible, overlays_.change_image(context_)};
+}
+
+/// `aside`: the view is not the one that was culled for.
+core::Expected<DrawCounts> Drawing::draw_opaque(const DrawRequest& request, bool aside) {
   const Culled culled = request.culled.seen_in(request.view);
   const core::VisibleSet& opaque = overlays_.split(context_, culled.visible);
   if (request.on_gpu) {
     context_.image->pyramid_valid = context_.image->unchanged = false;
     return culling_.draw(context_, request.view, culled.snapshot).map([] { return DrawCounts(); });
   }
-  const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.losses.budget_ms;
-  const bool all_visible = request.all && core::same_image(request.view, request.culled.view);
-  return opaque_.draw(context_, {culled.with(opaque), deadline, all_visible, overlays_.change_image(context_)});
+  return opaque_.draw(context_, input_of(request, culled.with(opaque), request.all && !aside));
 }
 
 /// Draws what the image of the view that was culled for shows as it is, and the other visible items in one colour.
 core::Expected<DrawCounts> Drawing::draw_with_unseen(const DrawRequest& request) {
   const core::VisibleSet& opaque = overlays_.split(context_, request.culled.visible);
   if (auto done = unseen_.split(context_, request.culled.with(opaque)); !done) return tl::unexpected(done.error());
-  const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.losses.budget_ms;
   const Culled seen = request.culled.with(unseen_.seen()).seen_in(request.view);
-  auto counts = opaque_.draw(context_, {seen, deadline, false, overlays_.change_image(context_)});
+  auto counts = opaque_.draw(context_, input_of(request, seen, false));
   if (!counts) return counts;
   const auto unseen = unseen_.draw(context_, request.view, request.culled.snapshot);
   if (!unseen) return tl::unexpected(unseen.error());

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "sightline/core/internal/sort_unique.h"
+
 namespace sightline::engine {
 namespace {
 
 constexpr core::Slot kAppendedPiece = 64;    // slots at a time, which may bring a mesh each
 constexpr std::size_t kTouchedPiece = 1024;  // slots at a time
-
-void sort_unique(auto& list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-}
 
 }  // namespace
 
@@ -37,8 +34,8 @@ void GpuUpload::follow_later(std::span<const core::Slot> touched, std::span<cons
 }
 
 GpuEdits GpuUpload::take_edits() {
-  sort_unique(edits_.touched);
-  sort_unique(edits_.materials);
+  core::sort_unique(edits_.touched);
+  core::sort_unique(edits_.materials);
   came_ = 0;
   return std::exchange(edits_, {});
 }
@@ -61,7 +58,7 @@ core::Expected<bool> GpuUpload::advance(const DrawContext& context, GpuCulling& 
     auto renderer = render::Renderer::begin(context.context);
     if (!renderer) return tl::unexpected(renderer.error());
     content_->renderer = std::move(*renderer);
-    content_->renderer->hatching = {context.config.drawing.hatching.strength, context.config.drawing.hatching.spacing};
+    content_->renderer->hatching = context.hatching();
   }
   return content_->renderer->advance(*content_->scene, context.target().format(), deadline);
 }
@@ -101,7 +98,7 @@ core::Expected<bool> GpuUpload::follow_edits(const core::Snapshot& snapshot, con
     const std::size_t count = std::min(touched.size(), kTouchedPiece);
     std::vector<core::Slot> piece(touched.end() - std::ptrdiff_t(count), touched.end());
     touched.resize(touched.size() - count);
-    sort_unique(piece);
+    core::sort_unique(piece);
     scene.update(snapshot, piece, joints);
   }
   return true;

@@ -25,12 +25,14 @@ struct KeptState {
 
 /// A frame to draw. Borrows everything.
 struct DrawRequest {
-  const core::View& view;     ///< that the image shows
-  const Culled& culled;       ///< visible items of the view that was culled for
-  bool on_gpu = false;        ///< Backend::cull() has the visible items, and `culled` those to draw over the image
-  bool all = true;            ///< `culled` has all visible items of its view
-  std::uint64_t frame = 0;    ///< take_drawn() returns it
-  double budget_began = 0.0;  ///< when the frame's budget began to run, seconds on the steady clock
+  const core::View& view;  ///< that the image shows
+  const Culled& culled;    ///< visible items of the view that was culled for
+  bool on_gpu = false;     ///< Backend::cull() has the visible items, and `culled` those to draw over the image
+  bool all = true;         ///< `culled` has all visible items of its view
+  /// Items that the image of the view that was culled for would not show are drawn, in DrawingConfig::culled_colour.
+  bool shows_unseen = false;
+  std::uint64_t frame = 0;                     ///< take_drawn() returns it
+  double budget_began = 0.0;                   ///< when the frame's budget began to run, seconds on the steady clock
   const gl::ExternalTarget* target = nullptr;  ///< gets the image, too, and has its size
   std::optional<glm::vec2> blend_range = {};   ///< eye depths by which blended items are weighed
 };
@@ -131,12 +133,8 @@ class Backend {
     return {};
   }
   /// Submits a frame. Waits first until at most one earlier frame is still being drawn. Leaves out items that cover no
-  /// sample of the image, or that others occlude, as configured. Where the view is not the one that was culled for,
-  /// and EngineConfig::drawing.culled_colour is set, the items that these tests leave out of the image of that one are
-  /// drawn in this colour.
+  /// sample of the image, or that others occlude, as configured.
   virtual core::Expected<DrawResult> draw(const DrawRequest&) { return DrawResult(); }
-  /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The image stays.
-  virtual core::Expected<void> put_outline(const Culled& /*items*/, const gl::ExternalTarget& /*over*/) { return {}; }
   /// The oldest drawn frame that was not yet taken.
   virtual std::optional<DrawnFrame> take_drawn() { return std::nullopt; }
   /// The oldest result of the GPU culler that was not yet taken.

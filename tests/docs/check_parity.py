@@ -4,6 +4,7 @@
 - Each field of the settings and reports of engines, and each public function of Engine, BoxCuller and OccluderRaster, has
   a row, and nothing else.
 - Each row names what C and Python have for it, or has a dash and says why.
+- Each setting of engines is in engine/internal/settings.inc, which tells what Engine::configure() may change.
 - What it names is in bindings/c/sightline/sightline.h and in bindings/python/sightline/_sightline.pyi.
 
 Names in C: `function`, `struct`, `struct.field`, `CONSTANT`. In Python: `function`, `Class`, `Class.member`, and with arguments
@@ -123,6 +124,18 @@ def of_cpp(root):
             yield from (f"{name}::{function}" for function in functions(body_after(text, start.start()), name))
 
 
+def settings(root):
+    """Paths of all settings, as settings.inc names them."""
+    text = without_comments((root / "engine/engine.h").read_text())
+    groups = {"culling": "CullingConfig", "drawing": "DrawingConfig", "losses": "LossConfig", "context": "ContextConfig"}
+
+    def of(struct):
+        return fields(body_after(text, re.search(rf"\bstruct {struct}\b[^;{{]*\{{", text).start()))
+
+    for field in of("EngineConfig"):
+        yield from (f"{field}.{inner}" for inner in of(groups[field])) if field in groups else [field]
+
+
 def of_c(root):
     text = without_comments((root / "bindings/c/sightline/sightline.h").read_text())
     found = set(re.findall(r"SL_API [\w\s*]*?\b(sl_\w+)\(", text))
@@ -202,8 +215,16 @@ def problems(root):
             yield f"{name}: expected one row, found {listed.count(name)}"
 
 
+def unlisted_settings(root):
+    listed = re.findall(r"^SIGHTLINE_SETTING\(([\w.]+),", (root / "engine/internal/settings.inc").read_text(), flags=re.M)
+    for path in settings(root):
+        if listed.count(path) != 1:
+            yield f"{path}: expected once in engine/internal/settings.inc, found {listed.count(path)} times"
+
+
 def main():
-    found = list(problems(pathlib.Path(sys.argv[1])))
+    root = pathlib.Path(sys.argv[1])
+    found = [*problems(root), *unlisted_settings(root)]
     for problem in found:
         print("docs/reference/api-parity.md: " + problem, file=sys.stderr)
     return 1 if found else 0

@@ -40,6 +40,8 @@ struct DrawContext {
   const gl::Functions& gl() const { return context.functions(); }
   bool software() const { return context.capabilities().software; }
   const render::RenderTarget& target() const { return image->target; }
+  /// As Renderer::hatching has it.
+  glm::vec2 hatching() const { return {config.drawing.hatching.strength, config.drawing.hatching.spacing}; }
 
   /// Pixels by which the rasteriser may move corners.
   float snap() const;

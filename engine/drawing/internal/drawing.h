@@ -61,7 +61,8 @@ class Drawing : public Backend {
   core::Expected<void> cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
                             std::uint64_t frame) override;
   core::Expected<DrawResult> draw(const DrawRequest& request) override;
-  core::Expected<void> put_outline(const Culled& items, const gl::ExternalTarget& over) override {
+  /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The image stays.
+  core::Expected<void> put_outline(const Culled& items, const gl::ExternalTarget& over) {
     return overlays_.put_outline(context_, items, over);
   }
   std::optional<DrawnFrame> take_drawn() override { return queue_.take_drawn(); }
@@ -102,7 +103,8 @@ class Drawing : public Backend {
   void images_changed();
   /// Items that are drawn over the image, which the GPU culler does not find.
   culling::SlotBits overlaid() const { return context_.config.draw ? overlays_.items() : culling::SlotBits(); }
-  core::Expected<DrawCounts> draw_opaque(const DrawRequest& request);
+  DrawInput input_of(const DrawRequest& request, const Culled& candidates, bool all_visible) const;
+  core::Expected<DrawCounts> draw_opaque(const DrawRequest& request, bool aside);
   core::Expected<DrawCounts> draw_with_unseen(const DrawRequest& request);
 
   DrawContext context_;                     // shared: all other members are made with it and destroyed before it
