@@ -228,7 +228,7 @@ core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& dr
   return {};
 }
 
-/// What becomes of an image's rows: files, and in memory what is asked of the whole.
+/// Takes the rows of an image: writes them to files, and keeps in memory those that comparisons need whole.
 class Outputs {
  public:
   static core::Expected<Outputs> open(const Options& o, const std::array<int, 2>& size) {
@@ -301,7 +301,7 @@ void warn_if_blank(const apps::TiledImage& image, const std::string& name) {
   std::fprintf(stderr, "warning: %s: no pixel shows any of the %svisible items\n", name.c_str(), count.c_str());
 }
 
-/// What images are made with.
+/// The model and the engine that draws images of it.
 struct Studio {
   apps::Model model;
   std::optional<engine::Engine> engine;

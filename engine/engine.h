@@ -103,7 +103,7 @@ enum class GlState : std::uint8_t {
   kLeave,
 };
 
-/// Which items are found visible, and by which means.
+/// Settings of culling: which items are found visible, and by which means.
 struct CullingConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
   /// Leave out of drawing what covers no sample of the image (culling/occlusion/sample_test.h): nothing is lost.
@@ -126,7 +126,7 @@ struct CullingConfig {
   culling::ControllerConfig controller = {};
 };
 
-/// What an image has, and how it looks.
+/// Settings of the image: its contents and its looks.
 struct DrawingConfig {
   bool ids = false;  ///< item-id image beside colour and depth
   int samples = 1;   ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
@@ -140,7 +140,7 @@ struct DrawingConfig {
   Hatching hatching = {};
 };
 
-/// What an image may lack, so that it costs less. By default nothing: every setting here is off.
+/// Settings that let an image lack items, so that it costs less. All of them are off by default.
 struct LossConfig {
   /// Leave out of drawing items that cover fewer pixels than this: culling/occlusion/contribution.h, with the mean area
   /// over all directions; hysteresis; lines are exempt. 0: nothing is lost. The CPU must cull: create() and
@@ -228,7 +228,7 @@ struct MemoryReport {
   std::size_t scratch = 0;  ///< buffers that all threads of the process keep from call to call: core/memory.h
 };
 
-/// What a frame shows, and where. Borrowed for the time of the call.
+/// The input of a frame: which view it shows, and where. Borrowed for the time of the call.
 struct FrameInput {
   const core::View& view;  ///< that the image shows
   /// Culls by this view instead: the image then shows from `view` what lies in the view volume of this one, and with
@@ -260,7 +260,7 @@ class SIGHTLINE_API Engine {
   /// the CPU culls and nothing is drawn. An engine that made the context itself makes another one and tries that twice
   /// a second; for the application's context call use_context(). visible(), queries and edits work all the time.
   core::Expected<FrameReport> frame(const core::View& view);
-  /// The same with a culling view or a target, or both: see FrameInput and the next function.
+  /// Overload for a frame with a culling view or a target, or both: see FrameInput and the next function.
   core::Expected<FrameReport> frame(const FrameInput& input);
   /// As frame(view), and puts the image into a framebuffer of the application's context (gl/external_target.h),
   /// with the depth test, in the order of GL's commands: what the application draws there before and after hides, and

@@ -1,4 +1,4 @@
-// What backend.h promises, in builds without GL.
+// The functions of backend.h that make backends, for builds without GL.
 #include "sightline/engine/internal/backend.h"
 
 namespace sightline::engine {

@@ -1,4 +1,4 @@
-// What a subcommand of sightline-bench or sightline-study is made of.
+// A subcommand of sightline-bench or sightline-study: its name, help and options.
 #pragma once
 
 #include <functional>

@@ -24,7 +24,7 @@ inline constexpr int kExitOk = 0;
 inline constexpr int kExitFailure = 1;  ///< bad input or a failed comparison
 inline constexpr int kExitUsage = 2;
 
-/// What an option needs of the tool's mode. A mode, such as --mpi, names once the groups that it supports
+/// Options by what they need of the tool's mode. A mode, such as --mpi, names once the groups that it supports
 /// (CommandLine::mode).
 enum class OptionGroup {
   kPlain,    ///< the mode without a mode's option alone; options are of this group unless they are added to another

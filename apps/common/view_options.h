@@ -1,4 +1,4 @@
-// What an image of a model shows, in the same way for every tool that makes one.
+// Options for the view of an image, the same for every tool that makes one.
 #pragma once
 
 #include <string>

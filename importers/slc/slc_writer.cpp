@@ -62,7 +62,7 @@ class SceneWriter {
     materials();
     meshes();
     if (!tell(0.1)) return false;
-    // What an image needs first, and last the names.
+    // The arrays that an image needs come first, and the names last.
     storage::for_each_snapshot_array(snapshot_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     snapshot_state();
     joints_and_pages();

@@ -120,7 +120,7 @@ Expected<void> check_slots(const Scene& scene, const Snapshot& snapshot) {
   return {};
 }
 
-/// What is counted ahead: items of each kind, and vacant slots.
+/// Checks the prefix counts: of items of each kind, and of vacant slots.
 Expected<void> check_counts(const Snapshot& snapshot) {
   const auto in = Access::of(snapshot);
   const std::size_t n = in.kinds().size(), words = n / 64 + 1;

@@ -1,4 +1,4 @@
-// What a form shows at every sample of an image, and the errors of that.
+// Samples of an image that a form shows, and their errors.
 #pragma once
 
 #include <cstdint>

@@ -25,7 +25,7 @@ class PolygonAreas {
 
   PolygonAreas(const OccluderImage& image, const Polygons& polygons) : image_(image), polygons_(polygons) {
     place_corners();
-    find_turn();
+    find_winding();
     covers_ = area_.find_pixels(image.width, image.height, image.snap);
     for (int k = 0; k < kCorners; ++k) area_.limit_rows(side(k));
     covers_ &= area_.take_rows(image.height);
@@ -35,9 +35,9 @@ class PolygonAreas {
 
   /// Whether rounding lets anything be said of polygon i.
   bool known(int i) const { return known_[i] != 0; }
-  /// Of one that is known: whether it has pixels.
+  /// Whether a polygon that is known has pixels.
   bool covers(int i) const { return covers_[i] != 0; }
-  /// Of one that covers pixels.
+  /// The area of a polygon that covers pixels.
   OccluderArea area(int i) const {
     OccluderArea area;
     area.column = int(area_.column()[i]), area.row = int(area_.first_row()[i]);
@@ -109,7 +109,7 @@ class PolygonAreas {
     }
   }
 
-  void find_turn() {
+  void find_winding() {
     const auto diagonals = Area::diagonals(kCorners, [&](int k) { return corners_[k]; });
     const Numbers open = diagonals.open(area_.reach());
     counter_clockwise_ = diagonals.area > open;

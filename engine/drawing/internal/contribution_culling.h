@@ -36,7 +36,7 @@ class ContributionCulling {
 
  private:
   using Square = culling::ContributionTest::Square;
-  /// What the image holds, or a part of that.
+  /// Distances that the image is known to hold.
   struct Known {
     std::span<const float> distances = {};              // RenderTarget::read_distances(); empty: not known
     const culling::OcclusionTest* occlusion = nullptr;  // against these

@@ -82,7 +82,7 @@ void copy_clean(const T* values, std::size_t count, std::byte* to) {
 void copy_clean(const core::Access::Node* values, std::size_t count, std::byte* to);
 void copy_clean(const core::Access::Item* values, std::size_t count, std::byte* to);
 
-/// What a snapshot holds beside its arrays.
+/// The values that a snapshot holds beside its arrays.
 struct SnapshotState {
   core::dvec3 origin{0.0};
   core::Aabb extent;
@@ -111,7 +111,8 @@ core::Expected<void> try_snapshot(const core::Scene& scene, const std::function<
 void set_snapshot(core::Scene& scene, std::function<bool(core::Snapshot&)> source);
 bool has_snapshot(const core::Scene& scene);
 
-/// What is read of a page's snapshot, beside what it has by kind but for members. The other arrays follow from these.
+/// Arrays that are read for a page's snapshot. Those by kind are read, too, but for members. All other arrays follow
+/// from these.
 inline constexpr std::uint64_t kPageArrays[] = {kCoordinates,     kCoordinates + 1, kCoordinates + 2, kCoordinates + 3,
                                                 kCoordinates + 4, kCoordinates + 5, kLayers,          kKinds,
                                                 kSlotItems,       kSlotMaterials};
