@@ -24,7 +24,7 @@ constexpr bench::Subcommand kSubcommands[] = {
 #if SIGHTLINE_HAS_GL
     {"context", "what a context without a window offers: driver, limits, extensions", bench::add_context},
     {"gpu-cull", "the forms of the GPU culler against each other", bench::add_gpu_cull},
-    {"limit", "frames of a tour beside drawing nothing but what is visible in the id image", bench::add_limit},
+    {"frames", "frames of a tour in several modes beside drawing nothing but what is visible", bench::add_frames},
     {"hybrid", "frames culled by the CPU, the GPU and the hybrid, in turns: rendering off and on", bench::add_hybrid},
     {"error-time", "error of tessellated and ray-cast primitives against their run time", bench::add_error_time},
     {"contribution", "error of images without small items against the time of a frame, for several rules",

@@ -21,8 +21,8 @@ Run add_queries(apps::CommandLine& line);
 Run add_context(apps::CommandLine& line);
 Run add_contribution(apps::CommandLine& line);
 Run add_error_time(apps::CommandLine& line);
+Run add_frames(apps::CommandLine& line);
 Run add_gpu_cull(apps::CommandLine& line);
 Run add_hybrid(apps::CommandLine& line);
-Run add_limit(apps::CommandLine& line);
 
 }  // namespace sightline::bench

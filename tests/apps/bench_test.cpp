@@ -32,7 +32,7 @@ TEST_F(Bench, ListsItsSubcommands) {
   for (const char* name : {"cull", "edit", "import", "start"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   const auto with_gl = std::count(names.begin(), names.end(), "hybrid");
-  for (const char* name : {"context", "gpu-cull", "error-time", "limit"})
+  for (const char* name : {"context", "gpu-cull", "error-time", "frames"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), with_gl) << name;
 }
 

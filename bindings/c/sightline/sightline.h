@@ -57,7 +57,7 @@ extern "C" {
 /* --- versions and errors ---------------------------------------------------------------------------------------- */
 
 #define SL_VERSION_MAJOR 0
-#define SL_VERSION_MINOR 1
+#define SL_VERSION_MINOR 2
 #define SL_VERSION_PATCH 0
 #define SL_VERSION (SL_VERSION_MAJOR * 1000000 + SL_VERSION_MINOR * 1000 + SL_VERSION_PATCH)
 
