@@ -42,7 +42,7 @@ struct SIGHTLINE_API Page {
 struct PagedScene {
   struct PageInfo {
     std::uint32_t first_leaf = 0;
-    std::uint32_t slots = 0;                             ///< of 32 each a leaf; the last leaf may have fewer
+    std::uint32_t slot_count = 0;                        ///< of 32 each a leaf; the last leaf may have fewer
     std::uint32_t material_rows = 0;                     ///< of the table that its items name
     std::array<std::uint32_t, kKindCount> of_kind{};     ///< slots of each kind
     std::uint64_t mesh_positions = 0, mesh_indices = 0;  ///< of all its meshes
@@ -60,7 +60,7 @@ struct PagedScene {
   std::function<Expected<std::unique_ptr<Page>>(std::uint32_t page)> load;
 
   std::uint32_t leaf_end(std::uint32_t page) const {
-    return pages[page].first_leaf + (pages[page].slots + kBlockSlots - 1) / kBlockSlots;
+    return pages[page].first_leaf + (pages[page].slot_count + kBlockSlots - 1) / kBlockSlots;
   }
   /// Of what is always in memory.
   std::size_t memory_bytes() const {

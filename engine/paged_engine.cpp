@@ -468,7 +468,7 @@ core::VisibleSet PagedEngine::Impl::slots_of_page(std::uint32_t page, const Resi
   for (std::uint32_t leaf = info.first_leaf; leaf < scene_.leaf_end(page); ++leaf) {
     if (!culling::contains(open_, leaf)) continue;
     const core::Slot first = (leaf - info.first_leaf) * core::kBlockSlots;
-    const core::Slot end = std::min<core::Slot>(info.slots, first + core::kBlockSlots);
+    const core::Slot end = std::min<core::Slot>(info.slot_count, first + core::kBlockSlots);
     if (bounds.uses_layers()) {
       for (core::Slot slot = first; slot < end; ++slot)
         if ((bounds.layers(slot) & view_->layers) != 0 && !bounds.vacant(slot)) set.single_slots.push_back(slot);

@@ -16,9 +16,9 @@ Hits intersect(const core::Box& box, const Ray& ray, Caps /*caps*/) {
 
   Span span;
   for (int axis = 0; axis < 3; ++axis) {
-    const double reach = half[axis] * inverse_power_of_two(size);
+    const double half_extent = half[axis] * inverse_power_of_two(size);
     const int low = axis < 2 ? kMinX + 2 * axis : kBottom;
-    span.clip_slab(local.origin[axis], local.direction[axis], reach, low, low + 1);
+    span.clip_slab(local.origin[axis], local.direction[axis], half_extent, low, low + 1);
   }
   add_hits(hits, local, span, 0u, [](int face, const dvec3& /*p*/) {
     const bool side = face >= kMinX;

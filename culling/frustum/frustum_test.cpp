@@ -87,42 +87,42 @@ float evaluate_at(const FloatPlane& plane, const std::uint8_t (&axis)[3], const 
 }  // namespace
 
 /// What the bounds contribute to every plane.
-struct CullPlanes::Reach {
-  explicit Reach(const core::ItemBounds& bounds) : origin(bounds.origin), largest(largest_coordinate(bounds.extent())) {
-    double sizes = 4.0;
+struct CullPlanes::Sizes {
+  explicit Sizes(const core::ItemBounds& bounds) : origin(bounds.origin), largest(largest_coordinate(bounds.extent())) {
+    double largest_sum = 4.0;
     for (int i = 0; i < 3; ++i) {
-      sizes += std::abs(origin[i]) + largest[i];
+      largest_sum += std::abs(origin[i]) + largest[i];
       extents += largest[i];
     }
-    tiny = 0x1p-1070 * sizes;
+    tiny = 0x1p-1070 * largest_sum;
   }
   core::dvec3 origin, largest;
   double extents = 4.0, tiny;
 };
 
 CullPlanes::CullPlanes(const core::View& view, const core::ItemBounds& bounds) {
-  const Reach reach(bounds);
-  add_frustum(view, reach);
+  const Sizes sizes(bounds);
+  add_frustum(view, sizes);
   union_first_ = count_;
-  if (!view.sections.empty()) add_sections(view, reach);
+  if (!view.sections.empty()) add_sections(view, sizes);
   all_ = (PlaneMask(1) << union_first_) - 1;
   if (union_first_ < count_) all_ |= kUnionPlanes;
 }
 
-void CullPlanes::add_frustum(const core::View& view, const Reach& reach) {
+void CullPlanes::add_frustum(const core::View& view, const Sizes& sizes) {
   for (const core::Plane& plane : core::frustum_planes(view.clip_from_world(), view.clip_depth())) {
-    const Kind kind = add(plane, reach);
+    const Kind kind = add(plane, sizes);
     if (kind == Kind::kNever || (kind == Kind::kNoNormal && plane.offset < 0.0)) nothing_visible_ = true;
   }
 }
 
-void CullPlanes::add_sections(const core::View& view, const Reach& reach) {
+void CullPlanes::add_sections(const core::View& view, const Sizes& sizes) {
   assert(view.sections.size() <= core::kMaxSectionPlanes);
   const std::size_t count = std::min(view.sections.size(), core::kMaxSectionPlanes);
   const bool in_union = view.section_mode == core::SectionMode::kUnion;
   bool some_never = false, some_give_up = view.sections.size() > count;
   for (std::size_t i = 0; i < count; ++i) {
-    const Kind kind = add(view.sections[i], reach);
+    const Kind kind = add(view.sections[i], sizes);
     some_never |= kind == Kind::kNever;
     some_give_up |= kind == Kind::kAlways || kind == Kind::kUnusable;
   }
@@ -137,7 +137,7 @@ void CullPlanes::add_sections(const core::View& view, const Reach& reach) {
   }
 }
 
-CullPlanes::Kind CullPlanes::add(const core::Plane& plane, const Reach& reach) {
+CullPlanes::Kind CullPlanes::add(const core::Plane& plane, const Sizes& sizes) {
   const core::dvec3 n = plane.normal;
   if (!core::is_finite(n) || !std::isfinite(plane.offset)) return Kind::kUnusable;
   const double largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
@@ -150,20 +150,20 @@ CullPlanes::Kind CullPlanes::add(const core::Plane& plane, const Reach& reach) {
   double offset = 0.0, magnitude = 0.0, size = 0.0;
   for (int i = 0; i < 3; ++i) {
     e.normal[i] = scaled(n[i]);
-    const double at_origin = e.normal[i] * reach.origin[i];
+    const double at_origin = e.normal[i] * sizes.origin[i];
     offset += at_origin;
     magnitude += std::abs(at_origin);
-    size += std::abs(e.normal[i]) * reach.largest[i];
+    size += std::abs(e.normal[i]) * sizes.largest[i];
   }
   if (!(magnitude < kOriginLimit)) return Kind::kUnusable;
   if (std::isinf(d)) return d > 0.0 ? Kind::kAlways : Kind::kNever;
   offset += d;
   magnitude += std::abs(d);
-  const double double_error = 8.0 * kUnitDouble * (magnitude + size) + reach.tiny;
+  const double double_error = 8.0 * kUnitDouble * (magnitude + size) + sizes.tiny;
   if (std::abs(offset) - double_error > kOffsetLimit) return offset > 0.0 ? Kind::kAlways : Kind::kNever;
   e.offset = std::clamp(offset, -kOffsetLimit, kOffsetLimit);
   e.magnitude = magnitude;
-  e.tiny = reach.tiny;
+  e.tiny = sizes.tiny;
 
   FloatPlane& f = planes_[std::size_t(count_)];
   for (int i = 0; i < 3; ++i) {
@@ -173,7 +173,7 @@ CullPlanes::Kind CullPlanes::add(const core::Plane& plane, const Reach& reach) {
     f.n_axis[i] = std::uint8_t(i + 3 - positive);
   }
   f.offset = static_cast<float>(e.offset);
-  const double float_error = 5.01 * kUnitFloat * (size + std::abs(e.offset)) + 0x1p-149 * reach.extents;
+  const double float_error = 5.01 * kUnitFloat * (size + std::abs(e.offset)) + 0x1p-149 * sizes.extents;
   f.band = band_above(float_error + 2.0 * double_error);
   ++count_;
   return Kind::kPlane;

@@ -88,11 +88,11 @@ class SIGHTLINE_API CullPlanes {
     double tiny;       // bound for all underflow
   };
   enum class Kind : std::uint8_t { kPlane, kNoNormal, kAlways, kNever, kUnusable };
-  struct Reach;
+  struct Sizes;
 
-  Kind add(const core::Plane& plane, const Reach& reach);
-  void add_frustum(const core::View& view, const Reach& reach);
-  void add_sections(const core::View& view, const Reach& reach);
+  Kind add(const core::Plane& plane, const Sizes& sizes);
+  void add_frustum(const core::View& view, const Sizes& sizes);
+  void add_sections(const core::View& view, const Sizes& sizes);
   bool passes(int plane, const core::Aabb& box) const;
   bool passes_in_double(int plane, const core::Aabb& box) const;
 

@@ -73,7 +73,7 @@ BlockTile DepthTest::tile_of(const TileShape& shape, int level) const {
   BlockTile tile{};
   tile.columns_log2 = shape.columns_log2;
   tile.step = step;
-  tile.reach = 0.5f * (step - 1.0f) + view_.snap;
+  tile.half_extent = 0.5f * (step - 1.0f) + view_.snap;
   tile.pitch = pyramid_->row(level, 1) - pyramid_->row(level, 0);
   tile.margin = {kDistanceMargin, error_};
   tile.parallel = rays_.parallel();

@@ -24,7 +24,7 @@ using core::dvec3;
 using core::dvec4;
 using raster::Corner;
 using raster::cube;
-using raster::kMostReach;
+using raster::kMostError;
 using raster::Placement;
 using raster::Point;
 using raster::Prism;
@@ -62,11 +62,11 @@ Area::Diagonals diagonals_of(std::span<const Corner> corners, const Polygon::Fac
 
 /// 1, -1; 0 where rounding leaves the sign of the area open.
 int winding_of(std::span<const Corner> corners, const Polygon::Face& face) {
-  double reach = 0.0;
+  double error = 0.0;
   for (const int i : {0, face.count / 4, face.count / 2, 3 * face.count / 4})
-    reach = std::max(reach, corners[face.corners[i]].reach);
+    error = std::max(error, corners[face.corners[i]].error);
   const Area::Diagonals diagonals = diagonals_of(corners, face);
-  const double open = diagonals.open(reach);
+  const double open = diagonals.open(error);
   return diagonals.area > open ? 1 : diagonals.area < -open ? -1 : 0;
 }
 
@@ -102,8 +102,8 @@ void find_planes(const Area& found, const Polygon& polygon, OccluderArea& area) 
 bool cover(OccluderImage& image, const Polygon& polygon, double shift) {
   Area found;
   for (const Corner& c : polygon.corners) {
-    if (!(c.reach < kMostReach)) return false;
-    found.add(c.x, c.y, c.reciprocal_depth, c.reach);
+    if (!(c.error < kMostError)) return false;
+    found.add(c.x, c.y, c.reciprocal_depth, c.error);
   }
   if (polygon.side_count == 0 || !found.find_pixels(image.width, image.height, shift)) return false;
   std::array<Area::Side, OccluderArea::kMostSides> sides;
@@ -283,26 +283,26 @@ bool add_solid(OccluderImage& image, const Prism& solid, std::span<const dvec3> 
 
 bool add_solid(OccluderImage& image, const Prism& solid, const Affine& eye_from_solid) {
   if (!image.usable) return false;
-  const dvec3 reach(solid.bulges.empty() ? 1.0 : Prism::kMostBulge);
-  return add_solid(image, solid, solid.corners, Placement(image, eye_from_solid, reach));
+  const dvec3 magnitudes(solid.bulges.empty() ? 1.0 : Prism::kMostBulge);
+  return add_solid(image, solid, solid.corners, Placement(image, eye_from_solid, magnitudes));
 }
 
-dvec3 reach_of(std::span<const dvec3> points) {
-  dvec3 reach(0.0);
-  for (const dvec3& p : points) reach = glm::max(reach, glm::abs(p));
-  return reach;
+dvec3 magnitudes_of(std::span<const dvec3> points) {
+  dvec3 magnitudes(0.0);
+  for (const dvec3& p : points) magnitudes = glm::max(magnitudes, glm::abs(p));
+  return magnitudes;
 }
 
 /// A polygon of fewer corners has some of them twice: sides without length limit nothing. The diagonals remain.
 template <int kCorners>
-void append(std::span<const dvec3> corners, const dvec3& reach, PolygonBatch<kCorners>& batch) {
+void append(std::span<const dvec3> corners, const dvec3& magnitudes, PolygonBatch<kCorners>& batch) {
   assert(corners.size() <= kCorners);
   const auto i = std::size_t(batch.count++);
   for (std::size_t k = 0; k < kCorners; ++k) {
     const dvec3& corner = corners[corners.size() * k / kCorners];
     batch.x[k][i] = corner.x, batch.y[k][i] = corner.y, batch.z[k][i] = corner.z;
   }
-  for (int axis = 0; axis < 3; ++axis) batch.reach[axis][i] = reach[axis];
+  for (int axis = 0; axis < 3; ++axis) batch.magnitudes[axis][i] = magnitudes[axis];
 }
 
 /// Polygons that wait until there are enough to be rasterised at once.
@@ -313,8 +313,8 @@ class PolygonQueue {
 
   PolygonQueue(OccluderImage& image, Cover kernel) : image_(image), kernel_(kernel) {}
 
-  void add(std::span<const dvec3> corners, const dvec3& reach) {
-    append(corners, reach, batch_);
+  void add(std::span<const dvec3> corners, const dvec3& magnitudes) {
+    append(corners, magnitudes, batch_);
     if (batch_.count == kPolygonsAtOnce) cover();
   }
   /// Whether any of them covers anything.
@@ -477,17 +477,17 @@ bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<co
     const std::span<const OccluderPolygon> own = polygons.first(solid.polygons);
     polygons = polygons.subspan(solid.polygons);
     const std::array<dvec3, 2> ends{solid.box.min, solid.box.max};
-    const dvec3 reach = reach_of(ends);
-    const Placement placement(image_, reach);
+    const dvec3 magnitudes = magnitudes_of(ends);
+    const Placement placement(image_, magnitudes);
     const bool whole = placement.leaves_whole(solid.box.min, solid.box.max);
     for (const OccluderPolygon& polygon : own) {
       if (!whole && !(polygon.hexahedron && polygon.growth > 0.0 && image_.perspective)) continue;
       if (polygon.hexahedron)
         covers |= add_solid(image_, cube(), polygon.corners, placement, whole ? 1.0 : polygon.growth);
       else if (polygon.count == 4)
-        quads.add(polygon.points(), reach);
+        quads.add(polygon.points(), magnitudes);
       else
-        octagons.add(polygon.points(), reach);
+        octagons.add(polygon.points(), magnitudes);
     }
   }
   covers |= quads.finish();
@@ -505,7 +505,7 @@ void OccluderRaster::find_seen(std::span<const OccluderPolygon> quads, const Dep
     batch.count = 0;
     for (const OccluderPolygon& quad :
          quads.subspan(first, std::min<std::size_t>(kPolygonsAtOnce, quads.size() - first)))
-      append(quad.points(), reach_of(quad.points()), batch);
+      append(quad.points(), magnitudes_of(quad.points()), batch);
     const unsigned bits =
         occlusion_kernels().seen_quads(image_, batch, pyramid.blocks(), {OcclusionTest::kDistanceMargin, float(error)});
     for (int i = 0; i < batch.count; ++i) seen[first + std::size_t(i)] = bits >> i & 1u;
@@ -518,9 +518,9 @@ void OccluderRaster::add_mesh(std::span<const core::vec3> positions, std::span<c
   if (!image_.usable) return;
   const core::Scratch<MeshBuffers> scratch;
   auto& [vertices, clipped] = *scratch;
-  dvec3 reach(0.0);
-  for (const core::vec3& p : positions) reach = glm::max(reach, glm::abs(dvec3(p)));
-  const Placement placement(image_, from(image_.eye, world_from_mesh), reach);
+  dvec3 magnitudes(0.0);
+  for (const core::vec3& p : positions) magnitudes = glm::max(magnitudes, glm::abs(dvec3(p)));
+  const Placement placement(image_, from(image_.eye, world_from_mesh), magnitudes);
   vertices.clear();
   for (const core::vec3& p : positions) {
     const Point point = placement(dvec3(p));

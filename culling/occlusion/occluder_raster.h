@@ -20,10 +20,10 @@
 // each row, many rows at a time. The image holds a float for each pixel, though, not two distances and a mask for each
 // tile: the depth pyramid begins with pixels.
 //
-// Rounding. What is computed in double, forms of the corners and their quotients, is off by at most a distance `reach`
+// Rounding. What is computed in double, forms of the corners and their quotients, is off by at most a distance `error`
 // in the image, which follows from the sizes of the terms; occluders for which it is not tiny are left out. What is
 // computed in float, spans and distances within one area, is off by a few units of the area's size.
-//   - Coverage: let p lie to the left of every side of the outline, by `reach` + `inset` along both axes. The square of
+//   - Coverage: let p lie to the left of every side of the outline, by `error` + `inset` along both axes. The square of
 //     that half size around p then lies in the hull of the computed corners. Corners are off by less, so p lies in the
 //     hull of the exact ones: else a line would part p from these, and the square from the computed ones. The inset
 //     holds the error of the float sides and, for boxes and cylinders, what a rasteriser may move a vertex: an image
@@ -32,13 +32,13 @@
 //   - Distance: reciprocal depth (the reciprocal of the distance, or its negative where the view is orthographic) is
 //   linear
 //     across a face. A computed plane is lowered until it lies below all corners of its face, then by its slope times
-//     `reach` and the vertex shift, then by its error in float: it is not nearer than the face. A solid's reciprocal
+//     `error` and the vertex shift, then by its error in float: it is not nearer than the face. A solid's reciprocal
 //     depth where a line of sight enters is that of some front face, so at least the least of all front planes; and at
 //     least that of its farthest corner. Where rounding leaves open whether a face is a front face, the latter alone
 //     counts, unless the face is so near to the outline that the inset leaves no pixel that could see it.
-//   - Faces and triangles that cross the near plane are clipped there, or so far in front of the eye that `reach` is
+//   - Faces and triangles that cross the near plane are clipped there, or so far in front of the eye that `error` is
 //     tiny (some millimetres, for occluders of hundreds of metres). The new corners lie on the exact edges but for what
-//     `reach` allows. An eye inside a solid sees none of its front faces: the solid hides nothing.
+//     `error` allows. An eye inside a solid sees none of its front faces: the solid hides nothing.
 #pragma once
 
 #include <cstddef>

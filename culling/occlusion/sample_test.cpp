@@ -56,7 +56,7 @@ bool SampleTest::rays_meet(const BoxCoordinates& box, const BoxRectangles& recta
   alignas(64) float entries[kLanes];
   BlockTile tile{};
   tile.step = 1.0f;
-  tile.reach = view_.snap;
+  tile.half_extent = view_.snap;
   tile.farthest = kNothingDrawn.data();
   tile.parallel = rays_.parallel();
   for (const auto& [x, y] : samples_.offsets) {

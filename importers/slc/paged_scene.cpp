@@ -99,7 +99,7 @@ class PagedPart {
 
   PagedScene::PageInfo info(const SlcPage& row) const {
     PagedScene::PageInfo info;
-    info.slots = row.count;
+    info.slot_count = row.count;
     info.material_rows = std::uint32_t(materials_->snapshot.materials().size());
     std::copy(std::begin(row.kind_count), std::end(row.kind_count), info.of_kind.begin());
     info.mesh_positions = row.mesh_positions;

@@ -48,7 +48,7 @@ void use(const core::PagedScene& scene) {
     const auto page = scene.load(number);
     if (!page) continue;
     const core::Snapshot& snapshot = (*page)->snapshot;
-    fuzz::require(snapshot.size() == scene.pages[number].slots, "as many slots as the page says");
+    fuzz::require(snapshot.size() == scene.pages[number].slot_count, "as many slots as the page says");
     const auto joints = gpuprims::Joints::of_slots((*page)->internal_end_caps);
     for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {
       (void)joints.covered(snapshot, slot);

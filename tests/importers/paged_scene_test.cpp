@@ -93,7 +93,7 @@ void expect_same(const PagedScene& paged, const Scene& scene) {
     ASSERT_TRUE(page) << page.error().message;
     const Snapshot& snapshot = (*page)->snapshot;
     const auto hidden = gpuprims::Joints::of_slots((*page)->internal_end_caps);
-    ASSERT_EQ(snapshot.size(), paged.pages[number].slots);
+    ASSERT_EQ(snapshot.size(), paged.pages[number].slot_count);
     // However far apart the ids of its items are.
     EXPECT_EQ((*page)->internal_end_caps.size(), (snapshot.size() + 31) / 32);
     EXPECT_EQ(snapshot.materials(), whole.materials());
@@ -112,7 +112,7 @@ void expect_same(const PagedScene& paged, const Scene& scene) {
     // The promise that memory limits count on; unused mesh capacity and tables are small beside it.
     EXPECT_LE(snapshot.memory_bytes(), paged.pages[number].memory_bytes + 100'000);
     (*page)->drop_records();
-    EXPECT_EQ(snapshot.size(), paged.pages[number].slots);
+    EXPECT_EQ(snapshot.size(), paged.pages[number].slot_count);
   }
   EXPECT_EQ(slot, whole.size());
 }

@@ -45,14 +45,14 @@ ScreenBox project_box(vec3 low, vec3 high) {
       (screen.band_x * size.x + screen.band_y * size.y) + (screen.band_z * size.z + screen.band_constant);
   precise vec2 farthest = max(abs(least), abs(most));
   precise vec2 of_forms = (band.xy + farthest * band.z) * (1.01 / (least_wt.x - band.z));
-  precise vec2 reach = (of_forms + kQuotientError * farthest) + screen.snap;
+  precise vec2 half_extent = (of_forms + kQuotientError * farthest) + screen.snap;
   ScreenBox box;
-  box.low = least - reach;
-  box.high = most + reach;
+  box.low = least - half_extent;
+  box.high = most + half_extent;
   box.nearest = least_wt.y - band.w;
   // Each comparison is false of a NaN.
   box.projects = all(lessThanEqual(low, high)) && all(lessThan(size, vec3(screen.largest))) &&
-                 4.0 * band.z < least_wt.x && all(lessThan(farthest + reach, vec2(kFarOutside)));
+                 4.0 * band.z < least_wt.x && all(lessThan(farthest + half_extent, vec2(kFarOutside)));
   return box;
 }
 

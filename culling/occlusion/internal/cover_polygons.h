@@ -72,8 +72,9 @@ class PolygonAreas {
     }
   };
   Form form_of(const EyeForm& form) const {
-    const Numbers size = form.sizes.x * load(polygons_.reach[0]) + form.sizes.y * load(polygons_.reach[1]) +
-                         form.sizes.z * load(polygons_.reach[2]) + (form.at_eye < 0.0 ? -form.at_eye : form.at_eye);
+    const Numbers size = form.sizes.x * load(polygons_.magnitudes[0]) + form.sizes.y * load(polygons_.magnitudes[1]) +
+                         form.sizes.z * load(polygons_.magnitudes[2]) +
+                         (form.at_eye < 0.0 ? -form.at_eye : form.at_eye);
     return {form, raster::kLost * size + form.lost};
   }
   static Numbers load(const double (&a)[kPolygonsAtOnce]) {
@@ -88,7 +89,7 @@ class PolygonAreas {
     known_ = Area::spread(0.0) == Area::spread(0.0);
     for (int k = 0; k < kCorners; ++k) {
       const Numbers px = load(polygons_.x[k]), py = load(polygons_.y[k]), pz = load(polygons_.z[k]);
-      Numbers x = x_form(px, py, pz), y = y_form(px, py, pz), reciprocal_depth, reach;
+      Numbers x = x_form(px, py, pz), y = y_form(px, py, pz), reciprocal_depth, error;
       const Numbers z = z_form(px, py, pz);
       if (image_.perspective) {
         const Numbers inverse = 1.0 / z, off = z_form.lost * inverse;
@@ -96,22 +97,22 @@ class PolygonAreas {
         x *= inverse, y *= inverse;
         const Numbers place = Area::greater(Area::magnitude(x), Area::magnitude(y));
         reciprocal_depth = inverse * (1.0 - kInwards * 1.1 * off - kInwards * raster::kLost);
-        reach = 1.1 * (lost * inverse + place * off) + raster::kPlaceLost * place;
+        error = 1.1 * (lost * inverse + place * off) + raster::kPlaceLost * place;
       } else {
         reciprocal_depth = -z - kInwards * z_form.lost - kInwards * raster::kLost * Area::magnitude(z);
-        reach = lost + raster::kPlaceLost * Area::greater(Area::magnitude(x), Area::magnitude(y));
+        error = lost + raster::kPlaceLost * Area::greater(Area::magnitude(x), Area::magnitude(y));
       }
       const Numbers largest =
           Area::greater(Area::greater(Area::magnitude(x), Area::magnitude(y)), Area::magnitude(reciprocal_depth));
-      known_ &= (reach < raster::kMostReach) & (largest < raster::kLarge);
+      known_ &= (error < raster::kMostError) & (largest < raster::kLarge);
       corners_[k] = {x, y, reciprocal_depth};
-      area_.add(x, y, reciprocal_depth, reach);
+      area_.add(x, y, reciprocal_depth, error);
     }
   }
 
   void find_winding() {
     const auto diagonals = Area::diagonals(kCorners, [&](int k) { return corners_[k]; });
-    const Numbers open = diagonals.open(area_.reach());
+    const Numbers open = diagonals.open(area_.error());
     counter_clockwise_ = diagonals.area > open;
     known_ &= counter_clockwise_ | (diagonals.area < -open);
   }

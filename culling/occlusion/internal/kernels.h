@@ -39,7 +39,7 @@ struct BoxSquares {
 struct BlockTile {
   int columns_log2;       // blocks of a row: 1, 2, 4, 8 or 16
   float x, y, step;       // middle of the first block, and the way to the next ones'
-  float reach;            // from a block's middle to the last place that belongs to it, along both axes
+  float half_extent;      // from a block's middle to the last place that belongs to it, along both axes
   const float* farthest;  // distances that the blocks of the first row hold
   std::ptrdiff_t pitch;   // from these to the next row's
   int rows;               // that may be read, at least one; lanes of rows beyond mean nothing

@@ -28,11 +28,11 @@ inline constexpr TilePlaces kTilePlaces = [] {
 /// The keys of a face in the sixteen blocks of a tile, at the place of a block where they are greatest (sign 1) or
 /// least.
 template <class Simd>
-typename Simd::Lanes keys_of_face(const ImageFunction& f, float reach, const typename Simd::Lanes& x,
+typename Simd::Lanes keys_of_face(const ImageFunction& f, float half_extent, const typename Simd::Lanes& x,
                                   const typename Simd::Lanes& y, float sign) {
   const float slope = (f.x < 0.0f ? -f.x : f.x) + (f.y < 0.0f ? -f.y : f.y);
   const auto in_row = Simd::add(Simd::spread(f.constant), Simd::multiply(Simd::spread(f.y), y));
-  return Simd::add(Simd::add(in_row, Simd::spread(sign * reach * slope)), Simd::multiply(Simd::spread(f.x), x));
+  return Simd::add(Simd::add(in_row, Simd::spread(sign * half_extent * slope)), Simd::multiply(Simd::spread(f.x), x));
 }
 
 /// What the blocks of a tile hold.
@@ -53,7 +53,9 @@ unsigned unoccluded_blocks(const BoxSpan& box, const BlockTile& tile, float* ent
   };
   const Lanes x = places(tile.x, kTilePlaces.x[tile.columns_log2]);
   const Lanes y = places(tile.y, kTilePlaces.y[tile.columns_log2]);
-  const auto keys = [&](const ImageFunction& f, float sign) { return keys_of_face<Simd>(f, tile.reach, x, y, sign); };
+  const auto keys = [&](const ImageFunction& f, float sign) {
+    return keys_of_face<Simd>(f, tile.half_extent, x, y, sign);
+  };
   Lanes entry = keys(box.near[0], 1.0f);
   for (int i = 1; i < box.near_count; ++i) entry = Simd::least(entry, keys(box.near[i], 1.0f));
   Lanes exit = keys(box.far[0], -1.0f);

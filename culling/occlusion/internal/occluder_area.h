@@ -10,7 +10,7 @@ inline constexpr double kLost = 0x1p-48;
 // The same for what is computed of places in the image.
 inline constexpr double kPlaceLost = 0x1p-44;
 // The raster leaves out occluders whose corners may be off by more, in pixels.
-inline constexpr double kMostReach = 0x1p-7;
+inline constexpr double kMostError = 0x1p-7;
 // Numbers beyond are left out, so that no float over- or underflows.
 inline constexpr double kLarge = 1e30;
 inline constexpr double kSteepest = 0x1p20;  // slopes of sides; others are level
@@ -24,8 +24,8 @@ inline constexpr int kPolygonsAtOnce = 8;
 template <int kCorners>
 struct PolygonBatch {
   alignas(64) double x[kCorners][kPolygonsAtOnce], y[kCorners][kPolygonsAtOnce], z[kCorners][kPolygonsAtOnce];
-  alignas(64) double reach[3][kPolygonsAtOnce];  // at least the magnitudes of coordinates, axis by axis
-  int count;                                     // entries behind are any numbers
+  alignas(64) double magnitudes[3][kPolygonsAtOnce];  // at least the magnitudes of coordinates, axis by axis
+  int count;                                          // entries behind are any numbers
 };
 
 /// A convex area of an image, and how near what covers it is. Columns and rows count from the area's own first ones;

@@ -31,26 +31,26 @@ class PolygonArea {
   // --- the corners ---
 
   /// A corner of all polygons: its place, reciprocal depth, and by how much the place may be off.
-  void add(const Numbers& x, const Numbers& y, const Numbers& reciprocal_depth, const Numbers& reach) {
-    reach_ = greater(reach_, reach);
+  void add(const Numbers& x, const Numbers& y, const Numbers& reciprocal_depth, const Numbers& error) {
+    error_ = greater(error_, error);
     farthest_ = lesser(farthest_, reciprocal_depth);
     left_ = lesser(left_, x), right_ = greater(right_, x);
     bottom_ = lesser(bottom_, y), top_ = greater(top_, y);
   }
-  const Numbers& reach() const { return reach_; }
+  const Numbers& error() const { return error_; }
 
   /// Finds the pixels around the corners. Returns where there are any. `shift`: pixels by which a rasteriser may move a
   /// corner.
   Mask find_pixels(int width, int height, double shift) {
     constexpr double kMostFloatLost = 0x1p-6;
-    const Numbers grown = kOuter ? reach_ + shift + kMostFloatLost : spread(0.0);
+    const Numbers grown = kOuter ? error_ + shift + kMostFloatLost : spread(0.0);
     Numbers first_column;
     whole_between(left_ - grown, right_ + grown, width, first_column, last_column_);
     whole_between(bottom_ - grown, top_ + grown, height, first_row_, last_row_);
     column_ = towards_zero(first_column * (1.0 / kLanes)) * double(kLanes);
     columns_ = last_column_ - column_ + 1.0;
     const Numbers float_lost = 0x1p-21 * (greater(columns_, last_row_ - first_row_) + 2.0);
-    shifted_ = reach_ + shift;
+    shifted_ = error_ + shift;
     inset_ = shifted_ + float_lost;
     return (first_column <= last_column_) & (first_row_ <= last_row_);
   }
@@ -103,9 +103,9 @@ class PolygonArea {
   struct Diagonals {
     Numbers x1, y1, n1, x2, y2, n2, area;
     /// The area is below 0, or above, for certain where it exceeds this.
-    Numbers open(const Numbers& reach) const {
+    Numbers open(const Numbers& error) const {
       const Numbers first = magnitude(x1) + magnitude(y1), second = magnitude(x2) + magnitude(y2);
-      return 8.0 * reach * (first + second) + kLost * first * second;
+      return 8.0 * error * (first + second) + kLost * first * second;
     }
   };
   /// at(i): corner i of `count`, with its x, y and reciprocal depth.
@@ -174,7 +174,7 @@ class PolygonArea {
     last = towards_zero(high);
   }
 
-  Numbers reach_ = spread(0.0), farthest_ = spread(kLarge);
+  Numbers error_ = spread(0.0), farthest_ = spread(kLarge);
   Numbers left_ = spread(kLarge), right_ = spread(-kLarge), bottom_ = spread(kLarge), top_ = spread(-kLarge);
   Numbers column_, last_column_, columns_, first_row_, last_row_, rows_;
   Numbers shifted_, inset_;  // by these the area is smaller, or, if kOuter, larger

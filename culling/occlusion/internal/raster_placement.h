@@ -18,19 +18,19 @@ struct Form {
   double size, lost;  // bounds for its values, and for what they are off by
 
   Form() = default;
-  /// `eye_from_own`: to the eye as origin, axes as in the world. No coordinate exceeds `reach`.
-  Form(const EyeForm& form, const core::Affine& eye_from_own, const core::dvec3& reach) {
+  /// `eye_from_own`: to the eye as origin, axes as in the world. No coordinate exceeds `magnitudes`.
+  Form(const EyeForm& form, const core::Affine& eye_from_own, const core::dvec3& magnitudes) {
     const core::dmat3& m = eye_from_own.linear;
     row = core::dvec4(form.normal * m, glm::dot(form.normal, eye_from_own.origin) + form.at_eye);
-    const core::dvec3 coordinates =
-        glm::abs(eye_from_own.origin) + glm::abs(m[0]) * reach.x + glm::abs(m[1]) * reach.y + glm::abs(m[2]) * reach.z;
+    const core::dvec3 coordinates = glm::abs(eye_from_own.origin) + glm::abs(m[0]) * magnitudes.x +
+                                    glm::abs(m[1]) * magnitudes.y + glm::abs(m[2]) * magnitudes.z;
     size = glm::dot(form.sizes, coordinates) + std::abs(form.at_eye);
     lost = kLost * size + form.lost;
   }
   /// Of coordinates relative to the eye.
-  Form(const EyeForm& form, const core::dvec3& reach)
+  Form(const EyeForm& form, const core::dvec3& magnitudes)
       : row(form.normal, form.at_eye),
-        size(glm::dot(form.sizes, reach) + std::abs(form.at_eye)),
+        size(glm::dot(form.sizes, magnitudes) + std::abs(form.at_eye)),
         lost(kLost * size + form.lost) {}
   double operator()(const core::dvec3& p) const { return row.x * p.x + row.y * p.y + row.z * p.z + row.w; }
   /// The least value in a box.
@@ -43,20 +43,20 @@ struct Point {
   double x, y, z, near;
 };
 
-/// Place in the image, and reciprocal depth: 1 / z, or -z in orthographic views. x and y are off by less than `reach`;
-/// reciprocal depth is not greater than the exact one. A corner that cannot be used has a NaN reach.
+/// Place in the image, and reciprocal depth: 1 / z, or -z in orthographic views. x and y are off by less than `error`;
+/// reciprocal depth is not greater than the exact one. A corner that cannot be used has a NaN error.
 struct Corner {
-  double x, y, reciprocal_depth, reach;
+  double x, y, reciprocal_depth, error;
 };
 
 /// An occluder's own coordinates in a view.
 class Placement {
  public:
   /// Of coordinates relative to the eye.
-  Placement(const OccluderImage& view, const core::dvec3& reach)
-      : Placement(view, reach, [](const EyeForm& form, const core::dvec3& most) { return Form(form, most); }) {}
-  Placement(const OccluderImage& view, const core::Affine& eye_from_own, const core::dvec3& reach)
-      : Placement(view, reach,
+  Placement(const OccluderImage& view, const core::dvec3& magnitudes)
+      : Placement(view, magnitudes, [](const EyeForm& form, const core::dvec3& most) { return Form(form, most); }) {}
+  Placement(const OccluderImage& view, const core::Affine& eye_from_own, const core::dvec3& magnitudes)
+      : Placement(view, magnitudes,
                   [&](const EyeForm& form, const core::dvec3& most) { return Form(form, eye_from_own, most); }) {}
 
   Point operator()(const core::dvec3& p) const { return {x_(p), y_(p), z_(p), near_(p)}; }
@@ -111,15 +111,15 @@ class Placement {
 
  private:
   template <class Make>
-  Placement(const OccluderImage& view, const core::dvec3& reach, const Make& form)
+  Placement(const OccluderImage& view, const core::dvec3& magnitudes, const Make& form)
       : perspective_(view.perspective),
         section_mode_(view.section_mode),
-        x_(form(view.x, reach)),
-        y_(form(view.y, reach)),
-        z_(form(view.z, reach)),
-        near_(form(view.near, reach)),
+        x_(form(view.x, magnitudes)),
+        y_(form(view.y, magnitudes)),
+        z_(form(view.z, magnitudes)),
+        near_(form(view.near, magnitudes)),
         least_{2.0 * near_.lost, least_z()} {
-    for (const EyeForm& section : view.sections) sections_[section_count_++] = form(section, reach);
+    for (const EyeForm& section : view.sections) sections_[section_count_++] = form(section, magnitudes);
   }
   /// At this distance x / z is off by some 2^-8 pixels because of z.
   double least_z() const {
@@ -129,7 +129,7 @@ class Placement {
   static Corner unusable() { return {0.0, 0.0, 0.0, std::numeric_limits<double>::quiet_NaN()}; }
   static Corner usable(const Corner& c) {
     const double most = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.reciprocal_depth)});
-    return c.reach < kMostReach && most < kLarge ? c : unusable();
+    return c.error < kMostError && most < kLarge ? c : unusable();
   }
 
   bool perspective_;

@@ -116,7 +116,7 @@ class ScreenBoxes {
   /// See OcclusionKernels::squares.
   static void store_squares(const ScreenView& view, const float* const (&c)[6], const float* solids, float least_area,
                             bool all, BoxSquares& out) {
-    constexpr float kReach = 0.01f;  // pixels by which a square may be drawn elsewhere
+    constexpr float kMoved = 0.01f;  // pixels by which a square may be drawn elsewhere
     Outlines outlines;
     const ScreenBoxes boxes(view, c, outlines);
     const Centres centres(view, c);
@@ -133,9 +133,9 @@ class ScreenBoxes {
                   in_image(centres.y, view.last_y) & 0xffffu;
     if (all) return;
     const Lanes side = Simd::root(Simd::most(area, Simd::spread(least_area)));
-    const Lanes reach = Simd::add(Simd::multiply(half, side), Simd::spread(kReach));
+    const Lanes half_extent = Simd::add(Simd::multiply(half, side), Simd::spread(kMoved));
     const auto between = [&](const Lanes& at, float last) {
-      return between_samples(Simd::subtract(at, reach), Simd::add(at, reach), 0.0f, last);
+      return between_samples(Simd::subtract(at, half_extent), Simd::add(at, half_extent), 0.0f, last);
     };
     out.showing &= ~(between(centres.x, view.last_x) | between(centres.y, view.last_y));
   }
@@ -210,10 +210,10 @@ class ScreenBoxes {
   static void widen(Lanes& low, Lanes& high, const Lanes& band, const Lanes& band_w, const Lanes& per_w, float snap) {
     const Lanes farthest = Simd::most(Simd::magnitude(low), Simd::magnitude(high));
     const Lanes of_forms = Simd::multiply(Simd::add(band, Simd::multiply(farthest, band_w)), per_w);
-    const Lanes reach =
+    const Lanes half_extent =
         Simd::add(Simd::add(of_forms, Simd::multiply(Simd::spread(4e-7f), farthest)), Simd::spread(snap));
-    low = Simd::subtract(low, reach);
-    high = Simd::add(high, reach);
+    low = Simd::subtract(low, half_extent);
+    high = Simd::add(high, half_extent);
   }
 
   /// Bit i: no sample place lies within the interval i: neither 0 + offset nor 1 + offset nor … last + offset.
