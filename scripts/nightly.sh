@@ -59,11 +59,11 @@ run_osmesa() {
 }
 run_fuzz() { scripts/fuzz.sh 20; }
 run_tsan() {
-  SIGHTLINE_TARGETS="core_tests culling_tests raytrace_tests engine_tests" scripts/test.sh tsan -R '^(core|culling|raytrace|engine)\.'
+  SIGHTLINE_TARGETS="core_tests culling_tests lod_tests raytrace_tests engine_tests" scripts/test.sh tsan -R '^(core|culling|lod|raytrace|engine)\.'
 }
 run_asan() {
-  SIGHTLINE_TARGETS="culling_tests raytrace_tests gpuprims_tests measure_tests compare_tests engine_tests" \
-    scripts/test.sh asan -R '^(culling|raytrace|gpuprims|measure|compare|engine)\.'
+  SIGHTLINE_TARGETS="culling_tests raytrace_tests gpuprims_tests measure_tests compare_tests lod_tests engine_tests" \
+    scripts/test.sh asan -R '^(culling|raytrace|gpuprims|measure|compare|lod|engine)\.'
 }
 run_asan-gl() {
   SIGHTLINE_TARGETS="culling_gl_tests engine_gl_tests view_gl_tests capi_gl_tests" \
@@ -88,7 +88,7 @@ run_study() {
 # Each in a tree as deep as that of release, so that a compiler cache finds the objects.
 run_without() {
   local off="-DSIGHTLINE_APPS=OFF -DSIGHTLINE_PYTHON=OFF -DSIGHTLINE_EXAMPLES=OFF -DSIGHTLINE_REQUIRE_ALL=OFF"
-  without bare "$off -DSIGHTLINE_IMPORTERS=OFF -DSIGHTLINE_RAYTRACE=OFF -DSIGHTLINE_IMAGE=OFF -DSIGHTLINE_GL=OFF -DSIGHTLINE_CAPI=OFF -DSIGHTLINE_OPENMP=OFF"
+  without bare "$off -DSIGHTLINE_IMPORTERS=OFF -DSIGHTLINE_RAYTRACE=OFF -DSIGHTLINE_LOD=OFF -DSIGHTLINE_IMAGE=OFF -DSIGHTLINE_GL=OFF -DSIGHTLINE_CAPI=OFF -DSIGHTLINE_OPENMP=OFF"
   without no-gl "$off -DSIGHTLINE_GL=OFF -DSIGHTLINE_VTK=OFF -DSIGHTLINE_SLC=OFF -DSIGHTLINE_DRACO=OFF -DSIGHTLINE_MESHOPT=OFF"
 }
 # without NAME OPTIONS: builds and tests a tree with these options.

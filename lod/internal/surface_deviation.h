@@ -1,0 +1,105 @@
+// A proven bound of how far one triangulated surface lies from another. Internal to lod.
+//
+// The distance to a convex set is a convex function. So of all points of a convex polygon, one of its corners is the
+// farthest from a given triangle, and any division of a surface into convex polygons, each with some triangle of the
+// other surface, proves a bound: the largest distance of a corner from its polygon's triangle. The division decides
+// only how tight the bound is. Here the planes that halve the angles between neighbouring triangles of the other
+// surface divide it, so that each polygon lies above its triangle, and polygons that still lie far from it are
+// bisected. (Compare R. Straub, "Approximate Error Bounds", 2007; M. Guthe, P. Borodin, R. Klein, "Fast and accurate
+// Hausdorff distance calculation between meshes", 2005, which search for the distance itself.)
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sightline/core/conventions.h"
+
+namespace sightline::lod {
+
+/// Every point of one surface has a point of the other within `distance` metres; where both have normals, they differ
+/// by at most `angle` radians.
+struct Deviation {
+  double distance = 0.0, angle = 0.0;
+
+  void grow(const Deviation& other) {
+    distance = std::max(distance, other.distance);
+    angle = std::max(angle, other.angle);
+  }
+};
+
+/// Triangles as corners, indices of points that they share: equal positions have equal indices.
+struct Triangles {
+  std::span<const core::dvec3> points;
+  std::span<const std::uint32_t> corners;  ///< three each
+};
+
+/// Bounds distances to one surface. Keeps its memory from surface to surface.
+class SurfaceDeviation {
+ public:
+  /// Bounds the deviation of each point of `from` from `to`, not of `to` from `from`. Both have the same points, all
+  /// finite; triangles may be degenerate, repeated, or meet at edges in any number. The bound is rounded outwards, and
+  /// seldom exceeds the largest distance by more than a tenth. `to` must have a triangle unless `from` has none.
+  Deviation bound(const Triangles& from, const Triangles& to);
+
+ private:
+  static constexpr std::uint32_t kNone = core::kNone;
+  static constexpr int kMostCorners = 12;
+
+  struct Face {
+    core::dvec3 corners[3];
+    core::dvec3 normal;           // of unit length, or 0
+    core::dvec3 gradients[2];     // of the barycentric coordinates of corners 1 and 2, or 0
+    core::dvec3 cuts[3];          // unit normal of the plane through edge k that parts this face from its neighbour
+    std::uint32_t neighbours[3];  // across edge k, from corner k to the next; kNone: none
+
+    double square_bound(const core::dvec3& point) const;
+  };
+  struct Polygon {
+    core::dvec3 corners[kMostCorners];
+    int count = 0;
+  };
+  struct Half {
+    std::uint32_t face;  // near it
+    Polygon polygon;
+  };
+  struct Probe {
+    double square;
+    core::dvec3 point;
+  };
+  struct HalfEdge {
+    std::uint64_t ends;
+    std::uint32_t face, edge;
+    bool reversed;
+  };
+
+  void make_faces(const Triangles& to);
+  void join_faces(std::span<const std::uint32_t> corners);
+  void join(const HalfEdge& a, const HalfEdge& b);
+  double probe(const Triangles& from, const Triangles& to);
+  std::uint32_t nearest_from(std::uint32_t face, const core::dvec3& point) const;
+  std::uint32_t nearest(const core::dvec3& point, double& square) const;
+  double farthest_square(const Polygon& polygon, const Face& face) const;
+  static core::dvec3 centre_of(const Polygon& polygon);
+  bool accept(const Polygon& polygon, std::uint32_t face);
+  void cover(Polygon polygon, std::uint32_t face, std::uint32_t from, int steps);
+  void refine(const Polygon& polygon, std::uint32_t face);
+  bool bisect(const Polygon& polygon, std::uint32_t face);
+  static bool split(const Polygon& polygon, const double* side, Polygon& inside, Polygon& outside);
+
+  std::vector<Face> faces_;
+  std::vector<HalfEdge> edges_;
+  std::vector<std::uint32_t> seeds_;   // by point: a face near it, or kNone
+  std::vector<std::uint32_t> starts_;  // by triangle: a face near it
+  std::vector<Probe> probes_;
+  std::vector<Half> halves_;  // of polygons of the triangle that is covered, which are yet to be covered
+  core::dvec3 normal_{0.0};   // of the triangle that is covered
+  double rounding_ = 0.0;     // distances below it are rounding
+  double square_ = 0.0;       // of the bound so far
+  double least_ = 0.0;        // square of a distance that some point has
+  double cosine_ = 1.0;       // of the largest angle so far
+  int bisections_ = 0;        // that are left
+};
+
+}  // namespace sightline::lod

@@ -1,0 +1,315 @@
+#include "sightline/lod/internal/surface_deviation.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace sightline::lod {
+namespace {
+
+using core::dvec3;
+
+constexpr int kMostSteps = 24;         // from face to face while a polygon is divided
+constexpr int kMostBisections = 2000;  // of a surface, and three more a triangle
+constexpr std::size_t kMostProbes = 8;
+constexpr double kTight = 1.1 * 1.1;    // of squares: a bound that exceeds a true distance by less is not refined
+constexpr double kRaise = 1.02 * 1.02;  // of squares: the bound rises by a little more than it must, so it rises seldom
+constexpr double kRounding = 1e-12;  // of distances, relative to coordinates: far more than the few roundings of each
+
+/// Nearest point of a triangle (C. Ericson, "Real-time collision detection", 2005, section 5.1.5).
+dvec3 nearest_point(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
+  const dvec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return a;
+  const dvec3 bp = p - b;
+  const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+  if (d3 >= 0.0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return a + d1 / (d1 - d3) * ab;
+  const dvec3 cp = p - c;
+  const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d6 >= 0.0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return a + d2 / (d2 - d6) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  const double sum = va + vb + vc;
+  return a + vb / sum * ab + vc / sum * ac;
+}
+
+double square_of(const dvec3& v) {
+  return glm::dot(v, v);
+}
+
+/// Of a point from a triangle. A degenerate triangle may give no number: the distance from a corner then stands in.
+double square_distance(const dvec3& p, const dvec3 (&t)[3]) {
+  const double square = square_of(p - nearest_point(p, t[0], t[1], t[2]));
+  return square >= 0.0 ? square : square_of(p - t[0]);
+}
+
+dvec3 unit_normal(const dvec3& a, const dvec3& b, const dvec3& c) {
+  const dvec3 normal = glm::cross(b - a, c - a);
+  const double length = glm::length(normal);
+  return length > 0.0 ? normal / length : dvec3(0.0);
+}
+
+}  // namespace
+
+Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to) {
+  if (from.corners.empty()) return {};
+  assert(!to.corners.empty());
+  make_faces(to);
+  double largest = 0.0;
+  for (const std::uint32_t corner : from.corners) {
+    const dvec3 size = glm::abs(from.points[corner]);
+    largest = std::max({largest, size.x, size.y, size.z});
+  }
+  rounding_ = 0.1 * kRounding * largest;
+  least_ = probe(from, to);
+  square_ = std::max(rounding_ * rounding_, least_);
+  cosine_ = 1.0;
+  bisections_ = kMostBisections + int(from.corners.size());
+  for (std::size_t i = 0; i < starts_.size(); ++i) {
+    Polygon triangle;
+    triangle.count = 3;
+    for (std::size_t k = 0; k < 3; ++k) triangle.corners[k] = from.points[from.corners[3 * i + k]];
+    normal_ = unit_normal(triangle.corners[0], triangle.corners[1], triangle.corners[2]);
+    cover(triangle, starts_[i], kNone, 0);
+    while (!halves_.empty()) {
+      const Half half = halves_.back();
+      halves_.pop_back();
+      cover(half.polygon, nearest_from(half.face, centre_of(half.polygon)), kNone, 0);
+    }
+  }
+  return {std::sqrt(square_) * (1.0 + kRounding) + kRounding * largest, std::acos(std::clamp(cosine_, -1.0, 1.0))};
+}
+
+/// Finds a face near each triangle, and returns the square of the distance of some point that lies far from all faces:
+/// the bound cannot be less, and most polygons need not be divided to prove that they lie within it.
+double SurfaceDeviation::probe(const Triangles& from, const Triangles& to) {
+  seeds_.assign(from.points.size(), kNone);
+  for (std::uint32_t i = 0; i < to.corners.size(); ++i) seeds_[to.corners[i]] = i / 3;
+  starts_.clear(), probes_.clear();
+  double square;
+  for (std::size_t i = 0; i < from.corners.size(); i += 3) {
+    const std::uint32_t* corners = &from.corners[i];
+    std::uint32_t face = kNone;
+    for (int k = 0; k < 3 && face == kNone; ++k) face = seeds_[corners[k]];
+    const dvec3 centre = (from.points[corners[0]] + from.points[corners[1]] + from.points[corners[2]]) / 3.0;
+    face = face == kNone ? nearest(centre, square) : nearest_from(face, centre);
+    starts_.push_back(face);
+    probes_.push_back({faces_[face].square_bound(centre), centre});
+    for (int k = 0; k < 3; ++k) {
+      std::uint32_t& seed = seeds_[corners[k]];
+      if (seed != kNone) continue;
+      const dvec3& point = from.points[corners[k]];
+      seed = nearest_from(face, point);
+      probes_.push_back({faces_[seed].square_bound(point), point});
+    }
+  }
+  const std::size_t tries = std::min(kMostProbes, probes_.size());
+  std::partial_sort(probes_.begin(), probes_.begin() + std::ptrdiff_t(tries), probes_.end(),
+                    [](const Probe& a, const Probe& b) { return a.square > b.square; });
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < tries && probes_[i].square > farthest; ++i) {
+    nearest(probes_[i].point, square);
+    farthest = std::max(farthest, square);
+  }
+  return farthest;
+}
+
+void SurfaceDeviation::make_faces(const Triangles& to) {
+  faces_.resize(to.corners.size() / 3);
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    Face& face = faces_[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      face.corners[k] = to.points[to.corners[3 * i + k]];
+      face.neighbours[k] = kNone;
+    }
+    face.normal = unit_normal(face.corners[0], face.corners[1], face.corners[2]);
+    const dvec3 ab = face.corners[1] - face.corners[0], ac = face.corners[2] - face.corners[0];
+    const double area = glm::dot(glm::cross(ab, ac), face.normal);  // twice it
+    face.gradients[0] = area > 0.0 ? glm::cross(ac, face.normal) / area : dvec3(0.0);
+    face.gradients[1] = area > 0.0 ? glm::cross(face.normal, ab) / area : dvec3(0.0);
+  }
+  join_faces(to.corners);
+}
+
+/// Of more than two triangles at an edge, the first two that are left become neighbours, and so on: any choice is
+/// right.
+void SurfaceDeviation::join_faces(std::span<const std::uint32_t> corners) {
+  edges_.clear();
+  for (std::uint32_t i = 0; i < corners.size(); ++i) {
+    const std::uint64_t a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
+    if (a != b) edges_.push_back({std::min(a, b) << 32 | std::max(a, b), i / 3, i % 3, a > b});
+  }
+  std::sort(edges_.begin(), edges_.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return a.ends != b.ends ? a.ends < b.ends : 3 * a.face + a.edge < 3 * b.face + b.edge;
+  });
+  for (std::size_t i = 0; i + 1 < edges_.size(); ++i)
+    if (edges_[i].ends == edges_[i + 1].ends && edges_[i].face != edges_[i + 1].face) {
+      join(edges_[i], edges_[i + 1]);
+      ++i;
+    }
+}
+
+void SurfaceDeviation::join(const HalfEdge& a, const HalfEdge& b) {
+  Face &first = faces_[a.face], &second = faces_[b.face];
+  const auto cut_of = [](const Face& face, std::uint32_t edge, const dvec3& neighbour) {
+    const dvec3 between = face.normal + neighbour;
+    const dvec3 along = face.corners[(edge + 1) % 3] - face.corners[edge];
+    const dvec3 cut = glm::cross(along, square_of(between) > 1e-12 ? between : face.normal);
+    const double length = glm::length(cut);
+    return length > 0.0 ? cut / length : dvec3(0.0);
+  };
+  const double sign = a.reversed == b.reversed ? -1.0 : 1.0;  // neighbours of opposite orientation
+  first.neighbours[a.edge] = b.face;
+  second.neighbours[b.edge] = a.face;
+  first.cuts[a.edge] = cut_of(first, a.edge, sign * second.normal);
+  second.cuts[b.edge] = cut_of(second, b.edge, sign * first.normal);
+}
+
+/// Walks to nearer neighbours until there is none.
+std::uint32_t SurfaceDeviation::nearest_from(std::uint32_t face, const dvec3& point) const {
+  double square = faces_[face].square_bound(point);
+  for (int step = 0; step < kMostSteps; ++step) {
+    std::uint32_t nearer = kNone;
+    for (const std::uint32_t neighbour : faces_[face].neighbours) {
+      if (neighbour == kNone) continue;
+      const double other = faces_[neighbour].square_bound(point);
+      if (other < square) square = other, nearer = neighbour;
+    }
+    if (nearer == kNone) break;
+    face = nearer;
+  }
+  return face;
+}
+
+std::uint32_t SurfaceDeviation::nearest(const dvec3& point, double& square) const {
+  std::uint32_t nearest = 0;
+  square = std::numeric_limits<double>::infinity();
+  for (std::uint32_t i = 0; i < faces_.size(); ++i) {
+    const double other = square_distance(point, faces_[i].corners);
+    if (other < square) square = other, nearest = i;
+  }
+  return nearest;
+}
+
+/// At least the square of the point's distance: that from a point of the face which is the nearest for points above it.
+double SurfaceDeviation::Face::square_bound(const dvec3& point) const {
+  const dvec3 p = point - corners[0];
+  double u = std::max(0.0, glm::dot(gradients[0], p)), v = std::max(0.0, glm::dot(gradients[1], p));
+  const double scale = 1.0 / std::max(1.0, u + v);
+  u *= scale, v *= scale;
+  return square_of(p - u * (corners[1] - corners[0]) - v * (corners[2] - corners[0]));
+}
+
+double SurfaceDeviation::farthest_square(const Polygon& polygon, const Face& face) const {
+  double square = 0.0;
+  for (int i = 0; i < polygon.count; ++i) square = std::max(square, face.square_bound(polygon.corners[i]));
+  return square;
+}
+
+/// Gives the polygon to the face if that does not raise the bound.
+bool SurfaceDeviation::accept(const Polygon& polygon, std::uint32_t face) {
+  if (farthest_square(polygon, faces_[face]) > square_) return false;
+  if (normal_ != dvec3(0.0) && faces_[face].normal != dvec3(0.0))
+    cosine_ = std::min(cosine_, glm::dot(normal_, faces_[face].normal));
+  return true;
+}
+
+/// Divides the polygon among the face, which it lies near, and the faces around. `from`: the face that it came from.
+void SurfaceDeviation::cover(Polygon polygon, std::uint32_t number, std::uint32_t from, int steps) {
+  const Face& face = faces_[number];
+  if (steps < kMostSteps)
+    for (int k = 0; k < 3 && polygon.count < kMostCorners; ++k) {
+      const std::uint32_t neighbour = face.neighbours[k];
+      if (neighbour == kNone || neighbour == from) continue;
+      double side[kMostCorners];
+      bool any_inside = false, any_outside = false;
+      for (int i = 0; i < polygon.count; ++i) {
+        side[i] = glm::dot(face.cuts[k], polygon.corners[i] - face.corners[k]);
+        if (std::abs(side[i]) <= rounding_) side[i] = 0.0;
+        any_outside |= side[i] > 0.0;
+        any_inside |= side[i] < 0.0;
+      }
+      if (!any_outside) continue;
+      if (!any_inside) return cover(polygon, neighbour, number, steps + 1);
+      Polygon inside, outside;
+      if (!split(polygon, side, inside, outside)) continue;
+      cover(outside, neighbour, number, steps + 1);
+      polygon = inside;
+    }
+  if (!accept(polygon, number)) refine(polygon, number);
+}
+
+/// False where rounding has made a polygon that a plane would cut more than twice.
+bool SurfaceDeviation::split(const Polygon& polygon, const double* side, Polygon& inside, Polygon& outside) {
+  int cuts = 0;
+  for (int i = 0; i < polygon.count; ++i) {
+    const int next = i + 1 < polygon.count ? i + 1 : 0;
+    const dvec3 &a = polygon.corners[i], &b = polygon.corners[next];
+    if (side[i] <= 0.0) inside.corners[inside.count++] = a;
+    if (side[i] >= 0.0) outside.corners[outside.count++] = a;
+    if ((side[i] < 0.0 && side[next] > 0.0) || (side[i] > 0.0 && side[next] < 0.0)) {
+      if (++cuts > 2) return false;
+      const dvec3 between = a + side[i] / (side[i] - side[next]) * (b - a);
+      inside.corners[inside.count++] = between;
+      outside.corners[outside.count++] = between;
+    }
+  }
+  return true;
+}
+
+dvec3 SurfaceDeviation::centre_of(const Polygon& polygon) {
+  dvec3 sum(0.0);
+  for (int i = 0; i < polygon.count; ++i) sum += polygon.corners[i];
+  return sum / double(polygon.count);
+}
+
+/// Looks for a better face among those nearest to the corners and the centre. Where there is none, raises the bound if
+/// some point is known to be about that far from the surface, and bisects the polygon otherwise.
+void SurfaceDeviation::refine(const Polygon& polygon, std::uint32_t face) {
+  double best = farthest_square(polygon, faces_[face]);
+  std::uint32_t best_face = face;
+  const auto consider = [&](std::uint32_t other) {
+    const double square = farthest_square(polygon, faces_[other]);
+    if (square < best) best = square, best_face = other;
+  };
+  for (int i = 0; i < polygon.count && best > square_; ++i) consider(nearest_from(face, polygon.corners[i]));
+  if (best > square_) consider(nearest_from(face, centre_of(polygon)));
+  if (best > std::max(square_, kTight * least_)) {
+    const auto* farthest = std::max_element(polygon.corners, polygon.corners + polygon.count, [&](auto& a, auto& b) {
+      return faces_[best_face].square_bound(a) < faces_[best_face].square_bound(b);
+    });
+    double square;
+    consider(nearest(*farthest, square));
+    least_ = std::max(least_, square);
+  }
+  if (best > square_) {
+    if (best > kTight * least_ && bisections_-- > 0 && bisect(polygon, best_face)) return;
+    square_ = kRaise * best;
+  }
+  accept(polygon, best_face);
+}
+
+/// Cuts the polygon across its longest edge; the halves wait in `halves_`. False if it is too small, or has too many
+/// corners.
+bool SurfaceDeviation::bisect(const Polygon& polygon, std::uint32_t face) {
+  int longest = 0;
+  const auto edge = [&](int i) { return polygon.corners[(i + 1) % polygon.count] - polygon.corners[i]; };
+  for (int i = 1; i < polygon.count; ++i)
+    if (square_of(edge(i)) > square_of(edge(longest))) longest = i;
+  const dvec3 along = edge(longest), middle = polygon.corners[longest] + 0.5 * along;
+  if (square_of(along) <= 0.01 * least_ || polygon.count == kMostCorners) return false;
+  double side[kMostCorners];
+  for (int i = 0; i < polygon.count; ++i) side[i] = glm::dot(along, polygon.corners[i] - middle);
+  Half low{face, {}}, high{face, {}};
+  if (!split(polygon, side, low.polygon, high.polygon)) return false;
+  halves_.push_back(low);
+  halves_.push_back(high);
+  return true;
+}
+
+}  // namespace sightline::lod

@@ -1,0 +1,189 @@
+// Levels of meshes: the finest shows the mesh, every cut shows it within the proven error, and closed meshes stay
+// closed.
+#include "sightline/lod/mesh_levels.h"
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "sightline/tests/lod/surface_twin.h"
+#include "sightline/tests/support/effort.h"
+
+namespace sightline::tests::mesh_levels_test {
+namespace {
+
+using lod::Cluster;
+using lod::MeshLevels;
+
+std::vector<NamedMesh> all_meshes(std::uint64_t seed) {
+  std::vector<NamedMesh> meshes = ordinary_meshes();
+  for (NamedMesh& mesh : hostile_meshes(seed)) meshes.push_back(std::move(mesh));
+  return meshes;
+}
+
+/// Triangles of a cut: clusters that nothing simplifies further, of groups that are simplified.
+std::vector<std::uint32_t> corners_of(const MeshLevels& levels, const std::function<bool(std::uint32_t)>& simplified) {
+  std::vector<std::uint32_t> corners;
+  for (const Cluster& cluster : levels.clusters)
+    if ((cluster.made_by == core::kNone || simplified(cluster.made_by)) &&
+        (cluster.goes_into == core::kNone || !simplified(cluster.goes_into)))
+      corners.insert(corners.end(), levels.indices.begin() + cluster.first_index,
+                     levels.indices.begin() + cluster.first_index + cluster.index_count);
+  return corners;
+}
+
+/// Groups of a random cut: each only if the groups below it are.
+std::vector<bool> random_cut(const MeshLevels& levels, double share, MeshRandom& random) {
+  std::vector<bool> may(levels.groups.size(), true), cut(levels.groups.size());
+  std::vector<std::vector<std::uint32_t>> above(levels.groups.size());
+  for (const Cluster& cluster : levels.clusters)
+    if (cluster.made_by != core::kNone && cluster.goes_into != core::kNone)
+      above[cluster.made_by].push_back(cluster.goes_into);
+  for (std::uint32_t group = 0; group < cut.size(); ++group) {
+    cut[group] = may[group] && between(random, 0, 1) < share;
+    if (!cut[group])
+      for (const std::uint32_t other : above[group]) may[other] = false;
+  }
+  return cut;
+}
+
+double error_of(const MeshLevels& levels, const std::vector<bool>& cut) {
+  double error = 0.0;
+  for (std::size_t i = 0; i < cut.size(); ++i)
+    if (cut[i]) error = std::max(error, double(levels.groups[i].error));
+  return error;
+}
+
+using Triangle = std::array<float, 18>;
+std::multiset<Triangle> triangles(const core::Mesh& mesh, std::span<const std::uint32_t> corners) {
+  std::multiset<Triangle> all;
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    Triangle t{};
+    for (std::size_t k = 0; k < 9; ++k) {
+      t[k] = mesh.positions[corners[i + k / 3]][int(k % 3)];
+      if (!mesh.normals.empty()) t[9 + k] = mesh.normals[corners[i + k / 3]][int(k % 3)];
+    }
+    all.insert(t);
+  }
+  return all;
+}
+
+TEST(MeshLevels, FirstClustersAreTheMesh) {
+  for (const NamedMesh& named : all_meshes(1)) {
+    const MeshLevels levels = lod::build_levels(named.mesh);
+    const auto count = [&](std::uint32_t first, std::uint32_t end) {
+      std::size_t indices = 0;
+      for (std::uint32_t i = first; i < end; ++i) indices += levels.clusters[i].index_count;
+      return indices;
+    };
+    ASSERT_EQ(count(0, levels.mesh_clusters), named.mesh.indices.size()) << named.name;
+    EXPECT_EQ(count(0, std::uint32_t(levels.clusters.size())), levels.indices.size()) << named.name;
+    EXPECT_EQ(triangles(named.mesh, std::span(levels.indices).first(named.mesh.indices.size())),
+              triangles(named.mesh, named.mesh.indices))
+        << named.name;
+  }
+}
+
+TEST(MeshLevels, HoldTogether) {
+  for (const NamedMesh& named : all_meshes(2)) {
+    SCOPED_TRACE(named.name);
+    const MeshLevels levels = lod::build_levels(named.mesh);
+    std::uint32_t next = 0;
+    for (const Cluster& cluster : levels.clusters) {
+      EXPECT_EQ(cluster.first_index, next);
+      next += cluster.index_count;
+      EXPECT_GT(cluster.index_count, 0u);
+      EXPECT_LE(cluster.index_count, 3 * lod::kClusterTriangles);
+      for (std::uint32_t i = 0; i < cluster.index_count; ++i) {
+        const core::vec3& p = named.mesh.positions[levels.indices[cluster.first_index + i]];
+        EXPECT_TRUE(glm::all(glm::greaterThanEqual(p, cluster.box.min)) &&
+                    glm::all(glm::lessThanEqual(p, cluster.box.max)));
+      }
+      if (cluster.goes_into == core::kNone) continue;
+      const lod::ClusterGroup& above = levels.groups[cluster.goes_into];
+      core::Aabb box = above.box;
+      box.grow(cluster.box);
+      EXPECT_TRUE(box.min == above.box.min && box.max == above.box.max);
+      if (cluster.made_by == core::kNone) continue;
+      const lod::ClusterGroup& below = levels.groups[cluster.made_by];
+      EXPECT_LT(cluster.made_by, cluster.goes_into);
+      EXPECT_LE(below.error, above.error);
+      EXPECT_LE(below.angle, above.angle);
+      box.grow(below.box);
+      EXPECT_TRUE(box.min == above.box.min && box.max == above.box.max);
+    }
+  }
+}
+
+TEST(MeshLevels, EveryCutLiesWithinTheProvenError) {
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(1)); ++seed)
+    for (const NamedMesh& named : all_meshes(seed)) {
+      SCOPED_TRACE(named.name + ", seed " + std::to_string(seed));
+      MeshRandom random(seed);
+      const MeshLevels levels = lod::build_levels(named.mesh);
+      const SurfaceTwin mesh(named.mesh.positions, named.mesh.indices);
+      for (const double share : {0.5, 0.8, 1.0}) {
+        const std::vector<bool> cut = random_cut(levels, share, random);
+        const double error = error_of(levels, cut);
+        const SurfaceTwin shown(named.mesh.positions,
+                                corners_of(levels, [&](std::uint32_t group) { return cut[group]; }));
+        if (shown.triangles() == 0) continue;
+        const double rounding = 1e-14 * mesh.size();
+        EXPECT_LE(shown.farthest_from(mesh, repeated(1000), random), error + rounding);
+        EXPECT_LE(mesh.farthest_from(shown, repeated(1000), random), error + rounding);
+      }
+    }
+}
+
+TEST(MeshLevels, ClosedMeshesStayClosedAtEveryCut) {
+  for (const NamedMesh& named : ordinary_meshes()) {
+    if (named.name.starts_with("open")) continue;
+    SCOPED_TRACE(named.name);
+    ASSERT_NE(core::enclosure(named.mesh), core::Enclosure::kNothing);
+    const MeshLevels levels = lod::build_levels(named.mesh);
+    MeshRandom random(7);
+    for (int i = 0; i < repeated(20); ++i) {
+      const std::vector<bool> cut = random_cut(levels, between(random, 0.3, 1.0), random);
+      core::Mesh shown;
+      shown.positions = named.mesh.positions;
+      shown.indices = corners_of(levels, [&](std::uint32_t group) { return cut[group]; });
+      EXPECT_EQ(core::enclosure(shown), core::enclosure(named.mesh));
+    }
+  }
+}
+
+TEST(MeshLevels, GetCoarse) {
+  for (const NamedMesh& named : ordinary_meshes()) {
+    const MeshLevels levels = lod::build_levels(named.mesh);
+    const auto coarsest = corners_of(levels, [](std::uint32_t) { return true; });
+    const bool cannot = named.name.find("shells") != std::string::npos;
+    EXPECT_LE(coarsest.size(), cannot ? named.mesh.indices.size() / 4 : 3 * 64u) << named.name;
+  }
+}
+
+TEST(MeshLevels, DoNotDependOnThreads) {
+  const core::Mesh mesh = terrain(120, 1.3);
+  const MeshLevels one = lod::build_levels(mesh, 1), several = lod::build_levels(mesh, 4);
+  EXPECT_EQ(one.indices, several.indices);
+  ASSERT_EQ(one.groups.size(), several.groups.size());
+  for (std::size_t i = 0; i < one.groups.size(); ++i) EXPECT_EQ(one.groups[i].error, several.groups[i].error);
+}
+
+TEST(MeshLevels, NeedEnoughTrianglesAndFiniteCoordinates) {
+  core::Mesh mesh = terrain(3, 1.0);
+  EXPECT_FALSE(lod::needs_levels(mesh));
+  EXPECT_TRUE(lod::build_levels(mesh).empty());
+  mesh = terrain(8, 1.0);
+  EXPECT_FALSE(lod::build_levels(mesh).empty());
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    mesh.positions[5].y = bad;
+    EXPECT_TRUE(lod::build_levels(mesh).empty());
+  }
+  EXPECT_TRUE(lod::build_levels(core::Mesh()).empty());
+}
+
+}  // namespace
+}  // namespace sightline::tests::mesh_levels_test
