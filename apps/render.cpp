@@ -435,6 +435,7 @@ core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& pa
   if (!model) return tl::unexpected(model.error());
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());
+  if (auto done = engine->finish_levels(); !done) return tl::unexpected(done.error());
   if (o.model.explain) apps::explain(engine->plan());
   if (auto done = apps::apply_styles(o.styles, *model->scene, *engine); !done) return tl::unexpected(done.error());
   return Studio{std::move(*model), std::move(*engine), *size, std::move(*tiles)};

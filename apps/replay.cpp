@@ -357,6 +357,7 @@ core::Expected<Flown> prepare(const Options& o, const engine::ScenePart& part) {
   if (!model) return tl::unexpected(model.error());
   auto engine = engine::Engine::create(*model->scene, *config);
   if (!engine) return tl::unexpected(engine.error());
+  if (auto done = engine->finish_levels(); !done) return tl::unexpected(done.error());
   if (o.model.explain) apps::explain(engine->plan());
   std::optional<core::Snapshot> whole;  // the tour is that of the whole
   if (part.count > 1) whole.emplace(*model->scene);

@@ -17,6 +17,7 @@ PlanRequest plan_request(const EngineConfig& config, bool picks) {
           config.culling.occlusion,
           config.losses.min_projected_area > 0.0f,
           config.losses.budget_ms > 0.0,
+          config.losses.lod_error > 0.0,
           config.drawing.depth_shading.any(),
           config.drawing.hatching.any(),
           picks,
@@ -29,6 +30,7 @@ core::Expected<void> check(const EngineConfig& config) {
   if (config.context.later && config.context.application)
     return core::fail("engine: context_later means that there is no context yet, and there is one");
   if (!(config.losses.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
+  if (!(config.losses.lod_error >= 0.0)) return core::fail("engine: lod_error must be 0 or more pixels");
   for (const float strength : {config.drawing.depth_shading.strength, config.drawing.depth_shading.edge_lines})
     if (!(strength >= 0.0f && strength <= 1.0f))
       return core::fail("engine: strength and edge_lines of depth_shading must be between 0 and 1");
@@ -40,7 +42,8 @@ core::Expected<void> check(const EngineConfig& config) {
       config.culling.part.index >= config.culling.part.count)
     return core::fail("engine: part must have an index from 0 on and below its count");
   if (config.culling.culler == CullerChoice::kGpu && plan_request(config, false).needs_cpu())
-    return core::fail("engine: min_projected_area and budget_ms need a culler on the CPU, and culler is gpu");
+    return core::fail(
+        "engine: min_projected_area, budget_ms and lod_error need a culler on the CPU, and culler is gpu");
   return {};
 }
 
@@ -235,6 +238,11 @@ MemoryReport Engine::memory() const {
 void Engine::paused() {
   state_->last_frame_began = -1.0;
   if (state_->hybrid) state_->hybrid->paused();
+}
+
+core::Expected<void> Engine::finish_levels() {
+  const auto kept = state_->keep_state();
+  return unless_lost(*state_, state_->backend->finish_levels(*state_->live.snapshot));
 }
 
 void Engine::finish() {

@@ -154,6 +154,10 @@ struct LossConfig {
   /// view and scene stay the same, each frame draws more of it, until the image is complete; then frames draw
   /// nothing. The CPU must cull, as above. Every frame is waited for.
   double budget_ms = 0.0;
+  /// Draw meshes by coarser levels of detail (lod/mesh_levels.h), whose surface lies within so many pixels of the
+  /// original one in the image; 0: by their own triangles. Levels are built in the background; until a mesh's are ready
+  /// its own triangles are drawn. Meshes that a section plane cuts are drawn in full there. Culled on the CPU alone.
+  double lod_error = 0.0;
 };
 
 /// The GL context that an engine draws in.
@@ -346,10 +350,10 @@ class SIGHTLINE_API Engine {
   core::Expected<void> set_culler(CullerChoice choice);
   const EngineConfig& config() const;
   /// Uses other settings from the next frame on: culler, controller, sample_test, occlusion, min_projected_area,
-  /// contribution_mode, budget_ms, culled_colour, outline_colour, depth shading and hatching. The others must be as
-  /// they are (config()). What that needs is made, as in set_culler(). A rebuild in the background goes on unless the
-  /// plan names another culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion or the
-  /// plan's culler change. Fails where create() would, and on other changes; then nothing has changed.
+  /// contribution_mode, budget_ms, lod_error, culled_colour, outline_colour, depth shading and hatching. The others
+  /// must be as they are (config()). What that needs is made, as in set_culler(). A rebuild in the background goes on
+  /// unless the plan names another culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion
+  /// or the plan's culler change. Fails where create() would, and on other changes; then nothing has changed.
   core::Expected<void> configure(const EngineConfig& config);
   /// Draws in another size, in pixels, from the next frame on. The old image is gone. Fails on sizes that the context
   /// does not support; then nothing has changed.
@@ -438,6 +442,9 @@ class SIGHTLINE_API Engine {
 
   /// Waits until everything submitted is drawn.
   void finish();
+  /// Waits until the levels of detail that EngineConfig::losses.lod_error asks for are built, about 3 us a triangle on
+  /// one core, and uploaded: then frames need not begin with whole meshes. Fails when the GPU has not enough memory.
+  core::Expected<void> finish_levels();
 
   const Plan& plan() const;
   const core::Snapshot& snapshot() const;

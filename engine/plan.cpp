@@ -16,8 +16,10 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, const PlanRequest&
   std::string gpu_why = "not asked for";
   if (choice == CullerChoice::kHybrid && request.needs_cpu()) {
     choice = CullerChoice::kAutomatic;
-    gpu_why =
-        std::string(request.budget ? "a frame budget" : "a contribution threshold") + " needs a culler on the CPU";
+    gpu_why = std::string(request.budget         ? "a frame budget"
+                          : request.contribution ? "a contribution threshold"
+                                                 : "a choice of levels of detail") +
+              " needs a culler on the CPU";
   } else if (choice == CullerChoice::kHybrid && n < kSmallHybridScene) {
     choice = CullerChoice::kAutomatic;
     gpu_why = count_text(n) + ", fewer than " + std::to_string(kSmallHybridScene) + ": too few to profit";
@@ -60,6 +62,7 @@ void plan_losses(Plan& plan, const PlanRequest& request) {
   };
   note("contribution threshold", request.contribution);
   note("frame budget", request.budget);
+  note("levels of detail", request.levels);
 }
 
 void plan_tracer(Plan& plan, [[maybe_unused]] bool picks) {

@@ -1,6 +1,5 @@
 // Functions of Engine about edits and the order of the items.
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include "sightline/core/internal/sort_unique.h"
@@ -41,8 +40,7 @@ core::SceneDelta first_of(core::SceneDelta& delta) {
 }
 
 /// Remembers for picks which nodes hold these items. Items keep their nodes.
-template <class Items>
-void note_nodes([[maybe_unused]] EngineState& s, [[maybe_unused]] const Items& items) {
+void note_nodes([[maybe_unused]] EngineState& s, [[maybe_unused]] std::span<const core::ItemId> items) {
 #if SIGHTLINE_HAS_RAYTRACE
   s.nodes.resize(s.scene->item_slots());
   for (const core::ItemId item : items)
@@ -51,9 +49,10 @@ void note_nodes([[maybe_unused]] EngineState& s, [[maybe_unused]] const Items& i
 }
 
 /// All ids that the scene has given, those of removed items included.
-auto all_ids(const core::Scene& scene) {
-  return std::views::iota(std::uint32_t(0), std::uint32_t(scene.item_slots())) |
-         std::views::transform([](std::uint32_t index) { return core::ItemId{index}; });
+std::vector<core::ItemId> all_ids(const core::Scene& scene) {
+  std::vector<core::ItemId> ids(scene.item_slots());
+  for (std::uint32_t i = 0; i < ids.size(); ++i) ids[i] = core::ItemId{i};
+  return ids;
 }
 
 /// Updates everything that depends on the plan and on the order of the items, except the CPU culler.

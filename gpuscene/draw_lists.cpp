@@ -113,14 +113,31 @@ void DrawLists::list_records(const Batch& batch) {
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
-/// Commands that show only front faces come first.
-void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const core::View* drawn) {
+void DrawLists::list_cut(const Snapshot& snapshot, const MeshPool& pool, Slot slot, const ElementsCommand& whole,
+                         const lod::ImageError& error) {
+  const std::uint32_t record = whole.base_instance;
+  cuts_.choose(*pool.levels(record), {error, snapshot.world_from_item(slot)}, ranges_);
+  ElementsCommand command = whole;
+  for (const lod::IndexRange& range : ranges_) {
+    command.first_index = pool.first_level_index(record) + range.first;
+    command.count = range.count;
+    both_faces_.push_back(command);
+  }
+}
+
+/// Commands that show only front faces come first. Cuts show both.
+void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const core::View* drawn,
+                            const lod::ImageError* error) {
   const std::size_t begin = command_list_.size();
   const ShownMeshes shown(snapshot, drawn);
   both_faces_.clear();
   for (const Slot slot : visible_.meshes) {
     const std::uint32_t record = GpuScene::record_of(snapshot, slot);
     ElementsCommand command = pool.commands()[record];
+    if (error && pool.levels(record)) {
+      if (command.instance_count > 0) list_cut(snapshot, pool, slot, command, *error);
+      continue;
+    }
     const std::uint32_t solid = pool.solid_indices(record);
     if (solid > 0 && shown.shows_fronts_alone(slot)) {
       command_list_.push_back(command);
@@ -136,7 +153,7 @@ void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, cons
 }
 
 core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                                       const core::View* drawn) {
+                                       const core::View* drawn, const lod::ImageError* error) {
   sections_ = {};
   from_gpu_ = false;
   frame_ = (frame_ + 1) % kFramesInFlight;
@@ -150,7 +167,7 @@ core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene&
   single_list_.clear();
   for (const Batch& b : scene.batches()) {
     if (b.kind == BatchKind::kMesh) {
-      list_meshes(snapshot, scene.meshes(), drawn);
+      list_meshes(snapshot, scene.meshes(), drawn, error);
     } else {
       list_records(b);
     }

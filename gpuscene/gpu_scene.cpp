@@ -273,6 +273,11 @@ core::Expected<bool> GpuScene::make_room(BatchKind kind, std::size_t records) {
   return enlarge(*gl_, *place, needed + needed / 2).map([] { return true; });
 }
 
+core::Expected<void> GpuScene::add_levels(std::span<const LevelsOfMesh> levels) {
+  for (const LevelsOfMesh& of : levels) meshes_.add_levels(*of.mesh, of.levels);
+  return meshes_.flush(*gl_);
+}
+
 void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed, const gpuprims::Joints& joints) {
   for_each_batch(snapshot, changed, [&](const Batch& target, const Changed& now) {
     const std::vector<Texel> texels = pack_slots(snapshot, joints, target.kind, now.slots);

@@ -57,6 +57,7 @@ void MeshPool::update(const Snapshot& snapshot, Slot slot, std::uint32_t record)
   if (--shape.users > 0) return;
   vertices_.space.give_back(shape.first_vertex, shape.vertex_count);
   indices_.space.give_back(shape.first_index, shape.index_count);
+  if (shape.levels) indices_.space.give_back(shape.first_level, std::uint32_t(shape.levels->indices.size()));
   shape_of_mesh_.erase(shape.mesh.get());
   shape = {};
   unused_shapes_.push_back(index);
@@ -96,6 +97,21 @@ void MeshPool::stage(Shape& shape) {
   shape.first_index = indices_.begin_run(shape.index_count);
   indices_.staged.insert(indices_.staged.end(), mesh.indices.begin(), mesh.indices.end());
   shape.solid_indices = solid_shells_first(mesh.positions, std::span(indices_.staged).last(mesh.indices.size()));
+}
+
+void MeshPool::add_levels(const core::Mesh& mesh, std::shared_ptr<const lod::MeshLevels> levels) {
+  const auto place = shape_of_mesh_.find(&mesh);
+  if (place == shape_of_mesh_.end() || levels->empty()) return;
+  Shape& shape = shapes_[place->second];
+  if (shape.levels) return;
+  shape.first_level = indices_.begin_run(levels->indices.size());
+  indices_.staged.insert(indices_.staged.end(), levels->indices.begin(), levels->indices.end());
+  shape.levels = std::move(levels);
+}
+
+const lod::MeshLevels* MeshPool::levels(std::uint32_t record) const {
+  const std::uint32_t shape = shape_of_record_[record];
+  return shape == kNone ? nullptr : shapes_[shape].levels.get();
 }
 
 core::Expected<void> MeshPool::reserve_as(const gl::Functions& gl, const MeshPool& other) {

@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <limits>
 
+#if SIGHTLINE_HAS_MESHOPT
 #include <meshoptimizer.h>
+#endif
 
 namespace sightline::lod {
+
+#if SIGHTLINE_HAS_MESHOPT
 namespace {
 
 using core::vec3;
@@ -51,5 +55,12 @@ std::vector<std::uint32_t> simplify(std::span<const vec3> positions, std::span<c
       kept.insert(kept.end(), result.begin() + std::ptrdiff_t(i), result.begin() + std::ptrdiff_t(i + 3));
   return kept;
 }
+
+#else
+std::vector<std::uint32_t> simplify(std::span<const core::vec3>, std::span<const std::uint32_t> corners,
+                                    std::span<const std::uint8_t>, std::size_t) {
+  return {corners.begin(), corners.end()};
+}
+#endif
 
 }  // namespace sightline::lod

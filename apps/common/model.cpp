@@ -211,6 +211,7 @@ void DrawnOptions::apply(engine::EngineConfig& config) const {
   config.culling.occlusion = occlusion;
   config.losses.min_projected_area = min_projected_area;
   config.losses.budget_ms = budget_ms;
+  config.losses.lod_error = lod_error;
   config.losses.contribution_mode = contribution_mode;
   config.drawing.depth_shading = depth_shading;
   config.drawing.hatching = hatching;
@@ -245,6 +246,10 @@ void add_drawn_options(CommandLine& line, DrawnOptions& options) {
       .not_negative();
   line.add("--budget", options.budget_ms,
            "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
+      .shows_default()
+      .not_negative();
+  line.add("--lod-error", options.lod_error,
+           "Draw meshes by coarser levels of detail that lie within so many pixels of them, proven; 0: in full")
       .shows_default()
       .not_negative();
   add_contribution_mode_option(line, "--contribution-mode",

@@ -82,7 +82,7 @@ struct DrawnOptions {
   engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
   float min_projected_area = 0.0f;
   engine::ContributionMode contribution_mode = engine::ContributionMode::kDrop;
-  double budget_ms = 0.0;
+  double budget_ms = 0.0, lod_error = 0.0;
   engine::DepthShading depth_shading;
   engine::Hatching hatching;
 

@@ -78,6 +78,7 @@ sl_engine_config config_of(const engine::EngineConfig& from) {
   to.contribution_mode = std::int32_t(from.losses.contribution_mode);
   to.min_projected_area = from.losses.min_projected_area;
   to.budget_ms = from.losses.budget_ms;
+  to.lod_error = from.losses.lod_error;
   to.samples = from.drawing.samples;
   to.use_culled_colour = from.drawing.culled_colour.has_value();
   write_vector(from.drawing.culled_colour.value_or(core::vec3(0.0f)), to.culled_colour);
@@ -110,6 +111,7 @@ engine::EngineConfig config_of(const sl_engine_config& from, const culling::Cont
   config.losses.min_projected_area = from.min_projected_area;
   config.losses.contribution_mode = enum_of<engine::ContributionMode>(from.contribution_mode, 3, "contribution_mode");
   config.losses.budget_ms = from.budget_ms;
+  config.losses.lod_error = from.lod_error;
   if (from.use_culled_colour) config.drawing.culled_colour = glm::make_vec3(from.culled_colour);
   config.drawing.samples = from.samples;
   config.context.gl_state = enum_of<engine::GlState>(from.gl_state, 2, "gl_state");

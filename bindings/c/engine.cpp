@@ -221,6 +221,11 @@ sl_status sl_engine_finish(sl_engine handle) {
   return with_engine(__func__, handle, Access::kEdit, [](const EngineUse& engine) { engine->finish(); });
 }
 
+sl_status sl_engine_finish_levels(sl_engine handle) {
+  return with_engine(__func__, handle, Access::kEdit,
+                     [](const EngineUse& engine) { value_of(engine->finish_levels()); });
+}
+
 sl_status sl_engine_get(sl_engine handle, sl_engine_info* info) {
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     const engine::MemoryReport memory = engine->memory();

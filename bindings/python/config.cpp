@@ -134,6 +134,7 @@ const std::array<Setting, kChangeableSettings> kChangeable = {
     plain<&EngineConfig::losses, &engine::LossConfig::min_projected_area>("min_projected_area"),
     named<&EngineConfig::losses, &engine::LossConfig::contribution_mode>("contribution_mode"),
     plain<&EngineConfig::losses, &engine::LossConfig::budget_ms>("budget_ms"),
+    plain<&EngineConfig::losses, &engine::LossConfig::lod_error>("lod_error"),
     Setting{"culled_colour",
             [](const EngineConfig& c) -> py::object {
               return c.drawing.culled_colour ? colour(*c.drawing.culled_colour) : py::none();

@@ -343,6 +343,9 @@ void bind_frames(EngineClass& c) {
           "finish", [](EngineBox& b) { b.call([](engine::Engine& e) { e.finish(); }); },
           "Waits until everything submitted is drawn.")
       .def(
+          "finish_levels", [](EngineBox& b) { b.call([](engine::Engine& e) { return e.finish_levels(); }); },
+          "Waits until the levels of detail that `lod_error` asks for are built and uploaded.")
+      .def(
           "paused", [](EngineBox& b) { b.call([](engine::Engine& e) { e.paused(); }); },
           "Nothing was drawn for a while: the next frame_ms does not count that time.")
       .def(
@@ -522,6 +525,7 @@ constexpr const char* kEngineDoc =
     "min_projected_area: leave out items below so many pixels; contribution_mode: \"drop\", \"points\", "
     "\"stochastic\".\n"
     "budget_ms: time for a frame; 0: any.\n"
+    "lod_error: pixels that a mesh may be drawn elsewhere by coarser levels of detail; 0: none.\n"
     "culled_colour: (r, g, b) of what the tests leave out, in frames with a `cull_view`.\n"
     "outline_colour: (r, g, b) of outlines.\n"
     "depth_shading, edge_lines: 0 to 1, darkness of corners and along edges, by depth.\n"

@@ -26,16 +26,23 @@ culling::ContributionTest DrawContext::contribution_test(const core::View& view,
   return {view, snapshot.bounds().origin, target().width(), target().height(), solid_areas.of(snapshot)};
 }
 
+core::Expected<void> DrawContext::list(const core::View& view, const core::Snapshot& snapshot,
+                                       const core::VisibleSet& set) {
+  if (config.losses.lod_error <= 0.0) return lists->update(snapshot, *scene, set, &view);
+  const lod::ImageError error(view, target().width(), target().height(), config.losses.lod_error);
+  return lists->update(snapshot, *scene, set, &view, &error);
+}
+
 core::Expected<void> DrawContext::draw(const core::View& view, const core::Snapshot& snapshot,
                                        const core::VisibleSet& set) {
-  if (auto done = lists->update(snapshot, *scene, set, &view); !done) return done;
+  if (auto done = list(view, snapshot, set); !done) return done;
   return renderer->draw(view, snapshot, *scene, *lists, target());
 }
 
 core::Expected<void> DrawContext::draw_more(const core::View& view, const core::Snapshot& snapshot,
                                             const core::VisibleSet& set, const render::RenderTarget& onto,
                                             const gl::TextureBuffer* materials) {
-  if (auto done = lists->update(snapshot, *scene, set, &view); !done) return done;
+  if (auto done = list(view, snapshot, set); !done) return done;
   return renderer->draw_more(view, snapshot, *scene, *lists, onto, materials);
 }
 

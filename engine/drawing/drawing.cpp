@@ -13,7 +13,8 @@
 namespace sightline::engine {
 namespace {
 
-constexpr double kBudgetShare = 0.93;  // of a frame's budget, to draw in
+constexpr double kLevelsSeconds = 0.004;  // of a frame, to upload levels of detail
+constexpr double kBudgetShare = 0.93;     // of a frame's budget, to draw in
 
 struct KeptCurrentContext : KeptState {
   gl::CurrentContext context;
@@ -159,6 +160,7 @@ core::Expected<void> Drawing::take_upload(const core::Snapshot& snapshot) {
   culling_.use(std::move(content.culler));
   context_.scene = std::move(content.scene);
   context_.lists = std::move(content.lists);
+  context_.mesh_details.forget_scene();
   if (content.renderer) context_.renderer = std::move(content.renderer);
   overlays_.translucent().reset(snapshot);
   if (!context_.renderer) return {};
@@ -219,6 +221,7 @@ core::Expected<void> Drawing::update(Edit edit, const core::Snapshot& snapshot, 
   const auto larger = context_.scene->append(snapshot, joints);
   if (!larger) return rebuild(snapshot, joints, culling_.culler());  // the scene is of no use then
   context_.scene->update(snapshot, touched, joints);
+  context_.mesh_details.follow(snapshot, touched);
   if (*larger)
     if (auto done = follow_batches(snapshot); !done) return done;
   return follow_edit(edit, snapshot, touched, materials);
@@ -325,6 +328,8 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
   DrawResult result;
   if (!context_.renderer && !request.on_gpu) return result;
   if (auto current = make_current(); !current) return tl::unexpected(current.error());
+  if (auto done = follow_levels(request.culled.snapshot, core::deadline_in(kLevelsSeconds)); !done)
+    return tl::unexpected(done.error());
   context_.external = request.target ? std::optional(*request.target) : std::nullopt;
   context_.image->composed = false;
   const bool aside = !core::same_image(request.view, request.culled.view);
@@ -379,6 +384,19 @@ std::optional<LateReport> Drawing::take_late_report() {
   if (!feedback) return std::nullopt;
   return LateReport{feedback->frame, std::int64_t(feedback->visible), feedback->time_ms.value_or(-1.0),
                     context_.config.draw ? std::int64_t(feedback->items_drawn) : -1};
+}
+
+/// Gives the GPU scene levels of detail that are ready, where they are asked for.
+core::Expected<void> Drawing::follow_levels(const core::Snapshot& snapshot, core::Deadline deadline) {
+  if (context_.config.losses.lod_error <= 0.0 || !context_.renderer) return {};
+  return context_.mesh_details.advance(snapshot, *context_.scene, deadline);
+}
+
+core::Expected<void> Drawing::finish_levels(const core::Snapshot& snapshot) {
+  if (auto current = make_current(); !current) return current;
+  if (auto done = follow_levels(snapshot, core::deadline_in(0.0)); !done) return done;
+  context_.mesh_details.wait();
+  return follow_levels(snapshot, core::kNoDeadline);
 }
 
 void Drawing::finish() {

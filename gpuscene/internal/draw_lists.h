@@ -25,6 +25,7 @@
 #include "sightline/gl/internal/vertex_array.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/gpuscene/internal/visible_records.h"
+#include "sightline/lod/internal/cut.h"
 
 namespace sightline::gpuscene {
 
@@ -52,10 +53,11 @@ class DrawLists {
   static core::Expected<DrawLists> create(const gl::Context& context, const GpuScene& scene);
 
   /// Translates and uploads a visible set of `snapshot`, the one that `scene` was made from. With `drawn`, the view
-  /// that will draw the lists, it sets Section::front_only. Fails when the GPU has not enough memory; then the lists
+  /// that will draw the lists, it sets Section::front_only. With `error`, of the same view, meshes that have levels are
+  /// drawn by a cut of them. Fails when the GPU has not enough memory; then the lists
   /// are empty.
   core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                              const core::View* drawn = nullptr);
+                              const core::View* drawn = nullptr, const lod::ImageError* error = nullptr);
 
   /// Marks all places of the targets as unused. With Counting::kCuller it marks only those that draws would read:
   /// commands of meshes without ARB_indirect_parameters. The first call allocates room for all of `scene`, and the
@@ -97,7 +99,10 @@ class DrawLists {
 
  private:
   void list_records(const Batch& batch);
-  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const core::View* drawn);
+  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const core::View* drawn,
+                   const lod::ImageError* error);
+  void list_cut(const core::Snapshot& snapshot, const MeshPool& pool, core::Slot slot, const ElementsCommand& whole,
+                const lod::ImageError& error);
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();
@@ -118,6 +123,8 @@ class DrawLists {
   VisibleRecords visible_;
   std::vector<ElementsCommand> command_list_, both_faces_;
   std::vector<std::uint32_t> single_list_;
+  lod::CutChooser cuts_;
+  std::vector<lod::IndexRange> ranges_;
 
   /// Buffers that the GPU fills. One copy is enough: the GPU works in order.
   struct GpuLists {

@@ -70,6 +70,14 @@ class GpuScene {
   /// when added ones do not fit. Fails when the GPU has not enough memory; then nothing has changed.
   core::Expected<void> update_materials(const core::Snapshot& snapshot, std::span<const std::uint32_t> edited);
 
+  struct LevelsOfMesh {
+    std::shared_ptr<const core::Mesh> mesh;
+    std::shared_ptr<const lod::MeshLevels> levels;
+  };
+  /// Takes in levels of meshes that records have. Fails when the GPU has not enough memory; then the scene is of no
+  /// use.
+  core::Expected<void> add_levels(std::span<const LevelsOfMesh> levels);
+
   const std::vector<Batch>& batches() const { return batches_; }
   const Batch* batch(BatchKind kind) const;  ///< null when the scene has none
   const MeshPool& meshes() const { return meshes_; }

@@ -9,6 +9,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/gl/internal/buffer.h"
 #include "sightline/gpuscene/internal/free_space.h"
+#include "sightline/lod/mesh_levels.h"
 
 namespace sightline::gpuscene {
 
@@ -47,6 +48,12 @@ class MeshPool {
   /// Takes as much memory as another pool has, before the first flush(): so that many may follow, and none copies.
   core::Expected<void> reserve_as(const gl::Functions& gl, const MeshPool& other);
 
+  /// Puts levels of a mesh beside its triangles, where a record has the mesh; flush() writes them.
+  void add_levels(const core::Mesh& mesh, std::shared_ptr<const lod::MeshLevels> levels);
+  /// Levels of a record's mesh, or null. Their indices begin at first_level_index() of indices().
+  const lod::MeshLevels* levels(std::uint32_t record) const;
+  std::uint32_t first_level_index(std::uint32_t record) const { return shapes_[shape_of_record_[record]].first_level; }
+
   std::size_t records() const { return commands_.size(); }
   /// One per record: all that it draws.
   const std::vector<ElementsCommand>& commands() const { return commands_; }
@@ -76,6 +83,8 @@ class MeshPool {
     std::shared_ptr<const core::Mesh> mesh;  // keeps its address from being another's
     std::uint32_t first_index, index_count, first_vertex, vertex_count, solid_indices;
     std::uint32_t users;  // records
+    std::shared_ptr<const lod::MeshLevels> levels;
+    std::uint32_t first_level;
   };
   /// A buffer, its places, and what waits for flush().
   template <class Element>

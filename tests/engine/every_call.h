@@ -50,6 +50,7 @@ inline void make_every_call(core::Scene& scene, engine::EngineConfig config, con
     works("frame culled by the GPU", engine->frame(view));
     engine->finish();
     check("finish");
+    works("finish_levels", engine->finish_levels());
     (void)engine->take_late_report();
     check("take_late_report");
     EXPECT_FALSE(engine->renderer().empty());

@@ -97,7 +97,7 @@ void expect_picks_of_an_engine_made_anew(double share) {
     ASSERT_TRUE(anew);
     ASSERT_NO_FATAL_FAILURE(expect_same_picks(traffic, *followed, *anew)) << "round " << round;
   }
-  EXPECT_GE(landings, share > 0.0 ? 9 : 3);
+  EXPECT_GE(landings, share > 0.0 ? 4 : 3) << "three by rebuild(); how many in the background depends on its thread";
   EXPECT_LT(traffic.scene.item_slots(), 800u) << "5,760 were added";
   EXPECT_LT(traffic.scene.mesh_slots(), 500u);
 }

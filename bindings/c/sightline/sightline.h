@@ -601,13 +601,14 @@ typedef struct sl_engine_config {
    * cancels. May be null. */
   int32_t (*progress)(double share, void* user);
   void* progress_user;
+  double lod_error; /* pixels that a mesh may be drawn elsewhere by coarser levels of detail; 0: none */
 } sl_engine_config;
 #define SL_ENGINE_CONFIG_INIT                                                                                        \
   {                                                                                                                  \
     sizeof(sl_engine_config), SL_CULLER_AUTOMATIC, 0, 1280, 720, 0, 1, SL_OCCLUSION_AUTOMATIC, SL_CONTRIBUTION_DROP, \
         0.0f, 0.0, 1, 0, {0.0f, 0.0f, 0.0f}, 0.03f, NULL, NULL, SL_GL_STATE_RESTORE, SL_CONTEXT_AUTOMATIC, NULL,     \
         SL_TRANSPARENCY_DITHER, {1.0f, 0.5f, 0.0f}, 0.0f, 0.0f, 0.0f, 6.0f, 0, 1, 0, 0, SL_GPU_VARIANT_MEASURED, 0,  \
-        NULL, NULL, NULL                                                                                             \
+        NULL, NULL, NULL, 0.0                                                                                        \
   }
 
 /* -1 where a count is not known. Times are milliseconds of wall clock. FrameReport in engine.h says more. */
@@ -769,8 +770,8 @@ SL_API sl_status sl_engine_set_culler(sl_engine engine, sl_culler culler);
  * may be null. */
 SL_API sl_status sl_engine_get_config(sl_engine engine, sl_engine_config* config, sl_controller_config* controller);
 /* Uses other settings from the next frame on: culler, controller (null: as it is), sample_test, occlusion,
- * min_projected_area, contribution_mode, budget_ms, culled_colour, outline_colour, depth shading and hatching.
- * get_proc, program_cache and progress are not looked at; all others must be as they are. */
+ * min_projected_area, contribution_mode, budget_ms, lod_error, culled_colour, outline_colour, depth shading and
+ * hatching. get_proc, program_cache and progress are not looked at; all others must be as they are. */
 SL_API sl_status sl_engine_configure(sl_engine engine, const sl_engine_config* config);
 /* In pixels, 1 to 65536. */
 SL_API sl_status sl_engine_resize(sl_engine engine, int32_t width, int32_t height);
@@ -778,6 +779,8 @@ SL_API sl_status sl_engine_resize(sl_engine engine, int32_t width, int32_t heigh
 SL_API sl_status sl_engine_paused(sl_engine engine);
 /* Waits until everything submitted is drawn. */
 SL_API sl_status sl_engine_finish(sl_engine engine);
+/* Waits until the levels of detail that lod_error asks for are built and uploaded. */
+SL_API sl_status sl_engine_finish_levels(sl_engine engine);
 SL_API sl_status sl_engine_get(sl_engine engine, sl_engine_info* info);
 SL_API sl_status sl_engine_get_controller(sl_engine engine, sl_controller_info* info);
 /* What the engine uses and what it leaves out, with reasons, a line each; the last line names the GL renderer. */

@@ -851,6 +851,7 @@ class Engine:
         min_projected_area: float = ...,
         contribution_mode: _ContributionMode = ...,
         budget_ms: float = ...,
+        lod_error: float = ...,
         culled_colour: Optional[ArrayLike] = ...,
         outline_colour: ArrayLike = ...,
         depth_shading: float = ...,
@@ -870,6 +871,7 @@ class Engine:
         min_projected_area: float = ...,
         contribution_mode: _ContributionMode = ...,
         budget_ms: float = ...,
+        lod_error: float = ...,
         culled_colour: Optional[ArrayLike] = ...,
         outline_colour: ArrayLike = ...,
         depth_shading: float = ...,
@@ -898,6 +900,7 @@ class Engine:
     def loss(self, view: View) -> LossReport: ...
     def cull_states(self, view: View) -> CullStates: ...
     def finish(self) -> None: ...
+    def finish_levels(self) -> None: ...
     def paused(self) -> None: ...
     def take_late_report(self) -> Optional[LateReport]: ...
     def read_colour(self) -> NDArray[np.uint8]: ...

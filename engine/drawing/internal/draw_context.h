@@ -10,6 +10,7 @@
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/engine/drawing/internal/image_state.h"
+#include "sightline/engine/drawing/internal/mesh_details.h"
 #include "sightline/engine/drawing/internal/solid_areas.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gl/external_target.h"
@@ -33,6 +34,7 @@ struct DrawContext {
   std::map<std::uint32_t, ImageState> images;
   ImageState* image = &images[0];  // the one in use
   SolidAreas solid_areas;
+  MeshDetails mesh_details;
   culling::CullThreads threads;  // for tests of large sets; none starts before the first of them
   std::optional<gl::ExternalTarget> external;
   std::optional<render::Compositor> compositor;  // created with the first external target
@@ -58,6 +60,8 @@ struct DrawContext {
     return config.culling.occlusion != OcclusionChoice::kOff && target().format().samples == 1;
   }
 
+  /// Sets the draw lists for a set, with meshes in the detail that the view needs.
+  core::Expected<void> list(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set);
   /// Clears the image and draws a set.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set);
   /// Draws a set beside what `onto` holds of the same view. `materials`: see Renderer::draw_more().

@@ -100,6 +100,7 @@ TEST_F(CapiDrawing, DrawsWhatCppDraws) {
     EXPECT_EQ(report.items_drawn, expected->items_drawn);
     expect_same_images(engine, twin);
     EXPECT_OK(sl_engine_finish(engine));
+    EXPECT_OK(sl_engine_finish_levels(engine));
     EXPECT_OK(sl_engine_destroy(engine));
     ASSERT_TRUE(context->make_current());
   }

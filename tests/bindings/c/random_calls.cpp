@@ -732,7 +732,10 @@ class Sequence {
         return;
       }
       case 11:
-        check(in_.one_in(2) ? sl_engine_paused(by) : sl_engine_finish(by), by);
+        check(in_.one_in(3)   ? sl_engine_paused(by)
+              : in_.one_in(2) ? sl_engine_finish(by)
+                              : sl_engine_finish_levels(by),
+              by);
         return;
       case 12: {
         sl_engine_info info = SL_ENGINE_INFO_INIT;

@@ -125,7 +125,8 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(capi::kFirstSize<sl_engine_info>, 56u);
     EXPECT_EQ(sizeof(sl_engine_info), 64u);
     EXPECT_EQ(capi::kFirstSize<sl_engine_config>, 104u);
-    EXPECT_EQ(sizeof(sl_engine_config), 184u);
+    EXPECT_EQ(offsetof(sl_engine_config, lod_error), 184u);
+    EXPECT_EQ(sizeof(sl_engine_config), 192u);
     EXPECT_EQ(sizeof(sl_controller_config), 128u);
     EXPECT_EQ(sizeof(sl_loss_report), 24u);
     EXPECT_EQ(sizeof(sl_controller_info), 40u);

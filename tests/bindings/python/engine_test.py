@@ -77,6 +77,7 @@ class Engines(Case):
                              ("edge_lines", dict(depth_shading=1.5)), ("spacing", dict(hatching_spacing=1)),
                              ("strength of hatching", dict(hatching_strength=-1)), ("gl_state", dict(gl_state="x")),
                              ("budget_ms must be", dict(budget_ms=float("nan"))),
+                             ("lod_error must be", dict(lod_error=-1.0)),
                              ("1 or more pixels", dict(width=0)), ("1 or more pixels", dict(draw=True, height=-5)),
                              ("culled_colour", dict(culled_colour=(1, 2)))):
             self.assert_error(text, sightline.Engine, self.scene, **config)
@@ -113,7 +114,7 @@ class Engines(Case):
         chosen = dict(width=30, height=20, ids=True, samples=4, transparency="blended", part=(1, 3), rebuild_share=0.25,
                       gpu_pass="compute", context="osmesa", context_later=True, gl_state="leave", gl_debug=True,
                       program_cache=self.folder, culler="linear", sample_test=False, occlusion="off", min_projected_area=2.5,
-                      contribution_mode="points", budget_ms=7.0, culled_colour=(0, 0.25, 1), outline_colour=(1, 0, 0.5),
+                      contribution_mode="points", budget_ms=7.0, lod_error=1.5, culled_colour=(0, 0.25, 1), outline_colour=(1, 0, 0.5),
                       depth_shading=0.5, edge_lines=0.25, hatching_strength=0.75, hatching_spacing=9.0,
                       controller=sightline.ControllerConfig(policy="2009", gpu_frames=9))
         engine = sightline.Engine(self.scene, **chosen)

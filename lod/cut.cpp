@@ -1,0 +1,109 @@
+#include "sightline/lod/internal/cut.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sightline::lod {
+namespace {
+
+using core::dvec3;
+using core::dvec4;
+
+constexpr double kInwards = 1.0 - 1e-6;  // for the rounding of the few operations of each bound
+constexpr double kGpuRounding = 4e-6;    // of a plane's value, relative to its terms, where a GPU computes in float
+
+dvec4 form_of(const core::Plane& plane) {
+  return {plane.normal, plane.offset};
+}
+
+/// A linear form of world coordinates as one of mesh coordinates.
+dvec4 in_mesh(const dvec4& form, const core::Affine& world_from_mesh) {
+  const dvec3 normal(form);
+  return {normal * world_from_mesh.linear, glm::dot(normal, world_from_mesh.origin) + form.w};
+}
+
+/// Least value in a box, and in a box around that none that is larger: each term rounds in the same direction.
+double least(const dvec4& form, const core::Aabb& box) {
+  double sum = form.w;
+  for (int i = 0; i < 3; ++i) sum += form[i] * double(form[i] > 0.0 ? box.min[i] : box.max[i]);
+  return sum;
+}
+double most(const dvec4& form, const core::Aabb& box) {
+  return -least(-form, box);
+}
+
+/// Largest singular value of the matrix of two rows.
+double norm(const dvec3& a, const dvec3& b) {
+  const double aa = glm::dot(a, a), bb = glm::dot(b, b), ab = glm::dot(a, b);
+  return std::sqrt(0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab));
+}
+
+/// Least w of points beyond the near plane, where the plane is parallel to the image; else 0.
+double least_visible_w(const core::View& view) {
+  const core::Plane near = core::frustum_planes(view.clip_from_eye(), view.clip_depth())[core::kNear];
+  if (near.normal.x != 0.0 || near.normal.y != 0.0 || near.normal.z == 0.0) return 0.0;
+  const core::dmat4& clip = view.clip_from_eye();
+  const double z = -near.offset / near.normal.z;
+  return clip[0][3] == 0.0 && clip[1][3] == 0.0 ? std::max(0.0, clip[2][3] * z + clip[3][3]) : 0.0;
+}
+
+}  // namespace
+
+ImageError::ImageError(const core::View& view, int width, int height, double pixels)
+    : view_(view),
+      clip_from_world_(view.clip_from_world()),
+      half_width_(0.5 * width),
+      half_height_(0.5 * height),
+      pixels_(pixels),
+      nearest_(least_visible_w(view)) {}
+
+MeshError::MeshError(const ImageError& image, const core::Affine& world_from_mesh)
+    : pixels_(image.pixels_), nearest_(image.nearest_) {
+  const core::dmat4 rows = glm::transpose(image.clip_from_world_);
+  const dvec4 x = in_mesh(rows[0], world_from_mesh), y = in_mesh(rows[1], world_from_mesh);
+  w_ = in_mesh(rows[3], world_from_mesh);
+  norm_of_w_ = glm::length(dvec3(w_));
+  largest_move_ = 0.0;
+  for (const double right : {-1.0, 1.0})
+    for (const double up : {-1.0, 1.0})
+      largest_move_ = std::max(
+          largest_move_, norm(image.half_width_ * dvec3(x - right * w_), image.half_height_ * dvec3(y - up * w_)));
+  const auto planes = core::frustum_planes(image.clip_from_world_, image.view_.clip_depth());
+  for (std::size_t i = 0; i < planes.size(); ++i) planes_[i] = in_mesh(form_of(planes[i]), world_from_mesh);
+  for (const core::Plane& section : image.view_.sections)
+    sections_.push_back(in_mesh(form_of(section), world_from_mesh));
+}
+
+float MeshError::allowed(const core::Aabb& box) const {
+  for (const dvec4& section : sections_)
+    if (least(section, box) <= 0.0 && most(section, box) >= 0.0) return -1.0f;
+  const double w = std::max(least(w_, box), nearest_);
+  if (!(w > 0.0)) return -1.0f;
+  return core::round_down(kInwards * pixels_ * w / (largest_move_ + pixels_ * norm_of_w_));
+}
+
+bool MeshError::outside(const core::Aabb& box) const {
+  const dvec3 farthest = glm::max(glm::abs(dvec3(box.min)), glm::abs(dvec3(box.max)));
+  return std::ranges::any_of(planes_, [&](const dvec4& plane) {
+    const double rounding = kGpuRounding * (glm::dot(glm::abs(dvec3(plane)), farthest) + std::abs(plane.w));
+    return most(plane, box) < -rounding;
+  });
+}
+
+void CutChooser::choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges) {
+  simplified_.resize(levels.groups.size());
+  for (std::size_t i = 0; i < levels.groups.size(); ++i)
+    simplified_[i] = levels.groups[i].error <= error.allowed(levels.groups[i].box);
+  ranges.clear();
+  for (const Cluster& cluster : levels.clusters) {
+    if (cluster.made_by != core::kNone && !simplified_[cluster.made_by]) continue;
+    if (cluster.goes_into != core::kNone && simplified_[cluster.goes_into]) continue;
+    if (error.outside(cluster.box)) continue;
+    if (!ranges.empty() && ranges.back().first + ranges.back().count == cluster.first_index)
+      ranges.back().count += cluster.index_count;
+    else
+      ranges.push_back({cluster.first_index, cluster.index_count});
+  }
+}
+
+}  // namespace sightline::lod

@@ -1,0 +1,71 @@
+// Which triangles of a mesh a view draws: the coarsest whose projected error is small enough. Internal: for what draws.
+//
+// Let a point p of one surface be visible, and q = p + d the point of the other one that lies within the proven error e
+// of it. Their places in the image, in pixels, differ by J(p) d / w(q), where J is half the image's size times the rows
+// x - (x(p)/w(p)) w and y - (y(p)/w(p)) w of the matrix. Its norm is convex in x/w and y/w, which lie in -1 ... 1, so
+// it is largest at a corner of the image: K. And w(q) is at least w(p) - |w| e. So K e / (w(p) - |w| e) bounds the
+// difference, with the least w(p) in the box of both surfaces. The numbers are those of the mesh's own coordinates, so
+// scale, shear and mirroring of an instance need no rule of their own.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sightline/core/view.h"
+#include "sightline/lod/mesh_levels.h"
+
+namespace sightline::lod {
+
+/// An image of a view, and the largest error that it may show.
+class ImageError {
+ public:
+  /// `pixels`: largest distance in the image between points of the drawn and the original surface; 0: none.
+  ImageError(const core::View& view, int width, int height, double pixels);
+
+  const core::View& view() const { return view_; }
+  double pixels() const { return pixels_; }
+
+ private:
+  friend class MeshError;
+  core::View view_;
+  core::dmat4 clip_from_world_;
+  double half_width_, half_height_, pixels_;
+  double nearest_ = 0.0;  // least w of visible points
+};
+
+/// The same in the coordinates of a mesh that the view shows.
+class MeshError {
+ public:
+  MeshError(const ImageError& image, const core::Affine& world_from_mesh);
+
+  /// The largest error, in the mesh's own metres, of surfaces in a box that the image may show. Not less for a box than
+  /// for one around it. Negative where a section plane cuts the box: the original surface is drawn there.
+  float allowed(const core::Aabb& box) const;
+  /// Whether a box surely shows nothing: it lies outside the view volume by more than a GPU's rounding.
+  bool outside(const core::Aabb& box) const;
+
+ private:
+  std::array<core::dvec4, core::kFrustumPlaneCount> planes_;
+  std::vector<core::dvec4> sections_;
+  core::dvec4 w_;
+  double pixels_, norm_of_w_, largest_move_, nearest_;
+};
+
+/// Indices of MeshLevels::indices.
+struct IndexRange {
+  std::uint32_t first = 0, count = 0;
+};
+
+/// Chooses cuts. Keeps memory from mesh to mesh.
+class CutChooser {
+ public:
+  /// Sets `ranges` to what draws a mesh within the image's error, in rising order and with gaps between them; none: it
+  /// lies outside.
+  void choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges);
+
+ private:
+  std::vector<std::uint8_t> simplified_;  // by group
+};
+
+}  // namespace sightline::lod

@@ -1,0 +1,140 @@
+// Frames with levels of detail: images lie within the allowed error of those in full, edits and new scene versions get
+// levels of their own, and whoever does not ask for them pays nothing.
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "sightline/render/image/image_metrics.h"
+#include "sightline/tests/engine/drawn_grid.h"
+#include "sightline/tests/lod/mesh_samples.h"
+#include "sightline/tests/support/gl_watch.h"
+
+namespace sightline::tests::levels_test {
+namespace {
+
+class Levels : public DrawnGrid {
+ protected:
+  static constexpr int kWidth = 240, kHeight = 160;
+
+  /// Tori among boxes.
+  void fill(core::Scene& scene) {
+    const auto torus = scene.add_mesh(bumpy_torus(48, 0.05)).value();
+    for (int i = 0; i < 9; ++i) {
+      core::Affine at = core::translation({9.0 * (i % 3), 9.0 * (i / 3), 0.0});
+      if (i % 2) at.linear = core::dmat3(1.5, 0, 0, 0, 0.5, 0.2, 0, 0, -1);
+      items.push_back(scene.add_mesh_instance(scene.root(), torus, at));
+    }
+    scene.add_primitive(scene.root(), core::Box{30, 30, 0.1f}, core::translation({9, 9, -3}));
+    ASSERT_TRUE(scene.commit());
+  }
+  static core::View look(double distance, double turn) {
+    const core::dvec3 centre(9.0, 9.0, 0.0);
+    return *core::View::perspective({centre + distance * core::dvec3(std::cos(turn), std::sin(turn), 0.6), centre}, 0.8,
+                                    double(kWidth) / kHeight, 0.1);
+  }
+  engine::Engine create(core::Scene& scene, double error) {
+    engine::EngineConfig c = config(engine::CullerChoice::kCpu, kWidth, kHeight);
+    c.drawing.ids = true;
+    c.losses.lod_error = error;
+    auto made = engine::Engine::create(scene, c);
+    EXPECT_TRUE(made) << made.error().message;
+    EXPECT_TRUE(made->finish_levels());
+    return std::move(*made);
+  }
+  static image::IdImage ids_of(engine::Engine& engine, const core::View& view) {
+    EXPECT_TRUE(draw_complete(engine, view));
+    return *engine.read_ids();
+  }
+  /// Pixels of `a` without the same id within `radius` pixels in `b`.
+  static int apart(const image::IdImage& a, const image::IdImage& b, int radius) {
+    int count = 0;
+    for (int y = 0; y < a.height; ++y)
+      for (int x = 0; x < a.width; ++x) {
+        bool found = false;
+        for (int v = std::max(0, y - radius); v <= std::min(a.height - 1, y + radius) && !found; ++v)
+          for (int u = std::max(0, x - radius); u <= std::min(a.width - 1, x + radius) && !found; ++u)
+            found = b.ids[std::size_t(v) * std::size_t(b.width) + std::size_t(u)] ==
+                    a.ids[std::size_t(y) * std::size_t(a.width) + std::size_t(x)];
+        count += !found;
+      }
+    return count;
+  }
+
+  std::vector<core::ItemId> items;
+};
+
+TEST_F(Levels, ShowEachItemWithinTheAllowedPixels) {
+  core::Scene scene;
+  fill(scene);
+  engine::Engine full = create(scene, 0.0);
+  std::size_t different = 0;
+  for (const double error : {0.5, 2.0, 6.0}) {
+    engine::Engine coarse = create(scene, error);
+    for (const double distance : {12.0, 25.0, 60.0})
+      for (const double turn : {0.3, 2.0, 4.1}) {
+        const core::View view = look(distance, turn);
+        const image::IdImage a = ids_of(full, view), b = ids_of(coarse, view);
+        // A pixel shows what covers its centre. An item that shows through a gap which is narrower than the error may
+        // be lost in it.
+        const int radius = int(std::ceil(error)) + 1;
+        EXPECT_LE(apart(a, b, radius), 2) << error << " px, " << distance << " m, " << turn;
+        EXPECT_LE(apart(b, a, radius), 2) << error << " px, " << distance << " m, " << turn;
+        different += *image::wrong_ids(a, b);
+      }
+  }
+  EXPECT_GT(different, 100u) << "levels are drawn";
+}
+
+TEST_F(Levels, FollowEditsAndNewVersions) {
+  core::Scene scene;
+  fill(scene);
+  engine::Engine coarse = create(scene, 4.0);
+  const core::View view = look(40.0, 1.0);
+  ids_of(coarse, view);
+  const auto other = scene.add_mesh(bumpy_torus(30, 0.3)).value();
+  scene.remove_item(items[0]);
+  scene.add_mesh_instance(scene.root(), other, core::translation({0.0, 0.0, 1.0}));
+  ASSERT_TRUE(scene.commit());
+  ASSERT_TRUE(coarse.commit());
+  ASSERT_TRUE(coarse.finish_levels());
+  engine::Engine fresh = create(scene, 4.0);
+  EXPECT_EQ(ids_of(coarse, view).ids, ids_of(fresh, view).ids);
+  ASSERT_TRUE(coarse.rebuild());
+  ASSERT_TRUE(coarse.finish_levels());
+  EXPECT_EQ(ids_of(coarse, view).ids, ids_of(fresh, view).ids);
+}
+
+TEST_F(Levels, AreDrawnOnceTheyAreReady) {
+  core::Scene scene;
+  fill(scene);
+  engine::EngineConfig c = config(engine::CullerChoice::kCpu, kWidth, kHeight);
+  c.drawing.ids = true;
+  auto engine = engine::Engine::create(scene, c);
+  ASSERT_TRUE(engine);
+  const core::View view = look(60.0, 1.0);
+  const image::IdImage full = ids_of(*engine, view);
+  const std::size_t before = engine->memory().gpu;
+  c.losses.lod_error = 6.0;
+  ASSERT_TRUE(engine->configure(c));
+  image::IdImage now = ids_of(*engine, view);
+  for (int i = 0; i < 1000 && now.ids == full.ids; ++i) now = ids_of(*engine, view);
+  EXPECT_NE(now.ids, full.ids);
+  EXPECT_GT(engine->memory().gpu, before);
+  c.losses.lod_error = 0.0;
+  ASSERT_TRUE(engine->configure(c));
+  EXPECT_EQ(ids_of(*engine, view).ids, full.ids);
+}
+
+TEST_F(Levels, AreRefusedWhereTheGpuCulls) {
+  core::Scene scene;
+  fill(scene);
+  engine::EngineConfig c = config(engine::CullerChoice::kGpu, kWidth, kHeight);
+  c.losses.lod_error = 1.0;
+  EXPECT_FALSE(engine::Engine::create(scene, c));
+  c.culling.culler = engine::CullerChoice::kCpu;
+  c.losses.lod_error = -1.0;
+  EXPECT_FALSE(engine::Engine::create(scene, c));
+}
+
+}  // namespace
+}  // namespace sightline::tests::levels_test
