@@ -1,17 +1,20 @@
 #include "sightline/lod/internal/surface_deviation.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace sightline::lod {
 namespace {
 
 using core::dvec3;
 
-constexpr int kMostSteps = 24;         // from face to face while a polygon is divided
-constexpr int kMostBisections = 2000;  // of a surface, and three more a triangle
+// How often polygons of a surface may be cut or handed on to the next face: enough for fans of slivers across each
+// other, and a bound for the time that hostile surfaces take.
+constexpr std::int64_t kFewestSteps = 4000, kStepsPerCorner = 30;
 constexpr std::size_t kMostProbes = 8;
 constexpr double kTight = 1.1 * 1.1;    // of squares: a bound that exceeds a true distance by less is not refined
 constexpr double kRaise = 1.02 * 1.02;  // of squares: the bound rises by a little more than it must, so it rises seldom
@@ -42,12 +45,6 @@ double square_of(const dvec3& v) {
   return glm::dot(v, v);
 }
 
-/// Of a point from a triangle. A degenerate triangle may give no number: the distance from a corner then stands in.
-double square_distance(const dvec3& p, const dvec3 (&t)[3]) {
-  const double square = square_of(p - nearest_point(p, t[0], t[1], t[2]));
-  return square >= 0.0 ? square : square_of(p - t[0]);
-}
-
 dvec3 unit_normal(const dvec3& a, const dvec3& b, const dvec3& c) {
   const dvec3 normal = glm::cross(b - a, c - a);
   const double length = glm::length(normal);
@@ -67,19 +64,18 @@ Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to) {
   }
   rounding_ = 0.1 * kRounding * largest;
   least_ = probe(from, to);
-  square_ = std::max(rounding_ * rounding_, least_);
+  square_ = std::max(rounding_ * rounding_, kTight * least_);
   cosine_ = 1.0;
-  bisections_ = kMostBisections + int(from.corners.size());
+  steps_ = kFewestSteps + kStepsPerCorner * std::int64_t(from.corners.size() + to.corners.size());
   for (std::size_t i = 0; i < starts_.size(); ++i) {
     Polygon triangle;
     triangle.count = 3;
     for (std::size_t k = 0; k < 3; ++k) triangle.corners[k] = from.points[from.corners[3 * i + k]];
     normal_ = unit_normal(triangle.corners[0], triangle.corners[1], triangle.corners[2]);
-    cover(triangle, starts_[i], kNone, 0);
-    while (!halves_.empty()) {
-      const Half half = halves_.back();
-      halves_.pop_back();
-      cover(half.polygon, nearest_from(half.face, centre_of(half.polygon)), kNone, 0);
+    for (pieces_.push_back({triangle, starts_[i], kNone}); !pieces_.empty();) {
+      const Piece piece = pieces_.back();
+      pieces_.pop_back();
+      cover(piece);
     }
   }
   return {std::sqrt(square_) * (1.0 + kRounding) + kRounding * largest, std::acos(std::clamp(cosine_, -1.0, 1.0))};
@@ -94,18 +90,22 @@ double SurfaceDeviation::probe(const Triangles& from, const Triangles& to) {
   double square;
   for (std::size_t i = 0; i < from.corners.size(); i += 3) {
     const std::uint32_t* corners = &from.corners[i];
-    std::uint32_t face = kNone;
-    for (int k = 0; k < 3 && face == kNone; ++k) face = seeds_[corners[k]];
     const dvec3 centre = (from.points[corners[0]] + from.points[corners[1]] + from.points[corners[2]]) / 3.0;
-    face = face == kNone ? nearest(centre, square) : nearest_from(face, centre);
+    std::uint32_t face = kNone;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t seed = seeds_[corners[k]];
+      if (seed == kNone || seed == face) continue;
+      if (face == kNone || faces_[seed].square_distance(centre) < faces_[face].square_distance(centre)) face = seed;
+    }
+    face = face == kNone ? nearest(0, centre, square) : nearest_from(face, centre);
     starts_.push_back(face);
-    probes_.push_back({faces_[face].square_bound(centre), centre});
+    probes_.push_back({face, faces_[face].square_distance(centre), centre});
     for (int k = 0; k < 3; ++k) {
       std::uint32_t& seed = seeds_[corners[k]];
       if (seed != kNone) continue;
       const dvec3& point = from.points[corners[k]];
       seed = nearest_from(face, point);
-      probes_.push_back({faces_[seed].square_bound(point), point});
+      probes_.push_back({seed, faces_[seed].square_distance(point), point});
     }
   }
   const std::size_t tries = std::min(kMostProbes, probes_.size());
@@ -113,7 +113,7 @@ double SurfaceDeviation::probe(const Triangles& from, const Triangles& to) {
                     [](const Probe& a, const Probe& b) { return a.square > b.square; });
   double farthest = 0.0;
   for (std::size_t i = 0; i < tries && probes_[i].square > farthest; ++i) {
-    nearest(probes_[i].point, square);
+    nearest(probes_[i].face, probes_[i].point, square);
     farthest = std::max(farthest, square);
   }
   return farthest;
@@ -134,6 +134,23 @@ void SurfaceDeviation::make_faces(const Triangles& to) {
     face.gradients[1] = area > 0.0 ? glm::cross(face.normal, ab) / area : dvec3(0.0);
   }
   join_faces(to.corners);
+  make_balls();
+}
+
+/// In float, relative to a point among the faces: they tell only where to look. Balls of no face are infinitely far.
+void SurfaceDeviation::make_balls() {
+  origin_ = faces_[0].corners[0];
+  balls_.assign((faces_.size() + kBalls - 1) / kBalls, {});
+  for (Balls& balls : balls_) std::ranges::fill(balls.x, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    const auto& [a, b, c] = faces_[i].corners;
+    const dvec3 centre = (a + b + c) / 3.0;
+    const core::vec3 at(centre - origin_);
+    Balls& balls = balls_[i / kBalls];
+    balls.x[i % kBalls] = at.x, balls.y[i % kBalls] = at.y, balls.z[i % kBalls] = at.z;
+    balls.radius[i % kBalls] =
+        float(std::sqrt(std::max({square_of(a - centre), square_of(b - centre), square_of(c - centre)})));
+  }
 }
 
 /// Of more than two triangles at an edge, the first two that are left become neighbours, and so on: any choice is
@@ -172,12 +189,12 @@ void SurfaceDeviation::join(const HalfEdge& a, const HalfEdge& b) {
 
 /// Walks to nearer neighbours until there is none.
 std::uint32_t SurfaceDeviation::nearest_from(std::uint32_t face, const dvec3& point) const {
-  double square = faces_[face].square_bound(point);
-  for (int step = 0; step < kMostSteps; ++step) {
+  double square = faces_[face].square_distance(point);
+  for (;;) {
     std::uint32_t nearer = kNone;
     for (const std::uint32_t neighbour : faces_[face].neighbours) {
       if (neighbour == kNone) continue;
-      const double other = faces_[neighbour].square_bound(point);
+      const double other = faces_[neighbour].square_distance(point);
       if (other < square) square = other, nearer = neighbour;
     }
     if (nearer == kNone) break;
@@ -186,28 +203,42 @@ std::uint32_t SurfaceDeviation::nearest_from(std::uint32_t face, const dvec3& po
   return face;
 }
 
-std::uint32_t SurfaceDeviation::nearest(const dvec3& point, double& square) const {
-  std::uint32_t nearest = 0;
-  square = std::numeric_limits<double>::infinity();
-  for (std::uint32_t i = 0; i < faces_.size(); ++i) {
-    const double other = square_distance(point, faces_[i].corners);
-    if (other < square) square = other, nearest = i;
+/// Among all faces, but those whose balls are too far off. `face`: one that may be near.
+std::uint32_t SurfaceDeviation::nearest(std::uint32_t face, const dvec3& point, double& square) const {
+  face = nearest_from(face, point);
+  square = faces_[face].square_distance(point);
+  const core::vec3 p(point - origin_);
+  for (std::size_t first = 0; first < faces_.size(); first += kBalls) {
+    const Balls& balls = balls_[first / kBalls];
+    const auto distance = float(std::sqrt(square));
+    std::uint32_t near = 0;
+    for (std::size_t i = 0; i < kBalls; ++i) {
+      const float x = balls.x[i] - p.x, y = balls.y[i] - p.y, z = balls.z[i] - p.z, reach = balls.radius[i] + distance;
+      near |= std::uint32_t(x * x + y * y + z * z < reach * reach) << i;
+    }
+    for (; near != 0; near &= near - 1) {
+      const auto other = std::uint32_t(first) + std::uint32_t(std::countr_zero(near));
+      const double of_other = faces_[other].square_distance(point);
+      if (of_other < square) square = of_other, face = other;
+    }
   }
-  return nearest;
+  return face;
 }
 
-/// At least the square of the point's distance: that from a point of the face which is the nearest for points above it.
-double SurfaceDeviation::Face::square_bound(const dvec3& point) const {
+/// Of a point's distance. Most points lie above the face, which is quick to see.
+double SurfaceDeviation::Face::square_distance(const dvec3& point) const {
   const dvec3 p = point - corners[0];
-  double u = std::max(0.0, glm::dot(gradients[0], p)), v = std::max(0.0, glm::dot(gradients[1], p));
-  const double scale = 1.0 / std::max(1.0, u + v);
-  u *= scale, v *= scale;
-  return square_of(p - u * (corners[1] - corners[0]) - v * (corners[2] - corners[0]));
+  const double u = glm::dot(gradients[0], p), v = glm::dot(gradients[1], p);
+  const dvec3 nearest = u >= 0.0 && v >= 0.0 && u + v <= 1.0
+                            ? corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0])
+                            : nearest_point(point, corners[0], corners[1], corners[2]);
+  const double square = square_of(point - nearest);
+  return square >= 0.0 ? square : square_of(p);  // a degenerate triangle may give no number
 }
 
 double SurfaceDeviation::farthest_square(const Polygon& polygon, const Face& face) const {
   double square = 0.0;
-  for (int i = 0; i < polygon.count; ++i) square = std::max(square, face.square_bound(polygon.corners[i]));
+  for (int i = 0; i < polygon.count; ++i) square = std::max(square, face.square_distance(polygon.corners[i]));
   return square;
 }
 
@@ -219,33 +250,54 @@ bool SurfaceDeviation::accept(const Polygon& polygon, std::uint32_t face) {
   return true;
 }
 
-/// Divides the polygon among the face, which it lies near, and the faces around. `from`: the face that it came from.
-void SurfaceDeviation::cover(Polygon polygon, std::uint32_t number, std::uint32_t from, int steps) {
-  const Face& face = faces_[number];
-  if (steps < kMostSteps)
-    for (int k = 0; k < 3 && polygon.count < kMostCorners; ++k) {
-      const std::uint32_t neighbour = face.neighbours[k];
-      if (neighbour == kNone || neighbour == from) continue;
-      double side[kMostCorners];
-      bool any_inside = false, any_outside = false;
-      for (int i = 0; i < polygon.count; ++i) {
-        side[i] = glm::dot(face.cuts[k], polygon.corners[i] - face.corners[k]);
-        if (std::abs(side[i]) <= rounding_) side[i] = 0.0;
-        any_outside |= side[i] > 0.0;
-        any_inside |= side[i] < 0.0;
-      }
-      if (!any_outside) continue;
-      if (!any_inside) return cover(polygon, neighbour, number, steps + 1);
-      Polygon inside, outside;
-      if (!split(polygon, side, inside, outside)) continue;
-      cover(outside, neighbour, number, steps + 1);
-      polygon = inside;
-    }
-  if (!accept(polygon, number)) refine(polygon, number);
+/// A face that is not would hand the piece on in a circle.
+bool SurfaceDeviation::is_nearer(std::uint32_t face, const Piece& piece) const {
+  const dvec3 centre = centre_of(piece.polygon);
+  return faces_[face].square_distance(centre) < faces_[piece.face].square_distance(centre);
 }
 
-/// False where rounding has made a polygon that a plane would cut more than twice.
-bool SurfaceDeviation::split(const Polygon& polygon, const double* side, Polygon& inside, Polygon& outside) {
+/// Divides the piece among the face that it lies near and the faces around, which get what lies beyond the planes.
+void SurfaceDeviation::cover(Piece piece) {
+  if (accept(piece.polygon, piece.face)) return;
+  for (int k = 0; k < 3;) {
+    const Face& face = faces_[piece.face];
+    const std::uint32_t neighbour = face.neighbours[k];
+    Polygon inside, outside;
+    const Side side =
+        neighbour == kNone || neighbour == piece.from || piece.polygon.count == kMostCorners || steps_ <= 0
+            ? Side::kInside
+            : split(piece.polygon, face.cuts[k], face.corners[k], inside, outside);
+    if (side == Side::kInside || (side == Side::kOutside && !is_nearer(neighbour, piece))) {
+      ++k;
+      continue;
+    }
+    --steps_;
+    if (side == Side::kOutside) {
+      piece.from = std::exchange(piece.face, neighbour);
+      k = 0;
+    } else {
+      pieces_.push_back({outside, neighbour, piece.face});
+      piece.polygon = inside;
+      ++k;
+    }
+  }
+  if (!accept(piece.polygon, piece.face)) refine(piece);
+}
+
+/// Where the polygon lies by a plane, and its parts where that is on both sides. Corners at the plane are in both. Says
+/// inside, too, where rounding has made a polygon that a plane would cut more than twice.
+SurfaceDeviation::Side SurfaceDeviation::split(const Polygon& polygon, const dvec3& normal, const dvec3& point,
+                                               Polygon& inside, Polygon& outside) const {
+  double side[kMostCorners];
+  bool any_inside = false, any_outside = false;
+  for (int i = 0; i < polygon.count; ++i) {
+    side[i] = glm::dot(normal, polygon.corners[i] - point);
+    if (std::abs(side[i]) <= rounding_) side[i] = 0.0;
+    any_outside |= side[i] > 0.0;
+    any_inside |= side[i] < 0.0;
+  }
+  if (!any_outside) return Side::kInside;
+  if (!any_inside) return Side::kOutside;
   int cuts = 0;
   for (int i = 0; i < polygon.count; ++i) {
     const int next = i + 1 < polygon.count ? i + 1 : 0;
@@ -253,13 +305,13 @@ bool SurfaceDeviation::split(const Polygon& polygon, const double* side, Polygon
     if (side[i] <= 0.0) inside.corners[inside.count++] = a;
     if (side[i] >= 0.0) outside.corners[outside.count++] = a;
     if ((side[i] < 0.0 && side[next] > 0.0) || (side[i] > 0.0 && side[next] < 0.0)) {
-      if (++cuts > 2) return false;
+      if (++cuts > 2) return Side::kInside;
       const dvec3 between = a + side[i] / (side[i] - side[next]) * (b - a);
       inside.corners[inside.count++] = between;
       outside.corners[outside.count++] = between;
     }
   }
-  return true;
+  return Side::kBoth;
 }
 
 dvec3 SurfaceDeviation::centre_of(const Polygon& polygon) {
@@ -270,7 +322,8 @@ dvec3 SurfaceDeviation::centre_of(const Polygon& polygon) {
 
 /// Looks for a better face among those nearest to the corners and the centre. Where there is none, raises the bound if
 /// some point is known to be about that far from the surface, and bisects the polygon otherwise.
-void SurfaceDeviation::refine(const Polygon& polygon, std::uint32_t face) {
+void SurfaceDeviation::refine(const Piece& piece) {
+  const auto& [polygon, face, from] = piece;
   double best = farthest_square(polygon, faces_[face]);
   std::uint32_t best_face = face;
   const auto consider = [&](std::uint32_t other) {
@@ -281,34 +334,43 @@ void SurfaceDeviation::refine(const Polygon& polygon, std::uint32_t face) {
   if (best > square_) consider(nearest_from(face, centre_of(polygon)));
   if (best > std::max(square_, kTight * least_)) {
     const auto* farthest = std::max_element(polygon.corners, polygon.corners + polygon.count, [&](auto& a, auto& b) {
-      return faces_[best_face].square_bound(a) < faces_[best_face].square_bound(b);
+      return faces_[best_face].square_distance(a) < faces_[best_face].square_distance(b);
     });
     double square;
-    consider(nearest(*farthest, square));
+    consider(nearest(best_face, *farthest, square));
     least_ = std::max(least_, square);
   }
   if (best > square_) {
-    if (best > kTight * least_ && bisections_-- > 0 && bisect(polygon, best_face)) return;
+    if (best > kTight * least_ && steps_ > 0 && bisect(polygon, best_face)) return;
     square_ = kRaise * best;
   }
   accept(polygon, best_face);
 }
 
-/// Cuts the polygon across its longest edge; the halves wait in `halves_`. False if it is too small, or has too many
-/// corners.
+/// Cuts the polygon into two pieces that are yet to be covered: across its longest edge, or along a diagonal if it has
+/// many corners. False if it is too small.
 bool SurfaceDeviation::bisect(const Polygon& polygon, std::uint32_t face) {
-  int longest = 0;
-  const auto edge = [&](int i) { return polygon.corners[(i + 1) % polygon.count] - polygon.corners[i]; };
-  for (int i = 1; i < polygon.count; ++i)
-    if (square_of(edge(i)) > square_of(edge(longest))) longest = i;
-  const dvec3 along = edge(longest), middle = polygon.corners[longest] + 0.5 * along;
-  if (square_of(along) <= 0.01 * least_ || polygon.count == kMostCorners) return false;
-  double side[kMostCorners];
-  for (int i = 0; i < polygon.count; ++i) side[i] = glm::dot(along, polygon.corners[i] - middle);
-  Half low{face, {}}, high{face, {}};
-  if (!split(polygon, side, low.polygon, high.polygon)) return false;
-  halves_.push_back(low);
-  halves_.push_back(high);
+  Polygon halves[2];
+  if (polygon.count >= kManyCorners) {
+    const int middle = polygon.count / 2;
+    halves[0].corners[halves[0].count++] = polygon.corners[0];
+    for (int i = 0; i < polygon.count; ++i) {
+      if (i <= middle && i > 0) halves[0].corners[halves[0].count++] = polygon.corners[i];
+      if (i >= middle || i == 0) halves[1].corners[halves[1].count++] = polygon.corners[i];
+    }
+  } else {
+    int longest = 0;
+    const auto edge = [&](int i) { return polygon.corners[(i + 1) % polygon.count] - polygon.corners[i]; };
+    for (int i = 1; i < polygon.count; ++i)
+      if (square_of(edge(i)) > square_of(edge(longest))) longest = i;
+    const dvec3 along = edge(longest);
+    const double length = glm::length(along);
+    if (length * length <= 0.01 * least_ || length <= 4.0 * rounding_ ||
+        split(polygon, along / length, polygon.corners[longest] + 0.5 * along, halves[0], halves[1]) != Side::kBoth)
+      return false;
+  }
+  --steps_;
+  for (const Polygon& half : halves) pieces_.push_back({half, nearest_from(face, centre_of(half)), kNone});
   return true;
 }
 

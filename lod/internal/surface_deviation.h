@@ -40,12 +40,12 @@ class SurfaceDeviation {
  public:
   /// Bounds the deviation of each point of `from` from `to`, not of `to` from `from`. Both have the same points, all
   /// finite; triangles may be degenerate, repeated, or meet at edges in any number. The bound is rounded outwards, and
-  /// seldom exceeds the largest distance by more than a tenth. `to` must have a triangle unless `from` has none.
+  /// seldom exceeds the largest distance by more than an eighth. `to` must have a triangle unless `from` has none.
   Deviation bound(const Triangles& from, const Triangles& to);
 
  private:
   static constexpr std::uint32_t kNone = core::kNone;
-  static constexpr int kMostCorners = 12;
+  static constexpr int kMostCorners = 10, kManyCorners = 7;
 
   struct Face {
     core::dvec3 corners[3];
@@ -54,17 +54,25 @@ class SurfaceDeviation {
     core::dvec3 cuts[3];          // unit normal of the plane through edge k that parts this face from its neighbour
     std::uint32_t neighbours[3];  // across edge k, from corner k to the next; kNone: none
 
-    double square_bound(const core::dvec3& point) const;
+    double square_distance(const core::dvec3& point) const;
   };
   struct Polygon {
     core::dvec3 corners[kMostCorners];
     int count = 0;
   };
-  struct Half {
-    std::uint32_t face;  // near it
+  /// A part of the triangle that is covered, near a face. `from`: the face that has handed it on, or kNone.
+  struct Piece {
     Polygon polygon;
+    std::uint32_t face, from;
+  };
+  enum class Side { kInside, kOutside, kBoth };
+  /// Around faces, for quick tests of many.
+  static constexpr std::size_t kBalls = 16;
+  struct Balls {
+    float x[kBalls], y[kBalls], z[kBalls], radius[kBalls];
   };
   struct Probe {
+    std::uint32_t face;  // near it
     double square;
     core::dvec3 point;
   };
@@ -75,31 +83,36 @@ class SurfaceDeviation {
   };
 
   void make_faces(const Triangles& to);
+  void make_balls();
   void join_faces(std::span<const std::uint32_t> corners);
   void join(const HalfEdge& a, const HalfEdge& b);
   double probe(const Triangles& from, const Triangles& to);
   std::uint32_t nearest_from(std::uint32_t face, const core::dvec3& point) const;
-  std::uint32_t nearest(const core::dvec3& point, double& square) const;
+  std::uint32_t nearest(std::uint32_t face, const core::dvec3& point, double& square) const;
   double farthest_square(const Polygon& polygon, const Face& face) const;
   static core::dvec3 centre_of(const Polygon& polygon);
   bool accept(const Polygon& polygon, std::uint32_t face);
-  void cover(Polygon polygon, std::uint32_t face, std::uint32_t from, int steps);
-  void refine(const Polygon& polygon, std::uint32_t face);
+  bool is_nearer(std::uint32_t face, const Piece& piece) const;
+  void cover(Piece piece);
+  void refine(const Piece& piece);
   bool bisect(const Polygon& polygon, std::uint32_t face);
-  static bool split(const Polygon& polygon, const double* side, Polygon& inside, Polygon& outside);
+  Side split(const Polygon& polygon, const core::dvec3& normal, const core::dvec3& point, Polygon& inside,
+             Polygon& outside) const;
 
   std::vector<Face> faces_;
+  std::vector<Balls> balls_;  // of the faces
+  core::dvec3 origin_{0.0};   // of the balls' centres
   std::vector<HalfEdge> edges_;
   std::vector<std::uint32_t> seeds_;   // by point: a face near it, or kNone
   std::vector<std::uint32_t> starts_;  // by triangle: a face near it
   std::vector<Probe> probes_;
-  std::vector<Half> halves_;  // of polygons of the triangle that is covered, which are yet to be covered
-  core::dvec3 normal_{0.0};   // of the triangle that is covered
-  double rounding_ = 0.0;     // distances below it are rounding
-  double square_ = 0.0;       // of the bound so far
-  double least_ = 0.0;        // square of a distance that some point has
-  double cosine_ = 1.0;       // of the largest angle so far
-  int bisections_ = 0;        // that are left
+  std::vector<Piece> pieces_;  // yet to be covered
+  core::dvec3 normal_{0.0};    // of the triangle that is covered
+  double rounding_ = 0.0;      // distances below it are rounding
+  double square_ = 0.0;        // of the bound so far
+  double least_ = 0.0;         // square of a distance that some point has
+  double cosine_ = 1.0;        // of the largest angle so far
+  std::int64_t steps_ = 0;     // that are left
 };
 
 }  // namespace sightline::lod
