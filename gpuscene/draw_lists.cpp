@@ -113,19 +113,21 @@ void DrawLists::list_records(const Batch& batch) {
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
+/// Solids remain solids in every cut, so that their back faces cannot be seen either.
 void DrawLists::list_cut(const Snapshot& snapshot, const MeshPool& pool, Slot slot, const ElementsCommand& whole,
-                         const lod::ImageError& error) {
+                         const lod::ImageError& error, bool fronts_alone) {
   const std::uint32_t record = whole.base_instance;
   cuts_.choose(*pool.levels(record), {error, snapshot.world_from_item(slot)}, ranges_);
+  std::vector<ElementsCommand>& list = fronts_alone ? command_list_ : both_faces_;
   ElementsCommand command = whole;
   for (const lod::IndexRange& range : ranges_) {
     command.first_index = pool.first_level_index(record) + range.first;
     command.count = range.count;
-    both_faces_.push_back(command);
+    list.push_back(command);
   }
 }
 
-/// Commands that show only front faces come first. Cuts show both.
+/// Commands that show only front faces come first.
 void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const core::View* drawn,
                             const lod::ImageError* error) {
   const std::size_t begin = command_list_.size();
@@ -134,12 +136,14 @@ void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, cons
   for (const Slot slot : visible_.meshes) {
     const std::uint32_t record = GpuScene::record_of(snapshot, slot);
     ElementsCommand command = pool.commands()[record];
+    const std::uint32_t solid = pool.solid_indices(record);
+    const bool fronts_alone = solid > 0 && shown.shows_fronts_alone(slot);
     if (error && pool.levels(record)) {
-      if (command.instance_count > 0) list_cut(snapshot, pool, slot, command, *error);
+      if (command.instance_count > 0)
+        list_cut(snapshot, pool, slot, command, *error, fronts_alone && solid == command.count);
       continue;
     }
-    const std::uint32_t solid = pool.solid_indices(record);
-    if (solid > 0 && shown.shows_fronts_alone(slot)) {
+    if (fronts_alone) {
       command_list_.push_back(command);
       command_list_.back().count = solid;
       command.first_index += solid;

@@ -91,18 +91,40 @@ bool MeshError::outside(const core::Aabb& box) const {
 }
 
 void CutChooser::choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges) {
-  simplified_.resize(levels.groups.size());
-  for (std::size_t i = 0; i < levels.groups.size(); ++i)
-    simplified_[i] = levels.groups[i].error <= error.allowed(levels.groups[i].box);
+  state_.assign(levels.groups.size(), State::kUnknown);
+  expanded_.clear();
+  drawn_.clear();
+  consider(levels, error, std::span(levels.members).subspan(levels.first_root));
+  while (!expanded_.empty()) {
+    const ClusterGroup& group = levels.groups[expanded_.back()];
+    expanded_.pop_back();
+    consider(levels, error, std::span(levels.members).subspan(group.first_member, group.member_count));
+  }
+  std::ranges::sort(drawn_);
   ranges.clear();
-  for (const Cluster& cluster : levels.clusters) {
-    if (cluster.made_by != core::kNone && !simplified_[cluster.made_by]) continue;
-    if (cluster.goes_into != core::kNone && simplified_[cluster.goes_into]) continue;
-    if (error.outside(cluster.box)) continue;
+  for (const std::uint32_t number : drawn_) {
+    const Cluster& cluster = levels.clusters[number];
     if (!ranges.empty() && ranges.back().first + ranges.back().count == cluster.first_index)
       ranges.back().count += cluster.index_count;
     else
       ranges.push_back({cluster.first_index, cluster.index_count});
+  }
+}
+
+/// Draws these clusters, and in place of those that are too coarse, later, the clusters that they were made from.
+void CutChooser::consider(const MeshLevels& levels, const MeshError& error, std::span<const std::uint32_t> clusters) {
+  for (const std::uint32_t number : clusters) {
+    const Cluster& cluster = levels.clusters[number];
+    if (cluster.made_by != core::kNone) {
+      State& state = state_[cluster.made_by];
+      if (state == State::kUnknown) {
+        const ClusterGroup& group = levels.groups[cluster.made_by];
+        state = group.error <= error.allowed(group.box) ? State::kSimplified : State::kExpanded;
+        if (state == State::kExpanded && !error.outside(group.box)) expanded_.push_back(cluster.made_by);
+      }
+      if (state == State::kExpanded) continue;
+    }
+    if (!error.outside(cluster.box)) drawn_.push_back(number);
   }
 }
 

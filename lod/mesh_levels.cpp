@@ -147,6 +147,9 @@ class Builder {
       if (!add_level(first, end)) break;
       first = end;
     }
+    levels_.first_root = std::uint32_t(levels_.members.size());
+    for (std::uint32_t i = 0; i < levels_.clusters.size(); ++i)
+      if (levels_.clusters[i].goes_into == kNone) levels_.members.push_back(i);
     return std::move(levels_);
   }
 
@@ -232,6 +235,9 @@ class Builder {
   void add_group(const std::vector<std::uint32_t>& members, const Simplified& simplified) {
     const auto number = std::uint32_t(levels_.groups.size());
     ClusterGroup group;
+    group.first_member = std::uint32_t(levels_.members.size());
+    group.member_count = std::uint32_t(members.size());
+    levels_.members.insert(levels_.members.end(), members.begin(), members.end());
     for (const std::uint32_t member : members) {
       Cluster& cluster = levels_.clusters[member];
       cluster.goes_into = number;

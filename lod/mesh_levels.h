@@ -37,7 +37,8 @@ struct ClusterGroup {
   float error = 0.0f;
   /// The normals of the two points differ by at most so many radians, where both triangles have one.
   float angle = 0.0f;
-  core::Aabb box;  ///< holds both surfaces
+  core::Aabb box;                                    ///< holds both surfaces
+  std::uint32_t first_member = 0, member_count = 0;  ///< in MeshLevels::members
 };
 
 /// A mesh in clusters of several levels. Immutable once built; time and place of building do not show.
@@ -45,12 +46,14 @@ struct MeshLevels {
   std::vector<std::uint32_t> indices;  ///< of the mesh's vertices, three per triangle
   std::vector<Cluster> clusters;       ///< level by level from the finest; indices lie in the same order
   std::vector<ClusterGroup> groups;    ///< level by level
-  std::uint32_t mesh_clusters = 0;     ///< number of first clusters, which hold all triangles of the mesh
+  std::vector<std::uint32_t> members;  ///< clusters of each group; then those that go into none, from first_root on
+  std::uint32_t first_root = 0;
+  std::uint32_t mesh_clusters = 0;  ///< number of first clusters, which hold all triangles of the mesh
 
   bool empty() const { return clusters.empty(); }
   std::size_t memory_bytes() const {
     return indices.size() * sizeof(std::uint32_t) + clusters.size() * sizeof(Cluster) +
-           groups.size() * sizeof(ClusterGroup);
+           groups.size() * sizeof(ClusterGroup) + members.size() * sizeof(std::uint32_t);
   }
 };
 

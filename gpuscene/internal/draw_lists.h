@@ -102,7 +102,7 @@ class DrawLists {
   void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const core::View* drawn,
                    const lod::ImageError* error);
   void list_cut(const core::Snapshot& snapshot, const MeshPool& pool, core::Slot slot, const ElementsCommand& whole,
-                const lod::ImageError& error);
+                const lod::ImageError& error, bool fronts_alone);
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sightline/core/view.h"
@@ -57,7 +58,8 @@ struct IndexRange {
   std::uint32_t first = 0, count = 0;
 };
 
-/// Chooses cuts. Keeps memory from mesh to mesh.
+/// Chooses cuts from coarse to fine: time follows what is drawn, not the mesh, but for a byte a group. Keeps memory
+/// from mesh to mesh.
 class CutChooser {
  public:
   /// Sets `ranges` to what draws a mesh within the image's error, in rising order and with gaps between them; none: it
@@ -65,7 +67,12 @@ class CutChooser {
   void choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges);
 
  private:
-  std::vector<std::uint8_t> simplified_;  // by group
+  enum class State : std::uint8_t { kUnknown, kSimplified, kExpanded };
+
+  void consider(const MeshLevels& levels, const MeshError& error, std::span<const std::uint32_t> clusters);
+
+  std::vector<State> state_;                     // by group
+  std::vector<std::uint32_t> expanded_, drawn_;  // groups whose clusters are yet to be considered; clusters
 };
 
 }  // namespace sightline::lod
