@@ -242,7 +242,7 @@ void Engine::paused() {
 
 core::Expected<void> Engine::finish_levels() {
   const auto kept = state_->keep_state();
-  return unless_lost(*state_, state_->backend->finish_levels(*state_->live.snapshot));
+  return unless_lost(*state_, state_->backend->finish_levels());
 }
 
 void Engine::finish() {

@@ -113,17 +113,27 @@ void DrawLists::list_records(const Batch& batch) {
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
-/// Solids remain solids in every cut, so that their back faces cannot be seen either.
+/// A mesh of solids alone remains solid in every cut. Of others that is known of their own triangles.
 void DrawLists::list_cut(const Snapshot& snapshot, const MeshPool& pool, Slot slot, const ElementsCommand& whole,
                          const lod::ImageError& error, bool fronts_alone) {
   const std::uint32_t record = whole.base_instance;
-  cuts_.choose(*pool.levels(record), {error, snapshot.world_from_item(slot)}, ranges_);
-  std::vector<ElementsCommand>& list = fronts_alone ? command_list_ : both_faces_;
+  const lod::MeshLevels& levels = *pool.levels(record);
+  cuts_.choose(levels, {error, snapshot.world_from_item(slot)}, ranges_);
+  const bool all_solid = levels.solid_indices == whole.count;
+  const std::uint32_t solid = !fronts_alone ? 0
+                              : all_solid   ? std::uint32_t(levels.indices.size())
+                                            : levels.solid_indices;
   ElementsCommand command = whole;
+  const auto list = [&](std::vector<ElementsCommand>& to, std::uint32_t first, std::uint32_t end) {
+    if (first >= end) return;
+    command.first_index = pool.first_level_index(record) + first;
+    command.count = end - first;
+    to.push_back(command);
+  };
   for (const lod::IndexRange& range : ranges_) {
-    command.first_index = pool.first_level_index(record) + range.first;
-    command.count = range.count;
-    list.push_back(command);
+    const std::uint32_t end = range.first + range.count;
+    list(command_list_, range.first, std::min(end, solid));
+    list(both_faces_, std::max(range.first, solid), end);
   }
 }
 
@@ -139,8 +149,7 @@ void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, cons
     const std::uint32_t solid = pool.solid_indices(record);
     const bool fronts_alone = solid > 0 && shown.shows_fronts_alone(slot);
     if (error && pool.levels(record)) {
-      if (command.instance_count > 0)
-        list_cut(snapshot, pool, slot, command, *error, fronts_alone && solid == command.count);
+      if (command.instance_count > 0) list_cut(snapshot, pool, slot, command, *error, fronts_alone);
       continue;
     }
     if (fronts_alone) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sightline/gpuscene/internal/solid_shells.h"
+#include "sightline/lod/internal/solid_shells.h"
 
 namespace sightline::gpuscene {
 namespace {
@@ -82,6 +82,7 @@ std::uint32_t MeshPool::shape_of(std::shared_ptr<const core::Mesh> mesh) {
   Shape& shape = shapes_[place->second];
   shape.mesh = std::move(mesh);
   stage(shape);
+  new_shapes_.push_back(place->second);
   return place->second;
 }
 
@@ -96,14 +97,29 @@ void MeshPool::stage(Shape& shape) {
     vertices_.staged.push_back({mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])});
   shape.first_index = indices_.begin_run(shape.index_count);
   indices_.staged.insert(indices_.staged.end(), mesh.indices.begin(), mesh.indices.end());
-  shape.solid_indices = solid_shells_first(mesh.positions, std::span(indices_.staged).last(mesh.indices.size()));
+  shape.solid_indices = lod::solid_shells_first(mesh.positions, std::span(indices_.staged).last(mesh.indices.size()));
+}
+
+std::vector<std::shared_ptr<const core::Mesh>> MeshPool::take_new_meshes() {
+  std::vector<std::shared_ptr<const core::Mesh>> meshes;
+  for (const std::uint32_t shape : std::exchange(new_shapes_, {}))
+    if (shapes_[shape].mesh) meshes.push_back(shapes_[shape].mesh);
+  return meshes;
+}
+
+std::vector<std::shared_ptr<const core::Mesh>> MeshPool::meshes() const {
+  std::vector<std::shared_ptr<const core::Mesh>> meshes;
+  for (const Shape& shape : shapes_)
+    if (shape.mesh) meshes.push_back(shape.mesh);
+  return meshes;
 }
 
 void MeshPool::add_levels(const core::Mesh& mesh, std::shared_ptr<const lod::MeshLevels> levels) {
   const auto place = shape_of_mesh_.find(&mesh);
   if (place == shape_of_mesh_.end() || levels->empty()) return;
   Shape& shape = shapes_[place->second];
-  if (shape.levels) return;
+  if (shape.levels == levels) return;
+  if (shape.levels) indices_.space.give_back(shape.first_level, std::uint32_t(shape.levels->indices.size()));
   shape.first_level = indices_.begin_run(levels->indices.size());
   indices_.staged.insert(indices_.staged.end(), levels->indices.begin(), levels->indices.end());
   shape.levels = std::move(levels);

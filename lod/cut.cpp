@@ -75,6 +75,7 @@ MeshError::MeshError(const ImageError& image, const core::Affine& world_from_mes
 }
 
 float MeshError::allowed(const core::Aabb& box) const {
+  if (!(pixels_ > 0.0)) return -1.0f;
   for (const dvec4& section : sections_)
     if (least(section, box) <= 0.0 && most(section, box) >= 0.0) return -1.0f;
   const double w = std::max(least(w_, box), nearest_);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #ifdef _OPENMP
@@ -12,6 +13,7 @@
 #include "sightline/core/internal/hash.h"
 #include "sightline/lod/internal/cluster_groups.h"
 #include "sightline/lod/internal/simplify.h"
+#include "sightline/lod/internal/solid_shells.h"
 #include "sightline/lod/internal/surface_deviation.h"
 
 namespace sightline::lod {
@@ -24,6 +26,7 @@ using core::vec3;
 
 constexpr std::uint32_t kGroupClusters = 8;
 constexpr std::size_t kFewestTriangles = 32;  // of a group that is simplified: half of these are a box or two
+constexpr std::uint32_t kMostRoots = 32;      // more are held together
 constexpr double kLeastGain = 0.85;           // share of triangles that a simplification must not exceed
 
 using Corners = std::vector<std::uint32_t>;
@@ -136,20 +139,21 @@ class Builder {
  public:
   Builder(const core::Mesh& mesh, int threads) : mesh_(mesh), threads_(threads), welded_(core::weld(mesh.positions)) {}
 
-  MeshLevels build() {
+  /// `coarser`: with all levels.
+  MeshLevels build(bool coarser) {
     Corners corners = mesh_.indices;
+    levels_.solid_indices = solid_shells_first(mesh_.positions, corners);
     const std::vector<std::uint32_t> equal = equal_vertices(mesh_, welded_);
     for (std::uint32_t& corner : corners) corner = equal[corner];
-    append_clusters(ordered(mesh_.positions, corners, threads_), kNone);
+    append_clusters(ordered(mesh_.positions, std::span(corners).first(levels_.solid_indices), threads_), kNone);
+    append_clusters(ordered(mesh_.positions, std::span(corners).subspan(levels_.solid_indices), threads_), kNone);
     levels_.mesh_clusters = std::uint32_t(levels_.clusters.size());
-    for (std::uint32_t first = 0; first < levels_.clusters.size();) {
+    for (std::uint32_t first = 0; coarser && first < levels_.clusters.size();) {
       const auto end = std::uint32_t(levels_.clusters.size());
       if (!add_level(first, end)) break;
       first = end;
     }
-    levels_.first_root = std::uint32_t(levels_.members.size());
-    for (std::uint32_t i = 0; i < levels_.clusters.size(); ++i)
-      if (levels_.clusters[i].goes_into == kNone) levels_.members.push_back(i);
+    list_roots();
     return std::move(levels_);
   }
 
@@ -167,6 +171,28 @@ class Builder {
           {std::uint32_t(levels_.indices.size()), std::uint32_t(count), made_by, kNone, box_of(mesh_.positions, part)});
       levels_.indices.insert(levels_.indices.end(), part.begin(), part.end());
     }
+  }
+
+  void list_roots() {
+    std::vector<std::uint32_t> roots;
+    for (std::uint32_t i = 0; i < levels_.clusters.size(); ++i)
+      if (levels_.clusters[i].goes_into == kNone) roots.push_back(i);
+    while (roots.size() > kMostRoots) roots = held_together(roots);
+    levels_.first_root = std::uint32_t(levels_.members.size());
+    levels_.members.insert(levels_.members.end(), roots.begin(), roots.end());
+  }
+
+  /// Roots that stand for so many each of the given ones, which are neighbours.
+  std::vector<std::uint32_t> held_together(const std::vector<std::uint32_t>& roots) {
+    std::vector<std::uint32_t> holders;
+    for (std::size_t first = 0; first < roots.size(); first += kMostRoots) {
+      const std::size_t count = std::min<std::size_t>(kMostRoots, roots.size() - first);
+      add_group(std::span(roots).subspan(first, count), {{}, {std::numeric_limits<double>::infinity(), 0.0}});
+      holders.push_back(std::uint32_t(levels_.clusters.size()));
+      levels_.clusters.push_back({std::uint32_t(levels_.indices.size()), 0, std::uint32_t(levels_.groups.size() - 1),
+                                  kNone, levels_.groups.back().box});
+    }
+    return holders;
   }
 
   /// Simplifies the clusters first … end - 1. False when that gives nothing more.
@@ -232,7 +258,7 @@ class Builder {
     return simplified;
   }
 
-  void add_group(const std::vector<std::uint32_t>& members, const Simplified& simplified) {
+  void add_group(std::span<const std::uint32_t> members, const Simplified& simplified) {
     const auto number = std::uint32_t(levels_.groups.size());
     ClusterGroup group;
     group.first_member = std::uint32_t(levels_.members.size());
@@ -248,7 +274,8 @@ class Builder {
       group.error = std::max(group.error, child.error);
       group.angle = std::max(group.angle, child.angle);
     }
-    group.error = core::round_up(double(group.error) + simplified.deviation.distance);
+    const double error = double(group.error) + simplified.deviation.distance;
+    group.error = std::isfinite(error) ? core::round_up(error) : std::numeric_limits<float>::infinity();
     group.angle = core::round_up(std::min(double(group.angle) + simplified.deviation.angle, std::numbers::pi));
     levels_.groups.push_back(group);
     append_clusters(simplified.corners, number);
@@ -299,16 +326,24 @@ std::vector<Contact> Builder::contacts(std::uint32_t first, std::uint32_t end) c
   return contacts;
 }
 
+/// All coordinates are finite, and it is worth it.
+bool can_divide(const core::Mesh& mesh) {
+  const auto finite = [](const vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); };
+  return needs_levels(mesh) && std::ranges::all_of(mesh.positions, finite);
+}
+
 }  // namespace
 
 bool needs_levels(const core::Mesh& mesh) {
   return mesh.indices.size() > 3 * kFewestTriangles;
 }
 
+MeshLevels build_clusters(const core::Mesh& mesh, int threads) {
+  return can_divide(mesh) ? Builder(mesh, threads).build(false) : MeshLevels();
+}
+
 MeshLevels build_levels(const core::Mesh& mesh, int threads) {
-  const auto finite = [](const vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); };
-  if (!needs_levels(mesh) || !std::ranges::all_of(mesh.positions, finite)) return {};
-  return Builder(mesh, threads).build();
+  return can_divide(mesh) ? Builder(mesh, threads).build(true) : MeshLevels();
 }
 
 }  // namespace sightline::lod

@@ -20,6 +20,8 @@ namespace sightline::lod {
 
 /// Triangles per cluster, at most.
 inline constexpr std::uint32_t kClusterTriangles = 128;
+/// Meshes of so many triangles are worth clusters even where they are drawn in full: parts of them lie outside a view.
+inline constexpr std::size_t kLargeMesh = 16'384;
 
 /// Triangles that are drawn together, or left out together.
 struct Cluster {
@@ -30,7 +32,8 @@ struct Cluster {
 };
 
 /// Clusters that are simplified together. Its error and box are at least those of the groups that its clusters were
-/// made by.
+/// made by. A group of infinite error only holds many clusters together, by a box: it has made one cluster without
+/// triangles.
 struct ClusterGroup {
   /// Each point of the simplified surface has a point of the original within so many metres (of the mesh's own
   /// coordinates), and the other way round. Proved, and rounded up.
@@ -49,6 +52,8 @@ struct MeshLevels {
   std::vector<std::uint32_t> members;  ///< clusters of each group; then those that go into none, from first_root on
   std::uint32_t first_root = 0;
   std::uint32_t mesh_clusters = 0;  ///< number of first clusters, which hold all triangles of the mesh
+  /// Number of first indices that belong to solid shells (internal/solid_shells.h), in clusters of their own.
+  std::uint32_t solid_indices = 0;
 
   bool empty() const { return clusters.empty(); }
   std::size_t memory_bytes() const {
@@ -59,6 +64,9 @@ struct MeshLevels {
 
 /// Whether a mesh gains by levels: it has more than a few dozen triangles.
 SIGHTLINE_API bool needs_levels(const core::Mesh& mesh);
+
+/// Divides a mesh, which passes validate(), into clusters alone; there are no coarser levels. About 0.5 us a triangle.
+SIGHTLINE_API MeshLevels build_clusters(const core::Mesh& mesh, int threads = 0);
 
 /// Divides a mesh, which passes validate(), into clusters, and makes its levels. The first clusters hold the same
 /// triangles as the mesh, by vertices of the same positions and normals. Levels end where simplification does, or at

@@ -28,7 +28,7 @@ culling::ContributionTest DrawContext::contribution_test(const core::View& view,
 
 core::Expected<void> DrawContext::list(const core::View& view, const core::Snapshot& snapshot,
                                        const core::VisibleSet& set) {
-  if (config.losses.lod_error <= 0.0) return lists->update(snapshot, *scene, set, &view);
+  if (!mesh_details.any()) return lists->update(snapshot, *scene, set, &view);
   const lod::ImageError error(view, target().width(), target().height(), config.losses.lod_error);
   return lists->update(snapshot, *scene, set, &view, &error);
 }

@@ -221,7 +221,6 @@ core::Expected<void> Drawing::update(Edit edit, const core::Snapshot& snapshot, 
   const auto larger = context_.scene->append(snapshot, joints);
   if (!larger) return rebuild(snapshot, joints, culling_.culler());  // the scene is of no use then
   context_.scene->update(snapshot, touched, joints);
-  context_.mesh_details.follow(snapshot, touched);
   if (*larger)
     if (auto done = follow_batches(snapshot); !done) return done;
   return follow_edit(edit, snapshot, touched, materials);
@@ -328,8 +327,7 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
   DrawResult result;
   if (!context_.renderer && !request.on_gpu) return result;
   if (auto current = make_current(); !current) return tl::unexpected(current.error());
-  if (auto done = follow_levels(request.culled.snapshot, core::deadline_in(kLevelsSeconds)); !done)
-    return tl::unexpected(done.error());
+  if (auto done = follow_levels(core::deadline_in(kLevelsSeconds)); !done) return tl::unexpected(done.error());
   context_.external = request.target ? std::optional(*request.target) : std::nullopt;
   context_.image->composed = false;
   const bool aside = !core::same_image(request.view, request.culled.view);
@@ -386,17 +384,17 @@ std::optional<LateReport> Drawing::take_late_report() {
                     context_.config.draw ? std::int64_t(feedback->items_drawn) : -1};
 }
 
-/// Gives the GPU scene levels of detail that are ready, where they are asked for.
-core::Expected<void> Drawing::follow_levels(const core::Snapshot& snapshot, core::Deadline deadline) {
-  if (context_.config.losses.lod_error <= 0.0 || !context_.renderer) return {};
-  return context_.mesh_details.advance(snapshot, *context_.scene, deadline);
+/// Gives the GPU scene clusters and levels of detail that are ready.
+core::Expected<void> Drawing::follow_levels(core::Deadline deadline) {
+  if (!context_.renderer) return {};
+  return context_.mesh_details.advance(*context_.scene, context_.config.losses.lod_error > 0.0, deadline);
 }
 
-core::Expected<void> Drawing::finish_levels(const core::Snapshot& snapshot) {
+core::Expected<void> Drawing::finish_levels() {
   if (auto current = make_current(); !current) return current;
-  if (auto done = follow_levels(snapshot, core::deadline_in(0.0)); !done) return done;
+  if (auto done = follow_levels(core::deadline_in(0.0)); !done) return done;
   context_.mesh_details.wait();
-  return follow_levels(snapshot, core::kNoDeadline);
+  return follow_levels(core::kNoDeadline);
 }
 
 void Drawing::finish() {

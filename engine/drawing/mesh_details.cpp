@@ -1,26 +1,29 @@
 #include "sightline/engine/drawing/internal/mesh_details.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
-
-#include "sightline/gpuscene/internal/batch_kinds.h"
 
 namespace sightline::engine {
 namespace {
 
 constexpr std::size_t kMostAtOnce = 256;             // meshes that the thread takes at a time
-constexpr std::size_t kLargeMesh = 300'000;          // indices: worth several threads
 constexpr std::size_t kUploadedIndices = 1'000'000;  // at a time
 
-bool has_mesh(const core::Snapshot& snapshot, core::Slot slot) {
-  return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount;
+bool is_large(const core::Mesh& mesh) {
+  return mesh.indices.size() >= 3 * lod::kLargeMesh;
 }
 
 }  // namespace
 
-core::Expected<void> MeshDetails::advance(const core::Snapshot& snapshot, gpuscene::GpuScene& scene,
-                                          core::Deadline deadline) {
-  if (known_slots_ == 0) begin(snapshot);
+core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline) {
+  const std::vector<std::shared_ptr<const core::Mesh>> added = scene.take_new_meshes();
+  if (!scene_known_ || (levels && !levels_wanted_)) {
+    levels_wanted_ = levels_wanted_ || levels;
+    begin(scene);
+  } else {
+    want(added);
+  }
   take_built();
   while (!given_.empty()) {
     std::size_t count = 0, indices = 0;
@@ -33,46 +36,43 @@ core::Expected<void> MeshDetails::advance(const core::Snapshot& snapshot, gpusce
   return {};
 }
 
-void MeshDetails::begin(const core::Snapshot& snapshot) {
-  const std::vector<core::Slot> slots = gpuscene::GpuScene::slots_of(snapshot, gpuscene::BatchKind::kMesh);
+/// Learns which meshes a scene has, and keeps what is known of these.
+void MeshDetails::begin(const gpuscene::GpuScene& scene) {
+  const std::vector<std::shared_ptr<const core::Mesh>> meshes = scene.meshes().meshes();
   take_built();
   given_.clear();
   auto former = std::exchange(known_, {});
-  for (const core::Slot slot : slots) {
-    const std::shared_ptr<const core::Mesh> mesh = snapshot.share_mesh(slot);
+  for (const auto& mesh : meshes) {
     const auto present = former.find(mesh.get());
     if (present == former.end()) continue;
-    if (present->second.levels) given_.push_back(present->second);
+    if (present->second.of.levels) given_.push_back(present->second.of);
     known_.insert(former.extract(present));
   }
-  for (const core::Slot slot : slots) want(snapshot, slot);
-  known_slots_ = core::Slot(snapshot.size());
+  want(meshes);
+  scene_known_ = true;
 }
 
-void MeshDetails::follow(const core::Snapshot& snapshot, std::span<const core::Slot> touched) {
-  if (known_slots_ == 0) return;
-  for (const core::Slot slot : touched)
-    if (has_mesh(snapshot, slot)) want(snapshot, slot);
-  for (; known_slots_ < snapshot.size(); ++known_slots_)
-    if (has_mesh(snapshot, known_slots_)) want(snapshot, known_slots_);
-}
-
-void MeshDetails::want(const core::Snapshot& snapshot, core::Slot slot) {
-  std::shared_ptr<const core::Mesh> mesh = snapshot.share_mesh(slot);
-  if (!mesh || !lod::needs_levels(*mesh) || !known_.try_emplace(mesh.get(), Levels{mesh, nullptr}).second) return;
-  const std::lock_guard lock(mutex_);
-  wanted_.push_back(std::move(mesh));
-  if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
-  changed_.notify_all();
+void MeshDetails::want(std::span<const std::shared_ptr<const core::Mesh>> meshes) {
+  for (const std::shared_ptr<const core::Mesh>& mesh : meshes) {
+    if (!(levels_wanted_ ? lod::needs_levels(*mesh) : is_large(*mesh))) continue;
+    Known& known = known_[mesh.get()];
+    if (known.of.mesh && known.levels >= levels_wanted_) continue;
+    known.of.mesh = mesh;
+    known.levels = levels_wanted_;
+    const std::lock_guard lock(mutex_);
+    wanted_.push_back({{mesh, nullptr}, levels_wanted_});
+    if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    changed_.notify_all();
+  }
 }
 
 void MeshDetails::take_built() {
   const std::lock_guard lock(mutex_);
-  for (Levels& made : built_) {
-    const auto known = known_.find(made.mesh.get());
-    if (known == known_.end()) continue;
-    known->second.levels = made.levels;
-    given_.push_back(std::move(made));
+  for (Work& made : built_) {
+    const auto known = known_.find(made.of.mesh.get());
+    if (known == known_.end() || made.levels < known->second.levels) continue;  // gone, or better ones are to come
+    known->second.of = made.of;
+    given_.push_back(std::move(made.of));
   }
   built_.clear();
 }
@@ -84,18 +84,18 @@ void MeshDetails::wait() {
 
 std::size_t MeshDetails::memory_bytes() const {
   std::size_t bytes = 0;
-  for (const auto& [mesh, of] : known_)
-    if (of.levels) bytes += of.levels->memory_bytes();
+  for (const auto& [mesh, known] : known_)
+    if (known.of.levels) bytes += known.of.levels->memory_bytes();
   return bytes;
 }
 
 void MeshDetails::run(const std::stop_token& stop) {
-  std::vector<Levels> work;
+  std::vector<Work> work;
   std::unique_lock lock(mutex_);
   while (changed_.wait(lock, stop, [&] { return !wanted_.empty(); })) {
-    work.clear();
-    for (std::size_t i = std::min(kMostAtOnce, wanted_.size()); i-- > 0; wanted_.pop_back())
-      work.push_back({std::move(wanted_.back()), nullptr});
+    const std::size_t count = std::min(kMostAtOnce, wanted_.size());
+    work.assign(std::make_move_iterator(wanted_.end() - std::ptrdiff_t(count)), std::make_move_iterator(wanted_.end()));
+    wanted_.resize(wanted_.size() - count);
     works_ = true;
     lock.unlock();
     build(work, stop);
@@ -108,13 +108,15 @@ void MeshDetails::run(const std::stop_token& stop) {
 }
 
 /// Small meshes side by side, and each large one by several threads.
-void MeshDetails::build(std::vector<Levels>& work, const std::stop_token& stop) {
-  const auto is_small = [](const Levels& of) { return of.mesh->indices.size() < kLargeMesh; };
-  const auto build_one = [&](Levels& of, int threads) {
-    if (!stop.stop_requested())
-      of.levels = std::make_shared<const lod::MeshLevels>(lod::build_levels(*of.mesh, threads));
+void MeshDetails::build(std::vector<Work>& work, const std::stop_token& stop) {
+  const auto build_one = [&](Work& one, int threads) {
+    if (stop.stop_requested()) return;
+    const core::Mesh& mesh = *one.of.mesh;
+    one.of.levels = std::make_shared<const lod::MeshLevels>(one.levels ? lod::build_levels(mesh, threads)
+                                                                       : lod::build_clusters(mesh, threads));
   };
-  const auto small = std::partition(work.begin(), work.end(), is_small) - work.begin();
+  const auto small =
+      std::partition(work.begin(), work.end(), [](const Work& one) { return !is_large(*one.of.mesh); }) - work.begin();
 #ifdef _OPENMP
 #pragma omp parallel for schedule(dynamic)
 #endif

@@ -140,8 +140,8 @@ class Backend {
   /// The oldest result of the GPU culler that was not yet taken.
   virtual std::optional<LateReport> take_late_report() { return std::nullopt; }
   virtual void finish() {}
-  /// Waits for the levels of detail of all meshes, and uploads them.
-  virtual core::Expected<void> finish_levels(const core::Snapshot&) { return {}; }
+  /// Waits for clusters and levels of detail of all meshes, and uploads them.
+  virtual core::Expected<void> finish_levels() { return {}; }
 
   // --- queries ---
 

@@ -77,6 +77,8 @@ class GpuScene {
   /// Takes in levels of meshes that records have. Fails when the GPU has not enough memory; then the scene is of no
   /// use.
   core::Expected<void> add_levels(std::span<const LevelsOfMesh> levels);
+  /// Meshes that records have got since the last call.
+  std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes() { return meshes_.take_new_meshes(); }
 
   const std::vector<Batch>& batches() const { return batches_; }
   const Batch* batch(BatchKind kind) const;  ///< null when the scene has none

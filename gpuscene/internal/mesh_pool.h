@@ -48,7 +48,10 @@ class MeshPool {
   /// Takes as much memory as another pool has, before the first flush(): so that many may follow, and none copies.
   core::Expected<void> reserve_as(const gl::Functions& gl, const MeshPool& other);
 
-  /// Puts levels of a mesh beside its triangles, where a record has the mesh; flush() writes them.
+  /// Meshes that were added since the last call, as far as records still have them; or all of them.
+  std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes();
+  std::vector<std::shared_ptr<const core::Mesh>> meshes() const;
+  /// Puts levels of a mesh beside its triangles, where a record has the mesh, in place of others; flush() writes them.
   void add_levels(const core::Mesh& mesh, std::shared_ptr<const lod::MeshLevels> levels);
   /// Levels of a record's mesh, or null. Their indices begin at first_level_index() of indices().
   const lod::MeshLevels* levels(std::uint32_t record) const;
@@ -112,7 +115,7 @@ class MeshPool {
   std::vector<ElementsCommand> commands_;
   std::vector<std::uint32_t> shape_of_record_;  // kNone: draws nothing any more
   std::vector<Shape> shapes_;
-  std::vector<std::uint32_t> unused_shapes_;
+  std::vector<std::uint32_t> unused_shapes_, new_shapes_;
   std::unordered_map<const core::Mesh*, std::uint32_t> shape_of_mesh_;
 };
 

@@ -7,6 +7,7 @@
 #include "sightline/render/image/image_metrics.h"
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/lod/mesh_samples.h"
+#include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/gl_watch.h"
 
 namespace sightline::tests::levels_test {
@@ -83,6 +84,37 @@ TEST_F(Levels, ShowEachItemWithinTheAllowedPixels) {
       }
   }
   EXPECT_GT(different, 100u) << "levels are drawn";
+}
+
+/// Without an allowed error large meshes are drawn by clusters, those in the view volume. The GPU's culler knows none.
+TEST_F(Levels, ClustersOfLargeMeshesShowEveryPixel) {
+  core::Scene scene;
+  const auto torus = scene.add_mesh(bumpy_torus(70, 0.1)).value();
+  const auto hills = scene.add_mesh(joined(terrain(96, 1.2), bumpy_torus(20, 0.1), {5, 5, 0})).value();
+  ASSERT_GT(scene.mesh(hills).indices.size(), 3 * lod::kLargeMesh);
+  for (int i = 0; i < 3; ++i) {
+    core::Affine at = core::translation({4.0 * i, 3.0, 1.0});
+    if (i == 1) at.linear = core::dmat3(-1, 0, 0, 0, 0.7, 0.3, 0, 0, 1);
+    scene.add_mesh_instance(scene.root(), i == 2 ? hills : torus, at);
+  }
+  ASSERT_TRUE(scene.commit());
+  engine::Engine clusters = create(scene, 0.0);
+  engine::EngineConfig c = config(engine::CullerChoice::kGpu, kWidth, kHeight);
+  c.drawing.ids = true;
+  auto whole = engine::Engine::create(scene, c);
+  ASSERT_TRUE(whole) << whole.error().message;
+  std::mt19937_64 random(3);
+  for (int i = 0; i < repeated(1000); ++i) {
+    SCOPED_TRACE(i);
+    const core::dvec3 eye(between(random, -3, 14), between(random, -3, 14), between(random, -2, 4));
+    const core::dvec3 target(between(random, 0, 12), between(random, 0, 12), between(random, -1, 2));
+    core::View view = *core::View::perspective({eye, target}, between(random, 0.2, 2.0), 1.5, 0.01);
+    if (i % 5 == 0) view = *core::View::orthographic({eye, target}, between(random, 0.5, 12.0), 1.5, -5.0, 30.0);
+    if (i % 3 == 0)
+      view.sections.push_back({glm::normalize(target - eye), -glm::dot(glm::normalize(target - eye), target)});
+    ASSERT_EQ(ids_of(clusters, view).ids, ids_of(*whole, view).ids);
+    ASSERT_EQ(clusters.read_depth(view)->metres, whole->read_depth(view)->metres);
+  }
 }
 
 TEST_F(Levels, FollowEditsAndNewVersions) {

@@ -68,7 +68,7 @@ class Drawing : public Backend {
   std::optional<DrawnFrame> take_drawn() override { return queue_.take_drawn(); }
   std::optional<LateReport> take_late_report() override;
   void finish() override;
-  core::Expected<void> finish_levels(const core::Snapshot& snapshot) override;
+  core::Expected<void> finish_levels() override;
 
   core::Expected<LeftOut> left_out(const Culled& culled) override;
   core::Expected<LossReport> loss(const Culled& culled) override;
@@ -100,7 +100,7 @@ class Drawing : public Backend {
   core::Expected<void> follow_edit(Edit edit, const core::Snapshot& snapshot, std::span<const core::Slot> touched,
                                    std::span<const std::uint32_t> materials);
   core::Expected<render::RenderTarget> make_target(int width, int height) const;
-  core::Expected<void> follow_levels(const core::Snapshot& snapshot, core::Deadline deadline);
+  core::Expected<void> follow_levels(core::Deadline deadline);
   void image_changed();
   void images_changed();
   /// Items that are drawn over the image, which the GPU culler does not find.

@@ -1,4 +1,4 @@
-// Finds the triangles of a mesh that never show their back to an eye outside. Internal to gpuscene.
+// Finds the triangles of a mesh that never show their back to an eye outside. Internal to lod.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 #include "sightline/core/conventions.h"
 
-namespace sightline::gpuscene {
+namespace sightline::lod {
 
 /// Moves the triangles of solid shells to the front and all others behind them, keeping the order of both. Returns the
 /// number of indices of the solid ones. All indices must be below positions.size().
@@ -23,4 +23,4 @@ namespace sightline::gpuscene {
 /// method for linear inequalities", 1954. Costs about 0.1 us per triangle.
 std::uint32_t solid_shells_first(std::span<const core::vec3> positions, std::span<std::uint32_t> indices);
 
-}  // namespace sightline::gpuscene
+}  // namespace sightline::lod

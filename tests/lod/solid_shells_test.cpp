@@ -1,5 +1,5 @@
 // Which shells of a mesh count as solid.
-#include "sightline/gpuscene/internal/solid_shells.h"
+#include "sightline/lod/internal/solid_shells.h"
 
 #include <algorithm>
 #include <numbers>
@@ -26,7 +26,7 @@ struct Soup {
     for (const std::uint32_t i : mesh.indices) indices.push_back(first + i);
     return *this;
   }
-  std::size_t solid() { return gpuscene::solid_shells_first(positions, indices); }
+  std::size_t solid() { return lod::solid_shells_first(positions, indices); }
 };
 
 core::Mesh box() {

@@ -1,4 +1,4 @@
-#include "sightline/gpuscene/internal/solid_shells.h"
+#include "sightline/lod/internal/solid_shells.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "sightline/core/internal/hash.h"
 #include "sightline/core/mesh.h"
 
-namespace sightline::gpuscene {
+namespace sightline::lod {
 namespace {
 
 using core::dvec3;
@@ -118,4 +118,4 @@ std::uint32_t solid_shells_first(std::span<const vec3> positions, std::span<std:
   return std::uint32_t(solid);
 }
 
-}  // namespace sightline::gpuscene
+}  // namespace sightline::lod
