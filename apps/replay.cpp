@@ -177,7 +177,11 @@ Json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                     {"sampled", summary_json(flight.sampled())}, {"items_drawn", summary_json(flight.items_drawn())},
                     {"tested", summary_json(flight.tested())},   {"switches", flight.switches()}};
   const engine::MemoryReport memory = engine.memory();
-  out["memory"] = {{"scene", memory.scene}, {"snapshot", memory.snapshot}, {"bvh", memory.bvh}, {"gpu", memory.gpu}};
+  out["memory"] = {{"scene", memory.scene},
+                   {"snapshot", memory.snapshot},
+                   {"bvh", memory.bvh},
+                   {"gpu", memory.gpu},
+                   {"levels", memory.levels}};
   return out;
 }
 
@@ -223,8 +227,10 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
                  double(engine.snapshot().size() * flight.frames.size()) / (1e-3 * cull_ms));
   const engine::MemoryReport m = engine.memory();
   constexpr double kMiB = 1024.0 * 1024.0;
-  std::fprintf(out, "\nmemory MiB: scene %.1f, snapshot %.1f, hierarchy %.1f, GPU %.1f\n", double(m.scene) / kMiB,
+  std::fprintf(out, "\nmemory MiB: scene %.1f, snapshot %.1f, hierarchy %.1f, GPU %.1f", double(m.scene) / kMiB,
                double(m.snapshot) / kMiB, double(m.bvh) / kMiB, double(m.gpu) / kMiB);
+  if (m.levels > 0) std::fprintf(out, ", levels of detail %.1f", double(m.levels) / kMiB);
+  std::fprintf(out, "\n");
 }
 
 /// Marks where the hybrid had settled on the GPU, and the frames in which it measured the other path.

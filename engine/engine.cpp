@@ -231,6 +231,7 @@ MemoryReport Engine::memory() const {
     report.tracer += tracer_bytes(*version);
   }
   report.gpu = s.backend->memory_bytes();
+  report.levels = s.backend->levels_bytes();
   report.scratch = core::scratch_bytes();
   return report;
 }

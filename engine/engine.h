@@ -229,6 +229,7 @@ struct LossReport {
 struct MemoryReport {
   std::size_t scene = 0, snapshot = 0, bvh = 0, gpu = 0;  ///< bytes
   std::size_t tracer = 0;                                 ///< 0 before the first pick
+  std::size_t levels = 0;                                 ///< clusters and levels of detail of meshes, in main memory
   std::size_t scratch = 0;  ///< buffers that all threads of the process keep from call to call: core/memory.h
 };
 

@@ -1,6 +1,7 @@
 #include "sightline/gpuscene/internal/mesh_pool.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -56,8 +57,7 @@ void MeshPool::update(const Snapshot& snapshot, Slot slot, std::uint32_t record)
   Shape& shape = shapes_[index];
   if (--shape.users > 0) return;
   vertices_.space.give_back(shape.first_vertex, shape.vertex_count);
-  indices_.space.give_back(shape.first_index, shape.index_count);
-  if (shape.levels) indices_.space.give_back(shape.first_level, std::uint32_t(shape.levels->indices.size()));
+  free_indices(shape);
   shape_of_mesh_.erase(shape.mesh.get());
   shape = {};
   unused_shapes_.push_back(index);
@@ -92,6 +92,7 @@ void MeshPool::stage(Shape& shape) {
   const core::Mesh& mesh = *shape.mesh;
   shape.vertex_count = std::uint32_t(mesh.positions.size());
   shape.index_count = std::uint32_t(mesh.indices.size());
+  shape.own_triangles = true;
   shape.first_vertex = vertices_.begin_run(shape.vertex_count);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     vertices_.staged.push_back({mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])});
@@ -114,15 +115,38 @@ std::vector<std::shared_ptr<const core::Mesh>> MeshPool::meshes() const {
   return meshes;
 }
 
-void MeshPool::add_levels(const core::Mesh& mesh, std::shared_ptr<const lod::MeshLevels> levels) {
-  const auto place = shape_of_mesh_.find(&mesh);
-  if (place == shape_of_mesh_.end() || levels->empty()) return;
+void MeshPool::add_levels(std::span<const LevelsOfMesh> levels, bool keep_commands) {
+  bool moved = false;
+  for (const LevelsOfMesh& of : levels) moved |= add_levels(of, keep_commands);
+  if (!moved) return;
+  for (std::size_t record = 0; record < commands_.size(); ++record)
+    if (shape_of_record_[record] != kNone)
+      commands_[record].first_index = shapes_[shape_of_record_[record]].first_index;
+}
+
+/// Whether commands of the mesh begin elsewhere now.
+bool MeshPool::add_levels(const LevelsOfMesh& of, bool keep_commands) {
+  const auto place = shape_of_mesh_.find(of.mesh.get());
+  if (place == shape_of_mesh_.end() || of.levels->empty()) return false;
   Shape& shape = shapes_[place->second];
-  if (shape.levels == levels) return;
+  if (shape.levels == of.levels) return false;
+  assert(shape.solid_indices == of.levels->solid_indices);
+  const bool keeps = keep_commands && shape.own_triangles;
+  if (!keeps) free_indices(shape);
+  if (keeps && shape.levels) indices_.space.give_back(shape.first_level, std::uint32_t(shape.levels->indices.size()));
+  shape.first_level = indices_.begin_run(of.levels->indices.size());
+  indices_.staged.insert(indices_.staged.end(), of.levels->indices.begin(), of.levels->indices.end());
+  shape.levels = of.levels;
+  has_levels_ = true;
+  if (keeps) return false;
+  shape.own_triangles = false;
+  shape.first_index = shape.first_level;
+  return true;
+}
+
+void MeshPool::free_indices(const Shape& shape) {
+  if (shape.own_triangles) indices_.space.give_back(shape.first_index, shape.index_count);
   if (shape.levels) indices_.space.give_back(shape.first_level, std::uint32_t(shape.levels->indices.size()));
-  shape.first_level = indices_.begin_run(levels->indices.size());
-  indices_.staged.insert(indices_.staged.end(), levels->indices.begin(), levels->indices.end());
-  shape.levels = std::move(levels);
 }
 
 const lod::MeshLevels* MeshPool::levels(std::uint32_t record) const {
@@ -138,7 +162,7 @@ core::Expected<void> MeshPool::reserve_as(const gl::Functions& gl, const MeshPoo
 
 core::Expected<void> MeshPool::flush(const gl::Functions& gl) {
   auto done = vertices_.flush(gl, "mesh vertices");
-  return done ? indices_.flush(gl, "mesh indices") : done;
+  return done ? indices_.flush(gl, "mesh indices", has_levels_ ? 8 : 2) : done;
 }
 
 /// The place of the next `count` elements that are staged.
@@ -151,7 +175,7 @@ std::uint32_t MeshPool::Store<Element>::begin_run(std::size_t count) {
 }
 
 template <class Element>
-core::Expected<void> MeshPool::Store<Element>::flush(const gl::Functions& gl, const char* what) {
+core::Expected<void> MeshPool::Store<Element>::flush(const gl::Functions& gl, const char* what, std::size_t headroom) {
   if (staged.empty()) return {};
   const std::size_t needed = std::max<std::size_t>(space.end(), 1) * sizeof(Element);
   if (buffer.size() == 0 && runs.size() == 1) {
@@ -161,7 +185,7 @@ core::Expected<void> MeshPool::Store<Element>::flush(const gl::Functions& gl, co
   } else {
     const std::size_t elements = std::max(needed, buffer.size()) / sizeof(Element);
     if (!writable || needed > buffer.size())
-      if (auto done = make_writable(gl, (elements + elements / 2) * sizeof(Element), what); !done) return done;
+      if (auto done = make_writable(gl, (elements + elements / headroom) * sizeof(Element), what); !done) return done;
     for (std::size_t i = 0; i < runs.size(); ++i) {
       const std::size_t begin = runs[i].begin, end = i + 1 < runs.size() ? runs[i + 1].begin : staged.size();
       buffer.write(runs[i].first * sizeof(Element), (end - begin) * sizeof(Element), staged.data() + begin);

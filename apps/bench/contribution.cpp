@@ -1,4 +1,5 @@
-// sightline-bench contribution: error of the image against the time of a frame, for rules that leave out small items.
+// sightline-bench contribution: error of the image against the time of a frame, for rules that leave out small items,
+// and for levels of detail of meshes.
 //
 // Frames of the automatic tour are drawn with each rule and threshold. The reference is the full image with 64
 // samples per pixel: eight times as wide and high, averaged in linear light. The full image of one sample per pixel
@@ -12,7 +13,8 @@
 //             in pixels, by default 2
 //   occt      Open CASCADE 7.6, Graphic3d_CullingTool::IsTooSmall(): the diagonal's length in pixels
 //   sphere    projected area of the bounding sphere
-// The last three compare the diagonal with the distance, so they differ only in the scale of their thresholds.
+//   levels    meshes by levels of detail whose proven error is at most so many pixels (lod/mesh_levels.h)
+// The three before compare the diagonal with the distance, so they differ only in the scale of their thresholds.
 #include "sightline/culling/occlusion/contribution.h"
 
 #include <algorithm>
@@ -42,6 +44,7 @@
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/rebuild.h"
 #include "sightline/importers/json/internal/json.h"
+#include "sightline/lod/mesh_levels.h"
 #include "sightline/render/image/image_metrics.h"
 
 namespace sightline::bench::contribution_bench {
@@ -90,10 +93,18 @@ void add_options(apps::CommandLine& line, Options& o) {
 // --- rules ---------------------------------------------------------------------------------------------------------
 
 struct Rule {
-  enum class Measure { kNone, kSolid, kBox, kOpenSceneGraph, kOpenCascade, kSphere };
+  enum class Measure { kNone, kSolid, kBox, kOpenSceneGraph, kOpenCascade, kSphere, kLevels };
   Measure measure = Measure::kNone;
   ContributionMode mode = ContributionMode::kDrop;
   double threshold = 0.0;  // pixels, of area or of length
+  /// What the engine is told; the other rules are applied before it.
+  engine::LossConfig losses() const {
+    engine::LossConfig losses;
+    if (measure == Measure::kSolid) losses.min_projected_area = float(threshold);
+    if (measure == Measure::kLevels) losses.lod_error = threshold;
+    losses.contribution_mode = mode;
+    return losses;
+  }
 };
 
 std::string name_of(const Rule& rule) {
@@ -110,12 +121,14 @@ std::string name_of(const Rule& rule) {
       return "occt";
     case Rule::Measure::kSphere:
       return "sphere";
+    case Rule::Measure::kLevels:
+      return "levels";
   }
   return {};
 }
 
-/// Rules of one name follow each other, with rising thresholds.
-std::vector<Rule> all_rules() {
+/// Rules of one name follow each other, with rising thresholds. `levels`: the scene has meshes that gain by them.
+std::vector<Rule> all_rules(bool levels) {
   using Measure = Rule::Measure;
   std::vector<Rule> rules{{}};
   for (const ContributionMode mode :
@@ -127,6 +140,9 @@ std::vector<Rule> all_rules() {
     for (const double length : {1.0, 2.0, 4.0, 8.0, 16.0}) rules.push_back({measure, ContributionMode::kDrop, length});
   for (const double area : {1.0, 4.0, 16.0, 64.0, 256.0})
     rules.push_back({Measure::kSphere, ContributionMode::kDrop, area});
+  if (levels)
+    for (const double pixels : {0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0})
+      rules.push_back({Measure::kLevels, ContributionMode::kDrop, pixels});
   return rules;
 }
 
@@ -215,9 +231,17 @@ class Subject {
   static core::Expected<std::unique_ptr<Subject>> create(core::Scene& scene, const Options& o, int width, int height) {
     engine::EngineConfig config = drawing_config(width, height, o.platform);
     config.culling.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
+    config.losses.lod_error = 1.0;                            // so that levels are built
     auto engine = engine::Engine::create(scene, config);
     if (!engine) return tl::unexpected(engine.error());
+    if (auto built = engine->finish_levels(); !built) return tl::unexpected(built.error());
     return std::unique_ptr<Subject>(new Subject(std::move(*engine)));
+  }
+
+  /// Whether any mesh has levels.
+  bool has_levels() {
+    const auto meshes = engine_.drawing()->scene().meshes().meshes();
+    return std::ranges::any_of(meshes, [](const auto& mesh) { return lod::needs_levels(*mesh); });
   }
 
   engine::Engine& engine() { return engine_; }
@@ -228,8 +252,9 @@ class Subject {
     engine::Drawing& drawing = *engine_.drawing();
     const core::Snapshot& snapshot = engine_.snapshot();
     const render::RenderTarget& target = drawing.target();
-    const bool by_engine = rule.measure == Rule::Measure::kNone || rule.measure == Rule::Measure::kSolid;
-    drawing.set_min_projected_area(by_engine ? float(rule.threshold) : 0.0f, rule.mode);
+    const bool by_engine = rule.measure == Rule::Measure::kNone || rule.measure == Rule::Measure::kSolid ||
+                           rule.measure == Rule::Measure::kLevels;
+    drawing.set_losses(rule.losses());
     drawing.finish();
     const Took begin{milliseconds(), processor_milliseconds()};
     culler_.cull(view, visible_);
@@ -355,7 +380,7 @@ core::Expected<std::vector<Figures>> measure(Subject& subject, const std::vector
   }
   if (auto done = subject.engine().resize(width, height); !done) return tl::unexpected(done.error());
   std::vector<Figures> all;
-  for (const Rule& rule : all_rules()) all.push_back({rule, {}, {}, {}, {}, {}, {}, {}, {}});
+  for (const Rule& rule : all_rules(subject.has_levels())) all.push_back({rule, {}, {}, {}, {}, {}, {}, {}, {}});
   for (std::size_t i = 0; i < views.size(); ++i) {
     image::IdImage full_ids;
     for (Figures& figures : all)

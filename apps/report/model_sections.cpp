@@ -125,7 +125,7 @@ void add_memory(const Report& report, Section& section) {
   section.html.table({"part", "memory", "bytes an item"}, rows,
                      {"Memory of the engine.", report.command("replay", "--frames 2 " + report.size_option())});
   section.figures["memory_bytes"] = {
-      {"scene", m.scene}, {"snapshot", m.snapshot}, {"hierarchy", m.bvh}, {"gpu", m.gpu}};
+      {"scene", m.scene}, {"snapshot", m.snapshot}, {"hierarchy", m.bvh}, {"gpu", m.gpu}, {"levels", m.levels}};
 }
 
 void add_warnings(const Report& report, Section& section) {

@@ -237,7 +237,7 @@ sl_status sl_engine_get(sl_engine handle, sl_engine_info* info) {
 #endif
     found.scene_bytes = memory.scene, found.snapshot_bytes = memory.snapshot;
     found.hierarchy_bytes = memory.bvh, found.gpu_bytes = memory.gpu, found.tracer_bytes = memory.tracer;
-    found.scratch_bytes = memory.scratch;
+    found.scratch_bytes = memory.scratch, found.levels_bytes = memory.levels;
     write(info, found);
   });
 }

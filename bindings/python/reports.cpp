@@ -77,9 +77,10 @@ void bind_small_reports(py::module_& m) {
       .def_readonly("gpu", &MemoryReport::gpu, "In the context.")
       .def_readonly("tracer", &MemoryReport::tracer, "The ray tracer; 0 before the first pick.")
       .def_readonly("scratch", &MemoryReport::scratch,
-                    "Buffers that all threads of the process keep from call to call.");
+                    "Buffers that all threads of the process keep from call to call.")
+      .def_readonly("levels", &MemoryReport::levels, "Clusters and levels of detail of meshes, in main memory.");
   bind_value<&MemoryReport::scene, &MemoryReport::snapshot, &MemoryReport::bvh, &MemoryReport::gpu,
-             &MemoryReport::tracer, &MemoryReport::scratch>(memory);
+             &MemoryReport::tracer, &MemoryReport::scratch, &MemoryReport::levels>(memory);
 
   py::class_<ControllerReport> controller(m, "ControllerReport", "What a hybrid's controller has done so far.");
   controller

@@ -261,10 +261,9 @@ void Drawing::configure(const EngineConfig& config) {
   images_changed();
 }
 
-void Drawing::set_min_projected_area(float pixels, ContributionMode mode) {
+void Drawing::set_losses(const LossConfig& losses) {
   EngineConfig changed = context_.config;
-  changed.losses.min_projected_area = pixels;
-  changed.losses.contribution_mode = mode;
+  changed.losses = losses;
   configure(changed);
 }
 
@@ -387,7 +386,8 @@ std::optional<LateReport> Drawing::take_late_report() {
 /// Gives the GPU scene clusters and levels of detail that are ready.
 core::Expected<void> Drawing::follow_levels(core::Deadline deadline) {
   if (!context_.renderer) return {};
-  return context_.mesh_details.advance(*context_.scene, context_.config.losses.lod_error > 0.0, deadline);
+  return context_.mesh_details.advance(*context_.scene, context_.config.losses.lod_error > 0.0, culling_.culler(),
+                                       deadline);
 }
 
 core::Expected<void> Drawing::finish_levels() {

@@ -16,7 +16,8 @@ bool is_large(const core::Mesh& mesh) {
 
 }  // namespace
 
-core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline) {
+core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, bool keep_commands,
+                                          core::Deadline deadline) {
   const std::vector<std::shared_ptr<const core::Mesh>> added = scene.take_new_meshes();
   if (!scene_known_ || (levels && !levels_wanted_)) {
     levels_wanted_ = levels_wanted_ || levels;
@@ -29,7 +30,7 @@ core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels
     std::size_t count = 0, indices = 0;
     while (count < given_.size() && indices < kUploadedIndices)
       indices += given_[given_.size() - ++count].levels->indices.size();
-    if (auto done = scene.add_levels(std::span(given_).last(count)); !done) return done;
+    if (auto done = scene.add_levels(std::span(given_).last(count), keep_commands); !done) return done;
     given_.resize(given_.size() - count);
     if (core::over(deadline)) break;
   }

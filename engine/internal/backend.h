@@ -149,7 +149,8 @@ class Backend {
   virtual core::Expected<LeftOut> left_out(const Culled&) { return LeftOut(); }
   /// Error of the last draw() by contribution and budget; it must have drawn `culled`.
   virtual core::Expected<LossReport> loss(const Culled&) { return LossReport(); }
-  virtual std::size_t memory_bytes() const { return 0; }
+  virtual std::size_t memory_bytes() const { return 0; }  ///< of the GPU
+  virtual std::size_t levels_bytes() const { return 0; }  ///< of main memory, for clusters and levels of detail
   virtual std::string platform() const { return {}; }
   virtual std::string renderer() const { return {}; }
   virtual bool software() const { return false; }

@@ -70,13 +70,9 @@ class GpuScene {
   /// when added ones do not fit. Fails when the GPU has not enough memory; then nothing has changed.
   core::Expected<void> update_materials(const core::Snapshot& snapshot, std::span<const std::uint32_t> edited);
 
-  struct LevelsOfMesh {
-    std::shared_ptr<const core::Mesh> mesh;
-    std::shared_ptr<const lod::MeshLevels> levels;
-  };
   /// Takes in levels of meshes that records have. Fails when the GPU has not enough memory; then the scene is of no
   /// use.
-  core::Expected<void> add_levels(std::span<const LevelsOfMesh> levels);
+  core::Expected<void> add_levels(std::span<const MeshPool::LevelsOfMesh> levels, bool keep_commands);
   /// Meshes that records have got since the last call.
   std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes() { return meshes_.take_new_meshes(); }
 

@@ -41,7 +41,8 @@ class MeshPool {
   /// Follows an edit of the slot of a record. A record whose slot was given up lets go of its mesh.
   void update(const core::Snapshot& snapshot, core::Slot slot, std::uint32_t record);
   /// Writes the meshes that were added. The first call takes the memory that they need, since most scenes never get
-  /// more. Later ones take half as much again where that is used up, and the GPU copies what was there. Fails when the
+  /// more. Later ones take half as much again where that is used up (for levels an eighth), and the GPU copies what was
+  /// there. Fails when the
   /// GPU has not enough memory; then the pool is of no use.
   core::Expected<void> flush(const gl::Functions& gl);
 
@@ -51,8 +52,14 @@ class MeshPool {
   /// Meshes that were added since the last call, as far as records still have them; or all of them.
   std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes();
   std::vector<std::shared_ptr<const core::Mesh>> meshes() const;
-  /// Puts levels of a mesh beside its triangles, where a record has the mesh, in place of others; flush() writes them.
-  void add_levels(const core::Mesh& mesh, std::shared_ptr<const lod::MeshLevels> levels);
+  struct LevelsOfMesh {
+    std::shared_ptr<const core::Mesh> mesh;
+    std::shared_ptr<const lod::MeshLevels> levels;
+  };
+  /// Puts levels of meshes, where a record has them, in place of others; flush() writes them. Their first clusters hold
+  /// all triangles of the mesh, so commands() use these from then on, unless `keep_commands` are kept elsewhere: then
+  /// the mesh's own triangles stay, too.
+  void add_levels(std::span<const LevelsOfMesh> levels, bool keep_commands);
   /// Levels of a record's mesh, or null. Their indices begin at first_level_index() of indices().
   const lod::MeshLevels* levels(std::uint32_t record) const;
   std::uint32_t first_level_index(std::uint32_t record) const { return shapes_[shape_of_record_[record]].first_level; }
@@ -88,6 +95,7 @@ class MeshPool {
     std::uint32_t users;  // records
     std::shared_ptr<const lod::MeshLevels> levels;
     std::uint32_t first_level;
+    bool own_triangles;  // at first_index, beside those of the levels
   };
   /// A buffer, its places, and what waits for flush().
   template <class Element>
@@ -104,14 +112,17 @@ class MeshPool {
     std::vector<Run> runs;
 
     std::uint32_t begin_run(std::size_t count);
-    core::Expected<void> flush(const gl::Functions& gl, const char* what);
+    core::Expected<void> flush(const gl::Functions& gl, const char* what, std::size_t headroom = 2);
     core::Expected<void> make_writable(const gl::Functions& gl, std::size_t bytes, const char* what);
   };
   std::uint32_t shape_of(std::shared_ptr<const core::Mesh> mesh);
   void stage(Shape& shape);
+  bool add_levels(const LevelsOfMesh& of, bool keep_commands);
+  void free_indices(const Shape& shape);
 
   Store<Vertex> vertices_;
   Store<std::uint32_t> indices_;
+  bool has_levels_ = false;
   std::vector<ElementsCommand> commands_;
   std::vector<std::uint32_t> shape_of_record_;  // kNone: draws nothing any more
   std::vector<Shape> shapes_;

@@ -193,7 +193,7 @@ class Bench {
 
   /// Draws the frame before, too, as a flight does.
   core::Expected<double> draw_with(float threshold, std::size_t i) {
-    full_.drawing()->set_min_projected_area(threshold, options_.mode);
+    full_.drawing()->set_losses({.min_projected_area = threshold, .contribution_mode = options_.mode});
     if (auto before = timed_frame(full_, views_[i > 0 ? i - 1 : i]); !before) return before;
     return timed_frame(full_, views_[i]);
   }

@@ -237,8 +237,10 @@ TEST_P(OverridesInAllModes, AreAsMaterialsAndVisibilityThroughAnyEdits) {
       ASSERT_TRUE(engine->commit() && really->commit());
     }
     for (Engine* e : {&*engine, &*really}) {  // what was large in the last frame depends on when slots were given up
-      e->drawing()->set_min_projected_area(0.0f, mode.losses.contribution_mode);
-      e->drawing()->set_min_projected_area(mode.losses.min_projected_area, mode.losses.contribution_mode);
+      engine::LossConfig losses = mode.losses;
+      losses.min_projected_area = 0.0f;
+      e->drawing()->set_losses(losses);
+      e->drawing()->set_losses(mode.losses);
     }
     ASSERT_NO_FATAL_FAILURE(expect_told(*engine));
     expect_same(*engine, *really, around(0.3 * step));

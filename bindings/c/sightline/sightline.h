@@ -659,9 +659,10 @@ typedef struct sl_engine_info {
   int32_t preparing_picks; /* the ray tracer is being made in the background, and a pick would wait for it */
   uint64_t scene_bytes, snapshot_bytes, hierarchy_bytes, gpu_bytes, tracer_bytes;
   uint64_t scratch_bytes; /* buffers that all threads of the process keep from call to call */
+  uint64_t levels_bytes;  /* clusters and levels of detail of meshes, in main memory */
 } sl_engine_info;
 #define SL_ENGINE_INFO_INIT \
-  { sizeof(sl_engine_info), 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+  { sizeof(sl_engine_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* What contribution and budget leave out of an image: an estimate of its error. */
 typedef struct sl_loss_report {

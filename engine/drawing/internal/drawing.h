@@ -46,8 +46,8 @@ class Drawing : public Backend {
   }
 
   void configure(const EngineConfig& config) override;
-  /// Changes EngineConfig::losses.min_projected_area and contribution_mode alone.
-  void set_min_projected_area(float pixels, ContributionMode mode);
+  /// Changes EngineConfig::losses alone.
+  void set_losses(const LossConfig& losses);
   core::Expected<void> resize(int width, int height) override;
   core::Expected<void> use_image(std::uint32_t number, int width, int height) override;
   void forget_image(std::uint32_t number) override;
@@ -73,6 +73,7 @@ class Drawing : public Backend {
   core::Expected<LeftOut> left_out(const Culled& culled) override;
   core::Expected<LossReport> loss(const Culled& culled) override;
   std::size_t memory_bytes() const override;
+  std::size_t levels_bytes() const override { return context_.mesh_details.memory_bytes(); }
   std::string platform() const override { return context_.context.platform(); }
   std::string renderer() const override { return context_.context.renderer(); }
   bool software() const override { return context_.software(); }

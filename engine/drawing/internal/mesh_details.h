@@ -20,8 +20,8 @@ namespace sightline::engine {
 class MeshDetails {
  public:
   /// Gives a scene what is ready and it lacks, until the deadline but at least some, and has built what is not.
-  /// `levels`: they are asked for.
-  core::Expected<void> advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline);
+  /// `levels`: they are asked for. `keep_commands`: see gpuscene::MeshPool::add_levels().
+  core::Expected<void> advance(gpuscene::GpuScene& scene, bool levels, bool keep_commands, core::Deadline deadline);
   /// The next advance() is with another scene, which has nothing yet.
   void forget_scene() { scene_known_ = false; }
   /// Waits until everything that was asked for is built.
@@ -31,7 +31,7 @@ class MeshDetails {
   std::size_t memory_bytes() const;
 
  private:
-  using Levels = gpuscene::GpuScene::LevelsOfMesh;
+  using Levels = gpuscene::MeshPool::LevelsOfMesh;
   /// What is wanted of a mesh, and what is there.
   struct Known {
     Levels of;

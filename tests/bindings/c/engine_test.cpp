@@ -117,6 +117,7 @@ TEST_F(CapiEngine, CullersAreChosen) {
   EXPECT_EQ(info.snapshot_bytes, twin->memory().snapshot);
   EXPECT_EQ(info.hierarchy_bytes, twin->memory().bvh);
   EXPECT_EQ(info.scratch_bytes, twin->memory().scratch);
+  EXPECT_EQ(info.levels_bytes, twin->memory().levels);
   EXPECT_GT(info.scene_bytes, 512u * 100u);
   EXPECT_EQ(sl_engine_set_culler(engine, 5), SL_ERROR_ARGUMENT);
   EXPECT_EQ(sl_engine_set_culler(engine, -1), SL_ERROR_ARGUMENT);

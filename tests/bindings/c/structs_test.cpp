@@ -123,7 +123,8 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(sizeof(sl_frame_report), 112u);
     EXPECT_EQ(sizeof(sl_late_report), 40u);
     EXPECT_EQ(capi::kFirstSize<sl_engine_info>, 56u);
-    EXPECT_EQ(sizeof(sl_engine_info), 64u);
+    EXPECT_EQ(offsetof(sl_engine_info, levels_bytes), 64u);
+    EXPECT_EQ(sizeof(sl_engine_info), 72u);
     EXPECT_EQ(capi::kFirstSize<sl_engine_config>, 104u);
     EXPECT_EQ(offsetof(sl_engine_config, lod_error), 184u);
     EXPECT_EQ(sizeof(sl_engine_config), 192u);
