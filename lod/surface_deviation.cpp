@@ -323,7 +323,8 @@ dvec3 SurfaceDeviation::centre_of(const Polygon& polygon) {
 /// Looks for a better face among those nearest to the corners and the centre. Where there is none, raises the bound if
 /// some point is known to be about that far from the surface, and bisects the polygon otherwise.
 void SurfaceDeviation::refine(const Piece& piece) {
-  const auto& [polygon, face, from] = piece;
+  const Polygon& polygon = piece.polygon;
+  const std::uint32_t face = piece.face;
   double best = farthest_square(polygon, faces_[face]);
   std::uint32_t best_face = face;
   const auto consider = [&](std::uint32_t other) {
