@@ -156,6 +156,9 @@ TEST(MeshLevels, ClosedMeshesStayClosedAtEveryCut) {
 }
 
 TEST(MeshLevels, GetCoarse) {
+#if !SIGHTLINE_HAS_MESHOPT
+  GTEST_SKIP() << "this build has no meshoptimizer, and clusters alone";
+#endif
   for (const NamedMesh& named : ordinary_meshes()) {
     const MeshLevels levels = lod::build_levels(named.mesh);
     const auto coarsest =
