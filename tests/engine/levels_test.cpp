@@ -136,6 +136,40 @@ TEST_F(Levels, FollowEditsAndNewVersions) {
   EXPECT_EQ(ids_of(coarse, view).ids, ids_of(fresh, view).ids);
 }
 
+/// Meshes come and go while levels are built and uploaded: places in GPU memory are given back, and what is drawn is
+/// right.
+TEST_F(Levels, ComeAndGoWithTheirMeshes) {
+  core::Scene scene;
+  fill(scene);
+  engine::Engine coarse = create(scene, 2.0);
+  std::vector<core::ItemId> mine;
+  std::vector<core::MeshId> meshes;
+  std::size_t settled = 0;
+  const int rounds = repeated(400);
+  for (int round = 0; round < rounds; ++round) {
+    SCOPED_TRACE(round);
+    meshes.push_back(scene.add_mesh(bumpy_torus(std::uint32_t(12 + 5 * (round % 4)), 0.02 * (round % 7))).value());
+    mine.push_back(
+        scene.add_mesh_instance(scene.root(), meshes.back(), core::translation({3.0 * (round % 6), 4.0, 1.0})));
+    if (mine.size() > 5) {
+      scene.remove_item(mine.front());
+      scene.remove_mesh(meshes.front());
+      mine.erase(mine.begin());
+      meshes.erase(meshes.begin());
+    }
+    ASSERT_TRUE(scene.commit());
+    ASSERT_TRUE(coarse.commit());
+    ASSERT_TRUE(coarse.frame(look(30.0, 0.1 * round)));
+    ASSERT_TRUE(round % 9 != 8 || coarse.rebuild());
+    if (round == rounds / 2) settled = coarse.memory().gpu;
+  }
+  ASSERT_TRUE(coarse.finish_levels());
+  EXPECT_LE(coarse.memory().gpu, settled + settled / 4);
+  engine::Engine fresh = create(scene, 2.0);
+  const core::View view = look(25.0, 2.5);
+  EXPECT_EQ(ids_of(coarse, view).ids, ids_of(fresh, view).ids);
+}
+
 TEST_F(Levels, AreDrawnOnceTheyAreReady) {
   core::Scene scene;
   fill(scene);
