@@ -50,8 +50,9 @@ double least_visible_w(const core::View& view) {
 }  // namespace
 
 ImageError::ImageError(const core::View& view, int width, int height, double pixels)
-    : view_(view),
-      clip_from_world_(view.clip_from_world()),
+    : rows_(glm::transpose(view.clip_from_world())),
+      planes_(core::frustum_planes(view.clip_from_world(), view.clip_depth())),
+      sections_(view.sections),
       half_width_(0.5 * width),
       half_height_(0.5 * height),
       pixels_(pixels),
@@ -59,19 +60,16 @@ ImageError::ImageError(const core::View& view, int width, int height, double pix
 
 MeshError::MeshError(const ImageError& image, const core::Affine& world_from_mesh)
     : pixels_(image.pixels_), nearest_(image.nearest_) {
-  const core::dmat4 rows = glm::transpose(image.clip_from_world_);
-  const dvec4 x = in_mesh(rows[0], world_from_mesh), y = in_mesh(rows[1], world_from_mesh);
-  w_ = in_mesh(rows[3], world_from_mesh);
+  const dvec4 x = in_mesh(image.rows_[0], world_from_mesh), y = in_mesh(image.rows_[1], world_from_mesh);
+  w_ = in_mesh(image.rows_[3], world_from_mesh);
   norm_of_w_ = glm::length(dvec3(w_));
   largest_move_ = 0.0;
   for (const double right : {-1.0, 1.0})
     for (const double up : {-1.0, 1.0})
       largest_move_ = std::max(
           largest_move_, norm(image.half_width_ * dvec3(x - right * w_), image.half_height_ * dvec3(y - up * w_)));
-  const auto planes = core::frustum_planes(image.clip_from_world_, image.view_.clip_depth());
-  for (std::size_t i = 0; i < planes.size(); ++i) planes_[i] = in_mesh(form_of(planes[i]), world_from_mesh);
-  for (const core::Plane& section : image.view_.sections)
-    sections_.push_back(in_mesh(form_of(section), world_from_mesh));
+  for (std::size_t i = 0; i < planes_.size(); ++i) planes_[i] = in_mesh(form_of(image.planes_[i]), world_from_mesh);
+  for (const core::Plane& section : image.sections_) sections_.push_back(in_mesh(form_of(section), world_from_mesh));
 }
 
 float MeshError::allowed(const core::Aabb& box) const {

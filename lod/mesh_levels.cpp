@@ -9,6 +9,7 @@
 #include <omp.h>
 #endif
 
+#include "sightline/core/affine.h"
 #include "sightline/core/block_order.h"
 #include "sightline/core/internal/hash.h"
 #include "sightline/lod/internal/cluster_groups.h"
@@ -328,7 +329,7 @@ std::vector<Contact> Builder::contacts(std::uint32_t first, std::uint32_t end) c
 
 /// All coordinates are finite, and it is worth it.
 bool can_divide(const core::Mesh& mesh) {
-  const auto finite = [](const vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); };
+  const auto finite = [](const vec3& p) { return core::is_finite(dvec3(p)); };
   return needs_levels(mesh) && std::ranges::all_of(mesh.positions, finite);
 }
 

@@ -97,7 +97,7 @@ struct Rule {
   Measure measure = Measure::kNone;
   ContributionMode mode = ContributionMode::kDrop;
   double threshold = 0.0;  // pixels, of area or of length
-  /// What the engine is told; the other rules are applied before it.
+  /// Settings for the engine, which knows only some of the rules: the others are applied before it draws.
   engine::LossConfig losses() const {
     engine::LossConfig losses;
     if (measure == Measure::kSolid) losses.min_projected_area = float(threshold);

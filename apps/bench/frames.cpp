@@ -42,46 +42,25 @@ struct Options {
   double budget_ms = 16.0;
 };
 
-/// A way of culling and drawing, as it differs from the CPU's culler without a test.
+/// A way of culling and drawing.
 struct Mode {
   const char *name, *title;
-  void (*set)(engine::EngineConfig&, const Options&);
+  bool sample_test = true;
+  engine::OcclusionChoice occlusion = engine::OcclusionChoice::kOff;
+  engine::CullerChoice culler = engine::CullerChoice::kCpu;
+  bool budget = false;
 };
-
-void test_samples(engine::EngineConfig& config, const Options&) {
-  config.culling.sample_test = true;
-}
-void test_both(engine::EngineConfig& config, const Options& o) {
-  test_samples(config, o);
-  config.culling.occlusion = engine::OcclusionChoice::kOn;
-}
-void choose_occlusion(engine::EngineConfig& config, const Options& o) {
-  test_samples(config, o);
-  config.culling.occlusion = engine::OcclusionChoice::kAutomatic;
-}
-void cull_by_gpu(engine::EngineConfig& config, const Options& o) {
-  test_samples(config, o);
-  config.culling.culler = engine::CullerChoice::kGpu;
-}
-void cull_by_hybrid(engine::EngineConfig& config, const Options& o) {
-  test_samples(config, o);
-  config.culling.culler = engine::CullerChoice::kHybrid;
-}
-void keep_budget(engine::EngineConfig& config, const Options& o) {
-  test_both(config, o);
-  config.losses.budget_ms = o.budget_ms;
-}
 
 /// The first three always fly; their order is that of Bench::kSamples and so on.
 constexpr Mode kModes[] = {
-    {"samples", "sample test", test_samples},
-    {"both", "both tests", test_both},
-    {"limit", "the limit", [](engine::EngineConfig&, const Options&) {}},
-    {"none", "no test", [](engine::EngineConfig&, const Options&) {}},
-    {"auto", "occlusion auto", choose_occlusion},
-    {"gpu", "GPU culler", cull_by_gpu},
-    {"hybrid", "hybrid", cull_by_hybrid},
-    {"budget", "budget", keep_budget},
+    {"samples", "sample test"},
+    {"both", "both tests", true, engine::OcclusionChoice::kOn},
+    {"limit", "the limit", false},
+    {"none", "no test", false},
+    {"auto", "occlusion auto", true, engine::OcclusionChoice::kAutomatic},
+    {.name = "gpu", .title = "GPU culler", .culler = engine::CullerChoice::kGpu},
+    {.name = "hybrid", .title = "hybrid", .culler = engine::CullerChoice::kHybrid},
+    {.name = "budget", .title = "budget", .occlusion = engine::OcclusionChoice::kOn, .budget = true},
 };
 constexpr std::size_t kAlwaysFlown = 3;
 
@@ -256,9 +235,10 @@ void print(const Json& json, std::FILE* out) {
 core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, const Mode& mode) {
   const auto [width, height] = *apps::parse_size(o.size);
   engine::EngineConfig config = drawing_config(width, height, o.platform);
-  config.culling.sample_test = false;
-  config.culling.occlusion = engine::OcclusionChoice::kOff;
-  mode.set(config, o);
+  config.culling.sample_test = mode.sample_test;
+  config.culling.occlusion = mode.occlusion;
+  config.culling.culler = mode.culler;
+  if (mode.budget) config.losses.budget_ms = o.budget_ms;
   return Engine::create(scene, config);
 }
 

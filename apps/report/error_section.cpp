@@ -22,7 +22,8 @@ struct Variant {
   int reduced = 1;  ///< drawn that many times smaller, and enlarged
 };
 
-/// What an image should show. A pixel's item is wrong when the reference shows it at no sample of the pixel.
+/// The reference that images are compared with. A pixel's item is wrong when the reference shows it at no sample of the
+/// pixel.
 struct Reference {
   image::Image colour;
   std::vector<std::uint64_t> seen;  ///< pixel << 32 | id, sorted

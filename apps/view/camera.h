@@ -17,8 +17,8 @@ class Camera {
   /// For a model with these bounds. Shows all of it from kOverviewDirection. `fovy`: radians.
   Camera(const core::AabbD& bounds, double fovy, double aspect);
 
-  /// What it sees of an image whose width is `aspect` times its height; `shift`: by which the model is moved right and
-  /// up in it, in parts of its width and height.
+  /// The camera's view, for an image whose width is `aspect` times its height; `shift`: by which the model is moved
+  /// right and up in it, in parts of its width and height.
   core::Expected<core::View> view(double aspect, const core::dvec2& shift = core::dvec2(0.0)) const;
 
   /// Moves back or forth until a box fills the image.

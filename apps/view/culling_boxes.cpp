@@ -52,7 +52,7 @@ class Projection {
   static End between(const End& a, const End& b, double t) {
     return {a.clip + t * (b.clip - a.clip), a.distance + t * (b.distance - a.distance)};
   }
-  /// What lies in the image's four sides and before its near plane: Y. Liang, B. Barsky, 1984.
+  /// Clips to the image's four sides and the near plane: Y. Liang, B. Barsky, 1984.
   bool clip(End& a, End& b) const {
     double low = 0.0, high = 1.0;
     const auto inside = [&](double at_a, double at_b) {

@@ -40,7 +40,7 @@ class Export {
   const std::array<int, 2>& size() const { return options_.size; }
   const std::string& target() const { return target_; }  ///< file or folder
   bool blank() const { return blank_; }                  ///< whether an image shows nothing of what should be there
-  /// What the session's image was.
+  /// The session's image before the export.
   const image::Image& before() const { return before_; }
 
  private:

@@ -56,7 +56,7 @@ class Session {
   Sections& sections() { return sections_; }
   const Sections& sections() const { return sections_; }
 
-  /// What the image shows now: the camera's view, cut by the sections; `shift` as Camera::view() has it.
+  /// The view that the image shows now: the camera's, cut by the sections; `shift` as Camera::view() has it.
   core::Expected<core::View> view(const core::dvec2& shift = core::dvec2(0.0)) const;
   /// The same with another camera, of an image of any shape.
   core::Expected<core::View> view_of(const Camera& camera, double aspect,

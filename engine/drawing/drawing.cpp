@@ -385,7 +385,10 @@ std::optional<LateReport> Drawing::take_late_report() {
 
 /// Gives the GPU scene clusters and levels of detail that are ready.
 core::Expected<void> Drawing::follow_levels(core::Deadline deadline) {
-  if (!context_.renderer) return {};
+  if (!context_.renderer) {
+    (void)context_.scene->take_new_meshes();  // nobody else will, and their list would grow
+    return {};
+  }
   return context_.mesh_details.advance(*context_.scene, context_.config.losses.lod_error > 0.0, culling_.culler(),
                                        deadline);
 }

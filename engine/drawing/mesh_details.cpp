@@ -56,7 +56,7 @@ void MeshDetails::begin(const gpuscene::GpuScene& scene) {
 void MeshDetails::want(std::span<const std::shared_ptr<const core::Mesh>> meshes) {
   for (const std::shared_ptr<const core::Mesh>& mesh : meshes) {
     if (!(levels_wanted_ ? lod::needs_levels(*mesh) : is_large(*mesh))) continue;
-    Known& known = known_[mesh.get()];
+    Wanted& known = known_[mesh.get()];
     if (known.of.mesh && known.levels >= levels_wanted_) continue;
     known.of.mesh = mesh;
     known.levels = levels_wanted_;
@@ -69,7 +69,7 @@ void MeshDetails::want(std::span<const std::shared_ptr<const core::Mesh>> meshes
 
 void MeshDetails::take_built() {
   const std::lock_guard lock(mutex_);
-  for (Work& made : built_) {
+  for (Wanted& made : built_) {
     const auto known = known_.find(made.of.mesh.get());
     if (known == known_.end() || made.levels < known->second.levels) continue;  // gone, or better ones are to come
     known->second.of = made.of;
@@ -91,7 +91,7 @@ std::size_t MeshDetails::memory_bytes() const {
 }
 
 void MeshDetails::run(const std::stop_token& stop) {
-  std::vector<Work> work;
+  std::vector<Wanted> work;
   std::unique_lock lock(mutex_);
   while (changed_.wait(lock, stop, [&] { return !wanted_.empty(); })) {
     const std::size_t count = std::min(kMostAtOnce, wanted_.size());
@@ -109,15 +109,16 @@ void MeshDetails::run(const std::stop_token& stop) {
 }
 
 /// Small meshes side by side, and each large one by several threads.
-void MeshDetails::build(std::vector<Work>& work, const std::stop_token& stop) {
-  const auto build_one = [&](Work& one, int threads) {
+void MeshDetails::build(std::vector<Wanted>& work, const std::stop_token& stop) {
+  const auto build_one = [&](Wanted& one, int threads) {
     if (stop.stop_requested()) return;
     const core::Mesh& mesh = *one.of.mesh;
     one.of.levels = std::make_shared<const lod::MeshLevels>(one.levels ? lod::build_levels(mesh, threads)
                                                                        : lod::build_clusters(mesh, threads));
   };
   const auto small =
-      std::partition(work.begin(), work.end(), [](const Work& one) { return !is_large(*one.of.mesh); }) - work.begin();
+      std::partition(work.begin(), work.end(), [](const Wanted& one) { return !is_large(*one.of.mesh); }) -
+      work.begin();
 #ifdef _OPENMP
 #pragma omp parallel for schedule(dynamic)
 #endif

@@ -24,15 +24,13 @@ class ImageError {
   /// `pixels`: largest distance in the image between points of the drawn and the original surface; 0: none.
   ImageError(const core::View& view, int width, int height, double pixels);
 
-  const core::View& view() const { return view_; }
-  double pixels() const { return pixels_; }
-
  private:
   friend class MeshError;
-  core::View view_;
-  core::dmat4 clip_from_world_;
+  core::dmat4 rows_;  // of the matrix, as linear forms of world coordinates
+  std::array<core::Plane, core::kFrustumPlaneCount> planes_;
+  std::vector<core::Plane> sections_;
   double half_width_, half_height_, pixels_;
-  double nearest_ = 0.0;  // least w of visible points
+  double nearest_;  // least w of visible points
 };
 
 /// The same in the coordinates of a mesh that the view shows.

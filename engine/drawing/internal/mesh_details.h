@@ -32,28 +32,24 @@ class MeshDetails {
 
  private:
   using Levels = gpuscene::MeshPool::LevelsOfMesh;
-  /// What is wanted of a mesh, and what is there.
-  struct Known {
+  /// What is wanted of a mesh: levels, or clusters alone. `of` holds them once they are built.
+  struct Wanted {
     Levels of;
     bool levels = false;
-  };
-  struct Work {
-    Levels of;
-    bool levels;
   };
 
   void want(std::span<const std::shared_ptr<const core::Mesh>> meshes);
   void begin(const gpuscene::GpuScene& scene);
   void take_built();
   void run(const std::stop_token& stop);
-  static void build(std::vector<Work>& work, const std::stop_token& stop);
+  static void build(std::vector<Wanted>& work, const std::stop_token& stop);
 
-  std::unordered_map<const core::Mesh*, Known> known_;
+  std::unordered_map<const core::Mesh*, Wanted> known_;
   std::vector<Levels> given_;  // ready, for the scene of advance()
   bool scene_known_ = false, levels_wanted_ = false;
   std::mutex mutex_;  // guards what follows
   std::condition_variable_any changed_;
-  std::vector<Work> wanted_, built_;
+  std::vector<Wanted> wanted_, built_;
   bool works_ = false;
   std::jthread thread_;  // last: stops before the other members are destroyed
 };
