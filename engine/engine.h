@@ -106,7 +106,8 @@ enum class GlState : std::uint8_t {
 /// Settings of culling: which items are found visible, and by which means.
 struct CullingConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
-  /// Leave out of drawing what covers no sample of the image (culling/occlusion/sample_test.h): nothing is lost.
+  /// Leave out of drawing what covers no sample of the image (culling/occlusion/sample_test.h): nothing is lost. On a
+  /// software rasteriser also the triangles of meshes that cover none, or show their back alone.
   bool sample_test = true;
   /// Leave out of drawing what other items hide (culling/occlusion/occlusion_test.h): nothing is lost. With one sample
   /// per pixel only.

@@ -491,7 +491,7 @@ core::Expected<std::uint64_t> PagedEngine::Impl::draw_page(std::uint32_t page) {
   culling::SampleTest(*view_, bounds.origin, samples_).filter(bounds, open, shown, resident.lines);
   occlusion_test(bounds.origin).filter(bounds, shown, open, resident.lines);
   if (open.count() > 0) {
-    if (auto done = resident.lists.update(snapshot, resident.scene, open, &*view_); !done)
+    if (auto done = resident.lists.update(snapshot, resident.scene, open, {&*view_}); !done)
       return tl::unexpected(done.error());
     if (auto done = renderer_->draw_more(*view_, snapshot, resident.scene, resident.lists, canvas_); !done)
       return tl::unexpected(done.error());

@@ -113,62 +113,88 @@ void DrawLists::list_records(const Batch& batch) {
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
-/// A mesh of solids alone remains solid in every cut. Of others that is known of their own triangles.
-void DrawLists::list_cut(const Snapshot& snapshot, const MeshPool& pool, Slot slot, const ElementsCommand& whole,
-                         const lod::ImageError& error, bool fronts_alone) {
-  const std::uint32_t record = whole.base_instance;
-  const lod::MeshLevels& levels = *pool.levels(record);
-  cuts_.choose(levels, {error, snapshot.world_from_item(slot)}, ranges_);
-  const bool all_solid = levels.solid_indices == whole.count;
-  const std::uint32_t solid = !fronts_alone ? 0
-                              : all_solid   ? std::uint32_t(levels.indices.size())
-                                            : levels.solid_indices;
-  ElementsCommand command = whole;
-  const auto list = [&](std::vector<ElementsCommand>& to, std::uint32_t first, std::uint32_t end) {
-    if (first >= end) return;
-    command.first_index = pool.first_level_index(record) + first;
-    command.count = end - first;
-    to.push_back(command);
-  };
+/// Of a mesh with levels a cut. A mesh of solids alone remains solid in every cut; of others that is known of their own
+/// triangles.
+void DrawLists::list_mesh(const Snapshot& snapshot, const MeshPool& pool, Slot slot, const DrawnIn& in,
+                          bool fronts_alone) {
+  const std::uint32_t record = GpuScene::record_of(snapshot, slot);
+  MeshTriangles mesh{slot, pool.commands()[record], {}};
+  if (mesh.whole.instance_count == 0 || mesh.whole.count == 0) return;
+  const lod::MeshLevels* levels = pool.levels(record);
+  std::uint32_t solid = fronts_alone ? pool.solid_indices(record) : 0;
+  if (in.triangles) mesh.indices = levels ? levels->indices : snapshot.mesh(slot).indices;
+  // Triangles of the mesh itself are in another order there.
+  if (in.triangles && !levels && solid < mesh.whole.count) solid = 0;
+  if (levels && in.error) {
+    if (solid == mesh.whole.count) solid = std::uint32_t(levels->indices.size());
+    mesh.whole.first_index = pool.first_level_index(record);
+    cuts_.choose(*levels, {*in.error, snapshot.world_from_item(slot)}, ranges_);
+  } else {
+    ranges_.assign(1, {0, mesh.whole.count});
+  }
   for (const lod::IndexRange& range : ranges_) {
     const std::uint32_t end = range.first + range.count;
-    list(command_list_, range.first, std::min(end, solid));
-    list(both_faces_, std::max(range.first, solid), end);
+    list_triangles(mesh, range.first, std::min(end, solid), true);
+    list_triangles(mesh, std::max(range.first, solid), end, false);
   }
 }
 
+/// Indices first … end - 1 of a mesh, for the test if there is one.
+void DrawLists::list_triangles(const MeshTriangles& mesh, std::uint32_t first, std::uint32_t end, bool fronts_alone) {
+  if (first >= end) return;
+  if (!mesh.indices.empty())
+    return picked_.add(mesh.slot, mesh.indices.subspan(first, end - first), mesh.whole, fronts_alone);
+  ElementsCommand command = mesh.whole;
+  command.first_index += first;
+  command.count = end - first;
+  (fronts_alone ? command_list_ : both_faces_).push_back(command);
+}
+
 /// Commands that show only front faces come first.
-void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const core::View* drawn,
-                            const lod::ImageError* error) {
+core::Expected<void> DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const DrawnIn& in) {
   const std::size_t begin = command_list_.size();
-  const ShownMeshes shown(snapshot, drawn);
+  const ShownMeshes shown(snapshot, in.view);
   both_faces_.clear();
+  picked_.clear();
   for (const Slot slot : visible_.meshes) {
-    const std::uint32_t record = GpuScene::record_of(snapshot, slot);
-    ElementsCommand command = pool.commands()[record];
-    const std::uint32_t solid = pool.solid_indices(record);
-    const bool fronts_alone = solid > 0 && shown.shows_fronts_alone(slot);
-    if (error && pool.levels(record)) {
-      if (command.instance_count > 0) list_cut(snapshot, pool, slot, command, *error, fronts_alone);
-      continue;
-    }
-    if (fronts_alone) {
-      command_list_.push_back(command);
-      command_list_.back().count = solid;
-      command.first_index += solid;
-      command.count -= solid;
-    }
-    if (command.count > 0) both_faces_.push_back(command);
+    const bool fronts_alone =
+        pool.solid_indices(GpuScene::record_of(snapshot, slot)) > 0 && shown.shows_fronts_alone(slot);
+    list_mesh(snapshot, pool, slot, in, fronts_alone);
+  }
+  if (in.triangles) {
+    picked_.test(snapshot, *in.triangles, in.threads);
+    if (auto done = upload_picked(); !done) return done;
+    const auto first = std::uint32_t(std::size_t(frame_) * picked_capacity_);
+    picked_.for_each_command(first, [&](const ElementsCommand& command, bool fronts) {
+      (fronts ? command_list_ : both_faces_).push_back(command);
+    });
   }
   const int front_only = int(command_list_.size() - begin);
   append(both_faces_.data(), both_faces_.size());
   sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin), false, front_only};
+  return {};
+}
+
+core::Expected<void> DrawLists::upload_picked() {
+  if (picked_.size() > picked_capacity_) {
+    picked_capacity_ = picked_.size() + picked_.size() / 2;
+    auto buffer = gl::Buffer::create(*gl_, kFramesInFlight * picked_capacity_ * sizeof(std::uint32_t), nullptr,
+                                     GL_DYNAMIC_STORAGE_BIT, "triangles that show");
+    if (!buffer) return tl::unexpected(buffer.error());
+    picked_indices_ = std::move(*buffer);
+  }
+  const std::size_t begin = std::size_t(frame_) * picked_capacity_;
+  picked_.for_each_run([&](std::span<const std::uint32_t> indices, std::size_t first) {
+    picked_indices_.write((begin + first) * sizeof(std::uint32_t), indices.size_bytes(), indices.data());
+  });
+  return {};
 }
 
 core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                                       const core::View* drawn, const lod::ImageError* error) {
+                                       const DrawnIn& in) {
   sections_ = {};
   from_gpu_ = false;
+  picks_ = in.triangles != nullptr;
   frame_ = (frame_ + 1) % kFramesInFlight;
   visible_.assign(snapshot, visible);
   std::size_t singles = 0;
@@ -178,14 +204,15 @@ core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene&
     if (auto done = grow_singles(singles); !done) return done;
   command_list_.clear();
   single_list_.clear();
+  core::Expected<void> done;
   for (const Batch& b : scene.batches()) {
     if (b.kind == BatchKind::kMesh) {
-      list_meshes(snapshot, scene.meshes(), drawn, error);
+      done = list_meshes(snapshot, scene.meshes(), in);
     } else {
       list_records(b);
     }
   }
-  auto done = upload();
+  if (done) done = upload();
   if (!done) sections_ = {};
   return done;
 }
@@ -224,8 +251,8 @@ core::Expected<void> DrawLists::upload() {
 }
 
 std::size_t DrawLists::memory_bytes() const {
-  return commands_.size() + singles_.size() + record_indices_.size() + mesh_instances_.size() + gpu_.commands.size() +
-         gpu_.singles.size() + gpu_.counts.size();
+  return commands_.size() + singles_.size() + picked_indices_.size() + record_indices_.size() + mesh_instances_.size() +
+         gpu_.commands.size() + gpu_.singles.size() + gpu_.counts.size();
 }
 
 }  // namespace sightline::gpuscene

@@ -319,13 +319,14 @@ void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuSce
   const auto* offset = reinterpret_cast<const void*>(begin);  // GL's interface does so
   GLenum mode = GL_TRIANGLES, index_type = GL_UNSIGNED_SHORT;
   if (batch.kind == BatchKind::kMesh) {
-    if (scene.meshes().indices().id() == 0) return;
+    const gl::Buffer& indices = lists.mesh_indices(scene);
+    if (indices.id() == 0) return;
     index_type = GL_UNSIGNED_INT;
     const GLuint array = mesh_array_.id();
     gl.VertexArrayVertexBuffer(array, kInstanceBinding, lists.mesh_instances().id(), 0, sizeof(std::uint32_t));
     gl.VertexArrayVertexBuffer(array, kMeshBinding, scene.meshes().vertices().id(), 0,
                                gpuscene::MeshPool::kVertexBytes);
-    gl.VertexArrayElementBuffer(array, scene.meshes().indices().id());
+    gl.VertexArrayElementBuffer(array, indices.id());
     mesh_array_.bind();
   } else {
     mode = batch.kind == BatchKind::kLine ? GL_LINES : GL_POINTS;

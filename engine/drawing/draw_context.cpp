@@ -28,9 +28,13 @@ culling::ContributionTest DrawContext::contribution_test(const core::View& view,
 
 core::Expected<void> DrawContext::list(const core::View& view, const core::Snapshot& snapshot,
                                        const core::VisibleSet& set) {
-  if (!mesh_details.any()) return lists->update(snapshot, *scene, set, &view);
-  const lod::ImageError error(view, target().width(), target().height(), config.losses.lod_error);
-  return lists->update(snapshot, *scene, set, &view, &error);
+  gpuscene::DrawnIn in{&view};
+  std::optional<lod::ImageError> error;
+  if (mesh_details.any()) in.error = &error.emplace(view, target().width(), target().height(), config.losses.lod_error);
+  std::optional<culling::TriangleTest> triangles;
+  if (software() && config.culling.sample_test) in.triangles = &triangles.emplace(view, samples());
+  in.threads = &threads;
+  return lists->update(snapshot, *scene, set, in);
 }
 
 core::Expected<void> DrawContext::draw(const core::View& view, const core::Snapshot& snapshot,

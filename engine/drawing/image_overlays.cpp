@@ -159,7 +159,7 @@ core::Expected<void> ImageOverlays::draw_blended(DrawContext& context, const Cul
   render::Overlays& over = overlays(context);
   const auto sums = over.begin_sums(context.target());
   if (!sums) return tl::unexpected(sums.error());
-  auto done = context.lists->update(snapshot, *context.scene, visible, &view);
+  auto done = context.lists->update(snapshot, *context.scene, visible, {&view});
   if (done)
     done =
         context.renderer->draw_blended(view, snapshot, *context.scene, *context.lists, context.target(), **sums, range);
@@ -174,7 +174,7 @@ core::Expected<void> ImageOverlays::draw_ghosts(DrawContext& context, const Cull
   render::Overlays& over = overlays(context);
   const auto layer = over.begin_layer(context.context, context.target(), true);
   if (!layer) return tl::unexpected(layer.error());
-  if (auto done = context.lists->update(snapshot, *context.scene, visible, &view); !done) return done;
+  if (auto done = context.lists->update(snapshot, *context.scene, visible, {&view}); !done) return done;
   if (auto done = context.renderer->draw_ghosts(view, snapshot, *context.scene, *context.lists, **layer); !done)
     return done;
   return put_over(context, [&](const gl::ExternalTarget& target) { return over.put_layer(target); });
@@ -196,7 +196,7 @@ core::Expected<void> ImageOverlays::draw_outline(DrawContext& context, const Cul
 core::Expected<render::PixelBox> ImageOverlays::draw_outlined(DrawContext& context, const Culled& items) {
   const auto layer = overlays(context).begin_layer(context.context, context.target(), false);
   if (!layer) return tl::unexpected(layer.error());
-  auto done = context.lists->update(items.snapshot, *context.scene, items.visible, &items.view);
+  auto done = context.lists->update(items.snapshot, *context.scene, items.visible, {&items.view});
   if (done) done = context.renderer->draw_ghosts(items.view, items.snapshot, *context.scene, *context.lists, **layer);
   if (!done) return tl::unexpected(done.error());
   return pixels_around(items.view, items.snapshot, items.visible, context.target().width(), context.target().height());

@@ -24,10 +24,20 @@
 #include "sightline/gl/internal/transform_feedback.h"
 #include "sightline/gl/internal/vertex_array.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
+#include "sightline/gpuscene/internal/triangle_stream.h"
 #include "sightline/gpuscene/internal/visible_records.h"
 #include "sightline/lod/internal/cut.h"
 
 namespace sightline::gpuscene {
+
+/// What the lists may depend on besides the set. Borrowed during DrawLists::update().
+struct DrawnIn {
+  const core::View* view = nullptr;  ///< that will draw the lists: sets Section::front_only
+  // The others are of the same view.
+  const lod::ImageError* error = nullptr;            ///< meshes that have levels are drawn by a cut of them
+  const culling::TriangleTest* triangles = nullptr;  ///< of meshes, only triangles are drawn that may colour the image
+  culling::CullThreads* threads = nullptr;           ///< that share in the test
+};
 
 class DrawLists {
  public:
@@ -52,12 +62,10 @@ class DrawLists {
 
   static core::Expected<DrawLists> create(const gl::Context& context, const GpuScene& scene);
 
-  /// Translates and uploads a visible set of `snapshot`, the one that `scene` was made from. With `drawn`, the view
-  /// that will draw the lists, it sets Section::front_only. With `error`, of the same view, meshes that have levels are
-  /// drawn by a cut of them. Fails when the GPU has not enough memory; then the lists
-  /// are empty.
+  /// Translates and uploads a visible set of `snapshot`, the one that `scene` was made from. Fails when the GPU has not
+  /// enough memory; then the lists are empty.
   core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                              const core::View* drawn = nullptr, const lod::ImageError* error = nullptr);
+                              const DrawnIn& in = {});
 
   /// Marks all places of the targets as unused. With Counting::kCuller it marks only those that draws would read:
   /// commands of meshes without ARB_indirect_parameters. The first call allocates room for all of `scene`, and the
@@ -91,6 +99,10 @@ class DrawLists {
   const gl::Buffer& counts() const { return gpu_.counts; }
   static std::size_t command_count_offset(BatchKind kind) { return 2 * std::size_t(kind) * sizeof(std::uint32_t); }
   static std::size_t record_count_offset(BatchKind kind) { return command_count_offset(kind) + sizeof(std::uint32_t); }
+  /// Of triangles, uint32: those of the scene, or the ones that were picked for the image.
+  const gl::Buffer& mesh_indices(const GpuScene& scene) const {
+    return picks_ && !from_gpu_ ? picked_indices_ : scene.meshes().indices();
+  }
   /// 0, 1, 2, … in 16 bits: the indices of all batches except meshes. Empty when there are none.
   const gl::Buffer& record_indices() const { return record_indices_; }
   /// 0, 1, 2, … up to the mesh batch's capacity: the instance attribute of meshes.
@@ -98,11 +110,18 @@ class DrawLists {
   std::size_t memory_bytes() const;
 
  private:
+  /// An item's mesh: the command that draws it from its first index on, and its indices, if these are to be tested.
+  struct MeshTriangles {
+    core::Slot slot;
+    ElementsCommand whole;
+    std::span<const std::uint32_t> indices;
+  };
   void list_records(const Batch& batch);
-  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const core::View* drawn,
-                   const lod::ImageError* error);
-  void list_cut(const core::Snapshot& snapshot, const MeshPool& pool, core::Slot slot, const ElementsCommand& whole,
-                const lod::ImageError& error, bool fronts_alone);
+  core::Expected<void> list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const DrawnIn& in);
+  void list_mesh(const core::Snapshot& snapshot, const MeshPool& pool, core::Slot slot, const DrawnIn& in,
+                 bool fronts_alone);
+  void list_triangles(const MeshTriangles& mesh, std::uint32_t first, std::uint32_t end, bool fronts_alone);
+  core::Expected<void> upload_picked();
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();
@@ -125,6 +144,10 @@ class DrawLists {
   std::vector<std::uint32_t> single_list_;
   lod::CutChooser cuts_;
   std::vector<lod::IndexRange> ranges_;
+  bool picks_ = false;  // triangles that show, into picked_indices_
+  TriangleStream picked_;
+  gl::Buffer picked_indices_;
+  std::size_t picked_capacity_ = 0;  // indices per frame in flight
 
   /// Buffers that the GPU fills. One copy is enough: the GPU works in order.
   struct GpuLists {

@@ -151,7 +151,7 @@ class FrontFaces : public tests::GlTest {
     const std::vector<std::uint32_t> all = stage.ids(view);
     const auto all_colours = stage.target.read_colour().pixels;
     EXPECT_GT(std::count_if(all.begin(), all.end(), [](std::uint32_t id) { return id != 0; }), 500);
-    EXPECT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, stage.all(), &view));
+    EXPECT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, stage.all(), {&view}));
     EXPECT_EQ(stage.ids(view), all);
     EXPECT_EQ(stage.target.read_colour().pixels, all_colours);
     return stage.lists.section(gpuscene::BatchKind::kMesh).front_only;

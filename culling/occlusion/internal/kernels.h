@@ -56,6 +56,16 @@ struct SmallBoxes {
   int count;  // the arrays hold valid boxes behind them, too
 };
 
+/// How an image shows a mesh: linear forms of the mesh's coordinates, the constant term last.
+struct TriangleView {
+  float x[4], y[4], w[4];          // x / w, y / w: place in the image, in pixels, with the first pixel's centre at 0
+  float lost_place[4], lost_w[4];  // errors of x and y, and of w: forms of the coordinates' sizes
+  float last_x, last_y;            // the last pixel's centre
+  float reach;                     // of samples from their pixel's centre, along an axis
+  float snap;                      // pixels by which a rasteriser may move a vertex
+  bool fronts_alone;               // only triangles that are counter-clockwise in the image are drawn
+};
+
 /// Where rays enter boxes of SmallBoxes.
 struct PixelEntries {
   struct Entry {
@@ -102,6 +112,11 @@ struct OcclusionKernels {
   /// Finds quads in front of what some pixel within them holds, or of which nothing is known. Ignores image's pixels.
   unsigned (*seen_quads)(const OccluderImage& image, const PolygonBatch<4>& quads, const PyramidBlocks& pyramid,
                          const DistanceMargin& margin);
+
+  // --- triangles of meshes ---
+  /// Writes the corners of triangles that may colour a sample, and returns their number. `shown` has room for all.
+  std::size_t (*shown_triangles)(const TriangleView& view, const float* positions, const std::uint32_t* indices,
+                                 std::size_t count, std::uint32_t* shown);
 
   // --- rows of depth images ---
   /// Writes distances of `count` pixels from the greatest reciprocal depth of several images, rounded up.

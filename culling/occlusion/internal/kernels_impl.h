@@ -8,6 +8,7 @@
 #include "sightline/culling/occlusion/internal/kernels.h"
 #include "sightline/culling/occlusion/internal/screen_boxes.h"
 #include "sightline/culling/occlusion/internal/small_boxes.h"
+#include "sightline/culling/occlusion/internal/triangle_samples.h"
 
 namespace sightline::culling {
 
@@ -170,6 +171,7 @@ constexpr OcclusionKernels make_occlusion_kernels() {
   k.cover_quads = cover_polygons<Simd, 4>;
   k.cover_octagons = cover_polygons<Simd, 8>;
   k.seen_quads = seen_quads<Simd>;
+  k.shown_triangles = shown_triangles<Simd>;
   k.distances = distances<Simd>;
   k.coarser_row = coarser_row<Simd>;
   return k;

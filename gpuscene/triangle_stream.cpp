@@ -1,0 +1,61 @@
+#include "sightline/gpuscene/internal/triangle_stream.h"
+
+#include <algorithm>
+
+#include "sightline/culling/frustum/internal/run_jobs.h"
+
+namespace sightline::gpuscene {
+namespace {
+
+constexpr std::size_t kIndicesOfJob = 3 * 8192;
+
+}  // namespace
+
+void TriangleStream::clear() {
+  parts_.clear();
+  job_count_ = size_ = 0;
+}
+
+/// In parts that are not more than a job.
+void TriangleStream::add(core::Slot slot, std::span<const std::uint32_t> indices, const ElementsCommand& command,
+                         bool fronts_alone) {
+  for (; !indices.empty(); indices = indices.subspan(std::min(indices.size(), kIndicesOfJob)))
+    parts_.push_back({slot, 0, indices.first(std::min(indices.size(), kIndicesOfJob)), command, fronts_alone});
+}
+
+void TriangleStream::divide() {
+  std::size_t indices = kIndicesOfJob;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (indices + parts_[i].indices.size() > kIndicesOfJob) {
+      if (job_count_ == jobs_.size()) jobs_.emplace_back();
+      jobs_[job_count_++].first_part = i;
+      indices = 0;
+    }
+    indices += parts_[i].indices.size();
+    jobs_[job_count_ - 1].end_part = i + 1;
+  }
+}
+
+void TriangleStream::test(const core::Snapshot& snapshot, const culling::TriangleTest& test,
+                          culling::CullThreads* threads) {
+  divide();
+  culling::run_jobs(threads, std::uint32_t(job_count_), [&](std::uint32_t i) { run(jobs_[i], snapshot, test); });
+  for (std::size_t i = 0; i < job_count_; ++i) size_ += jobs_[i].count;
+}
+
+void TriangleStream::run(Job& job, const core::Snapshot& snapshot, const culling::TriangleTest& test) {
+  job.shown.resize(std::max(job.shown.size(), kIndicesOfJob));
+  job.count = 0;
+  culling::TriangleView view{};
+  for (std::size_t i = job.first_part; i < job.end_part; ++i) {
+    Part& part = parts_[i];
+    if (i == job.first_part || !part.continues(parts_[i - 1]))
+      view = test.of(snapshot.world_from_item(part.slot), part.fronts_alone);
+    const std::size_t shown = culling::TriangleTest::filter(view, snapshot.mesh(part.slot).positions, part.indices,
+                                                            job.shown.data() + job.count);
+    part.shown = std::uint32_t(shown);
+    job.count += shown;
+  }
+}
+
+}  // namespace sightline::gpuscene
