@@ -371,6 +371,7 @@ core::Expected<int> render_image(const Options& o, Studio& studio) {
     figures.update({{"visible", report.visible},
                     {"sampled", report.sampled},
                     {"items_drawn", report.items_drawn},
+                    {"triangles", report.triangles},
                     {"below_min_area", report.below_min_area},
                     {"pending", report.pending},
                     {"splats", report.splats},

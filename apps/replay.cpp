@@ -168,14 +168,20 @@ Json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                              {"visible", f.report.visible},
                              {"sampled", f.report.sampled},
                              {"items_drawn", f.report.items_drawn},
+                             {"triangles", f.report.triangles},
                              {"below_min_area", f.report.below_min_area},
                              {"pending", f.report.pending},
                              {"splats", f.report.splats},
                              {"tested", f.report.tested}});
-  out["summary"] = {{"cull_ms", summary_json(flight.cull())},    {"draw_ms", summary_json(flight.draw())},
-                    {"frame_ms", summary_json(flight.frame())},  {"visible", summary_json(flight.visible())},
-                    {"sampled", summary_json(flight.sampled())}, {"items_drawn", summary_json(flight.items_drawn())},
-                    {"tested", summary_json(flight.tested())},   {"switches", flight.switches()}};
+  out["summary"] = {{"cull_ms", summary_json(flight.cull())},
+                    {"draw_ms", summary_json(flight.draw())},
+                    {"frame_ms", summary_json(flight.frame())},
+                    {"visible", summary_json(flight.visible())},
+                    {"sampled", summary_json(flight.sampled())},
+                    {"items_drawn", summary_json(flight.items_drawn())},
+                    {"triangles", summary_json(flight.triangles())},
+                    {"tested", summary_json(flight.tested())},
+                    {"switches", flight.switches()}};
   const engine::MemoryReport memory = engine.memory();
   out["memory"] = {{"scene", memory.scene},
                    {"snapshot", memory.snapshot},
@@ -215,6 +221,7 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
   row("visible items", flight.visible(), 0);
   row("sampled items", flight.sampled(), 0);
   row("drawn items", flight.items_drawn(), 0);
+  if (engine.snapshot().of_kind(core::Kind::kMesh).size() > 0) row("mesh triangles", flight.triangles(), 0);
   row("boxes tested", flight.tested(), 0);
   if (const culling::Controller* controller = engine.controller())
     std::fprintf(out, "%-16s %12llu  (%llu probes; %zu of %zu frames on the GPU)\n", "switches",

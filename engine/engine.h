@@ -203,6 +203,9 @@ struct FrameReport {
   /// Of these, items that may cover a sample of the image (-1 where occlusion was tested, which includes that); items
   /// drawn. Both -1 without drawing, and where the GPU alone knows.
   std::int64_t sampled = -1, items_drawn = -1;
+  /// Triangles drawn, of meshes alone: fewer than these have where levels of detail or clusters (lod/mesh_levels.h)
+  /// draw them. -1 without drawing, and where the GPU culled.
+  std::int64_t triangles = -1;
   /// Items in the view volume that are below EngineConfig::losses.min_projected_area; 0 without it.
   std::int64_t below_min_area = 0;
   /// Of these and of pending items, those drawn as one splat each: EngineConfig::losses.contribution_mode.
@@ -220,10 +223,16 @@ struct LateReport {
   std::int64_t items_drawn = -1;  ///< items drawn; -1 without drawing
 };
 
-/// What EngineConfig::losses.min_projected_area and budget_ms cost an image: an estimate of its error.
+/// What EngineConfig::losses cost an image. Of what is left out an estimate, of levels of detail a proven bound.
 struct LossReport {
   std::int64_t items = 0;  ///< left out, that may cover a sample and that nothing in the image is known to hide
   double pixels = 0.0;     ///< that these are expected to cover, at most all: see Engine::loss()
+  /// Pixels: each point that is drawn of a mesh lies within so many of a point of the original surface, and the other
+  /// way round. Proved; at most EngineConfig::losses.lod_error. 0: all are drawn by their own triangles.
+  double lod_error = 0.0;
+  std::int64_t triangles = 0;       ///< FrameReport::triangles; 0 where the GPU culled
+  std::int64_t full_triangles = 0;  ///< of the same items, drawn whole and by their own triangles
+  double coarser_share = 0.0;       ///< 0 … 1: of the items with a mesh that are drawn, those by coarser levels
 };
 
 /// With what a new scene version has that is ready and not shown yet, and without one that is still being made.
@@ -302,11 +311,14 @@ class SIGHTLINE_API Engine {
   /// while the context is lost, nothing is drawn.
   core::Expected<void> draw_outline(const core::View& view, std::span<const core::ItemId> items,
                                     const gl::ExternalTarget& target);
-  /// What the last frame() has left out by EngineConfig::losses.min_projected_area and budget_ms, `view` being the one
-  /// that it drew; nothing without these. Splats drawn instead count as left out. The pixels are the sum of the items'
-  /// areas as culling/occlusion/contribution.h measures them, so they are too many where items overlap or hide each
-  /// other, or reach out of the image. A convex solid may cover twice its measure in an unlucky direction. Waits for
-  /// the GPU and takes time in proportion to the items left out: meant for images that stay.
+  /// What EngineConfig::losses cost the image of the last frame(), `view` being the one that it drew. What levels of
+  /// detail cost is known once the image is drawn.
+  ///
+  /// With min_projected_area or budget_ms also what these have left out. Splats drawn instead count as left out. The
+  /// pixels are the sum of the items' areas as culling/occlusion/contribution.h measures them, so they are too many
+  /// where items overlap or hide each other, or reach out of the image. A convex solid may cover twice its measure in
+  /// an unlucky direction. Waits for the GPU and takes time in proportion to the items left out: meant for images that
+  /// stay.
   core::Expected<LossReport> loss(const core::View& view);
   /// What culling makes of each item in the view (culling/cull_states.h), by the slots of snapshot(): the culler, then
   /// contribution, sample test and occlusion as configured, the latter two with `draw` alone. A budget does not count,

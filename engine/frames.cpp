@@ -111,6 +111,7 @@ core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, bo
   if (!report.drawn || on_gpu) return {};
   report.sampled = result->counts.sampled;
   report.items_drawn = result->counts.items_drawn;
+  report.triangles = result->counts.triangles;
   report.below_min_area = result->counts.below_min_area;
   report.pending = result->counts.pending;
   report.splats = result->counts.splats;

@@ -132,11 +132,20 @@ void DrawLists::list_mesh(const Snapshot& snapshot, const MeshPool& pool, Slot s
   } else {
     ranges_.assign(1, {0, mesh.whole.count});
   }
+  count_mesh(mesh.whole.count, levels && in.error ? cuts_.error() : 0.0);
   for (const lod::IndexRange& range : ranges_) {
     const std::uint32_t end = range.first + range.count;
     list_triangles(mesh, range.first, std::min(end, solid), true);
     list_triangles(mesh, std::max(range.first, solid), end, false);
   }
+}
+
+/// Counts what ranges_ draws of a mesh.
+void DrawLists::count_mesh(std::uint32_t own_indices, double error) {
+  if (ranges_.empty()) return;
+  MeshCounts counts{1, ranges_.back().first + ranges_.back().count > own_indices, 0, own_indices / 3, error};
+  for (const lod::IndexRange& range : ranges_) counts.triangles += range.count / 3;
+  mesh_counts_ += counts;
 }
 
 /// Indices first … end - 1 of a mesh, for the test if there is one.
@@ -193,6 +202,7 @@ core::Expected<void> DrawLists::upload_picked() {
 core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
                                        const DrawnIn& in) {
   sections_ = {};
+  mesh_counts_ = {};
   from_gpu_ = false;
   picks_ = in.triangles != nullptr;
   frame_ = (frame_ + 1) % kFramesInFlight;

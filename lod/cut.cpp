@@ -90,6 +90,7 @@ bool MeshError::outside(const core::Aabb& box) const {
 }
 
 void CutChooser::choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges) {
+  error_ = 0.0;
   state_.assign(levels.groups.size(), State::kUnknown);
   expanded_.clear();
   drawn_.clear();
@@ -118,7 +119,12 @@ void CutChooser::consider(const MeshLevels& levels, const MeshError& error, std:
       State& state = state_[cluster.made_by];
       if (state == State::kUnknown) {
         const ClusterGroup& group = levels.groups[cluster.made_by];
-        state = group.error <= error.allowed(group.box) ? State::kSimplified : State::kExpanded;
+        const float allowed = error.allowed(group.box);
+        state = group.error <= allowed ? State::kSimplified : State::kExpanded;
+        // The pixels K e / (w - |w| e) of an error grow faster than it, so a share of what is allowed shows as at most
+        // that share of the pixels.
+        if (state == State::kSimplified && group.error > 0.0f)
+          error_ = std::max(error_, error.pixels() * double(group.error / allowed));
         if (state == State::kExpanded && !error.outside(group.box)) expanded_.push_back(cluster.made_by);
       }
       if (state == State::kExpanded) continue;

@@ -31,6 +31,10 @@ std::vector<double> Flight::items_drawn() const {
   return collect([](const engine::FrameReport& r) { return double(r.items_drawn); });
 }
 
+std::vector<double> Flight::triangles() const {
+  return collect([](const engine::FrameReport& r) { return double(r.triangles); });
+}
+
 std::vector<double> Flight::tested() const {
   return collect([](const engine::FrameReport& r) { return double(r.tested); });
 }

@@ -27,6 +27,7 @@ struct Flight {
   std::vector<double> visible() const;
   std::vector<double> sampled() const;
   std::vector<double> items_drawn() const;
+  std::vector<double> triangles() const;
   std::vector<double> tested() const;
   std::vector<double> gpu_cull() const;  ///< ms
   /// Milliseconds, from the second frame on: the first has no predecessor to measure from.

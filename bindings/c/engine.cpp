@@ -46,6 +46,7 @@ sl_frame_report report_of(const engine::FrameReport& from) {
   report.pending = from.pending;
   report.drawn = from.drawn;
   report.hybrid_state = from.state ? std::int32_t(*from.state) : -1;
+  report.triangles = from.triangles;
   return report;
 }
 

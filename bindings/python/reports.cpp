@@ -33,6 +33,7 @@ void bind_frame_report(py::module_& m) {
       .def_readonly("tested", &FrameReport::tested, "Boxes tested; -1: the GPU alone knows.")
       .def_readonly("sampled", &FrameReport::sampled, "Items that may cover a sample; -1: unknown.")
       .def_readonly("items_drawn", &FrameReport::items_drawn, "Items drawn; -1: unknown.")
+      .def_readonly("triangles", &FrameReport::triangles, "Triangles drawn, of meshes alone; -1: unknown.")
       .def_readonly("below_min_area", &FrameReport::below_min_area, "Items below `min_projected_area`.")
       .def_readonly("splats", &FrameReport::splats, "Items drawn as one splat.")
       .def_readonly("pending", &FrameReport::pending, "Items that `budget_ms` did not suffice for.")
@@ -43,7 +44,7 @@ void bind_frame_report(py::module_& m) {
   bind_value<&FrameReport::frame, &FrameReport::culler, &FrameReport::state, &FrameReport::cull_ms,
              &FrameReport::draw_ms, &FrameReport::wait_ms, &FrameReport::frame_ms, &FrameReport::drawn,
              &FrameReport::visible, &FrameReport::tested, &FrameReport::sampled, &FrameReport::items_drawn,
-             &FrameReport::below_min_area, &FrameReport::splats, &FrameReport::pending>(c);
+             &FrameReport::triangles, &FrameReport::below_min_area, &FrameReport::splats, &FrameReport::pending>(c);
 }
 
 void bind_small_reports(py::module_& m) {
@@ -56,11 +57,18 @@ void bind_small_reports(py::module_& m) {
   bind_value<&LateReport::frame, &LateReport::visible, &LateReport::gpu_cull_ms, &LateReport::items_drawn>(late);
 
   using engine::LossReport;
-  py::class_<LossReport> loss(m, "LossReport", "What `min_projected_area` and `budget_ms` cost an image: an estimate.");
+  py::class_<LossReport> loss(
+      m, "LossReport", "What losses cost an image: of what is left out an estimate, of `lod_error` a proven bound.");
   loss.def_readonly("items", &LossReport::items,
                     "Left out, that may cover a sample and that nothing in the image is known to hide.")
-      .def_readonly("pixels", &LossReport::pixels, "That these are expected to cover, at most all.");
-  bind_value<&LossReport::items, &LossReport::pixels>(loss);
+      .def_readonly("pixels", &LossReport::pixels, "That these are expected to cover, at most all.")
+      .def_readonly("lod_error", &LossReport::lod_error, "Pixels by which meshes may be drawn elsewhere, proved.")
+      .def_readonly("triangles", &LossReport::triangles, "Triangles drawn, of meshes.")
+      .def_readonly("full_triangles", &LossReport::full_triangles, "Triangles that the same items have in full.")
+      .def_readonly("coarser_share", &LossReport::coarser_share,
+                    "Of the items with a mesh that are drawn, those by coarser levels: 0 to 1.");
+  bind_value<&LossReport::items, &LossReport::pixels, &LossReport::lod_error, &LossReport::triangles,
+             &LossReport::full_triangles, &LossReport::coarser_share>(loss);
 
   using engine::PlanEntry;
   py::class_<PlanEntry> entry(m, "PlanEntry", "A feature that the engine uses or leaves out.");

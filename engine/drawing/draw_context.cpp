@@ -26,21 +26,29 @@ culling::ContributionTest DrawContext::contribution_test(const core::View& view,
   return {view, snapshot.bounds().origin, target().width(), target().height(), solid_areas.of(snapshot)};
 }
 
+void DrawContext::clear(const render::RenderTarget& canvas) {
+  image->meshes = {};
+  renderer->clear(canvas);
+}
+
 core::Expected<void> DrawContext::list(const core::View& view, const core::Snapshot& snapshot,
                                        const core::VisibleSet& set) {
   gpuscene::DrawnIn in{&view};
   std::optional<lod::ImageError> error;
-  if (mesh_details.any()) in.error = &error.emplace(view, target().width(), target().height(), config.losses.lod_error);
+  if (mesh_details.any())
+    in.error = &error.emplace(view, target().width(), target().height(), config.losses.lod_error);
   std::optional<culling::TriangleTest> triangles;
   if (software() && config.culling.sample_test) in.triangles = &triangles.emplace(view, samples());
   in.threads = &threads;
-  return lists->update(snapshot, *scene, set, in);
+  auto done = lists->update(snapshot, *scene, set, in);
+  image->meshes += lists->mesh_counts();
+  return done;
 }
 
 core::Expected<void> DrawContext::draw(const core::View& view, const core::Snapshot& snapshot,
                                        const core::VisibleSet& set) {
-  if (auto done = list(view, snapshot, set); !done) return done;
-  return renderer->draw(view, snapshot, *scene, *lists, target());
+  clear(target());
+  return draw_more(view, snapshot, set, target());
 }
 
 core::Expected<void> DrawContext::draw_more(const core::View& view, const core::Snapshot& snapshot,

@@ -35,7 +35,7 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
   const render::RenderTarget& canvas = beside ? *image.refined : image.target;
   if (!goes_on) {
     begin(context, culled, stays);
-    context.renderer->clear(canvas);
+    context.clear(canvas);
   }
   if (auto done = draw_passes(context, input, canvas); !done) return tl::unexpected(done.error());
   if (context.may_test_occlusion() && !goes_on)

@@ -20,7 +20,7 @@ core::Expected<DrawCounts> DrawInPasses::draw(DrawContext& context, const DrawIn
   const culling::OcclusionTest test = context.occlusion_test(view, bounds);
   context.clear_pyramid();
   image.passes.begin(visible, lines, hierarchy, context.threads);
-  context.renderer->clear(image.target);
+  context.clear(image.target);
   while (image.passes.next(test, bounds)) {
     if (auto done = context.draw_more(view, snapshot, image.passes.pass(), image.target); !done)
       return tl::unexpected(done.error());

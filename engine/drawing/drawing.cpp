@@ -339,6 +339,7 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
     if (auto done = overlays_.finish(context_, visible, request.blend_range, *counts); !done)
       return tl::unexpected(done.error());
     result.counts = *counts;
+    result.counts.triangles = context_.image->meshes.triangles + context_.image->meshes_over.triangles;
   }
   if (context_.external && !context_.image->composed)
     if (auto done = context_.compose(); !done) return tl::unexpected(done.error());
@@ -357,6 +358,7 @@ core::Expected<DrawCounts> Drawing::draw_opaque(const DrawRequest& request, bool
   const core::VisibleSet& opaque = overlays_.split(context_, culled.visible);
   if (request.on_gpu) {
     context_.image->pyramid_valid = context_.image->unchanged = false;
+    context_.image->meshes = {};
     return culling_.draw(context_, request.view, culled.snapshot).map([] { return DrawCounts(); });
   }
   return opaque_.draw(context_, input_of(request, culled.with(opaque), request.all && !aside));

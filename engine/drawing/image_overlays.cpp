@@ -85,8 +85,9 @@ glm::vec2 ImageOverlays::blend_range(const core::View& view, const core::Snapsho
 core::Expected<void> ImageOverlays::finish(DrawContext& context, const Culled& culled,
                                            const std::optional<glm::vec2>& range, DrawCounts& counts) {
   ImageState& image = *context.image;
-  if (!change_image(context)) return {};
-  if (image.unchanged && !context.external) return {};  // it is finished already
+  const bool finished = image.unchanged && !context.external;
+  if (!finished) image.meshes_over = {};
+  if (finished || !change_image(context)) return {};
   if (image.unchanged) image.refined->copy_to(image.target);
   if (auto done = draw_depth_shading(context, culled.view); !done || !any(context)) return done;
   if (context.external) {
@@ -160,6 +161,7 @@ core::Expected<void> ImageOverlays::draw_blended(DrawContext& context, const Cul
   const auto sums = over.begin_sums(context.target());
   if (!sums) return tl::unexpected(sums.error());
   auto done = context.lists->update(snapshot, *context.scene, visible, {&view});
+  context.image->meshes_over += context.lists->mesh_counts();
   if (done)
     done =
         context.renderer->draw_blended(view, snapshot, *context.scene, *context.lists, context.target(), **sums, range);
@@ -175,6 +177,7 @@ core::Expected<void> ImageOverlays::draw_ghosts(DrawContext& context, const Cull
   const auto layer = over.begin_layer(context.context, context.target(), true);
   if (!layer) return tl::unexpected(layer.error());
   if (auto done = context.lists->update(snapshot, *context.scene, visible, {&view}); !done) return done;
+  context.image->meshes_over += context.lists->mesh_counts();
   if (auto done = context.renderer->draw_ghosts(view, snapshot, *context.scene, *context.lists, **layer); !done)
     return done;
   return put_over(context, [&](const gl::ExternalTarget& target) { return over.put_layer(target); });

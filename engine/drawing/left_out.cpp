@@ -56,11 +56,22 @@ core::VisibleSet missing_items(const DrawContext& context, const Culled& culled)
   return missing;
 }
 
+/// What levels of detail cost the image as it is now.
+LossReport loss_by_levels(const ImageState& image) {
+  gpuscene::MeshCounts meshes = image.meshes;
+  meshes += image.meshes_over;
+  return {.lod_error = meshes.error,
+          .triangles = meshes.triangles,
+          .full_triangles = meshes.full_triangles,
+          .coarser_share = double(meshes.coarser) / double(std::max<std::int64_t>(meshes.items, 1))};
+}
+
 }  // namespace
 
 /// Tests against the image as it is now, with a depth pyramid beside the image's: what a budget goes on with must stay.
 core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& culled) {
-  if (context.config.losses.min_projected_area <= 0.0f && context.config.losses.budget_ms <= 0.0) return LossReport();
+  LossReport report = loss_by_levels(*context.image);
+  if (context.config.losses.min_projected_area <= 0.0f && context.config.losses.budget_ms <= 0.0) return report;
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
   const render::RenderTarget& target = context.target();
@@ -79,7 +90,7 @@ core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& cull
   }
   std::vector<culling::ContributionTest::SlotArea> areas;
   context.contribution_test(view, snapshot).areas(bounds, *left, areas);
-  LossReport report{std::int64_t(areas.size()), 0.0};
+  report.items = std::int64_t(areas.size());
   for (const auto& area : areas) report.pixels += double(area.area);
   report.pixels = std::min(report.pixels, double(target.width()) * target.height());
   return report;

@@ -88,8 +88,10 @@ core::Expected<DrawCounts> OpaqueItems::draw_and_measure(DrawContext& context, c
   const core::VisibleSet part = part_of(visible, kParts, measured_part_);
   begin = now_seconds();
   context.sample_test(view, snapshot.bounds()).filter(snapshot.bounds(), part, sampled_, lines);
+  const gpuscene::MeshCounts meshes = context.image->meshes;
   if (auto done = context.draw_more(view, snapshot, sampled_, context.target()); !done)
     return tl::unexpected(done.error());
+  context.image->meshes = meshes;
   occlusion_switch_.measured(tested_ms, 1e3 * (finished_at() - begin));
   return counts;
 }

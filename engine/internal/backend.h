@@ -147,7 +147,7 @@ class Backend {
 
   /// What an image of the view would leave out of the visible items. The last image is then gone.
   virtual core::Expected<LeftOut> left_out(const Culled&) { return LeftOut(); }
-  /// Error of the last draw() by contribution and budget; it must have drawn `culled`.
+  /// Error of the last draw() by EngineConfig::losses; it must have drawn `culled`.
   virtual core::Expected<LossReport> loss(const Culled&) { return LossReport(); }
   virtual std::size_t memory_bytes() const { return 0; }  ///< of the GPU
   virtual std::size_t levels_bytes() const { return 0; }  ///< of main memory, for clusters and levels of detail

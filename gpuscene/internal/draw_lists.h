@@ -12,6 +12,7 @@
 // number from counts(); without it the unused commands draw nothing.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -37,6 +38,22 @@ struct DrawnIn {
   const lod::ImageError* error = nullptr;            ///< meshes that have levels are drawn by a cut of them
   const culling::TriangleTest* triangles = nullptr;  ///< of meshes, only triangles are drawn that may colour the image
   culling::CullThreads* threads = nullptr;           ///< that share in the test
+};
+
+/// What is drawn of items with meshes.
+struct MeshCounts {
+  std::int64_t items = 0, coarser = 0;             ///< coarser: by fewer triangles than their own
+  std::int64_t triangles = 0, full_triangles = 0;  ///< in the detail drawn, whether they show or not; of the same items
+  double error = 0.0;                              ///< pixels, the largest: as lod::CutChooser::error() has it
+
+  MeshCounts& operator+=(const MeshCounts& more) {
+    items += more.items;
+    coarser += more.coarser;
+    triangles += more.triangles;
+    full_triangles += more.full_triangles;
+    error = std::max(error, more.error);
+    return *this;
+  }
 };
 
 class DrawLists {
@@ -91,6 +108,8 @@ class DrawLists {
   /// Makes the lists empty.
   void clear() { sections_ = {}; }
 
+  /// Of the last update().
+  const MeshCounts& mesh_counts() const { return mesh_counts_; }
   const Section& section(BatchKind kind) const { return sections_[std::size_t(kind)]; }
   const gl::Buffer& commands() const { return from_gpu_ ? gpu_.commands : commands_; }
   /// Single records, R32UI. Record number batch.count + i names place i.
@@ -120,6 +139,7 @@ class DrawLists {
   core::Expected<void> list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const DrawnIn& in);
   void list_mesh(const core::Snapshot& snapshot, const MeshPool& pool, core::Slot slot, const DrawnIn& in,
                  bool fronts_alone);
+  void count_mesh(std::uint32_t own_indices, double error);
   void list_triangles(const MeshTriangles& mesh, std::uint32_t first, std::uint32_t end, bool fronts_alone);
   core::Expected<void> upload_picked();
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
@@ -148,6 +168,7 @@ class DrawLists {
   TriangleStream picked_;
   gl::Buffer picked_indices_;
   std::size_t picked_capacity_ = 0;  // indices per frame in flight
+  MeshCounts mesh_counts_;
 
   /// Buffers that the GPU fills. One copy is enough: the GPU works in order.
   struct GpuLists {

@@ -41,6 +41,7 @@ class MeshError {
   /// The largest error, in the mesh's own metres, of surfaces in a box that the image may show. Not less for a box than
   /// for one around it. Negative where a section plane cuts the box: the original surface is drawn there.
   float allowed(const core::Aabb& box) const;
+  double pixels() const { return pixels_; }  ///< ImageError's
   /// Whether a box surely shows nothing: it lies outside the view volume by more than a GPU's rounding.
   bool outside(const core::Aabb& box) const;
 
@@ -63,12 +64,15 @@ class CutChooser {
   /// Sets `ranges` to what draws a mesh within the image's error, in rising order and with gaps between them; none: it
   /// lies outside.
   void choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges);
+  /// The proven error in the image of what was chosen last, in pixels, at most ImageError's; 0: the mesh's triangles.
+  double error() const { return error_; }
 
  private:
   enum class State : std::uint8_t { kUnknown, kSimplified, kExpanded };
 
   void consider(const MeshLevels& levels, const MeshError& error, std::span<const std::uint32_t> clusters);
 
+  double error_ = 0.0;
   std::vector<State> state_;                     // by group
   std::vector<std::uint32_t> expanded_, drawn_;  // groups whose clusters are yet to be considered; clusters
 };

@@ -191,12 +191,89 @@ TEST_F(Levels, AreDrawnOnceTheyAreReady) {
   EXPECT_EQ(ids_of(*engine, view).ids, full.ids);
 }
 
+TEST_F(Levels, TellWhatTheyCostTheImage) {
+  core::Scene scene;
+  fill(scene);
+  const std::int64_t of_torus = std::int64_t(bumpy_torus(48, 0.05).indices.size() / 3);
+  engine::EngineConfig c = config(engine::CullerChoice::kCpu, kWidth, kHeight);
+  for (const bool occlusion : {false, true}) {
+    SCOPED_TRACE(occlusion);
+    c.culling.occlusion = occlusion ? engine::OcclusionChoice::kOn : engine::OcclusionChoice::kOff;
+    c.losses = {};
+    auto engine = engine::Engine::create(scene, c);
+    ASSERT_TRUE(engine) << engine.error().message;
+    const core::View view = look(60.0, 1.0);
+    auto report = engine->frame(view);
+    auto loss = engine->loss(view);
+    EXPECT_EQ(report->triangles, 9 * of_torus);
+    EXPECT_EQ(loss->triangles, 9 * of_torus);
+    EXPECT_EQ(loss->full_triangles, 9 * of_torus);
+    EXPECT_EQ(loss->lod_error, 0.0);
+    EXPECT_EQ(loss->coarser_share, 0.0);
+    double least = 0.0;
+    for (const double error : {0.5, 2.0, 6.0}) {
+      SCOPED_TRACE(error);
+      c.losses.lod_error = error;
+      ASSERT_TRUE(engine->configure(c));
+      ASSERT_TRUE(engine->finish_levels());
+      report = engine->frame(view);
+      loss = engine->loss(view);
+      EXPECT_LT(report->triangles, 9 * of_torus / 2);
+      EXPECT_EQ(loss->triangles, report->triangles);
+      EXPECT_EQ(loss->full_triangles, 9 * of_torus);
+      EXPECT_LE(loss->lod_error, error);
+      EXPECT_GT(loss->lod_error, least);
+      EXPECT_EQ(loss->coarser_share, 1.0);
+      EXPECT_EQ(loss->items, 0);
+      least = loss->lod_error;
+    }
+    c.losses.budget_ms = 1000.0;
+    ASSERT_TRUE(engine->configure(c));
+    for (int i = 0; i < 3; ++i) {
+      report = engine->frame(view);
+      EXPECT_EQ(report->triangles, loss->triangles) << "of the image, also where the frame drew nothing more";
+    }
+    // A section opens some tori, which are then drawn in full where it cuts them.
+    core::View cut = look(60.0, 1.0);
+    cut.sections.push_back({{1, 0, 0}, -9.0});
+    c.losses.budget_ms = 0.0;
+    ASSERT_TRUE(engine->configure(c));
+    ASSERT_TRUE(engine->frame(cut));
+    EXPECT_GT(engine->loss(cut)->triangles, loss->triangles * 2 / 3 + of_torus / 4);
+  }
+}
+
+/// Blended items are drawn over the image, and count like others, once for each image.
+TEST_F(Levels, CountTrianglesOfItemsDrawnOverTheImage) {
+  core::Scene scene;
+  fill(scene);
+  engine::EngineConfig c = config(engine::CullerChoice::kCpu, kWidth, kHeight);
+  c.drawing.transparency = engine::Transparency::kBlended;
+  for (const double budget : {0.0, 1000.0}) {
+    c.losses.budget_ms = budget;
+    auto engine = engine::Engine::create(scene, c);
+    ASSERT_TRUE(engine) << engine.error().message;
+    const core::View view = look(60.0, 1.0);
+    const std::int64_t all = engine->frame(view)->triangles;
+    engine::ItemStyle glass;
+    glass.alpha = 0.5f;
+    ASSERT_TRUE(engine->set_override(std::span(items).first(3), glass));
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(engine->frame(view)->triangles, all) << budget << " ms, frame " << i;
+    EXPECT_EQ(engine->loss(view)->triangles, all);
+  }
+}
+
 TEST_F(Levels, AreRefusedWhereTheGpuCulls) {
   core::Scene scene;
   fill(scene);
   engine::EngineConfig c = config(engine::CullerChoice::kGpu, kWidth, kHeight);
   c.losses.lod_error = 1.0;
   EXPECT_FALSE(engine::Engine::create(scene, c));
+  c.losses.lod_error = 0.0;
+  auto on_gpu = engine::Engine::create(scene, c);
+  ASSERT_TRUE(on_gpu) << on_gpu.error().message;
+  EXPECT_EQ(on_gpu->frame(look(60.0, 1.0))->triangles, -1);
+  EXPECT_EQ(on_gpu->loss(look(60.0, 1.0))->triangles, 0);
   c.culling.culler = engine::CullerChoice::kCpu;
   c.losses.lod_error = -1.0;
   EXPECT_FALSE(engine::Engine::create(scene, c));

@@ -201,5 +201,37 @@ TEST(CutChooser, DrawsEachGroupInOneWay) {
   EXPECT_GT(most, mesh.indices.size() / 3);
 }
 
+/// The error that is told is one which allows what was chosen, and little more than the least such error.
+TEST(CutChooser, TellsTheErrorOfWhatItChose) {
+  const lod::MeshLevels levels = lod::build_levels(bumpy_torus(40, 0.1));
+  lod::CutChooser chooser;
+  std::vector<lod::IndexRange> ranges;
+  int told = 0, tight = 0;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(300)); ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const Stage stage(random, 0.5);
+    const double pixels = std::pow(10.0, uniform(random, -2.0, 2.0));
+    const auto error_of = [&](double p) {
+      return lod::MeshError(lod::ImageError(stage.view, kWidth, kHeight, p), stage.world_from_mesh);
+    };
+    chooser.choose(levels, error_of(pixels), ranges);
+    ASSERT_LE(chooser.error(), pixels);
+    const std::vector<bool> shown = drawn(levels, ranges);
+    const lod::MeshError same = error_of(chooser.error() * (1.0 + 1e-5)), less = error_of(0.7 * chooser.error());
+    bool refused = false;
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      if (!shown[i] || levels.clusters[i].made_by == core::kNone) continue;
+      const lod::ClusterGroup& group = levels.groups[levels.clusters[i].made_by];
+      ASSERT_TRUE(group.error == 0.0f || group.error <= same.allowed(group.box));
+      refused = refused || group.error > less.allowed(group.box);
+    }
+    told += chooser.error() > 0.0;
+    tight += refused;
+  }
+  EXPECT_GT(told, repeated(300) / 8);
+  EXPECT_GT(tight, 9 * told / 10);
+}
+
 }  // namespace
 }  // namespace sightline::tests::cut_test

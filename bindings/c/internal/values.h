@@ -30,6 +30,10 @@ inline constexpr std::size_t kFirstSize<sl_engine_config> = offsetof(sl_engine_c
 template <>
 inline constexpr std::size_t kFirstSize<sl_engine_info> = offsetof(sl_engine_info, scratch_bytes);
 template <>
+inline constexpr std::size_t kFirstSize<sl_frame_report> = offsetof(sl_frame_report, triangles);
+template <>
+inline constexpr std::size_t kFirstSize<sl_loss_report> = offsetof(sl_loss_report, lod_error);
+template <>
 inline constexpr std::size_t kFirstSize<sl_ray> = offsetof(sl_ray, hit_ghosts);
 
 /// No version will have a larger struct: a larger size was never set.

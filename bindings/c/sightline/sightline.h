@@ -623,9 +623,10 @@ typedef struct sl_frame_report {
   int64_t pending;                /* items that the budget did not suffice for */
   int32_t drawn;
   int32_t hybrid_state; /* -1 without a hybrid; else ControllerState of culling/hybrid/frame_sample.h */
+  int64_t triangles;    /* drawn, of meshes alone */
 } sl_frame_report;
 #define SL_FRAME_REPORT_INIT \
-  { sizeof(sl_frame_report), 0, 0, 0.0, 0.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+  { sizeof(sl_frame_report), 0, 0, 0.0, 0.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* A part of a framebuffer of the application's: sightline/gl/external_target.h. */
 typedef struct sl_external_target {
@@ -664,15 +665,18 @@ typedef struct sl_engine_info {
 #define SL_ENGINE_INFO_INIT \
   { sizeof(sl_engine_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
-/* What contribution and budget leave out of an image: an estimate of its error. */
+/* What contribution, budget and levels of detail cost an image. LossReport in engine.h says more. */
 typedef struct sl_loss_report {
   uint32_t size;
   int32_t reserved; /* 0 */
   int64_t items;    /* left out, that may cover a sample and that nothing in the image is known to hide */
   double pixels;    /* that these are expected to cover, at most all */
+  double lod_error; /* pixels by which meshes may be drawn elsewhere, proved */
+  int64_t triangles, full_triangles; /* drawn of meshes; that the same items have in full */
+  double coarser_share;              /* of the items with a mesh that are drawn, those by coarser levels */
 } sl_loss_report;
 #define SL_LOSS_REPORT_INIT \
-  { sizeof(sl_loss_report), 0, 0, 0.0 }
+  { sizeof(sl_loss_report), 0, 0, 0.0, 0.0, 0, 0, 0.0 }
 
 /* What a hybrid's controller has done so far. */
 typedef struct sl_controller_info {

@@ -36,6 +36,7 @@ struct DrawCounts {
   std::int64_t below_min_area = 0;            // items below the minimum projected area that is asked for
   std::int64_t pending = 0;                   // items for which the budget did not suffice
   std::int64_t splats = 0;                    // of these and pending ones, items drawn as one splat each
+  std::int64_t triangles = 0;                 // of meshes
 };
 
 }  // namespace sightline::engine

@@ -60,7 +60,9 @@ struct DrawContext {
     return config.culling.occlusion != OcclusionChoice::kOff && target().format().samples == 1;
   }
 
-  /// Sets the draw lists for a set, with meshes in the detail that the view needs.
+  /// Begins an image: clears it, or what is drawn in its place.
+  void clear(const render::RenderTarget& canvas);
+  /// Sets the draw lists for a set, with meshes in the detail that the view needs, and counts these.
   core::Expected<void> list(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set);
   /// Clears the image and draws a set.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set);

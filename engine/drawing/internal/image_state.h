@@ -11,6 +11,7 @@
 #include "sightline/engine/drawing/internal/budget_passes.h"
 #include "sightline/engine/drawing/internal/culled.h"
 #include "sightline/engine/drawing/internal/occlusion_passes.h"
+#include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/render/internal/render_target.h"
 
 namespace sightline::engine {
@@ -27,6 +28,7 @@ struct ImageState {
   culling::DepthPyramid pyramid;
   bool pyramid_valid = false;  // the pyramid is never nearer than the image's depth in the present frame
   std::vector<float> distances;
+  gpuscene::MeshCounts meshes, meshes_over;  // of the items in the image; of those drawn over it
 
   // Used with EngineConfig::losses.budget_ms alone.
   BudgetPasses budget;

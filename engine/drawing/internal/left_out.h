@@ -10,7 +10,7 @@ namespace sightline::engine {
 /// gone. Uses no history: contribution's threshold has no hysteresis.
 core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overlays, const Culled& culled);
 
-/// Error of the last frame by contribution and budget: Engine::loss(). `culled` must be what that frame was drawn from.
+/// Error of the last frame by EngineConfig::losses: Engine::loss(). `culled` must be what that frame was drawn from.
 core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& culled);
 
 }  // namespace sightline::engine

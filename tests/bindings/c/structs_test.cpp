@@ -120,7 +120,8 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(offsetof(sl_import_report, recognised), 168u);
     EXPECT_EQ(sizeof(sl_import_report), 352u);
     EXPECT_EQ(sizeof(sl_view), 536u);
-    EXPECT_EQ(sizeof(sl_frame_report), 112u);
+    EXPECT_EQ(capi::kFirstSize<sl_frame_report>, 112u);
+    EXPECT_EQ(sizeof(sl_frame_report), 120u);
     EXPECT_EQ(sizeof(sl_late_report), 40u);
     EXPECT_EQ(capi::kFirstSize<sl_engine_info>, 56u);
     EXPECT_EQ(offsetof(sl_engine_info, levels_bytes), 64u);
@@ -129,7 +130,8 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(offsetof(sl_engine_config, lod_error), 184u);
     EXPECT_EQ(sizeof(sl_engine_config), 192u);
     EXPECT_EQ(sizeof(sl_controller_config), 128u);
-    EXPECT_EQ(sizeof(sl_loss_report), 24u);
+    EXPECT_EQ(capi::kFirstSize<sl_loss_report>, 24u);
+    EXPECT_EQ(sizeof(sl_loss_report), 56u);
     EXPECT_EQ(sizeof(sl_controller_info), 40u);
     EXPECT_EQ(sizeof(sl_cull_states), 96u);
     EXPECT_EQ(sizeof(sl_cull_box), 56u);

@@ -206,6 +206,7 @@ class Drawing(GlCase):
         loss = engine.loss(self.view)
         self.assertTrue(0 < loss.items <= report.below_min_area)
         self.assertGreater(loss.pixels, 0)
+        self.assertEqual((loss.lod_error, loss.triangles, loss.coarser_share), (0.0, report.triangles, 0.0))
         engine.configure(min_projected_area=0)
         engine.frame(self.view)
         self.assertEqual(engine.loss(self.view), sightline.Engine(self.scene).loss(self.view))
