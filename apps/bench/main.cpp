@@ -29,6 +29,8 @@ constexpr bench::Subcommand kSubcommands[] = {
     {"error-time", "error of tessellated and ray-cast primitives against their run time", bench::add_error_time},
     {"contribution", "error of images without small items against the time of a frame, for several rules",
      bench::add_contribution},
+    {"lod", "error of meshes drawn by levels of detail against the time of a frame, beside other ways to draw less",
+     bench::add_lod},
 #endif
 };
 

@@ -24,5 +24,6 @@ Run add_error_time(apps::CommandLine& line);
 Run add_frames(apps::CommandLine& line);
 Run add_gpu_cull(apps::CommandLine& line);
 Run add_hybrid(apps::CommandLine& line);
+Run add_lod(apps::CommandLine& line);
 
 }  // namespace sightline::bench

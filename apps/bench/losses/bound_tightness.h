@@ -1,0 +1,20 @@
+// How far the proven errors of levels of detail lie above the errors that samples find. Internal to sightline-bench
+// contribution and lod.
+#pragma once
+
+#include <vector>
+
+#include "sightline/core/snapshot.h"
+#include "sightline/core/view.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/gpuscene/internal/mesh_pool.h"
+
+namespace sightline::bench {
+
+/// Of some of the groups of triangles (lod/mesh_levels.h) that an image within `pixels` shows simplified, evenly chosen
+/// among all of `visible`: the proven error over the largest distance that samples of both surfaces have.
+std::vector<double> bound_tightness(const core::View& view, int width, int height, double pixels,
+                                    const core::Snapshot& snapshot, const core::VisibleSet& visible,
+                                    const gpuscene::MeshPool& meshes);
+
+}  // namespace sightline::bench

@@ -1,0 +1,86 @@
+#include "sightline/apps/bench/losses/subject.h"
+
+#include <algorithm>
+
+#include "sightline/apps/bench/harness.h"
+#include "sightline/apps/bench/renderer.h"
+#include "sightline/culling/occlusion/contribution.h"
+#include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/rebuild.h"
+#include "sightline/lod/mesh_levels.h"
+
+namespace sightline::bench {
+
+core::Expected<std::unique_ptr<Subject>> Subject::create(core::Scene& scene, const Config& c, const LevelChain* chain) {
+  engine::EngineConfig config = drawing_config(c.width, c.height, c.platform);
+  config.culling.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
+  if (!chain) config.losses.lod_error = 1.0;                // so that levels are built
+  auto engine = engine::Engine::create(scene, config);
+  if (!engine) return tl::unexpected(engine.error());
+  if (auto built = engine->finish_levels(); !built) return tl::unexpected(built.error());
+  return std::unique_ptr<Subject>(new Subject(std::move(*engine), chain));
+}
+
+Subject::Subject(engine::Engine&& engine, const LevelChain* chain)
+    : engine_(std::move(engine)),
+      chain_(chain),
+      culler_((chain ? chain->model() : engine_.snapshot()).bounds()),
+      of_chain_(chain ? std::make_unique<culling::Hierarchy>(engine_.snapshot().bounds()) : nullptr),
+      lines_(engine::slots_of_lines(engine_.snapshot())) {}
+
+bool Subject::has_levels() {
+  const auto meshes = engine_.drawing()->scene().meshes().meshes();
+  return std::ranges::any_of(meshes, [](const auto& mesh) { return lod::needs_levels(*mesh); });
+}
+
+core::Expected<Took> Subject::draw(const Rule& rule, const core::View& view) {
+  using Measure = Rule::Measure;
+  engine::Drawing& drawing = *engine_.drawing();
+  const core::Snapshot& snapshot = engine_.snapshot();
+  const render::RenderTarget& target = drawing.target();
+  drawing.set_losses(rule.losses());
+  drawing.finish();
+  const Took begin{milliseconds(), processor_milliseconds()};
+  culler_.cull(view, visible_);
+  visible_.generation = snapshot.generation();
+  const core::VisibleSet* shown = &large_;
+  switch (rule.measure) {
+    case Measure::kBox:
+      culling::ContributionTest(view, snapshot.bounds().origin, target.width(), target.height())
+          .filter(snapshot.bounds(), visible_, float(rule.threshold), large_, {}, lines_);
+      break;
+    case Measure::kOpenSceneGraph:
+    case Measure::kOpenCascade:
+    case Measure::kSphere:
+      keep_large(rule, view, target.width(), target.height(), snapshot, visible_, large_);
+      break;
+    case Measure::kChain:
+      chain_->choose(view, target.width(), target.height(), rule.threshold, visible_, snapshot, large_);
+      break;
+    default:
+      shown = &visible_;
+  }
+  const engine::Culled culled{view, snapshot, *shown, lines_, of_chain_ ? of_chain_.get() : &culler_.hierarchy()};
+  const auto drawn = drawing.draw({.view = view, .culled = culled, .all = false});
+  if (!drawn) return tl::unexpected(drawn.error());
+  counts_ = drawn->counts;
+  drawing.finish();
+  return Took{milliseconds() - begin.ms, processor_milliseconds() - begin.processor_ms};
+}
+
+core::Expected<Took> Subject::draw_again(const Rule& rule, const core::View& view) {
+  if (auto ms = draw(rule, view); !ms) return ms;
+  return draw(rule, view);
+}
+
+core::Expected<ShownSurface> Subject::shown(const core::View& view, const std::vector<core::ItemId>& original) {
+  auto ids = engine_.read_ids();
+  if (!ids) return tl::unexpected(ids.error());
+  auto depth = engine_.read_depth(view);
+  if (!depth) return tl::unexpected(depth.error());
+  for (std::uint32_t& id : ids->ids)
+    if (id > 0 && id <= original.size()) id = to_index(original[id - 1]) + 1;
+  return ShownSurface{std::move(*ids), std::move(*depth)};
+}
+
+}  // namespace sightline::bench

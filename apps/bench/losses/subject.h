@@ -1,0 +1,58 @@
+// An engine that draws a model by rules, one image at a time. Internal to sightline-bench contribution and lod.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "sightline/apps/bench/losses/level_chain.h"
+#include "sightline/apps/bench/losses/rules.h"
+#include "sightline/apps/bench/losses/surface_error.h"
+#include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/engine/drawing/internal/culled.h"
+#include "sightline/engine/engine.h"
+#include "sightline/gl/context.h"
+
+namespace sightline::bench {
+
+/// Milliseconds of wall clock, and of all threads of the process.
+struct Took {
+  double ms, processor_ms;
+};
+
+class Subject {
+ public:
+  struct Config {
+    int width, height;
+    gl::ContextPlatform platform;
+  };
+  /// Of the scene, which must outlive it, committed. With a `chain`, the scene is that of the chain.
+  static core::Expected<std::unique_ptr<Subject>> create(core::Scene& scene, const Config& config,
+                                                         const LevelChain* chain = nullptr);
+
+  /// Whether any mesh has levels.
+  bool has_levels();
+  engine::Engine& engine() { return engine_; }
+  const core::VisibleSet& visible() const { return visible_; }  ///< of the last draw()
+  const engine::DrawCounts& counts() const { return counts_; }  ///< of the last draw()
+
+  /// Until the image is complete, culling included.
+  core::Expected<Took> draw(const Rule& rule, const core::View& view);
+  /// The same after a frame that does not count, which tells the passes of occlusion what was open.
+  core::Expected<Took> draw_again(const Rule& rule, const core::View& view);
+  /// What the last image shows. `original`: the model's item of each item, by id; empty: itself.
+  core::Expected<ShownSurface> shown(const core::View& view, const std::vector<core::ItemId>& original);
+
+ private:
+  Subject(engine::Engine&& engine, const LevelChain* chain);
+
+  engine::Engine engine_;
+  const LevelChain* chain_;
+  culling::CpuCuller culler_;                     // of the model
+  std::unique_ptr<culling::Hierarchy> of_chain_;  // of all levels
+  core::VisibleSet visible_, large_;
+  engine::DrawCounts counts_;
+  std::vector<std::uint64_t> lines_;  // a bit per slot
+};
+
+}  // namespace sightline::bench
