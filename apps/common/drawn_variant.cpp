@@ -34,6 +34,7 @@ core::Expected<DrawnVariant> DrawnVariant::create(std::shared_ptr<core::Scene> s
   auto engine = engine::Engine::create(*variant.scene_, config);
   if (!engine) return tl::unexpected(engine.error());
   variant.engine_ = std::make_unique<engine::Engine>(std::move(*engine));
+  if (auto built = variant.engine_->finish_levels(); !built) return tl::unexpected(built.error());
   return variant;
 }
 

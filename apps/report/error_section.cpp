@@ -401,6 +401,37 @@ core::Expected<void> compare_contributions(const Report& report, const std::shar
               "contribution", section);
 }
 
+core::Expected<void> compare_levels(const Report& report, const std::shared_ptr<core::Scene>& scene,
+                                    const std::vector<Reference>& references, const SectionProgress& progress,
+                                    Section& section) {
+  constexpr std::uint64_t kFewTriangles = 100'000;
+  if (const std::uint64_t triangles = triangles_of(*scene); triangles < kFewTriangles) {
+    section.html.paragraph("left out: levels of detail, since the model's meshes have " + count_words(triangles) +
+                           " triangles, fewer than " + count_words(kFewTriangles) + ".");
+    return {};
+  }
+  std::vector<Variant> variants;
+  std::string commands;
+  for (const double pixels : {0.0, 0.25, 0.5, 1.0, 4.0, 16.0}) {
+    variants.push_back({pixels > 0.0 ? "within " + number(pixels) + " px" : "in full", scene, report.engine_config()});
+    variants.back().config.culling.culler = engine::CullerChoice::kCpu;
+    variants.back().config.losses.lod_error = pixels;
+    commands +=
+        report.command("replay", "--culler cpu --lod-error " + number(pixels) + " " + report.size_option()) + "\n";
+  }
+  const auto figures = error_against_time(report, variants, references, progress);
+  if (!figures) return tl::unexpected(figures.error());
+  section.headline += " Meshes in full " + number(figures->front().ms) + " ms, within half a pixel " +
+                      number((*figures)[2].ms) + " ms.";
+  return show(report, *figures, references,
+              {"Levels of detail: meshes as coarse as a number of pixels allows",
+               "What is drawn of a mesh lies within so many pixels of its surface, which is proved for every group of "
+               "triangles. The reference is the one above, 64 samples per pixel of everything: one sample per pixel "
+               "is itself wrong where triangles are small.",
+               commands + report.section_command("error"), 3},
+              "levels", section);
+}
+
 }  // namespace
 
 core::Expected<Section> error_section(const Report& report, const SectionProgress& progress) {
@@ -413,12 +444,13 @@ core::Expected<Section> error_section(const Report& report, const SectionProgres
   section.html.paragraph(
       "FLIP is a measure of the difference that a viewer sees who flips between two images: 0 for equal ones, 1 at "
       "most (render/image/image_metrics.h).");
-  const auto third = [&](int step) { return [&progress, step](double share) { progress((step + share) / 3.0); }; };
-  if (auto done = compare_tessellations(report, scene, third(0), section); !done) return tl::unexpected(done.error());
+  const auto part = [&](int step) { return [&progress, step](double share) { progress((step + share) / 4.0); }; };
+  if (auto done = compare_tessellations(report, scene, part(0), section); !done) return tl::unexpected(done.error());
   const auto references = make_references(report, supersampled);
   if (!references) return tl::unexpected(references.error());
-  auto done = compare_samples(report, scene, *references, third(1), section);
-  if (done) done = compare_contributions(report, scene, *references, third(2), section);
+  auto done = compare_samples(report, scene, *references, part(1), section);
+  if (done) done = compare_contributions(report, scene, *references, part(2), section);
+  if (done) done = compare_levels(report, scene, *references, part(3), section);
   if (!done) return tl::unexpected(done.error());
   return section;
 }

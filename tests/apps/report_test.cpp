@@ -223,6 +223,19 @@ TEST_F(ReportPage, ErrorsFallWithEffort) {
     EXPECT_TRUE(std::any_of(error[key].begin(), error[key].end(), [](const Json& v) { return v["on_front"] == true; }));
 }
 
+/// A model of meshes is drawn by levels of detail, too.
+TEST_F(ReportPage, LevelsOfDetailAreComparedWhereThereAreManyTriangles) {
+  const std::string meshes = path("meshes.obj");
+  ASSERT_EQ(run("convert", {plant(1000), meshes, "--tolerance", "0.0005"}).code, 0);
+  const Json error = report({meshes, "--sections", "error", "--size", "320x180"}).figures["sections"]["error"];
+  const Json& levels = error["levels"];
+  ASSERT_EQ(levels.size(), 6u);
+  EXPECT_LT(levels[0]["wrong_ids"], 1e-4) << "in full";
+  EXPECT_GT(levels[5]["flip"]["mean"], levels[0]["flip"]["mean"]) << levels;
+  const Json none = report({plant(1000), "--sections", "error", "--size", "320x180"}).figures["sections"]["error"];
+  EXPECT_FALSE(none.contains("levels"));
+}
+
 TEST_F(ReportPage, DepthsAreThoseOfDoublePrecision) {
   const Json stability = report({plant(2000), "--sections", "stability"}).figures["sections"]["stability"];
   const Json& all = stability["depth"]["all"];
