@@ -263,6 +263,9 @@ const Command kCommands[] = {
      "switch whether images have fewer pixels while the view moves and frames come late",
      [](Viewer& v, const std::string&) -> Done { return v.shown.lower = !v.shown.lower, Done(); },
      [](Viewer& v) { return v.shown.lower; }, false},
+    {"levels", "View", "Coarser meshes in motion", 0, 0, "",
+     "switch whether meshes are drawn by levels of detail while the view moves",
+     [](Viewer& v, const std::string&) { return v.toggle_levels(); }, [](Viewer& v) { return v.shown.levels; }, false},
     {"triad", "View", "Axes", 0, 0, "", "show or hide the axes beside the panels; a click on an end looks from there",
      [](Viewer& v, const std::string&) -> Done { return v.shown.triad = !v.shown.triad, Done(); },
      [](Viewer& v) { return v.shown.triad; }, false},
@@ -303,6 +306,12 @@ const Command kCommands[] = {
      [](Viewer& v, const std::string& text) {
        return set_number(v, text,
                          [](engine::EngineConfig& c, double pixels) { c.losses.min_projected_area = float(pixels); });
+     }},
+    {"lod-error", nullptr, "", 0, 0, "", "pixels by which meshes may lie elsewhere while the view moves: PX",
+     [](Viewer& v, const std::string& text) -> Done {
+       const auto pixels = parse_finite(text);
+       if (!pixels) return tl::unexpected(pixels.error());
+       return v.set_motion_error(*pixels);
      }},
 
     {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse",

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 #include "sightline/apps/common/frame_words.h"
@@ -16,9 +17,15 @@ namespace {
 /// What the sliders cost, beside them.
 void error_figures(Session& session) {
   const engine::EngineConfig& now = session.engine().config();
-  if (now.losses.budget_ms <= 0.0 && now.losses.min_projected_area <= 0.0f) return;
+  const bool leaves_out = now.losses.budget_ms > 0.0 || now.losses.min_projected_area > 0.0f;
+  if (!leaves_out && now.losses.lod_error <= 0.0) return;
   const auto loss = session.loss();
   if (!loss) return ImGui::TextDisabled("error: known when nothing moves");
+  if (now.losses.lod_error > 0.0) {
+    ImGui::TextWrapped("surfaces: within %.2f px; %s of %s triangles", loss->lod_error,
+                       grouped(loss->triangles).c_str(), grouped(loss->full_triangles).c_str());
+  }
+  if (!leaves_out) return;
   const double share = 100.0 * loss->pixels / (double(session.size()[0]) * session.size()[1]);
   ImGui::TextWrapped("error: %s items, %s px, %.2f %%", grouped(loss->items).c_str(),
                      grouped(std::int64_t(std::ceil(loss->pixels))).c_str(), share);
@@ -31,19 +38,29 @@ void error_figures(Session& session) {
 /// What the engine leaves out or puts off while the view moves, and when its hybrid changes the path.
 void settings_sliders(Viewer& viewer, Session& session) {
   const engine::EngineConfig& now = session.engine().config();
-  const auto slider = [&](const char* name, const char* tip, double value, double most, const char* format, auto set) {
+  const auto slide = [](const char* name, const char* tip, double value, double most,
+                        const char* format) -> std::optional<float> {
     float shown = float(value);
     ImGui::SetNextItemWidth(std::min(9.0f * ImGui::GetFontSize(), 0.42f * ImGui::GetContentRegionAvail().x));
     const bool moved = ImGui::SliderFloat(name, &shown, 0.0f, float(most), format, ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
-    if (!moved || double(shown) == value) return;
-    const auto done = session.configure([&](engine::EngineConfig& config) { set(config, shown); });
+    return moved && double(shown) != value ? std::optional(shown) : std::nullopt;
+  };
+  const auto tell_failure = [&](const core::Expected<void>& done) {
     if (!done) viewer.tell(done.error().message, true);
+  };
+  const auto slider = [&](const char* name, const char* tip, double value, double most, const char* format, auto set) {
+    if (const auto shown = slide(name, tip, value, most, format))
+      tell_failure(session.configure([&](engine::EngineConfig& config) { set(config, *shown); }));
   };
   slider("budget, ms", "what a frame may take while the view moves; 0: any time", now.losses.budget_ms, 200.0, "%.0f",
          [](auto& config, float ms) { config.losses.budget_ms = std::round(ms); });
   slider("min area, px", "items that cover fewer pixels are left out; 0: none", now.losses.min_projected_area, 16.0,
          "%.1f", [](auto& config, float pixels) { config.losses.min_projected_area = pixels; });
+  if (session.has_levels())
+    if (const auto pixels = slide("levels, px", "how far meshes may lie elsewhere while the view moves; 0: not at all",
+                                  session.motion_error(), 16.0, "%.2f"))
+      tell_failure(viewer.set_motion_error(double(*pixels)));
   error_figures(session);
   if (session.engine().plan().culler != engine::CullerChoice::kHybrid) return;
   const culling::FrameCostConfig& hybrid = now.culling.controller.frame_cost;
@@ -132,6 +149,7 @@ void culling_tab(Viewer& viewer) {
     row("boxes tested", known(report.tested));
     row("with a sample", known(report.sampled));
     row("drawn", known(report.items_drawn));
+    row("triangles of meshes", known(report.triangles));
     row("too small", grouped(report.below_min_area));
     row("not yet drawn", grouped(report.pending));
     row("culling", milliseconds<3>(report.cull_ms));

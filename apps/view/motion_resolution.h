@@ -1,4 +1,5 @@
-// When a view is drawn with fewer pixels: while it moves and frames come late.
+// When a view is drawn with less: by levels of detail while it moves, and with fewer pixels where frames then come
+// late.
 #pragma once
 
 namespace sightline::apps {
@@ -20,6 +21,8 @@ class MotionResolution {
     }
     return coarse_;
   }
+  /// Whether the view moves, or has moved less than kRest before the last next().
+  bool moving() const { return moved_; }
 
  private:
   bool coarse_ = false;

@@ -70,6 +70,7 @@ Preview::Preview(const engine::EngineConfig& config) : config_(config), next_(Cl
   config_.context.application = nullptr;
   config_.context.later = true;
   config_.losses.budget_ms = 1e3 * kPortion;
+  config_.losses.lod_error = 0.0;
 }
 
 /// Lets only those into the heap that are larger than its smallest.

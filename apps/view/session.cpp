@@ -18,7 +18,9 @@ constexpr std::size_t kMostPlaces = 200;
 
 core::Expected<std::unique_ptr<Session>> Session::open(Model model, const engine::EngineConfig& config,
                                                        const engine::Engine::Progress& progress) {
-  auto engine = engine::Engine::create(*model.scene, config, progress);
+  engine::EngineConfig exact = config;
+  exact.losses.lod_error = 0.0;
+  auto engine = engine::Engine::create(*model.scene, exact, progress);
   if (!engine) return tl::unexpected(engine.error());
   engine->prepare_picks();
   return std::unique_ptr<Session>(new Session(std::move(model), std::move(*engine), config));
@@ -31,6 +33,7 @@ Session::Session(Model model, engine::Engine engine, const engine::EngineConfig&
       tree_(*model_.scene),
       bounds_(engine_.snapshot().bounds().fitted_bounds()),
       size_{config.width, config.height},
+      motion_error_(config.losses.lod_error),
       camera_(bounds_.bounds, kFovy, aspect()) {}
 
 core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 2>& size) {
@@ -47,6 +50,7 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
   if (report_.pending > 0) return false;
   engine::EngineConfig config = engine_.config();
   config.losses.budget_ms = *std::exchange(budget_ms_, std::nullopt);
+  config.losses.lod_error = has_levels() ? motion_error_ : 0.0;  // so that levels are built from now on
   if (auto done = engine_.configure(config); !done) return tl::unexpected(done.error());
   return true;
 }
@@ -78,6 +82,29 @@ core::Expected<void> Session::resize(const std::array<int, 2>& size, bool coarse
 
 std::array<int, 2> Session::drawn_size() const {
   return coarse_ ? std::array{(size_[0] + 1) / 2, (size_[1] + 1) / 2} : size_;
+}
+
+/// Not where they would need another culler: that would cost more than they save.
+bool Session::has_levels() const {
+  const core::Snapshot& snapshot = engine_.snapshot();
+  const bool meshes = !snapshot.of_kind(core::Kind::kMesh).members.empty() ||
+                      !snapshot.of_kind(core::Kind::kFacetGroup).members.empty();
+  return meshes && !engine_.plan().gpu_culls();
+}
+
+core::Expected<void> Session::set_motion_error(double pixels) {
+  motion_error_ = pixels;
+  return set_moving(true);
+}
+
+core::Expected<void> Session::set_moving(bool moving) {
+  engine::EngineConfig config = engine_.config();
+  const double error = moving && has_levels() ? motion_error_ : 0.0;
+  if (config.losses.lod_error == error) return {};
+  const auto lost = loss();
+  if (!lost || lost->lod_error > error) changed();
+  config.losses.lod_error = error;
+  return engine_.configure(config);
 }
 
 core::Expected<core::View> Session::view(const core::dvec2& shift) const {
@@ -133,6 +160,7 @@ core::Expected<void> Session::refine() {
 
 core::Expected<image::Image> Session::image(bool smooth) {
   if (auto done = set_coarse(false); !done) return tl::unexpected(done.error());
+  if (auto done = set_moving(false); !done) return tl::unexpected(done.error());
   if (const auto drawn = draw(); !drawn) return tl::unexpected(drawn.error());
   if (const image::Image* mean = smooth ? this->smooth() : nullptr) return *mean;
   return engine_.read_colour();

@@ -25,8 +25,8 @@ namespace sightline::apps {
 
 class Session {
  public:
-  /// `config`: of the image. By any thread where the context comes later (begin()). The engine's tracer is then on
-  /// its way, so that picks need not wait long.
+  /// `config`: of the image; its lod_error is that of set_motion_error(). By any thread where the context comes later
+  /// (begin()). The engine's tracer is then on its way, so that picks need not wait long.
   static core::Expected<std::unique_ptr<Session>> open(Model model, const engine::EngineConfig& config,
                                                        const engine::Engine::Progress& progress = {});
   Session(const Session&) = delete;
@@ -67,7 +67,16 @@ class Session {
   /// Draws half as many pixels each way, or all of them again. Points of the image are those of all its pixels.
   core::Expected<void> set_coarse(bool coarse);
   bool coarse() const { return coarse_; }
+  /// The image may be one of a view that moves, with fewer pixels or by levels of detail.
+  bool lowered() const { return coarse_ || engine_.config().losses.lod_error > 0.0; }
   std::array<int, 2> drawn_size() const;  ///< that of the engine's image
+  /// Pixels by which meshes may be drawn elsewhere, by levels of detail, while the view moves; 0: none. The levels are
+  /// built in the background from begin() or this call on. Nothing where no item has a mesh or a GPU culls.
+  core::Expected<void> set_motion_error(double pixels);
+  bool has_levels() const;  ///< else that does nothing
+  double motion_error() const { return motion_error_; }
+  /// Draws meshes by levels of detail from now on, or again in full, and so anew where levels have drawn the image.
+  core::Expected<void> set_moving(bool moving);
 
   /// Draws a frame unless it would be the last one again. True where it has drawn.
   core::Expected<bool> draw();
@@ -81,7 +90,7 @@ class Session {
   /// Draws one more of the images whose mean has smooth edges, or with a budget as much of it as that allows; nothing
   /// once they are complete, while the image is stale, or where multisampling leaves none to draw.
   core::Expected<void> refine();
-  bool refining() const { return smooths() && !coarse_ && !stale() && !resting_.complete(); }
+  bool refining() const { return smooths() && !lowered() && !stale() && !resting_.complete(); }
   bool partly_refined() const { return resting_.count() > 0 && !resting_.complete(); }
   /// That mean; null until it is complete and while something has changed.
   const image::Image* smooth() const { return !stale() && resting_.complete() ? &mean_ : nullptr; }
@@ -129,7 +138,7 @@ class Session {
 
   /// The culling camera that stays where it is; null where it is the image's.
   const FrozenCamera* frozen() const { return frozen_ ? &*frozen_ : nullptr; }
-  /// What contribution and budget left out of the image; nothing while it is stale, and while frozen().
+  /// What the image lost by EngineConfig::losses; nothing while it is stale, and while frozen().
   std::optional<engine::LossReport> loss();
   /// Culls for this view from now on, or again for the camera's.
   void set_frozen(bool frozen);
@@ -157,6 +166,7 @@ class Session {
   std::array<int, 2> size_;
   bool coarse_ = false;
   std::optional<double> budget_ms_;  // while begin() draws with another one
+  double motion_error_ = 0.0;
   Camera camera_;
   std::vector<std::pair<core::Pose, bool>> places_;  // pose, orthographic
   std::optional<core::View> drawn_;

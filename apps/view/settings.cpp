@@ -91,6 +91,7 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("depth_shading", settings.depth_shading, flag_of);
   take("hatching", settings.hatching, flag_of);
   take("lower-resolution", settings.lower, flag_of);
+  take("levels", settings.levels, flag_of);
   take("tree-width", settings.tree_width, lines_of);
   take("side-width", settings.side_width, lines_of);
   take("recent", settings.recent, files_of);
@@ -117,6 +118,7 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.depth_shading != before.depth_shading) json["depth_shading"] = now.depth_shading;
   if (now.hatching != before.hatching) json["hatching"] = now.hatching;
   if (now.lower != before.lower) json["lower-resolution"] = now.lower;
+  if (now.levels != before.levels) json["levels"] = now.levels;
   if (now.tree_width != before.tree_width) json["tree-width"] = now.tree_width;
   if (now.side_width != before.side_width) json["side-width"] = now.side_width;
   if (now.recent != before.recent) json["recent"] = merged(now.recent, settings_of(json, bad).recent);

@@ -20,6 +20,7 @@ struct Settings {
   bool depth_shading = true;                ///< engine::DepthShading
   bool hatching = true;                     ///< engine::Hatching
   bool lower = true;                        ///< resolution while the view moves and frames come late
+  bool levels = true;                       ///< of detail of meshes, while the view moves
   float tree_width = 0.0f;                  ///< of the left panel, in lines of text; 0: as the window's size suggests
   float side_width = 0.0f;                  ///< of the right panel
   std::vector<std::string> recent;          ///< files opened, the last one first, with absolute paths

@@ -29,6 +29,7 @@ constexpr core::vec3 kCulledColour{0.85f, 0.1f, 0.55f};
 constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
 constexpr engine::DepthShading kDepthShading{0.6f, 0.4f};
 constexpr engine::Hatching kHatching{0.6f, 6.0f};
+constexpr double kMotionError = 0.5;                           // pixels
 constexpr double kLongestStep = 0.25;                          // seconds: a hitch must not make the camera jump
 constexpr double kExportSlice = 0.05;                          // seconds between images of the window
 constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
@@ -55,6 +56,8 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.hatching = options.shown.hatching.any() || (now_.hatching && options.remembers());
   if (!options.shown.hatching.any()) options_.shown.hatching = kHatching;
   options_.shown.hatching.spacing = float(kHatching.spacing * std::max(1.0, gui_.scale()));
+  shown.levels = options.shown.lod_error > 0.0 || (now_.levels && options.remembers());
+  if (options.shown.lod_error == 0.0) options_.shown.lod_error = kMotionError;
   shown.recognise = options.model.import.recognise;
   take_settings();
   settings_.begin(now_);
@@ -179,7 +182,7 @@ bool Viewer::at_rest() const {
       (walker_ && walker_->falling()) || !window_shot_.empty())
     return false;
   if (options_.frames > 0 || glfwGetTime() < wait_until_) return false;
-  if (session_ && session_->coarse() && !player_.playing()) return false;
+  if (session_ && session_->lowered() && !player_.playing()) return false;
   return !session_ || !session_->stale();
 }
 
@@ -191,6 +194,7 @@ engine::EngineConfig Viewer::image_config() const {
   config.culling.gpu_culler = options_.gpu_culler;
   config.drawing.samples = options_.samples;
   options_.shown.apply(config);
+  if (!shown.levels) config.losses.lod_error = 0.0;
   if (!shown.depth_shading) config.drawing.depth_shading = {};
   if (!shown.hatching) config.drawing.hatching = {};
   config.drawing.culled_colour = kCulledColour;
@@ -269,7 +273,7 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
   }
   part_ = part;
   if (auto done = session_->resize({part.width, part.height}); !done) return done;
-  if (auto done = adapt_resolution(); !done) return done;
+  if (auto done = adapt_to_motion(); !done) return done;
   const bool shifted = session_->partly_refined() || (session_->smooth() && !shown.smooth);
   if (options_.frames > 0 || shifted) session_->changed();
   const auto drawn = session_->draw();
@@ -286,13 +290,14 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
   return session_->outline_hovered({0, part.x, part.y, part.width, part.height});
 }
 
-/// Fewer pixels while the view moves and frames come late.
-core::Expected<void> Viewer::adapt_resolution() {
+/// Coarser meshes while the view moves, and fewer pixels where frames then come late.
+core::Expected<void> Viewer::adapt_to_motion() {
   const auto view = session_->view();
   const bool moves = view && shown_view_ && !core::same_image(*view, *shown_view_);
   if (view) shown_view_ = *view;
   const bool coarse = motion_.next(moves, glfwGetTime(), frame_seconds_) && shown.lower && options_.frames == 0;
-  return session_->set_coarse(coarse);
+  if (auto done = session_->set_coarse(coarse); !done) return done;
+  return session_->set_moving(motion_.moving());
 }
 
 void Viewer::note_image() {
@@ -373,6 +378,18 @@ core::Expected<void> Viewer::toggle_hatching() {
   return apply_styles();
 }
 
+core::Expected<void> Viewer::toggle_levels() {
+  shown.levels = !shown.levels;
+  return session_ ? session_->set_motion_error(shown.levels ? options_.shown.lod_error : 0.0) : core::Expected<void>();
+}
+
+core::Expected<void> Viewer::set_motion_error(double pixels) {
+  if (!(pixels >= 0.0)) return core::fail("lod-error: expected 0 or more pixels");
+  shown.levels = pixels > 0.0;
+  if (shown.levels) options_.shown.lod_error = pixels;
+  return session_ ? session_->set_motion_error(pixels) : core::Expected<void>();
+}
+
 core::Expected<void> Viewer::apply_styles() {
   redraws_ = kSettlingFrames;
   if (!session_) return {};
@@ -445,6 +462,7 @@ void Viewer::take_settings() {
   now_.depth_shading = shown.depth_shading;
   now_.hatching = shown.hatching;
   now_.lower = shown.lower;
+  now_.levels = shown.levels;
   now_.recognise = shown.recognise;
   now_.tree_width = shown.tree_width;
   now_.side_width = shown.side_width;

@@ -73,6 +73,9 @@ class Viewer {
   core::Expected<void> toggle_recording();
   core::Expected<void> toggle_depth_shading();
   core::Expected<void> toggle_hatching();
+  core::Expected<void> toggle_levels();
+  /// Of meshes, by levels of detail, while the view moves; 0: none.
+  core::Expected<void> set_motion_error(double pixels);
   bool recording() const { return recorder_.has_value(); }
   PathPlayer& player() { return player_; }
   /// Draws and writes from now on, between images of the window, which takes nothing else until that is done.
@@ -115,6 +118,7 @@ class Viewer {
     bool hatching = true;       ///< of cut faces
     bool section_handles = true;
     bool lower = true;                           ///< resolution, while the view moves and frames come late
+    bool levels = true;                          ///< of detail of meshes, while the view moves
     bool triad = true;                           ///< beside panels
     bool recognise = false;                      ///< primitives, in meshes of files that are opened
     bool measure = false;                        ///< clicks set marks
@@ -157,7 +161,7 @@ class Viewer {
   core::Expected<void> draw_model(const Part& part);
   engine::EngineConfig image_config() const;
   core::Expected<void> apply_styles();
-  core::Expected<void> adapt_resolution();
+  core::Expected<void> adapt_to_motion();
   void note_image();
   Part viewport() const;
   core::dvec2 in_image(const core::dvec2& cursor) const;

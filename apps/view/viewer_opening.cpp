@@ -118,6 +118,8 @@ core::Expected<void> Viewer::landed() {
       shown.depth_shading != config.drawing.depth_shading.any() ||
       shown.hatching != config.drawing.hatching.any())  // switched meanwhile
     if (auto done = apply_styles(); !done) return done;
+  if (const double error = shown.levels ? options_.shown.lod_error : 0.0; error != session_->motion_error())
+    if (auto done = session_->set_motion_error(error); !done) return done;
   files_ = files;
   for (const std::string& file : files) now_.add_recent(file);
   warn_of_outliers(session_->bounds());

@@ -31,7 +31,13 @@ Json measure_json(const Measuring& measuring) {
 /// Items by what a frozen camera's culling makes of them, and its boxes.
 Json culling_json(Session& session, const CullingBoxes& boxes) {
   Json json = Json::object();
-  if (const auto loss = session.loss()) json["loss"] = {{"items", loss->items}, {"pixels", loss->pixels}};
+  if (const auto loss = session.loss())
+    json["loss"] = {{"items", loss->items},
+                    {"pixels", loss->pixels},
+                    {"lod_error", loss->lod_error},
+                    {"triangles", loss->triangles},
+                    {"full_triangles", loss->full_triangles},
+                    {"coarser_share", loss->coarser_share}};
   const culling::CullStates* states = session.frozen() ? session.frozen()->states() : nullptr;
   if (!states) return json;
   for (int i = 0; i < culling::kCullStateCount; ++i)
@@ -143,6 +149,7 @@ Json Viewer::state() const {
             {"depth_shading", shown.depth_shading},
             {"hatching", shown.hatching},
             {"lower", shown.lower},
+            {"levels", shown.levels},
             {"recognise", shown.recognise},
             {"image", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
@@ -169,6 +176,7 @@ Json Viewer::state() const {
                {"culled_by", name_of(session_->report().culler)},
                {"visible", session_->visible()},
                {"drawn", session_->report().items_drawn},
+               {"triangles", session_->report().triangles},
                {"selection", {{"count", document.selection().size()}}},
                {"hidden", document.hidden()},
                {"ghosts", document.ghosts()},
@@ -184,6 +192,7 @@ Json Viewer::state() const {
                {"culling", culling_json(*session_, culling_.boxes())},
                {"budget_ms", session_->engine().config().losses.budget_ms},
                {"min_projected_area", session_->engine().config().losses.min_projected_area},
+               {"lod_error", session_->engine().config().losses.lod_error},
                {"camera",
                 {{"eye", vector_json(pose.eye)},
                  {"target", vector_json(pose.target)},

@@ -256,6 +256,8 @@ void Drawing::configure(const EngineConfig& config) {
   if (config.losses.min_projected_area != context_.config.losses.min_projected_area)
     for (auto& [number, image] : context_.images) image.was_large.clear();
   context_.config = config;
+  if (context_.scene && context_.renderer && config.losses.lod_error > 0.0)
+    context_.mesh_details.want_levels(*context_.scene);
   for (render::Renderer* renderer : {context_.renderer ? &*context_.renderer : nullptr, upload_.renderer()})
     if (renderer) renderer->hatching = context_.hatching();
   images_changed();

@@ -19,12 +19,11 @@ bool is_large(const core::Mesh& mesh) {
 core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, bool keep_commands,
                                           core::Deadline deadline) {
   const std::vector<std::shared_ptr<const core::Mesh>> added = scene.take_new_meshes();
-  if (!scene_known_ || (levels && !levels_wanted_)) {
-    levels_wanted_ = levels_wanted_ || levels;
-    begin(scene);
-  } else {
+  if (levels) want_levels(scene);
+  if (scene_known_)
     want(added);
-  }
+  else
+    begin(scene);
   take_built();
   while (!given_.empty()) {
     std::size_t count = 0, indices = 0;
@@ -35,6 +34,11 @@ core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels
     if (core::over(deadline)) break;
   }
   return {};
+}
+
+void MeshDetails::want_levels(const gpuscene::GpuScene& scene) {
+  if (std::exchange(levels_wanted_, true)) return;
+  begin(scene);
 }
 
 /// Learns which meshes a scene has, and keeps what is known of these.

@@ -339,6 +339,26 @@ TEST_F(ViewScript, MotionAtLessQualityEndsInTheSameImage) {
   EXPECT_EQ(images[1].rgb, images[0].rgb);
 }
 
+/// Levels of detail are drawn while the view moves alone, and only where there are meshes.
+TEST_F(ViewScript, MeshesAreCoarserInMotionAlone) {
+  const std::string solids = plant(1000), meshes = path("meshes.obj"), tour = path("tour.json");
+  ASSERT_EQ(run("convert", {solids, meshes}).code, 0);
+  ASSERT_EQ(run("replay", {solids, "--no-render", "--frames", "2", "--save-path", tour}).code, 0);
+  const auto expect = [&](const std::string& model, const std::string& first, const std::string& moving) {
+    const std::string shot = path("at-rest.png");
+    expect_driven(first + "wait 1\nexpect /lod_error = 0\npath-loop\nplay-path " + tour +
+                      "\nwait 1\nexpect /playing = true\nexpect /lod_error = " + moving +
+                      "\npress escape\nfront\nwait 0.5\nexpect /lod_error = 0\nscreenshot " + shot +
+                      "\nexpect /culling/loss/lod_error = 0\n",
+                  {model, "--size", kSize, "--no-panels"});
+    return read_png(shot).rgb;
+  };
+  const auto exact = expect(meshes, "expect /levels = false\n", "0");
+  EXPECT_EQ(expect(meshes, "lod-error 8\nexpect /levels = true\n", "8"), exact);
+  EXPECT_EQ(expect(meshes, "lod-error 8\nlevels\nexpect /levels = false\n", "0"), exact);
+  expect(solids, "lod-error 8\n", "0");
+}
+
 /// What is under the cursor has a line in the window, and none in images that are written.
 TEST_F(ViewScript, HoveringLeavesTheImage) {
   const std::string with = path("with.png"), without = path("without.png");
