@@ -203,8 +203,8 @@ struct FrameReport {
   /// Of these, items that may cover a sample of the image (-1 where occlusion was tested, which includes that); items
   /// drawn. Both -1 without drawing, and where the GPU alone knows.
   std::int64_t sampled = -1, items_drawn = -1;
-  /// Triangles drawn, of meshes alone: fewer than these have where levels of detail or clusters (lod/mesh_levels.h)
-  /// draw them. -1 without drawing, and where the GPU culled.
+  /// Triangles of the meshes drawn, whether they cover a sample or not: fewer than these have where levels of detail or
+  /// clusters (lod/mesh_levels.h) draw them. -1 without drawing, and where the GPU culled.
   std::int64_t triangles = -1;
   /// Items in the view volume that are below EngineConfig::losses.min_projected_area; 0 without it.
   std::int64_t below_min_area = 0;
