@@ -127,7 +127,6 @@ void DrawLists::list_mesh(const Snapshot& snapshot, const MeshPool& pool, Slot s
   if (in.triangles && !levels && solid < mesh.whole.count) solid = 0;
   if (levels && in.error) {
     if (solid == mesh.whole.count) solid = std::uint32_t(levels->indices.size());
-    mesh.whole.first_index = pool.first_level_index(record);
     cuts_.choose(*levels, {*in.error, snapshot.world_from_item(slot)}, ranges_);
   } else {
     ranges_.assign(1, {0, mesh.whole.count});

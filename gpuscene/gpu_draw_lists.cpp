@@ -21,9 +21,9 @@ constexpr GLint kSectionsUniform = 0;
 /// Words of DrawLists::GpuSections.
 enum SectionWord { kFirstCommand, kFirstSingle, kPlaces, kIndicesPerRecord };
 
-std::size_t commands_for(const Batch& batch) {
-  return batch.kind == BatchKind::kMesh ? batch.capacity
-                                        : (batch.capacity + kRecordsPerCommand - 1) / kRecordsPerCommand;
+/// Places for commands or records that a culler finds.
+std::size_t places_of(const Batch& batch, std::size_t parts) {
+  return batch.capacity + (batch.kind == BatchKind::kMesh ? parts : 0);
 }
 
 gl::ProgramDescription describe(const char* vertex, std::vector<std::string> varyings) {
@@ -55,15 +55,17 @@ gl::ShaderContext DrawLists::shader_context() {
   return context;
 }
 
-core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene) {
+core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene, std::size_t parts) {
   GpuLists lists;
+  lists.parts = parts;
   std::size_t commands = 0, singles = 0;
   const auto place = [&](const Batch& batch) {
     const std::size_t kind = std::size_t(batch.kind);
     const bool meshes = batch.kind == BatchKind::kMesh;
-    lists.sections[kind] = {std::uint32_t(commands), std::uint32_t(singles), batch.capacity,
+    const std::size_t places = places_of(batch, parts);
+    lists.sections[kind] = {std::uint32_t(commands), std::uint32_t(singles), std::uint32_t(places),
                             meshes ? 0 : vertices_per_record(batch.kind)};
-    lists.command_count[kind] = commands_for(batch);
+    lists.command_count[kind] = meshes ? places : (places + kRecordsPerCommand - 1) / kRecordsPerCommand;
     commands += lists.command_count[kind];
     if (!meshes) singles += batch.capacity;
   };
@@ -84,20 +86,28 @@ core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene) {
   if (done) done = make(lists.counts, 2 * kBatchKindCount * sizeof(std::uint32_t), "GPU's visible counts");
   if (done) done = make_view(*gl_, lists.singles, "GPU's visible records", lists.single_texels);
   if (!done) return done;
+  lists.write_commands = std::move(gpu_.write_commands);
+  lists.count_records = std::move(gpu_.count_records);
   gpu_ = std::move(lists);
   write_gpu_templates(scene);
   return {};
 }
 
-core::Expected<void> DrawLists::make_search() {
-  auto done = make_view(*gl_, gpu_.commands, "GPU's draw commands", gpu_.command_texels);
-  if (!done) return done;
+core::Expected<void> DrawLists::make_search_programs() {
   auto programs =
       gl::Program::create_all(*gl_, std::array{describe("count_records.vert", {"command_count", "record_count"}),
                                                describe("write_commands.vert", {"index_count", "gl_SkipComponents4"})});
   if (!programs) return tl::unexpected(programs.error());
   gpu_.count_records = std::move((*programs)[0]);
   gpu_.write_commands = std::move((*programs)[1]);
+  return {};
+}
+
+/// What the search needs of the lists.
+core::Expected<void> DrawLists::make_search() {
+  auto done = make_view(*gl_, gpu_.commands, "GPU's draw commands", gpu_.command_texels);
+  if (done && gpu_.write_commands.id() == 0) done = make_search_programs();
+  if (!done) return done;
   for (const gl::Program* program : {&gpu_.write_commands, &gpu_.count_records})
     gl_->ProgramUniform4uiv(program->id(), kSectionsUniform, kBatchKindCount, gpu_.sections[0].data());
   gpu_.array = gl::VertexArray(*gl_);
@@ -125,14 +135,14 @@ void DrawLists::write_gpu_templates(const GpuScene& scene) {
   gpu_.commands.write(0, commands.size() * sizeof(ElementsCommand), commands.data());
 }
 
-core::Expected<void> DrawLists::begin_gpu_update(const GpuScene& scene, Counting counting) {
+core::Expected<void> DrawLists::begin_gpu_update(const GpuScene& scene, Counting counting, std::size_t parts) {
   sections_ = {};
   from_gpu_ = true;
   counting_ = counting;
-  if (gpu_.counts.id() == 0)
-    if (auto done = make_gpu_lists(scene); !done) return done;
+  if (gpu_.counts.id() == 0 || parts > gpu_.parts)
+    if (auto done = make_gpu_lists(scene, parts); !done) return done;
   const bool search = counting == Counting::kSearch;
-  if (search && gpu_.write_commands.id() == 0)
+  if (search && gpu_.command_texels.id() == 0)
     if (auto done = make_search(); !done) return done;
   bool grown = false;
   for (const Batch& batch : scene.batches()) grown |= gpu_.records[std::size_t(batch.kind)] != batch.count;
@@ -178,7 +188,7 @@ void DrawLists::end_gpu_update(const GpuScene& scene) {
   if (counting_ == Counting::kSearch) search();
   for (const Batch& batch : scene.batches()) {
     const std::size_t kind = std::size_t(batch.kind);
-    assert(batch.capacity == gpu_.sections[kind][kPlaces] && "draw lists are of another scene");
+    assert(places_of(batch, gpu_.parts) == gpu_.sections[kind][kPlaces] && "draw lists are of another scene");
     sections_[kind] = {gpu_.sections[kind][kFirstCommand] * sizeof(ElementsCommand), int(gpu_.command_count[kind]),
                        gl_->MultiDrawElementsIndirectCountARB != nullptr};
   }

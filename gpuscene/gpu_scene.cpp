@@ -273,8 +273,8 @@ core::Expected<bool> GpuScene::make_room(BatchKind kind, std::size_t records) {
   return enlarge(*gl_, *place, needed + needed / 2).map([] { return true; });
 }
 
-core::Expected<void> GpuScene::add_levels(std::span<const MeshPool::LevelsOfMesh> levels, bool keep_commands) {
-  meshes_.add_levels(levels, keep_commands);
+core::Expected<void> GpuScene::add_levels(std::span<const MeshPool::LevelsOfMesh> levels) {
+  meshes_.add_levels(levels);
   return meshes_.flush(*gl_);
 }
 

@@ -92,7 +92,6 @@ void MeshPool::stage(Shape& shape) {
   const core::Mesh& mesh = *shape.mesh;
   shape.vertex_count = std::uint32_t(mesh.positions.size());
   shape.index_count = std::uint32_t(mesh.indices.size());
-  shape.own_triangles = true;
   shape.first_vertex = vertices_.begin_run(shape.vertex_count);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     vertices_.staged.push_back({mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])});
@@ -115,43 +114,43 @@ std::vector<std::shared_ptr<const core::Mesh>> MeshPool::meshes() const {
   return meshes;
 }
 
-void MeshPool::add_levels(std::span<const LevelsOfMesh> levels, bool keep_commands) {
-  bool moved = false;
-  for (const LevelsOfMesh& of : levels) moved |= add_levels(of, keep_commands);
-  if (!moved) return;
+void MeshPool::add_levels(std::span<const LevelsOfMesh> levels) {
+  bool any = false;
+  for (const LevelsOfMesh& of : levels) any |= add_levels(of);
+  if (!any) return;
+  ++levels_version_;
   for (std::size_t record = 0; record < commands_.size(); ++record)
     if (shape_of_record_[record] != kNone)
       commands_[record].first_index = shapes_[shape_of_record_[record]].first_index;
 }
 
-/// Whether commands of the mesh begin elsewhere now.
-bool MeshPool::add_levels(const LevelsOfMesh& of, bool keep_commands) {
+/// Whether these are new.
+bool MeshPool::add_levels(const LevelsOfMesh& of) {
   const auto place = shape_of_mesh_.find(of.mesh.get());
   if (place == shape_of_mesh_.end() || of.levels->empty()) return false;
   Shape& shape = shapes_[place->second];
   if (shape.levels == of.levels) return false;
   assert(shape.solid_indices == of.levels->solid_indices);
-  const bool keeps = keep_commands && shape.own_triangles;
-  if (!keeps) free_indices(shape);
-  if (keeps && shape.levels) indices_.space.give_back(shape.first_level, std::uint32_t(shape.levels->indices.size()));
-  shape.first_level = indices_.begin_run(of.levels->indices.size());
+  free_indices(shape);
+  shape.first_index = indices_.begin_run(of.levels->indices.size());
   indices_.staged.insert(indices_.staged.end(), of.levels->indices.begin(), of.levels->indices.end());
   shape.levels = of.levels;
-  has_levels_ = true;
-  if (keeps) return false;
-  shape.own_triangles = false;
-  shape.first_index = shape.first_level;
   return true;
 }
 
 void MeshPool::free_indices(const Shape& shape) {
-  if (shape.own_triangles) indices_.space.give_back(shape.first_index, shape.index_count);
-  if (shape.levels) indices_.space.give_back(shape.first_level, std::uint32_t(shape.levels->indices.size()));
+  const std::size_t count = shape.levels ? shape.levels->indices.size() : shape.index_count;
+  indices_.space.give_back(shape.first_index, std::uint32_t(count));
 }
 
 const lod::MeshLevels* MeshPool::levels(std::uint32_t record) const {
   const std::uint32_t shape = shape_of_record_[record];
   return shape == kNone ? nullptr : shapes_[shape].levels.get();
+}
+
+std::shared_ptr<const lod::MeshLevels> MeshPool::share_levels(std::uint32_t record) const {
+  const std::uint32_t shape = shape_of_record_[record];
+  return shape == kNone ? nullptr : shapes_[shape].levels;
 }
 
 core::Expected<void> MeshPool::reserve_as(const gl::Functions& gl, const MeshPool& other) {
@@ -162,7 +161,7 @@ core::Expected<void> MeshPool::reserve_as(const gl::Functions& gl, const MeshPoo
 
 core::Expected<void> MeshPool::flush(const gl::Functions& gl) {
   auto done = vertices_.flush(gl, "mesh vertices");
-  return done ? indices_.flush(gl, "mesh indices", has_levels_ ? 8 : 2) : done;
+  return done ? indices_.flush(gl, "mesh indices", levels_version_ > 0 ? 8 : 2) : done;
 }
 
 /// The place of the next `count` elements that are staged.

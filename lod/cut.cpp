@@ -58,27 +58,27 @@ ImageError::ImageError(const core::View& view, int width, int height, double pix
       pixels_(pixels),
       nearest_(least_visible_w(view)) {}
 
-MeshError::MeshError(const ImageError& image, const core::Affine& world_from_mesh)
-    : pixels_(image.pixels_), nearest_(image.nearest_) {
+MeshError::MeshError(const ImageError& image, const core::Affine& world_from_mesh) : nearest_(image.nearest_) {
   const dvec4 x = in_mesh(image.rows_[0], world_from_mesh), y = in_mesh(image.rows_[1], world_from_mesh);
   w_ = in_mesh(image.rows_[3], world_from_mesh);
-  norm_of_w_ = glm::length(dvec3(w_));
-  largest_move_ = 0.0;
+  double largest_move = 0.0;
   for (const double right : {-1.0, 1.0})
     for (const double up : {-1.0, 1.0})
-      largest_move_ = std::max(
-          largest_move_, norm(image.half_width_ * dvec3(x - right * w_), image.half_height_ * dvec3(y - up * w_)));
+      largest_move = std::max(largest_move,
+                              norm(image.half_width_ * dvec3(x - right * w_), image.half_height_ * dvec3(y - up * w_)));
+  const bool any = image.pixels_ > 0.0;
+  error_per_w_ = any ? kInwards * image.pixels_ / (largest_move + image.pixels_ * glm::length(dvec3(w_))) : 0.0;
   for (std::size_t i = 0; i < planes_.size(); ++i) planes_[i] = in_mesh(form_of(image.planes_[i]), world_from_mesh);
   for (const core::Plane& section : image.sections_) sections_.push_back(in_mesh(form_of(section), world_from_mesh));
 }
 
 float MeshError::allowed(const core::Aabb& box) const {
-  if (!(pixels_ > 0.0)) return -1.0f;
+  if (!(error_per_w_ > 0.0)) return -1.0f;
   for (const dvec4& section : sections_)
     if (least(section, box) <= 0.0 && most(section, box) >= 0.0) return -1.0f;
   const double w = std::max(least(w_, box), nearest_);
   if (!(w > 0.0)) return -1.0f;
-  return core::round_down(kInwards * pixels_ * w / (largest_move_ + pixels_ * norm_of_w_));
+  return core::round_down(error_per_w_ * w);
 }
 
 bool MeshError::outside(const core::Aabb& box) const {

@@ -3,6 +3,7 @@
 //   sum     one work group: where the visible records of each mask go, and how many there are of each batch
 //   write   per batch, one work group per block: the records
 // The order is that in which the geometry variant draws its instances: first of all clusters, second of all clusters, …
+// Parts of meshes, where there are any, are tested and written in the same way, behind the records of meshes.
 //
 // The numbers of items go to the CPU through a small buffer that stays mapped, two words per probe, guarded by a fence
 // that is polled without waiting.
@@ -21,7 +22,8 @@ using gpuscene::kBatchKindCount;
 constexpr int kScanInvocations = 256;
 enum StorageBinding : GLuint { kMasks, kPlaces, kCounts, kCommands, kResults, kFound = kCounts };
 constexpr GLint kSectionsUniform = 0, kFirstPlaceUniform = kBatchKindCount,
-                kRecordCommandsUniform = 2 * kBatchKindCount + 1, kResultUniform = 2 * kBatchKindCount + 2;
+                kRecordCommandsUniform = 2 * kBatchKindCount + 1, kResultUniform = 2 * kBatchKindCount + 2,
+                kFirstPartPlaceUniform = 2 * kBatchKindCount + 3;
 constexpr GLint kBatchUniform = 0, kFirstWordUniform = 1, kTestResultUniform = 2;
 constexpr std::size_t kProbeBytes = 2 * sizeof(std::uint32_t);
 
@@ -43,26 +45,27 @@ class ComputePass : public GpuPass {
         alignment_(std::size_t(context.capabilities().storage_offset_alignment)) {}
 
   core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) override {
-    gl::Program& test = test_[std::size_t(selection)];
-    if (test.id() != 0) return {};
-    if (sum_.id() == 0)
-      if (auto done = make_programs(batches); !done) return done;
-    auto program =
-        gl::Program::create(*gl_, describe_pass("cull: test", {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}}, selection));
-    if (!program) return tl::unexpected(program.error());
-    test = std::move(*program);
-    return {};
+    auto done = fit(batches);
+    if (done && sum_.id() == 0) done = make_sum();
+    if (done)
+      done = write_.make(*gl_, batches, [](ProgramKind kind) {
+        return describe_pass("cull: write", {{GL_COMPUTE_SHADER, {"write_blocks.comp"}}}, kind);
+      });
+    for (const CullBatch& batch : batches) {
+      gl::Program& test = test_of(batch, selection);
+      if (!done) return done;
+      if (test.id() != 0) continue;
+      const ProgramKind kind = batch.parts ? ProgramKind::kParts : ProgramKind::kRecords;
+      auto program = gl::Program::create(
+          *gl_, describe_pass("cull: test", {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}}, kind, selection));
+      if (!program) return tl::unexpected(program.error());
+      test = std::move(*program);
+    }
+    return done;
   }
 
-  /// Those that do not depend on the selection.
-  core::Expected<void> make_programs(std::span<const CullBatch> batches) {
-    auto done = write_.make(*gl_, batches, [](bool meshes) {
-      auto pass = describe_pass("cull: write", {{GL_COMPUTE_SHADER, {"write_blocks.comp"}}});
-      if (meshes) pass.shaders.defines.emplace_back("MESHES");
-      return pass;
-    });
-    if (!done) return done;
-    auto sum = describe_pass("cull: sum", {{GL_COMPUTE_SHADER, {"sum_places.comp"}}});
+  core::Expected<void> make_sum() {
+    auto sum = describe_pass("cull: sum", {{GL_COMPUTE_SHADER, {"sum_places.comp"}}}, ProgramKind::kRecords);
     sum.shaders.defines.push_back("SCAN_INVOCATIONS " + std::to_string(kScanInvocations));
     auto program = gl::Program::create(*gl_, sum);
     if (!program) return tl::unexpected(program.error());
@@ -85,9 +88,12 @@ class ComputePass : public GpuPass {
     for (const CullBatch& batch : batches) {
       blocks += blocks_of(batch.bounds.cluster_capacity());
       const std::size_t record = batch.meshes() ? sizeof(ElementsCommand) : sizeof(std::uint32_t);
-      target = std::max(target, batch.bounds.cluster_capacity() * kItemsPerCluster * record);
+      const std::size_t parts = batch.parts ? batch.parts->cluster_capacity() : 0;
+      blocks += blocks_of(std::uint32_t(parts));
+      target = std::max(target, (batch.bounds.cluster_capacity() + parts) * kItemsPerCluster * record);
     }
     const std::size_t words = blocks * kItemsPerCluster, most = std::max(target, (words + 1) * sizeof(std::uint32_t));
+    if (places_.size() >= (words + 1) * sizeof(std::uint32_t)) return {};
     if (most + alignment_ > largest_block_)
       return core::fail("culling in compute shaders wants storage blocks of " + std::to_string(most + alignment_) +
                         " bytes, and the context's limit is " + std::to_string(largest_block_) +
@@ -116,16 +122,23 @@ class ComputePass : public GpuPass {
     bind(kMasks, masks_);
     bind(kPlaces, places_);
     bind(kResults, results_);
-    const gl::Program& test = test_[std::size_t(selection)];
-    if (counts_in_view(selection)) gl_->ProgramUniform1ui(test.id(), kTestResultUniform, GLuint(probe));
-    for (const CullBatch& batch : batches) {
-      bind_selection(*gl_, test, batch, selection);
-      dispatch(test, batch);
-    }
+    const auto for_each_list = [&](const auto& visit) {
+      for (const CullBatch& batch : batches) {
+        visit(CullList{batch, false});
+        if (batch.parts) visit(CullList{batch, true});
+      }
+    };
+    for_each_list([&](const CullList& list) {
+      const gl::Program& test = test_of(list.batch, selection);
+      if (counts_in_view(selection) || list.batch.parts)
+        gl_->ProgramUniform1ui(test.id(), kTestResultUniform, GLuint(probe));
+      bind_selection(*gl_, test, list, selection);
+      dispatch(test, list);
+    });
     gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     sum(lists, probe);
     gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    for (const CullBatch& batch : batches) write(batch, lists);
+    for_each_list([&](const CullList& list) { write(list, lists); });
     gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                        GL_BUFFER_UPDATE_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
     fences_[probe] = Fence(gl_->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), DeleteFence{gl_});
@@ -142,24 +155,34 @@ class ComputePass : public GpuPass {
   std::size_t memory_bytes() const override { return masks_.size() + places_.size() + results_.size(); }
 
  private:
-  /// Assigns the blocks in use to batches, without gaps.
+  /// Assigns the blocks in use to batches, without gaps. Those of parts, if any, come last, as meshes do.
   void lay_out(std::span<const CullBatch> batches) {
+    std::uint32_t of_parts = 0;
     first_block_ = {};
-    for (const CullBatch& batch : batches)
+    for (const CullBatch& batch : batches) {
       first_block_[std::size_t(batch.kind) + 1] = blocks_of(batch.bounds.cluster_count());
+      if (batch.parts) of_parts = blocks_of(batch.parts->cluster_count());
+    }
     for (std::size_t kind = 0; kind < kBatchKindCount; ++kind) first_block_[kind + 1] += first_block_[kind];
+    first_part_block_ = first_block_[kBatchKindCount];
+    first_block_[kBatchKindCount] += of_parts;
+  }
+
+  gl::Program& test_of(const CullBatch& batch, Selection selection) {
+    return test_[batch.parts != nullptr][std::size_t(selection)];
   }
 
   void bind(GLuint binding, const gl::Buffer& buffer) const {
     gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer.id());
   }
 
-  void dispatch(const gl::Program& program, const CullBatch& batch) const {
-    const std::size_t kind = std::size_t(batch.kind);
-    const std::uint32_t first = first_block_[kind], blocks = first_block_[kind + 1] - first;
+  void dispatch(const gl::Program& program, const CullList& list) const {
+    const std::uint32_t clusters = list.cluster_count(), blocks = blocks_of(clusters);
+    const std::uint32_t of_batch = first_block_[std::size_t(list.batch.kind)];
     program.use();
-    gl_->ProgramUniform3ui(program.id(), kBatchUniform, batch.bounds.cluster_count(), blocks, first);
-    bind_batch(*gl_, batch);
+    gl_->ProgramUniform4ui(program.id(), kBatchUniform, clusters, blocks, list.parts ? first_part_block_ : of_batch,
+                           of_batch);
+    bind_list(*gl_, program, list);
     gl_->DispatchCompute(blocks, 1, 1);
   }
 
@@ -172,29 +195,32 @@ class ComputePass : public GpuPass {
     gl_->ProgramUniform1uiv(id, kFirstPlaceUniform, GLsizei(first_place.size()), first_place.data());
     gl_->ProgramUniform1ui(id, kRecordCommandsUniform, GLuint(lists.record_command_count()));
     gl_->ProgramUniform1ui(id, kResultUniform, GLuint(probe));
+    gl_->ProgramUniform1ui(id, kFirstPartPlaceUniform, first_part_block_ * kItemsPerCluster);
     bind(kCounts, lists.counts());
     gl_->BindBufferRange(GL_SHADER_STORAGE_BUFFER, kCommands, lists.commands().id(), 0,
                          GLsizeiptr(std::max<std::size_t>(1, lists.record_command_count()) * sizeof(ElementsCommand)));
     gl_->DispatchCompute(1, 1, 1);
   }
 
-  void write(const CullBatch& batch, const DrawLists& lists) const {
-    const DrawLists::Target target = lists.target(batch.kind);
+  void write(const CullList& list, const DrawLists& lists) const {
+    const gl::Program& program = write_.of(list.batch);
+    const DrawLists::Target target = lists.target(list.batch.kind);
     const std::size_t rest = target.offset % alignment_;
     gl_->BindBufferRange(GL_SHADER_STORAGE_BUFFER, kFound, target.buffer, GLintptr(target.offset - rest),
                          GLsizeiptr(target.size + rest));
-    gl_->ProgramUniform1ui(write_.of(batch).id(), kFirstWordUniform, GLuint(rest / sizeof(std::uint32_t)));
-    dispatch(write_.of(batch), batch);
+    gl_->ProgramUniform1ui(program.id(), kFirstWordUniform, GLuint(rest / sizeof(std::uint32_t)));
+    dispatch(program, list);
   }
 
   const gl::Functions* gl_;
-  std::size_t largest_block_, alignment_;  // bytes
-  std::array<gl::Program, kSelectionCount> test_;
+  std::size_t largest_block_, alignment_;                         // bytes
+  std::array<std::array<gl::Program, kSelectionCount>, 2> test_;  // of batches with parts the second ones
   BatchPrograms write_;
   gl::Program sum_;
   gl::Buffer masks_, places_, results_;
   const volatile std::uint32_t* mapped_ = nullptr;
   std::array<std::uint32_t, kBatchKindCount + 1> first_block_{};  // by batch kind
+  std::uint32_t first_part_block_ = 0;                            // after all of records
   std::array<Fence, kProbes> fences_;
   std::array<bool, kProbes> counts_in_view_{};
 };

@@ -1,6 +1,8 @@
 // The variant in vertex and geometry stages, with the rasteriser off: two passes over each batch. The first has a
 // vertex for each cluster of 64 consecutive records, the second one for each record of the clusters that were kept, 64
-// instances of each; vertex stages test boxes, geometry stages write what is kept through transform feedback.
+// instances of each; vertex stages test boxes, geometry stages write what is kept through transform feedback. Parts of
+// meshes, where there are any, go through both passes after their records, and are written behind these: by the same
+// program, since feedback may go on only with that.
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/gl/internal/framebuffer.h"
 #include "sightline/gl/internal/query.h"
@@ -14,7 +16,7 @@ using gpuscene::BatchKind;
 using gpuscene::DrawLists;
 
 constexpr GLuint kClusterAttribute = 0, kClusterBufferBinding = 0;
-constexpr GLuint kCountedStream = 1;  // of count_in_view.glsl
+constexpr GLuint kCountedStream = 1, kApartStream = 2;  // of count_in_view.glsl and keep_commands.geom
 
 class GeometryPass : public GpuPass {
  public:
@@ -27,14 +29,15 @@ class GeometryPass : public GpuPass {
   }
 
   core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) override {
-    ItemPrograms& items = item_pass_[std::size_t(selection)];
-    if (items.made) return {};
-    if (cluster_pass(selection).id() == 0)
-      if (auto done = make_cluster_pass(selection); !done) return done;
-    auto done = items.programs.make(*gl_, batches, [&](bool meshes) {
+    auto done = fit(batches);
+    for (const CullBatch& batch : batches)
+      if (done && cluster_pass(batch, selection).id() == 0) done = make_cluster_pass(batch, selection);
+    if (!done) return done;
+    return item_pass_[std::size_t(selection)].make(*gl_, batches, [&](ProgramKind kind) {
+      const bool meshes = kind != ProgramKind::kRecords;
       const char* keep = meshes ? "keep_commands.geom" : "keep.geom";
-      auto pass =
-          describe_pass("cull items", {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}}, selection);
+      auto pass = describe_pass("cull items", {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}}, kind,
+                                selection);
       if (meshes) {
         pass.feedback_varyings = {"command", "base_instance"};
       } else {
@@ -42,8 +45,6 @@ class GeometryPass : public GpuPass {
       }
       return pass;
     });
-    items.made = bool(done);
-    return done;
   }
 
   core::Expected<void> make_framebuffer() {
@@ -53,26 +54,26 @@ class GeometryPass : public GpuPass {
     return {};
   }
 
-  core::Expected<void> make_cluster_pass(Selection selection) {
+  core::Expected<void> make_cluster_pass(const CullBatch& batch, Selection selection) {
     auto clusters =
         describe_pass("cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}},
+                      batch.parts ? ProgramKind::kParts : ProgramKind::kRecords,
                       selection == Selection::kUnoccludedNow ? selection : Selection::kAll);
     clusters.feedback_varyings = {"found"};
     auto program = gl::Program::create(*gl_, clusters);
     if (!program) return tl::unexpected(program.error());
-    cluster_pass(selection) = std::move(*program);
+    cluster_pass(batch, selection) = std::move(*program);
     return {};
   }
 
   core::Expected<void> fit(std::span<const CullBatch> batches) {
-    for (const CullBatch& batch : batches) {
-      const std::size_t bytes = batch.bounds.cluster_capacity() * sizeof(std::uint32_t);
-      auto clusters = gl::Buffer::create(*gl_, bytes, nullptr, 0, "visible clusters");
-      if (!clusters) return tl::unexpected(clusters.error());
-      Kept& kept = kept_.emplace_back(Kept{std::move(*clusters), gl::TransformFeedback(*gl_)});
-      kept.feedback.set_buffer(kept.clusters.id(), 0, kept.clusters.size());
+    kept_.resize(batches.size());
+    core::Expected<void> done;
+    for (std::size_t i = 0; done && i < batches.size(); ++i) {
+      done = fit(kept_[i], batches[i].bounds.cluster_capacity());
+      if (done && batches[i].parts) done = fit(kept_parts_, batches[i].parts->cluster_capacity());
     }
-    return {};
+    return done;
   }
 
   GpuVariant variant() const override { return GpuVariant::kGeometry; }
@@ -85,7 +86,10 @@ class GeometryPass : public GpuPass {
     gl_->Enable(GL_RASTERIZER_DISCARD);
     framebuffer_.bind();
     cluster_array_.bind();
-    for (std::size_t i = 0; i < batches.size(); ++i) find_clusters(batches[i], kept_[i], selection);
+    for (std::size_t i = 0; i < batches.size(); ++i) {
+      find_clusters({batches[i], false}, kept_[i], selection);
+      if (batches[i].parts) find_clusters({batches[i], true}, kept_parts_, selection);
+    }
     item_array_.bind();
     for (std::size_t i = 0; i < batches.size(); ++i) find_items(batches[i], kept_[i], lists, selection, probes_[probe]);
     gl_->Disable(GL_RASTERIZER_DISCARD);
@@ -102,7 +106,7 @@ class GeometryPass : public GpuPass {
   }
 
   std::size_t memory_bytes() const override {
-    std::size_t bytes = 0;
+    std::size_t bytes = kept_parts_.clusters.size();
     for (const Kept& kept : kept_) bytes += kept.clusters.size();
     return bytes;
   }
@@ -112,25 +116,34 @@ class GeometryPass : public GpuPass {
     gl::Buffer clusters;
     gl::TransformFeedback feedback;
   };
-  using Queries = std::array<gl::Query, gpuscene::kBatchKindCount>;
+  /// By batch kind, and of meshes that are drawn by parts; each made when first used.
+  using Queries = std::array<gl::Query, gpuscene::kBatchKindCount + 1>;
   struct Probe {
-    Queries written, written_more, in_view;  // by batch kind; made when first used
+    Queries written, written_more, in_view;
     bool counts_in_view = false, goes_on = false;
   };
-  struct ItemPrograms {
-    BatchPrograms programs;
-    bool made = false;
-  };
 
-  gl::Program& cluster_pass(Selection selection) { return cluster_pass_[selection == Selection::kUnoccludedNow]; }
+  core::Expected<void> fit(Kept& kept, std::uint32_t capacity) const {
+    const std::size_t bytes = capacity * sizeof(std::uint32_t);
+    if (kept.clusters.size() >= bytes) return {};
+    auto clusters = gl::Buffer::create(*gl_, bytes, nullptr, 0, "visible clusters");
+    if (!clusters) return tl::unexpected(clusters.error());
+    kept = {std::move(*clusters), gl::TransformFeedback(*gl_)};
+    kept.feedback.set_buffer(kept.clusters.id(), 0, kept.clusters.size());
+    return {};
+  }
 
-  void find_clusters(const CullBatch& batch, const Kept& kept, Selection selection) {
-    const gl::Program& program = cluster_pass(selection);
+  gl::Program& cluster_pass(const CullBatch& batch, Selection selection) {
+    return cluster_pass_[batch.parts != nullptr][selection == Selection::kUnoccludedNow];
+  }
+
+  void find_clusters(const CullList& list, const Kept& kept, Selection selection) {
+    const gl::Program& program = cluster_pass(list.batch, selection);
     program.use();
-    bind_batch(*gl_, batch);
-    if (selection == Selection::kUnoccludedNow) bind_selection(*gl_, program, batch, selection);
+    bind_list(*gl_, program, list);
+    if (selection == Selection::kUnoccludedNow) bind_selection(*gl_, program, list, selection);
     kept.feedback.begin_points();
-    gl_->DrawArrays(GL_POINTS, 0, GLsizei(batch.bounds.cluster_count()));
+    gl_->DrawArrays(GL_POINTS, 0, GLsizei(list.cluster_count()));
     kept.feedback.end();
   }
 
@@ -148,34 +161,47 @@ class GeometryPass : public GpuPass {
 
   void find_items(const CullBatch& batch, const Kept& kept, const DrawLists& lists, Selection selection,
                   Probe& probe) const {
-    const gl::Program& program = item_pass_[std::size_t(selection)].programs.of(batch);
+    const gl::Program& program = item_pass_[std::size_t(selection)].of(batch);
     program.use();
-    bind_selection(*gl_, program, batch, selection);
-    bind_batch(*gl_, batch);
-    gl_->VertexArrayVertexBuffer(item_array_.id(), kClusterBufferBinding, kept.clusters.id(), 0, sizeof(std::uint32_t));
     const DrawLists::Target target = lists.target(batch.kind);
     item_feedback_.set_buffer(target.buffer, target.offset, target.size);
     const bool counts = counts_in_view(selection);
-    gl::Query& written = (probe.goes_on ? probe.written_more : probe.written)[std::size_t(batch.kind)];
+    Queries& all_written = probe.goes_on ? probe.written_more : probe.written;
+    gl::Query& written = all_written[std::size_t(batch.kind)];
+    gl::Query& apart = all_written[gpuscene::kBatchKindCount];
     gl::Query& in_view = probe.in_view[std::size_t(batch.kind)];
     if (written.empty()) written = gl::Query(*gl_, GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
+    if (batch.parts && apart.empty()) apart = gl::Query(*gl_, GL_PRIMITIVES_GENERATED);
     if (counts && in_view.empty()) in_view = gl::Query(*gl_, GL_PRIMITIVES_GENERATED);
     written.begin();
+    if (batch.parts) apart.begin(kApartStream);
     if (counts) in_view.begin(kCountedStream);
     item_feedback_.begin_points();
-    gl_->DrawTransformFeedbackInstanced(GL_POINTS, kept.feedback.id(), GLsizei(kItemsPerCluster));
-    item_feedback_.end();
+    keep({batch, false}, program, kept, selection);
     if (counts) in_view.end(kCountedStream);
+    if (batch.parts) apart.end(kApartStream);
     written.end();
+    if (batch.parts) keep({batch, true}, program, kept_parts_, selection);
+    item_feedback_.end();
+  }
+
+  /// Adds what is selected of the clusters that were kept.
+  void keep(const CullList& list, const gl::Program& program, const Kept& kept, Selection selection) const {
+    bind_selection(*gl_, program, list, selection);
+    bind_list(*gl_, program, list);
+    gl_->VertexArrayVertexBuffer(item_array_.id(), kClusterBufferBinding, kept.clusters.id(), 0, sizeof(std::uint32_t));
+    gl_->DrawTransformFeedbackInstanced(GL_POINTS, kept.feedback.id(), GLsizei(kItemsPerCluster));
   }
 
   const gl::Functions* gl_;
-  std::array<gl::Program, 2> cluster_pass_;  // of kUnoccludedNow, and of all other selections the first
-  std::array<ItemPrograms, kSelectionCount> item_pass_;
+  // Of batches with parts the second ones; of kUnoccludedNow, and of all other selections the first.
+  std::array<std::array<gl::Program, 2>, 2> cluster_pass_;
+  std::array<BatchPrograms, kSelectionCount> item_pass_;
   gl::VertexArray cluster_array_, item_array_;
   gl::Framebuffer framebuffer_;
   gl::TransformFeedback item_feedback_;
   std::vector<Kept> kept_;  // by batch
+  Kept kept_parts_;
   std::vector<Probe> probes_;
 };
 

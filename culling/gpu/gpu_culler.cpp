@@ -15,6 +15,7 @@
 namespace sightline::culling {
 namespace {
 
+using core::dvec3;
 using core::Slot;
 using core::Snapshot;
 using gpuscene::Batch;
@@ -33,8 +34,27 @@ struct PlaneBlock {
   Row planes[kMaxCullPlanes];
   std::int32_t union_first, plane_count;
   std::uint32_t layers, use_layers;
+  float w[4];
+  float error_per_w, nearest_w;
+  std::int32_t frustum_planes, section_count;
+  float sections[kMaxSections][4];
 };
-static_assert(sizeof(PlaneBlock) == 32 * kMaxCullPlanes + 16);
+static_assert(sizeof(PlaneBlock) == 32 * kMaxCullPlanes + 48 + 16 * kMaxSections);
+
+constexpr double kInwards = 1.0 - 1e-6;  // for the rounding of the few products with it
+
+/// What parts of meshes are told of an image's error. Planes may have any length, which floats have not.
+void set_error(PlaneBlock& block, const lod::ImageError& error, const dvec3& origin) {
+  const lod::MeshError of_world(error, core::translation(origin));
+  for (int i = 0; i < 4; ++i) block.w[i] = float(of_world.w()[i]);
+  block.error_per_w = core::round_down(kInwards * of_world.error_per_w());
+  block.nearest_w = core::round_down(of_world.nearest_w());
+  for (const core::dvec4& section : of_world.sections()) {
+    const double length = glm::length(dvec3(section));
+    float* const to = block.sections[block.section_count++];
+    for (int i = 0; i < 4; ++i) to[i] = float(length > 0.0 ? section[i] / length : section[i]);
+  }
+}
 
 float rounded_up(double band) {
   return std::min(core::round_up(band), std::numeric_limits<float>::max());
@@ -59,7 +79,11 @@ core::Expected<GpuCuller> GpuCuller::create(const gl::Context& context, const Sn
   if (!block) return tl::unexpected(block.error());
   culler.plane_block_ = std::move(*block);
   culler.probes_.resize(kProbes);
-  culler.vertex_storage_ = context.capabilities().max_vertex_storage_blocks > 0;
+  const gl::Capabilities& has = context.capabilities();
+  culler.vertex_storage_ = has.max_vertex_storage_blocks > 0;
+  culler.most_mesh_commands_ =
+      std::size_t(std::min(has.max_storage_block_bytes, has.max_texture_buffer_texels * std::int64_t(sizeof(GLuint)))) /
+      sizeof(gpuscene::ElementsCommand) * 31 / 32;  // the rest is for other batches
   if (auto done = culler.make_batches(snapshot, scene); !done) return tl::unexpected(done.error());
   if (config.variant) {
     auto pass = make_pass(*config.variant, context, culler.batches_);
@@ -76,8 +100,20 @@ GpuVariant GpuCuller::variant() const {
   return pass_->variant();
 }
 
+CullBatch* GpuCuller::mesh_batch() {
+  const auto place = std::ranges::find_if(batches_, &CullBatch::meshes);
+  return place == batches_.end() ? nullptr : &*place;
+}
+
+/// Null where there are none.
+MeshParts* GpuCuller::parts() {
+  const CullBatch* meshes = mesh_batch();
+  return meshes ? meshes->parts.get() : nullptr;
+}
+
 core::Expected<void> GpuCuller::make_batches(const Snapshot& snapshot, const gpuscene::GpuScene& scene) {
   batches_.clear();
+  levels_version_ = 0;
   for (const Batch& batch : scene.batches())
     if (auto done = add_batch(snapshot, scene, batch, gpuscene::GpuScene::slots_of(snapshot, batch.kind)); !done)
       return done;
@@ -90,7 +126,7 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
                                           std::vector<Slot> slots) {
   auto made = GpuBounds::create(*gl_, snapshot, batch, std::move(slots));
   if (!made) return tl::unexpected(made.error());
-  CullBatch added{batch.kind, std::move(*made), {}, {}};
+  CullBatch added{batch.kind, std::move(*made), {}, {}, nullptr};
   if (added.meshes()) {
     std::vector<gpuscene::ElementsCommand> commands = scene.meshes().commands();
     commands.resize(batch.capacity);
@@ -126,10 +162,41 @@ core::Expected<void> GpuCuller::follow(const Snapshot& snapshot, const gpuscene:
     core::radix_sort(records);
     (batch.bounds.*update_bounds)(snapshot, records, writer_, left_out);
     if (!batch.meshes()) continue;
-    std::vector<gpuscene::ElementsCommand> commands;
-    for (const std::uint32_t record : records) commands.push_back(scene.meshes().commands()[record]);
-    writer_.write(batch.commands.buffer, sizeof(commands[0]), records, commands.data());
+    if (batch.parts && update_bounds == &GpuBounds::update)
+      if (auto done = batch.parts->update(*gl_, snapshot, scene.meshes(), records, batch.bounds.slots(), writer_);
+          !done)
+        return done;
+    write_commands(batch, scene.meshes(), records);
   }
+  return {};
+}
+
+/// Those of records that are drawn by parts have no indices.
+void GpuCuller::write_commands(const CullBatch& batch, const gpuscene::MeshPool& pool,
+                               std::span<const std::uint32_t> records) {
+  std::vector<gpuscene::ElementsCommand> commands;
+  for (const std::uint32_t record : records) {
+    commands.push_back(pool.commands()[record]);
+    if (batch.parts && batch.parts->has(record)) commands.back().count = 0;
+  }
+  writer_.write(batch.commands.buffer, sizeof(commands[0]), records, commands.data());
+}
+
+/// Takes in the levels that meshes have got since the last call.
+core::Expected<void> GpuCuller::follow_levels(const Snapshot& snapshot, const gpuscene::GpuScene& scene) {
+  const gpuscene::MeshPool& pool = scene.meshes();
+  if (pool.levels_version() == levels_version_) return {};
+  CullBatch& batch = *mesh_batch();
+  const std::size_t whole = std::min<std::size_t>(most_mesh_commands_, scene.batch(BatchKind::kMesh)->capacity);
+  if (!batch.parts) batch.parts = std::make_unique<MeshParts>(most_mesh_commands_ - whole);
+  std::vector<std::uint32_t> records;
+  for (std::uint32_t record = 0; record < pool.records(); ++record)
+    if (batch.parts->differs(pool, record)) records.push_back(record);
+  auto done = batch.parts->update(*gl_, snapshot, pool, records, batch.bounds.slots(), writer_);
+  if (!done) return done;
+  write_commands(batch, pool, records);
+  if (batch.parts->capacity() == 0) batch.parts = nullptr;
+  levels_version_ = pool.levels_version();
   return {};
 }
 
@@ -154,7 +221,7 @@ core::Expected<void> GpuCuller::prepare(bool for_image, bool occlusion) {
   return prepare_occlusion();
 }
 
-/// Makes what the test of occlusion lacks: after batches_ were made anew, only a part.
+/// Makes what the test of occlusion lacks: after batches_ were made anew or got parts, only some of it.
 core::Expected<void> GpuCuller::prepare_occlusion() {
   for (const Selection selection : {Selection::kUnoccludedBefore, Selection::kUnoccludedNow})
     if (auto done = pass_->prepare(batches_, selection); !done) return done;
@@ -164,15 +231,21 @@ core::Expected<void> GpuCuller::prepare_occlusion() {
     pyramid_ = std::move(*made);
     if (timer_) others_timer_.emplace(*gl_);
   }
-  for (CullBatch& batch : batches_) {
-    if (batch.unoccluded_frames.id() != 0) continue;
-    const std::size_t records = std::size_t(batch.bounds.cluster_capacity()) * kItemsPerCluster;
-    auto made = gl::Buffer::create(*gl_, records * sizeof(std::uint32_t), nullptr, 0, "last frames of open items");
+  const auto make_room = [&](gl::Buffer& frames, std::size_t clusters) -> core::Expected<void> {
+    const std::size_t bytes = clusters * kItemsPerCluster * sizeof(std::uint32_t);
+    if (frames.size() >= bytes) return {};
+    auto made = gl::Buffer::create(*gl_, bytes, nullptr, 0, "last frames of open items");
     if (!made) return tl::unexpected(made.error());
-    batch.unoccluded_frames = std::move(*made);
-    batch.unoccluded_frames.fill(0, batch.unoccluded_frames.size(), 0);
+    frames = std::move(*made);
+    frames.fill(0, frames.size(), 0);
+    return {};
+  };
+  core::Expected<void> done;
+  for (CullBatch& batch : batches_) {
+    if (done) done = make_room(batch.unoccluded_frames, batch.bounds.cluster_capacity());
+    if (done && batch.parts) done = make_room(batch.parts->unoccluded_frames, batch.parts->cluster_capacity());
   }
-  return {};
+  return done;
 }
 
 bool GpuCuller::can_test_occlusion() const {
@@ -180,14 +253,18 @@ bool GpuCuller::can_test_occlusion() const {
 }
 
 core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                                     gpuscene::DrawLists& lists, std::uint64_t frame, const Image* image) {
+                                     gpuscene::DrawLists& lists, std::uint64_t frame, const Image* image,
+                                     const lod::ImageError* error) {
   const bool sampled = image && image->samples.offsets.size() <= std::size_t(kMaxSamples);
   const bool occlusion = sampled && image->occlusion;
-  auto done = prepare(sampled, occlusion);
+  auto done = follow_levels(snapshot, scene);
+  if (done) done = prepare(sampled, occlusion);
   if (done && sampled) done = upload_image(*image, snapshot.bounds());
   if (done && occlusion) done = begin_occlusion();
-  if (done) done = lists.begin_gpu_update(scene, pass_->counting());
+  MeshParts* const of_meshes = parts();
+  if (done) done = lists.begin_gpu_update(scene, pass_->counting(), of_meshes ? of_meshes->capacity() : 0);
   if (!done) return done;
+  if (of_meshes) of_meshes->exempt = !view.sections.empty() || (image && !image->view.sections.empty());
   last_probe_ = next_probe(frame);
   Probe& probe = probes_[last_probe_];
   const CullPlanes planes(view, snapshot.bounds());
@@ -198,7 +275,7 @@ core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& sna
     return {};
   }
   probe.timed = timer_ && last_probe_ != kTakenProbes && timer_->begin();
-  upload_planes(planes, snapshot.bounds(), view.layers);
+  upload_planes(view, planes, snapshot.bounds(), error);
   gl::reset_pipeline_state(*gl_);
   gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, plane_block_.id());
   pass_->run(batches_, lists,
@@ -216,7 +293,8 @@ core::Expected<void> GpuCuller::cull_others(const Image& image, const gpuscene::
   Probe& probe = probes_[last_probe_];
   if (probe.skipped) return {};  // the lists are still empty
   probe.others_timed = probe.timed && others_timer_->begin();
-  auto done = lists.begin_gpu_update(scene, pass_->counting());
+  const MeshParts* const of_meshes = parts();
+  auto done = lists.begin_gpu_update(scene, pass_->counting(), of_meshes ? of_meshes->capacity() : 0);
   if (done) done = upload_pyramid(image, depth, error);
   if (done) {
     gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, plane_block_.id());
@@ -251,7 +329,8 @@ core::Expected<void> GpuCuller::upload_pyramid(const Image& image, const gl::Tex
   return write_block(occlusion_block_, sizeof block, &block, kOcclusionBinding);
 }
 
-void GpuCuller::upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const {
+void GpuCuller::upload_planes(const core::View& view, const CullPlanes& planes, const core::ItemBounds& bounds,
+                              const lod::ImageError* error) const {
   PlaneBlock block{};
   for (int i = 0; i < planes.plane_count(); ++i) {
     const FloatPlane& plane = planes.planes()[i];
@@ -262,8 +341,12 @@ void GpuCuller::upload_planes(const CullPlanes& planes, const core::ItemBounds& 
   }
   block.union_first = planes.union_first();
   block.plane_count = planes.plane_count();
-  block.layers = layers;
+  block.layers = view.layers;
   block.use_layers = uses_layers_ ? 1 : 0;
+  core::View without_sections = view;
+  without_sections.sections.clear();
+  block.frustum_planes = CullPlanes(without_sections, bounds).plane_count();
+  if (error) set_error(block, *error, bounds.origin);
   plane_block_.write(0, sizeof block, &block);
 }
 

@@ -18,7 +18,7 @@ GLuint groups(int blocks) {
 
 core::Expected<GpuDepthPyramid> GpuDepthPyramid::create(const gl::Functions& gl) {
   const auto describe = [](bool pixels) {
-    auto pass = describe_pass("depth pyramid", {{GL_COMPUTE_SHADER, {"build_pyramid.comp"}}});
+    auto pass = describe_pass("depth pyramid", {{GL_COMPUTE_SHADER, {"build_pyramid.comp"}}}, ProgramKind::kRecords);
     if (pixels) pass.shaders.defines.emplace_back("PIXELS");
     return pass;
   };

@@ -31,12 +31,16 @@ void DrawContext::clear(const render::RenderTarget& canvas) {
   renderer->clear(canvas);
 }
 
+std::optional<lod::ImageError> DrawContext::mesh_error(const core::View& view) const {
+  if (!mesh_details.any()) return std::nullopt;
+  return lod::ImageError(view, target().width(), target().height(), config.losses.lod_error);
+}
+
 core::Expected<void> DrawContext::list(const core::View& view, const core::Snapshot& snapshot,
                                        const core::VisibleSet& set) {
   gpuscene::DrawnIn in{&view};
-  std::optional<lod::ImageError> error;
-  if (mesh_details.any())
-    in.error = &error.emplace(view, target().width(), target().height(), config.losses.lod_error);
+  const std::optional<lod::ImageError> error = mesh_error(view);
+  if (error) in.error = &*error;
   std::optional<culling::TriangleTest> triangles;
   if (software() && config.culling.sample_test) in.triangles = &triangles.emplace(view, samples());
   in.threads = &threads;

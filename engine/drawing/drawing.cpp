@@ -321,6 +321,7 @@ void Drawing::images_changed() {
 core::Expected<void> Drawing::cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
                                    std::uint64_t frame) {
   if (auto current = make_current(); !current) return current;
+  if (auto done = follow_levels(core::deadline_in(kLevelsSeconds)); !done) return done;
   return culling_.cull(context_, cull_view, view, snapshot, frame);
 }
 
@@ -328,7 +329,8 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
   DrawResult result;
   if (!context_.renderer && !request.on_gpu) return result;
   if (auto current = make_current(); !current) return tl::unexpected(current.error());
-  if (auto done = follow_levels(core::deadline_in(kLevelsSeconds)); !done) return tl::unexpected(done.error());
+  if (!request.on_gpu)  // else cull() has done so: what it has found lies where the meshes were then
+    if (auto done = follow_levels(core::deadline_in(kLevelsSeconds)); !done) return tl::unexpected(done.error());
   context_.external = request.target ? std::optional(*request.target) : std::nullopt;
   context_.image->composed = false;
   const bool aside = !core::same_image(request.view, request.culled.view);
@@ -393,8 +395,7 @@ core::Expected<void> Drawing::follow_levels(core::Deadline deadline) {
     (void)context_.scene->take_new_meshes();  // nobody else will, and their list would grow
     return {};
   }
-  return context_.mesh_details.advance(*context_.scene, context_.config.losses.lod_error > 0.0, culling_.culler(),
-                                       deadline);
+  return context_.mesh_details.advance(*context_.scene, context_.config.losses.lod_error > 0.0, deadline);
 }
 
 core::Expected<void> Drawing::finish_levels() {

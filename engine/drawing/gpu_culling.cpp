@@ -49,7 +49,9 @@ core::Expected<void> GpuCulling::cull(DrawContext& context, const core::View& cu
   const bool occlusion = tests_occlusion(context, snapshot.size());
   if (context.renderer && (context.config.culling.sample_test || occlusion))
     image_ = {view, context.samples(), occlusion};
-  return culler_->cull(cull_view, snapshot, *context.scene, *context.lists, frame, image_ ? &*image_ : nullptr);
+  const std::optional<lod::ImageError> error = context.mesh_error(view);
+  return culler_->cull(cull_view, snapshot, *context.scene, *context.lists, frame, image_ ? &*image_ : nullptr,
+                       error ? &*error : nullptr);
 }
 
 core::Expected<void> GpuCulling::draw(DrawContext& context, const core::View& view, const core::Snapshot& snapshot) {

@@ -16,8 +16,7 @@ bool is_large(const core::Mesh& mesh) {
 
 }  // namespace
 
-core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, bool keep_commands,
-                                          core::Deadline deadline) {
+core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline) {
   const std::vector<std::shared_ptr<const core::Mesh>> added = scene.take_new_meshes();
   if (levels) want_levels(scene);
   if (scene_known_)
@@ -29,7 +28,7 @@ core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels
     std::size_t count = 0, indices = 0;
     while (count < given_.size() && indices < kUploadedIndices)
       indices += given_[given_.size() - ++count].levels->indices.size();
-    if (auto done = scene.add_levels(std::span(given_).last(count), keep_commands); !done) return done;
+    if (auto done = scene.add_levels(std::span(given_).last(count)); !done) return done;
     given_.resize(given_.size() - count);
     if (core::over(deadline)) break;
   }

@@ -86,9 +86,11 @@ class DrawLists {
 
   /// Marks all places of the targets as unused. With Counting::kCuller it marks only those that draws would read:
   /// commands of meshes without ARB_indirect_parameters. The first call allocates room for all of `scene`, and the
-  /// first with Counting::kSearch compiles programs. Fails when the GPU has not enough memory; then the lists are
+  /// first with Counting::kSearch compiles programs. `parts`: the target of meshes has room for so many commands
+  /// besides one per record; it must not become less. Fails when the GPU has not enough memory; then the lists are
   /// empty.
-  core::Expected<void> begin_gpu_update(const GpuScene& scene, Counting counting = Counting::kSearch);
+  core::Expected<void> begin_gpu_update(const GpuScene& scene, Counting counting = Counting::kSearch,
+                                        std::size_t parts = 0);
   Target target(BatchKind kind) const;  ///< of a batch that `scene` has
   /// Makes draw commands from what was written, on the GPU. With Counting::kSearch a complete framebuffer must be
   /// bound, and the call changes: program, vertex array, transform feedback, texture units 0 and 1.
@@ -146,8 +148,9 @@ class DrawLists {
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();
   core::Expected<void> grow_singles(std::size_t capacity);
-  core::Expected<void> make_gpu_lists(const GpuScene& scene);
+  core::Expected<void> make_gpu_lists(const GpuScene& scene, std::size_t parts);
   core::Expected<void> make_search();
+  core::Expected<void> make_search_programs();
   void search();
   void write_gpu_templates(const GpuScene& scene);
 
@@ -182,7 +185,7 @@ class DrawLists {
     GpuSections sections{};
     std::array<std::size_t, kBatchKindCount> command_count{};
     std::array<std::uint32_t, kBatchKindCount> records{};  // Batch::count at the time the templates were written
-    std::size_t record_commands = 0;
+    std::size_t record_commands = 0, parts = 0;
   };
   GpuLists gpu_;  // empty until begin_gpu_update()
   bool from_gpu_ = false;

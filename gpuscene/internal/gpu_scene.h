@@ -72,7 +72,7 @@ class GpuScene {
 
   /// Takes in levels of meshes that records have. Fails when the GPU has not enough memory; then the scene is of no
   /// use.
-  core::Expected<void> add_levels(std::span<const MeshPool::LevelsOfMesh> levels, bool keep_commands);
+  core::Expected<void> add_levels(std::span<const MeshPool::LevelsOfMesh> levels);
   /// Meshes that records have got since the last call.
   std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes() { return meshes_.take_new_meshes(); }
 

@@ -57,12 +57,13 @@ class MeshPool {
     std::shared_ptr<const lod::MeshLevels> levels;
   };
   /// Puts levels of meshes, where a record has them, in place of others; flush() writes them. Their first clusters hold
-  /// all triangles of the mesh, so commands() use these from then on, unless `keep_commands` are kept elsewhere: then
-  /// the mesh's own triangles stay, too.
-  void add_levels(std::span<const LevelsOfMesh> levels, bool keep_commands);
-  /// Levels of a record's mesh, or null. Their indices begin at first_level_index() of indices().
+  /// all triangles of the mesh, so commands() use these from then on.
+  void add_levels(std::span<const LevelsOfMesh> levels);
+  /// Levels of a record's mesh, or null. Their indices begin at the first one of the record's command.
   const lod::MeshLevels* levels(std::uint32_t record) const;
-  std::uint32_t first_level_index(std::uint32_t record) const { return shapes_[shape_of_record_[record]].first_level; }
+  std::shared_ptr<const lod::MeshLevels> share_levels(std::uint32_t record) const;
+  /// Rises whenever meshes have got levels.
+  std::uint64_t levels_version() const { return levels_version_; }
 
   std::size_t records() const { return commands_.size(); }
   /// One per record: all that it draws.
@@ -92,10 +93,8 @@ class MeshPool {
   struct Shape {
     std::shared_ptr<const core::Mesh> mesh;  // keeps its address from being another's
     std::uint32_t first_index, index_count, first_vertex, vertex_count, solid_indices;
-    std::uint32_t users;  // records
-    std::shared_ptr<const lod::MeshLevels> levels;
-    std::uint32_t first_level;
-    bool own_triangles;  // at first_index, beside those of the levels
+    std::uint32_t users;                            // records
+    std::shared_ptr<const lod::MeshLevels> levels;  // where there are any, their indices lie at first_index
   };
   /// A buffer, its places, and what waits for flush().
   template <class Element>
@@ -117,12 +116,12 @@ class MeshPool {
   };
   std::uint32_t shape_of(std::shared_ptr<const core::Mesh> mesh);
   void stage(Shape& shape);
-  bool add_levels(const LevelsOfMesh& of, bool keep_commands);
+  bool add_levels(const LevelsOfMesh& of);
   void free_indices(const Shape& shape);
 
   Store<Vertex> vertices_;
   Store<std::uint32_t> indices_;
-  bool has_levels_ = false;
+  std::uint64_t levels_version_ = 0;
   std::vector<ElementsCommand> commands_;
   std::vector<std::uint32_t> shape_of_record_;  // kNone: draws nothing any more
   std::vector<Shape> shapes_;

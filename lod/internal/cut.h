@@ -45,11 +45,19 @@ class MeshError {
   /// Whether a box surely shows nothing: it lies outside the view volume by more than a GPU's rounding.
   bool outside(const core::Aabb& box) const;
 
+  /// For who does the same elsewhere. Where no section plane cuts a box, allowed() is error_per_w() times the least of
+  /// w(), a linear form of points, in the box, or times nearest_w() if that is more. error_per_w() is 0 where no error
+  /// is allowed.
+  const core::dvec4& w() const { return w_; }
+  double error_per_w() const { return error_per_w_; }
+  double nearest_w() const { return nearest_; }
+  std::span<const core::dvec4> sections() const { return sections_; }  ///< linear forms, too: 0 on a plane
+
  private:
   std::array<core::dvec4, core::kFrustumPlaneCount> planes_;
   std::vector<core::dvec4> sections_;
   core::dvec4 w_;
-  double pixels_, norm_of_w_, largest_move_, nearest_;
+  double error_per_w_, nearest_;
 };
 
 /// Indices of MeshLevels::indices.

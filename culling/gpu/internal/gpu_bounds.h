@@ -14,7 +14,7 @@ namespace sightline::culling {
 
 using uint = std::uint32_t;  // as GLSL has it
 #include "sightline/culling/gpu/shaders/cull_limits.glsl"
-static_assert(kMaxPlanes == kMaxCullPlanes);
+static_assert(kMaxPlanes == kMaxCullPlanes && kMaxSections == int(core::kMaxSectionPlanes));
 
 /// A buffer that shaders read through a buffer texture and the CPU may write.
 struct TexelArray {

@@ -30,6 +30,7 @@
 namespace sightline::culling {
 
 class GpuPass;
+class MeshParts;
 struct CullBatch;
 
 /// Promise: conservative, and nearly the answer of CpuCuller. An item is culled only when the float form of CullPlanes
@@ -45,6 +46,10 @@ struct CullBatch;
 /// besides. What was drawn first is tested again, so that the set drawn first follows what is open. The rule is that of
 /// OcclusionTest, with the bands of the sample test. What the culler remembers decides only which pass draws an item,
 /// so edits, other sizes of the image and frames without the test cannot lose any.
+///
+/// Meshes that have levels of detail are drawn by parts, clusters of these (mesh_parts.h): those of a cut within the
+/// allowed error that lie in the view volume and are selected as items are. Where placements scale unequally, or where
+/// float leaves the choice open, it is finer than lod::CutChooser's, never coarser.
 ///
 /// The context must be current in all calls. cull() changes this state and leaves it changed: program, texture units 0
 /// to 5, uniform blocks 1 to 3; the geometry variant also vertex array, framebuffer, transform feedback and, with
@@ -94,10 +99,12 @@ class GpuCuller {
 
   /// Fills `lists` with what `view` can see. With `image` it leaves out items that cover none of its samples, except
   /// lines. With Image::occlusion it leaves out what was not found open in the frame before, and cull_others() must
-  /// follow. Submits the work and returns; `frame` comes back with the feedback.
-  /// Fails when the GPU has too little memory for the lists.
+  /// follow. `error`: of the view that is drawn; without one, meshes are drawn in full. The first call after meshes
+  /// have got levels takes these in, which does what update() does. Submits the work and returns; `frame` comes back
+  /// with the feedback. Fails when the GPU has too little memory for the lists.
   core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                            gpuscene::DrawLists& lists, std::uint64_t frame = 0, const Image* image = nullptr);
+                            gpuscene::DrawLists& lists, std::uint64_t frame = 0, const Image* image = nullptr,
+                            const lod::ImageError* error = nullptr);
 
   /// Goes on with the frame of the last cull(), which had the same `image`, once its lists are drawn. Fills `lists`
   /// with the items that are not in them and that `depth` does not hide. `depth`: reverse-Z, of the image's size.
@@ -117,7 +124,8 @@ class GpuCuller {
   /// wait to be taken. While these places are full, further calls of cull() give no feedback.
   std::optional<Feedback> take_feedback();
 
-  /// The set that the last cull() put into `lists`, as single slots only. Waits for the GPU: for tests and tools.
+  /// The set that the last cull() put into `lists`, as single slots only; an item that is drawn by parts once for each.
+  /// Waits for the GPU: for tests and tools.
   core::VisibleSet read_back(const gpuscene::DrawLists& lists) const;
 
   GpuVariant variant() const;
@@ -146,7 +154,12 @@ class GpuCuller {
                                  const gpuscene::Batch& batch, std::vector<core::Slot> slots);
   core::Expected<void> choose_variant(const gl::Context& context, const core::Snapshot& snapshot,
                                       const gpuscene::GpuScene& scene);
-  void upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const;
+  core::Expected<void> follow_levels(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
+  void write_commands(const CullBatch& batch, const gpuscene::MeshPool& pool, std::span<const std::uint32_t> records);
+  void upload_planes(const core::View& view, const CullPlanes& planes, const core::ItemBounds& bounds,
+                     const lod::ImageError* error) const;
+  CullBatch* mesh_batch();
+  MeshParts* parts();
   core::Expected<void> prepare_occlusion();
   core::Expected<void> begin_occlusion();
   core::Expected<void> upload_pyramid(const Image& image, const gl::Texture2D& depth, double error);
@@ -159,6 +172,8 @@ class GpuCuller {
   gpuscene::ElementWriter writer_;
   core::Slot slot_count_ = 0;
   bool uses_layers_ = false;
+  std::uint64_t levels_version_ = 0;    // MeshPool::levels_version() that parts follow
+  std::size_t most_mesh_commands_ = 0;  // that shaders can address
   std::unique_ptr<GpuPass> pass_;
   bool variant_settled_ = true;
   std::string why_this_variant_ = "asked for";

@@ -12,6 +12,7 @@
 
 #include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/culling/gpu/internal/gpu_bounds.h"
+#include "sightline/culling/gpu/internal/mesh_parts.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/timer.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
@@ -24,9 +25,22 @@ struct CullBatch {
   GpuBounds bounds;
   TexelArray commands;           ///< of all meshes; none of other batches
   gl::Buffer unoccluded_frames;  ///< see occlusion_test.glsl; made with the first test of occlusion
+  /// Of meshes that have levels; null where none has. Commands of records that are drawn by parts have no indices.
+  std::unique_ptr<MeshParts> parts;
 
   bool meshes() const { return kind == gpuscene::BatchKind::kMesh; }
-  std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size() + unoccluded_frames.size(); }
+  std::size_t memory_bytes() const {
+    return bounds.memory_bytes() + commands.buffer.size() + unoccluded_frames.size() +
+           (parts ? parts->memory_bytes() : 0);
+  }
+};
+
+/// Records of a batch, or the parts of their meshes: what a pass tests at a time.
+struct CullList {
+  const CullBatch& batch;
+  bool parts;
+
+  std::uint32_t cluster_count() const { return parts ? batch.parts->cluster_count() : batch.bounds.cluster_count(); }
 };
 
 /// Which items of the view volume a pass writes.
@@ -63,7 +77,7 @@ class GpuPass {
 
   virtual GpuVariant variant() const = 0;
   virtual gpuscene::DrawLists::Counting counting() const = 0;
-  /// Makes the programs of a selection, unless they are made.
+  /// Makes the programs of a selection, unless they are made, and room for all parts of meshes.
   virtual core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) = 0;
   /// Fills the lists between their begin_gpu_update() and end_gpu_update(). The selection is prepared; the blocks with
   /// planes and image are bound, and the pyramid. kUnoccludedNow goes on with the probe of kUnoccludedBefore.
@@ -85,23 +99,31 @@ inline core::Expected<std::unique_ptr<GpuPass>> make_pass(GpuVariant variant, co
   return variant == GpuVariant::kCompute ? make_compute_pass(context, batches) : make_geometry_pass(context, batches);
 }
 
-/// The program of meshes, and the one of all other batches. Each is made only where there are such batches.
+/// What the programs of batches are made for.
+enum class ProgramKind : std::uint8_t { kRecords, kMeshes, kParts };
+inline constexpr std::size_t kProgramKinds = 3;
+inline ProgramKind program_kind(const CullBatch& batch) {
+  return batch.parts ? ProgramKind::kParts : batch.meshes() ? ProgramKind::kMeshes : ProgramKind::kRecords;
+}
+
+/// The program of meshes some of which are drawn by parts, that of other meshes, and the one of all other batches. Each
+/// is made only once there are such batches.
 class BatchPrograms {
  public:
   core::Expected<void> make(const gl::Functions& gl, std::span<const CullBatch> batches,
-                            const std::function<gl::ProgramDescription(bool meshes)>& describe);
-  const gl::Program& of(const CullBatch& batch) const { return programs_[batch.meshes()]; }
+                            const std::function<gl::ProgramDescription(ProgramKind)>& describe);
+  const gl::Program& of(const CullBatch& batch) const { return programs_[std::size_t(program_kind(batch))]; }
 
  private:
-  std::array<gl::Program, 2> programs_;
+  std::array<gl::Program, kProgramKinds> programs_;
 };
 
 /// A program of one stage or more from the files of culling/gpu and gpuscene, with the defines of the draw lists and of
 /// a selection.
-gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages,
+gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages, ProgramKind kind,
                                      Selection selection = Selection::kAll);
-/// Binds what a program that tests items of a batch needs for a selection (selection.glsl).
-void bind_selection(const gl::Functions& gl, const gl::Program& program, const CullBatch& batch, Selection selection);
+/// Binds what a program that tests a list needs for a selection (selection.glsl).
+void bind_selection(const gl::Functions& gl, const gl::Program& program, const CullList& list, Selection selection);
 
 /// Texture units where shaders find a batch's data.
 enum CullTextureUnit : GLuint {
@@ -111,7 +133,10 @@ enum CullTextureUnit : GLuint {
   kItemLayerUnit,
   kCommandUnit,
   kPyramidUnit,
+  kPartClusterUnit = kClusterLayerUnit,  // parts have no layers of their own, and commands in their details
+  kPartDetailUnit = kCommandUnit,
 };
-void bind_batch(const gl::Functions& gl, const CullBatch& batch);
+/// Binds a list for a program of its batch.
+void bind_list(const gl::Functions& gl, const gl::Program& program, const CullList& list);
 
 }  // namespace sightline::culling

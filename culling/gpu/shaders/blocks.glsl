@@ -10,7 +10,8 @@ layout(std430, binding = 0) restrict buffer Masks {
 layout(std430, binding = 1) restrict buffer Places {
   uint places[];  // per batch, place in a cluster and block: number of bits, then how many records precede in the batch
 };
-layout(location = 0) uniform uvec3 batch;  // clusters, blocks, blocks of batches before this one
+// Clusters, blocks, blocks before these, blocks of batches before this one. Blocks of parts follow those of the records.
+layout(location = 0) uniform uvec4 batch;
 
 uint mask_index(uint block, uint i) {
   return (batch.z + block) * gl_WorkGroupSize.x + i;

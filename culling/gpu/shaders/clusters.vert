@@ -1,8 +1,9 @@
-// One vertex per cluster of 64 neighbouring records: the geometry stage keeps those that are not outside.
-#include "cull_test.glsl"
+// One vertex per cluster of 64 neighbouring records, or of parts of meshes: the geometry stage keeps those that are not
+// outside.
+#include "tested.glsl"
 
 flat out uint name;
 
 void main() {
-  name = test_cluster(uint(gl_VertexID));
+  name = keep_cluster(uint(gl_VertexID));
 }

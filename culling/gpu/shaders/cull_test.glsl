@@ -14,6 +14,12 @@ layout(std140, binding = 1) uniform CullBlock {
   int union_first, plane_count;  // planes from union_first on: one of them must be met
   uint view_layers;
   bool use_layers;
+  // Of parts of meshes: lod::MeshError's w(), error_per_w(), nearest_w() and sections().
+  vec4 w;
+  float error_per_w, nearest_w;
+  int frustum_planes;  // the first ones
+  int section_count;
+  vec4 sections[kMaxSections];
 } cull;
 
 layout(binding = 0) uniform samplerBuffer cluster_boxes;    // two texels each: min, max
@@ -32,9 +38,14 @@ bool surely_inside(CullPlane plane, vec3 low, vec3 high) {
   return plane_at(plane.equation, mix(high, low, greaterThanEqual(plane.equation.xyz, vec3(0.0)))) >= plane.band;
 }
 
-bool outside(vec3 low, vec3 high) {
-  for (int i = 0; i < cull.union_first; ++i)
+bool outside_one_of(int count, vec3 low, vec3 high) {
+  for (int i = 0; i < count; ++i)
     if (surely_outside(cull.planes[i], low, high)) return true;
+  return false;
+}
+
+bool outside(vec3 low, vec3 high) {
+  if (outside_one_of(cull.union_first, low, high)) return true;
   if (cull.union_first == cull.plane_count) return false;
   for (int i = cull.union_first; i < cull.plane_count; ++i)
     if (!surely_outside(cull.planes[i], low, high)) return false;

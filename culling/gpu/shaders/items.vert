@@ -1,5 +1,5 @@
-// One vertex per visible cluster, one instance per record in it: the geometry stage keeps the visible ones.
-#include "item_test.glsl"
+// One vertex per visible cluster, one instance per record or part in it: the geometry stage keeps the visible ones.
+#include "tested.glsl"
 
 layout(location = 0) in uint cluster;
 
@@ -10,7 +10,7 @@ flat out uint counted;
 
 void main() {
   bool in_view;
-  name = test_item(cluster, uint(gl_InstanceID), in_view);
+  name = keep(cluster, uint(gl_InstanceID), in_view);
 #ifdef COUNTS_IN_VIEW
   counted = in_view ? 1u : 0u;
 #endif

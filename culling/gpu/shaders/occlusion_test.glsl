@@ -12,7 +12,7 @@ layout(std140, binding = 3) uniform OcclusionBlock {
 layout(binding = 5) uniform samplerBuffer farthest;  // distances, see build_pyramid.comp
 
 layout(std430, binding = 5) restrict buffer UnoccludedFrames {
-  uint unoccluded_frames[];  // by record: the last frame in which it was not hidden, or 0
+  uint unoccluded_frames[];  // by record or part: the last frame in which it was not hidden, or 0
 };
 
 const float kDistanceMargin = 1.0 / 65536.0;  // OcclusionTest::kDistanceMargin

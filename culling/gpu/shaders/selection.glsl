@@ -3,7 +3,8 @@
 #ifdef FOR_IMAGE
 #include "screen_box.glsl"
 
-layout(location = 1) uniform bool exempt;  // of lines, whose rules are others: the first pass of a frame draws all
+// Of lines, whose rules are others, and of parts of meshes beside section planes: the first pass of a frame draws all.
+layout(location = 1) uniform bool exempt;
 #endif
 
 #if defined(UNOCCLUDED_BEFORE) || defined(UNOCCLUDED_NOW)

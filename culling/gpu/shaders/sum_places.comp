@@ -19,6 +19,7 @@ layout(std430, binding = 4) restrict buffer Results {
 layout(location = BATCH_KINDS) uniform uint first_place[BATCH_KINDS + 1];  // of each batch, and the end of the last
 layout(location = 2 * BATCH_KINDS + 1) uniform uint record_commands;
 layout(location = 2 * BATCH_KINDS + 2) uniform uint result;
+layout(location = 2 * BATCH_KINDS + 3) uniform uint first_part_place;  // where places of records end
 
 shared uint sums[SCAN_INVOCATIONS];
 
@@ -50,7 +51,7 @@ void main() {
   memoryBarrierBuffer();
   barrier();
   if (i < BATCH_KINDS) counts[i] = uvec2(commands_in_use(i, records_found(i)), records_found(i));
-  if (i == 0u) results[2u * result + 1u] += places[count];
+  if (i == 0u) results[2u * result + 1u] += places[first_part_place];
   for (uint command = i; command < record_commands; command += gl_WorkGroupSize.x) {
     uint kind = kind_of_command(command);
     uint records = records_of_command(command - sections[kind].x, records_found(kind));

@@ -62,6 +62,8 @@ struct DrawContext {
 
   /// Begins an image: clears it, or what is drawn in its place.
   void clear(const render::RenderTarget& canvas);
+  /// By how much meshes drawn in a view may be off; none where no mesh has levels.
+  std::optional<lod::ImageError> mesh_error(const core::View& view) const;
   /// Sets the draw lists for a set, with meshes in the detail that the view needs, and counts these.
   core::Expected<void> list(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set);
   /// Clears the image and draws a set.

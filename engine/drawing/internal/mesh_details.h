@@ -20,8 +20,8 @@ namespace sightline::engine {
 class MeshDetails {
  public:
   /// Gives a scene what is ready and it lacks, until the deadline but at least some, and has built what is not.
-  /// `levels`: they are asked for. `keep_commands`: see gpuscene::MeshPool::add_levels().
-  core::Expected<void> advance(gpuscene::GpuScene& scene, bool levels, bool keep_commands, core::Deadline deadline);
+  /// `levels`: they are asked for.
+  core::Expected<void> advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline);
   /// Begins to build levels before the first advance() that asks for them. The scene is that of the next one.
   void want_levels(const gpuscene::GpuScene& scene);
   /// The next advance() is with another scene, which has nothing yet.
