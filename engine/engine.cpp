@@ -42,8 +42,7 @@ core::Expected<void> check(const EngineConfig& config) {
       config.culling.part.index >= config.culling.part.count)
     return core::fail("engine: part must have an index from 0 on and below its count");
   if (config.culling.culler == CullerChoice::kGpu && plan_request(config, false).needs_cpu())
-    return core::fail(
-        "engine: min_projected_area, budget_ms and lod_error need a culler on the CPU, and culler is gpu");
+    return core::fail("engine: min_projected_area and budget_ms need a culler on the CPU, and culler is gpu");
   return {};
 }
 

@@ -157,7 +157,7 @@ struct LossConfig {
   double budget_ms = 0.0;
   /// Draw meshes by coarser levels of detail (lod/mesh_levels.h), whose surface lies within so many pixels of the
   /// original one in the image; 0: by their own triangles. Levels are built in the background; until a mesh's are ready
-  /// its own triangles are drawn. Meshes that a section plane cuts are drawn in full there. Culled on the CPU alone.
+  /// its own triangles are drawn. Meshes that a section plane cuts are drawn in full there.
   double lod_error = 0.0;
 };
 

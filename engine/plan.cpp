@@ -16,10 +16,8 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, const PlanRequest&
   std::string gpu_why = "not asked for";
   if (choice == CullerChoice::kHybrid && request.needs_cpu()) {
     choice = CullerChoice::kAutomatic;
-    gpu_why = std::string(request.budget         ? "a frame budget"
-                          : request.contribution ? "a contribution threshold"
-                                                 : "a choice of levels of detail") +
-              " needs a culler on the CPU";
+    gpu_why =
+        std::string(request.budget ? "a frame budget" : "a contribution threshold") + " needs a culler on the CPU";
   } else if (choice == CullerChoice::kHybrid && n < kSmallHybridScene) {
     choice = CullerChoice::kAutomatic;
     gpu_why = count_text(n) + ", fewer than " + std::to_string(kSmallHybridScene) + ": too few to profit";
@@ -54,15 +52,15 @@ void plan_occlusion(Plan& plan, std::size_t items, const PlanRequest& request) {
 }
 
 void plan_losses(Plan& plan, const PlanRequest& request) {
-  const auto note = [&](const char* feature, bool asked_for) {
+  const auto note = [&](const char* feature, bool asked_for, const char* used) {
     plan.entries.push_back({feature, request.draw && asked_for,
                             !asked_for      ? "not asked for"
                             : !request.draw ? "drawing is off"
-                                            : "asked for; the CPU culls"});
+                                            : used});
   };
-  note("contribution threshold", request.contribution);
-  note("frame budget", request.budget);
-  note("levels of detail", request.levels);
+  note("contribution threshold", request.contribution, "asked for; the CPU culls");
+  note("frame budget", request.budget, "asked for; the CPU culls");
+  note("levels of detail", request.levels, "asked for");
 }
 
 void plan_tracer(Plan& plan, [[maybe_unused]] bool picks) {

@@ -34,12 +34,13 @@ struct PlanRequest {
   CullerChoice culler = CullerChoice::kAutomatic;
   bool draw = false, ids = false;
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
-  bool contribution = false, budget = false, levels = false;  // asked for; the CPU must then cull what is drawn
+  bool contribution = false, budget = false;  // asked for; the CPU must then cull what is drawn
+  bool levels = false;                        // of detail are asked for
   bool depth_shading = false, hatching = false;
   bool pick = false;  // orders come with a tracer
   ScenePart part = {};
 
-  bool needs_cpu() const { return draw && (contribution || budget || levels); }
+  bool needs_cpu() const { return draw && (contribution || budget); }
 };
 
 /// A bit per slot; no words where there are none. Lines have a rule of their own for what they colour.
