@@ -113,13 +113,14 @@ std::vector<std::uint32_t> clusters_below(const MeshLevels& levels, std::uint32_
   return own;
 }
 
+/// From the simplified surface to the original one alone: of that, neighbouring groups may replace parts, too.
 double measured_error(const MeshLevels& levels, const core::Mesh& mesh, std::uint32_t group) {
   std::vector<std::uint32_t> made;
   for (std::uint32_t i = levels.mesh_clusters; i < levels.clusters.size(); ++i)
     if (levels.clusters[i].made_by == group) made.push_back(i);
   const Surface simplified(levels, mesh.positions, std::move(made));
   const Surface original(levels, mesh.positions, clusters_below(levels, group));
-  return std::max(simplified.farthest_from(original), original.farthest_from(simplified));
+  return simplified.farthest_from(original);
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ const std::vector<NamedRule>& named_rules() {
       {"occt", Measure::kOpenCascade, ContributionMode::kDrop, kLengths},
       {"sphere", Measure::kSphere, ContributionMode::kDrop, {1.0, 4.0, 16.0, 64.0, 256.0}},
       {"levels", Measure::kLevels, ContributionMode::kDrop, kErrors},
+      {"both", Measure::kBoth, ContributionMode::kDrop, kAreas},
       {"chain", Measure::kChain, ContributionMode::kDrop, kErrors},
       {"primitives", Measure::kPrimitives, ContributionMode::kDrop, {0.0}}};
   return kRules;
@@ -52,8 +53,10 @@ double least_diagonal(const Rule& rule, const core::View& view, int width, int h
 
 engine::LossConfig Rule::losses() const {
   engine::LossConfig losses;
-  if (measure == Measure::kSolid) losses.min_projected_area = float(threshold);
+  constexpr double kHardlySeen = 0.5;
+  if (measure == Measure::kSolid || measure == Measure::kBoth) losses.min_projected_area = float(threshold);
   if (measure == Measure::kLevels) losses.lod_error = threshold;
+  if (measure == Measure::kBoth) losses.lod_error = kHardlySeen;
   losses.contribution_mode = mode;
   return losses;
 }

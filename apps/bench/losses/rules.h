@@ -8,6 +8,7 @@
 //   occt           Open CASCADE 7.6, Graphic3d_CullingTool::IsTooSmall(): the diagonal's length in pixels
 //   sphere         projected area of the bounding sphere
 //   levels         meshes by levels of detail whose proven error is at most so many pixels (lod/mesh_levels.h)
+//   both           levels within half a pixel, and items below so many pixels dropped: what a budget could do
 //   chain          whole meshes by the coarsest of a chain of halvings whose estimated error is (level_chain.h)
 //   primitives     analytic primitives in place of the meshes in which they are recognised; no threshold
 // osg, occt and sphere compare the diagonal with the distance, so they differ only in the scale of their thresholds.
@@ -24,7 +25,18 @@
 namespace sightline::bench {
 
 struct Rule {
-  enum class Measure { kNone, kSolid, kBox, kOpenSceneGraph, kOpenCascade, kSphere, kLevels, kChain, kPrimitives };
+  enum class Measure {
+    kNone,
+    kSolid,
+    kBox,
+    kOpenSceneGraph,
+    kOpenCascade,
+    kSphere,
+    kLevels,
+    kBoth,
+    kChain,
+    kPrimitives
+  };
   Measure measure = Measure::kNone;  ///< kNone: the full image
   engine::ContributionMode mode = engine::ContributionMode::kDrop;
   double threshold = 0.0;  ///< pixels, of area or of length
