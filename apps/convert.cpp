@@ -69,9 +69,10 @@ core::Expected<Written> write_as_rvm(const core::Scene& scene, core::NodeId top,
 }
 
 core::Expected<Written> write_as_slc(const core::Scene& scene, const importers::ImportReport& read,
-                                     const std::string& output) {
+                                     const std::string& output, bool levels) {
   apps::Progress bar("writing");
-  if (auto done = importers::write_slc(scene, output, &read, bar.callback()); !done)
+  if (auto done = importers::write_slc(scene, output, {.report = &read, .levels = levels, .progress = bar.callback()});
+      !done)
     return tl::unexpected(done.error());
   return whole(scene, output);
 }
@@ -145,13 +146,14 @@ int main(int argc, char** argv) {
       "  sightline-convert plant.rvm plant.glb --collections\n"
       "  sightline-convert a.rvm b.rvm both.rvm\n"
       "  sightline-convert plant.rvm plant.txt plant.slc\n"
+      "  sightline-convert --levels ship.glb ship.slc\n"
       "  sightline-convert --units mm part.stl part.rvm\n"
       "  sightline-convert --recognise triangles.obj primitives.rvm\n"
       "  sightline-convert --lenient damaged.rvm repaired.rvm --json -");
   apps::ModelOptions options;
   std::string output, json_file;
   double tolerance = importers::ObjWriteOptions{}.tolerance;
-  bool collections = false;
+  bool collections = false, levels = false;
   options.import.copies = importers::MeshCopies::kExact;  // meshes are written as they came
   apps::add_model_options(line, options);
   line.option("MODEL")
@@ -166,6 +168,8 @@ int main(int argc, char** argv) {
     output = std::move(*taken);
     if (collections && extension_of(output) != ".glb" && extension_of(output) != ".gltf")
       return core::fail("--collections: expected an output ending in .glb or .gltf, found \"" + output + "\"");
+    if (levels && extension_of(output) != ".slc")
+      return core::fail("--levels: expected an output ending in .slc, found \"" + output + "\"");
     if (extension_of(output) == ".slc") options.import.copies = importers::ImportOptions{}.copies;  // as tools read
     return {};
   });
@@ -174,6 +178,8 @@ int main(int argc, char** argv) {
       .accepted_by(apps::parse_tolerance);
   line.add_flag("--collections", collections,
                 "Keep analytic primitives in glTF, as rows of parameters for web viewers that know them");
+  line.add_flag("--levels", levels,
+                "Build levels of detail into a scene cache, so that --lod-error starts fast from it");
   line.add("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
   return line.run(argc, argv, [&]() -> core::Expected<int> {
     auto model = apps::load_model(options);
@@ -185,7 +191,7 @@ int main(int argc, char** argv) {
     const core::NodeId top = model->report.nodes.size() == 1 ? model->report.nodes[0] : scene.root();
     const std::string extension = extension_of(output);
     const auto written = extension == ".rvm"   ? write_as_rvm(scene, top, output)
-                         : extension == ".slc" ? write_as_slc(scene, model->report, output)
+                         : extension == ".slc" ? write_as_slc(scene, model->report, output, levels)
                          : extension == ".obj" ? write_as_obj(scene, top, output, tolerance)
                                                : write_as_gltf(scene, top, output, tolerance, collections);
     if (!written) return tl::unexpected(written.error());

@@ -432,7 +432,7 @@ core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& pa
   if (!tiles) return tl::unexpected(tiles.error());
   config.width = tiles->width;
   config.height = tiles->height;
-  auto model = apps::load_model(o.model);
+  auto model = apps::load_model(o.model, o.shown);
   if (!model) return tl::unexpected(model.error());
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());

@@ -366,7 +366,7 @@ core::Expected<Flown> prepare(const Options& o, const engine::ScenePart& part) {
   config->culling.part = part;
   if (!o.images.empty())
     if (auto made = apps::make_directory(o.images); !made) return tl::unexpected(made.error());
-  auto model = apps::load_model(o.model);
+  auto model = apps::load_model(o.model, o.shown);
   if (!model) return tl::unexpected(model.error());
   auto engine = engine::Engine::create(*model->scene, *config);
   if (!engine) return tl::unexpected(engine.error());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,7 +11,27 @@
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
 
+namespace sightline::lod {
+class StoredLevels;
+}
+
 namespace sightline::core {
+
+/// Something that is true of its owner as it is. Copies of the owner, which may be changed, come without it.
+template <class T>
+class Companion : public std::shared_ptr<const T> {
+ public:
+  using std::shared_ptr<const T>::shared_ptr;
+  Companion() = default;
+  Companion(const Companion&) : std::shared_ptr<const T>() {}
+  Companion(Companion&&) noexcept = default;
+  Companion& operator=(const Companion&) {
+    this->reset();
+    return *this;
+  }
+  Companion& operator=(Companion&&) noexcept = default;
+  ~Companion() = default;
+};
 
 /// Indexed triangles in local coordinates (float; importers re-centre far coordinates in double first and put the
 /// centre into the item's placement). `normals` is empty or as long as `positions`. Every index is below
@@ -26,6 +47,9 @@ struct Mesh {
   /// vertices in order. Empty for a plain mesh.
   std::vector<std::uint32_t> contour_sizes;
   std::vector<std::uint32_t> polygon_contours;
+
+  /// Levels of detail of these triangles that were read with them (lod/stored_levels.h); null: none.
+  Companion<lod::StoredLevels> levels;
 
   bool is_facet_group() const { return !polygon_contours.empty(); }
 };

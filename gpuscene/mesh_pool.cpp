@@ -1,7 +1,6 @@
 #include "sightline/gpuscene/internal/mesh_pool.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -129,8 +128,8 @@ bool MeshPool::add_levels(const LevelsOfMesh& of) {
   const auto place = shape_of_mesh_.find(of.mesh.get());
   if (place == shape_of_mesh_.end() || of.levels->empty()) return false;
   Shape& shape = shapes_[place->second];
-  if (shape.levels == of.levels) return false;
-  assert(shape.solid_indices == of.levels->solid_indices);
+  // Levels from a file may be those of another mesh.
+  if (shape.levels == of.levels || shape.solid_indices != of.levels->solid_indices) return false;
   free_indices(shape);
   shape.first_index = indices_.begin_run(of.levels->indices.size());
   indices_.staged.insert(indices_.staged.end(), of.levels->indices.begin(), of.levels->indices.end());

@@ -13,6 +13,7 @@
 #include "sightline/core/block_order.h"
 #include "sightline/core/internal/hash.h"
 #include "sightline/lod/internal/cluster_groups.h"
+#include "sightline/lod/internal/cluster_tree.h"
 #include "sightline/lod/internal/simplify.h"
 #include "sightline/lod/internal/solid_shells.h"
 #include "sightline/lod/internal/surface_deviation.h"
@@ -27,7 +28,6 @@ using core::vec3;
 
 constexpr std::uint32_t kGroupClusters = 8;
 constexpr std::size_t kFewestTriangles = 32;  // of a group that is simplified: half of these are a box or two
-constexpr std::uint32_t kMostRoots = 32;      // more are held together
 constexpr double kLeastGain = 0.85;           // share of triangles that a simplification must not exceed
 
 using Corners = std::vector<std::uint32_t>;
@@ -154,7 +154,7 @@ class Builder {
       if (!add_level(first, end)) break;
       first = end;
     }
-    list_roots();
+    list_roots(levels_);
     return std::move(levels_);
   }
 
@@ -172,28 +172,6 @@ class Builder {
           {std::uint32_t(levels_.indices.size()), std::uint32_t(count), made_by, kNone, box_of(mesh_.positions, part)});
       levels_.indices.insert(levels_.indices.end(), part.begin(), part.end());
     }
-  }
-
-  void list_roots() {
-    std::vector<std::uint32_t> roots;
-    for (std::uint32_t i = 0; i < levels_.clusters.size(); ++i)
-      if (levels_.clusters[i].goes_into == kNone) roots.push_back(i);
-    while (roots.size() > kMostRoots) roots = held_together(roots);
-    levels_.first_root = std::uint32_t(levels_.members.size());
-    levels_.members.insert(levels_.members.end(), roots.begin(), roots.end());
-  }
-
-  /// Roots that stand for so many each of the given ones, which are neighbours.
-  std::vector<std::uint32_t> held_together(const std::vector<std::uint32_t>& roots) {
-    std::vector<std::uint32_t> holders;
-    for (std::size_t first = 0; first < roots.size(); first += kMostRoots) {
-      const std::size_t count = std::min<std::size_t>(kMostRoots, roots.size() - first);
-      add_group(std::span(roots).subspan(first, count), {{}, {std::numeric_limits<double>::infinity(), 0.0}});
-      holders.push_back(std::uint32_t(levels_.clusters.size()));
-      levels_.clusters.push_back({std::uint32_t(levels_.indices.size()), 0, std::uint32_t(levels_.groups.size() - 1),
-                                  kNone, levels_.groups.back().box});
-    }
-    return holders;
   }
 
   /// Simplifies the clusters first … end - 1. False when that gives nothing more.
@@ -260,25 +238,11 @@ class Builder {
   }
 
   void add_group(std::span<const std::uint32_t> members, const Simplified& simplified) {
-    const auto number = std::uint32_t(levels_.groups.size());
-    ClusterGroup group;
-    group.first_member = std::uint32_t(levels_.members.size());
-    group.member_count = std::uint32_t(members.size());
-    levels_.members.insert(levels_.members.end(), members.begin(), members.end());
-    for (const std::uint32_t member : members) {
-      Cluster& cluster = levels_.clusters[member];
-      cluster.goes_into = number;
-      group.box.grow(cluster.box);
-      if (cluster.made_by == kNone) continue;
-      const ClusterGroup& child = levels_.groups[cluster.made_by];
-      group.box.grow(child.box);
-      group.error = std::max(group.error, child.error);
-      group.angle = std::max(group.angle, child.angle);
-    }
+    const std::uint32_t number = join_clusters(levels_, members);
+    ClusterGroup& group = levels_.groups[number];
     const double error = double(group.error) + simplified.deviation.distance;
     group.error = std::isfinite(error) ? core::round_up(error) : std::numeric_limits<float>::infinity();
     group.angle = core::round_up(std::min(double(group.angle) + simplified.deviation.angle, std::numbers::pi));
-    levels_.groups.push_back(group);
     append_clusters(simplified.corners, number);
   }
 

@@ -163,6 +163,11 @@ core::Expected<Model> load_model(const ModelOptions& options) {
   return model;
 }
 
+core::Expected<Model> load_model(ModelOptions options, const DrawnOptions& shown) {
+  options.import.cached_levels = shown.lod_error > 0.0;
+  return load_model(options);
+}
+
 void warn_of_outliers(const core::FittedBounds& fitted) {
   if (fitted.outliers == 0) return;
   std::fprintf(stderr, "warning: %zu item%s too far from all others: fitted views and tours leave %s out\n",

@@ -39,6 +39,8 @@ void add_import_options(CommandLine& line, importers::ImportOptions& options);
 /// The arguments that give these options, each after a space.
 std::string import_arguments(const importers::ImportOptions& options);
 
+struct DrawnOptions;
+
 /// MODEL…, --translate, --explain and the import options.
 void add_model_options(CommandLine& line, ModelOptions& options);
 
@@ -57,6 +59,8 @@ std::string recognition_words(const importers::RecognitionReport& report);
 /// Imports all files below the root, whose transform is --translate. Prints warnings and progress to stderr
 /// unless ModelOptions::quiet.
 core::Expected<Model> load_model(const ModelOptions& options);
+/// The same for a tool that waits for the levels of detail which `shown` asks for: scene caches hold them, too.
+core::Expected<Model> load_model(ModelOptions options, const DrawnOptions& shown);
 
 /// Prints one line to stderr if views and tours of the whole leave out items.
 void warn_of_outliers(const core::FittedBounds& fitted);

@@ -4,6 +4,9 @@
 #include <iterator>
 #include <utility>
 
+#include "sightline/lod/internal/each_mesh.h"
+#include "sightline/lod/stored_levels.h"
+
 namespace sightline::engine {
 namespace {
 
@@ -111,22 +114,14 @@ void MeshDetails::run(const std::stop_token& stop) {
   }
 }
 
-/// Small meshes side by side, and each large one by several threads.
 void MeshDetails::build(std::vector<Wanted>& work, const std::stop_token& stop) {
-  const auto build_one = [&](Wanted& one, int threads) {
+  std::vector<const core::Mesh*> meshes;
+  for (const Wanted& one : work) meshes.push_back(one.of.mesh.get());
+  lod::for_each_mesh(meshes, [&](std::size_t i, int threads) {
     if (stop.stop_requested()) return;
-    const core::Mesh& mesh = *one.of.mesh;
-    one.of.levels = std::make_shared<const lod::MeshLevels>(one.levels ? lod::build_levels(mesh, threads)
-                                                                       : lod::build_clusters(mesh, threads));
-  };
-  const auto small =
-      std::partition(work.begin(), work.end(), [](const Wanted& one) { return !is_large(*one.of.mesh); }) -
-      work.begin();
-#ifdef _OPENMP
-#pragma omp parallel for schedule(dynamic)
-#endif
-  for (std::ptrdiff_t i = 0; i < small; ++i) build_one(work[std::size_t(i)], 1);
-  for (auto large = work.begin() + small; large != work.end(); ++large) build_one(*large, 0);
+    work[i].of.levels = std::make_shared<const lod::MeshLevels>(
+        lod::levels_of(*meshes[i], work[i].levels ? lod::LevelRange::kAll : lod::LevelRange::kClusters, threads));
+  });
 }
 
 }  // namespace sightline::engine

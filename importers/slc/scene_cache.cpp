@@ -12,6 +12,7 @@
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 #include "sightline/importers/slc/slc_writer.h"
+#include "sightline/lod/stored_levels.h"
 
 namespace sightline::importers {
 namespace {
@@ -21,6 +22,8 @@ using Json = json::Value;
 
 /// Raised when a reader makes something else of the same file.
 constexpr int kReaders = 1;
+/// Of an import with levels of detail, the rest of which are these.
+constexpr double kReadingShare = 0.2;
 
 /// Size and time of a file that may be missing: then both are -1.
 struct Stamp {
@@ -109,8 +112,25 @@ class SceneCache {
         files.push_back(entry_of(side));
     }
     const Json sources = {{"files", std::move(files)}, {"models", models}, {"settings", settings_of(options_)}};
-    if (auto done = write_slc(scene, file_, &report, {}, to_text(sources)); !done) return done;
+    if (auto done = write_slc(scene, file_, {.report = &report}, to_text(sources)); !done) return done;
     if (auto file = SlcFile::open(file_)) (void)attach_snapshot(*file, scene);  // else it is built when needed
+    return {};
+  }
+
+  /// Whether meshes of the cache should have levels of detail and have none.
+  bool lacks_levels(const SlcScene& cached) const {
+    return options_.cached_levels && lod::builds_levels() && !cached.has_levels;
+  }
+
+  /// Builds levels into the cache, which holds this scene, and reads it anew. Fails as write_slc() does.
+  core::Expected<void> add_levels(SlcScene& cached, const std::function<bool(double)>& progress) const {
+    const auto file = SlcFile::open(file_);
+    if (!file) return core::fail(file.error().message);
+    const auto sources = sources_of(**file);
+    if (!sources) return core::fail(sources.error().message);
+    const SlcWriteOptions options{.report = &cached.report, .levels = true, .progress = progress};
+    if (auto done = write_slc(cached.scene, file_, options, *sources); !done) return done;
+    if (auto again = read_fresh()) cached = std::move(*again);
     return {};
   }
 
@@ -167,6 +187,21 @@ bool can_be_cached(std::span<const fs::path> paths, const core::Scene& scene, co
   return std::none_of(paths.begin(), paths.end(), of_others);
 }
 
+/// Progress of a part of the whole.
+std::function<bool(double)> part_of(const std::function<bool(double)>& progress, double from, double to) {
+  if (!progress) return {};
+  return [=](double share) { return progress(from + share * (to - from)); };
+}
+
+bool is_cancelled(const core::Expected<void>& done) {
+  return !done && done.error().message == kCancelled;
+}
+
+void warn_if_failed(const core::Expected<void>& written, const ImportOptions& options, ImportReport& report) {
+  if (!written)
+    report.warnings.push_back({options.cache_folder.string(), 0, "scene cache: " + written.error().message});
+}
+
 }  // namespace
 
 core::Expected<ImportReport> import_with_cache(std::span<const fs::path> paths, core::Scene& scene, core::NodeId parent,
@@ -175,25 +210,37 @@ core::Expected<ImportReport> import_with_cache(std::span<const fs::path> paths, 
   const SceneCache cache(paths, options);
   std::optional<ImportWarning> warning;
   if (auto found = cache.read(warning)) {
-    if (options.progress && !options.progress(0.9)) return core::fail(std::string(kCancelled));
+    core::Expected<void> written;
+    if (cache.lacks_levels(*found)) written = cache.add_levels(*found, part_of(options.progress, 0.0, 0.9));
+    if (is_cancelled(written) || (options.progress && !options.progress(0.9)))
+      return core::fail(std::string(kCancelled));
     ImportReport report = std::move(found->report);
     report.nodes = scene.append(parent, std::move(found->scene));
     report.from_cache = true;
+    warn_if_failed(written, options, report);
     if (options.progress) (void)options.progress(1.0);
     return report;
   }
   Json sources = cache.sources();
-  // Into the scene itself where nothing else is in it, so that progress can show what has been read.
-  const bool bare = is_bare(scene) && parent == scene.root() && scene.name(parent).empty();
-  core::Scene apart;
-  core::Scene& into = bare ? scene : apart;
-  auto report = read_files(paths, into, into.root(), options);
+  // Into the scene itself where nothing else is in it, so that progress can show what has been read. With levels the
+  // scene is what is read from the cache in the end.
+  const bool levels = options.cached_levels && lod::builds_levels();
+  const bool bare = !levels && is_bare(scene) && parent == scene.root() && scene.name(parent).empty();
+  SlcScene apart;
+  core::Scene& into = bare ? scene : apart.scene;
+  ImportOptions reading = options;
+  if (levels) reading.progress = part_of(options.progress, 0.0, kReadingShare);
+  auto report = read_files(paths, into, into.root(), reading);
   if (!report) return report;
-  const auto written = cache.write(std::move(sources), into, *report);
-  if (!bare) report->nodes = scene.append(parent, std::move(apart));
+  auto written = cache.write(std::move(sources), into, *report);
+  if (written && levels) {
+    apart.report = *report;
+    written = cache.add_levels(apart, part_of(options.progress, kReadingShare, 1.0));
+    if (is_cancelled(written)) return tl::unexpected(written.error());
+  }
+  if (!bare) report->nodes = scene.append(parent, std::move(apart.scene));
   if (warning) report->warnings.push_back(std::move(*warning));
-  if (!written)
-    report->warnings.push_back({options.cache_folder.string(), 0, "scene cache: " + written.error().message});
+  warn_if_failed(written, options, *report);
   return report;
 }
 

@@ -7,8 +7,7 @@
 
 namespace sightline::importers {
 
-core::Expected<void> write_slc(const core::Scene&, const std::filesystem::path& path, const ImportReport*,
-                               const std::function<bool(double)>&) {
+core::Expected<void> write_slc(const core::Scene&, const std::filesystem::path& path, const SlcWriteOptions&) {
   return core::fail(fmt::format("{}: this build writes no .slc files (SIGHTLINE_SLC is off)", path.string()));
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/importers/slc/internal/slc_levels.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 
@@ -22,7 +23,8 @@ bool is_of_snapshot(const SlcFile::Section& section) {
 SlcExpected<void> verify_where(const SlcFile& file, const SlcFile::Mapping& mapping, bool of_snapshot) {
   std::vector<SlcFile::Verified> what;
   for (const SlcFile::Section& section : file.sections())
-    if (is_of_snapshot(section) == of_snapshot) what.push_back({&section, &mapping});
+    if (is_of_snapshot(section) == of_snapshot && section.number != kSlcLevelValues)
+      what.push_back({&section, &mapping});
   return file.verify(what);
 }
 
@@ -36,15 +38,20 @@ bool take(const LargeArray<std::byte>& values, std::uint64_t& at, std::uint32_t 
   return true;
 }
 
-SlcExpected<void> read_meshes(const SlcFile& file, const SlcFile::Mapping& mapping, core::Scene& scene) {
+SlcExpected<void> read_meshes(const std::shared_ptr<const SlcFile>& shared, const SlcFile::Mapping& mapping,
+                              core::Scene& scene) {
+  const SlcFile& file = *shared;
   LargeArray<SlcMesh> rows;
   LargeArray<char> names;
   LargeArray<std::byte> values;
   if (!file.adopt(mapping, kSlcMeshes, rows) || !file.adopt(mapping, kSlcMeshNames, names) ||
       !file.adopt(mapping, kSlcMeshValues, values))
     return damaged("its meshes have another size");
+  auto levels = read_levels(shared, mapping, rows.size());
+  if (!levels) return tl::unexpected(levels.error());
   std::uint64_t begin = 0, used = 0;
-  for (const SlcMesh& row : rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const SlcMesh& row = rows[i];
     if (row.name_end < begin || row.name_end > names.size()) return damaged("the names of its meshes are inconsistent");
     core::Mesh mesh;
     mesh.name.assign(names.begin() + begin, names.begin() + row.name_end);
@@ -61,6 +68,7 @@ SlcExpected<void> read_meshes(const SlcFile& file, const SlcFile::Mapping& mappi
     // Each mesh has values of its own: a small file cannot ask for much memory.
     used += at - row.first;
     if (used > values.size()) return damaged("its meshes overlap");
+    if (!levels->empty()) mesh.levels.swap((*levels)[i]);
     if (auto added = scene.add_mesh(std::move(mesh)); !added) return damaged("a mesh: " + added.error().message);
   }
   return {};
@@ -146,7 +154,8 @@ SlcExpected<SlcScene> load_all(const std::shared_ptr<const SlcFile>& file, bool 
 
   core::Scene& scene = loaded.scene;
   if (auto done = read_materials(*file, *mapping, scene); !done) return tl::unexpected(done.error());
-  if (auto done = read_meshes(*file, *mapping, scene); !done) return tl::unexpected(done.error());
+  if (auto done = read_meshes(file, *mapping, scene); !done) return tl::unexpected(done.error());
+  loaded.has_levels = has_levels(*file, *mapping);
   bool good = true;
   storage::for_each_scene_array(
       scene, [&](std::uint64_t number, auto& array) { good = good && file->adopt(*mapping, number, array); });

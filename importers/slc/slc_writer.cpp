@@ -8,6 +8,7 @@
 
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/slc/internal/page_table.h"
+#include "sightline/importers/slc/internal/slc_levels.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 
@@ -52,8 +53,8 @@ ImportReport report_of(const core::Scene& scene) {
 
 class SceneWriter {
  public:
-  SceneWriter(const core::Scene& scene, core::AtomicFile& file, const std::function<bool(double)>& progress)
-      : scene_(scene), snapshot_(scene), progress_(progress), out_(file) {}
+  SceneWriter(const core::Scene& scene, core::AtomicFile& file, const SlcWriteOptions& options)
+      : scene_(scene), snapshot_(scene), options_(options), out_(file) {}
 
   /// False when cancelled.
   bool run(const ImportReport& report, std::string_view sources) {
@@ -69,12 +70,16 @@ class SceneWriter {
     if (!tell(0.5)) return false;
     storage::for_each_scene_array(scene_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     attributes();
+    const auto levels_progress = [&](double share) { return tell(1.0 + share * (1.0 / before_levels() - 1.0)); };
+    if (!write_levels(scene_, meshes_by_slot(), options_.levels, levels_progress, out_)) return false;
     out_.finish();
-    return tell(0.99);
+    return true;
   }
 
  private:
-  bool tell(double share) { return !progress_ || progress_(share); }
+  /// `share`: of all but the levels.
+  bool tell(double share) { return !options_.progress || options_.progress(0.99 * share * before_levels()); }
+  double before_levels() const { return options_.levels ? 0.05 : 1.0; }
 
   void text(std::uint64_t number, std::string_view bytes) {
     out_.begin(number, 1);
@@ -193,7 +198,7 @@ class SceneWriter {
 
   const core::Scene& scene_;
   const core::Snapshot snapshot_;
-  const std::function<bool(double)>& progress_;
+  const SlcWriteOptions& options_;
   SlcWriter out_;
   std::vector<std::byte> piece_;
   std::vector<SlcMesh> mesh_rows_;
@@ -201,28 +206,30 @@ class SceneWriter {
 
 }  // namespace
 
-core::Expected<void> write_slc(const core::Scene& scene, const std::filesystem::path& path, const ImportReport* report,
-                               const std::function<bool(double)>& progress, std::string_view sources) {
+core::Expected<void> write_slc(const core::Scene& scene, const std::filesystem::path& path,
+                               const SlcWriteOptions& options, std::string_view sources) {
   if (scene.first_item(scene.root()) != core::kNoItem)
     return core::fail(fmt::format("{}: the root has items, which a scene cache cannot hold: expected them below a node",
                                   path.string()));
+  if (options.levels && !lod::builds_levels())
+    return core::fail(fmt::format("{}: this build makes no levels of detail (SIGHTLINE_LOD is off)", path.string()));
   try {
     std::optional<core::Scene> plain;
     if (!is_plain(scene, scene.root())) plain = with_plain_root(scene);
     const core::Scene& all = plain ? *plain : scene;
     auto file = core::AtomicFile::create(path);
     if (!file) return tl::unexpected(file.error());
-    if (!SceneWriter(all, *file, progress).run(report ? *report : report_of(all), sources))
-      return core::fail(std::string(kCancelled));
+    const ImportReport report = options.report ? *options.report : report_of(all);
+    if (!SceneWriter(all, *file, options).run(report, sources)) return core::fail(std::string(kCancelled));
     return file->commit();
   } catch (const std::bad_alloc&) {
     return core::fail(fmt::format("{}: not enough memory", path.string()));
   }
 }
 
-core::Expected<void> write_slc(const core::Scene& scene, const std::filesystem::path& path, const ImportReport* report,
-                               const std::function<bool(double)>& progress) {
-  return write_slc(scene, path, report, progress, {});
+core::Expected<void> write_slc(const core::Scene& scene, const std::filesystem::path& path,
+                               const SlcWriteOptions& options) {
+  return write_slc(scene, path, options, {});
 }
 
 }  // namespace sightline::importers

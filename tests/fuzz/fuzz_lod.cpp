@@ -2,7 +2,8 @@
 #include <bit>
 #include <cstring>
 
-#include "sightline/lod/mesh_levels.h"
+#include "sightline/lod/internal/cut.h"
+#include "sightline/lod/stored_levels.h"
 #include "sightline/tests/fuzz/fuzz_target.h"
 #include "sightline/tests/lod/surface_twin.h"
 
@@ -33,12 +34,31 @@ core::Mesh mesh_of(const std::uint8_t* data, std::size_t size) {
   return mesh;
 }
 
+/// The bytes as levels of a torus that somebody has stored.
+void read_as_levels(std::span<const std::byte> bytes) {
+  static const core::Mesh torus = tests::bumpy_torus(8, 0.1);
+  const auto levels = lod::decode(bytes, torus);
+  if (!levels) return;
+  for (const std::uint32_t index : levels->indices)
+    fuzz::require(index < torus.positions.size(), "indices of vertices");
+  const core::View view = *core::View::perspective({core::dvec3(20.0), core::dvec3(0.0)}, 0.8, 1.5, 0.1);
+  std::vector<lod::IndexRange> ranges;
+  lod::CutChooser().choose(*levels, {lod::ImageError(view, 300, 200, 1.0), core::Affine()}, ranges);
+  for (const lod::IndexRange& range : ranges)
+    fuzz::require(std::size_t(range.first) + range.count <= levels->indices.size(), "ranges of the indices");
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const core::Mesh mesh = mesh_of(data, size);
+  read_as_levels({reinterpret_cast<const std::byte*>(data), size});
   const lod::MeshLevels levels = lod::build_levels(mesh, 1);
   if (levels.empty()) return 0;
+  const auto bytes = lod::encode(levels);
+  const auto again = lod::decode(bytes, mesh);
+  fuzz::require(again && lod::encode(*again) == bytes && again->indices == levels.indices,
+                "levels as they were written");
   std::vector<std::uint32_t> coarsest;
   double error = 0.0;
   for (const lod::Cluster& cluster : levels.clusters) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 
 #include "sightline/importers/slc/slc_writer.h"
 #include "sightline/tests/importers/slc_seal.h"
+#include "sightline/tests/lod/mesh_samples.h"
 
 namespace sightline::tests {
 
@@ -77,6 +79,20 @@ inline core::Scene scene_with_everything() {
   return scene;
 }
 
+/// Meshes with levels of detail among others.
+inline core::Scene scene_with_levels() {
+  core::Scene scene = scene_with_everything();
+  const core::NodeId node = scene.add_node(scene.root(), "surfaces");
+  for (const std::uint32_t cells : {12u, 20u}) {
+    const core::MeshId torus = *scene.add_mesh(bumpy_torus(cells, 0.1));
+    for (int i = 0; i < 3; ++i) scene.add_mesh_instance(node, torus, core::translation({9.0 * i, double(cells), 0.0}));
+  }
+  core::Mesh not_finite = bumpy_torus(8, 0.1);
+  not_finite.positions[3].x = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(scene.add_mesh(std::move(not_finite)));
+  return scene;
+}
+
 inline std::vector<std::byte> bytes_of_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -89,10 +105,10 @@ inline void write_bytes(const std::filesystem::path& file, std::span<const std::
   out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
 }
 
-inline std::vector<std::byte> slc_of(const core::Scene& scene) {
+inline std::vector<std::byte> slc_of(const core::Scene& scene, bool levels = false) {
   const auto file = std::filesystem::path(testing::TempDir()) /
                     ("sightline-slc-" + std::to_string(reinterpret_cast<std::uintptr_t>(&scene)) + ".slc");
-  const auto done = importers::write_slc(scene, file);
+  const auto done = importers::write_slc(scene, file, {.levels = levels});
   EXPECT_TRUE(done) << (done ? "" : done.error().message);
   auto bytes = bytes_of_file(file);
   std::filesystem::remove(file);

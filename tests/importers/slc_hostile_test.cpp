@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/importers/slc/internal/slc_scene.h"
+#include "sightline/lod/stored_levels.h"
 #include "sightline/tests/importers/hostile.h"
 #include "sightline/tests/importers/slc_bytes.h"
 #include "sightline/tests/support/effort.h"
@@ -30,6 +31,56 @@ TEST(SlcHostile, EveryByteChangedInTurnIsFound) {
   }
 }
 
+/// Levels are read later than the rest.
+bool has_whole_levels(const core::Scene& scene) {
+  for (std::uint32_t i = 0; i < scene.mesh_slots(); ++i)
+    if (const core::MeshId id = scene.mesh_at(i); id.valid() && scene.mesh(id).levels)
+      if (!scene.mesh(id).levels->bytes()) return false;
+  return true;
+}
+
+TEST(SlcHostile, EveryByteOfLevelsChangedInTurnIsFound) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  const auto whole = tests::slc_of(tests::scene_with_levels(), true);
+  const auto sections = (*SlcFile::of_bytes(whole))->sections();
+  std::vector<std::byte> bytes = whole;
+  std::mt19937 random(5);
+  for (const SlcFile::Section& section : std::vector(sections.begin(), sections.end())) {
+    if (section.number < kSlcLevelsVersion || section.number > kSlcLevelValues) continue;
+    const std::uint64_t size = section.count * section.element_size;
+    for (std::uint64_t i = 0; i < size; i += size < 1000 || tests::long_run() ? 1 : 97) {
+      std::byte& byte = bytes[std::size_t(section.offset + i)];
+      byte ^= std::byte(1u << random() % 8);
+      const auto file = SlcFile::of_bytes(bytes);
+      const auto loaded = load(*file);
+      EXPECT_FALSE(loaded && has_whole_levels(loaded->scene)) << "byte " << i << " of " << section.number;
+      byte = whole[std::size_t(section.offset + i)];
+    }
+  }
+}
+
+/// Rows of levels that lead elsewhere.
+TEST(SlcHostile, RowsOfLevelsAreChecked) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  const auto whole = tests::slc_of(tests::scene_with_levels(), true);
+  const std::uint64_t rows = (*SlcFile::of_bytes(whole))->find(kSlcLevels)->offset;
+  const auto is_refused = [&](std::size_t word, std::uint64_t value) {
+    std::vector<std::byte> bytes = whole;
+    std::memcpy(bytes.data() + rows + 8 * word, &value, sizeof value);
+    return !load(*SlcFile::of_bytes(bytes), false);
+  };
+  std::uint64_t bytes[64] = {};
+  std::memcpy(bytes, whole.data() + rows, sizeof bytes);
+  std::size_t with = 0;
+  while (with < 60 && bytes[with + 1] == 0) with += 3;
+  ASSERT_LT(with, 60u);
+  EXPECT_FALSE(is_refused(with, bytes[with]));
+  EXPECT_TRUE(is_refused(with, ~std::uint64_t(0)));
+  EXPECT_TRUE(is_refused(with + 1, ~std::uint64_t(0)));
+  EXPECT_TRUE(is_refused(with + 1, bytes[with + 1] + 1)) << "bytes of the next one, too";
+  EXPECT_TRUE(is_refused(1, 1)) << "of a mesh that has none";
+}
+
 TEST(SlcHostile, EveryTruncationIsFound) {
   const auto whole = tests::slc_of(tests::scene_with_everything());
   for (std::size_t size = 0; size < whole.size(); ++size)
@@ -41,7 +92,7 @@ TEST(SlcHostile, EveryTruncationIsFound) {
 
 /// Seeds of the table (hostile_test.cpp) hold less than this scene, and hardly any change of them is found at once.
 TEST(SlcHostile, ChangesThatGetPastTheChecksums) {
-  const auto whole = tests::slc_of(tests::scene_with_everything());
+  const auto whole = tests::slc_of(tests::scene_with_levels(), lod::builds_levels());
   const hostile::Target target = hostile::target_of("slc");
   const hostile::Attack attack = hostile::mutation(target, {hostile::text_of(whole)});
   const int rounds = tests::repeated(3000);

@@ -11,10 +11,12 @@
 
 #include "sightline/core/snapshot.h"
 #include "sightline/gpuprims/internal/joints.h"
+#include "sightline/importers/obj/obj_writer.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 #include "sightline/importers/slc/internal/storage.h"
+#include "sightline/lod/stored_levels.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/importers/slc_bytes.h"
 #include "sightline/tests/support/test_data.h"
@@ -293,6 +295,112 @@ TEST_F(SlcTest, ItemsThatAParentMovesOutOfReachAreDropped) {
   EXPECT_TRUE(scene.commit());
 }
 
+/// Levels of a scene's meshes as bytes; empty where a mesh came without.
+std::vector<std::vector<std::byte>> levels_of(const Scene& scene) {
+  std::vector<std::vector<std::byte>> all;
+  for (std::uint32_t i = 0; i < scene.mesh_slots(); ++i) {
+    all.emplace_back();
+    const core::MeshId id = scene.mesh_at(i);
+    if (!id.valid() || !scene.mesh(id).levels) continue;
+    auto bytes = scene.mesh(id).levels->bytes();
+    EXPECT_TRUE(bytes) << bytes.error().message;
+    if (bytes) all.back() = std::move(*bytes);
+  }
+  return all;
+}
+
+/// What is to be found in a file with levels.
+std::vector<std::vector<std::byte>> built_levels(const Scene& scene) {
+  std::vector<std::vector<std::byte>> all(scene.mesh_slots());
+  for (std::uint32_t i = 0; i < all.size(); ++i) {
+    const core::MeshId id = scene.mesh_at(i);
+    if (!id.valid()) continue;
+    if (const auto built = lod::build_levels(scene.mesh(id)); !built.empty()) all[i] = lod::encode(built);
+  }
+  return all;
+}
+
+TEST_F(SlcTest, LevelsComeWithTheirMeshes) {
+  const Scene scene = tests::scene_with_levels();
+  ASSERT_TRUE(write_slc(scene, folder_ / "plain.slc"));
+  const Scene plain = read(folder_ / "plain.slc");
+  EXPECT_EQ(levels_of(plain), std::vector<std::vector<std::byte>>(scene.mesh_slots()));
+  const auto written = write_slc(scene, folder_ / "a.slc", {.levels = true});
+  ASSERT_EQ(bool(written), lod::builds_levels());
+  if (!written) return;
+  const Scene again = read(folder_ / "a.slc");
+  expect_same(plain, again);
+  EXPECT_EQ(levels_of(again), built_levels(scene));
+  // They stay with their meshes, wherever these go.
+  ASSERT_TRUE(write_slc(again, folder_ / "b.slc"));
+  EXPECT_EQ(tests::bytes_of_file(folder_ / "b.slc"), tests::bytes_of_file(folder_ / "a.slc"));
+  Scene both;
+  for (const char* name : {"plain.slc", "b.slc"}) ASSERT_TRUE(import_file(folder_ / name, both, both.root()));
+  auto joined = levels_of(plain);
+  for (auto& levels : levels_of(again)) joined.push_back(std::move(levels));
+  EXPECT_EQ(levels_of(both), joined);
+  const Snapshot snapshot(both);
+  std::size_t with = 0;
+  for (const core::Slot slot : snapshot.of_kind(core::Kind::kMesh).members)
+    with += snapshot.mesh(slot).levels != nullptr;
+  EXPECT_EQ(with, 6u);
+}
+
+TEST_F(SlcTest, LevelsOfAnotherVersionAreNotUsed) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  auto bytes = tests::slc_of(tests::scene_with_levels(), true);
+  const auto whole = SlcFile::of_bytes(bytes);
+  ASSERT_TRUE(whole);
+  EXPECT_TRUE(load(*whole)->has_levels);
+  bytes[(*whole)->find(kSlcLevelsVersion)->offset] ^= std::byte{64};
+  const auto loaded = load(*SlcFile::of_bytes(bytes), false);
+  ASSERT_TRUE(loaded);
+  EXPECT_FALSE(loaded->has_levels);
+  EXPECT_EQ(levels_of(loaded->scene), std::vector<std::vector<std::byte>>(loaded->scene.mesh_slots()));
+}
+
+TEST_F(SlcTest, CachesGetLevelsWhereTheyAreAskedFor) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  Scene scene;
+  const auto torus = scene.add_mesh(tests::bumpy_torus(20, 0.1)).value();
+  scene.add_mesh_instance(scene.add_node(scene.root(), "torus"), torus);
+  ASSERT_TRUE(scene.commit());
+  const fs::path model = folder_ / "torus.obj";
+  ASSERT_TRUE(write_obj(scene, scene.root(), model));
+  const auto with_levels = [&] {
+    Scene made;
+    const auto report = import({model}, made);
+    EXPECT_TRUE(report) << (report ? "" : report.error().message);
+    return levels_of(made) == built_levels(made);
+  };
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_FALSE(with_levels());
+  options_.cached_levels = true;
+  EXPECT_TRUE(was_cached({model})) << "the cache gets levels";
+  const auto bytes = tests::bytes_of_file(caches().at(0));
+  EXPECT_TRUE(with_levels());
+  options_.cached_levels = false;
+  EXPECT_TRUE(with_levels()) << "those that there are are used";
+  EXPECT_EQ(tests::bytes_of_file(caches().at(0)), bytes);
+  fs::remove(caches().at(0));
+  options_.cached_levels = true;
+  // Who cancels while levels are built still has a cache.
+  double told = 0.0;
+  options_.progress = [&](double share) { return (told = share) < 0.21; };
+  Scene none;
+  EXPECT_EQ(import({model}, none).error().message, kCancelled);
+  EXPECT_LT(told, 1.0);
+  options_.progress = {};
+  options_.cached_levels = false;
+  EXPECT_TRUE(was_cached({model}));
+  EXPECT_FALSE(with_levels());
+  fs::remove(caches().at(0));
+  options_.cached_levels = true;
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_EQ(tests::bytes_of_file(caches().at(0)), bytes);
+  EXPECT_TRUE(with_levels());
+}
+
 TEST_F(SlcTest, ASecondImportReadsTheCache) {
   const fs::path model = plant();
   EXPECT_FALSE(was_cached({model}));
@@ -537,7 +645,7 @@ TEST_F(SlcTest, ACancelledImportLeavesTheSceneAsItWas) {
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().message, kCancelled);
   EXPECT_EQ(scene.node_count(), 1u);
-  EXPECT_EQ(write_slc(read(model), folder_ / "b.slc", nullptr, [](double) { return false; }).error().message,
+  EXPECT_EQ(write_slc(read(model), folder_ / "b.slc", {.progress = [](double) { return false; }}).error().message,
             kCancelled);
   EXPECT_FALSE(fs::exists(folder_ / "b.slc"));
 }

@@ -15,8 +15,9 @@
 
 namespace sightline::engine {
 
-/// Large meshes get clusters, and where levels are asked for all meshes that gain by them get levels. A thread builds
-/// each once; it starts with the first mesh. Meshes that no item has are forgotten with the next scene.
+/// Large meshes get clusters, and where levels are asked for all meshes that gain by them get levels: those that came
+/// with them, else a thread builds each once. It starts with the first mesh. Meshes that no item has are forgotten with
+/// the next scene.
 class MeshDetails {
  public:
   /// Gives a scene what is ready and it lacks, until the deadline but at least some, and has built what is not.

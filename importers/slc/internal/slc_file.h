@@ -43,6 +43,9 @@ enum SlcArray : std::uint64_t {
   kSlcLeafColours,
   kSlcSlotEnds,
   kSlcPages,
+  kSlcLevelsVersion,
+  kSlcLevels,
+  kSlcLevelValues,
 };
 
 /// Why a cache cannot be used.

@@ -9,16 +9,18 @@
 #include "sightline/core/paged_scene.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/slc/internal/slc_file.h"
+#include "sightline/importers/slc/slc_writer.h"
 
 namespace sightline::importers {
 
 /// write_slc() with what the content was read from (scene_cache.cpp), as text; empty: unknown.
-core::Expected<void> write_slc(const core::Scene& scene, const std::filesystem::path& path, const ImportReport* report,
-                               const std::function<bool(double)>& progress, std::string_view sources);
+core::Expected<void> write_slc(const core::Scene& scene, const std::filesystem::path& path,
+                               const SlcWriteOptions& options, std::string_view sources);
 
 struct SlcScene {
   core::Scene scene;  ///< nothing is committed
   ImportReport report;
+  bool has_levels = false;  ///< of detail: all meshes came with theirs, as far as they have any
 };
 /// All of it. `verified`: checksums are compared; without, only what memory safety needs is checked.
 SlcExpected<SlcScene> load(std::shared_ptr<const SlcFile> file, bool verified = true);

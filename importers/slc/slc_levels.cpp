@@ -1,0 +1,106 @@
+#include "sightline/importers/slc/internal/slc_levels.h"
+
+#include <algorithm>
+#include <new>
+
+#include "sightline/lod/internal/each_mesh.h"
+
+namespace sightline::importers {
+namespace {
+
+constexpr std::size_t kTrianglesAtOnce = 1 << 20;  // of meshes whose levels are in memory together
+
+/// Levels of one mesh, which stay in the file.
+class LevelsInFile : public lod::StoredLevels {
+ public:
+  LevelsInFile(std::shared_ptr<const SlcFile> file, std::uint64_t offset, const SlcLevels& row)
+      : file_(std::move(file)), offset_(offset), row_(row) {}
+
+  core::Expected<std::vector<std::byte>> bytes() const override {
+    std::vector<std::byte> bytes(std::size_t(row_.bytes));
+    if (auto done = file_->read(offset_ + row_.first, bytes); !done) return core::fail(done.error().message);
+    if (slc_checksum(bytes) != row_.checksum) return core::fail("levels of a mesh do not match their checksum");
+    return bytes;
+  }
+
+ private:
+  std::shared_ptr<const SlcFile> file_;
+  std::uint64_t offset_;
+  SlcLevels row_;
+};
+
+/// Empty: it has none.
+std::vector<std::byte> bytes_of(const core::Mesh& mesh, bool build, int threads) {
+  if (mesh.levels)
+    if (auto bytes = mesh.levels->bytes()) return std::move(*bytes);
+  if (!build) return {};
+  const lod::MeshLevels levels = lod::build_levels(mesh, threads);
+  return levels.empty() ? std::vector<std::byte>() : lod::encode(levels);
+}
+
+}  // namespace
+
+bool write_levels(const core::Scene& scene, std::span<const std::uint32_t> meshes, bool build,
+                  const std::function<bool(double)>& progress, SlcWriter& out) {
+  std::vector<const core::Mesh*> wanted;
+  std::vector<std::uint32_t> numbers;  // of these
+  std::vector<SlcLevels> rows(scene.mesh_slots());
+  std::uint64_t triangles = 0, done = 0, at = 0;
+  for (const std::uint32_t number : meshes) {
+    const core::MeshId id = scene.mesh_at(number);
+    if (!id.valid() || !(scene.mesh(id).levels || (build && lod::needs_levels(scene.mesh(id))))) continue;
+    wanted.push_back(&scene.mesh(id));
+    numbers.push_back(number);
+    triangles += wanted.back()->indices.size() / 3;
+  }
+  if (wanted.empty() && !build) return true;
+  out.begin(kSlcLevelValues, 1);
+  std::vector<std::vector<std::byte>> values;
+  for (std::size_t first = 0, end = 0; first < wanted.size(); first = end) {
+    if (progress && !progress(double(done) / double(std::max<std::uint64_t>(triangles, 1)))) return false;
+    for (std::size_t some = 0; end < wanted.size() && some < kTrianglesAtOnce; ++end)
+      some += wanted[end]->indices.size() / 3, done += wanted[end]->indices.size() / 3;
+    const auto part = std::span<const core::Mesh* const>(wanted).subspan(first, end - first);
+    values.assign(part.size(), {});
+    lod::for_each_mesh(part, [&](std::size_t i, int threads) { values[i] = bytes_of(*part[i], build, threads); });
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (values[i].empty()) continue;
+      rows[numbers[first + i]] = {at, values[i].size(), slc_checksum(values[i])};
+      out.append(values[i]);
+      at += values[i].size();
+    }
+  }
+  out.end();
+  out.add(kSlcLevels, rows);
+  out.add(kSlcLevelsVersion, std::span(&lod::kLevelsVersion, 1));
+  return true;
+}
+
+bool has_levels(const SlcFile& file, const SlcFile::Mapping& mapping) {
+  core::LargeArray<std::uint32_t> version;
+  return file.adopt(mapping, kSlcLevelsVersion, version) && version.size() == 1 && version[0] == lod::kLevelsVersion;
+}
+
+SlcExpected<std::vector<std::shared_ptr<const lod::StoredLevels>>> read_levels(
+    const std::shared_ptr<const SlcFile>& file, const SlcFile::Mapping& mapping, std::size_t mesh_count) {
+  std::vector<std::shared_ptr<const lod::StoredLevels>> levels;
+  if (!has_levels(*file, mapping)) return levels;
+  core::LargeArray<SlcLevels> rows;
+  const SlcFile::Section* values = file->find(kSlcLevelValues);
+  if (!file->adopt(mapping, kSlcLevels, rows) || rows.size() != mesh_count || !values || values->element_size != 1)
+    return damaged("its levels of detail have another size");
+  levels.resize(mesh_count);
+  std::uint64_t used = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const SlcLevels& row = rows[i];
+    if (row.bytes == 0) continue;
+    if (row.bytes > values->count || row.first > values->count - row.bytes)
+      return damaged("its levels of detail are inconsistent");
+    // Each has bytes of its own: a small file cannot ask for much memory.
+    if ((used += row.bytes) > values->count) return damaged("its levels of detail overlap");
+    levels[i] = std::make_shared<LevelsInFile>(file, values->offset, row);
+  }
+  return levels;
+}
+
+}  // namespace sightline::importers
