@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,13 @@
 #include "sightline/core/snapshot.h"
 
 namespace sightline::core {
+
+/// How far a surface may lie from another one that it stands for: each point of one has a point of the other within so
+/// many metres, as far as their triangles lie in the box. Both in the mesh's own coordinates.
+struct MeshDeviation {
+  Aabb box;
+  float error = 0.0f;
+};
 
 /// Items of a page. Stays at its address.
 struct SIGHTLINE_API Page {
@@ -33,6 +41,12 @@ struct SIGHTLINE_API Page {
   Snapshot snapshot{meshes};
   /// Ends hidden at joints (gpuprims/internal/joints.h): two bits per slot.
   std::vector<std::uint64_t> internal_end_caps;
+
+  /// Of a page of PagedScene::coarse: of all meshes, one after the other; and for each mesh where its own end. A mesh
+  /// without is the one that it stands for.
+  std::vector<MeshDeviation> deviations;
+  std::vector<std::uint32_t> deviation_ends;
+  std::span<const MeshDeviation> deviations_of(std::uint32_t mesh) const;
 
   /// Gives back what only uploading needs: placements and parameters of primitives.
   void drop_records();
@@ -58,13 +72,17 @@ struct PagedScene {
   /// Reads a page, verified; `page` must be one of pages. Any thread may call it, several at once. Fails where the file
   /// cannot be read, is damaged, or the page does not fit into memory.
   std::function<Expected<std::unique_ptr<Page>>(std::uint32_t page)> load;
+  /// The same pages, with each mesh by the coarsest of its levels of detail. Those of which that takes less than half
+  /// the bytes of meshes; others have no slots. Only `pages` and `load` are of use. Null: there are none.
+  std::shared_ptr<const PagedScene> coarse;
 
   std::uint32_t leaf_end(std::uint32_t page) const {
     return pages[page].first_leaf + (pages[page].slot_count + kBlockSlots - 1) / kBlockSlots;
   }
   /// Of what is always in memory.
   std::size_t memory_bytes() const {
-    return leaves.memory_bytes() + colours.capacity() * sizeof(colours[0]) + pages.capacity() * sizeof(PageInfo);
+    return leaves.memory_bytes() + colours.capacity() * sizeof(colours[0]) + pages.capacity() * sizeof(PageInfo) +
+           (coarse ? coarse->memory_bytes() : 0);
   }
 };
 

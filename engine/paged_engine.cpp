@@ -29,6 +29,7 @@ constexpr int kForeseen = 3;                      // the camera's motion is doub
 constexpr double kLongestTrial = 10.0;            // seconds
 constexpr float kBarShare = 0.2f;                 // of the image's width
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
+constexpr std::size_t kCoarseShare = 4;  // one part in so many of the memory for pages is for coarse ones
 constexpr std::size_t kReserveShare = 10, kLeastReserve = 32 * kMegabyte;  // see reserve_of()
 
 /// The motion of a camera between two views, kept up for 2^kForeseen frames.
@@ -78,6 +79,13 @@ std::size_t bytes_of_drivers(const PagedConfig& config) {
   return 64 * kMegabyte + 8 * std::size_t(config.width) * std::size_t(config.height);
 }
 
+/// Whether a coarse page shows an item as the page itself does.
+bool is_fine_enough(const core::Page& page, core::Slot slot) {
+  const core::Kind kind = page.snapshot.kind(slot);
+  if (int(kind) < core::kPrimitiveKindCount) return true;
+  return page.deviations_of(page.snapshot.of_kind(kind).meshes[page.snapshot.index_in_kind(slot)]).empty();
+}
+
 /// What the standard library throws becomes an error.
 template <class Call>
 auto without_throwing(const Call& call) -> decltype(call()) {
@@ -102,9 +110,11 @@ class PagedEngine::Impl {
   ~Impl() { (void)context_.make_current(); }
   core::Expected<PagedReport> frame(const core::View& view);
   core::Expected<PagedReport> settle(const core::View& view, const Progress& progress);
-  bool wait(double seconds) { return store_->wait(seconds); }
+  bool wait(double seconds) {
+    return coarse_ && coarse_->on_their_way() > 0 ? coarse_->wait(seconds) : store_->wait(seconds);
+  }
 
-  std::vector<std::string> take_errors() { return store_->take_errors(); }
+  std::vector<std::string> take_errors();
   std::vector<std::string> take_gl_errors() {
     return context_.make_current() ? context_.take_errors() : std::vector<std::string>();
   }
@@ -115,7 +125,10 @@ class PagedEngine::Impl {
   const core::View& view() const { return *view_; }
   const core::PagedScene& scene() const { return scene_; }
   const std::string& renderer() const { return context_.renderer(); }
-  Memory memory() const { return {store_->bytes(), store_->limit()}; }
+  Memory memory() const {
+    return coarse_ ? Memory{store_->bytes() + coarse_->bytes(), store_->limit() + coarse_->limit()}
+                   : Memory{store_->bytes(), store_->limit()};
+  }
 
  private:
   Impl(core::PagedScene scene, const PagedConfig& config, gl::Context context)
@@ -124,6 +137,8 @@ class PagedEngine::Impl {
   core::Expected<void> warm_up();
   core::Expected<void> draw_trial();
   std::size_t room_for_pages() const;
+  std::size_t least_for_pages() const;
+  void set_limits(std::size_t limit);
   core::Expected<void> make_store();
   void keep_within_limit();
 
@@ -134,14 +149,20 @@ class PagedEngine::Impl {
   core::Expected<void> refine_more();
   core::Expected<void> draw_resident();
   core::Expected<std::uint64_t> draw_page(std::uint32_t page);
+  core::Expected<std::uint64_t> draw_coarse_page(std::uint32_t page);
+  core::VisibleSet shown_slots(std::uint32_t page, const ResidentPage& resident) const;
+  core::Expected<std::uint64_t> draw(ResidentPage& resident, const core::VisibleSet& set,
+                                     const render::RenderTarget& onto);
   std::vector<std::uint32_t> drawable() const;
   core::VisibleSet slots_of_page(std::uint32_t page, const ResidentPage& resident) const;
   void close_hidden(std::uint32_t page);
   void close(std::uint32_t page, const core::VisibleSet& but);
   culling::OcclusionTest occlusion_test(const core::dvec3& origin) const;
   void ask_for_pages(bool stays);
-  void foresee(std::vector<PageStore::Wanted>& wanted);
+  bool wants_coarse(std::uint32_t page) const;
+  void foresee(std::vector<PageStore::Wanted>& wanted, std::vector<PageStore::Wanted>& coarse);
   core::Expected<void> show();
+  core::Expected<void> show_coarse_pages();
   void draw_loading_bar() const;
 
   gl::Context context_;  // destroyed last
@@ -155,6 +176,7 @@ class PagedEngine::Impl {
   std::optional<Placeholders> placeholders_;
   std::size_t page_limit_ = 0;  // bytes for pages, where drivers take what was foreseen
   std::unique_ptr<PageStore> store_;
+  std::unique_ptr<PageStore> coarse_;  // of the coarsest levels; null: there are none
 
   // The image that is being drawn.
   std::optional<core::View> view_, before_;
@@ -164,6 +186,8 @@ class PagedEngine::Impl {
   core::VisibleSet in_view_, candidates_;  // leaves
   std::vector<std::uint64_t> open_;        // a bit per leaf that is still to be drawn
   std::vector<std::uint32_t> open_count_;  // by page: its open leaves
+  std::vector<bool> coarse_drawn_;         // by page: what of its coarse form shows as much as all of it
+  bool settling_ = false;                  // nobody looks at what comes before the image is complete
   std::vector<float> area_;                // by page: pixels that its leaves come to
   std::vector<std::uint32_t> by_area_;  // pages with open leaves, the largest first, and some that have none any more
   culling::SetParts parts_;
@@ -224,6 +248,7 @@ core::Expected<void> PagedEngine::Impl::prepare() {
   open_.resize(culling::bit_words(scene_.leaves.size()));
   open_count_.resize(scene_.pages.size());
   area_.resize(scene_.pages.size());
+  coarse_drawn_.resize(scene_.pages.size());
   if (auto done = warm_up(); !done) return done;
   return make_store();
 }
@@ -269,15 +294,26 @@ core::Expected<void> PagedEngine::Impl::draw_trial() {
 /// What the limit leaves; 0 where that is less than a page.
 std::size_t PagedEngine::Impl::room_for_pages() const {
   const std::size_t taken = process_memory() + bytes_to_read(config_) + reserve_of(config_.memory_limit);
-  const std::size_t least = PageStore::largest_page(scene_);
-  return config_.memory_limit < taken + least ? 0 : config_.memory_limit - taken;
+  return config_.memory_limit < taken + least_for_pages() ? 0 : config_.memory_limit - taken;
+}
+
+std::size_t PagedEngine::Impl::least_for_pages() const {
+  return PageStore::largest_page(scene_) + (scene_.coarse ? PageStore::largest_page(*scene_.coarse) : 0);
+}
+
+void PagedEngine::Impl::set_limits(std::size_t limit) {
+  if (coarse_) {
+    coarse_->set_limit(limit / kCoarseShare);
+    limit -= std::min(limit, coarse_->limit());
+  }
+  store_->set_limit(limit);
 }
 
 core::Expected<void> PagedEngine::Impl::make_store() {
   give_back_free_memory();
   page_limit_ = room_for_pages();
   if (page_limit_ == 0) {
-    const std::size_t used = process_memory() + bytes_to_read(config_), least = PageStore::largest_page(scene_);
+    const std::size_t used = process_memory() + bytes_to_read(config_), least = least_for_pages();
     return core::fail(
         "engine: a memory limit of " + in_megabytes(config_.memory_limit) + " is too low: " + in_megabytes(used) +
         " are taken without any page, and the largest page takes " + in_megabytes(least) + "; expected " +
@@ -285,6 +321,8 @@ core::Expected<void> PagedEngine::Impl::make_store() {
         " or more");
   }
   store_ = std::make_unique<PageStore>(scene_, page_limit_);
+  if (scene_.coarse) coarse_ = std::make_unique<PageStore>(*scene_.coarse, 0);
+  set_limits(page_limit_);
   return {};
 }
 
@@ -292,8 +330,9 @@ core::Expected<void> PagedEngine::Impl::make_store() {
 void PagedEngine::Impl::keep_within_limit() {
   const std::size_t most = config_.memory_limit - reserve_of(config_.memory_limit) / 2 - bytes_to_read(config_);
   if (process_memory() > most) give_back_free_memory();
-  const std::size_t used = process_memory(), pages = store_->resident_bytes();
-  store_->set_limit(std::min(page_limit_, most + pages > used ? most + pages - used : 0));
+  const std::size_t used = process_memory();
+  const std::size_t pages = store_->resident_bytes() + (coarse_ ? coarse_->resident_bytes() : 0);
+  set_limits(std::min(page_limit_, most + pages > used ? most + pages - used : 0));
 }
 
 // --- frames ----------------------------------------------------------------------------------------------------------
@@ -319,6 +358,7 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
 
 /// Shows no image before it is complete.
 core::Expected<PagedReport> PagedEngine::Impl::settle(const core::View& view, const Progress& progress) {
+  settling_ = true;
   auto report = frame(view);
   while (report && !report_.complete) {
     if (progress && !progress(report_)) return report_;
@@ -326,7 +366,15 @@ core::Expected<PagedReport> PagedEngine::Impl::settle(const core::View& view, co
     if (!report_.complete) continue;
     report = frame(view);
   }
+  settling_ = false;
   return report;
+}
+
+std::vector<std::string> PagedEngine::Impl::take_errors() {
+  auto errors = store_->take_errors();
+  if (coarse_)
+    for (std::string& error : coarse_->take_errors()) errors.push_back(std::move(error));
+  return errors;
 }
 
 /// Of the image begun, without showing it.
@@ -340,6 +388,7 @@ PagedReport PagedEngine::Impl::begin(const core::View& view) {
   before_ = std::exchange(view_, view);
   renderer_->clear(canvas_);
   pyramid_.clear(config_.width, config_.height);
+  coarse_drawn_.assign(coarse_drawn_.size(), false);
   unoccluded_leaves();
   PagedReport report;
   report.leaves = std::int64_t(candidates_.count());
@@ -381,11 +430,13 @@ void PagedEngine::Impl::unoccluded_leaves() {
 core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
   while (true) {
     if (auto done = store_->take_loaded(context_, report_.frame); !done) return done;
+    if (coarse_)
+      if (auto done = coarse_->take_loaded(context_, report_.frame); !done) return done;
     if (auto done = draw_resident(); !done) return done;
     keep_within_limit();
     ask_for_pages(stays);
     const double left = until - now_seconds();
-    if (!stays || report_.complete || left <= 0.0 || !store_->wait(left)) break;
+    if (!stays || report_.complete || left <= 0.0 || !wait(left)) break;
   }
   report_.pending = 0;
   for (const std::uint32_t page : by_area_) report_.pending += open_count_[page];
@@ -395,15 +446,20 @@ core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
   report_.evicted = counts.evicted;
   report_.prefetched = counts.prefetched;
   report_.failed = counts.failed;
+  if (coarse_) report_.coarse_resident = coarse_->counts().resident, report_.coarse_loaded = coarse_->counts().loaded;
   report_.memory = process_memory();
   return {};
 }
 
-/// Resident pages with open leaves, nearest first.
+/// Pages with open leaves of which something that is in memory was not drawn, nearest first.
 std::vector<std::uint32_t> PagedEngine::Impl::drawable() const {
   const core::dvec4 depth = glm::transpose(view_->eye_from_world())[2];  // larger means nearer
   std::vector<std::pair<double, std::uint32_t>> found;
-  for (const std::uint32_t page : store_->resident()) {
+  std::vector<std::uint32_t> resident(store_->resident().begin(), store_->resident().end());
+  if (coarse_)
+    for (const std::uint32_t page : coarse_->resident())
+      if (!coarse_drawn_[page] && !store_->find(page)) resident.push_back(page);
+  for (const std::uint32_t page : resident) {
     if (open_count_[page] == 0) continue;
     const core::Aabb& box = page_boxes_[page];
     double nearest = depth.w;
@@ -426,7 +482,7 @@ core::Expected<void> PagedEngine::Impl::draw_resident() {
     report_.items_drawn += std::int64_t(std::exchange(drawn, 0));
   };
   for (const std::uint32_t page : drawable()) {
-    const auto items = draw_page(page);
+    const auto items = store_->find(page) ? draw_page(page) : draw_coarse_page(page);
     if (!items) return tl::unexpected(items.error());
     if ((drawn += *items) < pass) continue;
     read_back();
@@ -479,39 +535,103 @@ core::VisibleSet PagedEngine::Impl::slots_of_page(std::uint32_t page, const Resi
   return set;
 }
 
+/// What of the open leaves covers a sample and is not known to be hidden.
+core::VisibleSet PagedEngine::Impl::shown_slots(std::uint32_t page, const ResidentPage& resident) const {
+  const core::ItemBounds& bounds = resident.content->snapshot.bounds();
+  core::VisibleSet open = slots_of_page(page, resident), shown;
+  culling::SampleTest(*view_, bounds.origin, samples_).filter(bounds, open, shown, resident.lines);
+  occlusion_test(bounds.origin).filter(bounds, shown, open, resident.lines);
+  return open;
+}
+
 /// Returns the number of items drawn.
+core::Expected<std::uint64_t> PagedEngine::Impl::draw(ResidentPage& resident, const core::VisibleSet& set,
+                                                      const render::RenderTarget& onto) {
+  if (set.count() == 0) return 0;
+  const core::Snapshot& snapshot = resident.content->snapshot;
+  gpuscene::DrawnIn in{&*view_};
+  const culling::TriangleTest triangles(*view_, samples_);
+  if (context_.capabilities().software) in.triangles = &triangles;
+  if (auto done = resident.lists.update(snapshot, resident.scene, set, in); !done) return tl::unexpected(done.error());
+  if (auto done = renderer_->draw_more(*view_, snapshot, resident.scene, resident.lists, onto); !done)
+    return tl::unexpected(done.error());
+  return snapshot.count(set);
+}
+
 core::Expected<std::uint64_t> PagedEngine::Impl::draw_page(std::uint32_t page) {
   ResidentPage& resident = *store_->find(page);
   resident.used = report_.frame;
   resident.area = area_[page];
   close_hidden(page);
-  const core::Snapshot& snapshot = resident.content->snapshot;
-  const core::ItemBounds& bounds = snapshot.bounds();
-  core::VisibleSet open = slots_of_page(page, resident), shown;
-  culling::SampleTest(*view_, bounds.origin, samples_).filter(bounds, open, shown, resident.lines);
-  occlusion_test(bounds.origin).filter(bounds, shown, open, resident.lines);
-  if (open.count() > 0) {
-    if (auto done = resident.lists.update(snapshot, resident.scene, open, {&*view_}); !done)
-      return tl::unexpected(done.error());
-    if (auto done = renderer_->draw_more(*view_, snapshot, resident.scene, resident.lists, canvas_); !done)
-      return tl::unexpected(done.error());
-  }
+  const auto drawn = draw(resident, shown_slots(page, resident), canvas_);
+  if (!drawn) return drawn;
   store_->count_again(page);
   close(page, {});
-  return snapshot.count(open);
+  return drawn;
+}
+
+/// Draws the leaves whose meshes are all drawn as well by their coarsest levels. The others stay open.
+core::Expected<std::uint64_t> PagedEngine::Impl::draw_coarse_page(std::uint32_t page) {
+  ResidentPage& resident = *coarse_->find(page);
+  resident.used = report_.frame;
+  resident.area = area_[page];
+  coarse_drawn_[page] = true;
+  close_hidden(page);
+  const core::VisibleSet shown = shown_slots(page, resident);
+  const core::Snapshot& snapshot = resident.content->snapshot;
+  std::vector<std::uint64_t> fine(culling::bit_words(snapshot.size())), rough = fine;
+  culling::set_bits(shown, fine);
+  for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
+    if (culling::contains(fine, slot) && !is_fine_enough(*resident.content, slot))
+      rough[slot / 64] |= (~std::uint64_t(0) >> (64 - core::kBlockSlots))
+                          << slot % 64 / core::kBlockSlots * core::kBlockSlots;
+  core::VisibleSet set, open;
+  const std::uint32_t first = scene_.pages[page].first_leaf;
+  for (std::uint32_t leaf = first; leaf < scene_.leaf_end(page); ++leaf)
+    if (culling::contains(open_, leaf) && culling::contains(rough, (leaf - first) * core::kBlockSlots))
+      culling::append_range(leaf, leaf + 1, open.ranges);
+  for (std::size_t word = 0; word < fine.size(); ++word) fine[word] &= ~rough[word];
+  to_set(fine, set);
+  set.generation = snapshot.generation();
+  const auto drawn = draw(resident, set, canvas_);
+  if (!drawn) return drawn;
+  coarse_->count_again(page);
+  close(page, open);
+  return drawn;
 }
 
 /// The canvas, and what stands in for the rest.
 core::Expected<void> PagedEngine::Impl::show() {
   canvas_.copy_to(target_);
-  report_.placeholders = 0;
+  report_.placeholders = report_.coarse_items = 0;
   if (report_.pending > 0) {
     to_set(open_, candidates_);
+    if (coarse_)
+      if (auto done = show_coarse_pages(); !done) return done;
     if (auto done = placeholders_->draw(scene_, *view_, candidates_, target_); !done) return done;
     report_.placeholders = std::int64_t(placeholders_->drawn());
     if (config_.loading_bar) draw_loading_bar();
   }
   context_.functions().Finish();
+  return {};
+}
+
+/// Draws open leaves by the coarsest levels of their meshes, and leaves the others as candidates.
+core::Expected<void> PagedEngine::Impl::show_coarse_pages() {
+  std::vector<std::uint64_t> rest = open_;
+  for (const std::uint32_t page : coarse_->resident()) {
+    if (open_count_[page] == 0) continue;
+    ResidentPage& resident = *coarse_->find(page);
+    resident.used = report_.frame;
+    resident.area = area_[page];
+    const auto drawn = draw(resident, shown_slots(page, resident), target_);
+    if (!drawn) return tl::unexpected(drawn.error());
+    report_.coarse_items += std::int64_t(*drawn);
+    coarse_->count_again(page);
+    for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
+      rest[leaf / 64] &= ~(std::uint64_t(1) << leaf % 64);
+  }
+  to_set(rest, candidates_);
   return {};
 }
 
@@ -532,29 +652,34 @@ void PagedEngine::Impl::draw_loading_bar() const {
 
 // --- what comes next -------------------------------------------------------------------------------------------------
 
+/// Whether the coarse form of a page would be of use and is not in memory.
+bool PagedEngine::Impl::wants_coarse(std::uint32_t page) const {
+  return coarse_ && !settling_ && scene_.coarse->pages[page].slot_count > 0 && !coarse_->find(page) &&
+         !coarse_->failed(page) && !store_->find(page);
+}
+
 void PagedEngine::Impl::ask_for_pages(bool stays) {
-  std::vector<PageStore::Wanted> wanted;
+  std::vector<PageStore::Wanted> wanted, coarse;
   std::size_t left = 0;  // pages that may still have open leaves
-  bool complete = true;
   for (const std::uint32_t page : by_area_) {
     if (open_count_[page] == 0) continue;
     by_area_[left++] = page;
     if (store_->failed(page)) continue;
-    if (wanted.size() < PageStore::kMostAsked) {
-      close_hidden(page);
-      if (open_count_[page] == 0) continue;
-      wanted.push_back({page, area_[page], true});
-    }
-    complete = false;
+    if (coarse.size() < PageStore::kMostAsked && wants_coarse(page)) coarse.push_back({page, area_[page], true});
+    if (wanted.size() >= PageStore::kMostAsked) continue;
+    close_hidden(page);
+    if (open_count_[page] > 0) wanted.push_back({page, area_[page], true});
   }
   by_area_.resize(left);
-  report_.complete = complete;
-  if (!stays && before_) foresee(wanted);
+  report_.complete = std::none_of(by_area_.begin(), by_area_.end(),
+                                  [&](std::uint32_t page) { return open_count_[page] > 0 && !store_->failed(page); });
+  if (!stays && before_) foresee(wanted, coarse);
   store_->ask_for(wanted, report_.frame, stays);
+  if (coarse_) coarse_->ask_for(coarse, report_.frame, stays);
 }
 
 /// Appends what the view will need when the camera goes on as it does.
-void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted) {
+void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted, std::vector<PageStore::Wanted>& coarse) {
   const auto view = foreseen(*before_, *view_);
   if (!view) return;
   core::View any_layer = *view;
@@ -576,6 +701,8 @@ void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted) {
   }
   std::sort(later.begin(), later.end(), [](const auto& a, const auto& b) { return a.area > b.area; });
   wanted.insert(wanted.end(), later.begin(), later.end());
+  std::copy_if(later.begin(), later.end(), std::back_inserter(coarse),
+               [&](const auto& w) { return wants_coarse(w.page); });
 }
 
 // --- interface -------------------------------------------------------------------------------------------------------

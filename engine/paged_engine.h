@@ -5,7 +5,8 @@
 //   do { report = engine->frame(view); } while (report && !report->complete);
 //   image::write_png(engine->read_colour(), "out.png");
 //
-// Each frame shows what is in memory, and a splat for each leaf that is not. Pages are read by the size that their
+// Each frame shows what is in memory. For pages that are not it shows their meshes by the coarsest levels of detail, where
+// the scene cache has levels (importers::SlcWriteOptions::levels), and else a splat for each leaf. Pages are read by the size that their
 // leaves have in the image, and ahead of the camera. A view that stays is completed frame by frame, page after page,
 // also where it needs more than memory holds: what is drawn stays in the image when its page goes. Complete images
 // of one scene cache are to the bit what Engine draws of it, but where two items have the very same surface: there
@@ -64,6 +65,7 @@ struct PagedReport {
   std::int64_t leaves = 0;        ///< in the view volume that may cover a sample
   std::int64_t pending = 0;       ///< of these, not drawn yet and not known to be hidden: their pages are not in memory
   std::int64_t placeholders = 0;  ///< splats drawn for them
+  std::int64_t coarse_items = 0;  ///< items drawn for them by their coarsest levels
   std::int64_t items_drawn = 0;   ///< items drawn into the image so far
   bool complete = false;          ///< nothing is pending; with failed pages, nothing that can be read
   std::uint32_t resident = 0;     ///< pages in memory
@@ -71,6 +73,8 @@ struct PagedReport {
   std::uint64_t evicted = 0;      ///< pages given up since the start
   std::uint64_t prefetched = 0;   ///< of those read, pages that no image needed yet
   std::uint64_t failed = 0;       ///< pages that cannot be read: take_errors()
+  std::uint32_t coarse_resident = 0;  ///< pages of coarsest levels in memory, and those read since the start
+  std::uint64_t coarse_loaded = 0;
   std::size_t memory = 0;         ///< bytes of the process now; 0 where the system does not say
 };
 
@@ -105,8 +109,7 @@ class SIGHTLINE_API PagedEngine {
   /// Messages of the driver; only with gl_debug.
   std::vector<std::string> take_gl_errors();
 
-  /// Of the last frame, which there must have been; wait for the GPU. Placeholders have the id of the background, and
-  /// no depth.
+  /// Of the last frame, which there must have been; wait for the GPU. Splats have the id of the background, and no depth.
   image::Image read_colour() const;
   image::IdImage read_ids() const;  ///< only with PagedConfig::ids
   image::DepthImage read_depth() const;

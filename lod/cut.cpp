@@ -58,7 +58,8 @@ ImageError::ImageError(const core::View& view, int width, int height, double pix
       pixels_(pixels),
       nearest_(least_visible_w(view)) {}
 
-MeshError::MeshError(const ImageError& image, const core::Affine& world_from_mesh) : nearest_(image.nearest_) {
+MeshError::MeshError(const ImageError& image, const core::Affine& world_from_mesh)
+    : pixels_(image.pixels_), nearest_(image.nearest_) {
   const dvec4 x = in_mesh(image.rows_[0], world_from_mesh), y = in_mesh(image.rows_[1], world_from_mesh);
   w_ = in_mesh(image.rows_[3], world_from_mesh);
   double largest_move = 0.0;

@@ -83,6 +83,7 @@ class PageStore {
     std::uint64_t loaded = 0, evicted = 0, prefetched = 0, failed = 0;
   };
 
+  /// Of `scene` it uses pages and load.
   PageStore(const core::PagedScene& scene, std::size_t limit);
 
   /// Bytes that a page takes while it is uploaded, and the largest one.
@@ -95,6 +96,9 @@ class PageStore {
   std::span<const std::uint32_t> resident() const { return resident_; }
   ResidentPage* find(std::uint32_t page) { return pages_[page].get(); }
   bool failed(std::uint32_t page) const { return failed_[page]; }
+  std::size_t on_their_way() const { return loader_.on_their_way(); }
+  /// Whether it asks for no more pages at present.
+  bool is_busy() const { return on_their_way() >= kMostAsked; }
   /// Uploads what was read. `context` must be current.
   core::Expected<void> take_loaded(const gl::Context& context, std::uint64_t frame);
   /// Asks for pages, first things first, as long as there is room or pages can go: those that were used longest ago,

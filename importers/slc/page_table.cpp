@@ -19,6 +19,55 @@ struct FreeState {
   void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
 };
 
+/// Sums up what pages hold.
+class PageSums {
+ public:
+  PageSums(const core::Scene& scene, const core::Snapshot& snapshot, std::span<const std::uint64_t> ends,
+           std::span<const SlcMesh> meshes)
+      : scene_(scene), snapshot_(snapshot), meshes_(meshes), state_(XXH3_createState()) {
+    storage::for_each_snapshot_array(snapshot, [&](std::uint64_t number, const auto& array) {
+      arrays_[number] = {std::as_bytes(std::span(array.data(), array.size())), sizeof(array.data()[0])};
+    });
+    arrays_[kSlcSlotEnds] = {std::as_bytes(ends), sizeof(ends[0])};
+  }
+
+  /// Numbers of the meshes of a page.
+  std::vector<std::uint32_t> meshes_of(const SlcPage& page) const {
+    std::vector<std::uint32_t> used;
+    for (int kind = core::kPrimitiveKindCount; kind < core::kKindCount; ++kind) {
+      const auto& meshes = snapshot_.of_kind(core::Kind(kind)).meshes;
+      const auto first = meshes.begin() + page.kind_first[kind];
+      used.insert(used.end(), first, first + page.kind_count[kind]);
+    }
+    core::sort_unique(used);
+    return used;
+  }
+
+  void begin(const SlcPage& page) {
+    XXH3_64bits_reset(state_.get());
+    for (const SlcSlice& slice : slices(page, snapshot_.bounds().uses_layers())) {
+      const auto& [bytes, size] = arrays_.at(slice.number);
+      add(bytes.subspan(slice.first * size, std::size_t(slice.count) * size));
+    }
+  }
+  void add(std::span<const std::byte> bytes) { XXH3_64bits_update(state_.get(), bytes.data(), bytes.size()); }
+  void add_mesh(std::uint32_t number) {
+    const core::Mesh& mesh = scene_.mesh(scene_.mesh_at(number));
+    add(std::as_bytes(meshes_.subspan(number, 1)));
+    const auto values = [&](const auto& of) { add(std::as_bytes(std::span(of))); };
+    values(mesh.positions), values(mesh.normals), values(mesh.indices);
+    values(mesh.contour_sizes), values(mesh.polygon_contours);
+  }
+  std::uint64_t end() const { return XXH3_64bits_digest(state_.get()); }
+
+ private:
+  const core::Scene& scene_;
+  const core::Snapshot& snapshot_;
+  std::span<const SlcMesh> meshes_;
+  std::map<std::uint64_t, std::pair<std::span<const std::byte>, std::size_t>> arrays_;
+  std::unique_ptr<XXH3_state_t, FreeState> state_;
+};
+
 /// Lays out the pages of one scene.
 class TableMaker {
  public:
@@ -29,11 +78,12 @@ class TableMaker {
   PageTable run() {
     for (core::Slot first = 0; first < snapshot_.size(); first += core::kBlockSlots) add_leaf(first);
     cut();
-    storage::for_each_snapshot_array(snapshot_, [&](std::uint64_t number, const auto& array) {
-      arrays_[number] = {std::as_bytes(std::span(array.data(), array.size())), sizeof(array.data()[0])};
-    });
-    arrays_[kSlcSlotEnds] = {std::as_bytes(std::span(table_.ends)), sizeof(table_.ends[0])};
-    for (SlcPage& page : table_.pages) page.checksum = checksum(page);
+    PageSums sums(scene_, snapshot_, table_.ends, meshes_);
+    for (SlcPage& page : table_.pages) {
+      sums.begin(page);
+      for (const std::uint32_t mesh : sums.meshes_of(page)) sums.add_mesh(mesh);
+      page.checksum = sums.end();
+    }
     return std::move(table_);
   }
 
@@ -100,37 +150,11 @@ class TableMaker {
     page.mesh_bytes += value_bytes(meshes_[mesh]);
   }
 
-  std::uint64_t checksum(const SlcPage& page) const {
-    const std::unique_ptr<XXH3_state_t, FreeState> state(XXH3_createState());
-    XXH3_64bits_reset(state.get());
-    std::vector<std::uint32_t> used;
-    for (const SlcSlice& slice : slices(page, snapshot_.bounds().uses_layers())) {
-      const auto& [bytes, size] = arrays_.at(slice.number);
-      XXH3_64bits_update(state.get(), bytes.data() + slice.first * size, std::size_t(slice.count) * size);
-    }
-    for (int kind = core::kPrimitiveKindCount; kind < core::kKindCount; ++kind) {
-      const auto& meshes = snapshot_.of_kind(core::Kind(kind)).meshes;
-      const auto first = meshes.begin() + page.kind_first[kind];
-      used.insert(used.end(), first, first + page.kind_count[kind]);
-    }
-    core::sort_unique(used);
-    for (const std::uint32_t i : used) {
-      const core::Mesh& mesh = scene_.mesh(scene_.mesh_at(i));
-      XXH3_64bits_update(state.get(), &meshes_[i], sizeof meshes_[i]);
-      const auto add = [&](const auto& values) {
-        XXH3_64bits_update(state.get(), values.data(), std::as_bytes(std::span(values)).size());
-      };
-      add(mesh.positions), add(mesh.normals), add(mesh.indices), add(mesh.contour_sizes), add(mesh.polygon_contours);
-    }
-    return XXH3_64bits_digest(state.get());
-  }
-
   const core::Scene& scene_;
   const core::Snapshot& snapshot_;
   const core::StoredJoints& joints_;
   std::span<const SlcMesh> meshes_;
   std::vector<std::uint32_t> last_page_;  // by mesh: one more than the last page that uses it
-  std::map<std::uint64_t, std::pair<std::span<const std::byte>, std::size_t>> arrays_;
   PageTable table_;
 };
 
@@ -139,6 +163,12 @@ class TableMaker {
 std::uint64_t value_bytes(const SlcMesh& mesh) {
   return (std::uint64_t(mesh.positions) + mesh.normals) * sizeof(core::vec3) +
          (std::uint64_t(mesh.indices) + mesh.contours + mesh.polygons) * sizeof(std::uint32_t);
+}
+
+std::uint64_t value_bytes(const SlcCoarseMesh& mesh) {
+  return (std::uint64_t(mesh.positions) + mesh.normals) * sizeof(core::vec3) +
+         std::uint64_t(mesh.indices) * sizeof(std::uint32_t) +
+         std::uint64_t(mesh.deviations) * sizeof(core::MeshDeviation);
 }
 
 std::vector<SlcSlice> slices(const SlcPage& page, bool layers) {
@@ -165,6 +195,36 @@ std::vector<SlcSlice> slices(const SlcPage& page, bool layers) {
 PageTable make_page_table(const core::Scene& scene, const core::Snapshot& snapshot, const core::StoredJoints& joints,
                           std::span<const SlcMesh> meshes) {
   return TableMaker(scene, snapshot, joints, meshes).run();
+}
+
+std::vector<SlcCoarsePage> coarse_pages(const core::Scene& scene, const core::Snapshot& snapshot,
+                                        const PageTable& table, std::span<const SlcMesh> meshes,
+                                        const CoarseMeshes& coarse) {
+  PageSums sums(scene, snapshot, table.ends, meshes);
+  std::vector<SlcCoarsePage> pages;
+  for (const SlcPage& page : table.pages) {
+    SlcCoarsePage& made = pages.emplace_back();
+    const std::vector<std::uint32_t> used = sums.meshes_of(page);
+    for (const std::uint32_t i : used) {
+      const SlcCoarseMesh& row = coarse.rows[i];
+      const bool own = row.positions > 0;
+      made.mesh_positions += own ? row.positions : meshes[i].positions;
+      made.mesh_indices += own ? row.indices : meshes[i].indices;
+      made.mesh_bytes += own ? value_bytes(row) : value_bytes(meshes[i]);
+      made.deviations += row.deviations;
+    }
+    if (made.mesh_bytes > page.mesh_bytes / 2) made = {};
+    if (made.mesh_bytes == 0) continue;
+    sums.begin(page);
+    for (const std::uint32_t i : used) {
+      const SlcCoarseMesh& row = coarse.rows[i];
+      sums.add(std::as_bytes(std::span(&row, 1)));
+      if (row.positions == 0) sums.add_mesh(i);
+      sums.add(std::span(coarse.values).subspan(row.first, row.positions > 0 ? value_bytes(row) : 0));
+    }
+    made.checksum = sums.end();
+  }
+  return pages;
 }
 
 }  // namespace sightline::importers

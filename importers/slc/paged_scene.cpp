@@ -16,6 +16,7 @@
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/slc/internal/page_table.h"
+#include "sightline/importers/slc/internal/slc_levels.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 
 namespace sightline::importers {
@@ -109,12 +110,20 @@ class PagedPart {
     return info;
   }
 
-  SlcExpected<std::unique_ptr<Page>> load(std::uint32_t number) const {
-    const SlcPage& row = pages_[number];
+  bool has_coarse() const { return !coarse_.empty(); }
+  PagedScene::PageInfo coarse_info(std::uint32_t number) const {
+    if (coarse_[number].mesh_bytes == 0) return {};
+    PagedScene::PageInfo made = info(coarse_row(number));
+    made.memory_bytes += coarse_[number].deviations * sizeof(core::MeshDeviation);
+    return made;
+  }
+
+  SlcExpected<std::unique_ptr<Page>> load(std::uint32_t number, bool coarse) const {
+    const SlcPage row = coarse ? coarse_row(number) : pages_[number];
     auto page = std::make_unique<Page>();
     Checksum sum;
     if (auto done = read_arrays(row, *page, sum); !done) return tl::unexpected(done.error());
-    if (auto done = read_meshes(row, *page, sum); !done) return tl::unexpected(done.error());
+    if (auto done = read_meshes(row, *page, sum, coarse); !done) return tl::unexpected(done.error());
     if (verified_ && sum.value() != row.checksum) return damaged("it does not match its checksum");
     storage::SnapshotState state = snapshot_state();
     if (auto done = keep_used_chunks(*page, state.chunk_origins); !done) return tl::unexpected(done.error());
@@ -143,12 +152,21 @@ class PagedPart {
     return true;
   }
 
+  /// A page where each mesh is the coarsest.
+  SlcPage coarse_row(std::uint32_t number) const {
+    SlcPage row = pages_[number];
+    const SlcCoarsePage& coarse = coarse_[number];
+    row.mesh_positions = coarse.mesh_positions, row.mesh_indices = coarse.mesh_indices;
+    row.mesh_bytes = coarse.mesh_bytes, row.checksum = coarse.checksum;
+    return row;
+  }
+
   SlcExpected<void> read_resident() {
     const auto mapping = file_->map_to_read();
     if (!mapping) return tl::unexpected(mapping.error());
     std::vector<SlcFile::Verified> what;
     for (const std::uint64_t number : {kSlcSnapshotState, kSlcChunkOrigins, kSlcMaterials, kSlcMaterialNames,
-                                       kSlcLeafBoxes, kSlcLeafColours, kSlcPages})
+                                       kSlcLeafBoxes, kSlcLeafColours, kSlcPages, kSlcLevelsVersion, kSlcCoarsePages})
       if (const SlcFile::Section* section = file_->find(number)) what.push_back({section, &*mapping});
     if (verified_)
       if (auto good = file_->verify(what); !good) return good;
@@ -157,6 +175,9 @@ class PagedPart {
         !copy(*mapping, kSlcChunkOrigins, chunk_origins_) || !copy(*mapping, kSlcLeafBoxes, boxes_) ||
         !copy(*mapping, kSlcLeafColours, colours_) || !copy(*mapping, kSlcPages, pages_))
       return damaged("its pages have another size");
+    if (has_levels(*file_, *mapping))
+      if (!copy(*mapping, kSlcCoarsePages, coarse_) || (!coarse_.empty() && coarse_.size() != pages_.size()))
+        return damaged("its coarse pages have another size");
     state_ = state[0];
     core::Scene scene;
     if (auto done = read_materials(*file_, *mapping, scene); !done) return done;
@@ -184,9 +205,11 @@ class PagedPart {
         rank[k] += page.kind_count[k];
         members += page.kind_count[k];
       }
-      if (!good || members != page.count || !has_values_of(page)) return damaged("its pages are inconsistent");
+      if (!good || members != page.count || !has_values_of(page, 0)) return damaged("its pages are inconsistent");
       slot += page.count;
     }
+    for (std::uint32_t i = 0; i < coarse_.size(); ++i)
+      if (!has_values_of(coarse_row(i), coarse_[i].deviations)) return damaged("its coarse pages are inconsistent");
     const SlcPage all = whole(slot, rank);
     bool good = slot == n;
     for (const SlcSlice& slice : slices(all, has_layers())) {
@@ -202,10 +225,11 @@ class PagedPart {
   }
 
   /// Limits on memory count on what a page says of its meshes: it must be in the file.
-  bool has_values_of(const SlcPage& page) const {
-    const std::uint64_t most = std::min<std::uint64_t>(page.mesh_bytes, count(kSlcMeshValues));
+  bool has_values_of(const SlcPage& page, std::uint64_t deviations) const {
+    const std::uint64_t present = count(kSlcMeshValues) + count(kSlcCoarseValues);
+    const std::uint64_t most = std::min<std::uint64_t>(page.mesh_bytes, present);
     return page.mesh_bytes == most && page.mesh_positions <= most / sizeof(core::vec3) &&
-           page.mesh_indices <= most / sizeof(std::uint32_t);
+           page.mesh_indices <= most / sizeof(std::uint32_t) && deviations <= most / sizeof(core::MeshDeviation);
   }
 
   static SlcPage whole(std::uint64_t slots, const std::array<std::uint64_t, core::kKindCount>& rank) {
@@ -306,35 +330,83 @@ class PagedPart {
   }
 
   /// The page's meshes, numbered anew in the order in which the file numbers them.
-  SlcExpected<void> read_meshes(const SlcPage& row, Page& page, Checksum& sum) const {
+  SlcExpected<void> read_meshes(const SlcPage& row, Page& page, Checksum& sum, bool coarse) const {
     std::vector<std::uint32_t> used;
     for_each_mesh(page, [&](std::uint32_t& mesh) { used.push_back(mesh); });
     if (used.empty()) return {};
     core::sort_unique(used);
-    const SlcFile::Section *rows = file_->find(kSlcMeshes), *values = file_->find(kSlcMeshValues);
-    if (!rows || !values || rows->element_size != sizeof(SlcMesh) || values->element_size != 1 ||
-        used.back() >= rows->count)
-      return damaged("its meshes are inconsistent");
-    std::uint64_t read_bytes = 0, positions = 0, indices = 0;
-    std::vector<std::byte> bytes;
+    // What the page says of its size bounds what a damaged file may ask for.
+    MeshesLeft left{row.mesh_bytes, row.mesh_positions, row.mesh_indices};
     for (const std::uint32_t number : used) {
-      SlcMesh mesh;
-      if (auto done = read(kSlcMeshes, number, std::as_writable_bytes(std::span(&mesh, 1)), sizeof mesh, sum); !done)
-        return done;
-      const std::uint64_t size = value_bytes(mesh);
-      // What the page says of its size bounds what a damaged file may ask for.
-      if (mesh.removed != 0 || size > values->count || mesh.first > values->count - size ||
-          (read_bytes += size) > row.mesh_bytes || (positions += mesh.positions) > row.mesh_positions ||
-          (indices += mesh.indices) > row.mesh_indices)
-        return damaged("its meshes are inconsistent");
-      bytes.resize(std::size_t(size));
-      if (auto done = read(kSlcMeshValues, mesh.first, bytes, 1, sum); !done) return done;
-      if (auto added = page.meshes.add_mesh(mesh_of(mesh, bytes)); !added)
-        return damaged("a mesh: " + added.error().message);
+      bool has_own = false;
+      if (coarse)
+        if (auto done = read_coarse_mesh(number, page, left, sum, has_own); !done) return done;
+      if (!has_own)
+        if (auto done = read_mesh(number, page, left, sum); !done) return done;
+      if (coarse) page.deviation_ends.push_back(std::uint32_t(page.deviations.size()));
     }
     for_each_mesh(page, [&](std::uint32_t& mesh) {
       mesh = std::uint32_t(std::lower_bound(used.begin(), used.end(), mesh) - used.begin());
     });
+    return {};
+  }
+
+  struct MeshesLeft {
+    std::uint64_t bytes, positions, indices;
+    bool take(std::uint64_t b, std::uint64_t p, std::uint64_t i) {
+      if (b > bytes || p > positions || i > indices) return false;
+      bytes -= b, positions -= p, indices -= i;
+      return true;
+    }
+  };
+
+  /// An element of an array of rows.
+  template <class Row>
+  SlcExpected<void> read_row(std::uint64_t array, std::uint32_t number, Row& row, Checksum& sum) const {
+    const SlcFile::Section* rows = file_->find(array);
+    if (!rows || rows->element_size != sizeof row || number >= rows->count)
+      return damaged("its meshes are inconsistent");
+    return read(array, number, std::as_writable_bytes(std::span(&row, 1)), sizeof row, sum);
+  }
+  SlcExpected<void> read_values(std::uint64_t array, std::uint64_t first, std::uint64_t size,
+                                std::vector<std::byte>& bytes, Checksum& sum) const {
+    const SlcFile::Section* values = file_->find(array);
+    if (!values || values->element_size != 1 || size > values->count || first > values->count - size)
+      return damaged("its meshes are inconsistent");
+    bytes.resize(std::size_t(size));
+    return read(array, first, bytes, 1, sum);
+  }
+
+  SlcExpected<void> read_mesh(std::uint32_t number, Page& page, MeshesLeft& left, Checksum& sum) const {
+    SlcMesh mesh;
+    if (auto done = read_row(kSlcMeshes, number, mesh, sum); !done) return done;
+    if (mesh.removed != 0 || !left.take(value_bytes(mesh), mesh.positions, mesh.indices))
+      return damaged("its meshes are inconsistent");
+    std::vector<std::byte> bytes;
+    if (auto done = read_values(kSlcMeshValues, mesh.first, value_bytes(mesh), bytes, sum); !done) return done;
+    return add_mesh(mesh_of(mesh, bytes), page);
+  }
+
+  /// `has_own`: whether there is one beside the mesh itself.
+  SlcExpected<void> read_coarse_mesh(std::uint32_t number, Page& page, MeshesLeft& left, Checksum& sum,
+                                     bool& has_own) const {
+    SlcCoarseMesh row;
+    if (auto done = read_row(kSlcCoarseMeshes, number, row, sum); !done) return done;
+    has_own = row.positions > 0;
+    if (!has_own) return {};
+    if (!left.take(value_bytes(row), row.positions, row.indices)) return damaged("its coarse meshes are inconsistent");
+    std::vector<std::byte> bytes;
+    if (auto done = read_values(kSlcCoarseValues, row.first, value_bytes(row), bytes, sum); !done) return done;
+    const std::size_t deviations = row.deviations * sizeof(core::MeshDeviation), before = page.deviations.size();
+    page.deviations.resize(before + row.deviations);
+    if (deviations > 0)
+      std::memcpy(static_cast<void*>(page.deviations.data() + before), bytes.data() + bytes.size() - deviations,
+                  deviations);
+    return add_mesh(mesh_of({0, 0, row.positions, row.normals, row.indices, 0, 0, 0}, bytes), page);
+  }
+
+  static SlcExpected<void> add_mesh(core::Mesh mesh, Page& page) {
+    if (auto added = page.meshes.add_mesh(std::move(mesh)); !added) return damaged("a mesh: " + added.error().message);
     return {};
   }
 
@@ -411,6 +483,7 @@ class PagedPart {
   SlcSnapshotState state_{};
   std::vector<core::dvec3> chunk_origins_;
   std::vector<SlcPage> pages_;
+  std::vector<SlcCoarsePage> coarse_;  // by page; or none at all
   mutable std::vector<std::array<float, 6>> boxes_;
   mutable std::vector<std::uint32_t> colours_;
   std::unique_ptr<Materials> materials_;
@@ -465,6 +538,22 @@ void add_part(const PagedPart& part, PagedScene& scene, std::size_t& leaf) {
   part.drop_leaves();
 }
 
+/// `first_page`: of each part.
+auto loader(const PagedParts& parts, const std::vector<std::uint32_t>& first_page, bool coarse) {
+  return [parts, first_page, coarse](std::uint32_t page) -> core::Expected<std::unique_ptr<Page>> {
+    const auto after = std::upper_bound(first_page.begin(), first_page.end(), page);
+    const std::size_t i = std::size_t(after - first_page.begin()) - 1;
+    const auto& [file, part] = parts[i];
+    try {
+      auto loaded = part->load(page - first_page[i], coarse);
+      if (loaded) return std::move(*loaded);
+      return core::fail(fmt::format("{}: page {}: {}", file.string(), page - first_page[i], loaded.error().message));
+    } catch (const std::bad_alloc&) {
+      return core::fail(fmt::format("{}: page {}: not enough memory", file.string(), page - first_page[i]));
+    }
+  };
+}
+
 core::Expected<PagedScene> join(const PagedParts& parts) {
   PagedScene scene;
   scene.leaves.origin = common_origin(parts);
@@ -477,18 +566,16 @@ core::Expected<PagedScene> join(const PagedParts& parts) {
     first_page.push_back(std::uint32_t(scene.pages.size()));
     add_part(*part, scene, leaf);
   }
-  scene.load = [parts, first_page](std::uint32_t page) -> core::Expected<std::unique_ptr<Page>> {
-    const auto after = std::upper_bound(first_page.begin(), first_page.end(), page);
-    const std::size_t i = std::size_t(after - first_page.begin()) - 1;
-    const auto& [file, part] = parts[i];
-    try {
-      auto loaded = part->load(page - first_page[i]);
-      if (loaded) return std::move(*loaded);
-      return core::fail(fmt::format("{}: page {}: {}", file.string(), page - first_page[i], loaded.error().message));
-    } catch (const std::bad_alloc&) {
-      return core::fail(fmt::format("{}: page {}: not enough memory", file.string(), page - first_page[i]));
-    }
-  };
+  scene.load = loader(parts, first_page, false);
+  if (std::any_of(parts.begin(), parts.end(), [](const auto& part) { return part.second->has_coarse(); })) {
+    PagedScene coarse;
+    for (const auto& [file, part] : parts)
+      for (std::uint32_t page = 0; page < part->pages().size(); ++page)
+        coarse.pages.push_back(part->has_coarse() ? part->coarse_info(page) : PagedScene::PageInfo());
+    for (std::size_t i = 0; i < coarse.pages.size(); ++i) coarse.pages[i].first_leaf = scene.pages[i].first_leaf;
+    coarse.load = loader(parts, first_page, true);
+    scene.coarse = std::make_shared<const PagedScene>(std::move(coarse));
+  }
   return scene;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 
+#include "sightline/lod/coarse_mesh.h"
 #include "sightline/lod/internal/each_mesh.h"
 
 namespace sightline::importers {
@@ -29,19 +30,36 @@ class LevelsInFile : public lod::StoredLevels {
   SlcLevels row_;
 };
 
-/// Empty: it has none.
-std::vector<std::byte> bytes_of(const core::Mesh& mesh, bool build, int threads) {
+struct Written {
+  std::vector<std::byte> bytes;  // empty: it has no levels
+  lod::CoarseMesh coarse;
+};
+
+Written levels_of(const core::Mesh& mesh, bool build, int threads) {
   if (mesh.levels)
-    if (auto bytes = mesh.levels->bytes()) return std::move(*bytes);
+    if (auto bytes = mesh.levels->bytes())
+      if (const auto levels = lod::decode(*bytes, mesh)) return {std::move(*bytes), lod::coarsest(mesh, *levels)};
   if (!build) return {};
   const lod::MeshLevels levels = lod::build_levels(mesh, threads);
-  return levels.empty() ? std::vector<std::byte>() : lod::encode(levels);
+  return levels.empty() ? Written() : Written{lod::encode(levels), lod::coarsest(mesh, levels)};
+}
+
+void append(CoarseMeshes& to, std::uint32_t number, const lod::CoarseMesh& coarse) {
+  const core::Mesh& mesh = coarse.mesh;
+  if (coarse.deviations.empty()) return;  // the mesh itself
+  to.rows[number] = {to.values.size(), std::uint32_t(mesh.positions.size()), std::uint32_t(mesh.normals.size()),
+                     std::uint32_t(mesh.indices.size()), std::uint32_t(coarse.deviations.size())};
+  const auto put = [&](const auto& values) {
+    const auto bytes = std::as_bytes(std::span(values));
+    to.values.insert(to.values.end(), bytes.begin(), bytes.end());
+  };
+  put(mesh.positions), put(mesh.normals), put(mesh.indices), put(coarse.deviations);
 }
 
 }  // namespace
 
 bool write_levels(const core::Scene& scene, std::span<const std::uint32_t> meshes, bool build,
-                  const std::function<bool(double)>& progress, SlcWriter& out) {
+                  const std::function<bool(double)>& progress, SlcWriter& out, CoarseMeshes& coarse) {
   std::vector<const core::Mesh*> wanted;
   std::vector<std::uint32_t> numbers;  // of these
   std::vector<SlcLevels> rows(scene.mesh_slots());
@@ -55,19 +73,23 @@ bool write_levels(const core::Scene& scene, std::span<const std::uint32_t> meshe
   }
   if (wanted.empty() && !build) return true;
   out.begin(kSlcLevelValues, 1);
-  std::vector<std::vector<std::byte>> values;
+  coarse.rows.resize(scene.mesh_slots());
+  std::vector<Written> written;
   for (std::size_t first = 0, end = 0; first < wanted.size(); first = end) {
     if (progress && !progress(double(done) / double(std::max<std::uint64_t>(triangles, 1)))) return false;
     for (std::size_t some = 0; end < wanted.size() && some < kTrianglesAtOnce; ++end)
       some += wanted[end]->indices.size() / 3, done += wanted[end]->indices.size() / 3;
     const auto part = std::span<const core::Mesh* const>(wanted).subspan(first, end - first);
-    values.assign(part.size(), {});
-    lod::for_each_mesh(part, [&](std::size_t i, int threads) { values[i] = bytes_of(*part[i], build, threads); });
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (values[i].empty()) continue;
-      rows[numbers[first + i]] = {at, values[i].size(), slc_checksum(values[i])};
-      out.append(values[i]);
-      at += values[i].size();
+    written.assign(part.size(), {});
+    lod::for_each_mesh(part, [&](std::size_t i, int threads) { written[i] = levels_of(*part[i], build, threads); });
+    for (std::size_t i = 0; i < written.size(); ++i) {
+      const std::vector<std::byte>& bytes = written[i].bytes;
+      if (bytes.empty()) continue;
+      rows[numbers[first + i]] = {at, bytes.size(), slc_checksum(bytes)};
+      out.append(bytes);
+      at += bytes.size();
+      // What tells facet groups from other meshes are their polygons, which a coarse one has not.
+      if (!part[i]->is_facet_group()) append(coarse, numbers[first + i], written[i].coarse);
     }
   }
   out.end();

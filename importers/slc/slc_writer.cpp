@@ -71,7 +71,9 @@ class SceneWriter {
     storage::for_each_scene_array(scene_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     attributes();
     const auto levels_progress = [&](double share) { return tell(1.0 + share * (1.0 / before_levels() - 1.0)); };
-    if (!write_levels(scene_, meshes_by_slot(), options_.levels, levels_progress, out_)) return false;
+    CoarseMeshes coarse;
+    if (!write_levels(scene_, meshes_by_slot(), options_.levels, levels_progress, out_, coarse)) return false;
+    if (!coarse.values.empty()) coarse_meshes(coarse);
     out_.finish();
     return true;
   }
@@ -182,11 +184,17 @@ class SceneWriter {
     out_.add(kSlcJointCovers, all.covers);
     out_.add(kSlcJointFirst, all.first);
     out_.add(kSlcJointOpaque, all.opaque);
-    const PageTable table = make_page_table(scene_, snapshot_, all, mesh_rows_);
-    out_.add(kSlcLeafBoxes, table.boxes);
-    out_.add(kSlcLeafColours, table.colours);
-    out_.add(kSlcSlotEnds, table.ends);
-    out_.add(kSlcPages, table.pages);
+    pages_ = make_page_table(scene_, snapshot_, all, mesh_rows_);
+    out_.add(kSlcLeafBoxes, pages_.boxes);
+    out_.add(kSlcLeafColours, pages_.colours);
+    out_.add(kSlcSlotEnds, pages_.ends);
+    out_.add(kSlcPages, pages_.pages);
+  }
+
+  void coarse_meshes(const CoarseMeshes& coarse) {
+    out_.add(kSlcCoarseMeshes, coarse.rows);
+    out_.add(kSlcCoarseValues, coarse.values);
+    out_.add(kSlcCoarsePages, coarse_pages(scene_, snapshot_, pages_, mesh_rows_, coarse));
   }
 
   void attributes() {
@@ -202,6 +210,7 @@ class SceneWriter {
   SlcWriter out_;
   std::vector<std::byte> piece_;
   std::vector<SlcMesh> mesh_rows_;
+  PageTable pages_;
 };
 
 }  // namespace

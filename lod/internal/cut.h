@@ -57,7 +57,7 @@ class MeshError {
   std::array<core::dvec4, core::kFrustumPlaneCount> planes_;
   std::vector<core::dvec4> sections_;
   core::dvec4 w_;
-  double error_per_w_, nearest_;
+  double pixels_, error_per_w_, nearest_;
 };
 
 /// Indices of MeshLevels::indices.

@@ -22,7 +22,9 @@
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/slc/paged_scene.h"
 #include "sightline/importers/slc/slc_writer.h"
+#include "sightline/lod/stored_levels.h"
 #include "sightline/render/image/image.h"
+#include "sightline/tests/importers/slc_bytes.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::engine::paged_engine_test {
@@ -108,6 +110,72 @@ class PagedEngineTest : public tests::GlTest {
 
   fs::path folder_;
 };
+
+/// What is not in memory is shown by coarsest levels, and in the end nothing of these is left.
+TEST_F(PagedEngineTest, CoarseLevelsStandInForPages) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  core::Scene scene = tests::scene_of_many_pages(500);
+  ASSERT_TRUE(scene.commit());
+  const std::string file = (folder_ / "scene.slc").string();
+  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
+  core::PagedScene paged = open(file);
+  ASSERT_TRUE(paged.coarse);
+  std::promise<void> allowed;
+  paged.load = [load = paged.load, wait = allowed.get_future().share()](std::uint32_t page) {
+    wait.wait();
+    return load(page);
+  };
+  auto made = PagedEngine::create(
+      std::move(paged),
+      {.width = kWidth, .height = kHeight, .ids = true, .memory_limit = kMany, .refine_ms = 0.0, .loading_bar = false});
+  ASSERT_TRUE(made) << made.error().message;
+  const View view = overview(*made);
+  auto report = made->frame(view);
+  for (int i = 0; i < 200 && report && report->coarse_resident < made->scene().pages.size(); ++i) {
+    (void)made->wait(0.1);
+    report = made->frame(view);
+  }
+  ASSERT_TRUE(report);
+  EXPECT_FALSE(report->complete);
+  EXPECT_EQ(report->resident, 0u);
+  EXPECT_EQ(report->placeholders, 0);
+  EXPECT_GT(report->coarse_items, 300);
+  auto whole = Engine::create(scene, {.width = kWidth, .height = kHeight, .drawing = {.ids = true}});
+  ASSERT_TRUE(whole) << whole.error().message;
+  ASSERT_TRUE(whole->frame(view));
+  const image::IdImage rough = made->read_ids(), exact = *whole->read_ids();
+  std::size_t wrong = 0, covered = 0;
+  for (std::size_t i = 0; i < exact.ids.size(); ++i)
+    wrong += rough.ids[i] != exact.ids[i], covered += exact.ids[i] != core::to_index(core::kNoItem);
+  EXPECT_GT(wrong, 0u);
+  EXPECT_LT(wrong, covered / 5);
+  allowed.set_value();
+  expect_same_image(*made, *whole, view);
+}
+
+TEST_F(PagedEngineTest, CoarseLevelsKeepWithinTheLimit) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  core::Scene scene = tests::scene_of_many_pages(500);
+  ASSERT_TRUE(scene.commit());
+  const std::string file = (folder_ / "scene.slc").string();
+  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
+  auto paged = tight_engine(file);
+  ASSERT_TRUE(paged) << paged.error().message;
+  auto whole = Engine::create(scene, {.width = kWidth, .height = kHeight, .drawing = {.ids = true}});
+  ASSERT_TRUE(whole) << whole.error().message;
+  for (int i = 0; i < 4; ++i) {
+    const dvec3 centre = paged->scene().fitted.bounds.centre();
+    const dvec3 eye = centre + 40.0 * dvec3(std::cos(1.7 * i), std::sin(1.7 * i), 0.3);
+    const View view = *View::perspective({eye, centre}, 0.9, double(kWidth) / kHeight, 0.1);
+    for (int frame = 0; frame < 3; ++frame) {
+      const auto report = paged->frame(view);
+      ASSERT_TRUE(report) << report.error().message;
+      EXPECT_LE(paged->memory().pages, paged->memory().limit);
+      (void)paged->wait(0.02);
+    }
+    expect_same_image(*paged, *whole, view);
+  }
+}
 
 /// All kinds of items, in layers, some hidden, some transparent, near and far.
 core::Scene mixed_scene(std::mt19937& random, int items) {

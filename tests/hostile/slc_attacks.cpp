@@ -32,11 +32,16 @@ Attack absurd_counts(const std::string& cache) {
 void use_cache(std::span<const std::byte> bytes) {
   const auto file = importers::SlcFile::of_bytes(bytes);
   if (!file) return;
-  if (const auto paged = importers::open_paged_scene(*file, "hostile.slc", false))
-    for (std::uint32_t page = 0; page < paged->pages.size(); ++page)
-      if (const auto read = paged->load(page))
+  const auto use_pages = [](const core::PagedScene& paged) {
+    for (std::uint32_t page = 0; page < paged.pages.size(); ++page)
+      if (const auto read = paged.load(page))
         for (core::Slot slot = 0; slot < (*read)->snapshot.size(); ++slot)
           (void)(*read)->snapshot.world_from_item(slot);
+  };
+  if (const auto paged = importers::open_paged_scene(*file, "hostile.slc", false)) {
+    use_pages(*paged);
+    if (paged->coarse) use_pages(*paged->coarse);
+  }
   for (const bool verified : {true, false}) {
     auto loaded = importers::load(*file, verified);
     if (!loaded) continue;

@@ -17,6 +17,8 @@
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 #include "sightline/importers/slc/internal/storage.h"
+#include "sightline/lod/coarse_mesh.h"
+#include "sightline/lod/stored_levels.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/importers/slc_bytes.h"
 #include "sightline/tests/support/counted_memory.h"
@@ -143,6 +145,76 @@ TEST_F(PagedSceneTest, PagesAreTheSnapshotOfTheWhole) {
     const PagedScene opened = paged(scene);
     expect_same(opened, scene);
     expect_leaves_fit(opened, scene);
+  }
+}
+
+/// The same items by the coarsest of their meshes' levels.
+TEST_F(PagedSceneTest, CoarsePagesHaveTheCoarsestLevels) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  const Scene scene = tests::scene_of_many_pages(600);
+  EXPECT_FALSE(paged(scene).coarse);
+  ASSERT_TRUE(write_slc(scene, folder_ / "levels.slc", {.levels = true}));
+  const auto opened = open_paged_scene(folder_ / "levels.slc");
+  ASSERT_TRUE(opened && opened->coarse);
+  expect_same(*opened, scene);
+  ASSERT_GT(opened->pages.size(), 3u);
+  ASSERT_EQ(opened->coarse->pages.size(), opened->pages.size());
+  std::size_t deviations = 0;
+  for (std::uint32_t number = 0; number < opened->pages.size(); ++number) {
+    const auto page = opened->load(number), coarse = opened->coarse->load(number);
+    ASSERT_TRUE(page && coarse) << coarse.error().message;
+    const Snapshot &all = (*page)->snapshot, &few = (*coarse)->snapshot;
+    ASSERT_EQ(few.size(), all.size());
+    EXPECT_EQ(opened->coarse->pages[number].slot_count, all.size());
+    EXPECT_LT(opened->coarse->pages[number].memory_bytes, opened->pages[number].memory_bytes / 4);
+    for (Slot slot = 0; slot < all.size(); ++slot) {
+      ASSERT_EQ(few.item(slot), all.item(slot));
+      EXPECT_EQ(few.world_from_item(slot).origin, all.world_from_item(slot).origin);
+      if (all.kind(slot) != core::Kind::kMesh) continue;
+      const core::Mesh& mesh = all.mesh(slot);
+      const auto expected = lod::coarsest(mesh, lod::build_levels(mesh));
+      EXPECT_EQ(few.mesh(slot).positions, expected.mesh.positions);
+      EXPECT_EQ(few.mesh(slot).indices, expected.mesh.indices);
+      const std::uint32_t own = few.of_kind(core::Kind::kMesh).meshes[few.index_in_kind(slot)];
+      const auto found = (*coarse)->deviations_of(own);
+      ASSERT_EQ(found.size(), expected.deviations.size());
+      for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].error, expected.deviations[i].error);
+      deviations += found.size();
+    }
+  }
+  EXPECT_GT(deviations, 500u);
+}
+
+/// As the other arrays of a page.
+TEST_F(PagedSceneTest, DamagedCoarsePagesAreFound) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  auto bytes = tests::slc_of(tests::scene_of_many_pages(150), true);
+  const auto sections = (*SlcFile::of_bytes(bytes))->sections();
+  std::mt19937 random(6);
+  const auto all_read = [&](bool verified) {
+    const auto opened = open_paged_scene(*SlcFile::of_bytes(bytes), "levels.slc", verified);
+    if (!opened || !opened->coarse) return false;
+    bool good = true;
+    for (std::uint32_t page = 0; page < opened->coarse->pages.size(); ++page) {
+      const auto read = opened->coarse->load(page);
+      good = good && read;
+      if (!read) continue;
+      for (std::uint32_t mesh = 0; mesh < (*read)->meshes.mesh_slots(); ++mesh) (void)(*read)->deviations_of(mesh);
+    }
+    return good;
+  };
+  ASSERT_TRUE(all_read(true));
+  for (const SlcFile::Section& section : std::vector(sections.begin(), sections.end())) {
+    if (section.number < kSlcCoarseMeshes || section.number > kSlcCoarsePages) continue;
+    const std::uint64_t size = section.count * section.element_size;
+    for (int round = 0; round < tests::repeated(60); ++round) {
+      std::byte& byte = bytes[std::size_t(section.offset + random() % size)];
+      const std::byte before = byte;
+      byte ^= std::byte(1u << random() % 8);
+      EXPECT_FALSE(all_read(true)) << section.number;
+      (void)all_read(false);
+      byte = before;
+    }
   }
 }
 

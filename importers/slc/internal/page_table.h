@@ -8,6 +8,7 @@
 
 #include "sightline/core/internal/stored_joints.h"
 #include "sightline/core/snapshot.h"
+#include "sightline/importers/slc/internal/slc_levels.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 
 namespace sightline::importers {
@@ -23,7 +24,14 @@ struct PageTable {
 PageTable make_page_table(const core::Scene& scene, const core::Snapshot& snapshot, const core::StoredJoints& joints,
                           std::span<const SlcMesh> meshes);
 
+/// The same pages where each mesh is the coarsest of its levels, as far as that halves the bytes of their meshes.
+/// `meshes`: as above.
+std::vector<SlcCoarsePage> coarse_pages(const core::Scene& scene, const core::Snapshot& snapshot,
+                                        const PageTable& table, std::span<const SlcMesh> meshes,
+                                        const CoarseMeshes& coarse);
+
 /// Bytes of a mesh's values.
 std::uint64_t value_bytes(const SlcMesh& mesh);
+std::uint64_t value_bytes(const SlcCoarseMesh& mesh);
 
 }  // namespace sightline::importers

@@ -46,6 +46,9 @@ enum SlcArray : std::uint64_t {
   kSlcLevelsVersion,
   kSlcLevels,
   kSlcLevelValues,
+  kSlcCoarseMeshes,
+  kSlcCoarseValues,
+  kSlcCoarsePages,
 };
 
 /// Why a cache cannot be used.

@@ -8,6 +8,7 @@
 
 #include "sightline/core/scene.h"
 #include "sightline/importers/slc/internal/slc_file.h"
+#include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/lod/stored_levels.h"
 
 namespace sightline::importers {
@@ -17,11 +18,17 @@ struct SlcLevels {
   std::uint64_t first, bytes, checksum;  // in the values of levels; of these bytes
 };
 
+/// Coarsest levels of meshes by number of the mesh, as they are written.
+struct CoarseMeshes {
+  std::vector<SlcCoarseMesh> rows;
+  std::vector<std::byte> values;
+};
+
 /// Writes the arrays of levels: those that meshes came with, and where `build` others. `meshes`: numbers of meshes, in
 /// the order in which they shall lie. Writes nothing where there are none to write and none were to be built. False
-/// when `progress`, which takes the share that is done, has cancelled it.
+/// when `progress`, which takes the share that is done, has cancelled it. `coarse`: gets the coarsest of those written.
 bool write_levels(const core::Scene& scene, std::span<const std::uint32_t> meshes, bool build,
-                  const std::function<bool(double)>& progress, SlcWriter& out);
+                  const std::function<bool(double)>& progress, SlcWriter& out, CoarseMeshes& coarse);
 
 /// Whether a file has levels that this build can use.
 bool has_levels(const SlcFile& file, const SlcFile::Mapping& mapping);

@@ -42,6 +42,21 @@ struct SlcPage {
 static_assert(sizeof(SlcPage) == 8 * (1 + core::kKindCount + 4));
 inline constexpr std::uint32_t kPageStep = 64;
 
+/// The coarsest level of a mesh. Its values follow each other: positions, normals, indices, deviations. Without
+/// positions: the mesh has no other.
+struct SlcCoarseMesh {
+  std::uint64_t first;  // in the values of coarse meshes
+  std::uint32_t positions, normals, indices, deviations;
+};
+
+/// What of a page is other where each mesh is the coarsest.
+struct SlcCoarsePage {
+  std::uint64_t mesh_positions, mesh_indices, mesh_bytes;  // as those of SlcPage; no bytes: there is no such page
+  std::uint64_t deviations;
+  std::uint64_t
+      checksum;  // of slices(), and for each mesh of its row here and its values, or row and values of SlcMesh
+};
+
 /// Elements of an array that belong to a page.
 struct SlcSlice {
   std::uint64_t number, first, count;
