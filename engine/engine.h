@@ -153,7 +153,8 @@ struct LossConfig {
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
   /// what the time does not suffice for is left out (FrameReport::pending), or a splat each: contribution_mode. While
   /// view and scene stay the same, each frame draws more of it, until the image is complete; then frames draw
-  /// nothing. The CPU must cull, as above. Every frame is waited for.
+  /// nothing. The CPU must cull, as above. Every frame is waited for. With lod_error, moving images first get coarser
+  /// levels of detail, up to 2 pixels, before more is left out.
   double budget_ms = 0.0;
   /// Draw meshes by coarser levels of detail (lod/mesh_levels.h), whose surface lies within so many pixels of the
   /// original one in the image; 0: by their own triangles. Levels are built in the background; until a mesh's are ready
@@ -210,8 +211,8 @@ struct FrameReport {
   std::int64_t below_min_area = 0;
   /// Of these and of pending items, those drawn as one splat each: EngineConfig::losses.contribution_mode.
   std::int64_t splats = 0;
-  /// Items in the view volume for which EngineConfig::losses.budget_ms did not suffice: some of them may be hidden. 0:
-  /// the image is complete.
+  /// Items in the view volume for which EngineConfig::losses.budget_ms did not suffice: some of them may be hidden, and
+  /// some drawn by coarser levels than lod_error asks for. 0: the image is complete.
   std::int64_t pending = 0;
 };
 
@@ -228,7 +229,8 @@ struct LossReport {
   std::int64_t items = 0;  ///< left out, that may cover a sample and that nothing in the image is known to hide
   double pixels = 0.0;     ///< that these are expected to cover, at most all: see Engine::loss()
   /// Pixels: each point that is drawn of a mesh lies within so many of a point of the original surface, and the other
-  /// way round. Proved; at most EngineConfig::losses.lod_error. 0: all are drawn by their own triangles.
+  /// way round. Proved; at most EngineConfig::losses.lod_error, or 2 while budget_ms does not suffice. 0: all are drawn
+  /// by their own triangles.
   double lod_error = 0.0;
   std::int64_t triangles = 0;       ///< FrameReport::triangles; 0 where the GPU culled
   std::int64_t full_triangles = 0;  ///< of the same items, drawn whole and by their own triangles

@@ -1,5 +1,7 @@
 #include "sightline/engine/drawing/internal/draw_context.h"
 
+#include <algorithm>
+
 namespace sightline::engine {
 
 float DrawContext::snap() const {
@@ -33,7 +35,7 @@ void DrawContext::clear(const render::RenderTarget& canvas) {
 
 std::optional<lod::ImageError> DrawContext::mesh_error(const core::View& view) const {
   if (!mesh_details.any()) return std::nullopt;
-  return lod::ImageError(view, target().width(), target().height(), config.losses.lod_error);
+  return lod::ImageError(view, target().width(), target().height(), std::max(config.losses.lod_error, coarsened));
 }
 
 core::Expected<void> DrawContext::list(const core::View& view, const core::Snapshot& snapshot,

@@ -6,10 +6,21 @@
 namespace sightline::engine {
 namespace {
 
-constexpr double kPassShare = 0.5;     // of the time left, for the next pass: it may take longer than expected
-constexpr double kLeastPasses = 2.0;   // passes for which the time left must suffice
-constexpr double kSlower = 0.92;       // the estimate of splats_ms_ falls by at most this factor a frame
+constexpr double kPassShare = 0.5;      // of the time left, for the next pass: it may take longer than expected
+constexpr double kLeastPasses = 2.0;    // passes for which the time left must suffice
+constexpr double kSlower = 0.92;        // the estimate of splats_ms_ falls by at most this factor a frame
+constexpr double kMostCoarsened = 2.0;  // pixels: beyond that, leaving out items costs less error for the same time
+constexpr double kCoarser = 1.5, kFiner = 0.9;  // by these factors a frame: steps of detail should not be seen
 constexpr float kUnmeasured = 0.125f;  // of the area that the last frame came to: smaller items are not measured
+
+/// Before a moving image leaves out items, levels of detail get coarser where they are asked for: the pixels within
+/// which the next frame draws meshes, by whether the time has sufficed for this one. 0: as asked for.
+double next_coarsened(const ImageState& image, double asked_for, bool sufficed) {
+  if (asked_for <= 0.0) return 0.0;
+  const double now = std::max(asked_for, image.coarsened);
+  const double next = sufficed ? kFiner * now : std::min(kCoarser * now, kMostCoarsened);
+  return next > asked_for ? next : 0.0;
+}
 
 }  // namespace
 
@@ -43,6 +54,9 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
                           &context.threads);
   counts = {-1, std::int64_t(image.budget.drawn()), counts.below_min_area,
             std::int64_t(image.budget.pending()) + image.unmeasured};
+  if (image.coarsened > 0.0) counts.pending += image.meshes.coarser;
+  const bool sufficed = image.budget.complete() && image.unmeasured == 0 && now_seconds() <= input.deadline;
+  image.coarsened = stays ? 0.0 : next_coarsened(image, context.config.losses.lod_error, sufficed);
   const double begin = now_seconds();
   if (beside) image.refined->copy_to(image.target);
   if (!splats) return counts;
@@ -56,6 +70,7 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
 /// Begins the image anew.
 void DrawInBudget::begin(DrawContext& context, const Culled& culled, bool stays) {
   ImageState& image = *context.image;
+  if (stays) image.coarsened = 0.0;
   const float least = context.config.losses.min_projected_area;
   const float threshold = stays ? least : std::max(least, kUnmeasured * image.budget.largest_pending());
   context.clear_pyramid();
@@ -82,7 +97,10 @@ core::Expected<void> DrawInBudget::draw_passes(DrawContext& context, const DrawI
     if (passes > 0 && left < kLeastPasses * budget.least_ms()) break;
     if (!budget.next(tests ? &test : nullptr, bounds, kPassShare * left)) break;
     const double begin = now_seconds();
-    if (auto done = context.draw_more(culled.view, culled.snapshot, budget.pass(), canvas); !done) return done;
+    context.coarsened = context.image->coarsened;
+    auto done = context.draw_more(culled.view, culled.snapshot, budget.pass(), canvas);
+    context.coarsened = 0.0;
+    if (!done) return done;
     if (tests) {
       context.read_back_depth(culled.view, canvas);
     } else {

@@ -36,7 +36,7 @@ constexpr float kThresholds[] = {0.0f, 0.25f, 1.0f, 4.0f, 16.0f, 64.0f, 256.0f, 
 
 struct Options {
   apps::ModelOptions model;
-  double budget_ms = 33.0;
+  double budget_ms = 33.0, lod_error = 0.0;
   int frames = 200, compared = 20, rests = 10, viewports = 4;
   engine::ContributionMode mode = engine::ContributionMode::kDrop;
   gl::ContextPlatform platform = {};
@@ -60,6 +60,10 @@ void add_options(apps::CommandLine& line, Options& o) {
       .in_range(1, 100)
       .shows_default();
   apps::add_contribution_mode_option(line, "--mode", "How what is left out is drawn", o.mode);
+  line.add("--lod-error", o.lod_error, "Pixels within which the budget's frames draw meshes by levels of detail")
+      .accepted_by(apps::parse_finite)
+      .not_negative()
+      .shows_default();
   line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
   apps::add_context_option(line, o.platform);
   apps::add_json_option(line, o.json);
@@ -316,6 +320,10 @@ core::Expected<int> run(const Options& o) {
   if (!model) return tl::unexpected(model.error());
   auto hurried = make_engine(*model->scene, o, o.budget_ms);
   if (!hurried) return tl::unexpected(hurried.error());
+  engine::EngineConfig coarser = hurried->config();
+  coarser.losses.lod_error = o.lod_error;
+  if (auto done = hurried->configure(coarser); !done) return tl::unexpected(done.error());
+  if (auto done = hurried->finish_levels(); !done) return tl::unexpected(done.error());
   auto full = make_engine(*model->scene, o, 0.0);
   if (!full) return tl::unexpected(full.error());
   const auto [width, height] = *apps::parse_size(o.size);
@@ -327,6 +335,7 @@ core::Expected<int> run(const Options& o) {
                {"size", o.size},
                {"frames", o.frames},
                {"budget_ms", o.budget_ms},
+               {"lod_error", o.lod_error},
                {"viewports", o.viewports},
                {"mode", name_of(o.mode)}});
   std::fprintf(apps::table_stream(o.json), "%s, %s, %.4g ms, %d frames of the tour, %s\n\n",

@@ -321,6 +321,40 @@ TEST_F(Levels, CountTrianglesOfItemsDrawnOverTheImage) {
   }
 }
 
+/// A budget that does not suffice draws coarser levels in motion than are asked for, says so, and ends in the same image.
+TEST_F(Levels, GetCoarserWhereABudgetDoesNotSuffice) {
+  core::Scene scene;
+  fill(scene);
+  engine::EngineConfig c = config(engine::CullerChoice::kCpu, kWidth, kHeight);
+  c.drawing.ids = true;
+  c.losses.lod_error = 0.25;
+  c.losses.budget_ms = 1e-3;
+  auto engine = engine::Engine::create(scene, c);
+  ASSERT_TRUE(engine) << engine.error().message;
+  ASSERT_TRUE(engine->finish_levels());
+  double most = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    const core::View view = look(20.0, 0.02 * i);
+    const auto report = engine->frame(view);
+    const auto loss = engine->loss(view);
+    EXPECT_LE(loss->lod_error, 2.0);
+    EXPECT_TRUE(report->pending > 0 || loss->lod_error <= 0.25) << "else the image would count as complete";
+    most = std::max(most, loss->lod_error);
+  }
+  EXPECT_GT(most, 0.5);
+  const core::View view = look(20.0, 0.4);
+  for (int i = 0; i < 1000 && engine->frame(view)->pending > 0; ++i) {
+  }
+  EXPECT_LE(engine->loss(view)->lod_error, 0.25);
+  engine::Engine patient = create(scene, 0.25);
+  EXPECT_EQ(engine->read_ids()->ids, ids_of(patient, view).ids);
+  // With time enough levels are those that are asked for.
+  c.losses.budget_ms = 1e5;
+  ASSERT_TRUE(engine->configure(c));
+  for (int i = 0; i < 30; ++i) ASSERT_TRUE(engine->frame(look(20.0, 0.02 * i)));
+  EXPECT_LE(engine->loss(look(20.0, 0.58))->lod_error, 0.25);
+}
+
 /// Where placements scale equally, only rounding can tell the cuts apart, and it does so in hardly any view. With the
 /// occlusion test a part that was hidden in the frame before shows in the same frame.
 TEST_F(Levels, AreThoseOfTheCpuWhereTheGpuCulls) {

@@ -34,7 +34,7 @@ inline core::Mesh triangle(float size, bool facets = false) {
 /// All kinds, shared meshes, materials, layers, attributes, what is hidden, what was removed, far from the origin.
 inline core::Scene scene_with_everything() {
   using namespace core;
-  Scene scene;
+  core::Scene scene;
   const NodeId file = scene.add_node(scene.root(), "plant.rvm", translation({1e7, -1e7 / 3.0, 123.456}));
   const MaterialId red = scene.add_material({"red", {1, 0, 0}, 1.0f, 7});
   const MaterialId gone = scene.add_material({"gone", {0, 1, 0}, 1.0f, 8});

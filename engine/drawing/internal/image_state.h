@@ -34,6 +34,7 @@ struct ImageState {
   BudgetPasses budget;
   std::optional<core::View> budget_view;        // view of the image that the target holds, complete or not
   std::int64_t unmeasured = 0;                  // items that were left out unmeasured because the view moves
+  double coarsened = 0.0;                       // pixels within which the budget draws meshes; 0: LossConfig::lod_error
   bool refines = false;                         // the view has stayed, and the image was begun anew with all candidates
   std::optional<render::RenderTarget> refined;  // complete part of the image, where the image itself has more in it
   DrawCounts budget_counts;                     // of the last frame
