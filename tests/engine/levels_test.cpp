@@ -321,7 +321,8 @@ TEST_F(Levels, CountTrianglesOfItemsDrawnOverTheImage) {
   }
 }
 
-/// A budget that does not suffice draws coarser levels in motion than are asked for, says so, and ends in the same image.
+/// A budget that does not suffice draws coarser levels in motion than are asked for, says so, and ends in the same
+/// image.
 TEST_F(Levels, GetCoarserWhereABudgetDoesNotSuffice) {
   core::Scene scene;
   fill(scene);
