@@ -155,6 +155,83 @@ TEST(MeshError, AllowsNothingWhereASectionCuts) {
   EXPECT_EQ(allowed(cut, right), allowed(view, right));
 }
 
+using Long = long double;
+using LongVec = glm::tvec3<Long>;
+
+/// Whether each triangle of a mesh, placed in the world, shows the view its back or an edge; of mirrored ones, the side
+/// that is the back of the mesh. In more digits than the code has.
+class BackTwin {
+ public:
+  BackTwin(const Stage& stage, const core::Mesh& mesh) : stage_(stage), mesh_(mesh) {
+    const core::dmat3& m = stage.world_from_mesh.linear;
+    sign_ = glm::determinant(m) < 0.0 ? -1.0L : 1.0L;
+    backwards_ = LongVec(dvec3(glm::inverse(stage.view.eye_from_world())[2]));
+  }
+  bool shows_back(const std::uint32_t* corners) const {
+    const LongVec a = world(corners[0]), n = sign_ * glm::cross(world(corners[1]) - a, world(corners[2]) - a);
+    const LongVec d = stage_.view.orthographic() ? -backwards_ : a - LongVec(stage_.view.eye());
+    return glm::dot(n, d) >= -1e-14L * glm::length(n) * glm::length(d);
+  }
+
+ private:
+  LongVec world(std::uint32_t vertex) const {
+    const core::Affine& m = stage_.world_from_mesh;
+    const LongVec p(mesh_.positions[vertex]);
+    return LongVec(m.linear[0]) * p.x + LongVec(m.linear[1]) * p.y + LongVec(m.linear[2]) * p.z + LongVec(m.origin);
+  }
+  const Stage& stage_;
+  const core::Mesh& mesh_;
+  Long sign_;
+  LongVec backwards_;
+};
+
+TEST(MeshBacks, AreAllThatAClusterShows) {
+  std::vector<NamedMesh> meshes = ordinary_meshes();
+  for (NamedMesh& mesh : hostile_meshes(1))
+    if (mesh.name != "huge" && mesh.name != "tiny") meshes.push_back(std::move(mesh));  // the views are of metres
+  meshes.push_back({"large torus", bumpy_torus(100, 0.0)});
+  int backs = 0, found = 0;  // of the last mesh
+  for (const NamedMesh& named : meshes) {
+    SCOPED_TRACE(named.name);
+    const lod::MeshLevels levels = lod::build_clusters(named.mesh);
+    backs = found = 0;
+    const dvec3 middle(named.mesh.positions[named.mesh.indices[0]]);
+    for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(100)); ++seed) {
+      Random random(seed);
+      core::Affine placement = any_placement(random, seed % 4 == 0 ? 1e5 : 10.0);
+      if (glm::length(middle) > 1e6) placement.origin -= placement.linear * middle;
+      const Stage stage(random, placement);
+      const lod::MeshBacks mesh_backs(stage.view, stage.world_from_mesh);
+      const BackTwin twin(stage, named.mesh);
+      for (const lod::Cluster& cluster : levels.clusters) {
+        std::uint32_t fronts = 0;
+        for (std::uint32_t i = 0; i < cluster.index_count; i += 3)
+          fronts += !twin.shows_back(&levels.indices[cluster.first_index + i]);
+        const bool alone = mesh_backs.shown_alone(cluster.box, cluster.cone);
+        ASSERT_TRUE(!alone || fronts == 0) << fronts << " fronts, seed " << seed;
+        backs += fronts == 0, found += alone;
+      }
+    }
+  }
+  EXPECT_GT(double(found), 0.6 * backs) << "of " << backs;
+}
+
+TEST(MeshBacks, AreNotKnownForEveryMatrix) {
+  const core::Aabb box{{-1, -1, 0}, {1, 1, 0}};
+  const lod::NormalCone down{{0, 0, -1}, 0.0f};
+  const auto above = *core::View::perspective({{0, 0, 5}, {0, 0, 0}, {0, 1, 0}}, 0.8, 1.0, 0.1);
+  const auto parallel = *core::View::orthographic({{0, 0, 5}, {0, 0, 0}, {0, 1, 0}}, 4.0, 1.0, 0.1, 10.0);
+  for (const core::View& view : {above, parallel}) {
+    EXPECT_TRUE(lod::MeshBacks(view, {}).shown_alone(box, down));
+    EXPECT_FALSE(lod::MeshBacks(view, {}).shown_alone(box, {{0, 0, 1}, 0.0f}));
+    EXPECT_FALSE(lod::MeshBacks(view, {}).shown_alone(box, {}));
+    EXPECT_FALSE(lod::MeshBacks(view, {core::dmat3(0.0), {}}).shown_alone(box, down));
+    EXPECT_FALSE(lod::MeshBacks(view, {core::dmat3(1, 0, 0, 0, 1, 0, 0, 0, 1e-200), {}}).shown_alone(box, down));
+  }
+  const auto combined = *core::View::from_matrices(core::dmat4(1.0), above.clip_from_world(), above.clip_depth());
+  EXPECT_FALSE(lod::MeshBacks(combined, {}).shown_alone(box, down));
+}
+
 /// Whether each cluster is drawn.
 std::vector<bool> drawn(const lod::MeshLevels& levels, const std::vector<lod::IndexRange>& ranges) {
   std::vector<bool> drawn(levels.clusters.size());
