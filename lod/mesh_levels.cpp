@@ -52,23 +52,41 @@ std::vector<std::uint32_t> equal_vertices(const core::Mesh& mesh, std::span<cons
   return equal;
 }
 
-/// Corners of triangles in the order in which clusters take them.
-Corners ordered(std::span<const vec3> positions, std::span<const std::uint32_t> corners, int threads) {
+/// Distances of a triangle's surface, and of the original surface that it stands for, from the other one.
+struct TriangleErrors {
+  std::vector<float> out, back;
+
+  void clear() { out.clear(), back.clear(); }
+  void append(const TriangleErrors& other, std::size_t first, std::size_t count) {
+    for (const auto part : {&TriangleErrors::out, &TriangleErrors::back}) {
+      const auto begin = (other.*part).begin() + std::ptrdiff_t(first);
+      (this->*part).insert((this->*part).end(), begin, begin + std::ptrdiff_t(count));
+    }
+  }
+};
+
+/// What becomes of a group.
+struct Simplified {
+  Corners corners;  // empty: nothing that is worth keeping
+  TriangleErrors errors;
+  Deviation deviation;  // from the original surface, but for the angle
+};
+
+/// Triangles in the order in which clusters take them.
+std::vector<std::uint32_t> order_of(std::span<const vec3> positions, std::span<const std::uint32_t> corners,
+                                    int threads) {
   std::vector<Aabb> boxes(corners.size() / 3);
   for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = box_of(positions, corners.subspan(3 * i, 3));
-  const auto order = core::block_order(boxes, {.smallest_block = kClusterTriangles, .threads = threads});
+  return core::block_order(boxes, {.smallest_block = kClusterTriangles, .threads = threads});
+}
+
+Corners ordered(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> order) {
   Corners result;
   result.reserve(corners.size());
   for (const std::uint32_t triangle : order)
     result.insert(result.end(), corners.begin() + 3 * triangle, corners.begin() + 3 * triangle + 3);
   return result;
 }
-
-/// What becomes of a group.
-struct Simplified {
-  Corners corners;  // empty: nothing that is worth keeping
-  Deviation deviation;
-};
 
 /// Simplifies a group among its own points, so that time and memory follow its size.
 class GroupSimplifier {
@@ -77,15 +95,23 @@ class GroupSimplifier {
       : mesh_(mesh), welded_(welded), number_of_(mesh.positions.size(), kNone) {}
 
   /// `shared`: by welded vertex, whether several groups have it.
-  Simplified run(std::span<const std::uint32_t> corners, std::span<const std::uint8_t> shared) {
+  Simplified run(std::span<const std::uint32_t> corners, const TriangleErrors& errors,
+                 std::span<const std::uint8_t> shared) {
     gather(corners, shared);
     const std::size_t triangles = corners.size() / 3;
     Simplified result;
     local_ = simplify(positions_, corners_, locked_, (triangles + 1) / 2);
     forget();
     if (local_.empty() || double(local_.size()) > kLeastGain * double(corners.size())) return result;
-    result.deviation = deviation();
-    for (const std::uint32_t corner : local_) result.corners.push_back(vertices_[corner]);
+    prove(errors, result);
+    for (std::uint32_t& corner : local_) corner = vertices_[corner];
+    const auto order = order_of(mesh_.positions, local_, 1);
+    result.corners = ordered(local_, order);
+    for (std::vector<float>* part : {&result.errors.out, &result.errors.back}) {
+      std::vector<float> sorted;
+      for (const std::uint32_t triangle : order) sorted.push_back((*part)[triangle]);
+      *part = std::move(sorted);
+    }
     return result;
   }
 
@@ -107,7 +133,7 @@ class GroupSimplifier {
     for (const std::uint32_t vertex : vertices_) number_of_[vertex] = kNone;
   }
   /// Of the simplified triangles from the former ones and back, by points without regard to normals.
-  Deviation deviation() {
+  void prove(const TriangleErrors& errors, Simplified& result) {
     points_.clear();
     for (std::uint32_t i = 0; i < vertices_.size(); ++i) {
       std::uint32_t& number = number_of_[welded_[vertices_[i]]];
@@ -122,9 +148,13 @@ class GroupSimplifier {
     for (std::uint32_t& corner : corners_) corner = point_of_[corner];
     coarse_.clear();
     for (const std::uint32_t corner : local_) coarse_.push_back(point_of_[corner]);
-    Deviation deviation = proof_.bound({points_, corners_}, {points_, coarse_});
-    deviation.grow(proof_.bound({points_, coarse_}, {points_, corners_}));
-    return deviation;
+    const auto rounded_up = [](std::span<const double> distances, std::vector<float>& errors_up) {
+      for (const double distance : distances) errors_up.push_back(core::round_up(distance));
+    };
+    result.deviation = proof_.bound({points_, corners_, errors.back}, {points_, coarse_});
+    rounded_up(proof_.of_to(), result.errors.back);
+    result.deviation.grow(proof_.bound({points_, coarse_}, {points_, corners_, errors.out}));
+    rounded_up(proof_.of_from(), result.errors.out);
   }
 
   const core::Mesh& mesh_;
@@ -147,8 +177,10 @@ class Builder {
     levels_.solid_indices = solid_shells_first(mesh_.positions, corners);
     const std::vector<std::uint32_t> equal = equal_vertices(mesh_, welded_);
     for (std::uint32_t& corner : corners) corner = equal[corner];
-    append_clusters(ordered(mesh_.positions, std::span(corners).first(levels_.solid_indices), threads_), kNone);
-    append_clusters(ordered(mesh_.positions, std::span(corners).subspan(levels_.solid_indices), threads_), kNone);
+    const auto solid = std::span(corners).first(levels_.solid_indices),
+               other = std::span(corners).subspan(solid.size());
+    for (const auto part : {solid, other})
+      append_clusters(ordered(part, order_of(mesh_.positions, part, threads_)), kNone);
     levels_.mesh_clusters = std::uint32_t(levels_.clusters.size());
     for (std::uint32_t first = 0; coarser && first < levels_.clusters.size();) {
       const auto end = std::uint32_t(levels_.clusters.size());
@@ -184,7 +216,8 @@ class Builder {
       members[groups[i]].push_back(first + i);
     }
     find_shared(members);
-    const std::vector<Simplified> simplified = simplify_all(members);
+    const std::vector<Simplified> simplified = simplify_all(members, levels_.clusters[first].first_index / 3);
+    errors_.clear();
     for (std::size_t i = 0; i < members.size(); ++i)
       if (!simplified[i].corners.empty()) add_group(members[i], simplified[i]);
     return levels_.clusters.size() > end;
@@ -212,7 +245,9 @@ class Builder {
         }
   }
 
-  std::vector<Simplified> simplify_all(const std::vector<std::vector<std::uint32_t>>& members) const {
+  /// `first`: triangle of the first error.
+  std::vector<Simplified> simplify_all(const std::vector<std::vector<std::uint32_t>>& members,
+                                       std::uint32_t first) const {
     std::vector<Simplified> simplified(members.size());
 #ifdef _OPENMP
     const int threads = members.size() < 4 ? 1 : threads_ > 0 ? threads_ : omp_get_max_threads();
@@ -221,18 +256,19 @@ class Builder {
     {
       GroupSimplifier simplifier(mesh_, welded_);
       Corners corners;
+      TriangleErrors errors;
 #ifdef _OPENMP
 #pragma omp for schedule(dynamic, 4)
 #endif
       for (std::size_t i = 0; i < members.size(); ++i) {
-        corners.clear();
+        corners.clear(), errors.clear();
         for (const std::uint32_t member : members[i]) {
-          const auto part = corners_of(levels_.clusters[member]);
+          const Cluster& cluster = levels_.clusters[member];
+          const auto part = corners_of(cluster);
           corners.insert(corners.end(), part.begin(), part.end());
+          if (cluster.made_by != kNone) errors.append(errors_, cluster.first_index / 3 - first, part.size() / 3);
         }
-        if (corners.size() <= 3 * kFewestTriangles) continue;
-        simplified[i] = simplifier.run(corners, shared_);
-        if (!simplified[i].corners.empty()) simplified[i].corners = ordered(mesh_.positions, simplified[i].corners, 1);
+        if (corners.size() > 3 * kFewestTriangles) simplified[i] = simplifier.run(corners, errors, shared_);
       }
     }
     return simplified;
@@ -241,16 +277,19 @@ class Builder {
   void add_group(std::span<const std::uint32_t> members, const Simplified& simplified) {
     const std::uint32_t number = join_clusters(levels_, members);
     ClusterGroup& group = levels_.groups[number];
-    const double error = double(group.error) + simplified.deviation.distance;
-    group.error = std::isfinite(error) ? core::round_up(error) : std::numeric_limits<float>::infinity();
+    const double error = simplified.deviation.distance;
+    group.error =
+        std::isfinite(error) ? std::max(group.error, core::round_up(error)) : std::numeric_limits<float>::infinity();
     group.angle = core::round_up(std::min(double(group.angle) + simplified.deviation.angle, std::numbers::pi));
     append_clusters(simplified.corners, number);
+    errors_.append(simplified.errors, 0, simplified.errors.out.size());
   }
 
   const core::Mesh& mesh_;
   int threads_;
   std::vector<std::uint32_t> welded_;
   std::vector<std::uint8_t> shared_;  // by welded vertex
+  TriangleErrors errors_;             // of the last level's triangles
   MeshLevels levels_;
 };
 

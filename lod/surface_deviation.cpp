@@ -16,8 +16,9 @@ using core::dvec3;
 // other, and a bound for the time that hostile surfaces take.
 constexpr std::int64_t kFewestSteps = 4000, kStepsPerCorner = 30;
 constexpr std::size_t kMostProbes = 8;
-constexpr double kTight = 1.1 * 1.1;    // of squares: a bound that exceeds a true distance by less is not refined
-constexpr double kRaise = 1.02 * 1.02;  // of squares: the bound rises by a little more than it must, so it rises seldom
+constexpr double kTight = 1.1;       // a bound that exceeds a true distance by this factor is not refined
+constexpr double kRaise = 1.02;      // the bound rises by a little more than it must, so it rises seldom
+constexpr double kOutside = 0.5;     // of the bound: nearer polygons are not divided
 constexpr double kRounding = 1e-12;  // of distances, relative to coordinates: far more than the few roundings of each
 
 /// Nearest point of a triangle (C. Ericson, "Real-time collision detection", 2005, section 5.1.5).
@@ -63,31 +64,40 @@ Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to) {
     largest = std::max({largest, size.x, size.y, size.z});
   }
   rounding_ = 0.1 * kRounding * largest;
+  of_from_.assign(from.corners.size() / 3, 0.0);
+  of_to_.assign(faces_.size(), 0.0);
   least_ = probe(from, to);
-  square_ = std::max(rounding_ * rounding_, kTight * least_);
+  bound_ = std::max(rounding_, kTight * least_);
   cosine_ = 1.0;
   steps_ = kFewestSteps + kStepsPerCorner * std::int64_t(from.corners.size() + to.corners.size());
-  for (std::size_t i = 0; i < starts_.size(); ++i) {
+  for (triangle_ = 0; triangle_ < starts_.size(); ++triangle_) {
     Polygon triangle;
     triangle.count = 3;
-    for (std::size_t k = 0; k < 3; ++k) triangle.corners[k] = from.points[from.corners[3 * i + k]];
+    for (std::size_t k = 0; k < 3; ++k) triangle.corners[k] = from.points[from.corners[3 * triangle_ + k]];
     normal_ = unit_normal(triangle.corners[0], triangle.corners[1], triangle.corners[2]);
-    for (pieces_.push_back({triangle, starts_[i], kNone}); !pieces_.empty();) {
+    error_ = from.errors.empty() ? 0.0 : double(from.errors[triangle_]);
+    for (pieces_.push_back({triangle, starts_[triangle_], kNone}); !pieces_.empty();) {
       const Piece piece = pieces_.back();
       pieces_.pop_back();
       cover(piece);
     }
   }
-  return {std::sqrt(square_) * (1.0 + kRounding) + kRounding * largest, std::acos(std::clamp(cosine_, -1.0, 1.0))};
+  const auto outwards = [&](double distance) { return distance * (1.0 + kRounding) + kRounding * largest; };
+  for (std::vector<double>* distances : {&of_from_, &of_to_})
+    std::ranges::transform(*distances, distances->begin(), outwards);
+  return {*std::ranges::max_element(of_from_), std::acos(std::clamp(cosine_, -1.0, 1.0))};
 }
 
-/// Finds a face near each triangle, and returns the square of the distance of some point that lies far from all faces:
-/// the bound cannot be less, and most polygons need not be divided to prove that they lie within it.
+/// Finds a face near each triangle, and returns the distance of some point that lies far from all faces: the bound
+/// cannot be less, and most polygons need not be divided to prove that they lie within it.
 double SurfaceDeviation::probe(const Triangles& from, const Triangles& to) {
   seeds_.assign(from.points.size(), kNone);
   for (std::uint32_t i = 0; i < to.corners.size(); ++i) seeds_[to.corners[i]] = i / 3;
   starts_.clear(), probes_.clear();
-  double square;
+  const auto add = [&](std::uint32_t face, std::uint32_t triangle, const dvec3& point) {
+    const double error = from.errors.empty() ? 0.0 : double(from.errors[triangle]);
+    probes_.push_back({face, triangle, faces_[face].distance(point) + error, point});
+  };
   for (std::size_t i = 0; i < from.corners.size(); i += 3) {
     const std::uint32_t* corners = &from.corners[i];
     const dvec3 centre = (from.points[corners[0]] + from.points[corners[1]] + from.points[corners[2]]) / 3.0;
@@ -95,26 +105,27 @@ double SurfaceDeviation::probe(const Triangles& from, const Triangles& to) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t seed = seeds_[corners[k]];
       if (seed == kNone || seed == face) continue;
-      if (face == kNone || faces_[seed].square_distance(centre) < faces_[face].square_distance(centre)) face = seed;
+      if (face == kNone || faces_[seed].distance(centre) < faces_[face].distance(centre)) face = seed;
     }
-    face = face == kNone ? nearest(0, centre, square) : nearest_from(face, centre);
+    face = face == kNone ? nearest(0, centre) : nearest_from(face, centre);
     starts_.push_back(face);
-    probes_.push_back({face, faces_[face].square_distance(centre), centre});
+    add(face, std::uint32_t(i / 3), centre);
     for (int k = 0; k < 3; ++k) {
       std::uint32_t& seed = seeds_[corners[k]];
       if (seed != kNone) continue;
       const dvec3& point = from.points[corners[k]];
       seed = nearest_from(face, point);
-      probes_.push_back({seed, faces_[seed].square_distance(point), point});
+      add(seed, std::uint32_t(i / 3), point);
     }
   }
   const std::size_t tries = std::min(kMostProbes, probes_.size());
   std::partial_sort(probes_.begin(), probes_.begin() + std::ptrdiff_t(tries), probes_.end(),
-                    [](const Probe& a, const Probe& b) { return a.square > b.square; });
+                    [](const Probe& a, const Probe& b) { return a.distance > b.distance; });
   double farthest = 0.0;
-  for (std::size_t i = 0; i < tries && probes_[i].square > farthest; ++i) {
-    nearest(probes_[i].face, probes_[i].point, square);
-    farthest = std::max(farthest, square);
+  for (std::size_t i = 0; i < tries && probes_[i].distance > farthest; ++i) {
+    const Probe& probe = probes_[i];
+    const double error = from.errors.empty() ? 0.0 : double(from.errors[probe.triangle]);
+    farthest = std::max(farthest, faces_[nearest(probe.face, probe.point)].distance(probe.point) + error);
   }
   return farthest;
 }
@@ -127,6 +138,7 @@ void SurfaceDeviation::make_faces(const Triangles& to) {
       face.corners[k] = to.points[to.corners[3 * i + k]];
       face.neighbours[k] = kNone;
     }
+    face.error = to.errors.empty() ? 0.0 : double(to.errors[i]);
     face.normal = unit_normal(face.corners[0], face.corners[1], face.corners[2]);
     const dvec3 ab = face.corners[1] - face.corners[0], ac = face.corners[2] - face.corners[0];
     const double area = glm::dot(glm::cross(ab, ac), face.normal);  // twice it
@@ -137,7 +149,8 @@ void SurfaceDeviation::make_faces(const Triangles& to) {
   make_balls();
 }
 
-/// In float, relative to a point among the faces: they tell only where to look. Balls of no face are infinitely far.
+/// In float, relative to a point among the faces: they tell only where to look. Balls of no face are infinitely far;
+/// radii are less by the face's error.
 void SurfaceDeviation::make_balls() {
   origin_ = faces_[0].corners[0];
   balls_.assign((faces_.size() + kBalls - 1) / kBalls, {});
@@ -148,8 +161,8 @@ void SurfaceDeviation::make_balls() {
     const core::vec3 at(centre - origin_);
     Balls& balls = balls_[i / kBalls];
     balls.x[i % kBalls] = at.x, balls.y[i % kBalls] = at.y, balls.z[i % kBalls] = at.z;
-    balls.radius[i % kBalls] =
-        float(std::sqrt(std::max({square_of(a - centre), square_of(b - centre), square_of(c - centre)})));
+    balls.radius[i % kBalls] = float(
+        std::sqrt(std::max({square_of(a - centre), square_of(b - centre), square_of(c - centre)})) - faces_[i].error);
   }
 }
 
@@ -189,13 +202,13 @@ void SurfaceDeviation::join(const HalfEdge& a, const HalfEdge& b) {
 
 /// Walks to nearer neighbours until there is none.
 std::uint32_t SurfaceDeviation::nearest_from(std::uint32_t face, const dvec3& point) const {
-  double square = faces_[face].square_distance(point);
+  double distance = faces_[face].distance(point);
   for (;;) {
     std::uint32_t nearer = kNone;
     for (const std::uint32_t neighbour : faces_[face].neighbours) {
       if (neighbour == kNone) continue;
-      const double other = faces_[neighbour].square_distance(point);
-      if (other < square) square = other, nearer = neighbour;
+      const double other = faces_[neighbour].distance(point);
+      if (other < distance) distance = other, nearer = neighbour;
     }
     if (nearer == kNone) break;
     face = nearer;
@@ -204,22 +217,23 @@ std::uint32_t SurfaceDeviation::nearest_from(std::uint32_t face, const dvec3& po
 }
 
 /// Among all faces, but those whose balls are too far off. `face`: one that may be near.
-std::uint32_t SurfaceDeviation::nearest(std::uint32_t face, const dvec3& point, double& square) const {
+std::uint32_t SurfaceDeviation::nearest(std::uint32_t face, const dvec3& point) const {
   face = nearest_from(face, point);
-  square = faces_[face].square_distance(point);
+  double distance = faces_[face].distance(point);
   const core::vec3 p(point - origin_);
   for (std::size_t first = 0; first < faces_.size(); first += kBalls) {
     const Balls& balls = balls_[first / kBalls];
-    const auto distance = float(std::sqrt(square));
+    const auto most = float(distance);
     std::uint32_t near = 0;
     for (std::size_t i = 0; i < kBalls; ++i) {
-      const float x = balls.x[i] - p.x, y = balls.y[i] - p.y, z = balls.z[i] - p.z, reach = balls.radius[i] + distance;
+      const float x = balls.x[i] - p.x, y = balls.y[i] - p.y, z = balls.z[i] - p.z;
+      const float reach = std::max(balls.radius[i] + most, 0.0f);
       near |= std::uint32_t(x * x + y * y + z * z < reach * reach) << i;
     }
     for (; near != 0; near &= near - 1) {
       const auto other = std::uint32_t(first) + std::uint32_t(std::countr_zero(near));
-      const double of_other = faces_[other].square_distance(point);
-      if (of_other < square) square = of_other, face = other;
+      const double of_other = faces_[other].distance(point);
+      if (of_other < distance) distance = of_other, face = other;
     }
   }
   return face;
@@ -236,15 +250,19 @@ double SurfaceDeviation::Face::square_distance(const dvec3& point) const {
   return square >= 0.0 ? square : square_of(p);  // a degenerate triangle may give no number
 }
 
-double SurfaceDeviation::farthest_square(const Polygon& polygon, const Face& face) const {
+/// Of the polygon's points, with the errors of both triangles.
+double SurfaceDeviation::farthest(const Polygon& polygon, std::uint32_t face) const {
   double square = 0.0;
-  for (int i = 0; i < polygon.count; ++i) square = std::max(square, face.square_distance(polygon.corners[i]));
-  return square;
+  for (int i = 0; i < polygon.count; ++i) square = std::max(square, faces_[face].square_distance(polygon.corners[i]));
+  return std::sqrt(square) + faces_[face].error + error_;
 }
 
-/// Gives the polygon to the face if that does not raise the bound.
-bool SurfaceDeviation::accept(const Polygon& polygon, std::uint32_t face) {
-  if (farthest_square(polygon, faces_[face]) > square_) return false;
+/// Gives the polygon to the face if it lies near enough.
+bool SurfaceDeviation::accept(const Polygon& polygon, std::uint32_t face, double most) {
+  const double distance = farthest(polygon, face);
+  if (distance > most) return false;
+  of_from_[triangle_] = std::max(of_from_[triangle_], distance);
+  of_to_[face] = std::max(of_to_[face], distance);
   if (normal_ != dvec3(0.0) && faces_[face].normal != dvec3(0.0))
     cosine_ = std::min(cosine_, glm::dot(normal_, faces_[face].normal));
   return true;
@@ -253,12 +271,12 @@ bool SurfaceDeviation::accept(const Polygon& polygon, std::uint32_t face) {
 /// A face that is not would hand the piece on in a circle.
 bool SurfaceDeviation::is_nearer(std::uint32_t face, const Piece& piece) const {
   const dvec3 centre = centre_of(piece.polygon);
-  return faces_[face].square_distance(centre) < faces_[piece.face].square_distance(centre);
+  return faces_[face].distance(centre) < faces_[piece.face].distance(centre);
 }
 
 /// Divides the piece among the face that it lies near and the faces around, which get what lies beyond the planes.
 void SurfaceDeviation::cover(Piece piece) {
-  if (accept(piece.polygon, piece.face)) return;
+  if (accept(piece.polygon, piece.face, kOutside * bound_)) return;
   for (int k = 0; k < 3;) {
     const Face& face = faces_[piece.face];
     const std::uint32_t neighbour = face.neighbours[k];
@@ -281,7 +299,7 @@ void SurfaceDeviation::cover(Piece piece) {
       ++k;
     }
   }
-  if (!accept(piece.polygon, piece.face)) refine(piece);
+  if (!accept(piece.polygon, piece.face, bound_)) refine(piece);
 }
 
 /// Where the polygon lies by a plane, and its parts where that is on both sides. Corners at the plane are in both. Says
@@ -325,27 +343,27 @@ dvec3 SurfaceDeviation::centre_of(const Polygon& polygon) {
 void SurfaceDeviation::refine(const Piece& piece) {
   const Polygon& polygon = piece.polygon;
   const std::uint32_t face = piece.face;
-  double best = farthest_square(polygon, faces_[face]);
+  double best = farthest(polygon, face);
   std::uint32_t best_face = face;
   const auto consider = [&](std::uint32_t other) {
-    const double square = farthest_square(polygon, faces_[other]);
-    if (square < best) best = square, best_face = other;
+    const double distance = farthest(polygon, other);
+    if (distance < best) best = distance, best_face = other;
   };
-  for (int i = 0; i < polygon.count && best > square_; ++i) consider(nearest_from(face, polygon.corners[i]));
-  if (best > square_) consider(nearest_from(face, centre_of(polygon)));
-  if (best > std::max(square_, kTight * least_)) {
-    const auto* farthest = std::max_element(polygon.corners, polygon.corners + polygon.count, [&](auto& a, auto& b) {
+  for (int i = 0; i < polygon.count && best > bound_; ++i) consider(nearest_from(face, polygon.corners[i]));
+  if (best > bound_) consider(nearest_from(face, centre_of(polygon)));
+  if (best > std::max(bound_, kTight * least_)) {
+    const dvec3& corner = *std::max_element(polygon.corners, polygon.corners + polygon.count, [&](auto& a, auto& b) {
       return faces_[best_face].square_distance(a) < faces_[best_face].square_distance(b);
     });
-    double square;
-    consider(nearest(best_face, *farthest, square));
-    least_ = std::max(least_, square);
+    const std::uint32_t nearest_face = nearest(best_face, corner);
+    consider(nearest_face);
+    least_ = std::max(least_, faces_[nearest_face].distance(corner) + error_);
   }
-  if (best > square_) {
+  if (best > bound_) {
     if (best > kTight * least_ && steps_ > 0 && bisect(polygon, best_face)) return;
-    square_ = kRaise * best;
+    bound_ = kRaise * best;
   }
-  accept(polygon, best_face);
+  accept(polygon, best_face, bound_);
 }
 
 /// Cuts the polygon into two pieces that are yet to be covered: across its longest edge, or along a diagonal if it has
@@ -366,7 +384,7 @@ bool SurfaceDeviation::bisect(const Polygon& polygon, std::uint32_t face) {
       if (square_of(edge(i)) > square_of(edge(longest))) longest = i;
     const dvec3 along = edge(longest);
     const double length = glm::length(along);
-    if (length * length <= 0.01 * least_ || length <= 4.0 * rounding_ ||
+    if (length <= 0.1 * least_ || length <= 4.0 * rounding_ ||
         split(polygon, along / length, polygon.corners[longest] + 0.5 * along, halves[0], halves[1]) != Side::kBoth)
       return false;
   }

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,6 +34,8 @@ struct Deviation {
 struct Triangles {
   std::span<const core::dvec3> points;
   std::span<const std::uint32_t> corners;  ///< three each
+  /// How far the points of each triangle are known to lie from a third surface, in metres; none: not at all.
+  std::span<const float> errors = {};
 };
 
 /// Bounds distances to one surface. Keeps its memory from surface to surface.
@@ -41,7 +44,14 @@ class SurfaceDeviation {
   /// Bounds the deviation of each point of `from` from `to`, not of `to` from `from`. Both have the same points, all
   /// finite; triangles may be degenerate, repeated, or meet at edges in any number. The bound is rounded outwards, and
   /// seldom exceeds the largest distance by more than an eighth. `to` must have a triangle unless `from` has none.
+  ///
+  /// Where triangles have errors, `distance` and what follows are sums of a distance and the errors of both triangles.
   Deviation bound(const Triangles& from, const Triangles& to);
+
+  /// The same for the points of each triangle of `from` alone.
+  std::span<const double> of_from() const { return of_from_; }
+  /// The same for those points alone that were shown to lie near this triangle of `to`.
+  std::span<const double> of_to() const { return of_to_; }
 
  private:
   static constexpr std::uint32_t kNone = core::kNone;
@@ -53,8 +63,11 @@ class SurfaceDeviation {
     core::dvec3 gradients[2];     // of the barycentric coordinates of corners 1 and 2, or 0
     core::dvec3 cuts[3];          // unit normal of the plane through edge k that parts this face from its neighbour
     std::uint32_t neighbours[3];  // across edge k, from corner k to the next; kNone: none
+    double error;
 
     double square_distance(const core::dvec3& point) const;
+    /// With the face's error.
+    double distance(const core::dvec3& point) const { return std::sqrt(square_distance(point)) + error; }
   };
   struct Polygon {
     core::dvec3 corners[kMostCorners];
@@ -72,8 +85,8 @@ class SurfaceDeviation {
     float x[kBalls], y[kBalls], z[kBalls], radius[kBalls];
   };
   struct Probe {
-    std::uint32_t face;  // near it
-    double square;
+    std::uint32_t face, triangle;  // near it; that it belongs to
+    double distance;               // with both errors
     core::dvec3 point;
   };
   struct HalfEdge {
@@ -88,10 +101,10 @@ class SurfaceDeviation {
   void join(const HalfEdge& a, const HalfEdge& b);
   double probe(const Triangles& from, const Triangles& to);
   std::uint32_t nearest_from(std::uint32_t face, const core::dvec3& point) const;
-  std::uint32_t nearest(std::uint32_t face, const core::dvec3& point, double& square) const;
-  double farthest_square(const Polygon& polygon, const Face& face) const;
+  std::uint32_t nearest(std::uint32_t face, const core::dvec3& point) const;
+  double farthest(const Polygon& polygon, std::uint32_t face) const;
   static core::dvec3 centre_of(const Polygon& polygon);
-  bool accept(const Polygon& polygon, std::uint32_t face);
+  bool accept(const Polygon& polygon, std::uint32_t face, double most);
   bool is_nearer(std::uint32_t face, const Piece& piece) const;
   void cover(Piece piece);
   void refine(const Piece& piece);
@@ -109,10 +122,13 @@ class SurfaceDeviation {
   std::vector<Piece> pieces_;  // yet to be covered
   core::dvec3 normal_{0.0};    // of the triangle that is covered
   double rounding_ = 0.0;      // distances below it are rounding
-  double square_ = 0.0;        // of the bound so far
-  double least_ = 0.0;         // square of a distance that some point has
-  double cosine_ = 1.0;        // of the largest angle so far
-  std::int64_t steps_ = 0;     // that are left
+  std::vector<double> of_from_, of_to_;
+  std::uint32_t triangle_ = 0;  // that is covered
+  double error_ = 0.0;          // of it
+  double bound_ = 0.0;          // so far
+  double least_ = 0.0;          // distance that some point has, with the errors
+  double cosine_ = 1.0;         // of the largest angle so far
+  std::int64_t steps_ = 0;      // that are left
 };
 
 }  // namespace sightline::lod

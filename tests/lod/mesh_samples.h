@@ -175,6 +175,15 @@ inline std::vector<NamedMesh> hostile_meshes(std::uint64_t seed) {
   add("two sheets a micrometre apart", joined(sheet, sheet, {0.0f, 0.0f, 1e-6f}));
   add("the same sheet twice", joined(sheet, sheet, core::vec3(0.0f)));
 
+  // Coarser levels close holes, where they lie far from this mesh, but this mesh near them.
+  core::Mesh holes = grid_mesh(60, 60, [&](double u, double v) { return core::dvec3(u, v, 0.0); });
+  std::vector<std::uint32_t> left;
+  for (std::size_t i = 0; i < holes.indices.size(); i += 6)
+    if (random() % 5 < 3)
+      left.insert(left.end(), holes.indices.begin() + std::ptrdiff_t(i), holes.indices.begin() + std::ptrdiff_t(i) + 6);
+  holes.indices = left;
+  add("a flat sheet with holes", holes);
+
   core::Mesh folded = grid_mesh(30, 30, [](double u, double v) {
     return core::dvec3(u < 0.5 ? u : 1.0 - u, v, u < 0.5 ? 0.0 : 1e-3 * (u - 0.5));
   });

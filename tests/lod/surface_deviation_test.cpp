@@ -95,6 +95,44 @@ TEST(SurfaceDeviation, IsABoundForSurfacesOfAnyKind) {
   EXPECT_LT(loose[loose.size() / 2], 2.5) << "in the median, beside the largest of a few thousand samples";
 }
 
+/// With errors of the triangles, every point of each has one with whose triangle the sums of both are kept.
+TEST(SurfaceDeviation, KnowsWhatEachTriangleStandsFor) {
+  int largest_by_one = 0, pairs = 0;
+  for (const NamedMesh& named : ordinary_meshes()) {
+    SCOPED_TRACE(named.name);
+    MeshRandom random(5);
+    const Pair pair = shaken(named, random);
+    const std::vector<dvec3> points(pair.positions.begin(), pair.positions.end());
+    std::vector<float> errors[2] = {std::vector<float>(pair.a.size() / 3), std::vector<float>(pair.b.size() / 3)};
+    for (std::vector<float>& some : errors)
+      for (float& error : some) error = float(0.1 * std::pow(10.0, between(random, -4, 0)));
+    lod::SurfaceDeviation deviation;
+    const double bound = deviation.bound({points, pair.a, errors[0]}, {points, pair.b, errors[1]}).distance;
+    EXPECT_EQ(bound, *std::ranges::max_element(deviation.of_from()));
+    EXPECT_EQ(bound, *std::ranges::max_element(deviation.of_to()));
+    std::vector<SurfaceTwin> faces;
+    for (std::size_t i = 0; i < pair.b.size(); i += 3)
+      faces.emplace_back(pair.positions, std::span(pair.b).subspan(i, 3));
+    for (int i = 0; i < repeated(2000); ++i) {
+      const std::size_t triangle = random() % errors[0].size();
+      const dvec3 p = SurfaceTwin(pair.positions, std::span(pair.a).subspan(3 * triangle, 3)).sample(random);
+      bool found = false;
+      for (std::size_t face = 0; face < faces.size() && !found; ++face) {
+        const double sum = faces[face].distance(p) + double(errors[0][triangle]) + double(errors[1][face]);
+        found = sum <= deviation.of_from()[triangle] && sum <= deviation.of_to()[face];
+      }
+      ASSERT_TRUE(found);
+    }
+    const auto median = [](std::span<const double> all) {
+      std::vector<double> sorted(all.begin(), all.end());
+      std::ranges::nth_element(sorted, sorted.begin() + std::ptrdiff_t(sorted.size() / 2));
+      return sorted[sorted.size() / 2];
+    };
+    ++pairs, largest_by_one += median(deviation.of_from()) < 0.7 * bound;
+  }
+  EXPECT_GT(largest_by_one, pairs / 2) << "most triangles are known to lie nearer than the farthest";
+}
+
 TEST(SurfaceDeviation, OfASurfaceFromItselfIsRounding) {
   for (const NamedMesh& named : ordinary_meshes()) {
     const lod::Deviation deviation =
