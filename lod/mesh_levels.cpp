@@ -72,15 +72,11 @@ struct Simplified {
   Deviation deviation;  // from the original surface, but for the angle
 };
 
-/// Triangles in the order in which clusters take them.
-std::vector<std::uint32_t> order_of(std::span<const vec3> positions, std::span<const std::uint32_t> corners,
-                                    int threads) {
+/// Corners of triangles in the order in which clusters take them.
+Corners ordered(std::span<const vec3> positions, std::span<const std::uint32_t> corners, int threads) {
   std::vector<Aabb> boxes(corners.size() / 3);
   for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = box_of(positions, corners.subspan(3 * i, 3));
-  return core::block_order(boxes, {.smallest_block = kClusterTriangles, .threads = threads});
-}
-
-Corners ordered(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> order) {
+  const auto order = core::block_order(boxes, {.smallest_block = kClusterTriangles, .threads = threads});
   Corners result;
   result.reserve(corners.size());
   for (const std::uint32_t triangle : order)
@@ -103,15 +99,9 @@ class GroupSimplifier {
     local_ = simplify(positions_, corners_, locked_, (triangles + 1) / 2);
     forget();
     if (local_.empty() || double(local_.size()) > kLeastGain * double(corners.size())) return result;
+    local_ = ordered(positions_, local_, 1);
+    for (const std::uint32_t corner : local_) result.corners.push_back(vertices_[corner]);
     prove(errors, result);
-    for (std::uint32_t& corner : local_) corner = vertices_[corner];
-    const auto order = order_of(mesh_.positions, local_, 1);
-    result.corners = ordered(local_, order);
-    for (std::vector<float>* part : {&result.errors.out, &result.errors.back}) {
-      std::vector<float> sorted;
-      for (const std::uint32_t triangle : order) sorted.push_back((*part)[triangle]);
-      *part = std::move(sorted);
-    }
     return result;
   }
 
@@ -177,10 +167,8 @@ class Builder {
     levels_.solid_indices = solid_shells_first(mesh_.positions, corners);
     const std::vector<std::uint32_t> equal = equal_vertices(mesh_, welded_);
     for (std::uint32_t& corner : corners) corner = equal[corner];
-    const auto solid = std::span(corners).first(levels_.solid_indices),
-               other = std::span(corners).subspan(solid.size());
-    for (const auto part : {solid, other})
-      append_clusters(ordered(part, order_of(mesh_.positions, part, threads_)), kNone);
+    append_clusters(ordered(mesh_.positions, std::span(corners).first(levels_.solid_indices), threads_), kNone);
+    append_clusters(ordered(mesh_.positions, std::span(corners).subspan(levels_.solid_indices), threads_), kNone);
     levels_.mesh_clusters = std::uint32_t(levels_.clusters.size());
     for (std::uint32_t first = 0; coarser && first < levels_.clusters.size();) {
       const auto end = std::uint32_t(levels_.clusters.size());

@@ -19,6 +19,7 @@ constexpr std::size_t kMostProbes = 8;
 constexpr double kTight = 1.1;       // a bound that exceeds a true distance by this factor is not refined
 constexpr double kRaise = 1.02;      // the bound rises by a little more than it must, so it rises seldom
 constexpr double kOutside = 0.5;     // of the bound: nearer polygons are not divided
+constexpr double kSliver = 0.05;     // sine of the angle below which a triangle's normal is rounded too much
 constexpr double kRounding = 1e-12;  // of distances, relative to coordinates: far more than the few roundings of each
 
 /// Nearest point of a triangle (C. Ericson, "Real-time collision detection", 2005, section 5.1.5).
@@ -58,11 +59,10 @@ Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to) {
   if (from.corners.empty()) return {};
   assert(!to.corners.empty());
   make_faces(to);
-  double largest = 0.0;
-  for (const std::uint32_t corner : from.corners) {
-    const dvec3 size = glm::abs(from.points[corner]);
-    largest = std::max({largest, size.x, size.y, size.z});
-  }
+  dvec3 size(0.0);
+  for (const Triangles* triangles : {&from, &to})
+    for (const std::uint32_t corner : triangles->corners) size = glm::max(size, glm::abs(triangles->points[corner]));
+  const double largest = std::max({size.x, size.y, size.z});
   rounding_ = 0.1 * kRounding * largest;
   of_from_.assign(from.corners.size() / 3, 0.0);
   of_to_.assign(faces_.size(), 0.0);
@@ -94,28 +94,20 @@ double SurfaceDeviation::probe(const Triangles& from, const Triangles& to) {
   seeds_.assign(from.points.size(), kNone);
   for (std::uint32_t i = 0; i < to.corners.size(); ++i) seeds_[to.corners[i]] = i / 3;
   starts_.clear(), probes_.clear();
-  const auto add = [&](std::uint32_t face, std::uint32_t triangle, const dvec3& point) {
-    const double error = from.errors.empty() ? 0.0 : double(from.errors[triangle]);
-    probes_.push_back({face, triangle, faces_[face].distance(point) + error, point});
-  };
-  for (std::size_t i = 0; i < from.corners.size(); i += 3) {
+  for (std::uint32_t i = 0; i < from.corners.size(); i += 3) {
     const std::uint32_t* corners = &from.corners[i];
+    const double error = from.errors.empty() ? 0.0 : double(from.errors[i / 3]);
     const dvec3 centre = (from.points[corners[0]] + from.points[corners[1]] + from.points[corners[2]]) / 3.0;
-    std::uint32_t face = kNone;
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t seed = seeds_[corners[k]];
-      if (seed == kNone || seed == face) continue;
-      if (face == kNone || faces_[seed].distance(centre) < faces_[face].distance(centre)) face = seed;
-    }
-    face = face == kNone ? nearest(0, centre) : nearest_from(face, centre);
-    starts_.push_back(face);
-    add(face, std::uint32_t(i / 3), centre);
+    const Near at = start(corners, centre);
+    starts_.push_back(at.face);
+    probes_.push_back({at.face, error, at.distance + error, centre});
     for (int k = 0; k < 3; ++k) {
       std::uint32_t& seed = seeds_[corners[k]];
       if (seed != kNone) continue;
       const dvec3& point = from.points[corners[k]];
-      seed = nearest_from(face, point);
-      add(seed, std::uint32_t(i / 3), point);
+      const Near there = nearest_from(near(at.face, point), point);
+      seed = there.face;
+      probes_.push_back({seed, error, there.distance + error, point});
     }
   }
   const std::size_t tries = std::min(kMostProbes, probes_.size());
@@ -124,10 +116,22 @@ double SurfaceDeviation::probe(const Triangles& from, const Triangles& to) {
   double farthest = 0.0;
   for (std::size_t i = 0; i < tries && probes_[i].distance > farthest; ++i) {
     const Probe& probe = probes_[i];
-    const double error = from.errors.empty() ? 0.0 : double(from.errors[probe.triangle]);
-    farthest = std::max(farthest, faces_[nearest(probe.face, probe.point)].distance(probe.point) + error);
+    farthest = std::max(farthest, nearest(near(probe.face, probe.point), probe.point).distance + probe.error);
   }
   return farthest;
+}
+
+/// A face near the centre of a triangle, from those at its corners on.
+SurfaceDeviation::Near SurfaceDeviation::start(const std::uint32_t* corners, const dvec3& centre) const {
+  Near best{kNone, std::numeric_limits<double>::infinity()};
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t seed = seeds_[corners[k]];
+    if (seed == kNone || seed == best.face) continue;
+    const double distance = faces_[seed].distance(centre, best.distance);
+    if (distance < best.distance) best = {seed, distance};
+  }
+  if (best.face == kNone) return nearest(near(0, centre), centre);
+  return faces_[best.face].is_above(centre) ? best : nearest_from(best, centre);
 }
 
 void SurfaceDeviation::make_faces(const Triangles& to) {
@@ -142,10 +146,15 @@ void SurfaceDeviation::make_faces(const Triangles& to) {
     face.normal = unit_normal(face.corners[0], face.corners[1], face.corners[2]);
     const dvec3 ab = face.corners[1] - face.corners[0], ac = face.corners[2] - face.corners[0];
     const double area = glm::dot(glm::cross(ab, ac), face.normal);  // twice it
-    face.gradients[0] = area > 0.0 ? glm::cross(ac, face.normal) / area : dvec3(0.0);
-    face.gradients[1] = area > 0.0 ? glm::cross(face.normal, ab) / area : dvec3(0.0);
+    const bool sliver = !(area > kSliver * std::sqrt(square_of(ab) * square_of(ac)));
+    const double scale = sliver ? std::numeric_limits<double>::quiet_NaN() : 1.0 / area;
+    face.gradients[0] = scale * glm::cross(ac, face.normal);
+    face.gradients[1] = scale * glm::cross(face.normal, ab);
+    const double area_square = area * area;
+    face.heights[0] = area_square / square_of(ac), face.heights[1] = area_square / square_of(ab);
+    face.heights[2] = area_square / square_of(ac - ab);
   }
-  join_faces(to.corners);
+  join_faces(to);
   make_balls();
 }
 
@@ -168,24 +177,31 @@ void SurfaceDeviation::make_balls() {
 
 /// Of more than two triangles at an edge, the first two that are left become neighbours, and so on: any choice is
 /// right.
-void SurfaceDeviation::join_faces(std::span<const std::uint32_t> corners) {
-  edges_.clear();
-  for (std::uint32_t i = 0; i < corners.size(); ++i) {
-    const std::uint64_t a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
-    if (a != b) edges_.push_back({std::min(a, b) << 32 | std::max(a, b), i / 3, i % 3, a > b});
+void SurfaceDeviation::join_faces(const Triangles& to) {
+  const std::span<const std::uint32_t> corners = to.corners;
+  const auto end_of = [&](std::uint32_t i) { return corners[i % 3 == 2 ? i - 2 : i + 1]; };
+  first_edge_.assign(to.points.size() + 1, 0);
+  for (std::uint32_t i = 0; i < corners.size(); ++i) ++first_edge_[std::min(corners[i], end_of(i))];
+  std::uint32_t sum = 0;
+  for (std::uint32_t& first : first_edge_) sum += first, first = sum;
+  edges_.resize(corners.size());
+  for (auto i = std::uint32_t(corners.size()); i-- > 0;)
+    edges_[--first_edge_[std::min(corners[i], end_of(i))]] = {std::max(corners[i], end_of(i)), i};
+  for (std::size_t point = 0; point + 1 < first_edge_.size(); ++point) {
+    const auto edges = std::span(edges_).subspan(first_edge_[point], first_edge_[point + 1] - first_edge_[point]);
+    std::ranges::sort(
+        edges, [](const HalfEdge& a, const HalfEdge& b) { return a.to != b.to ? a.to < b.to : a.corner < b.corner; });
+    for (std::size_t i = 0; i + 1 < edges.size(); ++i)
+      if (edges[i].to == edges[i + 1].to && edges[i].to != point && edges[i].corner / 3 != edges[i + 1].corner / 3) {
+        join(corners, edges[i].corner, edges[i + 1].corner);
+        ++i;
+      }
   }
-  std::sort(edges_.begin(), edges_.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return a.ends != b.ends ? a.ends < b.ends : 3 * a.face + a.edge < 3 * b.face + b.edge;
-  });
-  for (std::size_t i = 0; i + 1 < edges_.size(); ++i)
-    if (edges_[i].ends == edges_[i + 1].ends && edges_[i].face != edges_[i + 1].face) {
-      join(edges_[i], edges_[i + 1]);
-      ++i;
-    }
 }
 
-void SurfaceDeviation::join(const HalfEdge& a, const HalfEdge& b) {
-  Face &first = faces_[a.face], &second = faces_[b.face];
+/// Makes the faces neighbours whose edges start at the corners `a` and `b`.
+void SurfaceDeviation::join(std::span<const std::uint32_t> corners, std::uint32_t a, std::uint32_t b) {
+  Face &first = faces_[a / 3], &second = faces_[b / 3];
   const auto cut_of = [](const Face& face, std::uint32_t edge, const dvec3& neighbour) {
     const dvec3 between = face.normal + neighbour;
     const dvec3 along = face.corners[(edge + 1) % 3] - face.corners[edge];
@@ -193,74 +209,72 @@ void SurfaceDeviation::join(const HalfEdge& a, const HalfEdge& b) {
     const double length = glm::length(cut);
     return length > 0.0 ? cut / length : dvec3(0.0);
   };
-  const double sign = a.reversed == b.reversed ? -1.0 : 1.0;  // neighbours of opposite orientation
-  first.neighbours[a.edge] = b.face;
-  second.neighbours[b.edge] = a.face;
-  first.cuts[a.edge] = cut_of(first, a.edge, sign * second.normal);
-  second.cuts[b.edge] = cut_of(second, b.edge, sign * first.normal);
+  const double sign = corners[a] == corners[b] ? -1.0 : 1.0;  // neighbours of opposite orientation
+  first.neighbours[a % 3] = b / 3;
+  second.neighbours[b % 3] = a / 3;
+  first.cuts[a % 3] = cut_of(first, a % 3, sign * second.normal);
+  second.cuts[b % 3] = cut_of(second, b % 3, sign * first.normal);
 }
 
 /// Walks to nearer neighbours until there is none.
-std::uint32_t SurfaceDeviation::nearest_from(std::uint32_t face, const dvec3& point) const {
-  double distance = faces_[face].distance(point);
+SurfaceDeviation::Near SurfaceDeviation::nearest_from(Near start, const dvec3& point) const {
   for (;;) {
-    std::uint32_t nearer = kNone;
-    for (const std::uint32_t neighbour : faces_[face].neighbours) {
+    Near nearer = start;
+    for (const std::uint32_t neighbour : faces_[start.face].neighbours) {
       if (neighbour == kNone) continue;
-      const double other = faces_[neighbour].distance(point);
-      if (other < distance) distance = other, nearer = neighbour;
+      const double distance = faces_[neighbour].distance(point, nearer.distance);
+      if (distance < nearer.distance) nearer = {neighbour, distance};
     }
-    if (nearer == kNone) break;
-    face = nearer;
+    if (nearer.face == start.face) return start;
+    start = nearer;
   }
-  return face;
 }
 
-/// Among all faces, but those whose balls are too far off. `face`: one that may be near.
-std::uint32_t SurfaceDeviation::nearest(std::uint32_t face, const dvec3& point) const {
-  face = nearest_from(face, point);
-  double distance = faces_[face].distance(point);
+/// Among all faces, but those whose balls are too far off. `start`: one that may be near.
+SurfaceDeviation::Near SurfaceDeviation::nearest(Near start, const dvec3& point) const {
+  Near best = nearest_from(start, point);
   const core::vec3 p(point - origin_);
   for (std::size_t first = 0; first < faces_.size(); first += kBalls) {
     const Balls& balls = balls_[first / kBalls];
-    const auto most = float(distance);
-    std::uint32_t near = 0;
+    const auto most = float(best.distance);
+    std::uint32_t near_ones = 0;
     for (std::size_t i = 0; i < kBalls; ++i) {
       const float x = balls.x[i] - p.x, y = balls.y[i] - p.y, z = balls.z[i] - p.z;
       const float reach = std::max(balls.radius[i] + most, 0.0f);
-      near |= std::uint32_t(x * x + y * y + z * z < reach * reach) << i;
+      near_ones |= std::uint32_t(x * x + y * y + z * z < reach * reach) << i;
     }
-    for (; near != 0; near &= near - 1) {
-      const auto other = std::uint32_t(first) + std::uint32_t(std::countr_zero(near));
-      const double of_other = faces_[other].distance(point);
-      if (of_other < distance) distance = of_other, face = other;
+    for (; near_ones != 0; near_ones &= near_ones - 1) {
+      const auto face = std::uint32_t(first) + std::uint32_t(std::countr_zero(near_ones));
+      const double distance = faces_[face].distance(point, best.distance);
+      if (distance < best.distance) best = {face, distance};
     }
   }
-  return face;
+  return best;
 }
 
-/// Of a point's distance. Most points lie above the face, which is quick to see.
-double SurfaceDeviation::Face::square_distance(const dvec3& point) const {
-  const dvec3 p = point - corners[0];
-  const double u = glm::dot(gradients[0], p), v = glm::dot(gradients[1], p);
-  const dvec3 nearest = u >= 0.0 && v >= 0.0 && u + v <= 1.0
-                            ? corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0])
-                            : nearest_point(point, corners[0], corners[1], corners[2]);
-  const double square = square_of(point - nearest);
-  return square >= 0.0 ? square : square_of(p);  // a degenerate triangle may give no number
+/// Of a point that does not lie above the face, or of any from a sliver.
+double SurfaceDeviation::Face::square_distance_beside(const dvec3& point) const {
+  const double square = square_of(point - nearest_point(point, corners[0], corners[1], corners[2]));
+  return square >= 0.0 ? square : square_of(point - corners[0]);  // a degenerate triangle may give no number
 }
 
-/// Of the polygon's points, with the errors of both triangles.
-double SurfaceDeviation::farthest(const Polygon& polygon, std::uint32_t face) const {
+/// Of the polygon's points, with the errors of both triangles, where it is at most so much; else anything that is more.
+double SurfaceDeviation::farthest(const Polygon& polygon, std::uint32_t face, double most) const {
+  const double errors = faces_[face].error + error_, left = most - errors;
+  if (!(left >= 0.0)) return std::numeric_limits<double>::infinity();
+  const double most_square = left * left;
   double square = 0.0;
-  for (int i = 0; i < polygon.count; ++i) square = std::max(square, faces_[face].square_distance(polygon.corners[i]));
-  return std::sqrt(square) + faces_[face].error + error_;
+  for (int i = 0; i < polygon.count; ++i) {
+    square = std::max(square, faces_[face].square_distance(polygon.corners[i], most_square));
+    if (!(square <= most_square)) return std::numeric_limits<double>::infinity();
+  }
+  return std::sqrt(square) + errors;
 }
 
 /// Gives the polygon to the face if it lies near enough.
 bool SurfaceDeviation::accept(const Polygon& polygon, std::uint32_t face, double most) {
-  const double distance = farthest(polygon, face);
-  if (distance > most) return false;
+  const double distance = farthest(polygon, face, most);
+  if (!(distance <= most)) return false;
   of_from_[triangle_] = std::max(of_from_[triangle_], distance);
   of_to_[face] = std::max(of_to_[face], distance);
   if (normal_ != dvec3(0.0) && faces_[face].normal != dvec3(0.0))
@@ -343,27 +357,31 @@ dvec3 SurfaceDeviation::centre_of(const Polygon& polygon) {
 void SurfaceDeviation::refine(const Piece& piece) {
   const Polygon& polygon = piece.polygon;
   const std::uint32_t face = piece.face;
-  double best = farthest(polygon, face);
+  double best = farthest(polygon, face, kAny);
   std::uint32_t best_face = face;
   const auto consider = [&](std::uint32_t other) {
-    const double distance = farthest(polygon, other);
+    const double distance = farthest(polygon, other, best);
     if (distance < best) best = distance, best_face = other;
   };
-  for (int i = 0; i < polygon.count && best > bound_; ++i) consider(nearest_from(face, polygon.corners[i]));
-  if (best > bound_) consider(nearest_from(face, centre_of(polygon)));
+  for (int i = 0; i < polygon.count && best > bound_; ++i) {
+    const dvec3& corner = polygon.corners[i];
+    consider(nearest_from(near(face, corner), corner).face);
+  }
+  const dvec3 centre = centre_of(polygon);
+  if (best > bound_) consider(nearest_from(near(face, centre), centre).face);
   if (best > std::max(bound_, kTight * least_)) {
     const dvec3& corner = *std::max_element(polygon.corners, polygon.corners + polygon.count, [&](auto& a, auto& b) {
       return faces_[best_face].square_distance(a) < faces_[best_face].square_distance(b);
     });
-    const std::uint32_t nearest_face = nearest(best_face, corner);
-    consider(nearest_face);
-    least_ = std::max(least_, faces_[nearest_face].distance(corner) + error_);
+    const Near found = nearest(near(best_face, corner), corner);
+    consider(found.face);
+    least_ = std::max(least_, found.distance + error_);
   }
   if (best > bound_) {
     if (best > kTight * least_ && steps_ > 0 && bisect(polygon, best_face)) return;
     bound_ = kRaise * best;
   }
-  accept(polygon, best_face, bound_);
+  accept(polygon, best_face, kAny);
 }
 
 /// Cuts the polygon into two pieces that are yet to be covered: across its longest edge, or along a diagonal if it has
@@ -389,7 +407,10 @@ bool SurfaceDeviation::bisect(const Polygon& polygon, std::uint32_t face) {
       return false;
   }
   --steps_;
-  for (const Polygon& half : halves) pieces_.push_back({half, nearest_from(face, centre_of(half)), kNone});
+  for (const Polygon& half : halves) {
+    const dvec3 centre = centre_of(half);
+    pieces_.push_back({half, nearest_from(near(face, centre), centre).face, kNone});
+  }
   return true;
 }
 

@@ -7,11 +7,16 @@
 // surface divide it, so that each polygon lies above its triangle, and polygons that still lie far from it are
 // bisected. (Compare R. Straub, "Approximate Error Bounds", 2007; M. Guthe, P. Borodin, R. Klein, "Fast and accurate
 // Hausdorff distance calculation between meshes", 2005, which search for the distance itself.)
+//
+// Bounds of several steps add up, and do so triangle by triangle: a polygon's distance and the errors of its two
+// triangles bound how far its points lie from a third surface. So what is far off in one step and what is in another
+// are only added where they lie above each other.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -56,18 +61,43 @@ class SurfaceDeviation {
  private:
   static constexpr std::uint32_t kNone = core::kNone;
   static constexpr int kMostCorners = 10, kManyCorners = 7;
+  static constexpr double kAny = std::numeric_limits<double>::infinity();
+  static constexpr double kBeside = 1e-13;  // of barycentric coordinates: less than that is rounding
 
   struct Face {
     core::dvec3 corners[3];
     core::dvec3 normal;           // of unit length, or 0
-    core::dvec3 gradients[2];     // of the barycentric coordinates of corners 1 and 2, or 0
+    core::dvec3 gradients[2];     // of the barycentric coordinates of corners 1 and 2; not numbers for slivers
     core::dvec3 cuts[3];          // unit normal of the plane through edge k that parts this face from its neighbour
+    double heights[3];            // squares of them, of corners 1, 2 and 0
+    double error;                 // of Triangles
     std::uint32_t neighbours[3];  // across edge k, from corner k to the next; kNone: none
-    double error;
 
-    double square_distance(const core::dvec3& point) const;
-    /// With the face's error.
-    double distance(const core::dvec3& point) const { return std::sqrt(square_distance(point)) + error; }
+    /// Of all that is no sliver, whether the point's projection lies inside, but for rounding.
+    bool is_above(const core::dvec3& point) const {
+      const core::dvec3 p = point - corners[0];
+      const double u = glm::dot(gradients[0], p), v = glm::dot(gradients[1], p);
+      return std::min({u, v, 1.0 - u - v}) >= -kBeside;
+    }
+    /// Where it is less than `most`; else anything that is not. Most points lie above the face, or too far beside it,
+    /// which is quick to see.
+    double square_distance(const core::dvec3& point, double most = kAny) const {
+      const core::dvec3 p = point - corners[0];
+      const double u = glm::dot(gradients[0], p), v = glm::dot(gradients[1], p), w = 1.0 - u - v;
+      const double height = glm::dot(normal, p), above = height * height;
+      if (std::min({u, v, w}) >= -kBeside) return above;
+      const auto beside = [](double coordinate, double height_square) {
+        return coordinate < 0.0 ? coordinate * coordinate * height_square : 0.0;
+      };
+      const double least = above + std::max({beside(u, heights[0]), beside(v, heights[1]), beside(w, heights[2])});
+      return least > most ? least : square_distance_beside(point);
+    }
+    double square_distance_beside(const core::dvec3& point) const;
+    /// With the face's error; `most` as before.
+    double distance(const core::dvec3& point, double most = kAny) const {
+      const double left = std::max(most - error, 0.0);
+      return std::sqrt(square_distance(point, left * left)) + error;
+    }
   };
   struct Polygon {
     core::dvec3 corners[kMostCorners];
@@ -85,24 +115,29 @@ class SurfaceDeviation {
     float x[kBalls], y[kBalls], z[kBalls], radius[kBalls];
   };
   struct Probe {
-    std::uint32_t face, triangle;  // near it; that it belongs to
-    double distance;               // with both errors
+    std::uint32_t face;  // near it
+    double error;        // of its own triangle
+    double distance;     // with both errors
     core::dvec3 point;
   };
   struct HalfEdge {
-    std::uint64_t ends;
-    std::uint32_t face, edge;
-    bool reversed;
+    std::uint32_t to, corner;  // the higher end; where it starts
+  };
+  struct Near {
+    std::uint32_t face;
+    double distance;  // with the face's error
   };
 
   void make_faces(const Triangles& to);
   void make_balls();
-  void join_faces(std::span<const std::uint32_t> corners);
-  void join(const HalfEdge& a, const HalfEdge& b);
+  void join_faces(const Triangles& to);
+  void join(std::span<const std::uint32_t> corners, std::uint32_t a, std::uint32_t b);
   double probe(const Triangles& from, const Triangles& to);
-  std::uint32_t nearest_from(std::uint32_t face, const core::dvec3& point) const;
-  std::uint32_t nearest(std::uint32_t face, const core::dvec3& point) const;
-  double farthest(const Polygon& polygon, std::uint32_t face) const;
+  Near near(std::uint32_t face, const core::dvec3& point) const { return {face, faces_[face].distance(point)}; }
+  Near nearest_from(Near start, const core::dvec3& point) const;
+  Near nearest(Near start, const core::dvec3& point) const;
+  Near start(const std::uint32_t* corners, const core::dvec3& centre) const;
+  double farthest(const Polygon& polygon, std::uint32_t face, double most) const;
   static core::dvec3 centre_of(const Polygon& polygon);
   bool accept(const Polygon& polygon, std::uint32_t face, double most);
   bool is_nearer(std::uint32_t face, const Piece& piece) const;
@@ -113,18 +148,19 @@ class SurfaceDeviation {
              Polygon& outside) const;
 
   std::vector<Face> faces_;
-  std::vector<Balls> balls_;  // of the faces
-  core::dvec3 origin_{0.0};   // of the balls' centres
+  std::vector<Balls> balls_;               // of the faces
+  core::dvec3 origin_{0.0};                // of the balls' centres
+  std::vector<std::uint32_t> first_edge_;  // by point: of those whose lower end it is
   std::vector<HalfEdge> edges_;
   std::vector<std::uint32_t> seeds_;   // by point: a face near it, or kNone
   std::vector<std::uint32_t> starts_;  // by triangle: a face near it
   std::vector<Probe> probes_;
-  std::vector<Piece> pieces_;  // yet to be covered
-  core::dvec3 normal_{0.0};    // of the triangle that is covered
-  double rounding_ = 0.0;      // distances below it are rounding
   std::vector<double> of_from_, of_to_;
   std::uint32_t triangle_ = 0;  // that is covered
+  core::dvec3 normal_{0.0};     // of it
   double error_ = 0.0;          // of it
+  std::vector<Piece> pieces_;   // of it, yet to be covered
+  double rounding_ = 0.0;       // distances below it are rounding
   double bound_ = 0.0;          // so far
   double least_ = 0.0;          // distance that some point has, with the errors
   double cosine_ = 1.0;         // of the largest angle so far
