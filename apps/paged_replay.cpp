@@ -134,9 +134,10 @@ void print_table(const PagedReplayOptions& o, const engine::PagedEngine& engine,
   }
   constexpr double kMiB = 1024.0 * 1024.0;
   std::fprintf(out, "\n%zu frames complete; the last view took %.0f ms more\n", complete(flight), rest.settle_ms);
-  std::fprintf(out, "pages: %llu read, %llu given up, %llu of those read ahead not needed\n",
+  std::fprintf(out,
+               "pages: %llu read, %llu given up, %llu of those read ahead not needed; %llu read by coarsest levels\n",
                (unsigned long long)rest.report.loaded, (unsigned long long)rest.report.evicted,
-               (unsigned long long)rest.report.prefetched);
+               (unsigned long long)rest.report.prefetched, (unsigned long long)rest.report.coarse_loaded);
   std::fprintf(out, "memory MiB: peak %.1f of %.1f, boxes of all leaves %.1f, pages at most %.1f\n",
                double(peak_memory()) / kMiB, double(*parse_bytes(o.memory)) / kMiB,
                double(engine.scene().memory_bytes()) / kMiB, double(engine.memory().limit) / kMiB);
@@ -150,7 +151,8 @@ core::Expected<int> replay_paged(const PagedReplayOptions& o) {
   if (!o.images.empty())
     if (auto made = make_directory(o.images); !made) return tl::unexpected(made.error());
   auto engine =
-      open_paged(o.model, o.memory, {.width = (*size)[0], .height = (*size)[1], .context_platform = o.platform});
+      open_paged(o.model, o.memory,
+                 {.width = (*size)[0], .height = (*size)[1], .lod_error = o.lod_error, .context_platform = o.platform});
   if (!engine) return tl::unexpected(engine.error());
   const auto path = choose_path(o, engine->scene());
   if (!path) return tl::unexpected(path.error());

@@ -478,6 +478,7 @@ core::Expected<PagedImage> draw_paged(const Options& o) {
                                  {.width = (*size)[0],
                                   .height = (*size)[1],
                                   .ids = o.wants_ids(),
+                                  .lod_error = o.shown.lod_error,
                                   .context_platform = o.platform,
                                   .gl_debug = o.gl_debug});
   if (!engine) return tl::unexpected(engine.error());

@@ -442,6 +442,7 @@ core::Expected<int> replay(const Options& o) {
                                .images = o.images,
                                .frames = o.frames,
                                .every = o.every,
+                               .lod_error = o.shown.lod_error,
                                .settle = o.settle,
                                .platform = o.platform});
 #endif

@@ -60,6 +60,7 @@ struct PagedScene {
     std::uint32_t material_rows = 0;                     ///< of the table that its items name
     std::array<std::uint32_t, kKindCount> of_kind{};     ///< slots of each kind
     std::uint64_t mesh_positions = 0, mesh_indices = 0;  ///< of all its meshes
+    std::uint64_t level_indices = 0;                     ///< of levels of detail that these come with
     std::size_t memory_bytes = 0;                        ///< of a Page, before drop_records()
   };
 

@@ -12,6 +12,7 @@
 
 #include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/gpuprims/internal/joints.h"
+#include "sightline/lod/stored_levels.h"
 
 namespace sightline::engine {
 namespace {
@@ -19,7 +20,28 @@ namespace {
 /// What draw lists take for a record, and for a mesh item: single ids of three frames, or commands of three frames, of
 /// the pool and of the list that is written.
 constexpr std::size_t kListBytes = 16, kMeshListBytes = 128;
+/// And for an index of levels: in main memory, on the GPU, on its way there, with what clusters and groups come to.
+constexpr std::size_t kLevelIndexBytes = 16;
 constexpr double kLongestWaitSeconds = 1e6;  // seconds; clocks cannot count to infinity
+
+/// Levels of detail of the page's meshes.
+std::vector<gpuscene::MeshPool::LevelsOfMesh> levels_of(const core::Page& page) {
+  std::vector<gpuscene::MeshPool::LevelsOfMesh> levels;
+  std::vector<bool> taken(page.meshes.mesh_slots());
+  for (int kind = core::kPrimitiveKindCount; kind < core::kKindCount; ++kind) {
+    const core::KindItems& items = page.snapshot.of_kind(core::Kind(kind));
+    for (std::size_t i = 0; i < items.members.size(); ++i) {
+      if (taken[items.meshes[i]]) continue;
+      taken[items.meshes[i]] = true;
+      auto mesh = page.snapshot.share_mesh(items.members[i]);
+      const auto bytes = mesh->levels ? mesh->levels->bytes() : core::Expected<std::vector<std::byte>>();
+      if (!bytes || bytes->empty()) continue;
+      if (auto read = lod::decode(*bytes, *mesh))
+        levels.push_back({std::move(mesh), std::make_shared<const lod::MeshLevels>(std::move(*read))});
+    }
+  }
+  return levels;
+}
 
 }  // namespace
 
@@ -97,7 +119,8 @@ void PageLoader::run() {
     const std::uint32_t page = asked_.front();
     asked_.pop_front();
     held.unlock();
-    Loaded loaded{page, load(page)};
+    Loaded loaded{page, load(page), {}};
+    if (loaded.content && scene_.pages[page].level_indices > 0) loaded.levels = levels_of(**loaded.content);
     held.lock();
     loaded_.push_back(std::move(loaded));
     changed_.notify_all();
@@ -114,7 +137,7 @@ std::size_t ResidentPage::memory_bytes() const {
               (mesh.indices.size() + mesh.contour_sizes.size() + mesh.polygon_contours.size()) * sizeof(std::uint32_t);
   }
   const std::size_t mesh_items = scene.meshes().records();
-  return meshes + content->snapshot.memory_bytes() + scene.memory_bytes() + lists.memory_bytes() +
+  return meshes + level_bytes + content->snapshot.memory_bytes() + scene.memory_bytes() + lists.memory_bytes() +
          mesh_items * kMeshListBytes + content->snapshot.size() * kListBytes;
 }
 
@@ -139,7 +162,7 @@ std::size_t PageStore::bytes_of(const core::PagedScene::PageInfo& info) {
              records[batch] * kListBytes;
   }
   bytes += records[std::size_t(gpuscene::BatchKind::kMesh)] * kMeshListBytes;
-  return bytes +
+  return bytes + info.level_indices * kLevelIndexBytes +
          2 * (info.mesh_positions * gpuscene::MeshPool::kVertexBytes + info.mesh_indices * sizeof(std::uint32_t));
 }
 
@@ -160,19 +183,24 @@ core::Expected<void> PageStore::take_loaded(const gl::Context& context, std::uin
       errors_.push_back(loaded.content.error().message);
       continue;
     }
-    if (auto done = upload(context, loaded.page, std::move(*loaded.content)); !done) return done;
-    pages_[loaded.page]->used = frame;
+    const std::uint32_t page = loaded.page;
+    if (auto done = upload(context, std::move(loaded)); !done) return done;
+    pages_[page]->used = frame;
     ++counts_.prefetched;  // until an image needs it
   }
   return {};
 }
 
-core::Expected<void> PageStore::upload(const gl::Context& context, std::uint32_t page,
-                                       std::unique_ptr<core::Page> content) {
+core::Expected<void> PageStore::upload(const gl::Context& context, PageLoader::Loaded loaded) {
+  const std::uint32_t page = loaded.page;
+  std::unique_ptr<core::Page> content = std::move(*loaded.content);
   const auto joints = gpuprims::Joints::of_slots(std::move(content->internal_end_caps));
   const core::Snapshot& snapshot = content->snapshot;
   auto scene = gpuscene::GpuScene::create(context, snapshot, joints);
   if (!scene) return tl::unexpected(scene.error());
+  if (auto done = scene->add_levels(loaded.levels, false); !done) return done;
+  std::size_t level_bytes = 0;
+  for (const auto& of : loaded.levels) level_bytes += of.levels->memory_bytes();
   auto lists = gpuscene::DrawLists::create(context, *scene);
   if (!lists) return tl::unexpected(lists.error());
   content->drop_records();
@@ -182,7 +210,7 @@ core::Expected<void> PageStore::upload(const gl::Context& context, std::uint32_t
     for (const core::Slot slot : members) lines[slot / 64] |= std::uint64_t(1) << slot % 64;
   }
   pages_[page] = std::unique_ptr<ResidentPage>(
-      new ResidentPage{std::move(content), std::move(*scene), std::move(*lists), std::move(lines)});
+      new ResidentPage{std::move(content), std::move(*scene), std::move(*lists), std::move(lines), level_bytes});
   resident_.push_back(page);
   counts_.resident = std::uint32_t(resident_.size());
   bytes_ -= bytes_of(scene_.pages[page]);

@@ -17,6 +17,7 @@
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gl/internal/program_cache.h"
+#include "sightline/lod/internal/cut.h"
 #include "sightline/render/image/image.h"
 #include "sightline/render/internal/renderer.h"
 
@@ -80,10 +81,16 @@ std::size_t bytes_of_drivers(const PagedConfig& config) {
 }
 
 /// Whether a coarse page shows an item as the page itself does.
-bool is_fine_enough(const core::Page& page, core::Slot slot) {
+bool is_fine_enough(const core::Page& page, core::Slot slot, const lod::ImageError& image) {
   const core::Kind kind = page.snapshot.kind(slot);
   if (int(kind) < core::kPrimitiveKindCount) return true;
-  return page.deviations_of(page.snapshot.of_kind(kind).meshes[page.snapshot.index_in_kind(slot)]).empty();
+  const auto deviations = page.deviations_of(page.snapshot.of_kind(kind).meshes[page.snapshot.index_in_kind(slot)]);
+  if (deviations.empty()) return true;
+  // The very rule by which a cut through all levels ends at the coarsest (lod/internal/cut.h).
+  const lod::MeshError error(image, page.snapshot.world_from_item(slot));
+  return std::ranges::all_of(deviations, [&](const core::MeshDeviation& deviation) {
+    return deviation.error <= error.allowed(deviation.box) || error.outside(deviation.box);
+  });
 }
 
 /// What the standard library throws becomes an error.
@@ -132,7 +139,10 @@ class PagedEngine::Impl {
 
  private:
   Impl(core::PagedScene scene, const PagedConfig& config, gl::Context context)
-      : context_(std::move(context)), scene_(std::move(scene)), config_(config), culler_(scene_.leaves) {}
+      : context_(std::move(context)), scene_(std::move(scene)), config_(config), culler_(scene_.leaves) {
+    if (config_.lod_error == 0.0)
+      for (core::PagedScene::PageInfo& page : scene_.pages) page.level_indices = 0;  // nobody reads them
+  }
   core::Expected<void> prepare();
   core::Expected<void> warm_up();
   core::Expected<void> draw_trial();
@@ -146,6 +156,7 @@ class PagedEngine::Impl {
   PagedReport begin(const core::View& view);
   void unoccluded_leaves();
   core::Expected<void> refine(double until, bool stays);
+  core::Expected<PagedReport> complete(const core::View& view, const Progress& progress);
   core::Expected<void> refine_more();
   core::Expected<void> draw_resident();
   core::Expected<std::uint64_t> draw_page(std::uint32_t page);
@@ -159,7 +170,7 @@ class PagedEngine::Impl {
   void close(std::uint32_t page, const core::VisibleSet& but);
   culling::OcclusionTest occlusion_test(const core::dvec3& origin) const;
   void ask_for_pages(bool stays);
-  bool wants_coarse(std::uint32_t page) const;
+  bool lacks_coarse(std::uint32_t page) const;
   void foresee(std::vector<PageStore::Wanted>& wanted, std::vector<PageStore::Wanted>& coarse);
   core::Expected<void> show();
   core::Expected<void> show_coarse_pages();
@@ -180,6 +191,7 @@ class PagedEngine::Impl {
 
   // The image that is being drawn.
   std::optional<core::View> view_, before_;
+  std::optional<lod::ImageError> image_error_;
   culling::ImageSamples samples_;
   culling::DepthPyramid pyramid_;
   std::vector<float> distances_;
@@ -200,6 +212,7 @@ class PagedEngine::Impl {
 
 core::Expected<std::unique_ptr<PagedEngine::Impl>> PagedEngine::Impl::create(core::PagedScene scene,
                                                                              const PagedConfig& config) {
+  if (!(config.lod_error >= 0.0)) return core::fail("engine: lod_error must be 0 or more pixels");
   gl::ContextOptions options;
   options.platform = config.context_platform;
   options.debug = config.gl_debug;
@@ -356,9 +369,15 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   return report_;
 }
 
-/// Shows no image before it is complete.
 core::Expected<PagedReport> PagedEngine::Impl::settle(const core::View& view, const Progress& progress) {
   settling_ = true;
+  auto report = complete(view, progress);
+  settling_ = false;
+  return report;
+}
+
+/// Shows no image before it is complete.
+core::Expected<PagedReport> PagedEngine::Impl::complete(const core::View& view, const Progress& progress) {
   auto report = frame(view);
   while (report && !report_.complete) {
     if (progress && !progress(report_)) return report_;
@@ -366,7 +385,6 @@ core::Expected<PagedReport> PagedEngine::Impl::settle(const core::View& view, co
     if (!report_.complete) continue;
     report = frame(view);
   }
-  settling_ = false;
   return report;
 }
 
@@ -386,6 +404,7 @@ core::Expected<void> PagedEngine::Impl::refine_more() {
 
 PagedReport PagedEngine::Impl::begin(const core::View& view) {
   before_ = std::exchange(view_, view);
+  image_error_.emplace(view, config_.width, config_.height, config_.lod_error);
   renderer_->clear(canvas_);
   pyramid_.clear(config_.width, config_.height);
   coarse_drawn_.assign(coarse_drawn_.size(), false);
@@ -550,6 +569,7 @@ core::Expected<std::uint64_t> PagedEngine::Impl::draw(ResidentPage& resident, co
   if (set.count() == 0) return 0;
   const core::Snapshot& snapshot = resident.content->snapshot;
   gpuscene::DrawnIn in{&*view_};
+  if (resident.level_bytes > 0) in.error = &*image_error_;
   const culling::TriangleTest triangles(*view_, samples_);
   if (context_.capabilities().software) in.triangles = &triangles;
   if (auto done = resident.lists.update(snapshot, resident.scene, set, in); !done) return tl::unexpected(done.error());
@@ -582,7 +602,7 @@ core::Expected<std::uint64_t> PagedEngine::Impl::draw_coarse_page(std::uint32_t 
   std::vector<std::uint64_t> fine(culling::bit_words(snapshot.size())), rough = fine;
   culling::set_bits(shown, fine);
   for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
-    if (culling::contains(fine, slot) && !is_fine_enough(*resident.content, slot))
+    if (culling::contains(fine, slot) && !is_fine_enough(*resident.content, slot, *image_error_))
       rough[slot / 64] |= (~std::uint64_t(0) >> (64 - core::kBlockSlots))
                           << slot % 64 / core::kBlockSlots * core::kBlockSlots;
   core::VisibleSet set, open;
@@ -652,10 +672,10 @@ void PagedEngine::Impl::draw_loading_bar() const {
 
 // --- what comes next -------------------------------------------------------------------------------------------------
 
-/// Whether the coarse form of a page would be of use and is not in memory.
-bool PagedEngine::Impl::wants_coarse(std::uint32_t page) const {
-  return coarse_ && !settling_ && scene_.coarse->pages[page].slot_count > 0 && !coarse_->find(page) &&
-         !coarse_->failed(page) && !store_->find(page);
+/// Whether a page has a coarse form, and nothing of it is in memory.
+bool PagedEngine::Impl::lacks_coarse(std::uint32_t page) const {
+  return coarse_ && scene_.coarse->pages[page].slot_count > 0 && !coarse_->find(page) && !coarse_->failed(page) &&
+         !store_->find(page);
 }
 
 void PagedEngine::Impl::ask_for_pages(bool stays) {
@@ -665,10 +685,14 @@ void PagedEngine::Impl::ask_for_pages(bool stays) {
     if (open_count_[page] == 0) continue;
     by_area_[left++] = page;
     if (store_->failed(page)) continue;
-    if (coarse.size() < PageStore::kMostAsked && wants_coarse(page)) coarse.push_back({page, area_[page], true});
-    if (wanted.size() >= PageStore::kMostAsked) continue;
+    // Where the coarse form may be enough, it comes first; else it comes to be looked at meanwhile.
+    const bool may_do = config_.lod_error > 0.0 && !coarse_drawn_[page];
+    const bool of_use = (may_do || !settling_) && lacks_coarse(page);
+    if (may_do && of_use ? coarse.size() >= PageStore::kMostAsked : wanted.size() >= PageStore::kMostAsked) continue;
     close_hidden(page);
-    if (open_count_[page] > 0) wanted.push_back({page, area_[page], true});
+    if (open_count_[page] == 0) continue;
+    if (of_use) coarse.push_back({page, area_[page], true});
+    if (!may_do || !of_use) wanted.push_back({page, area_[page], true});
   }
   by_area_.resize(left);
   report_.complete = std::none_of(by_area_.begin(), by_area_.end(),
@@ -700,9 +724,9 @@ void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted, std::vec
     if (any) later.push_back({page, test.area(page_boxes_[page]), false});
   }
   std::sort(later.begin(), later.end(), [](const auto& a, const auto& b) { return a.area > b.area; });
-  wanted.insert(wanted.end(), later.begin(), later.end());
+  if (config_.lod_error == 0.0) wanted.insert(wanted.end(), later.begin(), later.end());
   std::copy_if(later.begin(), later.end(), std::back_inserter(coarse),
-               [&](const auto& w) { return wants_coarse(w.page); });
+               [&](const auto& w) { return lacks_coarse(w.page); });
 }
 
 // --- interface -------------------------------------------------------------------------------------------------------

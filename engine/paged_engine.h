@@ -5,13 +5,14 @@
 //   do { report = engine->frame(view); } while (report && !report->complete);
 //   image::write_png(engine->read_colour(), "out.png");
 //
-// Each frame shows what is in memory. For pages that are not it shows their meshes by the coarsest levels of detail, where
-// the scene cache has levels (importers::SlcWriteOptions::levels), and else a splat for each leaf. Pages are read by the size that their
-// leaves have in the image, and ahead of the camera. A view that stays is completed frame by frame, page after page,
-// also where it needs more than memory holds: what is drawn stays in the image when its page goes. Complete images
-// of one scene cache are to the bit what Engine draws of it, but where two items have the very same surface: there
-// either shows. Parts of a folder keep the origins that they were written with. Those of a scene that was joined in
-// memory are others, so last bits of depths and of colours on edges may differ.
+// Each frame shows what is in memory. For pages that are not, it shows their meshes by the coarsest of their levels of
+// detail, where the scene cache has levels (importers::SlcWriteOptions::levels), and else a splat for each leaf. Pages
+// are read by the size that their leaves have in the image, and ahead of the camera. A view that stays is completed
+// frame by frame, page after page, also where it needs more than memory holds: what is drawn stays in the image when
+// its page goes. Complete images of one scene cache are to the bit what Engine draws of it, with the same lod_error,
+// but where two items have the very same surface: there either shows. Parts of a folder keep the origins that they were
+// written with. Those of a scene that was joined in memory are others, so last bits of depths and of colours on edges
+// may differ.
 #pragma once
 
 #include <cstddef>
@@ -42,6 +43,9 @@ namespace sightline::engine {
 struct PagedConfig {
   int width = 1280, height = 720;  ///< pixels
   bool ids = false;                ///< item-id image beside colour and depth
+  /// As LossConfig::lod_error, 0 or more pixels: meshes are drawn by levels of detail that the scene cache has. Pages
+  /// that the coarsest levels show well enough are read in these alone. 0: in full.
+  double lod_error = 0.0;
   /// Bytes that the whole process may have in memory, and its buffers on a GPU where that is main memory. Pages get
   /// what the program, its drivers and the boxes of all leaves leave of it, less room to read each image once (11 bytes
   /// a pixel, 15 with ids), less a tenth, and 32 MiB at least, for what changes while frames are drawn. Where more than
@@ -75,7 +79,7 @@ struct PagedReport {
   std::uint64_t failed = 0;       ///< pages that cannot be read: take_errors()
   std::uint32_t coarse_resident = 0;  ///< pages of coarsest levels in memory, and those read since the start
   std::uint64_t coarse_loaded = 0;
-  std::size_t memory = 0;         ///< bytes of the process now; 0 where the system does not say
+  std::size_t memory = 0;  ///< bytes of the process now; 0 where the system does not say
 };
 
 /// Not thread-safe; reads pages on a thread of its own. The destructor waits for the page that is being read. Its
@@ -109,7 +113,8 @@ class SIGHTLINE_API PagedEngine {
   /// Messages of the driver; only with gl_debug.
   std::vector<std::string> take_gl_errors();
 
-  /// Of the last frame, which there must have been; wait for the GPU. Splats have the id of the background, and no depth.
+  /// Of the last frame, which there must have been; wait for the GPU. Splats have the id of the background, and no
+  /// depth.
   image::Image read_colour() const;
   image::IdImage read_ids() const;  ///< only with PagedConfig::ids
   image::DepthImage read_depth() const;

@@ -31,6 +31,7 @@ enum class OptionGroup {
   kGeneral,  ///< nothing: the model, the view, files that are written
   kImport,   ///< model files that are read and placed here
   kEngine,   ///< engine::Engine, with the whole scene
+  kPaged,    ///< engine::PagedEngine, and the mode without a mode's option
 };
 
 /// Handle of one option, valid while its command line exists. Copies name the same option. Functions that change the

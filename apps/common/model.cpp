@@ -253,7 +253,8 @@ void add_drawn_options(CommandLine& line, DrawnOptions& options) {
            "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
       .shows_default()
       .not_negative();
-  line.add("--lod-error", options.lod_error,
+  line.group(OptionGroup::kPaged)
+      .add("--lod-error", options.lod_error,
            "Draw meshes by coarser levels of detail that lie within so many pixels of them, proven; 0: in full")
       .shows_default()
       .not_negative();

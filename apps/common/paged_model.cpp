@@ -35,7 +35,7 @@ void add_memory_option(CommandLine& line, std::string& text) {
               "below this, such as 2G")
           .metavar("LIMIT")
           .accepted_by(parse_bytes);
-  line.mode(memory, {OptionGroup::kGeneral});
+  line.mode(memory, {OptionGroup::kGeneral, OptionGroup::kPaged});
 }
 
 namespace {

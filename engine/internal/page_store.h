@@ -30,6 +30,7 @@ class PageLoader {
   struct Loaded {
     std::uint32_t page;
     core::Expected<std::unique_ptr<core::Page>> content;
+    std::vector<gpuscene::MeshPool::LevelsOfMesh> levels;  ///< where the page says that its meshes come with some
   };
   /// The scene must outlive it.
   explicit PageLoader(const core::PagedScene& scene);
@@ -61,6 +62,7 @@ struct ResidentPage {
   gpuscene::GpuScene scene;
   gpuscene::DrawLists lists;
   std::vector<std::uint64_t> lines;  ///< a bit per slot; empty where the page has no lines
+  std::size_t level_bytes = 0;       ///< of levels of detail; 0: it has none
   std::size_t bytes = 0;             ///< as counted against the limit
   std::uint64_t used = 0;            ///< frame that last drew it
   float area = 0.0f;                 ///< pixels of its leaves in that frame
@@ -119,7 +121,7 @@ class PageStore {
   std::vector<std::string> take_errors() { return std::exchange(errors_, {}); }
 
  private:
-  core::Expected<void> upload(const gl::Context& context, std::uint32_t page, std::unique_ptr<core::Page> content);
+  core::Expected<void> upload(const gl::Context& context, PageLoader::Loaded loaded);
   bool make_room(std::size_t bytes, const Wanted& wanted, std::uint64_t frame, bool stays);
   std::uint32_t first_to_go() const;
   void evict(std::uint32_t page);

@@ -212,8 +212,9 @@ std::vector<SlcCoarsePage> coarse_pages(const core::Scene& scene, const core::Sn
       made.mesh_indices += own ? row.indices : meshes[i].indices;
       made.mesh_bytes += own ? value_bytes(row) : value_bytes(meshes[i]);
       made.deviations += row.deviations;
+      made.level_indices += coarse.level_indices[i];
     }
-    if (made.mesh_bytes > page.mesh_bytes / 2) made = {};
+    if (made.mesh_bytes > page.mesh_bytes / 2) made = {0, 0, 0, 0, made.level_indices, 0};
     if (made.mesh_bytes == 0) continue;
     sums.begin(page);
     for (const std::uint32_t i : used) {

@@ -98,6 +98,11 @@ class PagedPart {
   /// What only opening needs. Vectors that `= {}` is assigned to would keep their memory.
   void drop_leaves() const { boxes_ = decltype(boxes_)(), colours_ = decltype(colours_)(); }
 
+  PagedScene::PageInfo info(std::uint32_t number) const {
+    PagedScene::PageInfo made = info(pages_[number]);
+    if (has_coarse()) made.level_indices = coarse_[number].level_indices;
+    return made;
+  }
   PagedScene::PageInfo info(const SlcPage& row) const {
     PagedScene::PageInfo info;
     info.slot_count = row.count;
@@ -209,7 +214,8 @@ class PagedPart {
       slot += page.count;
     }
     for (std::uint32_t i = 0; i < coarse_.size(); ++i)
-      if (!has_values_of(coarse_row(i), coarse_[i].deviations)) return damaged("its coarse pages are inconsistent");
+      if (!has_values_of(coarse_row(i), coarse_[i].deviations) || coarse_[i].level_indices > count(kSlcLevelValues))
+        return damaged("its coarse pages are inconsistent");
     const SlcPage all = whole(slot, rank);
     bool good = slot == n;
     for (const SlcSlice& slice : slices(all, has_layers())) {
@@ -384,7 +390,21 @@ class PagedPart {
       return damaged("its meshes are inconsistent");
     std::vector<std::byte> bytes;
     if (auto done = read_values(kSlcMeshValues, mesh.first, value_bytes(mesh), bytes, sum); !done) return done;
-    return add_mesh(mesh_of(mesh, bytes), page);
+    core::Mesh made = mesh_of(mesh, bytes);
+    if (has_coarse())
+      if (auto levels = levels_of(number)) made.levels.swap(levels);
+    return add_mesh(std::move(made), page);
+  }
+
+  /// Null where it has none that can be used.
+  std::shared_ptr<const lod::StoredLevels> levels_of(std::uint32_t number) const {
+    const SlcFile::Section *rows = file_->find(kSlcLevels), *values = file_->find(kSlcLevelValues);
+    SlcLevels row;
+    if (!rows || !values || rows->element_size != sizeof row || number >= rows->count ||
+        !file_->read(rows->offset + number * sizeof row, std::as_writable_bytes(std::span(&row, 1))) ||
+        row.bytes == 0 || row.bytes > values->count || row.first > values->count - row.bytes)
+      return nullptr;
+    return levels_in_file(file_, *values, row);
   }
 
   /// `has_own`: whether there is one beside the mesh itself.
@@ -520,9 +540,9 @@ core::Aabb moved(const std::array<float, 6>& c, const core::dvec3& from, const c
 }
 
 void add_part(const PagedPart& part, PagedScene& scene, std::size_t& leaf) {
-  for (const SlcPage& row : part.pages()) {
-    scene.pages.push_back(part.info(row));
-    scene.pages.back().first_leaf = std::uint32_t(leaf + row.first / core::kBlockSlots);
+  for (std::uint32_t page = 0; page < part.pages().size(); ++page) {
+    scene.pages.push_back(part.info(page));
+    scene.pages.back().first_leaf = std::uint32_t(leaf + part.pages()[page].first / core::kBlockSlots);
   }
   for (std::size_t i = 0; i < part.boxes().size(); ++i)
     scene.leaves.set(leaf + i, moved(part.boxes()[i], part.origin(), scene.leaves.origin));

@@ -32,16 +32,18 @@ class LevelsInFile : public lod::StoredLevels {
 
 struct Written {
   std::vector<std::byte> bytes;  // empty: it has no levels
+  std::size_t indices = 0;
   lod::CoarseMesh coarse;
 };
 
 Written levels_of(const core::Mesh& mesh, bool build, int threads) {
   if (mesh.levels)
     if (auto bytes = mesh.levels->bytes())
-      if (const auto levels = lod::decode(*bytes, mesh)) return {std::move(*bytes), lod::coarsest(mesh, *levels)};
+      if (const auto levels = lod::decode(*bytes, mesh))
+        return {std::move(*bytes), levels->indices.size(), lod::coarsest(mesh, *levels)};
   if (!build) return {};
   const lod::MeshLevels levels = lod::build_levels(mesh, threads);
-  return levels.empty() ? Written() : Written{lod::encode(levels), lod::coarsest(mesh, levels)};
+  return levels.empty() ? Written() : Written{lod::encode(levels), levels.indices.size(), lod::coarsest(mesh, levels)};
 }
 
 void append(CoarseMeshes& to, std::uint32_t number, const lod::CoarseMesh& coarse) {
@@ -74,6 +76,7 @@ bool write_levels(const core::Scene& scene, std::span<const std::uint32_t> meshe
   if (wanted.empty() && !build) return true;
   out.begin(kSlcLevelValues, 1);
   coarse.rows.resize(scene.mesh_slots());
+  coarse.level_indices.resize(scene.mesh_slots());
   std::vector<Written> written;
   for (std::size_t first = 0, end = 0; first < wanted.size(); first = end) {
     if (progress && !progress(double(done) / double(std::max<std::uint64_t>(triangles, 1)))) return false;
@@ -87,6 +90,7 @@ bool write_levels(const core::Scene& scene, std::span<const std::uint32_t> meshe
       if (bytes.empty()) continue;
       rows[numbers[first + i]] = {at, bytes.size(), slc_checksum(bytes)};
       out.append(bytes);
+      coarse.level_indices[numbers[first + i]] = std::uint32_t(written[i].indices);
       at += bytes.size();
       // What tells facet groups from other meshes are their polygons, which a coarse one has not.
       if (!part[i]->is_facet_group()) append(coarse, numbers[first + i], written[i].coarse);
@@ -120,9 +124,14 @@ SlcExpected<std::vector<std::shared_ptr<const lod::StoredLevels>>> read_levels(
       return damaged("its levels of detail are inconsistent");
     // Each has bytes of its own: a small file cannot ask for much memory.
     if ((used += row.bytes) > values->count) return damaged("its levels of detail overlap");
-    levels[i] = std::make_shared<LevelsInFile>(file, values->offset, row);
+    levels[i] = levels_in_file(file, *values, row);
   }
   return levels;
+}
+
+std::shared_ptr<const lod::StoredLevels> levels_in_file(std::shared_ptr<const SlcFile> file,
+                                                        const SlcFile::Section& values, const SlcLevels& row) {
+  return std::make_shared<LevelsInFile>(std::move(file), values.offset, row);
 }
 
 }  // namespace sightline::importers

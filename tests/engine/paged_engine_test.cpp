@@ -111,72 +111,6 @@ class PagedEngineTest : public tests::GlTest {
   fs::path folder_;
 };
 
-/// What is not in memory is shown by coarsest levels, and in the end nothing of these is left.
-TEST_F(PagedEngineTest, CoarseLevelsStandInForPages) {
-  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
-  core::Scene scene = tests::scene_of_many_pages(500);
-  ASSERT_TRUE(scene.commit());
-  const std::string file = (folder_ / "scene.slc").string();
-  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
-  core::PagedScene paged = open(file);
-  ASSERT_TRUE(paged.coarse);
-  std::promise<void> allowed;
-  paged.load = [load = paged.load, wait = allowed.get_future().share()](std::uint32_t page) {
-    wait.wait();
-    return load(page);
-  };
-  auto made = PagedEngine::create(
-      std::move(paged),
-      {.width = kWidth, .height = kHeight, .ids = true, .memory_limit = kMany, .refine_ms = 0.0, .loading_bar = false});
-  ASSERT_TRUE(made) << made.error().message;
-  const View view = overview(*made);
-  auto report = made->frame(view);
-  for (int i = 0; i < 200 && report && report->coarse_resident < made->scene().pages.size(); ++i) {
-    (void)made->wait(0.1);
-    report = made->frame(view);
-  }
-  ASSERT_TRUE(report);
-  EXPECT_FALSE(report->complete);
-  EXPECT_EQ(report->resident, 0u);
-  EXPECT_EQ(report->placeholders, 0);
-  EXPECT_GT(report->coarse_items, 300);
-  auto whole = Engine::create(scene, {.width = kWidth, .height = kHeight, .drawing = {.ids = true}});
-  ASSERT_TRUE(whole) << whole.error().message;
-  ASSERT_TRUE(whole->frame(view));
-  const image::IdImage rough = made->read_ids(), exact = *whole->read_ids();
-  std::size_t wrong = 0, covered = 0;
-  for (std::size_t i = 0; i < exact.ids.size(); ++i)
-    wrong += rough.ids[i] != exact.ids[i], covered += exact.ids[i] != core::to_index(core::kNoItem);
-  EXPECT_GT(wrong, 0u);
-  EXPECT_LT(wrong, covered / 5);
-  allowed.set_value();
-  expect_same_image(*made, *whole, view);
-}
-
-TEST_F(PagedEngineTest, CoarseLevelsKeepWithinTheLimit) {
-  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
-  core::Scene scene = tests::scene_of_many_pages(500);
-  ASSERT_TRUE(scene.commit());
-  const std::string file = (folder_ / "scene.slc").string();
-  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
-  auto paged = tight_engine(file);
-  ASSERT_TRUE(paged) << paged.error().message;
-  auto whole = Engine::create(scene, {.width = kWidth, .height = kHeight, .drawing = {.ids = true}});
-  ASSERT_TRUE(whole) << whole.error().message;
-  for (int i = 0; i < 4; ++i) {
-    const dvec3 centre = paged->scene().fitted.bounds.centre();
-    const dvec3 eye = centre + 40.0 * dvec3(std::cos(1.7 * i), std::sin(1.7 * i), 0.3);
-    const View view = *View::perspective({eye, centre}, 0.9, double(kWidth) / kHeight, 0.1);
-    for (int frame = 0; frame < 3; ++frame) {
-      const auto report = paged->frame(view);
-      ASSERT_TRUE(report) << report.error().message;
-      EXPECT_LE(paged->memory().pages, paged->memory().limit);
-      (void)paged->wait(0.02);
-    }
-    expect_same_image(*paged, *whole, view);
-  }
-}
-
 /// All kinds of items, in layers, some hidden, some transparent, near and far.
 core::Scene mixed_scene(std::mt19937& random, int items) {
   core::Scene scene;
@@ -228,6 +162,106 @@ core::Expected<Engine> whole_engine(core::Scene& scene) {
                                 .height = kHeight,
                                 .culling = {.culler = CullerChoice::kCpu},
                                 .drawing = {.ids = true}});
+}
+
+/// What is not in memory is shown by coarsest levels, and in the end nothing of these is left.
+TEST_F(PagedEngineTest, CoarseLevelsStandInForPages) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  core::Scene scene = tests::scene_of_many_pages(500);
+  ASSERT_TRUE(scene.commit());
+  const std::string file = (folder_ / "scene.slc").string();
+  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
+  core::PagedScene paged = open(file);
+  ASSERT_TRUE(paged.coarse);
+  std::promise<void> allowed;
+  paged.load = [load = paged.load, wait = allowed.get_future().share()](std::uint32_t page) {
+    wait.wait();
+    return load(page);
+  };
+  auto made = PagedEngine::create(
+      std::move(paged),
+      {.width = kWidth, .height = kHeight, .ids = true, .memory_limit = kMany, .refine_ms = 0.0, .loading_bar = false});
+  ASSERT_TRUE(made) << made.error().message;
+  const View view = overview(*made);
+  auto report = made->frame(view);
+  for (int i = 0; i < 200 && report && report->coarse_resident < made->scene().pages.size(); ++i) {
+    (void)made->wait(0.1);
+    report = made->frame(view);
+  }
+  ASSERT_TRUE(report);
+  EXPECT_FALSE(report->complete);
+  EXPECT_EQ(report->resident, 0u);
+  EXPECT_EQ(report->placeholders, 0);
+  EXPECT_GT(report->coarse_items, 300);
+  auto whole = whole_engine(scene);
+  ASSERT_TRUE(whole) << whole.error().message;
+  ASSERT_TRUE(whole->frame(view));
+  const auto drawn = whole->read_ids();
+  ASSERT_TRUE(drawn);
+  const image::IdImage rough = made->read_ids(), &exact = *drawn;
+  std::size_t wrong = 0, covered = 0;
+  for (std::size_t i = 0; i < exact.ids.size(); ++i)
+    wrong += rough.ids[i] != exact.ids[i], covered += exact.ids[i] != core::to_index(core::kNoItem);
+  EXPECT_GT(wrong, 0u);
+  EXPECT_LT(wrong, covered / 5);
+  allowed.set_value();
+  expect_same_image(*made, *whole, view);
+}
+
+TEST_F(PagedEngineTest, CoarseLevelsKeepWithinTheLimit) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  core::Scene scene = tests::scene_of_many_pages(500);
+  ASSERT_TRUE(scene.commit());
+  const std::string file = (folder_ / "scene.slc").string();
+  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
+  auto paged = tight_engine(file);
+  ASSERT_TRUE(paged) << paged.error().message;
+  auto whole = whole_engine(scene);
+  ASSERT_TRUE(whole) << whole.error().message;
+  for (int i = 0; i < 4; ++i) {
+    const dvec3 centre = paged->scene().fitted.bounds.centre();
+    const dvec3 eye = centre + 40.0 * dvec3(std::cos(1.7 * i), std::sin(1.7 * i), 0.3);
+    const View view = *View::perspective({eye, centre}, 0.9, double(kWidth) / kHeight, 0.1);
+    for (int frame = 0; frame < 3; ++frame) {
+      const auto report = paged->frame(view);
+      ASSERT_TRUE(report) << report.error().message;
+      EXPECT_LE(paged->memory().pages, paged->memory().limit);
+      (void)paged->wait(0.02);
+    }
+    expect_same_image(*paged, *whole, view);
+  }
+}
+
+/// With an allowed error pages that coarse ones show as well are not read, and the others are drawn by their levels.
+TEST_F(PagedEngineTest, LevelsOfDetailAreThoseOfTheWhole) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  core::Scene scene = tests::scene_of_many_pages(500);
+  ASSERT_TRUE(scene.commit());
+  const std::string file = (folder_ / "scene.slc").string();
+  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
+  auto paged = PagedEngine::create(
+      open(file), {.width = kWidth, .height = kHeight, .ids = true, .lod_error = 1.0, .memory_limit = kMany});
+  ASSERT_TRUE(paged) << paged.error().message;
+  auto whole = Engine::create(scene, {.draw = true,
+                                      .width = kWidth,
+                                      .height = kHeight,
+                                      .culling = {.culler = CullerChoice::kCpu},
+                                      .drawing = {.ids = true},
+                                      .losses = {.lod_error = 1.0}});
+  ASSERT_TRUE(whole) << whole.error().message;
+  ASSERT_TRUE(whole->finish_levels());
+  const dvec3 centre = paged->scene().fitted.bounds.centre();
+  std::uint64_t loaded = 0;
+  for (const double distance : {3000.0, 400.0, 150.0, 60.0, 20.0}) {
+    const dvec3 eye = centre + distance * dvec3(0.6, 0.5, 0.6);
+    const View view = *View::perspective({eye, centre}, 0.5, double(kWidth) / kHeight, 0.1);
+    expect_same_image(*paged, *whole, view);
+    const auto report = paged->frame(view);
+    ASSERT_TRUE(report);
+    if (distance == 3000.0) EXPECT_EQ(report->loaded, 0u) << "far away";
+    loaded = report->loaded;
+  }
+  EXPECT_GT(loaded, 0u);
 }
 
 TEST_F(PagedEngineTest, SettledImagesAreThoseOfTheWhole) {

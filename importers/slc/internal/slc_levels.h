@@ -20,6 +20,7 @@ struct SlcLevels {
 
 /// Coarsest levels of meshes by number of the mesh, as they are written.
 struct CoarseMeshes {
+  std::vector<std::uint32_t> level_indices;  // of all levels
   std::vector<SlcCoarseMesh> rows;
   std::vector<std::byte> values;
 };
@@ -37,5 +38,9 @@ bool has_levels(const SlcFile& file, const SlcFile::Mapping& mapping);
 /// somebody asks for their bytes. Empty where the file has none that this build can use.
 SlcExpected<std::vector<std::shared_ptr<const lod::StoredLevels>>> read_levels(
     const std::shared_ptr<const SlcFile>& file, const SlcFile::Mapping& mapping, std::size_t mesh_count);
+
+/// Of a mesh whose row says that it has some. `values`: the section in which they lie.
+std::shared_ptr<const lod::StoredLevels> levels_in_file(std::shared_ptr<const SlcFile> file,
+                                                        const SlcFile::Section& values, const SlcLevels& row);
 
 }  // namespace sightline::importers

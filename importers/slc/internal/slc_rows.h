@@ -52,7 +52,7 @@ struct SlcCoarseMesh {
 /// What of a page is other where each mesh is the coarsest.
 struct SlcCoarsePage {
   std::uint64_t mesh_positions, mesh_indices, mesh_bytes;  // as those of SlcPage; no bytes: there is no such page
-  std::uint64_t deviations;
+  std::uint64_t deviations, level_indices;  // level_indices: of the page itself, whether there is this one
   std::uint64_t
       checksum;  // of slices(), and for each mesh of its row here and its values, or row and values of SlcMesh
 };
