@@ -23,6 +23,7 @@ class Companion : public std::shared_ptr<const T> {
  public:
   using std::shared_ptr<const T>::shared_ptr;
   Companion() = default;
+  Companion(std::shared_ptr<const T> of) : std::shared_ptr<const T>(std::move(of)) {}
   Companion(const Companion&) : std::shared_ptr<const T>() {}
   Companion(Companion&&) noexcept = default;
   Companion& operator=(const Companion&) {
@@ -49,7 +50,7 @@ struct Mesh {
   std::vector<std::uint32_t> polygon_contours;
 
   /// Levels of detail of these triangles that were read with them (lod/stored_levels.h); null: none.
-  Companion<lod::StoredLevels> levels;
+  Companion<lod::StoredLevels> levels = {};
 
   bool is_facet_group() const { return !polygon_contours.empty(); }
 };

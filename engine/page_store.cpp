@@ -198,7 +198,7 @@ core::Expected<void> PageStore::upload(const gl::Context& context, PageLoader::L
   const core::Snapshot& snapshot = content->snapshot;
   auto scene = gpuscene::GpuScene::create(context, snapshot, joints);
   if (!scene) return tl::unexpected(scene.error());
-  if (auto done = scene->add_levels(loaded.levels, false); !done) return done;
+  if (auto done = scene->add_levels(loaded.levels); !done) return done;
   std::size_t level_bytes = 0;
   for (const auto& of : loaded.levels) level_bytes += of.levels->memory_bytes();
   auto lists = gpuscene::DrawLists::create(context, *scene);

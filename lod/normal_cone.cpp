@@ -12,7 +12,7 @@ using core::dvec3;
 
 // Of the cross product of two edges, relative to the product of their lengths: each edge is rounded once, and so are
 // two products and their difference.
-constexpr double kRounding = 2e-15;
+constexpr double kNormalRounding = 2e-15;
 constexpr int kSteps = 10;  // towards the axis: the cone is then about a tenth wider than it must be
 
 struct Normal {
@@ -35,7 +35,7 @@ Normals normals_of(std::span<const core::vec3> positions, std::span<const std::u
     const double area = glm::length(normal), most = std::sqrt(glm::dot(u, u) * glm::dot(v, v));
     if (!(area > NormalCone::kThin * most)) continue;
     const double inverse = 1.0 / area;
-    normals.all[normals.count++] = {inverse * normal, kRounding * (most * inverse + 1.0)};
+    normals.all[normals.count++] = {inverse * normal, kNormalRounding * (most * inverse + 1.0)};
   }
   return normals;
 }

@@ -258,7 +258,9 @@ TEST_F(PagedEngineTest, LevelsOfDetailAreThoseOfTheWhole) {
     expect_same_image(*paged, *whole, view);
     const auto report = paged->frame(view);
     ASSERT_TRUE(report);
-    if (distance == 3000.0) EXPECT_EQ(report->loaded, 0u) << "far away";
+    if (distance == 3000.0) {
+      EXPECT_EQ(report->loaded, 0u) << "far away";
+    }
     loaded = report->loaded;
   }
   EXPECT_GT(loaded, 0u);
