@@ -570,8 +570,6 @@ core::Expected<std::uint64_t> PagedEngine::Impl::draw(ResidentPage& resident, co
   const core::Snapshot& snapshot = resident.content->snapshot;
   gpuscene::DrawnIn in{&*view_};
   if (resident.level_bytes > 0) in.error = &*image_error_;
-  const culling::TriangleTest triangles(*view_, samples_);
-  if (context_.capabilities().software) in.triangles = &triangles;
   if (auto done = resident.lists.update(snapshot, resident.scene, set, in); !done) return tl::unexpected(done.error());
   if (auto done = renderer_->draw_more(*view_, snapshot, resident.scene, resident.lists, onto); !done)
     return tl::unexpected(done.error());

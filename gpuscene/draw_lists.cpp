@@ -125,13 +125,14 @@ void DrawLists::list_mesh(const Snapshot& snapshot, const MeshPool& pool, Slot s
   if (in.triangles) mesh.indices = levels ? levels->indices : snapshot.mesh(slot).indices;
   // Triangles of the mesh itself are in another order there.
   if (in.triangles && !levels && solid < mesh.whole.count) solid = 0;
+  bool first = true;
   if (levels && in.error) {
     if (solid == mesh.whole.count) solid = std::uint32_t(levels->indices.size());
-    cuts_.choose(*levels, {*in.error, snapshot.world_from_item(slot)}, ranges_);
+    first = list_cut(snapshot, slot, *levels, in);
   } else {
     ranges_.assign(1, {0, mesh.whole.count});
   }
-  count_mesh(mesh.whole.count, levels && in.error ? cuts_.error() : 0.0);
+  count_mesh(mesh.whole.count, levels && in.error ? cuts_.error() : 0.0, first);
   for (const lod::IndexRange& range : ranges_) {
     const std::uint32_t end = range.first + range.count;
     list_triangles(mesh, range.first, std::min(end, solid), true);
@@ -139,10 +140,20 @@ void DrawLists::list_mesh(const Snapshot& snapshot, const MeshPool& pool, Slot s
   }
 }
 
-/// Counts what ranges_ draws of a mesh.
-void DrawLists::count_mesh(std::uint32_t own_indices, double error) {
+/// Sets ranges_. Returns whether nothing of the item is drawn yet.
+bool DrawLists::list_cut(const Snapshot& snapshot, Slot slot, const lod::MeshLevels& levels, const DrawnIn& in) {
+  const core::Affine world_from_mesh = snapshot.world_from_item(slot);
+  std::vector<std::uint32_t>& clusters = cuts_.choose(levels, {*in.error, world_from_mesh});
+  const bool first = !in.clusters || in.clusters->filter(slot, levels, world_from_mesh, clusters);
+  lod::CutChooser::merge(levels, clusters, ranges_);
+  return first;
+}
+
+/// Counts what ranges_ draws of a mesh, and the mesh itself if it is the first of it.
+void DrawLists::count_mesh(std::uint32_t own_indices, double error, bool first) {
   if (ranges_.empty()) return;
-  MeshCounts counts{1, ranges_.back().first + ranges_.back().count > own_indices, 0, own_indices / 3, error};
+  MeshCounts counts{0, 0, 0, 0, error};
+  if (first) counts = {1, ranges_.back().first + ranges_.back().count > own_indices, 0, own_indices / 3, error};
   for (const lod::IndexRange& range : ranges_) counts.triangles += range.count / 3;
   mesh_counts_ += counts;
 }

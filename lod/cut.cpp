@@ -137,7 +137,7 @@ bool MeshBacks::shown_alone(const core::Aabb& box, const NormalCone& cone) const
   return true;
 }
 
-void CutChooser::choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges) {
+std::vector<std::uint32_t>& CutChooser::choose(const MeshLevels& levels, const MeshError& error) {
   error_ = 0.0;
   state_.assign(levels.groups.size(), State::kUnknown);
   expanded_.clear();
@@ -149,8 +149,13 @@ void CutChooser::choose(const MeshLevels& levels, const MeshError& error, std::v
     consider(levels, error, std::span(levels.members).subspan(group.first_member, group.member_count));
   }
   std::ranges::sort(drawn_);
+  return drawn_;
+}
+
+void CutChooser::merge(const MeshLevels& levels, std::span<const std::uint32_t> clusters,
+                       std::vector<IndexRange>& ranges) {
   ranges.clear();
-  for (const std::uint32_t number : drawn_) {
+  for (const std::uint32_t number : clusters) {
     const Cluster& cluster = levels.clusters[number];
     if (!ranges.empty() && ranges.back().first + ranges.back().count == cluster.first_index)
       ranges.back().count += cluster.index_count;

@@ -43,6 +43,7 @@ core::Expected<void> DrawContext::list(const core::View& view, const core::Snaps
   gpuscene::DrawnIn in{&view};
   const std::optional<lod::ImageError> error = mesh_error(view);
   if (error) in.error = &*error;
+  in.clusters = clusters;
   std::optional<culling::TriangleTest> triangles;
   if (software() && config.culling.sample_test) in.triangles = &triangles.emplace(view, samples());
   in.threads = &threads;

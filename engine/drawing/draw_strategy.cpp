@@ -12,7 +12,8 @@ core::Expected<DrawCounts> DrawAtOnce::draw(DrawContext& context, const DrawInpu
   return DrawCounts{drawn, drawn};
 }
 
-/// The occlusion test includes the sample test: it rejects an item that covers no pixel centre, too.
+/// The occlusion test includes the sample test: it rejects an item that covers no pixel centre, too. Section caps need
+/// the clusters that are hidden: they count the crossings of rays.
 core::Expected<DrawCounts> DrawInPasses::draw(DrawContext& context, const DrawInput& input) {
   const auto& [view, snapshot, visible, lines, hierarchy] = input.candidates;
   const core::ItemBounds& bounds = snapshot.bounds();
@@ -20,13 +21,25 @@ core::Expected<DrawCounts> DrawInPasses::draw(DrawContext& context, const DrawIn
   const culling::OcclusionTest test = context.occlusion_test(view, bounds);
   context.clear_pyramid();
   image.passes.begin(visible, lines, hierarchy, context.threads);
+  image.clusters.begin(test, bounds.origin, context.threads);
   context.clear(image.target);
-  while (image.passes.next(test, bounds)) {
-    if (auto done = context.draw_more(view, snapshot, image.passes.pass(), image.target); !done)
-      return tl::unexpected(done.error());
-    context.read_back_depth(view, image.target);
+  const auto draw_pass = [&](const core::VisibleSet& pass) {
+    context.clusters = view.sections.empty() ? &image.clusters : nullptr;
+    auto done = context.draw_more(view, snapshot, pass, image.target);
+    context.clusters = nullptr;
+    if (done) context.read_back_depth(view, image.target);
+    return done;
+  };
+  for (int pass = 0; image.passes.next(test, bounds); ++pass) {
+    if (auto done = draw_pass(image.passes.pass()); !done) return tl::unexpected(done.error());
+    if (pass > 0) continue;
+    again_.single_slots = image.clusters.begin_later_passes();
+    again_.generation = visible.generation;
+    if (again_.single_slots.empty()) continue;
+    if (auto done = draw_pass(again_); !done) return tl::unexpected(done.error());
   }
   image.passes.remember(test, bounds);
+  image.clusters.remember();
   image.pyramid_valid = true;
   return DrawCounts{-1, std::int64_t(image.passes.drawn())};
 }

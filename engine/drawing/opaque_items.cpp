@@ -38,7 +38,7 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const DrawInp
   DrawInput left = {culled.with(large), input.deadline, input.all_visible && all, input.postprocessed};
   const auto count = std::int64_t(culled.snapshot.count(large));
   const OcclusionMode mode = occlusion_mode(context, left.candidates, count);
-  if (mode == OcclusionMode::kOff) image.passes.reset();
+  if (mode == OcclusionMode::kOff) image.passes.reset(), image.clusters.reset();
   auto counts = mode == OcclusionMode::kOff  ? at_once_.draw(context, left)
                 : mode == OcclusionMode::kOn ? tested_strategy(left).draw(context, left)
                                              : draw_and_measure(context, left);

@@ -31,11 +31,21 @@
 
 namespace sightline::gpuscene {
 
+/// Leaves out clusters of a mesh that are not to be drawn now.
+class ClusterFilter {
+ public:
+  virtual ~ClusterFilter() = default;
+  /// `clusters` rise. Returns whether this is the first that is drawn of the item in this image.
+  virtual bool filter(core::Slot slot, const lod::MeshLevels& levels, const core::Affine& world_from_mesh,
+                      std::vector<std::uint32_t>& clusters) = 0;
+};
+
 /// What the lists may depend on besides the set. Borrowed during DrawLists::update().
 struct DrawnIn {
   const core::View* view = nullptr;  ///< that will draw the lists: sets Section::front_only
   // The others are of the same view.
   const lod::ImageError* error = nullptr;            ///< meshes that have levels are drawn by a cut of them
+  ClusterFilter* clusters = nullptr;                 ///< of such cuts
   const culling::TriangleTest* triangles = nullptr;  ///< of meshes, only triangles are drawn that may colour the image
   culling::CullThreads* threads = nullptr;           ///< that share in the test
 };
@@ -141,7 +151,8 @@ class DrawLists {
   core::Expected<void> list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const DrawnIn& in);
   void list_mesh(const core::Snapshot& snapshot, const MeshPool& pool, core::Slot slot, const DrawnIn& in,
                  bool fronts_alone);
-  void count_mesh(std::uint32_t own_indices, double error);
+  bool list_cut(const core::Snapshot& snapshot, core::Slot slot, const lod::MeshLevels& levels, const DrawnIn& in);
+  void count_mesh(std::uint32_t own_indices, double error, bool first);
   void list_triangles(const MeshTriangles& mesh, std::uint32_t first, std::uint32_t end, bool fronts_alone);
   core::Expected<void> upload_picked();
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);

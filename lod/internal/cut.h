@@ -91,7 +91,13 @@ class CutChooser {
  public:
   /// Sets `ranges` to what draws a mesh within the image's error, in rising order and with gaps between them; none: it
   /// lies outside.
-  void choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges);
+  void choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges) {
+    merge(levels, choose(levels, error), ranges);
+  }
+  /// The clusters of that, in rising order. The list is the chooser's until the next call, and may be made shorter.
+  std::vector<std::uint32_t>& choose(const MeshLevels& levels, const MeshError& error);
+  /// What draws clusters, which rise.
+  static void merge(const MeshLevels& levels, std::span<const std::uint32_t> clusters, std::vector<IndexRange>& ranges);
   /// The proven error in the image of what was chosen last, in pixels, at most ImageError's; 0: the mesh's triangles.
   double error() const { return error_; }
 

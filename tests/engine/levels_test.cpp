@@ -176,6 +176,33 @@ TEST_P(LevelsByAny, ClustersOfLargeMeshesShowEveryPixel) {
   }
 }
 
+/// Of one mesh, what its own front hides.
+TEST_F(Levels, LeaveOutClustersThatOthersHide) {
+  core::Scene scene;
+  core::Mesh sheets;  // eight, one behind the other
+  for (int i = 0; i < 8; ++i) sheets = joined(std::move(sheets), terrain(60, 0.1), {0, 0, -4.0f * float(i)});
+  scene.add_mesh_instance(scene.root(), scene.add_mesh(std::move(sheets)).value(), {});
+  ASSERT_TRUE(scene.commit());
+  for (const double error : {0.0, 0.5}) {
+    engine::EngineConfig c = config_of({}, error);
+    engine::Engine all = create(scene, c);
+    c.culling.occlusion = engine::OcclusionChoice::kOn;
+    engine::Engine open = create(scene, c);
+    for (int i = 0; i < 6; ++i) {
+      SCOPED_TRACE(testing::Message() << error << " px, view " << i);
+      const core::dvec3 centre(5.0, 5.0, 0.0);
+      const core::View view =
+          *core::View::perspective({centre + core::dvec3(0.1 * i, 0.0, 12.0), centre}, 0.4, 1.5, 0.1);
+      ASSERT_EQ(ids_of(open, view).ids, ids_of(all, view).ids);
+      ASSERT_EQ(open.read_depth(view)->metres, all.read_depth(view)->metres);
+      const std::int64_t whole = all.frame(view)->triangles, drawn = open.frame(view)->triangles;
+      EXPECT_LT(drawn, whole / 3);
+      EXPECT_GT(drawn, whole / 20);
+      EXPECT_EQ(open.loss(view)->full_triangles, all.loss(view)->full_triangles);
+    }
+  }
+}
+
 TEST_P(LevelsByAny, FollowEditsAndNewVersions) {
   core::Scene scene;
   fill(scene);

@@ -35,8 +35,9 @@ struct DrawContext {
   ImageState* image = &images[0];  // the one in use
   SolidAreas solid_areas;
   MeshDetails mesh_details;
-  double coarsened = 0.0;        // pixels within which meshes are drawn, where that is more than LossConfig::lod_error
-  culling::CullThreads threads;  // for tests of large sets; none starts before the first of them
+  double coarsened = 0.0;  // pixels within which meshes are drawn, where that is more than LossConfig::lod_error
+  ClusterPasses* clusters = nullptr;  // of the image, in passes that test occlusion
+  culling::CullThreads threads;       // for tests of large sets; none starts before the first of them
   std::optional<gl::ExternalTarget> external;
   std::optional<render::Compositor> compositor;  // created with the first external target
 

@@ -36,11 +36,14 @@ class DrawAtOnce : public DrawStrategy {
   core::VisibleSet sampled_;
 };
 
-/// Tests occlusion in several passes, each against the depth of those before: see OcclusionPasses. The depth is read
-/// back between passes.
+/// Tests occlusion in several passes, each against the depth of those before: see OcclusionPasses, and ClusterPasses,
+/// whose second pass has one of its own. The depth is read back between passes.
 class DrawInPasses : public DrawStrategy {
  public:
   core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
+
+ private:
+  core::VisibleSet again_;  // items of the first pass of which clusters were left out
 };
 
 /// Tests occlusion before anything is drawn: in the passes of the test, occluder polygons in the solids take the place

@@ -9,6 +9,7 @@
 #include "sightline/core/view.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/engine/drawing/internal/budget_passes.h"
+#include "sightline/engine/drawing/internal/cluster_passes.h"
 #include "sightline/engine/drawing/internal/culled.h"
 #include "sightline/engine/drawing/internal/occlusion_passes.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
@@ -25,6 +26,7 @@ struct ImageState {
 
   std::vector<std::uint64_t> was_large;  // contribution's hysteresis: a bit per slot, of the last frame
   OcclusionPasses passes;
+  ClusterPasses clusters;
   culling::DepthPyramid pyramid;
   bool pyramid_valid = false;  // the pyramid is never nearer than the image's depth in the present frame
   std::vector<float> distances;
@@ -45,6 +47,7 @@ struct ImageState {
   /// Drops all state that is kept by slot. Call it when the items get another order.
   void forget_slots() {
     was_large.clear();
+    clusters.reset();
     budget.reset();
     changed();
   }
