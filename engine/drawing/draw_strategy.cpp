@@ -23,11 +23,11 @@ core::Expected<DrawCounts> DrawInPasses::draw(DrawContext& context, const DrawIn
   image.passes.begin(visible, lines, hierarchy, context.threads);
   image.clusters.begin(test, bounds.origin, context.threads);
   context.clear(image.target);
-  const auto draw_pass = [&](const core::VisibleSet& pass) {
-    context.clusters = view.sections.empty() ? &image.clusters : nullptr;
-    auto done = context.draw_more(view, snapshot, pass, image.target);
+  const auto draw_pass = [&context, &image, &culled = input.candidates](const core::VisibleSet& pass) {
+    context.clusters = culled.view.sections.empty() ? &image.clusters : nullptr;
+    auto done = context.draw_more(culled.view, culled.snapshot, pass, image.target);
     context.clusters = nullptr;
-    if (done) context.read_back_depth(view, image.target);
+    if (done) context.read_back_depth(culled.view, image.target);
     return done;
   };
   for (int pass = 0; image.passes.next(test, bounds); ++pass) {
