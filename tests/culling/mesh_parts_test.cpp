@@ -7,6 +7,7 @@
 
 #include "gpu_rig.h"
 #include "sightline/lod/internal/cut.h"
+#include "sightline/lod/stored_levels.h"
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/lod/mesh_samples.h"
 #include "sightline/tests/support/effort.h"
@@ -139,6 +140,7 @@ class MeshParts : public GlTest, public testing::WithParamInterface<culling::Gpu
 INSTANTIATE_TEST_SUITE_P(All, MeshParts, testing::ValuesIn(all_gpu_configs()), gpu_config_name);
 
 TEST_P(MeshParts, AreACutNearlyAsCoarseAsTheCpus) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no coarser levels in this build";
   std::size_t groups = 0, finer = 0, coarse = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Random random(seed);
@@ -274,6 +276,7 @@ TEST_P(MeshParts, FollowEdits) {
 
 /// Where the lists have no room for parts, meshes are drawn whole. That is in full, so never wrong.
 TEST_P(MeshParts, WithoutRoomMeshesAreWhole) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no coarser levels in this build";
   Random random(3);
   core::Scene scene;
   fill(scene, random, false, dvec3(0.0));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/lod/stored_levels.h"
 #include "sightline/render/image/image_metrics.h"
 #include "sightline/render/internal/renderer.h"
 #include "sightline/tests/engine/drawn_grid.h"
@@ -88,6 +89,7 @@ INSTANTIATE_TEST_SUITE_P(Culler, LevelsByAny,
                          });
 
 TEST_P(LevelsByAny, ShowEachItemWithinTheAllowedPixels) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no coarser levels in this build";
   core::Scene scene;
   fill(scene);
   engine::Engine full = create(scene, 0.0);
@@ -257,6 +259,7 @@ TEST_P(LevelsByAny, ComeAndGoWithTheirMeshes) {
 }
 
 TEST_P(LevelsByAny, AreDrawnOnceTheyAreReady) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no coarser levels in this build";
   core::Scene scene;
   fill(scene);
   engine::EngineConfig c = config_of(GetParam(), 0.0);
@@ -277,6 +280,7 @@ TEST_P(LevelsByAny, AreDrawnOnceTheyAreReady) {
 }
 
 TEST_F(Levels, TellWhatTheyCostTheImage) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no coarser levels in this build";
   core::Scene scene;
   fill(scene);
   const std::int64_t of_torus = std::int64_t(bumpy_torus(48, 0.05).indices.size() / 3);
@@ -351,6 +355,7 @@ TEST_F(Levels, CountTrianglesOfItemsDrawnOverTheImage) {
 /// A budget that does not suffice draws coarser levels in motion than are asked for, says so, and ends in the same
 /// image.
 TEST_F(Levels, GetCoarserWhereABudgetDoesNotSuffice) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no coarser levels in this build";
   core::Scene scene;
   fill(scene);
   engine::EngineConfig c = config(engine::CullerChoice::kCpu, kWidth, kHeight);
