@@ -189,7 +189,8 @@ TEST_F(PagedSceneTest, CoarsePagesHaveTheCoarsestLevels) {
 TEST_F(PagedSceneTest, DamagedCoarsePagesAreFound) {
   if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
   auto bytes = tests::slc_of(tests::scene_of_many_pages(150), true);
-  const auto sections = (*SlcFile::of_bytes(bytes))->sections();
+  const auto undamaged = *SlcFile::of_bytes(bytes);
+  const auto sections = undamaged->sections();
   std::mt19937 random(6);
   const auto all_read = [&](bool verified) {
     const auto opened = open_paged_scene(*SlcFile::of_bytes(bytes), "levels.slc", verified);

@@ -42,10 +42,10 @@ bool has_whole_levels(const core::Scene& scene) {
 TEST(SlcHostile, EveryByteOfLevelsChangedInTurnIsFound) {
   if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
   const auto whole = tests::slc_of(tests::scene_with_levels(), true);
-  const auto sections = (*SlcFile::of_bytes(whole))->sections();
+  const auto undamaged = *SlcFile::of_bytes(whole);
   std::vector<std::byte> bytes = whole;
   std::mt19937 random(5);
-  for (const SlcFile::Section& section : std::vector(sections.begin(), sections.end())) {
+  for (const SlcFile::Section& section : undamaged->sections()) {
     if (section.number < kSlcLevelsVersion || section.number > kSlcLevelValues) continue;
     const std::uint64_t size = section.count * section.element_size;
     for (std::uint64_t i = 0; i < size; i += size < 1000 || tests::long_run() ? 1 : 97) {
