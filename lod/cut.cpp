@@ -13,7 +13,7 @@ using core::dvec4;
 constexpr double kInwards = 1.0 - 1e-6;     // for the rounding of the few operations of each bound
 constexpr double kInverseRounding = 1e-14;  // of sums of three products, relative to their terms
 constexpr double kFacingMargin = 1e-5;      // radians, for rounding and an axis that is not quite of unit length
-constexpr double kGpuRounding = 4e-6;       // of a plane's value, relative to its terms, where a GPU computes in float
+constexpr double kGpuRounding = 4e-6;       // of a value that a GPU computes in float, relative to its terms
 
 dvec4 form_of(const core::Plane& plane) {
   return {plane.normal, plane.offset};
@@ -135,6 +135,16 @@ bool MeshBacks::shown_alone(const core::Aabb& box, const NormalCone& cone) const
     if (!shows_back(corner - eye_)) return false;
   }
   return true;
+}
+
+core::AabbD placed_box(const core::Aabb& box, const core::Affine& world_from_mesh, const dvec3& origin) {
+  const core::dmat3& linear = world_from_mesh.linear;
+  const core::dmat3 sizes(glm::abs(linear[0]), glm::abs(linear[1]), glm::abs(linear[2]));
+  const dvec3 low(box.min), high(box.max), shift = world_from_mesh.origin - origin;
+  const dvec3 centre = linear * (0.5 * (low + high)) + shift;
+  const dvec3 rounding = kGpuRounding * (sizes * glm::max(glm::abs(low), glm::abs(high)) + glm::abs(shift));
+  const dvec3 half = sizes * (0.5 * (high - low)) + rounding;
+  return {centre - half, centre + half};
 }
 
 std::vector<std::uint32_t>& CutChooser::choose(const MeshLevels& levels, const MeshError& error) {

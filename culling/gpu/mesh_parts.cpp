@@ -34,16 +34,6 @@ double stretch(const core::dmat3& m) {
   return std::sqrt(std::min(largest_row_sum(t * m), largest_row_sum(m * t))) * (1.0 + 1e-9);
 }
 
-/// Around what a GPU draws of a box in a mesh, in coordinates relative to an origin.
-core::AabbD placed(const core::Aabb& box, const core::Affine& place, const dvec3& origin) {
-  const core::dmat3 sizes(glm::abs(place.linear[0]), glm::abs(place.linear[1]), glm::abs(place.linear[2]));
-  const dvec3 low(box.min), high(box.max), shift = place.origin - origin;
-  const dvec3 centre = place.linear * (0.5 * (low + high)) + shift;
-  const dvec3 rounding = double(kVertexRounding) * (sizes * glm::max(glm::abs(low), glm::abs(high)) + glm::abs(shift));
-  const dvec3 half = sizes * (0.5 * (high - low)) + rounding;
-  return {centre - half, centre + half};
-}
-
 /// Makes room for so many bytes, and for some more, up to `most`.
 core::Expected<void> make_room(const gl::Functions& gl, TexelArray& array, std::size_t bytes, std::size_t step,
                                std::size_t most, const char* what) {
@@ -192,7 +182,7 @@ MeshParts::Cluster MeshParts::make_cluster(const core::Snapshot& snapshot, std::
     made.parts[i] = {instance.details, mesh.details + kClusterTexels * part.cluster};
     if (std::exchange(placed_instance, part.instance) != part.instance)
       world = snapshot.world_from_item(slots[instance.record]);
-    around.grow(placed(of.box, world, snapshot.bounds().origin));
+    around.grow(lod::placed_box(of.box, world, snapshot.bounds().origin));
     if (of.goes_into == kNone) {
       made.error = std::numeric_limits<float>::infinity();
     } else {

@@ -5,23 +5,12 @@
 namespace sightline::engine {
 namespace {
 
+using culling::contains;
+
 constexpr std::size_t kLeastClusters = 64;  // that are worth it
 
-bool contains(const std::vector<std::uint64_t>& bits, std::uint32_t i) {
-  return culling::contains(bits, i);
-}
 void insert(std::vector<std::uint64_t>& bits, std::uint32_t i) {
   bits[i / 64] |= std::uint64_t(1) << i % 64;
-}
-
-core::AabbD in_world(const core::Aabb& box, const core::Affine& world_from_mesh) {
-  const core::dvec3 low(box.min), high(box.max);
-  const core::dvec3 centre = world_from_mesh.linear * (0.5 * (low + high)) + world_from_mesh.origin;
-  core::dvec3 half(0.0);
-  for (int axis = 0; axis < 3; ++axis)
-    half += glm::abs(world_from_mesh.linear[axis]) * (0.5 * (high[axis] - low[axis]));
-  half += 1e-15 * (glm::abs(centre) + glm::abs(world_from_mesh.origin) + half);  // for the rounding of all this
-  return {centre - half, centre + half};
 }
 
 }  // namespace
@@ -42,7 +31,7 @@ bool ClusterPasses::filter(core::Slot slot, const lod::MeshLevels& levels, const
   Item& item = items_[slot];
   const std::size_t words = culling::bit_words(levels.clusters.size());
   if (item.levels != &levels || item.open.size() != words) item = {&levels, {}, std::vector<std::uint64_t>(words), {}};
-  if (item.frame != frame_) item.drawn.assign(words, 0), item.shows = false;
+  if (item.frame != frame_) item.drawn.assign(words, 0);
   item.world_from_mesh = world_from_mesh;
   item.frame = frame_;
   const std::size_t all = clusters.size();
@@ -53,9 +42,8 @@ bool ClusterPasses::filter(core::Slot slot, const lod::MeshLevels& levels, const
     std::erase_if(clusters, [&](std::uint32_t cluster) { return contains(item.drawn, cluster); });
     leave_out_hidden(item, clusters);
   }
+  const bool first = std::ranges::count(item.drawn, 0u) == std::ptrdiff_t(words);
   for (const std::uint32_t cluster : clusters) insert(item.drawn, cluster);
-  const bool first = !item.shows;
-  item.shows |= !clusters.empty();
   return first;
 }
 
@@ -78,8 +66,9 @@ void ClusterPasses::remember() {
 void ClusterPasses::leave_out_hidden(const Item& item, std::vector<std::uint32_t>& clusters) {
   boxes_.resize(clusters.size());
   for (std::size_t i = 0; i < clusters.size(); ++i)
-    boxes_.set(
-        i, core::round_outwards(in_world(item.levels->clusters[clusters[i]].box, item.world_from_mesh), boxes_.origin));
+    boxes_.set(i, core::round_outwards(
+                      lod::placed_box(item.levels->clusters[clusters[i]].box, item.world_from_mesh, boxes_.origin),
+                      core::dvec3(0.0)));
   tested_.clear();
   if (!clusters.empty()) tested_.ranges.push_back({0, core::Slot(clusters.size())});
   test_->filter(boxes_, tested_, open_, {}, threads_);

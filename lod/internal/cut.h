@@ -80,6 +80,9 @@ class MeshBacks {
   double eye_error_;      // it lies within so much; infinite: not known
 };
 
+/// Around what a GPU draws of a box in a mesh: it computes corners in float. Relative to an origin.
+core::AabbD placed_box(const core::Aabb& box, const core::Affine& world_from_mesh, const core::dvec3& origin);
+
 /// Indices of MeshLevels::indices.
 struct IndexRange {
   std::uint32_t first = 0, count = 0;

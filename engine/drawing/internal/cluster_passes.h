@@ -36,7 +36,6 @@ class ClusterPasses : public gpuscene::ClusterFilter {
     core::Affine world_from_mesh;
     std::vector<std::uint64_t> open, drawn;  // a bit per cluster: of the frame before, and of this one
     std::uint64_t frame = 0;                 // that last considered it
-    bool shows = false;                      // some of it is drawn in this frame
   };
   void leave_out_hidden(const Item& item, std::vector<std::uint32_t>& clusters);
 
