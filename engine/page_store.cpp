@@ -34,10 +34,8 @@ std::vector<gpuscene::MeshPool::LevelsOfMesh> levels_of(const core::Page& page) 
       if (taken[items.meshes[i]]) continue;
       taken[items.meshes[i]] = true;
       auto mesh = page.snapshot.share_mesh(items.members[i]);
-      const auto bytes = mesh->levels ? mesh->levels->bytes() : core::Expected<std::vector<std::byte>>();
-      if (!bytes || bytes->empty()) continue;
-      if (auto read = lod::decode(*bytes, *mesh))
-        levels.push_back({std::move(mesh), std::make_shared<const lod::MeshLevels>(std::move(*read))});
+      if (lod::MeshLevels stored = lod::stored_levels_of(*mesh); !stored.empty())
+        levels.push_back({std::move(mesh), std::make_shared<const lod::MeshLevels>(std::move(stored))});
     }
   }
   return levels;

@@ -22,6 +22,9 @@ namespace sightline::lod {
 inline constexpr std::uint32_t kClusterTriangles = 128;
 /// Meshes of so many triangles are worth clusters even where they are drawn in full: parts of them lie outside a view.
 inline constexpr std::size_t kLargeMesh = 16'384;
+inline bool is_large(const core::Mesh& mesh) {
+  return mesh.indices.size() >= 3 * kLargeMesh;
+}
 
 /// Directions among which the normals of triangles lie: (b - a) x (c - a) of triangles a, b, c, in mesh coordinates.
 /// Triangles without area, or of less than kThin times the product of two of their edges, count for nothing.

@@ -278,10 +278,15 @@ core::Expected<MeshLevels> decode(std::span<const std::byte> bytes, const core::
   return Decoder(bytes, mesh).run(range);
 }
 
-MeshLevels levels_of(const core::Mesh& mesh, LevelRange range, int threads) {
+MeshLevels stored_levels_of(const core::Mesh& mesh, LevelRange range) {
   if (mesh.levels)
     if (const auto bytes = mesh.levels->bytes())
       if (auto levels = decode(*bytes, mesh, range)) return std::move(*levels);
+  return {};
+}
+
+MeshLevels levels_of(const core::Mesh& mesh, LevelRange range, int threads) {
+  if (MeshLevels stored = stored_levels_of(mesh, range); !stored.empty()) return stored;
   return range == LevelRange::kAll ? build_levels(mesh, threads) : build_clusters(mesh, threads);
 }
 

@@ -35,12 +35,15 @@ SIGHTLINE_API std::vector<std::byte> encode(const MeshLevels& levels);
 
 /// What encode() was given, or the clusters of the mesh alone. Fails on bytes that are not safe to use with the mesh,
 /// whoever wrote them: afterwards indices are in range, groups and clusters agree, each cut ends, and errors only grow
-/// towards coarser levels. That errors and cones are true, and that the levels are this mesh's, only checksums say. Memory
-/// follows the number of bytes. About 10 ns a triangle.
+/// towards coarser levels. That errors and cones are true, and that the levels are this mesh's, only checksums say.
+/// Memory follows the number of bytes. About 10 ns a triangle.
 SIGHTLINE_API core::Expected<MeshLevels> decode(std::span<const std::byte> bytes, const core::Mesh& mesh,
                                                 LevelRange range = LevelRange::kAll);
 
-/// Those that came with the mesh. Where none did, or they cannot be used, they are built by so many threads.
+/// Those that came with the mesh; without any where none did, or where they cannot be used.
+SIGHTLINE_API MeshLevels stored_levels_of(const core::Mesh& mesh, LevelRange range = LevelRange::kAll);
+
+/// The same, but where there are none they are built by so many threads.
 SIGHTLINE_API MeshLevels levels_of(const core::Mesh& mesh, LevelRange range, int threads = 0);
 
 /// Whether build_levels() makes coarser levels: the library was built with meshoptimizer.

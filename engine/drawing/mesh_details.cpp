@@ -13,10 +13,6 @@ namespace {
 constexpr std::size_t kMostAtOnce = 256;             // meshes that the thread takes at a time
 constexpr std::size_t kUploadedIndices = 1'000'000;  // at a time
 
-bool is_large(const core::Mesh& mesh) {
-  return mesh.indices.size() >= 3 * lod::kLargeMesh;
-}
-
 }  // namespace
 
 core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline) {
@@ -61,7 +57,7 @@ void MeshDetails::begin(const gpuscene::GpuScene& scene) {
 
 void MeshDetails::want(std::span<const std::shared_ptr<const core::Mesh>> meshes) {
   for (const std::shared_ptr<const core::Mesh>& mesh : meshes) {
-    if (!(levels_wanted_ ? lod::needs_levels(*mesh) : is_large(*mesh))) continue;
+    if (!(levels_wanted_ ? lod::needs_levels(*mesh) : lod::is_large(*mesh))) continue;
     Wanted& known = known_[mesh.get()];
     if (known.of.mesh && known.levels >= levels_wanted_) continue;
     known.of.mesh = mesh;

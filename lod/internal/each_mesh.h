@@ -16,7 +16,7 @@ template <class Work>
 void for_each_mesh(std::span<const core::Mesh* const> meshes, const Work& work) {
   std::vector<std::size_t> order(meshes.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  const auto is_small = [&](std::size_t i) { return meshes[i]->indices.size() < 3 * kLargeMesh; };
+  const auto is_small = [&](std::size_t i) { return !is_large(*meshes[i]); };
   const auto small = std::stable_partition(order.begin(), order.end(), is_small) - order.begin();
 #ifdef _OPENMP
 #pragma omp parallel for schedule(dynamic)
