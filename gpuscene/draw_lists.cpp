@@ -113,22 +113,18 @@ void DrawLists::list_records(const Batch& batch) {
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
-/// Of a mesh with levels a cut. A mesh of solids alone remains solid in every cut; of others that is known of their own
-/// triangles.
-void DrawLists::list_mesh(const Snapshot& snapshot, const MeshPool& pool, Slot slot, const DrawnIn& in,
-                          bool fronts_alone) {
-  const std::uint32_t record = GpuScene::record_of(snapshot, slot);
-  MeshTriangles mesh{slot, pool.commands()[record], {}};
+/// Of a mesh with levels a cut. Of its first indices, `solid` show only front faces. A mesh of solids alone remains
+/// solid in every cut; of others that is known of their own triangles.
+void DrawLists::list_mesh(const Snapshot& snapshot, MeshTriangles mesh, const lod::MeshLevels* levels,
+                          std::uint32_t solid, const DrawnIn& in) {
   if (mesh.whole.instance_count == 0 || mesh.whole.count == 0) return;
-  const lod::MeshLevels* levels = pool.levels(record);
-  std::uint32_t solid = fronts_alone ? pool.solid_indices(record) : 0;
-  if (in.triangles) mesh.indices = levels ? levels->indices : snapshot.mesh(slot).indices;
+  if (in.triangles) mesh.indices = levels ? levels->indices : snapshot.mesh(mesh.slot).indices;
   // Triangles of the mesh itself are in another order there.
   if (in.triangles && !levels && solid < mesh.whole.count) solid = 0;
   bool first = true;
   if (levels && in.error) {
     if (solid == mesh.whole.count) solid = std::uint32_t(levels->indices.size());
-    first = list_cut(snapshot, slot, *levels, in);
+    first = list_cut(snapshot, mesh.slot, *levels, in);
   } else {
     ranges_.assign(1, {0, mesh.whole.count});
   }
@@ -176,9 +172,9 @@ core::Expected<void> DrawLists::list_meshes(const Snapshot& snapshot, const Mesh
   both_faces_.clear();
   picked_.clear();
   for (const Slot slot : visible_.meshes) {
-    const bool fronts_alone =
-        pool.solid_indices(GpuScene::record_of(snapshot, slot)) > 0 && shown.shows_fronts_alone(slot);
-    list_mesh(snapshot, pool, slot, in, fronts_alone);
+    const std::uint32_t record = GpuScene::record_of(snapshot, slot), solid = pool.solid_indices(record);
+    const bool fronts_alone = solid > 0 && shown.shows_fronts_alone(slot);
+    list_mesh(snapshot, {slot, pool.commands()[record], {}}, pool.levels(record), fronts_alone ? solid : 0, in);
   }
   if (in.triangles) {
     picked_.test(snapshot, *in.triangles, in.threads);

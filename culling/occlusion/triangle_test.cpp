@@ -30,7 +30,7 @@ void set(float (&form)[4], const dvec4& row) {
 
 TriangleTest::TriangleTest(const core::View& view, const ImageSamples& samples)
     : eye_from_world_(view.eye_from_world()),
-      clip_from_eye_(view.clip_from_eye()),
+      clip_rows_(glm::transpose(view.clip_from_eye())),
       width_(samples.width),
       height_(samples.height),
       snap_(samples.snap) {
@@ -44,14 +44,13 @@ TriangleView TriangleTest::of(const core::Affine& world_from_mesh, bool fronts_a
   const dmat3 sizes = sizes_of(eye_from_world) * sizes_of(world_from_mesh.linear);
   const dvec3 farther =
       sizes_of(eye_from_world) * glm::abs(world_from_mesh.origin) + glm::abs(dvec3(eye_from_world_[3]));
-  const core::dmat4 rows = glm::transpose(clip_from_eye_);
   const auto form = [&](int row) {
-    const dvec3 of_eye(rows[row]);
-    return dvec4(of_eye * linear, glm::dot(of_eye, origin) + rows[row].w);
+    const dvec3 of_eye(clip_rows_[row]);
+    return dvec4(of_eye * linear, glm::dot(of_eye, origin) + clip_rows_[row].w);
   };
   const auto lost = [&](int row) {
-    const dvec3 of_eye = glm::abs(dvec3(rows[row]));
-    const double constant = glm::dot(of_eye, glm::abs(origin)) + std::abs(rows[row].w);
+    const dvec3 of_eye = glm::abs(dvec3(clip_rows_[row]));
+    const double constant = glm::dot(of_eye, glm::abs(origin)) + std::abs(clip_rows_[row].w);
     return kLost * dvec4(of_eye * sizes, constant) + dvec4(0.0, 0.0, 0.0, kLostInDouble * glm::dot(of_eye, farther));
   };
   const dvec4 w = form(3), lost_w = lost(3);

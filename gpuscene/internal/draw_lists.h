@@ -149,8 +149,8 @@ class DrawLists {
   };
   void list_records(const Batch& batch);
   core::Expected<void> list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const DrawnIn& in);
-  void list_mesh(const core::Snapshot& snapshot, const MeshPool& pool, core::Slot slot, const DrawnIn& in,
-                 bool fronts_alone);
+  void list_mesh(const core::Snapshot& snapshot, MeshTriangles mesh, const lod::MeshLevels* levels, std::uint32_t solid,
+                 const DrawnIn& in);
   bool list_cut(const core::Snapshot& snapshot, core::Slot slot, const lod::MeshLevels& levels, const DrawnIn& in);
   void count_mesh(std::uint32_t own_indices, double error, bool first);
   void list_triangles(const MeshTriangles& mesh, std::uint32_t first, std::uint32_t end, bool fronts_alone);

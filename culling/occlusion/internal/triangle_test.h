@@ -31,7 +31,7 @@ class TriangleTest {
                             std::span<const std::uint32_t> indices, std::uint32_t* shown);
 
  private:
-  core::dmat4 eye_from_world_, clip_from_eye_;
+  core::dmat4 eye_from_world_, clip_rows_;  // rows: linear forms of eye space
   double width_, height_;
   float snap_, reach_ = 0.0f;
 };
