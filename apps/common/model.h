@@ -59,7 +59,7 @@ std::string recognition_words(const importers::RecognitionReport& report);
 /// Imports all files below the root, whose transform is --translate. Prints warnings and progress to stderr
 /// unless ModelOptions::quiet.
 core::Expected<Model> load_model(const ModelOptions& options);
-/// The same for a tool that waits for the levels of detail which `shown` asks for: scene caches hold them, too.
+/// Loads as above for a tool that waits for the levels of detail which `shown` asks for. Scene caches hold them, too.
 core::Expected<Model> load_model(ModelOptions options, const DrawnOptions& shown);
 
 /// Prints one line to stderr if views and tours of the whole leave out items.

@@ -138,7 +138,7 @@ class Session {
 
   /// The culling camera that stays where it is; null where it is the image's.
   const FrozenCamera* frozen() const { return frozen_ ? &*frozen_ : nullptr; }
-  /// What the image lost by EngineConfig::losses; nothing while it is stale, and while frozen().
+  /// Tells what the image lost by EngineConfig::losses. Nothing while it is stale, and while frozen().
   std::optional<engine::LossReport> loss();
   /// Culls for this view from now on, or again for the camera's.
   void set_frozen(bool frozen);

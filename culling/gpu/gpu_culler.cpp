@@ -43,7 +43,7 @@ static_assert(sizeof(PlaneBlock) == 32 * kMaxCullPlanes + 48 + 16 * kMaxSections
 
 constexpr double kInwards = 1.0 - 1e-6;  // for the rounding of the few products with it
 
-/// What parts of meshes are told of an image's error. Planes may have any length, which floats have not.
+/// Tells parts of meshes how large an error the image may show. Planes may have any length, which floats have not.
 void set_error(PlaneBlock& block, const lod::ImageError& error, const dvec3& origin) {
   const lod::MeshError of_world(error, core::translation(origin));
   for (int i = 0; i < 4; ++i) block.w[i] = float(of_world.w()[i]);
@@ -171,7 +171,7 @@ core::Expected<void> GpuCuller::follow(const Snapshot& snapshot, const gpuscene:
   return {};
 }
 
-/// Those of records that are drawn by parts have no indices.
+/// Commands of records that are drawn by parts have no indices.
 void GpuCuller::write_commands(const CullBatch& batch, const gpuscene::MeshPool& pool,
                                std::span<const std::uint32_t> records) {
   std::vector<gpuscene::ElementsCommand> commands;

@@ -57,7 +57,7 @@ bool OcclusionPrepass::suits(const DrawInput& input) {
   const culling::SpatialQueries queries(snapshot.bounds(), *hierarchy);
   queries.intersecting(near, ~0u, at_near_plane_);
   return std::none_of(at_near_plane_.begin(), at_near_plane_.end(),
-                      [&](core::Slot slot) { return has_ends(snapshot.kind(slot)); });
+                      [&items = snapshot](core::Slot slot) { return has_ends(items.kind(slot)); });
 }
 
 core::Expected<DrawCounts> OcclusionPrepass::draw(DrawContext& context, const DrawInput& input) {

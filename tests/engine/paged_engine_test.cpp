@@ -51,8 +51,8 @@ class PagedEngineTest : public tests::GlTest {
     tests::GlTest::TearDown();
   }
 
-  std::string write(const core::Scene& scene) const {
-    EXPECT_TRUE(importers::write_slc(scene, folder_ / "scene.slc"));
+  std::string write(const core::Scene& scene, const importers::SlcWriteOptions& options = {}) const {
+    EXPECT_TRUE(importers::write_slc(scene, folder_ / "scene.slc", options));
     return (folder_ / "scene.slc").string();
   }
   static core::PagedScene open(const std::string& file) {
@@ -169,8 +169,7 @@ TEST_F(PagedEngineTest, CoarseLevelsStandInForPages) {
   if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
   core::Scene scene = tests::scene_of_many_pages(500);
   ASSERT_TRUE(scene.commit());
-  const std::string file = (folder_ / "scene.slc").string();
-  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
+  const std::string file = write(scene, {.levels = true});
   core::PagedScene paged = open(file);
   ASSERT_TRUE(paged.coarse);
   std::promise<void> allowed;
@@ -212,8 +211,7 @@ TEST_F(PagedEngineTest, CoarseLevelsKeepWithinTheLimit) {
   if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
   core::Scene scene = tests::scene_of_many_pages(500);
   ASSERT_TRUE(scene.commit());
-  const std::string file = (folder_ / "scene.slc").string();
-  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
+  const std::string file = write(scene, {.levels = true});
   auto paged = tight_engine(file);
   ASSERT_TRUE(paged) << paged.error().message;
   auto whole = whole_engine(scene);
@@ -237,8 +235,7 @@ TEST_F(PagedEngineTest, LevelsOfDetailAreThoseOfTheWhole) {
   if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
   core::Scene scene = tests::scene_of_many_pages(500);
   ASSERT_TRUE(scene.commit());
-  const std::string file = (folder_ / "scene.slc").string();
-  ASSERT_TRUE(importers::write_slc(scene, file, {.levels = true}));
+  const std::string file = write(scene, {.levels = true});
   auto paged = PagedEngine::create(
       open(file), {.width = kWidth, .height = kHeight, .ids = true, .lod_error = 1.0, .memory_limit = kMany});
   ASSERT_TRUE(paged) << paged.error().message;

@@ -40,7 +40,7 @@ class Subject {
   core::Expected<Took> draw(const Rule& rule, const core::View& view);
   /// The same after a frame that does not count, which tells the passes of occlusion what was open.
   core::Expected<Took> draw_again(const Rule& rule, const core::View& view);
-  /// What the last image shows. `original`: the model's item of each item, by id; empty: itself.
+  /// Reads what the last image shows. `original`: the model's item of each item, by id; empty: itself.
   core::Expected<ShownSurface> shown(const core::View& view, const std::vector<core::ItemId>& original);
 
  private:

@@ -5,7 +5,8 @@
 
 namespace sightline::bench {
 
-/// The distance of a triangle from the origin. After C. Ericson, "Real-Time Collision Detection", 2005, 5.1.5.
+/// The distance of a triangle from the origin. Not what the proof of levels computes with (lod/surface_deviation.cpp),
+/// so that what is measured does not rest on it. After C. Ericson, "Real-Time Collision Detection", 2005, 5.1.5.
 inline double distance_to_triangle(const core::dvec3& a, const core::dvec3& b, const core::dvec3& c) {
   const core::dvec3 ab = b - a, ac = c - a;
   const double d1 = -glm::dot(ab, a), d2 = -glm::dot(ac, a);

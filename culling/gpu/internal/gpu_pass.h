@@ -99,7 +99,7 @@ inline core::Expected<std::unique_ptr<GpuPass>> make_pass(GpuVariant variant, co
   return variant == GpuVariant::kCompute ? make_compute_pass(context, batches) : make_geometry_pass(context, batches);
 }
 
-/// What the programs of batches are made for.
+/// Programs of batches are made for one of these.
 enum class ProgramKind : std::uint8_t { kRecords, kMeshes, kParts };
 inline constexpr std::size_t kProgramKinds = 3;
 inline ProgramKind program_kind(const CullBatch& batch) {
