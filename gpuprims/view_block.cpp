@@ -1,7 +1,9 @@
 #include "sightline/gpuprims/internal/view_block.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace sightline::gpuprims {
 
@@ -42,7 +44,54 @@ void add_hatching(ViewBlock& block, int index, const core::dvec3& normal, const 
   }
 }
 
+/// The twin of leading_bits() in pairs.glsl.
+float leading_bits(double x) {
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(float(x)) & 0xfffff000u);
+}
+
+glm::vec4 rest_of(const dvec4& x, const glm::vec4& high) { return glm::vec4(x - dvec4(high)); }
+
+void set_linear(ViewBlock& block, const dmat4& eye_from_world) {
+  for (int c = 0; c < 3; ++c) {
+    const dvec4& column = eye_from_world[c];
+    block.eye_from_world[c] = glm::vec4(column);
+    block.eye_from_world_parts[0][c] = {leading_bits(column.x), leading_bits(column.y), leading_bits(column.z), 0.0f};
+    block.eye_from_world_parts[1][c] = rest_of(column, block.eye_from_world_parts[0][c]);
+  }
+}
+
+/// The rays of pixels from a clip matrix; the coefficients that are not 0 in pairs.
+void set_rays(ViewBlock& block, const dmat4& clip, bool perspective, int width, int height) {
+  // Solves clip.x = ndc.x * clip.w for the point at eye depth t; w is clip[2][3] * -t in perspective, 1 in orthographic
+  // views.
+  const double scale[2] = {1.0 / clip[0][0], 1.0 / clip[1][1]}, size[2] = {double(width), double(height)};
+  for (int axis = 0; axis < 2; ++axis) {
+    // At ndc -1 + 2 p / size.
+    const double w = perspective ? -clip[2][3] : 1.0, step = scale[axis] * w * 2.0 / size[axis];
+    const dvec4 ray = perspective ? dvec4(0.0, 0.0, scale[axis] * (clip[2][axis] - w), step)
+                                  : dvec4(-scale[axis] * (clip[3][axis] + w), step, 0.0, 0.0);
+    block.pixel_ray[axis] = glm::vec4(ray);
+    const glm::vec4 rest = rest_of(ray, block.pixel_ray[axis]);
+    for (int i = 0; i < 2; ++i) block.pixel_ray_rest[2 * axis + i] = rest[perspective ? 2 + i : i];
+  }
+}
+
 }  // namespace
+
+std::vector<glm::vec4> eye_relative_origins(const core::View& view, std::span<const core::dvec3> origins) {
+  // The matrix alone says where the eye is, and it alone must not be rounded: an origin is placed by it, and then turned
+  // back.
+  const dmat4& eye_from_world = view.eye_from_world();
+  const glm::dmat3 world_from_eye = glm::inverse(glm::dmat3(eye_from_world));
+  std::vector<glm::vec4> rows;
+  rows.reserve(2 * origins.size());
+  for (const core::dvec3& origin : origins) {
+    const dvec4 from_eye(world_from_eye * core::dvec3(eye_from_world * dvec4(origin, 1.0)), 0.0);
+    rows.push_back(glm::vec4(from_eye));
+    rows.push_back(rest_of(from_eye, rows.back()));
+  }
+  return rows;
+}
 
 core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int height) {
   const dmat4 clip = reversed_clip_from_eye(view);
@@ -54,18 +103,9 @@ core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int
 
   ViewBlock block{};
   const dmat4& eye = view.eye_from_world();
-  for (int c = 0; c < 3; ++c) block.eye_from_world[c] = eye[c];
+  set_linear(block, eye);
   block.clip_from_eye = glm::mat4(clip);
-  // Solves clip.x = ndc.x * clip.w for the point at eye depth t; w is clip[2][3] * -t in perspective, 1 in orthographic
-  // views.
-  const double scale[2] = {1.0 / clip[0][0], 1.0 / clip[1][1]}, size[2] = {double(width), double(height)};
-  for (int axis = 0; axis < 2; ++axis) {
-    // At ndc -1 + 2 p / size.
-    const double w = perspective ? -clip[2][3] : 1.0, step = scale[axis] * w * 2.0 / size[axis];
-    block.pixel_ray[axis] = perspective ? dvec4(0.0, 0.0, scale[axis] * (clip[2][axis] - w), step)
-                                        : dvec4(-scale[axis] * (clip[3][axis] + w), step, 0.0, 0.0);
-    block.pixel_ray_float[axis] = glm::vec4(block.pixel_ray[axis]);
-  }
+  set_rays(block, clip, perspective, width, height);
   block.viewport = glm::vec4(width, height, 0.0, 0.0);
   block.depth_range = glm::vec4(eye_depth(clip, 1.0), std::min(eye_depth(clip, 0.0), 3.0e38), 0.0, 0.0);
   block.up = glm::vec4(glm::normalize(glm::dmat3(eye) * glm::dvec3(0.0, 0.0, 1.0)), 0.0);

@@ -161,21 +161,19 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
   block->hatching = {hatching, std::max(1.0f, hatching.y / 6.0f), 0.0f};
   view_block_.write(0, sizeof(*block), &*block);
 
-  const core::dmat4& eye_from_world = view.eye_from_world();
-  const auto& origins = snapshot.chunk_origins();
-  std::vector<core::dvec4> rows(std::max<std::size_t>(1, origins.size()));
-  for (std::size_t i = 0; i < origins.size(); ++i) rows[i] = eye_from_world * core::dvec4(origins[i], 1.0);
+  std::vector<glm::vec4> rows = gpuprims::eye_relative_origins(view, snapshot.chunk_origins());
+  rows.resize(std::max<std::size_t>(2, rows.size()));
   if (rows.size() > chunk_capacity_) {
     chunk_capacity_ = 2 * rows.size();
-    auto buffer = gl::Buffer::create(*gl_, chunk_capacity_ * sizeof(core::dvec4), nullptr, GL_DYNAMIC_STORAGE_BIT,
+    auto buffer = gl::Buffer::create(*gl_, chunk_capacity_ * sizeof(glm::vec4), nullptr, GL_DYNAMIC_STORAGE_BIT,
                                      "chunk origins");
     if (!buffer) return tl::unexpected(buffer.error());
     chunk_rows_ = std::move(*buffer);
-    auto texels = gl::TextureBuffer::create(*gl_, chunk_rows_, GL_RGBA32UI, "chunk origins");
+    auto texels = gl::TextureBuffer::create(*gl_, chunk_rows_, GL_RGBA32F, "chunk origins");
     if (!texels) return tl::unexpected(texels.error());
     chunk_texels_ = std::move(*texels);
   }
-  chunk_rows_.write(0, rows.size() * sizeof(core::dvec4), rows.data());
+  chunk_rows_.write(0, rows.size() * sizeof(glm::vec4), rows.data());
   return {};
 }
 

@@ -15,7 +15,8 @@ using core::dvec4;
 // shader (entries of the matrix from mesh to eye, its product with a position, the sum with the origin, and the same
 // with the projection), 6 of the form here. Some are spare.
 constexpr double kLost = 24.0 * 0x1p-24;
-constexpr double kLostInDouble = 0x1p-48;  // the same for what is rounded before it is relative to the eye
+constexpr double kLostInPairs = 0x1p-44;   // the same for what is rounded before it is relative to the eye
+constexpr double kLostInTurning = 0x1p-32;  // of the sizes of the terms when an origin is turned into eye space
 constexpr float kTiny = 1e-36f;            // more than what underflow loses
 
 dmat3 sizes_of(const dmat3& m) {
@@ -30,6 +31,7 @@ void set(float (&form)[4], const dvec4& row) {
 
 TriangleTest::TriangleTest(const core::View& view, const ImageSamples& samples)
     : eye_from_world_(view.eye_from_world()),
+      world_from_eye_(glm::inverse(dmat3(eye_from_world_))),
       clip_rows_(glm::transpose(view.clip_from_eye())),
       width_(samples.width),
       height_(samples.height),
@@ -44,6 +46,8 @@ TriangleView TriangleTest::of(const core::Affine& world_from_mesh, bool fronts_a
   const dmat3 sizes = sizes_of(eye_from_world) * sizes_of(world_from_mesh.linear);
   const dvec3 farther =
       sizes_of(eye_from_world) * glm::abs(world_from_mesh.origin) + glm::abs(dvec3(eye_from_world_[3]));
+  const dvec3 turned = sizes_of(eye_from_world) * glm::abs(world_from_eye_ * origin);
+  const dvec3 early = kLostInPairs * farther + kLostInTurning * turned;
   const auto form = [&](int row) {
     const dvec3 of_eye(clip_rows_[row]);
     return dvec4(of_eye * linear, glm::dot(of_eye, origin) + clip_rows_[row].w);
@@ -51,7 +55,7 @@ TriangleView TriangleTest::of(const core::Affine& world_from_mesh, bool fronts_a
   const auto lost = [&](int row) {
     const dvec3 of_eye = glm::abs(dvec3(clip_rows_[row]));
     const double constant = glm::dot(of_eye, glm::abs(origin)) + std::abs(clip_rows_[row].w);
-    return kLost * dvec4(of_eye * sizes, constant) + dvec4(0.0, 0.0, 0.0, kLostInDouble * glm::dot(of_eye, farther));
+    return kLost * dvec4(of_eye * sizes, constant) + dvec4(0.0, 0.0, 0.0, glm::dot(of_eye, early));
   };
   const dvec4 w = form(3), lost_w = lost(3);
   // Pixel centres at integers: 0.5 size (x / w + 1) - 0.5.

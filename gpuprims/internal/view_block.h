@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -13,9 +15,10 @@ namespace sightline::gpuprims {
 static_assert(kMaxSections == int(core::kMaxSectionPlanes));
 
 struct ViewBlock {
-  glm::dvec4 eye_from_world[3];  // columns of a dmat3, padded
-  glm::dvec4 pixel_ray[2];
-  glm::vec4 pixel_ray_float[2];
+  glm::vec4 eye_from_world[3];  // columns, padded
+  glm::vec4 eye_from_world_parts[2][3];
+  glm::vec4 pixel_ray[2];
+  glm::vec4 pixel_ray_rest;
   glm::mat4 clip_from_eye;
   glm::vec4 depth_range;
   glm::vec4 viewport;
@@ -26,7 +29,7 @@ struct ViewBlock {
   glm::vec4 hatch_across[2 * kMaxSections];
   glm::vec4 hatch_whole[kMaxSections];
 };
-static_assert(offsetof(ViewBlock, pixel_ray) == 96);
+static_assert(offsetof(ViewBlock, pixel_ray) == 144);
 static_assert(offsetof(ViewBlock, clip_from_eye) == 192);
 static_assert(offsetof(ViewBlock, flags) == 304);
 static_assert(offsetof(ViewBlock, sections) == 320);
@@ -42,6 +45,10 @@ constexpr double kHatchPeriod = 1048576.0;
 /// Fills the block for a viewport of width x height pixels. Views may be perspective (also off-axis) or orthographic; a
 /// projection with any other structure is an error.
 core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int height);
+
+/// What shaders read of chunk origins: two rows each, their place relative to the eye along world axes as a float and
+/// what that leaves.
+std::vector<glm::vec4> eye_relative_origins(const core::View& view, std::span<const core::dvec3> origins);
 
 /// Eye depth (metres along the view axis) of a reversed zero-to-one depth value; infinity for the cleared depth 0 of an
 /// infinite far plane.

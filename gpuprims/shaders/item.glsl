@@ -1,8 +1,9 @@
 // What every item has: its placement, its chunk, its id and its material. Also computes its position in eye space.
 #include "view.glsl"
 #include "payload.glsl"
+#include "pairs.glsl"
 
-layout(binding = 1) uniform usamplerBuffer chunk_origins;  // doubles, two texels each: relative to the eye, in eye space
+layout(binding = 1) uniform samplerBuffer chunk_origins;  // relative to the eye, along world axes: two texels of a pair
 
 // Ids of records drawn one by one, for vertex ids that do not name the record itself (see
 // gpuscene/internal/draw_lists.h).
@@ -17,7 +18,7 @@ uint record_of(uint vertices_per_record) {
 struct Item {
   mat3 chunk_from_local;  // linear part
   vec3 offset;            // of the local frame, from the chunk's origin
-  dvec3 chunk;            // origin, in eye space
+  Pair3 chunk;            // origin, relative to the eye, along world axes
   uint id;                // item id
   uint material;          // low 24 bits: row of the material table; high 8 bits: flags
   float extra;            // first shape parameter
@@ -28,23 +29,38 @@ Item fetch_item(uint record, int texels_per_record) {
   vec4 b = payload_floats(record, texels_per_record, 1);
   vec4 c = payload_floats(record, texels_per_record, 2);
   uvec4 d = payload_texel(record, texels_per_record, 3);
-  uvec4 xy = texelFetch(chunk_origins, 2 * int(d.x)), z = texelFetch(chunk_origins, 2 * int(d.x) + 1);
   Item item;
   item.chunk_from_local = mat3(a.xyz, vec3(a.w, b.xy), vec3(b.zw, c.x));
   if ((d.z & kVacant) != 0u) item.chunk_from_local = mat3(0.0);  // shrinks to a point, which is not rasterised
   item.offset = c.yzw;
-  item.chunk = dvec3(packDouble2x32(xy.xy), packDouble2x32(xy.zw), packDouble2x32(z.xy));
+  item.chunk = Pair3(texelFetch(chunk_origins, 2 * int(d.x)).xyz, texelFetch(chunk_origins, 2 * int(d.x) + 1).xyz);
   item.id = d.y;
   item.material = d.z;
   item.extra = uintBitsToFloat(d.w);
   return item;
 }
 
-// The local frame's origin in eye space.
-vec3 eye_origin(Item item) { return vec3(view.eye_from_world * dvec3(item.offset) + item.chunk); }
+// Sums are taken along world axes and relative to the eye. So what is near the eye loses nothing, however far away its
+// chunk's origin is.
+Pair3 turn_to_eye(Pair3 from_eye) {
+  return pair_transform(view.eye_from_world_parts[0], view.eye_from_world_parts[1], from_eye);
+}
 
-// A local point in eye space, in double: even with a far eye it keeps its exact place among its neighbours.
-dvec3 eye_position(Item item, vec3 local) {
-  dvec3 from_chunk = dvec3(item.offset) + dmat3(item.chunk_from_local) * dvec3(local);
-  return view.eye_from_world * from_chunk + item.chunk;
+// The local frame's origin in eye space.
+vec3 eye_origin(Item item) {
+  Pair3 p = turn_to_eye(pair_sum(item.chunk, item.offset));
+  return p.high + p.low;
+}
+
+// A local point in eye space, in pairs: even with a far eye it keeps its exact place among its neighbours. The point's
+// coordinates must have leading bits alone.
+Pair3 eye_position(Item item, vec3 local) {
+  Pair3 p = pair_sum(item.chunk, item.offset);
+  for (int i = 0; i < 3; ++i) {
+    vec3 leading = leading_bits(item.chunk_from_local[i]);
+    precise vec3 rest = item.chunk_from_local[i] - leading;
+    p = pair_sum(p, leading * local[i]);
+    p.low += rest * local[i];
+  }
+  return turn_to_eye(p);
 }

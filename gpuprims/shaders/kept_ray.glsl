@@ -4,25 +4,25 @@
 #include "search.glsl"
 
 vec3 eye_direction(vec2 pixel) {
-  return vec3(view.pixel_ray_float[0].z + view.pixel_ray_float[0].w * pixel.x,
-              view.pixel_ray_float[1].z + view.pixel_ray_float[1].w * pixel.y, -1.0);
+  return vec3(view.pixel_ray[0].z + view.pixel_ray[0].w * pixel.x,
+              view.pixel_ray[1].z + view.pixel_ray[1].w * pixel.y, -1.0);
 }
 
 vec3 eye_point(vec2 pixel, float t) {
-  vec2 start = vec2(view.pixel_ray_float[0].x + view.pixel_ray_float[0].y * pixel.x,
-                    view.pixel_ray_float[1].x + view.pixel_ray_float[1].y * pixel.y);
+  vec2 start = vec2(view.pixel_ray[0].x + view.pixel_ray[0].y * pixel.x,
+                    view.pixel_ray[1].x + view.pixel_ray[1].y * pixel.y);
   return vec3(start, 0.0) + t * eye_direction(pixel);
 }
 
 // The step from one pixel's ray to another's, at the same depth.
 vec3 eye_step(vec2 pixels, float t) {
-  return vec3((view.pixel_ray_float[0].y + t * view.pixel_ray_float[0].w) * pixels.x,
-              (view.pixel_ray_float[1].y + t * view.pixel_ray_float[1].w) * pixels.y, 0.0);
+  return vec3((view.pixel_ray[0].y + t * view.pixel_ray[0].w) * pixels.x,
+              (view.pixel_ray[1].y + t * view.pixel_ray[1].w) * pixels.y, 0.0);
 }
 
 // Pixel coordinate of a point in eye space.
 vec2 pixel_at(vec2 point, float depth) {
-  vec4 x = view.pixel_ray_float[0], y = view.pixel_ray_float[1];
+  vec4 x = view.pixel_ray[0], y = view.pixel_ray[1];
   return (point - vec2(x.x, y.x) - depth * vec2(x.z, y.z)) / (vec2(x.y, y.y) + depth * vec2(x.w, y.w));
 }
 

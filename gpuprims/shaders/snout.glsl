@@ -6,7 +6,7 @@
 
 struct Shape {
   vec2 lean;                       // of the axis, per z
-  double radius;                   // at the ray's origin
+  vec2 radius;                     // at the ray's origin: float, and what it leaves
   float widening;                  // of the radius, per z
   float to_bottom, to_top;         // height of the ray's origin above the bottom, and below the top
   vec2 bottom_slant, top_slant;
@@ -20,7 +20,8 @@ void load_shape(uint record, float height, float shift) {
   float inverse_height = height > 0.0 ? 1.0 / height : 0.0;
   shape.lean = ends.zw * inverse_height;
   shape.widening = (ends.y - ends.x) * inverse_height;
-  shape.radius = 0.5 * (double(ends.x) + double(ends.y)) + double((ends.y - ends.x) * (shift * inverse_height));
+  Pair3 radius = pair_sum(pair_sum(vec3(0.5 * ends.x), vec3(0.5 * ends.y)), vec3((ends.y - ends.x) * (shift * inverse_height)));
+  shape.radius = vec2(radius.high.x, radius.low.x);
   shape.to_bottom = 0.5 * height + shift;
   shape.to_top = 0.5 * height - shift;
   shape.bottom_slant = slants.xy;
@@ -29,20 +30,19 @@ void load_shape(uint record, float height, float shift) {
   shape.highest = range.w - shift;
 }
 
-// |r0 u1 - r1 u0|^2 - (u0 x u1)^2 in double, including the line's position relative to the axis.
-float exact_discriminant(vec3 origin, vec3 direction) {
-  dvec3 o = dvec3(origin), d = dvec3(direction);
-  dvec2 u0 = o.xy - dvec2(shape.lean) * o.z, u1 = d.xy - dvec2(shape.lean) * d.z;
-  double widening = shape.widening, r0 = shape.radius + widening * o.z, r1 = widening * d.z, m = cross_product(u0, u1);
-  dvec2 v = r0 * u1 - r1 * u0;
-  return float(dot(v, v) - m * m);
+// |r0 u1 - r1 u0|^2 - (u0 x u1)^2 exactly, including the line's position relative to the axis.
+float exact_discriminant(vec3 o, vec3 d) {
+  vec3 slope = vec3(-shape.lean, shape.widening);
+  Pair3 u = pair_sum(pair_product(slope, o.zzz), Pair3(vec3(o.xy, shape.radius.x), vec3(0.0, 0.0, shape.radius.y)));
+  Pair3 v = pair_sum(pair_product(slope, d.zzz), vec3(d.xy, 0.0));
+  return exact_cone_discriminant(u, v);
 }
 
 // The part of the line within the nappe with radius >= 0, where u = xy - centre(z) and r(z) are linear in t. False when
 // there is none.
 bool nappe(vec3 o, vec3 d, inout Span span) {
   vec2 u0 = o.xy - shape.lean * o.z, u1 = d.xy - shape.lean * d.z;
-  float r0 = float(shape.radius) + shape.widening * o.z, r1 = shape.widening * d.z;
+  float r0 = shape.radius.x + shape.widening * o.z, r1 = shape.widening * d.z;
   float across = dot(u1, u1), b = dot(u0, u1) - r0 * r1, c = dot(u0, u0) - r0 * r0;
   float a = across - r1 * r1;
   if (abs(a) < kCancels * across) a = (length(u1) - abs(r1)) * (length(u1) + abs(r1));

@@ -16,8 +16,8 @@ bool ball(vec3 o, vec3 d, inout Span span) {
   vec3 m = cross(o, d);
   float rest = a - dot(m, m);
   if (abs(rest) < kCancels * a) {
-    dvec3 direction = dvec3(d), exact_m = cross(dvec3(o), direction);
-    rest = float(dot(direction, direction) - dot(exact_m, exact_m));
+    Pair3 exact_m = pair_cross(Pair3(o, vec3(0.0)), Pair3(d, vec3(0.0)));
+    rest = pair_total(pair_sum(pair_product(d, d), pair_negative(pair_product(exact_m, exact_m))));
   }
   if (!(rest >= 0.0)) return false;
   float middle = -dot(o, d) / a, half_chord = sqrt(rest) / a;

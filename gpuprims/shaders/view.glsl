@@ -3,9 +3,10 @@
 #include "limits.glsl"
 
 layout(std140, binding = 0) uniform ViewBlock {
-  dmat3 eye_from_world;     // linear part: chunk-relative directions into eye space
-  dvec4 pixel_ray[2];       // x, y of the point at depth t on the ray through pixel coordinate p: (a + b p) + t (c + d p)
-  vec4 pixel_ray_float[2];  // the same for fragments, whose steps are small
+  mat3 eye_from_world;       // linear part: directions into eye space
+  mat3 eye_from_world_parts[2];  // the same to 36 bits: leading bits, and the rest of them (pairs.glsl)
+  vec4 pixel_ray[2];         // x, y of the point at depth t on the ray through pixel coordinate p: (a + b p) + t (c + d p)
+  vec4 pixel_ray_rest;       // what float leaves of c, d (perspective; a, b in orthographic views) of x, and of y
   mat4 clip_from_eye;       // reversed zero-to-one depth
   vec4 depth_range;         // x: eye depth of the near plane, y: of the far plane (infinity allowed)
   vec4 viewport;            // xy: size in pixels

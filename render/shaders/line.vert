@@ -9,7 +9,8 @@ flat out uvec2 item_words;
 
 void main() {
   Item item = fetch_item(record_of(2u), 4);
-  p_eye = vec3(eye_position(item, vec3(float(gl_VertexID & 1), 0.0, 0.0)));
+  Pair3 p = eye_position(item, vec3(float(gl_VertexID & 1), 0.0, 0.0));
+  p_eye = p.high + p.low;
   n_eye = vec3(0.0, 0.0, 1.0);  // lit as if it faced the viewer
   item_words = uvec2(item.id, item.material);
   gl_Position = view.clip_from_eye * vec4(p_eye, 1.0);

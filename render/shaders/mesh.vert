@@ -25,7 +25,7 @@ vec3 unpack_normal(uint word) {
 
 void main() {
   Item item = fetch_item(instance, 4);
-  mat3 eye_from_local = mat3(view.eye_from_world) * item.chunk_from_local;
+  mat3 eye_from_local = view.eye_from_world * item.chunk_from_local;
   p_eye = eye_from_local * uintBitsToFloat(vertex.xyz) + eye_origin(item);
   gl_Position = view.clip_from_eye * vec4(p_eye, 1.0);
 #ifdef CROSSINGS

@@ -1,5 +1,5 @@
 // Sets up one ray-cast primitive of any kind for the frame: the anchor, from which fragments compute their rays, and
-// the proxy, which primitive.geom emits. Only the anchor needs doubles.
+// the proxy, which primitive.geom emits. Only the anchor needs pairs of floats.
 #include "item.glsl"
 #include "make_proxy.glsl"
 #include "internal_faces.glsl"
@@ -10,19 +10,26 @@ out gl_PerVertex {
 out Setup setup;
 
 // Rays start from an anchor, a point of the primitive near its visible part. This stage takes the ray through the
-// anchor's pixel to the anchor's depth in double. Each fragment takes the small step to its own pixel in float. So
+// anchor's pixel to the anchor's depth in pairs. Each fragment takes the small step to its own pixel in float. So
 // precision does not suffer from a distant eye or, with long thin primitives, from a distant local origin.
 struct Anchor {
   vec3 local;
-  dvec3 eye;
+  Pair3 eye;
   float depth;
   vec2 pixel;
 };
 
-// x and y of eye_point() in double.
-dvec2 exact_ray_at(vec2 pixel, float depth) {
-  dvec4 x = view.pixel_ray[0], y = view.pixel_ray[1];
-  return dvec2(x.x + x.y * pixel.x + depth * (x.z + x.w * pixel.x), y.x + y.y * pixel.y + depth * (y.z + y.w * pixel.y));
+// eye_point() in pairs: of the two coefficients for each axis that are not 0, times the depth in perspective.
+Pair3 exact_eye_point(vec2 pixel, float depth) {
+  vec4 x = view.pixel_ray[0], y = view.pixel_ray[1], rest = view.pixel_ray_rest;
+  bool perspective = perspective_view();
+  vec2 start = perspective ? vec2(x.z, y.z) : vec2(x.x, y.x), slope = perspective ? vec2(x.w, y.w) : vec2(x.y, y.y);
+  Pair3 p = pair_sum(pair_product(vec3(slope, 0.0), vec3(pixel, 0.0)), Pair3(vec3(start, -1.0), vec3(rest.xz, 0.0)));
+  p.low += vec3(rest.yw * pixel, 0.0);
+  float scale = perspective ? depth : 1.0;
+  p = pair_product(p, Pair3(vec3(scale), vec3(0.0)));
+  if (!perspective) p.high.z = -depth;
+  return p;
 }
 
 // Chooses the box's point nearest to the middle of the view, at the depth of the box's point nearest to the eye.
@@ -31,19 +38,19 @@ Anchor choose_anchor(Item item, LocalBox box, mat3 eye_from_local, mat3 rows, ve
   float depth = max(0.0, -(eye_from_local * nearest + origin).z);
   vec3 middle = eye_point(0.5 * view.viewport.xy, depth);
   Anchor a;
-  a.local = clamp((middle - origin) * rows, box.low, box.high);
+  a.local = leading_bits(clamp((middle - origin) * rows, box.low, box.high));
   a.eye = eye_position(item, a.local);
-  a.depth = max(0.0, float(-a.eye.z));
+  a.depth = max(0.0, -a.eye.high.z);
   vec2 first = eye_point(vec2(0.0), a.depth).xy, step_size = eye_step(vec2(1.0), a.depth).xy;
   bool seen = step_size.x != 0.0 && step_size.y != 0.0;  // false when the depth is 0
-  a.pixel = seen ? floor(clamp((vec2(a.eye.xy) - first) / step_size, vec2(0.0), vec2(65535.0))) : vec2(0.0);
+  a.pixel = seen ? floor(clamp((a.eye.high.xy - first) / step_size, vec2(0.0), vec2(65535.0))) : vec2(0.0);
   return a;
 }
 
 void main() {
   uint record = record_of(1u);
   Item item = fetch_item(record, texels_per_record);
-  mat3 eye_from_local = mat3(view.eye_from_world) * item.chunk_from_local;
+  mat3 eye_from_local = view.eye_from_world * item.chunk_from_local;
   vec3 yz = cross(eye_from_local[1], eye_from_local[2]);
   float volume = dot(eye_from_local[0], yz);
   gl_Position = vec4(0.0);
@@ -57,7 +64,8 @@ void main() {
 
   Anchor a = choose_anchor(item, box, eye_from_local, rows, origin, local_eye);
   vec3 axis = box.axis * a.local.z;
-  vec3 from_anchor = vec3(dvec3(exact_ray_at(a.pixel, a.depth), -a.depth) - a.eye);
+  Pair3 ray = exact_eye_point(a.pixel, a.depth);
+  precise vec3 from_anchor = (ray.high - a.eye.high) + (ray.low - a.eye.low);
   vec3 start = a.local - axis + from_anchor * rows;
   for (int i = 0; i < 3; ++i) setup.local_from_eye[i] = vec4(rows[i], start[i]);
   setup.anchor = uvec4(floatBitsToUint(a.depth), floatBitsToUint(axis.z), record, uint(a.pixel.x) | uint(a.pixel.y) << 16);
@@ -79,5 +87,5 @@ void main() {
     inside = all(greaterThan(local_eye, box.low - around)) && all(lessThan(local_eye, box.high + around));
     viewer = local_eye - 0.5 * (box.low + box.high);
   }
-  setup.proxy = make_proxy(box.low - margin, box.high + margin, viewer, inside, eye_from_local, volume < 0.0, a.local, vec3(a.eye));
+  setup.proxy = make_proxy(box.low - margin, box.high + margin, viewer, inside, eye_from_local, volume < 0.0, a.local, a.eye.high);
 }

@@ -196,12 +196,13 @@ TEST(ViewBlock, RaysOfPixelsAreWhatTheProjectionSays) {
       for (const double t : {0.5, 3.0, 60.0}) {
         glm::dvec4 eye(0.0, 0.0, -t, 1.0);
         for (int axis = 0; axis < 2; ++axis) {
-          const glm::dvec4& r = block.pixel_ray[axis];
+          glm::dvec4 r(block.pixel_ray[axis]);
+          for (int i = 0; i < 2; ++i) r[view.orthographic() ? i : 2 + i] += block.pixel_ray_rest[2 * axis + i];
           eye[axis] = (r.x + r.y * pixel[axis]) + t * (r.z + r.w * pixel[axis]);
         }
         const glm::dvec4 clip = view.clip_from_eye() * eye;
         for (int axis = 0; axis < 2; ++axis)
-          EXPECT_NEAR(clip[axis] / clip.w, 2.0 * pixel[axis] / size[axis] - 1.0, 1e-12);
+          EXPECT_NEAR(clip[axis] / clip.w, 2.0 * pixel[axis] / size[axis] - 1.0, 1e-11);
         EXPECT_NEAR(eye_depth(reversed_clip_from_eye(view), clip.z / clip.w), t, 1e-9);
       }
   }

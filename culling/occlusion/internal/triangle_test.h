@@ -31,7 +31,9 @@ class TriangleTest {
                             std::span<const std::uint32_t> indices, std::uint32_t* shown);
 
  private:
-  core::dmat4 eye_from_world_, clip_rows_;  // rows: linear forms of eye space
+  core::dmat4 eye_from_world_;
+  core::dmat3 world_from_eye_;  // linear part
+  core::dmat4 clip_rows_;       // rows: linear forms of eye space
   double width_, height_;
   float snap_, reach_ = 0.0f;
 };
