@@ -1,8 +1,12 @@
-// sightline-info: the content of a model, and its errors.
+// sightline-info: the content of a model, and its errors; or what OpenGL offers here.
 
+#include <chrono>
 #include <cstdio>
 
 #include "sightline/apps/common/command_line.h"
+#if SIGHTLINE_HAS_GL
+#include "sightline/apps/common/gl_page.h"
+#endif
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/report_json.h"
@@ -93,6 +97,12 @@ Json to_json(const importers::ImportReport& report, const Facts& facts) {
   return out;
 }
 
+core::Expected<int> write_json(const std::string& file, Json out) {
+  if (auto done = apps::write_text(file, apps::to_text(json::sorted(std::move(out)))); !done)
+    return tl::unexpected(done.error());
+  return apps::kExitOk;
+}
+
 void print(const importers::ImportReport& report, const Facts& facts) {
   std::uint64_t total = 0;
   for (int k = 0; k < core::kKindCount; ++k) {
@@ -121,13 +131,46 @@ void print(const importers::ImportReport& report, const Facts& facts) {
   if (report.recognition.meshes > 0) std::printf("%s\n", apps::recognition_words(report.recognition).c_str());
 }
 
+core::Expected<int> tell_of_model(const apps::ModelOptions& options, const std::string& json_file,
+                                  const std::vector<std::string>& find) {
+  auto model = apps::load_model(options);
+  if (!model) return tl::unexpected(model.error());
+  if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());
+  if (options.explain) apps::explain(*model->scene);
+  std::vector<core::NodeCondition> conditions;
+  for (const std::string& text : find) conditions.push_back(apps::parse_condition(text));
+  const auto found = conditions.empty() ? std::vector<core::NodeId>()
+                                        : core::find_nodes(*model->scene, model->scene->root(), conditions);
+  const Facts facts = gather(*model->scene);
+  if (json_file != "-" && find.empty()) print(model->report, facts);
+  if (json_file != "-" && !find.empty()) print(*model->scene, found);
+  if (json_file.empty()) return apps::kExitOk;
+  Json out = to_json(model->report, facts);
+  if (!find.empty()) out["found"] = to_json(*model->scene, found);
+  return write_json(json_file, std::move(out));
+}
+
+#if SIGHTLINE_HAS_GL
+core::Expected<int> tell_of_gl(gl::ContextPlatform platform, const std::string& json_file) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto context = gl::Context::create_offscreen({.platform = platform});
+  if (!context) return tl::unexpected(context.error());
+  const std::chrono::duration<double, std::milli> made = std::chrono::steady_clock::now() - begin;
+  context->test_driver();
+  Json page = apps::gl_page(*context, made.count());
+  if (json_file != "-") apps::print_gl_page(page, stdout);
+  return json_file.empty() ? core::Expected<int>(apps::kExitOk) : write_json(json_file, std::move(page));
+}
+#endif
+
 }  // namespace
 
 int main(int argc, char** argv) {
   apps::CommandLine line(
       "Counts, bounds, units, tree depth and problems of model files", "sightline-info",
       "  sightline-info plant.rvm\n  sightline-info --json - a.rvm b.rvm\n  sightline-info --lenient damaged.rvm\n"
-      "  sightline-info plant.rvm plant.txt --find Type=VALVE --find PS-100");
+      "  sightline-info plant.rvm plant.txt --find Type=VALVE --find PS-100\n"
+      "  sightline-info --gl                                       # for bug reports");
   apps::ModelOptions options;
   std::string json_file;
   std::vector<std::string> find;
@@ -137,23 +180,22 @@ int main(int argc, char** argv) {
            "(KEY=TEXT); given several times, all must hold")
       .one_value_each();
   line.add("--json", json_file, "Write the facts as JSON to FILE, or - for stdout");
+#if SIGHTLINE_HAS_GL
+  bool gl_page = false;
+  gl::ContextPlatform platform = {};
+  const auto flag = line.add_flag("--gl", gl_page,
+                                  "Tell of OpenGL on this machine instead: driver, limits, self-test and workarounds");
+  apps::add_context_option(line, platform);
+  const auto files = line.option("MODEL").required(false);
+  line.check([flag, files]() -> core::Expected<void> {
+    if (flag.given() == files.given()) return core::fail("expected MODEL, or --gl alone");
+    return {};
+  });
+#endif
   return line.run(argc, argv, [&]() -> core::Expected<int> {
-    auto model = apps::load_model(options);
-    if (!model) return tl::unexpected(model.error());
-    if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());
-    if (options.explain) apps::explain(*model->scene);
-    std::vector<core::NodeCondition> conditions;
-    for (const std::string& text : find) conditions.push_back(apps::parse_condition(text));
-    const auto found = conditions.empty() ? std::vector<core::NodeId>()
-                                          : core::find_nodes(*model->scene, model->scene->root(), conditions);
-    const Facts facts = gather(*model->scene);
-    if (json_file != "-" && find.empty()) print(model->report, facts);
-    if (json_file != "-" && !find.empty()) print(*model->scene, found);
-    if (json_file.empty()) return apps::kExitOk;
-    Json out = to_json(model->report, facts);
-    if (!find.empty()) out["found"] = to_json(*model->scene, found);
-    if (auto done = apps::write_text(json_file, apps::to_text(json::sorted(std::move(out)))); !done)
-      return tl::unexpected(done.error());
-    return apps::kExitOk;
+#if SIGHTLINE_HAS_GL
+    if (gl_page) return tell_of_gl(platform, json_file);
+#endif
+    return tell_of_model(options, json_file, find);
   });
 }

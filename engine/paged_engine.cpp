@@ -226,6 +226,7 @@ core::Expected<std::unique_ptr<PagedEngine::Impl>> PagedEngine::Impl::create(cor
 core::Expected<void> PagedEngine::Impl::prepare() {
   if (auto current = context_.make_current(); !current) return current;
   context_.cache_programs(config_.program_cache.value_or(gl::ProgramCache::default_folder()));
+  context_.test_driver();
   const render::TargetFormat format{.ids = config_.ids};
   for (render::RenderTarget* made : {&target_, &canvas_}) {
     auto target = render::RenderTarget::create(context_, config_.width, config_.height, format);

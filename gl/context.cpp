@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sightline/gl/functions.h"
+#include "sightline/gl/internal/driver_test.h"
 #include "sightline/gl/internal/platform_context.h"
 #include "sightline/gl/internal/program_cache.h"
 
@@ -19,11 +20,15 @@ struct Context::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
+  void set_switches(const WorkaroundSwitches& chosen);
+
   std::unique_ptr<PlatformContext> own;  // null when adopted, and once destroyed
   std::string platform;
   Functions gl;
   Capabilities capabilities;
   std::optional<ProgramCache> program_cache;
+  WorkaroundSwitches switches;
+  DriverTest driver_test;
   DebugLog log;
   bool lost = false, destroyed = false;
   std::string vendor;
@@ -87,6 +92,36 @@ Capabilities query_capabilities(const Functions& gl) {
   caps.uniform_offset_alignment = get_int(gl, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
   caps.storage_offset_alignment = get_int(gl, GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
   return caps;
+}
+
+/// Follows workarounds that change what the context offers.
+void follow_workarounds(Functions& gl, Capabilities& caps) {
+  if (gl.workarounds[Workaround::kNoIndirectCount]) {
+    gl.MultiDrawArraysIndirectCountARB = nullptr;
+    gl.MultiDrawElementsIndirectCountARB = nullptr;
+    caps.indirect_count = false;
+  }
+  if (gl.workarounds[Workaround::kFourSamples]) {
+    caps.max_samples = std::min(caps.max_samples, 4);
+    caps.max_integer_samples = std::min(caps.max_integer_samples, 4);
+  }
+  if (gl.workarounds[Workaround::kSmallBlocks])
+    caps.max_storage_block_bytes = std::min(caps.max_storage_block_bytes, std::int64_t(1) << 27);
+}
+
+// Programs and results of another version of the test are not recalled.
+constexpr std::string_view kDriverTestKey = "driver test 1";
+
+std::string to_text(const DriverTest& test) {
+  std::string text;
+  for (const CheckResult result : test.results) text += char('0' + int(result));
+  return text;
+}
+
+bool from_text(std::string_view text, DriverTest& test) {
+  if (text.size() != test.results.size()) return false;
+  for (std::size_t i = 0; i < text.size(); ++i) test.results[i] = CheckResult(std::clamp(text[i] - '0', 0, 2));
+  return test.remembered = true;
 }
 
 DebugSeverity severity_of(GLenum severity) {
@@ -153,6 +188,12 @@ core::Expected<ContextPlatform> parse_platform(const std::string& name) {
   return core::fail(fmt::format("expected one of {}, found \"{}\"", fmt::join(kPlatformNames, ", "), name));
 }
 
+void Context::State::set_switches(const WorkaroundSwitches& chosen) {
+  switches = chosen;
+  gl.workarounds = choose_workarounds(driver_test, switches);
+  follow_workarounds(gl, capabilities);
+}
+
 Context::Context(std::shared_ptr<State> state, bool shares) : state_(std::move(state)), shares_(shares) {}
 Context::Context(Context&& other) noexcept = default;
 Context& Context::operator=(Context&& other) noexcept {
@@ -184,16 +225,22 @@ core::Expected<Context> Context::create_offscreen(const ContextOptions& options)
   const auto get_proc = [](const char* name, void* platform) {
     return static_cast<const PlatformContext*>(platform)->get_proc(name);
   };
+  const auto switches = WorkaroundSwitches::parse(options.workarounds);
+  if (!switches) return tl::unexpected(switches.error());
   auto context = adopt(get_proc, own->get());
   if (!context) return core::fail((*own)->name() + ": " + context.error().message);
   context->state_->platform = (*own)->name();
   if (!why.empty()) context->state_->platform += " (" + why + ")";
   context->state_->own = std::move(*own);
+  context->state_->set_switches(switches->with(context->state_->switches));
   if (options.debug) collect_debug_output(context->state_->gl, context->state_->log);
   return context;
 }
 
 core::Expected<Context> Context::adopt(GetProc get_proc, void* user) {
+  const char* variable = std::getenv("SIGHTLINE_GL_WORKAROUNDS");
+  const auto switches = WorkaroundSwitches::parse(variable ? variable : "");
+  if (!switches) return core::fail("SIGHTLINE_GL_WORKAROUNDS: " + switches.error().message);
   auto functions = load_functions(get_proc, user);
   if (!functions) return tl::unexpected(functions.error());
   auto state = std::make_unique<State>();
@@ -204,6 +251,7 @@ core::Expected<Context> Context::adopt(GetProc get_proc, void* user) {
   state->version = get_string(state->gl, GL_VERSION);
   state->capabilities = query_capabilities(state->gl);
   state->gl.pinned_memory = state->capabilities.software && lists(state->gl, "GL_AMD_pinned_memory");
+  state->set_switches(*switches);
   return Context(std::move(state), false);
 }
 
@@ -242,6 +290,26 @@ void Context::cache_programs(const std::filesystem::path& folder) {
   state_->program_cache.reset();
   if (!folder.empty()) state_->program_cache.emplace(state_->gl, folder);
   state_->gl.program_cache = state_->program_cache ? &*state_->program_cache : nullptr;
+}
+
+void Context::test_driver() {
+  DriverTest& test = state_->driver_test;
+  if (test.ms > 0.0 || test.remembered) return;
+  const ProgramCache* cache = state_->gl.program_cache;
+  const auto recalled = cache ? cache->recall(kDriverTestKey) : std::nullopt;
+  if (!recalled || !from_text(*recalled, test)) {
+    test = run_driver_test(state_->gl, state_->capabilities);
+    if (cache) cache->remember(kDriverTestKey, to_text(test));
+  }
+  state_->gl.workarounds = choose_workarounds(test, state_->switches);
+  follow_workarounds(state_->gl, state_->capabilities);
+}
+
+const DriverTest& Context::driver_test() const {
+  return state_->driver_test;
+}
+const WorkaroundSwitches& Context::workaround_switches() const {
+  return state_->switches;
 }
 
 bool Context::lost() const {

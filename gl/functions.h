@@ -16,6 +16,7 @@
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/gl/get_proc.h"
+#include "sightline/gl/workarounds.h"
 
 namespace sightline::gl {
 
@@ -37,6 +38,8 @@ struct Functions {
   /// Not an entry point: whether large buffers lie in memory of ours (GL_AMD_pinned_memory), see Buffer. Contexts of
   /// software rasterisers that list the extension set it.
   bool pinned_memory = false;
+  /// Not an entry point: what is done in another way with this driver.
+  Workarounds workarounds;
 };
 
 /// Loads the table for the context that is current on this thread. Fails when none is, when it is older than 4.5 (with

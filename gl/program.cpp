@@ -57,10 +57,11 @@ std::string place_of(const ProgramDescription& program, const StageDescription& 
                      stage.files.empty() ? "without files" : stage.files.front());
 }
 
-core::Expected<std::vector<StageSource>> assemble(const ProgramDescription& description) {
+core::Expected<std::vector<StageSource>> assemble(const ProgramDescription& description, Workarounds workarounds) {
+  const ShaderContext context = with_workarounds(description.shaders, workarounds);
   std::vector<StageSource> sources;
   for (const StageDescription& stage : description.stages) {
-    auto source = assemble_stage(description.shaders, stage.files);
+    auto source = assemble_stage(context, stage.files);
     if (!source) return core::fail(place_of(description, stage) + ": " + source.error().message);
     sources.push_back(std::move(*source));
   }
@@ -96,7 +97,7 @@ struct Program::Pending {
 
 /// Makes no query for which the driver would have to finish compiling.
 core::Expected<Program::Pending> Program::begin(const Functions& gl, const ProgramDescription& description) {
-  auto sources = assemble(description);
+  auto sources = assemble(description, gl.workarounds);
   if (!sources) return tl::unexpected(sources.error());
   Pending pending;
   pending.sources = std::move(*sources);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -27,7 +28,7 @@ struct Header {
   std::uint64_t checksum;  // of the binary
   std::uint64_t format;
 };
-constexpr std::array<char, 8> kMagic = {'S', 'L', 'P', 'R', 'O', 'G', '0', '1'};
+constexpr std::array<char, 8> kMagic = {'S', 'L', 'P', 'R', 'O', 'G', '0', '2'};
 
 /// FNV-1a: detects accidents, not attacks.
 std::uint64_t checksum(std::string_view bytes, std::uint64_t sum = 0xcbf29ce484222325u) {
@@ -62,22 +63,59 @@ std::optional<std::string> read_file(const fs::path& file, std::uintmax_t most_b
   return bytes;
 }
 
-struct Entry {
-  GLenum format = GL_NONE;
-  std::string_view binary;
-};
+// Some drivers forget the bindings that shaders declare when they load a program's binary (ANGLE: reapply_UBO_bindings;
+// Cemu 1209). So an entry says them before the binary, and they are set again.
 
-std::optional<Entry> parse(std::string_view bytes, std::string_view key) {
-  Header header;
-  if (bytes.size() < sizeof header) return std::nullopt;
-  std::memcpy(&header, bytes.data(), sizeof header);
-  bytes.remove_prefix(sizeof header);
-  if (header.magic != kMagic || header.key_bytes != key.size() || bytes.size() < key.size() ||
-      header.binary_bytes != bytes.size() - key.size() || bytes.substr(0, key.size()) != key)
-    return std::nullopt;
-  bytes.remove_prefix(key.size());
-  if (header.checksum != checksum(bytes)) return std::nullopt;
-  return Entry{static_cast<GLenum>(header.format), bytes};
+bool names_unit(GLenum type) {
+  const auto within = [type](GLenum first, GLenum last) { return type >= first && type <= last; };
+  return within(GL_SAMPLER_1D, GL_SAMPLER_2D_RECT_SHADOW) || within(GL_SAMPLER_1D_ARRAY, GL_SAMPLER_CUBE_SHADOW) ||
+         within(GL_INT_SAMPLER_1D, GL_UNSIGNED_INT_SAMPLER_BUFFER) ||
+         within(GL_SAMPLER_2D_MULTISAMPLE, GL_UNSIGNED_INT_SAMPLER_2D_MULTISAMPLE_ARRAY) ||
+         within(GL_IMAGE_1D, GL_UNSIGNED_INT_IMAGE_2D_MULTISAMPLE_ARRAY);
+}
+
+GLint property(const Functions& gl, GLuint program, GLenum interface, GLuint index, GLenum name) {
+  GLint value = -1;
+  gl.GetProgramResourceiv(program, interface, index, 1, &name, 1, nullptr, &value);
+  return value;
+}
+
+/// A line for each block and each uniform that names a texture or image unit: its interface, its name or location, its
+/// binding.
+std::string bindings_of(const Functions& gl, GLuint program) {
+  std::string lines;
+  for (const GLenum interface : {GL_UNIFORM_BLOCK, GL_SHADER_STORAGE_BLOCK, GL_UNIFORM}) {
+    GLint count = 0;
+    gl.GetProgramInterfaceiv(program, interface, GL_ACTIVE_RESOURCES, &count);
+    for (GLuint i = 0; i < GLuint(std::max(count, 0)); ++i) {
+      if (interface == GL_UNIFORM) {
+        const GLint location = property(gl, program, interface, i, GL_LOCATION);
+        if (location < 0 || !names_unit(GLenum(property(gl, program, interface, i, GL_TYPE)))) continue;
+        GLint unit = 0;
+        gl.GetUniformiv(program, location, &unit);
+        lines += fmt::format("{} {} {}\n", interface, location, unit);
+      } else {
+        std::array<char, 256> name{};
+        gl.GetProgramResourceName(program, interface, i, GLsizei(name.size()), nullptr, name.data());
+        lines += fmt::format("{} {} {}\n", interface, name.data(), property(gl, program, interface, i, GL_BUFFER_BINDING));
+      }
+    }
+  }
+  return lines;
+}
+
+void set_bindings(const Functions& gl, GLuint program, const std::string& lines) {
+  std::istringstream in(lines);
+  GLenum interface = GL_NONE;
+  std::string name;
+  GLuint binding = 0;
+  while (in >> interface >> name >> binding) {
+    const GLuint index = interface == GL_UNIFORM ? 0 : gl.GetProgramResourceIndex(program, interface, name.c_str());
+    if (index == GL_INVALID_INDEX) continue;
+    if (interface == GL_UNIFORM) gl.ProgramUniform1i(program, std::atoi(name.c_str()), GLint(binding));
+    if (interface == GL_UNIFORM_BLOCK) gl.UniformBlockBinding(program, index, binding);
+    if (interface == GL_SHADER_STORAGE_BLOCK) gl.ShaderStorageBlockBinding(program, index, binding);
+  }
 }
 
 /// Only the user may access it, as the XDG base directory specification asks.
@@ -103,18 +141,44 @@ fs::path ProgramCache::place_of(std::string_view key) const {
   return folder_ / fmt::format("{:016x}{}", checksum(key, checksum(driver_)), kExtension);
 }
 
+std::optional<ProgramCache::Entry> ProgramCache::find(std::string_view key) const {
+  const auto file = enabled() ? read_file(place_of(key), most_bytes_) : std::nullopt;
+  Header header;
+  if (!file || file->size() < sizeof header) return std::nullopt;
+  std::memcpy(&header, file->data(), sizeof header);
+  std::string_view bytes = std::string_view(*file).substr(sizeof header);
+  const std::string whole_key = driver_ + std::string(key);
+  if (header.magic != kMagic || header.key_bytes != whole_key.size() || bytes.size() < whole_key.size() ||
+      header.binary_bytes != bytes.size() - whole_key.size() || bytes.substr(0, whole_key.size()) != whole_key)
+    return std::nullopt;
+  bytes.remove_prefix(whole_key.size());
+  if (header.checksum != checksum(bytes)) return std::nullopt;
+  return Entry{static_cast<GLenum>(header.format), std::string(bytes)};
+}
+
+void ProgramCache::keep(std::string_view key, GLenum format, std::string_view bytes) const {
+  const std::string whole_key = driver_ + std::string(key);
+  const Header header{kMagic, whole_key.size(), bytes.size(), checksum(bytes), format};
+  make_folder(folder_);
+  // A failed write keeps nothing; the next run compiles again.
+  (void)core::write_file(place_of(key), {std::as_bytes(std::span(&header, 1)), std::as_bytes(std::span(whole_key)),
+                                         std::as_bytes(std::span(bytes))});
+  drop_oldest();
+}
+
 bool ProgramCache::load(const Functions& gl, GLuint program, std::string_view key) const {
-  if (!enabled()) return false;
-  const fs::path place = place_of(key);
-  const auto bytes = read_file(place, most_bytes_);
-  const auto entry = bytes ? parse(*bytes, driver_ + std::string(key)) : std::nullopt;
+  const auto entry = find(key);
   if (!entry || std::find(formats_.begin(), formats_.end(), entry->format) == formats_.end()) return false;
-  gl.ProgramBinary(program, entry->format, entry->binary.data(), static_cast<GLsizei>(entry->binary.size()));
+  const std::size_t bindings = entry->bytes.find('\0');
+  if (bindings == std::string::npos) return false;
+  const std::string_view binary = std::string_view(entry->bytes).substr(bindings + 1);
+  gl.ProgramBinary(program, entry->format, binary.data(), static_cast<GLsizei>(binary.size()));
   GLint linked = GL_FALSE;
   gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
   if (!linked) return false;
+  set_bindings(gl, program, entry->bytes.substr(0, bindings));
   std::error_code ignored;
-  fs::last_write_time(place, fs::file_time_type::clock::now(), ignored);
+  fs::last_write_time(place_of(key), fs::file_time_type::clock::now(), ignored);
   return true;
 }
 
@@ -127,15 +191,16 @@ void ProgramCache::store(const Functions& gl, GLuint program, std::string_view k
   GLenum format = GL_NONE;
   gl.GetProgramBinary(program, length, &length, &format, binary.data());
   binary.resize(static_cast<std::size_t>(std::max(length, 0)));
-  if (binary.empty()) return;
+  if (!binary.empty()) keep(key, format, bindings_of(gl, program) + '\0' + binary);
+}
 
-  const std::string whole_key = driver_ + std::string(key);
-  const Header header{kMagic, whole_key.size(), binary.size(), checksum(binary), format};
-  make_folder(folder_);
-  // A failed write keeps nothing; the next run compiles again.
-  (void)core::write_file(place_of(key), {std::as_bytes(std::span(&header, 1)), std::as_bytes(std::span(whole_key)),
-                                         std::as_bytes(std::span(binary))});
-  drop_oldest();
+std::optional<std::string> ProgramCache::recall(std::string_view key) const {
+  auto entry = find(key);
+  return entry && entry->format == GL_NONE ? std::optional(std::move(entry->bytes)) : std::nullopt;
+}
+
+void ProgramCache::remember(std::string_view key, std::string_view text) const {
+  if (enabled()) keep(key, GL_NONE, text);
 }
 
 void ProgramCache::drop_oldest() const {

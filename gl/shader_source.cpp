@@ -191,6 +191,15 @@ core::Expected<StageSource> assemble_stage(const ShaderContext& context, std::sp
   return assembler.take();
 }
 
+ShaderContext with_workarounds(ShaderContext context, Workarounds workarounds) {
+  if (workarounds[Workaround::kPlainDepth]) context.defines.emplace_back("PLAIN_DEPTH");
+  if (workarounds[Workaround::kAddBaseVertex]) {
+    context.defines.emplace_back("ADD_BASE_VERTEX");
+    context.extensions.emplace_back("GL_ARB_shader_draw_parameters");
+  }
+  return context;
+}
+
 std::string name_files_in_log(std::string_view log, std::span<const std::string> files) {
   std::string named;
   while (!log.empty()) {

@@ -1,5 +1,6 @@
 #include "sightline/gl/internal/texture.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <limits>
@@ -14,6 +15,7 @@ core::Expected<void> check_size(const Functions& gl, int width, int height, std:
   GLint max_samples = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &max_size);
   gl.GetIntegerv(GL_MAX_SAMPLES, &max_samples);
+  if (gl.workarounds[Workaround::kFourSamples]) max_samples = std::min(max_samples, 4);
   if (width <= 0 || height <= 0 || width > max_size || height > max_size) {
     return core::fail(fmt::format("GL texture '{}': {}x{} pixels wanted, the context's range is 1 to {} each way", what,
                                   width, height, max_size));

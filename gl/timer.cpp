@@ -5,6 +5,7 @@
 namespace sightline::gl {
 
 GpuTimer::GpuTimer(const Functions& gl) : gl_(&gl) {
+  if (gl.workarounds[Workaround::kNoTimer]) return;
   gl.CreateQueries(GL_TIMESTAMP, static_cast<GLsizei>(queries_.size()), queries_.data());
 }
 
@@ -30,7 +31,7 @@ GpuTimer::~GpuTimer() {
 }
 
 bool GpuTimer::begin() {
-  open_ = count_ < kSlots;
+  open_ = queries_[0] != 0 && count_ < kSlots;
   if (open_) gl_->QueryCounter(queries_[2 * ((first_ + count_) % kSlots)], GL_TIMESTAMP);
   return open_;
 }
@@ -57,7 +58,7 @@ std::optional<double> GpuTimer::poll() {
   gl_->GetQueryObjectui64v(end, GL_QUERY_RESULT, &end_ns);
   first_ = (first_ + 1) % kSlots;
   --count_;
-  return end_ns > begin_ns ? static_cast<double>(end_ns - begin_ns) * 1e-6 : 0.0;
+  return end_ns > begin_ns ? static_cast<double>(end_ns - begin_ns) * 1e-6 : kNoTime;
 }
 
 }  // namespace sightline::gl

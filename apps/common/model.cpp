@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
+#include <memory>
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
@@ -202,6 +204,21 @@ void add_context_option([[maybe_unused]] CommandLine& line, [[maybe_unused]] gl:
                   "what the environment variable SIGHTLINE_CONTEXT names, without it EGL, and OSMesa where EGL gives "
                   "none")
       .default_text("auto");
+  const auto switches = std::make_shared<std::vector<std::string>>();
+  line.group(OptionGroup::kGeneral)
+      .add("--gl-workaround", *switches,
+           "Force a workaround for faults of GL drivers on or off: NAME=on or NAME=off; sightline-info --gl lists them")
+      .one_value_each();
+  line.check([switches]() -> core::Expected<void> {
+    std::string all;
+    for (const std::string& one : *switches) all += (all.empty() ? "" : ",") + one;
+    if (auto parsed = gl::WorkaroundSwitches::parse(all); !parsed) return tl::unexpected(parsed.error());
+    if (switches->empty()) return {};
+    const char* before = std::getenv("SIGHTLINE_GL_WORKAROUNDS");
+    const std::string both = before && *before ? before + ("," + all) : all;
+    setenv("SIGHTLINE_GL_WORKAROUNDS", both.c_str(), 1);  // for every context, of processes that are started, too
+    return {};
+  });
 #endif
 }
 

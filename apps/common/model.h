@@ -74,7 +74,7 @@ void add_culler_option(CommandLine& line, engine::CullerChoice& choice);
 /// --gpu-pass, into `config`.
 void add_gpu_pass_option(CommandLine& line, culling::GpuCullerConfig& config);
 
-/// --context, into `platform`. Builds without GL have no such option.
+/// --context, into `platform`, and --gl-workaround. Builds without GL have no such options.
 void add_context_option(CommandLine& line, gl::ContextPlatform& platform);
 
 /// --samples

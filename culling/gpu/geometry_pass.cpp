@@ -209,6 +209,8 @@ class GeometryPass : public GpuPass {
 
 core::Expected<std::unique_ptr<GpuPass>> make_geometry_pass(const gl::Context& context,
                                                             std::span<const CullBatch> batches) {
+  if (context.functions().workarounds[gl::Workaround::kNoFeedback])
+    return core::fail("the driver's transform feedback is faulty (workaround no-feedback)");
   auto pass = std::make_unique<GeometryPass>(context.functions());
   auto done = pass->make_framebuffer();
   if (done) done = pass->fit(batches);

@@ -392,7 +392,8 @@ std::optional<GpuCuller::Feedback> GpuCuller::take_feedback() {
     };
     if (unknown(probe.timed, probe.time_ms, timer_)) return std::nullopt;
     if (unknown(probe.others_timed, probe.others_time_ms, others_timer_)) return std::nullopt;
-    if (probe.timed) feedback.time_ms = *probe.time_ms + probe.others_time_ms.value_or(0.0);
+    const double others = probe.others_time_ms.value_or(0.0);
+    if (probe.timed && *probe.time_ms >= 0.0 && others >= 0.0) feedback.time_ms = *probe.time_ms + others;
   }
   first_probe_ = (first_probe_ + 1) % kTakenProbes;
   --pending_;

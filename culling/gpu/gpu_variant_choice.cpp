@@ -65,10 +65,20 @@ std::string message_of(const core::Expected<T>& result) {
 
 }  // namespace
 
+/// `why`: the geometry variant cannot be made.
+core::Expected<void> GpuCuller::use_compute_alone(const gl::Context& context, const core::Error& why) {
+  auto compute = make_compute_pass(context, batches_);
+  if (!compute) return core::fail(why.message + "; " + compute.error().message);
+  if (auto done = (*compute)->prepare(batches_, Selection::kAll); !done) return done;
+  pass_ = std::move(*compute);
+  why_this_variant_ = "geometry cannot be had: " + why.message;
+  return {};
+}
+
 core::Expected<void> GpuCuller::choose_variant(const gl::Context& context, const core::Snapshot& snapshot,
                                                const gpuscene::GpuScene& scene) {
   auto geometry = make_geometry_pass(context, batches_);
-  if (!geometry) return tl::unexpected(geometry.error());
+  if (!geometry) return use_compute_alone(context, geometry.error());
   if (auto done = (*geometry)->prepare(batches_, Selection::kAll); !done) return done;
   pass_ = std::move(*geometry);
   const auto view = view_from_within(snapshot.bounds());

@@ -66,6 +66,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const EngineConfig& con
   if (auto current = drawing->make_current(); !current) return tl::unexpected(current.error());
   const auto kept = drawing->keep_state();
   drawing->context_.context.cache_programs(config.context.program_cache.value_or(gl::ProgramCache::default_folder()));
+  drawing->context_.context.test_driver();
   if (config.draw) {
     auto target = render::RenderTarget::create(drawing->context_.context, config.width, config.height,
                                                {.ids = config.drawing.ids, .samples = config.drawing.samples});

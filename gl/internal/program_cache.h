@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,12 +33,23 @@ class ProgramCache {
 
   /// False when nothing can be kept.
   bool enabled() const { return !formats_.empty(); }
-  /// Links `program` from the entry of `key`. False when there is no usable entry; then it is not linked.
+  /// Links `program` from the entry of `key`, with the bindings of its blocks, textures and images as they were when it
+  /// was stored. False when there is no usable entry; then it is not linked.
   bool load(const Functions& gl, GLuint program, std::string_view key) const;
   /// Stores a program, which must be linked with GL_PROGRAM_BINARY_RETRIEVABLE_HINT.
   void store(const Functions& gl, GLuint program, std::string_view key) const;
 
+  /// What was remembered of the driver under a key; none where nothing can be kept.
+  std::optional<std::string> recall(std::string_view key) const;
+  void remember(std::string_view key, std::string_view text) const;
+
  private:
+  struct Entry {
+    GLenum format;  ///< GL_NONE for what is not a program
+    std::string bytes;
+  };
+  std::optional<Entry> find(std::string_view key) const;
+  void keep(std::string_view key, GLenum format, std::string_view bytes) const;
   std::filesystem::path place_of(std::string_view key) const;
   void drop_oldest() const;
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightline/core/error.h"
+#include "sightline/gl/workarounds.h"
 
 namespace sightline::gl {
 
@@ -35,6 +36,9 @@ struct StageSource {
 /// line numbers right. Fails on a file that no table has, on a cycle (with its chain), on a malformed #include and on a
 /// file with a #version of its own; each names file and line. Comments are not parsed: an #include inside one counts.
 core::Expected<StageSource> assemble_stage(const ShaderContext& context, std::span<const std::string> files);
+
+/// The same with the defines and extensions by which shaders know of workarounds: PLAIN_DEPTH, ADD_BASE_VERTEX.
+ShaderContext with_workarounds(ShaderContext context, Workarounds workarounds);
 
 /// In a driver's log of such a stage, replaces "1:100012(3)" (Mesa) and "1(100012)" (NVIDIA) at the start of lines,
 /// also after "ERROR: ", by "file.glsl:12".

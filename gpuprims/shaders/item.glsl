@@ -11,7 +11,11 @@ layout(binding = 3) uniform usamplerBuffer single_records;
 layout(location = 0) uniform uint record_count;
 
 uint record_of(uint vertices_per_record) {
+#ifdef ADD_BASE_VERTEX
+  uint record = uint(gl_VertexID + gl_BaseVertexARB) / vertices_per_record;
+#else
   uint record = uint(gl_VertexID) / vertices_per_record;
+#endif
   return record < record_count ? record : texelFetch(single_records, int(record - record_count)).x;
 }
 

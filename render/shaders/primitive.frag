@@ -4,7 +4,9 @@
 #include "primitive.glsl"
 #include "kept_ray.glsl"
 #include "sample_place.glsl"
+#ifndef PLAIN_DEPTH
 layout(depth_less) out float gl_FragDepth;
+#endif
 #define SURFACE_DEPTH gl_FragDepth
 #include "shading.glsl"
 #include "hatching.glsl"

@@ -1,5 +1,6 @@
 // sightline-info against its contract.
 #include "sightline/tests/apps/tool_test.h"
+#include "sightline/tests/support/no_gl.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::tests::info_test {
@@ -138,6 +139,22 @@ TEST_F(Info, TheHuldraFilesAddUp) {
     EXPECT_DOUBLE_EQ(all["bounds"]["max"][axis].get<double>(), high);
   }
   EXPECT_EQ(total(each[2]), 2757u);  // as its publisher counts them
+}
+
+TEST_F(Info, TellsOfOpenGl) {
+  const Outcome page = run("info", {"--gl", "--gl-workaround", "plain-depth=on"});
+  if (page.code == 2) GTEST_SKIP() << "without GL: " << page.err;
+  if (page.code != 0 && may_skip(page.err)) GTEST_SKIP() << page.err;
+  ASSERT_EQ(page.code, 0) << page;
+  for (const char* line : {"renderer ", "\nLimits", "\nSelf-test", "clip-control ", "\nWorkarounds", "on, by switch: "})
+    EXPECT_NE(page.out.find(line), std::string::npos) << line << page;
+  const Json json = run_json("info", {"--gl", "--gl-workaround", "no-timer=on"});
+  EXPECT_EQ(json["self_test"]["checks"]["conservative-depth"], "passed");
+  EXPECT_EQ(json["workarounds"].size(), 7u);
+  for (const Json& row : json["workarounds"]) EXPECT_EQ(row["on"], row["name"] == "no-timer") << row;
+  EXPECT_EQ(run("info", {"--gl", "--gl-workaround", "no-timer"}).code, 2);
+  EXPECT_EQ(run("info", {"--gl", plant(1000)}).code, 2);
+  EXPECT_EQ(run("info", {}).code, 2);
 }
 
 }  // namespace

@@ -265,6 +265,24 @@ TEST_F(ProgramCacheTest, TheOldestGoWhenThereIsNoRoom) {
   table().program_cache = nullptr;
 }
 
+/// Some drivers forget what shaders declare when they load a binary.
+TEST_F(ProgramCacheTest, BindingsAreSetAgain) {
+  EXPECT_EQ(make_square(), 1);
+  Functions forgetful = gl();
+  forgetful.ProgramBinary = [](GLuint program, GLenum format, const void* binary, GLsizei bytes) {
+    real.ProgramBinary(program, format, binary, bytes);
+    real.ShaderStorageBlockBinding(program, real.GetProgramResourceIndex(program, GL_SHADER_STORAGE_BLOCK, "Output"), 5);
+  };
+  const auto program = Program::create(forgetful, square());
+  ASSERT_TRUE(program) << program.error().message;
+  const GLenum what = GL_BUFFER_BINDING;
+  GLint binding = -1;
+  const GLuint block = gl().GetProgramResourceIndex(program->id(), GL_SHADER_STORAGE_BLOCK, "Output");
+  ASSERT_NE(block, GL_INVALID_INDEX);
+  gl().GetProgramResourceiv(program->id(), GL_SHADER_STORAGE_BLOCK, block, 1, &what, 1, nullptr, &binding);
+  EXPECT_EQ(binding, 0);
+}
+
 /// As processes do: each thread has a context of its own, and entries come and go.
 TEST_F(ProgramCacheTest, SharesItsFolder) {
   const auto use = [](unsigned seed) {

@@ -152,6 +152,7 @@ class GpuCuller {
   core::Expected<void> make_batches(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   core::Expected<void> add_batch(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                                  const gpuscene::Batch& batch, std::vector<core::Slot> slots);
+  core::Expected<void> use_compute_alone(const gl::Context& context, const core::Error& why);
   core::Expected<void> choose_variant(const gl::Context& context, const core::Snapshot& snapshot,
                                       const gpuscene::GpuScene& scene);
   core::Expected<void> follow_levels(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);

@@ -1,0 +1,2 @@
+flat out uint name;
+void main() { name = uint(gl_VertexID); }
