@@ -23,6 +23,7 @@ importers::ImportOptions options_of(const sl_import_options& from) {
   require(from.recognise_tolerance >= 0.0 && std::isfinite(from.recognise_tolerance),
           "recognise_tolerance of 0 or more");
   options.recognise_tolerance = from.recognise_tolerance;
+  options.cached_levels = from.cached_levels != 0;
   options.progress = progress_of(from.progress, from.user);
   return options;
 }

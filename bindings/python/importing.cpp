@@ -22,8 +22,8 @@ struct Imported {
 /// What options import_file() and import_files() share.
 importers::ImportOptions options_of(bool lenient, double metres_per_unit, const std::string& up,
                                     const std::string& copies, int threads,
-                                    const std::optional<std::filesystem::path>& cache, bool recognise,
-                                    double recognise_tolerance) {
+                                    const std::optional<std::filesystem::path>& cache, bool cached_levels,
+                                    bool recognise, double recognise_tolerance) {
   importers::ImportOptions options;
   options.lenient = lenient;
   options.metres_per_unit = metres_per_unit;
@@ -32,6 +32,7 @@ importers::ImportOptions options_of(bool lenient, double metres_per_unit, const 
   if (threads < 0) fail("threads: expected 0 or more, found " + std::to_string(threads));
   options.threads = threads;
   options.cache_folder = cache.value_or("");
+  options.cached_levels = cached_levels;
   options.recognise = recognise;
   if (!(recognise_tolerance >= 0.0 && std::isfinite(recognise_tolerance)))
     fail("recognise_tolerance: expected a finite number of at least 0, found " + std::to_string(recognise_tolerance));
@@ -155,9 +156,10 @@ void bind_import(py::module_& m, SceneClass& scene) {
       " A failed or cancelled import leaves the scene as it was. `lenient`: import what a damaged file holds. "
       "`metres_per_unit`, `up` (\"y\" or \"z\"): for formats that do not say. `copies` (\"apart\", \"exact\", "
       "\"similar\"): which meshes are kept once. `cache`: a folder of scene caches, so that the next import of the "
-      "same unchanged files is fast. `recognise`: meshes become primitives where they are the triangles of some, whose "
-      "vertices lie within `recognise_tolerance` metres, or, where this is 0, as near as each mesh's own tessellation "
-      "tells. `progress`: called with the share done, 0 to 1; False cancels, and so do exceptions and Ctrl-C.";
+      "same unchanged files is fast. `cached_levels`: these hold levels of detail, too, which engines with `lod_error` "
+      "need not build then. `recognise`: meshes become primitives where they are the triangles of some, whose vertices "
+      "lie within `recognise_tolerance` metres, or, where this is 0, as near as each mesh's own tessellation tells. "
+      "`progress`: called with the share done, 0 to 1; False cancels, and so do exceptions and Ctrl-C.";
   static const std::string file_doc =
       std::string("Imports a model file of any known format below `parent`, or the root.") + kOptions;
   static const std::string files_doc =
@@ -167,31 +169,33 @@ void bind_import(py::module_& m, SceneClass& scene) {
       "import_file",
       [](const ScenePtr& s, const std::filesystem::path& path, const std::optional<Node>& parent, bool lenient,
          double metres_per_unit, const std::string& up, const std::string& copies,
-         const std::optional<std::filesystem::path>& cache, bool recognise, double recognise_tolerance,
-         const py::object& progress) {
-        return run(s, parent,
-                   options_of(lenient, metres_per_unit, up, copies, 0, cache, recognise, recognise_tolerance), progress,
-                   [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
-                     return importers::import_files(std::span(&path, 1), to, below, options);
-                   });
+         const std::optional<std::filesystem::path>& cache, bool cached_levels, bool recognise,
+         double recognise_tolerance, const py::object& progress) {
+        return run(
+            s, parent,
+            options_of(lenient, metres_per_unit, up, copies, 0, cache, cached_levels, recognise, recognise_tolerance),
+            progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
+              return importers::import_files(std::span(&path, 1), to, below, options);
+            });
       },
       "path"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
-      "copies"_a = "similar", "cache"_a = py::none(), "recognise"_a = false, "recognise_tolerance"_a = 0.0,
-      "progress"_a = py::none(), file_doc.c_str());
+      "copies"_a = "similar", "cache"_a = py::none(), "cached_levels"_a = false, "recognise"_a = false,
+      "recognise_tolerance"_a = 0.0, "progress"_a = py::none(), file_doc.c_str());
   scene.def(
       "import_files",
       [](const ScenePtr& s, const std::vector<std::filesystem::path>& paths, const std::optional<Node>& parent,
          bool lenient, double metres_per_unit, const std::string& up, const std::string& copies, int threads,
-         const std::optional<std::filesystem::path>& cache, bool recognise, double recognise_tolerance,
-         const py::object& progress) {
+         const std::optional<std::filesystem::path>& cache, bool cached_levels, bool recognise,
+         double recognise_tolerance, const py::object& progress) {
         return run(s, parent,
-                   options_of(lenient, metres_per_unit, up, copies, threads, cache, recognise, recognise_tolerance),
+                   options_of(lenient, metres_per_unit, up, copies, threads, cache, cached_levels, recognise,
+                              recognise_tolerance),
                    progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
                      return importers::import_files(paths, to, below, options);
                    });
       },
       "paths"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
-      "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "recognise"_a = false,
+      "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "cached_levels"_a = false, "recognise"_a = false,
       "recognise_tolerance"_a = 0.0, "progress"_a = py::none(), files_doc.c_str());
   scene.def("write_rvm", &write_rvm, "path"_a, "node"_a = py::none(), py::kw_only(), "progress"_a = py::none(),
             "Writes what is below a node, or the root, as an RVM file. `progress` as in import_file().");

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Checks the table of docs/reference/api-parity.md: check_parity.py ROOT.
 
-- Each field of the settings and reports of engines, and each public function of Engine, BoxCuller and OccluderRaster, has
-  a row, and nothing else.
+- Each field of the settings and reports of engines, each setting of imports, and each public function of Engine,
+  BoxCuller and OccluderRaster has a row, and nothing else.
 - Each row names what C and Python have for it, or has a dash and says why.
 - Each setting of engines is in engine/internal/settings.inc, which tells what Engine::configure() may change.
 - What it names is in bindings/c/sightline/sightline.h and in bindings/python/sightline/_sightline.pyi.
@@ -31,6 +31,7 @@ STRUCTS = {
     "culling/hybrid/policy_2009.h": ["Policy2009Config"],
     "culling/cull_states.h": ["CullBox", "CullStates"],
     "gl/external_target.h": ["ExternalTarget"],
+    "importers/import.h": ["ImportOptions"],
 }
 CLASSES = {
     "engine/engine.h": ["Engine"],
@@ -88,7 +89,8 @@ def fields(body):
     found = []
     for statement in split(body, ";"):
         declared = re.sub(r"\{.*\}", " ", statement, flags=re.S)
-        if re.match(r"friend|using|static|enum|struct|union|bool operator", statement) or "(" in declared.split("=")[0]:
+        no_field = re.match(r"friend|using|static|enum|struct|union|bool operator", statement)
+        if no_field or "(" in without_templates(declared.split("=")[0]):
             if "(*" not in declared:
                 continue
             found.append(re.search(r"\(\*(\w+)\)", declared).group(1))

@@ -380,9 +380,13 @@ typedef struct sl_import_options {
   int32_t recognise;
   /* How far vertices may lie from a recognised surface, in metres; 0: what each mesh's own tessellation tells. */
   double recognise_tolerance;
+  /* Whether scene caches hold levels of detail (docs/guide/levels-of-detail.md), which then come with the meshes. They
+   * are built where a cache has none. Has an effect only with cache_folder. */
+  int32_t cached_levels;
+  int32_t reserved; /* 0 */
 } sl_import_options;
 #define SL_IMPORT_OPTIONS_INIT \
-  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL, 0, 0.0 }
+  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL, 0, 0.0, 0, 0 }
 
 typedef struct sl_import_report {
   uint32_t size;

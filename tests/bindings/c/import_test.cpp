@@ -11,6 +11,9 @@
 #include "sightline/tests/support/test_data.h"
 #if __has_include("sightline/importers/import.h")
 #include "sightline/importers/import.h"
+#include "sightline/importers/obj/obj_writer.h"
+#include "sightline/lod/stored_levels.h"
+#include "sightline/tests/lod/mesh_samples.h"
 
 namespace sightline::tests::import_test {
 namespace {
@@ -191,6 +194,38 @@ TEST_F(CapiImport, ACacheGivesTheSameTheSecondTime) {
   EXPECT_EQ(first.nodes, second.nodes);
   EXPECT_EQ(first.items, second.items);
   std::filesystem::remove_all(folder);
+}
+
+/// A program made before there was the option does not get levels: what lies behind its struct is not looked at.
+TEST_F(CapiImport, CachesHoldLevelsWhereThatIsAskedFor) {
+  const std::string known = sl_import_extensions();
+  if (known.find(".slc") == std::string::npos || known.find(".obj") == std::string::npos)
+    GTEST_SKIP() << "built without caches or OBJ";
+  if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
+  core::Scene scene;
+  scene.add_mesh_instance(scene.root(), scene.add_mesh(bumpy_torus(20, 0.1)).value());
+  ASSERT_TRUE(scene.commit());
+  const auto model = std::filesystem::path(::testing::TempDir()) / "capi_torus.obj";
+  ASSERT_TRUE(importers::write_obj(scene, scene.root(), model));
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "capi_levels";
+  std::filesystem::remove_all(folder);
+  const std::string name = folder.string();
+  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
+  options.cache_folder = name.c_str();
+  const auto cached_with_levels = [&] {
+    EXPECT_OK(import(CScene(), {model.string()}, &options));
+    core::Scene read;
+    EXPECT_TRUE(importers::import_file(std::filesystem::directory_iterator(folder)->path(), read, read.root()));
+    return read.mesh(read.mesh_at(0)).levels != nullptr;
+  };
+  EXPECT_FALSE(cached_with_levels());
+  options.cached_levels = 1;
+  options.size = std::uint32_t(offsetof(sl_import_options, cached_levels));
+  EXPECT_FALSE(cached_with_levels());
+  options.size = std::uint32_t(sizeof options);
+  EXPECT_TRUE(cached_with_levels());
+  std::filesystem::remove_all(folder);
+  std::filesystem::remove(model);
 }
 
 /// Of a program made before there were caches.

@@ -115,7 +115,8 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(sizeof(sl_item_info), 208u);
     EXPECT_EQ(capi::kFirstSize<sl_import_options>, 56u);
     EXPECT_EQ(offsetof(sl_import_options, recognise), 64u);
-    EXPECT_EQ(sizeof(sl_import_options), 80u);
+    EXPECT_EQ(offsetof(sl_import_options, cached_levels), 80u);
+    EXPECT_EQ(sizeof(sl_import_options), 88u);
     EXPECT_EQ(capi::kFirstSize<sl_import_report>, 160u);
     EXPECT_EQ(offsetof(sl_import_report, recognised), 168u);
     EXPECT_EQ(sizeof(sl_import_report), 352u);

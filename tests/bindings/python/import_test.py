@@ -1,5 +1,6 @@
 """Import: progress, cancellation, Ctrl-C; writing; and that a scene stays as it was."""
 
+import math
 import subprocess
 import sys
 import unittest
@@ -45,6 +46,28 @@ class Import(Case):
             self.assertEqual(*written)
         self.assertEqual(len(list(caches.iterdir())), 2)
         self.assertFalse(sightline.Scene().import_file(SMALL_PLANT).from_cache)
+
+    def test_caches_hold_levels_where_that_is_asked_for(self):
+        if not {".obj", ".slc"} <= set(sightline.known_extensions()):
+            self.skipTest("built without caches or OBJ")
+        file, plain, levels = (self.folder / name for name in ("hills.obj", "plain.slc", "levels.slc"))
+        side = range(40)
+        corners = [f"v {x} {y} {math.sin(0.4 * x) * math.sin(0.3 * y)}" for y in side for x in side]
+        cells = [40 * y + x + 1 for y in side[1:] for x in side[1:]]
+        file.write_text("\n".join(corners + [f"f {i - 41} {i - 40} {i} {i - 1}" for i in cells]))
+        self.tool("convert", file, plain)
+        self.tool("convert", "--levels", file, levels)
+        of_levels = levels.stat().st_size - plain.stat().st_size
+        if of_levels == 0:
+            self.skipTest("no levels in this build")
+        for name, files in (("one", lambda scene, **options: scene.import_file(file, **options)),
+                            ("several", lambda scene, **options: scene.import_files([file], **options))):
+            sizes = []
+            for asked in ({}, {"cached_levels": True}):
+                files(sightline.Scene(), cache=self.folder / name, **asked)
+                sizes.append(sum(cache.stat().st_size for cache in (self.folder / name).iterdir()))
+            self.assertEqual(sizes[1] - sizes[0], of_levels)
+            self.assertTrue(files(sightline.Scene(), cache=self.folder / name).from_cache)
 
     def test_primitives_are_recognised(self):
         if ".obj" not in sightline.known_extensions():
