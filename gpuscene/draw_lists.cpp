@@ -107,7 +107,7 @@ void DrawLists::list_records(const Batch& batch) {
   const VisibleRecords::OfBatch& found = visible_.batches[std::size_t(batch.kind)];
   const std::size_t begin = command_list_.size();
   for (const VisibleRecords::Run& run : found.runs) append_records(batch.kind, run.first, run.count);
-  const std::size_t place = std::size_t(frame_) * single_capacity_ + single_list_.size();
+  const std::size_t place = singles_.begin() + single_list_.size();
   append_records(batch.kind, batch.count + std::uint32_t(place), std::uint32_t(found.singles.size()));
   single_list_.insert(single_list_.end(), found.singles.begin(), found.singles.end());
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
@@ -179,7 +179,7 @@ core::Expected<void> DrawLists::list_meshes(const Snapshot& snapshot, const Mesh
   if (in.triangles) {
     picked_.test(snapshot, *in.triangles, in.threads);
     if (auto done = upload_picked(); !done) return done;
-    const auto first = std::uint32_t(std::size_t(frame_) * picked_capacity_);
+    const auto first = std::uint32_t(picked_indices_.begin());
     picked_.for_each_command(first, [&](const ElementsCommand& command, bool fronts) {
       (fronts ? command_list_ : both_faces_).push_back(command);
     });
@@ -191,17 +191,9 @@ core::Expected<void> DrawLists::list_meshes(const Snapshot& snapshot, const Mesh
 }
 
 core::Expected<void> DrawLists::upload_picked() {
-  if (picked_.size() > picked_capacity_) {
-    picked_capacity_ = picked_.size() + picked_.size() / 2;
-    auto buffer = gl::Buffer::create(*gl_, kFramesInFlight * picked_capacity_ * sizeof(std::uint32_t), nullptr,
-                                     GL_DYNAMIC_STORAGE_BIT, "triangles that show");
-    if (!buffer) return tl::unexpected(buffer.error());
-    picked_indices_ = std::move(*buffer);
-  }
-  const std::size_t begin = std::size_t(frame_) * picked_capacity_;
-  picked_.for_each_run([&](std::span<const std::uint32_t> indices, std::size_t first) {
-    picked_indices_.write((begin + first) * sizeof(std::uint32_t), indices.size_bytes(), indices.data());
-  });
+  if (auto done = picked_indices_.reserve(*gl_, picked_.size()); !done) return tl::unexpected(done.error());
+  picked_.for_each_run(
+      [&](std::span<const std::uint32_t> indices, std::size_t first) { picked_indices_.write(first, indices); });
   return {};
 }
 
@@ -211,13 +203,14 @@ core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene&
   mesh_counts_ = {};
   from_gpu_ = false;
   picks_ = in.triangles != nullptr;
-  frame_ = (frame_ + 1) % kFramesInFlight;
+  commands_.advance();
+  singles_.advance();
+  picked_indices_.advance();
   visible_.assign(snapshot, visible);
   std::size_t singles = 0;
   for (const VisibleRecords::OfBatch& found : visible_.batches) singles += found.singles.size();
   // The lists hold the places of single records in the buffer, so it must be large enough before.
-  if (singles > single_capacity_ || singles_.size() == 0)
-    if (auto done = grow_singles(singles); !done) return done;
+  if (auto done = reserve_singles(singles); !done) return done;
   command_list_.clear();
   single_list_.clear();
   core::Expected<void> done;
@@ -233,42 +226,31 @@ core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene&
   return done;
 }
 
-core::Expected<void> DrawLists::grow_singles(std::size_t capacity) {
-  single_capacity_ = std::max<std::size_t>(1024, capacity + capacity / 2);
-  const std::size_t bytes = kFramesInFlight * single_capacity_ * sizeof(std::uint32_t);
-  auto buffer = gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, "visible records");
-  if (!buffer) return tl::unexpected(buffer.error());
-  auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_R32UI, "visible records");
+/// Shaders look into the buffer even where they find nothing there, so it is never missing.
+core::Expected<void> DrawLists::reserve_singles(std::size_t count) {
+  const auto anew = singles_.reserve(*gl_, std::max<std::size_t>(1, count));
+  if (!anew) return tl::unexpected(anew.error());
+  if (*anew) single_texels_ = {};
+  if (single_texels_.id() != 0) return {};
+  auto texels = gl::TextureBuffer::create(*gl_, singles_.buffer(), GL_R32UI, "visible records");
   if (!texels) return tl::unexpected(texels.error());
   single_texels_ = std::move(*texels);
-  singles_ = std::move(*buffer);
   return {};
 }
 
 core::Expected<void> DrawLists::upload() {
   if (command_list_.empty()) return {};
-  if (command_list_.size() > command_capacity_) {
-    command_capacity_ = std::max<std::size_t>(256, 2 * command_list_.size());
-    auto buffer = gl::Buffer::create(*gl_, kFramesInFlight * command_capacity_ * sizeof(ElementsCommand), nullptr,
-                                     GL_DYNAMIC_STORAGE_BIT, "draw commands");
-    if (!buffer) return tl::unexpected(buffer.error());
-    commands_ = std::move(*buffer);
-  }
-  const std::size_t frame = std::size_t(frame_);
-  const auto place = [&](std::size_t command) {
-    return (frame * command_capacity_ + command) * sizeof(ElementsCommand);
-  };
-  for (Section& section : sections_) section.offset = place(section.offset);
-  commands_.write(place(0), command_list_.size() * sizeof(ElementsCommand), command_list_.data());
-  if (!single_list_.empty())
-    singles_.write(frame * single_capacity_ * sizeof(std::uint32_t), single_list_.size() * sizeof(std::uint32_t),
-                   single_list_.data());
+  if (auto done = commands_.reserve(*gl_, command_list_.size()); !done) return tl::unexpected(done.error());
+  for (Section& section : sections_) section.offset = (commands_.begin() + section.offset) * sizeof(ElementsCommand);
+  commands_.write(0, command_list_);
+  if (!single_list_.empty()) singles_.write(0, single_list_);
   return {};
 }
 
 std::size_t DrawLists::memory_bytes() const {
-  return commands_.size() + singles_.size() + picked_indices_.size() + record_indices_.size() + mesh_instances_.size() +
-         gpu_.commands.size() + gpu_.singles.size() + gpu_.counts.size();
+  return commands_.buffer().size() + singles_.buffer().size() + picked_indices_.buffer().size() +
+         record_indices_.size() + mesh_instances_.size() + gpu_.commands.size() + gpu_.singles.size() +
+         gpu_.counts.size();
 }
 
 }  // namespace sightline::gpuscene

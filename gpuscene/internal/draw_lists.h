@@ -25,6 +25,7 @@
 #include "sightline/gl/internal/transform_feedback.h"
 #include "sightline/gl/internal/vertex_array.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
+#include "sightline/gpuscene/internal/ring_buffer.h"
 #include "sightline/gpuscene/internal/triangle_stream.h"
 #include "sightline/gpuscene/internal/visible_records.h"
 #include "sightline/lod/internal/cut.h"
@@ -123,7 +124,7 @@ class DrawLists {
   /// Of the last update().
   const MeshCounts& mesh_counts() const { return mesh_counts_; }
   const Section& section(BatchKind kind) const { return sections_[std::size_t(kind)]; }
-  const gl::Buffer& commands() const { return from_gpu_ ? gpu_.commands : commands_; }
+  const gl::Buffer& commands() const { return from_gpu_ ? gpu_.commands : commands_.buffer(); }
   /// Single records, R32UI. Record number batch.count + i names place i.
   const gl::TextureBuffer& singles() const { return from_gpu_ ? gpu_.single_texels : single_texels_; }
   /// Pairs of uint32 per batch kind, written by the GPU: commands in use, records found.
@@ -132,7 +133,7 @@ class DrawLists {
   static std::size_t record_count_offset(BatchKind kind) { return command_count_offset(kind) + sizeof(std::uint32_t); }
   /// Of triangles, uint32: those of the scene, or the ones that were picked for the image.
   const gl::Buffer& mesh_indices(const GpuScene& scene) const {
-    return picks_ && !from_gpu_ ? picked_indices_ : scene.meshes().indices();
+    return picks_ && !from_gpu_ ? picked_indices_.buffer() : scene.meshes().indices();
   }
   /// 0, 1, 2, … in 16 bits: the indices of all batches except meshes. Empty when there are none.
   const gl::Buffer& record_indices() const { return record_indices_; }
@@ -158,20 +159,18 @@ class DrawLists {
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();
-  core::Expected<void> grow_singles(std::size_t capacity);
+  core::Expected<void> reserve_singles(std::size_t count);
   core::Expected<void> make_gpu_lists(const GpuScene& scene, std::size_t parts);
   core::Expected<void> make_search();
   core::Expected<void> make_search_programs();
   void search();
   void write_gpu_templates(const GpuScene& scene);
 
-  static constexpr int kFramesInFlight = 3;  // then no upload waits until the GPU has finished reading
-
   const gl::Functions* gl_ = nullptr;
-  gl::Buffer commands_, singles_, record_indices_, mesh_instances_;
+  gl::Buffer record_indices_, mesh_instances_;
+  RingBuffer<ElementsCommand> commands_{"draw commands", 256};
+  RingBuffer<std::uint32_t> singles_{"visible records", 1024};
   gl::TextureBuffer single_texels_;
-  std::size_t command_capacity_ = 0, single_capacity_ = 0;  // commands and ids per frame in flight
-  int frame_ = 0;
   std::array<Section, kBatchKindCount> sections_;
   VisibleRecords visible_;
   std::vector<ElementsCommand> command_list_, both_faces_;
@@ -180,8 +179,7 @@ class DrawLists {
   std::vector<lod::IndexRange> ranges_;
   bool picks_ = false;  // triangles that show, into picked_indices_
   TriangleStream picked_;
-  gl::Buffer picked_indices_;
-  std::size_t picked_capacity_ = 0;  // indices per frame in flight
+  RingBuffer<std::uint32_t> picked_indices_{"triangles that show", 0};
   MeshCounts mesh_counts_;
 
   /// Buffers that the GPU fills. One copy is enough: the GPU works in order.
