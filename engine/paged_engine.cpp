@@ -1,34 +1,23 @@
 #include "sightline/engine/paged_engine.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
 #include <new>
 #include <system_error>
 #include <utility>
 
-#include "sightline/culling/frustum/cpu_culler.h"
-#include "sightline/culling/occlusion/occlusion_test.h"
-#include "sightline/culling/occlusion/sample_test.h"
+#include "sightline/culling/occlusion/contribution.h"
 #include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/page_store.h"
-#include "sightline/engine/internal/placeholders.h"
+#include "sightline/engine/internal/paged_image.h"
 #include "sightline/gl/internal/current_context.h"
-#include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gl/internal/program_cache.h"
-#include "sightline/lod/internal/cut.h"
 #include "sightline/render/image/image.h"
-#include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
 namespace {
 
-constexpr std::uint64_t kFirstPass = 1 << 15;  // items to draw before depth is read back; each pass has twice as many
-constexpr std::uint32_t kShortestLeafRange = 16;  // leaves
-constexpr int kForeseen = 3;                      // the camera's motion is doubled so often: frames ahead
-constexpr double kLongestTrial = 10.0;            // seconds
-constexpr float kBarShare = 0.2f;                 // of the image's width
+constexpr int kForeseen = 3;            // the camera's motion is doubled so often: frames ahead
+constexpr double kLongestTrial = 10.0;  // seconds
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
 constexpr std::size_t kCoarseShare = 4;  // one part in so many of the memory for pages is for coarse ones
 constexpr std::size_t kReserveShare = 10, kLeastReserve = 32 * kMegabyte;  // see reserve_of()
@@ -41,27 +30,6 @@ std::optional<core::View> foreseen(const core::View& before, const core::View& n
   auto view = core::View::from_matrices(motion * now.eye_from_world(), now.clip_from_eye(), now.clip_depth());
   if (!view) return std::nullopt;
   return *view;
-}
-
-/// The slots whose bits are set, as a set.
-void to_set(culling::SlotBits bits, core::VisibleSet& set) {
-  set.clear();
-  const core::Slot end = core::Slot(bits.size() * 64);
-  core::Slot slot = 0;
-  while (slot < end) {
-    const std::uint64_t rest = bits[slot / 64] >> slot % 64;
-    if (rest == 0) {
-      slot = (slot / 64 + 1) * 64;
-      continue;
-    }
-    slot += core::Slot(std::countr_zero(rest));
-    const core::Slot first = slot;
-    while (slot < end && culling::contains(bits, slot)) ++slot;
-    if (slot - first >= kShortestLeafRange)
-      set.ranges.push_back({first, slot - first});
-    else
-      for (core::Slot s = first; s < slot; ++s) set.single_slots.push_back(s);
-  }
 }
 
 /// What is left to drivers and the allocator while they draw: one part in so many of the limit, but not too little.
@@ -78,19 +46,6 @@ std::size_t bytes_to_read(const PagedConfig& config) {
 /// More than drivers are known to take when they draw for the first time.
 std::size_t bytes_of_drivers(const PagedConfig& config) {
   return 64 * kMegabyte + 8 * std::size_t(config.width) * std::size_t(config.height);
-}
-
-/// Whether a coarse page shows an item as the page itself does.
-bool is_fine_enough(const core::Page& page, core::Slot slot, const lod::ImageError& image) {
-  const core::Kind kind = page.snapshot.kind(slot);
-  if (int(kind) < core::kPrimitiveKindCount) return true;
-  const auto deviations = page.deviations_of(page.snapshot.of_kind(kind).meshes[page.snapshot.index_in_kind(slot)]);
-  if (deviations.empty()) return true;
-  // The very rule by which a cut through all levels ends at the coarsest (lod/internal/cut.h).
-  const lod::MeshError error(image, page.snapshot.world_from_item(slot));
-  return std::ranges::all_of(deviations, [&](const core::MeshDeviation& deviation) {
-    return deviation.error <= error.allowed(deviation.box) || error.outside(deviation.box);
-  });
 }
 
 /// What the standard library throws becomes an error.
@@ -127,9 +82,9 @@ class PagedEngine::Impl {
   }
   const render::RenderTarget& image() const {
     (void)context_.make_current();
-    return target_;
+    return image_->target();
   }
-  const core::View& view() const { return *view_; }
+  const core::View& view() const { return *image_->view(); }
   const core::PagedScene& scene() const { return scene_; }
   const std::string& renderer() const { return context_.renderer(); }
   Memory memory() const {
@@ -139,7 +94,7 @@ class PagedEngine::Impl {
 
  private:
   Impl(core::PagedScene scene, const PagedConfig& config, gl::Context context)
-      : context_(std::move(context)), scene_(std::move(scene)), config_(config), culler_(scene_.leaves) {
+      : context_(std::move(context)), scene_(std::move(scene)), config_(config) {
     if (config_.lod_error == 0.0)
       for (core::PagedScene::PageInfo& page : scene_.pages) page.level_indices = 0;  // nobody reads them
   }
@@ -154,56 +109,24 @@ class PagedEngine::Impl {
 
   core::Expected<void> take_context();
   PagedReport begin(const core::View& view);
-  void unoccluded_leaves();
+  PagesInMemory pages() const { return {*store_, coarse_.get(), report_.frame}; }
   core::Expected<void> refine(double until, bool stays);
   core::Expected<PagedReport> complete(const core::View& view, const Progress& progress);
   core::Expected<void> refine_more();
-  core::Expected<void> draw_resident();
-  core::Expected<std::uint64_t> draw_page(std::uint32_t page);
-  core::Expected<std::uint64_t> draw_coarse_page(std::uint32_t page);
-  core::VisibleSet shown_slots(std::uint32_t page, const ResidentPage& resident) const;
-  core::Expected<std::uint64_t> draw(ResidentPage& resident, const core::VisibleSet& set,
-                                     const render::RenderTarget& onto);
-  std::vector<std::uint32_t> drawable() const;
-  core::VisibleSet slots_of_page(std::uint32_t page, const ResidentPage& resident) const;
-  void close_hidden(std::uint32_t page);
-  void close(std::uint32_t page, const core::VisibleSet& but);
-  culling::OcclusionTest occlusion_test(const core::dvec3& origin) const;
   void ask_for_pages(bool stays);
   bool lacks_coarse(std::uint32_t page) const;
   void foresee(std::vector<PageStore::Wanted>& wanted, std::vector<PageStore::Wanted>& coarse);
   core::Expected<void> show();
-  core::Expected<void> show_coarse_pages();
-  void draw_loading_bar() const;
 
   gl::Context context_;  // destroyed last
   core::PagedScene scene_;
   PagedConfig config_;
-  culling::CpuCuller culler_;
-  std::vector<core::Aabb> page_boxes_;  // relative to the origin of the leaves
-  std::vector<std::uint64_t> line_leaves_;
-  render::RenderTarget target_, canvas_;
-  std::optional<render::Renderer> renderer_;
-  std::optional<Placeholders> placeholders_;
+  std::unique_ptr<PagedImage> image_;
   std::size_t page_limit_ = 0;  // bytes for pages, where drivers take what was foreseen
   std::unique_ptr<PageStore> store_;
   std::unique_ptr<PageStore> coarse_;  // of the coarsest levels; null: there are none
-
-  // The image that is being drawn.
-  std::optional<core::View> view_, before_;
-  std::optional<lod::ImageError> image_error_;
-  culling::ImageSamples samples_;
-  culling::DepthPyramid pyramid_;
-  std::vector<float> distances_;
-  core::VisibleSet in_view_, candidates_;  // leaves
-  std::vector<std::uint64_t> open_;        // a bit per leaf that is still to be drawn
-  std::vector<std::uint32_t> open_count_;  // by page: its open leaves
-  std::vector<bool> coarse_drawn_;         // by page: what of its coarse form shows as much as all of it
-  bool settling_ = false;                  // nobody looks at what comes before the image is complete
-  std::vector<float> area_;                // by page: pixels that its leaves come to
-  std::vector<std::uint32_t> by_area_;  // pages with open leaves, the largest first, and some that have none any more
-  culling::SetParts parts_;
-  std::vector<culling::ContributionTest::SlotArea> areas_;
+  std::optional<core::View> before_;   // of the image before this one
+  bool settling_ = false;              // nobody looks at what comes before the image is complete
   std::uint64_t frames_ = 0;
   PagedReport report_;
 };
@@ -227,54 +150,16 @@ core::Expected<void> PagedEngine::Impl::prepare() {
   if (auto current = context_.make_current(); !current) return current;
   context_.cache_programs(config_.program_cache.value_or(gl::ProgramCache::default_folder()));
   context_.test_driver();
-  const render::TargetFormat format{.ids = config_.ids};
-  for (render::RenderTarget* made : {&target_, &canvas_}) {
-    auto target = render::RenderTarget::create(context_, config_.width, config_.height, format);
-    if (!target) return tl::unexpected(target.error());
-    *made = std::move(*target);
-  }
-  samples_ = {config_.width,
-              config_.height,
-              {{0.0f, 0.0f}},
-              culling::rasteriser_snap(context_.capabilities().subpixel_bits, config_.width, config_.height)};
-  std::array<bool, gpuscene::kBatchKindCount> has{};
-  for (const auto& page : scene_.pages)
-    for (int kind = 0; kind < core::kKindCount; ++kind)
-      if (page.of_kind[std::size_t(kind)] > 0) has[std::size_t(gpuscene::batch_of(core::Kind(kind)))] = true;
-  std::vector<gpuscene::BatchKind> kinds;
-  for (int kind = 0; kind < gpuscene::kBatchKindCount; ++kind)
-    if (has[std::size_t(kind)]) kinds.push_back(gpuscene::BatchKind(kind));
-  auto renderer = render::Renderer::create(context_, kinds, format);
-  if (!renderer) return tl::unexpected(renderer.error());
-  renderer_.emplace(std::move(*renderer));
-  auto placeholders = Placeholders::create(context_, format);
-  if (!placeholders) return tl::unexpected(placeholders.error());
-  placeholders_.emplace(std::move(*placeholders));
-
-  page_boxes_.resize(scene_.pages.size());
-  line_leaves_.resize(culling::bit_words(scene_.leaves.size()));
-  for (std::uint32_t page = 0; page < page_boxes_.size(); ++page)
-    for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf) {
-      page_boxes_[page].grow(scene_.leaves.box(leaf));
-      if ((scene_.colours[leaf] & core::PagedScene::kHasLines) != 0)
-        line_leaves_[leaf / 64] |= std::uint64_t(1) << leaf % 64;
-    }
-  open_.resize(culling::bit_words(scene_.leaves.size()));
-  open_count_.resize(scene_.pages.size());
-  area_.resize(scene_.pages.size());
-  coarse_drawn_.resize(scene_.pages.size());
+  auto image = PagedImage::create(context_, scene_, config_);
+  if (!image) return tl::unexpected(image.error());
+  image_ = std::move(*image);
   if (auto done = warm_up(); !done) return done;
   return make_store();
 }
 
 /// What frames take beside pages is taken once before it is measured.
 core::Expected<void> PagedEngine::Impl::warm_up() {
-  renderer_->clear(canvas_);
-  canvas_.copy_to(target_);
-  pyramid_.clear(config_.width, config_.height);
-  distances_.resize(std::size_t(config_.width) * std::size_t(config_.height));
-  placeholders_->forget(config_.width, config_.height);
-  context_.functions().Finish();
+  image_->warm_up();
   return room_for_pages() < bytes_of_drivers(config_) ? draw_trial() : core::Expected<void>();
 }
 
@@ -287,7 +172,7 @@ core::Expected<void> PagedEngine::Impl::draw_trial() {
   if (largest == scene_.pages.end()) return {};
   const PageStore::Wanted first{std::uint32_t(largest - scene_.pages.begin()), 1.0f, true};
   core::AabbD place;
-  if (const core::Aabb& box = page_boxes_[first.page]; !box.empty())
+  if (const core::Aabb& box = image_->page_box(first.page); !box.empty())
     place = {core::dvec3(box.min) + scene_.leaves.origin, core::dvec3(box.max) + scene_.leaves.origin};
   const auto view =
       core::View::fit(place, core::kOverviewDirection, 0.8, double(config_.width) / double(config_.height));
@@ -297,11 +182,11 @@ core::Expected<void> PagedEngine::Impl::draw_trial() {
   store_->ask_for({&first, 1}, 0, true);
   (void)store_->wait(kLongestTrial);
   auto done = store_->take_loaded(context_, 0);
-  if (done) done = draw_resident();
+  if (done) done = image_->draw_resident(pages());
   report_.pending = report_.leaves;
   if (done) done = show();
   store_.reset();
-  view_.reset();
+  image_->forget();
   return done;
 }
 
@@ -360,7 +245,7 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   const gl::CurrentContext kept;
   const double began = now_seconds();
   if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
-  const bool stays = view_ && core::same_image(*view_, view);
+  const bool stays = image_->view() && core::same_image(*image_->view(), view);
   if (!stays) report_ = begin(view);
   report_.frame = frames_++;
   if (auto done = refine(began + 1e-3 * config_.refine_ms, stays); !done) return tl::unexpected(done.error());
@@ -404,46 +289,11 @@ core::Expected<void> PagedEngine::Impl::refine_more() {
 }
 
 PagedReport PagedEngine::Impl::begin(const core::View& view) {
-  before_ = std::exchange(view_, view);
-  image_error_.emplace(view, config_.width, config_.height, config_.lod_error);
-  renderer_->clear(canvas_);
-  pyramid_.clear(config_.width, config_.height);
-  coarse_drawn_.assign(coarse_drawn_.size(), false);
-  unoccluded_leaves();
+  before_ = image_->view();
+  image_->begin(view);
   PagedReport report;
-  report.leaves = std::int64_t(candidates_.count());
+  report.leaves = image_->leaves();
   return report;
-}
-
-/// Leaves that may cover a sample, and how many pixels those of each page come to.
-void PagedEngine::Impl::unoccluded_leaves() {
-  constexpr std::uint32_t kPart = 1 << 15;  // leaves at a time
-  core::View any_layer = *view_;
-  any_layer.layers = ~0u;
-  culler_.cull(any_layer, in_view_);
-  const core::dvec3& origin = scene_.leaves.origin;
-  culling::SampleTest(*view_, origin, samples_).filter(scene_.leaves, in_view_, candidates_, line_leaves_);
-  open_.assign(open_.size(), 0);
-  culling::set_bits(candidates_, open_);
-
-  const culling::ContributionTest test(*view_, origin, config_.width, config_.height);
-  const float whole = float(config_.width) * float(config_.height);
-  std::fill(open_count_.begin(), open_count_.end(), 0);
-  std::fill(area_.begin(), area_.end(), 0.0f);
-  parts_.split(candidates_, kPart);
-  for (std::uint32_t part = 0; part < parts_.count(); ++part) {
-    test.areas(scene_.leaves, parts_[part], areas_);
-    std::uint32_t page = 0;  // leaves of a part rise
-    for (const auto& [leaf, area] : areas_) {
-      while (leaf >= scene_.leaf_end(page)) ++page;
-      ++open_count_[page];
-      area_[page] += std::min(area, whole);
-    }
-  }
-  by_area_.clear();
-  for (std::uint32_t page = 0; page < scene_.pages.size(); ++page)
-    if (open_count_[page] > 0) by_area_.push_back(page);
-  std::sort(by_area_.begin(), by_area_.end(), [&](auto a, auto b) { return area_[a] > area_[b]; });
 }
 
 /// Draws what is in memory; while the view stays, also what arrives until then.
@@ -452,14 +302,14 @@ core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
     if (auto done = store_->take_loaded(context_, report_.frame); !done) return done;
     if (coarse_)
       if (auto done = coarse_->take_loaded(context_, report_.frame); !done) return done;
-    if (auto done = draw_resident(); !done) return done;
+    if (auto done = image_->draw_resident(pages()); !done) return done;
     keep_within_limit();
     ask_for_pages(stays);
     const double left = until - now_seconds();
     if (!stays || report_.complete || left <= 0.0 || !wait(left)) break;
   }
-  report_.pending = 0;
-  for (const std::uint32_t page : by_area_) report_.pending += open_count_[page];
+  report_.pending = image_->open_leaves();
+  report_.items_drawn = image_->items_drawn();
   const PageStore::Counts& counts = store_->counts();
   report_.resident = counts.resident;
   report_.loaded = counts.loaded;
@@ -471,202 +321,11 @@ core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
   return {};
 }
 
-/// Pages with open leaves of which something that is in memory was not drawn, nearest first.
-std::vector<std::uint32_t> PagedEngine::Impl::drawable() const {
-  const core::dvec4 depth = glm::transpose(view_->eye_from_world())[2];  // larger means nearer
-  std::vector<std::pair<double, std::uint32_t>> found;
-  std::vector<std::uint32_t> resident(store_->resident().begin(), store_->resident().end());
-  if (coarse_)
-    for (const std::uint32_t page : coarse_->resident())
-      if (!coarse_drawn_[page] && !store_->find(page)) resident.push_back(page);
-  for (const std::uint32_t page : resident) {
-    if (open_count_[page] == 0) continue;
-    const core::Aabb& box = page_boxes_[page];
-    double nearest = depth.w;
-    for (int axis = 0; axis < 3; ++axis)
-      nearest += depth[axis] * (scene_.leaves.origin[axis] + double((depth[axis] > 0.0 ? box.max : box.min)[axis]));
-    found.emplace_back(-nearest, page);
-  }
-  std::sort(found.begin(), found.end());
-  std::vector<std::uint32_t> pages;
-  for (const auto& [distance, page] : found) pages.push_back(page);
-  return pages;
-}
-
-/// In passes of more and more items, each behind the depth of the ones before.
-core::Expected<void> PagedEngine::Impl::draw_resident() {
-  std::uint64_t drawn = 0, pass = kFirstPass;
-  const auto read_back = [&] {
-    canvas_.read_distances(*view_, distances_);
-    pyramid_.build(distances_, config_.width, config_.height);
-    report_.items_drawn += std::int64_t(std::exchange(drawn, 0));
-  };
-  for (const std::uint32_t page : drawable()) {
-    const auto items = store_->find(page) ? draw_page(page) : draw_coarse_page(page);
-    if (!items) return tl::unexpected(items.error());
-    if ((drawn += *items) < pass) continue;
-    read_back();
-    pass *= 2;
-  }
-  if (drawn > 0) read_back();
-  return {};
-}
-
-culling::OcclusionTest PagedEngine::Impl::occlusion_test(const core::dvec3& origin) const {
-  return {*view_,         origin,   config_.width,
-          config_.height, pyramid_, render::RenderTarget::orthographic_error(*view_),
-          samples_.snap};
-}
-
-/// Leaves of a page that what is drawn hides need not be drawn.
-void PagedEngine::Impl::close_hidden(std::uint32_t page) {
-  core::VisibleSet leaves, open;
-  for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
-    if (culling::contains(open_, leaf)) culling::append_range(leaf, leaf + 1, leaves.ranges);
-  occlusion_test(scene_.leaves.origin).filter(scene_.leaves, leaves, open, line_leaves_);
-  close(page, open);
-}
-
-/// Closes all leaves of a page, but for these.
-void PagedEngine::Impl::close(std::uint32_t page, const core::VisibleSet& but) {
-  for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
-    open_[leaf / 64] &= ~(std::uint64_t(1) << leaf % 64);
-  culling::set_bits(but, open_);
-  open_count_[page] = std::uint32_t(but.count());
-}
-
-/// The slots of the open leaves, those of the view's layers.
-core::VisibleSet PagedEngine::Impl::slots_of_page(std::uint32_t page, const ResidentPage& resident) const {
-  const auto& info = scene_.pages[page];
-  const core::ItemBounds& bounds = resident.content->snapshot.bounds();
-  core::VisibleSet set;
-  set.generation = resident.content->snapshot.generation();
-  for (std::uint32_t leaf = info.first_leaf; leaf < scene_.leaf_end(page); ++leaf) {
-    if (!culling::contains(open_, leaf)) continue;
-    const core::Slot first = (leaf - info.first_leaf) * core::kBlockSlots;
-    const core::Slot end = std::min<core::Slot>(info.slot_count, first + core::kBlockSlots);
-    if (bounds.uses_layers()) {
-      for (core::Slot slot = first; slot < end; ++slot)
-        if ((bounds.layers(slot) & view_->layers) != 0 && !bounds.vacant(slot)) set.single_slots.push_back(slot);
-    } else if ((core::kLayerModel & view_->layers) != 0) {
-      culling::append_range(first, end, set.ranges);
-    }
-  }
-  return set;
-}
-
-/// What of the open leaves covers a sample and is not known to be hidden.
-core::VisibleSet PagedEngine::Impl::shown_slots(std::uint32_t page, const ResidentPage& resident) const {
-  const core::ItemBounds& bounds = resident.content->snapshot.bounds();
-  core::VisibleSet open = slots_of_page(page, resident), shown;
-  culling::SampleTest(*view_, bounds.origin, samples_).filter(bounds, open, shown, resident.lines);
-  occlusion_test(bounds.origin).filter(bounds, shown, open, resident.lines);
-  return open;
-}
-
-/// Returns the number of items drawn.
-core::Expected<std::uint64_t> PagedEngine::Impl::draw(ResidentPage& resident, const core::VisibleSet& set,
-                                                      const render::RenderTarget& onto) {
-  if (set.count() == 0) return 0;
-  const core::Snapshot& snapshot = resident.content->snapshot;
-  gpuscene::DrawnIn in{&*view_};
-  if (resident.level_bytes > 0) in.error = &*image_error_;
-  if (auto done = resident.lists.update(snapshot, resident.scene, set, in); !done) return tl::unexpected(done.error());
-  if (auto done = renderer_->draw_more(*view_, snapshot, resident.scene, resident.lists, onto); !done)
-    return tl::unexpected(done.error());
-  return snapshot.count(set);
-}
-
-core::Expected<std::uint64_t> PagedEngine::Impl::draw_page(std::uint32_t page) {
-  ResidentPage& resident = *store_->find(page);
-  resident.used = report_.frame;
-  resident.area = area_[page];
-  close_hidden(page);
-  const auto drawn = draw(resident, shown_slots(page, resident), canvas_);
-  if (!drawn) return drawn;
-  store_->count_again(page);
-  close(page, {});
-  return drawn;
-}
-
-/// Draws the leaves whose meshes are all drawn as well by their coarsest levels. The others stay open.
-core::Expected<std::uint64_t> PagedEngine::Impl::draw_coarse_page(std::uint32_t page) {
-  ResidentPage& resident = *coarse_->find(page);
-  resident.used = report_.frame;
-  resident.area = area_[page];
-  coarse_drawn_[page] = true;
-  close_hidden(page);
-  const core::VisibleSet shown = shown_slots(page, resident);
-  const core::Snapshot& snapshot = resident.content->snapshot;
-  std::vector<std::uint64_t> fine(culling::bit_words(snapshot.size())), rough = fine;
-  culling::set_bits(shown, fine);
-  for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
-    if (culling::contains(fine, slot) && !is_fine_enough(*resident.content, slot, *image_error_))
-      rough[slot / 64] |= (~std::uint64_t(0) >> (64 - core::kBlockSlots))
-                          << slot % 64 / core::kBlockSlots * core::kBlockSlots;
-  core::VisibleSet set, open;
-  const std::uint32_t first = scene_.pages[page].first_leaf;
-  for (std::uint32_t leaf = first; leaf < scene_.leaf_end(page); ++leaf)
-    if (culling::contains(open_, leaf) && culling::contains(rough, (leaf - first) * core::kBlockSlots))
-      culling::append_range(leaf, leaf + 1, open.ranges);
-  for (std::size_t word = 0; word < fine.size(); ++word) fine[word] &= ~rough[word];
-  to_set(fine, set);
-  set.generation = snapshot.generation();
-  const auto drawn = draw(resident, set, canvas_);
-  if (!drawn) return drawn;
-  coarse_->count_again(page);
-  close(page, open);
-  return drawn;
-}
-
-/// The canvas, and what stands in for the rest.
 core::Expected<void> PagedEngine::Impl::show() {
-  canvas_.copy_to(target_);
-  report_.placeholders = report_.coarse_items = 0;
-  if (report_.pending > 0) {
-    to_set(open_, candidates_);
-    if (coarse_)
-      if (auto done = show_coarse_pages(); !done) return done;
-    if (auto done = placeholders_->draw(scene_, *view_, candidates_, target_); !done) return done;
-    report_.placeholders = std::int64_t(placeholders_->drawn());
-    if (config_.loading_bar) draw_loading_bar();
-  }
-  context_.functions().Finish();
-  return {};
-}
-
-/// Draws open leaves by the coarsest levels of their meshes, and leaves the others as candidates.
-core::Expected<void> PagedEngine::Impl::show_coarse_pages() {
-  std::vector<std::uint64_t> rest = open_;
-  for (const std::uint32_t page : coarse_->resident()) {
-    if (open_count_[page] == 0) continue;
-    ResidentPage& resident = *coarse_->find(page);
-    resident.used = report_.frame;
-    resident.area = area_[page];
-    const auto drawn = draw(resident, shown_slots(page, resident), target_);
-    if (!drawn) return tl::unexpected(drawn.error());
-    report_.coarse_items += std::int64_t(*drawn);
-    coarse_->count_again(page);
-    for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
-      rest[leaf / 64] &= ~(std::uint64_t(1) << leaf % 64);
-  }
-  to_set(rest, candidates_);
-  return {};
-}
-
-void PagedEngine::Impl::draw_loading_bar() const {
-  const gl::Functions& gl = context_.functions();
-  gl::reset_pipeline_state(gl);
-  gl.Enable(GL_SCISSOR_TEST);
-  const int width = std::max(8, int(kBarShare * float(config_.width))), height = std::max(3, config_.height / 120);
-  const float share = 1.0f - float(report_.pending) / float(std::max<std::int64_t>(1, report_.leaves));
-  const float ground[4] = {0.15f, 0.15f, 0.17f, 1.0f}, done[4] = {1.0f, 0.6f, 0.1f, 1.0f};
-  const GLuint framebuffer = target_.framebuffer().id();
-  gl.Scissor(height, height, width, height);
-  gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, ground);
-  gl.Scissor(height, height, int(share * float(width)), height);
-  gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, done);
-  gl.Disable(GL_SCISSOR_TEST);
+  auto done = image_->show(pages(), report_.pending);
+  report_.placeholders = image_->splats();
+  report_.coarse_items = image_->coarse_items();
+  return done;
 }
 
 // --- what comes next -------------------------------------------------------------------------------------------------
@@ -679,23 +338,19 @@ bool PagedEngine::Impl::lacks_coarse(std::uint32_t page) const {
 
 void PagedEngine::Impl::ask_for_pages(bool stays) {
   std::vector<PageStore::Wanted> wanted, coarse;
-  std::size_t left = 0;  // pages that may still have open leaves
-  for (const std::uint32_t page : by_area_) {
-    if (open_count_[page] == 0) continue;
-    by_area_[left++] = page;
+  for (const std::uint32_t page : image_->list_open_pages()) {
     if (store_->failed(page)) continue;
     // Where the coarse form may be enough, it comes first; else it comes to be looked at meanwhile.
-    const bool may_do = config_.lod_error > 0.0 && !coarse_drawn_[page];
+    const bool may_do = config_.lod_error > 0.0 && !image_->coarse_drawn(page);
     const bool of_use = (may_do || !settling_) && lacks_coarse(page);
     if (may_do && of_use ? coarse.size() >= PageStore::kMostAsked : wanted.size() >= PageStore::kMostAsked) continue;
-    close_hidden(page);
-    if (open_count_[page] == 0) continue;
-    if (of_use) coarse.push_back({page, area_[page], true});
-    if (!may_do || !of_use) wanted.push_back({page, area_[page], true});
+    image_->close_hidden(page);
+    if (!image_->is_open(page)) continue;
+    if (of_use) coarse.push_back({page, image_->area(page), true});
+    if (!may_do || !of_use) wanted.push_back({page, image_->area(page), true});
   }
-  by_area_.resize(left);
-  report_.complete = std::none_of(by_area_.begin(), by_area_.end(),
-                                  [&](std::uint32_t page) { return open_count_[page] > 0 && !store_->failed(page); });
+  report_.complete =
+      std::ranges::none_of(image_->list_open_pages(), [&](std::uint32_t page) { return !store_->failed(page); });
   if (!stays && before_) foresee(wanted, coarse);
   store_->ask_for(wanted, report_.frame, stays);
   if (coarse_) coarse_->ask_for(coarse, report_.frame, stays);
@@ -703,15 +358,12 @@ void PagedEngine::Impl::ask_for_pages(bool stays) {
 
 /// Appends what the view will need when the camera goes on as it does.
 void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted, std::vector<PageStore::Wanted>& coarse) {
-  const auto view = foreseen(*before_, *view_);
+  const auto view = foreseen(*before_, *image_->view());
   if (!view) return;
-  core::View any_layer = *view;
-  any_layer.layers = ~0u;
-  core::VisibleSet seen, ahead;
-  culler_.cull(any_layer, seen);
-  culling::SampleTest(*view, scene_.leaves.origin, samples_).filter(scene_.leaves, seen, ahead, line_leaves_);
+  core::VisibleSet ahead;
+  image_->find_leaves(*view, ahead);
   const culling::ContributionTest test(*view, scene_.leaves.origin, config_.width, config_.height);
-  std::vector<std::uint64_t> bits(open_.size());
+  std::vector<std::uint64_t> bits(culling::bit_words(scene_.leaves.size()));
   culling::set_bits(ahead, bits);
   std::vector<PageStore::Wanted> later;
   for (std::uint32_t page = 0; page < scene_.pages.size(); ++page) {
@@ -720,7 +372,7 @@ void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted, std::vec
     bool any = false;
     for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < end && !any; ++leaf)
       any = culling::contains(bits, leaf);
-    if (any) later.push_back({page, test.area(page_boxes_[page]), false});
+    if (any) later.push_back({page, test.area(image_->page_box(page)), false});
   }
   std::sort(later.begin(), later.end(), [](const auto& a, const auto& b) { return a.area > b.area; });
   if (config_.lod_error == 0.0) wanted.insert(wanted.end(), later.begin(), later.end());

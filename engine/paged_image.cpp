@@ -1,0 +1,369 @@
+#include "sightline/engine/internal/paged_image.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+#include <utility>
+
+#include "sightline/gl/internal/pipeline_state.h"
+
+namespace sightline::engine {
+namespace {
+
+constexpr std::uint64_t kFirstPass = 1 << 15;  // items to draw before depth is read back; each pass has twice as many
+constexpr std::uint32_t kShortestLeafRange = 16;  // leaves
+constexpr float kBarShare = 0.2f;                 // of the image's width
+
+/// The slots whose bits are set, as a set.
+void to_set(culling::SlotBits bits, core::VisibleSet& set) {
+  set.clear();
+  const core::Slot end = core::Slot(bits.size() * 64);
+  core::Slot slot = 0;
+  while (slot < end) {
+    const std::uint64_t rest = bits[slot / 64] >> slot % 64;
+    if (rest == 0) {
+      slot = (slot / 64 + 1) * 64;
+      continue;
+    }
+    slot += core::Slot(std::countr_zero(rest));
+    const core::Slot first = slot;
+    while (slot < end && culling::contains(bits, slot)) ++slot;
+    if (slot - first >= kShortestLeafRange)
+      set.ranges.push_back({first, slot - first});
+    else
+      for (core::Slot s = first; s < slot; ++s) set.single_slots.push_back(s);
+  }
+}
+
+/// Whether a coarse page shows an item as the page itself does.
+bool is_fine_enough(const core::Page& page, core::Slot slot, const lod::ImageError& image) {
+  const core::Kind kind = page.snapshot.kind(slot);
+  if (int(kind) < core::kPrimitiveKindCount) return true;
+  const auto deviations = page.deviations_of(page.snapshot.of_kind(kind).meshes[page.snapshot.index_in_kind(slot)]);
+  if (deviations.empty()) return true;
+  // The very rule by which a cut through all levels ends at the coarsest (lod/internal/cut.h).
+  const lod::MeshError error(image, page.snapshot.world_from_item(slot));
+  return std::ranges::all_of(deviations, [&](const core::MeshDeviation& deviation) {
+    return deviation.error <= error.allowed(deviation.box) || error.outside(deviation.box);
+  });
+}
+
+}  // namespace
+
+core::Expected<std::unique_ptr<PagedImage>> PagedImage::create(const gl::Context& context,
+                                                               const core::PagedScene& scene,
+                                                               const PagedConfig& config) {
+  std::unique_ptr<PagedImage> image(new PagedImage(context, scene, config));
+  if (auto done = image->make_targets(); !done) return tl::unexpected(done.error());
+  image->list_leaves();
+  return image;
+}
+
+core::Expected<void> PagedImage::make_targets() {
+  const render::TargetFormat format{.ids = config_.ids};
+  for (render::RenderTarget* made : {&target_, &canvas_}) {
+    auto target = render::RenderTarget::create(context_, config_.width, config_.height, format);
+    if (!target) return tl::unexpected(target.error());
+    *made = std::move(*target);
+  }
+  samples_ = {config_.width,
+              config_.height,
+              {{0.0f, 0.0f}},
+              culling::rasteriser_snap(context_.capabilities().subpixel_bits, config_.width, config_.height)};
+  std::array<bool, gpuscene::kBatchKindCount> has{};
+  for (const auto& page : scene_.pages)
+    for (int kind = 0; kind < core::kKindCount; ++kind)
+      if (page.of_kind[std::size_t(kind)] > 0) has[std::size_t(gpuscene::batch_of(core::Kind(kind)))] = true;
+  std::vector<gpuscene::BatchKind> kinds;
+  for (int kind = 0; kind < gpuscene::kBatchKindCount; ++kind)
+    if (has[std::size_t(kind)]) kinds.push_back(gpuscene::BatchKind(kind));
+  auto renderer = render::Renderer::create(context_, kinds, format);
+  if (!renderer) return tl::unexpected(renderer.error());
+  renderer_.emplace(std::move(*renderer));
+  auto placeholders = Placeholders::create(context_, format);
+  if (!placeholders) return tl::unexpected(placeholders.error());
+  placeholders_.emplace(std::move(*placeholders));
+  return {};
+}
+
+void PagedImage::list_leaves() {
+  page_boxes_.resize(scene_.pages.size());
+  line_leaves_.resize(culling::bit_words(scene_.leaves.size()));
+  for (std::uint32_t page = 0; page < page_boxes_.size(); ++page)
+    for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf) {
+      page_boxes_[page].grow(scene_.leaves.box(leaf));
+      if ((scene_.colours[leaf] & core::PagedScene::kHasLines) != 0)
+        line_leaves_[leaf / 64] |= std::uint64_t(1) << leaf % 64;
+    }
+  open_.resize(culling::bit_words(scene_.leaves.size()));
+  open_count_.resize(scene_.pages.size());
+  area_.resize(scene_.pages.size());
+  coarse_drawn_.resize(scene_.pages.size());
+}
+
+void PagedImage::warm_up() {
+  renderer_->clear(canvas_);
+  canvas_.copy_to(target_);
+  pyramid_.clear(config_.width, config_.height);
+  distances_.resize(std::size_t(config_.width) * std::size_t(config_.height));
+  placeholders_->forget(config_.width, config_.height);
+  context_.functions().Finish();
+}
+
+// --- leaves ----------------------------------------------------------------------------------------------------------
+
+void PagedImage::begin(const core::View& view) {
+  view_ = view;
+  error_.emplace(view, config_.width, config_.height, config_.lod_error);
+  renderer_->clear(canvas_);
+  pyramid_.clear(config_.width, config_.height);
+  coarse_drawn_.assign(coarse_drawn_.size(), false);
+  find_leaves(view, candidates_);
+  open_.assign(open_.size(), 0);
+  culling::set_bits(candidates_, open_);
+  leaves_ = std::int64_t(candidates_.count());
+  items_drawn_ = coarse_items_ = splats_ = 0;
+  measure_pages();
+}
+
+void PagedImage::find_leaves(const core::View& view, core::VisibleSet& leaves) {
+  core::View any_layer = view;
+  any_layer.layers = ~0u;
+  culler_.cull(any_layer, in_view_);
+  culling::SampleTest(view, scene_.leaves.origin, samples_).filter(scene_.leaves, in_view_, leaves, line_leaves_);
+}
+
+/// Counts the leaves of each page, and sums up their areas.
+void PagedImage::measure_pages() {
+  constexpr std::uint32_t kPart = 1 << 15;  // leaves at a time
+  const culling::ContributionTest test(*view_, scene_.leaves.origin, config_.width, config_.height);
+  const float whole = float(config_.width) * float(config_.height);
+  std::fill(open_count_.begin(), open_count_.end(), 0);
+  std::fill(area_.begin(), area_.end(), 0.0f);
+  parts_.split(candidates_, kPart);
+  for (std::uint32_t part = 0; part < parts_.count(); ++part) {
+    test.areas(scene_.leaves, parts_[part], areas_);
+    std::uint32_t page = 0;  // leaves of a part rise
+    for (const auto& [leaf, area] : areas_) {
+      while (leaf >= scene_.leaf_end(page)) ++page;
+      ++open_count_[page];
+      area_[page] += std::min(area, whole);
+    }
+  }
+  by_area_.clear();
+  for (std::uint32_t page = 0; page < scene_.pages.size(); ++page)
+    if (open_count_[page] > 0) by_area_.push_back(page);
+  std::sort(by_area_.begin(), by_area_.end(), [&](auto a, auto b) { return area_[a] > area_[b]; });
+}
+
+std::int64_t PagedImage::open_leaves() const {
+  return std::accumulate(open_count_.begin(), open_count_.end(), std::int64_t(0));
+}
+
+std::span<const std::uint32_t> PagedImage::list_open_pages() {
+  std::erase_if(by_area_, [&](std::uint32_t page) { return !is_open(page); });
+  return by_area_;
+}
+
+culling::OcclusionTest PagedImage::occlusion_test(const core::dvec3& origin) const {
+  return {*view_,         origin,   config_.width,
+          config_.height, pyramid_, render::RenderTarget::orthographic_error(*view_),
+          samples_.snap};
+}
+
+void PagedImage::close_hidden(std::uint32_t page) {
+  core::VisibleSet leaves, open;
+  for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
+    if (culling::contains(open_, leaf)) culling::append_range(leaf, leaf + 1, leaves.ranges);
+  occlusion_test(scene_.leaves.origin).filter(scene_.leaves, leaves, open, line_leaves_);
+  close(page, open);
+}
+
+/// Closes all leaves of a page, but for these.
+void PagedImage::close(std::uint32_t page, const core::VisibleSet& but) {
+  for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
+    open_[leaf / 64] &= ~(std::uint64_t(1) << leaf % 64);
+  culling::set_bits(but, open_);
+  open_count_[page] = std::uint32_t(but.count());
+}
+
+// --- drawing ---------------------------------------------------------------------------------------------------------
+
+/// Pages with open leaves of which something that is in memory was not drawn, nearest first.
+std::vector<std::uint32_t> PagedImage::drawable(const PagesInMemory& pages) const {
+  const core::dvec4 depth = glm::transpose(view_->eye_from_world())[2];  // larger means nearer
+  std::vector<std::pair<double, std::uint32_t>> found;
+  std::vector<std::uint32_t> resident(pages.full.resident().begin(), pages.full.resident().end());
+  if (pages.coarse)
+    for (const std::uint32_t page : pages.coarse->resident())
+      if (!coarse_drawn_[page] && !pages.full.find(page)) resident.push_back(page);
+  for (const std::uint32_t page : resident) {
+    if (open_count_[page] == 0) continue;
+    const core::Aabb& box = page_boxes_[page];
+    double nearest = depth.w;
+    for (int axis = 0; axis < 3; ++axis)
+      nearest += depth[axis] * (scene_.leaves.origin[axis] + double((depth[axis] > 0.0 ? box.max : box.min)[axis]));
+    found.emplace_back(-nearest, page);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::uint32_t> sorted;
+  for (const auto& [distance, page] : found) sorted.push_back(page);
+  return sorted;
+}
+
+/// In passes of more and more items, each behind the depth of the ones before.
+core::Expected<void> PagedImage::draw_resident(const PagesInMemory& pages) {
+  std::uint64_t drawn = 0, pass = kFirstPass;
+  const auto read_back = [&] {
+    canvas_.read_distances(*view_, distances_);
+    pyramid_.build(distances_, config_.width, config_.height);
+    items_drawn_ += std::int64_t(std::exchange(drawn, 0));
+  };
+  for (const std::uint32_t page : drawable(pages)) {
+    const auto items = pages.full.find(page) ? draw_page(pages, page) : draw_coarse_page(pages, page);
+    if (!items) return tl::unexpected(items.error());
+    if ((drawn += *items) < pass) continue;
+    read_back();
+    pass *= 2;
+  }
+  if (drawn > 0) read_back();
+  return {};
+}
+
+/// The slots of the open leaves, those of the view's layers.
+core::VisibleSet PagedImage::slots_of_page(std::uint32_t page, const ResidentPage& resident) const {
+  const auto& info = scene_.pages[page];
+  const core::ItemBounds& bounds = resident.content->snapshot.bounds();
+  core::VisibleSet set;
+  set.generation = resident.content->snapshot.generation();
+  for (std::uint32_t leaf = info.first_leaf; leaf < scene_.leaf_end(page); ++leaf) {
+    if (!culling::contains(open_, leaf)) continue;
+    const core::Slot first = (leaf - info.first_leaf) * core::kBlockSlots;
+    const core::Slot end = std::min<core::Slot>(info.slot_count, first + core::kBlockSlots);
+    if (bounds.uses_layers()) {
+      for (core::Slot slot = first; slot < end; ++slot)
+        if ((bounds.layers(slot) & view_->layers) != 0 && !bounds.vacant(slot)) set.single_slots.push_back(slot);
+    } else if ((core::kLayerModel & view_->layers) != 0) {
+      culling::append_range(first, end, set.ranges);
+    }
+  }
+  return set;
+}
+
+/// What of the open leaves covers a sample and is not known to be hidden.
+core::VisibleSet PagedImage::shown_slots(std::uint32_t page, const ResidentPage& resident) const {
+  const core::ItemBounds& bounds = resident.content->snapshot.bounds();
+  core::VisibleSet open = slots_of_page(page, resident), shown;
+  culling::SampleTest(*view_, bounds.origin, samples_).filter(bounds, open, shown, resident.lines);
+  occlusion_test(bounds.origin).filter(bounds, shown, open, resident.lines);
+  return open;
+}
+
+/// Returns the number of items drawn.
+core::Expected<std::uint64_t> PagedImage::draw(ResidentPage& resident, const core::VisibleSet& set,
+                                               const render::RenderTarget& onto) {
+  if (set.count() == 0) return 0;
+  const core::Snapshot& snapshot = resident.content->snapshot;
+  gpuscene::DrawnIn in{&*view_};
+  if (resident.level_bytes > 0) in.error = &*error_;
+  if (auto done = resident.lists.update(snapshot, resident.scene, set, in); !done) return tl::unexpected(done.error());
+  if (auto done = renderer_->draw_more(*view_, snapshot, resident.scene, resident.lists, onto); !done)
+    return tl::unexpected(done.error());
+  return snapshot.count(set);
+}
+
+/// A page in memory that is about to be drawn.
+ResidentPage& PagedImage::use(PageStore& store, std::uint32_t page, std::uint64_t frame) const {
+  ResidentPage& resident = *store.find(page);
+  resident.used = frame;
+  resident.area = area_[page];
+  return resident;
+}
+
+core::Expected<std::uint64_t> PagedImage::draw_page(const PagesInMemory& pages, std::uint32_t page) {
+  ResidentPage& resident = use(pages.full, page, pages.frame);
+  close_hidden(page);
+  const auto drawn = draw(resident, shown_slots(page, resident), canvas_);
+  if (!drawn) return drawn;
+  pages.full.count_again(page);
+  close(page, {});
+  return drawn;
+}
+
+/// Draws the leaves whose meshes are all drawn as well by their coarsest levels. The others stay open.
+core::Expected<std::uint64_t> PagedImage::draw_coarse_page(const PagesInMemory& pages, std::uint32_t page) {
+  ResidentPage& resident = use(*pages.coarse, page, pages.frame);
+  coarse_drawn_[page] = true;
+  close_hidden(page);
+  const core::VisibleSet shown = shown_slots(page, resident);
+  const core::Snapshot& snapshot = resident.content->snapshot;
+  std::vector<std::uint64_t> fine(culling::bit_words(snapshot.size())), rough = fine;
+  culling::set_bits(shown, fine);
+  for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
+    if (culling::contains(fine, slot) && !is_fine_enough(*resident.content, slot, *error_))
+      rough[slot / 64] |= (~std::uint64_t(0) >> (64 - core::kBlockSlots))
+                          << slot % 64 / core::kBlockSlots * core::kBlockSlots;
+  core::VisibleSet set, open;
+  const std::uint32_t first = scene_.pages[page].first_leaf;
+  for (std::uint32_t leaf = first; leaf < scene_.leaf_end(page); ++leaf)
+    if (culling::contains(open_, leaf) && culling::contains(rough, (leaf - first) * core::kBlockSlots))
+      culling::append_range(leaf, leaf + 1, open.ranges);
+  for (std::size_t word = 0; word < fine.size(); ++word) fine[word] &= ~rough[word];
+  to_set(fine, set);
+  set.generation = snapshot.generation();
+  const auto drawn = draw(resident, set, canvas_);
+  if (!drawn) return drawn;
+  pages.coarse->count_again(page);
+  close(page, open);
+  return drawn;
+}
+
+core::Expected<void> PagedImage::show(const PagesInMemory& pages, std::int64_t pending) {
+  canvas_.copy_to(target_);
+  coarse_items_ = splats_ = 0;
+  if (pending > 0) {
+    to_set(open_, candidates_);
+    if (pages.coarse)
+      if (auto done = show_coarse_pages(pages); !done) return done;
+    if (auto done = placeholders_->draw(scene_, *view_, candidates_, target_); !done) return done;
+    splats_ = std::int64_t(placeholders_->drawn());
+    if (config_.loading_bar) draw_loading_bar(pending);
+  }
+  context_.functions().Finish();
+  return {};
+}
+
+/// Draws open leaves by the coarsest levels of their meshes, and leaves the others as candidates.
+core::Expected<void> PagedImage::show_coarse_pages(const PagesInMemory& pages) {
+  std::vector<std::uint64_t> rest = open_;
+  for (const std::uint32_t page : pages.coarse->resident()) {
+    if (open_count_[page] == 0) continue;
+    ResidentPage& resident = use(*pages.coarse, page, pages.frame);
+    const auto drawn = draw(resident, shown_slots(page, resident), target_);
+    if (!drawn) return tl::unexpected(drawn.error());
+    coarse_items_ += std::int64_t(*drawn);
+    pages.coarse->count_again(page);
+    for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
+      rest[leaf / 64] &= ~(std::uint64_t(1) << leaf % 64);
+  }
+  to_set(rest, candidates_);
+  return {};
+}
+
+void PagedImage::draw_loading_bar(std::int64_t pending) const {
+  const gl::Functions& gl = context_.functions();
+  gl::reset_pipeline_state(gl);
+  gl.Enable(GL_SCISSOR_TEST);
+  const int width = std::max(8, int(kBarShare * float(config_.width))), height = std::max(3, config_.height / 120);
+  const float share = 1.0f - float(pending) / float(std::max<std::int64_t>(1, leaves_));
+  const float ground[4] = {0.15f, 0.15f, 0.17f, 1.0f}, done[4] = {1.0f, 0.6f, 0.1f, 1.0f};
+  const GLuint framebuffer = target_.framebuffer().id();
+  gl.Scissor(height, height, width, height);
+  gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, ground);
+  gl.Scissor(height, height, int(share * float(width)), height);
+  gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, done);
+  gl.Disable(GL_SCISSOR_TEST);
+}
+
+}  // namespace sightline::engine
