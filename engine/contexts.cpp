@@ -34,10 +34,12 @@ core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version) {
   core::Expected<void> done;
   const bool gpu_culls = s.live.plan.gpu_culls();
   if (s.backend->ready()) {
-    if (new_version)
+    if (new_version) {
       done = unless_lost(s, s.backend->rebuild(*s.live.snapshot, s.live.joints, gpu_culls));
-    else if (gpu_culls)
+      s.gpu_behind = !done;
+    } else if (gpu_culls) {
       done = unless_lost(s, s.backend->add_culler(*s.live.snapshot));
+    }
   } else if (s.next_try < 0.0) {
     auto made = make_complete_backend(s);
     if (!made) return tl::unexpected(made.error());
@@ -46,6 +48,10 @@ core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version) {
   if (done) done = unless_lost(s, s.backend->use_image(s.image, s.config.width, s.config.height));
   note_context(s);
   return done;
+}
+
+core::Expected<void> make_gpu_follow(EngineState& s) {
+  return s.gpu_behind ? follow_plan_in_context(s, true) : core::Expected<void>();
 }
 
 void look_after_context(EngineState& s) {
@@ -66,6 +72,7 @@ core::Expected<void> unless_lost(const EngineState& s, core::Expected<void> done
 
 void drop_context(EngineState& s) {
   s.backend = std::make_unique<Backend>();
+  s.gpu_behind = false;
   s.coming.reset();
   s.next_try = s.config.context.later ? std::numeric_limits<double>::infinity() : 0.0;
   if (s.hybrid) s.hybrid->gpu_lost();

@@ -242,6 +242,7 @@ void Engine::paused() {
 
 core::Expected<void> Engine::finish_levels() {
   const auto kept = state_->keep_state();
+  if (auto followed = make_gpu_follow(*state_); !followed) return followed;
   return unless_lost(*state_, state_->backend->finish_levels());
 }
 

@@ -276,6 +276,9 @@ class SIGHTLINE_API Engine {
   /// When the context is lost (gl::Context::lost), the engine drops everything in it. Until the context is replaced,
   /// the CPU culls and nothing is drawn. An engine that made the context itself makes another one and tries that twice
   /// a second; for the application's context call use_context(). visible(), queries and edits work all the time.
+  ///
+  /// Fails when GL does, such as without memory on the GPU. What is loaded stays, visible() has what the CPU finds, and
+  /// the next call goes on, also after edits that could not be uploaded.
   core::Expected<FrameReport> frame(const core::View& view);
   /// Overload for a frame with a culling view or a target, or both: see FrameInput and the next function.
   core::Expected<FrameReport> frame(const FrameInput& input);

@@ -131,7 +131,7 @@ core::Expected<FrameReport> run_frame(EngineState& s, const FrameTask& task) {
   const auto kept = s.keep_state();
   if (task.input.target)
     if (auto fits = fit_target(s, *task.input.target); !fits) return tl::unexpected(fits.error());
-  if (auto landed = land(s); !landed) return tl::unexpected(landed.error());
+  auto ready = land(s);
   FrameReport report;
   report.frame = s.frames++;
   const double begin = now_seconds();
@@ -139,10 +139,16 @@ core::Expected<FrameReport> run_frame(EngineState& s, const FrameTask& task) {
   s.last_frame_began = begin;
   s.frame_seconds = 1e-3 * report.frame_ms;
   look_after_context(s);
+  if (ready) ready = make_gpu_follow(s);
+  const auto failed = [&](const core::Error& error) {
+    cull_on_cpu(s, task.cull_view(), report);  // Engine::visible() has the result all the same
+    return tl::unexpected(error);
+  };
+  if (!ready) return failed(ready.error());
   const bool shows_unseen = s.shows_unseen(task.input.view, task.cull_view());
   const auto on_gpu = cull(s, task, shows_unseen, report);
-  if (!on_gpu) return tl::unexpected(on_gpu.error());
-  if (auto done = draw(s, task, *on_gpu, shows_unseen, report); !done) return tl::unexpected(done.error());
+  if (!on_gpu) return failed(on_gpu.error());
+  if (auto done = draw(s, task, *on_gpu, shows_unseen, report); !done) return failed(done.error());
   if (s.hybrid && !shows_unseen) s.hybrid->measured(report, describe_walk(s));
   return report;
 }

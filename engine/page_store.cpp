@@ -171,6 +171,7 @@ std::size_t PageStore::largest_page(const core::PagedScene& scene) {
 }
 
 core::Expected<void> PageStore::take_loaded(const gl::Context& context, std::uint64_t frame) {
+  core::Expected<void> done;
   for (PageLoader::Loaded& loaded : loader_.take()) {
     ++counts_.loaded;
     asked_[loaded.page] = false;
@@ -182,11 +183,15 @@ core::Expected<void> PageStore::take_loaded(const gl::Context& context, std::uin
       continue;
     }
     const std::uint32_t page = loaded.page;
-    if (auto done = upload(context, std::move(loaded)); !done) return done;
+    if (done) done = upload(context, std::move(loaded));
+    if (!done) {
+      bytes_ -= bytes_of(scene_.pages[page]);  // it may be asked for again, and so may all that have come with it
+      continue;
+    }
     pages_[page]->used = frame;
     ++counts_.prefetched;  // until an image needs it
   }
-  return {};
+  return done;
 }
 
 core::Expected<void> PageStore::upload(const gl::Context& context, PageLoader::Loaded loaded) {

@@ -68,7 +68,8 @@ std::string in_megabytes(std::size_t bytes) {
 
 class PagedEngine::Impl {
  public:
-  static core::Expected<std::unique_ptr<Impl>> create(core::PagedScene scene, const PagedConfig& config);
+  static core::Expected<std::unique_ptr<Impl>> create(gl::Context context, core::PagedScene scene,
+                                                      const PagedConfig& config);
   ~Impl() { (void)context_.make_current(); }
   core::Expected<PagedReport> frame(const core::View& view);
   core::Expected<PagedReport> settle(const core::View& view, const Progress& progress);
@@ -133,15 +134,10 @@ class PagedEngine::Impl {
 
 // --- making ----------------------------------------------------------------------------------------------------------
 
-core::Expected<std::unique_ptr<PagedEngine::Impl>> PagedEngine::Impl::create(core::PagedScene scene,
+core::Expected<std::unique_ptr<PagedEngine::Impl>> PagedEngine::Impl::create(gl::Context context,
+                                                                             core::PagedScene scene,
                                                                              const PagedConfig& config) {
-  if (!(config.lod_error >= 0.0)) return core::fail("engine: lod_error must be 0 or more pixels");
-  gl::ContextOptions options;
-  options.platform = config.context_platform;
-  options.debug = config.gl_debug;
-  auto context = gl::Context::create_offscreen(options);
-  if (!context) return tl::unexpected(context.error());
-  std::unique_ptr<Impl> impl(new Impl(std::move(scene), config, std::move(*context)));
+  std::unique_ptr<Impl> impl(new Impl(std::move(scene), config, std::move(context)));
   if (auto done = impl->prepare(); !done) return tl::unexpected(done.error());
   return impl;
 }
@@ -395,9 +391,21 @@ PagedEngine::~PagedEngine() {
 }
 
 core::Expected<PagedEngine> PagedEngine::create(core::PagedScene scene, const PagedConfig& config) {
+  if (!(config.lod_error >= 0.0)) return core::fail("engine: lod_error must be 0 or more pixels");
+  const gl::CurrentContext kept;
+  gl::ContextOptions options;
+  options.platform = config.context_platform;
+  options.debug = config.gl_debug;
+  auto context = gl::Context::create_offscreen(options);
+  if (!context) return tl::unexpected(context.error());
+  return create_in(std::move(*context), std::move(scene), config);
+}
+
+core::Expected<PagedEngine> PagedEngine::create_in(gl::Context context, core::PagedScene scene,
+                                                   const PagedConfig& config) {
   const gl::CurrentContext kept;
   return without_throwing([&]() -> core::Expected<PagedEngine> {
-    auto impl = Impl::create(std::move(scene), config);
+    auto impl = Impl::create(std::move(context), std::move(scene), config);
     if (!impl) return tl::unexpected(impl.error());
     return PagedEngine(std::move(*impl));
   });

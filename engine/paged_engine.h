@@ -30,8 +30,9 @@
 #include "sightline/core/view.h"
 
 namespace sightline::gl {
+class Context;
 enum class ContextPlatform : std::uint8_t;
-}
+}  // namespace sightline::gl
 namespace sightline::image {
 struct DepthImage;
 struct IdImage;
@@ -97,8 +98,9 @@ class SIGHTLINE_API PagedEngine {
   ~PagedEngine();
 
   /// Draws what is in memory of the view, and asks for what is not. The same view again goes on with the image. Fails
-  /// for views that cannot be drawn; when GL fails, memory runs out or the context is lost, the engine is of no use
-  /// from then on. A page that cannot be read is no failure: see PagedReport::failed. It is not asked for again.
+  /// for views that cannot be drawn, and when GL fails or memory runs out: what is in memory stays, and the next call
+  /// goes on. Once the context is lost, all calls fail. A page that cannot be read is no failure: see
+  /// PagedReport::failed. It is not asked for again.
   core::Expected<PagedReport> frame(const core::View& view);
   /// Waits until a page has arrived for the next frame, at most so long; may be infinite. False, at once, where none is
   /// on its way.
@@ -130,6 +132,10 @@ class SIGHTLINE_API PagedEngine {
  private:
   class Impl;
   explicit PagedEngine(std::unique_ptr<Impl> impl);
+  /// As create(), in a context that is made already: for tests of this library.
+  static core::Expected<PagedEngine> create_in(gl::Context context, core::PagedScene scene, const PagedConfig& config);
+  friend struct PagedEngineInContext;
+
   std::unique_ptr<Impl> impl_;
 };
 

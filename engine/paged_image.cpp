@@ -215,20 +215,20 @@ std::vector<std::uint32_t> PagedImage::drawable(const PagesInMemory& pages) cons
 /// In passes of more and more items, each behind the depth of the ones before.
 core::Expected<void> PagedImage::draw_resident(const PagesInMemory& pages) {
   std::uint64_t drawn = 0, pass = kFirstPass;
-  const auto read_back = [&] {
-    canvas_.read_distances(*view_, distances_);
+  const auto read_back = [&]() -> core::Expected<void> {
+    if (auto read = canvas_.read_distances(*view_, distances_); !read) return read;
     pyramid_.build(distances_, config_.width, config_.height);
     items_drawn_ += std::int64_t(std::exchange(drawn, 0));
+    return {};
   };
   for (const std::uint32_t page : drawable(pages)) {
     const auto items = pages.full.find(page) ? draw_page(pages, page) : draw_coarse_page(pages, page);
     if (!items) return tl::unexpected(items.error());
     if ((drawn += *items) < pass) continue;
-    read_back();
+    if (auto read = read_back(); !read) return read;
     pass *= 2;
   }
-  if (drawn > 0) read_back();
-  return {};
+  return drawn > 0 ? read_back() : core::Expected<void>();
 }
 
 /// The slots of the open leaves, those of the view's layers.

@@ -23,6 +23,7 @@ core::Expected<culling::CullStates> Engine::cull_states(const core::View& view) 
   EngineState& s = *state_;
   const auto kept = s.keep_state();
   if (auto landed = land(s); !landed) return tl::unexpected(landed.error());
+  if (auto followed = make_gpu_follow(s); !followed) return tl::unexpected(followed.error());
   const core::Snapshot& snapshot = *s.live.snapshot;
   std::optional<culling::Hierarchy> made;  // the linear culler has none
   const culling::Hierarchy* hierarchy = s.live.hierarchy();

@@ -118,6 +118,7 @@ core::Expected<void> land(EngineState& s) {
   if (s.backend->ready()) {
     done = unless_lost(
         s, s.backend->take_version(*former.snapshot, *s.live.snapshot, s.live.joints, s.live.plan.gpu_culls()));
+    s.gpu_behind = !done;
     note_context(s);
     follow_hybrid(s);
   } else {
@@ -191,8 +192,9 @@ core::Expected<void> follow(EngineState& s, core::SceneDelta delta) {
   if (s.coming) s.coming->follow_later(touched, delta.materials);
   if (!s.backend->ready()) return {};
   const auto kept = s.keep_state();
-  return unless_lost(
-      s, s.backend->update(Backend::Edit::kItems, *s.live.snapshot, s.live.joints, touched, delta.materials));
+  return update_backend(s, [&] {
+    return s.backend->update(Backend::Edit::kItems, *s.live.snapshot, s.live.joints, touched, delta.materials);
+  });
 }
 
 core::Expected<bool> commit(EngineState& s, core::Deadline deadline) {

@@ -36,8 +36,9 @@ core::Expected<void> override_items(EngineState& s, const Edit& edit) {
   if (s.coming) s.coming->follow_later(change.touched, change.materials);
   if (!s.backend->ready()) return {};
   const auto kept = s.keep_state();
-  return unless_lost(
-      s, s.backend->update(Backend::Edit::kStyles, *s.live.snapshot, s.live.joints, change.touched, change.materials));
+  return update_backend(s, [&] {
+    return s.backend->update(Backend::Edit::kStyles, *s.live.snapshot, s.live.joints, change.touched, change.materials);
+  });
 }
 
 }  // namespace

@@ -101,6 +101,7 @@ core::Expected<Buffer> Buffer::create(const Functions& gl, std::size_t bytes, co
   }
   discard_errors(gl);
   const GLuint name = create_name<&Functions::CreateBuffers>(gl);
+  if (auto made = check_names(gl, {name}, fmt::format("buffer '{}'", what)); !made) return tl::unexpected(made.error());
   Buffer buffer;
   buffer.handle_ = Handle<&Functions::DeleteBuffers>(gl, name);
   const bool pinned = gl.pinned_memory && bytes >= kLeastPinned && bytes <= kMostPinned &&
@@ -168,6 +169,8 @@ core::Expected<TextureBuffer> TextureBuffer::create(const Functions& gl, const B
   }
   discard_errors(gl);
   const GLuint name = create_name<&Functions::CreateTextures>(gl, GL_TEXTURE_BUFFER);
+  if (auto made = check_names(gl, {name}, fmt::format("texture buffer '{}'", what)); !made)
+    return tl::unexpected(made.error());
   TextureBuffer view;
   view.handle_ = Handle<&Functions::DeleteTextures>(gl, name);
   gl.TextureBuffer(name, format, buffer.id());

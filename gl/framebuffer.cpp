@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -35,11 +36,13 @@ std::string status_name(GLenum status) {
   }
 }
 
-Handle<&Functions::DeleteFramebuffers> make(const Functions& gl, std::string_view what) {
+core::Expected<Handle<&Functions::DeleteFramebuffers>> make(const Functions& gl, std::string_view what) {
   discard_errors(gl);
   const GLuint name = create_name<&Functions::CreateFramebuffers>(gl);
+  if (auto made = check_names(gl, {name}, fmt::format("framebuffer '{}'", what)); !made)
+    return tl::unexpected(made.error());
   if (!what.empty()) gl.ObjectLabel(GL_FRAMEBUFFER, name, static_cast<GLsizei>(what.size()), what.data());
-  return {gl, name};
+  return Handle<&Functions::DeleteFramebuffers>(gl, name);
 }
 
 }  // namespace
@@ -56,7 +59,9 @@ core::Expected<void> check_complete(const Functions& gl, GLuint name, std::strin
 core::Expected<Framebuffer> Framebuffer::create(const Functions& gl, std::span<const Attachment> attachments,
                                                 std::string_view what) {
   Framebuffer framebuffer;
-  framebuffer.handle_ = make(gl, what);
+  auto made = make(gl, what);
+  if (!made) return tl::unexpected(made.error());
+  framebuffer.handle_ = std::move(*made);
   std::array<GLenum, kMaxColors> outputs{};
   outputs.fill(GL_NONE);
   GLsizei output_count = 0;
@@ -79,7 +84,9 @@ core::Expected<Framebuffer> Framebuffer::create(const Functions& gl, std::span<c
 core::Expected<Framebuffer> Framebuffer::create_attachmentless(const Functions& gl, int width, int height,
                                                                std::string_view what) {
   Framebuffer framebuffer;
-  framebuffer.handle_ = make(gl, what);
+  auto made = make(gl, what);
+  if (!made) return tl::unexpected(made.error());
+  framebuffer.handle_ = std::move(*made);
   gl.NamedFramebufferParameteri(framebuffer.id(), GL_FRAMEBUFFER_DEFAULT_WIDTH, width);
   gl.NamedFramebufferParameteri(framebuffer.id(), GL_FRAMEBUFFER_DEFAULT_HEIGHT, height);
   gl.NamedFramebufferDrawBuffer(framebuffer.id(), GL_NONE);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "sightline/gl/internal/handle.h"
+
 namespace sightline::gl {
 namespace {
 
@@ -106,6 +108,11 @@ void stop_freeing(Functions& gl) {
 void discard_errors(const Functions& gl) {
   for (int i = 0; i < kMaxPendingErrors && gl.GetError() != GL_NO_ERROR; ++i) {
   }
+}
+
+core::Expected<void> check_names(const Functions& gl, std::initializer_list<GLuint> names, std::string_view what) {
+  if (std::find(names.begin(), names.end(), 0u) == names.end()) return {};
+  return core::fail(fmt::format("GL {}: the driver made no object: {}", what, error_name(check_error(gl))));
 }
 
 GLenum check_error(const Functions& gl) {

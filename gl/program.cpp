@@ -103,6 +103,8 @@ core::Expected<Program::Pending> Program::begin(const Functions& gl, const Progr
   pending.sources = std::move(*sources);
   pending.program.handle_ = Handle<&Functions::DeleteProgram>(gl, gl.CreateProgram());
   const GLuint program = pending.program.id();
+  if (auto made = check_names(gl, {program}, fmt::format("program '{}'", description.name)); !made)
+    return tl::unexpected(made.error());
   if (description.separable) gl.ProgramParameteri(program, GL_PROGRAM_SEPARABLE, GL_TRUE);
   if (gl.program_cache && gl.program_cache->enabled()) {
     pending.key = cache_key(description, pending.sources);

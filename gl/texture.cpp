@@ -77,6 +77,8 @@ core::Expected<Texture2D> Texture2D::create(const Functions& gl, int width, int 
   discard_errors(gl);
   const GLuint name =
       create_name<&Functions::CreateTextures>(gl, samples > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D);
+  if (auto made = check_names(gl, {name}, fmt::format("texture '{}'", what)); !made)
+    return tl::unexpected(made.error());
   Texture2D texture;
   texture.handle_ = Handle<&Functions::DeleteTextures>(gl, name);
   if (samples > 1) {

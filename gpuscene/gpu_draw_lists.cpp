@@ -103,19 +103,22 @@ core::Expected<void> DrawLists::make_search_programs() {
   return {};
 }
 
-/// What the search needs of the lists.
+/// What the search needs of the lists. The view of the commands comes last: it tells that all is there.
 core::Expected<void> DrawLists::make_search() {
-  auto done = make_view(*gl_, gpu_.commands, "GPU's draw commands", gpu_.command_texels);
-  if (done && gpu_.write_commands.id() == 0) done = make_search_programs();
+  core::Expected<void> done;
+  if (gpu_.write_commands.id() == 0) done = make_search_programs();
   if (!done) return done;
   for (const gl::Program* program : {&gpu_.write_commands, &gpu_.count_records})
     gl_->ProgramUniform4uiv(program->id(), kSectionsUniform, kBatchKindCount, gpu_.sections[0].data());
   gpu_.array = gl::VertexArray(*gl_);
   gpu_.command_feedback = gl::TransformFeedback(*gl_);
-  gpu_.command_feedback.set_buffer(gpu_.commands.id(), 0, gpu_.commands.size());
   gpu_.count_feedback = gl::TransformFeedback(*gl_);
+  done = gl::check_names(*gl_, {gpu_.array.id(), gpu_.command_feedback.id(), gpu_.count_feedback.id()},
+                         "objects for the search of visible records");
+  if (!done) return done;
+  gpu_.command_feedback.set_buffer(gpu_.commands.id(), 0, gpu_.commands.size());
   gpu_.count_feedback.set_buffer(gpu_.counts.id(), 0, gpu_.counts.size());
-  return {};
+  return make_view(*gl_, gpu_.commands, "GPU's draw commands", gpu_.command_texels);
 }
 
 /// Writes the parts of record batches' commands that the GPU does not change.

@@ -12,6 +12,9 @@ constexpr GLuint kDrawBuffers = 8;  // as many as GL guarantees
 
 core::Expected<const gl::Program*> PixelPass::program(gl::Program& made, const char* fragment, int samples,
                                                       std::initializer_list<const char*> defines) const {
+  if (no_attributes_.id() == 0) no_attributes_ = gl::VertexArray(*gl_);
+  if (auto there = gl::check_names(*gl_, {no_attributes_.id()}, "vertex array"); !there)
+    return tl::unexpected(there.error());
   if (made.id() != 0) return &made;
   gl::ProgramDescription description;
   description.name = fragment;

@@ -42,6 +42,7 @@ core::Expected<PointSplats> PointSplats::create(const gl::Context& context, cons
   splats.view_block_ = std::move(*block);
   splats.array_ = gl::VertexArray(gl);
   const GLuint array = splats.array_.id();
+  if (auto made = gl::check_names(gl, {array}, "vertex array of splats"); !made) return tl::unexpected(made.error());
   gl.EnableVertexArrayAttrib(array, kSplatPlace);
   gl.VertexArrayAttribFormat(array, kSplatPlace, 4, GL_FLOAT, GL_FALSE, 0);
   gl.VertexArrayAttribBinding(array, kSplatPlace, 0);

@@ -171,10 +171,13 @@ image::DepthImage RenderTarget::read_depth(const core::View& view) const {
   return image;
 }
 
-void RenderTarget::read_distances(const core::View& view, std::vector<float>& metres) const {
+core::Expected<void> RenderTarget::read_distances(const core::View& view, std::vector<float>& metres) const {
   assert(format_.samples == 1);
   metres.resize(std::size_t(width()) * std::size_t(height()));
+  gl::discard_errors(*gl_);
   drawn_.depth.read(0, GL_DEPTH_COMPONENT, GL_FLOAT, std::as_writable_bytes(std::span(metres)));
+  if (const GLenum error = gl::check_error(*gl_); error != GL_NO_ERROR)
+    return core::fail("render target: reading depth back failed with " + gl::error_name(error));
   // As gpuprims::eye_depth().
   const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
   const double a = clip[3][2], b = clip[3][3], c = clip[2][2], d = clip[2][3];
@@ -183,6 +186,7 @@ void RenderTarget::read_distances(const core::View& view, std::vector<float>& me
     const float distance = float((a - b * double(value)) / (c - d * double(value)));
     value = value == 0.0f ? kNothing : distance;
   }
+  return {};
 }
 
 double RenderTarget::orthographic_error(const core::View& view) {

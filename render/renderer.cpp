@@ -97,6 +97,8 @@ core::Expected<Renderer> Renderer::begin(const gl::Context& context) {
   renderer.gl_ = &gl;
   renderer.record_array_ = gl::VertexArray(gl);
   renderer.mesh_array_ = gl::VertexArray(gl);
+  auto made = gl::check_names(gl, {renderer.record_array_.id(), renderer.mesh_array_.id()}, "vertex arrays");
+  if (!made) return tl::unexpected(made.error());
   describe_mesh(gl, renderer.mesh_array_.id());
   auto block = gl::Buffer::create(gl, sizeof(gpuprims::ViewBlock), nullptr, GL_DYNAMIC_STORAGE_BIT, "view block");
   if (!block) return tl::unexpected(block.error());
@@ -126,7 +128,7 @@ core::Expected<void> Renderer::follow(const gpuscene::GpuScene& scene, const Tar
   const std::size_t before = kinds_.size();
   for (const gpuscene::Batch& batch : scene.batches())
     if (std::find(kinds_.begin(), kinds_.end(), batch.kind) == kinds_.end()) kinds_.push_back(batch.kind);
-  if (kinds_.size() == before) return {};
+  if (kinds_.size() == before && compiled_ == before) return {};
   std::optional<BatchPrograms> plain = std::move(programs_[std::size_t(Surface::kSolid)].plain);
   programs_ = {};  // the others are made for all kinds when they are next used
   programs_[std::size_t(Surface::kSolid)].plain = std::move(plain);
@@ -148,6 +150,7 @@ core::Expected<void> Renderer::make_programs(std::span<const BatchKind> kinds, c
     one.program = std::move((*programs)[i]);
     if (!gpuscene::is_ray_cast(kinds[i])) continue;
     one.pipeline = gl::ProgramPipeline(*gl_);
+    if (auto done = gl::check_names(*gl_, {one.pipeline.id()}, "program pipeline"); !done) return done;
     one.pipeline.set_stages(GL_VERTEX_SHADER_BIT | GL_GEOMETRY_SHADER_BIT, proxy_program_);
     one.pipeline.set_stages(GL_FRAGMENT_SHADER_BIT, one.program);
   }
@@ -164,14 +167,15 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
   std::vector<glm::vec4> rows = gpuprims::eye_relative_origins(view, snapshot.chunk_origins());
   rows.resize(std::max<std::size_t>(2, rows.size()));
   if (rows.size() > chunk_capacity_) {
-    chunk_capacity_ = 2 * rows.size();
-    auto buffer = gl::Buffer::create(*gl_, chunk_capacity_ * sizeof(glm::vec4), nullptr, GL_DYNAMIC_STORAGE_BIT,
-                                     "chunk origins");
+    const std::size_t capacity = 2 * rows.size();
+    auto buffer =
+        gl::Buffer::create(*gl_, capacity * sizeof(glm::vec4), nullptr, GL_DYNAMIC_STORAGE_BIT, "chunk origins");
     if (!buffer) return tl::unexpected(buffer.error());
-    chunk_rows_ = std::move(*buffer);
-    auto texels = gl::TextureBuffer::create(*gl_, chunk_rows_, GL_RGBA32F, "chunk origins");
+    auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_RGBA32F, "chunk origins");
     if (!texels) return tl::unexpected(texels.error());
     chunk_texels_ = std::move(*texels);
+    chunk_rows_ = std::move(*buffer);
+    chunk_capacity_ = capacity;
   }
   chunk_rows_.write(0, rows.size() * sizeof(glm::vec4), rows.data());
   return {};

@@ -50,6 +50,8 @@ core::Expected<SectionCaps> SectionCaps::create(const gl::Functions& gl, const g
   caps.list_ = std::move((*programs)[1]);
   caps.caps_ = std::move((*programs)[2]);
   caps.no_attributes_ = gl::VertexArray(gl);
+  auto made = gl::check_names(gl, {caps.no_attributes_.id()}, "vertex array of section caps");
+  if (!made) return tl::unexpected(made.error());
   return caps;
 }
 

@@ -13,7 +13,7 @@ cd "$(dirname "$0")/.."
 # Name, minutes on two cores with most objects in a compiler cache, and what it is.
 units="
 counts       8 long counts of random input, hostile files and exact pairs
-counts-gl    4 long counts of images: occlusion, portions, state of applications, joints of real models
+counts-gl    8 long counts of images: occlusion, portions, state of applications, joints of real models; calls of GL that fail
 isa          4 core, culling, ray tracer and primitives with narrower instruction sets
 tools        2 tools that are started many times, mpirun, pip
 osmesa       2 GL tests with OSMesa contexts
@@ -41,7 +41,7 @@ run_counts() {
 }
 run_counts-gl() {
   release
-  SIGHTLINE_LONG=1 ctest_in release -R '^(engine_gl\..*(OcclusionDrawnItems|Portions|ForeignState)|render_gl\..*JointImages)'
+  SIGHTLINE_LONG=1 ctest_in release -R '^(engine_gl\..*(OcclusionDrawnItems|Portions|ForeignState|Faults|CallsThatFail|AContextThatIsLost)|render_gl\..*JointImages)'
 }
 run_isa() {
   release

@@ -145,9 +145,10 @@ class ComputePass : public GpuPass {
   }
 
   std::optional<Found> found(std::size_t probe) override {
-    if (!fences_[probe]) return std::nullopt;
-    const GLenum state = gl_->ClientWaitSync(fences_[probe].get(), GL_SYNC_FLUSH_COMMANDS_BIT, 0);
-    if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED) return std::nullopt;
+    const GLenum state = fences_[probe] ? gl_->ClientWaitSync(fences_[probe].get(), GL_SYNC_FLUSH_COMMANDS_BIT, 0)
+                                        : GLenum(GL_WAIT_FAILED);  // the driver has made none
+    if (state == GL_TIMEOUT_EXPIRED) return std::nullopt;
+    if (state == GL_WAIT_FAILED) gl_->Finish();  // else this result, and all after it, would never be known
     const std::uint32_t in_view = mapped_[2 * probe], written = mapped_[2 * probe + 1];
     return Found{counts_in_view_[probe] ? in_view : written, written};
   }

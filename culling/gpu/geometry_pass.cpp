@@ -21,12 +21,7 @@ constexpr GLuint kCountedStream = 1, kApartStream = 2;  // of count_in_view.glsl
 class GeometryPass : public GpuPass {
  public:
   explicit GeometryPass(const gl::Functions& gl)
-      : gl_(&gl), cluster_array_(gl), item_array_(gl), item_feedback_(gl), probes_(kProbes) {
-    const GLuint array = item_array_.id();
-    gl.EnableVertexArrayAttrib(array, kClusterAttribute);
-    gl.VertexArrayAttribIFormat(array, kClusterAttribute, 1, GL_UNSIGNED_INT, 0);
-    gl.VertexArrayAttribBinding(array, kClusterAttribute, kClusterBufferBinding);
-  }
+      : gl_(&gl), cluster_array_(gl), item_array_(gl), item_feedback_(gl), probes_(kProbes) {}
 
   core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) override {
     auto done = fit(batches);
@@ -45,6 +40,16 @@ class GeometryPass : public GpuPass {
       }
       return pass;
     });
+  }
+
+  core::Expected<void> describe_items() const {
+    const GLuint array = item_array_.id();
+    auto made = gl::check_names(*gl_, {cluster_array_.id(), array, item_feedback_.id()}, "objects of the culler");
+    if (!made) return made;
+    gl_->EnableVertexArrayAttrib(array, kClusterAttribute);
+    gl_->VertexArrayAttribIFormat(array, kClusterAttribute, 1, GL_UNSIGNED_INT, 0);
+    gl_->VertexArrayAttribBinding(array, kClusterAttribute, kClusterBufferBinding);
+    return {};
   }
 
   core::Expected<void> make_framebuffer() {
@@ -128,7 +133,10 @@ class GeometryPass : public GpuPass {
     if (kept.clusters.size() >= bytes) return {};
     auto clusters = gl::Buffer::create(*gl_, bytes, nullptr, 0, "visible clusters");
     if (!clusters) return tl::unexpected(clusters.error());
-    kept = {std::move(*clusters), gl::TransformFeedback(*gl_)};
+    gl::TransformFeedback feedback(*gl_);
+    if (auto made = gl::check_names(*gl_, {feedback.id()}, "transform feedback of visible clusters"); !made)
+      return made;
+    kept = {std::move(*clusters), std::move(feedback)};
     kept.feedback.set_buffer(kept.clusters.id(), 0, kept.clusters.size());
     return {};
   }
@@ -212,7 +220,8 @@ core::Expected<std::unique_ptr<GpuPass>> make_geometry_pass(const gl::Context& c
   if (context.functions().workarounds[gl::Workaround::kNoFeedback])
     return core::fail("the driver's transform feedback is faulty (workaround no-feedback)");
   auto pass = std::make_unique<GeometryPass>(context.functions());
-  auto done = pass->make_framebuffer();
+  auto done = pass->describe_items();
+  if (done) done = pass->make_framebuffer();
   if (done) done = pass->fit(batches);
   if (!done) return tl::unexpected(done.error());
   return pass;

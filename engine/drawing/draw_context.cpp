@@ -65,9 +65,10 @@ core::Expected<void> DrawContext::draw_more(const core::View& view, const core::
   return renderer->draw_more(view, snapshot, *scene, *lists, onto, materials);
 }
 
-void DrawContext::read_back_depth(const core::View& view, const render::RenderTarget& from) {
-  from.read_distances(view, image->distances);
+core::Expected<void> DrawContext::read_back_depth(const core::View& view, const render::RenderTarget& from) {
+  if (auto done = from.read_distances(view, image->distances); !done) return done;
   image->pyramid.build(image->distances, target().width(), target().height());
+  return {};
 }
 
 core::Expected<void> DrawContext::compose() {

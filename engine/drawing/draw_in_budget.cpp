@@ -102,7 +102,7 @@ core::Expected<void> DrawInBudget::draw_passes(DrawContext& context, const DrawI
     context.coarsened = 0.0;
     if (!done) return done;
     if (tests) {
-      context.read_back_depth(culled.view, canvas);
+      if (auto read = context.read_back_depth(culled.view, canvas); !read) return read;
     } else {
       context.gl().Finish();
     }

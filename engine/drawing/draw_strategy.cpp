@@ -27,8 +27,7 @@ core::Expected<DrawCounts> DrawInPasses::draw(DrawContext& context, const DrawIn
     context.clusters = culled.view.sections.empty() ? &image.clusters : nullptr;
     auto done = context.draw_more(culled.view, culled.snapshot, pass, image.target);
     context.clusters = nullptr;
-    if (done) context.read_back_depth(culled.view, image.target);
-    return done;
+    return done ? context.read_back_depth(culled.view, image.target) : done;
   };
   for (int pass = 0; image.passes.next(test, bounds); ++pass) {
     if (auto done = draw_pass(image.passes.pass()); !done) return tl::unexpected(done.error());

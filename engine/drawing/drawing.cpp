@@ -323,7 +323,10 @@ core::Expected<void> Drawing::cull(const core::View& cull_view, const core::View
                                    std::uint64_t frame) {
   if (auto current = make_current(); !current) return current;
   if (auto done = follow_levels(core::deadline_in(kLevelsSeconds)); !done) return done;
-  return culling_.cull(context_, cull_view, view, snapshot, frame);
+  if (auto made = add_culler(snapshot); !made) return made;
+  auto done = culling_.cull(context_, cull_view, view, snapshot, frame);
+  if (!done) culling_.use(std::nullopt);  // what it has of the scene may be incomplete; the next call makes another
+  return done;
 }
 
 core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {

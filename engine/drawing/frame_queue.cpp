@@ -26,8 +26,12 @@ double FrameQueue::wait_for_room() {
 void FrameQueue::wait_for_oldest() {
   const InFlight oldest = in_flight_.front();
   in_flight_.pop_front();
-  const bool ready = gl_->ClientWaitSync(oldest.fence, GL_SYNC_FLUSH_COMMANDS_BIT, 0) == GL_ALREADY_SIGNALED;
-  if (!ready) gl_->ClientWaitSync(oldest.fence, GL_SYNC_FLUSH_COMMANDS_BIT, kLongestFenceWait);
+  const auto wait = [&](GLuint64 ns) -> GLenum {
+    return oldest.fence ? gl_->ClientWaitSync(oldest.fence, GL_SYNC_FLUSH_COMMANDS_BIT, ns) : GL_WAIT_FAILED;
+  };
+  const bool ready = wait(0) == GL_ALREADY_SIGNALED;
+  // A driver without memory makes no fence, or cannot wait for it.
+  if (!ready && wait(kLongestFenceWait) == GL_WAIT_FAILED) gl_->Finish();
   gl_->DeleteSync(oldest.fence);
   const double now = now_seconds();
   drawn_.push_back({oldest.frame, ready ? 0.0 : 1e3 * (now - std::max(last_drawn_, oldest.submitted))});

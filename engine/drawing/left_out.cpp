@@ -81,7 +81,7 @@ core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& cull
   if (target.format().samples == 1 && !sampled.single_slots.empty()) {
     std::vector<float> distances;
     culling::DepthPyramid pyramid;
-    target.read_distances(view, distances);
+    if (auto read = target.read_distances(view, distances); !read) return tl::unexpected(read.error());
     pyramid.build(distances, target.width(), target.height());
     culling::OcclusionTest(view, bounds.origin, target.width(), target.height(), pyramid,
                            render::RenderTarget::orthographic_error(view), context.snap())

@@ -83,7 +83,8 @@ core::Expected<void> OcclusionPrepass::rasterise(DrawContext& context, const Cul
     if (first)
       if (auto done = draw_meshes(context, culled); !done) return done;
     solids_.add(image.passes.pass(), &context.threads);
-    if (first && !meshes_.single_slots.empty()) image.target.read_distances(view, image.distances);
+    if (first && !meshes_.single_slots.empty())
+      if (auto read = image.target.read_distances(view, image.distances); !read) return read;
     solids_.build(image.pyramid, image.distances, &context.threads);
   }
   return {};

@@ -48,7 +48,7 @@ core::Expected<std::int64_t> UnseenItems::draw(DrawContext& context, const core:
   const core::ItemBounds& bounds = snapshot.bounds();
   const core::VisibleSet* left = &unseen_;
   if (context.may_test_occlusion()) {
-    context.read_back_depth(view, context.target());
+    if (auto read = context.read_back_depth(view, context.target()); !read) return tl::unexpected(read.error());
     context.occlusion_test(view, bounds).filter(bounds, unseen_, drawn_);
     left = &drawn_;
   }

@@ -40,9 +40,10 @@ struct EngineState {
   std::unique_ptr<Backend> backend = std::make_unique<Backend>();  // never null
   std::unique_ptr<Backend> coming;  // that use_context() makes in portions, while `backend` is not ready; or null
   const gl::Context* coming_in = nullptr;  // the context of `coming`
-  double next_try = -1.0;                  // when to try to make a context, in seconds; below 0: none is missing
-  double last_frame_began = -1.0;          // seconds on the steady clock
-  double frame_seconds = 0.0;              // duration of the last frame
+  bool gpu_behind = false;  // an update of the backend has failed: it shows the snapshot only once it is made anew
+  double next_try = -1.0;   // when to try to make a context, in seconds; below 0: none is missing
+  double last_frame_began = -1.0;  // seconds on the steady clock
+  double frame_seconds = 0.0;      // duration of the last frame
   std::uint64_t frames = 0;
   bool picks = false;  // the application has picked
 #if SIGHTLINE_HAS_RAYTRACE
@@ -88,11 +89,22 @@ void follow_in_landing(EngineState& s, const core::SceneDelta& edited, std::span
 /// Makes what the plan needs in the context: everything for a new scene version or a new context, otherwise what
 /// is missing. Does nothing while the context is lost.
 core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version);
+/// Makes everything anew where the backend could not follow an edit.
+core::Expected<void> make_gpu_follow(EngineState& s);
+/// Ignores an error that comes from losing the context: the next frame handles the loss.
+core::Expected<void> unless_lost(const EngineState& s, core::Expected<void> done);
+/// Result of an update of the backend for an edit, which `update()` makes. Where an update fails, and where one has
+/// failed before, everything is made anew instead, at once or by the next call that needs it.
+template <class Update>
+core::Expected<void> update_backend(EngineState& s, const Update& update) {
+  if (s.gpu_behind) return make_gpu_follow(s);
+  auto done = unless_lost(s, update());
+  s.gpu_behind = !done;
+  return done;
+}
 /// Detects a lost context, and tries to replace it if the engine made it.
 void look_after_context(EngineState& s);
 void drop_context(EngineState& s);
-/// Ignores an error that comes from losing the context: the next frame handles the loss.
-core::Expected<void> unless_lost(const EngineState& s, core::Expected<void> done);
 /// Adds to the plan what is known only once there is a context: how it was made, and the variant of the GPU culler.
 void note_context(EngineState& s);
 

@@ -1,9 +1,12 @@
 // Sole ownership of one GL object name. The classes of this folder are built on it.
 #pragma once
 
+#include <initializer_list>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
+#include "sightline/core/error.h"
 #include "sightline/gl/functions.h"
 
 namespace sightline::gl {
@@ -40,11 +43,17 @@ class Handle {
 };
 
 /// Makes one name with an entry point such as &Functions::CreateVertexArrays. `target`: for entry points that take one.
+/// 0 where the driver has no memory: see check_names().
 template <auto Create, class... Target>
 GLuint create_name(const Functions& gl, Target... target) {
   GLuint name = 0;
   (gl.*Create)(target..., 1, &name);
   return name;
 }
+
+/// Fails with GL's error if one of the names is 0. What is bound or drawn with name 0 would be lost without a word, or
+/// go to the application's window. `what` names the objects.
+SIGHTLINE_API core::Expected<void> check_names(const Functions& gl, std::initializer_list<GLuint> names,
+                                               std::string_view what);
 
 }  // namespace sightline::gl

@@ -15,9 +15,14 @@ class Query {
   Query(const Functions& gl, GLenum target)
       : handle_(gl, create_name<&Functions::CreateQueries>(gl, target)), target_(target) {}
 
-  /// `stream`: of a geometry stage, for targets that have one result per stream; the same in end().
-  void begin(GLuint stream = 0) const { handle_.gl().BeginQueryIndexed(target_, stream, handle_.name()); }
-  void end(GLuint stream = 0) const { handle_.gl().EndQueryIndexed(target_, stream); }
+  /// `stream`: of a geometry stage, for targets that have one result per stream; the same in end(). Both do nothing
+  /// when empty().
+  void begin(GLuint stream = 0) const {
+    if (!empty()) handle_.gl().BeginQueryIndexed(target_, stream, handle_.name());
+  }
+  void end(GLuint stream = 0) const {
+    if (!empty()) handle_.gl().EndQueryIndexed(target_, stream);
+  }
   /// Result of the last begin() and end(). Waits for the GPU.
   GLuint result() const { return read(GL_QUERY_RESULT, 0); }
   /// The same, or nothing while the GPU has not finished. Never waits.
@@ -26,7 +31,7 @@ class Query {
     const GLuint value = read(GL_QUERY_RESULT_NO_WAIT, kUnknown);
     return value == kUnknown ? std::nullopt : std::optional(value);
   }
-  /// True when default-made.
+  /// True when default-made, and where the driver has made none.
   bool empty() const { return handle_.name() == 0; }
 
  private:

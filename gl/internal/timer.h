@@ -21,8 +21,8 @@ class GpuTimer {
   GpuTimer& operator=(GpuTimer&& other) noexcept;
   ~GpuTimer();
 
-  /// Starts a span. False when all slots are still unread, and always under Workaround::kNoTimer: then the span is not
-  /// measured, but end() must be called.
+  /// Starts a span. False when all slots are still unread, and always where the driver has made no queries or under
+  /// Workaround::kNoTimer: then the span is not measured, but end() must be called.
   bool begin();
   void end();
 

@@ -17,7 +17,7 @@ class PixelPass {
   /// Uniforms that all fragment shaders for begin() have.
   enum Uniform : GLint { kCorner = 0, kLinearColour = 2 };
 
-  explicit PixelPass(const gl::Functions& gl) : gl_(&gl), no_attributes_(gl) {}
+  explicit PixelPass(const gl::Functions& gl) : gl_(&gl) {}
 
   /// `made`, which is made first if it is empty: for textures of so many samples. Fails with the driver's log.
   core::Expected<const gl::Program*> program(gl::Program& made, const char* fragment, int samples,
@@ -35,7 +35,7 @@ class PixelPass {
 
  private:
   const gl::Functions* gl_;
-  gl::VertexArray no_attributes_;
+  mutable gl::VertexArray no_attributes_;  // made with the first program
 };
 
 }  // namespace sightline::render

@@ -66,8 +66,8 @@ class RenderTarget {
   std::vector<float> read_reversed_depths() const;
   /// The same for occlusion tests between two passes of a frame: row by row from the bottom up. Only for a target with
   /// one sample per pixel. In orthographic views distances are off by orthographic_error() at most, in perspective ones
-  /// by a few units in the last place.
-  void read_distances(const core::View& view, std::vector<float>& metres) const;
+  /// by a few units in the last place. Fails with GL's error: what it would leave in `metres` must not hide anything.
+  core::Expected<void> read_distances(const core::View& view, std::vector<float>& metres) const;
   /// What a float depth loses of a distance, metres; 0 in perspective views.
   static double orthographic_error(const core::View& view);
 

@@ -25,7 +25,21 @@
 #include "sightline/lod/stored_levels.h"
 #include "sightline/render/image/image.h"
 #include "sightline/tests/importers/slc_bytes.h"
+#include "sightline/tests/support/effort.h"
+#include "sightline/tests/support/faulty_gl.h"
 #include "sightline/tests/support/gl_test.h"
+
+namespace sightline::engine {
+
+/// Makes a paged engine in a context whose calls a test may let fail.
+struct PagedEngineInContext {
+  static core::Expected<PagedEngine> create(const gl::Context& context, core::PagedScene scene,
+                                            const PagedConfig& config) {
+    return PagedEngine::create_in(context.share(), std::move(scene), config);
+  }
+};
+
+}  // namespace sightline::engine
 
 namespace sightline::engine::paged_engine_test {
 namespace {
@@ -600,6 +614,87 @@ TEST_F(PagedEngineTest, WaitsForEverWhenAsked) {
     EXPECT_TRUE(paged->wait(none));
   EXPECT_TRUE(paged->wait(std::numeric_limits<double>::infinity()));
   EXPECT_GE(paged->frame(view)->loaded, 1u);
+}
+
+/// A call that fails for want of memory, or is refused, makes the engine's call fail, which works when it is made
+/// again. `count`: calls that fail, from a number on.
+void fail_while_pages_come(gl::Context& context, const std::function<core::PagedScene()>& open, int count) {
+  const PagedConfig config{
+      .width = kWidth, .height = kHeight, .ids = true, .memory_limit = kMany, .loading_bar = false};
+  tests::FaultyGl faulty(context);
+  std::optional<PagedEngine> paged;
+  core::Expected<PagedReport> report;
+  const auto create = [&]() -> core::Expected<void> {
+    auto made = PagedEngineInContext::create(context, open(), config);
+    if (!made) return tl::unexpected(made.error());
+    paged = std::move(*made);
+    return {};
+  };
+  const auto settle = [&]() -> core::Expected<void> {
+    const View view = *View::fit(paged->scene().fitted.bounds, {1, 1, -0.7}, 0.8, double(kWidth) / kHeight);
+    report = paged->settle(view);
+    return report.map([](const PagedReport&) {});
+  };
+  int errors = 0, fallible = 0, tries = 0;
+  image::Image wanted;
+  for (int i = 0; i < 2; ++i) {  // the first run may have to compile programs
+    faulty.reset();
+    ASSERT_TRUE(create() && settle());
+    fallible = faulty.fallible();
+    wanted = paged->read_colour();
+    paged.reset();
+  }
+  std::mt19937 random(43);
+  const int step = tests::long_run() ? 1 : fallible / 12;
+  for (int number = int(random() % unsigned(step)); number < fallible; number += step, ++tries) {
+    SCOPED_TRACE("call " + std::to_string(number) + " of " + std::to_string(fallible));
+    faulty.reset();
+    faulty.fail(number, count);
+    for (const std::function<core::Expected<void>()>& call :
+         {std::function<core::Expected<void>()>(create), {settle}}) {
+      auto done = call();
+      if (!done) {
+        ++errors;
+        EXPECT_FALSE(done.error().message.empty());
+        if (paged) (void)settle();
+        (void)context.take_errors();
+        faulty.stop();
+        done = call();
+      }
+      ASSERT_TRUE(done) << "after " << faulty.failed_first() << ": " << done.error().message;
+      for (const std::string& error : context.take_errors())
+        if (error != "GetError: GL_OUT_OF_MEMORY") ADD_FAILURE() << "GL error left: " << error;
+    }
+    EXPECT_TRUE(report->complete);
+    EXPECT_EQ(paged->read_colour().pixels, wanted.pixels) << "after " << faulty.failed_first();
+    paged.reset();
+  }
+  std::printf("%d of %d calls that may fail: %d errors, %d not noticed\n", tries, fallible, errors, tries - errors);
+}
+
+TEST_F(PagedEngineTest, CallsThatFailWorkWhenTheyAreMadeAgain) {
+  std::mt19937 random(5);
+  const std::string file = write(mixed_scene(random, 2000));
+  for (const int count : {1, tests::FaultyGl::kForever})
+    fail_while_pages_come(
+        *context, [&] { return open(file); }, count);
+}
+
+TEST_F(PagedEngineTest, AContextThatIsLostIsAnError) {
+  std::mt19937 random(5);
+  const std::string file = write(mixed_scene(random, 500));
+  for (int i = 0; i < tests::repeated(100); ++i) {
+    auto made = gl::Context::create_offscreen();
+    ASSERT_TRUE(made);
+    tests::FaultyGl faulty(*made);
+    faulty.lose(int(random() % 4000));
+    auto paged =
+        PagedEngineInContext::create(*made, open(file), {.width = kWidth, .height = kHeight, .memory_limit = kMany});
+    for (int frame = 0; frame < 3 && paged; ++frame) {
+      const auto report = paged->settle(overview(*paged));
+      EXPECT_EQ(bool(report), !faulty.lost());
+    }
+  }
 }
 
 TEST_F(PagedEngineTest, AnEmptySceneIsComplete) {

@@ -74,7 +74,7 @@ struct DrawContext {
   core::Expected<void> draw_more(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set,
                                  const render::RenderTarget& onto, const gl::TextureBuffer* materials = nullptr);
   /// Builds the image's depth pyramid from the depth of `from`.
-  void read_back_depth(const core::View& view, const render::RenderTarget& from);
+  core::Expected<void> read_back_depth(const core::View& view, const render::RenderTarget& from);
   void clear_pyramid() { image->pyramid.clear(target().width(), target().height()); }
   /// Puts the image into the external target.
   core::Expected<void> compose();
