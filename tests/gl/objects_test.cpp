@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "sightline/gl/internal/texture.h"
 #include "sightline/gl/internal/timer.h"
 #include "sightline/gl/internal/vertex_array.h"
+#include "sightline/tests/support/faulty_gl.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::gl::objects_test {
@@ -236,6 +238,57 @@ TEST_F(ObjectsTest, VertexArrayBinds) {
   GLint bound = 0;
   gl().GetIntegerv(GL_VERTEX_ARRAY_BINDING, &bound);
   EXPECT_EQ(static_cast<GLuint>(bound), vertices.id());
+}
+
+/// Whichever call fails: the error names the object, and no call is made with what is not there.
+TEST_F(ObjectsTest, WhatCannotBeMadeIsAnErrorThatNamesIt) {
+  const auto buffer = Buffer::create(gl(), 64, nullptr, 0, "texels");
+  const auto texture = Texture2D::create(gl(), 4, 4, GL_RGBA8, "image");
+  ASSERT_TRUE(buffer && texture);
+  const Attachment attachment{GL_COLOR_ATTACHMENT0, &*texture};
+  const auto message = [](const auto& made) { return made ? std::string() : made.error().message; };
+  const std::function<std::string()> makers[] = {
+      [&] { return message(Buffer::create(gl(), 64, nullptr, 0, "thing")); },
+      [&] { return message(TextureBuffer::create(gl(), *buffer, GL_R32UI, "thing")); },
+      [&] { return message(Texture2D::create(gl(), 4, 4, GL_RGBA8, "thing")); },
+      [&] { return message(Texture2D::create(gl(), 4, 4, GL_RGBA8, "thing", 4)); },
+      [&] {
+        return message(Framebuffer::create(gl(), {&attachment, 1}, "thing"));
+      },
+      [&] { return message(Framebuffer::create_attachmentless(gl(), 4, 4, "thing")); },
+  };
+  tests::FaultyGl faulty(*context);
+  for (const auto& make : makers) {
+    faulty.reset();
+    EXPECT_EQ(make(), "");
+    const int fallible = faulty.fallible();
+    EXPECT_GE(fallible, 2);
+    for (int number = 0; number < fallible; ++number) {
+      faulty.reset();
+      faulty.fail(number);
+      EXPECT_NE(make().find("'thing'"), std::string::npos) << faulty.failed_first();
+      for (const std::string& error : context->take_errors()) ADD_FAILURE() << faulty.failed_first() << ": " << error;
+    }
+  }
+}
+
+TEST_F(ObjectsTest, LargeBuffersTakeTheDriversMemoryWhereOursIsRefused) {
+  if (!gl().pinned_memory) GTEST_SKIP() << "the driver takes no memory of ours";
+  tests::FaultyGl faulty(*context);
+  faulty.fail(1);  // after the name
+  const auto buffer = Buffer::create(gl(), std::size_t(8) << 20, nullptr, GL_DYNAMIC_STORAGE_BIT, "large");
+  EXPECT_EQ(faulty.failed_first(), "BufferData");
+  ASSERT_TRUE(buffer) << buffer.error().message;
+  EXPECT_EQ(buffer->memory(), nullptr);
+}
+
+TEST_F(ObjectsTest, TimersWithoutQueriesMeasureNothing) {
+  tests::FaultyGl faulty(*context);
+  faulty.fail(0);
+  GpuTimer timer(gl());
+  EXPECT_FALSE(timer.begin());
+  timer.end();
+  EXPECT_FALSE(timer.poll());
 }
 
 }  // namespace
