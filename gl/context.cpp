@@ -112,6 +112,14 @@ void follow_workarounds(Functions& gl, Capabilities& caps) {
 // Programs and results of another version of the test are not recalled.
 constexpr std::string_view kDriverTestKey = "driver test 1";
 
+/// False when a lack of memory, say, kept a check from running that every context allows.
+bool ran(const DriverTest& test) {
+  for (const DriverCheck check : {DriverCheck::kClipControl, DriverCheck::kConservativeDepth, DriverCheck::kBaseVertex,
+                                  DriverCheck::kFeedback, DriverCheck::kPreciseSums})
+    if (test[check] == CheckResult::kNotRun) return false;
+  return true;
+}
+
 std::string to_text(const DriverTest& test) {
   std::string text;
   for (const CheckResult result : test.results) text += char('0' + int(result));
@@ -299,7 +307,7 @@ void Context::test_driver() {
   const auto recalled = cache ? cache->recall(kDriverTestKey) : std::nullopt;
   if (!recalled || !from_text(*recalled, test)) {
     test = run_driver_test(state_->gl, state_->capabilities);
-    if (cache) cache->remember(kDriverTestKey, to_text(test));
+    if (cache && ran(test)) cache->remember(kDriverTestKey, to_text(test));
   }
   state_->gl.workarounds = choose_workarounds(test, state_->switches);
   follow_workarounds(state_->gl, state_->capabilities);

@@ -102,6 +102,14 @@ TEST_F(DriverTestTest, WhatCannotBeTriedIsNotRun) {
 
 TEST_F(DriverTestTest, IsRememberedWithThePrograms) {
   const auto folder = std::filesystem::temp_directory_path() / ("driver_test_" + std::to_string(::getpid()));
+  {
+    auto without_memory = Context::create_offscreen();
+    ASSERT_TRUE(without_memory);
+    const_cast<Functions&>(without_memory->functions()).CreateTextures = [](GLenum, GLsizei, GLuint* names) { *names = 0; };
+    without_memory->cache_programs(folder);
+    without_memory->test_driver();
+  }
+  ASSERT_TRUE(context->make_current());
   context->cache_programs(folder);
   context->test_driver();
   EXPECT_FALSE(context->driver_test().remembered);
