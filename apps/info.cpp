@@ -188,7 +188,7 @@ int main(int argc, char** argv) {
   apps::add_context_option(line, platform);
   const auto files = line.option("MODEL").required(false);
   line.check([flag, files]() -> core::Expected<void> {
-    if (flag.given() == files.given()) return core::fail("expected MODEL, or --gl alone");
+    if (flag.given() == files.given()) return core::fail("MODEL is required, or --gl alone");
     return {};
   });
 #endif

@@ -135,7 +135,8 @@ std::size_t ResidentPage::memory_bytes() const {
               (mesh.indices.size() + mesh.contour_sizes.size() + mesh.polygon_contours.size()) * sizeof(std::uint32_t);
   }
   const std::size_t mesh_items = scene.meshes().records();
-  return meshes + level_bytes + content->snapshot.memory_bytes() + scene.memory_bytes() + lists.memory_bytes() +
+  const std::size_t list_bytes = std::max(lists.memory_bytes(), gpuscene::DrawLists::first_update_bytes());
+  return meshes + level_bytes + content->snapshot.memory_bytes() + scene.memory_bytes() + list_bytes +
          mesh_items * kMeshListBytes + content->snapshot.size() * kListBytes;
 }
 
@@ -160,7 +161,7 @@ std::size_t PageStore::bytes_of(const core::PagedScene::PageInfo& info) {
              records[batch] * kListBytes;
   }
   bytes += records[std::size_t(gpuscene::BatchKind::kMesh)] * kMeshListBytes;
-  return bytes + info.level_indices * kLevelIndexBytes +
+  return bytes + gpuscene::DrawLists::first_update_bytes() + info.level_indices * kLevelIndexBytes +
          2 * (info.mesh_positions * gpuscene::MeshPool::kVertexBytes + info.mesh_indices * sizeof(std::uint32_t));
 }
 

@@ -140,6 +140,10 @@ class DrawLists {
   /// 0, 1, 2, … up to the mesh batch's capacity: the instance attribute of meshes.
   const gl::Buffer& mesh_instances() const { return mesh_instances_; }
   std::size_t memory_bytes() const;
+  /// Of these, what the first update() makes at least.
+  static constexpr std::size_t first_update_bytes() {
+    return RingBuffer<ElementsCommand>::bytes(kLeastCommands) + RingBuffer<std::uint32_t>::bytes(kLeastSingles);
+  }
 
  private:
   /// An item's mesh: the command that draws it from its first index on, and its indices, if these are to be tested.
@@ -168,8 +172,9 @@ class DrawLists {
 
   const gl::Functions* gl_ = nullptr;
   gl::Buffer record_indices_, mesh_instances_;
-  RingBuffer<ElementsCommand> commands_{"draw commands", 256};
-  RingBuffer<std::uint32_t> singles_{"visible records", 1024};
+  static constexpr std::size_t kLeastCommands = 256, kLeastSingles = 1024;
+  RingBuffer<ElementsCommand> commands_{"draw commands", kLeastCommands, 4};  // levels of detail need more from view to view
+  RingBuffer<std::uint32_t> singles_{"visible records", kLeastSingles, 3};
   gl::TextureBuffer single_texels_;
   std::array<Section, kBatchKindCount> sections_;
   VisibleRecords visible_;
@@ -179,7 +184,7 @@ class DrawLists {
   std::vector<lod::IndexRange> ranges_;
   bool picks_ = false;  // triangles that show, into picked_indices_
   TriangleStream picked_;
-  RingBuffer<std::uint32_t> picked_indices_{"triangles that show", 0};
+  RingBuffer<std::uint32_t> picked_indices_{"triangles that show", 0, 3};
   MeshCounts mesh_counts_;
 
   /// Buffers that the GPU fills. One copy is enough: the GPU works in order.

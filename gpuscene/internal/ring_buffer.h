@@ -13,15 +13,16 @@ namespace sightline::gpuscene {
 template <class Element>
 class RingBuffer {
  public:
-  /// `what` names the contents, as in gl::Buffer::create(). Regions hold at least so many elements.
-  RingBuffer(const char* what, std::size_t least) : what_(what), least_(least) {}
+  /// `what` names the contents, as in gl::Buffer::create(). Regions hold at least so many elements; when they grow, they
+  /// get so many halves of what is needed then.
+  RingBuffer(const char* what, std::size_t least, std::size_t halves) : what_(what), least_(least), halves_(halves) {}
 
-  /// Makes each region hold so many elements. Where they did not, the buffer is another one without contents, its
-  /// regions are half as large again as that, and the result is true.
+  /// Makes each region hold so many elements. Where they did not, the buffer is another one without contents, and the
+  /// result is true.
   core::Expected<bool> reserve(const gl::Functions& gl, std::size_t count) {
     if (count <= capacity_) return false;
-    const std::size_t capacity = std::max(least_, count + count / 2);
-    auto made = gl::Buffer::create(gl, kRegions * capacity * sizeof(Element), nullptr, GL_DYNAMIC_STORAGE_BIT, what_);
+    const std::size_t capacity = std::max(least_, count * halves_ / 2);
+    auto made = gl::Buffer::create(gl, bytes(capacity), nullptr, GL_DYNAMIC_STORAGE_BIT, what_);
     if (!made) return tl::unexpected(made.error());
     buffer_ = std::move(*made);
     capacity_ = capacity;
@@ -36,12 +37,14 @@ class RingBuffer {
     buffer_.write((begin() + first) * sizeof(Element), elements.size_bytes(), elements.data());
   }
   const gl::Buffer& buffer() const { return buffer_; }
+  /// Of a buffer whose regions hold so many elements.
+  static constexpr std::size_t bytes(std::size_t count) { return kRegions * count * sizeof(Element); }
 
  private:
   static constexpr std::size_t kRegions = 3;
 
   const char* what_;
-  std::size_t least_, capacity_ = 0;  // elements of a region
+  std::size_t least_, halves_, capacity_ = 0;  // elements of a region
   std::size_t region_ = 0;
   gl::Buffer buffer_;
 };
