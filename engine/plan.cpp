@@ -40,15 +40,23 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, const PlanRequest&
       {"layers in the culler", layers, layers ? "items on several layers" : "all items on the model layer"});
 }
 
+/// Unless it is asked for or switched off, a culler on the GPU tests occlusion in scenes of many items, and one on the
+/// CPU while that is found to pay. Of how many items it tries that depends on what draws, which is not known yet.
 void plan_occlusion(Plan& plan, std::size_t items, const PlanRequest& request) {
-  const bool few = request.occlusion == OcclusionChoice::kAutomatic && items < kSmallOcclusionScene;
-  plan.entries.push_back(
-      {"occlusion test", request.draw && request.occlusion != OcclusionChoice::kOff && !few,
-       request.occlusion == OcclusionChoice::kOff  ? "switched off"
-       : request.occlusion == OcclusionChoice::kOn ? "asked for"
-       : few ? count_text(items) + ", fewer than " + std::to_string(kSmallOcclusionScene) + ": too few to profit"
-       : plan.gpu_culls() && items >= kGpuOcclusionScene ? "where a GPU culls; elsewhere while it pays"
-                                                         : "while it pays"});
+  const auto note = [&](bool used, std::string why) {
+    plan.entries.push_back({"occlusion test", request.draw && used, std::move(why)});
+  };
+  if (request.occlusion == OcclusionChoice::kOff) return note(false, "switched off");
+  if (request.occlusion == OcclusionChoice::kOn) return note(true, "asked for");
+  const bool gpu_alone = plan.culler == CullerChoice::kGpu;
+  const std::size_t least = gpu_alone ? kGpuOcclusionScene : kSmallOcclusionScene;
+  const std::string limit = std::to_string(least);
+  if (items < least) return note(false, count_text(items) + ", fewer than " + limit + ": too few to profit");
+  if (gpu_alone) return note(true, count_text(items) + ", at least " + limit);
+  std::string why = items < kSmallOcclusionSceneForGpu ? "while it pays, where software draws" : "while it pays";
+  if (plan.gpu_culls())
+    why.insert(0, items < kGpuOcclusionScene ? "where the CPU culls: " : "where a GPU culls; elsewhere ");
+  note(true, std::move(why));
 }
 
 void plan_losses(Plan& plan, const PlanRequest& request) {

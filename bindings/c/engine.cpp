@@ -65,6 +65,12 @@ gl::ExternalTarget target_of(const sl_external_target* from) {
           to.linear_colour != 0};
 }
 
+void tell_lines(const std::vector<std::string>& lines, std::string& not_told, sl_text* text) {
+  for (const std::string& line : lines) not_told += line + '\n';
+  write_text(text, not_told);
+  if (not_told.size() < text->capacity) not_told.clear();
+}
+
 std::span<const core::ItemId> items_of(const sl_item* items, std::size_t count) {
   require(items || count == 0, "items, found null");
   static_assert(sizeof(core::ItemId) == sizeof(sl_item));
@@ -279,10 +285,7 @@ sl_status sl_engine_renderer(sl_engine handle, sl_text* text) {
 sl_status sl_engine_take_gl_errors(sl_engine handle, sl_text* text) {
   return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
     check_text(text);
-    std::string& kept = engine.object().gl_errors;
-    for (const std::string& error : engine->take_gl_errors()) kept += error + '\n';
-    write_text(text, kept);
-    if (kept.size() < text->capacity) kept.clear();
+    tell_lines(engine->take_gl_errors(), engine.object().gl_errors, text);
   });
 }
 
@@ -373,21 +376,6 @@ sl_status sl_engine_use_context_for(sl_engine handle, sl_get_proc get_proc, void
 }
 
 // --- images ----------------------------------------------------------------------------------------------------------
-
-#if SIGHTLINE_HAS_GL
-namespace {
-
-template <class T, class Pixels>
-void write_image(const Pixels& from, T* to, std::size_t capacity) {
-  require(to != nullptr, "room for the image, found null");
-  if (capacity < from.size())
-    refuse(SL_ERROR_ARGUMENT,
-           "the image has " + std::to_string(from.size()) + " values, found room for " + std::to_string(capacity));
-  std::copy(from.begin(), from.end(), to);
-}
-
-}  // namespace
-#endif
 
 sl_status sl_engine_read_colour(sl_engine handle, uint8_t* rgb, size_t capacity) {
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {

@@ -20,6 +20,7 @@ enum class HandleKind : std::uint64_t {
   kMesh,
   kMaterial,
   kOccluderRaster,
+  kPagedEngine,
   kCount
 };
 
@@ -36,7 +37,7 @@ constexpr std::uint64_t high_of(std::uint64_t handle) {
 
 const char* name_of(HandleKind kind) {
   constexpr std::array<const char*, std::size_t(HandleKind::kCount)> kNames = {
-      "handle", "scene", "engine", "box culler", "node", "mesh", "material", "occluder raster"};
+      "handle", "scene", "engine", "box culler", "node", "mesh", "material", "occluder raster", "paged engine"};
   return kind < HandleKind::kCount ? kNames[std::size_t(kind)] : kNames[0];
 }
 
@@ -95,6 +96,9 @@ struct Tables {
   Table<EngineObject, HandleKind::kEngine> engines;
   Table<BoxCullerObject, HandleKind::kBoxCuller> box_cullers;
   Table<OccluderRasterObject, HandleKind::kOccluderRaster> occluder_rasters;
+#if SIGHTLINE_CAPI_HAS_PAGES
+  Table<PagedEngineObject, HandleKind::kPagedEngine> paged_engines;
+#endif
 };
 
 /// Never destroyed: handles may be used while the process ends.
@@ -208,6 +212,32 @@ std::shared_ptr<OccluderRasterObject> find(sl_occluder_raster handle) {
   const std::lock_guard lock(tables().mutex);
   return tables().occluder_rasters.at(handle.id);
 }
+
+#if SIGHTLINE_CAPI_HAS_PAGES
+sl_paged_engine add_paged_engine(std::shared_ptr<PagedEngineObject> engine) {
+  const std::lock_guard lock(tables().mutex);
+  return {tables().paged_engines.add(std::move(engine))};
+}
+std::shared_ptr<PagedEngineObject> remove(sl_paged_engine handle) {
+  const std::lock_guard lock(tables().mutex);
+  return tables().paged_engines.remove(handle.id);
+}
+std::shared_ptr<PagedEngineObject> find(sl_paged_engine handle) {
+  const std::lock_guard lock(tables().mutex);
+  return tables().paged_engines.at(handle.id);
+}
+
+PagedEngineUse::PagedEngineUse(PagedEngineObject& object) : object_(object) {
+  if (object.user == std::this_thread::get_id())
+    refuse(SL_ERROR_BUSY, "the engine is in use by the call that this one is made within");
+  object.mutex.lock();
+  object.user = std::this_thread::get_id();
+}
+PagedEngineUse::~PagedEngineUse() {
+  object_.user = std::thread::id();
+  object_.mutex.unlock();
+}
+#endif
 
 std::shared_ptr<SceneObject> share(sl_scene handle) {
   const std::lock_guard lock(tables().mutex);

@@ -35,6 +35,7 @@ PYBIND11_MODULE(_sightline, m) {
   bind_images(m);
   bind_culling(m);
   bind_engine(m);
+  bind_paged(m);
   tell_signatures(m);
   m.attr("__name__") = name;
 }

@@ -14,5 +14,6 @@ void bind_scene(py::module_& m);
 void bind_images(py::module_& m);
 void bind_culling(py::module_& m);
 void bind_engine(py::module_& m);
+void bind_paged(py::module_& m);
 
 }  // namespace sightline::python

@@ -2,7 +2,7 @@
 """Checks the table of docs/reference/api-parity.md: check_parity.py ROOT.
 
 - Each field of the settings and reports of engines, each setting of imports, and each public function of Engine,
-  BoxCuller and OccluderRaster has a row, and nothing else.
+  PagedEngine, BoxCuller and OccluderRaster has a row, and nothing else.
 - Each row names what C and Python have for it, or has a dash and says why.
 - Each setting of engines is in engine/internal/settings.inc, which tells what Engine::configure() may change.
 - What it names is in bindings/c/sightline/sightline.h and in bindings/python/sightline/_sightline.pyi.
@@ -24,6 +24,7 @@ STRUCTS = {
     "core/ray.h": ["Ray"],
     "raytrace/tracer.h": ["Hit", "RayFilter"],
     "raytrace/exact_visibility.h": ["VisibleItem"],
+    "engine/paged_engine.h": ["PagedConfig", "PagedReport"],
     "engine/image_tiles.h": ["ImageTile", "CroppedTile", "ImageTiles"],
     "culling/gpu/gpu_culler_config.h": ["GpuCullerConfig"],
     "culling/hybrid/controller.h": ["ControllerConfig"],
@@ -35,6 +36,7 @@ STRUCTS = {
 }
 CLASSES = {
     "engine/engine.h": ["Engine"],
+    "engine/paged_engine.h": ["PagedEngine"],
     "culling/box_culler.h": ["BoxCuller"],
     "culling/occlusion/occluder_raster.h": ["OccluderRaster"],
 }

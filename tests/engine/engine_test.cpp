@@ -1,6 +1,7 @@
 // The engine without drawing: plans, frames, edits and errors.
 #include "sightline/engine/engine.h"
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <random>
@@ -51,6 +52,41 @@ TEST(Engine, SmallScenesGetNoHierarchy) {
   auto forced = Engine::create(small, {.culling = {.culler = CullerChoice::kCpu}});
   ASSERT_TRUE(forced);
   EXPECT_EQ(name_of(forced->plan().culler), "cpu");
+}
+
+/// A culler on the GPU tests occlusion in large scenes alone, and one on the CPU in smaller ones where software draws.
+TEST(Engine, PlansSayWhereOcclusionIsTested) {
+  const auto entry_of = [](const core::Snapshot& snapshot, CullerChoice culler, OcclusionChoice occlusion) {
+    const Plan plan = make_plan(snapshot, {}, {.culler = culler, .draw = true, .occlusion = occlusion});
+    return *std::ranges::find(plan.entries, "occlusion test", &PlanEntry::feature);
+  };
+  core::Scene scene;
+  add_grid(scene, 25);  // 15,625 items
+  ASSERT_TRUE(scene.commit());
+  constexpr auto kAutomatic = OcclusionChoice::kAutomatic;
+  for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
+    const core::Snapshot few(scene);
+    EXPECT_FALSE(entry_of(few, culler, kAutomatic).used) << name_of(culler);
+    EXPECT_TRUE(entry_of(few, culler, OcclusionChoice::kOn).used) << name_of(culler);
+  }
+  add_grid(scene, 20);
+  ASSERT_TRUE(scene.commit());
+  const core::Snapshot more(scene);
+  EXPECT_EQ(entry_of(more, CullerChoice::kCpu, kAutomatic).why, "while it pays, where software draws");
+  EXPECT_EQ(entry_of(more, CullerChoice::kHybrid, kAutomatic).why,
+            "where the CPU culls: while it pays, where software draws");
+  EXPECT_FALSE(entry_of(more, CullerChoice::kGpu, kAutomatic).used);
+  EXPECT_EQ(entry_of(more, CullerChoice::kGpu, kAutomatic).why, "23625 items, fewer than 100000: too few to profit");
+  add_grid(scene, 56);
+  ASSERT_TRUE(scene.commit());
+  const core::Snapshot many(scene);
+  EXPECT_TRUE(entry_of(many, CullerChoice::kGpu, kAutomatic).used);
+  EXPECT_EQ(entry_of(many, CullerChoice::kHybrid, kAutomatic).why,
+            "where a GPU culls; elsewhere while it pays, where software draws");
+  EXPECT_FALSE(entry_of(many, CullerChoice::kCpu, OcclusionChoice::kOff).used);
+  add_grid(scene, 20);
+  ASSERT_TRUE(scene.commit());
+  EXPECT_EQ(entry_of(core::Snapshot(scene), CullerChoice::kCpu, kAutomatic).why, "while it pays");
 }
 
 TEST(Engine, CullersMayBeChangedBetweenEdits) {

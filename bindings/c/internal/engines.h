@@ -1,6 +1,11 @@
 // What functions of engines share: the call itself, and translations of their structs.
 #pragma once
 
+#include <algorithm>
+#include <span>
+#include <string>
+#include <vector>
+
 #include "sightline/bindings/c/internal/objects.h"
 #include "sightline/bindings/c/internal/values.h"
 #include "sightline/gl/external_target.h"
@@ -23,5 +28,17 @@ engine::EngineConfig config_of(const sl_engine_config& from, const culling::Cont
 sl_frame_report report_of(const engine::FrameReport& from);
 gl::ExternalTarget target_of(const sl_external_target* from);
 std::span<const core::ItemId> items_of(const sl_item* items, std::size_t count);
+
+template <class T, class Pixels>
+void write_image(const Pixels& from, T* to, std::size_t capacity) {
+  require(to != nullptr, "room for the image, found null");
+  if (capacity < from.size())
+    refuse(SL_ERROR_ARGUMENT,
+           "the image has " + std::to_string(from.size()) + " values, found room for " + std::to_string(capacity));
+  std::copy(from.begin(), from.end(), to);
+}
+
+/// Appends lines to those that were not yet told, and tells all. They are told once the text has room for all of them.
+void tell_lines(const std::vector<std::string>& lines, std::string& not_told, sl_text* text);
 
 }  // namespace sightline::capi

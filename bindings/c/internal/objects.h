@@ -2,21 +2,25 @@
 // scene. It is no pointer, so any number may come from outside.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <shared_mutex>
+#include <thread>
 
 #include "sightline/bindings/c/internal/call.h"
 #include "sightline/core/scene.h"
 #include "sightline/culling/box_culler.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/paged_engine.h"
 #include "sightline/sightline.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"
 #endif
+#define SIGHTLINE_CAPI_HAS_PAGES (SIGHTLINE_HAS_GL && SIGHTLINE_HAS_IMPORTERS)
 
 namespace sightline::capi {
 
@@ -63,10 +67,39 @@ struct OccluderRasterObject {
   bool built = false;
 };
 
+#if SIGHTLINE_CAPI_HAS_PAGES
+/// One call at a time: PagedEngineUse.
+struct PagedEngineObject {
+  std::mutex mutex;
+  std::atomic<std::thread::id> user{};  ///< the thread whose call uses it
+  engine::PagedConfig config;
+  bool drawn = false;             ///< it has an image
+  std::string errors, gl_errors;  ///< taken from the engine, and not yet told
+  std::optional<engine::PagedEngine> engine;
+};
+
+/// A call's use of a paged engine. Waits for those of other threads, and refuses calls within the call itself.
+class PagedEngineUse {
+ public:
+  explicit PagedEngineUse(PagedEngineObject& object);
+  ~PagedEngineUse();
+  PagedEngineUse(const PagedEngineUse&) = delete;
+  PagedEngineUse& operator=(const PagedEngineUse&) = delete;
+
+ private:
+  PagedEngineObject& object_;
+};
+#endif
+
 sl_scene add_scene(std::shared_ptr<SceneObject> scene);  ///< owned by this thread
 sl_engine add_engine(std::shared_ptr<EngineObject> engine);
 sl_box_culler add_box_culler(std::shared_ptr<BoxCullerObject> culler);
 sl_occluder_raster add_occluder_raster(std::shared_ptr<OccluderRasterObject> raster);
+#if SIGHTLINE_CAPI_HAS_PAGES
+sl_paged_engine add_paged_engine(std::shared_ptr<PagedEngineObject> engine);
+std::shared_ptr<PagedEngineObject> remove(sl_paged_engine handle);
+std::shared_ptr<PagedEngineObject> find(sl_paged_engine handle);
+#endif
 /// Takes the object out of the table. The caller has used the handle before, on this thread.
 std::shared_ptr<SceneObject> remove(sl_scene handle);
 std::shared_ptr<EngineObject> remove(sl_engine handle);

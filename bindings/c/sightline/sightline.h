@@ -25,8 +25,8 @@
  * Threads. A scene and its engines belong to one thread: the one that made the scene, or that took it after
  * sl_scene_hand_over(). On any other thread their functions, sl_..._destroy() among them, give SL_ERROR_THREAD.
  * Different scenes may be used on different threads at once. All other functions may be called from any threads at any
- * time: those of views, box cullers and occluder rasters, sl_scene_create() and those that have no handle. During an
- * import, calls on its scene give SL_ERROR_BUSY.
+ * time: those of views, box cullers, occluder rasters and paged engines, sl_scene_create() and those that have no
+ * handle. During an import, calls on its scene give SL_ERROR_BUSY.
  *
  * Versions. Structs that may grow begin with their size. Initialise them with their SL_..._INIT, which has the default
  * of each field; results need only `size`. Programs made for an older version then work with a newer library, and the
@@ -113,6 +113,9 @@ typedef struct sl_box_culler {
 typedef struct sl_occluder_raster {
   uint64_t id;
 } sl_occluder_raster;
+typedef struct sl_paged_engine {
+  uint64_t id;
+} sl_paged_engine;
 /* Items are numbered in the order of their insertion into their scene; numbers are not used again. Images of ids and
  * visible sets hold them. */
 typedef uint32_t sl_item;
@@ -925,6 +928,89 @@ SL_API sl_status sl_engine_hidden_items(sl_engine engine, sl_item* items, size_t
  * sl_engine_commit(). For all functions that take items. */
 SL_API sl_status sl_engine_items_below(sl_engine engine, const sl_node* nodes, size_t node_count, sl_item* items,
                                        size_t capacity, size_t* count);
+
+/* --- scenes larger than memory: sightline/engine/paged_engine.h -------------------------------------------------- */
+/* Draws scene caches page by page, within a limit of memory (docs/guide/out-of-core.md). Calls on one engine wait for
+ * each other; those within its progress give SL_ERROR_BUSY. */
+
+typedef struct sl_paged_config {
+  uint32_t size;
+  int32_t width, height;
+  int32_t ids;      /* an image of item ids beside colour and depth */
+  double lod_error; /* as of sl_engine_config, by the levels of detail that the caches hold */
+  /* Bytes that the whole process may have in memory, and its buffers on a GPU where that is main memory. Must be set.
+   */
+  uint64_t memory_limit;
+  double refine_ms;          /* for which a frame of a view that stays takes in pages before it shows what it has */
+  int32_t loading_bar;       /* in images that are not complete: the share of their leaves that are drawn */
+  int32_t context_platform;  /* SL_CONTEXT_...: of the offscreen context */
+  const char* program_cache; /* folder that keeps linked programs; null: the user's cache folder; "": none */
+  /* Called in sl_paged_engine_create() alone, with the share that is opened, 0 to 1. Returning 0 before 1 cancels. May
+   * be null. */
+  int32_t (*progress)(double share, void* user);
+  void* progress_user;
+  int32_t gl_debug; /* collect driver messages: sl_paged_engine_take_gl_errors() */
+  int32_t reserved; /* 0 */
+} sl_paged_config;
+#define SL_PAGED_CONFIG_INIT \
+  { sizeof(sl_paged_config), 1280, 720, 0, 0.0, 0, 100.0, 1, SL_CONTEXT_AUTOMATIC, NULL, NULL, NULL, 0, 0 }
+
+/* PagedReport in paged_engine.h says more. */
+typedef struct sl_paged_report {
+  uint32_t size;
+  int32_t complete; /* nothing is missing that can be read */
+  uint64_t frame;   /* frames before this one */
+  double frame_ms;
+  int64_t leaves, pending;              /* in the view; of these, not drawn and not known to be hidden */
+  int64_t placeholders, coarse_items;   /* splats, and items by their coarsest levels, drawn in their place */
+  int64_t items_drawn;                  /* into the image so far */
+  uint32_t resident, coarse_resident;   /* pages in memory; those of coarsest levels */
+  uint64_t loaded, coarse_loaded;       /* read since the start */
+  uint64_t evicted, prefetched, failed; /* given up; read for no image yet; that cannot be read */
+  uint64_t memory;                      /* bytes of the process; 0 where the system does not say */
+} sl_paged_report;
+#define SL_PAGED_REPORT_INIT \
+  { sizeof(sl_paged_report), 0, 0, 0.0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+
+typedef struct sl_paged_info {
+  uint32_t size;
+  int32_t width, height; /* of the image */
+  uint32_t pages;        /* of the scene */
+  uint64_t items;
+  sl_box bounds;                   /* of all items, without those that lie too far from all others */
+  uint64_t page_bytes, page_limit; /* of pages in memory and on their way; what these may come to */
+} sl_paged_info;
+#define SL_PAGED_INFO_INIT \
+  { sizeof(sl_paged_info), 0, 0, 0, 0, {{0}, {0}}, 0, 0 }
+
+/* Opens a scene cache (.slc), or all of a folder as parts of one scene, and makes an offscreen context. Files must not
+ * be changed in place while the engine lives. */
+SL_API sl_status sl_paged_engine_create(const char* path, const sl_paged_config* config, sl_paged_engine* engine);
+/* Waits for the page that is being read. */
+SL_API sl_status sl_paged_engine_destroy(sl_paged_engine engine);
+/* Draws what is in memory of the view, and asks for what is not. The same view again goes on with the image. `report`
+ * may be null. */
+SL_API sl_status sl_paged_engine_frame(sl_paged_engine engine, const sl_view* view, sl_paged_report* report);
+/* Waits until a page has arrived for the next frame, at most so long. `arrived` becomes 0, at once, where none is on
+ * its way. */
+SL_API sl_status sl_paged_engine_wait(sl_paged_engine engine, double seconds, int32_t* arrived);
+/* Draws until the image is complete. `progress` (may be null) is called now and then with the share of the view's
+ * leaves that are drawn; where it returns 0, the image stays as it is, and report->complete says so. `report` may be
+ * null. */
+SL_API sl_status sl_paged_engine_settle(sl_paged_engine engine, const sl_view* view,
+                                        int32_t (*progress)(double share, void* user), void* user,
+                                        sl_paged_report* report);
+SL_API sl_status sl_paged_engine_get(sl_paged_engine engine, sl_paged_info* info);
+/* As GL names it. */
+SL_API sl_status sl_paged_engine_renderer(sl_paged_engine engine, sl_text* text);
+/* Why pages could not be read, and what the driver has complained of, a line each: as sl_engine_take_gl_errors(). */
+SL_API sl_status sl_paged_engine_take_errors(sl_paged_engine engine, sl_text* text);
+SL_API sl_status sl_paged_engine_take_gl_errors(sl_paged_engine engine, sl_text* text);
+/* The image of the last frame, as sl_engine_read_colour() and its like have it. SL_ERROR_BUSY before the first frame.
+ */
+SL_API sl_status sl_paged_engine_read_colour(sl_paged_engine engine, uint8_t* rgb, size_t capacity);
+SL_API sl_status sl_paged_engine_read_ids(sl_paged_engine engine, uint32_t* ids, size_t capacity);
+SL_API sl_status sl_paged_engine_read_depth(sl_paged_engine engine, float* metres, size_t capacity);
 
 #ifdef __cplusplus
 }
