@@ -1,7 +1,8 @@
 # sightline_tests(FOLDER [LABEL label] THINGS thing … [LINKS …] [ENVIRONMENT NAME=value …] [NIGHTLY filter …]): one test
 # program of the files <thing>_test.cpp beside the caller. Its name is FOLDER_tests, or FOLDER_label_tests; ctest's entries
-# are FOLDER.Suite.Case, or FOLDER_label.Suite.Case with that label. The label gl is of tests that need a context. Tests
-# that one of GoogleTest's filters in NIGHTLY takes have the label nightly, or nightly_label, which presets leave out.
+# are FOLDER.Suite.Case, or FOLDER_label.Suite.Case with that label. The label gl is of tests that need a context; their
+# programs make sure that they got the driver that scripts/with_driver.sh chose. Tests that one of GoogleTest's filters in
+# NIGHTLY takes have the label nightly, or nightly_label, which presets leave out.
 #
 # A new file of tests is one more word in THINGS. ctest runs every test in a process of its own, so tests share no state.
 # Batches of files are compiled as one: each file has a namespace of its own, named after it, and an anonymous one within.
@@ -12,6 +13,23 @@ add_library(sightline_tests_places STATIC ${SIGHTLINE_CHECKOUT}/tests/support/pl
 target_link_libraries(sightline_tests_places PUBLIC sightline_tests_headers PRIVATE sightline_flags)
 target_compile_definitions(sightline_tests_places PRIVATE SIGHTLINE_SOURCE_DIR="${SIGHTLINE_CHECKOUT}"
                            SIGHTLINE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+if(TARGET sightline::gl)
+  add_library(sightline_tests_driver OBJECT ${SIGHTLINE_CHECKOUT}/tests/support/driver.cpp)
+  target_link_libraries(sightline_tests_driver PRIVATE sightline::gl GTest::gtest sightline_tests_headers sightline_flags)
+endif()
+
+# sightline_tests_glslang: compiles programs without a driver, where glslang is found.
+if(TARGET sightline::gl)
+  find_package(SPIRV-Tools-opt QUIET)
+  find_package(glslang QUIET)
+  if(SPIRV-Tools-opt_FOUND AND glslang_FOUND)
+    add_library(sightline_tests_glslang STATIC ${SIGHTLINE_CHECKOUT}/tests/support/glslang.cpp)
+    target_link_libraries(sightline_tests_glslang PUBLIC sightline::gl sightline_tests_headers
+      PRIVATE glslang::SPIRV glslang::glslang-default-resource-limits GTest::gtest Threads::Threads sightline_flags)
+  else()
+    sightline_lack("tests that compile all programs are not built: glslang or SPIRV-Tools not found (glslang-dev, spirv-tools)")
+  endif()
+endif()
 
 # Makes entries of a program's tests that GoogleTest's filter takes. They are listed when ctest runs, not when built: a
 # program that cannot start fails its tests and not the build.
@@ -27,6 +45,10 @@ function(sightline_tests folder)
   add_executable(${name}_tests ${sources})
   target_link_libraries(${name}_tests PRIVATE ${arg_LINKS} GTest::gtest GTest::gtest_main Threads::Threads
                         sightline_tests_places sightline_flags)
+  if(arg_LABEL STREQUAL "gl")
+    target_sources(${name}_tests PRIVATE $<TARGET_OBJECTS:sightline_tests_driver>)
+    target_link_libraries(${name}_tests PRIVATE sightline::gl)
+  endif()
   # The library beneath is optimised; optimising the checks takes longer than running them.
   target_compile_options(${name}_tests PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
   set_target_properties(${name}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)

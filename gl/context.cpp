@@ -62,6 +62,10 @@ bool names_software(const std::string& renderer) {
   return false;
 }
 
+bool on_lavapipe(const std::string& renderer) {
+  return renderer.starts_with("zink (llvmpipe");
+}
+
 bool lists(const Functions& gl, const char* extension) {
   const std::vector<std::string> extensions = list_extensions(gl);
   return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
@@ -257,6 +261,11 @@ core::Expected<Context> Context::adopt(GetProc get_proc, void* user) {
   state->vendor = get_string(state->gl, GL_VENDOR);
   state->renderer = get_string(state->gl, GL_RENDERER);
   state->version = get_string(state->gl, GL_VERSION);
+  if (on_lavapipe(state->renderer)) {
+    state->gl.stale_indirect_draws = true;
+    state->gl.MultiDrawArraysIndirectCountARB = nullptr;
+    state->gl.MultiDrawElementsIndirectCountARB = nullptr;
+  }
   state->capabilities = query_capabilities(state->gl);
   state->gl.pinned_memory = state->capabilities.software && lists(state->gl, "GL_AMD_pinned_memory");
   state->set_switches(*switches);

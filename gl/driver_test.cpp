@@ -26,14 +26,30 @@ constexpr std::int64_t kGuaranteedBlock = 1 << 27;
 
 enum Shape : GLint { kAll, kLeft, kPoints };
 
-std::optional<Program> make_program(const Functions& gl, const char* name, std::vector<StageDescription> stages,
-                                    std::vector<std::string> defines = {}, std::vector<std::string> varyings = {}) {
+ProgramDescription describe(const char* name, std::vector<StageDescription> stages) {
   ProgramDescription description;
   description.name = name;
   description.stages = std::move(stages);
   description.shaders.tables = {shaders()};
-  description.shaders.defines = std::move(defines);
-  description.feedback_varyings = std::move(varyings);
+  return description;
+}
+ProgramDescription image_program() {
+  auto description = describe("self-test's image", {{GL_VERTEX_SHADER, {"driver_check.vert"}},
+                                                    {GL_FRAGMENT_SHADER, {"driver_check.frag"}}});
+  description.shaders.defines = {"WRITES_DEPTH"};
+  return description;
+}
+ProgramDescription feedback_program() {
+  auto description = describe("self-test's feedback", {{GL_VERTEX_SHADER, {"driver_check_feedback.vert"}},
+                                                       {GL_GEOMETRY_SHADER, {"driver_check_feedback.geom"}}});
+  description.feedback_varyings = {"first", "last"};
+  return description;
+}
+ProgramDescription sum_program() {
+  return describe("self-test's sum", {{GL_COMPUTE_SHADER, {"driver_check.comp"}}});
+}
+
+std::optional<Program> make_program(const Functions& gl, const ProgramDescription& description) {
   auto made = Program::create(gl, description);
   return made ? std::optional(std::move(*made)) : std::nullopt;
 }
@@ -45,9 +61,7 @@ class CheckImage {
     CheckImage image(gl);
     auto numbers = Texture2D::create(gl, kSize, kSize, GL_R32UI, "self-test's numbers");
     auto depths = Texture2D::create(gl, kSize, kSize, GL_DEPTH_COMPONENT32F, "self-test's depths");
-    auto program = make_program(gl, "self-test's image",
-                                {{GL_VERTEX_SHADER, {"driver_check.vert"}}, {GL_FRAGMENT_SHADER, {"driver_check.frag"}}},
-                                {"WRITES_DEPTH"});
+    auto program = make_program(gl, image_program());
     if (!numbers || !depths || !program) return std::nullopt;
     image.numbers_ = std::move(*numbers);
     image.depths_ = std::move(*depths);
@@ -197,10 +211,7 @@ CheckResult check_samples(const Functions& gl, const CheckImage& image, int samp
 
 CheckResult check_feedback(const Functions& gl) {
   constexpr GLuint kVertices = 6;
-  const auto program = make_program(
-      gl, "self-test's feedback",
-      {{GL_VERTEX_SHADER, {"driver_check_feedback.vert"}}, {GL_GEOMETRY_SHADER, {"driver_check_feedback.geom"}}}, {},
-      {"first", "last"});
+  const auto program = make_program(gl, feedback_program());
   auto buffer = Buffer::create(gl, 5 * kVertices * sizeof(GLuint), nullptr, GL_DYNAMIC_STORAGE_BIT, "self-test's feedback");
   auto framebuffer = Framebuffer::create_attachmentless(gl, 1, 1, "self-test");
   if (!program || !buffer || !framebuffer) return CheckResult::kNotRun;
@@ -245,7 +256,7 @@ std::optional<std::array<float, 2>> sum_at_end(const Functions& gl, const Progra
 }
 
 void check_computing(const Functions& gl, const Capabilities& has, DriverTest& test) {
-  const auto program = make_program(gl, "self-test's sum", {{GL_COMPUTE_SHADER, {"driver_check.comp"}}});
+  const auto program = make_program(gl, sum_program());
   if (!program) return;
   const auto result = [&](DriverCheck check) -> CheckResult& { return test.results[std::size_t(check)]; };
   const auto passed = [](bool right) { return right ? CheckResult::kPassed : CheckResult::kFailed; };
@@ -278,6 +289,10 @@ void check_drawing(const Functions& gl, const Capabilities& has, DriverTest& tes
 }
 
 }  // namespace
+
+std::vector<PipelineDescription> driver_test_programs() {
+  return {{image_program()}, {feedback_program()}, {sum_program()}};
+}
 
 DriverTest run_driver_test(const Functions& gl, const Capabilities& has) {
   const auto begin = std::chrono::steady_clock::now();

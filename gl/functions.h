@@ -40,6 +40,10 @@ struct Functions {
   bool pinned_memory = false;
   /// Not an entry point: what is done in another way with this driver.
   Workarounds workarounds;
+  /// Not an entry point: whether a draw may take arguments of an indirect draw before it, until the commands are
+  /// flushed. Lavapipe, Mesa's Vulkan without a GPU, does (docs/reference/drivers.md). Draws whose number of commands
+  /// lies in a buffer are null then.
+  bool stale_indirect_draws = false;
 };
 
 /// Loads the table for the context that is current on this thread. Fails when none is, when it is older than 4.5 (with

@@ -167,9 +167,10 @@ std::optional<std::size_t> take_number(std::string_view& text) {
 std::string name_file_in_line(std::string_view line, std::span<const std::string> files) {
   std::string_view rest = line;
   std::string_view prefix;
-  if (constexpr std::string_view kPrefix = "ERROR: "; rest.substr(0, kPrefix.size()) == kPrefix) {
-    prefix = rest.substr(0, kPrefix.size());
-    rest.remove_prefix(kPrefix.size());
+  for (const std::string_view severity : {"ERROR: ", "WARNING: "}) {
+    if (rest.substr(0, severity.size()) != severity) continue;
+    prefix = rest.substr(0, severity.size());
+    rest.remove_prefix(severity.size());
   }
   if (!take_number(rest) || rest.empty()) return std::string(line);
   const bool parenthesis = rest.front() == '(';

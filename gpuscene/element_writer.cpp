@@ -25,7 +25,20 @@ bool has_more_runs_than(std::size_t most, std::span<const std::uint32_t> places)
   return runs > most;
 }
 
+gl::ProgramDescription describe_element_writer(bool wide) {
+  gl::ProgramDescription description;
+  description.name = "write elements";
+  description.stages = {{GL_COMPUTE_SHADER, {"write_elements.comp"}}};
+  description.shaders.tables = {shaders()};
+  description.shaders.defines = {"INVOCATIONS " + std::to_string(kInvocations), wide ? "WORD uvec4" : "WORD uint"};
+  return description;
+}
+
 }  // namespace
+
+std::vector<gl::PipelineDescription> ElementWriter::all_programs() {
+  return {{describe_element_writer(false)}, {describe_element_writer(true)}};
+}
 
 void ElementWriter::write(const gl::Buffer& buffer, std::size_t bytes, std::span<const std::uint32_t> places,
                           const void* data) {
@@ -63,12 +76,7 @@ bool ElementWriter::scatter(const gl::Buffer& buffer, std::size_t bytes, std::sp
 const gl::Program* ElementWriter::prepare(bool wide) {
   gl::Program& program = programs_[wide];
   if (program.id() != 0) return &program;
-  gl::ProgramDescription description;
-  description.name = "write elements";
-  description.stages = {{GL_COMPUTE_SHADER, {"write_elements.comp"}}};
-  description.shaders.tables = {shaders()};
-  description.shaders.defines = {"INVOCATIONS " + std::to_string(kInvocations), wide ? "WORD uvec4" : "WORD uint"};
-  auto made = gl::Program::create(*gl_, description);
+  auto made = gl::Program::create(*gl_, describe_element_writer(wide));
   if (!made) return nullptr;
   program = std::move(*made);
   return &program;

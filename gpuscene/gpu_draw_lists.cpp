@@ -26,13 +26,21 @@ std::size_t places_of(const Batch& batch, std::size_t parts) {
   return batch.capacity + (batch.kind == BatchKind::kMesh ? parts : 0);
 }
 
-gl::ProgramDescription describe(const char* vertex, std::vector<std::string> varyings) {
+gl::ProgramDescription describe_search(const char* vertex, std::vector<std::string> varyings) {
   gl::ProgramDescription description;
   description.name = vertex;
   description.stages = {{GL_VERTEX_SHADER, {vertex}}};
   description.shaders = DrawLists::shader_context();
   description.feedback_varyings = std::move(varyings);
   return description;
+}
+
+gl::ProgramDescription describe_count() {
+  return describe_search("count_records.vert", {"command_count", "record_count"});
+}
+
+gl::ProgramDescription describe_write() {
+  return describe_search("write_commands.vert", {"index_count", "gl_SkipComponents4"});
 }
 
 core::Expected<void> make_view(const gl::Functions& gl, const gl::Buffer& buffer, const char* what,
@@ -93,10 +101,12 @@ core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene, std::size_
   return {};
 }
 
+std::vector<gl::PipelineDescription> DrawLists::all_programs() {
+  return {{describe_count()}, {describe_write()}};
+}
+
 core::Expected<void> DrawLists::make_search_programs() {
-  auto programs =
-      gl::Program::create_all(*gl_, std::array{describe("count_records.vert", {"command_count", "record_count"}),
-                                               describe("write_commands.vert", {"index_count", "gl_SkipComponents4"})});
+  auto programs = gl::Program::create_all(*gl_, std::array{describe_count(), describe_write()});
   if (!programs) return tl::unexpected(programs.error());
   gpu_.count_records = std::move((*programs)[0]);
   gpu_.write_commands = std::move((*programs)[1]);

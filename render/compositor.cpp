@@ -61,8 +61,7 @@ core::Expected<void> Compositor::put(const RenderTarget& from, const gl::Externa
   GLint their_samples = 0;
   if (samples > 1) gl.GetNamedFramebufferParameteriv(to.framebuffer, GL_SAMPLES, &their_samples);
   const bool each = samples > 1 && their_samples == samples;
-  const auto made = pass_.program(each ? each_sample_ : whole_pixels_, "composite.frag", samples,
-                                  {layer ? "LAYER" : "IMAGE", each ? "EACH_SAMPLE" : "WHOLE_PIXELS"});
+  const auto made = pass_.program(each ? each_sample_ : whole_pixels_, kComposite, samples, {layer, each});
   if (!made) return tl::unexpected(made.error());
   pass_.begin(**made, to);
   pass_.test_depth(to);

@@ -19,7 +19,7 @@ glm::vec2 pixel_depth(const core::View& view, int height) {
 
 core::Expected<void> DepthShadingPass::draw(const RenderTarget& image, const core::View& view, float shading,
                                             float lines) {
-  const auto program = pass_.program(program_, "depth_shading.frag", image.format().samples);
+  const auto program = pass_.program(program_, kDepthShading, image.format().samples);
   if (!program) return tl::unexpected(program.error());
   const gl::Functions& gl = *gl_;
   const gl::ExternalTarget whole{image.framebuffer().id(), 0, 0, image.width(), image.height()};

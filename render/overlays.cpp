@@ -109,7 +109,7 @@ core::Expected<const BlendedSums*> Overlays::begin_sums(const RenderTarget& imag
 core::Expected<void> Overlays::resolve_sums(const gl::Context& context, const RenderTarget& image) {
   const auto layer = begin_layer(context, image, false);
   if (!layer) return tl::unexpected(layer.error());
-  const auto made = pass_.program(resolve_, "blend_resolve.frag", image.format().samples);
+  const auto made = pass_.program(resolve_, kBlendResolve, image.format().samples);
   if (!made) return tl::unexpected(made.error());
   layer_->begin_drawing();
   pass_.draw(**made, sums_->textures(), layer_->texture_target());
@@ -124,7 +124,7 @@ core::Expected<void> Overlays::put_layer(const gl::ExternalTarget& over) {
 
 core::Expected<void> Overlays::put_outline(const RenderTarget& image, const core::vec3& colour, const PixelBox& within,
                                            const gl::ExternalTarget& over) {
-  const auto made = pass_.program(outline_, "outline.frag", image.format().samples);
+  const auto made = pass_.program(outline_, kOutline, image.format().samples);
   if (!made) return tl::unexpected(made.error());
   pass_.begin(**made, over);
   gl_->DepthMask(GL_FALSE);

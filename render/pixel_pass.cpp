@@ -1,6 +1,7 @@
 #include "sightline/render/internal/pixel_pass.h"
 
 #include "sightline/gl/internal/pipeline_state.h"
+#include "sightline/render/internal/render_target.h"
 #include "sightline/render/internal/shaders.h"
 
 namespace sightline::render {
@@ -8,21 +9,35 @@ namespace {
 
 constexpr GLuint kDrawBuffers = 8;  // as many as GL guarantees
 
+gl::ProgramDescription describe_pixel_pass(const PixelShader& shader, int samples, std::array<bool, 2> switches) {
+  gl::ProgramDescription description;
+  description.name = shader.file;
+  description.stages = {{GL_VERTEX_SHADER, {"whole_viewport.vert"}}, {GL_FRAGMENT_SHADER, {shader.file}}};
+  description.shaders.tables = {shaders()};
+  if (samples > 1) description.shaders.defines.push_back("SAMPLES " + std::to_string(samples));
+  for (std::size_t i = 0; i < switches.size(); ++i)
+    if (const char* define = shader.switches[i][switches[i]]) description.shaders.defines.emplace_back(define);
+  return description;
+}
+
 }  // namespace
 
-core::Expected<const gl::Program*> PixelPass::program(gl::Program& made, const char* fragment, int samples,
-                                                      std::initializer_list<const char*> defines) const {
+std::vector<gl::PipelineDescription> PixelPass::all_programs() {
+  std::vector<gl::PipelineDescription> all;
+  for (const PixelShader& shader : kPixelShaders)
+    for (const int samples : kSampleCounts)
+      for (const bool first : {false, true})
+        for (const bool second : {false, true}) all.push_back({describe_pixel_pass(shader, samples, {first, second})});
+  return all;
+}
+
+core::Expected<const gl::Program*> PixelPass::program(gl::Program& made, const PixelShader& shader, int samples,
+                                                      std::array<bool, 2> switches) const {
   if (no_attributes_.id() == 0) no_attributes_ = gl::VertexArray(*gl_);
   if (auto there = gl::check_names(*gl_, {no_attributes_.id()}, "vertex array"); !there)
     return tl::unexpected(there.error());
   if (made.id() != 0) return &made;
-  gl::ProgramDescription description;
-  description.name = fragment;
-  description.stages = {{GL_VERTEX_SHADER, {"whole_viewport.vert"}}, {GL_FRAGMENT_SHADER, {fragment}}};
-  description.shaders.tables = {shaders()};
-  if (samples > 1) description.shaders.defines.push_back("SAMPLES " + std::to_string(samples));
-  description.shaders.defines.insert(description.shaders.defines.end(), defines.begin(), defines.end());
-  auto program = gl::Program::create(*gl_, description);
+  auto program = gl::Program::create(*gl_, describe_pixel_pass(shader, samples, switches));
   if (!program) return tl::unexpected(program.error());
   made = std::move(*program);
   return &made;

@@ -30,6 +30,13 @@ gl::ProgramDescription describe(const TargetFormat& format) {
 
 }  // namespace
 
+std::vector<gl::PipelineDescription> PointSplats::all_programs() {
+  std::vector<gl::PipelineDescription> all;
+  for (const int samples : kSampleCounts)
+    for (const bool normals : {false, true}) all.push_back({describe({.normals = normals, .samples = samples})});
+  return all;
+}
+
 core::Expected<PointSplats> PointSplats::create(const gl::Context& context, const TargetFormat& format) {
   const gl::Functions& gl = context.functions();
   PointSplats splats;

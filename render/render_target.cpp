@@ -79,9 +79,7 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
   if (!single) return tl::unexpected(single.error());
   target.single_ = std::move(*single);
   target.pass_.emplace(gl);
-  const auto program =
-      target.pass_->program(target.one_sample_, "one_sample.frag", samples,
-                            {format.ids ? "IDS 1" : "IDS 0", format.normals ? "NORMALS 1" : "NORMALS 0"});
+  const auto program = target.pass_->program(target.one_sample_, kOneSample, samples, {format.ids, format.normals});
   if (!program) return tl::unexpected(program.error());
   return target;
 }

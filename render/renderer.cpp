@@ -71,6 +71,24 @@ gl::ProgramDescription Renderer::describe_batch(BatchKind kind, const TargetForm
   return description;
 }
 
+std::vector<gl::PipelineDescription> Renderer::all_programs() {
+  std::vector<gl::PipelineDescription> all;
+  const auto add = [&](const TargetFormat& format, Cut cut, Surface surface) {
+    for (int i = 0; i < gpuscene::kBatchKindCount; ++i) {
+      all.push_back({describe_batch(BatchKind(i), format, cut, surface)});
+      if (gpuscene::is_ray_cast(BatchKind(i))) all.back().push_back(describe_proxies(format));
+    }
+    if (cut == Cut::kNone) return;
+    for (const auto& caps : SectionCaps::describe(shader_context(format, cut, surface))) all.push_back({caps});
+  };
+  for (const int samples : kSampleCounts)
+    for (const bool normals : {false, true})
+      for (std::size_t cut = 0; cut < kCuts; ++cut)
+        for (std::size_t surface = 0; surface < kSurfaces; ++surface)
+          add({.normals = normals, .samples = samples}, Cut(cut), Surface(surface));
+  return all;
+}
+
 core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpuscene::GpuScene& scene,
                                           const TargetFormat& format) {
   auto renderer = begin(context);
@@ -259,13 +277,15 @@ core::Expected<void> Renderer::draw_surfaces(const core::View& view, const core:
   gl.BindProgramPipeline(0);
   const gpuscene::Batch* meshes = scene.batch(BatchKind::kMesh);
   if (meshes && sections && lists.section(BatchKind::kMesh).count > 0)
-    return draw_section_caps(snapshot, *meshes, scene, lists, target, surface, range);
+    return draw_section_caps(snapshot, *meshes, scene, lists, target, sums ? sums->framebuffer() : target.framebuffer(),
+                             surface, range);
   return {};
 }
 
 core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
                                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                                 const RenderTarget& target, Surface surface, const glm::vec2& range) {
+                                                 const RenderTarget& target, const gl::Framebuffer& drawn,
+                                                 Surface surface, const glm::vec2& range) {
   SurfacePrograms& programs = programs_[std::size_t(surface)];
   std::optional<SectionCaps>& section_caps = programs.caps;
   if (!section_caps) {
@@ -278,7 +298,7 @@ core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot,
   if (auto done = section_caps->prepare(snapshot, scene, target.width(), target.height()); !done) return done;
   gl_->BindTextureUnit(kPayloadUnit, meshes.texels.id());
   gl_->Disable(GL_CULL_FACE);
-  section_caps->draw([&] { submit_batch(meshes, scene, lists, 0, lists.section(BatchKind::kMesh).count); });
+  section_caps->draw(drawn, [&] { submit_batch(meshes, scene, lists, 0, lists.section(BatchKind::kMesh).count); });
   return {};
 }
 

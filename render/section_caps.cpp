@@ -1,6 +1,5 @@
 #include "sightline/render/internal/section_caps.h"
 
-#include <array>
 #include <unordered_map>
 
 namespace sightline::render {
@@ -11,8 +10,8 @@ enum StorageBinding : GLuint { kCellBinding = 1, kNodeBinding };
 constexpr GLint kWidthUniform = 1;
 constexpr std::size_t kCellBytes = 12, kNodeBytes = 8, kNodeHeaderBytes = 8;
 
-gl::ProgramDescription describe(const gl::ShaderContext& shaders, const char* name, const char* vertex,
-                                const char* fragment, const char* define) {
+gl::ProgramDescription describe_cap_pass(const gl::ShaderContext& shaders, const char* name, const char* vertex,
+                                         const char* fragment, const char* define) {
   gl::ProgramDescription description;
   description.name = name;
   description.stages = {{GL_VERTEX_SHADER, {vertex}}, {GL_FRAGMENT_SHADER, {fragment}}};
@@ -38,13 +37,16 @@ std::vector<std::uint8_t> enclosures(const core::Snapshot& snapshot) {
 
 }  // namespace
 
+std::array<gl::ProgramDescription, 3> SectionCaps::describe(const gl::ShaderContext& shaders) {
+  return {describe_cap_pass(shaders, "crossings counted", "mesh.vert", "section_crossing.frag", "COUNT_CROSSINGS"),
+          describe_cap_pass(shaders, "crossings listed", "mesh.vert", "section_crossing.frag", "LIST_CROSSINGS"),
+          describe_cap_pass(shaders, "section caps", "whole_viewport.vert", "section_cap.frag", "SECTION_CAPS")};
+}
+
 core::Expected<SectionCaps> SectionCaps::create(const gl::Functions& gl, const gl::ShaderContext& shaders) {
   SectionCaps caps;
   caps.gl_ = &gl;
-  auto programs = gl::Program::create_all(
-      gl, std::array{describe(shaders, "crossings counted", "mesh.vert", "section_crossing.frag", "COUNT_CROSSINGS"),
-                     describe(shaders, "crossings listed", "mesh.vert", "section_crossing.frag", "LIST_CROSSINGS"),
-                     describe(shaders, "section caps", "whole_viewport.vert", "section_cap.frag", "SECTION_CAPS")});
+  auto programs = gl::Program::create_all(gl, describe(shaders));
   if (!programs) return tl::unexpected(programs.error());
   caps.count_ = std::move((*programs)[0]);
   caps.list_ = std::move((*programs)[1]);
@@ -64,8 +66,11 @@ core::Expected<void> SectionCaps::prepare(const core::Snapshot& snapshot, const 
     auto nodes = gl::Buffer::create(*gl_, kNodeHeaderBytes + pixels * kListed * kNodeBytes, nullptr, 0,
                                     "lists of section crossings");
     if (!nodes) return tl::unexpected(nodes.error());
+    auto framebuffer = gl::Framebuffer::create_attachmentless(*gl_, width, height, "section crossings");
+    if (!framebuffer) return tl::unexpected(framebuffer.error());
     cells_ = std::move(*cells);
     nodes_ = std::move(*nodes);
+    crossings_ = std::move(*framebuffer);
     width_ = width;
     height_ = height;
   }
@@ -95,11 +100,10 @@ void SectionCaps::begin_counting() const {
   gl.BindTextureUnit(kEnclosureUnit, enclosures_->texels.id());
   for (const gl::Program* program : {&count_, &list_, &caps_})
     gl.ProgramUniform1i(program->id(), kWidthUniform, width_);
-  // Every crossing counts, even if it is hidden or lies behind the far plane.
-  gl.Disable(GL_DEPTH_TEST);
-  gl.Disable(GL_MULTISAMPLE);  // otherwise neighbouring triangles count one crossing twice
+  // Every crossing counts, even if it is hidden or lies behind the far plane. With more samples than one, neighbouring
+  // triangles would count one crossing twice; drivers on Vulkan ignore GL_MULTISAMPLE, which could forbid that.
+  crossings_.bind();
   gl.Enable(GL_DEPTH_CLAMP);
-  gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   count_.use();
 }
 
@@ -108,13 +112,11 @@ void SectionCaps::begin_listing() const {
   list_.use();
 }
 
-void SectionCaps::draw_caps() const {
+void SectionCaps::draw_caps(const gl::Framebuffer& image) const {
   const gl::Functions& gl = *gl_;
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  image.bind();
   gl.Disable(GL_DEPTH_CLAMP);
-  gl.Enable(GL_DEPTH_TEST);
-  gl.Enable(GL_MULTISAMPLE);
-  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   caps_.use();
   no_attributes_.bind();
   gl.DrawArrays(GL_TRIANGLES, 0, 3);

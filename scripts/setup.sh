@@ -19,8 +19,9 @@ if [ "$preset" = packages ]; then
 elif [ "$preset" = gpu-kit-build ]; then
   packages+=(ccache libgtest-dev libgmp-dev binutils)
 elif [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
-  packages+=(ccache fonts-dejavu-core libglfw3-dev libimgui-dev libpcre2-dev libgtest-dev libgmp-dev libosmesa6 pkg-config xvfb xdotool
-    libopenmpi-dev openmpi-bin parallel libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen)
+  packages+=(ccache fonts-dejavu-core libglfw3-dev libimgui-dev libpcre2-dev libgtest-dev libgmp-dev libosmesa6 mesa-vulkan-drivers pkg-config xvfb xdotool
+    libopenmpi-dev openmpi-bin parallel libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen
+    glslang-dev spirv-tools)
 fi
 if [ "$preset" = packages ] || [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then packages+=(dpkg-dev file help2man); fi
 if [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then packages+=(lintian); fi

@@ -96,7 +96,11 @@ sl_status sl_paged_engine_create(const char* path, const sl_paged_config* config
 }
 
 sl_status sl_paged_engine_destroy(sl_paged_engine handle) {
+#if SIGHTLINE_CAPI_HAS_PAGES
   return with_pages(__func__, handle, [&](auto&) { (void)remove(handle); });
+#else
+  return with_pages(__func__, handle, nullptr);
+#endif
 }
 
 sl_status sl_paged_engine_frame(sl_paged_engine handle, const sl_view* view, sl_paged_report* report) {

@@ -37,6 +37,21 @@ struct DeleteFence {
 };
 using Fence = std::unique_ptr<std::remove_pointer_t<GLsync>, DeleteFence>;
 
+gl::ProgramDescription describe_test(bool parts, Selection selection) {
+  return describe_pass("cull: test", {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}},
+                       parts ? ProgramKind::kParts : ProgramKind::kRecords, selection);
+}
+
+gl::ProgramDescription describe_sum() {
+  auto sum = describe_pass("cull: sum", {{GL_COMPUTE_SHADER, {"sum_places.comp"}}}, ProgramKind::kRecords);
+  sum.shaders.defines.push_back("SCAN_INVOCATIONS " + std::to_string(kScanInvocations));
+  return sum;
+}
+
+gl::ProgramDescription describe_write(ProgramKind kind) {
+  return describe_pass("cull: write", {{GL_COMPUTE_SHADER, {"write_blocks.comp"}}}, kind);
+}
+
 class ComputePass : public GpuPass {
  public:
   explicit ComputePass(const gl::Context& context)
@@ -47,17 +62,12 @@ class ComputePass : public GpuPass {
   core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) override {
     auto done = fit(batches);
     if (done && sum_.id() == 0) done = make_sum();
-    if (done)
-      done = write_.make(*gl_, batches, [](ProgramKind kind) {
-        return describe_pass("cull: write", {{GL_COMPUTE_SHADER, {"write_blocks.comp"}}}, kind);
-      });
+    if (done) done = write_.make(*gl_, batches, describe_write);
     for (const CullBatch& batch : batches) {
       gl::Program& test = test_of(batch, selection);
       if (!done) return done;
       if (test.id() != 0) continue;
-      const ProgramKind kind = batch.parts ? ProgramKind::kParts : ProgramKind::kRecords;
-      auto program = gl::Program::create(
-          *gl_, describe_pass("cull: test", {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}}, kind, selection));
+      auto program = gl::Program::create(*gl_, describe_test(batch.parts != nullptr, selection));
       if (!program) return tl::unexpected(program.error());
       test = std::move(*program);
     }
@@ -65,9 +75,7 @@ class ComputePass : public GpuPass {
   }
 
   core::Expected<void> make_sum() {
-    auto sum = describe_pass("cull: sum", {{GL_COMPUTE_SHADER, {"sum_places.comp"}}}, ProgramKind::kRecords);
-    sum.shaders.defines.push_back("SCAN_INVOCATIONS " + std::to_string(kScanInvocations));
-    auto program = gl::Program::create(*gl_, sum);
+    auto program = gl::Program::create(*gl_, describe_sum());
     if (!program) return tl::unexpected(program.error());
     sum_ = std::move(*program);
     return {};
@@ -227,6 +235,15 @@ class ComputePass : public GpuPass {
 };
 
 }  // namespace
+
+std::vector<gl::PipelineDescription> compute_programs() {
+  std::vector<gl::PipelineDescription> all = {{describe_sum()}};
+  for (std::size_t kind = 0; kind < kProgramKinds; ++kind) all.push_back({describe_write(ProgramKind(kind))});
+  for (const bool parts : {false, true})
+    for (std::size_t selection = 0; selection < kSelectionCount; ++selection)
+      all.push_back({describe_test(parts, Selection(selection))});
+  return all;
+}
 
 core::Expected<std::unique_ptr<GpuPass>> make_compute_pass(const gl::Context& context,
                                                            std::span<const CullBatch> batches) {

@@ -18,6 +18,28 @@ using gpuscene::DrawLists;
 constexpr GLuint kClusterAttribute = 0, kClusterBufferBinding = 0;
 constexpr GLuint kCountedStream = 1, kApartStream = 2;  // of count_in_view.glsl and keep_commands.geom
 
+/// `unoccluded`: the selection is kUnoccludedNow. All others keep the same clusters.
+gl::ProgramDescription describe_clusters(bool parts, bool unoccluded) {
+  auto pass = describe_pass(
+      "cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}},
+      parts ? ProgramKind::kParts : ProgramKind::kRecords, unoccluded ? Selection::kUnoccludedNow : Selection::kAll);
+  pass.feedback_varyings = {"found"};
+  return pass;
+}
+
+gl::ProgramDescription describe_items(ProgramKind kind, Selection selection) {
+  const bool meshes = kind != ProgramKind::kRecords;
+  const char* keep = meshes ? "keep_commands.geom" : "keep.geom";
+  auto pass =
+      describe_pass("cull items", {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}}, kind, selection);
+  if (meshes) {
+    pass.feedback_varyings = {"command", "base_instance"};
+  } else {
+    pass.feedback_varyings = {"found"};
+  }
+  return pass;
+}
+
 class GeometryPass : public GpuPass {
  public:
   explicit GeometryPass(const gl::Functions& gl)
@@ -28,21 +50,11 @@ class GeometryPass : public GpuPass {
     for (const CullBatch& batch : batches)
       if (done && cluster_pass(batch, selection).id() == 0) done = make_cluster_pass(batch, selection);
     if (!done) return done;
-    return item_pass_[std::size_t(selection)].make(*gl_, batches, [&](ProgramKind kind) {
-      const bool meshes = kind != ProgramKind::kRecords;
-      const char* keep = meshes ? "keep_commands.geom" : "keep.geom";
-      auto pass = describe_pass("cull items", {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}}, kind,
-                                selection);
-      if (meshes) {
-        pass.feedback_varyings = {"command", "base_instance"};
-      } else {
-        pass.feedback_varyings = {"found"};
-      }
-      return pass;
-    });
+    return item_pass_[std::size_t(selection)].make(*gl_, batches,
+                                                   [&](ProgramKind kind) { return describe_items(kind, selection); });
   }
 
-  core::Expected<void> describe_items() const {
+  core::Expected<void> describe_item_array() const {
     const GLuint array = item_array_.id();
     auto made = gl::check_names(*gl_, {cluster_array_.id(), array, item_feedback_.id()}, "objects of the culler");
     if (!made) return made;
@@ -60,12 +72,8 @@ class GeometryPass : public GpuPass {
   }
 
   core::Expected<void> make_cluster_pass(const CullBatch& batch, Selection selection) {
-    auto clusters =
-        describe_pass("cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}},
-                      batch.parts ? ProgramKind::kParts : ProgramKind::kRecords,
-                      selection == Selection::kUnoccludedNow ? selection : Selection::kAll);
-    clusters.feedback_varyings = {"found"};
-    auto program = gl::Program::create(*gl_, clusters);
+    auto program =
+        gl::Program::create(*gl_, describe_clusters(batch.parts != nullptr, selection == Selection::kUnoccludedNow));
     if (!program) return tl::unexpected(program.error());
     cluster_pass(batch, selection) = std::move(*program);
     return {};
@@ -88,6 +96,7 @@ class GeometryPass : public GpuPass {
            std::size_t probe) override {
     if (selection != Selection::kUnoccludedNow) probes_[probe].counts_in_view = counts_in_view(selection);
     probes_[probe].goes_on = selection == Selection::kUnoccludedNow;
+    if (gl_->stale_indirect_draws) gl_->Flush();  // or items are drawn as often as meshes were
     gl_->Enable(GL_RASTERIZER_DISCARD);
     framebuffer_.bind();
     cluster_array_.bind();
@@ -215,12 +224,22 @@ class GeometryPass : public GpuPass {
 
 }  // namespace
 
+std::vector<gl::PipelineDescription> geometry_programs() {
+  std::vector<gl::PipelineDescription> all;
+  for (const bool parts : {false, true})
+    for (const bool unoccluded : {false, true}) all.push_back({describe_clusters(parts, unoccluded)});
+  for (std::size_t kind = 0; kind < kProgramKinds; ++kind)
+    for (std::size_t selection = 0; selection < kSelectionCount; ++selection)
+      all.push_back({describe_items(ProgramKind(kind), Selection(selection))});
+  return all;
+}
+
 core::Expected<std::unique_ptr<GpuPass>> make_geometry_pass(const gl::Context& context,
                                                             std::span<const CullBatch> batches) {
   if (context.functions().workarounds[gl::Workaround::kNoFeedback])
     return core::fail("the driver's transform feedback is faulty (workaround no-feedback)");
   auto pass = std::make_unique<GeometryPass>(context.functions());
-  auto done = pass->describe_items();
+  auto done = pass->describe_item_array();
   if (done) done = pass->make_framebuffer();
   if (done) done = pass->fit(batches);
   if (!done) return tl::unexpected(done.error());

@@ -14,15 +14,20 @@ GLuint groups(int blocks) {
   return (GLuint(blocks) + kPyramidGroup - 1) / kPyramidGroup;
 }
 
+gl::ProgramDescription describe_pyramid(bool pixels) {
+  auto pass = describe_pass("depth pyramid", {{GL_COMPUTE_SHADER, {"build_pyramid.comp"}}}, ProgramKind::kRecords);
+  if (pixels) pass.shaders.defines.emplace_back("PIXELS");
+  return pass;
+}
+
 }  // namespace
 
+std::vector<gl::PipelineDescription> GpuDepthPyramid::all_programs() {
+  return {{describe_pyramid(true)}, {describe_pyramid(false)}};
+}
+
 core::Expected<GpuDepthPyramid> GpuDepthPyramid::create(const gl::Functions& gl) {
-  const auto describe = [](bool pixels) {
-    auto pass = describe_pass("depth pyramid", {{GL_COMPUTE_SHADER, {"build_pyramid.comp"}}}, ProgramKind::kRecords);
-    if (pixels) pass.shaders.defines.emplace_back("PIXELS");
-    return pass;
-  };
-  auto programs = gl::Program::create_all(gl, std::array{describe(true), describe(false)});
+  auto programs = gl::Program::create_all(gl, std::array{describe_pyramid(true), describe_pyramid(false)});
   if (!programs) return tl::unexpected(programs.error());
   GpuDepthPyramid made;
   made.gl_ = &gl;

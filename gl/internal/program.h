@@ -28,6 +28,10 @@ struct ProgramDescription {
   bool separable = false;                         ///< for a ProgramPipeline; may then lack stages
 };
 
+/// Programs whose stages run together: one, or the separable ones of a ProgramPipeline. Whoever makes programs also
+/// lists all that it can ever ask for, so that tests compile them without a context.
+using PipelineDescription = std::vector<ProgramDescription>;
+
 /// A linked program. Move-only; a default-made one is empty (id 0).
 class Program {
  public:

@@ -41,7 +41,7 @@ core::Expected<StageSource> assemble_stage(const ShaderContext& context, std::sp
 ShaderContext with_workarounds(ShaderContext context, Workarounds workarounds);
 
 /// In a driver's log of such a stage, replaces "1:100012(3)" (Mesa) and "1(100012)" (NVIDIA) at the start of lines,
-/// also after "ERROR: ", by "file.glsl:12".
+/// also after "ERROR: " or "WARNING: ", by "file.glsl:12".
 std::string name_files_in_log(std::string_view log, std::span<const std::string> files);
 
 }  // namespace sightline::gl

@@ -5,7 +5,7 @@ layout(location = 5) uniform float less_depth;
 #ifdef WRITES_DEPTH
 layout(depth_less) out float gl_FragDepth;
 #endif
-flat in uint number;
+layout(location = 0) flat in uint number;
 layout(location = 0) out uint drawn;
 
 void main() {

@@ -5,7 +5,7 @@ layout(location = 1) uniform float edge;   // in clip coordinates
 layout(location = 2) uniform float depth;  // of the triangle
 layout(location = 3) uniform float points;  // pixels in a row
 
-flat out uint number;
+layout(location = 0) flat out uint number;
 
 const int kPoints = 2;
 

@@ -2,10 +2,10 @@
 layout(points) in;
 layout(points, max_vertices = 1) out;
 
-flat in uint name[];
-layout(stream = 0) flat out uvec4 first;
-layout(stream = 0) flat out uint last;
-layout(stream = 1) flat out uint counted;
+layout(location = 0) flat in uint name[];
+layout(stream = 0, location = 0) flat out uvec4 first;
+layout(stream = 0, location = 1) flat out uint last;
+layout(stream = 1, location = 2) flat out uint counted;
 
 void main() {
   if ((name[0] & 1u) == 0u) {

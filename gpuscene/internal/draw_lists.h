@@ -118,6 +118,7 @@ class DrawLists {
   std::size_t record_command_count() const { return gpu_.record_commands; }
   /// The files of gpuscene/shaders, with the defines that the shaders of draw lists need.
   static gl::ShaderContext shader_context();
+  static std::vector<gl::PipelineDescription> all_programs();
   /// Makes the lists empty.
   void clear() { sections_ = {}; }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "sightline/gl/context.h"
 #include "sightline/gl/internal/buffer.h"
@@ -24,6 +25,8 @@ class ElementWriter {
   void write(const gl::Buffer& buffer, std::size_t bytes, std::span<const std::uint32_t> places, const void* data);
 
   static constexpr std::size_t kMostRuns = 32;
+
+  static std::vector<gl::PipelineDescription> all_programs();
 
  private:
   bool scatter(const gl::Buffer& buffer, std::size_t bytes, std::span<const std::uint32_t> places, const void* data);

@@ -1,8 +1,8 @@
 // One vertex per batch kind: outputs the number of commands in use and of records that the culler has found.
 #include "search.glsl"
 
-flat out uint command_count;
-flat out uint record_count;
+layout(location = 0) flat out uint command_count;
+layout(location = 1) flat out uint record_count;
 
 void main() {
   uint kind = uint(gl_VertexID);

@@ -1,7 +1,7 @@
 // One vertex per command of a record batch: outputs its number of indices. The rest of the command is already written.
 #include "search.glsl"
 
-flat out uint index_count;
+layout(location = 0) flat out uint index_count;
 
 void main() {
   uint command = uint(gl_VertexID), kind = kind_of_command(command);

@@ -25,6 +25,7 @@ class BlendedSums {
   void clear() const;
   /// Makes draws of Renderer::draw_blended() add to the sums, where the image's depth does not hide them.
   void begin_drawing() const;
+  const gl::Framebuffer& framebuffer() const { return framebuffer_; }
   std::array<GLuint, 3> textures() const { return {sums_.id(), let_pass_.id(), nearest_.id()}; }
   std::size_t memory_bytes() const;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "sightline/core/view.h"
 #include "sightline/gl/internal/program.h"
@@ -27,6 +28,8 @@ class PointSplats {
  public:
   /// Fails with the driver's log.
   static core::Expected<PointSplats> create(const gl::Context& context, const TargetFormat& format);
+  /// The programs of targets of any format.
+  static std::vector<gl::PipelineDescription> all_programs();
 
   /// Draws the splats beside what the target holds of the same view. Where two items have the same depth, the pixel
   /// keeps what it has. Sets GL state as Renderer::draw() does. Does not wait for the GPU. Fails for views that

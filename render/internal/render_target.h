@@ -1,6 +1,7 @@
 // The target of a renderer: colour, reverse-Z float depth, and item ids and normals on request.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "sightline/core/view.h"
@@ -14,6 +15,8 @@ namespace sightline::render {
 
 /// Per pixel: shaders write the covered ones into one word (gl_SampleMask).
 inline constexpr int kMostSamples = 32;
+/// The numbers that drivers have. Programs are compiled for one of them.
+inline constexpr std::array kSampleCounts = {1, 2, 4, 8, 16, kMostSamples};
 
 /// What a target has besides colour and depth. Parts that are not requested cost nothing. A Renderer is made for one
 /// format.

@@ -31,6 +31,8 @@ class Renderer {
   /// The same in portions: begin(), and advance() until it returns true. Each call compiles at least one program, and
   /// ends after the one that is late.
   static core::Expected<Renderer> begin(const gl::Context& context);
+  /// The programs of all kinds of batches, formats of targets, views and surfaces.
+  static std::vector<gl::PipelineDescription> all_programs();
   core::Expected<bool> advance(const gpuscene::GpuScene& scene, const TargetFormat& format, core::Deadline deadline);
   /// Compiles the programs of kinds of batches that came into the scene since.
   core::Expected<void> follow(const gpuscene::GpuScene& scene, const TargetFormat& format);
@@ -82,6 +84,7 @@ class Renderer {
   static constexpr std::size_t kSurfaces = 3;
   /// What views have that programs are compiled for.
   enum class Cut { kNone, kPlain, kHatched };
+  static constexpr std::size_t kCuts = 3;
   static gl::ShaderContext shader_context(const TargetFormat& format, Cut cut, Surface surface);
   static gl::ProgramDescription describe_batch(gpuscene::BatchKind kind, const TargetFormat& format, Cut cut,
                                                Surface surface);
@@ -99,7 +102,8 @@ class Renderer {
                     int first, int count) const;
   core::Expected<void> draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
                                          const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                         const RenderTarget& target, Surface surface, const glm::vec2& range);
+                                         const RenderTarget& target, const gl::Framebuffer& drawn, Surface surface,
+                                         const glm::vec2& range);
   core::Expected<void> draw_surfaces(const core::View& view, const core::Snapshot& snapshot,
                                      const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                      const RenderTarget& target, Surface surface, const gl::TextureBuffer& materials,

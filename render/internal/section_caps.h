@@ -1,8 +1,11 @@
 // Filled caps where section planes cut meshes. (Ray-cast solids fill their own caps, see gpuprims/shaders/search.glsl.)
 #pragma once
 
+#include <array>
+
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
+#include "sightline/gl/internal/framebuffer.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/vertex_array.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
@@ -30,19 +33,21 @@ class SectionCaps {
   static constexpr int kListed = 4;
 
   static core::Expected<SectionCaps> create(const gl::Functions& gl, const gl::ShaderContext& shaders);
+  /// The programs: crossings counted, crossings listed, caps.
+  static std::array<gl::ProgramDescription, 3> describe(const gl::ShaderContext& shaders);
 
   /// Makes room for a target of that size and finds which meshes are closed, once for each scene.
   core::Expected<void> prepare(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene, int width, int height);
 
-  /// Counts crossings, then draws the caps into the bound framebuffer with depth test. `draw_meshes` must draw the
-  /// batch of meshes with the program in use, without writing depth or colour.
+  /// Counts crossings, then draws the caps into `image` with the state that is set, and leaves it bound. `draw_meshes`
+  /// must draw the batch of meshes with the program and the framebuffer that are in use.
   template <class DrawMeshes>
-  void draw(const DrawMeshes& draw_meshes) const {
+  void draw(const gl::Framebuffer& image, const DrawMeshes& draw_meshes) const {
     begin_counting();
     draw_meshes();
     begin_listing();
     draw_meshes();
-    draw_caps();
+    draw_caps(image);
   }
 
   /// The program that draws caps, for uniforms of its shading.
@@ -52,12 +57,13 @@ class SectionCaps {
  private:
   void begin_counting() const;
   void begin_listing() const;
-  void draw_caps() const;
+  void draw_caps(const gl::Framebuffer& image) const;
 
   const gl::Functions* gl_ = nullptr;
   gl::Program count_, list_, caps_;
   gl::VertexArray no_attributes_;
   gl::Buffer cells_, nodes_;
+  gl::Framebuffer crossings_;                                         // of one sample per pixel, without attachments
   std::shared_ptr<const gpuscene::MeshPool::Enclosures> enclosures_;  // of the scene that is drawn
   int width_ = 0, height_ = 0;
 };

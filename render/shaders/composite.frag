@@ -5,7 +5,7 @@
 
 layout(location = 0) uniform ivec2 corner;        // of the target in the framebuffer, pixels
 layout(location = 1) uniform vec2 window_depths;  // at the near and at the far plane
-layout(location = 2) uniform bool linear_colour;
+layout(location = 2) uniform int linear_colour;
 
 #ifdef SAMPLES
 layout(binding = 0) uniform sampler2DMS colours;
@@ -26,7 +26,7 @@ const int kCount = 1;
 #define SAMPLE(i) 0
 #endif
 
-out vec4 pixel;  // multiplied by its alpha
+layout(location = 0) out vec4 pixel;  // multiplied by its alpha
 
 void main() {
   ivec2 place = ivec2(gl_FragCoord.xy) - corner;
@@ -46,5 +46,5 @@ void main() {
   }
   if (sum.a == 0.0) discard;
   gl_FragDepth = window_depths.y + (window_depths.x - window_depths.y) * nearest;
-  pixel = (linear_colour ? vec4(linear_of(sum.rgb / sum.a) * sum.a, sum.a) : sum) / float(kCount);
+  pixel = (linear_colour != 0 ? vec4(linear_of(sum.rgb / sum.a) * sum.a, sum.a) : sum) / float(kCount);
 }

@@ -4,7 +4,7 @@
 // of the steps to two opposite neighbours is 0 on planes, above 0 in corners and behind edges, and below 0 on ridges.
 // Steps are measured in pixels, that is in the width of a pixel at the surface: slopes, whatever the view.
 layout(location = 0) uniform ivec2 corner;  // of the image in the framebuffer, pixels
-layout(location = 2) uniform bool linear_colour;
+layout(location = 2) uniform int linear_colour;
 layout(location = 3) uniform vec2 pixel_depth;  // of a step of one pixel, as an affine function of depth: factor, offset
 layout(location = 4) uniform float shading;     // 0 … 1
 layout(location = 5) uniform float lines;       // 0 … 1

@@ -3,9 +3,9 @@
 
 invariant gl_Position;  // passes of several programs meet at equal depths
 
-out vec3 p_eye;
-centroid out vec3 n_eye;
-flat out uvec2 item_words;
+layout(location = 0) out vec3 p_eye;
+layout(location = 1) centroid out vec3 n_eye;
+layout(location = 2) flat out uvec2 item_words;
 
 void main() {
   Item item = fetch_item(record_of(2u), 4);

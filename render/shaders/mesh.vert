@@ -6,14 +6,14 @@ invariant gl_Position;  // passes of several programs meet at equal depths
 layout(location = 0) in uint instance;
 layout(location = 1) in uvec4 vertex;  // gpuscene::MeshPool
 
-out vec3 p_eye;
+layout(location = 0) out vec3 p_eye;
 #if defined(COUNT_CROSSINGS) || defined(LIST_CROSSINGS)
 #define CROSSINGS
 layout(binding = 4) uniform usamplerBuffer enclosures;  // core::Enclosure
-flat out uvec2 crossing_words;  // record, and whether a ray leaves the mesh through front faces
+layout(location = 1) flat out uvec2 crossing_words;  // record, and whether a ray leaves the mesh through front faces
 #else
-centroid out vec3 n_eye;
-flat out uvec2 item_words;
+layout(location = 1) centroid out vec3 n_eye;
+layout(location = 2) flat out uvec2 item_words;
 #endif
 
 // Inverse of gpuscene::pack_normal.

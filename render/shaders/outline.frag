@@ -15,7 +15,7 @@ layout(binding = 2) uniform sampler2D depths;
 #define ITEMS_SIZE textureSize(items, 0)
 #endif
 layout(location = 0) uniform ivec2 corner;  // of the image in the framebuffer, pixels
-layout(location = 2) uniform bool linear_colour;
+layout(location = 2) uniform int linear_colour;
 layout(location = 3) uniform vec3 line_colour;
 
 layout(location = 0) out vec4 pixel;  // multiplied by its alpha
@@ -49,5 +49,5 @@ void main() {
   }
   float alpha = max(around.y, kOccludedLine * around.x) * (1.0 - here.x);
   if (alpha == 0.0) discard;
-  pixel = vec4((linear_colour ? linear_of(line_colour) : line_colour) * alpha, alpha);
+  pixel = vec4((linear_colour != 0 ? linear_of(line_colour) : line_colour) * alpha, alpha);
 }

@@ -2,9 +2,9 @@
 #include "view.glsl"
 #include "shading.glsl"
 
-flat in vec3 square;
-flat in vec3 direction;
-flat in uvec2 item_words;
+layout(location = 0) flat in vec3 square;
+layout(location = 1) flat in vec3 direction;
+layout(location = 2) flat in uvec2 item_words;
 
 #ifdef SAMPLES
 layout(location = 1) uniform vec2 sample_offsets[SAMPLES];

@@ -4,9 +4,9 @@
 layout(location = 0) in vec4 place;  // centre in eye space; side in pixels
 layout(location = 1) in uvec2 item;  // item id, row of the material table
 
-flat out vec3 square;  // centre in pixels, half the side
-flat out vec3 direction;
-flat out uvec2 item_words;
+layout(location = 0) flat out vec3 square;  // centre in pixels, half the side
+layout(location = 1) flat out vec3 direction;
+layout(location = 2) flat out uvec2 item_words;
 
 // Rasterisers place and clip points in steps of their own, and may draw none smaller than a pixel. So points are drawn
 // larger than the square, and fragments decide.

@@ -4,7 +4,7 @@
 layout(points) in;
 layout(triangle_strip, max_vertices = 10) out;
 
-in Setup setup[];
+layout(location = 0) in Setup setup[];
 
 // Stages of a separable program must declare the same built-in variables, also those that nobody reads.
 in gl_PerVertex {

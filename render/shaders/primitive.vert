@@ -7,7 +7,7 @@
 out gl_PerVertex {
   vec4 gl_Position;
 };
-out Setup setup;
+layout(location = 0) out Setup setup;
 
 // Rays start from an anchor, a point of the primitive near its visible part. This stage takes the ray through the
 // anchor's pixel to the anchor's depth in pairs. Each fragment takes the small step to its own pixel in float. So

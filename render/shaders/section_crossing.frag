@@ -2,8 +2,8 @@
 #include "kept_ray.glsl"
 #include "section_cells.glsl"
 
-in vec3 p_eye;
-flat in uvec2 crossing_words;  // record, and whether a ray leaves the mesh through front faces
+layout(location = 0) in vec3 p_eye;
+layout(location = 1) flat in uvec2 crossing_words;  // record, and whether a ray leaves the mesh through front faces
 
 void main() {
   int section;

@@ -3,9 +3,9 @@
 #include "payload.glsl"
 #include "shading.glsl"
 
-in vec3 p_eye;
-centroid in vec3 n_eye;
-flat in uvec2 item_words;
+layout(location = 0) in vec3 p_eye;
+layout(location = 1) centroid in vec3 n_eye;
+layout(location = 2) flat in uvec2 item_words;
 
 void main() {
   vec3 flat_normal = cross(dFdx(p_eye), dFdy(p_eye));  // not defined behind a discard of a neighbour

@@ -1,13 +1,22 @@
 #include "sightline/study/gpu/feedback_pass.h"
 
+#include <utility>
+
 #include "sightline/culling/gpu/internal/shaders.h"
 #include "sightline/study/gpu/shaders.h"
 
 namespace sightline::study {
 
-core::Expected<FeedbackPass> FeedbackPass::create(const gl::Functions& gl, gl::ProgramDescription description,
-                                                  std::size_t record_bytes, std::size_t capacity) {
+gl::ProgramDescription describe_feedback(std::string name, std::vector<std::string> defines) {
+  gl::ProgramDescription description;
+  description.name = std::move(name);
   description.shaders.tables = {shaders(), culling::shaders()};
+  description.shaders.defines = std::move(defines);
+  return description;
+}
+
+core::Expected<FeedbackPass> FeedbackPass::create(const gl::Functions& gl, const gl::ProgramDescription& description,
+                                                  std::size_t record_bytes, std::size_t capacity) {
   auto program = gl::Program::create(gl, description);
   if (!program) return tl::unexpected(program.error());
   auto output = gl::Buffer::create(gl, record_bytes * capacity, nullptr, 0, description.name);

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "sightline/gl/internal/buffer.h"
 #include "sightline/gl/internal/framebuffer.h"
@@ -13,11 +15,14 @@
 
 namespace sightline::study {
 
+/// A program of the study's shaders and of those in culling/gpu, without stages and varyings.
+gl::ProgramDescription describe_feedback(std::string name, std::vector<std::string> defines = {});
+
 class FeedbackPass {
  public:
-  /// Room for `capacity` > 0 records of `record_bytes`, a multiple of 4. Includes are looked for in the study's shaders
-  /// and in culling/gpu's. Fails with the driver's log, or when the GPU has not the memory.
-  static core::Expected<FeedbackPass> create(const gl::Functions& gl, gl::ProgramDescription description,
+  /// Room for `capacity` > 0 records of `record_bytes`, a multiple of 4. Fails with the driver's log, or when the GPU
+  /// has not the memory.
+  static core::Expected<FeedbackPass> create(const gl::Functions& gl, const gl::ProgramDescription& description,
                                              std::size_t record_bytes, std::size_t capacity);
 
   /// One vertex for each of `points`, without attributes. Submits and returns. Textures are the caller's. Leaves

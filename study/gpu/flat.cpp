@@ -17,6 +17,28 @@ core::Expected<TexelArray> upload(const gl::Functions& gl, std::span<const core:
   return TexelArray::create(gl, boxes, GL_RGB32F, 0, "study boxes");
 }
 
+gl::ProgramDescription describe_flat(const FlatForm& form) {
+  gl::ProgramDescription description = describe_feedback(name(form));
+  description.stages = {{GL_VERTEX_SHADER, {"flat.vert"}}};
+  if (!form.signed_answers) description.stages.push_back({GL_GEOMETRY_SHADER, {"keep.geom"}});
+  description.feedback_varyings = {form.signed_answers ? "answer" : "found"};
+  const auto define = [&](bool wanted, const char* what) {
+    if (wanted) description.shaders.defines.emplace_back(what);
+  };
+  define(form.signed_answers, "SIGNED");
+  define(form.split, "SPLIT");
+  define(form.plane_order, "PLANE_ORDER");
+  define(form.masking, "MASKING");
+  return description;
+}
+
+gl::ProgramDescription describe_flat_clusters(const FlatForm& form) {
+  gl::ProgramDescription description = describe_feedback(name(form) + ", clusters");
+  description.stages = {{GL_VERTEX_SHADER, {"flat_clusters.vert"}}};
+  description.feedback_varyings = {"planes_left"};
+  return description;
+}
+
 class Flat : public Method {
  public:
   static core::Expected<std::unique_ptr<Method>> make(const gl::Context& context, const FlatForm& form,
@@ -89,19 +111,7 @@ class Flat : public Method {
     if (!planes) return tl::unexpected(planes.error());
     planes_ = std::move(*planes);
 
-    gl::ProgramDescription description;
-    description.name = name(form_);
-    description.stages = {{GL_VERTEX_SHADER, {"flat.vert"}}};
-    if (!form_.signed_answers) description.stages.push_back({GL_GEOMETRY_SHADER, {"keep.geom"}});
-    description.feedback_varyings = {form_.signed_answers ? "answer" : "found"};
-    const auto define = [&](bool wanted, const char* what) {
-      if (wanted) description.shaders.defines.emplace_back(what);
-    };
-    define(form_.signed_answers, "SIGNED");
-    define(form_.split, "SPLIT");
-    define(form_.plane_order, "PLANE_ORDER");
-    define(form_.masking, "MASKING");
-    auto pass = FeedbackPass::create(*gl_, description, sizeof(std::uint32_t), count_);
+    auto pass = FeedbackPass::create(*gl_, describe_flat(form_), sizeof(std::uint32_t), count_);
     if (!pass) return tl::unexpected(pass.error());
     pass_ = std::move(*pass);
 
@@ -115,11 +125,7 @@ class Flat : public Method {
   }
 
   core::Expected<void> make_cluster_pass() {
-    gl::ProgramDescription description;
-    description.name = name(form_) + ", clusters";
-    description.stages = {{GL_VERTEX_SHADER, {"flat_clusters.vert"}}};
-    description.feedback_varyings = {"planes_left"};
-    auto pass = FeedbackPass::create(*gl_, description, sizeof(std::uint32_t), cluster_count());
+    auto pass = FeedbackPass::create(*gl_, describe_flat_clusters(form_), sizeof(std::uint32_t), cluster_count());
     if (!pass) return tl::unexpected(pass.error());
     cluster_pass_ = std::move(*pass);
     auto masks = gl::TextureBuffer::create(*gl_, cluster_pass_.output(), GL_R32UI, "cluster masks");
@@ -171,6 +177,15 @@ std::vector<FlatForm> flat_forms() {
           {.masking = true},
           {.split = true, .masking = true},
           {.plane_order = true, .masking = true}};
+}
+
+std::vector<gl::PipelineDescription> flat_programs() {
+  std::vector<gl::PipelineDescription> all;
+  for (const FlatForm& form : flat_forms()) {
+    all.push_back({describe_flat(form)});
+    if (form.masking) all.push_back({describe_flat_clusters(form)});
+  }
+  return all;
 }
 
 core::Expected<std::unique_ptr<Method>> make_flat(const gl::Context& context, const FlatForm& form,

@@ -8,6 +8,7 @@
 
 #include "sightline/core/aabb.h"
 #include "sightline/gl/context.h"
+#include "sightline/gl/internal/program.h"
 #include "sightline/study/method.h"
 
 namespace sightline::study {
@@ -28,6 +29,8 @@ struct FlatForm {
 std::string name(const FlatForm& form);
 /// The two forms as they were, then the first with each acceleration, and with those that go together.
 std::vector<FlatForm> flat_forms();
+/// The programs of flat_forms().
+std::vector<gl::PipelineDescription> flat_programs();
 
 /// Promise: conservative; needless only within rounding of a plane. Counts and ids do without the GPU. The context must
 /// live longer, and be current in all calls. Fails when the GPU has not the memory, for plane_order also when vertex

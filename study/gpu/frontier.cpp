@@ -19,6 +19,14 @@ struct NodeTexels {
 };
 static_assert(sizeof(NodeTexels) == 32);
 
+gl::ProgramDescription describe_walk(std::uint32_t ranges_per_node) {
+  gl::ProgramDescription description =
+      describe_feedback("GPU frontier", {"MAX_RANGES " + std::to_string(ranges_per_node)});
+  description.stages = {{GL_VERTEX_SHADER, {"frontier.vert"}}, {GL_GEOMETRY_SHADER, {"frontier.geom"}}};
+  description.feedback_varyings = {"range"};
+  return description;
+}
+
 /// One more than there are nodes: the last says where the last range ends.
 std::vector<NodeTexels> pack(const Tree& tree) {
   std::vector<NodeTexels> packed;
@@ -132,13 +140,8 @@ core::Expected<void> Frontier::State::make(const gl::Context& context, std::span
   auto made_planes = GpuPlanes::create(*gl);
   if (!made_planes) return tl::unexpected(made_planes.error());
   planes = std::move(*made_planes);
-  gl::ProgramDescription description;
-  description.name = "GPU frontier";
-  description.stages = {{GL_VERTEX_SHADER, {"frontier.vert"}}, {GL_GEOMETRY_SHADER, {"frontier.geom"}}};
-  description.feedback_varyings = {"range"};
-  description.shaders.defines = {"MAX_RANGES " + std::to_string(ranges_per_node)};
   // Ranges are disjoint and not empty, so there are no more of them than places.
-  auto pass = FeedbackPass::create(*gl, description, sizeof(core::SlotRange), tree->order.size());
+  auto pass = FeedbackPass::create(*gl, describe_walk(ranges_per_node), sizeof(core::SlotRange), tree->order.size());
   if (!pass) return tl::unexpected(pass.error());
   walk = std::move(*pass);
   return {};
@@ -175,6 +178,12 @@ Found Frontier::State::take(const TreeNode& node, std::size_t& at) {
 
 Frontier::Frontier(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Frontier::~Frontier() = default;
+
+std::vector<gl::PipelineDescription> Frontier::all_programs() {
+  std::vector<gl::PipelineDescription> all;
+  for (std::uint32_t ranges = 1; ranges <= kRangesPerNode; ++ranges) all.push_back({describe_walk(ranges)});
+  return all;
+}
 
 core::Expected<std::unique_ptr<Frontier>> Frontier::create(const gl::Context& context, const Tree& tree,
                                                            std::span<const core::Aabb> boxes,

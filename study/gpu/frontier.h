@@ -12,6 +12,7 @@
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum/frustum_test.h"
 #include "sightline/gl/context.h"
+#include "sightline/gl/internal/program.h"
 #include "sightline/study/method.h"
 #include "sightline/study/tree.h"
 
@@ -47,6 +48,8 @@ class Frontier : public Method {
                                                           std::span<const core::Aabb> boxes,
                                                           std::uint32_t ranges_per_node = kRangesPerNode);
   ~Frontier() override;
+  /// The programs of all numbers of ranges up to kRangesPerNode.
+  static std::vector<gl::PipelineDescription> all_programs();
 
   /// Takes the cut from the CPU's walk of a view, as when the GPU takes over. The first cull() does it by itself.
   void take_over(const core::View& view);

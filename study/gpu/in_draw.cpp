@@ -15,7 +15,7 @@ using gpuscene::BatchKind;
 constexpr GLuint kPayloadUnit = 0, kSinglesUnit = 3;
 constexpr GLint kRecordCountUniform = 0, kBatchKindUniform = 1, kTexelsPerRecordUniform = 2;
 
-core::Expected<gl::Program> make_program(const gl::Functions& gl) {
+gl::ProgramDescription describe_in_draw() {
   gl::ProgramDescription description;
   description.name = "cylinders culled in the draw";
   description.stages = {{GL_VERTEX_SHADER, {"in_draw_names.glsl", "primitive.vert", "in_draw.vert"}},
@@ -25,7 +25,7 @@ core::Expected<gl::Program> make_program(const gl::Functions& gl) {
   description.shaders.defines = gpuscene::batch_kind_defines();
   for (std::string& define : gpuscene::batch_defines(BatchKind::kCylinder))
     description.shaders.defines.push_back(std::move(define));
-  return gl::Program::create(gl, description);
+  return description;
 }
 
 /// Boxes of the cylinders, in the order of their records.
@@ -38,11 +38,15 @@ std::vector<core::Aabb> boxes_of(const core::Snapshot& snapshot) {
 
 }  // namespace
 
+std::vector<gl::PipelineDescription> InDraw::all_programs() {
+  return {{describe_in_draw()}};
+}
+
 core::Expected<InDraw> InDraw::create(const gl::Context& context, const core::Snapshot& snapshot,
                                       const gpuscene::GpuScene& scene) {
   assert(scene.batch(BatchKind::kCylinder) != nullptr);
   const gl::Functions& gl = context.functions();
-  auto program = make_program(gl);
+  auto program = gl::Program::create(gl, describe_in_draw());
   if (!program) return tl::unexpected(program.error());
   auto planes = GpuPlanes::create(gl);
   if (!planes) return tl::unexpected(planes.error());

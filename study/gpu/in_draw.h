@@ -17,6 +17,7 @@ class InDraw {
   /// the GPU has not the memory, or with the driver's log.
   static core::Expected<InDraw> create(const gl::Context& context, const core::Snapshot& snapshot,
                                        const gpuscene::GpuScene& scene);
+  static std::vector<gl::PipelineDescription> all_programs();
 
   /// Clears the target and draws the cylinders that `view` can see. `renderer`: of the scene, for its state. Leaves
   /// state set as Renderer::draw() does, and texture unit 4 and uniform block 1.

@@ -53,10 +53,13 @@ class Application {
     framebuffer = *gl::Framebuffer::create(gl, attachments, "application");
     static constexpr gl::ShaderFile kShaders[] = {
         {"quad.vert",
+         "// A test's own shader.\n"
          "layout(location = 0) uniform mat4 clip_from_world;\n"
          "layout(location = 1) uniform vec4 corners[4];\n"
          "void main() { gl_Position = clip_from_world * corners[gl_VertexID]; }\n"},
-        {"quad.frag", "layout(location = 5) uniform vec4 colour;\nout vec4 pixel;\nvoid main() { pixel = colour; }\n"}};
+        {"quad.frag",
+         "// A test's own shader.\n"
+         "layout(location = 5) uniform vec4 colour;\nout vec4 pixel;\nvoid main() { pixel = colour; }\n"}};
     gl::ProgramDescription description;
     description.name = "application";
     description.stages = {{GL_VERTEX_SHADER, {"quad.vert"}}, {GL_FRAGMENT_SHADER, {"quad.frag"}}};
@@ -130,8 +133,10 @@ class Application {
   std::vector<float> sample_depths(int sample) const {
     static constexpr gl::ShaderFile kShaders[] = {
         {"whole.vert",
+         "// A test's own shader.\n"
          "void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0, 1); }\n"},
         {"sample.frag",
+         "// A test's own shader.\n"
          "layout(binding = 0) uniform sampler2DMS depths;\nlayout(location = 0) uniform int number;\nout float depth;\n"
          "void main() { depth = texelFetch(depths, ivec2(gl_FragCoord.xy), number).r; }\n"}};
     gl::ProgramDescription description;

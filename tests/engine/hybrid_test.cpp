@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/gl/internal/timer.h"
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
@@ -182,10 +183,14 @@ TEST_F(HybridTest, TheOldestLateReportsAreLost) {
     last = report->frame;
   }
   ASSERT_GT(on_gpu, 80);
+  // Some drivers give the results of the last frames only to those who ask again, and these come on top.
   std::vector<std::uint64_t> frames;
-  while (const auto report = engine->take_late_report()) frames.push_back(report->frame);
-  ASSERT_EQ(frames.size(), 64u);
-  for (std::size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(frames[i], last - 63 + i);
+  for (int tries = 0; tries < 10 && (frames.empty() || frames.back() != last); ++tries)
+    while (const auto report = engine->take_late_report()) frames.push_back(report->frame);
+  ASSERT_GE(frames.size(), 64u);
+  EXPECT_LE(frames.size(), 64u + gl::GpuTimer::kSlots);
+  EXPECT_EQ(frames.back(), last);
+  for (std::size_t i = 1; i < frames.size(); ++i) EXPECT_EQ(frames[i], frames[i - 1] + 1);
 }
 
 /// A GPU that has no memory left costs the hybrid nothing but its GPU path; who asked for the GPU is told.

@@ -107,6 +107,8 @@ TEST(ShaderSource, NamesFilesInLogs) {
   EXPECT_EQ(
       name_files_in_log("0:100012(3): error: oops\n2(200007) : error C1: no\nERROR: 0:200004: bad\n\n0:2(1): x", files),
       "a.vert:12(3): error: oops\nb.glsl:7 : error C1: no\nERROR: b.glsl:4: bad\nprolog:2(1): x");
+  EXPECT_EQ(name_files_in_log("WARNING: 1:100002: odd\nWARNING: no place", files),
+            "WARNING: a.vert:2: odd\nWARNING: no place");
   EXPECT_EQ(name_files_in_log("0:900001: x\nno numbers\n1 2\n1:\n1(", files), "0:900001: x\nno numbers\n1 2\n1:\n1(");
 }
 

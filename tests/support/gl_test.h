@@ -13,6 +13,9 @@
 
 namespace sightline::tests {
 
+/// Is called with the function table of every test's context; see tests/shaders/listed_sources.h. Null: nothing is.
+inline void (*watch_functions)(gl::Functions&) = nullptr;
+
 /// Each test gets an offscreen debug context of its own, current on the test's thread, and fails when an error is left
 /// in it at the end. Without EGL or a driver the test is skipped with the reason, or fails (no_gl.h).
 ///
@@ -26,6 +29,7 @@ class GlTest : public ::testing::Test {
     auto made = gl::Context::create_offscreen(options);
     if (made) {
       context.emplace(std::move(*made));
+      if (watch_functions) watch_functions(const_cast<gl::Functions&>(context->functions()));
       return;
     }
     if (!may_skip(made.error().message)) FAIL() << made.error().message;

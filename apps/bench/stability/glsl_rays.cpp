@@ -116,7 +116,23 @@ Answer answer_of(const Prepared& prepared, const ShaderCrossing& found) {
   return answer;
 }
 
+gl::ProgramDescription describe_rays(gpuscene::BatchKind batch) {
+  gl::ProgramDescription description;
+  description.name = "rays at " + std::string(gpuscene::name_of(batch));
+  description.stages = {{GL_COMPUTE_SHADER, {"rays.comp"}}};
+  description.shaders.tables = {shaders(), gpuprims::shaders()};
+  description.shaders.defines = gpuscene::batch_defines(batch);
+  return description;
+}
+
 }  // namespace
+
+std::vector<gl::PipelineDescription> GlslRays::all_programs() {
+  std::vector<gl::PipelineDescription> all;
+  for (int batch = 0; batch < gpuscene::kBatchKindCount; ++batch)
+    if (gpuscene::is_ray_cast(gpuscene::BatchKind(batch))) all.push_back({describe_rays(gpuscene::BatchKind(batch))});
+  return all;
+}
 
 core::Expected<GlslRays> GlslRays::create(gl::ContextPlatform platform) {
   auto context = gl::Context::create_offscreen({.platform = platform});
@@ -129,12 +145,7 @@ core::Expected<const gl::Program*> GlslRays::program(Kind kind) {
   const std::string name(gpuscene::name_of(batch));
   const auto known = programs_.find(name);
   if (known != programs_.end()) return &known->second;
-  gl::ProgramDescription description;
-  description.name = "rays at " + name;
-  description.stages = {{GL_COMPUTE_SHADER, {"rays.comp"}}};
-  description.shaders.tables = {shaders(), gpuprims::shaders()};
-  description.shaders.defines = gpuscene::batch_defines(batch);
-  auto made = gl::Program::create(context_.functions(), description);
+  auto made = gl::Program::create(context_.functions(), describe_rays(batch));
   if (!made) return tl::unexpected(made.error());
   return &programs_.emplace(name, std::move(*made)).first->second;
 }

@@ -24,6 +24,9 @@ class GlslRays {
   /// does not fit a float, which a renderer does not show, are dropped. All samples must be of one kind.
   core::Expected<std::vector<Answer>> trace(core::Kind kind, std::span<const Sample> samples);
 
+  /// The programs of all kinds.
+  static std::vector<gl::PipelineDescription> all_programs();
+
   const gl::Context& context() const { return context_; }
 
  private:

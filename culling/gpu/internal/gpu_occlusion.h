@@ -26,6 +26,7 @@ static_assert(sizeof(OcclusionBlock) == 16 * (kMaxLevels + 1));
 class GpuDepthPyramid {
  public:
   static core::Expected<GpuDepthPyramid> create(const gl::Functions& gl);
+  static std::vector<gl::PipelineDescription> all_programs();
 
   /// Of a reverse-Z depth texture that `view` was drawn with, with one sample per pixel. Submits the work and returns.
   /// Changes the program, texture unit 0 and storage block 0. Fails when the GPU has too little memory.

@@ -94,6 +94,10 @@ core::Expected<std::unique_ptr<GpuPass>> make_geometry_pass(const gl::Context& c
 core::Expected<std::unique_ptr<GpuPass>> make_compute_pass(const gl::Context& context,
                                                            std::span<const CullBatch> batches);
 
+/// The programs of each for all batches and selections.
+std::vector<gl::PipelineDescription> geometry_programs();
+std::vector<gl::PipelineDescription> compute_programs();
+
 inline core::Expected<std::unique_ptr<GpuPass>> make_pass(GpuVariant variant, const gl::Context& context,
                                                           std::span<const CullBatch> batches) {
   return variant == GpuVariant::kCompute ? make_compute_pass(context, batches) : make_geometry_pass(context, batches);

@@ -2,7 +2,7 @@
 // outside.
 #include "tested.glsl"
 
-flat out uint name;
+layout(location = 0) flat out uint name;
 
 void main() {
   name = keep_cluster(uint(gl_VertexID));

@@ -3,7 +3,7 @@
 
 #ifdef COUNTS_IN_VIEW
 
-flat in uint counted[];
+layout(location = 1) flat in uint counted[];
 
 void count_in_view() {
   if (counted[0] == 0u) return;

@@ -3,9 +3,9 @@
 
 layout(location = 0) in uint cluster;
 
-flat out uint name;
+layout(location = 0) flat out uint name;
 #ifdef COUNTS_IN_VIEW
-flat out uint counted;
+layout(location = 1) flat out uint counted;
 #endif
 
 void main() {

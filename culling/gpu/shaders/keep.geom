@@ -5,8 +5,8 @@ layout(points, max_vertices = 2) out;
 #include "cull_limits.glsl"
 #include "count_in_view.glsl"
 
-flat in uint name[];
-flat out uint found;
+layout(location = 0) flat in uint name[];
+layout(location = 0) flat out uint found;
 
 void main() {
   count_in_view();

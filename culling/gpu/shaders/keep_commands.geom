@@ -11,9 +11,9 @@ layout(binding = 4) uniform usamplerBuffer commands;  // gpuscene::ElementsComma
 #include "part_data.glsl"
 #endif
 
-flat in uint name[];
-flat out uvec4 command;  // index count, instance count, first index, base vertex
-flat out uint base_instance;
+layout(location = 0) flat in uint name[];
+layout(location = 0) flat out uvec4 command;  // index count, instance count, first index, base vertex
+layout(location = 1) flat out uint base_instance;
 
 void write(uint words[COMMAND_WORDS]) {
   command = uvec4(words[0], words[1], words[2], words[3]);
@@ -25,7 +25,7 @@ void main() {
   count_in_view();
   if (name[0] == kRejected) return;
 #ifdef PARTS
-  if (of_parts) {
+  if (of_parts != 0) {
     write(command_of_part(name[0]));
     return;
   }

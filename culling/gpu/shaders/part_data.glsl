@@ -1,7 +1,7 @@
 // Parts of meshes, as culling/gpu/internal/mesh_parts.h writes them.
 #include "cull_limits.glsl"
 
-layout(location = 3) uniform bool of_parts;  // the parts of the batch's records are looked at, not the records
+layout(location = 3) uniform int of_parts;  // the parts of the batch's records are looked at, not the records
 
 // By cluster: box, and the box of the groups that its parts go into, twelve floats; the largest error of these groups,
 // and the instance that all parts are of, or kRejected; two words not in use. Then its parts: details of the instance,

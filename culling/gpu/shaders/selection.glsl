@@ -4,7 +4,7 @@
 #include "screen_box.glsl"
 
 // Of lines, whose rules are others, and of parts of meshes beside section planes: the first pass of a frame draws all.
-layout(location = 1) uniform bool exempt;
+layout(location = 1) uniform int exempt;
 #endif
 
 #if defined(UNOCCLUDED_BEFORE) || defined(UNOCCLUDED_NOW)
@@ -18,7 +18,7 @@ bool cluster_selected(vec3 low, vec3 high) {
 }
 
 bool selected(uint record, vec3 low, vec3 high) {
-  return exempt || covers_sample(project_box(low, high));
+  return exempt != 0 || covers_sample(project_box(low, high));
 }
 
 #elif defined(UNOCCLUDED_BEFORE)
@@ -28,13 +28,13 @@ bool cluster_selected(vec3 low, vec3 high) {
 }
 
 bool selected(uint record, vec3 low, vec3 high) {
-  return exempt || (unoccluded_in_frame_before(record) && covers_sample(project_box(low, high)));
+  return exempt != 0 || (unoccluded_in_frame_before(record) && covers_sample(project_box(low, high)));
 }
 
 #elif defined(UNOCCLUDED_NOW)
 
 bool cluster_selected(vec3 low, vec3 high) {
-  return !exempt && !occluded(project_box(low, high));
+  return exempt == 0 && !occluded(project_box(low, high));
 }
 
 // What the first pass has drawn is tested, too, but not drawn again.

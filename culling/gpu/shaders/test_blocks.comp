@@ -5,11 +5,11 @@
 shared uint tested[kClustersPerBlock];
 
 #ifdef PARTS
-layout(binding = 4) uniform usamplerBuffer commands;  // where of_parts is false
+layout(binding = 4) uniform usamplerBuffer commands;  // where of_parts is 0
 
 // Records whose parts are drawn have a command without indices.
 bool drawn_by_parts(uint record) {
-  return !of_parts && texelFetch(commands, int(COMMAND_WORDS * record)).x == 0u;
+  return of_parts == 0 && texelFetch(commands, int(COMMAND_WORDS * record)).x == 0u;
 }
 #endif
 

@@ -15,7 +15,7 @@ layout(location = 1) uniform uint first_word;  // of found
 #ifdef MESHES
 uint[COMMAND_WORDS] command_of(uint name) {
 #ifdef PARTS
-  if (of_parts) return command_of_part(name);
+  if (of_parts != 0) return command_of_part(name);
 #endif
   uint words[COMMAND_WORDS];
   for (uint word = 0u; word < COMMAND_WORDS; ++word)

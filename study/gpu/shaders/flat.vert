@@ -2,9 +2,9 @@
 #include "box_test.glsl"
 
 #ifdef SIGNED
-flat out int answer;  // number of the box from 1 on; negative: outside
+layout(location = 0) flat out int answer;  // number of the box from 1 on; negative: outside
 #else
-flat out uint name;
+layout(location = 0) flat out uint name;
 const uint kRejected = 0xffffffffu;  // what keep.geom drops
 const uint kWhole = 0x80000000u;     // with SPLIT: the box lies wholly inside
 #endif

@@ -3,7 +3,7 @@
 
 const uint kClusterOutside = 0xffffffffu;
 
-flat out uint planes_left;
+layout(location = 0) flat out uint planes_left;
 
 void main() {
   vec3 low = texelFetch(boxes, 2 * gl_VertexID).xyz, high = texelFetch(boxes, 2 * gl_VertexID + 1).xyz;

@@ -9,8 +9,8 @@ layout(binding = 6) uniform usamplerBuffer nodes;  // two texels each: min and e
 
 const uint kNotLookedAt = 0x80000000u;  // study::Frontier's
 
-flat in uint node[];
-flat out uvec2 range;  // first place, and how many
+layout(location = 0) flat in uint node[];
+layout(location = 0) flat out uvec2 range;  // first place, and how many
 
 struct Node {
   vec3 low, high;

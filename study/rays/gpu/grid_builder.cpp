@@ -29,7 +29,7 @@ UniformGrid GridBuilder::Grid::read() const {
   return grid;
 }
 
-core::Expected<GridBuilder> GridBuilder::create(const gl::Context& context) {
+std::vector<gl::ProgramDescription> GridBuilder::describe() {
   constexpr std::array<const char*, kSteps> kFiles = {"count_cells.comp", "write_references.comp", "prefix_sum.comp",
                                                       "add_sums.comp",    "count_digits.comp",     "move_pairs.comp",
                                                       "write_grid.comp"};
@@ -40,7 +40,17 @@ core::Expected<GridBuilder> GridBuilder::create(const gl::Context& context) {
     descriptions.back().stages = {{GL_COMPUTE_SHADER, {file}}};
     descriptions.back().shaders.tables = {shaders()};
   }
-  auto programs = gl::Program::create_all(context.functions(), descriptions);
+  return descriptions;
+}
+
+std::vector<gl::PipelineDescription> GridBuilder::all_programs() {
+  std::vector<gl::PipelineDescription> all;
+  for (const gl::ProgramDescription& step : describe()) all.push_back({step});
+  return all;
+}
+
+core::Expected<GridBuilder> GridBuilder::create(const gl::Context& context) {
+  auto programs = gl::Program::create_all(context.functions(), describe());
   if (!programs) return tl::unexpected(programs.error());
   GridBuilder builder;
   builder.context_ = &context;

@@ -31,6 +31,7 @@ class GridBuilder {
 
   /// Compiles the programs. Borrows the context, which must be current at every call.
   static core::Expected<GridBuilder> create(const gl::Context& context);
+  static std::vector<gl::PipelineDescription> all_programs();
 
   /// Uploads what build() reads: boxes of triangles in unit space, as TriangleSet::boxes() has them.
   core::Expected<gl::Buffer> upload(std::span<const core::Aabb> boxes) const;
@@ -51,6 +52,7 @@ class GridBuilder {
     kWriteGrid,
     kSteps
   };
+  static std::vector<gl::ProgramDescription> describe();  // by Step
   void run(Step step, std::uint32_t count, std::uint32_t per_group, std::span<const gl::Buffer* const> buffers) const;
   void set(Step step, const char* uniform, std::uint32_t value) const;
   core::Expected<void> sum_up(const gl::Buffer& values, std::uint32_t count) const;

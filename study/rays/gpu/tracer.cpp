@@ -43,25 +43,37 @@ const Form* form_of(const Traversal& traversal) {
   return nullptr;
 }
 
+gl::ProgramDescription describe_trace(const Form& form, Ask ask, bool persistent) {
+  gl::ProgramDescription description;
+  description.name = form.traversal;
+  description.stages = {{GL_COMPUTE_SHADER, {form.file, "trace.comp"}}};
+  description.shaders.tables = {shaders()};
+  const auto define = [&](bool wanted, const char* what) {
+    if (wanted) description.shaders.defines.emplace_back(what);
+  };
+  define(form.define != nullptr, form.define);
+  define(ask == Ask::kAny, "ANY");
+  define(ask == Ask::kCount, "COUNTING");
+  define(persistent, "PERSISTENT");
+  return description;
+}
+
 }  // namespace
+
+std::vector<gl::PipelineDescription> GpuTracer::all_programs() {
+  std::vector<gl::PipelineDescription> all;
+  for (const Form& form : kForms)
+    for (std::size_t ask = 0; ask < kAsks; ++ask)
+      for (const bool persistent : {false, true}) all.push_back({describe_trace(form, Ask(ask), persistent)});
+  return all;
+}
 
 core::Expected<const GpuTracer::Program*> GpuTracer::program_of(const Traversal& traversal, Ask ask, bool persistent) {
   const auto key = std::tuple(traversal.name, ask, persistent);
   if (const auto found = programs_.find(key); found != programs_.end()) return &found->second;
   const Form* form = form_of(traversal);
   if (form == nullptr) return core::fail(std::string("no shader has the traversal ") + traversal.name);
-  gl::ProgramDescription description;
-  description.name = traversal.name;
-  description.stages = {{GL_COMPUTE_SHADER, {form->file, "trace.comp"}}};
-  description.shaders.tables = {shaders()};
-  const auto define = [&](bool wanted, const char* what) {
-    if (wanted) description.shaders.defines.emplace_back(what);
-  };
-  define(form->define != nullptr, form->define);
-  define(ask == Ask::kAny, "ANY");
-  define(ask == Ask::kCount, "COUNTING");
-  define(persistent, "PERSISTENT");
-  auto made = gl::Program::create(context_->functions(), description);
+  auto made = gl::Program::create(context_->functions(), describe_trace(*form, ask, persistent));
   if (!made) return tl::unexpected(made.error());
   Program program{std::move(*made), -1, -1, -1, -1};
   program.image = program.program.uniform("image");

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <map>
 #include <tuple>
+#include <vector>
 
 #include "sightline/core/error.h"
 #include "sightline/gl/context.h"
@@ -20,6 +21,7 @@
 namespace sightline::study::rays {
 
 enum class Ask : std::uint8_t { kNearest, kAny, kCount };  ///< as Traversal's three functions
+inline constexpr std::size_t kAsks = 3;
 
 /// How rays go to work groups of 32 invocations, the size of a warp.
 struct Launch {
@@ -35,6 +37,7 @@ class GpuTracer {
  public:
   /// Borrows the context, which must be current at every call.
   explicit GpuTracer(const gl::Context& context) : context_(&context) {}
+  static std::vector<gl::PipelineDescription> all_programs();
 
   /// Searches for each ray of the batch, which then has the answers. `structure` is of the kind that the traversal
   /// wants, and of `triangles`. Does not wait for the GPU. Fails where the program does not compile, with the driver's

@@ -1,3 +1,4 @@
+// A test's own shader.
 // What shaders make of pairs of floats: case i of each, as high and low parts.
 #include "pairs.glsl"
 

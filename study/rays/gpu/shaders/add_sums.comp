@@ -7,7 +7,7 @@ layout(std430, binding = 0) restrict buffer Values {
 layout(std430, binding = 1) readonly restrict buffer Sums {
   uint sums[];
 };
-uniform uint block_size;
+layout(location = 1) uniform uint block_size;
 
 void main() {
   uint i = invocation();

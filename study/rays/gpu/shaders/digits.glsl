@@ -10,6 +10,7 @@ layout(std430, binding = 0) readonly restrict buffer Pairs {
 layout(std430, binding = 1) restrict buffer Places {
   uint places[];  // by digit, and then by run
 };
-uniform uint pair_count, shift;
+layout(location = 1) uniform uint pair_count;
+layout(location = 2) uniform uint shift;
 
 uint digit_of(uint cell) { return cell >> shift & (kDigits - 1u); }

@@ -10,9 +10,9 @@ struct Answer {  // GpuAnswer of ray_batch.h
 layout(std430, binding = 1) writeonly restrict buffer Answers {
   Answer answers[];
 };
-uniform uvec3 image;  // width and height in tiles, and in rays the width
-uniform uvec2 tile;     // size in rays; 32 in all
-uniform uint ray_count;
+layout(location = 0) uniform uvec3 image;  // width and height in tiles, and in rays the width
+layout(location = 1) uniform uvec2 tile;   // size in rays; 32 in all
+layout(location = 2) uniform uint ray_count;
 
 void trace(uvec2 of_tile) {
   uvec2 place = of_tile * tile + uvec2(gl_LocalInvocationIndex % tile.x, gl_LocalInvocationIndex / tile.x);
@@ -32,7 +32,7 @@ void trace(uvec2 of_tile) {
 layout(std430, binding = 7) coherent restrict buffer Next {
   uint next_tile;
 };
-uniform uint most_tiles;  // of a group
+layout(location = 3) uniform uint most_tiles;  // of a group
 shared uint taken;
 
 void main() {

@@ -10,7 +10,8 @@ layout(std430, binding = 1) writeonly restrict buffer Begins {
 layout(std430, binding = 2) writeonly restrict buffer Triangles {
   uint triangles[];
 };
-uniform uint pair_count, begin_count;
+layout(location = 1) uniform uint pair_count;
+layout(location = 2) uniform uint begin_count;
 
 void main() {
   uint i = invocation();

@@ -8,7 +8,7 @@ layout(std430, binding = 1) readonly restrict buffer Places {
 layout(std430, binding = 2) writeonly restrict buffer Pairs {
   uvec2 pairs[];
 };
-uniform uint box_count;
+layout(location = 1) uniform uint box_count;
 
 void main() {
   uint i = invocation();
