@@ -1,5 +1,6 @@
 #include "sightline/gl/internal/buffer.h"
 
+#include <bit>
 #include <cassert>
 #include <cstring>
 #include <limits>
@@ -64,6 +65,14 @@ std::size_t texel_bytes(GLenum format) {
   }
 }
 
+/// The size to allocate for so many bytes. llvmpipe compiles a program for what it takes for properties of its textures,
+/// those of buffers included: whether their size is a power of two, and whether its second byte is 0, where textures
+/// have their number of levels. With sizes that are neither, one scene's programs serve all.
+std::size_t ordinary_size(std::size_t bytes) {
+  while (std::has_single_bit(bytes) || (bytes >> 8 & 0xff) == 0) bytes += 256;
+  return bytes;
+}
+
 void label(const Functions& gl, GLenum kind, GLuint name, std::string_view what) {
   if (!what.empty()) gl.ObjectLabel(kind, name, static_cast<GLsizei>(what.size()), what.data());
 }
@@ -106,11 +115,14 @@ core::Expected<Buffer> Buffer::create(const Functions& gl, std::size_t bytes, co
   buffer.handle_ = Handle<&Functions::DeleteBuffers>(gl, name);
   const bool pinned = gl.pinned_memory && bytes >= kLeastPinned && bytes <= kMostPinned &&
                       (flags & ~kWriteAndMap) == 0 && buffer.pin(gl, bytes, data);
-  if (!pinned) gl.NamedBufferStorage(name, static_cast<GLsizeiptr>(bytes), data, flags);
+  const bool written = data != nullptr && (flags & GL_DYNAMIC_STORAGE_BIT) == 0;
+  const auto allocated = static_cast<GLsizeiptr>(written ? bytes : ordinary_size(bytes));
+  if (!pinned) gl.NamedBufferStorage(name, allocated, written ? data : nullptr, flags);
   if (const GLenum error = check_error(gl); error != GL_NO_ERROR) {
     return core::fail(fmt::format("GL buffer '{}': {} bytes wanted: {}", what, bytes, error_name(error)));
   }
   buffer.bytes_ = bytes;
+  if (!pinned && !written && data) buffer.write(0, bytes, data);
   label(gl, GL_BUFFER, name, what);
   return buffer;
 }

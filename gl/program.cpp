@@ -150,6 +150,12 @@ core::Expected<Program> Program::finish(const Functions& gl, const ProgramDescri
   return std::move(pending.program);
 }
 
+bool Program::is_cached(const Functions& gl, const ProgramDescription& description) {
+  if (!gl.program_cache || !gl.program_cache->enabled()) return false;
+  const auto sources = assemble(description, gl.workarounds);
+  return sources && gl.program_cache->has(cache_key(description, *sources));
+}
+
 core::Expected<Program> Program::create(const Functions& gl, const ProgramDescription& description) {
   auto programs = create_all(gl, std::span(&description, 1));
   if (!programs) return tl::unexpected(programs.error());

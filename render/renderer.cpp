@@ -124,6 +124,10 @@ core::Expected<Renderer> Renderer::begin(const gl::Context& context) {
   return renderer;
 }
 
+bool Renderer::has_cached(const gl::Functions& gl, BatchKind kind, const TargetFormat& format) {
+  return gl::Program::is_cached(gl, describe_batch(kind, format, Cut::kNone, Surface::kSolid));
+}
+
 core::Expected<bool> Renderer::advance(const gpuscene::GpuScene& scene, const TargetFormat& format,
                                        core::Deadline deadline) {
   std::optional<BatchPrograms>& plain = programs_[std::size_t(Surface::kSolid)].plain;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sightline/engine/drawing/internal/left_out.h"
+#include "sightline/engine/drawing/internal/rehearsal.h"
 #include "sightline/engine/internal/clock.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/program_cache.h"
@@ -34,10 +35,28 @@ core::Expected<std::unique_ptr<Backend>> make_backend(const EngineConfig& config
   return Drawing::create(config, overrides);
 }
 
-void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw) {
+namespace {
+
+/// Items of each kind of batches.
+std::array<std::size_t, gpuscene::kBatchKindCount> count_batches(const core::Snapshot& snapshot) {
   std::array<std::size_t, gpuscene::kBatchKindCount> counts{};
   for (int kind = 0; kind < core::kKindCount; ++kind)
     counts[std::size_t(gpuscene::batch_of(core::Kind(kind)))] += snapshot.of_kind(core::Kind(kind)).size();
+  return counts;
+}
+
+std::vector<gpuscene::BatchKind> batches_of(const core::Snapshot& snapshot) {
+  const auto counts = count_batches(snapshot);
+  std::vector<gpuscene::BatchKind> kinds;
+  for (int i = 0; i < gpuscene::kBatchKindCount; ++i)
+    if (counts[std::size_t(i)] > 0) kinds.push_back(gpuscene::BatchKind(i));
+  return kinds;
+}
+
+}  // namespace
+
+void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw) {
+  const auto counts = count_batches(snapshot);
   for (int i = 0; i < gpuscene::kBatchKindCount; ++i) {
     const auto batch = gpuscene::BatchKind(i);
     const std::size_t n = counts[std::size_t(i)];
@@ -143,6 +162,8 @@ core::Expected<void> Drawing::take_version(const core::Snapshot& former, const c
 core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls) {
   if (auto current = make_current(); !current) return current;
   upload_.begin();
+  if (context_.config.draw && own_context_ && !context_.renderer)
+    rehearse(context_.context, context_.config, context_.target().format(), batches_of(snapshot));
   if (auto done = advance_upload(snapshot, joints, gpu_culls, core::kNoDeadline); !done) {
     upload_.abandon();
     return tl::unexpected(done.error());

@@ -45,6 +45,9 @@ class Program {
   static core::Expected<std::vector<Program>> create_all(const Functions& gl,
                                                          std::span<const ProgramDescription> descriptions);
 
+  /// Whether the program cache has this program, so that it need not be compiled. False without a cache.
+  static bool is_cached(const Functions& gl, const ProgramDescription& description);
+
   GLuint id() const { return handle_.name(); }
   void use() const { handle_.gl().UseProgram(id()); }
 

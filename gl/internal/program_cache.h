@@ -33,6 +33,8 @@ class ProgramCache {
 
   /// False when nothing can be kept.
   bool enabled() const { return !formats_.empty(); }
+  /// Whether there is an entry of `key`.
+  bool has(std::string_view key) const { return find(key).has_value(); }
   /// Links `program` from the entry of `key`, with the bindings of its blocks, textures and images as they were when it
   /// was stored. False when there is no usable entry; then it is not linked.
   bool load(const Functions& gl, GLuint program, std::string_view key) const;

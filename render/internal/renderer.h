@@ -31,6 +31,8 @@ class Renderer {
   /// The same in portions: begin(), and advance() until it returns true. Each call compiles at least one program, and
   /// ends after the one that is late.
   static core::Expected<Renderer> begin(const gl::Context& context);
+  /// Whether the program cache has the program of a kind of batches in views without sections.
+  static bool has_cached(const gl::Functions& gl, gpuscene::BatchKind kind, const TargetFormat& format);
   /// The programs of all kinds of batches, formats of targets, views and surfaces.
   static std::vector<gl::PipelineDescription> all_programs();
   core::Expected<bool> advance(const gpuscene::GpuScene& scene, const TargetFormat& format, core::Deadline deadline);

@@ -53,9 +53,8 @@ void main() {
   mat3 eye_from_local = view.eye_from_world * item.chunk_from_local;
   vec3 yz = cross(eye_from_local[1], eye_from_local[2]);
   float volume = dot(eye_from_local[0], yz);
-  gl_Position = vec4(0.0);
-  setup.proxy = kNothing;
-  if (!(abs(volume) > 0.0 && abs(volume) < 3e38)) return;  // singular placement: nothing to see
+  // Otherwise there is nothing to see. No branch, for the reason that make_proxy.glsl names.
+  bool placed = abs(volume) > 0.0 && abs(volume) < 3e38;
   mat3 rows =
       mat3(yz, cross(eye_from_local[2], eye_from_local[0]), cross(eye_from_local[0], eye_from_local[1])) * (1.0 / volume);
   vec3 origin = eye_origin(item);
@@ -88,4 +87,6 @@ void main() {
     viewer = local_eye - 0.5 * (box.low + box.high);
   }
   setup.proxy = make_proxy(box.low - margin, box.high + margin, viewer, inside, eye_from_local, volume < 0.0, a.local, a.eye.high);
+  if (!placed) setup.proxy.corners = 0;
+  gl_Position = vec4(0.0);
 }

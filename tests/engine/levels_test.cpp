@@ -178,6 +178,38 @@ TEST_P(LevelsByAny, ClustersOfLargeMeshesShowEveryPixel) {
   }
 }
 
+/// The same from many places, in small images of one mesh: from afar, along its surface, inside it, through it.
+TEST_F(Levels, ClustersOfOneMeshShowEveryPixelFromAnywhere) {
+  constexpr int kSmallWidth = 48, kSmallHeight = 32;
+  core::Scene scene;
+  core::Mesh torus = bumpy_torus(92, 0.1);  // of radii 3 and 1, about z
+  ASSERT_GT(torus.indices.size(), 3 * lod::kLargeMesh);
+  scene.add_mesh_instance(scene.root(), scene.add_mesh(std::move(torus)).value(), {});
+  ASSERT_TRUE(scene.commit());
+  engine::EngineConfig c = config_of({}, 0.0);
+  c.width = kSmallWidth;
+  c.height = kSmallHeight;
+  engine::Engine clusters = create(scene, c);
+  Whole whole(*context, scene, kSmallWidth, kSmallHeight);
+  std::mt19937_64 random(5);
+  for (int i = 0; i < repeated(10000); ++i) {
+    SCOPED_TRACE(i);
+    const double around = between(random, 0, 6.3), distance = std::pow(10.0, between(random, -2, 1.5));
+    const core::dvec3 ring(3.0 * std::cos(around), 3.0 * std::sin(around), 0.0);
+    const core::dvec3 towards(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1));
+    const core::dvec3 eye = ring + distance * towards;
+    const core::dvec3 target(between(random, -4, 4), between(random, -4, 4), between(random, -1, 1));
+    core::View view = *core::View::perspective({eye, target}, between(random, 0.05, 2.5), 1.5, 0.001);
+    if (i % 5 == 0) view = *core::View::orthographic({eye, target}, between(random, 0.05, 12.0), 1.5, -5.0, 30.0);
+    if (i % 4 == 0) view.sections.push_back({glm::normalize(towards), -glm::dot(glm::normalize(towards), ring)});
+    const render::RenderTarget& drawn = whole.draw(view);
+    const image::IdImage wanted = drawn.read_ids();
+    const std::vector<float> depth = drawn.read_depth(view).metres;
+    ASSERT_EQ(ids_of(clusters, view).ids, wanted.ids);
+    ASSERT_EQ(clusters.read_depth(view)->metres, depth);
+  }
+}
+
 /// Of one mesh, what its own front hides.
 TEST_F(Levels, LeaveOutClustersThatOthersHide) {
   core::Scene scene;

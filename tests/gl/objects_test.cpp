@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <functional>
 #include <numeric>
@@ -73,6 +74,26 @@ TEST_F(ObjectsTest, LargeBuffersWorkInMemoryOfOursAndOfTheDriver) {
     EXPECT_EQ(buffer.memory() != nullptr, pinned);
     buffer.read(0, 4, back.data());
     EXPECT_EQ(back[0], 1000u);
+  }
+}
+
+// Where they are, llvmpipe compiles the programs that read them once more.
+TEST_F(ObjectsTest, SizesAreNeitherPowersOfTwoNorWholePages) {
+  for (const std::size_t bytes : {1u, 64u, 256u, 300u, 4096u, 65536u, 65600u, 1u << 20}) {
+    const std::vector<std::uint8_t> data(bytes, 7);
+    for (const void* from : {static_cast<const void*>(nullptr), static_cast<const void*>(data.data())}) {
+      auto buffer = Buffer::create(gl(), bytes, from, GL_DYNAMIC_STORAGE_BIT, "bytes");
+      ASSERT_TRUE(buffer) << buffer.error().message;
+      EXPECT_EQ(buffer->size(), bytes);
+      GLint64 allocated = 0;
+      gl().GetNamedBufferParameteri64v(buffer->id(), GL_BUFFER_SIZE, &allocated);
+      EXPECT_FALSE(std::has_single_bit(std::uint64_t(allocated))) << bytes;
+      EXPECT_NE(allocated >> 8 & 0xff, 0) << bytes;
+      if (!from) continue;
+      std::vector<std::uint8_t> back(bytes);
+      buffer->read(0, bytes, back.data());
+      EXPECT_EQ(back, data);
+    }
   }
 }
 
