@@ -26,6 +26,7 @@ class WorkaroundsTest : public DrawnGrid, public testing::WithParamInterface<std
     auto made = gl::Context::create_offscreen({.debug = true, .workarounds = switches});
     EXPECT_TRUE(made) << made.error().message;
     if (!made) return all;
+    if (watch_functions) watch_functions(const_cast<gl::Functions&>(made->functions()));
     for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu})
       for (const int samples : {1, 4}) {
         core::Scene scene;

@@ -1,11 +1,14 @@
 // Every program that the library can ask a driver for.
 #pragma once
 
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "sightline/culling/gpu/internal/gpu_occlusion.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/gl/internal/driver_test.h"
+#include "sightline/gl/internal/shader_source.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/element_writer.h"
 #include "sightline/render/internal/pixel_pass.h"
@@ -14,6 +17,26 @@
 
 namespace sightline::tests {
 
+/// A pipeline as it is with these workarounds.
+inline gl::PipelineDescription worked_around(gl::PipelineDescription pipeline, gl::Workarounds workarounds) {
+  for (gl::ProgramDescription& program : pipeline)
+    program.shaders = gl::with_workarounds(std::move(program.shaders), workarounds);
+  return pipeline;
+}
+
+/// Whether the pipeline's texts ask for one of these workarounds.
+inline bool asks_for(const gl::PipelineDescription& pipeline, gl::Workarounds workarounds) {
+  const std::vector<std::string> defines = gl::with_workarounds({}, workarounds).defines;
+  for (const gl::ProgramDescription& program : pipeline)
+    for (const gl::StageDescription& stage : program.stages) {
+      const auto source = gl::assemble_stage(program.shaders, stage.files);
+      for (const std::string& define : defines)
+        if (source && source->text.find(define) != std::string::npos) return true;
+    }
+  return false;
+}
+
+/// Without any workaround.
 inline std::vector<gl::PipelineDescription> library_programs() {
   std::vector<gl::PipelineDescription> all;
   for (const auto& list :

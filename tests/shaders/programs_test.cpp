@@ -15,6 +15,16 @@ TEST(Programs, AreValid) {
   expect_valid(library_programs());
 }
 
+TEST(Programs, AreValidWithAllWorkarounds) {
+  gl::Workarounds all;
+  for (const gl::WorkaroundFacts& facts : gl::workaround_facts()) all.set(facts.workaround, true);
+  std::vector<gl::PipelineDescription> changed;
+  for (const gl::PipelineDescription& pipeline : library_programs())
+    if (asks_for(pipeline, all)) changed.push_back(worked_around(pipeline, all));
+  EXPECT_FALSE(changed.empty());
+  expect_valid(changed);
+}
+
 /// What is said of a program with a vertex stage "a.vert" and a fragment stage "a.frag", both of which may include
 /// "b.glsl".
 std::string complaint(const std::string& vertex, const std::string& fragment, const std::string& included = "") {
