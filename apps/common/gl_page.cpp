@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "sightline/gl/functions.h"
 
 namespace sightline::apps {
@@ -57,42 +59,48 @@ Json workarounds_json(const gl::Context& context) {
 
 }  // namespace
 
-Json gl_page(const gl::Context& context, double milliseconds) {
+Json gl_page(const gl::Context& context, std::optional<double> milliseconds) {
   std::vector<std::string> extensions = gl::list_extensions(context.functions());
   std::sort(extensions.begin(), extensions.end());
   const gl::DriverTest& test = context.driver_test();
-  return {{"platform", context.platform()},
-          {"vendor", context.vendor()},
-          {"renderer", context.renderer()},
-          {"version", context.version()},
-          {"milliseconds", milliseconds},
-          {"limits", limits_json(context.capabilities())},
-          {"self_test", {{"checks", checks_json(test)}, {"milliseconds", test.ms}, {"remembered", test.remembered}}},
-          {"workarounds", workarounds_json(context)},
-          {"extensions", extensions}};
+  Json page{{"platform", context.platform()},
+            {"vendor", context.vendor()},
+            {"renderer", context.renderer()},
+            {"version", context.version()}};
+  if (milliseconds) page["milliseconds"] = *milliseconds;
+  page.update({{"limits", limits_json(context.capabilities())},
+               {"self_test", {{"checks", checks_json(test)}, {"milliseconds", test.ms}, {"remembered", test.remembered}}},
+               {"workarounds", workarounds_json(context)},
+               {"extensions", extensions}});
+  return page;
+}
+
+std::string gl_page_text(const Json& page) {
+  std::string text;
+  for (const char* name : {"platform", "vendor", "renderer", "version"})
+    text += fmt::format("{:<32} {}\n", name, page[name].get<std::string>());
+  if (page.contains("milliseconds"))
+    text += fmt::format("{:<32} {:.1f} ms\n", "made in", page["milliseconds"].get<double>());
+  text += fmt::format("{:<32} {}\n", "extensions", page["extensions"].size());
+  text += "\nLimits\n";
+  for (const auto& [name, value] : page["limits"].items()) text += fmt::format("  {:<30} {}\n", name, value.dump());
+  const Json& test = page["self_test"];
+  text += test["remembered"].get<bool>()
+              ? std::string("\nSelf-test (remembered from an earlier run)\n")
+              : fmt::format("\nSelf-test ({:.1f} ms)\n", test["milliseconds"].get<double>());
+  for (const auto& [name, value] : test["checks"].items())
+    text += fmt::format("  {:<30} {}\n", name, value.get<std::string>());
+  text += "\nWorkarounds\n";
+  for (const Json& row : page["workarounds"]) {
+    const bool on = row["on"].get<bool>();
+    text += fmt::format("  {:<30} {}, {}{}\n", row["name"].get<std::string>(), on ? "on" : "off",
+                        row["why"].get<std::string>(), on ? ": " + row["fault"].get<std::string>() : std::string());
+  }
+  return text;
 }
 
 void print_gl_page(const Json& page, std::FILE* out) {
-  for (const char* name : {"platform", "vendor", "renderer", "version"})
-    std::fprintf(out, "%-32s %s\n", name, page[name].get<std::string>().c_str());
-  std::fprintf(out, "%-32s %.1f ms\n", "made in", page["milliseconds"].get<double>());
-  std::fprintf(out, "%-32s %zu\n", "extensions", page["extensions"].size());
-  std::fprintf(out, "\nLimits\n");
-  for (const auto& [name, value] : page["limits"].items())
-    std::fprintf(out, "  %-30s %s\n", name.c_str(), value.dump().c_str());
-  const Json& test = page["self_test"];
-  if (test["remembered"].get<bool>())
-    std::fprintf(out, "\nSelf-test (remembered from an earlier run)\n");
-  else
-    std::fprintf(out, "\nSelf-test (%.1f ms)\n", test["milliseconds"].get<double>());
-  for (const auto& [name, value] : test["checks"].items())
-    std::fprintf(out, "  %-30s %s\n", name.c_str(), value.get<std::string>().c_str());
-  std::fprintf(out, "\nWorkarounds\n");
-  for (const Json& row : page["workarounds"]) {
-    const bool on = row["on"].get<bool>();
-    std::fprintf(out, "  %-30s %s, %s%s\n", row["name"].get<std::string>().c_str(), on ? "on" : "off",
-                 row["why"].get<std::string>().c_str(), on ? (": " + row["fault"].get<std::string>()).c_str() : "");
-  }
+  std::fputs(gl_page_text(page).c_str(), out);
 }
 
 }  // namespace sightline::apps

@@ -317,6 +317,9 @@ const Command kCommands[] = {
     {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse",
      [](Viewer& v, const std::string&) -> Done { return v.shown.help = !v.shown.help, Done(); },
      [](Viewer& v) { return v.shown.help; }, false},
+    {"driver", "Help", "Graphics driver", 0, 0, "", "show what the graphics driver offers, to copy into a report",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.driver = !v.shown.driver, Done(); },
+     [](Viewer& v) { return v.shown.driver; }, false},
 };
 
 constexpr Gesture kGestures[] = {

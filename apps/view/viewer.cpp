@@ -227,6 +227,7 @@ core::Expected<void> Viewer::frame(double seconds) {
     status_bar(*this);
   }
   if (shown.help) help_window(*this);
+  if (shown.driver) driver_window(*this);
   if (shown.open) open_window(*this);
   if (shown.compare) compare_window(*this);
   if (shown.quit) quit_window(*this);

@@ -105,13 +105,14 @@ class Viewer {
   /// Motion stays on the floor, and walls stop it; or the camera flies again.
   void set_walking(bool walking);
   void quit() { window_.close(); }
+  const gl::Context& context() const { return window_.context(); }
   /// As if the driver had lost the window's context.
   void lose_context() { context_lost_ = true; }
   json::Value state() const;
 
   /// Switches of panels.
   struct Shown {
-    bool panels = true, help = false, open = false, compare = false;
+    bool panels = true, help = false, driver = false, open = false, compare = false;
     bool quit = false;          ///< asks before views are lost
     bool smooth = true;         ///< edges, while nothing moves
     bool depth_shading = true;  ///< what has one colour

@@ -141,6 +141,7 @@ Json Viewer::state() const {
             {"message", message_},
             {"panels", shown.panels},
             {"help", shown.help},
+            {"driver", shown.driver},
             {"theme", gui_.theme() == Theme::kLight ? "light" : "dark"},
             {"recent", now_.recent},
             {"walk", walking()},

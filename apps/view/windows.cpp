@@ -4,6 +4,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "sightline/apps/common/gl_page.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/views.h"
 #include "sightline/apps/view/widgets.h"
@@ -51,6 +52,16 @@ void help_window(Viewer& viewer) {
     ImGui::EndGroup();
     if (left) ImGui::SameLine();
   }
+  ImGui::End();
+}
+
+void driver_window(Viewer& viewer) {
+  static std::string text;  // of when it was opened: asking for extensions takes a while
+  begin_centred("Graphics driver", &viewer.shown.driver, 64.0f);
+  if (ImGui::IsWindowAppearing()) text = gl_page_text(gl_page(viewer.context()));
+  if (ImGui::Button("Copy")) ImGui::SetClipboardText(text.c_str());
+  ImGui::InputTextMultiline("##driver", &text, {-1.0f, 26.0f * ImGui::GetTextLineHeight()},
+                            ImGuiInputTextFlags_ReadOnly);
   ImGui::End();
 }
 

@@ -285,6 +285,7 @@ TEST_F(ViewScript, PanelsShowAndHideAtAnySize) {
           wide +
           "\n"
           "press f1\nexpect /help = true\npress f1\nexpect /help = false\n"
+          "driver\nexpect /driver = true\ndriver\nexpect /driver = false\n"
           "resize 500x400\nexpect /window/0 = 500\nwindow-shot " +
           small +
           "\n"
