@@ -49,6 +49,11 @@ core::Expected<std::string> take_output(std::vector<std::string>& files) {
   const std::string extension = extension_of(output);
   if (extension != ".rvm" && extension != ".obj" && extension != ".glb" && extension != ".gltf" && extension != ".slc")
     return core::fail("OUTPUT: expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + output + "\"");
+  for (const std::string& file : files) {
+    std::error_code absent;
+    if (std::filesystem::equivalent(file, output, absent) && !absent)
+      return core::fail("OUTPUT: " + output + " is also a model to read, and would be lost: give it another name");
+  }
   return output;
 }
 

@@ -169,15 +169,16 @@ int main(int argc, char** argv) {
   apps::CommandLine line(
       "Counts, bounds, units, tree depth and problems of model files", "sightline-info",
       "  sightline-info plant.rvm\n  sightline-info --json - a.rvm b.rvm\n  sightline-info --lenient damaged.rvm\n"
-      "  sightline-info plant.rvm plant.txt --find Type=VALVE --find PS-100\n"
+      "  sightline-info plant.rvm plant.txt --list Type=VALVE --list PS-100\n"
       "  sightline-info --gl                                       # for bug reports");
   apps::ModelOptions options;
   std::string json_file;
   std::vector<std::string> find;
   apps::add_model_options(line, options);
-  line.add("--find", find,
-           "List nodes instead: those whose name or an attribute holds TEXT, or whose attribute KEY does "
-           "(KEY=TEXT); given several times, all must hold")
+  line.add(
+          "--list", find,
+          "List parts instead: those with this text in a name or attribute, or KEY=TEXT; given several times, all hold")
+      .metavar("PART")
       .one_value_each();
   line.add("--json", json_file, "Write the facts as JSON to FILE, or - for stdout");
 #if SIGHTLINE_HAS_GL

@@ -57,53 +57,61 @@ struct Options {
 
 void add_output_options(apps::CommandLine& line, Options& o) {
   apps::CommandLine general = line.group(OptionGroup::kGeneral);
-  general.add("--out", o.out, "Colour image, PNG");
-  general.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
+  general.add("--out", o.out, "Colour image, PNG").metavar("FILE").accepted_by(apps::parse_png_name);
+  general.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background")
+      .metavar("FILE")
+      .accepted_by(apps::parse_png_name);
   line.group(OptionGroup::kEngine)
-      .add("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON");
-  general.add("--depth", o.depth, "Depth image, PFM: metres along the view axis; takes 4 bytes a pixel of memory");
+      .add("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON")
+      .advanced();
+  general.add("--depth", o.depth, "Depth image, PFM: metres along the view axis").metavar("FILE");
 }
 
 void add_comparison_options(apps::CommandLine& line, Options& o) {
   apps::CommandLine general = line.group(OptionGroup::kGeneral);
   const apps::Option compare =
-      general.add("--compare", o.reference,
-                  "Reference PNG; exit 1 when the image differs by more than --max or --mean. Prints "
-                  "PSNR, SSIM and FLIP too");
-  general.add("--max", o.max, "Largest allowed difference of a channel, 0 to 255 (default 0, or any with --mean)")
+      general.add("--compare", o.reference, "Reference PNG; exit 1 when the image differs by more than:")
+          .metavar("FILE");
+  general.add("--max", o.max, "… this in any channel, 0 to 255 (default 0, or any with --mean)")
       .needs(compare)
       .in_range(0.0, 255.0)
       .accepted_by(apps::parse_finite);
-  general.add("--mean", o.mean, "Largest allowed mean difference, 0 to 255 (default 0, or any with --max)")
+  general.add("--mean", o.mean, "… this in the mean, 0 to 255 (default 0, or any with --max)")
       .needs(compare)
       .in_range(0.0, 255.0)
       .accepted_by(apps::parse_finite);
   general.add("--pixels-per-degree", o.pixels_per_degree, "Of the visual field, for FLIP")
       .needs(compare)
       .shows_default()
-      .in_range(1.0, 1000.0);
+      .in_range(1.0, 1000.0)
+      .advanced();
   const apps::Option compare_ids =
-      general.add("--compare-ids", o.reference_ids,
-                  "Reference of --ids, PNG: counts the pixels that show another item, and those of them that lie at no "
-                  "silhouette of the reference");
+      general
+          .add("--compare-ids", o.reference_ids,
+               "Reference of --ids, PNG: counts the pixels that show another item, and those of them that lie at no "
+               "silhouette of the reference")
+          .advanced();
   line.add("--compare-depth", o.reference_depth,
            "Reference of --depth, PFM: counts the pixels beyond the bounds that docs/reference/accuracy.md sets, at no "
            "silhouette")
-      .needs(compare_ids);
-  general.add("--diff", o.diff, "Difference image, PNG, four times amplified").needs(compare);
+      .needs(compare_ids)
+      .advanced();
+  general.add("--diff", o.diff, "Image of the difference, PNG, four times amplified").needs(compare).advanced();
 }
 
 void add_frames_options(apps::CommandLine& line, Options& o) {
   const apps::Option frames = line.add("--write-frames", o.frames_folder,
                                        "Write the whole --path as numbered images to this folder, which must be empty")
-                                  .needs("--path");
+                                  .needs("--path")
+                                  .advanced();
   frames.excludes(
       {"--out", "--ids", "--ids-json", "--depth", "--compare", "--compare-ids", "--compare-depth", "--frame"});
   line.add("--fps", o.fps, "Frames of --write-frames per second of the path")
       .needs(frames)
       .shows_default()
       .in_range(1e-3, apps::PathFrames::kMostPerSecond)
-      .accepted_by(apps::parse_finite);
+      .accepted_by(apps::parse_finite)
+      .advanced();
 }
 
 void add_engine_options(apps::CommandLine& line, Options& o) {
@@ -111,12 +119,13 @@ void add_engine_options(apps::CommandLine& line, Options& o) {
       .add("--tile", o.tile,
            "Draw in tiles of at most so many pixels a side, for GPUs with little memory; without it images of "
            "more than 4096 are drawn in tiles of 1024")
-      .in_range(2 * engine::kLeastTileSide, 16384);
+      .in_range(2 * engine::kLeastTileSide, 16384)
+      .advanced();
   apps::add_culler_option(line, o.culler);
   apps::add_gpu_pass_option(line, o.gpu_culler);
   apps::add_drawn_options(line, o.shown);
   apps::add_style_options(line, o.styles);
-  line.add("--samples", o.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
+  line.add("--samples", o.samples, "Samples of each pixel, for smooth edges; ids and depth are one sample's")
       .shows_default()
       .in_range(1, 64);
   apps::add_context_option(line, o.platform);
@@ -130,12 +139,21 @@ void add_options(apps::CommandLine& line, Options& o) {
   add_comparison_options(line, o);
   add_frames_options(line, o);
   add_engine_options(line, o);
-  general.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
-  general.add("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
-  const apps::Option mpi = line.add_flag(
-      "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 writes the image of all");
+  general.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver").advanced();
+  general.add("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout").metavar("FILE");
+  const apps::Option mpi =
+      line.add_flag("--mpi", o.mpi,
+                    "Under mpirun: each process draws a part of the model, and rank 0 writes the image of all")
+          .advanced();
   line.mode(mpi, {OptionGroup::kGeneral, OptionGroup::kImport, OptionGroup::kEngine});
   apps::add_memory_option(line, o.memory);
+}
+
+void warn_without_output(const Options& o) {
+  for (const std::string* file :
+       {&o.out, &o.ids, &o.ids_json, &o.depth, &o.reference, &o.reference_ids, &o.json_file, &o.frames_folder})
+    if (!file->empty() || o.model.explain || o.view.quiet) return;
+  std::fprintf(stderr, "warning: nothing is written: --out image.png is missing\n");
 }
 
 core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,
@@ -556,20 +574,23 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  apps::CommandLine line(
-      "Renders one image of a model offscreen; with --compare a regression test", "sightline-render",
-      "  sightline-render plant.rvm --out plant.png\n"
-      "  sightline-render plant.rvm --view view.json --size 640x360 --out a.png --depth a.pfm --ids ids.png\n"
-      "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1 --diff d.png\n"
-      "  sightline-render plant.rvm --highlight PS-100 --ghost-others PS-100 --out selected.png\n"
-      "  sightline-render plant.rvm --size 16384x9216 --samples 4 --out poster.png\n"
-      "  sightline-render plant.slc --memory 2G --out plant.png\n"
+  apps::CommandLine line("Renders one image of a model offscreen; with --compare a regression test", "sightline-render",
+                         "  sightline-render plant.rvm --out plant.png\n"
+                         "  sightline-render plant.rvm --from front --ortho --section 'y>12.5' --out front.png\n"
+                         "  sightline-render plant.rvm --isolate PS-100 --size 1920x1080 --samples 4 --out part.png\n"
+                         "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1\n"
+                         "  sightline-render plant.slc --memory 2G --out plant.png");
+  line.appendix(
+      "\n  sightline-render plant.rvm --size 16384x9216 --samples 4 --out poster.png\n"
       "  mpirun -np 4 sightline-render plant.rvm --mpi --out plant.png\n"
-      "  sightline-render plant.rvm --path flight.json --write-frames frames --fps 25 --size 1920x1080");
+      "  sightline-render plant.rvm --path flight.json --write-frames frames --fps 25 --size 1920x1080\n");
   Options options;
   add_options(line, options);
   return line.run(argc, argv, [&] {
-    if (!options.memory.empty()) return render_paged(options);
-    return options.mpi ? render_parts(options) : render_alone(options);
+    auto done = !options.memory.empty() ? render_paged(options)
+                : options.mpi           ? render_parts(options)
+                                        : render_alone(options);
+    if (done) warn_without_output(options);
+    return done;
   });
 }

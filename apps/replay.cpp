@@ -48,7 +48,8 @@ struct Options {
 void add_controller_options(apps::CommandLine& line, Options& o) {
   const apps::Option trace =
       line.add("--controller-only", o.controller_trace,
-               "Run the hybrid's controller over this CSV trace of both paths' costs; no MODEL, no GL");
+               "Run the hybrid's controller over this CSV trace of both paths' costs; no MODEL, no GL")
+          .advanced();
   line.option("MODEL").required(false).excludes(trace);
   line.check([&o]() -> core::Expected<void> {
     if (o.model.files.empty() && o.controller_trace.empty()) return core::fail("MODEL is required");
@@ -57,19 +58,21 @@ void add_controller_options(apps::CommandLine& line, Options& o) {
   line.group(apps::OptionGroup::kEngine)
       .add("--policy", o.policy, "Of the hybrid: frame-cost or 2009")
       .one_of({"frame-cost", "2009"})
-      .shows_default();
+      .shows_default()
+      .advanced();
   line.add("--rendering", o.rendering, "on: frame times count; off: cull times")
       .one_of({"on", "off"})
       .shows_default()
-      .needs(trace);
+      .needs(trace)
+      .advanced();
 }
 
 void add_options(apps::CommandLine& line, Options& o) {
   using apps::OptionGroup;
   apps::CommandLine general = line.group(OptionGroup::kGeneral), engine = line.group(OptionGroup::kEngine);
   apps::add_model_options(line, o.model);
-  general.add("--path", o.path, "Camera path JSON file; without it a tour of the model is made");
-  general.add("--save-path", o.save_path, "Write the path that was flown");
+  general.add("--path", o.path, "Camera path JSON file; without it a tour of the model is made").metavar("FILE");
+  general.add("--save-path", o.save_path, "Write the path that was flown").metavar("FILE");
   general.add("--frames", o.frames, "Frames, evenly spaced in time").shows_default().in_range(1, 1000000);
   apps::add_culler_option(line, o.culler);
   apps::add_gpu_pass_option(line, o.gpu_culler);
@@ -78,20 +81,23 @@ void add_options(apps::CommandLine& line, Options& o) {
   apps::add_context_option(line, o.platform);
   const apps::Option no_render =
       line.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
-  general.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
-  general.add("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
-  engine.add("--csv,--trace", o.csv, "Write one line per frame: path, state, times, counts");
+  general.add("--size", o.size, "Pixels").metavar("WxH").shows_default().accepted_by(apps::parse_size);
+  general.add("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout").metavar("FILE");
+  engine.add("--csv,--trace", o.csv, "Write one line per frame: path, state, times, counts").metavar("FILE");
   line.add("--record-both", o.record_both,
            "Fly with the CPU's path, then with the GPU's, and write what each frame cost on either: a trace for "
-           "--controller-only");
-  engine.add("--plot", o.plot,
-             "Plot cull time and visible count along the path, SVG; of the hybrid also the path and its probes");
-  const apps::Option images =
-      general.add("--images", o.images, "Write every N-th frame to this folder (see --every)").excludes(no_render);
+           "--controller-only")
+      .advanced();
+  engine.add("--plot", o.plot, "Plot cull time and visible count along the path, SVG").metavar("FILE");
+  const apps::Option images = general.add("--images", o.images, "Write every N-th frame to this folder (see --every)")
+                                  .metavar("FOLDER")
+                                  .excludes(no_render);
   general.add("--every", o.every, "With --images: N").shows_default().needs(images).positive();
   add_controller_options(line, o);
-  const apps::Option mpi = line.add_flag(
-      "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 gets the images of all");
+  const apps::Option mpi =
+      line.add_flag("--mpi", o.mpi,
+                    "Under mpirun: each process draws a part of the model, and rank 0 gets the images of all")
+          .advanced();
   line.mode(mpi, {OptionGroup::kGeneral, OptionGroup::kImport, OptionGroup::kEngine});
 #if SIGHTLINE_HAS_GL
   apps::add_memory_option(line, o.memory);

@@ -31,9 +31,11 @@ struct Options {
 void add_options(apps::CommandLine& line, Options& o) {
   apps::add_model_options(line, o.model);
   apps::add_view_options(line, o.view);
-  line.add("--out", o.out, "Colour image, PNG");
-  line.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
-  line.add("--depth", o.depth, "Depth image, PFM: metres along the view axis");
+  line.add("--out", o.out, "Colour image, PNG").metavar("FILE").accepted_by(apps::parse_png_name);
+  line.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background")
+      .metavar("FILE")
+      .accepted_by(apps::parse_png_name);
+  line.add("--depth", o.depth, "Depth image, PFM: metres along the view axis").metavar("FILE");
   line.add("--visible", o.visible, "Items that the samples show, each with how many, JSON; --adaptive or not");
   line.add("--pick", o.pick, "Tell what the image shows at X,Y, in pixels from the upper left corner")
       .separated_by(',')

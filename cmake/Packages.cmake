@@ -7,7 +7,7 @@ if(CMAKE_SCRIPT_MODE_FILE STREQUAL CMAKE_CURRENT_LIST_FILE)
   execute_process(COMMAND ${TOOL} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX MATCH "^[^\n]+" what "${help}")
   get_filename_component(name ${TOOL} NAME)
-  execute_process(COMMAND ${HELP2MAN} --no-info "--name=${what}" "--version-string=${VERSION}" --source=Sightline
+  execute_process(COMMAND ${HELP2MAN} --no-info --help-option=--help-all "--name=${what}" "--version-string=${VERSION}" --source=Sightline
                           --output=${OUTPUT} ${TOOL} COMMAND_ERROR_IS_FATAL ANY)
   # Examples line by line.
   file(READ ${OUTPUT} page)

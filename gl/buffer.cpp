@@ -65,9 +65,9 @@ std::size_t texel_bytes(GLenum format) {
   }
 }
 
-/// The size to allocate for so many bytes. llvmpipe compiles a program for what it takes for properties of its textures,
-/// those of buffers included: whether their size is a power of two, and whether its second byte is 0, where textures
-/// have their number of levels. With sizes that are neither, one scene's programs serve all.
+/// The size to allocate for so many bytes. llvmpipe compiles a program for what it takes for properties of its
+/// textures, those of buffers included: whether their size is a power of two, and whether its second byte is 0, where
+/// textures have their number of levels. With sizes that are neither, one scene's programs serve all.
 std::size_t ordinary_size(std::size_t bytes) {
   while (std::has_single_bit(bytes) || (bytes >> 8 & 0xff) == 0) bytes += 256;
   return bytes;

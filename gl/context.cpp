@@ -245,6 +245,9 @@ core::Expected<Context> Context::create_offscreen(const ContextOptions& options)
   if (!why.empty()) context->state_->platform += " (" + why + ")";
   context->state_->own = std::move(*own);
   context->state_->set_switches(switches->with(context->state_->switches));
+  const Functions& gl = context->state_->gl;
+  // As many as the driver likes. Some drivers have none until they are asked. An application's context is its own.
+  if (gl.MaxShaderCompilerThreadsKHR) gl.MaxShaderCompilerThreadsKHR(0xffffffffu);
   if (options.debug) collect_debug_output(context->state_->gl, context->state_->log);
   return context;
 }

@@ -1,7 +1,9 @@
 #include "sightline/apps/common/arguments.h"
 
+#include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 namespace sightline::apps {
 
@@ -29,6 +31,15 @@ core::Expected<double> parse_finite(const std::string& text) {
   if (!parsed || used != int(text.size()) || !std::isfinite(value))
     return core::fail("expected a finite number, found \"" + text + "\"");
   return value;
+}
+
+core::Expected<std::string> parse_png_name(const std::string& text) {
+  std::string extension = std::filesystem::path(text).extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  for (const char* other : {".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif", ".webp", ".svg", ".pdf", ".exr", ".tga"})
+    if (extension == other)
+      return core::fail("images are written as PNG: expected a name such as image.png, found \"" + text + "\"");
+  return text;
 }
 
 std::string shell_word(const std::string& word) {

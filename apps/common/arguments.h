@@ -16,6 +16,9 @@ core::Expected<core::dvec3> parse_vector(const std::string& text);
 /// A finite number. Option::in_range() lets NaN through.
 core::Expected<double> parse_finite(const std::string& text);
 
+/// The name of a PNG file: no other image format's.
+core::Expected<std::string> parse_png_name(const std::string& text);
+
 /// A word as a shell takes it, quoted where that is needed.
 std::string shell_word(const std::string& word);
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -31,6 +32,81 @@ CLI::Option* add_to(CLI::App& app, const std::string& name, std::filesystem::pat
   return app.add_option_function<std::string>(
       name, [&value](const std::string& text) { value = text; }, help);
 }
+
+/// Group of the options that --help only names.
+const char* const kAdvanced = "Advanced options";
+constexpr std::size_t kHelpColumn = 28, kHelpWidth = 116;
+
+/// The type of an option's values as people write it: what a list allows, or one word.
+std::string value_word(const CLI::Option& option) {
+  const std::string type = option.get_type_name(), word = type.substr(0, type.find(':'));
+  if (const std::size_t list = type.find(":{"); list != type.npos) {
+    std::string choices = type.substr(list + 2, type.find('}') - list - 2);
+    std::replace(choices.begin(), choices.end(), ',', '|');
+    return choices;
+  }
+  if (word == "FLOAT") return "X";
+  return word == "INT" || word == "UINT" ? "N" : word;
+}
+
+/// Help that is read at one glance: the everyday options, and the names of the others, which --help-all describes. What
+/// excludes or needs what, error messages tell.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(kHelpColumn); }
+
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    if (mode == CLI::AppFormatMode::All) return Formatter::make_help(app, std::move(name), mode) + appendix;
+    if (mode == CLI::AppFormatMode::Sub) return Formatter::make_help(app, std::move(name), mode);
+    return make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) + everyday(app) +
+           make_subcommands(app, mode) + '\n' + make_footer(app);
+  }
+
+  std::string make_option_name(const CLI::Option* option, bool positional) const override {
+    const std::string name = Formatter::make_option_name(option, positional);
+    return name.substr(0, name.find('{'));  // a flag's value
+  }
+
+  std::string make_option_opts(const CLI::Option* option) const override {
+    if (!option->get_option_text().empty()) return " " + option->get_option_text();
+    std::string text;
+    if (option->get_type_size() != 0) {
+      if (const std::string word = value_word(*option); !word.empty()) text += " " + word;
+      if (option->get_expected_max() == CLI::detail::expected_max_vector_size) text += " ...";
+      if (!option->get_default_str().empty()) text += " (" + option->get_default_str() + ")";
+    }
+    return text;
+  }
+
+  std::string appendix;  ///< of --help-all
+
+ private:
+  std::string everyday(const CLI::App* app) const {
+    std::string text, names;
+    for (const std::string& group : app->get_groups()) {
+      const std::vector<const CLI::Option*> options = app->get_options(
+          [&](const CLI::Option* option) { return option->get_group() == group && option->nonpositional(); });
+      if (group.empty() || options.empty()) continue;
+      if (group != kAdvanced) text += make_group(group, false, options);
+      for (const CLI::Option* const option : options)
+        if (group == kAdvanced) names += " " + option->get_name();
+    }
+    return text + more(names);
+  }
+
+  /// Names after spaces, over lines.
+  static std::string more(const std::string& names) {
+    if (names.empty()) return {};
+    std::string text = "More (--help-all):", line;
+    for (std::size_t at = 0; at < names.size();) {
+      const std::size_t end = std::min(names.find(' ', at + 1), names.size());
+      if (line.size() + end - at > kHelpWidth) text += "\n " + std::exchange(line, {});
+      line += names.substr(at, end - at);
+      at = end;
+    }
+    return text + "\n " + line + "\n";
+  }
+};
 
 }  // namespace
 
@@ -58,6 +134,10 @@ Option Option::usage_text(const std::string& text) const {
 
 Option Option::described_as(const std::string& text) const {
   return Option(option_->description(text));
+}
+
+Option Option::advanced() const {
+  return Option(option_->group(kAdvanced));
 }
 
 Option Option::hidden() const {
@@ -141,6 +221,8 @@ bool Option::given() const {
 
 CommandLine::CommandLine(const std::string& description, const std::string& tool, const std::string& examples)
     : CommandLine(std::make_shared<CLI::App>(description, tool)) {
+  app_->formatter(std::make_shared<HelpFormatter>());
+  app_->set_help_all_flag("--help-all", "Describe all options");
   describe(examples);
 }
 
@@ -196,6 +278,10 @@ void CommandLine::examples(const std::string& lines) {
   app_->footer("Examples:\n" + lines);
 }
 
+void CommandLine::appendix(const std::string& text) {
+  std::static_pointer_cast<HelpFormatter>(app_->get_formatter())->appendix = text;
+}
+
 CommandLine CommandLine::group(OptionGroup group) const {
   CommandLine line = *this;
   line.group_ = group;
@@ -215,9 +301,6 @@ void CommandLine::mode(const Option& option, std::initializer_list<OptionGroup> 
     }
     return found;
   };
-  std::string names;
-  for (const CLI::Option* const other : refused()) names += (names.empty() ? " " : ", ") + other->get_name();
-  if (!names.empty()) mode->description(mode->get_description() + "; not with" + names);
   check([mode, refused]() -> core::Expected<void> {
     if (mode->count() == 0) return {};
     for (const CLI::Option* const other : refused())

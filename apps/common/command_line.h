@@ -42,12 +42,13 @@ class Option {
 
   Option required(bool yes = true) const;
 
-  // The help text, which shows names, value type, default and relations of an option before its description.
+  // The help text, which shows names, value type and default of an option before its description.
   Option shows_default() const;                        ///< the value that the option's variable has now
   Option default_text(const std::string& text) const;  ///< shows this text as the default
   Option metavar(const std::string& text) const;       ///< replaces the name of the value type, such as TEXT
   Option usage_text(const std::string& text) const;    ///< replaces everything between names and description
   Option described_as(const std::string& text) const;  ///< replaces the description
+  Option advanced() const;                             ///< described by --help-all alone; --help only names it
   Option hidden() const;                               ///< leaves the option out of the help text
 
   // How many values the option takes.
@@ -92,7 +93,7 @@ class Option {
 /// command line exists as long as a handle of it or of its parts. Variables of options have to outlive run().
 class CommandLine {
  public:
-  /// Has --help and --version. `examples`: lines that begin with two spaces, below the help text.
+  /// Has --help, --help-all and --version. `examples`: lines that begin with two spaces, below the help text.
   CommandLine(const std::string& description, const std::string& tool, const std::string& examples);
 
   /// Option that is stored in `value`: "--name", "-n,--name", or "NAME" for a positional argument. T is std::string,
@@ -134,12 +135,14 @@ class CommandLine {
   void describe(const std::string& examples);
   /// Sets the examples alone, for a subcommand.
   void examples(const std::string& lines);
+  /// What --help-all says after the options.
+  void appendix(const std::string& text);
 
   /// Handle of the same command line that adds options of a group.
   CommandLine group(OptionGroup group) const;
 
   /// Makes an option a mode of the tool. Options of other groups than `supported` are bad usage beside it, also those
-  /// that are added later. Its help text names the options that exist now.
+  /// that are added later.
   void mode(const Option& option, std::initializer_list<OptionGroup> supported);
 
   /// Group of options, under a title in the help text, of which exactly one has to be given.

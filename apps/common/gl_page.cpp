@@ -68,10 +68,11 @@ Json gl_page(const gl::Context& context, std::optional<double> milliseconds) {
             {"renderer", context.renderer()},
             {"version", context.version()}};
   if (milliseconds) page["milliseconds"] = *milliseconds;
-  page.update({{"limits", limits_json(context.capabilities())},
-               {"self_test", {{"checks", checks_json(test)}, {"milliseconds", test.ms}, {"remembered", test.remembered}}},
-               {"workarounds", workarounds_json(context)},
-               {"extensions", extensions}});
+  page.update(
+      {{"limits", limits_json(context.capabilities())},
+       {"self_test", {{"checks", checks_json(test)}, {"milliseconds", test.ms}, {"remembered", test.remembered}}},
+       {"workarounds", workarounds_json(context)},
+       {"extensions", extensions}});
   return page;
 }
 
@@ -85,9 +86,8 @@ std::string gl_page_text(const Json& page) {
   text += "\nLimits\n";
   for (const auto& [name, value] : page["limits"].items()) text += fmt::format("  {:<30} {}\n", name, value.dump());
   const Json& test = page["self_test"];
-  text += test["remembered"].get<bool>()
-              ? std::string("\nSelf-test (remembered from an earlier run)\n")
-              : fmt::format("\nSelf-test ({:.1f} ms)\n", test["milliseconds"].get<double>());
+  text += test["remembered"].get<bool>() ? std::string("\nSelf-test (remembered from an earlier run)\n")
+                                         : fmt::format("\nSelf-test ({:.1f} ms)\n", test["milliseconds"].get<double>());
   for (const auto& [name, value] : test["checks"].items())
     text += fmt::format("  {:<30} {}\n", name, value.get<std::string>());
   text += "\nWorkarounds\n";

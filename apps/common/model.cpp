@@ -47,24 +47,25 @@ std::optional<double> metres_of(const std::string& unit) {
 
 void add_import_options(CommandLine& to, importers::ImportOptions& options) {
   CommandLine line = to.group(OptionGroup::kImport);
-  line.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage");
+  line.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage").advanced();
   line.add_choice("--units", options.metres_per_unit, lengths(),
                   "Unit of files that name none (OBJ, PLY, STL, VTK): mm, cm, m, km, in or ft")
-      .shows_default();
+      .usage_text("UNIT (m)");
   line.add_choice("--up", options.up, {{"y", importers::UpAxis::kY}, {"z", importers::UpAxis::kZ}},
-                  "Axis that points up in files that do not say: y or z")
+                  "Axis that points up in files that do not say")
       .shows_default();
   line.add_flag(
-      "--recognise", options.recognise,
-      "Take cylinders, snouts, tori, dishes, spheres, boxes and pyramids out of meshes that are the triangles of "
-      "some");
+          "--recognise", options.recognise,
+          "Take cylinders, snouts, tori, dishes, spheres, boxes and pyramids out of meshes that are the triangles of "
+          "some")
+      .advanced();
   line.add_parsed(
           "--recognise-tolerance", options.recognise_tolerance, parse_tolerance,
           "How far vertices may lie from a recognised surface, metres; without it, what each mesh's own tessellation "
           "and rounding tell")
-      .needs("--recognise");
-  line.add("--cache", options.cache_folder,
-           "Keep scene caches in this folder, and start from them while the files are unchanged");
+      .needs("--recognise")
+      .advanced();
+  line.add("--cache", options.cache_folder, "Keep scene caches in this folder, for fast starts").metavar("FOLDER");
 }
 
 std::string import_arguments(const importers::ImportOptions& options) {
@@ -89,10 +90,12 @@ void add_model_options(CommandLine& line, ModelOptions& options) {
       .required();
   line.group(OptionGroup::kImport)
       .add("--translate", options.translate, "Move the model by X,Y,Z metres (root transform)")
-      .accepted_by(parse_vector);
+      .accepted_by(parse_vector)
+      .advanced();
   add_import_options(line, options.import);
   line.group(OptionGroup::kEngine)
-      .add_flag("--explain", options.explain, "Print which features the scene needs and which are left out, and why");
+      .add_flag("--explain", options.explain, "Print which features the scene needs and which are left out, and why")
+      .advanced();
 }
 
 void print_warnings(const std::vector<importers::ImportWarning>& warnings) {
@@ -185,15 +188,17 @@ void add_culler_option(CommandLine& line, engine::CullerChoice& choice) {
                    {"cpu", CullerChoice::kCpu},
                    {"gpu", CullerChoice::kGpu},
                    {"hybrid", CullerChoice::kHybrid}},
-                  "auto, linear, cpu, gpu or hybrid")
-      .shows_default();
+                  "What decides which items are in the view volume")
+      .shows_default()
+      .advanced();
 }
 
 void add_gpu_pass_option(CommandLine& line, culling::GpuCullerConfig& config) {
   line.group(OptionGroup::kEngine)
       .add_choice("--gpu-pass", config.variant,
                   {{"geometry", culling::GpuVariant::kGeometry}, {"compute", culling::GpuVariant::kCompute}},
-                  "Shaders of the GPU culler: geometry or compute; without it the faster one, measured");
+                  "Shaders of the GPU culler: geometry or compute; without it the faster one, measured")
+      .advanced();
 }
 
 void add_context_option([[maybe_unused]] CommandLine& line, [[maybe_unused]] gl::ContextPlatform& platform) {
@@ -203,12 +208,14 @@ void add_context_option([[maybe_unused]] CommandLine& line, [[maybe_unused]] gl:
                   "Where OpenGL without a window comes from: auto, egl, egl-surfaceless, egl-device or osmesa; auto is "
                   "what the environment variable SIGHTLINE_CONTEXT names, without it EGL, and OSMesa where EGL gives "
                   "none")
-      .default_text("auto");
+      .default_text("auto")
+      .advanced();
   const auto switches = std::make_shared<std::vector<std::string>>();
   line.group(OptionGroup::kGeneral)
       .add("--gl-workaround", *switches,
            "Force a workaround for faults of GL drivers on or off: NAME=on or NAME=off; sightline-info --gl lists them")
-      .one_value_each();
+      .one_value_each()
+      .advanced();
   line.check([switches]() -> core::Expected<void> {
     std::string all;
     for (const std::string& one : *switches) all += (all.empty() ? "" : ",") + one;
@@ -247,7 +254,8 @@ void add_contribution_mode_option(CommandLine& line, const std::string& name, co
           help +
               ": drop: not at all; points: each as one splat of its area; stochastic: a share of them as splats that "
               "are as much larger")
-      .shows_default();
+      .shows_default()
+      .advanced();
 }
 
 void add_drawn_options(CommandLine& line, DrawnOptions& options) {
@@ -255,38 +263,42 @@ void add_drawn_options(CommandLine& line, DrawnOptions& options) {
   engine
       .add_choice("--sample-test", options.sample_test, {{"on", true}, {"off", false}},
                   "Leave out of drawing what covers no sample of the image; no pixel is lost")
-      .shows_default();
+      .shows_default()
+      .advanced();
   using engine::OcclusionChoice;
   engine
       .add_choice("--occlusion", options.occlusion,
                   by_name({OcclusionChoice::kOn, OcclusionChoice::kOff, OcclusionChoice::kAutomatic}),
                   "Leave out of drawing what other items hide; no pixel is lost. auto: while it pays")
-      .shows_default();
+      .shows_default()
+      .advanced();
   line.add("--min-projected-area", options.min_projected_area,
            "Leave out items that are expected to cover fewer pixels of the image than this; 0: none")
       .shows_default()
-      .not_negative();
+      .not_negative()
+      .advanced();
   line.add("--budget", options.budget_ms,
            "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
       .shows_default()
-      .not_negative();
+      .not_negative()
+      .advanced();
   line.group(OptionGroup::kPaged)
       .add("--lod-error", options.lod_error,
-           "Draw meshes by coarser levels of detail that lie within so many pixels of them, proven; 0: in full")
+           "Draw meshes coarser, within so many pixels of the exact ones, proven; 0: in full")
       .shows_default()
       .not_negative();
   add_contribution_mode_option(line, "--contribution-mode",
                                "How items are drawn that are below --min-projected-area or beyond --budget",
                                options.contribution_mode);
   const auto add_strength = [](CommandLine& to, const char* name, float& strength, const std::string& what) {
-    to.add(name, strength, what).shows_default().in_range(0.0f, 1.0f);
+    return to.add(name, strength, what).shows_default().in_range(0.0f, 1.0f);
   };
   add_strength(line, "--depth-shading", options.depth_shading.strength,
-               "Darken corners and what lies behind edges: from 0, not, to 1");
-  add_strength(line, "--edge-lines", options.depth_shading.edge_lines,
-               "Draw lines along edges: from 0, none, to 1, black");
-  add_strength(engine, "--hatch", options.hatching.strength,
-               "Draw lines across what section planes cut: from 0, none, to 1, black");
+               "Darken corners and what lies behind edges: 0 to 1");
+  add_strength(line, "--edge-lines", options.depth_shading.edge_lines, "Draw lines along edges: 0 to 1, black");
+  add_strength(engine, "--section-hatch", options.hatching.strength,
+               "Draw lines across what sections cut: 0 to 1, black")
+      .advanced();
 }
 
 void explain(const engine::Plan& plan) {

@@ -98,7 +98,7 @@ void add_contribution_mode_option(CommandLine& line, const std::string& name, co
                                   engine::ContributionMode& mode);
 
 /// --sample-test on|off, --occlusion on|off|auto, --min-projected-area PX, --contribution-mode drop|points|stochastic,
-/// --budget MS, --depth-shading X, --edge-lines X, --hatch X
+/// --budget MS, --depth-shading X, --edge-lines X, --section-hatch X
 void add_drawn_options(CommandLine& line, DrawnOptions& options);
 
 /// Prints to stderr which features are used and which are left out.

@@ -29,10 +29,8 @@ core::Expected<std::size_t> parse_bytes(const std::string& text) {
 
 void add_memory_option(CommandLine& line, std::string& text) {
   const Option memory =
-      line.add(
-              "--memory", text,
-              "Draw a scene cache (.slc, or a folder of them) page by page, and keep the process and the GPU's buffers "
-              "below this, such as 2G")
+      line.add("--memory", text,
+               "Draw a scene cache (.slc, or a folder of them) page by page, within so much memory, such as 2G")
           .metavar("LIMIT")
           .accepted_by(parse_bytes);
   line.mode(memory, {OptionGroup::kGeneral, OptionGroup::kPaged});

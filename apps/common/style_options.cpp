@@ -50,21 +50,21 @@ core::NodeCondition parse_condition(const std::string& text) {
 }
 
 void add_style_options(CommandLine& line, StyleOptions& options) {
-  const std::string nodes = " nodes whose name or an attribute holds TEXT, or whose attribute KEY does (KEY=TEXT)";
-  const auto add = [&](const char* name, std::vector<std::string>& texts, const std::string& help) {
-    line.add(name, texts, help).one_value_each();
+  const auto add = [&](const char* name, std::vector<std::string>& texts, const char* help) {
+    return line.add(name, texts, help).metavar("PART").one_value_each();
   };
-  add("--hide", options.hide, "Hide" + nodes);
-  add("--isolate", options.isolate, "Hide all but" + nodes);
-  add("--ghost", options.ghost, "Faint shells that hide nothing:" + nodes);
-  add("--ghost-others", options.ghost_others, "Faint shells: all but" + nodes);
-  add("--fade", options.fade, "Transparent:" + nodes);
-  add("--highlight", options.highlight, "In orange, outlined:" + nodes);
+  add("--isolate", options.isolate, "Show parts alone: those with this text in a name or attribute, or KEY=TEXT");
+  add("--hide", options.hide, "Hide parts");
+  add("--highlight", options.highlight, "Show parts in orange, outlined");
+  add("--ghost-others", options.ghost_others, "Show all but these parts as faint shells").advanced();
+  add("--ghost", options.ghost, "Show parts as faint shells that hide nothing").advanced();
+  add("--fade", options.fade, "Show parts transparent").advanced();
   line.add_choice(
           "--transparency", options.transparency,
           {{"dither", engine::Transparency::kDither}, {"blended", engine::Transparency::kBlended}},
           "dither: a pattern of opaque pixels; blended: without pattern and without sorting, with a small error")
-      .shows_default();
+      .shows_default()
+      .advanced();
 }
 
 core::Expected<void> apply_styles(const StyleOptions& options, const core::Scene& scene, engine::Engine& engine) {

@@ -1,36 +1,163 @@
 #include "sightline/apps/common/view_options.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/importers/view_json.h"
 
 namespace sightline::apps {
 
+namespace {
+
+/// Names of views of the whole, in the order of help.
+struct Standard {
+  const char* name;
+  core::dvec3 direction;
+};
+constexpr Standard kStandard[] = {{"front", {0, 1, 0}},  {"back", {0, -1, 0}}, {"left", {1, 0, 0}},
+                                  {"right", {-1, 0, 0}}, {"top", {0, 0, -1}},  {"bottom", {0, 0, 1}}};
+
+core::dvec3 direction_of(const std::string& name) {
+  for (const Standard& view : kStandard)
+    if (view.name == name) return view.direction;
+  return core::kOverviewDirection;
+}
+
+/// What of a box the sections may keep.
+core::AabbD cut(core::AabbD box, const std::vector<core::Plane>& sections) {
+  for (const core::Plane& plane : sections)
+    for (int axis = 0; axis < 3; ++axis) {
+      if (plane.normal[axis] == 0.0) continue;
+      const double at = -plane.offset / plane.normal[axis];
+      if (plane.normal[axis] > 0.0) box.min[axis] = std::max(box.min[axis], at);
+      if (plane.normal[axis] < 0.0) box.max[axis] = std::min(box.max[axis], at);
+    }
+  return box;
+}
+
+constexpr double kFilled = 0.9;  // of the width or height of an image of the whole
+
+core::Expected<core::View> perspective_view(const core::AabbD& box, const core::dvec3& direction, double aspect) {
+  const double diagonal = glm::length(box.size());
+  if (!(diagonal > 0.0)) return core::View::fit(box, direction, kFovy, aspect);
+  return core::View::perspective(roomy_pose(box, direction, kFovy, aspect), kFovy, aspect, 1e-3 * diagonal);
+}
+
+core::Expected<core::View> parallel_view(const core::AabbD& box, const core::dvec3& direction, double aspect) {
+  const double diagonal = std::max(glm::length(box.size()), 1e-3);
+  const core::Pose pose{box.centre() - diagonal * glm::normalize(direction), box.centre(), {0.0, 0.0, 1.0}};
+  const auto axes = core::look_at(pose);
+  if (!axes) return tl::unexpected(axes.error());
+  core::dvec2 half(0.0);
+  for (int row = 0; row < 2; ++row)
+    for (int axis = 0; axis < 3; ++axis) half[row] += 0.5 * box.size()[axis] * std::abs((*axes)[axis][row]);
+  const double height = 2.0 / kFilled * std::max({half.y, half.x / aspect, 1e-4 * diagonal});
+  return core::View::orthographic(pose, height, aspect, 0.0, 2.0 * diagonal);
+}
+
+}  // namespace
+
+core::Pose roomy_pose(const core::AabbD& bounds, const core::dvec3& direction, double fovy, double aspect) {
+  return core::fitting_pose(bounds, direction, 2.0 * std::atan(kFilled * std::tan(0.5 * fovy)), aspect);
+}
+
+core::Expected<core::Plane> parse_section(const std::string& text) {
+  const auto refused = [&] {
+    return core::fail(
+        "expected an axis, < or >, and a number with a unit or metres, such as \"z<12.3\" or \"x>250mm\"; found \"" +
+        text + "\"");
+  };
+  char axis = 0, side = 0, unit[4] = {};
+  double at = 0.0;
+  int used = 0;
+  if (std::sscanf(text.c_str(), " %c %c%lf%n", &axis, &side, &at, &used) != 3 || !std::isfinite(at)) return refused();
+  int end = used;
+  if (std::sscanf(text.c_str() + used, " %3[a-z]%n", unit, &end) == 1) used += end;
+  const auto metres = unit[0] == 0 ? std::optional(1.0) : metres_of(unit);
+  if (axis < 'x' || axis > 'z' || (side != '<' && side != '>') || !metres || used != int(text.size())) return refused();
+  const double sign = side == '>' ? 1.0 : -1.0;
+  core::Plane plane{core::dvec3(0.0), -sign * at * *metres};
+  plane.normal[axis - 'x'] = sign;
+  return plane;
+}
+
 void add_view_options(CommandLine& to, ViewOptions& options) {
   CommandLine line = to.group(OptionGroup::kGeneral);
   ViewOptions& o = options;
-  line.add("--size", o.size, "Pixels").shows_default().accepted_by(parse_size);
-  const Option view = line.add("--view", o.view, "View JSON file");
-  const Option path = line.add("--path", o.path, "Camera path JSON file; see --frame").excludes(view);
-  line.add("--frame", o.frame, "Frame of the path, of --frames in all").needs(path).not_negative();
-  line.add("--frames", o.frames, "Frames that the path is sampled into").shows_default().needs(path).positive();
+  line.add("--size", o.size, "Pixels").metavar("WxH").shows_default().accepted_by(parse_size);
+  std::vector<std::string> names;
+  for (const Standard& standard : kStandard) names.emplace_back(standard.name);
+  names.emplace_back("iso");
+  const Option from =
+      line.add("--from", o.from, "See the whole from front, back, left, right, top, bottom or iso, which is above")
+          .one_of(names)
+          .usage_text("SIDE (iso)");
+  const Option parallel = line.add_flag("--ortho", o.parallel, "Parallel projection of the whole");
+  const Option fit = line.add_flag("--fit", o.fit, "Fit what is shown: the default").advanced();
+  line.add("--section", o.sections, "Keep one side of a plane, such as \"z<12.3\" or \"x>250mm\"; up to eight")
+      .metavar("PLANE")
+      .one_value_each()
+      .accepted_by(parse_section);
+  const Option view =
+      line.add("--view", o.view, "View JSON file").metavar("FILE").excludes(from).excludes(parallel).excludes(fit);
+  const Option path = line.add("--path", o.path, "Camera path JSON file; see --frame")
+                          .metavar("FILE")
+                          .excludes(view)
+                          .excludes(from)
+                          .excludes(parallel)
+                          .excludes(fit)
+                          .advanced();
+  line.add("--frame", o.frame, "Frame of the path, of --frames in all").needs(path).not_negative().advanced();
+  line.add("--frames", o.frames, "Frames that the path is sampled into")
+      .shows_default()
+      .needs(path)
+      .positive()
+      .advanced();
   line.check([&o]() -> core::Expected<void> {
-    if (o.frame >= o.frames) return core::fail("--frame: must be below --frames");
+    if (o.frame >= o.frames)
+      return core::fail("--frame: " + std::to_string(o.frame) + " must be below --frames, " + std::to_string(o.frames));
+    if (o.sections.size() > core::kMaxSectionPlanes)
+      return core::fail("--section: at most " + std::to_string(core::kMaxSectionPlanes) + " planes, found " +
+                        std::to_string(o.sections.size()));
     return {};
   });
-  line.add_flag("--fit", o.fit, "Fit the whole model (the default without --view and --path)")
-      .excludes(view)
-      .excludes(path);
 }
 
-core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
-                                       double aspect) {
-  const bool whole = options.view.empty() && options.path.empty();
-  return choose_view(options, model.offset, whole ? snapshot.bounds().fitted_bounds() : core::FittedBounds(), aspect);
+namespace {
+
+/// Planes of a model that was moved by `offset`.
+std::vector<core::Plane> planes_of(const ViewOptions& options, const core::dvec3& offset) {
+  std::vector<core::Plane> planes;
+  for (const std::string& text : options.sections) {
+    core::Plane plane = parse_section(text).value();
+    plane.offset -= glm::dot(plane.normal, offset);
+    planes.push_back(plane);
+  }
+  return planes;
 }
 
-core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
-                                       const core::FittedBounds& fitted, double aspect) {
+/// What sections keep of the boxes of all items within the bounds.
+core::AabbD cut_items(const core::ItemBounds& items, const core::AabbD& bounds,
+                      const std::vector<core::Plane>& sections) {
+  core::AabbD kept;
+  for (core::Slot slot = 0; slot < core::Slot(items.size()); ++slot) {
+    if (items.vacant(slot) || (items.layers(slot) & core::kDefaultLayerMask) == 0) continue;
+    const core::Aabb local = items.box(slot);
+    const core::AabbD box =
+        cut({items.origin + core::dvec3(local.min), items.origin + core::dvec3(local.max)}, sections);
+    const bool within =
+        glm::all(glm::lessThanEqual(bounds.min, box.min)) && glm::all(glm::lessThanEqual(box.max, bounds.max));
+    if (!box.empty() && within) kept.grow(box);
+  }
+  return kept;
+}
+
+core::Expected<core::View> chosen_view(const ViewOptions& options, const std::vector<core::Plane>& sections,
+                                       const core::dvec3& offset, const core::FittedBounds& fitted, double aspect) {
   if (!options.view.empty()) {
     auto view = importers::read_view(options.view, aspect);
     return view ? importers::translated(*view, offset) : view;
@@ -42,7 +169,37 @@ core::Expected<core::View> choose_view(const ViewOptions& options, const core::d
     return path->view(path->time_of(options.frame, options.frames), aspect);
   }
   if (!options.quiet) warn_of_outliers(fitted);
-  return core::View::fit(fitted.bounds, core::kOverviewDirection, kFovy, aspect);
+  const core::AabbD kept = cut(fitted.bounds, sections), box = kept.empty() ? fitted.bounds : kept;
+  const core::dvec3 direction = direction_of(options.from);
+  return options.parallel && !box.empty() ? parallel_view(box, direction, aspect)
+                                          : perspective_view(box, direction, aspect);
+}
+
+}  // namespace
+
+core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
+                                       double aspect) {
+  core::FittedBounds fitted;
+  if (options.view.empty() && options.path.empty()) fitted = snapshot.bounds().fitted_bounds();
+  if (!options.sections.empty() && !fitted.bounds.empty()) {
+    const core::AabbD kept = cut_items(snapshot.bounds(), fitted.bounds, planes_of(options, model.offset));
+    if (!kept.empty()) fitted.bounds = kept;
+  }
+  return choose_view(options, model.offset, fitted, aspect);
+}
+
+core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
+                                       const core::FittedBounds& fitted, double aspect) {
+  const std::vector<core::Plane> sections = planes_of(options, offset);
+  auto view = chosen_view(options, sections, offset, fitted, aspect);
+  if (!view || sections.empty()) return view;
+  if (view->section_mode == core::SectionMode::kUnion && !view->sections.empty())
+    return core::fail("--section: the sections of " + options.view + " unite, so that no plane can be added");
+  if (view->sections.size() + sections.size() > core::kMaxSectionPlanes)
+    return core::fail("--section: more than " + std::to_string(core::kMaxSectionPlanes) + " planes with those of " +
+                      options.view);
+  view->sections.insert(view->sections.end(), sections.begin(), sections.end());
+  return view;
 }
 
 }  // namespace sightline::apps

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "sightline/apps/common/model.h"
 
@@ -11,15 +12,24 @@ class CommandLine;
 
 struct ViewOptions {
   std::string size = "1280x720", view, path;
-  int frame = 0, frames = 300;
+  std::string from = "iso";  ///< of the whole, without a view or path
+  bool parallel = false;     ///< the same
   bool fit = false;
+  std::vector<std::string> sections;  ///< as parse_section() reads them
+  int frame = 0, frames = 300;
   bool quiet = false;  ///< choose_view() prints nothing
 };
 
-/// --size, --view, --path with --frame and --frames, --fit
+/// core::fitting_pose() with a little room: the box fills nine tenths of the image's width or height.
+core::Pose roomy_pose(const core::AabbD& bounds, const core::dvec3& direction, double fovy, double aspect);
+
+/// A section plane as "z<12.3" or "x>250mm": an axis, the side that stays, and where; metres without a unit.
+core::Expected<core::Plane> parse_section(const std::string& text);
+
+/// --size, --from, --ortho, --section, --view, --path with --frame and --frames
 void add_view_options(CommandLine& line, ViewOptions& options);
 
-/// The view of an image whose width is `aspect` times its height; by default of the whole model, with a warning on
+/// The view of an image whose width is `aspect` times its height; by default of all that is shown, with a warning on
 /// stderr of what that leaves out.
 core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
                                        double aspect);

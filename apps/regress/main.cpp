@@ -173,19 +173,21 @@ core::Expected<void> copy_accepted(const apps::Suite& suite, const apps::ResultF
   return {};
 }
 
+std::string page_file(const Options& o) {
+  return o.html.empty() ? (fs::path(o.out) / "report.html").string() : o.html;
+}
+
 core::Expected<void> write_pages(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
                                  const std::vector<apps::Outcome>& outcomes) {
   using apps::ShownImages;
   const ShownImages shown = o.images == "all"    ? ShownImages::kAll
                             : o.images == "none" ? ShownImages::kNone
                                                  : ShownImages::kFailed;
-  const auto in_folder = [&](const std::string& file, const char* name) {
-    return file.empty() ? (results.path() / name).string() : file;
-  };
   const auto page = html_report(suite, results, outcomes, shown, o.suite);
   if (!page) return tl::unexpected(page.error());
-  if (auto done = apps::write_text(in_folder(o.html, "report.html"), *page); !done) return done;
-  return apps::write_text(in_folder(o.junit, "junit.xml"), junit_xml(suite, outcomes));
+  if (auto done = apps::write_text(page_file(o), *page); !done) return done;
+  const std::string junit = o.junit.empty() ? (results.path() / "junit.xml").string() : o.junit;
+  return apps::write_text(junit, junit_xml(suite, outcomes));
 }
 
 void print(const Options& o, const std::vector<apps::Outcome>& outcomes) {
@@ -196,6 +198,10 @@ void print(const Options& o, const std::vector<apps::Outcome>& outcomes) {
       std::fprintf(out, "%-8s %s: %s\n", name_of(outcome.status).data(), outcome.task->name.c_str(),
                    outcome.reason.c_str());
   std::fprintf(out, "%s\n", summary(outcomes).c_str());
+  if (o.shard.empty() && !all_good(outcomes)) std::fprintf(out, "page: %s\n", page_file(o).c_str());
+  const auto failed = [](const apps::Outcome& outcome) { return outcome.status == apps::Status::kFailed; };
+  if (std::any_of(outcomes.begin(), outcomes.end(), failed))
+    std::fprintf(out, "to take what failed as references, if it is right: the same with --resume --accept\n");
 }
 
 /// Of a shard no pages are written: --merge makes those of all.

@@ -19,19 +19,31 @@ void add_options(apps::CommandLine& line, apps::ViewerOptions& o) {
   apps::add_drawn_options(line, o.shown);
   apps::add_samples_option(line, o.samples);
   line.add("--path", o.path,
-           "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time");
-  line.add("--save-path", o.save_path, "Where R writes what it has recorded").shows_default();
-  line.add("--frames", o.frames, "Quit after so many frames, drawn as fast as they come, without panels").positive();
+           "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time")
+      .metavar("FILE")
+      .advanced();
+  line.add("--save-path", o.save_path, "Where R writes what it has recorded")
+      .metavar("FILE")
+      .shows_default()
+      .advanced();
+  line.add("--frames", o.frames, "Quit after so many frames, drawn as fast as they come, without panels")
+      .positive()
+      .advanced();
   line.add("--script", o.script, "Carry out the commands of this file, then quit; fails where it expects otherwise")
+      .metavar("FILE")
       .existing_file();
-  line.add("--screenshot", o.screenshot, "Write the last image, PNG");
-  line.add("--json", o.json_file, "Write state and figures as JSON to FILE, or - for stdout, at the end");
-  line.add_flag("!--no-smooth", o.smooth, "Leave edges as they are when nothing moves; scripts begin so");
+  line.add("--screenshot", o.screenshot, "Write the last image, PNG").metavar("FILE").accepted_by(apps::parse_png_name);
+  line.add("--json", o.json_file, "Write state and figures as JSON to FILE, or - for stdout, at the end")
+      .metavar("FILE")
+      .advanced();
+  line.add_flag("!--no-smooth", o.smooth, "Leave edges as they are when nothing moves; scripts begin so").advanced();
   line.add_flag("!--no-panels", o.panels, "Show the model alone");
   line.add("--theme", o.theme, "dark or light").one_of({"dark", "light"}).shows_default();
   line.add("--scale", o.scale, "Of text and panels; as the screen suggests unless it is given").in_range(0.5, 5.0);
   line.add("--settings", o.settings,
-           "Keep settings in this file instead of the user's own, which --script and --frames leave alone");
+           "Keep settings in this file instead of the user's own, which --script and --frames leave alone")
+      .metavar("FILE")
+      .advanced();
 }
 
 apps::SettingsFile settings_file(const apps::ViewerOptions& o) {
@@ -70,9 +82,8 @@ int main(int argc, char** argv) {
   apps::CommandLine line("Opens a window to look at models in", "sightline-view",
                          "  sightline-view plant.rvm\n"
                          "  sightline-view a.rvm b.rvm --culler hybrid --size 1920x1080\n"
-                         "  sightline-view plant.rvm --path flight.json --frames 300 --screenshot last.png --json -\n"
-                         "  sightline-view plant.rvm --script tour.txt\n" +
-                             apps::command_list());
+                         "  sightline-view plant.rvm --script tour.txt");
+  line.appendix(apps::command_list());
   apps::ViewerOptions options;
   add_options(line, options);
   return line.run(argc, argv, [&] { return view(line, options); });

@@ -111,9 +111,9 @@ struct Stage {
 /// shortest program comes first, so that only one thread compiles these. Long ones come before short ones, so that no
 /// thread ends long after the others.
 constexpr std::array<BatchKind, gpuscene::kBatchKindCount> kOrder = {
-    BatchKind::kBox,   BatchKind::kMesh,             BatchKind::kLine,     BatchKind::kCircularTorus,
-    BatchKind::kSnout, BatchKind::kRectangularTorus, BatchKind::kCylinder, BatchKind::kPyramid,
-    BatchKind::kSphereCap};
+    BatchKind::kBox,           BatchKind::kMesh,    BatchKind::kLine,
+    BatchKind::kCircularTorus, BatchKind::kSnout,   BatchKind::kRectangularTorus,
+    BatchKind::kCylinder,      BatchKind::kPyramid, BatchKind::kSphereCap};
 
 }  // namespace
 

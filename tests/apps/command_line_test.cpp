@@ -28,8 +28,9 @@ TEST_P(EveryTool, HelpNamesItsOptionsAndShowsExamples) {
   const std::size_t examples = outcome.out.find("Examples:");
   ASSERT_NE(examples, std::string::npos) << outcome;
   EXPECT_NE(outcome.out.find("sightline-" + GetParam(), examples), std::string::npos) << outcome;
-  for (const char* option : {"--help", "--version", "--json"})
+  for (const char* option : {"--help", "--help-all", "--version", "--json"})
     EXPECT_NE(outcome.out.find(option), std::string::npos) << option << "\n" << outcome;
+  EXPECT_LE(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 45) << outcome;
 }
 
 TEST_P(EveryTool, TellsItsVersion) {
@@ -191,7 +192,13 @@ TEST_F(CommandLine, RenderRefusesBadOptions) {
   expect_usage_error("render", {"model.rvm", "--path", "p.json", "--frame", "5", "--frames", "5"}, "--frame");
   expect_usage_error("render", {"model.rvm", "--path", "p.json", "--frame", "-1"}, "--frame");
   expect_usage_error("render", {"model.rvm", "--path", "p.json", "--view", "v.json"}, "--view");
-  expect_usage_error("render", {"model.rvm", "--fit", "--view", "v.json"}, "--view");
+  for (const char* option : {"--fit", "--ortho"})
+    expect_usage_error("render", {"model.rvm", option, "--view", "v.json"}, "--view");
+  expect_usage_error("render", {"model.rvm", "--from", "top", "--path", "p.json"}, "--path");
+  expect_usage_error("render", {"model.rvm", "--from", "above"}, "above");
+  for (const char* bad : {"", "z", "z<", "w<3", "z=3", "z<3 miles", "z<nan", "z<3m4"})
+    expect_usage_error("render", {"model.rvm", "--section", bad}, "z<12.3");
+  expect_usage_error("render", {"model.rvm", "--out", "image.jpg"}, "image.png");
 }
 
 }  // namespace

@@ -37,6 +37,14 @@ TEST_F(Convert, RvmComesBackAsItWas) {
   EXPECT_EQ(facts["warnings"], Json::array());
 }
 
+TEST_F(Convert, WritesOverNoFileThatItReads) {
+  const std::string model = plant(1000), bytes = read_bytes(model);
+  fs::create_symlink(model, path("link.rvm"));
+  for (const std::string& output : {model, path("./") + fs::path(model).filename().string(), path("link.rvm")})
+    expect_usage_error("convert", {model, output, "--translate", "1,0,0"}, "would be lost");
+  EXPECT_EQ(read_bytes(model), bytes);
+}
+
 TEST_F(Convert, SeveralFilesBecomeOne) {
   ASSERT_EQ(run("convert", {plant(1000, 1), plant(1001, 2), path("both.rvm")}).code, 0);
   EXPECT_EQ(total(run_json("info", {path("both.rvm")})["items"]), 2001);

@@ -43,7 +43,7 @@ TEST(Options, AChoiceIsStoredListedAndChecked) {
   EXPECT_EQ(refused.err, "tool: --fruit: plum not in {apple,pear} (see --help)\n");
   const Outcome help = run(line, {"--help"});
   EXPECT_EQ(help.code, kExitOk);
-  EXPECT_NE(help.out.find("--fruit TEXT:{apple,pear}=pear"), std::string::npos) << help.out;
+  EXPECT_NE(help.out.find("--fruit apple|pear (pear)"), std::string::npos) << help.out;
   EXPECT_NE(help.out.find("Examples:\n  tool --fruit pear"), std::string::npos) << help.out;
 }
 
@@ -152,8 +152,25 @@ TEST(Options, AModeSupportsOptionsOfItsGroupsAlone) {
   EXPECT_EQ(run(line, {"--parts", "--later", "1"}).err, "tool: --later is not available with --parts (see --help)\n");
   EXPECT_EQ(run(line, {"--other", "-i", "1"}).err, "tool: --import is not available with --other (see --help)\n");
   EXPECT_EQ(run(line, {"--parts", "--other"}).code, kExitUsage) << "two modes at once";
-  const Outcome help = run(line, {"--help"});
-  EXPECT_NE(help.out.find("Draw parts; not with --plain, --other"), std::string::npos) << help.out;
+}
+
+TEST(Options, HelpDescribesEverydayOnesAndNamesTheOthers) {
+  CommandLine line = make_line();
+  int number = 3, other = 0;
+  bool quiet = true;
+  const Option first = line.add("--number", number, "How many").shows_default().in_range(1, 9);
+  line.add("--other", other, "How many others").metavar("COUNT").excludes(first).advanced();
+  line.add_flag("!--loud", quiet, "Say all");
+  line.add_flag("--secret", quiet).hidden();
+  line.appendix("At the end.\n");
+  const std::string help = run(line, {"--help"}).out, all = run(line, {"--help-all"}).out;
+  for (const char* part : {"--number N (3)            How many\n", "--loud                    Say all\n",
+                           "More (--help-all):\n  --other\n"})
+    EXPECT_NE(help.find(part), std::string::npos) << part << help;
+  for (const char* part : {"--number N (3)", "--other COUNT             How many others\n", "At the end.\n"})
+    EXPECT_NE(all.find(part), std::string::npos) << part << all;
+  for (const char* part : {"How many others", "At the end", "secret", "Excludes", "{false}"})
+    EXPECT_EQ(help.find(part), std::string::npos) << part << help;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <set>
 
+#include <fmt/format.h>
 #include <png.h>
 
 namespace sightline::tests::render_test {
@@ -110,7 +111,57 @@ TEST_F(Render, FitsTheModelByDefault) {
   render(with({"--compare", fit, "--ids", ids}));
   const Filled filled = filled_by(read_image(ids));
   EXPECT_GT(filled.pixels, std::size_t(kWidth * kHeight / 10));
-  EXPECT_GT(filled.span, 0.8);
+  EXPECT_GT(filled.span, 0.7);
+}
+
+/// A box from the origin to a corner.
+std::string slab_text(double x = 4.0, double y = 2.0, double z = 1.0) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 6\nproperty list uchar int vertex_indices\nend_header\n";
+  for (int i = 0; i < 8; ++i) text += fmt::format("{} {} {}\n", i & 1 ? x : 0.0, i & 2 ? y : 0.0, i & 4 ? z : 0.0);
+  return text + "4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
+}
+
+TEST_F(Render, StandardViewsAreParallelAndFillTheImage) {
+  const std::string slab = write("slab.ply", slab_text());
+  struct Case {
+    const char* from;
+    double wide, high;
+  };
+  // Sides of the rectangle that the view shows.
+  for (const Case& c :
+       {Case{"front", 4, 1}, {"back", 4, 1}, {"left", 2, 1}, {"right", 2, 1}, {"top", 4, 2}, {"bottom", 4, 2}}) {
+    const std::string ids = path(std::string(c.from) + ".png");
+    render({slab, "--from", c.from, "--ortho", "--size", "400x400", "--ids", ids});
+    const Filled filled = filled_by(read_image(ids));
+    EXPECT_NEAR(filled.span, 0.9, 0.01) << c.from;
+    EXPECT_NEAR(double(filled.pixels), 360.0 * 360.0 * c.high / c.wide, 1000.0) << c.from;
+  }
+}
+
+TEST_F(Render, SectionsKeepTheSideThatTheyName) {
+  const std::string slab = write("slab.ply", slab_text());
+  const std::string top = write("top.json", R"({"eye":[2,1,9],"target":[2,1,0],"up":[0,1,0],"ortho_height":4,)"
+                                            R"("near":1,"far":20})");
+  const auto pixels = [&](const std::vector<std::string>& sections) {
+    const std::string ids = path("cut.png");
+    Args args = {slab, "--view", top, "--size", "400x400", "--ids", ids};
+    for (const std::string& section : sections) args.insert(args.end(), {"--section", section});
+    render(args);
+    return double(filled_by(read_image(ids)).pixels);
+  };
+  const double whole = 400.0 * 200.0;
+  EXPECT_NEAR(pixels({}), whole, 700.0);
+  EXPECT_NEAR(pixels({"x<1"}), whole / 4, 500.0);
+  EXPECT_NEAR(pixels({"x > 100cm"}), whole * 3 / 4, 700.0);
+  EXPECT_NEAR(pixels({"x<3000mm", "y>1"}), whole * 3 / 8, 600.0);
+  EXPECT_EQ(pixels({"z>2"}), 0.0);
+
+  // The rest is fitted, not the box around what was cut away.
+  const std::string ids = path("rest.png"), tower = write("tower.ply", slab_text(0.1, 0.1, 30.0));
+  render({slab, tower, "--section", "z<1.5", "--from", "front", "--ortho", "--size", "400x400", "--ids", ids});
+  EXPECT_NEAR(filled_by(read_image(ids)).span, 0.9, 0.01);
 }
 
 TEST_F(Render, FitsWithoutWhatLiesFarOff) {
@@ -342,6 +393,16 @@ TEST_F(Render, ExplainsWhatWasLeftOut) {
     EXPECT_EQ(line_with(small, program).rfind("left out", 0), 0u) << small;
   EXPECT_NE(line_with(small, "snout program").find("none in the scene"), std::string::npos) << small;
   EXPECT_EQ(line_with(small, "mesh program").rfind("used", 0), 0u) << small;
+}
+
+TEST_F(Render, SaysWhenNothingIsWritten) {
+  const Args small = {write("triangle.stl", tests::stl_text({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}}})), "--size", "64x48"};
+  EXPECT_NE(render(small).err.find("--out image.png is missing"), std::string::npos);
+  for (const char* option : {"--out", "--ids", "--depth", "--json"}) {
+    Args args = small;
+    args.insert(args.end(), {option, path("written")});
+    EXPECT_EQ(render(args).err, "") << option;
+  }
 }
 
 TEST_F(Render, SaysWhenNoPixelShowsWhatIsVisible) {

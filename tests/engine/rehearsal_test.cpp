@@ -46,7 +46,8 @@ class RehearsalTest : public GlTest {
     return found;
   }
   std::size_t entries() const {
-    return fs::exists(folder) ? std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator())) : 0;
+    return fs::exists(folder) ? std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator()))
+                              : 0;
   }
 
   const fs::path folder = fs::temp_directory_path() / ("sightline-rehearsal-" + std::to_string(getpid()));

@@ -40,9 +40,9 @@ inline bool asks_for(const gl::PipelineDescription& pipeline, gl::Workarounds wo
 inline std::vector<gl::PipelineDescription> library_programs() {
   std::vector<gl::PipelineDescription> all;
   for (const auto& list :
-       {gl::driver_test_programs(), gpuscene::DrawLists::all_programs(), gpuscene::ElementWriter::all_programs(), culling::geometry_programs(),
-        culling::compute_programs(), culling::GpuDepthPyramid::all_programs(), render::Renderer::all_programs(),
-        render::PointSplats::all_programs(), render::PixelPass::all_programs()})
+       {gl::driver_test_programs(), gpuscene::DrawLists::all_programs(), gpuscene::ElementWriter::all_programs(),
+        culling::geometry_programs(), culling::compute_programs(), culling::GpuDepthPyramid::all_programs(),
+        render::Renderer::all_programs(), render::PointSplats::all_programs(), render::PixelPass::all_programs()})
     all.insert(all.end(), list.begin(), list.end());
   return all;
 }
