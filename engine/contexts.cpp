@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-#include "sightline/engine/internal/clock.h"
+#include "sightline/core/internal/clock.h"
 #include "sightline/engine/internal/engine_state.h"
 
 namespace sightline::engine {
@@ -56,12 +56,12 @@ core::Expected<void> make_gpu_follow(EngineState& s) {
 
 void look_after_context(EngineState& s) {
   if (s.backend->lost()) drop_context(s);
-  if (s.next_try < 0.0 || s.config.context.application || now_seconds() < s.next_try || !s.needs_gl()) return;
+  if (s.next_try < 0.0 || s.config.context.application || core::now_seconds() < s.next_try || !s.needs_gl()) return;
   s.next_try = -1.0;
   if (follow_plan_in_context(s, true)) {
     if (s.hybrid) s.hybrid->gpu_ready();
   } else {
-    s.next_try = now_seconds() + kTryAgain;
+    s.next_try = core::now_seconds() + kTryAgain;
   }
 }
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <variant>
 
-#include "sightline/engine/internal/clock.h"
+#include "sightline/core/internal/clock.h"
 #include "sightline/engine/internal/engine_state.h"
 #include "sightline/gl/external_target.h"
 
@@ -27,9 +27,9 @@ core::Expected<void> fit_target(EngineState& s, const gl::ExternalTarget& target
 }
 
 void cull_on_cpu(EngineState& s, const core::View& view, FrameReport& report) {
-  const double begin = now_seconds();
+  const double begin = core::now_seconds();
   std::visit([&](const auto& culler) { culler.cull(view, s.visible); }, *s.live.culler);
-  report.cull_ms = 1e3 * (now_seconds() - begin);
+  report.cull_ms = 1e3 * (core::now_seconds() - begin);
   report.culler =
       std::holds_alternative<culling::CpuCuller>(*s.live.culler) ? CullerChoice::kCpu : CullerChoice::kLinear;
   report.visible = std::int64_t(s.live.snapshot->count(s.visible));
@@ -38,11 +38,11 @@ void cull_on_cpu(EngineState& s, const core::View& view, FrameReport& report) {
 
 /// Returns false where the CPU must cull instead.
 core::Expected<bool> cull_on_gpu(EngineState& s, const FrameTask& task, FrameReport& report) {
-  const double begin = now_seconds();
+  const double begin = core::now_seconds();
   const auto done = s.backend->cull(task.cull_view(), task.input.view, *s.live.snapshot, report.frame);
   if (done) {
     report.culler = CullerChoice::kGpu;
-    report.cull_ms = 1e3 * (now_seconds() - begin);
+    report.cull_ms = 1e3 * (core::now_seconds() - begin);
     report.visible = report.tested = -1;
     return true;
   }
@@ -86,7 +86,7 @@ core::Expected<bool> cull(EngineState& s, const FrameTask& task, bool on_cpu, Fr
 
 core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, bool shows_unseen, FrameReport& report) {
   if (!s.backend->ready()) return {};
-  const double begin = now_seconds();
+  const double begin = core::now_seconds();
   if (on_gpu) {
     s.overlaid.clear();
     if (s.backend->has_overlays())
@@ -105,7 +105,7 @@ core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, bo
   if (!result) {
     if (auto done = unless_lost(s, tl::unexpected(result.error())); !done) return done;
   }
-  report.draw_ms = 1e3 * (now_seconds() - begin);
+  report.draw_ms = 1e3 * (core::now_seconds() - begin);
   if (!result) return {};
   report.wait_ms = result->wait_ms;
   if (!report.drawn || on_gpu) return {};
@@ -134,7 +134,7 @@ core::Expected<FrameReport> run_frame(EngineState& s, const FrameTask& task) {
   auto ready = land(s);
   FrameReport report;
   report.frame = s.frames++;
-  const double begin = now_seconds();
+  const double begin = core::now_seconds();
   if (s.last_frame_began >= 0.0) report.frame_ms = 1e3 * (begin - s.last_frame_began);
   s.last_frame_began = begin;
   s.frame_seconds = 1e-3 * report.frame_ms;
@@ -164,7 +164,7 @@ core::Expected<FrameReport> Engine::frame(const core::View& view, const gl::Exte
 }
 
 core::Expected<FrameReport> Engine::frame(const FrameInput& input) {
-  return run_frame(*state_, {input, now_seconds()});
+  return run_frame(*state_, {input, core::now_seconds()});
 }
 
 core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::View> views,
@@ -175,7 +175,7 @@ core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::Vie
                       std::to_string(views.size()));
   const auto kept = s.keep_state();
   const std::uint32_t before = s.image;
-  const double began = now_seconds();
+  const double began = core::now_seconds();
   const double share = 1e-3 * s.config.losses.budget_ms / double(std::max<std::size_t>(views.size(), 1));
   std::vector<FrameReport> reports;
   core::Expected<void> done;
@@ -202,12 +202,12 @@ core::Expected<FrameReport> Engine::frame_tile(const core::View& whole, const Im
   if (!view) return tl::unexpected(view.error());
   const auto kept = s.keep_state();
   if (auto landed = land(s); !landed) return tl::unexpected(landed.error());
-  FrameTask task{{*view}, now_seconds()};
+  FrameTask task{{*view}, core::now_seconds()};
   if (s.backend->blends()) {
     // Near surfaces weigh more than those behind them, by the depths of the whole image.
     std::visit([&](const auto& culler) { culler.cull(whole, s.overlaid); }, *s.live.culler);
     task.blend_range = s.backend->blend_range(whole, *s.live.snapshot, s.overlaid);
-    task.budget_began = now_seconds();
+    task.budget_began = core::now_seconds();
   }
   return run_frame(s, task);
 }

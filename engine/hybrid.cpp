@@ -40,8 +40,8 @@ Hybrid::Pending* Hybrid::find(std::uint64_t report_frame) {
 void Hybrid::measured(const FrameReport& report, const culling::FrameSample& walk) {
   Pending& p = pending(controller_.frames() - 1);
   p.wait_ms = report.wait_ms;
-  p.drawn = !report.drawn && p.sample.path == CullPath::kCpu;  // then there is no drawing to wait for
-  if (p.sample.path == CullPath::kGpu) return;                 // its CPU time is that of the submission
+  p.drawn = !report.drawn;                      // then there is no drawing to wait for
+  if (p.sample.path == CullPath::kGpu) return;  // its CPU time is that of the submission
   p.sample.cull_ms = report.cull_ms;
   p.sample.visible = double(report.visible);
   p.sample.tested = double(report.tested);

@@ -5,8 +5,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/core/internal/clock.h"
 #include "sightline/culling/occlusion/contribution.h"
-#include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/page_store.h"
 #include "sightline/engine/internal/paged_image.h"
 #include "sightline/gl/internal/current_context.h"
@@ -239,7 +239,7 @@ core::Expected<void> PagedEngine::Impl::take_context() {
 
 core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   const gl::CurrentContext kept;
-  const double began = now_seconds();
+  const double began = core::now_seconds();
   if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
   const bool stays = image_->view() && core::same_image(*image_->view(), view);
   if (!stays) report_ = begin(view);
@@ -247,7 +247,7 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   if (auto done = refine(began + 1e-3 * config_.refine_ms, stays); !done) return tl::unexpected(done.error());
   if (auto done = show(); !done) return tl::unexpected(done.error());
   if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());  // else nothing of this was drawn
-  report_.frame_ms = 1e3 * (now_seconds() - began);
+  report_.frame_ms = 1e3 * (core::now_seconds() - began);
   return report_;
 }
 
@@ -281,7 +281,7 @@ std::vector<std::string> PagedEngine::Impl::take_errors() {
 core::Expected<void> PagedEngine::Impl::refine_more() {
   const gl::CurrentContext kept;
   if (auto ready = take_context(); !ready) return ready;
-  return refine(now_seconds() + 1e-3 * config_.refine_ms, true);
+  return refine(core::now_seconds() + 1e-3 * config_.refine_ms, true);
 }
 
 PagedReport PagedEngine::Impl::begin(const core::View& view) {
@@ -301,7 +301,7 @@ core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
     if (auto done = image_->draw_resident(pages()); !done) return done;
     keep_within_limit();
     ask_for_pages(stays);
-    const double left = until - now_seconds();
+    const double left = until - core::now_seconds();
     if (!stays || report_.complete || left <= 0.0 || !wait(left)) break;
   }
   report_.pending = image_->open_leaves();

@@ -41,7 +41,7 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, const PlanRequest&
 }
 
 /// Unless it is asked for or switched off, a culler on the GPU tests occlusion in scenes of many items, and one on the
-/// CPU while that is found to pay. Of how many items it tries that depends on what draws, which is not known yet.
+/// CPU while that is found to pay.
 void plan_occlusion(Plan& plan, std::size_t items, const PlanRequest& request) {
   const auto note = [&](bool used, std::string why) {
     plan.entries.push_back({"occlusion test", request.draw && used, std::move(why)});
@@ -53,7 +53,7 @@ void plan_occlusion(Plan& plan, std::size_t items, const PlanRequest& request) {
   const std::string limit = std::to_string(least);
   if (items < least) return note(false, count_text(items) + ", fewer than " + limit + ": too few to profit");
   if (gpu_alone) return note(true, count_text(items) + ", at least " + limit);
-  std::string why = items < kSmallOcclusionSceneForGpu ? "while it pays, where software draws" : "while it pays";
+  std::string why = "while it pays";
   if (plan.gpu_culls())
     why.insert(0, items < kGpuOcclusionScene ? "where the CPU culls: " : "where a GPU culls; elsewhere ");
   note(true, std::move(why));

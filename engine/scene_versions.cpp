@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "sightline/core/internal/sort_unique.h"
+#include "sightline/engine/internal/device_constants.h"
 #include "sightline/engine/internal/engine_state.h"
 
 namespace sightline::engine {
@@ -14,8 +15,6 @@ constexpr double kShareOfSnapshot = 0.75;     // of the time that making an engi
 // Frames and commits work so long for a new scene version that is to land: seconds, and a share of what the last frame
 // took.
 constexpr double kLeastLanding = 0.001, kMostLanding = 0.008, kLandingShare = 0.25;
-// Measured on llvmpipe: 1.15 to 1.2 times the frame of the CPU's path (docs/results/hybrid.md).
-constexpr double kSoftwareGpuExcess = 0.1;
 
 /// Adds slots below `size`, so that each is there once.
 void add_slots(std::span<const core::Slot> slots, std::size_t size, std::vector<core::Slot>& touched) {

@@ -1,8 +1,8 @@
 #include "sightline/culling/gpu/internal/gpu_variant_choice.h"
 
-#include <chrono>
 #include <cstdio>
 
+#include "sightline/core/internal/clock.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/gl/internal/framebuffer.h"
@@ -13,7 +13,7 @@ namespace {
 constexpr int kRepetitions = 5;  // after one that is not counted: drivers compile late
 
 double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return 1e3 * core::now_seconds();
 }
 
 /// Work for the rasteriser: some milliseconds in software, a fraction of one on hardware.

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/engine/internal/device_constants.h"
+
 namespace sightline::engine {
 namespace {
 
-constexpr int kLeastExponent = -8;          // of the area of the smallest class
-constexpr int kUnoccludedFirst = 4;         // classes by which items that were not occluded come earlier
-constexpr std::size_t kTestedPiece = 2048;  // slots tested at a time
-constexpr std::size_t kFewest = 64;         // of a pass, hidden ones included
-constexpr double kSteady = 0.25;            // of a pass's own cost, which hardly changes; else estimates oscillate
+constexpr int kLeastExponent = -8;                // of the area of the smallest class
+constexpr int kUnoccludedFirst = 4;               // classes by which items that were not occluded come earlier
+constexpr std::size_t kTestedPiece = 2048;        // slots tested at a time
+constexpr std::size_t kFewest = 64;               // of a pass, hidden ones included
 constexpr double kGainUp = 1.0, kGainDown = 0.5;  // of an error: time that was too short does more harm
 constexpr double kLeastMs = 1e-5;                 // of an item
 constexpr double kGreatestChange = 4.0;           // of an estimate, by one pass
@@ -23,30 +24,29 @@ int DrawCosts::class_of(float area) {
   return std::clamp(std::ilogb(area) - kLeastExponent, 0, kClasses - 1);
 }
 
-/// At first 10 µs an item and 5 ns a pixel, of 640 x 360 pixels at most: a software rasteriser's. Others draw little in
-/// their first frame.
+/// At first what is presumed, with 640 x 360 pixels an item at most. A GPU, for which that is far too much, draws
+/// little in its first passes, and all classes follow what these took.
 DrawCosts::DrawCosts() {
   for (int c = 0; c < kClasses; ++c)
-    ms_[std::size_t(c)] = 1e-2 + 5e-6 * std::min(std::ldexp(1.0, c + kLeastExponent), 230'400.0);
+    ms_[std::size_t(c)] = kPresumedItemMs + kPresumedPixelMs * std::min(std::ldexp(1.0, c + kLeastExponent), 230'400.0);
 }
 
 /// Each class takes the blame for the error in proportion to its share of the time that was expected, so much that the
-/// same pass would be expected to take as long as it took, or half of the way to that.
+/// same pass would be expected to take as long as it took, or half of the way to that. A class that no pass has had
+/// follows the others: the device is as much faster or slower for it.
 void DrawCosts::took(const std::array<std::uint32_t, kClasses>& counts, double ms) {
-  double expected = pass_ms_;
-  for (int c = 0; c < kClasses; ++c) expected += counts[std::size_t(c)] * ms_[std::size_t(c)];
+  double expected = 0.0, squares = 0.0;
+  for (std::size_t c = 0; c < std::size_t(kClasses); ++c) expected += counts[c] * ms_[c];
+  if (expected <= 0.0) return;
   const double ratio = std::clamp(ms / expected, 1.0 / kGreatestChange, kGreatestChange);
+  const double gain = ratio > 1.0 ? kGainUp : kGainDown;
   const auto share = [&](std::size_t c) { return counts[c] * ms_[c] / expected; };
-  double squares = kSteady * (pass_ms_ / expected) * (pass_ms_ / expected);
   for (std::size_t c = 0; c < std::size_t(kClasses); ++c) squares += share(c) * share(c);
-  const double strength = (ratio > 1.0 ? kGainUp : kGainDown) / squares;
-  const auto follow = [&](double& estimate, double blame) { estimate *= std::pow(ratio, strength * blame); };
-  const double of_pass = kSteady * pass_ms_ / expected;
   for (std::size_t c = 0; c < std::size_t(kClasses); ++c) {
-    follow(ms_[c], share(c));
+    measured_[c] = measured_[c] || counts[c] > 0;
+    ms_[c] *= std::pow(ratio, gain * (measured_[c] ? share(c) / squares : 1.0));
     ms_[c] = std::max(ms_[c], kLeastMs);
   }
-  follow(pass_ms_, of_pass);
 }
 
 void BudgetPasses::begin(const culling::ContributionTest& measure, const core::ItemBounds& bounds,
@@ -76,7 +76,7 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
 bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms) {
   pass_.single_slots.clear();
   counts_.fill(0);
-  double left = ms - costs_.pass_ms();
+  double left = ms;
   while (at_ < order_.size()) {
     const std::size_t end = affordable(left);
     if (end == at_) break;
@@ -129,9 +129,14 @@ void BudgetPasses::looked_at(std::size_t slots, std::vector<std::uint64_t>& bits
   for (std::size_t i = 0; i < at_; ++i) bits[order_[i].slot / 64] |= std::uint64_t(1) << order_[i].slot % 64;
 }
 
-double BudgetPasses::pending_ms() const {
+double BudgetPasses::most_pending_ms() const {
   double ms = 0.0;
   for (int c = 0; c < DrawCosts::kClasses; ++c) ms += left_[std::size_t(c)] * costs_.ms(c);
+  return ms;
+}
+
+double BudgetPasses::pending_ms() const {
+  const double ms = most_pending_ms();
   return looked_at_ms_ > 0.0 ? ms * drawn_ms_ / looked_at_ms_ : ms;
 }
 

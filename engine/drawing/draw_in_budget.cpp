@@ -1,13 +1,15 @@
 #include <algorithm>
+#include <utility>
 
+#include "sightline/core/internal/clock.h"
 #include "sightline/engine/drawing/internal/draw_strategy.h"
-#include "sightline/engine/internal/clock.h"
 
 namespace sightline::engine {
 namespace {
 
 constexpr double kPassShare = 0.5;      // of the time left, for the next pass: it may take longer than expected
-constexpr double kLeastPasses = 2.0;    // passes for which the time left must suffice
+constexpr double kLeastPasses = 2.0;    // as many waits for a pass must the time left suffice for
+constexpr double kLeastShare = 0.1;     // of the time, for the first pass at least, though waits alone exceed it
 constexpr double kSlower = 0.92;        // the estimate of splats_ms_ falls by at most this factor a frame
 constexpr double kMostCoarsened = 2.0;  // pixels: beyond that, leaving out items costs less error for the same time
 constexpr double kCoarser = 1.5, kFiner = 0.9;  // by these factors a frame: steps of detail should not be seen
@@ -55,14 +57,14 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
   counts = {-1, std::int64_t(image.budget.drawn()), counts.below_min_area,
             std::int64_t(image.budget.pending()) + image.unmeasured};
   if (image.coarsened > 0.0) counts.pending += image.meshes.coarser;
-  const bool sufficed = image.budget.complete() && image.unmeasured == 0 && now_seconds() <= input.deadline;
+  const bool sufficed = image.budget.complete() && image.unmeasured == 0 && core::now_seconds() <= input.deadline;
   image.coarsened = stays ? 0.0 : next_coarsened(image, context.config.losses.lod_error, sufficed);
-  const double begin = now_seconds();
+  const double begin = core::now_seconds();
   if (beside) image.refined->copy_to(image.target);
   if (!splats) return counts;
   auto done = draw_splats(context, culled);
   context.gl().Finish();
-  splats_ms_ = std::max(1e3 * (now_seconds() - begin), kSlower * splats_ms_);
+  splats_ms_ = std::max(1e3 * (core::now_seconds() - begin), kSlower * splats_ms_);
   if (!done) return tl::unexpected(done.error());
   return counts;
 }
@@ -84,29 +86,47 @@ void DrawInBudget::begin(DrawContext& context, const Culled& culled, bool stays)
   image.budget_view = culled.view;
 }
 
+/// Draws a pass and learns what it takes. `read_back`: later passes are tested against its depth.
+core::Expected<void> DrawInBudget::draw_pass(DrawContext& context, const Culled& culled,
+                                             const render::RenderTarget& canvas, bool read_back) {
+  BudgetPasses& budget = context.image->budget;
+  const double begin = core::now_seconds();
+  context.coarsened = context.image->coarsened;
+  auto done = context.draw_more(culled.view, culled.snapshot, budget.pass(), canvas);
+  context.coarsened = 0.0;
+  if (!done) return done;
+  context.gl().Finish();
+  const double drawn = core::now_seconds();
+  budget.took(std::max(0.0, 1e3 * (drawn - begin) - context.round_trip_ms()));
+  if (!read_back) return done;
+  done = context.read_back_depth(culled.view, canvas);
+  readback_ms_ = 1e3 * (core::now_seconds() - drawn);
+  return done;
+}
+
+/// Testing occlusion takes a read-back a pass, and saves no more than drawing all that is pending takes. So where that
+/// is less, it is drawn untested.
 core::Expected<void> DrawInBudget::draw_passes(DrawContext& context, const DrawInput& input,
                                                const render::RenderTarget& canvas) {
   const Culled& culled = input.candidates;
   const core::ItemBounds& bounds = culled.snapshot.bounds();
   BudgetPasses& budget = context.image->budget;
-  const bool tests = context.may_test_occlusion();
+  const bool asked_for = context.config.culling.occlusion == OcclusionChoice::kOn;
   const culling::OcclusionTest test = context.occlusion_test(culled.view, bounds);
+  distances_known_ = false;
+  if (const int pixels = canvas.width() * canvas.height(); std::exchange(readback_pixels_, pixels) != pixels)
+    readback_ms_ = 0.0;  // not known
+  const double round_trip_ms = context.round_trip_ms();
   for (int passes = 0; !budget.complete(); ++passes) {
-    double left = 1e3 * (input.deadline - now_seconds());
+    double left = 1e3 * (input.deadline - core::now_seconds());
     if (budget.pending_ms() > left) left -= splats_ms_;
-    if (passes > 0 && left < kLeastPasses * budget.least_ms()) break;
-    if (!budget.next(tests ? &test : nullptr, bounds, kPassShare * left)) break;
-    const double begin = now_seconds();
-    context.coarsened = context.image->coarsened;
-    auto done = context.draw_more(culled.view, culled.snapshot, budget.pass(), canvas);
-    context.coarsened = 0.0;
-    if (!done) return done;
-    if (tests) {
-      if (auto read = context.read_back_depth(culled.view, canvas); !read) return read;
-    } else {
-      context.gl().Finish();
-    }
-    budget.took(1e3 * (now_seconds() - begin));
+    const bool tests = context.may_test_occlusion() && (asked_for || budget.most_pending_ms() > readback_ms_);
+    const double waits = round_trip_ms + (tests ? readback_ms_ : 0.0);
+    if (passes > 0 && left < kLeastPasses * waits) break;
+    const double least = passes == 0 ? kLeastShare * left : 0.0;
+    if (!budget.next(tests ? &test : nullptr, bounds, std::max(least, kPassShare * left - waits))) break;
+    if (auto done = draw_pass(context, culled, canvas, tests); !done) return done;
+    distances_known_ = tests;
   }
   return {};
 }
@@ -116,8 +136,7 @@ core::Expected<void> DrawInBudget::draw_splats(DrawContext& context, const Culle
   ImageState& image = *context.image;
   if (image.budget_counts.pending + image.budget_counts.below_min_area == 0) return {};
   image.budget.looked_at(culled.snapshot.size(), without_splats_);
-  const bool distances_known = context.may_test_occlusion() && image.budget.drawn() > 0;
-  const auto drawn = contribution_culling_.draw(context, culled, without_splats_, 0.0f, distances_known);
+  const auto drawn = contribution_culling_.draw(context, culled, without_splats_, 0.0f, distances_known_);
   if (!drawn) return tl::unexpected(drawn.error());
   image.budget_counts.splats = *drawn;
   return {};

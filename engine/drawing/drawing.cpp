@@ -4,9 +4,9 @@
 #include <array>
 #include <utility>
 
+#include "sightline/core/internal/clock.h"
 #include "sightline/engine/drawing/internal/left_out.h"
 #include "sightline/engine/drawing/internal/rehearsal.h"
-#include "sightline/engine/internal/clock.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/program_cache.h"
 #include "sightline/gl/internal/saved_state.h"

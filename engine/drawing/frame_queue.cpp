@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sightline/engine/internal/clock.h"
+#include "sightline/core/internal/clock.h"
 
 namespace sightline::engine {
 namespace {
@@ -18,9 +18,9 @@ FrameQueue::~FrameQueue() {
 }
 
 double FrameQueue::wait_for_room() {
-  const double begin = now_seconds();
+  const double begin = core::now_seconds();
   while (in_flight_.size() >= kFramesInFlight) wait_for_oldest();
-  return 1e3 * (now_seconds() - begin);
+  return 1e3 * (core::now_seconds() - begin);
 }
 
 void FrameQueue::wait_for_oldest() {
@@ -33,14 +33,14 @@ void FrameQueue::wait_for_oldest() {
   // A driver without memory makes no fence, or cannot wait for it.
   if (!ready && wait(kLongestFenceWait) == GL_WAIT_FAILED) gl_->Finish();
   gl_->DeleteSync(oldest.fence);
-  const double now = now_seconds();
+  const double now = core::now_seconds();
   drawn_.push_back({oldest.frame, ready ? 0.0 : 1e3 * (now - std::max(last_drawn_, oldest.submitted))});
   if (drawn_.size() > kMostDrawn) drawn_.pop_front();  // nobody takes them
   last_drawn_ = now;
 }
 
 void FrameQueue::submit(std::uint64_t frame) {
-  in_flight_.push_back({gl_->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frame, now_seconds()});
+  in_flight_.push_back({gl_->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frame, core::now_seconds()});
   gl_->Flush();
 }
 

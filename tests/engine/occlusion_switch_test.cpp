@@ -1,6 +1,7 @@
 // When the engine tests occlusion, from made-up costs.
 #include "sightline/engine/drawing/internal/occlusion_switch.h"
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -10,8 +11,8 @@
 namespace sightline::engine::occlusion_switch_test {
 namespace {
 
-/// What a part takes of what the frame would without the test, on the rasteriser that the switch was tuned with.
-constexpr double kPart = OcclusionSwitch::kTriedPart / 0.75;
+/// What a part takes of what the frame would without the test.
+constexpr double kPart = OcclusionSwitch::kTriedPart;
 
 /// Frames of both ways with noise, in views of which some take ten times as long as others; what they cost together.
 struct Flown {
@@ -110,6 +111,32 @@ TEST(OcclusionSwitch, FramesWithoutACostTellNothing) {
     choice.measured(1.0, 0.0);
     choice.measured(-1.0, -1.0);
   }
+}
+
+/// Frames of each way that a trial asks for, on a device where an item takes 1 us and a test so many milliseconds.
+std::array<int, 4> try_out(OcclusionTrial& trial, int frames, double items, double test_ms) {
+  std::array<int, 4> count{};
+  for (int i = 0; i < frames; ++i) {
+    const OcclusionTrial::Frame frame = trial.next(items);
+    ++count[std::size_t(frame)];
+    if (frame == OcclusionTrial::Frame::kTimedPlain) trial.plain_took(1e-3 * items);
+    if (frame == OcclusionTrial::Frame::kTimedTest) trial.test_took(test_ms);
+  }
+  return count;
+}
+
+/// A test that takes far longer than drawing costs one frame in hundreds, until there is enough to draw; one that may
+/// pay is left to the switch at once.
+TEST(OcclusionTrial, TriesWhereThereIsSomethingToGain) {
+  OcclusionTrial trial;
+  const auto [plain, timed_plain, timed_test, switched] = try_out(trial, 2000, 20'000, 100.0);
+  EXPECT_EQ(switched, 0);
+  EXPECT_LE(timed_plain, 4);
+  EXPECT_LE(timed_test, 4);
+  EXPECT_GE(plain, 1990);
+  EXPECT_EQ(try_out(trial, 10, 2'000'000, 100.0)[3], 10);
+  OcclusionTrial other;
+  EXPECT_GE(try_out(other, 100, 20'000, 30.0)[3], 95);
 }
 
 }  // namespace

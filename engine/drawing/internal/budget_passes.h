@@ -20,13 +20,12 @@ class DrawCosts {
   static int class_of(float area);
 
   double ms(int size_class) const { return ms_[std::size_t(size_class)]; }
-  double pass_ms() const { return pass_ms_; }
-  /// A pass of counts[c] items of each class has taken that long.
+  /// counts[c] items of each class have taken that long.
   void took(const std::array<std::uint32_t, kClasses>& counts, double ms);
 
  private:
   std::array<double, kClasses> ms_;
-  double pass_ms_ = 1.0;  // beside the items
+  std::array<bool, kClasses> measured_{};  // the other classes are only presumed
 };
 
 /// A frame's items in passes, the largest first. Items that the last frame found open come before others of up to
@@ -41,7 +40,7 @@ class BudgetPasses {
   /// Finds the next pass, worth `ms` of drawing or less. `test`: against the depth of all passes so far; null: nothing
   /// is tested. False when nothing is pending.
   bool next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms);
-  /// The pass has taken that long, beside finding it.
+  /// Drawing the pass has taken that long, beside finding it and waiting for the device.
   void took(double ms) { costs_.took(counts_, ms); }
   /// Remembers what of the drawn items is open. The threads share the test; null: this one alone.
   void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds,
@@ -57,8 +56,8 @@ class BudgetPasses {
   void looked_at(std::size_t slots, std::vector<std::uint64_t>& bits) const;
   /// What drawing the pending candidates may cost, if as many of them are hidden as of those before.
   double pending_ms() const;
-  /// What a pass costs at least.
-  double least_ms() const { return costs_.pass_ms(); }
+  /// What it costs if none is.
+  double most_pending_ms() const;
 
   /// Forgets the frame before. For a new scene version.
   void reset();

@@ -40,6 +40,7 @@ struct DrawContext {
   culling::CullThreads threads;       // for tests of large sets; none starts before the first of them
   std::optional<gl::ExternalTarget> external;
   std::optional<render::Compositor> compositor;  // created with the first external target
+  std::optional<double> measured_round_trip_ms;
 
   const gl::Functions& gl() const { return context.functions(); }
   bool software() const { return context.capabilities().software; }
@@ -47,6 +48,9 @@ struct DrawContext {
   /// As Renderer::hatching has it.
   glm::vec2 hatching() const { return {config.drawing.hatching.strength, config.drawing.hatching.spacing}; }
 
+  /// Time from the end of the device's work until the CPU knows of it, milliseconds: what any wait costs. Measured on
+  /// first use, by three waits for nothing.
+  double round_trip_ms();
   /// Pixels by which the rasteriser may move corners.
   float snap() const;
   culling::ImageSamples samples() const;

@@ -83,11 +83,16 @@ class DrawInBudget : public DrawStrategy {
  private:
   void begin(DrawContext& context, const Culled& culled, bool stays);
   core::Expected<void> draw_passes(DrawContext& context, const DrawInput& input, const render::RenderTarget& canvas);
+  core::Expected<void> draw_pass(DrawContext& context, const Culled& culled, const render::RenderTarget& canvas,
+                                 bool read_back);
   core::Expected<void> draw_splats(DrawContext& context, const Culled& culled);
 
   ContributionCulling& contribution_culling_;
   std::vector<std::uint64_t> without_splats_;  // a bit per slot
   double splats_ms_ = 0.0;                     // time that copying and splats of a frame take
+  double readback_ms_ = 0.0;                   // time that the last read-back of depth took, of an idle device
+  int readback_pixels_ = 0;                    // size of the image that it is known for
+  bool distances_known_ = false;               // those of the image are of all that is drawn
 };
 
 }  // namespace sightline::engine

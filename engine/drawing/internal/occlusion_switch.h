@@ -29,12 +29,13 @@ class OcclusionSwitch {
     class_ = class_of(area);
     return class_times_[class_].use();
   }
-  /// Tells what that frame has taken if it was kOnBesidePart, both from an idle start to the end of all work: the frame
-  /// with the test, and the part. Both must be positive, or the frame tells nothing.
+  /// Tells what that frame has taken if it was kOnBesidePart: with the test, from an idle start to the end of all work,
+  /// and what the part takes in a frame without it, beside which the frames before and after are under way. Both must
+  /// be positive, or the frame tells nothing.
   void measured(double on_ms, double part_ms) {
     if (!(on_ms > 0.0 && part_ms > 0.0)) return;
     ClassTimes& times = class_times_[class_];
-    if (!times.measured(on_ms, part_ms * kOverlap / kTriedPart)) return;
+    if (!times.measured(on_ms, part_ms / kTriedPart)) return;
     for (ClassTimes& other : class_times_) other.begin_with(times);
   }
 
@@ -84,9 +85,6 @@ class OcclusionSwitch {
   static constexpr int kLongest = 512;
   static constexpr double kBetter = 0.97;  // hysteresis: a way must be so much cheaper to be taken
   static constexpr double kClear = 1.5;    // times as expensive
-  // Frames without the test that follow one another overlap, and small draws have a fixed cost. So they take less than
-  // what a part that is waited for tells: 0.72 to 0.78 of it with 7,000 to a million items on llvmpipe.
-  static constexpr double kOverlap = 0.75;
 
   std::array<ClassTimes, kClasses> class_times_;
   std::size_t class_ = 0;  // of the next frame
@@ -107,5 +105,35 @@ inline bool OcclusionSwitch::ClassTimes::measured(double on_ms, double off_ms) {
   on_ = off_ = 0.0;
   return true;
 }
+
+/// Whether a GPU may gain by the test at all. Read-backs between passes take it some milliseconds, or a fraction of
+/// one, and the test's own work takes what it takes, whatever the number of items. So one frame without the test and
+/// one with it are timed. The test is left to OcclusionSwitch where drawing all takes, by the number of items, at least
+/// half of the time of that tested frame, which has nothing to begin with and is slower than the next ones. Elsewhere
+/// both are timed again now and then. Pure logic, without a clock.
+class OcclusionTrial {
+ public:
+  enum class Frame { kPlain, kTimedPlain, kTimedTest, kSwitch };
+
+  /// The way of the next frame of so many items.
+  Frame next(double items) {
+    if (untimed_ > 0) return --untimed_, Frame::kPlain;
+    if (plain_ms_ == 0.0) return items_ = items, Frame::kTimedPlain;
+    if (tested_ms_ == 0.0) return Frame::kTimedTest;
+    if (plain_ms_ * items >= kLeast * tested_ms_ * items_) return Frame::kSwitch;
+    if (++plain_frames_ < kInterval) return Frame::kPlain;
+    *this = {};
+    return Frame::kPlain;
+  }
+  void plain_took(double ms) { plain_ms_ = ms; }
+  void test_took(double ms) { tested_ms_ = ms; }
+
+ private:
+  static constexpr double kLeast = 0.5;
+  static constexpr int kFirst = 2, kInterval = 512;  // frames
+
+  double plain_ms_ = 0.0, tested_ms_ = 0.0, items_ = 0.0;  // 0: not known. items_: those of plain_ms_
+  int plain_frames_ = 0, untimed_ = kFirst;                // the first frames compile and upload
+};
 
 }  // namespace sightline::engine

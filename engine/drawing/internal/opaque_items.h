@@ -16,6 +16,7 @@ class OpaqueItems : public DrawStrategy {
  private:
   OcclusionMode occlusion_mode(const DrawContext& context, const Culled& candidates, std::int64_t count);
   DrawStrategy& tested_strategy(const DrawInput& input);
+  core::Expected<DrawCounts> draw_timed(DrawContext& context, const DrawInput& input, DrawStrategy& strategy);
   core::Expected<DrawCounts> draw_and_measure(DrawContext& context, const DrawInput& input);
 
   ContributionCulling contribution_culling_;
@@ -23,6 +24,8 @@ class OpaqueItems : public DrawStrategy {
   DrawInPasses in_passes_;
   OcclusionPrepass prepass_;
   DrawInBudget in_budget_{contribution_culling_};
+  OcclusionTrial occlusion_trial_;
+  OcclusionTrial::Frame trial_ = OcclusionTrial::Frame::kSwitch;  // of the frame
   OcclusionSwitch occlusion_switch_;
   core::Slot measured_part_ = 0;  // of the frame that measured last
   core::VisibleSet sampled_;
