@@ -8,10 +8,11 @@
 namespace sightline::engine {
 namespace {
 
-constexpr int kLeastExponent = -8;                // of the area of the smallest class
-constexpr int kUnoccludedFirst = 4;               // classes by which items that were not occluded come earlier
-constexpr std::size_t kTestedPiece = 2048;        // slots tested at a time
-constexpr std::size_t kFewest = 64;               // of a pass, hidden ones included
+constexpr int kLeastExponent = -8;          // of the area of the smallest class
+constexpr int kUnoccludedFirst = 4;         // classes by which items that were not occluded come earlier
+constexpr std::size_t kTestedPiece = 2048;  // slots tested at a time
+constexpr std::size_t kFewest = 64;         // of a pass, hidden ones included
+constexpr double kSteady = 0.25;            // of a pass's own cost, which hardly changes; else estimates oscillate
 constexpr double kGainUp = 1.0, kGainDown = 0.5;  // of an error: time that was too short does more harm
 constexpr double kLeastMs = 1e-5;                 // of an item
 constexpr double kGreatestChange = 4.0;           // of an estimate, by one pass
@@ -35,18 +36,19 @@ DrawCosts::DrawCosts() {
 /// same pass would be expected to take as long as it took, or half of the way to that. A class that no pass has had
 /// follows the others: the device is as much faster or slower for it.
 void DrawCosts::took(const std::array<std::uint32_t, kClasses>& counts, double ms) {
-  double expected = 0.0, squares = 0.0;
+  double expected = pass_ms_;
   for (std::size_t c = 0; c < std::size_t(kClasses); ++c) expected += counts[c] * ms_[c];
-  if (expected <= 0.0) return;
   const double ratio = std::clamp(ms / expected, 1.0 / kGreatestChange, kGreatestChange);
-  const double gain = ratio > 1.0 ? kGainUp : kGainDown;
+  const double gain = ratio > 1.0 ? kGainUp : kGainDown, of_pass = kSteady * pass_ms_ / expected;
   const auto share = [&](std::size_t c) { return counts[c] * ms_[c] / expected; };
+  double squares = of_pass * pass_ms_ / expected;
   for (std::size_t c = 0; c < std::size_t(kClasses); ++c) squares += share(c) * share(c);
   for (std::size_t c = 0; c < std::size_t(kClasses); ++c) {
     measured_[c] = measured_[c] || counts[c] > 0;
     ms_[c] *= std::pow(ratio, gain * (measured_[c] ? share(c) / squares : 1.0));
     ms_[c] = std::max(ms_[c], kLeastMs);
   }
+  pass_ms_ *= std::pow(ratio, gain * of_pass / squares);
 }
 
 void BudgetPasses::begin(const culling::ContributionTest& measure, const core::ItemBounds& bounds,
@@ -76,7 +78,7 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
 bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms) {
   pass_.single_slots.clear();
   counts_.fill(0);
-  double left = ms;
+  double left = ms - costs_.pass_ms();
   while (at_ < order_.size()) {
     const std::size_t end = affordable(left);
     if (end == at_) break;

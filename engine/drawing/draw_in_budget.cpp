@@ -8,7 +8,7 @@ namespace sightline::engine {
 namespace {
 
 constexpr double kPassShare = 0.5;      // of the time left, for the next pass: it may take longer than expected
-constexpr double kLeastPasses = 2.0;    // as many waits for a pass must the time left suffice for
+constexpr double kLeastPasses = 2.0;    // passes for which the time left must suffice
 constexpr double kLeastShare = 0.1;     // of the time, for the first pass at least, though waits alone exceed it
 constexpr double kSlower = 0.92;        // the estimate of splats_ms_ falls by at most this factor a frame
 constexpr double kMostCoarsened = 2.0;  // pixels: beyond that, leaving out items costs less error for the same time
@@ -86,7 +86,8 @@ void DrawInBudget::begin(DrawContext& context, const Culled& culled, bool stays)
   image.budget_view = culled.view;
 }
 
-/// Draws a pass and learns what it takes. `read_back`: later passes are tested against its depth.
+/// Draws a pass and learns what it takes. `read_back`: later passes are tested against its depth. A software rasteriser
+/// waits for nothing: there the read-back, a copy, is a part of what the pass takes.
 core::Expected<void> DrawInBudget::draw_pass(DrawContext& context, const Culled& culled,
                                              const render::RenderTarget& canvas, bool read_back) {
   BudgetPasses& budget = context.image->budget;
@@ -97,33 +98,37 @@ core::Expected<void> DrawInBudget::draw_pass(DrawContext& context, const Culled&
   if (!done) return done;
   context.gl().Finish();
   const double drawn = core::now_seconds();
+  if (read_back) done = context.read_back_depth(culled.view, canvas);
+  const double end = core::now_seconds();
+  if (context.software()) {
+    budget.took(1e3 * (end - begin));
+    return done;
+  }
+  if (read_back) readback_ms_ = 1e3 * (end - drawn);
   budget.took(std::max(0.0, 1e3 * (drawn - begin) - context.round_trip_ms()));
-  if (!read_back) return done;
-  done = context.read_back_depth(culled.view, canvas);
-  readback_ms_ = 1e3 * (core::now_seconds() - drawn);
   return done;
 }
 
 /// Testing occlusion takes a read-back a pass, and saves no more than drawing all that is pending takes. So where that
-/// is less, it is drawn untested.
+/// is less, it is drawn untested. On a software rasteriser a read-back is a copy.
 core::Expected<void> DrawInBudget::draw_passes(DrawContext& context, const DrawInput& input,
                                                const render::RenderTarget& canvas) {
   const Culled& culled = input.candidates;
   const core::ItemBounds& bounds = culled.snapshot.bounds();
   BudgetPasses& budget = context.image->budget;
-  const bool asked_for = context.config.culling.occlusion == OcclusionChoice::kOn;
+  const bool always = context.software() || context.config.culling.occlusion == OcclusionChoice::kOn;
   const culling::OcclusionTest test = context.occlusion_test(culled.view, bounds);
   distances_known_ = false;
   if (const int pixels = canvas.width() * canvas.height(); std::exchange(readback_pixels_, pixels) != pixels)
     readback_ms_ = 0.0;  // not known
-  const double round_trip_ms = context.round_trip_ms();
+  const double round_trip_ms = context.software() ? 0.0 : context.round_trip_ms();
   for (int passes = 0; !budget.complete(); ++passes) {
     double left = 1e3 * (input.deadline - core::now_seconds());
     if (budget.pending_ms() > left) left -= splats_ms_;
-    const bool tests = context.may_test_occlusion() && (asked_for || budget.most_pending_ms() > readback_ms_);
+    const bool tests = context.may_test_occlusion() && (always || budget.most_pending_ms() > readback_ms_);
     const double waits = round_trip_ms + (tests ? readback_ms_ : 0.0);
-    if (passes > 0 && left < kLeastPasses * waits) break;
-    const double least = passes == 0 ? kLeastShare * left : 0.0;
+    if (passes > 0 && left < kLeastPasses * (budget.least_ms() + waits)) break;
+    const double least = passes == 0 && waits > 0.0 ? kLeastShare * left : 0.0;
     if (!budget.next(tests ? &test : nullptr, bounds, std::max(least, kPassShare * left - waits))) break;
     if (auto done = draw_pass(context, culled, canvas, tests); !done) return done;
     distances_known_ = tests;

@@ -20,12 +20,14 @@ class DrawCosts {
   static int class_of(float area);
 
   double ms(int size_class) const { return ms_[std::size_t(size_class)]; }
-  /// counts[c] items of each class have taken that long.
+  double pass_ms() const { return pass_ms_; }
+  /// A pass of counts[c] items of each class has taken that long.
   void took(const std::array<std::uint32_t, kClasses>& counts, double ms);
 
  private:
   std::array<double, kClasses> ms_;
   std::array<bool, kClasses> measured_{};  // the other classes are only presumed
+  double pass_ms_ = 1.0;                   // beside the items
 };
 
 /// A frame's items in passes, the largest first. Items that the last frame found open come before others of up to
@@ -40,7 +42,7 @@ class BudgetPasses {
   /// Finds the next pass, worth `ms` of drawing or less. `test`: against the depth of all passes so far; null: nothing
   /// is tested. False when nothing is pending.
   bool next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms);
-  /// Drawing the pass has taken that long, beside finding it and waiting for the device.
+  /// The pass has taken that long, beside finding it and waiting for a GPU.
   void took(double ms) { costs_.took(counts_, ms); }
   /// Remembers what of the drawn items is open. The threads share the test; null: this one alone.
   void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds,
@@ -58,6 +60,8 @@ class BudgetPasses {
   double pending_ms() const;
   /// What it costs if none is.
   double most_pending_ms() const;
+  /// What a pass costs at least.
+  double least_ms() const { return costs_.pass_ms(); }
 
   /// Forgets the frame before. For a new scene version.
   void reset();
