@@ -153,8 +153,10 @@ struct LossConfig {
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
   /// what the time does not suffice for is left out (FrameReport::pending), or a splat each: contribution_mode. While
   /// view and scene stay the same, each frame draws more of it, until the image is complete; then frames draw
-  /// nothing. The CPU must cull, as above. Every frame is waited for. With lod_error, moving images first get coarser
-  /// levels of detail, up to 2 pixels, before more is left out.
+  /// nothing. Such a frame draws for at least four times as long as it takes beside that (reading depth back, copying),
+  /// however small the budget is: else large images would hardly go on. Depth shading waits until the image is
+  /// complete, and until the view stays once it was incomplete. The CPU must cull, as above. Every frame is waited for.
+  /// With lod_error, moving images first get coarser levels of detail, up to 2 pixels, before more is left out.
   double budget_ms = 0.0;
   /// Draw meshes by coarser levels of detail (lod/mesh_levels.h), whose surface lies within so many pixels of the
   /// original one in the image; 0: by their own triangles. Levels are built in the background; until a mesh's are ready

@@ -49,6 +49,8 @@ void Viewer::compare(const std::string& file) {
     return core::Expected<void>();
   };
   drop_loading();
+  opening_ = {};
+  landing_calls_ = 0;
   loader_ = std::make_unique<Loader>(older, &Window::wake, work);
   found_ = std::move(found);
   shown.compare = false;

@@ -26,6 +26,7 @@ class Loader {
 
   const ModelOptions& options() const { return options_; }
   double progress() const { return progress_; }  ///< 0 to 1
+  bool reading() const { return reading_; }      ///< else it works on what was read, or is done
   void cancel() { cancelled_ = true; }
   bool cancelled() const { return cancelled_; }
   /// The model, committed, once it is ready.
@@ -37,7 +38,7 @@ class Loader {
 
   ModelOptions options_;
   std::atomic<double> progress_ = 0.0;
-  std::atomic<bool> cancelled_ = false, done_ = false;
+  std::atomic<bool> reading_ = true, cancelled_ = false, done_ = false;
   std::optional<core::Expected<Model>> result_;  // written before done_
   std::jthread thread_;                          // last: it uses the others
 };

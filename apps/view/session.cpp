@@ -44,7 +44,12 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
     (void)engine_.configure(config);  // it cannot while the GPU must cull: then the first image is drawn at once
   }
   if (auto done = resize(size); !done) return tl::unexpected(done.error());
-  if (!engine_.drawing()) return engine_.use_context(context, kPortion).map([](bool) { return false; });
+  uploaded_ = engine_.drawing();
+  if (!uploaded_)
+    return engine_.use_context(context, kPortion).map([this](bool done) {
+      uploaded_ = done;
+      return false;
+    });
   camera_ = Camera(bounds_.bounds, kFovy, aspect());
   if (const auto drawn = draw(); !drawn) return engine_.drawing() ? drawn : core::Expected<bool>(false);
   if (report_.pending > 0) return false;

@@ -41,6 +41,8 @@ class Session {
   /// portions of about kPortion: to be called, with other work in between, until it returns true. Begins anew after a
   /// loss of the context.
   core::Expected<bool> begin(gl::Context& context, const std::array<int, 2>& size);
+  /// Whether begin() has uploaded all of the model, and draws now or has drawn.
+  bool uploaded() const { return uploaded_; }
   /// Draws in that context from now on, which is current; a former one is lost. All else stays.
   core::Expected<void> use_context(gl::Context& context);
   Document& document() { return document_; }
@@ -165,6 +167,7 @@ class Session {
   core::FittedBounds bounds_;
   std::array<int, 2> size_;
   bool coarse_ = false;
+  bool uploaded_ = false;
   std::optional<double> budget_ms_;  // while begin() draws with another one
   double motion_error_ = 0.0;
   Camera camera_;

@@ -29,10 +29,12 @@ constexpr core::vec3 kCulledColour{0.85f, 0.1f, 0.55f};
 constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
 constexpr engine::DepthShading kDepthShading{0.6f, 0.4f};
 constexpr engine::Hatching kHatching{0.6f, 6.0f};
-constexpr double kMotionError = 0.5;                           // pixels
-constexpr double kLongestStep = 0.25;                          // seconds: a hitch must not make the camera jump
-constexpr double kExportSlice = 0.05;                          // seconds between images of the window
-constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
+constexpr double kMotionError = 0.5;                     // pixels
+constexpr double kLongestStep = 0.25;                    // seconds: a hitch must not make the camera jump
+constexpr double kExportSlice = 0.05;                    // seconds between images of the window
+constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;  // seconds
+constexpr double kBetweenFrames =
+    3.0;  // times as long as a frame took: frames of a large window must not delay opening
 constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
 
 }  // namespace
@@ -94,6 +96,7 @@ core::Expected<int> Viewer::run() {
     }
     if (!busy && !gui_.has_events()) continue;  // nothing to draw
     if (auto done = land(); !done) return tl::unexpected(done.error());
+    if (landing_ && !gui_.has_events() && glfwGetTime() < next_frame_) continue;
     if (auto done = step_export(); !done && !lost()) return tl::unexpected(done.error());
     if (settled() && next_step_ < script_.size())
       if (auto done = step_script(); !done) return tl::unexpected(done.error());
@@ -114,7 +117,7 @@ core::Expected<int> Viewer::run() {
 /// Seconds to wait for events before the loop goes on without.
 double Viewer::patience() const {
   if (landing_ || (preview_ && preview_->drawing())) return 0.0;
-  if (loader_) return kLoadingWait;
+  if (loader_) return std::max(kLoadingWait, kBetweenFrames * frame_seconds_);
   if (!at_rest() || refining() || player_.playing() || next_step_ < script_.size()) return 0.0;
   return waits_for_picks() ? kLoadingWait : kIdleWait;
 }
@@ -254,6 +257,7 @@ core::Expected<void> Viewer::frame(double seconds) {
   window_.present();
   const double now = glfwGetTime();
   frame_seconds_ = now - began;
+  next_frame_ = now + kBetweenFrames * frame_seconds_;
   if (asked_at_ > 0.0) response_ms_ = 1e3 * (now - std::exchange(asked_at_, 0.0));
   if (!gui_.has_events()) asked_at_ = -1.0;
   redraws_ = std::max(0, redraws_ - 1);

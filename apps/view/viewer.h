@@ -14,6 +14,7 @@
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/loader.h"
 #include "sightline/apps/view/motion_resolution.h"
+#include "sightline/apps/view/opening_steps.h"
 #include "sightline/apps/view/path_player.h"
 #include "sightline/apps/view/preview.h"
 #include "sightline/apps/view/script.h"
@@ -55,6 +56,7 @@ class Viewer {
   // What commands and panels use. A message is shown in the status bar.
   Session* session() { return session_.get(); }  ///< null while no model is open
   const Loader* loader() const { return loader_.get(); }
+  const OpeningSteps& opening() const { return opening_; }
   const Preview* preview() const { return preview_.get(); }  ///< of the model that is being read, if no other is open
   Gui& gui() { return gui_; }
   ViewList& views() { return views_; }  ///< stays when another model is opened
@@ -144,6 +146,7 @@ class Viewer {
   core::Expected<void> recover();
   core::Expected<void> land();
   core::Expected<void> landed();
+  OpeningStep opening_step() const;
   void drop_loading();
   core::Expected<void> not_landed(const core::Error& error);
   void land_comparison(core::Expected<Model> before, const std::string& file);
@@ -196,8 +199,10 @@ class Viewer {
   std::unique_ptr<Session> session_, opened_;   // the second by the loader, until it has landed
   std::shared_ptr<compare::Comparison> found_;  // with what is read now; null where a model is read
   std::unique_ptr<Loader> loader_;              // its thread uses those before
-  bool landing_ = false;                        // it is done, and opened_ is brought into the window's context
-  std::unique_ptr<Export> export_;              // with the session's engine
+  OpeningSteps opening_;
+  int landing_calls_ = 0;           // calls of Session::begin()
+  bool landing_ = false;            // it is done, and opened_ is brought into the window's context
+  std::unique_ptr<Export> export_;  // with the session's engine
   bool export_cancelled_ = false;
   ViewList views_;
   std::vector<std::string> files_;
@@ -229,6 +234,7 @@ class Viewer {
   MotionResolution motion_;
   std::optional<core::View> shown_view_;  // of the last frame
   double frame_seconds_ = 0.0;            // that it took
+  double next_frame_ = 0.0;               // while a model lands: when the window is drawn again, unless events come
   double asked_at_ = -1.0;                // when the first of the events came that wait; 0: answered; below 0: none
   double response_ms_ = 0.0;              // from then until the end of the frame that answered it
   double pause_ms_ = 0.0;                 // the longest time that events have waited for the loop

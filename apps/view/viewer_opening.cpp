@@ -4,6 +4,9 @@
 #include <numeric>
 #include <utility>
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/viewer.h"
@@ -52,11 +55,14 @@ void Viewer::open(const std::vector<std::string>& files) {
   };
   loader_ = std::make_unique<Loader>(model, &Window::wake, make_session);
   found_.reset();
+  opening_ = {};
+  landing_calls_ = 0;
   shown.open = false;
   tell("reading " + name_of_files(files));
 }
 
 void Viewer::drop_loading() {
+  opening_.enter(OpeningStep::kNone, glfwGetTime());
   loader_.reset();  // first: its thread uses preview and model
   opened_.reset();
   landing_ = false;
@@ -70,12 +76,13 @@ void Viewer::cancel_loading() {
 /// stays where the file cannot be read.
 core::Expected<void> Viewer::land() {
   if (!loader_ || export_) return {};
+  if (const OpeningStep step = opening_step(); step != opening_.step()) opening_.enter(step, glfwGetTime());
   if (!landing_) {
     auto model = loader_->take();
     if (!model) return {};
     if (found_) {
       const std::string file = loader_->options().files.front();
-      loader_.reset();
+      drop_loading();
       redraws_ = kSettlingFrames;
       return land_comparison(std::move(*model), file), core::Expected<void>();
     }
@@ -84,9 +91,15 @@ core::Expected<void> Viewer::land() {
   }
   if (loader_->cancelled()) return not_landed({std::string(importers::kCancelled)});
   part_ = viewport();
+  ++landing_calls_;
   const auto done = opened_->begin(window_.context(), {part_.width, part_.height});
   if (!done) return lost() ? core::Expected<void>() : not_landed(done.error());
   return *done ? landed() : core::Expected<void>();
+}
+
+OpeningStep Viewer::opening_step() const {
+  if (landing_) return opened_->uploaded() ? OpeningStep::kDrawing : OpeningStep::kUploading;
+  return loader_->reading() ? OpeningStep::kReading : OpeningStep::kBuilding;
 }
 
 core::Expected<void> Viewer::not_landed(const core::Error& error) {
@@ -106,6 +119,7 @@ core::Expected<void> Viewer::landed() {
   const bool recognised = loader_->options().import.recognise;
   loader_.reset();
   preview_.reset();
+  opening_.enter(OpeningStep::kNone, glfwGetTime());
   recognised_ = recognised;
   landing_ = false;
   redraws_ = kSettlingFrames;

@@ -56,6 +56,15 @@ Json sections_json(const Sections& sections) {
   return json;
 }
 
+/// Milliseconds of each step in which the last model was opened or compared, and in how many portions it was brought
+/// into the window.
+Json opening_json(const OpeningSteps& opening, int portions) {
+  Json json{{"step", opening.name()}, {"portions", portions}};
+  for (std::size_t i = 1; i < kOpeningStepNames.size(); ++i)
+    json[std::string(kOpeningStepNames[i]) + "_ms"] = 1e3 * opening.seconds(OpeningStep(i));
+  return json;
+}
+
 Json views_json(const ViewList& views) {
   Json json{{"count", views.size()}, {"current", views.current_index() + 1}};
   if (const Viewpoint* view = views.current())
@@ -155,6 +164,7 @@ Json Viewer::state() const {
             {"image", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
             {"pause_ms", pause_ms_},
+            {"opening", opening_json(opening_, landing_calls_)},
             {"recording", recording()},
             {"playing", player_.playing()},
             {"recovered", recovered_},

@@ -1,3 +1,4 @@
+#include <cfloat>
 #include <string>
 #include <vector>
 
@@ -109,7 +110,9 @@ void loading_window(Viewer& viewer) {
   begin_centred("Reading", nullptr, 30.0f, seen > 0 ? 0.85f : 0.5f);
   ImGui::TextWrapped("%s", viewer.message().c_str());
   if (seen > 0) ImGui::TextWrapped("Shown: the largest %s items so far", grouped(std::int64_t(seen)).c_str());
-  ImGui::ProgressBar(float(viewer.loader()->progress()));
+  const double progress = viewer.loader()->progress();
+  const std::string step = std::string(viewer.opening().name()) + ", " + std::to_string(int(100.0 * progress)) + " %";
+  ImGui::ProgressBar(float(progress), {-FLT_MIN, 0.0f}, step.c_str());
   if (ImGui::Button("Cancel")) viewer.cancel_loading();
   ImGui::End();
 }

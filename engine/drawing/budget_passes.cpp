@@ -79,12 +79,14 @@ bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBoun
   pass_.single_slots.clear();
   counts_.fill(0);
   double left = ms - costs_.pass_ms();
+  const std::size_t begin = at_;
   while (at_ < order_.size()) {
     const std::size_t end = affordable(left);
     if (end == at_) break;
     left -= take(end, test, bounds);
   }
-  while (pass_.single_slots.empty() && at_ < order_.size())  // a frame must come on, however short the time
+  // A frame must come on, however short the time.
+  while ((pass_.single_slots.empty() || at_ < begin + kFewest) && at_ < order_.size())
     take(std::min(order_.size(), at_ + kFewest), test, bounds);
   std::sort(pass_.single_slots.begin(), pass_.single_slots.end());
   drawn_.single_slots.insert(drawn_.single_slots.end(), pass_.single_slots.begin(), pass_.single_slots.end());

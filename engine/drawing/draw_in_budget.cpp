@@ -13,6 +13,7 @@ constexpr double kLeastShare = 0.1;     // of the time, for the first pass at le
 constexpr double kSlower = 0.92;        // the estimate of splats_ms_ falls by at most this factor a frame
 constexpr double kMostCoarsened = 2.0;  // pixels: beyond that, leaving out items costs less error for the same time
 constexpr double kCoarser = 1.5, kFiner = 0.9;  // by these factors a frame: steps of detail should not be seen
+constexpr double kStillShare = 4.0;             // times a still frame's overhead: the least time for its items
 constexpr float kUnmeasured = 0.125f;  // of the area that the last frame came to: smaller items are not measured
 
 /// Before a moving image leaves out items, levels of detail get coarser where they are asked for: the pixels within
@@ -27,12 +28,13 @@ double next_coarsened(const ImageState& image, double asked_for, bool sufficed) 
 }  // namespace
 
 core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawInput& input) {
+  const double began = core::now_seconds();
   const Culled& culled = input.candidates;
   ImageState& image = *context.image;
   const bool stays = image.budget_view && core::same_image(*image.budget_view, culled.view);
   const bool goes_on = stays && image.refines;
   const bool splats = context.config.losses.contribution_mode != ContributionMode::kDrop;
-  const bool beside = stays && (splats || input.postprocessed);
+  const bool beside = stays && (splats || input.overlaid);
   DrawCounts& counts = image.budget_counts;
   if (goes_on && image.budget.complete()) {
     image.unchanged = true;
@@ -48,9 +50,14 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
   const render::RenderTarget& canvas = beside ? *image.refined : image.target;
   if (!goes_on) {
     begin(context, culled, stays);
+    image.beside = beside;
     context.clear(canvas);
   }
-  if (auto done = draw_passes(context, input, canvas); !done) return tl::unexpected(done.error());
+  // Reading the depth of a large image back may take longer than the budget. A still image would then hardly go on.
+  const double deadline =
+      stays ? std::max(input.deadline, began + 1e-3 * kStillShare * image.overhead_ms) : input.deadline;
+  const auto drawn_ms = draw_passes(context, culled, canvas, deadline);
+  if (!drawn_ms) return tl::unexpected(drawn_ms.error());
   if (context.may_test_occlusion() && !goes_on)
     image.budget.remember(context.occlusion_test(culled.view, culled.snapshot.bounds()), culled.snapshot.bounds(),
                           &context.threads);
@@ -61,11 +68,13 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
   image.coarsened = stays ? 0.0 : next_coarsened(image, context.config.losses.lod_error, sufficed);
   const double begin = core::now_seconds();
   if (beside) image.refined->copy_to(image.target);
-  if (!splats) return counts;
-  auto done = draw_splats(context, culled);
-  context.gl().Finish();
-  splats_ms_ = std::max(1e3 * (core::now_seconds() - begin), kSlower * splats_ms_);
-  if (!done) return tl::unexpected(done.error());
+  if (splats) {
+    auto done = draw_splats(context, culled);
+    context.gl().Finish();
+    splats_ms_ = std::max(1e3 * (core::now_seconds() - begin), kSlower * splats_ms_);
+    if (!done) return tl::unexpected(done.error());
+  }
+  image.overhead_ms = 1e3 * (core::now_seconds() - began) - *drawn_ms;
   return counts;
 }
 
@@ -86,34 +95,31 @@ void DrawInBudget::begin(DrawContext& context, const Culled& culled, bool stays)
   image.budget_view = culled.view;
 }
 
-/// Draws a pass and learns what it takes. `read_back`: later passes are tested against its depth. A software rasteriser
-/// waits for nothing: there the read-back, a copy, is a part of what the pass takes.
-core::Expected<void> DrawInBudget::draw_pass(DrawContext& context, const Culled& culled,
-                                             const render::RenderTarget& canvas, bool read_back) {
+/// Draws a pass and learns what it takes, which it returns in milliseconds. `read_back`: later passes are tested against
+/// its depth; the time for that is learnt apart, since it is the same whatever is drawn.
+core::Expected<double> DrawInBudget::draw_pass(DrawContext& context, const Culled& culled,
+                                               const render::RenderTarget& canvas, bool read_back) {
   BudgetPasses& budget = context.image->budget;
   const double begin = core::now_seconds();
   context.coarsened = context.image->coarsened;
   auto done = context.draw_more(culled.view, culled.snapshot, budget.pass(), canvas);
   context.coarsened = 0.0;
-  if (!done) return done;
+  if (!done) return tl::unexpected(done.error());
   context.gl().Finish();
-  const double drawn = core::now_seconds();
-  if (read_back) done = context.read_back_depth(culled.view, canvas);
-  const double end = core::now_seconds();
-  if (context.software()) {
-    budget.took(1e3 * (end - begin));
-    return done;
-  }
-  if (read_back) readback_ms_ = 1e3 * (end - drawn);
-  budget.took(std::max(0.0, 1e3 * (drawn - begin) - context.round_trip_ms()));
-  return done;
+  const double drawn = core::now_seconds(), ms = 1e3 * (drawn - begin);
+  if (read_back)
+    if (done = context.read_back_depth(culled.view, canvas); !done) return tl::unexpected(done.error());
+  if (read_back) readback_ms_ = 1e3 * (core::now_seconds() - drawn);
+  budget.took(std::max(0.0, ms - (context.software() ? 0.0 : context.round_trip_ms())));
+  return ms;
 }
 
 /// Testing occlusion takes a read-back a pass, and saves no more than drawing all that is pending takes. So where that
-/// is less, it is drawn untested. On a software rasteriser a read-back is a copy.
-core::Expected<void> DrawInBudget::draw_passes(DrawContext& context, const DrawInput& input,
-                                               const render::RenderTarget& canvas) {
-  const Culled& culled = input.candidates;
+/// is less, it is drawn untested. On a software rasteriser a read-back is a copy. Returns the milliseconds that drawing
+/// alone took.
+core::Expected<double> DrawInBudget::draw_passes(DrawContext& context, const Culled& culled,
+                                                 const render::RenderTarget& canvas, double deadline) {
+  double drawn_ms = 0.0;
   const core::ItemBounds& bounds = culled.snapshot.bounds();
   BudgetPasses& budget = context.image->budget;
   const bool always = context.software() || context.config.culling.occlusion == OcclusionChoice::kOn;
@@ -123,17 +129,19 @@ core::Expected<void> DrawInBudget::draw_passes(DrawContext& context, const DrawI
     readback_ms_ = 0.0;  // not known
   const double round_trip_ms = context.software() ? 0.0 : context.round_trip_ms();
   for (int passes = 0; !budget.complete(); ++passes) {
-    double left = 1e3 * (input.deadline - core::now_seconds());
+    double left = 1e3 * (deadline - core::now_seconds());
     if (budget.pending_ms() > left) left -= splats_ms_;
     const bool tests = context.may_test_occlusion() && (always || budget.most_pending_ms() > readback_ms_);
     const double waits = round_trip_ms + (tests ? readback_ms_ : 0.0);
     if (passes > 0 && left < kLeastPasses * (budget.least_ms() + waits)) break;
     const double least = passes == 0 && waits > 0.0 ? kLeastShare * left : 0.0;
-    if (!budget.next(tests ? &test : nullptr, bounds, std::max(least, kPassShare * left - waits))) break;
-    if (auto done = draw_pass(context, culled, canvas, tests); !done) return done;
+    if (!budget.next(tests ? &test : nullptr, bounds, std::max(least, kPassShare * (left - waits)))) break;
+    const auto ms = draw_pass(context, culled, canvas, tests);
+    if (!ms) return ms;
+    drawn_ms += *ms;
     distances_known_ = tests;
   }
-  return {};
+  return drawn_ms;
 }
 
 /// Draws a splat for each item that is small or pending.

@@ -15,6 +15,7 @@ namespace sightline::engine {
 namespace {
 
 constexpr double kLevelsSeconds = 0.004;  // of a frame, to upload levels of detail
+constexpr int kWarmUpSize = 64;           // pixels a side, of images that are drawn to make the driver compile
 constexpr double kBudgetShare = 0.93;     // of a frame's budget, to draw in
 
 struct KeptCurrentContext : KeptState {
@@ -200,8 +201,16 @@ core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
 
 core::Expected<bool> Drawing::warm_up(const core::Snapshot& snapshot, core::Deadline deadline) {
   const std::vector<gpuscene::Batch>& batches = context_.scene->batches();
-  while (context_.renderer && warmed_up_ < batches.size()) {
-    if (auto done = draw_one(snapshot, batches[warmed_up_++]); !done) return tl::unexpected(done.error());
+  if (context_.renderer && warmed_up_ < batches.size()) {
+    // Drivers compile for the format of an image, whatever its size.
+    auto small = make_target(kWarmUpSize, kWarmUpSize);
+    if (!small) return tl::unexpected(small.error());
+    std::swap(context_.image->target, *small);
+    core::Expected<void> done;
+    do done = draw_one(snapshot, batches[warmed_up_++]);
+    while (done && warmed_up_ < batches.size() && !core::over(deadline));
+    std::swap(context_.image->target, *small);
+    if (!done) return tl::unexpected(done.error());
     if (core::over(deadline)) return false;
   }
   const EngineConfig& config = context_.config;
@@ -378,7 +387,7 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
 
 DrawInput Drawing::input_of(const DrawRequest& request, const Culled& candidates, bool all_visible) const {
   const double deadline = request.budget_began + kBudgetShare * 1e-3 * context_.config.losses.budget_ms;
-  return {candidates, deadline, all_visible, overlays_.change_image(context_)};
+  return {candidates, deadline, all_visible, overlays_.any(context_)};
 }
 
 /// `aside`: the view is not the one that was culled for.

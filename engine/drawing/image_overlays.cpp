@@ -88,14 +88,26 @@ core::Expected<void> ImageOverlays::finish(DrawContext& context, const Culled& c
   const bool finished = image.unchanged && !context.external;
   if (!finished) image.meshes_over = {};
   if (finished || !change_image(context)) return {};
-  if (image.unchanged) image.refined->copy_to(image.target);
-  if (auto done = draw_depth_shading(context, culled.view); !done || !any(context)) return done;
+  if (image.unchanged && image.beside) image.refined->copy_to(image.target);
+  if (shades(context, counts))
+    if (auto done = draw_depth_shading(context, culled.view); !done) return done;
+  if (!any(context)) return {};
   if (context.external) {
     if (auto done = context.compose(); !done) return done;
     image.composed = true;
   }
   if (auto done = draw_translucent(context, culled.with(over_), range, counts); !done) return done;
   return draw_outline(context, culled);
+}
+
+/// With a budget, depth shading waits until the image is complete: it takes time in proportion to the image, and more
+/// items could not be drawn to a shaded image. Moving images that were once incomplete have none until they are still,
+/// so that it does not flicker.
+bool ImageOverlays::shades(const DrawContext& context, const DrawCounts& counts) const {
+  if (context.config.losses.budget_ms <= 0.0) return true;
+  ImageState& image = *context.image;
+  if (image.unchanged && !image.beside) return false;  // the image has it already
+  return image.shaded = counts.pending == 0 && (image.shaded || image.refines);
 }
 
 core::Expected<void> ImageOverlays::draw_depth_shading(const DrawContext& context, const core::View& view) {

@@ -42,7 +42,7 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const DrawInp
   if (config.losses.budget_ms > 0.0) return in_budget_.draw(context, input);
   const core::VisibleSet& large = contribution_culling_.leave_out(context, culled, config.losses.min_projected_area);
   const bool all = &large == &culled.visible;
-  DrawInput left = {culled.with(large), input.deadline, input.all_visible && all, input.postprocessed};
+  DrawInput left = {culled.with(large), input.deadline, input.all_visible && all, input.overlaid};
   const auto count = std::int64_t(culled.snapshot.count(large));
   const OcclusionMode mode = occlusion_mode(context, left.candidates, count);
   if (mode == OcclusionMode::kOff) image.passes.reset(), image.clusters.reset();

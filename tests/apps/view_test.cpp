@@ -389,6 +389,15 @@ TEST_F(ViewScript, PanelsAreAsWideAsOneDragsThem) {
                 {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
 }
 
+/// Each step of opening takes its time, and none is left at the end.
+TEST_F(ViewScript, TellsTheStepsOfOpening) {
+  const Json opening = state_after("", {plant(3000), "--size", kSize})["opening"];
+  EXPECT_EQ(opening["step"], "");
+  for (const char* step : {"reading", "building", "uploading", "drawing"})
+    EXPECT_GT(opening[std::string(step) + "_ms"], 0.0) << step;
+  EXPECT_GE(opening["portions"], 3);
+}
+
 /// Its last line is carried out, too.
 TEST_F(ViewScript, WaitsInItsLastLine) {
   const auto begin = std::chrono::steady_clock::now();

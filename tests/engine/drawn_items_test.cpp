@@ -369,6 +369,27 @@ TEST_P(Budget, IsMadeUpForAtRest) {
   EXPECT_FALSE(Engine::create(scene, with));
 }
 
+/// Frames of a large image have a large overhead, which may exceed any budget. The number of frames must not follow
+/// from that.
+TEST_F(DrawnItems, ABudgetGoesOnInLargeImages) {
+  constexpr int kSide = 110;
+  core::Scene scene;
+  for (int i = 0; i < kSide * kSide; ++i)
+    scene.add_primitive(scene.root(), core::Box{0.4f, 0.4f, 0.4f}, core::translation({i % kSide, i / kSide, 0}));
+  const View view = *View::fit({dvec3(-1.0), {kSide, kSide, 1.0}}, core::kOverviewDirection, 0.7, 1.0);
+  for (const bool shaded : {false, true}) {
+    EngineConfig with = config(kPaths[0], 2048, 2048);
+    with.losses.budget_ms = 1e-3;
+    if (shaded) with.drawing.depth_shading = {0.5f, 0.5f};
+    auto engine = Engine::create(scene, with);
+    ASSERT_TRUE(engine);
+    std::int64_t pending = 1;
+    int frames = 0;
+    for (; pending > 0; ++frames) pending = engine->frame(view)->pending;
+    EXPECT_LT(frames, 60) << "64 items a frame would take 190";
+  }
+}
+
 using ModeAndSamples = std::tuple<ContributionMode, int>;
 std::string budget_name(const testing::TestParamInfo<ModeAndSamples>& info) {
   return std::string(name_of(std::get<0>(info.param))) + (std::get<1>(info.param) == 1 ? "" : "_multisampled");

@@ -38,6 +38,7 @@ TEST_F(LoaderTest, WorksOnTheCommittedModel) {
   std::atomic<Loader*> self = nullptr;
   Loader loader(options, tell, [&](Model& model, const std::function<bool(double)>& progress) {
     while (!self) std::this_thread::yield();
+    EXPECT_FALSE(self.load()->reading());
     items = model.scene->commit()->inserted.size() + model.scene->item_count();
     EXPECT_TRUE(progress(0.5));
     at_work = self.load()->progress();

@@ -16,7 +16,7 @@ struct DrawInput {
   Culled candidates;
   double deadline = std::numeric_limits<double>::infinity();  ///< of a budget, seconds on the steady clock
   bool all_visible = false;                                   ///< the candidates are all visible items of their view
-  bool postprocessed = false;  ///< the complete image will be changed, so that nothing more can be drawn to it
+  bool overlaid = false;  ///< something will be drawn over the image, so that nothing more can be drawn to it
 };
 
 /// Clears the image of a context and draws candidates into it. A strategy owns the sets that it needs, and keeps their
@@ -82,9 +82,10 @@ class DrawInBudget : public DrawStrategy {
 
  private:
   void begin(DrawContext& context, const Culled& culled, bool stays);
-  core::Expected<void> draw_passes(DrawContext& context, const DrawInput& input, const render::RenderTarget& canvas);
-  core::Expected<void> draw_pass(DrawContext& context, const Culled& culled, const render::RenderTarget& canvas,
-                                 bool read_back);
+  core::Expected<double> draw_passes(DrawContext& context, const Culled& culled, const render::RenderTarget& canvas,
+                                     double deadline);
+  core::Expected<double> draw_pass(DrawContext& context, const Culled& culled, const render::RenderTarget& canvas,
+                                   bool read_back);
   core::Expected<void> draw_splats(DrawContext& context, const Culled& culled);
 
   ContributionCulling& contribution_culling_;

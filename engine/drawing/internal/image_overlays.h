@@ -25,7 +25,7 @@ class ImageOverlays {
   bool any(const DrawContext& context) const {
     return context.renderer && !(items().empty() && translucent_.outlined().empty());
   }
-  /// Whether the image of the opaque items is changed, so that nothing more can be drawn to it.
+  /// Whether finish() changes the image of the opaque items.
   bool change_image(const DrawContext& context) const {
     return context.config.drawing.depth_shading.any() || any(context);
   }
@@ -45,6 +45,7 @@ class ImageOverlays {
 
  private:
   render::Overlays& overlays(const DrawContext& context);
+  bool shades(const DrawContext& context, const DrawCounts& counts) const;
   core::Expected<void> draw_translucent(DrawContext& context, const Culled& culled,
                                         const std::optional<glm::vec2>& range, DrawCounts& counts);
   core::Expected<void> draw_blended(DrawContext& context, const Culled& culled, const glm::vec2& range);

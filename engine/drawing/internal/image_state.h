@@ -39,6 +39,9 @@ struct ImageState {
   double coarsened = 0.0;                       // pixels within which the budget draws meshes; 0: LossConfig::lod_error
   bool refines = false;                         // the view has stayed, and the image was begun anew with all candidates
   std::optional<render::RenderTarget> refined;  // complete part of the image, where the image itself has more in it
+  bool beside = false;                          // `refined` holds that, and the image a copy
+  bool shaded = true;                           // DrawingConfig::depth_shading: of complete images alone
+  double overhead_ms = 0.0;                     // of the last frame, beside drawing its items: grows with the image
   DrawCounts budget_counts;                     // of the last frame
 
   std::size_t memory_bytes() const { return target.memory_bytes() + (refined ? refined->memory_bytes() : 0); }
