@@ -10,6 +10,8 @@ namespace {
 
 using namespace sightline;
 
+constexpr double kDefaultBudget = 33.0;  // milliseconds
+
 void add_options(apps::CommandLine& line, apps::ViewerOptions& o) {
   apps::add_model_options(line, o.model);
   line.option("MODEL").required(false);
@@ -60,6 +62,7 @@ void apply(const apps::Settings& settings, const apps::CommandLine& line, apps::
   if (unsaid("--no-panels")) o.panels = settings.panels;
   if (unsaid("--cache")) o.model.import.cache_folder = settings.cache;
   if (unsaid("--recognise")) o.model.import.recognise = settings.recognise;
+  if (unsaid("--budget") && o.remembers()) o.default_budget_ms = kDefaultBudget;
   if (unsaid("--size")) o.size = std::to_string(settings.window[0]) + "x" + std::to_string(settings.window[1]);
 }
 

@@ -14,6 +14,11 @@ namespace {
 
 constexpr std::size_t kMostPlaces = 200;
 
+/// Whether a budget would rule out what was chosen.
+bool may_use_gpu(engine::CullerChoice choice) {
+  return choice == engine::CullerChoice::kGpu || choice == engine::CullerChoice::kHybrid;
+}
+
 }  // namespace
 
 core::Expected<std::unique_ptr<Session>> Session::open(Model model, const engine::EngineConfig& config,
@@ -54,10 +59,14 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
   if (const auto drawn = draw(); !drawn) return engine_.drawing() ? drawn : core::Expected<bool>(false);
   if (report_.pending > 0) return false;
   engine::EngineConfig config = engine_.config();
-  config.losses.budget_ms = *std::exchange(budget_ms_, std::nullopt);
+  config.losses.budget_ms = budget_in_use(*std::exchange(budget_ms_, std::nullopt));
   config.losses.lod_error = has_levels() ? motion_error_ : 0.0;  // so that levels are built from now on
   if (auto done = engine_.configure(config); !done) return tl::unexpected(done.error());
   return true;
+}
+
+double Session::budget_in_use(double asked_for) const {
+  return asked_for > 0.0 || may_use_gpu(engine_.config().culling.culler) ? asked_for : default_budget_ms_;
 }
 
 core::Expected<void> Session::use_context(gl::Context& context) {
@@ -354,7 +363,11 @@ std::optional<engine::LossReport> Session::loss() {
 }
 
 core::Expected<void> Session::set_culler(engine::CullerChoice choice) {
-  return configure([choice](engine::EngineConfig& config) { config.culling.culler = choice; });
+  return configure([this, choice](engine::EngineConfig& config) {
+    config.culling.culler = choice;
+    double& budget_ms = config.losses.budget_ms;
+    if (may_use_gpu(choice) && budget_ms == default_budget_ms_) budget_ms = 0.0;
+  });
 }
 
 core::Expected<void> Session::configure(const std::function<void(engine::EngineConfig&)>& change) {

@@ -37,6 +37,9 @@ class Session {
   const core::dvec3& offset() const { return model_.offset; }
   engine::Engine& engine() { return engine_; }
   const engine::Engine& engine() const { return engine_; }
+  /// Milliseconds of a frame, from begin() on, where no other budget is set and the culler is not one that uses the
+  /// GPU; 0: none. The image at rest has all items.
+  void set_default_budget(double ms) { default_budget_ms_ = ms; }
   /// Draws in that context, which is current, for the first time: all of the model, in an image of that size. In
   /// portions of about kPortion: to be called, with other work in between, until it returns true. Begins anew after a
   /// loss of the context.
@@ -152,6 +155,7 @@ class Session {
   Session(Model model, engine::Engine engine, const engine::EngineConfig& config);
 
   core::Expected<void> resize(const std::array<int, 2>& size, bool coarse);
+  double budget_in_use(double asked_for) const;
   bool smooths() const { return engine_.config().drawing.samples == 1; }
   const ItemNames& names() const;
   core::Expected<void> edit_scene(const std::function<core::Expected<void>(core::Scene&)>& edit);
@@ -169,6 +173,7 @@ class Session {
   bool coarse_ = false;
   bool uploaded_ = false;
   std::optional<double> budget_ms_;  // while begin() draws with another one
+  double default_budget_ms_ = 0.0;
   double motion_error_ = 0.0;
   Camera camera_;
   std::vector<std::pair<core::Pose, bool>> places_;  // pose, orthographic

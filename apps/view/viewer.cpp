@@ -284,6 +284,13 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
   const auto drawn = session_->draw();
   if (!drawn) return tl::unexpected(drawn.error());
   if (*drawn) note_image();
+  if (auto done = show_image(part); !done || drag_) return done;
+  return session_->outline_hovered({0, part.x, part.y, part.width, part.height});
+}
+
+core::Expected<void> Viewer::show_image(const Part& part) {
+  keeps_moving_image_ = keeps_moving_image_ && !motion_.moving() && session_->report().pending > 0;
+  if (keeps_moving_image_) return window_.copy_kept(part), core::Expected<void>();
   const image::Image* smooth = shown.smooth ? session_->smooth() : nullptr;
   core::Expected<void> copied;
   if (!smooth || !window_.keeps_image()) copied = window_.keep(smooth);
@@ -291,16 +298,23 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
     window_.copy_kept(part);
   else
     window_.copy(session_->engine().framebuffer().value_or(0), session_->drawn_size(), part);
-  if (!copied || drag_) return copied;
-  return session_->outline_hovered({0, part.x, part.y, part.width, part.height});
+  return copied;
 }
 
-/// Coarser meshes while the view moves, and fewer pixels where frames then come late.
+/// Coarser meshes while the view moves, and fewer pixels where frames then come late. With a budget the image at rest
+/// takes several frames, and begins with fewer items than that of the motion, which therefore stays until then.
 core::Expected<void> Viewer::adapt_to_motion() {
   const auto view = session_->view();
   const bool moves = view && shown_view_ && !core::same_image(*view, *shown_view_);
   if (view) shown_view_ = *view;
+  const bool moved = motion_.moving();
   const bool coarse = motion_.next(moves, glfwGetTime(), frame_seconds_) && shown.lower && options_.frames == 0;
+  if (moved && !motion_.moving() && session_->report().pending > 0) {
+    const auto image = session_->engine().read_colour();
+    if (!image) return tl::unexpected(image.error());
+    if (auto kept = window_.keep(&*image); !kept) return kept;
+    keeps_moving_image_ = true;
+  }
   if (auto done = session_->set_coarse(coarse); !done) return done;
   return session_->set_moving(motion_.moving());
 }

@@ -36,7 +36,8 @@ struct ViewerOptions {
   int samples = 1;
   DrawnOptions shown;
   int frames = 0;
-  double scale = 0.0;  ///< of text and panels; 0: as the screen suggests
+  double default_budget_ms = 0.0;  ///< Session::set_default_budget() where a software rasteriser draws
+  double scale = 0.0;              ///< of text and panels; 0: as the screen suggests
   bool panels = true, smooth = true;
 
   /// Whether there are settings to keep: scripts and --frames must do the same for everybody.
@@ -166,6 +167,7 @@ class Viewer {
   engine::EngineConfig image_config() const;
   core::Expected<void> apply_styles();
   core::Expected<void> adapt_to_motion();
+  core::Expected<void> show_image(const Part& part);
   void note_image();
   Part viewport() const;
   core::dvec2 in_image(const core::dvec2& cursor) const;
@@ -200,9 +202,10 @@ class Viewer {
   std::shared_ptr<compare::Comparison> found_;  // with what is read now; null where a model is read
   std::unique_ptr<Loader> loader_;              // its thread uses those before
   OpeningSteps opening_;
-  int landing_calls_ = 0;           // calls of Session::begin()
-  bool landing_ = false;            // it is done, and opened_ is brought into the window's context
-  std::unique_ptr<Export> export_;  // with the session's engine
+  int landing_calls_ = 0;            // calls of Session::begin()
+  bool keeps_moving_image_ = false;  // the window shows it until the image at rest is complete
+  bool landing_ = false;             // it is done, and opened_ is brought into the window's context
+  std::unique_ptr<Export> export_;   // with the session's engine
   bool export_cancelled_ = false;
   ViewList views_;
   std::vector<std::string> files_;

@@ -88,6 +88,7 @@ core::Expected<void> Viewer::land() {
     }
     if (!*model) return not_landed(model->error());
     landing_ = true;
+    if (window_.context().capabilities().software) opened_->set_default_budget(options_.default_budget_ms);
   }
   if (loader_->cancelled()) return not_landed({std::string(importers::kCancelled)});
   part_ = viewport();
@@ -127,6 +128,7 @@ core::Expected<void> Viewer::landed() {
   set_walking(false);
   section_handles_.forget();
   session_ = std::move(opened_);
+  keeps_moving_image_ = false;
   shown_view_.reset();
   if (const engine::EngineConfig& config = session_->engine().config();
       shown.depth_shading != config.drawing.depth_shading.any() ||

@@ -389,6 +389,36 @@ TEST_F(ViewScript, PanelsAreAsWideAsOneDragsThem) {
                 {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
 }
 
+/// The window shows the last image of a motion until the one at rest is complete, and then that one.
+TEST_F(ViewScript, ShowsTheCompleteImageAfterAMotion) {
+  std::vector<Image> shots;
+  for (const char* budget : {"0", "0.1"}) {
+    const std::string file = path("window.png");
+    expect_driven("levels\ndrag 300 200 380 230\nmove 590 390\nwait 0.5\nwindow-shot " + file + "\n",
+                  {plant(3000), "--size", kSize, "--no-panels", "--budget", budget, "--depth-shading", "0.5"});
+    shots.push_back(read_png(file));
+  }
+  EXPECT_EQ(shots[0].rgb, shots[1].rgb);
+}
+
+/// On a software rasteriser, and for people alone: scripts have the budget that they ask for.
+TEST_F(ViewScript, FramesHaveABudgetUnlessTheGpuCulls) {
+  const std::string model = plant(1000), settings = path("settings.json");
+  const auto state_with = [&](const std::string& script, Args args) {
+    args.insert(args.begin(), {model, "--size", kSize});
+    return state_after(script, args);
+  };
+  EXPECT_EQ(state_with("", {})["budget_ms"], 0.0);
+  const Json state = state_with("", {"--settings", settings});
+  if (state["renderer"].get<std::string>().find("llvmpipe") == std::string::npos) GTEST_SKIP() << "a GPU";
+  EXPECT_EQ(state["budget_ms"], 33.0);
+  EXPECT_EQ(state_with("", {"--settings", settings, "--budget", "0"})["budget_ms"], 0.0);
+  EXPECT_EQ(state_with("", {"--settings", settings, "--budget", "50"})["budget_ms"], 50.0);
+  EXPECT_EQ(state_with("", {"--settings", settings, "--culler", "hybrid"})["budget_ms"], 0.0);
+  EXPECT_EQ(state_with("cull-gpu\n", {"--settings", settings})["budget_ms"], 0.0);
+  EXPECT_EQ(state_with("cull-cpu\n", {"--settings", settings})["budget_ms"], 33.0);
+}
+
 /// Each step of opening takes its time, and none is left at the end.
 TEST_F(ViewScript, TellsTheStepsOfOpening) {
   const Json opening = state_after("", {plant(3000), "--size", kSize})["opening"];
