@@ -135,7 +135,7 @@ core::Expected<double> DrawInBudget::draw_passes(DrawContext& context, const Cul
     const double waits = round_trip_ms + (tests ? readback_ms_ : 0.0);
     if (passes > 0 && left < kLeastPasses * (budget.least_ms() + waits)) break;
     const double least = passes == 0 && waits > 0.0 ? kLeastShare * left : 0.0;
-    if (!budget.next(tests ? &test : nullptr, bounds, std::max(least, kPassShare * (left - waits)))) break;
+    if (!budget.next(tests ? &test : nullptr, bounds, std::max(least, kPassShare * left - waits))) break;
     const auto ms = draw_pass(context, culled, canvas, tests);
     if (!ms) return ms;
     drawn_ms += *ms;

@@ -174,8 +174,8 @@ TEST_P(SimulatedCards, ABudgetDrawsAllOfWhatIsCheap) {
     }
 }
 
-/// Where there is not time for all, frames take their budget: hardly more, and no less than two thirds of it. With the
-/// occlusion test there is time: few items of the grid are seen.
+/// Where there is not time for all, frames take their budget: hardly more, and no less than two thirds of it. In 16 ms
+/// there is time for all with the occlusion test: few items of the grid are seen.
 TEST_F(SimulatedGpuTest, ABudgetIsKeptAndUsed) {
   constexpr int kFrames = 40, kLearns = 12;
   CardModel slow = card("discrete");
@@ -203,7 +203,11 @@ TEST_F(SimulatedGpuTest, ABudgetIsKeptAndUsed) {
           EXPECT_GE(ms, 0.66 * budget_ms) << "frame " << i;
         }
       }
-      EXPECT_EQ(complete > 0, occlusion == engine::OcclusionChoice::kAutomatic);
+      if (occlusion == engine::OcclusionChoice::kOff) {
+        EXPECT_EQ(complete, 0);
+      } else if (budget_ms == 16.0) {
+        EXPECT_GT(complete, 0);
+      }
     }
 }
 
