@@ -4,7 +4,7 @@
 #   scripts/nightly.sh                 all of it: about an hour on two cores
 #   scripts/nightly.sh SLICE/COUNT     one of COUNT slices that take about as long as each other, from 1/COUNT on
 #   scripts/nightly.sh --only NAME …   these alone
-#   scripts/nightly.sh --list [COUNT]  names, minutes, and the slice of COUNT (8) that each is in
+#   scripts/nightly.sh --list [COUNT]  names, minutes, and the slice of COUNT (10) that each is in
 # Does all set-up, as scripts/test.sh does. Goes on after a failure and exits 1 in the end, naming what failed. Mutation
 # only reports. SIGHTLINE_CMAKE_ARGS holds extra CMake arguments.
 set -euo pipefail
@@ -20,7 +20,9 @@ osmesa       2 GL tests with OSMesa contexts
 fuzz         6 twenty seconds of each fuzz target
 tsan         8 ThreadSanitizer on core, culling, ray tracer and engine
 asan         5 AddressSanitizer on culling, ray tracer, primitives, measuring and comparing
+asan-io      7 AddressSanitizer on core, importers, the C API and the viewer's model: what reads bytes or foreign pointers
 asan-gl      8 AddressSanitizer on the engine and the GPU culler
+zink         9 GL tests of gl, gpuscene, culling, render and engine with a second driver
 packages     3 Debian packages: built, judged, installed, used
 consumers    6 public headers alone; projects that use the installed library, pkg-config or the sources
 shared       3 the same with one shared library
@@ -65,6 +67,10 @@ run_asan() {
   SIGHTLINE_TARGETS="culling_tests raytrace_tests gpuprims_tests measure_tests compare_tests lod_tests engine_tests" \
     scripts/test.sh asan -R '^(culling|raytrace|gpuprims|measure|compare|lod|engine)\.'
 }
+run_asan-io() {
+  SIGHTLINE_TARGETS="core_tests importers_tests importers_vtk_tests capi_tests view_tests" \
+    scripts/test.sh asan -R '^(core|importers|importers_vtk|capi|view)\.'
+}
 run_asan-gl() {
   SIGHTLINE_TARGETS="culling_gl_tests engine_gl_tests view_gl_tests capi_gl_tests" \
     scripts/test.sh asan -R '^(culling_gl|engine_gl|view_gl|capi_gl)\.'
@@ -107,7 +113,7 @@ run_mutants() {
     echo "mutants: could not be tried"
   mapfile -t folders < <(changed_files | xargs -r dirname | sort -u)
   [ ${#folders[@]} -gt 0 ] || { echo "no library file changed in the last 50 commits"; return; }
-  folder=${folders[$(($(git rev-list --count HEAD) / 8 % ${#folders[@]}))]}
+  folder=${folders[$(($(git rev-list --count HEAD) / 10 % ${#folders[@]}))]}
   mapfile -t files < <(changed_files | grep "^$folder/[^/]*$")
   scripts/mutate.sh --minutes 2 --seed "$(git rev-list --count HEAD)" "${files[@]}" || echo "mutants: could not be tried"
 }
@@ -142,7 +148,7 @@ list() {
 slice=1 count=1 chosen=()
 case ${1:-} in
   '') mapfile -t chosen < <(names) ;;
-  --list) list "${2:-8}"; exit 0 ;;
+  --list) list "${2:-10}"; exit 0 ;;
   --only)
     shift
     chosen=("$@") slice=0
