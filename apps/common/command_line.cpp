@@ -33,6 +33,18 @@ CLI::Option* add_to(CLI::App& app, const std::string& name, std::filesystem::pat
       name, [&value](const std::string& text) { value = text; }, help);
 }
 
+/// A word where a subcommand is expected, which CLI11 does not name.
+std::string unknown_subcommand(const CLI::App& app, int argc, char** argv) {
+  const std::vector<const CLI::App*> subcommands = app.get_subcommands({});
+  if (subcommands.empty() || argc < 2 || argv[1][0] == '-') return {};
+  std::string names;
+  for (const CLI::App* const subcommand : subcommands) {
+    if (subcommand->get_name() == argv[1]) return {};
+    names += (names.empty() ? "" : ", ") + subcommand->get_name();
+  }
+  return "no subcommand \"" + std::string(argv[1]) + "\": expected one of " + names;
+}
+
 /// Group of the options that --help only names.
 const char* const kAdvanced = "Advanced options";
 constexpr std::size_t kHelpColumn = 28, kHelpWidth = 116;
@@ -341,7 +353,8 @@ int CommandLine::run(int argc, char** argv, const std::function<core::Expected<i
     app_->parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app_->exit(error);  // --help, --version
-    std::fprintf(stderr, "%s: %s (see --help)\n", tool.c_str(), error.what());
+    const std::string unknown = unknown_subcommand(*app_, argc, argv);
+    std::fprintf(stderr, "%s: %s (see --help)\n", tool.c_str(), unknown.empty() ? error.what() : unknown.c_str());
     return kExitUsage;
   }
   try {

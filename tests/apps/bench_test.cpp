@@ -68,6 +68,10 @@ TEST_F(Bench, MeasuresEdits) {
   EXPECT_EQ(boxes["boxes"].size(), 2u);
 }
 
+TEST_F(Bench, NamesASubcommandThatThereIsNot) {
+  expect_usage_error("bench", {"culling"}, "no subcommand \"culling\": expected one of cull, ");
+}
+
 TEST_F(Bench, MeasuresImports) {
   const Json json = run_json("bench", {"import", plant(1000), "--passes", "1"});
   ASSERT_EQ(json.size(), 1u);

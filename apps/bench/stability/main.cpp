@@ -50,19 +50,14 @@ void add_options(apps::CommandLine& line, Options& options) {
   line.add("--rays", options.rays, "per case").in_range(1, 1'000'000).shows_default();
   line.add("--seed", options.seed, "of all cases; of --trace, of the first 10,000 rays, and 1 more for the next")
       .shows_default();
-  line.add("--primitive", options.primitives, "only these kinds, as sightline-info names them");
-  line.add("--case", options.families, "only these families")
-      .check([](const std::string& name) -> core::Expected<void> {
-        std::vector<std::string> known = bench::stability_families();
-        known.insert(known.end(), {"near-far", "field-of-view", "view-offset", "view-distance"});
-        if (!wanted(known, name)) return core::fail("there is no family \"" + name + "\"");
-        return {};
-      });
-  line.add("--path", options.paths, "only these ways of computing")
-      .check([](const std::string& name) -> core::Expected<void> {
-        if (!wanted({"double", "glsl"}, name)) return core::fail("there is no path \"" + name + "\"");
-        return {};
-      });
+  std::vector<std::string> kinds, families = bench::stability_families();
+  for (int kind = 0; kind < core::kPrimitiveKindCount; ++kind) kinds.emplace_back(core::name_of(core::Kind(kind)));
+  families.insert(families.end(), {"near-far", "field-of-view", "view-offset", "view-distance"});
+  line.add("--primitive", options.primitives, "only these kinds, as sightline-info names them")
+      .metavar("KIND")
+      .one_of(kinds);
+  line.add("--case", options.families, "only these families").metavar("FAMILY").one_of(families);
+  line.add("--path", options.paths, "only these ways of computing").one_of({"double", "glsl"});
   line.add("--fuzz", options.fuzz, "instead: so many random parameter sets of each kind through the shaders")
       .in_range(std::int64_t(1), std::int64_t(1'000'000'000));
   line.add("--trace", options.trace, "instead: so many rays through the ray tracer, half of them in mixed scenes")
