@@ -114,7 +114,7 @@ void follow_workarounds(Functions& gl, Capabilities& caps) {
 }
 
 // Programs and results of another version of the test are not recalled.
-constexpr std::string_view kDriverTestKey = "driver test 1";
+constexpr std::string_view kDriverTestKey = "driver test 2";
 
 /// False when a lack of memory, say, kept a check from running that every context allows.
 bool ran(const DriverTest& test) {

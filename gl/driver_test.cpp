@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "sightline/gl/internal/query.h"
 #include "sightline/gl/internal/shaders.h"
 #include "sightline/gl/internal/texture.h"
+#include "sightline/gl/internal/timer.h"
 #include "sightline/gl/internal/transform_feedback.h"
 #include "sightline/gl/internal/vertex_array.h"
 
@@ -47,6 +49,14 @@ ProgramDescription feedback_program() {
 }
 ProgramDescription sum_program() {
   return describe("self-test's sum", {{GL_COMPUTE_SHADER, {"driver_check.comp"}}});
+}
+
+ProgramDescription proxies_program(bool geometry_stage) {
+  auto description = describe("self-test's solids", {{GL_VERTEX_SHADER, {"driver_check_proxies.vert"}},
+                                                     {GL_FRAGMENT_SHADER, {"driver_check_proxies.frag"}}});
+  if (geometry_stage) description.stages.push_back({GL_GEOMETRY_SHADER, {"driver_check_proxies.geom"}});
+  if (!geometry_stage) description.shaders.defines = {"CORNERS"};
+  return description;
 }
 
 std::optional<Program> make_program(const Functions& gl, const ProgramDescription& description) {
@@ -276,6 +286,68 @@ CheckResult check_timer(const Functions& gl) {
   return bits > 0 && now != 0 ? CheckResult::kPassed : CheckResult::kFailed;
 }
 
+/// Draws small boxes as ray-cast solids are drawn, and times that.
+class CheckProxies {
+ public:
+  CheckProxies(const Functions& gl, const Program& points, const Program& triangles, const Buffer& indices)
+      : gl_(gl), points_(points), triangles_(triangles), array_(gl), timer_(gl) {
+    gl.VertexArrayElementBuffer(array_.id(), indices.id());
+    array_.bind();
+  }
+
+  /// In milliseconds, the least of several times; none when the timer does not tell one.
+  std::optional<double> least_ms(bool geometry_stage) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 4; ++i) {
+      timer_.begin();
+      draw(geometry_stage);
+      timer_.end();
+      gl_.Finish();
+      const auto ms = timer_.poll();
+      if (!ms || *ms == GpuTimer::kNoTime) return std::nullopt;
+      least = std::min(least, *ms);
+    }
+    return least;
+  }
+
+  static std::vector<std::uint16_t> indices() {
+    std::vector<std::uint16_t> all;
+    for (int i = 0; i < kBoxes; ++i)
+      for (const int corner : {1, 3, 5, 5, 3, 7, 5, 7, 4, 4, 7, 6, 2, 6, 3, 3, 6, 7})
+        all.push_back(std::uint16_t(8 * i + corner));
+    return all;
+  }
+
+ private:
+  static constexpr int kBoxes = 4096, kTimes = 16;
+  void draw(bool geometry_stage) {
+    (geometry_stage ? points_ : triangles_).use();
+    if (geometry_stage) return gl_.DrawArraysInstanced(GL_POINTS, 0, kBoxes, kTimes);
+    gl_.DrawElementsInstanced(GL_TRIANGLES, kBoxes * 18, GL_UNSIGNED_SHORT, nullptr, kTimes);
+  }
+
+  const Functions& gl_;
+  const Program &points_, &triangles_;
+  VertexArray array_;
+  GpuTimer timer_;
+};
+
+/// Not on software rasterisers, where timers mean nothing: there vertices are computed one after the other, and what
+/// seven of them do again costs more than the geometry stage (docs/results/drawing.md).
+CheckResult check_geometry_stage(const Functions& gl, const Capabilities& has, const CheckImage& image) {
+  if (has.software) return CheckResult::kNotRun;
+  const auto points = make_program(gl, proxies_program(true)), triangles = make_program(gl, proxies_program(false));
+  const std::vector<std::uint16_t> list = CheckProxies::indices();
+  auto indices = Buffer::create(gl, std::span(list), 0, "self-test's boxes");
+  if (!points || !triangles || !indices) return CheckResult::kNotRun;
+  image.begin(0.0f);
+  CheckProxies boxes(gl, *points, *triangles, *indices);
+  const auto with = boxes.least_ms(true), without = with ? boxes.least_ms(false) : std::nullopt;
+  if (!without) return CheckResult::kNotRun;
+  // The margin keeps the choice from changing by chance, and stands for what the renderer's vertices fetch.
+  return *with <= 1.5 * *without ? CheckResult::kPassed : CheckResult::kFailed;
+}
+
 void check_drawing(const Functions& gl, const Capabilities& has, DriverTest& test) {
   const auto image = CheckImage::create(gl);
   if (!image) return;
@@ -286,22 +358,24 @@ void check_drawing(const Functions& gl, const Capabilities& has, DriverTest& tes
   result(DriverCheck::kBaseVertex) = indexed_points(gl, *image, false);
   if (has.indirect_count) result(DriverCheck::kIndirectCount) = indexed_points(gl, *image, true);
   if (has.max_samples > 4) result(DriverCheck::kSamples) = check_samples(gl, *image, has.max_samples);
+  if (test[DriverCheck::kTimer] == CheckResult::kPassed)
+    result(DriverCheck::kGeometryStage) = check_geometry_stage(gl, has, *image);
 }
 
 }  // namespace
 
 std::vector<PipelineDescription> driver_test_programs() {
-  return {{image_program()}, {feedback_program()}, {sum_program()}};
+  return {{image_program()}, {feedback_program()}, {sum_program()}, {proxies_program(true)}, {proxies_program(false)}};
 }
 
 DriverTest run_driver_test(const Functions& gl, const Capabilities& has) {
   const auto begin = std::chrono::steady_clock::now();
   DriverTest test;
   reset_pipeline_state(gl);
+  test.results[std::size_t(DriverCheck::kTimer)] = check_timer(gl);
   check_drawing(gl, has, test);
   test.results[std::size_t(DriverCheck::kFeedback)] = check_feedback(gl);
   check_computing(gl, has, test);
-  test.results[std::size_t(DriverCheck::kTimer)] = check_timer(gl);
   discard_errors(gl);
   test.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return test;

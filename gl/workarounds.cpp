@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::array<std::string_view, kDriverCheckCount> kCheckNames = {
     "clip-control", "conservative-depth", "base-vertex", "transform-feedback", "indirect-count",
-    "samples",      "storage-blocks",     "precise",     "timer"};
+    "samples",      "storage-blocks",     "precise",     "timer",              "geometry-stage"};
 
 constexpr std::array<WorkaroundFacts, kWorkaroundCount> kFacts = {{
     {Workaround::kPlainDepth, DriverCheck::kConservativeDepth, "plain-depth",
@@ -31,6 +31,10 @@ constexpr std::array<WorkaroundFacts, kWorkaroundCount> kFacts = {{
      "GL_MAX_SHADER_STORAGE_BLOCK_SIZE"},
     {Workaround::kNoTimer, DriverCheck::kTimer, "no-timer", "timer queries have no bits or stand still",
      "GPU work is not timed; the hybrid compares whole frames", "GL_ARB_timer_query: QUERY_COUNTER_BITS may be 0"},
+    {Workaround::kNoGeometryStage, DriverCheck::kGeometryStage, "no-geometry-stage",
+     "a geometry stage that makes triangles of points is slow",
+     "ray-cast solids are drawn as triangles, whose vertices each set up the whole solid",
+     "github.com/MRtrix3/mrtrix3/issues/3209"},
 }};
 
 std::string all_names() {

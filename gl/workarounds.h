@@ -28,8 +28,9 @@ enum class DriverCheck : std::uint8_t {
   kStorageBlocks,      ///< shaders write beyond the 128 MiB that GL 4.5 guarantees, where the context offers more
   kPreciseSums,        ///< the compiler keeps the order of sums that shaders declare `precise`
   kTimer,              ///< the timer counts
+  kGeometryStage,      ///< a geometry stage makes proxies of points no slower than vertices alone do, by the timer
 };
-inline constexpr std::size_t kDriverCheckCount = 9;
+inline constexpr std::size_t kDriverCheckCount = 10;
 
 enum class CheckResult : std::uint8_t {
   kNotRun,  ///< not yet, or the context does not offer what it is about
@@ -56,8 +57,9 @@ enum class Workaround : std::uint8_t {
   kFourSamples,
   kSmallBlocks,
   kNoTimer,
+  kNoGeometryStage,
 };
-inline constexpr std::size_t kWorkaroundCount = 7;
+inline constexpr std::size_t kWorkaroundCount = 8;
 
 /// A row of the table.
 struct WorkaroundFacts {

@@ -66,6 +66,18 @@ class ShownMeshes {
   bool can_face_ = false;
 };
 
+/// 0, 1, 2, … for points and lines, then the triangles of proxies if they are drawn so.
+std::vector<std::uint16_t> list_indices(gl::Workarounds workarounds) {
+  std::vector<std::uint16_t> indices(2 * kRecordsPerCommand);
+  std::iota(indices.begin(), indices.end(), std::uint16_t(0));
+  const RecordForm proxy = record_form(BatchKind::kBox, workarounds);
+  if (proxy.mode != GL_TRIANGLES) return indices;
+  for (std::uint32_t record = 0; record < kRecordsPerCommand; ++record)
+    for (const std::uint16_t corner : kProxyTriangles)
+      indices.push_back(std::uint16_t(record * proxy.vertices + corner));
+  return indices;
+}
+
 }  // namespace
 
 core::Expected<DrawLists> DrawLists::create(const gl::Context& context, const GpuScene& scene) {
@@ -81,9 +93,8 @@ core::Expected<DrawLists> DrawLists::create(const gl::Context& context, const Gp
     lists.mesh_instances_ = std::move(*buffer);
   }
   if (scene.batches().size() > (meshes ? 1u : 0u)) {
-    std::vector<std::uint16_t> identity(2 * kRecordsPerCommand);
-    std::iota(identity.begin(), identity.end(), std::uint16_t(0));
-    auto buffer = gl::Buffer::create(gl, std::span(identity), 0, "record indices");
+    const std::vector<std::uint16_t> indices = list_indices(gl.workarounds);
+    auto buffer = gl::Buffer::create(gl, std::span(indices), 0, "record indices");
     if (!buffer) return tl::unexpected(buffer.error());
     lists.record_indices_ = std::move(*buffer);
   }
@@ -95,10 +106,11 @@ void DrawLists::append(const ElementsCommand* commands, std::size_t count) {
 }
 
 void DrawLists::append_records(BatchKind kind, std::uint32_t first, std::uint32_t count) {
-  const std::uint32_t vertices = vertices_per_record(kind);
+  const RecordForm form = record_form(kind, gl_->workarounds);
   for (std::uint32_t done = 0; done < count; done += kRecordsPerCommand) {
     const std::uint32_t n = std::min(kRecordsPerCommand, count - done);
-    const ElementsCommand command{n * vertices, 1, 0, std::int32_t((first + done) * vertices), 0};
+    const ElementsCommand command{n * form.indices, 1, form.first_index, std::int32_t((first + done) * form.vertices),
+                                  0};
     append(&command, 1);
   }
 }

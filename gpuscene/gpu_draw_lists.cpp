@@ -72,7 +72,7 @@ core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene, std::size_
     const bool meshes = batch.kind == BatchKind::kMesh;
     const std::size_t places = places_of(batch, parts);
     lists.sections[kind] = {std::uint32_t(commands), std::uint32_t(singles), std::uint32_t(places),
-                            meshes ? 0 : vertices_per_record(batch.kind)};
+                            meshes ? 0 : record_form(batch.kind, gl_->workarounds).indices};
     lists.command_count[kind] = meshes ? places : (places + kRecordsPerCommand - 1) / kRecordsPerCommand;
     commands += lists.command_count[kind];
     if (!meshes) singles += batch.capacity;
@@ -138,11 +138,11 @@ void DrawLists::write_gpu_templates(const GpuScene& scene) {
     const std::size_t kind = std::size_t(batch.kind);
     gpu_.records[kind] = batch.count;
     if (batch.kind == BatchKind::kMesh) continue;
-    const std::uint32_t vertices = vertices_per_record(batch.kind);
+    const RecordForm form = record_form(batch.kind, gl_->workarounds);
     const auto& section = gpu_.sections[kind];
     for (std::size_t i = 0; i < gpu_.command_count[kind]; ++i) {
       const std::size_t record = batch.count + section[kFirstSingle] + i * kRecordsPerCommand;
-      commands[section[kFirstCommand] + i] = {0, 1, 0, std::int32_t(record * vertices), 0};
+      commands[section[kFirstCommand] + i] = {0, 1, form.first_index, std::int32_t(record * form.vertices), 0};
     }
   }
   gpu_.commands.write(0, commands.size() * sizeof(ElementsCommand), commands.data());

@@ -6,6 +6,7 @@
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/shaders.h"
 #include "sightline/gpuprims/internal/view_block.h"
+#include "sightline/gpuscene/internal/record_commands.h"
 #include "sightline/render/internal/shaders.h"
 
 namespace sightline::render {
@@ -19,11 +20,13 @@ constexpr GLint kBlendRangeUniform = 64;  // in the fragment stage
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kVertexAttribute };
 
-/// Describes the vertex and geometry stage that all ray-cast batches share.
-gl::ProgramDescription describe_proxies(const TargetFormat& format) {
+/// Describes the stages before the fragments' that all ray-cast batches share.
+gl::ProgramDescription describe_proxies(const TargetFormat& format, bool geometry_stage) {
   gl::ProgramDescription description;
   description.name = "proxies";
-  description.stages = {{GL_VERTEX_SHADER, {"primitive.vert"}}, {GL_GEOMETRY_SHADER, {"primitive.geom"}}};
+  description.stages = {{GL_VERTEX_SHADER, {"primitive.vert"}}};
+  if (geometry_stage) description.stages.push_back({GL_GEOMETRY_SHADER, {"primitive.geom"}});
+  if (!geometry_stage) description.shaders.defines.emplace_back("PROXY_CORNERS");
   description.separable = true;
   description.shaders.tables = {shaders(), gpuprims::shaders()};
   if (format.samples > 1) description.shaders.defines.push_back("SAMPLES " + std::to_string(format.samples));
@@ -75,8 +78,13 @@ std::vector<gl::PipelineDescription> Renderer::all_programs() {
   std::vector<gl::PipelineDescription> all;
   const auto add = [&](const TargetFormat& format, Cut cut, Surface surface) {
     for (int i = 0; i < gpuscene::kBatchKindCount; ++i) {
-      all.push_back({describe_batch(BatchKind(i), format, cut, surface)});
-      if (gpuscene::is_ray_cast(BatchKind(i))) all.back().push_back(describe_proxies(format));
+      const gl::ProgramDescription batch = describe_batch(BatchKind(i), format, cut, surface);
+      if (gpuscene::is_ray_cast(BatchKind(i))) {
+        for (const bool geometry_stage : {true, false})
+          all.push_back({batch, describe_proxies(format, geometry_stage)});
+      } else {
+        all.push_back({batch});
+      }
     }
     if (cut == Cut::kNone) return;
     for (const auto& caps : SectionCaps::describe(shader_context(format, cut, surface))) all.push_back({caps});
@@ -163,7 +171,8 @@ core::Expected<void> Renderer::make_programs(std::span<const BatchKind> kinds, c
   std::vector<gl::ProgramDescription> descriptions;
   for (const BatchKind kind : kinds) descriptions.push_back(describe_batch(kind, format, cut, surface));
   const bool proxies = proxy_program_.id() == 0 && std::any_of(kinds.begin(), kinds.end(), gpuscene::is_ray_cast);
-  if (proxies) descriptions.push_back(describe_proxies(format));
+  const bool geometry_stage = !gl_->workarounds[gl::Workaround::kNoGeometryStage];
+  if (proxies) descriptions.push_back(describe_proxies(format, geometry_stage));
   auto programs = gl::Program::create_all(*gl_, descriptions);
   if (!programs) return tl::unexpected(programs.error());
   if (proxies) proxy_program_ = std::move(programs->back());
@@ -173,7 +182,7 @@ core::Expected<void> Renderer::make_programs(std::span<const BatchKind> kinds, c
     if (!gpuscene::is_ray_cast(kinds[i])) continue;
     one.pipeline = gl::ProgramPipeline(*gl_);
     if (auto done = gl::check_names(*gl_, {one.pipeline.id()}, "program pipeline"); !done) return done;
-    one.pipeline.set_stages(GL_VERTEX_SHADER_BIT | GL_GEOMETRY_SHADER_BIT, proxy_program_);
+    one.pipeline.set_stages(GL_VERTEX_SHADER_BIT | (geometry_stage ? GL_GEOMETRY_SHADER_BIT : 0), proxy_program_);
     one.pipeline.set_stages(GL_FRAGMENT_SHADER_BIT, one.program);
   }
   return {};
@@ -355,7 +364,7 @@ void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuSce
     gl.VertexArrayElementBuffer(array, indices.id());
     mesh_array_.bind();
   } else {
-    mode = batch.kind == BatchKind::kLine ? GL_LINES : GL_POINTS;
+    mode = gpuscene::record_form(batch.kind, gl.workarounds).mode;
     gl.VertexArrayElementBuffer(record_array_.id(), lists.record_indices().id());
     record_array_.bind();
   }

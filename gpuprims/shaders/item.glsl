@@ -10,12 +10,16 @@ layout(binding = 1) uniform samplerBuffer chunk_origins;  // relative to the eye
 layout(binding = 3) uniform usamplerBuffer single_records;
 layout(location = 0) uniform uint record_count;
 
-uint record_of(uint vertices_per_record) {
+uint vertex_number() {
 #ifdef ADD_BASE_VERTEX
-  uint record = uint(gl_VertexID + gl_BaseVertexARB) / vertices_per_record;
+  return uint(gl_VertexID + gl_BaseVertexARB);
 #else
-  uint record = uint(gl_VertexID) / vertices_per_record;
+  return uint(gl_VertexID);
 #endif
+}
+
+uint record_of(uint vertices_per_record) {
+  uint record = vertex_number() / vertices_per_record;
   return record < record_count ? record : texelFetch(single_records, int(record - record_count)).x;
 }
 

@@ -17,17 +17,21 @@ struct Proxy {
 const int kRectangleCorners = 4, kBoxCorners = 10;
 
 // Two strips of corners, counter-clockwise from outside, as octal digits from the lowest on: 1, 3, 5, 7, 4, 6 and 2, 6,
-// 3, 7.
+// 3, 7. gpuscene::kProxyTriangles has the same as triangles. Of a rectangle these have no area from the third on.
 const uint kProxyStrips = 07362647531u;
 const int kFirstStrip = 6;  // length of the first strip
 
+// Moves proxies nearer by this factor: rounding must not put a hit in front of its proxy (depth_less).
+const float kNearer = 1.0 + 1e-6;
+
 vec4 proxy_corner(Proxy proxy, uint corner) {
   vec3 steps = mix(proxy.far_steps, proxy.near_steps, bvec3((corner & 1u) != 0u, (corner & 2u) != 0u, (corner & 4u) != 0u));
-  return proxy.origin + steps.x * proxy.sides[0] + steps.y * proxy.sides[1] + steps.z * proxy.sides[2];
+  vec4 place = proxy.origin + steps.x * proxy.sides[0] + steps.y * proxy.sides[1] + steps.z * proxy.sides[2];
+  place.z *= kNearer;
+  return place;
 }
 
-// What the vertex stage computes for a primitive's fragments (see primitive.vert) and for the stage that emits its
-// proxy.
+// What the vertex stage computes for a primitive's fragments (see primitive.vert) and for what draws its proxy.
 struct Setup {
   vec4 local_from_eye[3];
   uvec4 anchor;

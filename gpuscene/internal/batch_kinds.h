@@ -30,7 +30,7 @@ inline constexpr int kBatchKindCount = 9;
 
 /// How the items of a batch become fragments.
 enum class Drawn : std::uint8_t {
-  kRayCast,    ///< a point each; a geometry stage makes it a proxy, whose fragments cast rays
+  kRayCast,    ///< a proxy each, whose fragments cast rays
   kLines,      ///< two vertices each
   kTriangles,  ///< an indexed draw each, from the mesh pool
 };

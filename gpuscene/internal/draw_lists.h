@@ -2,8 +2,9 @@
 //
 // Ray-cast batches draw points without attributes. gl_VertexID names the record, and one command draws a range of
 // records: its base vertex is the first of them. Vertex ids beyond the batch's records name places in the list of
-// single records, which shaders read through a buffer texture. Lines do the same with two vertices per record. Meshes
-// get their record as an attribute with divisor 1, offset by the command's base instance.
+// single records, which shaders read through a buffer texture. Lines do the same with two vertices per record, and so
+// do ray-cast batches with eight where no geometry stage is to be used (record_commands.h). Meshes get their record as
+// an attribute with divisor 1, offset by the command's base instance.
 //
 // Two sources can fill the lists: update() from a visible set of the CPU, or a culler on the GPU. The GPU culler writes
 // record ids (whole commands for meshes) to target() between begin_gpu_update() and end_gpu_update(), and nothing of
@@ -69,7 +70,7 @@ struct MeshCounts {
 
 class DrawLists {
  public:
-  /// Where the commands (ElementsCommand) of a batch lie in commands(). Lines also draw with indices 0, 1, 2, …
+  /// Where the commands (ElementsCommand) of a batch lie in commands().
   struct Section {
     std::size_t offset = 0;  ///< bytes
     int count = 0;           ///< commands, used or not; 0: nothing to draw
@@ -136,7 +137,7 @@ class DrawLists {
   const gl::Buffer& mesh_indices(const GpuScene& scene) const {
     return picks_ && !from_gpu_ ? picked_indices_.buffer() : scene.meshes().indices();
   }
-  /// 0, 1, 2, … in 16 bits: the indices of all batches except meshes. Empty when there are none.
+  /// In 16 bits: the indices of all batches except meshes. Empty when there are none.
   const gl::Buffer& record_indices() const { return record_indices_; }
   /// 0, 1, 2, … up to the mesh batch's capacity: the instance attribute of meshes.
   const gl::Buffer& mesh_instances() const { return mesh_instances_; }

@@ -115,7 +115,7 @@ class Renderer {
                                      Surface surface, BatchPrograms& made);
 
   const gl::Functions* gl_ = nullptr;
-  gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty without such batches
+  gl::Program proxy_program_;  // the stages before the fragments' of all ray-cast batches; empty without such batches
   std::array<SurfacePrograms, kSurfaces> programs_;
   std::vector<gpuscene::BatchKind> kinds_;  // of the batches
   std::size_t compiled_ = 0;                // of these, whose first programs are made

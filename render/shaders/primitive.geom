@@ -18,9 +18,6 @@ layout(location = 0) flat out vec4 local_from_eye[3];  // rows of the linear map
                                                        // anchor's pixel, relative to the shift
 layout(location = 3) flat out uvec4 anchor;  // eye depth and shift in z (float bits), record, pixel x | y << 16
 
-// Moves proxies nearer by this factor: rounding must not put a hit in front of its proxy (depth_less).
-const float kNearer = 1.0 + 1e-6;
-
 void main() {
   uint strips = kProxyStrips;
   for (int i = 0; i < setup[0].proxy.corners; ++i, strips >>= 3) {
@@ -28,7 +25,6 @@ void main() {
     local_from_eye = setup[0].local_from_eye;
     anchor = setup[0].anchor;
     gl_Position = proxy_corner(setup[0].proxy, strips & 7u);
-    gl_Position.z *= kNearer;
     EmitVertex();
   }
 }

@@ -1,5 +1,8 @@
 // Sets up one ray-cast primitive of any kind for the frame: the anchor, from which fragments compute their rays, and
-// the proxy, which primitive.geom emits. Only the anchor needs pairs of floats.
+// the proxy. Only the anchor needs pairs of floats.
+//
+// With PROXY_CORNERS a primitive has eight vertices, and each does all of this and places its corner of the proxy.
+// Otherwise a primitive is a point, and primitive.geom emits the proxy.
 #include "item.glsl"
 #include "make_proxy.glsl"
 #include "internal_faces.glsl"
@@ -7,7 +10,19 @@
 out gl_PerVertex {
   vec4 gl_Position;
 };
+#ifdef PROXY_CORNERS
+// As in primitive.geom.
+layout(location = 0) flat out vec4 local_from_eye[3];
+layout(location = 3) flat out uvec4 anchor;
+Setup setup;
+const uint kVertices = 8u;
+#else
 layout(location = 0) out Setup setup;
+const uint kVertices = 1u;
+#endif
+
+// Beyond the right edge of every view, so that triangles of nothing are dropped before they are set up.
+const vec4 kNowhere = vec4(2.0, 0.0, 0.0, 1.0);
 
 // Rays start from an anchor, a point of the primitive near its visible part. This stage takes the ray through the
 // anchor's pixel to the anchor's depth in pairs. Each fragment takes the small step to its own pixel in float. So
@@ -48,7 +63,7 @@ Anchor choose_anchor(Item item, LocalBox box, mat3 eye_from_local, mat3 rows, ve
 }
 
 void main() {
-  uint record = record_of(1u);
+  uint record = record_of(kVertices);
   Item item = fetch_item(record, texels_per_record);
   mat3 eye_from_local = view.eye_from_world * item.chunk_from_local;
   vec3 yz = cross(eye_from_local[1], eye_from_local[2]);
@@ -88,5 +103,11 @@ void main() {
   }
   setup.proxy = make_proxy(box.low - margin, box.high + margin, viewer, inside, eye_from_local, volume < 0.0, a.local, a.eye.high);
   if (!placed) setup.proxy.corners = 0;
+#ifdef PROXY_CORNERS
+  local_from_eye = setup.local_from_eye;
+  anchor = setup.anchor;
+  gl_Position = setup.proxy.corners == 0 ? kNowhere : proxy_corner(setup.proxy, vertex_number() & 7u);
+#else
   gl_Position = vec4(0.0);
+#endif
 }

@@ -45,6 +45,7 @@ std::vector<gl::PipelineDescription> InDraw::all_programs() {
 core::Expected<InDraw> InDraw::create(const gl::Context& context, const core::Snapshot& snapshot,
                                       const gpuscene::GpuScene& scene) {
   assert(scene.batch(BatchKind::kCylinder) != nullptr);
+  assert(!context.functions().workarounds[gl::Workaround::kNoGeometryStage] && "the test is in the draw of points");
   const gl::Functions& gl = context.functions();
   auto program = gl::Program::create(gl, describe_in_draw());
   if (!program) return tl::unexpected(program.error());

@@ -67,7 +67,8 @@ TEST_F(DriverTestTest, ThisDriverPasses) {
   for (std::size_t i = 0; i < kDriverCheckCount; ++i) {
     const auto check = DriverCheck(i);
     EXPECT_NE(test[check], CheckResult::kFailed) << name_of(check);
-    const bool optional = check == DriverCheck::kIndirectCount || check == DriverCheck::kSamples || check == DriverCheck::kStorageBlocks;
+    const bool optional = check == DriverCheck::kIndirectCount || check == DriverCheck::kSamples ||
+                          check == DriverCheck::kStorageBlocks || check == DriverCheck::kGeometryStage;
     if (!optional) {
       EXPECT_EQ(test[check], CheckResult::kPassed) << name_of(check);
     }
@@ -87,6 +88,36 @@ TEST_F(DriverTestTest, EachFaultFailsItsCheckAlone) {
       EXPECT_EQ(test[check] == CheckResult::kFailed, check == faulty) << name_of(check);
     }
   }
+}
+
+/// What a clock shows that goes on by so many nanoseconds with each draw of boxes.
+std::uint64_t fake_now = 0, points_ns = 0, triangles_ns = 0;
+std::map<GLuint, std::uint64_t> fake_stamps;
+
+/// A check that measures: decided by times alone, and never made on software rasterisers.
+TEST_F(DriverTestTest, TheGeometryStageFailsByItsTimeAlone) {
+  Functions table = gl();
+  table.DrawArraysInstanced = [](GLenum, GLint, GLsizei, GLsizei) { fake_now += points_ns; };
+  table.DrawElementsInstanced = [](GLenum, GLsizei, GLenum, const void*, GLsizei) { fake_now += triangles_ns; };
+  table.QueryCounter = [](GLuint query, GLenum target) {
+    fake_stamps[query] = fake_now;
+    real->QueryCounter(query, target);
+  };
+  table.GetQueryObjectui64v = [](GLuint query, GLenum, GLuint64* value) { *value = fake_stamps[query]; };
+  const auto result = [&](std::uint64_t points, std::uint64_t triangles, bool software) {
+    points_ns = points;
+    triangles_ns = triangles;
+    Capabilities has = context->capabilities();
+    has.software = software;
+    has.max_storage_block_bytes = 0;
+    return run_driver_test(table, has)[DriverCheck::kGeometryStage];
+  };
+  EXPECT_EQ(result(1000, 1000, false), CheckResult::kPassed);
+  EXPECT_EQ(result(1400, 1000, false), CheckResult::kPassed);
+  EXPECT_EQ(result(1600, 1000, false), CheckResult::kFailed);
+  EXPECT_EQ(result(1600, 0, false), CheckResult::kNotRun) << "the clock stands still";
+  EXPECT_EQ(result(0, 1000, false), CheckResult::kNotRun);
+  EXPECT_EQ(result(1600, 1000, true), CheckResult::kNotRun);
 }
 
 /// A driver that cannot make objects or programs is not judged, and keeps no error.

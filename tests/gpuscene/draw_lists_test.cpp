@@ -79,20 +79,37 @@ class BoxPerPixel : public tests::GlTest {
     EXPECT_EQ(shown, wanted);
   }
 
+  /// Ranges, single records, and both.
+  void expect_named_shown(Stage& stage) {
+    expect_shown(stage, stage.all());  // runs of many commands
+    VisibleSet singles;
+    for (core::Slot slot = 0; slot < kItems; slot += 2) singles.single_slots.push_back(slot);
+    expect_shown(stage, singles);
+    VisibleSet both;
+    both.ranges = {{100, 128}, {1000, 50}, {2000, 9000}, {11000, 127}};
+    for (core::Slot slot = 12000; slot < 19000; slot += 3) both.single_slots.push_back(slot);
+    for (int frame = 0; frame < 4; ++frame) expect_shown(stage, both);
+    expect_shown(stage, {});
+  }
+
   core::Scene scene;
 };
 
 TEST_F(BoxPerPixel, IsDrawnIfNamed) {
   Stage stage(*context, scene, kWidth, kHeight);
-  expect_shown(stage, stage.all());  // runs of many commands
-  VisibleSet singles;
-  for (core::Slot slot = 0; slot < kItems; slot += 2) singles.single_slots.push_back(slot);
-  expect_shown(stage, singles);
-  VisibleSet both;
-  both.ranges = {{100, 128}, {1000, 50}, {2000, 9000}, {11000, 127}};
-  for (core::Slot slot = 12000; slot < 19000; slot += 3) both.single_slots.push_back(slot);
-  for (int frame = 0; frame < 4; ++frame) expect_shown(stage, both);
-  expect_shown(stage, {});
+  expect_named_shown(stage);
+}
+
+TEST_F(BoxPerPixel, IsDrawnIfNamedWithoutGeometryStage) {
+  auto made = gl::Context::create_offscreen({.debug = true, .workarounds = "no-geometry-stage=on"});
+  ASSERT_TRUE(made) << made.error().message;
+  if (tests::watch_functions) tests::watch_functions(const_cast<gl::Functions&>(made->functions()));
+  {
+    Stage stage(*made, scene, kWidth, kHeight);
+    expect_named_shown(stage);
+  }
+  EXPECT_TRUE(made->take_errors().empty());
+  ASSERT_TRUE(context->make_current());
 }
 
 TEST_F(BoxPerPixel, IsGoneWhenHidden) {
