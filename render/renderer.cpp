@@ -79,12 +79,11 @@ std::vector<gl::PipelineDescription> Renderer::all_programs() {
   const auto add = [&](const TargetFormat& format, Cut cut, Surface surface) {
     for (int i = 0; i < gpuscene::kBatchKindCount; ++i) {
       const gl::ProgramDescription batch = describe_batch(BatchKind(i), format, cut, surface);
-      if (gpuscene::is_ray_cast(BatchKind(i))) {
-        for (const bool geometry_stage : {true, false})
-          all.push_back({batch, describe_proxies(format, geometry_stage)});
-      } else {
-        all.push_back({batch});
-      }
+      all.push_back({batch});
+      if (!gpuscene::is_ray_cast(BatchKind(i))) continue;
+      all.back().push_back(describe_proxies(format, true));
+      // Both forms give fragments the same, so that one kind of surface stands for all.
+      if (cut == Cut::kNone && surface == Surface::kSolid) all.push_back({batch, describe_proxies(format, false)});
     }
     if (cut == Cut::kNone) return;
     for (const auto& caps : SectionCaps::describe(shader_context(format, cut, surface))) all.push_back({caps});
