@@ -332,8 +332,8 @@ class CheckProxies {
   GpuTimer timer_;
 };
 
-/// Not on software rasterisers, where timers mean nothing: there vertices are computed one after the other, and what
-/// seven of them do again costs more than the geometry stage (docs/results/drawing.md).
+/// Not on software rasterisers, where timers mean nothing. There both take as long (docs/results/drawing.md), so the form
+/// that computes less stays.
 CheckResult check_geometry_stage(const Functions& gl, const Capabilities& has, const CheckImage& image) {
   if (has.software) return CheckResult::kNotRun;
   const auto points = make_program(gl, proxies_program(true)), triangles = make_program(gl, proxies_program(false));
