@@ -102,10 +102,11 @@ Expected<dmat4> look_at(const Pose& pose) {
   return m;
 }
 
-Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect) {
+Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect, double filled) {
   constexpr double kNearest = 0.01;    // least distance between eye and box, in diagonals
   constexpr double kVertical = 0.999;  // of the direction's length; above it, z cannot be up
   assert(check_lens(fovy, aspect));
+  assert(filled > 0.0 && filled <= 1.0);
   const Expected<dmat4> axes = look_at({dvec3(0.0), direction, {0.0, 0.0, 1.0}});
   assert(axes && "a direction");
   const auto axis = [&](int row, double sign) {
@@ -120,7 +121,7 @@ Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, doub
     const dvec3 p = half * dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
     corners[i] = {glm::dot(p, right), glm::dot(p, up), glm::dot(p, forward)};
   }
-  const double tangent = std::tan(0.5 * fovy);
+  const double tangent = filled * std::tan(0.5 * fovy);
   const auto first =
       std::min_element(corners.begin(), corners.end(), [](const dvec3& a, const dvec3& b) { return a.z < b.z; });
   const double depth = std::min({nearest_depth(corners, 0, tangent * aspect), nearest_depth(corners, 1, tangent),
@@ -170,15 +171,16 @@ Expected<View> View::orthographic(const Pose& pose, double height, double aspect
   return from_matrices(*eye, clip, ClipDepth::kReversedZeroToOne);
 }
 
-Expected<View> View::fit(const AabbD& bounds, const dvec3& direction, double fovy, double aspect) {
+Expected<View> View::fit(const AabbD& bounds, const dvec3& direction, double fovy, double aspect, double filled) {
   constexpr double kNear = 1e-3;  // of the diagonal
   if (auto lens = check_lens(fovy, aspect); !lens) return tl::unexpected(lens.error());
   if (!bounds.empty() && !(is_finite(bounds.min) && is_finite(bounds.max)))
     return fail("fitted view: the bounds must be finite");
   if (!look_at({dvec3(0.0), direction, {0.0, 0.0, 1.0}}))
     return fail("fitted view: the direction must be finite and not zero");
+  if (!(filled > 0.0 && filled <= 1.0)) return fail("fitted view: the box must fill more than 0 and at most all");
   const double near = kNear * glm::length(visible_box(bounds).size());
-  return perspective(fitting_pose(bounds, direction, fovy, aspect), fovy, aspect, near);
+  return perspective(fitting_pose(bounds, direction, fovy, aspect, filled), fovy, aspect, near);
 }
 
 Expected<View> View::from_matrices(const dmat4& eye_from_world, const dmat4& clip_from_eye, ClipDepth depth) {

@@ -44,7 +44,8 @@ class SIGHTLINE_API View {
   /// The perspective view along `direction` in which the box fills the image; see fitting_pose(). Near is a thousandth
   /// of the box's diagonal, far is infinite. Fails where fitting_pose() has no answer: for a zero direction, and for
   /// arguments that are not finite or out of range.
-  static Expected<View> fit(const AabbD& bounds, const dvec3& direction, double fovy, double aspect);
+  static Expected<View> fit(const AabbD& bounds, const dvec3& direction, double fovy, double aspect,
+                            double filled = 1.0);
   /// A view from an application's own matrices. Culling uses clip_from_eye * eye_from_world. Pass a combined projection
   /// * view matrix as clip_from_eye, with the identity as eye_from_world. Such a view can cull but not be drawn, since
   /// drawing needs the two parts. Entries must be finite. Fails when eye_from_world is not affine (last row 0 0 0 1),
@@ -92,8 +93,14 @@ SIGHTLINE_API Expected<dmat4> look_at(const Pose& pose);
 /// box's centre. Up is z, or the top of the image where the line of sight is nearly vertical.
 ///
 /// An empty box counts as the cube of ±1 m about the origin. A point counts as that cube about the point.
-/// Preconditions: bounds finite or empty, direction finite and not zero, 0 < fovy < pi, aspect positive and finite.
-SIGHTLINE_API Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect);
+/// `filled`: the box fits the middle of the image, of so much of its width and height, and the borders of that count.
+/// Preconditions: bounds finite or empty, direction finite and not zero, 0 < fovy < pi, aspect positive and finite,
+/// 0 < filled <= 1.
+SIGHTLINE_API Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect,
+                                double filled = 1.0);
+
+/// What images of the whole leave room around: the share that is filled.
+inline constexpr double kOverviewFilled = 0.9;
 
 /// View direction of an overview: from above and the south-west, z up.
 inline const dvec3 kOverviewDirection{0.55, 0.85, -0.55};

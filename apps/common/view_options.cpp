@@ -39,14 +39,7 @@ core::AabbD cut(core::AabbD box, const std::vector<core::Plane>& sections) {
   return box;
 }
 
-constexpr double kFilled = 0.9;  // of the width or height of an image of the whole
-
-core::Expected<core::View> perspective_view(const core::AabbD& box, const core::dvec3& direction, double aspect) {
-  const double diagonal = glm::length(box.size());
-  if (!(diagonal > 0.0)) return core::View::fit(box, direction, kFovy, aspect);
-  return core::View::perspective(roomy_pose(box, direction, kFovy, aspect), kFovy, aspect, 1e-3 * diagonal);
-}
-
+/// The parallel view along a direction that the box fills.
 core::Expected<core::View> parallel_view(const core::AabbD& box, const core::dvec3& direction, double aspect) {
   const double diagonal = std::max(glm::length(box.size()), 1e-3);
   const core::Pose pose{box.centre() - diagonal * glm::normalize(direction), box.centre(), {0.0, 0.0, 1.0}};
@@ -55,15 +48,11 @@ core::Expected<core::View> parallel_view(const core::AabbD& box, const core::dve
   core::dvec2 half(0.0);
   for (int row = 0; row < 2; ++row)
     for (int axis = 0; axis < 3; ++axis) half[row] += 0.5 * box.size()[axis] * std::abs((*axes)[axis][row]);
-  const double height = 2.0 / kFilled * std::max({half.y, half.x / aspect, 1e-4 * diagonal});
+  const double height = 2.0 / core::kOverviewFilled * std::max({half.y, half.x / aspect, 1e-4 * diagonal});
   return core::View::orthographic(pose, height, aspect, 0.0, 2.0 * diagonal);
 }
 
 }  // namespace
-
-core::Pose roomy_pose(const core::AabbD& bounds, const core::dvec3& direction, double fovy, double aspect) {
-  return core::fitting_pose(bounds, direction, 2.0 * std::atan(kFilled * std::tan(0.5 * fovy)), aspect);
-}
 
 core::Expected<core::Plane> parse_section(const std::string& text) {
   const auto refused = [&] {
@@ -172,7 +161,7 @@ core::Expected<core::View> chosen_view(const ViewOptions& options, const std::ve
   const core::AabbD kept = cut(fitted.bounds, sections), box = kept.empty() ? fitted.bounds : kept;
   const core::dvec3 direction = direction_of(options.from);
   return options.parallel && !box.empty() ? parallel_view(box, direction, aspect)
-                                          : perspective_view(box, direction, aspect);
+                                          : core::View::fit(box, direction, kFovy, aspect, core::kOverviewFilled);
 }
 
 }  // namespace

@@ -20,9 +20,6 @@ struct ViewOptions {
   bool quiet = false;  ///< choose_view() prints nothing
 };
 
-/// core::fitting_pose() with a little room: the box fills nine tenths of the image's width or height.
-core::Pose roomy_pose(const core::AabbD& bounds, const core::dvec3& direction, double fovy, double aspect);
-
 /// A section plane as "z<12.3" or "x>250mm": an axis, the side that stays, and where; metres without a unit.
 core::Expected<core::Plane> parse_section(const std::string& text);
 

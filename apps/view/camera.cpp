@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/apps/common/view_options.h"
-
 namespace sightline::apps {
 namespace {
 
@@ -31,7 +29,7 @@ Camera::Camera(const core::AabbD& bounds, double fovy, double aspect)
     : size_(size_of(bounds)),
       fovy_(fovy),
       near_(kNearShare * std::max(1.0, size_)),
-      pose_(roomy_pose(bounds, core::kOverviewDirection, fovy, aspect)),
+      pose_(core::fitting_pose(bounds, core::kOverviewDirection, fovy, aspect, core::kOverviewFilled)),
       speed_(kSizesPerSecond * size_) {}
 
 core::Expected<core::View> Camera::view(double aspect, const core::dvec2& shift) const {
@@ -62,7 +60,7 @@ void Camera::fit(const core::AabbD& bounds, double aspect) {
 }
 
 void Camera::look_along(const core::dvec3& direction, const core::AabbD& bounds, double aspect) {
-  pose_ = roomy_pose(bounds, direction, fovy_, aspect);
+  pose_ = core::fitting_pose(bounds, direction, fovy_, aspect, core::kOverviewFilled);
 }
 
 void Camera::fly(const core::dvec3& held, double seconds) {

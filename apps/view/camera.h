@@ -21,7 +21,7 @@ class Camera {
   /// right and up in it, in parts of its width and height.
   core::Expected<core::View> view(double aspect, const core::dvec2& shift = core::dvec2(0.0)) const;
 
-  /// Moves back or forth until a box fills the image, with a little room around it: roomy_pose().
+  /// Moves back or forth until a box fills the image, with a little room around it.
   void fit(const core::AabbD& bounds, double aspect);
   /// The same along another direction, not 0.
   void look_along(const core::dvec3& direction, const core::AabbD& bounds, double aspect);

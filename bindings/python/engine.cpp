@@ -148,7 +148,7 @@ core::View fit(EngineBox& box, const py::object& direction, double fovy, std::op
   const double aspect = aspect_.value_or(double(box.width()) / box.height());
   const core::dvec3 along = direction.is_none() ? core::kOverviewDirection : vector3(direction, "direction");
   return unwrap(box.call([&](engine::Engine& e) {
-    return core::View::fit(e.snapshot().bounds().fitted_bounds().bounds, along, fovy, aspect);
+    return core::View::fit(e.snapshot().bounds().fitted_bounds().bounds, along, fovy, aspect, core::kOverviewFilled);
   }));
 }
 
@@ -405,7 +405,8 @@ void bind_queries(EngineClass& c) {
            "Items that a rectangle of the image shows, by rays: a structured array of `item` and `samples`.")
       .def("fit", &fit, "direction"_a = py::none(), py::kw_only(), "fovy"_a = 0.25 * std::numbers::pi,
            "aspect"_a = py::none(),
-           "The view of the whole model along `direction`, without items that lie too far from all others. "
+           "The view of the whole model along `direction`, which fills nine tenths of the image, without items that lie too "
+           "far from all others. "
            "`aspect`: width / height; None: the engine's.")
       .def("tour", &tour, "duration"_a = 60.0, "A flight through the model, as sightline-replay makes it; seconds.");
 }

@@ -150,7 +150,7 @@ TEST_F(Info, TellsOfOpenGl) {
     EXPECT_NE(page.out.find(line), std::string::npos) << line << page;
   const Json json = run_json("info", {"--gl", "--gl-workaround", "no-timer=on"});
   EXPECT_EQ(json["self_test"]["checks"]["conservative-depth"], "passed");
-  EXPECT_EQ(json["workarounds"].size(), 7u);
+  EXPECT_EQ(json["workarounds"].size(), 8u);
   for (const Json& row : json["workarounds"]) EXPECT_EQ(row["on"], row["name"] == "no-timer") << row;
   EXPECT_EQ(run("info", {"--gl", "--gl-workaround", "no-timer"}).code, 2);
   EXPECT_EQ(run("info", {"--gl", plant(1000)}).code, 2);

@@ -377,6 +377,23 @@ TEST(FittingPose, FillsTheImageWithTheBox) {
   EXPECT_GT(at_a_hundredth, 10) << "few wide lenses along diagonals";
 }
 
+TEST(FittingPose, LeavesRoomThatIsAskedFor) {
+  const AabbD box{{-1, -2, -3}, {4, 5, 6}};
+  for (const double filled : {0.25, 0.9, 1.0}) {
+    const auto view = View::fit(box, kOverviewDirection, 0.8, 1.6, filled);
+    ASSERT_TRUE(view);
+    double reach = 0.0;
+    for (int i = 0; i < 8; ++i) {
+      const dvec4 p = view->clip_from_world() * dvec4(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
+                                                      i & 4 ? box.max.z : box.min.z, 1.0);
+      reach = std::max({reach, std::abs(p.x / p.w), std::abs(p.y / p.w)});
+    }
+    EXPECT_NEAR(reach, filled, 1e-9);
+  }
+  for (const double bad : {0.0, -1.0, 1.1, std::nan("")})
+    EXPECT_FALSE(View::fit(box, kOverviewDirection, 0.8, 1.6, bad)) << bad;
+}
+
 TEST(FittingPose, LooksAlongEveryAxisAndFarFromTheOrigin) {
   for (const double far : {0.0, 1e3, 1e7})
     for (int axis = 0; axis < 3; ++axis)
