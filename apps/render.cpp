@@ -150,9 +150,10 @@ void add_options(apps::CommandLine& line, Options& o) {
 }
 
 void warn_without_output(const Options& o) {
+  if (o.model.explain || o.view.quiet) return;
   for (const std::string* file :
        {&o.out, &o.ids, &o.ids_json, &o.depth, &o.reference, &o.reference_ids, &o.json_file, &o.frames_folder})
-    if (!file->empty() || o.model.explain || o.view.quiet) return;
+    if (!file->empty()) return;
   std::fprintf(stderr, "warning: nothing is written: --out image.png is missing\n");
 }
 

@@ -10,7 +10,6 @@
 #include "sightline/importers/view_json.h"
 
 namespace sightline::apps {
-
 namespace {
 
 /// Names of views of the whole, in the order of help.
@@ -27,7 +26,7 @@ core::dvec3 direction_of(const std::string& name) {
   return core::kOverviewDirection;
 }
 
-/// What of a box the sections may keep.
+/// Returns the part of a box that the sections may keep.
 core::AabbD cut(core::AabbD box, const std::vector<core::Plane>& sections) {
   for (const core::Plane& plane : sections)
     for (int axis = 0; axis < 3; ++axis) {
@@ -129,7 +128,7 @@ std::vector<core::Plane> planes_of(const ViewOptions& options, const core::dvec3
   return planes;
 }
 
-/// What sections keep of the boxes of all items within the bounds.
+/// Returns the bounds of what sections keep of the items within `bounds`.
 core::AabbD cut_items(const core::ItemBounds& items, const core::AabbD& bounds,
                       const std::vector<core::Plane>& sections) {
   core::AabbD kept;
@@ -164,22 +163,9 @@ core::Expected<core::View> chosen_view(const ViewOptions& options, const std::ve
                                           : core::View::fit(box, direction, kFovy, aspect, core::kOverviewFilled);
 }
 
-}  // namespace
-
-core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
-                                       double aspect) {
-  core::FittedBounds fitted;
-  if (options.view.empty() && options.path.empty()) fitted = snapshot.bounds().fitted_bounds();
-  if (!options.sections.empty() && !fitted.bounds.empty()) {
-    const core::AabbD kept = cut_items(snapshot.bounds(), fitted.bounds, planes_of(options, model.offset));
-    if (!kept.empty()) fitted.bounds = kept;
-  }
-  return choose_view(options, model.offset, fitted, aspect);
-}
-
-core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
-                                       const core::FittedBounds& fitted, double aspect) {
-  const std::vector<core::Plane> sections = planes_of(options, offset);
+/// Chooses a view and adds the planes of --section to those that it has.
+core::Expected<core::View> sectioned_view(const ViewOptions& options, const std::vector<core::Plane>& sections,
+                                          const core::dvec3& offset, const core::FittedBounds& fitted, double aspect) {
   auto view = chosen_view(options, sections, offset, fitted, aspect);
   if (!view || sections.empty()) return view;
   if (view->section_mode == core::SectionMode::kUnion && !view->sections.empty())
@@ -189,6 +175,25 @@ core::Expected<core::View> choose_view(const ViewOptions& options, const core::d
                       options.view);
   view->sections.insert(view->sections.end(), sections.begin(), sections.end());
   return view;
+}
+
+}  // namespace
+
+core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
+                                       double aspect) {
+  const std::vector<core::Plane> sections = planes_of(options, model.offset);
+  core::FittedBounds fitted;
+  if (options.view.empty() && options.path.empty()) fitted = snapshot.bounds().fitted_bounds();
+  if (!sections.empty() && !fitted.bounds.empty()) {
+    const core::AabbD kept = cut_items(snapshot.bounds(), fitted.bounds, sections);
+    if (!kept.empty()) fitted.bounds = kept;
+  }
+  return sectioned_view(options, sections, model.offset, fitted, aspect);
+}
+
+core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
+                                       const core::FittedBounds& fitted, double aspect) {
+  return sectioned_view(options, planes_of(options, offset), offset, fitted, aspect);
 }
 
 }  // namespace sightline::apps

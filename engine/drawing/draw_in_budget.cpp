@@ -95,8 +95,8 @@ void DrawInBudget::begin(DrawContext& context, const Culled& culled, bool stays)
   image.budget_view = culled.view;
 }
 
-/// Draws a pass and learns what it takes, which it returns in milliseconds. `read_back`: later passes are tested against
-/// its depth; the time for that is learnt apart, since it is the same whatever is drawn.
+/// Draws a pass and learns what it takes, which it returns in milliseconds. `read_back`: later passes are tested
+/// against its depth; the time for that is learnt apart, since it is the same whatever is drawn.
 core::Expected<double> DrawInBudget::draw_pass(DrawContext& context, const Culled& culled,
                                                const render::RenderTarget& canvas, bool read_back) {
   BudgetPasses& budget = context.image->budget;
@@ -107,9 +107,10 @@ core::Expected<double> DrawInBudget::draw_pass(DrawContext& context, const Culle
   if (!done) return tl::unexpected(done.error());
   context.gl().Finish();
   const double drawn = core::now_seconds(), ms = 1e3 * (drawn - begin);
-  if (read_back)
+  if (read_back) {
     if (done = context.read_back_depth(culled.view, canvas); !done) return tl::unexpected(done.error());
-  if (read_back) readback_ms_ = 1e3 * (core::now_seconds() - drawn);
+    readback_ms_ = 1e3 * (core::now_seconds() - drawn);
+  }
   budget.took(std::max(0.0, ms - (context.software() ? 0.0 : context.round_trip_ms())));
   return ms;
 }
