@@ -29,7 +29,7 @@ core::Expected<Model> Loader::read(const Work& work) {
   reading.quiet = true;
   reading.import.progress = progress_within(0.0, share_of_reading);
   auto model = load_model(reading);
-  reading_ = false;
+  read_at_ = std::chrono::steady_clock::now();
   if (!model) return model;
   if (auto committed = model->scene->commit(); !committed) return tl::unexpected(committed.error());
   if (!work) return model;

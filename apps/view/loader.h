@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <thread>
@@ -26,7 +27,8 @@ class Loader {
 
   const ModelOptions& options() const { return options_; }
   double progress() const { return progress_; }  ///< 0 to 1
-  bool reading() const { return reading_; }      ///< else it works on what was read, or is done
+  /// When the files were read, or found unreadable; zero before that.
+  std::chrono::steady_clock::time_point read_at() const { return read_at_; }
   void cancel() { cancelled_ = true; }
   bool cancelled() const { return cancelled_; }
   /// The model, committed, once it is ready.
@@ -38,7 +40,8 @@ class Loader {
 
   ModelOptions options_;
   std::atomic<double> progress_ = 0.0;
-  std::atomic<bool> reading_ = true, cancelled_ = false, done_ = false;
+  std::atomic<std::chrono::steady_clock::time_point> read_at_{};
+  std::atomic<bool> cancelled_ = false, done_ = false;
   std::optional<core::Expected<Model>> result_;  // written before done_
   std::jthread thread_;                          // last: it uses the others
 };

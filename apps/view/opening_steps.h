@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <string_view>
 
@@ -12,11 +13,13 @@ inline constexpr std::array<std::string_view, 5> kOpeningStepNames{"", "reading"
 
 class OpeningSteps {
  public:
-  /// `now`: seconds, which do not go back. kNone: the model is open, or will not be.
-  void enter(OpeningStep step, double now) {
-    if (step_ != OpeningStep::kNone) seconds_[std::size_t(step_)] += now - since_;
+  using Clock = std::chrono::steady_clock;
+
+  /// `when`: not before the step that it ends. kNone: the model is open, or will not be.
+  void enter(OpeningStep step, Clock::time_point when = Clock::now()) {
+    if (step_ != OpeningStep::kNone) seconds_[std::size_t(step_)] += std::chrono::duration<double>(when - since_).count();
     step_ = step;
-    since_ = now;
+    since_ = when;
   }
   OpeningStep step() const { return step_; }
   std::string_view name() const { return kOpeningStepNames[std::size_t(step_)]; }
@@ -25,7 +28,7 @@ class OpeningSteps {
 
  private:
   OpeningStep step_ = OpeningStep::kNone;
-  double since_ = 0.0;
+  Clock::time_point since_;
   std::array<double, kOpeningStepNames.size()> seconds_{};
 };
 

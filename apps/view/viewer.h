@@ -147,7 +147,7 @@ class Viewer {
   core::Expected<void> recover();
   core::Expected<void> land();
   core::Expected<void> landed();
-  OpeningStep opening_step() const;
+  void follow_opening();
   void drop_loading();
   core::Expected<void> not_landed(const core::Error& error);
   void land_comparison(core::Expected<Model> before, const std::string& file);

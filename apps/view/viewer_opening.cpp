@@ -4,9 +4,6 @@
 #include <numeric>
 #include <utility>
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/viewer.h"
@@ -56,13 +53,14 @@ void Viewer::open(const std::vector<std::string>& files) {
   loader_ = std::make_unique<Loader>(model, &Window::wake, make_session);
   found_.reset();
   opening_ = {};
+  opening_.enter(OpeningStep::kReading);
   landing_calls_ = 0;
   shown.open = false;
   tell("reading " + name_of_files(files));
 }
 
 void Viewer::drop_loading() {
-  opening_.enter(OpeningStep::kNone, glfwGetTime());
+  opening_.enter(OpeningStep::kNone);
   loader_.reset();  // first: its thread uses preview and model
   opened_.reset();
   landing_ = false;
@@ -76,7 +74,7 @@ void Viewer::cancel_loading() {
 /// stays where the file cannot be read.
 core::Expected<void> Viewer::land() {
   if (!loader_ || export_) return {};
-  if (const OpeningStep step = opening_step(); step != opening_.step()) opening_.enter(step, glfwGetTime());
+  follow_opening();
   if (!landing_) {
     auto model = loader_->take();
     if (!model) return {};
@@ -98,9 +96,13 @@ core::Expected<void> Viewer::land() {
   return *done ? landed() : core::Expected<void>();
 }
 
-OpeningStep Viewer::opening_step() const {
-  if (landing_) return opened_->uploaded() ? OpeningStep::kDrawing : OpeningStep::kUploading;
-  return loader_->reading() ? OpeningStep::kReading : OpeningStep::kBuilding;
+/// Reading may have ended long before this frame, which is why the loader says when.
+void Viewer::follow_opening() {
+  if (opening_.step() == OpeningStep::kReading && loader_->read_at() != OpeningSteps::Clock::time_point())
+    opening_.enter(OpeningStep::kBuilding, loader_->read_at());
+  if (!landing_) return;
+  const OpeningStep step = opened_->uploaded() ? OpeningStep::kDrawing : OpeningStep::kUploading;
+  if (step != opening_.step()) opening_.enter(step);
 }
 
 core::Expected<void> Viewer::not_landed(const core::Error& error) {
@@ -120,7 +122,7 @@ core::Expected<void> Viewer::landed() {
   const bool recognised = loader_->options().import.recognise;
   loader_.reset();
   preview_.reset();
-  opening_.enter(OpeningStep::kNone, glfwGetTime());
+  opening_.enter(OpeningStep::kNone);
   recognised_ = recognised;
   landing_ = false;
   redraws_ = kSettlingFrames;

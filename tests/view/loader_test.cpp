@@ -36,9 +36,11 @@ TEST_F(LoaderTest, WorksOnTheCommittedModel) {
   std::size_t items = 0;
   double at_work = 0.0;
   std::atomic<Loader*> self = nullptr;
+  const auto begun = std::chrono::steady_clock::now();
   Loader loader(options, tell, [&](Model& model, const std::function<bool(double)>& progress) {
     while (!self) std::this_thread::yield();
-    EXPECT_FALSE(self.load()->reading());
+    EXPECT_GT(self.load()->read_at(), begun);
+    EXPECT_LE(self.load()->read_at(), std::chrono::steady_clock::now());
     items = model.scene->commit()->inserted.size() + model.scene->item_count();
     EXPECT_TRUE(progress(0.5));
     at_work = self.load()->progress();
