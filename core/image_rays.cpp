@@ -1,7 +1,10 @@
 #include "sightline/core/image_rays.h"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "sightline/core/affine.h"
 
@@ -84,6 +87,24 @@ Expected<Ray> image_ray(const View& view, int width, int height, double x, doubl
   const Ray ray = rays->through(x, y);
   if (!finite(ray)) return fail("image_ray: the view's matrices must have inverses");
   return ray;
+}
+
+std::vector<dvec2> rook_positions(int samples) {
+  assert(samples > 0);
+  if (samples == 4) return {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}};
+  std::vector<std::pair<double, int>> order;  // by the radical inverse
+  for (int i = 0; i < samples; ++i) {
+    double inverse = 0.0, digit = 0.5;
+    for (int rest = i; rest > 0; rest /= 2, digit *= 0.5) inverse += rest % 2 * digit;
+    order.emplace_back(inverse, i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<dvec2> positions(static_cast<std::size_t>(samples));
+  for (int row = 0; row < samples; ++row) {
+    const int i = order[std::size_t(row)].second;
+    positions[std::size_t(i)] = {(i + 0.5) / samples, (row + 0.5) / samples};
+  }
+  return positions;
 }
 
 }  // namespace sightline::core

@@ -5,6 +5,8 @@
 // (X x Y) + x (Y x W) + y (W x X).
 #pragma once
 
+#include <vector>
+
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/ray.h"
@@ -44,5 +46,10 @@ class SIGHTLINE_API ImageRays {
 /// 0.5. From the eye, or in orthographic views from the near plane. The direction has unit length; t_min and t_max are
 /// at the near and far plane. Fails when the view's matrices have no inverse or the point is not finite.
 SIGHTLINE_API Expected<Ray> image_ray(const View& view, int width, int height, double x, double y);
+
+/// Places in a pixel, 0 … 1 from its upper left corner, so many of them, 1 or more: one in each row and in each column
+/// of a grid of samples x samples, so that edges along either get as many shades. Their mean is the pixel's middle. In
+/// the order of the Hammersley set; four are turned, since those would lie along the diagonal.
+SIGHTLINE_API std::vector<dvec2> rook_positions(int samples);
 
 }  // namespace sightline::core

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sightline/core/fitting.h"
+
 namespace sightline::core {
 namespace {
 
@@ -42,39 +44,6 @@ AabbD visible_box(const AabbD& bounds) {
   return {bounds.centre() - half, bounds.centre() + half};
 }
 
-/// Corners of a box about the origin, in the eye's axes: right, up, forward.
-using Corners = std::array<dvec3, 8>;
-
-/// The greatest depth at which some eye position along `axis` sees all corners between the slopes -tangent and tangent.
-/// Depth is the coordinate along the line of sight. A corner c lies below the upper slope where c[axis] - tangent * c.z
-/// is at most place - tangent * depth, and above the lower one where c[axis] + tangent * c.z is at least place +
-/// tangent * depth.
-double nearest_depth(const Corners& corners, int axis, double tangent) {
-  double low = -std::numeric_limits<double>::infinity(), high = -low;
-  for (const dvec3& c : corners) {
-    low = std::max(low, c[axis] - tangent * c.z);
-    high = std::min(high, c[axis] + tangent * c.z);
-  }
-  return (high - low) / (2.0 * tangent);
-}
-
-/// The eye position along `axis` at which the largest slope to a corner is minus the smallest one. For one pair of
-/// corners that is a linear equation. The sum of the largest and the smallest slope is a maximum over one corner of a
-/// minimum over the other. All these functions fall as the eye moves along the axis. So the root of the sum is the same
-/// maximum of minimum of the pairs' roots.
-double centred(const Corners& corners, int axis, double depth) {
-  double place = -std::numeric_limits<double>::infinity();
-  for (const dvec3& a : corners) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const dvec3& b : corners) {
-      const double to_a = a.z - depth, to_b = b.z - depth;
-      least = std::min(least, (a[axis] * to_b + b[axis] * to_a) / (to_a + to_b));
-    }
-    place = std::max(place, least);
-  }
-  return place;
-}
-
 }  // namespace
 
 Expected<dmat4> look_at(const Pose& pose) {
@@ -103,31 +72,11 @@ Expected<dmat4> look_at(const Pose& pose) {
 }
 
 Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect, double filled) {
-  constexpr double kNearest = 0.01;    // least distance between eye and box, in diagonals
-  constexpr double kVertical = 0.999;  // of the direction's length; above it, z cannot be up
   assert(check_lens(fovy, aspect));
-  assert(filled > 0.0 && filled <= 1.0);
-  const Expected<dmat4> axes = look_at({dvec3(0.0), direction, {0.0, 0.0, 1.0}});
-  assert(axes && "a direction");
-  const auto axis = [&](int row, double sign) {
-    return sign * dvec3((*axes)[0][row], (*axes)[1][row], (*axes)[2][row]);
-  };
-  const dvec3 right = axis(0, 1.0), up = axis(1, 1.0), forward = axis(2, -1.0);
-
   const AabbD box = visible_box(bounds);
-  const dvec3 half = 0.5 * box.size();
-  Corners corners;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const dvec3 p = half * dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-    corners[i] = {glm::dot(p, right), glm::dot(p, up), glm::dot(p, forward)};
-  }
-  const double tangent = filled * std::tan(0.5 * fovy);
-  const auto first =
-      std::min_element(corners.begin(), corners.end(), [](const dvec3& a, const dvec3& b) { return a.z < b.z; });
-  const double depth = std::min({nearest_depth(corners, 0, tangent * aspect), nearest_depth(corners, 1, tangent),
-                                 first->z - kNearest * glm::length(box.size())});
-  const dvec3 target = box.centre() + centred(corners, 0, depth) * right + centred(corners, 1, depth) * up;
-  return {target + depth * forward, target, std::abs(forward.z) > kVertical ? up : dvec3(0.0, 0.0, 1.0)};
+  Fitting fitting(direction, fovy, aspect, filled, box.centre());
+  fitting.add(box);
+  return fitting.pose();
 }
 
 Expected<View> View::perspective(const Pose& pose, double fovy, double aspect, double near, double far) {

@@ -67,24 +67,10 @@ core::Expected<std::optional<Hit>> nearest_but(const Tracer& tracer, const core:
 
 std::vector<core::dvec2> sample_positions(int samples) {
   assert(samples > 0);
-  std::vector<core::dvec2> positions;
   const int n = int(std::lround(std::sqrt(samples)));
-  if (n * n == samples) {
-    for (int i = 0; i < samples; ++i) positions.emplace_back((i % n + 0.5) / n, (i / n + 0.5) / n);
-    return positions;
-  }
-  std::vector<std::pair<double, int>> order;  // by the radical inverse
-  for (int i = 0; i < samples; ++i) {
-    double inverse = 0.0, digit = 0.5;
-    for (int rest = i; rest > 0; rest /= 2, digit *= 0.5) inverse += rest % 2 * digit;
-    order.emplace_back(inverse, i);
-  }
-  std::sort(order.begin(), order.end());
-  positions.resize(std::size_t(samples));
-  for (int row = 0; row < samples; ++row) {
-    const int i = order[std::size_t(row)].second;
-    positions[std::size_t(i)] = {(i + 0.5) / samples, (row + 0.5) / samples};
-  }
+  if (n * n != samples) return core::rook_positions(samples);
+  std::vector<core::dvec2> positions;
+  for (int i = 0; i < samples; ++i) positions.emplace_back((i % n + 0.5) / n, (i / n + 0.5) / n);
   return positions;
 }
 

@@ -41,8 +41,7 @@ SIGHTLINE_API core::Expected<std::optional<Hit>> nearest_but(const Tracer& trace
                                                              std::span<const std::uint64_t> ignored);
 
 /// Where the samples of a pixel lie, 0 … 1 from its upper left corner; their mean is the pixel's middle. In the cells
-/// of a grid of n x n where `samples`, 1 or more, is n^2. Otherwise one in each row and column of a grid of samples x
-/// samples, in the order of the Hammersley set.
+/// of a grid of n x n where `samples`, 1 or more, is n^2. Otherwise as core::rook_positions() has them.
 SIGHTLINE_API std::vector<core::dvec2> sample_positions(int samples);
 
 }  // namespace sightline::raytrace

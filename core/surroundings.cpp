@@ -1,0 +1,31 @@
+#include "sightline/core/surroundings.h"
+
+#include <array>
+
+#include <glm/glm.hpp>
+
+namespace sightline::core {
+namespace {
+
+/// Of Lighting::kStudio, in eye space: x right, y up, z towards the viewer.
+struct StudioLight {
+  dvec3 towards;
+  double strength;
+};
+constexpr std::array<StudioLight, kMostDistantLights> kStudio{
+    {{{-0.45, 0.60, 0.66}, 0.95}, {{0.80, 0.05, 0.60}, 0.40}}};
+
+}  // namespace
+
+std::vector<DistantLight> distant_lights(const View& view, Lighting lighting, const dvec3& sun) {
+  std::vector<DistantLight> lights;
+  if (lighting == Lighting::kSun) lights.push_back({glm::normalize(sun), 1.0});
+  if (lighting == Lighting::kStudio) {
+    const dmat3 world_from_eye = glm::inverse(dmat3(view.eye_from_world()));
+    for (const StudioLight& light : kStudio)
+      lights.push_back({glm::normalize(world_from_eye * light.towards), light.strength});
+  }
+  return lights;
+}
+
+}  // namespace sightline::core
