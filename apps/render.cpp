@@ -41,14 +41,15 @@ struct Options {
 
   bool wants_ids() const { return !ids.empty() || !ids_json.empty() || !reference_ids.empty(); }
   bool wants_depth() const { return !depth.empty() || !reference_depth.empty(); }
+  std::vector<core::dvec2> shifts() const { return apps::sample_shifts(int(samples.value_or(shown.plain ? 1 : 4))); }
   int tile_side(const std::array<int, 2>& size) const {
     if (tile > 0) return tile;
     return std::max(size[0], size[1]) > kLargestWhole ? apps::kTileSide : kLargestWhole;
   }
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
-  int samples = 1;
-  apps::DrawnOptions shown;
+  std::optional<std::uint64_t> samples;
+  apps::DrawnOptions shown{.looks = engine::Looks::for_people()};
   apps::StyleOptions styles;
   gl::ContextPlatform platform = {};
   bool gl_debug = false, mpi = false;
@@ -125,14 +126,18 @@ void add_engine_options(apps::CommandLine& line, Options& o) {
   apps::add_gpu_pass_option(line, o.gpu_culler);
   apps::add_drawn_options(line, o.shown);
   apps::add_style_options(line, o.styles);
-  line.add("--samples", o.samples, "Samples of each pixel, for smooth edges; ids and depth are one sample's")
-      .shows_default()
+  apps::add_plain_option(line, o.shown);
+  line.group(OptionGroup::kEngine)
+      .add("--samples", o.samples,
+           "Samples of each pixel, for smooth edges: so many images; ids and depth are those of pixel centres")
+      .default_text("4")
       .in_range(1, 64);
   apps::add_context_option(line, o.platform);
 }
 
 void add_options(apps::CommandLine& line, Options& o) {
   apps::CommandLine general = line.group(OptionGroup::kGeneral);
+  o.model.import.crease_angle = apps::kCreaseAngle;
   apps::add_model_options(line, o.model);
   apps::add_view_options(line, o.view);
   add_output_options(line, o);
@@ -316,7 +321,7 @@ core::Expected<void> draw(engine::Engine& engine, apps::TiledImage& image, Outpu
 
 void warn_if_blank(const apps::TiledImage& image, const std::string& name) {
   if (!image.blank()) return;
-  const std::string count = image.steps() == 1 ? std::to_string(image.report().visible) + " " : "";
+  const std::string count = image.in_one_tile() ? std::to_string(image.report().visible) + " " : "";
   std::fprintf(stderr, "warning: %s: no pixel shows any of the %svisible items\n", name.c_str(), count.c_str());
 }
 
@@ -381,7 +386,7 @@ core::Expected<int> render_image(const Options& o, Studio& studio) {
   if (!begun) return tl::unexpected(begun.error());
   const bool complete = studio.tiles.tiles.size() > 1;  // a budget shows in an image that is drawn at once
   apps::TiledImage image(begun->view, studio.tiles,
-                         {.ids = o.wants_ids(), .depth = o.wants_depth(), .complete = complete});
+                         {.ids = o.wants_ids(), .depth = o.wants_depth(), .complete = complete, .shifts = o.shifts()});
   if (auto done = draw_with_bar(studio, image, begun->outputs); !done) return tl::unexpected(done.error());
   warn_if_blank(image, "the image");
   Json figures = figures_of(studio);
@@ -416,7 +421,7 @@ core::Expected<int> render_frames(const Options& o, Studio& studio) {
     file.out = (std::filesystem::path(o.frames_folder) / apps::PathFrames::file_name(frame)).string();
     auto outputs = Outputs::open(file, studio.size);
     if (!outputs) return tl::unexpected(outputs.error());
-    apps::TiledImage image(*view, studio.tiles, {});
+    apps::TiledImage image(*view, studio.tiles, {.shifts = o.shifts()});
     auto done = draw(engine, image, *outputs, [] {});
     if (done) done = outputs->finish(*model.scene);
     if (!done) return tl::unexpected(done.error());
@@ -437,7 +442,6 @@ core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& pa
   if (!size) return tl::unexpected(size.error());
   engine::EngineConfig config;
   config.draw = true;
-  config.drawing.samples = o.samples;
   o.shown.apply(config);
   config.drawing.transparency = o.styles.transparency;
   config.drawing.ids = o.wants_ids() || o.mpi;
@@ -498,11 +502,12 @@ core::Expected<PagedImage> draw_paged(const Options& o) {
                                   .height = (*size)[1],
                                   .ids = o.wants_ids(),
                                   .lod_error = o.shown.lod_error,
+                                  .looks = o.shown.all_looks(),
                                   .context_platform = o.platform,
                                   .gl_debug = o.gl_debug});
   if (!engine) return tl::unexpected(engine.error());
-  const auto view =
-      apps::choose_view(o.view, core::dvec3(0.0), engine->scene().fitted, double((*size)[0]) / (*size)[1]);
+  const auto view = apps::choose_view(o.view, core::dvec3(0.0), engine->scene().leaves, engine->scene().fitted,
+                                      double((*size)[0]) / (*size)[1]);
   if (!view) return tl::unexpected(view.error());
   auto outputs = Outputs::open(o, *size);
   if (!outputs) return tl::unexpected(outputs.error());
@@ -546,13 +551,15 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
     o.model.quiet = o.view.quiet = true;
     o.model.explain = false;
   }
+  o.shown.depth_shading = o.shown.edge_lines = 0.0;  // a process knows the depth of its own part alone
   apps::Composer composer(*session);
   auto studio = session->agreed(make_studio(o, composer.part()));
   if (!studio) return tl::unexpected(studio.error());
   auto begun = session->agreed(begin_image(o, *studio));
   if (!begun) return tl::unexpected(begun.error());
   const auto read = [&](auto&... drawn) { return composer.read(drawn...); };
-  apps::TiledImage image(begun->view, studio->tiles, {.ids = o.wants_ids(), .depth = !o.depth.empty(), .read = read});
+  apps::TiledImage image(begun->view, studio->tiles,
+                         {.ids = o.wants_ids(), .depth = !o.depth.empty(), .shifts = o.shifts(), .read = read});
   auto drawn =
       root ? draw_with_bar(*studio, image, begun->outputs) : draw(*studio->engine, image, begun->outputs, [] {});
   if (drawn = session->agreed(std::move(drawn)); !drawn) return tl::unexpected(drawn.error());

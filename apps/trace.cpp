@@ -25,10 +25,12 @@ struct Options {
   std::string out, ids, depth, visible, json_file;
   std::vector<double> pick;
   std::vector<std::string> suns;
+  bool plain = false;
   raytrace::WhittedOptions whitted;
 };
 
 void add_options(apps::CommandLine& line, Options& o) {
+  o.model.import.crease_angle = apps::kCreaseAngle;
   apps::add_model_options(line, o.model);
   apps::add_view_options(line, o.view);
   line.add("--out", o.out, "Colour image, PNG").metavar("FILE").accepted_by(apps::parse_png_name);
@@ -49,8 +51,9 @@ void add_options(apps::CommandLine& line, Options& o) {
       .accepted_by(apps::parse_finite);
   const apps::Option shadows = line.add_flag("--shadows", o.whitted.shadows, "Lights cast shadows; needs a --sun");
   const apps::Option sun =
-      line.add("--sun", o.suns, "Light from the direction X,Y,Z, any number of them, instead of the eye's")
-          .accepted_by(apps::parse_vector);
+      line.add("--sun", o.suns, "Light from the direction X,Y,Z, far away; any number of them instead of the others")
+          .accepted_by(apps::parse_direction);
+  line.add_flag("--plain", o.plain, "One light, from the eye, as sightline-render has it with --plain").excludes(sun);
   shadows.needs(sun);
   line.add("--reflect", o.whitted.optics.reflectivity, "Share of the light that surfaces mirror, 0 to 1")
       .shows_default()
@@ -127,17 +130,16 @@ core::Expected<int> trace_model(Options& o) {
   const auto size = apps::parse_size(o.view.size);
   if (!size) return tl::unexpected(size.error());
   const auto [width, height] = *size;
-  for (const std::string& sun : o.suns) {
-    const auto direction = apps::parse_vector(sun);
-    if (!direction) return tl::unexpected(direction.error());
-    o.whitted.lights.push_back({*direction, true});
-  }
+  for (const std::string& sun : o.suns) o.whitted.lights.push_back({apps::parse_direction(sun).value(), true});
   const auto model = apps::load_model(o.model);
   if (!model) return tl::unexpected(model.error());
   if (auto done = model->scene->commit(); !done) return tl::unexpected(done.error());
   const core::Snapshot snapshot(*model->scene, o.whitted.threads);
   const auto view = apps::choose_view(o.view, *model, snapshot, double(width) / height);
   if (!view) return tl::unexpected(view.error());
+  if (o.suns.empty() && !o.plain)
+    for (const core::DistantLight& light : core::distant_lights(*view, core::Lighting::kStudio, {}))
+      o.whitted.lights.push_back({light.towards, true, core::vec3(float(light.strength))});
 
   const double start = seconds();
   const auto tracer = raytrace::Tracer::create(snapshot, o.whitted.threads);

@@ -5,6 +5,7 @@
 
 #include "sightline/core/memory.h"
 #include "sightline/engine/internal/engine_state.h"
+#include "sightline/engine/internal/looks.h"
 
 namespace sightline::engine {
 namespace {
@@ -18,8 +19,8 @@ PlanRequest plan_request(const EngineConfig& config, bool picks) {
           config.losses.min_projected_area > 0.0f,
           config.losses.budget_ms > 0.0,
           config.losses.lod_error > 0.0,
-          config.drawing.depth_shading.any(),
-          config.drawing.hatching.any(),
+          config.drawing.looks.depth_shading.any(),
+          config.drawing.looks.hatching.any(),
           picks,
           config.culling.part};
 }
@@ -31,13 +32,7 @@ core::Expected<void> check(const EngineConfig& config) {
     return core::fail("engine: context_later means that there is no context yet, and there is one");
   if (!(config.losses.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
   if (!(config.losses.lod_error >= 0.0)) return core::fail("engine: lod_error must be 0 or more pixels");
-  for (const float strength : {config.drawing.depth_shading.strength, config.drawing.depth_shading.edge_lines})
-    if (!(strength >= 0.0f && strength <= 1.0f))
-      return core::fail("engine: strength and edge_lines of depth_shading must be between 0 and 1");
-  if (!(config.drawing.hatching.strength >= 0.0f && config.drawing.hatching.strength <= 1.0f))
-    return core::fail("engine: strength of hatching must be between 0 and 1");
-  if (!(config.drawing.hatching.spacing >= 2.0f) || !std::isfinite(config.drawing.hatching.spacing))
-    return core::fail("engine: spacing of hatching must be 2 or more pixels");
+  if (auto good = check(config.drawing.looks); !good) return good;
   if (config.culling.part.count < 1 || config.culling.part.index < 0 ||
       config.culling.part.index >= config.culling.part.count)
     return core::fail("engine: part must have an index from 0 on and below its count");

@@ -26,6 +26,7 @@
 #include "sightline/culling/queries/region_query.h"
 #include "sightline/engine/image_tiles.h"
 #include "sightline/engine/item_style.h"
+#include "sightline/engine/looks.h"
 #include "sightline/engine/plan.h"
 
 namespace sightline::gl {
@@ -54,26 +55,6 @@ struct Pick;
 /// Between two corners, in pixels from the image's upper left corner.
 struct PixelRectangle {
   double x0, y0, x1, y1;
-};
-
-/// Shading and lines by the depth of the image alone, so that shapes of one colour can be told apart: looks, without
-/// any meaning as light. They cost the same for every scene (docs/results/drawing.md), and nothing where both are 0.
-/// What is drawn over the image is left as it is: ghosts, blended items, outlines. Dithered items become darker.
-struct DepthShading {
-  float strength = 0.0f;    ///< 0 … 1: darkness of corners and of what lies behind edges
-  float edge_lines = 0.0f;  ///< 0 … 1: darkness of lines where surfaces begin or end, and along creases
-
-  bool any() const { return strength > 0.0f || edge_lines > 0.0f; }
-};
-
-/// Lines at 45 degrees on the cut faces of section planes, as in drawings: in the plane of the section, where they lie
-/// still while the camera moves. Items whose ids are neighbours differ in the direction or the place of their lines.
-/// Costs nothing in views without sections, and where `strength` is 0.
-struct Hatching {
-  float strength = 0.0f;  ///< 0 … 1: darkness of the lines, lightness on dark faces
-  float spacing = 6.0f;   ///< pixels, 2 or more: their least distance; it is up to twice that, and they a sixth wide
-
-  bool any() const { return strength > 0.0f; }
 };
 
 /// What a call leaves of what the application has in GL: the state of its context, where the engine draws in that. With
@@ -137,8 +118,7 @@ struct DrawingConfig {
   /// test leave out of the image of cull_view; then these frames are culled on the CPU. None: such items look like
   /// all others.
   std::optional<core::vec3> culled_colour = {};
-  DepthShading depth_shading = {};
-  Hatching hatching = {};
+  Looks looks = {};
 };
 
 /// Settings that let an image lack items, so that it costs less. All of them are off by default.
@@ -371,7 +351,7 @@ class SIGHTLINE_API Engine {
   core::Expected<void> set_culler(CullerChoice choice);
   const EngineConfig& config() const;
   /// Uses other settings from the next frame on: culler, controller, sample_test, occlusion, min_projected_area,
-  /// contribution_mode, budget_ms, lod_error, culled_colour, outline_colour, depth shading and hatching. The others
+  /// contribution_mode, budget_ms, lod_error, culled_colour, outline_colour and looks. The others
   /// must be as they are (config()). What that needs is made, as in set_culler(). A rebuild in the background goes on
   /// unless the plan names another culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion
   /// or the plan's culler change. Fails where create() would, and on other changes; then nothing has changed.

@@ -14,6 +14,7 @@ struct FrameTask {
   FrameInput input;
   double budget_began;  // when the time of a budget began to run, seconds on the steady clock
   std::optional<glm::vec2> blend_range = {};
+  std::array<double, 2> rows{0.0, 1.0};  // as DrawRequest::rows
 
   const core::View& cull_view() const { return input.cull_view ? *input.cull_view : input.view; }
 };
@@ -100,7 +101,8 @@ core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, bo
                                        .frame = report.frame,
                                        .budget_began = task.budget_began,
                                        .target = task.input.target,
-                                       .blend_range = task.blend_range});
+                                       .blend_range = task.blend_range,
+                                       .rows = task.rows});
   report.drawn = s.config.draw && result;
   if (!result) {
     if (auto done = unless_lost(s, tl::unexpected(result.error())); !done) return done;
@@ -203,6 +205,7 @@ core::Expected<FrameReport> Engine::frame_tile(const core::View& whole, const Im
   const auto kept = s.keep_state();
   if (auto landed = land(s); !landed) return tl::unexpected(landed.error());
   FrameTask task{{*view}, core::now_seconds()};
+  task.rows = {tile.y / tile.height, (tile.y + s.config.height) / tile.height};
   if (s.backend->blends()) {
     // Near surfaces weigh more than those behind them, by the depths of the whole image.
     std::visit([&](const auto& culler) { culler.cull(whole, s.overlaid); }, *s.live.culler);

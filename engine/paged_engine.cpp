@@ -7,6 +7,7 @@
 
 #include "sightline/core/internal/clock.h"
 #include "sightline/culling/occlusion/contribution.h"
+#include "sightline/engine/internal/looks.h"
 #include "sightline/engine/internal/page_store.h"
 #include "sightline/engine/internal/paged_image.h"
 #include "sightline/gl/internal/current_context.h"
@@ -109,7 +110,7 @@ class PagedEngine::Impl {
   void keep_within_limit();
 
   core::Expected<void> take_context();
-  PagedReport begin(const core::View& view);
+  core::Expected<void> begin(const core::View& view);
   PagesInMemory pages() const { return {*store_, coarse_.get(), report_.frame}; }
   core::Expected<void> refine(double until, bool stays);
   core::Expected<PagedReport> complete(const core::View& view, const Progress& progress);
@@ -143,6 +144,7 @@ core::Expected<std::unique_ptr<PagedEngine::Impl>> PagedEngine::Impl::create(gl:
 }
 
 core::Expected<void> PagedEngine::Impl::prepare() {
+  if (auto good = check(config_.looks); !good) return good;
   if (auto current = context_.make_current(); !current) return current;
   context_.cache_programs(config_.program_cache.value_or(gl::ProgramCache::default_folder()));
   context_.test_driver();
@@ -155,7 +157,7 @@ core::Expected<void> PagedEngine::Impl::prepare() {
 
 /// What frames take beside pages is taken once before it is measured.
 core::Expected<void> PagedEngine::Impl::warm_up() {
-  image_->warm_up();
+  if (auto done = image_->warm_up(); !done) return done;
   return room_for_pages() < bytes_of_drivers(config_) ? draw_trial() : core::Expected<void>();
 }
 
@@ -173,7 +175,7 @@ core::Expected<void> PagedEngine::Impl::draw_trial() {
   const auto view =
       core::View::fit(place, core::kOverviewDirection, 0.8, double(config_.width) / double(config_.height));
   if (!view) return {};
-  report_ = begin(*view);
+  if (auto done = begin(*view); !done) return done;
   store_ = std::make_unique<PageStore>(scene_, 0);
   store_->ask_for({&first, 1}, 0, true);
   (void)store_->wait(kLongestTrial);
@@ -242,7 +244,8 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   const double began = core::now_seconds();
   if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
   const bool stays = image_->view() && core::same_image(*image_->view(), view);
-  if (!stays) report_ = begin(view);
+  if (!stays)
+    if (auto done = begin(view); !done) return tl::unexpected(done.error());
   report_.frame = frames_++;
   if (auto done = refine(began + 1e-3 * config_.refine_ms, stays); !done) return tl::unexpected(done.error());
   if (auto done = show(); !done) return tl::unexpected(done.error());
@@ -284,12 +287,12 @@ core::Expected<void> PagedEngine::Impl::refine_more() {
   return refine(core::now_seconds() + 1e-3 * config_.refine_ms, true);
 }
 
-PagedReport PagedEngine::Impl::begin(const core::View& view) {
+core::Expected<void> PagedEngine::Impl::begin(const core::View& view) {
   before_ = image_->view();
-  image_->begin(view);
-  PagedReport report;
-  report.leaves = image_->leaves();
-  return report;
+  if (auto done = image_->begin(view); !done) return done;
+  report_ = {};
+  report_.leaves = image_->leaves();
+  return {};
 }
 
 /// Draws what is in memory; while the view stays, also what arrives until then.

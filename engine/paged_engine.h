@@ -28,6 +28,7 @@
 #include "sightline/core/error.h"
 #include "sightline/core/paged_scene.h"
 #include "sightline/core/view.h"
+#include "sightline/engine/looks.h"
 
 namespace sightline::gl {
 class Context;
@@ -55,6 +56,7 @@ struct PagedConfig {
   /// take there, but images and drivers are not seen. The files that pages are read from do not count: they stay with
   /// the system, which takes their memory back when it is needed.
   std::size_t memory_limit = 0;
+  Looks looks = {};
   /// Milliseconds for which a frame of a view that stays takes in pages as they arrive, before it shows what it has.
   double refine_ms = 100.0;
   /// A bar at the lower left of images that are not complete: the share of their leaves that are drawn.

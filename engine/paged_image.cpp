@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "sightline/engine/internal/looks.h"
 #include "sightline/gl/internal/pipeline_state.h"
 
 namespace sightline::engine {
@@ -81,6 +82,7 @@ core::Expected<void> PagedImage::make_targets() {
   auto renderer = render::Renderer::create(context_, kinds, format);
   if (!renderer) return tl::unexpected(renderer.error());
   renderer_.emplace(std::move(*renderer));
+  give_looks(config_.looks, *renderer_);
   auto placeholders = Placeholders::create(context_, format);
   if (!placeholders) return tl::unexpected(placeholders.error());
   placeholders_.emplace(std::move(*placeholders));
@@ -102,21 +104,22 @@ void PagedImage::list_leaves() {
   coarse_drawn_.resize(scene_.pages.size());
 }
 
-void PagedImage::warm_up() {
-  renderer_->clear(canvas_);
+core::Expected<void> PagedImage::warm_up() {
+  if (auto done = renderer_->clear(canvas_); !done) return done;
   canvas_.copy_to(target_);
   pyramid_.clear(config_.width, config_.height);
   distances_.resize(std::size_t(config_.width) * std::size_t(config_.height));
   placeholders_->forget(config_.width, config_.height);
   context_.functions().Finish();
+  return {};
 }
 
 // --- leaves ----------------------------------------------------------------------------------------------------------
 
-void PagedImage::begin(const core::View& view) {
+core::Expected<void> PagedImage::begin(const core::View& view) {
   view_ = view;
   error_.emplace(view, config_.width, config_.height, config_.lod_error);
-  renderer_->clear(canvas_);
+  if (auto done = renderer_->clear(canvas_); !done) return done;
   pyramid_.clear(config_.width, config_.height);
   coarse_drawn_.assign(coarse_drawn_.size(), false);
   find_leaves(view, candidates_);
@@ -125,6 +128,7 @@ void PagedImage::begin(const core::View& view) {
   leaves_ = std::int64_t(candidates_.count());
   items_drawn_ = coarse_items_ = splats_ = 0;
   measure_pages();
+  return {};
 }
 
 void PagedImage::find_leaves(const core::View& view, core::VisibleSet& leaves) {
@@ -328,8 +332,13 @@ core::Expected<void> PagedImage::show(const PagesInMemory& pages, std::int64_t p
       if (auto done = show_coarse_pages(pages); !done) return done;
     if (auto done = placeholders_->draw(scene_, *view_, candidates_, target_); !done) return done;
     splats_ = std::int64_t(placeholders_->drawn());
-    if (config_.loading_bar) draw_loading_bar(pending);
   }
+  const DepthShading& shading = config_.looks.depth_shading;
+  if (shading.any()) {
+    if (!depth_shading_) depth_shading_.emplace(context_.functions());
+    if (auto done = depth_shading_->draw(target_, *view_, shading.strength, shading.edge_lines); !done) return done;
+  }
+  if (pending > 0 && config_.loading_bar) draw_loading_bar(pending);
   context_.functions().Finish();
   return {};
 }

@@ -59,6 +59,9 @@ struct ImportOptions {
   double metres_per_unit = 1.0;
   /// The axis that points up, for the same formats.
   UpAxis up = UpAxis::kZ;
+  /// For the same formats, radians, 0 to pi: meshes without normals get those of smooth surfaces, broken at edges that
+  /// are bent by more than this. 0: they are shown facet by facet. About 0.2 us a triangle, and 12 bytes a vertex.
+  double crease_angle = 0.0;
   /// Which meshes are kept only once (mesh_sharing.h). Costs a few nanoseconds per vertex.
   MeshCopies copies = MeshCopies::kSimilar;
   /// Whether meshes become analytic primitives where they are the triangles of some: cylinders, snouts, tori, dishes,
@@ -75,9 +78,9 @@ struct ImportOptions {
   /// warning, never an error. Has no effect below a parent that is moved, on attribute files for groups that are in the
   /// scene already, and on indexes of several VTK files.
   std::filesystem::path cache_folder = {};
-  /// Whether scene caches hold levels of detail (docs/guide/levels-of-detail.md), too. Where the cache has none, they are
-  /// built, about 3 us a triangle on a core, and written before the import returns. Meshes then come with theirs. Has an
-  /// effect only with `cache_folder`, and where the library builds levels.
+  /// Whether scene caches hold levels of detail (docs/guide/levels-of-detail.md), too. Where the cache has none, they
+  /// are built, about 3 us a triangle on a core, and written before the import returns. Meshes then come with theirs.
+  /// Has an effect only with `cache_folder`, and where the library builds levels.
   bool cached_levels = false;
   /// Called now and then by the importing thread with the share that is done, rising from 0 to 1. Returning false
   /// cancels the import, which then fails with kCancelled as its message; at 1, when all is done, it has no effect.

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <numbers>
 #include <numeric>
 #include <span>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "sightline/importers/internal/crease_normals.h"
 #include "sightline/importers/internal/text_encoding.h"
 
 namespace sightline::importers {
@@ -114,6 +116,8 @@ bool ImportJob::add_mesh(core::NodeId node, const PolygonMesh& polygons, std::st
     warn(offset, fmt::format("{}{} normals that are not finite become those of the faces", called,
                              centred_mesh.mended_normals));
   centred_mesh.mesh.name = name;
+  if (options_.crease_angle > 0.0 && centred_mesh.mesh.normals.empty())
+    add_crease_normals(centred_mesh.mesh, options_.crease_angle);
   return add_mesh(node, std::move(centred_mesh.mesh), placement * core::translation(centred_mesh.centre), material);
 }
 
@@ -173,6 +177,8 @@ core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scen
   if (!(options.metres_per_unit > 0.0 && std::isfinite(options.metres_per_unit)))
     return core::fail(
         fmt::format("{}: metres_per_unit: expected a finite number above 0, found {}", file, options.metres_per_unit));
+  if (!(options.crease_angle >= 0.0 && options.crease_angle <= std::numbers::pi))
+    return core::fail(fmt::format("{}: crease_angle: expected 0 to pi, found {}", file, options.crease_angle));
   const core::Scene::Mark mark = scene.mark();
   ImportJob job(file, scene, parent, options, frame);
   core::Error error;

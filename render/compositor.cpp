@@ -3,7 +3,6 @@
 #include <cassert>
 #include <string>
 
-#include "sightline/core/internal/srgb.h"
 #include "sightline/gl/internal/pipeline_state.h"
 
 namespace sightline::render {
@@ -30,27 +29,26 @@ core::Expected<void> check(const gl::Functions& gl, const gl::ExternalTarget& to
 
 }  // namespace
 
-void Compositor::clear(const gl::ExternalTarget& to, const std::array<float, 3>& background) const {
+core::Expected<void> Compositor::clear(const gl::ExternalTarget& to, const core::Background& background) {
+  if (to.clear_colour) {
+    if (!background_pass_) background_pass_.emplace(*gl_);
+    if (auto done = background_pass_->fill(background, to); !done) return done;
+  }
+  if (!to.clear_depth) return {};
   const gl::Functions& gl = *gl_;
   gl::reset_pipeline_state(gl);
-  gl.Disable(GL_FRAMEBUFFER_SRGB);
   gl.Scissor(to.x, to.y, to.width, to.height);
   gl.Enable(GL_SCISSOR_TEST);
-  if (to.clear_colour) {
-    std::array<float, 4> colour{background[0], background[1], background[2], 1.0f};
-    if (to.linear_colour)
-      for (std::size_t i = 0; i < 3; ++i) colour[i] = float(core::linear_from_srgb(colour[i]));
-    gl.ClearNamedFramebufferfv(to.framebuffer, GL_COLOR, 0, colour.data());
-  }
   const auto far_depth = GLfloat(to.far_depth);
-  if (to.clear_depth) gl.ClearNamedFramebufferfv(to.framebuffer, GL_DEPTH, 0, &far_depth);
+  gl.ClearNamedFramebufferfv(to.framebuffer, GL_DEPTH, 0, &far_depth);
+  return {};
 }
 
 core::Expected<void> Compositor::draw(const RenderTarget& from, const gl::ExternalTarget& to,
-                                      const std::array<float, 3>& background) {
+                                      const core::Background& background) {
   assert(to.width == from.width() && to.height == from.height());
   if (auto good = check(*gl_, to); !good) return good;
-  if (to.clear_colour || to.clear_depth) clear(to, background);
+  if (auto done = clear(to, background); !done) return done;
   return put(from, to);
 }
 

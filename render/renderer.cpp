@@ -120,6 +120,7 @@ core::Expected<Renderer> Renderer::begin(const gl::Context& context) {
   const gl::Functions& gl = context.functions();
   Renderer renderer;
   renderer.gl_ = &gl;
+  renderer.background_pass_.emplace(gl);
   renderer.record_array_ = gl::VertexArray(gl);
   renderer.mesh_array_ = gl::VertexArray(gl);
   auto made = gl::check_names(gl, {renderer.record_array_.id(), renderer.mesh_array_.id()}, "vertex arrays");
@@ -192,6 +193,9 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
   auto block = gpuprims::make_view_block(view, target.width(), target.height());
   if (!block) return tl::unexpected(block.error());
   block->hatching = {hatching, std::max(1.0f, hatching.y / 6.0f), 0.0f};
+  const std::vector<core::DistantLight> lights = core::distant_lights(view, lighting, sun);
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    block->lights[i] = {glm::normalize(core::dmat3(view.eye_from_world()) * lights[i].towards), lights[i].strength};
   view_block_.write(0, sizeof(*block), &*block);
 
   std::vector<glm::vec4> rows = gpuprims::eye_relative_origins(view, snapshot.chunk_origins());
@@ -211,23 +215,23 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
   return {};
 }
 
-void Renderer::clear(const RenderTarget& target) const {
+core::Expected<void> Renderer::clear(const RenderTarget& target) {
   const gl::Functions& gl = *gl_;
-  gl::reset_pipeline_state(gl);  // masks and the scissor limit what is cleared, too
+  gl::reset_pipeline_state(gl);  // masks and the scissor limit what is cleared
   const GLuint framebuffer = target.framebuffer().id();
-  const float colour[4] = {background[0], background[1], background[2], 1.0f}, far_depth = 0.0f;
+  const float far_depth = 0.0f;
   const GLuint no_item[4] = {0, 0, 0, 0};
   const float no_normal[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-  gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, colour);
   if (target.has_ids()) gl.ClearNamedFramebufferuiv(framebuffer, GL_COLOR, 1, no_item);
   if (target.has_normals()) gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 2, no_normal);
   gl.ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+  return background_pass_->fill(background, {framebuffer, 0, 0, target.width(), target.height()});
 }
 
 core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot& snapshot,
                                     const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                     const RenderTarget& target) {
-  clear(target);
+  if (auto done = clear(target); !done) return done;
   return draw_more(view, snapshot, scene, lists, target);
 }
 

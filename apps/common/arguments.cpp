@@ -24,6 +24,12 @@ core::Expected<core::dvec3> parse_vector(const std::string& text) {
   return v;
 }
 
+core::Expected<core::dvec3> parse_direction(const std::string& text) {
+  auto direction = parse_vector(text);
+  if (direction && *direction == core::dvec3(0.0)) return core::fail("expected a direction, found \"" + text + "\"");
+  return direction;
+}
+
 core::Expected<double> parse_finite(const std::string& text) {
   double value = 0.0;
   int used = 0;

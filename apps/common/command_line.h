@@ -121,8 +121,8 @@ class CommandLine {
   }
 
   /// Option whose text `parse` turns into the value, or refuses.
-  template <class T>
-  Option add_parsed(const std::string& name, T& value, core::Expected<T> (*parse)(const std::string&),
+  template <class T, class Value>
+  Option add_parsed(const std::string& name, T& value, core::Expected<Value> (*parse)(const std::string&),
                     const std::string& help) {
     const auto set = [&value, parse](const std::string& text) { value = parse(text).value(); };
     return add_text(name, set, {}, help).accepted_by(parse);

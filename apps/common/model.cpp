@@ -1,6 +1,7 @@
 #include "sightline/apps/common/model.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -9,6 +10,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/up_axis.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"
 #endif
@@ -43,6 +45,13 @@ core::Expected<double> parse_tolerance(const std::string& text) {
 std::optional<double> metres_of(const std::string& unit) {
   const auto found = lengths().find(unit);
   return found == lengths().end() ? std::nullopt : std::optional(found->second);
+}
+
+core::Expected<double> parse_degrees(const std::string& text) {
+  const auto degrees = parse_finite(text);
+  if (!degrees || *degrees < 0.0 || *degrees > 180.0)
+    return core::fail("expected 0 to 180 degrees, found \"" + text + "\"");
+  return *degrees * std::numbers::pi / 180.0;
 }
 
 void add_import_options(CommandLine& to, importers::ImportOptions& options) {
@@ -88,6 +97,13 @@ void add_model_options(CommandLine& line, ModelOptions& options) {
   line.group(OptionGroup::kGeneral)
       .add("MODEL", options.files, "Model files (" + extensions + "), loaded into one scene")
       .required();
+  line.group(OptionGroup::kImport)
+      .add_parsed(
+          "--crease-angle", options.import.crease_angle, parse_degrees,
+          "Degrees: meshes without normals (OBJ, PLY, STL, VTK) look smooth but for edges bent by more; 0: facet "
+          "by facet")
+      .default_text(options.import.crease_angle > 0.0 ? "30" : "0")
+      .advanced();
   line.group(OptionGroup::kImport)
       .add("--translate", options.translate, "Move the model by X,Y,Z metres (root transform)")
       .accepted_by(parse_vector)
@@ -157,6 +173,9 @@ core::Expected<Model> load_model(const ModelOptions& options) {
     model.report = std::move(*report);
   }
   if (!options.quiet) print_warnings(model.report.warnings);
+  if (!options.quiet && options.import.up == importers::UpAxis::kZ && leave_up_open(options.files) &&
+      seems_to_have_y_up(*model.scene))
+    std::fprintf(stderr, "note: %s seems to have y up; --up y turns it\n", options.files.front().c_str());
   // Only after the import: if an absurd offset moves items out of range, that is an error of the offset, and no item is
   // dropped.
   if (!options.translate.empty()) {
@@ -242,8 +261,19 @@ void DrawnOptions::apply(engine::EngineConfig& config) const {
   config.losses.budget_ms = budget_ms;
   config.losses.lod_error = lod_error;
   config.losses.contribution_mode = contribution_mode;
-  config.drawing.depth_shading = depth_shading;
-  config.drawing.hatching = hatching;
+  config.drawing.looks = all_looks();
+}
+
+engine::Looks DrawnOptions::all_looks() const {
+  engine::Looks all = plain ? engine::Looks() : looks;
+  if (depth_shading) all.depth_shading.strength = float(*depth_shading);
+  if (edge_lines) all.depth_shading.edge_lines = float(*edge_lines);
+  if (hatching) all.hatching.strength = float(*hatching);
+  if (sun) {
+    all.lighting = core::Lighting::kSun;
+    all.sun = *sun;
+  }
+  return all;
 }
 
 void add_contribution_mode_option(CommandLine& line, const std::string& name, const std::string& help,
@@ -257,6 +287,31 @@ void add_contribution_mode_option(CommandLine& line, const std::string& name, co
       .shows_default()
       .advanced();
 }
+
+namespace {
+
+void add_looks_options(CommandLine& line, DrawnOptions& options) {
+  const auto add_strength = [](CommandLine& to, const char* name, std::optional<double>& strength, double otherwise,
+                               const std::string& what) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%g", otherwise);
+    return to.add(name, strength, what).default_text(text.data()).in_range(0.0, 1.0).accepted_by(parse_finite);
+  };
+  const engine::Looks& looks = options.looks;
+  add_strength(line, "--depth-shading", options.depth_shading, looks.depth_shading.strength,
+               "Darken corners and what lies behind edges: 0 to 1");
+  add_strength(line, "--edge-lines", options.edge_lines, looks.depth_shading.edge_lines,
+               "Draw lines along edges: 0 to 1, black");
+  CommandLine engine = line.group(OptionGroup::kEngine);
+  add_strength(engine, "--section-hatch", options.hatching, looks.hatching.strength,
+               "Draw lines across what sections cut: 0 to 1, black")
+      .advanced();
+  line.add_parsed("--sun", options.sun, parse_direction, "One light from the direction X,Y,Z, far away")
+      .metavar("X,Y,Z")
+      .advanced();
+}
+
+}  // namespace
 
 void add_drawn_options(CommandLine& line, DrawnOptions& options) {
   CommandLine engine = line.group(OptionGroup::kEngine);
@@ -290,15 +345,13 @@ void add_drawn_options(CommandLine& line, DrawnOptions& options) {
   add_contribution_mode_option(line, "--contribution-mode",
                                "How items are drawn that are below --min-projected-area or beyond --budget",
                                options.contribution_mode);
-  const auto add_strength = [](CommandLine& to, const char* name, float& strength, const std::string& what) {
-    return to.add(name, strength, what).shows_default().in_range(0.0f, 1.0f);
-  };
-  add_strength(line, "--depth-shading", options.depth_shading.strength,
-               "Darken corners and what lies behind edges: 0 to 1");
-  add_strength(line, "--edge-lines", options.depth_shading.edge_lines, "Draw lines along edges: 0 to 1, black");
-  add_strength(engine, "--section-hatch", options.hatching.strength,
-               "Draw lines across what sections cut: 0 to 1, black")
-      .advanced();
+  add_looks_options(line, options);
+}
+
+void add_plain_option(CommandLine& line, DrawnOptions& options) {
+  line.group(OptionGroup::kGeneral)
+      .add_flag("--plain", options.plain,
+                "One sample a pixel, light from the eye, one background, no shading by depth, no lines: for tests");
 }
 
 void explain(const engine::Plan& plan) {

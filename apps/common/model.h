@@ -33,6 +33,11 @@ std::optional<double> metres_of(const std::string& unit);
 
 /// A finite number above 0.
 core::Expected<double> parse_tolerance(const std::string& text);
+/// 0 to 180 degrees, as radians.
+core::Expected<double> parse_degrees(const std::string& text);
+
+/// ImportOptions::crease_angle of tools that make images for people: 30 degrees.
+inline constexpr double kCreaseAngle = std::numbers::pi / 6;
 
 /// --lenient, --units, --up, --recognise, --recognise-tolerance, --cache: how files are read.
 void add_import_options(CommandLine& line, importers::ImportOptions& options);
@@ -87,9 +92,12 @@ struct DrawnOptions {
   float min_projected_area = 0.0f;
   engine::ContributionMode contribution_mode = engine::ContributionMode::kDrop;
   double budget_ms = 0.0, lod_error = 0.0;
-  engine::DepthShading depth_shading;
-  engine::Hatching hatching;
+  engine::Looks looks;  ///< where the others say nothing
+  bool plain = false;   ///< begins with Looks() instead
+  std::optional<double> depth_shading = {}, edge_lines = {}, hatching = {};
+  std::optional<core::dvec3> sun = {};
 
+  engine::Looks all_looks() const;
   void apply(engine::EngineConfig& config) const;
 };
 
@@ -98,8 +106,11 @@ void add_contribution_mode_option(CommandLine& line, const std::string& name, co
                                   engine::ContributionMode& mode);
 
 /// --sample-test on|off, --occlusion on|off|auto, --min-projected-area PX, --contribution-mode drop|points|stochastic,
-/// --budget MS, --depth-shading X, --edge-lines X, --section-hatch X
+/// --budget MS, --depth-shading X, --edge-lines X, --section-hatch X, --sun X,Y,Z
 void add_drawn_options(CommandLine& line, DrawnOptions& options);
+
+/// --plain, for tools whose images have other looks without it
+void add_plain_option(CommandLine& line, DrawnOptions& options);
 
 /// Prints to stderr which features are used and which are left out.
 void explain(const engine::Plan& plan);

@@ -6,31 +6,34 @@
 #include <filesystem>
 
 #include "sightline/apps/common/output.h"
+#include "sightline/core/image_rays.h"
 
 namespace sightline::apps {
 
 core::Expected<bool> TiledImage::step(engine::Engine& engine) {
-  const engine::CroppedTile& tile = tiles_.tiles[done_ / wanted_.shifts.size()];
-  const std::size_t shift = done_ % wanted_.shifts.size();
-  const auto drawn = read(engine, draw(engine, tile, wanted_.shifts[shift]), shift == 0);
+  const std::size_t step = done_ % steps_of_tile(), shifts = wanted_.shifts.size();
+  const engine::CroppedTile& tile = tiles_.tiles[done_ / steps_of_tile()];
+  const bool apart = drawn_apart_ && step == 0;
+  const std::size_t number = step - std::size_t(drawn_apart_ && !apart);
+  const auto drawn = read(engine, draw(engine, tile, apart ? core::dvec2(0.0) : wanted_.shifts[number]), step == 0);
   if (!drawn) return tl::unexpected(drawn.error());
   covered_ |= drawn->covered;
-  if (shift == 0) {
+  if (step == 0) {
     begin_rows(tile);
     if (wanted_.ids) take(tile, drawn->ids.ids, rows_.ids, 1);
     if (wanted_.depth) take(tile, drawn->depth.metres, rows_.metres, 1);
   }
-  const image::Image& image = drawn->colours;
+  if (!apart) add(tile, drawn->colours, number);
   ++done_;
-  const bool last = shift + 1 == wanted_.shifts.size();
-  if (wanted_.shifts.size() == 1) {
-    take(tile, image.pixels, rows_.colours, 3);
-  } else {
-    if (shift == 0) mean_.clear();
-    mean_.add(image);
-    if (last) take(tile, mean_.mean().pixels, rows_.colours, 3);
-  }
-  return last && tile.x1 == tile.tile.width;
+  return !apart && number + 1 == shifts && tile.x1 == tile.tile.width;
+}
+
+/// The image of a shift, to the colours of its tile.
+void TiledImage::add(const engine::CroppedTile& tile, const image::Image& image, std::size_t number) {
+  if (wanted_.shifts.size() == 1) return take(tile, image.pixels, rows_.colours, 3);
+  if (number == 0) mean_.clear();
+  mean_.add(image);
+  if (number + 1 == wanted_.shifts.size()) take(tile, mean_.mean().pixels, rows_.colours, 3);
 }
 
 core::Expected<void> TiledImage::draw(engine::Engine& engine, const engine::CroppedTile& tile,
@@ -94,6 +97,12 @@ void TiledImage::take(const engine::CroppedTile& tile, const std::vector<T>& dra
     std::copy_n(drawn.begin() + std::ptrdiff_t(channels * from), channels * count,
                 rows.begin() + std::ptrdiff_t(channels * to));
   }
+}
+
+std::vector<core::dvec2> sample_shifts(int samples) {
+  std::vector<core::dvec2> shifts = core::rook_positions(samples);
+  for (core::dvec2& shift : shifts) shift -= 0.5;
+  return shifts;
 }
 
 core::Expected<engine::ImageTiles> tiles_for(const std::array<int, 2>& size, int largest_side,

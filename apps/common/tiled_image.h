@@ -38,8 +38,8 @@ class TiledImage {
   struct Wanted {
     bool ids = false, depth = false;
     bool complete = true;  ///< whatever EngineConfig::losses.budget_ms; otherwise as one frame leaves it
-    /// Pixels right and up by which images are shifted whose mean is taken, MeanImage::kMost at most; ids and depth
-    /// are those of the first.
+    /// Pixels right and up by which images are shifted whose mean is taken, MeanImage::kMost at most: sample_shifts().
+    /// Ids and depth are those of pixel centres; where the first shift is another, one more image is drawn for them.
     std::vector<core::dvec2> shifts = {core::dvec2(0.0)};
     /// Reads what was drawn, where that is not the engine's alone: see Composer.
     /// It is called after failures to draw, too, and then fails.
@@ -49,10 +49,14 @@ class TiledImage {
   };
   /// `whole`: of the image that the tiles make up.
   TiledImage(const core::View& whole, engine::ImageTiles tiles, Wanted wanted)
-      : whole_(whole), tiles_(std::move(tiles)), wanted_(std::move(wanted)) {}
+      : whole_(whole),
+        tiles_(std::move(tiles)),
+        wanted_(std::move(wanted)),
+        drawn_apart_((wanted_.ids || wanted_.depth) && wanted_.shifts[0] != core::dvec2(0.0)) {}
 
-  std::size_t steps() const { return tiles_.tiles.size() * wanted_.shifts.size(); }
+  std::size_t steps() const { return tiles_.tiles.size() * steps_of_tile(); }
   std::size_t steps_done() const { return done_; }
+  bool in_one_tile() const { return tiles_.tiles.size() == 1; }
   bool complete() const { return done_ == steps(); }
   /// Draws one of the images that a tile is the mean of. The engine must have the tiles' size, and ids where they are
   /// wanted. True where that completes rows.
@@ -65,7 +69,9 @@ class TiledImage {
   bool blank() const { return found_ && !covered_; }
 
  private:
+  std::size_t steps_of_tile() const { return wanted_.shifts.size() + std::size_t(drawn_apart_); }
   core::Expected<void> draw(engine::Engine& engine, const engine::CroppedTile& tile, const core::dvec2& shift);
+  void add(const engine::CroppedTile& tile, const image::Image& image, std::size_t number);
   core::Expected<ReadImage> read(engine::Engine& engine, const core::Expected<void>& drawn, bool ids_and_depth);
   void begin_rows(const engine::CroppedTile& tile);
   template <class T>
@@ -74,12 +80,16 @@ class TiledImage {
   core::View whole_;
   engine::ImageTiles tiles_;
   Wanted wanted_;
+  bool drawn_apart_;  // ids and depth
   std::size_t done_ = 0;
   MeanImage mean_;
   ImageRows rows_;
   engine::FrameReport report_;
   bool found_ = false, covered_ = false;
 };
+
+/// Shifts that take a pixel's mean over so many samples, 1 to MeanImage::kMost; a single one is none.
+std::vector<core::dvec2> sample_shifts(int samples);
 
 /// Tiles for an image that an engine with these settings draws.
 core::Expected<engine::ImageTiles> tiles_for(const std::array<int, 2>& size, int largest_side,

@@ -7,6 +7,7 @@
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/core/fitting.h"
 #include "sightline/importers/view_json.h"
 
 namespace sightline::apps {
@@ -24,31 +25,6 @@ core::dvec3 direction_of(const std::string& name) {
   for (const Standard& view : kStandard)
     if (view.name == name) return view.direction;
   return core::kOverviewDirection;
-}
-
-/// Returns the part of a box that the sections may keep.
-core::AabbD cut(core::AabbD box, const std::vector<core::Plane>& sections) {
-  for (const core::Plane& plane : sections)
-    for (int axis = 0; axis < 3; ++axis) {
-      if (plane.normal[axis] == 0.0) continue;
-      const double at = -plane.offset / plane.normal[axis];
-      if (plane.normal[axis] > 0.0) box.min[axis] = std::max(box.min[axis], at);
-      if (plane.normal[axis] < 0.0) box.max[axis] = std::min(box.max[axis], at);
-    }
-  return box;
-}
-
-/// The parallel view along a direction that the box fills.
-core::Expected<core::View> parallel_view(const core::AabbD& box, const core::dvec3& direction, double aspect) {
-  const double diagonal = std::max(glm::length(box.size()), 1e-3);
-  const core::Pose pose{box.centre() - diagonal * glm::normalize(direction), box.centre(), {0.0, 0.0, 1.0}};
-  const auto axes = core::look_at(pose);
-  if (!axes) return tl::unexpected(axes.error());
-  core::dvec2 half(0.0);
-  for (int row = 0; row < 2; ++row)
-    for (int axis = 0; axis < 3; ++axis) half[row] += 0.5 * box.size()[axis] * std::abs((*axes)[axis][row]);
-  const double height = 2.0 / core::kOverviewFilled * std::max({half.y, half.x / aspect, 1e-4 * diagonal});
-  return core::View::orthographic(pose, height, aspect, 0.0, 2.0 * diagonal);
 }
 
 }  // namespace
@@ -128,24 +104,21 @@ std::vector<core::Plane> planes_of(const ViewOptions& options, const core::dvec3
   return planes;
 }
 
-/// Returns the bounds of what sections keep of the items within `bounds`.
-core::AabbD cut_items(const core::ItemBounds& items, const core::AabbD& bounds,
-                      const std::vector<core::Plane>& sections) {
-  core::AabbD kept;
-  for (core::Slot slot = 0; slot < core::Slot(items.size()); ++slot) {
-    if (items.vacant(slot) || (items.layers(slot) & core::kDefaultLayerMask) == 0) continue;
-    const core::Aabb local = items.box(slot);
-    const core::AabbD box =
-        cut({items.origin + core::dvec3(local.min), items.origin + core::dvec3(local.max)}, sections);
-    const bool within =
-        glm::all(glm::lessThanEqual(bounds.min, box.min)) && glm::all(glm::lessThanEqual(box.max, bounds.max));
-    if (!box.empty() && within) kept.grow(box);
-  }
-  return kept;
+/// The view of the whole, or of what sections keep of it.
+core::Expected<core::View> fitted_view(const ViewOptions& options, const std::vector<core::Plane>& sections,
+                                       const core::ItemBounds& items, const core::AabbD& bounds, double aspect) {
+  const core::dvec3 middle = bounds.empty() ? core::dvec3(0.0) : bounds.centre(),
+                    direction = direction_of(options.from);
+  core::Fitting fitting(direction, kFovy, aspect, core::kOverviewFilled, middle);
+  core::add_items(fitting, items, bounds, sections);
+  if (fitting.empty()) core::add_items(fitting, items, bounds);
+  if (fitting.empty()) return core::View::fit(bounds, direction, kFovy, aspect, core::kOverviewFilled);
+  return options.parallel ? fitting.parallel() : fitting.perspective();
 }
 
 core::Expected<core::View> chosen_view(const ViewOptions& options, const std::vector<core::Plane>& sections,
-                                       const core::dvec3& offset, const core::FittedBounds& fitted, double aspect) {
+                                       const core::dvec3& offset, const core::ItemBounds& items,
+                                       const core::FittedBounds& fitted, double aspect) {
   if (!options.view.empty()) {
     auto view = importers::read_view(options.view, aspect);
     return view ? importers::translated(*view, offset) : view;
@@ -157,16 +130,22 @@ core::Expected<core::View> chosen_view(const ViewOptions& options, const std::ve
     return path->view(path->time_of(options.frame, options.frames), aspect);
   }
   if (!options.quiet) warn_of_outliers(fitted);
-  const core::AabbD kept = cut(fitted.bounds, sections), box = kept.empty() ? fitted.bounds : kept;
-  const core::dvec3 direction = direction_of(options.from);
-  return options.parallel && !box.empty() ? parallel_view(box, direction, aspect)
-                                          : core::View::fit(box, direction, kFovy, aspect, core::kOverviewFilled);
+  return fitted_view(options, sections, items, fitted.bounds, aspect);
 }
 
-/// Chooses a view and adds the planes of --section to those that it has.
-core::Expected<core::View> sectioned_view(const ViewOptions& options, const std::vector<core::Plane>& sections,
-                                          const core::dvec3& offset, const core::FittedBounds& fitted, double aspect) {
-  auto view = chosen_view(options, sections, offset, fitted, aspect);
+}  // namespace
+
+core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
+                                       double aspect) {
+  const bool fits = options.view.empty() && options.path.empty();
+  return choose_view(options, model.offset, snapshot.bounds(),
+                     fits ? snapshot.bounds().fitted_bounds() : core::FittedBounds(), aspect);
+}
+
+core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
+                                       const core::ItemBounds& items, const core::FittedBounds& fitted, double aspect) {
+  const std::vector<core::Plane> sections = planes_of(options, offset);
+  auto view = chosen_view(options, sections, offset, items, fitted, aspect);
   if (!view || sections.empty()) return view;
   if (view->section_mode == core::SectionMode::kUnion && !view->sections.empty())
     return core::fail("--section: the sections of " + options.view + " unite, so that no plane can be added");
@@ -175,25 +154,6 @@ core::Expected<core::View> sectioned_view(const ViewOptions& options, const std:
                       options.view);
   view->sections.insert(view->sections.end(), sections.begin(), sections.end());
   return view;
-}
-
-}  // namespace
-
-core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
-                                       double aspect) {
-  const std::vector<core::Plane> sections = planes_of(options, model.offset);
-  core::FittedBounds fitted;
-  if (options.view.empty() && options.path.empty()) fitted = snapshot.bounds().fitted_bounds();
-  if (!sections.empty() && !fitted.bounds.empty()) {
-    const core::AabbD kept = cut_items(snapshot.bounds(), fitted.bounds, sections);
-    if (!kept.empty()) fitted.bounds = kept;
-  }
-  return sectioned_view(options, sections, model.offset, fitted, aspect);
-}
-
-core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
-                                       const core::FittedBounds& fitted, double aspect) {
-  return sectioned_view(options, planes_of(options, offset), offset, fitted, aspect);
 }
 
 }  // namespace sightline::apps

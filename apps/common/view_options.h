@@ -30,8 +30,8 @@ void add_view_options(CommandLine& line, ViewOptions& options);
 /// stderr of what that leaves out.
 core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
                                        double aspect);
-/// The same where that is known of the model: what its views of the whole should show.
+/// The same where that is known of the model: boxes, and which of them its views of the whole should show.
 core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
-                                       const core::FittedBounds& fitted, double aspect);
+                                       const core::ItemBounds& items, const core::FittedBounds& fitted, double aspect);
 
 }  // namespace sightline::apps

@@ -50,6 +50,7 @@ bool is_name(const std::string& text) {
 struct Settings {
   std::array<int, 2> size{640, 360};
   int samples = 1;
+  bool for_people = false;
   Limits limits;
 };
 
@@ -129,6 +130,11 @@ core::Expected<void> read_settings(const Place& at, Settings& settings) {
     if (!samples) return tl::unexpected(samples.error());
     settings.samples = *samples;
   }
+  if (at.has("looks")) {
+    const Place looks = at.at("looks");
+    if (looks.value != "plain" && looks.value != "people") return looks.expected("plain or people");
+    settings.for_people = looks.value == "people";
+  }
   return at.has("limits") ? read_limits(at.at("limits"), settings.limits) : core::Expected<void>();
 }
 
@@ -147,7 +153,7 @@ class SuiteReader {
   }
 
   core::Expected<Suite> read(const Place& at) {
-    if (auto done = check_keys(at, {"name", "references", "size", "samples", "limits", "models"}); !done)
+    if (auto done = check_keys(at, {"name", "references", "size", "samples", "looks", "limits", "models"}); !done)
       return tl::unexpected(done.error());
     if (at.has("name")) {
       auto name = name_at(at);
@@ -172,7 +178,7 @@ class SuiteReader {
  private:
   core::Expected<void> read_model(const Place& at, Settings settings) {
     if (auto done = check_keys(at, {"name", "files", "translate", "units", "up", "lenient", "recognise", "size",
-                                    "samples", "limits", "views"});
+                                    "samples", "looks", "limits", "views"});
         !done)
       return done;
     const auto name = name_at(at);
@@ -228,7 +234,8 @@ class SuiteReader {
   }
 
   core::Expected<void> read_view(const Place& at, Settings settings) {
-    if (auto done = check_keys(at, {"name", "view", "path", "frame", "frames", "size", "samples", "limits"}); !done)
+    if (auto done = check_keys(at, {"name", "view", "path", "frame", "frames", "size", "samples", "looks", "limits"});
+        !done)
       return done;
     const auto name = name_at(at);
     if (!name) return tl::unexpected(name.error());
@@ -288,13 +295,8 @@ class SuiteReader {
   core::Expected<void> add(const Place& at, const std::string& name, const Settings& settings,
                            std::optional<core::View> view, const std::string& what) {
     const SuiteModel& model = suite_.models.back();
-    Task task{model.name + "/" + name,
-              suite_.models.size() - 1,
-              std::move(view),
-              settings.size,
-              settings.samples,
-              settings.limits,
-              ""};
+    Task task{model.name + "/" + name, suite_.models.size() - 1, std::move(view), settings.size,
+              settings.samples,        settings.for_people,      settings.limits, ""};
     if (!names_.insert(task.name).second)
       return core::fail(at.pointer + ": two views of a model have the name " + name);
     override_limits(task.limits, instead_);
@@ -310,7 +312,8 @@ class SuiteReader {
     for (const std::string& file : options.files) text << fs::path(file).filename().string() << '\n';
     text << options.translate << import_arguments(options.import) << '\n'
          << what << '\n'
-         << task.size[0] << 'x' << task.size[1] << ' ' << task.samples << ' ' << task.limits.ids.has_value();
+         << task.size[0] << 'x' << task.size[1] << ' ' << task.samples << ' ' << task.limits.ids.has_value()
+         << (task.for_people ? " people" : "");
     task.key = hash_of(text.str());
     suite_.tasks.push_back(std::move(task));
     return {};

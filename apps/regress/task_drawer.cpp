@@ -61,7 +61,8 @@ core::Expected<engine::ImageTiles> TaskDrawer::prepare(const Task& task) {
   }
   engine::EngineConfig config;
   config.draw = true;
-  config.drawing.samples = task.samples;
+  if (task.for_people) config.drawing.looks = engine::Looks::for_people();
+  config.drawing.samples = task.for_people ? 1 : task.samples;
   config.drawing.ids = task.limits.ids.has_value();
   config.context.platform = platform_;
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
@@ -72,7 +73,10 @@ core::Expected<engine::ImageTiles> TaskDrawer::prepare(const Task& task) {
   if (!tiles) return tiles;
   if (engine_ && engine_->config().drawing.samples == config.drawing.samples &&
       engine_->config().drawing.ids == config.drawing.ids) {
-    const auto done = engine_->resize(tiles->width, tiles->height);
+    auto done = engine_->resize(tiles->width, tiles->height);
+    engine::EngineConfig changed = engine_->config();
+    changed.drawing.looks = config.drawing.looks;
+    if (done) done = engine_->configure(changed);
     return done ? tiles : tl::unexpected(done.error());
   }
   config.width = tiles->width;
@@ -92,7 +96,8 @@ core::Expected<void> TaskDrawer::draw(const Task& task, image::Image& image, ima
                               : core::View::fit(engine_->snapshot().bounds().fitted_bounds().bounds,
                                                 core::kOverviewDirection, kFovy, aspect);
   if (!view) return tl::unexpected(view.error());
-  TiledImage drawn(*view, std::move(*tiles), {.ids = engine_->config().drawing.ids});
+  TiledImage drawn(*view, std::move(*tiles),
+                   {.ids = engine_->config().drawing.ids, .shifts = sample_shifts(task.for_people ? task.samples : 1)});
   image = {task.size[0], task.size[1], {}};
   ids = {task.size[0], task.size[1], {}};
   while (!drawn.complete()) {

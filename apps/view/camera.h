@@ -2,11 +2,13 @@
 // no window, no clock.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "sightline/core/aabb.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/core/error.h"
+#include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 
 namespace sightline::apps {
@@ -21,10 +23,15 @@ class Camera {
   /// right and up in it, in parts of its width and height.
   core::Expected<core::View> view(double aspect, const core::dvec2& shift = core::dvec2(0.0)) const;
 
-  /// Moves back or forth until a box fills the image, with a little room around it.
+  /// Moves back or forth until a box fills the image, with room around it for what it is part of.
   void fit(const core::AabbD& bounds, double aspect);
-  /// The same along another direction, not 0.
-  void look_along(const core::dvec3& direction, const core::AabbD& bounds, double aspect);
+  /// Looks along a direction, not 0, at what sections keep of the items, which fills the image but for outliers and a
+  /// little room.
+  void show_all(const core::ItemBounds& items, const core::dvec3& direction, double aspect,
+                std::span<const core::Plane> sections = {});
+  void show_all(const core::ItemBounds& items, double aspect, std::span<const core::Plane> sections = {}) {
+    show_all(items, forward(), aspect, sections);
+  }
   /// Flies right, forward and up (-1 … 1 each) for some seconds.
   void fly(const core::dvec3& held, double seconds);
   /// Turns the head by radians to the right, and up.

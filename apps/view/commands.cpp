@@ -28,14 +28,16 @@ Done move_camera(Viewer& viewer, const Work& work) {
 
 Done look_along(Viewer& viewer, const core::dvec3& direction) {
   Session& session = *viewer.session();
-  return move_camera(viewer,
-                     [&](Camera& camera) { camera.look_along(direction, session.bounds().bounds, session.aspect()); });
+  session.remember();
+  session.show_all(direction);
+  return {};
 }
 
 Done focus(Viewer& viewer, const std::string&) {
   Session& session = *viewer.session();
   const auto selection = session.document().selection();
-  const core::AabbD bounds = selection.empty() ? session.bounds().bounds : session.document().bounds(selection);
+  if (selection.empty()) return session.remember(), session.show_all(), Done();
+  const core::AabbD bounds = session.document().bounds(selection);
   return move_camera(viewer, [&](Camera& camera) { camera.fit(bounds, session.aspect()); });
 }
 

@@ -13,12 +13,14 @@ using namespace sightline;
 constexpr double kDefaultBudget = 33.0;  // milliseconds
 
 void add_options(apps::CommandLine& line, apps::ViewerOptions& o) {
+  o.model.import.crease_angle = apps::kCreaseAngle;
   apps::add_model_options(line, o.model);
   line.option("MODEL").required(false);
   line.add("--size", o.size, "Of the window, in the screen's units").shows_default().accepted_by(apps::parse_size);
   apps::add_culler_option(line, o.culler);
   apps::add_gpu_pass_option(line, o.gpu_culler);
   apps::add_drawn_options(line, o.shown);
+  apps::add_plain_option(line, o.shown);
   apps::add_samples_option(line, o.samples);
   line.add("--path", o.path,
            "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time")
@@ -62,6 +64,7 @@ void apply(const apps::Settings& settings, const apps::CommandLine& line, apps::
   if (unsaid("--no-panels")) o.panels = settings.panels;
   if (unsaid("--cache")) o.model.import.cache_folder = settings.cache;
   if (unsaid("--recognise")) o.model.import.recognise = settings.recognise;
+  if (o.remembers()) o.shown.looks = engine::Looks::for_people();
   if (unsaid("--budget") && o.remembers()) o.default_budget_ms = kDefaultBudget;
   if (unsaid("--size")) o.size = std::to_string(settings.window[0]) + "x" + std::to_string(settings.window[1]);
 }

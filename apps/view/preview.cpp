@@ -156,7 +156,9 @@ bool Preview::advance(Shown& shown, gl::Context& context, const std::array<int, 
   }
   shown.size = size;
   const double aspect = double(size[0]) / size[1];
-  const auto view = Camera(shown.bounds.bounds, kFovy, aspect).view(aspect);
+  Camera camera(shown.bounds.bounds, kFovy, aspect);
+  camera.show_all(shown.engine.snapshot().bounds(), core::kOverviewDirection, aspect);
+  const auto view = camera.view(aspect);
   const auto report = view ? shown.engine.frame(*view) : tl::unexpected(view.error());
   failed = !report || !report->drawn;
   shown.complete = !failed && report->pending == 0;

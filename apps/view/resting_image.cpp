@@ -1,17 +1,13 @@
 #include "sightline/apps/view/resting_image.h"
 
-#include "sightline/raytrace/exact_visibility.h"
+#include "sightline/apps/common/tiled_image.h"
 
 namespace sightline::apps {
 
 static_assert(RestingImage::kSamples <= MeanImage::kMost);
 
 const std::vector<core::dvec2>& RestingImage::shifts() {
-  static const std::vector<core::dvec2> made = [] {
-    std::vector<core::dvec2> places = raytrace::sample_positions(kSamples);
-    for (core::dvec2& place : places) place -= 0.5;
-    return places;
-  }();
+  static const std::vector<core::dvec2> made = sample_shifts(kSamples);
   return made;
 }
 

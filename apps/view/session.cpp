@@ -39,7 +39,18 @@ Session::Session(Model model, engine::Engine engine, const engine::EngineConfig&
       bounds_(engine_.snapshot().bounds().fitted_bounds()),
       size_{config.width, config.height},
       motion_error_(config.losses.lod_error),
-      camera_(bounds_.bounds, kFovy, aspect()) {}
+      camera_(bounds_.bounds, kFovy, aspect()) {
+  show_all(core::kOverviewDirection);
+}
+
+void Session::show_all(const std::optional<core::dvec3>& direction) {
+  const core::ItemBounds& items = engine_.snapshot().bounds();
+  const std::vector<core::Plane> sections = sections_.planes();
+  if (direction)
+    camera_.show_all(items, *direction, aspect(), sections);
+  else
+    camera_.show_all(items, aspect(), sections);
+}
 
 core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 2>& size) {
   if (!budget_ms_) {
@@ -56,6 +67,7 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
       return false;
     });
   camera_ = Camera(bounds_.bounds, kFovy, aspect());
+  show_all(core::kOverviewDirection);
   if (const auto drawn = draw(); !drawn) return engine_.drawing() ? drawn : core::Expected<bool>(false);
   if (report_.pending > 0) return false;
   engine::EngineConfig config = engine_.config();

@@ -58,6 +58,9 @@ class Session {
   const Measuring& measuring() const { return measuring_; }
   const core::FittedBounds& bounds() const { return bounds_; }
 
+  /// Looks along a direction, or as the camera does, at all that is shown: Camera::show_all().
+  void show_all(const std::optional<core::dvec3>& direction = {});
+
   Sections& sections() { return sections_; }
   const Sections& sections() const { return sections_; }
 

@@ -27,7 +27,6 @@ using Type = Event::Type;
 
 constexpr core::vec3 kCulledColour{0.85f, 0.1f, 0.55f};
 constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
-constexpr engine::DepthShading kDepthShading{0.6f, 0.4f};
 constexpr engine::Hatching kHatching{0.6f, 6.0f};
 constexpr double kMotionError = 0.5;                     // pixels
 constexpr double kLongestStep = 0.25;                    // seconds: a hitch must not make the camera jump
@@ -53,11 +52,13 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.lower = now_.lower;
   shown.tree_width = now_.tree_width;
   shown.side_width = now_.side_width;
-  shown.depth_shading = options.shown.depth_shading.any() || (now_.depth_shading && options.remembers());
-  if (!options.shown.depth_shading.any()) options_.shown.depth_shading = kDepthShading;
-  shown.hatching = options.shown.hatching.any() || (now_.hatching && options.remembers());
-  if (!options.shown.hatching.any()) options_.shown.hatching = kHatching;
-  options_.shown.hatching.spacing = float(kHatching.spacing * std::max(1.0, gui_.scale()));
+  looks_ = options.shown.all_looks();
+  const bool asked = options.shown.depth_shading || options.shown.edge_lines || !options.remembers();
+  shown.depth_shading = looks_.depth_shading.any() && (now_.depth_shading || asked);
+  if (!looks_.depth_shading.any()) looks_.depth_shading = engine::Looks::for_people().depth_shading;
+  shown.hatching = looks_.hatching.any() || (now_.hatching && options.remembers());
+  if (!looks_.hatching.any()) looks_.hatching = kHatching;
+  looks_.hatching.spacing = float(kHatching.spacing * std::max(1.0, gui_.scale()));
   shown.levels = options.shown.lod_error > 0.0 || (now_.levels && options.remembers());
   if (options.shown.lod_error == 0.0) options_.shown.lod_error = kMotionError;
   shown.recognise = options.model.import.recognise;
@@ -197,9 +198,10 @@ engine::EngineConfig Viewer::image_config() const {
   config.culling.gpu_culler = options_.gpu_culler;
   config.drawing.samples = options_.samples;
   options_.shown.apply(config);
+  config.drawing.looks = looks_;
   if (!shown.levels) config.losses.lod_error = 0.0;
-  if (!shown.depth_shading) config.drawing.depth_shading = {};
-  if (!shown.hatching) config.drawing.hatching = {};
+  if (!shown.depth_shading) config.drawing.looks.depth_shading = {};
+  if (!shown.hatching) config.drawing.looks.hatching = {};
   config.drawing.culled_colour = kCulledColour;
   config.context.later = true;
   return config;
@@ -413,8 +415,8 @@ core::Expected<void> Viewer::apply_styles() {
   redraws_ = kSettlingFrames;
   if (!session_) return {};
   return session_->configure([&](engine::EngineConfig& config) {
-    config.drawing.depth_shading = shown.depth_shading ? options_.shown.depth_shading : engine::DepthShading();
-    config.drawing.hatching = shown.hatching ? options_.shown.hatching : engine::Hatching();
+    config.drawing.looks.depth_shading = shown.depth_shading ? looks_.depth_shading : engine::DepthShading();
+    config.drawing.looks.hatching = shown.hatching ? looks_.hatching : engine::Hatching();
   });
 }
 

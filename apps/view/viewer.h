@@ -202,6 +202,7 @@ class Viewer {
   std::shared_ptr<compare::Comparison> found_;  // with what is read now; null where a model is read
   std::unique_ptr<Loader> loader_;              // its thread uses those before
   OpeningSteps opening_;
+  engine::Looks looks_;              // with shading and hatching also while these are off
   int landing_calls_ = 0;            // calls of Session::begin()
   bool keeps_moving_image_ = false;  // the window shows it until the image at rest is complete
   bool landing_ = false;             // it is done, and opened_ is brought into the window's context

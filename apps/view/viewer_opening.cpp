@@ -133,8 +133,8 @@ core::Expected<void> Viewer::landed() {
   keeps_moving_image_ = false;
   shown_view_.reset();
   if (const engine::EngineConfig& config = session_->engine().config();
-      shown.depth_shading != config.drawing.depth_shading.any() ||
-      shown.hatching != config.drawing.hatching.any())  // switched meanwhile
+      shown.depth_shading != config.drawing.looks.depth_shading.any() ||
+      shown.hatching != config.drawing.looks.hatching.any())  // switched meanwhile
     if (auto done = apply_styles(); !done) return done;
   if (const double error = shown.levels ? options_.shown.lod_error : 0.0; error != session_->motion_error())
     if (auto done = session_->set_motion_error(error); !done) return done;

@@ -63,8 +63,9 @@ sl_controller_config controller_of(const culling::ControllerConfig& from) {
   return to;
 }
 
-void write_vector(const core::vec3& from, float to[3]) {
-  std::memcpy(to, glm::value_ptr(from), 3 * sizeof(float));
+template <class T>
+void write_vector(const glm::vec<3, T>& from, T* to) {
+  std::copy_n(glm::value_ptr(from), 3, to);
 }
 
 sl_engine_config config_of(const engine::EngineConfig& from) {
@@ -87,8 +88,14 @@ sl_engine_config config_of(const engine::EngineConfig& from) {
   to.context_platform = std::int32_t(from.context.platform);
   to.transparency = std::int32_t(from.drawing.transparency);
   write_vector(from.drawing.outline_colour, to.outline_colour);
-  to.depth_shading = from.drawing.depth_shading.strength, to.edge_lines = from.drawing.depth_shading.edge_lines;
-  to.hatching_strength = from.drawing.hatching.strength, to.hatching_spacing = from.drawing.hatching.spacing;
+  to.depth_shading = from.drawing.looks.depth_shading.strength,
+  to.edge_lines = from.drawing.looks.depth_shading.edge_lines;
+  to.hatching_strength = from.drawing.looks.hatching.strength,
+  to.hatching_spacing = from.drawing.looks.hatching.spacing;
+  to.lighting = std::int32_t(from.drawing.looks.lighting);
+  write_vector(from.drawing.looks.sun, to.sun);
+  write_vector(from.drawing.looks.background.bottom, to.background_bottom);
+  write_vector(from.drawing.looks.background.top, to.background_top);
   to.part_index = from.culling.part.index, to.part_count = from.culling.part.count;
   to.gl_debug = from.context.debug;
   to.context_later = from.context.later;
@@ -120,8 +127,11 @@ engine::EngineConfig config_of(const sl_engine_config& from, const culling::Cont
   config.culling.rebuild_share = double(from.rebuild_share);
   config.drawing.transparency = enum_of<engine::Transparency>(from.transparency, 2, "transparency");
   config.drawing.outline_colour = glm::make_vec3(from.outline_colour);
-  config.drawing.depth_shading = {from.depth_shading, from.edge_lines};
-  config.drawing.hatching = {from.hatching_strength, from.hatching_spacing};
+  config.drawing.looks.depth_shading = {from.depth_shading, from.edge_lines};
+  config.drawing.looks.hatching = {from.hatching_strength, from.hatching_spacing};
+  config.drawing.looks.lighting = enum_of<core::Lighting>(from.lighting, 3, "lighting");
+  config.drawing.looks.sun = glm::make_vec3(from.sun);
+  config.drawing.looks.background = {glm::make_vec3(from.background_bottom), glm::make_vec3(from.background_top)};
   config.culling.part = {from.part_index, from.part_count};
   config.context.debug = from.gl_debug != 0;
   config.context.later = from.context_later != 0;

@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "sightline/bindings/c/internal/objects.h"
 #include "sightline/bindings/c/internal/values.h"
 #if SIGHTLINE_HAS_IMPORTERS
@@ -23,6 +25,8 @@ importers::ImportOptions options_of(const sl_import_options& from) {
   require(from.recognise_tolerance >= 0.0 && std::isfinite(from.recognise_tolerance),
           "recognise_tolerance of 0 or more");
   options.recognise_tolerance = from.recognise_tolerance;
+  require(from.crease_angle >= 0.0 && from.crease_angle <= std::numbers::pi, "a crease_angle from 0 to pi");
+  options.crease_angle = from.crease_angle;
   options.cached_levels = from.cached_levels != 0;
   options.progress = progress_of(from.progress, from.user);
   return options;

@@ -71,6 +71,14 @@ py::object colour(const core::vec3& c) {
   return py::make_tuple(c.x, c.y, c.z);
 }
 
+template <auto kColour>
+constexpr Setting background(const char* name) {
+  return {name, [](const EngineConfig& c) -> py::object { return colour(c.drawing.looks.background.*kColour); },
+          [](EngineConfig& c, const char* n, py::handle value) {
+            c.drawing.looks.background.*kColour = core::vec3(vector3(value, n));
+          }};
+}
+
 /// Thresholds and shares of both policies, and counts of frames.
 ControllerConfig checked(const ControllerConfig& config) {
   const culling::FrameCostConfig& cost = config.frame_cost;
@@ -147,12 +155,23 @@ const std::array<Setting, kChangeableSettings> kChangeable = {
             [](EngineConfig& c, const char* name, py::handle value) {
               c.drawing.outline_colour = core::vec3(vector3(value, name));
             }},
-    plain<&EngineConfig::drawing, &engine::DrawingConfig::depth_shading, &engine::DepthShading::strength>(
-        "depth_shading"),
-    plain<&EngineConfig::drawing, &engine::DrawingConfig::depth_shading, &engine::DepthShading::edge_lines>(
-        "edge_lines"),
-    plain<&EngineConfig::drawing, &engine::DrawingConfig::hatching, &engine::Hatching::strength>("hatching_strength"),
-    plain<&EngineConfig::drawing, &engine::DrawingConfig::hatching, &engine::Hatching::spacing>("hatching_spacing"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::looks, &engine::Looks::depth_shading,
+          &engine::DepthShading::strength>("depth_shading"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::looks, &engine::Looks::depth_shading,
+          &engine::DepthShading::edge_lines>("edge_lines"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::looks, &engine::Looks::hatching, &engine::Hatching::strength>(
+        "hatching_strength"),
+    plain<&EngineConfig::drawing, &engine::DrawingConfig::looks, &engine::Looks::hatching, &engine::Hatching::spacing>(
+        "hatching_spacing"),
+    named<&EngineConfig::drawing, &engine::DrawingConfig::looks, &engine::Looks::lighting>("lighting"),
+    Setting{"sun",
+            [](const EngineConfig& c) -> py::object {
+              const core::dvec3& sun = c.drawing.looks.sun;
+              return py::make_tuple(sun.x, sun.y, sun.z);
+            },
+            [](EngineConfig& c, const char* name, py::handle value) { c.drawing.looks.sun = vector3(value, name); }},
+    background<&core::Background::bottom>("background_bottom"),
+    background<&core::Background::top>("background_top"),
     Setting{"controller",
             [](const EngineConfig& c) -> py::object {
               ControllerConfig told = c.culling.controller;

@@ -16,7 +16,7 @@ struct Setting {
   void (*set)(engine::EngineConfig& config, const char* name, py::handle value);
 };
 
-inline constexpr std::size_t kFixedSettings = 14, kChangeableSettings = 14;
+inline constexpr std::size_t kFixedSettings = 14, kChangeableSettings = 18;
 /// Settings that an engine has from its creation on.
 extern const std::array<Setting, kFixedSettings> kFixed;
 /// Settings that Engine::configure() changes.

@@ -18,6 +18,7 @@
 #include "sightline/bindings/python/planes.h"
 #include "sightline/bindings/python/reports.h"
 #include "sightline/core/camera_path.h"
+#include "sightline/core/fitting.h"
 #include "sightline/engine/item_style.h"
 #include "sightline/engine/pick.h"
 #include "sightline/gl/external_target.h"
@@ -148,7 +149,8 @@ core::View fit(EngineBox& box, const py::object& direction, double fovy, std::op
   const double aspect = aspect_.value_or(double(box.width()) / box.height());
   const core::dvec3 along = direction.is_none() ? core::kOverviewDirection : vector3(direction, "direction");
   return unwrap(box.call([&](engine::Engine& e) {
-    return core::View::fit(e.snapshot().bounds().fitted_bounds().bounds, along, fovy, aspect, core::kOverviewFilled);
+    const core::ItemBounds& items = e.snapshot().bounds();
+    return core::fit_items(items, items.fitted_bounds().bounds, along, fovy, aspect);
   }));
 }
 
@@ -405,7 +407,8 @@ void bind_queries(EngineClass& c) {
            "Items that a rectangle of the image shows, by rays: a structured array of `item` and `samples`.")
       .def("fit", &fit, "direction"_a = py::none(), py::kw_only(), "fovy"_a = 0.25 * std::numbers::pi,
            "aspect"_a = py::none(),
-           "The view of the whole model along `direction`, which fills nine tenths of the image, without items that lie too "
+           "The view of the whole model along `direction`, which fills nine tenths of the image, without items that "
+           "lie too "
            "far from all others. "
            "`aspect`: width / height; None: the engine's.")
       .def("tour", &tour, "duration"_a = 60.0, "A flight through the model, as sightline-replay makes it; seconds.");
@@ -531,6 +534,8 @@ constexpr const char* kEngineDoc =
     "outline_colour: (r, g, b) of outlines.\n"
     "depth_shading, edge_lines: 0 to 1, darkness of corners and along edges, by depth.\n"
     "hatching_strength, hatching_spacing: 0 to 1, darkness of lines on what sections cut; pixels between them.\n"
+    "lighting: \"head-light\", \"studio\" or \"sun\"; sun: direction to it in the world.\n"
+    "background_bottom, background_top: (r, g, b), with an even change in between.\n"
     "controller: of the hybrid, a ControllerConfig.\n"
     "get_proc: draws in the application's context, which is current in this and all later calls. Finds GL's functions: "
     "a function of a name that returns an address or None, one of ctypes, or its address.\n"

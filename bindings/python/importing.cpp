@@ -1,6 +1,7 @@
 // Import with progress, cancellation and Ctrl-C; writing RVM files.
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <span>
 
@@ -23,7 +24,7 @@ struct Imported {
 importers::ImportOptions options_of(bool lenient, double metres_per_unit, const std::string& up,
                                     const std::string& copies, int threads,
                                     const std::optional<std::filesystem::path>& cache, bool cached_levels,
-                                    bool recognise, double recognise_tolerance) {
+                                    bool recognise, double recognise_tolerance, double crease_angle) {
   importers::ImportOptions options;
   options.lenient = lenient;
   options.metres_per_unit = metres_per_unit;
@@ -37,6 +38,9 @@ importers::ImportOptions options_of(bool lenient, double metres_per_unit, const 
   if (!(recognise_tolerance >= 0.0 && std::isfinite(recognise_tolerance)))
     fail("recognise_tolerance: expected a finite number of at least 0, found " + std::to_string(recognise_tolerance));
   options.recognise_tolerance = recognise_tolerance;
+  if (!(crease_angle >= 0.0 && crease_angle <= std::numbers::pi))
+    fail("crease_angle: expected 0 to pi, found " + std::to_string(crease_angle));
+  options.crease_angle = crease_angle;
   return options;
 }
 
@@ -159,6 +163,7 @@ void bind_import(py::module_& m, SceneClass& scene) {
       "same unchanged files is fast. `cached_levels`: these hold levels of detail, too, which engines with `lod_error` "
       "need not build then. `recognise`: meshes become primitives where they are the triangles of some, whose vertices "
       "lie within `recognise_tolerance` metres, or, where this is 0, as near as each mesh's own tessellation tells. "
+      "`crease_angle`: radians; meshes without normals look smooth but for edges bent by more; 0: facet by facet. "
       "`progress`: called with the share done, 0 to 1; False cancels, and so do exceptions and Ctrl-C.";
   static const std::string file_doc =
       std::string("Imports a model file of any known format below `parent`, or the root.") + kOptions;
@@ -170,33 +175,33 @@ void bind_import(py::module_& m, SceneClass& scene) {
       [](const ScenePtr& s, const std::filesystem::path& path, const std::optional<Node>& parent, bool lenient,
          double metres_per_unit, const std::string& up, const std::string& copies,
          const std::optional<std::filesystem::path>& cache, bool cached_levels, bool recognise,
-         double recognise_tolerance, const py::object& progress) {
-        return run(
-            s, parent,
-            options_of(lenient, metres_per_unit, up, copies, 0, cache, cached_levels, recognise, recognise_tolerance),
-            progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
-              return importers::import_files(std::span(&path, 1), to, below, options);
-            });
+         double recognise_tolerance, double crease_angle, const py::object& progress) {
+        return run(s, parent,
+                   options_of(lenient, metres_per_unit, up, copies, 0, cache, cached_levels, recognise,
+                              recognise_tolerance, crease_angle),
+                   progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
+                     return importers::import_files(std::span(&path, 1), to, below, options);
+                   });
       },
       "path"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
       "copies"_a = "similar", "cache"_a = py::none(), "cached_levels"_a = false, "recognise"_a = false,
-      "recognise_tolerance"_a = 0.0, "progress"_a = py::none(), file_doc.c_str());
+      "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "progress"_a = py::none(), file_doc.c_str());
   scene.def(
       "import_files",
       [](const ScenePtr& s, const std::vector<std::filesystem::path>& paths, const std::optional<Node>& parent,
          bool lenient, double metres_per_unit, const std::string& up, const std::string& copies, int threads,
          const std::optional<std::filesystem::path>& cache, bool cached_levels, bool recognise,
-         double recognise_tolerance, const py::object& progress) {
+         double recognise_tolerance, double crease_angle, const py::object& progress) {
         return run(s, parent,
                    options_of(lenient, metres_per_unit, up, copies, threads, cache, cached_levels, recognise,
-                              recognise_tolerance),
+                              recognise_tolerance, crease_angle),
                    progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
                      return importers::import_files(paths, to, below, options);
                    });
       },
       "paths"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
       "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "cached_levels"_a = false, "recognise"_a = false,
-      "recognise_tolerance"_a = 0.0, "progress"_a = py::none(), files_doc.c_str());
+      "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "progress"_a = py::none(), files_doc.c_str());
   scene.def("write_rvm", &write_rvm, "path"_a, "node"_a = py::none(), py::kw_only(), "progress"_a = py::none(),
             "Writes what is below a node, or the root, as an RVM file. `progress` as in import_file().");
   m.def(

@@ -35,6 +35,8 @@ inline constexpr int kEnumerators<engine::ContributionMode> = 3;
 template <>
 inline constexpr int kEnumerators<engine::Transparency> = 2;
 template <>
+inline constexpr int kEnumerators<core::Lighting> = 3;
+template <>
 inline constexpr int kEnumerators<engine::GlState> = 2;
 template <>
 inline constexpr int kEnumerators<culling::GpuVariant> = 2;

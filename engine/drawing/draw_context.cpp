@@ -48,9 +48,9 @@ culling::ContributionTest DrawContext::contribution_test(const core::View& view,
   return {view, snapshot.bounds().origin, target().width(), target().height(), solid_areas.of(snapshot)};
 }
 
-void DrawContext::clear(const render::RenderTarget& canvas) {
+core::Expected<void> DrawContext::clear(const render::RenderTarget& canvas) {
   image->meshes = {};
-  renderer->clear(canvas);
+  return renderer->clear(canvas);
 }
 
 std::optional<lod::ImageError> DrawContext::mesh_error(const core::View& view) const {
@@ -74,7 +74,7 @@ core::Expected<void> DrawContext::list(const core::View& view, const core::Snaps
 
 core::Expected<void> DrawContext::draw(const core::View& view, const core::Snapshot& snapshot,
                                        const core::VisibleSet& set) {
-  clear(target());
+  if (auto done = clear(target()); !done) return done;
   return draw_more(view, snapshot, set, target());
 }
 

@@ -51,7 +51,7 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
   if (!goes_on) {
     begin(context, culled, stays);
     image.beside = beside;
-    context.clear(canvas);
+    if (auto done = context.clear(canvas); !done) return tl::unexpected(done.error());
   }
   // Reading the depth of a large image back may take longer than the budget. A still image would then hardly go on.
   const double deadline =

@@ -22,7 +22,7 @@ core::Expected<DrawCounts> DrawInPasses::draw(DrawContext& context, const DrawIn
   context.clear_pyramid();
   image.passes.begin(visible, lines, hierarchy, context.threads);
   image.clusters.begin(test, bounds.origin, context.threads);
-  context.clear(image.target);
+  if (auto done = context.clear(image.target); !done) return tl::unexpected(done.error());
   const auto draw_pass = [&context, &image, &culled = input.candidates](const core::VisibleSet& pass) {
     context.clusters = culled.view.sections.empty() ? &image.clusters : nullptr;
     auto done = context.draw_more(culled.view, culled.snapshot, pass, image.target);

@@ -7,6 +7,7 @@
 #include "sightline/core/internal/clock.h"
 #include "sightline/engine/drawing/internal/left_out.h"
 #include "sightline/engine/drawing/internal/rehearsal.h"
+#include "sightline/engine/internal/looks.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/program_cache.h"
 #include "sightline/gl/internal/saved_state.h"
@@ -290,7 +291,7 @@ void Drawing::configure(const EngineConfig& config) {
   if (context_.scene && context_.renderer && config.losses.lod_error > 0.0)
     context_.mesh_details.want_levels(*context_.scene);
   for (render::Renderer* renderer : {context_.renderer ? &*context_.renderer : nullptr, upload_.renderer()})
-    if (renderer) renderer->hatching = context_.hatching();
+    if (renderer) give_looks(config.drawing.looks, *renderer);
   images_changed();
 }
 
@@ -371,6 +372,7 @@ core::Expected<DrawResult> Drawing::draw(const DrawRequest& request) {
   if (request.on_gpu || (!request.shows_unseen && (aside || unseen_.active()))) image_changed();
   result.wait_ms = queue_.wait_for_room();
   if (context_.renderer) {
+    give_looks(context_.config.drawing.looks, *context_.renderer, request.rows);
     auto counts = request.shows_unseen ? draw_with_unseen(request) : draw_opaque(request, aside);
     if (!counts) return tl::unexpected(counts.error());
     const Culled visible = request.culled.seen_in(request.view);

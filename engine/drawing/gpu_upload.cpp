@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sightline/core/internal/sort_unique.h"
+#include "sightline/engine/internal/looks.h"
 
 namespace sightline::engine {
 namespace {
@@ -58,7 +59,7 @@ core::Expected<bool> GpuUpload::advance(const DrawContext& context, GpuCulling& 
     auto renderer = render::Renderer::begin(context.context);
     if (!renderer) return tl::unexpected(renderer.error());
     content_->renderer = std::move(*renderer);
-    content_->renderer->hatching = context.hatching();
+    give_looks(context.config.drawing.looks, *content_->renderer);
   }
   return content_->renderer->advance(*content_->scene, context.target().format(), deadline);
 }

@@ -111,7 +111,7 @@ bool ImageOverlays::shades(const DrawContext& context, const DrawCounts& counts)
 }
 
 core::Expected<void> ImageOverlays::draw_depth_shading(const DrawContext& context, const core::View& view) {
-  const DepthShading& depth_shading = context.config.drawing.depth_shading;
+  const DepthShading& depth_shading = context.config.drawing.looks.depth_shading;
   if (!depth_shading.any()) return {};
   if (!depth_shading_pass_) depth_shading_pass_.emplace(context.gl());
   return depth_shading_pass_->draw(context.target(), view, depth_shading.strength, depth_shading.edge_lines);

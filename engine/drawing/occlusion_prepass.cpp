@@ -77,7 +77,7 @@ core::Expected<void> OcclusionPrepass::rasterise(DrawContext& context, const Cul
   context.clear_pyramid();
   solids_.begin(snapshot, view, image.target.width(), image.target.height(), context.snap());
   image.passes.begin(visible, lines, hierarchy, context.threads, OcclusionPasses::Next::kNearest);
-  context.clear(image.target);
+  if (auto done = context.clear(image.target); !done) return tl::unexpected(done.error());
   image.distances.clear();
   for (bool first = true; image.passes.next(test, snapshot.bounds()); first = false) {
     if (first)

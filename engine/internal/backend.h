@@ -2,6 +2,7 @@
 // builds without GL. Internal to engine.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -35,6 +36,8 @@ struct DrawRequest {
   double budget_began = 0.0;                   ///< when the frame's budget began to run, seconds on the steady clock
   const gl::ExternalTarget* target = nullptr;  ///< gets the image, too, and has its size
   std::optional<glm::vec2> blend_range = {};   ///< eye depths by which blended items are weighed
+  /// Where the image reaches in that of which it is a part: 0 at its upper border, 1 at its lower.
+  std::array<double, 2> rows{0.0, 1.0};
 };
 struct DrawResult {
   DrawCounts counts;     ///< 0 where the GPU has culled

@@ -17,6 +17,7 @@
 #include "sightline/engine/internal/placeholders.h"
 #include "sightline/engine/paged_engine.h"
 #include "sightline/lod/internal/cut.h"
+#include "sightline/render/internal/depth_shading_pass.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
@@ -37,10 +38,10 @@ class PagedImage {
   static core::Expected<std::unique_ptr<PagedImage>> create(const gl::Context& context, const core::PagedScene& scene,
                                                             const PagedConfig& config);
   /// Takes the memory that images need whatever they show.
-  void warm_up();
+  core::Expected<void> warm_up();
 
   /// Begins the image of a view, with all of its leaves open.
-  void begin(const core::View& view);
+  core::Expected<void> begin(const core::View& view);
   void forget() { view_.reset(); }
   const std::optional<core::View>& view() const { return view_; }  ///< of the image; none before begin()
 
@@ -97,6 +98,7 @@ class PagedImage {
   render::RenderTarget target_, canvas_;
   std::optional<render::Renderer> renderer_;
   std::optional<Placeholders> placeholders_;
+  std::optional<render::DepthShadingPass> depth_shading_;  // made with the first image that has some
 
   std::optional<core::View> view_;
   std::optional<lod::ImageError> error_;

@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include "sightline/core/surroundings.h"
 #include "sightline/core/view.h"
 #include "sightline/gpuprims/internal/packing.h"
 
@@ -28,13 +29,15 @@ struct ViewBlock {
   glm::vec4 hatching;  ///< for the renderer to fill; 0: none
   glm::vec4 hatch_across[2 * kMaxSections];
   glm::vec4 hatch_whole[kMaxSections];
+  glm::vec4 lights[core::kMostDistantLights];  ///< for the renderer to fill; 0: the head-light
 };
 static_assert(offsetof(ViewBlock, pixel_ray) == 144);
 static_assert(offsetof(ViewBlock, clip_from_eye) == 192);
 static_assert(offsetof(ViewBlock, flags) == 304);
 static_assert(offsetof(ViewBlock, sections) == 320);
 static_assert(offsetof(ViewBlock, hatching) == 320 + 16 * kMaxSections);
-static_assert(sizeof(ViewBlock) == 336 + 64 * kMaxSections);
+static_assert(offsetof(ViewBlock, lights) == 336 + 64 * kMaxSections);
+static_assert(sizeof(ViewBlock) == 336 + 64 * kMaxSections + 16 * core::kMostDistantLights);
 
 /// Clip matrix with reversed zero-to-one depth, whatever convention the view was made for.
 core::dmat4 reversed_clip_from_eye(const core::View& view);

@@ -19,6 +19,8 @@ layout(std140, binding = 0) uniform ViewBlock {
   // whole metres beside.
   vec4 hatch_across[2 * kMaxSections];
   vec4 hatch_whole[kMaxSections];  // xy: of the two
+  // Lights far away: xyz: towards them in eye space, w: their strength, 0 none. Without any there is a head-light.
+  vec4 lights[2];
 } view;
 
 bool perspective_view() { return view.flags.x == 1; }

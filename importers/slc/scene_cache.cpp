@@ -68,6 +68,7 @@ Json settings_of(const ImportOptions& options) {
   return {{"lenient", options.lenient},
           {"metres_per_unit", options.metres_per_unit},
           {"up", int(options.up)},
+          {"crease_angle", options.crease_angle},
           {"copies", int(options.copies)},
           {"recognise", options.recognise},
           {"recognise_tolerance", options.recognise ? options.recognise_tolerance : 0.0},

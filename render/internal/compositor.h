@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
+#include "sightline/render/internal/background_pass.h"
 #include "sightline/render/internal/pixel_pass.h"
 #include "sightline/render/internal/render_target.h"
 
@@ -25,20 +27,20 @@ class Compositor {
   explicit Compositor(const gl::Functions& gl, Source source = Source::kImage) : gl_(&gl), pass_(gl), source_(source) {}
 
   /// As put(), into a framebuffer of the application's, which is cleared first where it says so. `to` must have the
-  /// size of `from`. `background`: sRGB, to clear with. Fails on a framebuffer that does not exist or is not complete,
+  /// size of `from`. `background`: to clear with. Fails on a framebuffer that does not exist or is not complete,
   /// and on depths out of range.
-  core::Expected<void> draw(const RenderTarget& from, const gl::ExternalTarget& to,
-                            const std::array<float, 3>& background);
+  core::Expected<void> draw(const RenderTarget& from, const gl::ExternalTarget& to, const core::Background& background);
   /// Sets GL state and leaves it set, with the framebuffer bound for drawing. Fails with the driver's log.
   core::Expected<void> put(const RenderTarget& from, const gl::ExternalTarget& to);
 
  private:
-  void clear(const gl::ExternalTarget& to, const std::array<float, 3>& background) const;
+  core::Expected<void> clear(const gl::ExternalTarget& to, const core::Background& background);
 
   const gl::Functions* gl_;
   PixelPass pass_;
   Source source_;
-  gl::Program whole_pixels_, each_sample_;  // for the format of the first target
+  std::optional<BackgroundPass> background_pass_;  // made with the first framebuffer that is to be cleared
+  gl::Program whole_pixels_, each_sample_;         // for the format of the first target
 };
 
 }  // namespace sightline::render

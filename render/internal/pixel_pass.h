@@ -16,12 +16,14 @@ struct PixelShader {
   const char* file;
   std::array<std::array<const char*, 2>, 2> switches = {};  ///< null: no such switch
 };
+inline constexpr PixelShader kBackground{"background.frag"};
 inline constexpr PixelShader kBlendResolve{"blend_resolve.frag"};
 inline constexpr PixelShader kComposite{"composite.frag", {{{"IMAGE", "LAYER"}, {"WHOLE_PIXELS", "EACH_SAMPLE"}}}};
 inline constexpr PixelShader kDepthShading{"depth_shading.frag"};
 inline constexpr PixelShader kOneSample{"one_sample.frag", {{{"IDS 0", "IDS 1"}, {"NORMALS 0", "NORMALS 1"}}}};
 inline constexpr PixelShader kOutline{"outline.frag"};
-inline constexpr std::array kPixelShaders = {kBlendResolve, kComposite, kDepthShading, kOneSample, kOutline};
+inline constexpr std::array kPixelShaders = {kBackground,   kBlendResolve, kComposite,
+                                             kDepthShading, kOneSample,    kOutline};
 
 /// What such draws have in common. A draw is begin(), what it needs beyond that, and draw(). All calls set GL state and
 /// leave it set.

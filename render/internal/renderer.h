@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "sightline/core/internal/deadline.h"
+#include "sightline/core/surroundings.h"
 #include "sightline/core/view.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/program_pipeline.h"
 #include "sightline/gl/internal/vertex_array.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
+#include "sightline/render/internal/background_pass.h"
 #include "sightline/render/internal/overlays.h"
 #include "sightline/render/internal/render_target.h"
 #include "sightline/render/internal/section_caps.h"
@@ -46,8 +48,8 @@ class Renderer {
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                             const gpuscene::DrawLists& lists, const RenderTarget& target);
 
-  /// Makes the target show nothing but the background.
-  void clear(const RenderTarget& target) const;
+  /// Makes the target show nothing but the background. Fails with the driver's log.
+  core::Expected<void> clear(const RenderTarget& target);
 
   /// Draws the records in the lists beside what the target holds of the same view. Where two items have the same depth,
   /// the pixel keeps what it has. `materials`: a table to use instead of the scene's, with as many rows as the scene
@@ -66,7 +68,9 @@ class Renderer {
                                     const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                     const RenderTarget& image, const BlendedSums& sums, const glm::vec2& range);
 
-  std::array<float, 3> background{0.86f, 0.88f, 0.91f};  ///< sRGB
+  core::Background background = {};
+  core::Lighting lighting = core::Lighting::kHeadLight;
+  core::dvec3 sun{0.0, 0.0, 1.0};  ///< as core::distant_lights() has it
   /// Lines on cut faces: their strength, 0 … 1, and their least distance in pixels; a sixth of that, or one pixel, is
   /// their width. 0: none.
   glm::vec2 hatching{0.0f, 6.0f};
@@ -119,6 +123,7 @@ class Renderer {
   std::array<SurfacePrograms, kSurfaces> programs_;
   std::vector<gpuscene::BatchKind> kinds_;  // of the batches
   std::size_t compiled_ = 0;                // of these, whose first programs are made
+  std::optional<BackgroundPass> background_pass_;
   gl::VertexArray record_array_, mesh_array_;
   gl::Buffer view_block_, chunk_rows_;
   gl::TextureBuffer chunk_texels_;

@@ -1,4 +1,4 @@
-// Colour and id of a surface point. Light: a head-light plus a hemisphere, which suits CAD models from every side.
+// Colour and id of a surface point. Light: a head-light or lights far away (core/surroundings.h), and a hemisphere of sky.
 
 layout(binding = 2) uniform samplerBuffer materials;  // rgb: sRGB colour, a: alpha
 
@@ -53,18 +53,36 @@ float weight_of(float depth) {
 }
 #endif
 
+float power_24(float x) {
+  float square = x * x, eighth = square * square * square * square;
+  return eighth * eighth * eighth;
+}
+
 // How much of a ghost shows: more where it is seen edge-on, as its outline.
 float ghost_alpha(float alpha, float head) {
   float edge = 1.0 - head;
   return alpha * (0.12 + 0.88 * edge * edge);
 }
 
-// Lights a surface that faces `n`, with the mean of the head-light's cosine, of its power of 24 and of the sky's share
-// over what is shown. `hatch`: share of the pixel that lines cover, dark on light faces and light on dark ones.
-void write_lit(vec3 n, float head, float gloss, float sky, float hatch, uint word, uint id) {
-  float light = 0.30 + 0.50 * head + 0.25 * sky;
+// What all lights give: x: the sum of the cosines, y: that of their gloss, each times the light's strength.
+vec2 light_on(vec3 n, vec3 to_viewer, float head) {
+  if (view.lights[0].w == 0.0) return vec2(head, power_24(head));
+  vec2 sum = vec2(0.0);
+  for (int i = 0; i < 2; ++i) {
+    vec4 light = view.lights[i];
+    float cosine = dot(n, light.xyz);
+    if (light.w == 0.0 || cosine <= 0.0) continue;
+    sum += light.w * vec2(cosine, power_24(max(0.0, dot(n, normalize(light.xyz + to_viewer)))));
+  }
+  return sum;
+}
+
+// Lights a surface that faces `n`, with the mean of the head-light's cosine, of what light_on() gives and of the sky's
+// share over what is shown. `hatch`: share of the pixel that lines cover, dark on light faces and light on dark ones.
+void write_lit(vec3 n, float head, vec2 lights, float sky, float hatch, uint word, uint id) {
+  float light = 0.30 + 0.50 * lights.x + 0.25 * sky;
   vec4 material = material_of(word);
-  vec3 lit = min(material.rgb * light + 0.12 * gloss, vec3(1.0));
+  vec3 lit = min(material.rgb * light + 0.12 * lights.y, vec3(1.0));
 #ifdef HATCHING
   lit = mix(lit, vec3(dot(lit, kLuma) < kDarkFace ? 1.0 : 0.0), hatch);
 #endif
@@ -92,14 +110,26 @@ void write_surface(vec3 normal, vec3 direction, float hatch, uint word, uint id)
   vec3 n = square > 0.0 && square < 3.0e38 ? normal * inversesqrt(square) : to_viewer;
   if (dot(n, to_viewer) < 0.0) n = -n;  // both sides are lit: open pipes and cut solids show their inside
   float head = dot(n, to_viewer);
-  float square_head = head * head, eighth = square_head * square_head * square_head * square_head;
-  write_lit(n, head, eighth * eighth * eighth, 0.5 + 0.5 * dot(n, view.up.xyz), hatch, word, id);
+  write_lit(n, head, light_on(n, to_viewer, head), 0.5 + 0.5 * dot(n, view.up.xyz), hatch, word, id);
 }
 
-// One colour for a solid that is too small to show its shape: the mean over the disc that a ball shows. There the
-// cosine's mean is 2 / 3, that of its power of 24 is 1 / 13, and that of the normal is 2 / 3 of the direction to the
-// viewer.
+// The mean of light_on() over the disc that a ball shows. Of a light at the angle a from the viewer, the cosine's mean is
+// 2 / 3 (sin a + (pi - a) cos a) / pi: the phase function of a Lambertian sphere. That of the gloss, a power of 24 about
+// the direction halfway to the viewer, is the cosine of that half angle / 13.
+vec2 mean_light(vec3 to_viewer) {
+  if (view.lights[0].w == 0.0) return vec2(2.0 / 3.0, 1.0 / 13.0);
+  vec2 sum = vec2(0.0);
+  for (int i = 0; i < 2; ++i) {
+    float cosine = clamp(dot(to_viewer, view.lights[i].xyz), -1.0, 1.0), angle = acos(cosine);
+    float diffuse = (sin(angle) + (3.14159265 - angle) * cosine) * (2.0 / 3.0 / 3.14159265);
+    sum += view.lights[i].w * vec2(diffuse, cos(0.5 * angle) / 13.0);
+  }
+  return sum;
+}
+
+// One colour for a solid that is too small to show its shape: the mean over the disc that a ball shows. There the mean
+// of the head-light's cosine is 2 / 3, and that of the normal is 2 / 3 of the direction to the viewer.
 void write_mean_surface(vec3 direction, uint word, uint id) {
   vec3 to_viewer = normalize(-direction);
-  write_lit(to_viewer, 2.0 / 3.0, 1.0 / 13.0, 0.5 + dot(to_viewer, view.up.xyz) / 3.0, 0.0, word, id);
+  write_lit(to_viewer, 2.0 / 3.0, mean_light(to_viewer), 0.5 + dot(to_viewer, view.up.xyz) / 3.0, 0.0, word, id);
 }

@@ -12,7 +12,8 @@
 namespace sightline::tests::driver_images_test {
 namespace {
 
-constexpr double kMostApart = 1.2e-5;  // of the distance, where both show the same item; 10^-5 but for one pixel at grazing sight
+constexpr double kMostApart =
+    1.2e-5;  // of the distance, where both show the same item; 10^-5 but for one pixel at grazing sight
 constexpr double kCoincident = 2e-6;  // of the distance: where surfaces of two items are no further apart, either shows
 constexpr int kColourStep = 1;        // of 255, in each channel
 
@@ -110,7 +111,8 @@ class DriverImages : public RenderTest {
   /// A failed test, and empty images, where the driver draws none or is another one.
   Drawn draw(const std::string& driver, Args args) const {
     const std::string colours = path(driver + ".png"), ids = path(driver + ".ids.png"), depth = path(driver + ".pfm");
-    args.insert(args.end(), {"--size", "320x180", "--gl-debug", "--out", colours, "--ids", ids, "--depth", depth});
+    args.insert(args.end(),
+                {"--plain", "--size", "320x180", "--gl-debug", "--out", colours, "--ids", ids, "--depth", depth});
     const Outcome drawn = draw_by(driver, args);
     EXPECT_EQ(drawn.code, 0) << drawn;
     EXPECT_TRUE(renderer_of(drawn).starts_with(kRenderers.at(driver))) << drawn;
@@ -145,18 +147,18 @@ const Shot kShots[] = {
     {"SolidsByGeometryShaders", "plant", "near", "--culler gpu --gpu-pass geometry --occlusion on"},
     {"SolidsByComputeShaders", "plant", "above", "--culler gpu --gpu-pass compute --occlusion on"},
     {"SolidsByTheHybrid", "plant", "above", "--culler hybrid"},
-    {"SolidsCut", "plant", "cut", "--culler cpu --samples 4"},
+    {"SolidsCut", "plant", "cut", "--culler cpu"},
     {"SolidsCutByAUnion", "plant", "union", "--culler gpu --gpu-pass geometry --section-hatch 0.5"},
     {"SolidsShaded", "plant", "near", "--culler cpu --depth-shading 0.5 --edge-lines 0.5"},
     {"SolidsAsGhosts", "plant", "near", "--culler cpu --ghost PIPE --transparency blended"},
     {"SolidsAsPoints", "plant", "near", "--culler cpu --min-projected-area 20 --contribution-mode points"},
     {"MeshesOccluded", "meshes", "near", "--culler cpu --occlusion on"},
     {"MeshesByGeometryShaders", "meshes", "above", "--culler gpu --gpu-pass geometry --occlusion on"},
-    {"MeshesCut", "meshes", "cut", "--culler gpu --gpu-pass compute --samples 4"},
+    {"MeshesCut", "meshes", "cut", "--culler gpu --gpu-pass compute"},
     {"MeshesCutByAUnion", "meshes", "union", "--culler hybrid --section-hatch 0.5"},
     {"Clusters", "torus", "torus", "--culler cpu --occlusion on"},
     {"ClustersByGeometryShaders", "torus", "torus", "--culler gpu --gpu-pass geometry --occlusion on"},
-    {"Levels", "torus", "torus", "--culler cpu --lod-error 3 --samples 2"},
+    {"Levels", "torus", "torus", "--culler cpu --lod-error 3"},
     {"LevelsByComputeShaders", "torus", "torus", "--culler gpu --gpu-pass compute --lod-error 3"}};
 
 class ShotsByDrivers : public DriverImages, public ::testing::WithParamInterface<Shot> {

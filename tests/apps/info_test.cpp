@@ -18,6 +18,22 @@ std::uint64_t total(const Json& info) {
   return sum;
 }
 
+/// A pyramid that stands on the plane y = 0, in a format that does not say which axis points up.
+TEST_F(Info, TellsWhereYSeemsToPointUp) {
+  const std::string faces = "f 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n";
+  const std::string standing = write("standing.obj", "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 2 0.5\n" + faces),
+                    lying = write("lying.obj", "v 0 0 0\nv 0 1 0\nv 1 1 0\nv 1 0 0\nv 0.5 0.5 2\n" + faces);
+  const auto told = [&](const Args& args) {
+    const Outcome outcome = run("info", args);
+    EXPECT_EQ(outcome.code, 0) << outcome;
+    return outcome.err.find("seems to have y up; --up y turns it") != std::string::npos;
+  };
+  EXPECT_TRUE(told({standing}));
+  EXPECT_FALSE(told({standing, "--up", "y"}));
+  EXPECT_FALSE(told({lying}));
+  EXPECT_FALSE(told({plant(100)})) << "RVM files say it";
+}
+
 TEST_F(Info, WritesTheKeysOfTheContract) {
   const Json info = run_json("info", {plant(1000)});
   EXPECT_EQ(keys_of(info),

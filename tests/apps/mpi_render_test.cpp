@@ -55,32 +55,42 @@ class MpiRender : public RenderTest {
 
 TEST_F(MpiRender, DrawsTheImageOfOneProcess) {
   const std::string model = plant(4000);
-  expect_same_images({model, "--size", "400x240"}, {1, 2, 4, 7}, "of the whole");
-  expect_same_images({model, "--size", "400x240", "--view", near_view()}, {4}, "near");
-  expect_same_images({model, "--size", "400x240", "--view", near_view(R"(,"sections":[{"n":[0,1,0],"d":-1}])")}, {4},
-                     "cut");
-  expect_same_images({model, "--size", "401x243", "--tile", "160", "--view", near_view()}, {3}, "in tiles");
+  expect_same_images({model, "--plain", "--size", "400x240"}, {1, 2, 4, 7}, "of the whole");
+  expect_same_images({model, "--plain", "--size", "400x240", "--view", near_view()}, {4}, "near");
+  expect_same_images(
+      {model, "--plain", "--size", "400x240", "--view", near_view(R"(,"sections":[{"n":[0,1,0],"d":-1}])")}, {4},
+      "cut");
+  expect_same_images({model, "--plain", "--size", "401x243", "--tile", "160", "--view", near_view()}, {3}, "in tiles");
 }
 
 TEST_F(MpiRender, DrawsMeshesAndMaterialsAsOneProcess) {
   const std::string model = in_checkout("tests/data/small_plant.rvm").string();
-  expect_same_images({model, "--size", "320x200"}, {2, 4});
+  expect_same_images({model, "--plain", "--size", "320x200"}, {2, 4});
   std::vector<std::array<std::array<int, 3>, 3>> triangles;
   for (int i = 0; i < 200; ++i)
     triangles.push_back({{{i % 20, i / 20, 0}, {i % 20 + 2, i / 20, i % 7}, {i % 20, i / 20 + 2, 3}}});
-  expect_same_images({write("soup.stl", stl_text(triangles)), "--size", "320x200"}, {4});
+  expect_same_images({write("soup.stl", stl_text(triangles)), "--plain", "--size", "320x200"}, {4});
 }
 
 /// Items that lie in one place have equal depths: the order in which one process draws them decides. The sample test
 /// changes that order.
 TEST_F(MpiRender, TiesAreDecidedAsInOneProcess) {
   const std::string model = plant(2000);
-  expect_same_images({model, model, "--size", "320x200", "--sample-test", "off"}, {4});
+  expect_same_images({model, model, "--plain", "--size", "320x200", "--sample-test", "off"}, {4});
+}
+
+/// But for shading by depth, of which a process knows that of its own part alone.
+TEST_F(MpiRender, LooksForPeopleAreThoseOfOneProcess) {
+  const Args args = {plant(2000), "--size", "200x120"};
+  render(joined(args, {"--depth-shading", "0", "--edge-lines", "0", "--out", path("one.png")}));
+  const Outcome outcome = mpirun(3, "render", joined(args, {"--out", path("three.png")}));
+  ASSERT_EQ(outcome.code, 0) << outcome;
+  EXPECT_EQ(read_bytes(path("three.png")), read_bytes(path("one.png")));
 }
 
 TEST_F(MpiRender, PartsOutOfViewAreLeftOut) {
   const std::string model = plant(4000);
-  const Args args = {model, "--size", "200x120", "--json", path("figures.json"), "--out", path("a.png")};
+  const Args args = {model, "--plain", "--size", "200x120", "--json", path("figures.json"), "--out", path("a.png")};
   const auto figures = [&] {
     Json json = json::parse(read_bytes(path("figures.json"))).value();
     EXPECT_TRUE(json.is_object());
@@ -103,14 +113,14 @@ TEST_F(MpiRender, PartsOutOfViewAreLeftOut) {
   ASSERT_EQ(outcome.code, 0) << outcome;
   all = figures();
   EXPECT_EQ(all["drawing"], 0);
-  render({model, "--size", "200x120", "--view", away, "--out", path("b.png")});
+  render({model, "--plain", "--size", "200x120", "--view", away, "--out", path("b.png")});
   EXPECT_EQ(read_bytes(path("a.png")), read_bytes(path("b.png")));
 }
 
 TEST_F(MpiRender, ComparesWithAReferenceOnRankZero) {
   const std::string model = plant(2000);
-  render({model, "--size", "200x120", "--out", path("reference.png")});
-  const Args args = {model, "--size", "200x120", "--compare", path("reference.png")};
+  render({model, "--plain", "--size", "200x120", "--out", path("reference.png")});
+  const Args args = {model, "--plain", "--size", "200x120", "--compare", path("reference.png")};
   EXPECT_EQ(mpirun(2, "render", args).code, 0);
   EXPECT_EQ(mpirun(2, "render", joined(args, {"--view", near_view(), "--max", "1"})).code, 1);
 }
@@ -130,7 +140,7 @@ TEST_F(MpiRender, AnErrorIsToldOnceAndEndsAll) {
   const Outcome outcome = mpirun(3, "render", {plant(1000), "--size", "64x64", "--out", unwritable("a.png")});
   EXPECT_NE(outcome.code, 0) << outcome;
   EXPECT_EQ(lines(outcome, "render"), 1) << outcome;
-  expect_usage_error("render", {"model.rvm", "--mpi", "--samples", "4"}, "--mpi");
+  expect_usage_error("render", {"model.rvm", "--mpi", "--edge-lines", "0.5"}, "--mpi");
   expect_usage_error("replay", {"model.rvm", "--mpi", "--no-render"}, "--mpi");
 }
 

@@ -123,7 +123,7 @@ TEST_F(Paged, AnImageIsThatOfTheWholeInMemory) {
       all.insert(all.end(), more.begin(), more.end());
       return all;
     };
-    render(with({"--out", path("whole.png"), "--depth", path("whole.pfm")}));
+    render(with({"--samples", "1", "--out", path("whole.png"), "--depth", path("whole.pfm")}));
     const Outcome paged = render(with({"--memory", "4G", "--out", path("paged.png"), "--depth", path("paged.pfm"),
                                        "--compare", path("whole.png"), "--max", "0"}));
     EXPECT_NE(paged.out.find(" ok"), std::string::npos) << paged;
@@ -139,8 +139,9 @@ TEST_F(Paged, AFlightStaysBelowTheLimitAndComesToRest) {
   EXPECT_GT(figures["frames"][0]["placeholders"], 0);
   EXPECT_GT(figures["loaded"], 0);
   // At rest the last view is what it is without a flight before.
-  const Outcome rest = render({model, "--size", "320x180", "--memory", "4G", "--path", path("path.json"), "--frame",
-                               "23", "--frames", "24", "--compare", path("images/frame_00024.png"), "--max", "0"});
+  const Outcome rest =
+      render({model, "--plain", "--size", "320x180", "--memory", "4G", "--path", path("path.json"), "--frame", "23",
+              "--frames", "24", "--compare", path("images/frame_00024.png"), "--max", "0"});
   EXPECT_NE(rest.out.find(" ok"), std::string::npos) << rest;
   const Json settled = run_json("replay", {model, "--size", "320x180", "--frames", "3", "--settle", "--memory", "4G"});
   EXPECT_EQ(settled["complete_frames"], 3);

@@ -78,6 +78,8 @@ TEST_F(RegressSuite, KeysFollowWhatIsDrawnAndNotTheLimits) {
   EXPECT_EQ(plain, key(R"({"name":"v","limits":{"max":7,"flip":0.1}})"));
   EXPECT_NE(plain, key(R"({"name":"v","limits":{"ids":7}})"));
   EXPECT_NE(plain, key(R"({"name":"v","samples":2})"));
+  EXPECT_NE(plain, key(R"({"name":"v","looks":"people"})"));
+  EXPECT_EQ(plain, key(R"({"name":"v","looks":"plain"})"));
   EXPECT_NE(plain, key(R"({"name":"v","size":"64x64"})"));
   EXPECT_NE(plain, key(R"({"name":"v"})", R"("up":"y",)"));
   EXPECT_NE(plain, key(R"({"name":"v"})", R"("translate":"1,0,0",)"));
@@ -105,6 +107,8 @@ TEST_F(RegressSuite, BrokenSuitesAreRefusedByName) {
       {suite(model("a", view), R"("size":"0x5",)"), "/size"},
       {suite(model("a", view), R"("size":640,)"), "/size"},
       {suite(model("a", view), R"("samples":33,)"), "/samples"},
+      {suite(model("a", view), R"("looks":"nice",)"), "/looks: expected plain or people"},
+      {suite(model("a", view), R"("looks":1,)"), "/looks"},
       {suite(model("a", view), R"("references":"",)"), "/references"},
       {suite(model("../a", view)), "/models/0/name"},
       {suite(model("a.b", view)), "/models/0/name"},

@@ -44,6 +44,7 @@ class Regress : public RenderTest {
 
   std::string write_suite(const std::string& size, int frames) const {
     const std::string views = R"([{"name":"whole"},{"name":"smooth","samples":4,"limits":{"ids":null}},
+                                  {"name":"people","samples":2,"looks":"people"},
                                   {"name":"flight","path":"flight.json","frames":)" +
                               std::to_string(frames) + "}]";
     return write("suite.json", R"({"size":")" + size + R"(","limits":{"max":0,"ids":0},"models":[
@@ -104,7 +105,7 @@ class Regress : public RenderTest {
   }
 
   std::string suite;
-  static constexpr int count = 10;  // tasks
+  static constexpr int count = 12;  // tasks
 };
 
 TEST_F(Regress, ImagesAreTheSameForAnyNumberOfWorkersAndShards) {
@@ -155,7 +156,7 @@ TEST_F(Regress, AChangedModelFailsWithImagesOfIt) {
     for (std::size_t at = text.find(of); at != std::string::npos; at = text.find(of, at + 1)) ++found;
     return found;
   };
-  EXPECT_EQ(occurrences(page, "<img "), 3 * count / 2 + 4);  // four with an image of ids
+  EXPECT_EQ(occurrences(page, "<img "), 3 * count / 2 + 5);  // five with an image of ids
   EXPECT_EQ(occurrences(page, "<section "), 1 + count / 2);
   EXPECT_EQ(occurrences(junit, "<failure "), count / 2);
   EXPECT_EQ(occurrences(junit, "<testcase "), count);
@@ -189,7 +190,7 @@ TEST_F(Regress, WhatCannotBeDrawnIsAnErrorOfItsTasksAlone) {
   Json json = regress("out", 1);
   EXPECT_EQ(json["passed"], count / 2);
   EXPECT_EQ(json["error"], count / 2);
-  EXPECT_NE(json["tasks"][5]["reason"].get<std::string>().find("b.rvm"), std::string::npos);
+  EXPECT_NE(json["tasks"][6]["reason"].get<std::string>().find("b.rvm"), std::string::npos);
   EXPECT_EQ(regress("out", 1, {"--accept"})["error"], count / 2);
   fs::remove(path("references/a/whole.png"));
   write("references/a/smooth.png", "this is no image\n");
@@ -229,7 +230,7 @@ TEST_F(Regress, AKilledWorkersTaskIsDoneByAnother) {
   const Outcome outcome =
       run_and_kill(child, 1, [](const auto& workers) { return workers.empty() ? 0 : workers.back(); });
   EXPECT_EQ(outcome.code, 0) << outcome;
-  EXPECT_EQ(outcome.out, "12 images: 12 passed\n") << outcome;
+  EXPECT_EQ(outcome.out, "14 images: 14 passed\n") << outcome;
   EXPECT_EQ(images_in(path("out")), images_in(path("first")));
 }
 
@@ -274,7 +275,7 @@ TEST_F(Regress, ShardsOfGnuParallelAndOfSlurm) {
   make_references();
   Outcome outcome = run_script("parallel.sh", {suite, path("parallel"), "3"});
   EXPECT_EQ(outcome.code, 0) << outcome;
-  EXPECT_EQ(outcome.out, "10 images: 10 passed\n") << outcome;
+  EXPECT_EQ(outcome.out, "12 images: 12 passed\n") << outcome;
   EXPECT_EQ(images_in(path("parallel")), images_in(path("first")));
   // An array job of two, the second one after its node died.
   for (const char* task : {"1", "2"}) {

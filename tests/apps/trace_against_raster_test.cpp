@@ -39,10 +39,11 @@ std::vector<float> read_depths(const std::string& file, int width, int height) {
 class TraceAgainstRaster : public RenderTest,
                            public ::testing::WithParamInterface<std::tuple<std::string, std::string>> {
  protected:
-  Images images(const std::string& tool, int finer) const {
+  Images images(const std::string& tool, int finer, const Args& looks) const {
     const int width = kWidth * finer, height = kHeight * finer;
     const std::string out = path("out.png"), ids = path("ids.png"), depth = path("depth.pfm");
     Args args = scene_;
+    args.insert(args.end(), looks.begin(), looks.end());
     args.insert(args.end(), {"--size", std::to_string(width) + "x" + std::to_string(height), "--out", out, "--ids", ids,
                              "--depth", depth});
     const Outcome outcome = run(tool, args);
@@ -81,6 +82,13 @@ struct Around {
   }
 };
 
+/// Arguments of sightline-render and of sightline-trace for the same light.
+std::pair<Args, Args> looks_of(const std::string& model) {
+  if (model == "small_plant in the sun") return {{"--plain", "--sun", "2,-1,3"}, {"--sun", "2,-1,3"}};
+  if (model == "small_plant in a studio") return {{"--samples", "1", "--depth-shading", "0", "--edge-lines", "0"}, {}};
+  return {{"--plain"}, {"--plain"}};
+}
+
 TEST_P(TraceAgainstRaster, Agrees) {
   const auto& [model, view] = GetParam();
   scene_ = {data_path("small_plant.rvm").string()};
@@ -107,7 +115,9 @@ TEST_P(TraceAgainstRaster, Agrees) {
   const Json items = json::parse(read_bytes(names)).value();
   ASSERT_TRUE(items.is_object());
 
-  const Images raster = images("render", 1), traced = images("trace", 1), finer = images("trace", kFiner);
+  const auto [of_raster, of_tracer] = looks_of(model);
+  const Images raster = images("render", 1, of_raster), traced = images("trace", 1, of_tracer),
+               finer = images("trace", kFiner, of_tracer);
   ASSERT_EQ(raster.ids.size(), std::size_t(kPixels));
   ASSERT_EQ(traced.ids.size(), raster.ids.size());
   ASSERT_EQ(finer.ids.size(), std::size_t(kPixels * kFiner * kFiner));
@@ -168,13 +178,15 @@ const char* const kCutByEither =
     R"({"eye":[400020,6499990,40],"target":[400001,6500002,31],"up":[0,0,1],"fovy_deg":30,"near":0.1,"far":1000,
         "sections":[{"n":[-1,0.2,0],"d":-899999.3},{"n":[0,0,-1],"d":29.8}],"section_mode":"union"})";
 std::string name_of_cut(const ::testing::TestParamInfo<std::tuple<std::string, std::string>>& info) {
-  constexpr const char* kNames[] = {"whole", "cut_by_both", "cut_by_either", "meshes_cut_by_both"};
+  constexpr const char* kNames[] = {"whole", "cut_by_both", "cut_by_either", "meshes_cut_by_both", "sun", "studio"};
   return kNames[info.index];
 }
 INSTANTIATE_TEST_SUITE_P(SmallPlant, TraceAgainstRaster,
                          ::testing::Values(std::tuple("small_plant", ""), std::tuple("small_plant", kCutByBoth),
                                            std::tuple("small_plant", kCutByEither),
-                                           std::tuple("small_plant as meshes", kCutByBoth)),
+                                           std::tuple("small_plant as meshes", kCutByBoth),
+                                           std::tuple("small_plant in the sun", kCutByBoth),
+                                           std::tuple("small_plant in a studio", "")),
                          name_of_cut);
 INSTANTIATE_TEST_SUITE_P(Huldra, TraceAgainstRaster, huldra_views(), name_of_view);
 

@@ -25,7 +25,8 @@ TEST_F(ViewScript, HandlesOfSectionsMoveTurnAndFlip) {
   const Args args{model, "--size", "1000x600", "--theme", "light"};
   // The front box's face to the south, seen from the east: the arrow out points to the left.
   const std::string begin =
-      "front\nmove 485 300\nsection-here\nexpect /section_selected = 1\nsection-move -0.25\nright\n";
+      "front\nmove 485 300\nsection-here\nexpect /section_selected = 1\nsection-move "
+      "-0.25\nright\nzoom-out\nzoom-out\n";
   const Json seen = state_after(begin + "screenshot " + before + "\n", args);
   const Json section = seen.at("section_list").at(0);
   EXPECT_EQ(section.at("normal"), Json::array({0.0, -1.0, 0.0}));

@@ -32,6 +32,16 @@ void expect_not_empty(const std::string& file) {
   EXPECT_GT(std::count_if(grey.begin(), grey.end(), [&](char c) { return c != grey[0]; }), std::ptrdiff_t(100));
 }
 
+/// Pixels in which surfaces that coincide may change places when items are drawn in another order.
+constexpr std::size_t kTies = 5;
+
+std::size_t differing(const Image& a, const Image& b) {
+  if (a.rgb.size() != b.rgb.size()) return a.rgb.size() + b.rgb.size();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.rgb.size(); i += 3) count += !std::equal(&a.rgb[i], &a.rgb[i] + 3, &b.rgb[i]);
+  return count;
+}
+
 TEST_F(View, DrawsWhatRenderDraws) {
   const std::string model = plant(12000), shot = path("shot.png");
   for (const char* culler : {"auto", "linear", "gpu", "hybrid"}) {
@@ -218,7 +228,7 @@ TEST_F(ViewScript, CullersAndTheFrozenCamera) {
 TEST_F(ViewScript, AFrozenCameraIsSeenFromOutside) {
   const std::string without = path("without.png"), with = path("with.png"), again = path("again.png");
   expect_driven(
-      "front\n"
+      "front\nzoom-out\nzoom-out\n"  // so that the box about all is inside, too
       "press c\nexpect /culling/occluded = 1\nexpect /culling/inside = 3\nexpect /culling/outside = 0\n"
       "expect /culling/too_small = 0\nexpect /culling/intersecting = 0\n"
       "left\nzoom-out\nzoom-out\nzoom-out\nexpect /culling/occluded = 1\n"
@@ -266,7 +276,7 @@ TEST_F(ViewScript, DepthShadingAndWhatIsLeftOut) {
           "expect /min_projected_area = 1000000\nexpect /drawn = 0\nmin-projected-area 0\nexpect /drawn > 900\n",
       {model, "--size", "200x150", "--no-panels"});
   for (const auto& [shot, args] :
-       {std::pair{with, Args{"--depth-shading", "0.6", "--edge-lines", "0.4"}}, {without, Args{}}}) {
+       {std::pair{with, Args{"--depth-shading", "0.4", "--edge-lines", "0.4"}}, {without, Args{}}}) {
     Args all{model, "--size", "200x150"};
     all.insert(all.end(), args.begin(), args.end());
     const Outcome same = compare(shot, all);
@@ -352,11 +362,11 @@ TEST_F(ViewScript, MeshesAreCoarserInMotionAlone) {
                       "\npress escape\nfront\nwait 0.5\nexpect /lod_error = 0\nscreenshot " + shot +
                       "\nexpect /culling/loss/lod_error = 0\n",
                   {model, "--size", kSize, "--no-panels"});
-    return read_png(shot).rgb;
+    return read_png(shot);
   };
-  const auto exact = expect(meshes, "expect /levels = false\n", "0");
-  EXPECT_EQ(expect(meshes, "lod-error 8\nexpect /levels = true\n", "8"), exact);
-  EXPECT_EQ(expect(meshes, "lod-error 8\nlevels\nexpect /levels = false\n", "0"), exact);
+  const Image exact = expect(meshes, "expect /levels = false\n", "0");
+  EXPECT_LE(differing(expect(meshes, "lod-error 8\nexpect /levels = true\n", "8"), exact), kTies);
+  EXPECT_LE(differing(expect(meshes, "lod-error 8\nlevels\nexpect /levels = false\n", "0"), exact), kTies);
   expect(solids, "lod-error 8\n", "0");
 }
 
@@ -447,7 +457,7 @@ TEST_F(ViewScript, AModelIsThereOnceItHasLanded) {
                     "\nlose-context\nwait 0.2\nexpect /recovered = 1\nexpect /items > 20000\n",
                 {model, "--size", kSize, "--no-panels"});
   EXPECT_EQ(read_png(first).rgb, read_png(other).rgb);
-  EXPECT_EQ(read_png(first).rgb, read_png(twin).rgb);
+  EXPECT_LE(differing(read_png(first), read_png(twin)), kTies);
 }
 
 TEST_F(ViewScript, RecordsAPathThatCanBePlayed) {
@@ -480,7 +490,7 @@ TEST_F(ViewScript, WritesImagesOfAnySize) {
   double error = 0.0;
   for (std::size_t i = 0; i < a.rgb.size(); ++i) error += std::abs(int(a.rgb[i]) - int(b.rgb[i]));
   EXPECT_LT(error / double(a.rgb.size()), 0.01);
-  const Args depth_shading = {"--view", seen, "--depth-shading", "0.6", "--edge-lines", "0.4"};
+  const Args depth_shading = {"--view", seen, "--depth-shading", "0.4", "--edge-lines", "0.4"};
   for (const auto& [name, size] : {std::pair("wide", "2500x300"), {"again", kSize}}) {
     Args args = {model, "--size", size};
     args.insert(args.end(), depth_shading.begin(), depth_shading.end());
@@ -725,7 +735,8 @@ class ViewKeys : public View {
 /// Real keys reach the commands, the window follows its size, and the screen shows the image.
 TEST_F(ViewKeys, TheWindowShowsTheImageAtAnySize) {
   const std::string model = plant(3000), figures = path("figures.json");
-  open({model, "--size", "320x200", "--no-panels", "--no-smooth", "--json", figures});
+  open({model, "--size", "320x200", "--no-panels", "--no-smooth", "--plain", "--depth-shading", "0.4", "--edge-lines",
+        "0.4", "--json", figures});
   for (const std::array<int, 2>& wanted : {std::array{320, 200}, {200, 300}, {500, 400}}) {
     const int width = wanted[0], height = wanted[1];
     const std::string size = std::to_string(width) + "x" + std::to_string(height);
@@ -734,7 +745,7 @@ TEST_F(ViewKeys, TheWindowShowsTheImageAtAnySize) {
     Outcome same;
     ASSERT_TRUE(comes_true([&] {
       press("Home");
-      same = compare(screen(width, height), {model, "--size", size, "--depth-shading", "0.6", "--edge-lines", "0.4"});
+      same = compare(screen(width, height), {model, "--size", size, "--depth-shading", "0.4", "--edge-lines", "0.4"});
       return same.code == 0;
     })) << same;
   }

@@ -75,7 +75,7 @@ class View : public WindowTest {
   }
   /// Other drivers make the same image but for a few pixels on edges.
   Outcome compare(const std::string& image, Args render_args) const {
-    render_args.insert(render_args.end(), {"--compare", image, "--max", "255", "--mean", "0.05"});
+    render_args.insert(render_args.end(), {"--plain", "--compare", image, "--max", "255", "--mean", "0.05"});
     return run("render", render_args);
   }
 };

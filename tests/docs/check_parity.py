@@ -16,8 +16,10 @@ import re
 import sys
 
 STRUCTS = {
-    "engine/engine.h": ["EngineConfig", "CullingConfig", "DrawingConfig", "LossConfig", "ContextConfig", "DepthShading", "Hatching", "PixelRectangle", "FrameReport", "LateReport", "LossReport",
+    "engine/engine.h": ["EngineConfig", "CullingConfig", "DrawingConfig", "LossConfig", "ContextConfig", "PixelRectangle", "FrameReport", "LateReport", "LossReport",
                         "MemoryReport"],
+    "engine/looks.h": ["Looks", "DepthShading", "Hatching"],
+    "core/surroundings.h": ["Background"],
     "engine/plan.h": ["ScenePart", "PlanEntry", "Plan"],
     "engine/item_style.h": ["ItemStyle"],
     "engine/pick.h": ["Pick"],
@@ -130,14 +132,18 @@ def of_cpp(root):
 
 def settings(root):
     """Paths of all settings, as settings.inc names them."""
-    text = without_comments((root / "engine/engine.h").read_text())
-    groups = {"culling": "CullingConfig", "drawing": "DrawingConfig", "losses": "LossConfig", "context": "ContextConfig"}
+    text = "".join(without_comments((root / "engine" / name).read_text()) for name in ("engine.h", "looks.h"))
+    groups = {"culling": "CullingConfig", "drawing": "DrawingConfig", "looks": "Looks", "losses": "LossConfig",
+              "context": "ContextConfig"}
 
     def of(struct):
         return fields(body_after(text, re.search(rf"\bstruct {struct}\b[^;{{]*\{{", text).start()))
 
-    for field in of("EngineConfig"):
-        yield from (f"{field}.{inner}" for inner in of(groups[field])) if field in groups else [field]
+    def paths(struct, before=""):
+        for field in of(struct):
+            yield from paths(groups[field], f"{before}{field}.") if field in groups else [before + field]
+
+    yield from paths("EngineConfig")
 
 
 def of_c(root):

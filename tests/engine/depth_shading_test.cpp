@@ -1,4 +1,5 @@
-// EngineConfig::drawing.depth_shading: shading and lines by depth, against the same computed from distances in metres.
+// EngineConfig::drawing.looks.depth_shading: shading and lines by depth, against the same computed from distances in
+// metres.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -37,7 +38,7 @@ class DepthShadingTest : public DrawnGrid {
     EngineConfig c = config(CullerChoice::kCpu, kWidth, kHeight);
     c.drawing.ids = true;
     set(c);
-    c.drawing.depth_shading = depth_shading;
+    c.drawing.looks.depth_shading = depth_shading;
     return c;
   }
   static image::Image image(Engine& engine, const core::View& view) {
@@ -216,10 +217,10 @@ TEST_P(DepthShadingInAllModes, ConfigureSwitchesIt) {
   const image::Image plain = image(*engine, *view), depth_shading = image(*with, *view);
   EXPECT_GT(image::compare(plain, depth_shading)->max, 50);
   EngineConfig changed = engine->config();
-  changed.drawing.depth_shading = kDepthShading;
+  changed.drawing.looks.depth_shading = kDepthShading;
   ASSERT_TRUE(engine->configure(changed));
   EXPECT_EQ(image::compare(image(*engine, *view), depth_shading)->max, 0);
-  changed.drawing.depth_shading = {};
+  changed.drawing.looks.depth_shading = {};
   ASSERT_TRUE(engine->configure(changed));
   EXPECT_EQ(image::compare(image(*engine, *view), plain)->max, 0);
 }
@@ -251,14 +252,14 @@ TEST_F(DepthShadingTest, ConfigureChangesWhatItSays) {
     ASSERT_FALSE(done);
     EXPECT_NE(done.error().message.find(named), std::string::npos) << done.error().message;
     EXPECT_EQ(engine->config().culling.culler, good.culling.culler);
-    EXPECT_EQ(engine->config().drawing.depth_shading.edge_lines, good.drawing.depth_shading.edge_lines);
+    EXPECT_EQ(engine->config().drawing.looks.depth_shading.edge_lines, good.drawing.looks.depth_shading.edge_lines);
   };
   refused([](EngineConfig& c) { c.draw = false; }, "draw");
   refused([](EngineConfig& c) { c.width += 1; }, "size");
   refused([](EngineConfig& c) { c.drawing.samples = 4; }, "samples");
   refused([](EngineConfig& c) { c.context.application = nullptr; }, "context");
-  refused([](EngineConfig& c) { c.drawing.depth_shading.edge_lines = 1.5f; }, "depth_shading");
-  refused([](EngineConfig& c) { c.drawing.depth_shading.strength = std::nanf(""); }, "depth_shading");
+  refused([](EngineConfig& c) { c.drawing.looks.depth_shading.edge_lines = 1.5f; }, "depth_shading");
+  refused([](EngineConfig& c) { c.drawing.looks.depth_shading.strength = std::nanf(""); }, "depth_shading");
   refused([](EngineConfig& c) { c.culling.culler = CullerChoice::kGpu; }, "culler");  // with a budget
   EXPECT_EQ(image::compare(image(*engine, *view), full)->max, 0);
 }

@@ -59,7 +59,7 @@ class DrawnGrid : public GlTest {
   }
   /// An engine that changes its images: depth shading, ghosts, transparent items and one with an outline.
   static core::Expected<engine::Engine> create_with_overlays(core::Scene& scene, engine::EngineConfig c) {
-    c.drawing.depth_shading = {0.5f, 0.5f};
+    c.drawing.looks.depth_shading = {0.5f, 0.5f};
     auto engine = engine::Engine::create(scene, c);
     if (!engine) return engine;
     std::vector<core::ItemId> ghosts, faded;

@@ -380,7 +380,7 @@ TEST_F(DrawnItems, ABudgetGoesOnInLargeImages) {
   for (const bool shaded : {false, true}) {
     EngineConfig with = config(kPaths[0], 2048, 2048);
     with.losses.budget_ms = 1e-3;
-    if (shaded) with.drawing.depth_shading = {0.5f, 0.5f};
+    if (shaded) with.drawing.looks.depth_shading = {0.5f, 0.5f};
     auto engine = Engine::create(scene, with);
     ASSERT_TRUE(engine);
     std::int64_t pending = 1;

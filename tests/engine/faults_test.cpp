@@ -59,17 +59,17 @@ const Mode kModes[] = {
        DrawnGrid::switch_often(c);
      },
      22, false, false, 4},
-    {"sections", [](EngineConfig& c) { c.drawing.hatching.strength = 0.5f; }, 6, true},
+    {"sections", [](EngineConfig& c) { c.drawing.looks.hatching.strength = 0.5f; }, 6, true},
     {"depth_shading",
      [](EngineConfig& c) {
-       c.drawing.depth_shading = {0.5f, 0.5f};
+       c.drawing.looks.depth_shading = {0.5f, 0.5f};
      }},
     {"samples", [](EngineConfig& c) { c.drawing.samples = 4; }, 6, true},
     {"overlays", [](EngineConfig& c) { c.drawing.transparency = engine::Transparency::kBlended; }, 6, false, true},
     {"overlays_in_samples",
      [](EngineConfig& c) {
        c.drawing.transparency = engine::Transparency::kBlended;
-       c.drawing.depth_shading = {0.5f, 0.5f};
+       c.drawing.looks.depth_shading = {0.5f, 0.5f};
        c.drawing.samples = 4;
      },
      6, false, true},

@@ -140,8 +140,9 @@ INSTANTIATE_TEST_SUITE_P(, FrameTilesInAllModes,
                                }},
                               {"depth_shading",
                                [](EngineConfig& c) {
-                                 c.drawing.depth_shading = {0.7f, 0.6f};
+                                 c.drawing.looks.depth_shading = {0.7f, 0.6f};
                                }},
+                              {"for_people", [](EngineConfig& c) { c.drawing.looks = engine::Looks::for_people(); }},
                               {"no_sample_test", [](EngineConfig& c) { c.culling.sample_test = false; }}})),
                          name_of);
 

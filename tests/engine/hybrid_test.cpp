@@ -239,7 +239,7 @@ TEST_F(HybridTest, KeepsWhatItKnowsWhenOnlyStylesChange) {
   };
   ASSERT_NO_FATAL_FAILURE(learn());
   EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.outline_colour = {0, 1, 0}; }), 8u);
-  EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.depth_shading = {0.5f, 0.5f}; }), 8u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.looks.depth_shading = {0.5f, 0.5f}; }), 8u);
   EXPECT_EQ(configure([](EngineConfig& c) { c.drawing.culled_colour = core::vec3(0, 0, 1); }), 8u);
   EXPECT_EQ(configure([](EngineConfig&) {}), 8u);
   EXPECT_EQ(configure([](EngineConfig& c) { c.culling.controller.policy_2009.gpu_frames = 4; }), 0u);
@@ -265,7 +265,7 @@ TEST_F(HybridTest, ARebuildGoesOnWhenOnlyStylesChange) {
   ASSERT_TRUE(engine->commit());
   ASSERT_TRUE(engine->rebuilding());
   EngineConfig changed = engine->config();
-  changed.drawing.depth_shading = {0.5f, 0.0f};
+  changed.drawing.looks.depth_shading = {0.5f, 0.0f};
   changed.drawing.outline_colour = {0, 1, 0};
   ASSERT_TRUE(engine->configure(changed));
   while (engine->rebuilding()) ASSERT_TRUE(engine->frame(view(0)));

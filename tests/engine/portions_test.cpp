@@ -41,7 +41,7 @@ class Portions : public DrawnGrid, public testing::WithParamInterface<DrawingMod
     c.width = 96;
     c.height = 64;
     c.culling.rebuild_share = 0.0;
-    c.drawing.depth_shading = {0.5f, 0.5f};
+    c.drawing.looks.depth_shading = {0.5f, 0.5f};
     GetParam().set(c);
     c.context.application = used;
     c.context.later = !used;
@@ -148,8 +148,8 @@ TEST_P(Portions, FollowEdits) {
           ASSERT_TRUE(e.resize(64 + n, 64) && e.resize(96, 64));
         }
         EngineConfig c = e.config();
-        c.drawing.depth_shading.edge_lines = n % 2 == 0 ? 0.5f : 0.0f;
-        c.drawing.hatching.strength = n % 2 == 0 ? 0.5f : 0.0f;
+        c.drawing.looks.depth_shading.edge_lines = n % 2 == 0 ? 0.5f : 0.0f;
+        c.drawing.looks.hatching.strength = n % 2 == 0 ? 0.5f : 0.0f;
         ASSERT_TRUE(e.configure(c));
       },
   };

@@ -147,7 +147,7 @@ TEST_F(StreamingTest, NewVersionsLandBetweenEdits) {
     fill(scene, 22);
     engine::EngineConfig c = config(culler);
     c.culling.rebuild_share = 0.01;
-    c.drawing.depth_shading = {0.5f, 0.5f};
+    c.drawing.looks.depth_shading = {0.5f, 0.5f};
     auto streamed = Engine::create(scene, c);
     ASSERT_TRUE(streamed && set_styles(*streamed));
     std::map<core::ItemId, bool> is_red;

@@ -1,5 +1,5 @@
-// Hatching of cut faces (EngineConfig::drawing.hatching): every pixel of boxes, cylinders and meshes cut by random
-// planes, against lines counted from the world's origin in double.
+// Hatching of cut faces (EngineConfig::drawing.looks.hatching): every pixel of boxes, cylinders and meshes cut by
+// random planes, against lines counted from the world's origin in double.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -55,7 +55,7 @@ class HatchingTest : public GlTest {
     config.width = kWidth;
     config.height = kHeight;
     config.context.application = &*context;
-    config.drawing.hatching = hatching;
+    config.drawing.looks.hatching = hatching;
     return config;
   }
   static image::Image image(Engine& engine, const View& view) {
@@ -214,16 +214,16 @@ TEST_F(HatchingTest, ConfigureSwitchesIt) {
   const image::Image before = image(*engine, view);
   for (const Hatching& hatching : {Hatching{1.0f, 6.0f}, {0.4f, 24.0f}, {0.7f, 4.0f}}) {
     EngineConfig changed = engine->config();
-    changed.drawing.hatching = hatching;
+    changed.drawing.looks.hatching = hatching;
     ASSERT_TRUE(engine->configure(changed));
     EXPECT_GT(check(*plain, *engine, view, hatching).lined, 100);
   }
   EngineConfig changed = engine->config();
-  changed.drawing.hatching = {};
+  changed.drawing.looks.hatching = {};
   ASSERT_TRUE(engine->configure(changed));
   EXPECT_EQ(image::compare(image(*engine, view), before)->max, 0);
   for (const Hatching& bad : {Hatching{1.5f, 8.0f}, {std::nanf(""), 8.0f}, {1.0f, 1.0f}, {1.0f, HUGE_VALF}}) {
-    changed.drawing.hatching = bad;
+    changed.drawing.looks.hatching = bad;
     const auto done = engine->configure(changed);
     ASSERT_FALSE(done);
     EXPECT_NE(done.error().message.find("hatching"), std::string::npos) << done.error().message;

@@ -51,7 +51,8 @@ class Camera {
   }
 
   const render::RenderTarget& target() const { return *target_; }
-  const std::array<float, 3>& background() const { return renderer_->background; }
+  const core::vec3& background() const { return renderer_->background.top; }
+  render::Renderer& renderer() { return *renderer_; }
 
   Image draw(const core::View& view, std::span<const Shape> shapes) {
     core::VisibleSet visible;

@@ -24,12 +24,21 @@ dvec3 towards_eye(const View& view, const PixelRay& ray) {
   return -glm::normalize(dmat3(view.eye_from_world()) * ray.direction);
 }
 
-/// A head-light of half the strength, a sky that lights what looks up, and a highlight around the head-light, in 0 to
-/// 255. sRGB colours are lit as they are.
-dvec3 shade(const dvec3& colour, const dvec3& normal, const dvec3& to_eye, const View& view) {
-  const dvec3 up = glm::normalize(dmat3(view.eye_from_world()) * dvec3(0, 0, 1));
-  const double head = glm::dot(normal, to_eye), sky = 0.5 + 0.5 * glm::dot(normal, up);
-  const dvec3 lit = colour * (0.3 + 0.5 * head + 0.25 * sky) + 0.12 * std::pow(head, 24.0);
+/// A light of half the strength, a sky that lights what looks up, and a highlight around the direction halfway between
+/// light and eye, in 0 to 255; without lights the one at the eye. sRGB colours are lit as they are.
+dvec3 shade(const dvec3& colour, const dvec3& normal, const dvec3& to_eye, const View& view,
+            const std::vector<core::DistantLight>& lights = {}) {
+  const dmat3 eye_from_world(view.eye_from_world());
+  const dvec3 up = glm::normalize(eye_from_world * dvec3(0, 0, 1));
+  dvec3 lit = colour * (0.3 + 0.25 * (0.5 + 0.5 * glm::dot(normal, up)));
+  const auto add = [&](const dvec3& towards, double strength) {
+    const double cosine = glm::dot(normal, towards);
+    if (cosine <= 0.0) return;
+    const double gloss = std::max(0.0, glm::dot(normal, glm::normalize(towards + to_eye)));
+    lit += strength * (0.5 * cosine * colour + 0.12 * std::pow(gloss, 24.0));
+  };
+  for (const core::DistantLight& light : lights) add(glm::normalize(eye_from_world * light.towards), light.strength);
+  if (lights.empty()) add(to_eye, 1.0);
   return 255.0 * glm::min(lit, dvec3(1.0));
 }
 
@@ -100,11 +109,13 @@ class Shading : public GlTest {
     }
   }
 
-  Range colours_around(const PixelHits& around, const View& view, const dvec3& to_eye, const dvec3& background) const {
+  Range colours_around(const PixelHits& around, const View& view, const dvec3& to_eye, const dvec3& background,
+                       const std::vector<core::DistantLight>& lights) const {
     Range range;
     for (const RayHit& seen_hit : around.hits_around)
-      range.add(seen_hit.hit() ? shade(colours_[to_index(seen_hit.items.front())], seen_hit.normal, to_eye, view)
-                               : background);
+      range.add(seen_hit.hit()
+                    ? shade(colours_[to_index(seen_hit.items.front())], seen_hit.normal, to_eye, view, lights)
+                    : background);
     return range;
   }
 
@@ -125,9 +136,17 @@ class Shading : public GlTest {
   std::vector<dvec3> colours_;
 };
 
-TEST_F(Shading, IsThatOfTheTwin) {
+class ShadingByLights : public Shading, public testing::WithParamInterface<core::Lighting> {};
+INSTANTIATE_TEST_SUITE_P(, ShadingByLights,
+                         testing::Values(core::Lighting::kHeadLight, core::Lighting::kStudio, core::Lighting::kSun),
+                         [](const auto& tried) { return std::string(name_of(tried.param), 0, 4); });
+
+TEST_P(ShadingByLights, IsThatOfTheTwin) {
   add_solids();
   Camera camera(*context, scene_, kWidth, kHeight);
+  const dvec3 sun(2.0, -1.0, 0.5);
+  camera.renderer().lighting = GetParam();
+  camera.renderer().sun = sun;
   const auto& b = camera.background();
   const dvec3 background = 255.0 * dvec3(b[0], b[1], b[2]);
   EXPECT_EQ(background, 255.0 * dvec3(0.86f, 0.88f, 0.91f));
@@ -138,6 +157,7 @@ TEST_F(Shading, IsThatOfTheTwin) {
     const std::vector<PixelHits> seen = look_at(shapes_, view, kWidth, kHeight);
     const Compared compared = compare(image, seen, {1e-5, 0.1});
     EXPECT_GT(compared.clear, kWidth * kHeight / 16);
+    const std::vector<core::DistantLight> lights = core::distant_lights(view, GetParam(), sun);
     std::vector<int> shown(shapes_.size());
     for (std::size_t pixel = 0; pixel < seen.size(); ++pixel) {
       const int x = int(pixel) % kWidth, y = int(pixel) / kWidth;
@@ -145,11 +165,11 @@ TEST_F(Shading, IsThatOfTheTwin) {
       Range range;
       if (seen[pixel].clear()) {  // elsewhere between what is near
         const RayHit& seen_hit = seen[pixel].centre();
-        range.add(seen_hit.hit() ? shade(colours_[to_index(seen_hit.items[0])], seen_hit.normal, to_eye, view)
+        range.add(seen_hit.hit() ? shade(colours_[to_index(seen_hit.items[0])], seen_hit.normal, to_eye, view, lights)
                                  : background);
         if (seen_hit.hit()) ++shown[to_index(seen_hit.items[0])];
       } else {
-        range = colours_around(seen[pixel], view, to_eye, background);
+        range = colours_around(seen[pixel], view, to_eye, background, lights);
       }
       const double slack = seen[pixel].clear() ? kLevels : 4.0 * kLevels;
       ASSERT_TRUE(range.holds(pixel_of(image.colour, pixel), slack))

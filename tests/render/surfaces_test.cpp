@@ -301,7 +301,7 @@ TEST_F(Surfaces, OfWhatCoversFewSamples) {
           const std::uint8_t* colour = &image.colour.pixels[3 * (std::size_t(y) * kWidth + std::size_t(x))];
           bool background = true;
           for (std::size_t c = 0; c < 3; ++c)
-            background = background && colour[c] == std::lround(255.0f * camera.background()[c]);
+            background = background && colour[c] == std::lround(255.0f * camera.background()[int(c)]);
           EXPECT_EQ(background, missed) << x << ", " << y;
           shown += hit;
           empty += missed;

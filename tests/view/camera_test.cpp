@@ -49,14 +49,19 @@ TEST_F(CameraTest, FittingShowsEveryCorner) {
     for (const double aspect : {0.2, 1.0, 3.0})
       for (const dvec3& direction : {core::kOverviewDirection, dvec3(0, 0, -1), dvec3(1, 0, 0)}) {
         Camera fitted(box, kFieldOfView, aspect);
-        fitted.look_along(direction, box, aspect);
-        expect_near(forward(fitted.pose()), glm::normalize(direction));
+        core::ItemBounds items;
+        items.origin = box.centre();
+        items.resize(1);
+        items.set(0, {core::vec3(box.min - items.origin), core::vec3(box.max - items.origin)});
         for (const bool orthographic : {false, true}) {
           fitted.set_orthographic(orthographic);
+          fitted.set_fovy(kFieldOfView);
+          fitted.show_all(items, direction, aspect);
+          expect_near(forward(fitted.pose()), glm::normalize(direction));
           fitted.set_fovy(1.01 * kFieldOfView);
           const auto view = fitted.view(aspect);
           ASSERT_TRUE(view);
-          for (int corner = 0; corner < 8 && !orthographic; ++corner) {
+          for (int corner = 0; corner < 8; ++corner) {
             const dvec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
                           corner & 4 ? box.max.z : box.min.z);
             const core::dvec4 clip = view->clip_from_world() * core::dvec4(p, 1.0);

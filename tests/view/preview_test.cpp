@@ -128,7 +128,8 @@ TEST_F(PreviewTest, ShowsWhatTheSceneShows) {
   c.context.application = &*context;
   auto twin = engine::Engine::create(scene, c);
   ASSERT_TRUE(twin);
-  const Camera camera(twin->snapshot().bounds().fitted_bounds().bounds, kFovy, 1.5);
+  Camera camera(twin->snapshot().bounds().fitted_bounds().bounds, kFovy, 1.5);
+  camera.show_all(twin->snapshot().bounds(), core::kOverviewDirection, 1.5);
   ASSERT_TRUE(twin->frame(*camera.view(1.5)));
   EXPECT_LE(image::compare(*twin->read_colour(), seen)->max, 1);
 }

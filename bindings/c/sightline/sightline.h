@@ -387,9 +387,12 @@ typedef struct sl_import_options {
    * are built where a cache has none. Has an effect only with cache_folder. */
   int32_t cached_levels;
   int32_t reserved; /* 0 */
+  /* Radians, 0 to pi: meshes without normals (OBJ, PLY, STL, VTK) get those of smooth surfaces, broken at edges that
+   * are bent by more than this. 0: they are shown facet by facet. */
+  double crease_angle;
 } sl_import_options;
 #define SL_IMPORT_OPTIONS_INIT \
-  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL, 0, 0.0, 0, 0 }
+  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL, 0, 0.0, 0, 0, 0.0 }
 
 typedef struct sl_import_report {
   uint32_t size;
@@ -539,6 +542,7 @@ enum {
 enum { SL_GL_STATE_RESTORE = 0, SL_GL_STATE_LEAVE = 1 };
 enum { SL_CONTRIBUTION_DROP = 0, SL_CONTRIBUTION_POINTS = 1, SL_CONTRIBUTION_STOCHASTIC = 2 };
 enum { SL_TRANSPARENCY_DITHER = 0, SL_TRANSPARENCY_BLENDED = 1 };
+enum { SL_LIGHTING_HEAD_LIGHT = 0, SL_LIGHTING_STUDIO = 1, SL_LIGHTING_SUN = 2 };
 /* How the GPU culls: measured once for each context, or as named. */
 enum { SL_GPU_VARIANT_MEASURED = 0, SL_GPU_VARIANT_GEOMETRY = 1, SL_GPU_VARIANT_COMPUTE = 2 };
 
@@ -602,20 +606,24 @@ typedef struct sl_engine_config {
   int32_t gl_debug;                       /* collect driver messages: sl_engine_take_gl_errors() */
   int32_t context_later;                  /* no context until sl_engine_use_context(); not with get_proc */
   int32_t gpu_variant;                    /* SL_GPU_VARIANT_... */
-  int32_t reserved;                       /* 0 */
+  int32_t lighting;                       /* SL_LIGHTING_... */
   const sl_controller_config* controller; /* of SL_CULLER_HYBRID; null: its defaults */
   /* Called in sl_engine_create() alone, now and then, with the share that is done, 0 to 1. Returning 0 before 1
    * cancels. May be null. */
   int32_t (*progress)(double share, void* user);
   void* progress_user;
   double lod_error; /* pixels that a mesh may be drawn elsewhere by coarser levels of detail; 0: none */
+  double sun[3];    /* direction to the light of SL_LIGHTING_SUN, in the world; not 0 */
+  float background_bottom[3], background_top[3]; /* sRGB, 0 to 1; the colour changes evenly in between */
 } sl_engine_config;
 #define SL_ENGINE_CONFIG_INIT                                                                                        \
   {                                                                                                                  \
     sizeof(sl_engine_config), SL_CULLER_AUTOMATIC, 0, 1280, 720, 0, 1, SL_OCCLUSION_AUTOMATIC, SL_CONTRIBUTION_DROP, \
         0.0f, 0.0, 1, 0, {0.0f, 0.0f, 0.0f}, 0.03f, NULL, NULL, SL_GL_STATE_RESTORE, SL_CONTEXT_AUTOMATIC, NULL,     \
-        SL_TRANSPARENCY_DITHER, {1.0f, 0.5f, 0.0f}, 0.0f, 0.0f, 0.0f, 6.0f, 0, 1, 0, 0, SL_GPU_VARIANT_MEASURED, 0,  \
-        NULL, NULL, NULL, 0.0                                                                                        \
+        SL_TRANSPARENCY_DITHER, {1.0f, 0.5f, 0.0f}, 0.0f, 0.0f, 0.0f, 6.0f, 0, 1, 0, 0, SL_GPU_VARIANT_MEASURED,     \
+        SL_LIGHTING_HEAD_LIGHT, NULL, NULL, NULL, 0.0, {0.0, 0.0, 1.0}, {0.86f, 0.88f, 0.91f}, {                     \
+      0.86f, 0.88f, 0.91f                                                                                            \
+    }                                                                                                                \
   }
 
 /* -1 where a count is not known. Times are milliseconds of wall clock. FrameReport in engine.h says more. */

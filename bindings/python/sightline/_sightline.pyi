@@ -11,6 +11,7 @@ _Depth = Literal["reversed", "classic"]
 _Rule = Literal["crossing", "wholly"]
 _Culler = Literal["automatic", "linear", "cpu", "gpu", "hybrid"]
 _Occlusion = Literal["off", "on", "auto"]
+_Lighting = Literal["head-light", "studio", "sun"]
 _ContributionMode = Literal["drop", "points", "stochastic"]
 _Policy = Literal["frame-cost", "2009"]
 _Trigger = Literal["time", "height", "intersections", "share"]
@@ -467,6 +468,7 @@ class Scene:
         cached_levels: bool = ...,
         recognise: bool = ...,
         recognise_tolerance: float = ...,
+        crease_angle: float = ...,
         progress: _Progress = ...,
     ) -> ImportReport: ...
     def import_files(
@@ -483,6 +485,7 @@ class Scene:
         cached_levels: bool = ...,
         recognise: bool = ...,
         recognise_tolerance: float = ...,
+        crease_angle: float = ...,
         progress: _Progress = ...,
     ) -> ImportReport: ...
     def write_rvm(self, path: _Path, node: Optional[Node] = ..., *, progress: _Progress = ...) -> None: ...
@@ -872,6 +875,10 @@ class Engine:
         edge_lines: float = ...,
         hatching_strength: float = ...,
         hatching_spacing: float = ...,
+        lighting: _Lighting = ...,
+        sun: ArrayLike = ...,
+        background_bottom: ArrayLike = ...,
+        background_top: ArrayLike = ...,
         controller: Optional[ControllerConfig] = ...,
         get_proc: Optional[_GetProc] = ...,
         progress: _Progress = ...,
@@ -892,6 +899,10 @@ class Engine:
         edge_lines: float = ...,
         hatching_strength: float = ...,
         hatching_spacing: float = ...,
+        lighting: _Lighting = ...,
+        sun: ArrayLike = ...,
+        background_bottom: ArrayLike = ...,
+        background_top: ArrayLike = ...,
         controller: Optional[ControllerConfig] = ...,
     ) -> None: ...
     def close(self) -> None: ...

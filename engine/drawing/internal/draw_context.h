@@ -45,9 +45,6 @@ struct DrawContext {
   const gl::Functions& gl() const { return context.functions(); }
   bool software() const { return context.capabilities().software; }
   const render::RenderTarget& target() const { return image->target; }
-  /// As Renderer::hatching has it.
-  glm::vec2 hatching() const { return {config.drawing.hatching.strength, config.drawing.hatching.spacing}; }
-
   /// Time from the end of the device's work until the CPU knows of it, milliseconds: what any wait costs. Measured on
   /// first use, by three waits for nothing.
   double round_trip_ms();
@@ -67,7 +64,7 @@ struct DrawContext {
   }
 
   /// Begins an image: clears it, or what is drawn in its place.
-  void clear(const render::RenderTarget& canvas);
+  core::Expected<void> clear(const render::RenderTarget& canvas);
   /// By how much meshes drawn in a view may be off; none where no mesh has levels.
   std::optional<lod::ImageError> mesh_error(const core::View& view) const;
   /// Sets the draw lists for a set, with meshes in the detail that the view needs, and counts these.

@@ -27,7 +27,7 @@ class ImageOverlays {
   }
   /// Whether finish() changes the image of the opaque items.
   bool change_image(const DrawContext& context) const {
-    return context.config.drawing.depth_shading.any() || any(context);
+    return context.config.drawing.looks.depth_shading.any() || any(context);
   }
 
   /// Splits a visible set: returns its opaque items, and keeps the others for finish().

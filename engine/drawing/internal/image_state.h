@@ -40,7 +40,7 @@ struct ImageState {
   bool refines = false;                         // the view has stayed, and the image was begun anew with all candidates
   std::optional<render::RenderTarget> refined;  // complete part of the image, where the image itself has more in it
   bool beside = false;                          // `refined` holds that, and the image a copy
-  bool shaded = true;                           // DrawingConfig::depth_shading: of complete images alone
+  bool shaded = true;                           // Looks::depth_shading: of complete images alone
   double overhead_ms = 0.0;                     // of the last frame, beside drawing its items: grows with the image
   DrawCounts budget_counts;                     // of the last frame
 

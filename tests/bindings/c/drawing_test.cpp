@@ -254,13 +254,21 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
   const Setting settings[] = {
       {"depth_shading", [](sl_engine_config& k) { k.depth_shading = 0.8f, k.edge_lines = 0.6f; },
        [](engine::EngineConfig& k) {
-         k.drawing.depth_shading = {0.8f, 0.6f};
+         k.drawing.looks.depth_shading = {0.8f, 0.6f};
        }},
       {"shading alone", [](sl_engine_config& k) { k.depth_shading = 0.8f; },
-       [](engine::EngineConfig& k) { k.drawing.depth_shading.strength = 0.8f; }},
+       [](engine::EngineConfig& k) { k.drawing.looks.depth_shading.strength = 0.8f; }},
       {"hatching", [](sl_engine_config& k) { k.hatching_strength = 0.9f, k.hatching_spacing = 4.0f; },
        [](engine::EngineConfig& k) {
-         k.drawing.hatching = {0.9f, 4.0f};
+         k.drawing.looks.hatching = {0.9f, 4.0f};
+       }},
+      {"studio", [](sl_engine_config& k) { k.lighting = SL_LIGHTING_STUDIO; },
+       [](engine::EngineConfig& k) { k.drawing.looks.lighting = core::Lighting::kStudio; }},
+      {"sun", [](sl_engine_config& k) { k.lighting = SL_LIGHTING_SUN, k.sun[0] = 2.0; },
+       [](engine::EngineConfig& k) { k.drawing.looks.lighting = core::Lighting::kSun, k.drawing.looks.sun.x = 2.0; }},
+      {"background", [](sl_engine_config& k) { k.background_bottom[0] = 0.5f, k.background_top[2] = 0.25f; },
+       [](engine::EngineConfig& k) {
+         k.drawing.looks.background.bottom.x = 0.5f, k.drawing.looks.background.top.z = 0.25f;
        }},
       {"outline colour", [](sl_engine_config& k) { k.outline_colour[2] = 1.0f; },
        [](engine::EngineConfig& k) { k.drawing.outline_colour.z = 1.0f; }},

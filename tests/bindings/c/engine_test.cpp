@@ -448,6 +448,7 @@ sl_engine_config other_settings(const sl_controller_config* controller) {
   c.rebuild_share = 0.25f, c.gl_state = SL_GL_STATE_LEAVE, c.context_platform = SL_CONTEXT_OSMESA;
   c.transparency = SL_TRANSPARENCY_BLENDED, c.outline_colour[1] = 0.125f;
   c.depth_shading = 0.5f, c.edge_lines = 0.25f, c.hatching_strength = 0.75f, c.hatching_spacing = 9.0f;
+  c.lighting = SL_LIGHTING_SUN, c.sun[0] = 0.5, c.background_bottom[1] = 0.25f, c.background_top[2] = 1.0f;
   c.part_index = 1, c.part_count = 3;
   c.gl_debug = 1, c.context_later = 1, c.gpu_variant = SL_GPU_VARIANT_COMPUTE;
   c.controller = controller;
@@ -520,8 +521,16 @@ TEST_F(CapiEngine, DefaultsAreThoseOfCpp) {
   of_cpp.samples = d.drawing.samples;
   of_cpp.rebuild_share = float(d.culling.rebuild_share), of_cpp.transparency = std::int32_t(d.drawing.transparency);
   for (int i = 0; i < 3; ++i) of_cpp.outline_colour[i] = d.drawing.outline_colour[i];
-  of_cpp.depth_shading = d.drawing.depth_shading.strength, of_cpp.edge_lines = d.drawing.depth_shading.edge_lines;
-  of_cpp.hatching_strength = d.drawing.hatching.strength, of_cpp.hatching_spacing = d.drawing.hatching.spacing;
+  of_cpp.depth_shading = d.drawing.looks.depth_shading.strength,
+  of_cpp.edge_lines = d.drawing.looks.depth_shading.edge_lines;
+  of_cpp.hatching_strength = d.drawing.looks.hatching.strength,
+  of_cpp.hatching_spacing = d.drawing.looks.hatching.spacing;
+  of_cpp.lighting = std::int32_t(d.drawing.looks.lighting);
+  for (int i = 0; i < 3; ++i) {
+    of_cpp.sun[i] = d.drawing.looks.sun[i];
+    of_cpp.background_bottom[i] = d.drawing.looks.background.bottom[i];
+    of_cpp.background_top[i] = d.drawing.looks.background.top[i];
+  }
   of_cpp.part_index = d.culling.part.index, of_cpp.part_count = d.culling.part.count;
   EXPECT_TRUE(same_bytes(of_c, of_cpp));
   const culling::FrameCostConfig cost;
@@ -560,6 +569,8 @@ TEST_F(CapiEngine, SettingsChangeWhileItLives) {
   refused("part", [](sl_engine_config& bad) { bad.part_count = 2; });
   refused("transparency", [](sl_engine_config& bad) { bad.transparency = SL_TRANSPARENCY_BLENDED; });
   refused("strength and edge_lines of depth_shading", [](sl_engine_config& bad) { bad.edge_lines = 1.5f; });
+  refused("sun must be", [](sl_engine_config& bad) { bad.sun[2] = 0.0; });
+  refused("colours of background", [](sl_engine_config& bad) { bad.background_top[0] = 1.5f; });
   refused("spacing of hatching", [](sl_engine_config& bad) { bad.hatching_spacing = 1.0f; });
   config.transparency = 2;
   EXPECT_EQ(sl_engine_configure(engine, &config), SL_ERROR_ARGUMENT);

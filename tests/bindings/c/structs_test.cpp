@@ -116,7 +116,8 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(capi::kFirstSize<sl_import_options>, 56u);
     EXPECT_EQ(offsetof(sl_import_options, recognise), 64u);
     EXPECT_EQ(offsetof(sl_import_options, cached_levels), 80u);
-    EXPECT_EQ(sizeof(sl_import_options), 88u);
+    EXPECT_EQ(offsetof(sl_import_options, crease_angle), 88u);
+    EXPECT_EQ(sizeof(sl_import_options), 96u);
     EXPECT_EQ(capi::kFirstSize<sl_import_report>, 160u);
     EXPECT_EQ(offsetof(sl_import_report, recognised), 168u);
     EXPECT_EQ(sizeof(sl_import_report), 352u);
@@ -129,7 +130,8 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(sizeof(sl_engine_info), 72u);
     EXPECT_EQ(capi::kFirstSize<sl_engine_config>, 104u);
     EXPECT_EQ(offsetof(sl_engine_config, lod_error), 184u);
-    EXPECT_EQ(sizeof(sl_engine_config), 192u);
+    EXPECT_EQ(offsetof(sl_engine_config, sun), 192u);
+    EXPECT_EQ(sizeof(sl_engine_config), 240u);
     EXPECT_EQ(sizeof(sl_controller_config), 128u);
     EXPECT_EQ(capi::kFirstSize<sl_loss_report>, 24u);
     EXPECT_EQ(sizeof(sl_loss_report), 56u);

@@ -43,7 +43,7 @@ class Docs(GlCase):
         page = (self.folder / "report.html").read_text()
         self.assertEqual(page.count("<img "), 12)
         plant(20000, 1).write_rvm(self.folder / "plant.rvm")
-        self.tool("render", self.folder / "plant.rvm", "--size", "480x320", "--out", self.folder / "tool.png")
+        self.tool("render", self.folder / "plant.rvm", "--plain", "--size", "480x320", "--out", self.folder / "tool.png")
         difference = sightline.compare(sightline.read_png(self.folder / "overview.png"),
                                        sightline.read_png(self.folder / "tool.png"))
         self.assertLessEqual(difference.max, 1)  # colours in files have 8 bits

@@ -145,7 +145,8 @@ class Drawing(GlCase):
             return engine.read_colour()
         living = self.engine()
         plain = image(living)
-        for config in (dict(depth_shading=0.8), dict(edge_lines=0.6), dict(outline_colour=(0, 1, 0))):
+        for config in (dict(depth_shading=0.8), dict(edge_lines=0.6), dict(outline_colour=(0, 1, 0)),
+                       dict(lighting="studio"), dict(lighting="sun", sun=(1, 0, 0.5)), dict(background_top=(0.5, 0.6, 1))):
             with self.subTest(**config):
                 with self.engine(**config) as engine:
                     expected = image(engine)

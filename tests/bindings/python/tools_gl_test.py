@@ -20,7 +20,7 @@ class Tools(GlCase):
         view = self.folder / "view.json"
         view.write_text('{"eye":[-30,-25,12],"target":[0,0,3],"fovy_deg":50,"near":0.5,'
                         '"sections":[{"n":[1,0.2,0],"d":4}]}')
-        self.tool("render", self.model, "--size", "320x200", "--view", view, "--out", self.folder / "a.png", "--ids",
+        self.tool("render", self.model, "--plain", "--size", "320x200", "--view", view, "--out", self.folder / "a.png", "--ids",
                   self.folder / "ids.png", "--depth", self.folder / "a.pfm")
         with sightline.Engine(self.scene, draw=True, width=320, height=200, ids=True) as engine:
             seen = sightline.View.read(view, aspect=320 / 200)
@@ -33,7 +33,7 @@ class Tools(GlCase):
         self.assertGreater(len(np.unique(ids)), 50)
 
     def test_the_whole_model_is_that_of_render(self):
-        self.tool("render", self.model, "--size", "200x160", "--out", self.folder / "a.png")
+        self.tool("render", self.model, "--plain", "--size", "200x160", "--out", self.folder / "a.png")
         np.testing.assert_array_equal(sightline.render(self.scene, width=200, height=160),
                                       sightline.read_png(self.folder / "a.png"))
 
@@ -42,7 +42,7 @@ class Tools(GlCase):
         self.scene.root.children[0].children[0].children[0].remove()
         second = sightline.render(self.scene, width=200, height=160)
         sightline.write_png(self.folder / "second.png", second)
-        self.tool("render", self.model, "--size", "200x160", "--compare", self.folder / "second.png", "--max", 255,
+        self.tool("render", self.model, "--plain", "--size", "200x160", "--compare", self.folder / "second.png", "--max", 255,
                   "--json", self.folder / "out.json")
         said = json.loads((self.folder / "out.json").read_text())["compare"]
         difference, metrics = sightline.compare(second, first), sightline.metrics(second, first)

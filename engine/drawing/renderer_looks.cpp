@@ -1,0 +1,14 @@
+#include "sightline/engine/internal/looks.h"
+#include "sightline/render/internal/renderer.h"
+
+namespace sightline::engine {
+
+void give_looks(const Looks& looks, render::Renderer& to, const std::array<double, 2>& rows) {
+  to.hatching = {looks.hatching.strength, looks.hatching.spacing};
+  to.lighting = looks.lighting;
+  to.sun = looks.sun;
+  to.background.top = glm::mix(looks.background.top, looks.background.bottom, float(rows[0]));
+  to.background.bottom = glm::mix(looks.background.top, looks.background.bottom, float(rows[1]));
+}
+
+}  // namespace sightline::engine

@@ -1,0 +1,44 @@
+// How images look: shading, lines, light and background. Nothing here changes which items an image shows.
+#pragma once
+
+#include "sightline/core/surroundings.h"
+
+namespace sightline::engine {
+
+/// Shading and lines by the depth of the image alone, so that shapes of one colour can be told apart: looks, without
+/// any meaning as light. They cost the same for every scene (docs/results/drawing.md), and nothing where both are 0.
+/// What is drawn over the image is left as it is: ghosts, blended items, outlines. Dithered items become darker.
+struct DepthShading {
+  float strength = 0.0f;    ///< 0 … 1: darkness of corners and of what lies behind edges
+  float edge_lines = 0.0f;  ///< 0 … 1: darkness of lines where surfaces begin or end, and along creases
+
+  bool any() const { return strength > 0.0f || edge_lines > 0.0f; }
+};
+
+/// Lines at 45 degrees on the cut faces of section planes, as in drawings: in the plane of the section, where they lie
+/// still while the camera moves. Items whose ids are neighbours differ in the direction or the place of their lines.
+/// Costs nothing in views without sections, and where `strength` is 0.
+struct Hatching {
+  float strength = 0.0f;  ///< 0 … 1: darkness of the lines, lightness on dark faces
+  float spacing = 6.0f;   ///< pixels, 2 or more: their least distance; it is up to twice that, and they a sixth wide
+
+  bool any() const { return strength > 0.0f; }
+};
+
+struct Looks {
+  DepthShading depth_shading = {};
+  Hatching hatching = {};
+  core::Lighting lighting = core::Lighting::kHeadLight;
+  core::dvec3 sun{0.0, 0.0, 1.0};    ///< direction to the light of core::Lighting::kSun, in the world; any length but 0
+  core::Background background = {};  ///< colours from 0 to 1
+
+  /// What images for people have: a studio's light, a quiet background, depth shading and light edge lines. The others
+  /// are as above.
+  static Looks for_people() {
+    return {.depth_shading = {.strength = 0.4f, .edge_lines = 0.4f},
+            .lighting = core::Lighting::kStudio,
+            .background = {.bottom = {0.91f, 0.92f, 0.93f}, .top = {0.73f, 0.78f, 0.85f}}};
+  }
+};
+
+}  // namespace sightline::engine
