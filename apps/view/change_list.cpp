@@ -6,7 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sightline/apps/view/numbers.h"
+#include "sightline/apps/common/change_colours.h"
+#include "sightline/apps/common/numbers.h"
 #include "sightline/apps/view/tree_rows.h"
 
 namespace sightline::apps {
@@ -148,23 +149,6 @@ void ChangeList::take_removed(core::Scene& scene) {
   copies_.clear();
 }
 
-std::optional<core::vec3> ChangeList::colour(State state) {
-  // Of Okabe and Ito's palette, whose colours all kinds of colour blindness tell apart.
-  switch (state) {
-    case State::kAdded:
-      return core::vec3(0.0f, 158.0f, 115.0f) / 255.0f;
-    case State::kRemoved:
-      return core::vec3(213.0f, 94.0f, 0.0f) / 255.0f;
-    case State::kMoved:
-      return core::vec3(86.0f, 180.0f, 233.0f) / 255.0f;
-    case State::kChanged:
-      return core::vec3(240.0f, 228.0f, 66.0f) / 255.0f;
-    case State::kUnchanged:
-      break;
-  }
-  return std::nullopt;
-}
-
 void ChangeList::set_shown(State state, bool shown) {
   shown_[std::size_t(state)] = shown;
   list();
@@ -187,7 +171,7 @@ void ChangeList::list() {
 BaseStyles ChangeList::base_styles() const {
   BaseStyles base_styles;
   for (std::size_t i = 0; i < compare::kStateCount; ++i) {
-    const std::optional<core::vec3> colour = ChangeList::colour(State(i));
+    const std::optional<core::vec3> colour = change_colour(State(i));
     base_styles.all.push_back({{.colour = colour, .ghost = !colour}, shown_[i]});
   }
   base_styles.which.resize(change_of_.size());

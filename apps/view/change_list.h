@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "sightline/analysis/compare/compare.h"
+#include "sightline/apps/common/item_facts.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/document.h"
-#include "sightline/apps/view/item_facts.h"
 
 namespace sightline::apps {
 
@@ -40,8 +40,6 @@ class ChangeList {
   const compare::Comparison& found() const { return found_; }
   const core::Scene& before() const { return *before_.scene; }
 
-  /// Of a state's items: their colour (sRGB), none where they are faint.
-  static std::optional<core::vec3> colour(compare::State state);
   bool shown(compare::State state) const { return shown_[std::size_t(state)]; }
   void set_shown(compare::State state, bool shown);
   BaseStyles base_styles() const;

@@ -5,6 +5,7 @@
 
 #include <imgui.h>
 
+#include "sightline/apps/common/change_colours.h"
 #include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
@@ -18,7 +19,7 @@ using compare::State;
 void swatch(State state) {
   const float side = ImGui::GetTextLineHeight();
   const ImVec2 at = ImGui::GetCursorScreenPos(), end(at.x + side, at.y + side);
-  if (const auto colour = ChangeList::colour(state))
+  if (const auto colour = change_colour(state))
     ImGui::GetWindowDrawList()->AddRectFilled(at, end, ImGui::GetColorU32({colour->r, colour->g, colour->b, 1.0f}));
   else
     ImGui::GetWindowDrawList()->AddRect(at, end, ImGui::GetColorU32(ImGuiCol_TextDisabled));

@@ -8,8 +8,8 @@
 #include <thread>
 #include <utility>
 
+#include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/view/regular_expression.h"
-#include "sightline/apps/view/tree_walk.h"
 #include "sightline/importers/import.h"
 
 namespace sightline::apps {

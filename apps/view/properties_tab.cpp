@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "sightline/apps/common/item_facts.h"
 #include "sightline/apps/common/model.h"
-#include "sightline/apps/view/item_facts.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "sightline/apps/view/tree_walk.h"
+#include "sightline/apps/common/tree_walk.h"
 
 namespace sightline::apps {
 namespace {

@@ -3,33 +3,17 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cstdlib>
-#include <ctime>
 #include <fstream>
 #include <random>
 #include <utility>
 
-#include "sightline/apps/view/bcf.h"
+#include "sightline/apps/viewpoints/bcf.h"
 #include "sightline/core/internal/atomic_file.h"
 
 namespace sightline::apps {
 namespace {
 
 constexpr std::uintmax_t kMostListBytes = std::uintmax_t(256) << 20;
-
-std::string author() {
-  for (const char* name : {"SIGHTLINE_AUTHOR", "USER", "USERNAME"})
-    if (const char* value = std::getenv(name); value && *value) return value;
-  return "unknown";
-}
-
-std::string date_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  char text[32] = "";
-  if (gmtime_r(&now, &utc)) std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
 
 core::Expected<std::string> read_bytes(const std::filesystem::path& file) {
   std::error_code error;
@@ -68,7 +52,7 @@ void ViewList::add(Viewpoint view, const std::string& name) {
   view.name = name.empty() ? free_name() : name;
   view.guid = new_guid();
   view.date = date_now();
-  view.author = author();
+  view.author = author_name();
   views_.push_back(std::move(view));
   current_ = views_.size() - 1;
 }

@@ -7,7 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "sightline/apps/view/viewpoint.h"
+#include "sightline/apps/viewpoints/viewpoint.h"
 #include "sightline/core/error.h"
 
 namespace sightline::apps {
@@ -51,10 +51,6 @@ class ViewList {
 
 std::string new_guid();
 
-struct ViewFile {
-  std::vector<Viewpoint> views;
-  std::size_t left_out = 0;  ///< topics and viewpoints without a camera that can be shown
-};
 /// BCF (bcf.h) or JSON (viewpoint.h), by the extension: .bcf and .bcfzip are BCF. At most 256 MiB.
 core::Expected<ViewFile> read_views(const std::filesystem::path& file);
 core::Expected<void> write_views(const std::filesystem::path& file, std::span<const Viewpoint> views);

@@ -6,8 +6,8 @@
 
 #include <imgui.h>
 
+#include "sightline/apps/common/numbers.h"
 #include "sightline/apps/view/commands.h"
-#include "sightline/apps/view/numbers.h"
 
 namespace sightline::apps {
 

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/apps/common/change_colours.h"
 #include "sightline/apps/view/session.h"
 #include "sightline/engine/pick.h"
 #include "sightline/raytrace/tracer.h"
@@ -185,7 +186,7 @@ TEST(ChangeList, CopiesWhatIsRemovedAndTakesItAway) {
       const State state = changes->of(item)->state;
       ASSERT_NE(base_styles.of(item), nullptr);
       EXPECT_EQ(base_styles.of(item)->style.ghost, state == State::kUnchanged);
-      EXPECT_EQ(base_styles.of(item)->style.colour, ChangeList::colour(state));
+      EXPECT_EQ(base_styles.of(item)->style.colour, change_colour(state));
     }
     changes->take_removed(scene);
     ASSERT_TRUE(scene.commit());

@@ -1,5 +1,5 @@
 // Names of items: what they find again in the same model read anew, against lists of items.
-#include "sightline/apps/view/item_names.h"
+#include "sightline/apps/viewpoints/item_names.h"
 
 #include <gtest/gtest.h>
 

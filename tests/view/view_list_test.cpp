@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/apps/view/bcf.h"
+#include "sightline/apps/viewpoints/bcf.h"
 #include "sightline/importers/view_json.h"
 #if SIGHTLINE_HAS_BCF
-#include "sightline/apps/view/zip_archive.h"
+#include "sightline/apps/viewpoints/zip_archive.h"
 #include "sightline/tests/support/effort.h"
 #endif
 

@@ -1,5 +1,5 @@
 // Viewpoints as files: what is written comes back, and other readers of views see the same.
-#include "sightline/apps/view/viewpoint.h"
+#include "sightline/apps/viewpoints/viewpoint.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/apps/view/numbers.h"
+#include "sightline/apps/common/numbers.h"
 
 #include <cmath>
 #include <cstdio>

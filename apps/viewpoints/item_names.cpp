@@ -1,10 +1,10 @@
-#include "sightline/apps/view/item_names.h"
+#include "sightline/apps/viewpoints/item_names.h"
 
 #include <algorithm>
 #include <charconv>
 #include <string_view>
 
-#include "sightline/apps/view/tree_walk.h"
+#include "sightline/apps/common/tree_walk.h"
 
 namespace sightline::apps {
 namespace {

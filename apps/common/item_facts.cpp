@@ -1,4 +1,4 @@
-#include "sightline/apps/view/item_facts.h"
+#include "sightline/apps/common/item_facts.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "sightline/apps/view/numbers.h"
+#include "sightline/apps/common/numbers.h"
 
 namespace sightline::apps {
 namespace {

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/apps/view/item_names.h"
+#include "sightline/apps/viewpoints/item_names.h"
 #include "sightline/core/error.h"
 #include "sightline/core/view.h"
 
@@ -48,6 +48,17 @@ core::Expected<Viewpoint> parse_viewpoint(const std::string& json, const std::st
 std::string format_viewpoints(std::span<const Viewpoint> viewpoints);
 /// The views of a list, or the one view that the text is.
 core::Expected<std::vector<Viewpoint>> parse_viewpoints(const std::string& json, const std::string& source);
+
+/// Whose views those are that this process makes: SIGHTLINE_AUTHOR, else the user's name.
+std::string author_name();
+/// The present time as in XML, in UTC.
+std::string date_now();
+
+/// What a file of views holds.
+struct ViewFile {
+  std::vector<Viewpoint> views;
+  std::size_t left_out = 0;  ///< topics and viewpoints without a camera that can be shown
+};
 
 /// The same for a model that was moved by `offset`.
 Viewpoint translated(const Viewpoint& viewpoint, const core::dvec3& offset);

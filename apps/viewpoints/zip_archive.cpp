@@ -1,4 +1,4 @@
-#include "sightline/apps/view/zip_archive.h"
+#include "sightline/apps/viewpoints/zip_archive.h"
 
 #include <algorithm>
 #include <memory>

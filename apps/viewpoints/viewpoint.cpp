@@ -1,7 +1,9 @@
-#include "sightline/apps/view/viewpoint.h"
+#include "sightline/apps/viewpoints/viewpoint.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <ctime>
 
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
@@ -171,6 +173,20 @@ Viewpoint translated(const Viewpoint& viewpoint, const core::dvec3& offset) {
   moved.pose.target += offset;
   for (core::Plane& plane : moved.sections) plane.offset -= glm::dot(plane.normal, offset);
   return moved;
+}
+
+std::string author_name() {
+  for (const char* name : {"SIGHTLINE_AUTHOR", "USER", "USERNAME"})
+    if (const char* value = std::getenv(name); value && *value) return value;
+  return "unknown";
+}
+
+std::string date_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  char text[32] = "";
+  if (gmtime_r(&now, &utc)) std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
 }
 
 }  // namespace sightline::apps

@@ -1,4 +1,4 @@
-#include "sightline/apps/view/bcf.h"
+#include "sightline/apps/viewpoints/bcf.h"
 
 #include <algorithm>
 #include <cctype>
@@ -11,7 +11,7 @@
 #include <pugixml.hpp>
 
 #include "sightline/apps/common/model.h"
-#include "sightline/apps/view/zip_archive.h"
+#include "sightline/apps/viewpoints/zip_archive.h"
 
 namespace sightline::apps {
 namespace {

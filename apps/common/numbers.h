@@ -1,4 +1,4 @@
-// Numbers as the viewer's panels write them.
+// Numbers as tools write them for people.
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "sightline/apps/view/view_list.h"
+#include "sightline/apps/viewpoints/viewpoint.h"
 
 namespace sightline::apps {
 

@@ -1,5 +1,5 @@
 // Stands for bcf.cpp where its libraries are absent.
-#include "sightline/apps/view/bcf.h"
+#include "sightline/apps/viewpoints/bcf.h"
 
 namespace sightline::apps {
 namespace {

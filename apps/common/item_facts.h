@@ -1,4 +1,4 @@
-// What the viewer tells of an item, in words.
+// What tools tell of an item, in words.
 #pragma once
 
 #include <string>
