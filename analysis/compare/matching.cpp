@@ -5,16 +5,13 @@
 #include <cmath>
 #include <utility>
 
+#include "sightline/analysis/compare/internal/cells.h"
 #include "sightline/core/internal/hash.h"
 
 namespace sightline::compare {
 namespace {
 
 constexpr int kMostRefused = 64;
-
-std::uint64_t joined(std::uint64_t hash, double value) {
-  return core::mixed(hash ^ std::bit_cast<std::uint64_t>(value + 0.0));  // + 0.0: one zero
-}
 
 std::uint64_t hash_of_kind(const Geometry& geometry) {
   return core::mixed(geometry.topology + std::uint64_t(geometry.kind) + 1);
@@ -69,7 +66,7 @@ class Cells {
   Cells(bool by_place, double tolerance) : by_place_(by_place), tolerance_(tolerance) {}
 
   std::uint64_t hash_in(std::uint64_t hash, const Geometry& g) const {
-    for (int c = 0; c < coordinates(); ++c) hash = joined(hash, cell(value(g, c)));
+    for (int c = 0; c < coordinates(); ++c) hash = with_cell(hash, cell(value(g, c)));
     return hash;
   }
 
@@ -79,7 +76,7 @@ class Cells {
     const double reach = 2.0 * allowance(g, tolerance_), at = value(g, c), own = cell(at);
     const double cells[] = {std::max(cell(at - reach), own - 1.0), own, std::min(cell(at + reach), own + 1.0)};
     for (int i = 0; i < 3; ++i)
-      if (i == 0 || cells[i] != cells[i - 1]) each_near(joined(hash, cells[i]), g, visit, c + 1);
+      if (i == 0 || cells[i] != cells[i - 1]) each_near(with_cell(hash, cells[i]), g, visit, c + 1);
   }
 
  private:
