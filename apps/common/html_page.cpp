@@ -1,5 +1,9 @@
 #include "sightline/apps/common/html_page.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
 #include "sightline/apps/common/markup.h"
 
 namespace sightline::apps {
@@ -28,8 +32,26 @@ th, td { padding: 0.15rem 0.5rem; border-bottom: 1px solid #ccc; text-align: lef
 thead th { border-bottom: 1px solid #000; vertical-align: bottom; }
 tbody th { font-weight: normal; }
 .numbers td, .numbers thead th + th { text-align: right; font-variant-numeric: tabular-nums; }
+.badge { padding: 0 0.45em; border-radius: 0.25em; font-weight: bold; white-space: nowrap; }
+details { margin: 0.3rem 0; overflow-wrap: anywhere; }
+details > figure { margin: 0.4rem 0 0.8rem 1.5rem; }
+summary { cursor: pointer; }
+.flip > input { margin: 0 0.2em 0 0; }
+.flip > label { margin-right: 1em; font-size: 0.85rem; cursor: pointer; }
+.flip > input:checked + label { font-weight: bold; }
+.flip > .hint { font-size: 0.85rem; color: #555; }
+.flip > .frames { margin-top: 0.3rem; }
+.flip > .frames > label { display: none; cursor: pointer; }
+.flip > input:nth-of-type(1):checked ~ .frames > label:nth-of-type(1),
+.flip > input:nth-of-type(2):checked ~ .frames > label:nth-of-type(2),
+.flip > input:nth-of-type(3):checked ~ .frames > label:nth-of-type(3),
+.flip > input:nth-of-type(4):checked ~ .frames > label:nth-of-type(4) { display: block; }
+.flip > input:focus-visible ~ .frames { outline: 3px solid #0b5cad; }
 @page { margin: 15mm; }
 @media print {
+  .flip > .hint { display: none; }
+  .flip > .frames > label { display: block; }
+  .badge { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
   body { max-width: none; padding: 0; font-size: 10pt; }
   a { color: #000; text-decoration: none; }
   figure { break-inside: avoid; }
@@ -37,19 +59,27 @@ tbody th { font-weight: normal; }
 }
 )";
 
-std::string base64(std::span<const std::uint8_t> bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) { return i + k < bytes.size() ? std::uint32_t(bytes[i + k]) : 0u; };
-    const std::uint32_t word = byte(0) << 16 | byte(1) << 8 | byte(2);
-    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63u] : '=';
-  }
-  return out;
+/// The linear luminance of an sRGB colour, 0 to 1 (WCAG 2).
+float luminance(const core::vec3& colour) {
+  const auto linear = [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); };
+  return 0.2126f * linear(colour.r) + 0.7152f * linear(colour.g) + 0.0722f * linear(colour.b);
+}
+
+std::string html_of(const Badge& badge) {
+  // Whichever of black and white has the greater contrast: they are equal at this luminance.
+  const char* ink = luminance(badge.colour) > 0.179f ? "#000" : "#fff";
+  return "<span class=\"badge\" style=\"background: " + hex_of(badge.colour) + "; color: " + ink + "\">" +
+         escaped(badge.text) + "</span>";
 }
 
 }  // namespace
+
+std::string hex_of(const core::vec3& colour) {
+  const auto byte = [](float channel) { return unsigned(std::lround(255.0f * std::clamp(channel, 0.0f, 1.0f))); };
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(colour.r), byte(colour.g), byte(colour.b));
+  return text;
+}
 
 void HtmlBody::heading(std::string_view text) {
   html_ += "<h3>" + escaped(text) + "</h3>\n";
@@ -71,41 +101,34 @@ void HtmlBody::list(const std::vector<std::string>& lines) {
 }
 
 void HtmlBody::table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows,
-                     const Caption& caption) {
-  table_of("numbers", head, rows, caption);
+                     const Caption& caption, std::span<const Badge> badges) {
+  table_of("numbers", head, rows, caption, badges);
 }
 
 void HtmlBody::text_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows,
                           const Caption& caption) {
-  table_of("texts", head, rows, caption);
+  table_of("texts", head, rows, caption, {});
 }
 
 void HtmlBody::table_of(const char* style, const std::vector<std::string>& head,
-                        const std::vector<std::vector<std::string>>& rows, const Caption& caption) {
+                        const std::vector<std::vector<std::string>>& rows, const Caption& caption,
+                        std::span<const Badge> badges) {
   html_ += std::string("<figure>\n<table class=\"") + style + "\">\n<thead><tr>";
   for (const std::string& cell : head) html_ += "<th scope=\"col\">" + escaped(cell) + "</th>";
   html_ += "</tr></thead>\n<tbody>\n";
-  for (const std::vector<std::string>& row : rows) {
-    html_ += "<tr>";
-    for (std::size_t i = 0; i < row.size(); ++i)
-      html_ += i == 0 ? "<th scope=\"row\">" + escaped(row[i]) + "</th>" : "<td>" + escaped(row[i]) + "</td>";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    html_ +=
+        "<tr><th scope=\"row\">" + (r < badges.size() ? html_of(badges[r]) + " " : "") + escaped(rows[r][0]) + "</th>";
+    for (std::size_t i = 1; i < rows[r].size(); ++i) html_ += "<td>" + escaped(rows[r][i]) + "</td>";
     html_ += "</tr>\n";
   }
   html_ += "</tbody>\n</table>\n";
   close_figure(caption);
 }
 
-core::Expected<void> HtmlBody::images(std::span<const LabelledImage> images, const Caption& caption, int columns) {
-  html_ += "<figure>\n<div class=\"images\" style=\"--columns: " + std::to_string(columns) + "\">\n";
-  for (const auto& [label, image] : images) {
-    const auto png = image::encode_png(image, image::PngSize::kSmall);
-    if (!png) return tl::unexpected(png.error());
-    html_ += "<div>" + escaped(label) + "<img alt=\"" + escaped(label) + "\" src=\"data:image/png;base64," +
-             base64(*png) + "\"/></div>\n";
-  }
-  html_ += "</div>\n";
-  close_figure(caption);
-  return {};
+void HtmlBody::details(const Badge& badge, std::string_view line, const HtmlBody& inside) {
+  html_ +=
+      "<details><summary>" + html_of(badge) + " " + escaped(line) + "</summary>\n" + inside.text() + "</details>\n";
 }
 
 void HtmlBody::plot(const std::string& svg, const Caption& caption) {
@@ -130,16 +153,17 @@ std::string html_page(std::string_view title, const std::vector<std::string>& in
       escaped(title) + "</title>\n<style>" + std::string(kStyle) + "</style>\n</head>\n<body>\n<h1>" + escaped(title) +
       "</h1>\n";
   for (const std::string& line : intro) page += "<p>" + escaped(line) + "</p>\n";
+  const auto badge = [](const PageSection& section) { return section.badge ? html_of(*section.badge) + " " : ""; };
   page += "<ul>\n";
   for (const PageSection& section : sections) {
-    page += "<li><a href=\"#" + escaped(section.id) + "\">" + escaped(section.title) + "</a>";
+    page += "<li>" + badge(section) + "<a href=\"#" + escaped(section.id) + "\">" + escaped(section.title) + "</a>";
     if (!section.headline.empty()) page += ": " + escaped(section.headline);
     page += "</li>\n";
   }
   page += "</ul>\n";
   for (const PageSection& section : sections)
-    page += "<section id=\"" + escaped(section.id) + "\">\n<h2>" + escaped(section.title) + "</h2>\n" + section.body +
-            "</section>\n";
+    page += "<section id=\"" + escaped(section.id) + "\">\n<h2>" + badge(section) + escaped(section.title) + "</h2>\n" +
+            section.body + "</section>\n";
   return page + "</body>\n</html>\n";
 }
 

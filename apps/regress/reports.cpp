@@ -4,7 +4,7 @@
 #include <set>
 
 #include "sightline/apps/common/arguments.h"
-#include "sightline/apps/common/html_page.h"
+#include "sightline/apps/common/html_images.h"
 #include "sightline/apps/common/markup.h"
 
 namespace sightline::apps {
@@ -58,12 +58,32 @@ std::vector<LabelledImage> images_of(const Suite& suite, const ResultFolder& res
   return out;
 }
 
+/// The mark says the same as the colour, for who sees red as green.
+Badge badge_of(Status status, const std::string& words) {
+  switch (status) {
+    case Status::kPassed:
+      return {"\u2713 " + words, {0.0f, 0.45f, 0.32f}};
+    case Status::kAccepted:
+      return {"\u2713 " + words, {0.04f, 0.36f, 0.68f}};
+    case Status::kFailed:
+      return {"\u2717 " + words, {0.75f, 0.12f, 0.12f}};
+    case Status::kError:
+      return {"! " + words, {0.75f, 0.12f, 0.12f}};
+    case Status::kMissing:
+      break;
+  }
+  return {"? " + words, {0.35f, 0.35f, 0.35f}};
+}
+
+Badge badge_of(const Outcome& outcome) {
+  return badge_of(outcome.status, std::string(name_of(outcome.status)));
+}
+
 std::vector<std::string> table_row(const Outcome& o) {
   const bool compared = o.result && o.result->error.empty() && o.result->unlike.empty();
   const auto figure = [&](const std::string& text, bool there) { return compared && there ? text : "-"; };
   const TaskResult& r = o.result ? *o.result : TaskResult();
   return {o.task->name,
-          std::string(name_of(o.status)),
           figure(std::to_string(r.difference.max), true),
           figure(number(r.difference.mean), true),
           figure(number(r.flip), true),
@@ -171,24 +191,26 @@ core::Expected<std::string> html_report(const Suite& suite, const ResultFolder& 
   const std::string command = "sightline-regress " + shell_word(suite_file);
   std::vector<PageSection> sections;
   std::vector<std::vector<std::string>> rows;
-  for (const Outcome& o : outcomes) rows.push_back(table_row(o));
+  std::vector<Badge> badges;
+  for (const Outcome& o : outcomes) rows.push_back(table_row(o)), badges.push_back(badge_of(o));
   HtmlBody table;
-  table.table({"image", "", "max", "mean", "FLIP", "pixels that differ", "of another item", "seconds"}, rows,
-              {"All images. Differences of a channel are 0 to 255, mean FLIP 0 to 1.", command});
-  sections.push_back({"all", "All images", summary(outcomes), table.text()});
+  table.table({"image", "max", "mean", "FLIP", "pixels that differ", "of another item", "seconds"}, rows,
+              {"All images. Differences of a channel are 0 to 255, mean FLIP 0 to 1.", command}, badges);
+  const Badge verdict = all_good(outcomes) ? badge_of(Status::kPassed, "passed") : badge_of(Status::kFailed, "failed");
+  sections.push_back({"all", "All images", summary(outcomes), table.text(), verdict});
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const Outcome& o = outcomes[i];
     if (shown == ShownImages::kNone || (shown == ShownImages::kFailed && o.status == Status::kPassed)) continue;
     HtmlBody body;
-    if (!o.reason.empty()) body.paragraph(std::string(name_of(o.status)) + ": " + o.reason);
+    if (!o.reason.empty()) body.paragraph(o.reason);
     const auto images = images_of(suite, results, o);
     const Caption caption{o.task->name + ", " + std::to_string(o.task->size[0]) + "x" +
                               std::to_string(o.task->size[1]) + ", limits " + limits_json(o.task->limits).dump(),
                           command + " --only " + o.task->name + " --images all"};
+    const std::string id = "task" + std::to_string(i);
     if (!images.empty())
-      if (auto done = body.images(images, caption, int(std::max<std::size_t>(3, images.size()))); !done)
-        return tl::unexpected(done.error());
-    sections.push_back({"task" + std::to_string(i), o.task->name, std::string(name_of(o.status)), body.text()});
+      if (auto done = body.flip_images(images, caption, id + "images"); !done) return tl::unexpected(done.error());
+    sections.push_back({id, o.task->name, o.reason, body.text(), badge_of(o)});
   }
   std::vector<std::string> intro = {summary(outcomes) + "."};
   if (const std::string names = renderers(outcomes); !names.empty()) intro.push_back("Drawn by " + names + ".");

@@ -26,8 +26,8 @@ json::Value to_json(const Suite& suite, const std::vector<Outcome>& outcomes);
 std::string junit_xml(const Suite& suite, const std::vector<Outcome>& outcomes);
 
 enum class ShownImages : std::uint8_t { kNone, kFailed, kAll };
-/// One page that holds its images: reference, image and difference of each task. `suite_file`: for the commands
-/// that draw them again.
+/// One page that holds its images: reference, image and difference of each task in one place, to flip through.
+/// `suite_file`: for the commands that draw them again.
 core::Expected<std::string> html_report(const Suite& suite, const ResultFolder& results,
                                         const std::vector<Outcome>& outcomes, ShownImages shown,
                                         const std::string& suite_file);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/apps/common/html_page.h"
+#include "sightline/apps/common/html_images.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/core/camera_path.h"

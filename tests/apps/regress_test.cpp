@@ -140,6 +140,32 @@ TEST_F(Regress, ImagesAreTheSameForAnyNumberOfWorkersAndShards) {
   EXPECT_EQ(images_in(path("alone")), reference);
 }
 
+/// The parts of a text between `begin` and `end`.
+std::vector<std::string> between(const std::string& text, const std::string& begin, const std::string& end) {
+  std::vector<std::string> parts;
+  for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at)) {
+    at += begin.size();
+    parts.push_back(text.substr(at, text.find(end, at) - at));
+  }
+  return parts;
+}
+
+/// A label around each image chooses the next image's button, and the last one's the first. Buttons of a task have a
+/// name of their own, and the first is chosen.
+void expect_flips(const std::string& page) {
+  std::set<std::string> names;
+  for (const std::string& flip : between(page, "<div class=\"flip\">", "</figure>")) {
+    const std::string frames = flip.substr(flip.find("class=\"frames\""));
+    std::vector<std::string> buttons = between(flip, " id=\"", "\"");
+    EXPECT_EQ(between(flip, "checked=\"", "\"").size(), 1u);
+    std::rotate(buttons.begin(), buttons.begin() + 1, buttons.end());
+    EXPECT_EQ(between(frames, "<label for=\"", "\""), buttons);
+    EXPECT_EQ(between(frames, "<img ", "/>").size(), buttons.size());
+    EXPECT_TRUE(names.insert(between(flip, " name=\"", "\"").at(0)).second);
+  }
+  EXPECT_EQ(names.size(), 5u);
+}
+
 TEST_F(Regress, AChangedModelFailsWithImagesOfIt) {
   make_references();
   fs::rename(plant(2000, 3), path("b.rvm"));
@@ -158,6 +184,9 @@ TEST_F(Regress, AChangedModelFailsWithImagesOfIt) {
   };
   EXPECT_EQ(occurrences(page, "<img "), 3 * count / 2 + 5);  // five with an image of ids
   EXPECT_EQ(occurrences(page, "<section "), 1 + count / 2);
+  EXPECT_EQ(occurrences(page, "\u2713 passed</span>"), count / 2) << "in the table";
+  EXPECT_EQ(occurrences(page, "\u2717 failed</span>"), 3 * count / 2 + 2) << "there, above and at the images; of all";
+  expect_flips(page);
   EXPECT_EQ(occurrences(junit, "<failure "), count / 2);
   EXPECT_EQ(occurrences(junit, "<testcase "), count);
   EXPECT_EQ(regress("out", 0, {"--resume", "--max", "255", "--ids", "100000000"})["passed"], count);

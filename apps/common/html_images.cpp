@@ -1,0 +1,62 @@
+#include "sightline/apps/common/html_images.h"
+
+#include "sightline/apps/common/markup.h"
+
+namespace sightline::apps {
+namespace {
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t k) { return i + k < bytes.size() ? std::uint32_t(bytes[i + k]) : 0u; };
+    const std::uint32_t word = byte(0) << 16 | byte(1) << 8 | byte(2);
+    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63u] : '=';
+  }
+  return out;
+}
+
+core::Expected<std::string> element_of(const LabelledImage& image) {
+  const auto png = image::encode_png(image.image, image::PngSize::kSmall);
+  if (!png) return tl::unexpected(png.error());
+  return "<img alt=\"" + escaped(image.label) + "\" src=\"data:image/png;base64," + base64(*png) + "\"/>";
+}
+
+}  // namespace
+
+core::Expected<void> HtmlBody::images(std::span<const LabelledImage> images, const Caption& caption, int columns) {
+  html_ += "<figure>\n<div class=\"images\" style=\"--columns: " + std::to_string(columns) + "\">\n";
+  for (const LabelledImage& image : images) {
+    const auto element = element_of(image);
+    if (!element) return tl::unexpected(element.error());
+    html_ += "<div>" + escaped(image.label) + *element + "</div>\n";
+  }
+  html_ += "</div>\n";
+  close_figure(caption);
+  return {};
+}
+
+// Radio buttons need no script: a click on a label chooses one, arrow keys choose the next, and styles show the image
+// of the one that is chosen. The label around an image is that of the next button.
+core::Expected<void> HtmlBody::flip_images(std::span<const LabelledImage> images, const Caption& caption,
+                                           const std::string& id) {
+  const auto button = [&](std::size_t i) { return escaped(id) + "-" + std::to_string(i % images.size()); };
+  html_ += "<figure>\n<div class=\"flip\">\n";
+  for (std::size_t i = 0; i < images.size(); ++i)
+    html_ += "<input type=\"radio\" name=\"" + escaped(id) + "\" id=\"" + button(i) + "\"" +
+             (i == 0 ? " checked=\"checked\"" : "") + "/><label for=\"" + button(i) + "\">" + escaped(images[i].label) +
+             "</label>\n";
+  if (images.size() > 1) html_ += "<span class=\"hint\">click the image, or use the arrow keys</span>\n";
+  html_ += "<div class=\"frames\">\n";
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const auto element = element_of(images[i]);
+    if (!element) return tl::unexpected(element.error());
+    html_ += "<label for=\"" + button(i + 1) + "\">" + *element + "</label>\n";
+  }
+  html_ += "</div>\n</div>\n";
+  close_figure(caption);
+  return {};
+}
+
+}  // namespace sightline::apps
