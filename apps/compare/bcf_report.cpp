@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/common/numbers.h"
+#include "sightline/apps/compare/reports.h"
+#include "sightline/apps/viewpoints/bcf.h"
+
+namespace sightline::apps {
+namespace {
+
+using compare::Group;
+using compare::Way;
+
+constexpr double kAspect = 4.0 / 3.0;
+constexpr double kFilled = 0.5;         // of the image by the group, so that its surroundings tell where it is
+constexpr std::size_t kMostLines = 10;  // of items in a text
+
+/// Items of the later revision that a group is about, in rising order.
+std::vector<core::ItemId> items_of(const Compared& c, const Group& group) {
+  std::vector<core::ItemId> items;
+  const core::Scene& scene = *c.after.scene;
+  for (std::size_t i = 0; i < group.size() && group.way != Way::kRemoved; ++i) {
+    if (group.way != Way::kNodeAttributes) {
+      items.push_back(c.item(group, i).after);
+      continue;
+    }
+    const core::NodeId node = c.found.nodes[c.groups.members[group.begin + i]].after;
+    scene.for_each_node(node, [&](core::NodeId below, const auto&...) {
+      for (core::ItemId item = scene.first_item(below); item != core::kNoItem; item = scene.next_item(item))
+        items.push_back(item);
+    });
+  }
+  std::sort(items.begin(), items.end());
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+  return items;
+}
+
+/// Where an item is, its kind, and what it had, or has, that the title does not tell.
+std::pair<std::string, std::string> item_lines(const Compared& c, const Group& group, std::size_t i) {
+  const compare::Change& change = c.item(group, i);
+  const std::string item = path_of(c, change) + " (" + std::string(core::name_of(kind_of(c, change))) + ")";
+  std::string text;
+  if (group.way != Way::kShape && group.way != Way::kAttributes) return {item, text};
+  for (const FactChange& fact : facts_of(c, change))
+    text += "\n  " + fact.name + ": \"" + fact.before + "\" to \"" + fact.after + "\"";
+  return {item, text};
+}
+
+std::string comment(const Compared& c, const Group& group) {
+  std::string text = what_of(c, group) + ", from " + c.before_file + " to " + c.after_file + ".";
+  if (group.way == Way::kNodeAttributes) return text;
+  const auto lines = rows_of(group, kMostLines, [&](std::size_t i) { return item_lines(c, group, i); });
+  for (const auto& [line, count] : lines.rows)
+    text += "\n" + line.first + (count > 1 ? " \u00d7 " + grouped(std::int64_t(count)) : "") + line.second;
+  if (lines.left_out > 0) text += "\nand " + grouped(std::int64_t(lines.left_out)) + " more items";
+  return text;
+}
+
+Viewpoint topic(const Compared& c, const Group& group, const ItemNames& names) {
+  Viewpoint view;
+  const core::AabbD box = group.way == Way::kNodeAttributes ? c.after.scene->bounds(group.node) : group.box;
+  view.fovy = kFovy;
+  view.pose = core::fitting_pose(box, core::kOverviewDirection, view.fovy, kAspect, kFilled);
+  view.near = 0.0;
+  view.shown.emplace().selection = names.name(items_of(c, group), false);
+  view.name = path_of(c, group) + ": " + what_of(c, group);
+  view.comment = comment(c, group);
+  view.author = author_name();
+  view.date = date_now();
+  view.guid = view.name;  // no GUID: format_bcf() makes one of it, the same one each time
+  return view;
+}
+
+}  // namespace
+
+core::Expected<std::string> bcf_report(const Compared& c) {
+  const ItemNames names(*c.after.scene);
+  std::vector<Viewpoint> views;
+  for (std::size_t i = 0; i < std::min(c.groups.all.size(), kMostTopics); ++i)
+    views.push_back(topic(c, c.groups.all[i], names));
+  return format_bcf(views);
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,70 @@
+// What sightline-compare has found, and how it says it.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sightline/analysis/compare/groups.h"
+#include "sightline/apps/common/item_facts.h"
+
+namespace sightline::apps {
+
+struct Compared {
+  std::string before_file, after_file;
+  double tolerance;
+  compare::Revision before, after;
+  compare::Comparison found;
+  compare::Groups groups;
+
+  const compare::Change& item(const compare::Group& group, std::size_t i) const {
+    return found.items[groups.members[group.begin + i]];
+  }
+};
+
+/// Whether a change is more than none: names count, too.
+bool is_listed(const compare::Change& change);
+
+/// "added", …, and "renamed" where nothing but names differs.
+std::string_view state_name(const compare::Change& change);
+std::string path_before(const Compared& compared, const compare::Change& change);
+std::string path_after(const Compared& compared, const compare::Change& change);
+/// Where the item is, or was if it is no more.
+std::string path_of(const Compared& compared, const compare::Change& change);
+core::Kind kind_of(const Compared& compared, const compare::Change& change);
+/// "shape", "place", …: of bits of compare::Difference.
+std::vector<std::string> names_of(std::uint8_t differences);
+
+/// Dimensions, material and attributes that differ, of items that both revisions have.
+std::vector<FactChange> facts_of(const Compared& compared, const compare::Change& change);
+std::vector<FactChange> facts_of(const Compared& compared, const compare::NodeChange& change);
+
+/// Members of a group by what is told of them: those of which the same is told are one row, with their number.
+template <class Row>
+struct Rows {
+  std::vector<std::pair<Row, std::size_t>> rows;  ///< in the order of their first members
+  std::size_t left_out = 0;                       ///< members, from where there would be more than `most` rows
+};
+template <class RowOf>
+auto rows_of(const compare::Group& group, std::size_t most, const RowOf& row_of) {
+  using Row = decltype(row_of(std::size_t{0}));
+  Rows<Row> out;
+  std::map<Row, std::size_t> known;  // index of the row
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    const auto [place, fresh] = known.try_emplace(row_of(i), out.rows.size());
+    if (fresh && out.rows.size() == most) {
+      out.left_out = group.size() - i;
+      break;
+    }
+    if (fresh) out.rows.emplace_back(place->first, 0);
+    ++out.rows[place->second].second;
+  }
+  return out;
+}
+
+std::string path_of(const Compared& compared, const compare::Group& group);
+/// "5,000 items moved by 1.000 m along +x"
+std::string what_of(const Compared& compared, const compare::Group& group);
+
+}  // namespace sightline::apps
