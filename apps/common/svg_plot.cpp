@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/apps/common/label_placement.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/common/svg_canvas.h"
 
@@ -95,35 +96,58 @@ class FramePlot {
 
 // --- panels ----------------------------------------------------------------------------------------------------------
 
-/// Logarithmic: whole decades around values > 0, at least one. Linear: the range of all values.
+/// Logarithmic: the range of the values above 0, and a little room around it. Linear: the range of all values, from 0
+/// on where asked for.
 class Axis {
  public:
-  explicit Axis(bool logarithmic) : logarithmic_(logarithmic) {}
+  enum class Kind { kLogarithmic, kLinear, kLinearFromZero };
+  explicit Axis(Kind kind) : logarithmic_(kind == Kind::kLogarithmic) {
+    if (kind == Kind::kLinearFromZero) least_ = most_ = 0.0;
+  }
 
   void add(double v) {
     if (!logarithmic_ || v > 0.0) least_ = std::min(least_, v), most_ = std::max(most_, v);
   }
+  bool logarithmic() const { return logarithmic_; }
   /// Place of `v` on the axis, 0 … 1.
   double share(double v) const {
-    if (logarithmic_) return (std::log10(v) - first_decade()) / (last_decade() - first_decade());
+    if (logarithmic_) return std::log(v / low()) / std::log(high() / low());
     return least_ < most_ ? (v - least_) / (most_ - least_) : 0.0;
   }
   /// About six values.
   std::vector<double> ticks() const {
+    if (logarithmic_) return logarithmic_ticks();
     std::vector<double> values;
-    if (logarithmic_) {
-      const int step = 1 + (last_decade() - first_decade()) / 7;
-      for (int d = first_decade(); d <= last_decade(); d += step) values.push_back(std::pow(10.0, d));
-    } else if (least_ <= most_) {
-      const double step = round_up((most_ - least_) / 8);
-      for (double v = std::ceil(least_ / step) * step; v <= most_; v += step) values.push_back(v);
-    }
+    if (least_ > most_) return values;
+    const double step = round_up((most_ - least_) / 8);
+    for (double v = std::ceil(least_ / step) * step; v <= most_; v += step) values.push_back(v);
     return values;
   }
 
  private:
-  int first_decade() const { return most_ > 0.0 ? int(std::floor(std::log10(least_))) : 0; }
-  int last_decade() const { return most_ > 0.0 ? std::max(first_decade() + 1, int(std::ceil(std::log10(most_)))) : 1; }
+  static constexpr double kLeastSpan = 4.0;  // ratio of the ends: a tick or more lies between
+  static constexpr std::size_t kMostTicks = 7;
+
+  bool known() const { return most_ > 0.0; }
+  /// Factor from the outermost values to the ends.
+  double room() const { return std::max(std::pow(most_ / least_, 0.04), std::sqrt(kLeastSpan * least_ / most_)); }
+  double low() const { return known() ? least_ / room() : 1.0; }
+  double high() const { return known() ? most_ * room() : 10.0; }
+
+  /// Round multiples of powers of ten, as many as there is room for.
+  std::vector<double> logarithmic_ticks() const {
+    const int first = int(std::floor(std::log10(low()))), last = int(std::floor(std::log10(high())));
+    const auto within = [&](int step, const std::vector<double>& factors) {
+      std::vector<double> values;
+      for (int decade = first; decade <= last; decade += step)
+        for (const double factor : factors)
+          if (const double v = factor * std::pow(10.0, decade); v >= low() && v <= high()) values.push_back(v);
+      return values;
+    };
+    for (const std::vector<double>& factors : {std::vector{1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0}, {1.0, 2.0, 5.0}})
+      if (std::vector<double> values = within(1, factors); values.size() <= kMostTicks) return values;
+    return within(1 + (last - first) / int(kMostTicks), {1.0});
+  }
 
   bool logarithmic_;
   double least_ = std::numeric_limits<double>::infinity(), most_ = -std::numeric_limits<double>::infinity();
@@ -134,84 +158,121 @@ std::string tick_text(double value) {
   return value >= 1000.0 && value < 1e6 ? std::to_string(std::lround(value)) : short_number(value);
 }
 
+/// Characters of UTF-8, each taken as half as wide as high and a little more.
+double text_width(std::string_view text, double font_size) {
+  const auto characters = std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; });
+  return 0.56 * font_size * double(characters);
+}
+
 class PanelDrawing {
  public:
   explicit PanelDrawing(const PanelPlot& plot)
       : plot_(plot),
         columns_(plot.large ? 1 : std::clamp<std::size_t>(plot.panels.size(), 1, 3)),
-        panel_width_(plot.large ? 960 : 330),
-        panel_height_(plot.large ? 520 : 250),
+        panel_width_(plot.large      ? 960
+                     : columns_ == 2 ? 480
+                                     : 330),
+        panel_height_(plot.large ? 520 : 0.76 * panel_width_),
+        font_(plot.large || columns_ == 2 ? 14 : 11),
+        left_room_(4.6 * font_),
         width_(std::max(660.0, double(columns_) * panel_width_)),
-        x_(plot.log_x) {
+        x_(x_axis()),
+        y_(plot.log_y ? Axis::Kind::kLogarithmic : Axis::Kind::kLinearFromZero) {
     for (const Panel& panel : plot.panels)
       for (const PanelSeries& series : panel.series) {
-        const bool known = std::find(labels_.begin(), labels_.end(), series.label) != labels_.end();
-        if (!known && !series.label.empty()) labels_.push_back(series.label), styles_.push_back(series.style);
-        for (const PanelSeries::Point& point : series.points) x_.add(point.x), y_.add(point.y);
+        if (!series.label.empty() && !find(series.label)) add_to_legend(series);
+        for (const PanelSeries::Point& point : series.points) {
+          x_.add(point.x), y_.add(point.y);
+          zero_row_ |= plot.log_y && !(point.y > 0.0);
+        }
       }
     place_legend();
     const std::size_t rows = (plot.panels.size() + columns_ - 1) / columns_;
-    svg_ = SvgCanvas(width_, head_ + double(rows) * panel_height_, 11);
+    svg_ = SvgCanvas(width_, head_ + double(rows) * panel_height_, font_);
   }
 
   std::string run() {
     svg_.text(width_ / 2, 20, "middle", "#222", plot_.title);
-    svg_.text(width_ / 2, 38, "middle", "#444", "across: " + plot_.x_label + "; up: " + plot_.y_label);
-    for (std::size_t i = 0; i < labels_.size(); ++i) {
-      const auto [x, y] = legend_[i];
-      mark(x, y, styles_[i], SvgCanvas::colour(i));
-      svg_.text(x + 8, y + 4, "start", "#222", labels_[i]);
+    svg_.text(width_ / 2, 22 + 1.4 * font_, "middle", "#444", "across: " + plot_.x_label + "; up: " + plot_.y_label);
+    for (const LegendEntry& entry : legend_) {
+      mark(entry.x, entry.y, entry.style, entry.colour);
+      svg_.text(entry.x + 8, entry.y + 0.36 * font_, "start", "#222", entry.label);
     }
     for (std::size_t i = 0; i < plot_.panels.size(); ++i) {
       const std::size_t row = i / columns_, column = i % columns_;
-      left_ = double(column) * panel_width_ + 50;
-      top_ = head_ + double(row) * panel_height_ + 22;
+      left_ = double(column) * panel_width_ + left_room_;
+      top_ = head_ + double(row) * panel_height_ + 2.0 * font_;
       draw(plot_.panels[i]);
     }
     return std::move(svg_).finish();
   }
 
  private:
-  static constexpr double kZeroRow = 14;
+  struct LegendEntry {
+    std::string label;
+    PanelSeries::Style style;
+    std::string colour;
+    double x = 0.0, y = 0.0;
+  };
+  /// A label that waits until all marks of its panel are known.
+  struct Name {
+    double x, y;
+    std::string text, colour;
+  };
+
+  Axis::Kind x_axis() const { return plot_.log_x ? Axis::Kind::kLogarithmic : Axis::Kind::kLinear; }
+
+  const LegendEntry* find(const std::string& label) const {
+    const auto entry =
+        std::find_if(legend_.begin(), legend_.end(), [&](const LegendEntry& e) { return e.label == label; });
+    return entry == legend_.end() ? nullptr : &*entry;
+  }
+
+  void add_to_legend(const PanelSeries& series) {
+    const std::string colour = series.colour.empty() ? SvgCanvas::colour(legend_.size()) : series.colour;
+    legend_.push_back({series.label, series.style, colour});
+  }
 
   /// Places the legend from left to right, in as many rows as it needs.
   void place_legend() {
-    constexpr double kLeft = 20, kRow = 16, kCharacter = 6, kGap = 30;
-    double x = kLeft, y = 54;
-    for (const std::string& label : labels_) {
-      const double needed = kCharacter * double(label.size()) + kGap;
-      if (x > kLeft && x + needed > width_) x = kLeft, y += kRow;
-      legend_.push_back({x, y});
+    constexpr double kLeft = 20, kGap = 34;
+    double x = kLeft, y = 26 + 2.6 * font_;
+    for (LegendEntry& entry : legend_) {
+      const double needed = text_width(entry.label, font_) + kGap;
+      if (x > kLeft && x + needed > width_) x = kLeft, y += 1.5 * font_;
+      entry.x = x, entry.y = y;
       x += needed;
     }
-    head_ = y + 12;
+    head_ = y + font_;
   }
 
   /// The mark of a series in the legend. Lines differ by more than their colours.
-  void mark(double x, double y, PanelSeries::Style style, const char* colour) {
+  void mark(double x, double y, PanelSeries::Style style, const std::string& colour) {
     using Style = PanelSeries::Style;
     if (style == Style::kPoints || style == Style::kPointsAndLine)
-      svg_.circle(x, y, 4, colour);
+      svg_.circle(x, y, 4, colour.c_str());
     else
       stroke({{x - 13, y}, {x + 5, y}}, style, colour);
   }
 
-  void stroke(const std::vector<std::array<double, 2>>& points, PanelSeries::Style style, const char* colour) {
+  void stroke(const std::vector<std::array<double, 2>>& points, PanelSeries::Style style, const std::string& colour) {
     using Style = PanelSeries::Style;
-    svg_.polyline(points, colour, style == Style::kHeavyLine ? 2.5 : 1.0, style == Style::kDashes);
+    svg_.polyline(points, colour.c_str(), style == Style::kHeavyLine ? 2.5 : 1.0, style == Style::kDashes);
   }
 
-  double inner_width() const { return panel_width_ - 75; }
-  double inner_height() const { return panel_height_ - 48; }
+  double inner_width() const { return panel_width_ - left_room_ - 25; }
+  double inner_height() const { return panel_height_ - 4.4 * font_; }
+  double zero_row() const { return zero_row_ ? 14.0 : 0.0; }
   double x_of(double v) const { return left_ + x_.share(v) * inner_width(); }
   double y_of(double v) const {
     const double bottom = top_ + inner_height();
-    return v > 0.0 ? bottom - kZeroRow - y_.share(v) * (inner_height() - kZeroRow) : bottom;
+    if (y_.logarithmic() && !(v > 0.0)) return bottom;
+    return bottom - zero_row() - y_.share(v) * (inner_height() - zero_row());
   }
 
   void draw(const Panel& panel) {
     if (plot_.own_x) {
-      x_ = Axis(plot_.log_x);
+      x_ = Axis(x_axis());
       for (const PanelSeries& series : panel.series)
         for (const PanelSeries::Point& point : series.points) x_.add(point.x);
     }
@@ -219,55 +280,63 @@ class PanelDrawing {
     for (const double value : x_.ticks()) {
       const double x = x_of(value);
       svg_.line(x, top_, x, top_ + inner_height());
-      svg_.text(x, top_ + inner_height() + 14, "middle", "#444", tick_text(value));
+      svg_.text(x, top_ + inner_height() + 1.3 * font_, "middle", "#444", tick_text(value));
     }
     for (const double value : y_.ticks()) tick_y(value);
-    tick_y(0.0);
-    crowded_ = 0;
+    if (zero_row_) tick_y(0.0);
+    names_.clear();
+    room_ = LabelPlacement({left_, top_, left_ + inner_width(), top_ + inner_height()});
     for (const PanelSeries& series : panel.series) draw(series);
+    for (const Name& name : names_) draw(name);
   }
 
   void draw(const PanelSeries& series) {
     using Style = PanelSeries::Style;
-    const auto place = std::size_t(std::find(labels_.begin(), labels_.end(), series.label) - labels_.begin());
-    const char* colour = series.label.empty() ? "#999" : SvgCanvas::colour(place);
+    const LegendEntry* entry = find(series.label);
+    const std::string colour = entry ? entry->colour : "#999";
     if (series.style != Style::kPoints) {
       std::vector<std::array<double, 2>> points;
       for (const PanelSeries::Point& p : series.points) points.push_back({x_of(p.x), y_of(p.y)});
       stroke(points, series.style, colour);
+      room_.add_line(points);
     }
     if (series.style != Style::kPoints && series.style != Style::kPointsAndLine) return;
+    const double radius = plot_.large ? 5.0 : 3.0;
     for (const PanelSeries::Point& p : series.points) {
+      const double x = x_of(p.x), y = y_of(p.y);
       const std::string& hover = p.hover.empty() ? series.label + " " + p.name : p.hover;
-      svg_.circle(x_of(p.x), y_of(p.y), 3, colour, hover + ": " + short_number(p.x) + ", " + short_number(p.y));
-      if (!p.name.empty()) name(p, colour);
+      svg_.circle(x, y, radius, colour.c_str(), hover + ": " + short_number(p.x) + ", " + short_number(p.y));
+      room_.add_mark({x - radius, y - radius, x + radius, y + radius});
+      if (!p.name.empty()) names_.push_back({x, y, p.name, colour});
     }
   }
 
-  void name(const PanelSeries::Point& p, const char* colour) {
-    const int size = plot_.large ? 11 : 8;
-    const bool right = plot_.large && x_.share(p.x) > 0.8;  // no room: names go inwards, one above the other
-    if (right)
-      svg_.text(x_of(p.x) + 6, y_of(p.y) - 12 - 14 * crowded_++, "end", colour, p.name, size);
-    else
-      svg_.text(x_of(p.x) + 5, y_of(p.y) - 4, "start", colour, p.name, size);
+  void draw(const Name& name) {
+    const int size = columns_ < 3 ? font_ - 1 : 8;
+    const Rectangle at = room_.place(name.x, name.y, text_width(name.text, size), size);
+    svg_.text(0.5 * (at.left + at.right), at.bottom - 0.15 * size, "middle", name.colour.c_str(), name.text, size);
+    const double x = std::clamp(name.x, at.left, at.right), y = std::clamp(name.y, at.top, at.bottom);
+    constexpr double kFar = 14.0;  // the label stands so far off that a line must join it to its point
+    if (std::hypot(x - name.x, y - name.y) > kFar) svg_.line(name.x, name.y, x, y, name.colour.c_str(), 0.7);
   }
 
   void tick_y(double value) {
     const double y = y_of(value);
     svg_.line(left_, y, left_ + inner_width(), y);
-    svg_.text(left_ - 5, y + 4, "end", "#444", tick_text(value));
+    svg_.text(left_ - 5, y + 0.36 * font_, "end", "#444", tick_text(value));
   }
 
   const PanelPlot& plot_;
   std::size_t columns_;
-  double panel_width_, panel_height_, width_, head_ = 0.0;
-  Axis x_, y_{true};
-  std::vector<std::string> labels_;
-  std::vector<PanelSeries::Style> styles_;     // of the first series with the label
-  std::vector<std::array<double, 2>> legend_;  // places of the labels in the legend
-  double left_ = 0.0, top_ = 0.0;              // place of the panel that is drawn
-  int crowded_ = 0;                            // number of names at its right edge so far
+  double panel_width_, panel_height_;
+  int font_;
+  double left_room_, width_, head_ = 0.0;
+  Axis x_, y_;
+  bool zero_row_ = false;  // a logarithmic y axis has a row for 0 below it
+  std::vector<LegendEntry> legend_;
+  double left_ = 0.0, top_ = 0.0;  // place of the panel that is drawn
+  LabelPlacement room_{{}};        // in that panel
+  std::vector<Name> names_;        // in that panel
   SvgCanvas svg_{0, 0};
 };
 

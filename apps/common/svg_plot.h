@@ -27,11 +27,11 @@ std::string svg_plot(const std::string& title, const Series& left, const Series&
 
 // --- panels ----------------------------------------------------------------------------------------------------------
 
-/// Series with the same label have the same colour.
+/// Series with the same label have the same colour, that of the first.
 struct PanelSeries {
   struct Point {
-    double x = 1.0, y = 0.0;  ///< x > 0 on a logarithmic axis; y >= 0, where 0 lies on a separate line below
-    std::string name;         ///< beside the point
+    double x = 1.0, y = 0.0;  ///< x > 0 on a logarithmic axis; y >= 0: on one, 0 lies on a separate line below
+    std::string name;         ///< beside the point, where it covers nothing
     std::string hover = {};   ///< shown under the pointer; empty: the label and the name
   };
   enum class Style { kPointsAndLine, kPoints, kLine, kHeavyLine, kDashes };
@@ -39,6 +39,7 @@ struct PanelSeries {
   std::string label;          ///< empty: grey, and not in the legend
   std::vector<Point> points;  ///< a line joins them in this order
   Style style = Style::kPointsAndLine;
+  std::string colour = {};  ///< "#rrggbb"; empty: one that tells the plot's labels apart
 };
 
 struct Panel {
@@ -46,11 +47,12 @@ struct Panel {
   std::vector<PanelSeries> series;
 };
 
-/// Panels with the same axes and one legend. y is logarithmic.
+/// Panels with the same axes, which fit the values of all, and one legend.
 struct PanelPlot {
   std::string title = {}, x_label = {}, y_label = {};
   std::vector<Panel> panels = {};
   bool log_x = true;
+  bool log_y = true;   ///< false: linear, from 0 on
   bool own_x = false;  ///< each panel has its own x axis
   bool large = false;  ///< panels as wide as the image instead of three in a row
 };
