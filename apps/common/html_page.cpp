@@ -17,6 +17,7 @@ h2 { font-size: 1.3rem; margin: 2.2rem 0 0.6rem; padding-bottom: 0.2rem; border-
 h3 { font-size: 1.05rem; margin: 1.4rem 0 0.4rem; }
 p, li { overflow-wrap: anywhere; }
 p { margin: 0.5rem 0; }
+.lead { font-size: 1.3rem; line-height: 1.35; margin: 0.8rem 0; }
 figure { margin: 1rem 0 1.4rem; counter-increment: figure; }
 figcaption { margin-top: 0.4rem; font-size: 0.85rem; color: #222; }
 figcaption::before { content: "Figure " counter(figure) ". "; font-weight: bold; }
@@ -29,6 +30,7 @@ img { width: 100%; border: 1px solid #999; box-sizing: border-box; }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem; }
 th, td { padding: 0.15rem 0.5rem; border-bottom: 1px solid #ccc; text-align: left; vertical-align: top; }
 .texts td { overflow-wrap: anywhere; }
+.texts td:nth-child(2):not(:last-child) { white-space: nowrap; }
 thead th { border-bottom: 1px solid #000; vertical-align: bottom; }
 tbody th { font-weight: normal; }
 .numbers td, .numbers thead th + th { text-align: right; font-variant-numeric: tabular-nums; }
@@ -54,7 +56,9 @@ summary { cursor: pointer; }
   .badge { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
   body { max-width: none; padding: 0; font-size: 10pt; }
   a { color: #000; text-decoration: none; }
-  figure { break-inside: avoid; }
+  figure, tr { break-inside: avoid; }
+  figure:has(.texts) { break-inside: auto; }
+  figcaption { break-before: avoid; break-inside: avoid; }
   h2, h3 { break-after: avoid; }
 }
 )";
@@ -87,6 +91,10 @@ void HtmlBody::heading(std::string_view text) {
 
 void HtmlBody::paragraph(std::string_view text) {
   html_ += "<p>" + escaped(text) + "</p>\n";
+}
+
+void HtmlBody::lead(std::string_view text) {
+  html_ += "<p class=\"lead\">" + escaped(text) + "</p>\n";
 }
 
 void HtmlBody::commands(std::string_view lines) {
@@ -143,7 +151,7 @@ void HtmlBody::close_figure(const Caption& caption) {
 }
 
 std::string html_page(std::string_view title, const std::vector<std::string>& intro,
-                      const std::vector<PageSection>& sections) {
+                      const std::vector<PageSection>& sections, std::string_view opening) {
   // The policy keeps a browser from loading anything, whatever a name in a model may hold.
   std::string page =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
@@ -151,7 +159,7 @@ std::string html_page(std::string_view title, const std::vector<std::string>& in
       "style-src 'unsafe-inline'\"/>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>" +
       escaped(title) + "</title>\n<style>" + std::string(kStyle) + "</style>\n</head>\n<body>\n<h1>" + escaped(title) +
-      "</h1>\n";
+      "</h1>\n" + std::string(opening);
   for (const std::string& line : intro) page += "<p>" + escaped(line) + "</p>\n";
   const auto badge = [](const PageSection& section) { return section.badge ? html_of(*section.badge) + " " : ""; };
   page += "<ul>\n";

@@ -34,6 +34,8 @@ class HtmlBody {
  public:
   void heading(std::string_view text);
   void paragraph(std::string_view text);
+  /// A paragraph in large type.
+  void lead(std::string_view text);
   /// Lines of shell commands.
   void commands(std::string_view lines);
   void list(const std::vector<std::string>& lines);
@@ -73,8 +75,8 @@ struct PageSection {
   std::optional<Badge> badge = {};  ///< before the title, and before the headline
 };
 
-/// `intro`: lines below the title.
+/// `intro`: lines below the title. `opening`: of HtmlBody, between the title and these.
 std::string html_page(std::string_view title, const std::vector<std::string>& intro,
-                      const std::vector<PageSection>& sections);
+                      const std::vector<PageSection>& sections, std::string_view opening = {});
 
 }  // namespace sightline::apps

@@ -1,4 +1,4 @@
-// Culling and frame times along the tour: what the culler keeps and what of it is seen, the cullers against each other,
+// Culling and frame times along the tour: what the culler keeps and what of it is seen, cullers beside each other,
 // and what the tests for items that cannot be seen cost and save.
 #include <algorithm>
 
@@ -14,11 +14,8 @@ namespace {
 
 using engine::CullerChoice;
 using engine::OcclusionChoice;
+using Style = PanelSeries::Style;
 using Rows = std::vector<std::vector<std::string>>;
-
-std::string frames_option(const Report& report) {
-  return "--frames " + std::to_string(report.options().frames);
-}
 
 Json summary_json(const std::vector<double>& values) {
   return {{"median", median(values)}, {"p95", percentile(values, 0.95)}, {"max", percentile(values, 1.0)}};
@@ -60,7 +57,7 @@ core::Expected<void> fly_block(engine::Engine& engine, std::span<const core::Vie
 /// affects all equally.
 core::Expected<std::vector<Flight>> fly_in_turns(const Report& report, const std::vector<engine::EngineConfig>& configs,
                                                  const SectionProgress& progress) {
-  constexpr std::size_t kBlock = 10;
+  constexpr std::size_t kBlock = 20;
   const auto views = report.tour_views(report.options().frames);
   if (!views) return tl::unexpected(views.error());
   std::vector<engine::Engine> engines;
@@ -145,21 +142,39 @@ double sum(const std::vector<double>& values) {
   return total;
 }
 
-// --- options ---------------------------------------------------------------------------------------------------------
+// --- frames of the tour ----------------------------------------------------------------------------------------------
 
-struct Tests {
-  const char* label;
+/// What draws the tour. The first is the reference of the tests: everything in the view volume is drawn. The fourth is
+/// the CPU culler as by default.
+struct Way {
+  const char *test, *culler_name;  ///< rows of the two tables; null: in none
+  const char* colour;              ///< of the culler
+  CullerChoice culler;
   bool sample_test;
   OcclusionChoice occlusion;
   const char* options;
 };
-/// The first is the reference: everything in the view volume is drawn.
-constexpr Tests kTests[] = {
-    {"neither test", false, OcclusionChoice::kOff, "--sample-test off --occlusion off"},
-    {"sample test", true, OcclusionChoice::kOff, "--sample-test on --occlusion off"},
-    {"sample and occlusion test", true, OcclusionChoice::kOn, "--sample-test on --occlusion on"},
-    {"occlusion test while it pays", true, OcclusionChoice::kAutomatic, "--sample-test on --occlusion auto"},
+constexpr Way kWays[] = {
+    {"neither test", nullptr, nullptr, CullerChoice::kCpu, false, OcclusionChoice::kOff,
+     "--culler cpu --sample-test off --occlusion off"},
+    {"sample test", nullptr, nullptr, CullerChoice::kCpu, true, OcclusionChoice::kOff,
+     "--culler cpu --sample-test on --occlusion off"},
+    {"sample and occlusion test", nullptr, nullptr, CullerChoice::kCpu, true, OcclusionChoice::kOn,
+     "--culler cpu --sample-test on --occlusion on"},
+    {"occlusion test while it pays, as by default", "cpu", colours::kCpu, CullerChoice::kCpu, true,
+     OcclusionChoice::kAutomatic, "--culler cpu"},
+    {nullptr, "gpu", colours::kGpu, CullerChoice::kGpu, true, OcclusionChoice::kAutomatic, "--culler gpu"},
+    {nullptr, "hybrid", colours::kHybrid, CullerChoice::kHybrid, true, OcclusionChoice::kAutomatic, "--culler hybrid"},
 };
+constexpr std::size_t kTests = 4;  // the first of them
+
+engine::EngineConfig config_of(const Report& report, const Way& way) {
+  engine::EngineConfig config = report.engine_config();
+  config.culling.culler = way.culler;
+  config.culling.sample_test = way.sample_test;
+  config.culling.occlusion = way.occlusion;
+  return config;
+}
 
 /// Pixels of all compared frames, and the frame in which most have another colour.
 struct Differences {
@@ -194,12 +209,8 @@ core::Expected<std::vector<Differences>> compare_tests(const Report& report, con
   if (!views) return tl::unexpected(views.error());
   const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it
   std::vector<DrawnVariant> variants;
-  for (const Tests& tests : kTests) {
-    engine::EngineConfig config = report.engine_config();
-    config.culling.culler = CullerChoice::kCpu;
-    config.culling.sample_test = tests.sample_test;
-    config.culling.occlusion = tests.occlusion;
-    auto variant = DrawnVariant::create(scene, config);
+  for (const Way& way : std::span(kWays).first(kTests)) {
+    auto variant = DrawnVariant::create(scene, config_of(report, way));
     if (!variant) return tl::unexpected(variant.error());
     variants.push_back(std::move(*variant));
   }
@@ -220,6 +231,84 @@ core::Expected<std::vector<Differences>> compare_tests(const Report& report, con
   return differences;
 }
 
+std::string commands_of(const Report& report, bool (*chosen)(const Way&)) {
+  std::string commands;
+  for (const Way& way : kWays)
+    if (chosen(way))
+      commands +=
+          (commands.empty() ? "" : "\n") +
+          report.command("replay", std::string(way.options) + " " + report.tour_option() + " " + report.size_option());
+  return commands;
+}
+
+/// CPU, GPU and hybrid culling.
+void show_cullers(const Report& report, const std::vector<Flight>& flights, Section& section) {
+  Rows rows;
+  Panel panel;
+  std::string headline;
+  for (std::size_t i = 0; i < flights.size(); ++i) {
+    const Way& way = kWays[i];
+    if (!way.culler_name) continue;
+    const std::vector<double> frame = frame_times(flights[i]);
+    std::vector<std::string> row = summary_row(way.culler_name, frame);
+    row.push_back(std::to_string(flights[i].on_gpu()) + " of " + std::to_string(flights[i].frames.size()));
+    rows.push_back(std::move(row));
+    panel.series.push_back(line_over_frames(way.culler_name, frame, Style::kLine, way.colour));
+    section.figures[way.culler_name] = {
+        {"frame_ms", summary_json(frame)}, {"frames_on_gpu", flights[i].on_gpu()}, {"trace_ms", frame}};
+    headline += (headline.empty() ? "" : ", ") + std::string(way.culler_name) + " " + number(median(frame));
+  }
+  const std::string commands = commands_of(report, [](const Way& way) { return way.culler_name != nullptr; });
+  section.html.table(
+      {"culler", "frame, median, ms", "95th percentile", "maximum", "culled on the GPU"}, rows,
+      {"Whole frames along the tour, culling and drawing, two in flight; twenty frames of each culler in "
+       "turns. A hybrid of a small scene has no GPU path.",
+       commands});
+  section.html.plot(plot_over_frames("Frame time along the tour", "ms a frame", {std::move(panel)}, false),
+                    {"The same frame by frame.", commands});
+  section.headline = "median frame, ms: " + headline + ".";
+}
+
+/// The tests for items that cannot be seen.
+core::Expected<void> show_tests(const Report& report, const std::vector<Flight>& flights,
+                                const std::vector<Differences>& differences, Section& section) {
+  Rows rows;
+  std::size_t worst = 1;
+  for (std::size_t i = 0; i < kTests; ++i) {
+    const std::vector<double> frame = frame_times(flights[i]);
+    const Differences& d = differences[i];
+    std::vector<std::string> row = summary_row(kWays[i].test, frame);
+    row.push_back(number(sum(flights[i].items_drawn()) / double(flights[i].frames.size())));
+    row.push_back(i == 0 ? "reference" : count_words(d.wrong - d.ties));
+    row.push_back(i == 0 ? "" : count_words(d.ties));
+    rows.push_back(std::move(row));
+    section.figures["tests"].push_back({{"label", kWays[i].test},
+                                        {"frame_ms", summary_json(frame)},
+                                        {"wrong_ids", d.wrong - d.ties},
+                                        {"ties", d.ties}});
+    if (i > 1 && d.worst > differences[worst].worst) worst = i;
+  }
+  const Differences& shown = differences[worst];
+  section.figures["pixels"] = shown.pixels;
+  section.html.heading("Leaving out what cannot be seen");
+  section.html.table({"CPU culler, with", "frame, median, ms", "95th percentile", "maximum", "items drawn, mean",
+                      "pixels with another item", "ties"},
+                     rows,
+                     {"The same frames of the tour with what cannot be seen left out of drawing, and " +
+                          count_words(shown.pixels) + " pixels of " + std::to_string(compared_frames(report)) +
+                          " frames against drawing everything. A tie: two items at one depth, "
+                          "either of which may be drawn.",
+                      commands_of(report, [](const Way& way) { return way.test != nullptr; })});
+  if (shown.worst == 0) {
+    section.html.paragraph("All pixels of these frames have equal colours.");
+    return {};
+  }
+  return section.html.images(shown.worst_images,
+                             {"The frame with most differences, with the " + std::string(kWays[worst].test) + ": " +
+                                  count_words(shown.worst) + " pixels have another colour.",
+                              report.section_command("frames")});
+}
+
 }  // namespace
 
 core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress) {
@@ -231,7 +320,7 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
   const auto times = time_culler(report);
   if (!times) return tl::unexpected(times.error());
   const std::string along = "along " + std::to_string(report.options().frames) + " frames of the tour";
-  const std::string command = report.command("replay", "--culler cpu --no-render " + frames_option(report));
+  const std::string command = report.command("replay", "--culler cpu --no-render " + report.tour_option());
   section.html.table({"", "median", "95th percentile", "maximum"}, {summary_row("time to cull, ms", *times)},
                      {"The CPU culler " + along + ", one thread; median of seven culls a view.", command});
   section.figures["cull_ms"] = summary_json(*times);
@@ -258,17 +347,18 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
                      rows,
                      {"What each step keeps, and its false positives: items that are not visible in the id image at " +
                           report.options().size + ". No step leaves out a visible item.",
-                      report.command("replay", "--culler cpu --occlusion on " + frames_option(report) + " " +
+                      report.command("replay", "--culler cpu --occlusion on " + report.tour_option() + " " +
                                                    report.size_option() + " --json -") +
                           "\n" + report.section_command("culling")});
   section.html.plot(
       plot_over_frames(
           "Items kept by each step", "items",
-          {line_over_frames("in the view volume", shares->visible, PanelSeries::Style::kHeavyLine),
-           line_over_frames("may cover a sample", shares->sampled, PanelSeries::Style::kDashes),
-           line_over_frames("drawn with the occlusion test", shares->items_drawn, PanelSeries::Style::kLine),
-           line_over_frames("are visible in the id image", shares->visible_in_ids,
-                            PanelSeries::Style::kPointsAndLine)}),
+          {{"",
+            {line_over_frames("in the view volume", shares->visible, Style::kHeavyLine, colours::kInView),
+             line_over_frames("may cover a sample", shares->sampled, Style::kHeavyLine, colours::kSampled),
+             line_over_frames("drawn with the occlusion test", shares->items_drawn, Style::kLine, colours::kUnoccluded),
+             line_over_frames("are visible in the id image", shares->visible_in_ids, Style::kDashes, colours::kSeen)}}},
+          true),
       {"The same frame by frame.", report.section_command("culling")});
   const double unseen = sum(shares->sampled) - visible_in_ids, found = sum(shares->sampled) - sum(shares->items_drawn);
   if (unseen > 0.0)
@@ -282,118 +372,20 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
   return section;
 }
 
-core::Expected<Section> trace_section(const Report& report, const SectionProgress& progress) {
-  Section section;
-  if (report.empty()) {
-    section.left_out = kNothing;
-    return section;
-  }
-  struct Mode {
-    CullerChoice culler;
-    PanelSeries::Style style;
-  };
-  constexpr Mode kModes[] = {{CullerChoice::kCpu, PanelSeries::Style::kHeavyLine},
-                             {CullerChoice::kGpu, PanelSeries::Style::kDashes},
-                             {CullerChoice::kHybrid, PanelSeries::Style::kLine}};
-  Rows rows;
-  std::vector<PanelSeries> series;
-  std::string commands, headline;
-  std::vector<engine::EngineConfig> configs;
-  for (const Mode& mode : kModes) {
-    configs.push_back(report.engine_config());
-    configs.back().culling.culler = mode.culler;
-  }
-  const auto flights = fly_in_turns(report, configs, progress);
-  if (!flights) return tl::unexpected(flights.error());
-  for (std::size_t i = 0; i < std::size(kModes); ++i) {
-    const Mode& mode = kModes[i];
-    const Flight& flight = (*flights)[i];
-    const std::string name(name_of(mode.culler));
-    const std::vector<double> frame = frame_times(flight);
-    std::vector<std::string> row = summary_row(name, frame);
-    row.push_back(number(median(flight.cull())));
-    row.push_back(std::to_string(flight.on_gpu()) + " of " + std::to_string(flight.frames.size()));
-    rows.push_back(std::move(row));
-    series.push_back(line_over_frames(name, frame, mode.style));
-    section.figures[name] = {{"frame_ms", summary_json(frame)},
-                             {"cull_ms", summary_json(flight.cull())},
-                             {"frames_on_gpu", flight.on_gpu()},
-                             {"trace_ms", frame}};
-    commands += (commands.empty() ? "" : "\n") +
-                report.command("replay", "--culler " + name + " " + frames_option(report) + " " + report.size_option());
-    headline += (headline.empty() ? "" : ", ") + name + " " + number(median(frame));
-  }
-  section.html.table(
-      {"culler", "frame, median, ms", "95th percentile", "maximum", "cull call, median, ms", "culled on the GPU"}, rows,
-      {"Whole frames along the tour, culling and drawing, two in flight; ten frames of each culler in turns. A cull "
-       "call of the GPU's path "
-       "only submits. A hybrid of a small scene has no GPU path.",
-       commands});
-  section.html.plot(plot_over_frames("Frame time along the tour", "ms a frame", std::move(series)),
-                    {"The same frame by frame.", commands});
-  section.headline = "median frame, ms: " + headline + ".";
-  return section;
-}
-
-core::Expected<Section> options_section(const Report& report, const SectionProgress& progress) {
+core::Expected<Section> frames_section(const Report& report, const SectionProgress& progress) {
   Section section;
   if (report.empty()) {
     section.left_out = kNothing;
     return section;
   }
   std::vector<engine::EngineConfig> configs;
-  for (const Tests& tests : kTests) {
-    configs.push_back(report.engine_config());
-    configs.back().culling.culler = CullerChoice::kCpu;
-    configs.back().culling.sample_test = tests.sample_test;
-    configs.back().culling.occlusion = tests.occlusion;
-  }
+  for (const Way& way : kWays) configs.push_back(config_of(report, way));
   const auto flights = fly_in_turns(report, configs, [&](double share) { progress(0.5 * share); });
   if (!flights) return tl::unexpected(flights.error());
   const auto differences = compare_tests(report, progress);
   if (!differences) return tl::unexpected(differences.error());
-  Rows rows;
-  std::string commands;
-  std::size_t worst = 1;
-  for (std::size_t i = 0; i < std::size(kTests); ++i) {
-    const std::vector<double> frame = frame_times((*flights)[i]);
-    const Differences& d = (*differences)[i];
-    std::vector<std::string> row = summary_row(kTests[i].label, frame);
-    row.push_back(number(sum((*flights)[i].items_drawn()) / double((*flights)[i].frames.size())));
-    row.push_back(i == 0 ? "reference" : count_words(d.wrong - d.ties));
-    row.push_back(i == 0 ? "" : count_words(d.ties));
-    rows.push_back(std::move(row));
-    section.figures["variants"].push_back({{"label", kTests[i].label},
-                                           {"frame_ms", summary_json(frame)},
-                                           {"wrong_ids", d.wrong - d.ties},
-                                           {"ties", d.ties}});
-    commands += (commands.empty() ? "" : "\n") +
-                report.command("replay", std::string("--culler cpu ") + kTests[i].options + " " +
-                                             frames_option(report) + " " + report.size_option());
-    if (i > 1 && d.worst > (*differences)[worst].worst) worst = i;
-  }
-  const Differences& shown = (*differences)[worst];
-  section.figures["pixels"] = shown.pixels;
-  section.html.table(
-      {"drawn with", "frame, median, ms", "95th percentile", "maximum", "items drawn, mean", "pixels with another item",
-       "ties"},
-      rows,
-      {"Frames along the tour, ten of each variant in turns, with what cannot be seen left out of drawing, and " +
-           count_words(shown.pixels) + " pixels of " + std::to_string(compared_frames(report)) +
-           " frames against drawing everything. A tie: two items at one depth, "
-           "either of which may be drawn.",
-       commands});
-  if (shown.worst == 0) {
-    section.html.paragraph("All pixels of these frames have equal colours.");
-  } else {
-    auto done = section.html.images(
-        shown.worst_images, {"The frame with most differences, with the " + std::string(kTests[worst].label) + ": " +
-                                 count_words(shown.worst) + " pixels have another colour.",
-                             report.section_command("options")});
-    if (!done) return tl::unexpected(done.error());
-  }
-  section.headline = "median frame " + number(median(frame_times(flights->front()))) + " ms when all is drawn, " +
-                     number(median(frame_times((*flights)[3]))) + " ms as by default.";
+  show_cullers(report, *flights, section);
+  if (auto done = show_tests(report, *flights, *differences, section); !done) return tl::unexpected(done.error());
   return section;
 }
 

@@ -12,6 +12,7 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/report/report.h"
+#include "sightline/importers/view_json.h"
 
 namespace sightline::apps {
 namespace {
@@ -22,9 +23,8 @@ constexpr SectionMaker kMakers[] = {
     {"images", "Images", images_section},
     {"culling", "Culling", culling_section},
     {"visibility", "Cullers against exact visibility", visibility_section},
-    {"trace", "CPU, GPU and hybrid culling along the tour", trace_section},
-    {"options", "Leaving out what cannot be seen", options_section},
-    {"error", "Error against run time", error_section},
+    {"frames", "Frame times along the tour", frames_section},
+    {"error", "Error against frame time", error_section},
     {"stability", "Stability of the primitives", stability_section},
 };
 
@@ -35,6 +35,7 @@ void add_options(CommandLine& line, ReportOptions& o) {
       .shows_default()
       .accepted_by(parse_report_size);
   line.add("--frames", o.frames, "Frames of the tour that is flown").shows_default().in_range(4, 100000);
+  line.add("--save-path", o.save_path, "Write the tour, for sightline-replay --path").metavar("FILE");
   std::vector<std::string> ids;
   std::string list;
   for (const SectionMaker& maker : kMakers) {
@@ -72,6 +73,7 @@ bool wanted(const ReportOptions& o, const SectionMaker& maker) {
 }
 
 struct Page {
+  std::string opening;
   std::vector<PageSection> sections;
   Json figures = Json::object();  ///< by section
 };
@@ -91,6 +93,7 @@ core::Expected<Page> make_sections(const Report& report) {
     advance(0.0);
     auto section = maker.make(report, advance);
     if (!section) return core::fail(std::string("section ") + maker.id + ": " + section.error().message);
+    page.opening += section->opening.text();
     if (section->left_out.empty()) {
       page.sections.push_back({maker.id, maker.title, section->headline, section->html.text()});
       page.figures[maker.id] = std::move(section->figures);
@@ -112,6 +115,13 @@ core::Expected<void> check_folder(const std::string& file) {
   return core::fail(file + ": cannot be written: " + folder.string() + " is no folder");
 }
 
+core::Expected<void> save_tour(const Report& report) {
+  if (report.options().save_path.empty()) return {};
+  const auto path = importers::translated(report.tour(), -report.model().offset);  // readers add it again
+  if (!path) return tl::unexpected(path.error());
+  return importers::write_path(report.options().save_path, *path);
+}
+
 std::string command_line(int argc, char** argv) {
   std::string line;
   for (int i = 0; i < argc; ++i) line += (i > 0 ? " " : "") + (i == 0 ? "sightline-report" : shell_word(argv[i]));
@@ -120,10 +130,11 @@ std::string command_line(int argc, char** argv) {
 
 core::Expected<int> write_report(const ReportOptions& options, const std::string& command) {
   const double begin = now_ms();
-  for (const std::string& file : {options.out, options.json})
+  for (const std::string& file : {options.out, options.json, options.save_path})
     if (auto done = check_folder(file); !done) return tl::unexpected(done.error());
   auto report = Report::create(options);
   if (!report) return tl::unexpected(report.error());
+  if (auto done = save_tour(*report); !done) return tl::unexpected(done.error());
   if (options.model.explain) explain(report->engine().plan());
   auto page = make_sections(*report);
   if (!page) return tl::unexpected(page.error());
@@ -154,7 +165,7 @@ core::Expected<int> write_report(const ReportOptions& options, const std::string
       "Made by " + version + " on " + date + ". Images and frames have " + options.size +
       " pixels, times are milliseconds of wall clock unless stated otherwise. Below each figure stands the command "
       "that gives it again."};
-  const std::string html = html_page("Report: " + names, intro, page->sections);
+  const std::string html = html_page("Report: " + names, intro, page->sections, page->opening);
   if (auto done = write_text(options.out, html); !done) return tl::unexpected(done.error());
   const Json figures = {{"command", command},
                         {"version", version},

@@ -3,6 +3,9 @@
 
 #include "sightline/apps/common/report_json.h"
 #include "sightline/apps/report/report.h"
+#if SIGHTLINE_HAS_RAYTRACE
+#include "sightline/apps/report/tour.h"
+#endif
 
 namespace sightline::apps {
 namespace {
@@ -145,6 +148,29 @@ void add_warnings(const Report& report, Section& section) {
        report.command("info", "--json -")});
 }
 
+/// How much of the tour's images shows the model.
+core::Expected<void> add_tour(const Report& report, Section& section) {
+#if SIGHTLINE_HAS_RAYTRACE
+  const auto views = report.tour_views(report.options().frames);
+  if (!views) return tl::unexpected(views.error());
+  double least = 1.0, sum = 0.0;
+  for (const core::View& view : *views) {
+    const auto share = covered_share(*report.tracer(), view, report.aspect());
+    if (!share) return tl::unexpected(share.error());
+    least = std::min(least, *share);
+    sum += *share;
+  }
+  const double mean = sum / double(views->size());
+  section.html.paragraph("The model covers " + percent(mean) + " of the image in the mean of " +
+                         std::to_string(views->size()) + " frames of the tour, and " + percent(least) +
+                         " where it covers least.");
+  section.figures["tour"] = {{"covered", {{"least", least}, {"mean", mean}}}};
+#else
+  (void)report, (void)section;
+#endif
+  return {};
+}
+
 /// A colour for each item, away from white, which is the background.
 image::Image item_colours(const image::IdImage& ids) {
   image::Image out{ids.width, ids.height, std::vector<std::uint8_t>(3 * ids.ids.size(), 255)};
@@ -205,8 +231,10 @@ core::Expected<Section> images_section(const Report& report, const SectionProgre
   }
   section.html.paragraph(
       "Images at the left show the model as it is drawn, those at the right each item in a colour of its own. The "
-      "tour is a camera path made for the model; this command writes it:");
-  section.html.commands(report.command("replay", std::string("--no-render --frames 2 --save-path ") + kTourFile));
+      "tour is a camera path made for the model, which keeps it in sight; this command writes it:");
+  section.html.commands(
+      report.command("report", std::string("--sections plan --out report.html --save-path ") + kTourFile));
+  if (auto done = add_tour(report, section); !done) return tl::unexpected(done.error());
   for (const ReportView& place : report.views()) {
     const auto frame = report.engine().frame(place.view);
     if (!frame) return tl::unexpected(frame.error());
@@ -217,9 +245,10 @@ core::Expected<Section> images_section(const Report& report, const SectionProgre
     const std::size_t seen = visible_in_ids(*ids).size();
     const std::array images{LabelledImage{place.name, std::move(*colour)},
                             LabelledImage{"items, " + place.name, item_colours(*ids)}};
-    auto done = section.html.images(images, {count_words(seen) + " items are visible in the id image.",
-                                             report.command("render", place.options + " " + report.size_option() +
-                                                                          " --out image.png --ids items.png")});
+    auto done = section.html.images(
+        images,
+        {count_words(seen) + (seen == 1 ? " item is" : " items are") + " visible in the id image.",
+         report.command("render", place.options + " " + report.size_option() + " --out image.png --ids items.png")});
     if (!done) return tl::unexpected(done.error());
     section.figures["views"].push_back({{"name", place.name}, {"visible_in_ids", seen}});
     progress(double(section.figures["views"].size()) / double(report.views().size()));

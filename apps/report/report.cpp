@@ -5,9 +5,13 @@
 #include <cmath>
 
 #include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/statistics.h"
 #include "sightline/apps/common/svg_canvas.h"
 #include "sightline/core/internal/sort_unique.h"
 #include "sightline/culling/frustum/cpu_culler.h"
+#if SIGHTLINE_HAS_RAYTRACE
+#include "sightline/apps/report/tour.h"
+#endif
 
 namespace sightline::apps {
 namespace {
@@ -20,6 +24,24 @@ double timed(const Step& step) {
   return now_ms() - begin;
 }
 
+/// One interrupted frame must not flatten all others: cuts lines far above most of their values, and says so.
+void cut_outliers(PanelPlot& plot) {
+  constexpr double kOutlier = 2.0, kMost = 0.95;
+  double top = 0.0, highest = 0.0;
+  for (const Panel& panel : plot.panels)
+    for (const PanelSeries& series : panel.series) {
+      std::vector<double> values;
+      for (const PanelSeries::Point& point : series.points) values.push_back(point.y);
+      top = std::max(top, kOutlier * percentile(values, kMost));
+      highest = std::max(highest, percentile(std::move(values), 1.0));
+    }
+  if (highest <= top) return;
+  plot.y_label += ", cut at " + number(top) + "; most " + number(highest);
+  for (Panel& panel : plot.panels)
+    for (PanelSeries& series : panel.series)
+      for (PanelSeries::Point& point : series.points) point.y = std::min(point.y, top);
+}
+
 }  // namespace
 
 core::Expected<Report> Report::create(const ReportOptions& options) {
@@ -28,6 +50,7 @@ core::Expected<Report> Report::create(const ReportOptions& options) {
   if (!size) return tl::unexpected(size.error());
   report.size_ = *size;
   if (auto done = report.load(); !done) return tl::unexpected(done.error());
+  if (auto done = report.make_tour(); !done) return tl::unexpected(done.error());
   if (auto done = report.find_views(); !done) return tl::unexpected(done.error());
   return report;
 }
@@ -49,7 +72,6 @@ core::Expected<void> Report::load() {
     times_.snapshot = lap();
     times_.hierarchy = timed([&] { const culling::CpuCuller culler(snapshot.bounds()); });
     fitted_ = snapshot.bounds().fitted_bounds();
-    tour_ = core::make_tour(snapshot.bounds(), fitted_);
   }
   lap();
   auto context = gl::Context::create_offscreen({.platform = options_.platform});
@@ -67,6 +89,20 @@ core::Expected<void> Report::load() {
   if (auto frame = engine_->frame(*view); !frame) return tl::unexpected(frame.error());
   engine_->finish();
   times_.first_frame = lap();
+  return {};
+}
+
+core::Expected<void> Report::make_tour() {
+#if SIGHTLINE_HAS_RAYTRACE
+  auto tracer = raytrace::Tracer::create(snapshot());
+  if (!tracer) return tl::unexpected(tracer.error());
+  tracer_ = std::make_shared<const raytrace::Tracer>(std::move(*tracer));
+  auto tour = tour_in_sight(*tracer_, fitted_, aspect());
+  if (!tour) return tl::unexpected(tour.error());
+  tour_ = std::move(*tour);
+#else
+  tour_ = core::make_tour(snapshot().bounds(), fitted_);
+#endif
   return {};
 }
 
@@ -91,8 +127,13 @@ core::Expected<void> Report::find_views() {
     const auto background = std::size_t(std::count(ids->ids.begin(), ids->ids.end(), 0u));
     candidates.push_back({frame, *view, visible_in_ids(*ids).size(), ids->ids.size() - background});
   }
-  // One place that shows many items, and one where they fill the image.
+  // One place that shows many items, and one where some of them fill the image, but not a single one.
+  const auto most = std::max_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+                      return a.items < b.items;
+                    })->items;
+  std::erase_if(candidates, [&](const Candidate& c) { return 20 * c.items < most; });
   for (std::size_t Candidate::*figure : {&Candidate::items, &Candidate::pixels}) {
+    if (candidates.empty()) break;
     const auto best = std::max_element(candidates.begin(), candidates.end(),
                                        [&](const auto& a, const auto& b) { return a.*figure < b.*figure; });
     const int frame = best->frame;
@@ -129,6 +170,10 @@ std::string Report::command(const std::string& tool, const std::string& argument
   if (!options_.model.translate.empty()) line += " --translate " + shell_word(options_.model.translate);
   line += import_arguments(options_.model.import);
   return arguments.empty() ? line : line + " " + arguments;
+}
+
+std::string Report::tour_option() const {
+  return std::string("--path ") + kTourFile + " --frames " + std::to_string(options_.frames);
 }
 
 std::string Report::section_command(const std::string& section) const {
@@ -179,16 +224,19 @@ std::string percent(double share) {
   return number(100.0 * share) + " %";
 }
 
-PanelSeries line_over_frames(std::string label, const std::vector<double>& values, PanelSeries::Style style) {
-  PanelSeries series{std::move(label), {}, style};
+PanelSeries line_over_frames(std::string label, const std::vector<double>& values, PanelSeries::Style style,
+                             const char* colour) {
+  PanelSeries series{std::move(label), {}, style, colour};
   for (std::size_t i = 0; i < values.size(); ++i) series.points.push_back({double(i), values[i], ""});
   return series;
 }
 
-std::string plot_over_frames(std::string title, std::string quantity, std::vector<PanelSeries> series) {
-  PanelPlot plot{std::move(title), "frame of the tour", std::move(quantity), {{"", std::move(series)}}};
+std::string plot_over_frames(std::string title, std::string quantity, std::vector<Panel> panels, bool logarithmic) {
+  PanelPlot plot{std::move(title), "frame of the tour", std::move(quantity), std::move(panels)};
   plot.log_x = false;
-  plot.large = true;
+  plot.log_y = logarithmic;
+  plot.large = plot.panels.size() == 1;
+  if (!logarithmic) cut_outliers(plot);
   return svg_panels(plot);
 }
 

@@ -14,13 +14,17 @@
 #include "sightline/gl/context.h"
 #include "sightline/importers/json/internal/json.h"
 
+namespace sightline::raytrace {
+class Tracer;
+}
+
 namespace sightline::apps {
 
 using Json = json::Value;
 
 struct ReportOptions {
   ModelOptions model;
-  std::string out, size = "640x360", json;
+  std::string out, size = "640x360", json, save_path;
   std::vector<std::string> sections;  ///< ids; empty: all
   int frames = 60;                    ///< of the tour
   gl::ContextPlatform platform = {};
@@ -43,7 +47,7 @@ struct ReportView {
 };
 
 /// Frames that the tour is divided into for single images, so that a frame's number is per cent; and the file with
-/// the tour in commands.
+/// the tour in commands, which --save-path writes.
 inline constexpr int kTourFrames = 101;
 inline constexpr const char* kTourFile = "tour.json";
 
@@ -63,6 +67,8 @@ class Report {
   const core::Snapshot& snapshot() const { return engine_->snapshot(); }
   const core::FittedBounds& fitted() const { return fitted_; }
   const core::CameraPath& tour() const { return tour_; }
+  /// Of snapshot(), in double precision; null in builds without ray tracing.
+  const raytrace::Tracer* tracer() const { return tracer_.get(); }
   const std::vector<ReportView>& views() const { return views_; }
   int width() const { return size_[0]; }
   int height() const { return size_[1]; }
@@ -78,26 +84,31 @@ class Report {
   std::string command(const std::string& tool, const std::string& arguments) const;
   /// "--size 640x360"
   std::string size_option() const { return "--size " + options_.size; }
+  /// "--path tour.json --frames 60"
+  std::string tour_option() const;
   /// This tool with one section, which measures the figures again.
   std::string section_command(const std::string& section) const;
 
  private:
   explicit Report(const ReportOptions& options) : options_(options) {}
   core::Expected<void> load();
+  core::Expected<void> make_tour();
   core::Expected<void> find_views();
 
   ReportOptions options_;
   std::array<int, 2> size_{};
   Model model_;
   LoadTimes times_;
-  std::unique_ptr<gl::Context> context_;    // before the engine, which uses it
-  std::unique_ptr<engine::Engine> engine_;  // after the scene
+  std::unique_ptr<gl::Context> context_;            // before the engine, which uses it
+  std::unique_ptr<engine::Engine> engine_;          // after the scene
+  std::shared_ptr<const raytrace::Tracer> tracer_;  // of the engine's snapshot
   core::FittedBounds fitted_;
   core::CameraPath tour_;
   std::vector<ReportView> views_;
 };
 
 struct Section {
+  HtmlBody opening;  ///< for the top of the page
   HtmlBody html;
   Json figures = Json::object();
   std::string headline;
@@ -116,13 +127,21 @@ core::Expected<Section> plan_section(const Report& report, const SectionProgress
 core::Expected<Section> images_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> visibility_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> trace_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> options_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> frames_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> error_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> stability_section(const Report& report, const SectionProgress& progress);
 
 /// Why a section is left out.
 inline constexpr const char* kNothing = "the scene has nothing to draw";
+inline constexpr const char* kNoRays = "this build has no ray tracing";
+
+/// One colour for one thing in all plots of the page.
+namespace colours {
+inline constexpr const char *kExact = "#1f6fb4", *kTriangles = "#d9731a", *kLevels = "#2c9c3f";
+inline constexpr const char *kSamples = "#a67c00", *kContribution = "#d6409f";
+inline constexpr const char *kInView = "#7b52ab", *kSampled = "#0097a7", *kUnoccluded = "#c62828", *kSeen = "#222222";
+inline constexpr const char *kCpu = "#795548", *kGpu = "#689f00", *kHybrid = "#f9a825";
+}  // namespace colours
 
 // --- how figures are written -----------------------------------------------------------------------------------------
 
@@ -141,9 +160,11 @@ std::string percent(double share);
 /// "1.2 MiB", with the unit that fits.
 std::string bytes_words(std::size_t bytes);
 
-/// A value of each frame of the tour, and a plot of several such.
-PanelSeries line_over_frames(std::string label, const std::vector<double>& values, PanelSeries::Style style);
-std::string plot_over_frames(std::string title, std::string quantity, std::vector<PanelSeries> series);
+/// A value of each frame of the tour.
+PanelSeries line_over_frames(std::string label, const std::vector<double>& values, PanelSeries::Style style,
+                             const char* colour);
+/// A plot of several such; counts on a logarithmic axis, times on a linear one.
+std::string plot_over_frames(std::string title, std::string quantity, std::vector<Panel> panels, bool logarithmic);
 
 /// Absolute differences, four times amplified; white where there are none. Sizes must be equal.
 image::Image differences_on_white(const image::Image& a, const image::Image& b);

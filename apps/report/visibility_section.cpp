@@ -27,16 +27,15 @@ struct CullingVariant {
   CullerChoice culler;
   bool sample_test;
   OcclusionChoice occlusion;
-  PanelSeries::Style style;
 };
 constexpr CullingVariant kCullingVariants[] = {
-    {"linear", CullerChoice::kLinear, false, OcclusionChoice::kOff, PanelSeries::Style::kLine},
-    {"cpu", CullerChoice::kCpu, false, OcclusionChoice::kOff, PanelSeries::Style::kDashes},
-    {"gpu", CullerChoice::kGpu, false, OcclusionChoice::kOff, PanelSeries::Style::kPoints},
-    {"cpu, sample test", CullerChoice::kCpu, true, OcclusionChoice::kOff, PanelSeries::Style::kLine},
-    {"gpu, sample test", CullerChoice::kGpu, true, OcclusionChoice::kOff, PanelSeries::Style::kPoints},
-    {"cpu, occlusion test", CullerChoice::kCpu, true, OcclusionChoice::kOn, PanelSeries::Style::kLine},
-    {"gpu, occlusion test", CullerChoice::kGpu, true, OcclusionChoice::kOn, PanelSeries::Style::kPoints},
+    {"linear", CullerChoice::kLinear, false, OcclusionChoice::kOff},
+    {"cpu", CullerChoice::kCpu, false, OcclusionChoice::kOff},
+    {"gpu", CullerChoice::kGpu, false, OcclusionChoice::kOff},
+    {"cpu, sample test", CullerChoice::kCpu, true, OcclusionChoice::kOff},
+    {"gpu, sample test", CullerChoice::kGpu, true, OcclusionChoice::kOff},
+    {"cpu, occlusion test", CullerChoice::kCpu, true, OcclusionChoice::kOn},
+    {"gpu, occlusion test", CullerChoice::kGpu, true, OcclusionChoice::kOn},
 };
 
 struct Image {
@@ -53,9 +52,7 @@ struct Drawn {
 };
 
 core::Expected<std::vector<Ids>> exact_sets(const Report& report, const std::vector<core::View>& views) {
-  const auto tracer = raytrace::Tracer::create(report.snapshot());
-  if (!tracer) return tl::unexpected(tracer.error());
-  const raytrace::ExactVisibility exact(*tracer);
+  const raytrace::ExactVisibility exact(*report.tracer());
   std::vector<Ids> sets;
   for (const core::View& view : views) {
     const auto items = exact.compute(view, report.width(), report.height());
@@ -124,6 +121,16 @@ std::size_t count_missing(const Ids& set, const Ids& visible_in_ids) {
   return missing.size();
 }
 
+/// What the variant's last step keeps, in the colours and words of the section on culling.
+PanelSeries series_of(const CullingVariant& variant, const std::vector<double>& items) {
+  const auto line = [&](const char* label, const char* colour) {
+    return line_over_frames(label, items, PanelSeries::Style::kLine, colour);
+  };
+  if (variant.occlusion == OcclusionChoice::kOn) return line("drawn with the occlusion test", colours::kUnoccluded);
+  if (variant.sample_test) return line("may cover a sample", colours::kSampled);
+  return line("in the view volume", colours::kInView);
+}
+
 double mean_of(const std::vector<double>& values) {
   return summarise(values).mean;
 }
@@ -144,7 +151,8 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
   progress(0.3);
   std::vector<double> exact;
   for (const Ids& set : *sets) exact.push_back(double(set.size()));
-  std::vector<PanelSeries> series{line_over_frames("seen by rays", exact, PanelSeries::Style::kHeavyLine)};
+  const PanelSeries seen = line_over_frames("seen by rays", exact, PanelSeries::Style::kHeavyLine, colours::kSeen);
+  Panel on_cpu{"CPU culler", {seen}}, on_gpu{"GPU culler", {seen}};
   std::vector<std::vector<std::string>> rows{{"seen by rays", number(mean_of(exact)), "1", "", ""}};
   section.figures = {{"frames", frames}, {"exact", mean_of(exact)}};
   std::optional<Drawn> reference;
@@ -167,9 +175,11 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
                                            {"per_exact", ratio},
                                            {"lost", drawn->lost},
                                            {"ties", drawn->ties}});
-    series.push_back(line_over_frames(variant.label, drawn->items, variant.style));
-    section.headline += (section.headline.empty() ? "items drawn for each that rays see: " : ", ") +
-                        (variant.label + (" " + number(ratio)));
+    if (variant.culler == CullerChoice::kCpu) on_cpu.series.push_back(series_of(variant, drawn->items));
+    if (variant.culler == CullerChoice::kGpu) on_gpu.series.push_back(series_of(variant, drawn->items));
+    if (variant.occlusion == OcclusionChoice::kOn)
+      section.headline += (section.headline.empty() ? "items drawn for each that rays see: " : ", ") +
+                          (variant.label + (" " + number(ratio)));
     lost += drawn->lost;
     if (!reference) reference = std::move(*drawn);
     progress(0.3 + 0.7 * double(&variant - kCullingVariants + 1) / double(std::size(kCullingVariants)));
@@ -186,14 +196,15 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
            "transparent items; both are drawn. " +
            count_words(unlike) + " times the rasteriser itself shows no pixel of an item that rays see.",
        command});
-  section.html.plot(plot_over_frames("Items drawn by each culler, and seen by rays", "items", std::move(series)),
-                    {"The same frame by frame.", command});
+  section.html.plot(plot_over_frames("Items drawn by each culler, and seen by rays", "items",
+                                     {std::move(on_cpu), std::move(on_gpu)}, true),
+                    {"The same frame by frame. The linear culler draws what the CPU culler does.", command});
   return section;
 }
 #else
 core::Expected<Section> visibility_section(const Report&, const SectionProgress&) {
   Section section;
-  section.left_out = "this build has no ray tracing";
+  section.left_out = kNoRays;
   return section;
 }
 #endif

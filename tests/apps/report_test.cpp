@@ -87,7 +87,8 @@ class MarkupReader {
 
 /// Without what needs ray tracing where it is not built.
 std::vector<std::string> of_this_build(std::vector<std::string> names) {
-  if (!is_built("trace")) std::erase(names, "visibility");
+  if (!is_built("trace"))
+    std::erase_if(names, [](const auto& name) { return name == "error" || name == "visibility"; });
   return names;
 }
 
@@ -139,7 +140,7 @@ class ReportPage : public RenderTest {
 
 /// In ascending order.
 std::vector<std::string> all() {
-  return of_this_build({"culling", "error", "images", "model", "options", "plan", "stability", "trace", "visibility"});
+  return of_this_build({"culling", "error", "frames", "images", "model", "plan", "stability", "visibility"});
 }
 
 std::vector<std::string> all_but(const std::string& name) {
@@ -193,38 +194,88 @@ TEST_F(ReportPage, ComparesCullersWithExactVisibility) {
 }
 
 TEST_F(ReportPage, NothingIsLostByLeavingOut) {
-  const Json options = report({plant(2000), "--sections", "options"}).figures["sections"]["options"];
-  ASSERT_EQ(options["variants"].size(), 4u);
-  for (const Json& variant : options["variants"]) EXPECT_EQ(variant["wrong_ids"], 0) << variant;
-  EXPECT_EQ(options["pixels"], 8 * 96 * 64);
+  const Json frames = report({plant(2000), "--sections", "frames"}).figures["sections"]["frames"];
+  ASSERT_EQ(frames["tests"].size(), 4u);
+  for (const Json& test : frames["tests"]) EXPECT_EQ(test["wrong_ids"], 0) << test;
+  EXPECT_EQ(frames["pixels"], 8 * 96 * 64);
+  EXPECT_EQ(frames["tests"][3]["frame_ms"], frames["cpu"]["frame_ms"]) << "one time for one thing";
 }
 
-/// Finer triangles are less wrong; more samples come closer to 64 of them than half the resolution does.
+/// A sentence and a plot come before all else, and are made of the figures of the section on errors.
+TEST_F(ReportPage, BeginsWithTheAnswer) {
+  if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
+  const Page page = report({plant(1000), "--sections", "model,error"});
+  const std::string answer = page.figures["sections"]["error"]["answer"].string();
+  EXPECT_NE(answer.find("triangles"), std::string::npos) << answer;
+  const std::size_t lead = page.text.find("<p class=\"lead\">" + answer), plot = page.text.find("<svg"),
+                    list = page.text.find("<ul>"), section = page.text.find("<h2>");
+  EXPECT_LT(page.text.find("</h1>"), lead);
+  EXPECT_LT(lead, plot);
+  EXPECT_LT(plot, list);
+  EXPECT_LT(list, section);
+  EXPECT_LT(section, page.text.size());
+}
+
+/// Of surfaces: exact ones are as near as depths of an image are, triangles within their tolerances.
+TEST_F(ReportPage, SurfacesAreJudgedByRaysInDoublePrecision) {
+  if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
+  const Json error = report({plant(1000), "--sections", "error"}).figures["sections"]["error"];
+  const Json& surfaces = error["surfaces"];
+  ASSERT_EQ(surfaces.size(), 8u) << "exact, and seven tolerances";
+  const auto off = [&](std::size_t i) { return surfaces[i]["error_m"]["p99"].get<double>(); };
+  EXPECT_GT(off(0), 0.0) << "the reference is not the image itself";
+  EXPECT_LT(off(0), 1e-4);
+  EXPECT_EQ(surfaces[1]["tolerance_m"], 0.1);
+  EXPECT_EQ(surfaces[7]["tolerance_m"], 0.0001);
+  for (std::size_t i = 1; i < 8; ++i) {
+    EXPECT_GT(off(i), off(0)) << surfaces[i];
+    if (i > 1) {
+      EXPECT_GT(surfaces[i]["triangles"], surfaces[i - 1]["triangles"]);
+    }
+    if (i > 4) continue;  // finer ones are rounded by rasterisers
+    EXPECT_LT(off(i), surfaces[i]["tolerance_m"]);
+    if (i > 1) {
+      EXPECT_LT(off(i), off(i - 1)) << surfaces[i];
+    }
+  }
+  EXPECT_LT(surfaces[0]["wrong_pixels"], 1e-3);
+  for (const char* key : {"samples", "contribution"})
+    EXPECT_EQ(error[key][0]["ms"], surfaces[0]["ms"]) << "one time for one thing";
+}
+
+TEST_F(ReportPage, TheTourCanBeFlownAgain) {
+  const std::string tour = path("tour.json");
+  const Page page = report({plant(1000), "--sections", "images", "--save-path", tour});
+  const Json flown = run_json("replay", {plant(1000), "--path", tour, "--frames", "8", "--no-render"});
+  EXPECT_EQ(flown["frames"].size(), 8u);
+  for (const Json& frame : flown["frames"]) EXPECT_GT(frame["visible"], 0);
+  if (is_built("trace")) {
+    EXPECT_GT(page.figures["sections"]["images"]["tour"]["covered"]["least"], 0.0);
+  }
+}
+
+/// More samples come closer to 64 rays than half the resolution does.
 TEST_F(ReportPage, ErrorsFallWithEffort) {
+  if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
   const Json error = report({plant(1000), "--sections", "error", "--size", "320x180"}).figures["sections"]["error"];
   const auto flip = [](const Json& variant) { return variant["flip"]["mean"].get<double>(); };
-  const Json& triangles = error["tessellation"];
-  ASSERT_GE(triangles.size(), 4u);
-  EXPECT_EQ(triangles[0]["label"], "ray-cast");
-  EXPECT_EQ(flip(triangles[0]), 0.0);
-  // Finest triangles are no better: rasterisers round their corners.
-  for (std::size_t i = 2; i < 4; ++i) EXPECT_LT(flip(triangles[i]), flip(triangles[i - 1])) << triangles;
   const Json& samples = error["samples"];
   ASSERT_GE(samples.size(), 2u);
-  EXPECT_LT(flip(samples[1]), flip(samples[0])) << samples;
-  EXPECT_LT(samples[1]["wrong_ids"], samples[0]["wrong_ids"]) << samples;
-  EXPECT_LT(samples[1]["wrong_ids"], 1e-4) << "the reference has seen the pixels' centres, too";
+  EXPECT_LT(flip(samples[0]), flip(samples[1])) << "half the resolution";
+  EXPECT_LT(samples[0]["wrong_ids"], samples[1]["wrong_ids"]) << samples;
+  EXPECT_LT(samples[0]["wrong_ids"], 1e-4) << "the reference has seen the pixels' centres, too";
   const Json& contribution = error["contribution"];
   ASSERT_EQ(contribution.size(), 5u);
   EXPECT_LT(contribution[0]["wrong_ids"], 1e-4) << "all items";
   EXPECT_GT(contribution[4]["wrong_ids"], contribution[0]["wrong_ids"]) << contribution;
   EXPECT_GT(flip(contribution[4]), flip(contribution[0])) << contribution;
-  for (const char* key : {"tessellation", "samples", "contribution"})
+  for (const char* key : {"samples", "contribution"})
     EXPECT_TRUE(std::any_of(error[key].begin(), error[key].end(), [](const Json& v) { return v["on_front"] == true; }));
 }
 
 /// A model of meshes is drawn by levels of detail, too.
 TEST_F(ReportPage, LevelsOfDetailAreComparedWhereThereAreManyTriangles) {
+  if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
   const std::string meshes = path("meshes.obj");
   ASSERT_EQ(run("convert", {plant(1000), meshes, "--tolerance", "0.0005"}).code, 0);
   const Json error = report({meshes, "--sections", "error", "--size", "320x180"}).figures["sections"]["error"];
@@ -260,8 +311,7 @@ TEST_F(ReportPage, OfMeshesAlone) {
 TEST_F(ReportPage, OfNothing) {
   const Page page = report({write("nothing.obj", "v 0 0 0\n")});
   EXPECT_EQ(sections(page, false), (std::vector<std::string>{"model", "plan"}));
-  EXPECT_EQ(sections(page, true),
-            of_this_build({"culling", "error", "images", "options", "stability", "trace", "visibility"}));
+  EXPECT_EQ(sections(page, true), of_this_build({"culling", "error", "frames", "images", "stability", "visibility"}));
   EXPECT_NE(page.text.find("left out: "), std::string::npos);
   EXPECT_EQ(page.text.find("<img"), std::string::npos);
 }
@@ -304,6 +354,7 @@ TEST_F(ReportPage, RefusesBadArguments) {
   const std::string bad = unwritable("r.html");
   expect_failure("report", {model, "--out", bad}, bad);
   expect_failure("report", {model, "--out", path("r.html"), "--json", bad}, bad);
+  expect_failure("report", {model, "--out", path("r.html"), "--save-path", bad}, bad);
   EXPECT_FALSE(fs::exists(path("r.html")));
 }
 

@@ -1,0 +1,29 @@
+// The sentence that a report begins with: what exact surfaces cost and are worth beside triangles.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sightline::apps {
+
+/// A way to draw the model's surfaces, as measured.
+struct SurfaceCost {
+  double tolerance = 0.0;  ///< metres, of triangles
+  double ms = 0.0;         ///< a frame
+  double error = 0.0;      ///< metres from the true surface
+};
+
+struct AnswerFigures {
+  bool solids = true;                  ///< false: the model is drawn as its triangles anyway
+  SurfaceCost exact;                   ///< as drawn by default
+  std::vector<SurfaceCost> triangles;  ///< coarsest first; may be empty
+};
+
+/// One sentence, for whatever came out.
+std::string answer_sentence(const AnswerFigures& figures);
+
+/// "30 mm", "1.2 m", "under 0.001 mm".
+std::string length_words(double metres);
+
+}  // namespace sightline::apps

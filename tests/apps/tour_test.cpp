@@ -1,0 +1,107 @@
+// Tours of reports show something of the model in every frame, where tours by bounds alone do not.
+#include "sightline/apps/report/tour.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sightline/core/scene.h"
+#include "sightline/core/snapshot.h"
+
+namespace sightline::apps::tour_test {
+namespace {
+
+constexpr double kAspect = 16.0 / 9.0;
+constexpr int kFrames = 97;
+
+core::Affine at(const core::dvec3& place) {
+  core::Affine affine;
+  affine.origin = place;
+  return affine;
+}
+
+/// Spheres in clusters at the ends of a line, with nothing between and around them.
+core::Scene sparse_scene(float radius) {
+  core::Scene scene;
+  for (const double end : {-60.0, 60.0})
+    for (int i = 0; i < 27; ++i)
+      scene.add_primitive(scene.root(), core::Sphere{radius},
+                          at(core::dvec3(end, 0, 0) + 4.0 * core::dvec3(i % 3, i / 3 % 3, i / 9)));
+  return scene;
+}
+
+std::vector<double> shares(const raytrace::Tracer& tracer, const core::CameraPath& path) {
+  std::vector<double> shares;
+  for (int i = 0; i < kFrames; ++i)
+    shares.push_back(*covered_share(tracer, *path.view(path.time_of(i, kFrames), kAspect), kAspect));
+  return shares;
+}
+
+double least(const std::vector<double>& values) {
+  return *std::min_element(values.begin(), values.end());
+}
+
+TEST(Tour, KeepsTheModelInSight) {
+  core::Scene scene = sparse_scene(1.5f);
+  ASSERT_TRUE(scene.commit());
+  const core::Snapshot snapshot(scene);
+  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
+  const auto tracer = raytrace::Tracer::create(snapshot);
+  ASSERT_TRUE(tracer);
+  const core::CameraPath before = core::make_tour(snapshot.bounds(), fitted);
+  ASSERT_EQ(least(shares(*tracer, before)), 0.0) << "this scene tests nothing";
+  const auto tour = tour_in_sight(*tracer, fitted, kAspect);
+  ASSERT_TRUE(tour);
+  EXPECT_GT(least(shares(*tracer, *tour)), 0.0);
+  EXPECT_DOUBLE_EQ(tour->end(), before.end());
+  EXPECT_EQ(tour->near, before.near);
+}
+
+/// Of frames that the tour was right about, nothing changes but for the spacing of keys.
+TEST(Tour, StaysWhereTheModelIsInSight) {
+  core::Scene scene = sparse_scene(12.0f);
+  ASSERT_TRUE(scene.commit());
+  const core::Snapshot snapshot(scene);
+  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
+  const auto tracer = raytrace::Tracer::create(snapshot);
+  ASSERT_TRUE(tracer);
+  const core::CameraPath before = core::make_tour(snapshot.bounds(), fitted);
+  const auto tour = tour_in_sight(*tracer, fitted, kAspect);
+  ASSERT_TRUE(tour);
+  for (const double time : {0.0, 1.0, 2.0})
+    EXPECT_LT(glm::length(tour->sample(time).pose.target - before.sample(time).pose.target), 0.1) << time;
+}
+
+TEST(Tour, OfNothingIsThePlainTour) {
+  core::Scene scene;
+  ASSERT_TRUE(scene.commit());
+  const core::Snapshot snapshot(scene);
+  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
+  const auto tracer = raytrace::Tracer::create(snapshot);
+  ASSERT_TRUE(tracer);
+  const auto tour = tour_in_sight(*tracer, fitted, kAspect);
+  ASSERT_TRUE(tour);
+  EXPECT_EQ(tour->keys().size(), core::make_tour(snapshot.bounds(), fitted).keys().size());
+}
+
+/// From inside of an item, its walls are all that is in sight: that is not the model.
+TEST(Tour, AnItemThatFillsTheImageCountsAsNothing) {
+  core::Scene scene;
+  scene.add_primitive(scene.root(), core::Sphere{10.0f}, core::Affine{});
+  scene.add_primitive(scene.root(), core::Sphere{1.0f}, at({30, 0, 0}));
+  ASSERT_TRUE(scene.commit());
+  const core::Snapshot snapshot(scene);
+  const auto tracer = raytrace::Tracer::create(snapshot);
+  ASSERT_TRUE(tracer);
+  const auto share = [&](const core::dvec3& eye) {
+    return *covered_share(*tracer, *core::View::perspective({eye, {30, 0, 0}, {0, 0, 1}}, 1.0, kAspect, 0.1, 1e3),
+                          kAspect);
+  };
+  EXPECT_EQ(share({0, 0, 0}), 0.0) << "inside";
+  EXPECT_GT(share({50, 0, 0}), 0.01);
+  EXPECT_LT(share({50, 0, 0}), 0.5);
+}
+
+}  // namespace
+}  // namespace sightline::apps::tour_test
