@@ -73,15 +73,31 @@ Done measure_selected(Viewer& viewer, const std::string&) {
   return session.measuring().between(session.scene(), selection[0], selection[1]);
 }
 
-Done section_here(Viewer& viewer, const std::string&) {
-  const auto hit = viewer.under_cursor();
-  if (!hit) return tl::unexpected(hit.error());
-  if (!*hit) return core::fail("there is no face under the cursor");
-  if (!viewer.session()->sections().add((*hit)->point, (*hit)->normal))
-    return core::fail("there are eight sections: take one away first");
-  viewer.session()->sections().select(viewer.session()->sections().all().size() - 1);
-  viewer.shown.tab = "Sections";
+/// A switch of a dialog.
+template <Dialog kDialog>
+Done toggle(Viewer& viewer, const std::string&) {
+  viewer.shown.dialog = viewer.shown.dialog == kDialog ? Dialog::kNone : kDialog;
   return {};
+}
+template <Dialog kDialog>
+bool shows(Viewer& viewer) {
+  return viewer.shown.dialog == kDialog;
+}
+
+template <Tool kTool>
+Done take_tool(Viewer& viewer, const std::string&) {
+  viewer.shown.tool = viewer.shown.tool == kTool ? Tool::kSelect : kTool;
+  if (viewer.shown.tool == Tool::kMeasure) viewer.shown.tab = "Measure";
+  if (viewer.shown.tool == Tool::kSection) viewer.tell("click on a face: what lies in front of it is cut away");
+  return {};
+}
+template <Tool kTool>
+bool has_tool(Viewer& viewer) {
+  return viewer.shown.tool == kTool;
+}
+
+Done section_here(Viewer& viewer, const std::string&) {
+  return cut_at(viewer, viewer.under_cursor());
 }
 
 Done section_box(Viewer& viewer, const std::string&) {
@@ -116,7 +132,7 @@ const Command kCommands[] = {
     {"open", "File", "Open…", GLFW_KEY_O, kCtrl, "Ctrl+O", "open files, instead of what is open: FILE",
      [](Viewer& v, const std::string& file) -> Done {
        if (file.empty())
-         v.shown.open = true;
+         v.shown.dialog = Dialog::kOpen;
        else
          v.open({file});
        return {};
@@ -134,8 +150,7 @@ const Command kCommands[] = {
     {"screenshot", "File", "Save image", GLFW_KEY_F12, 0, "F12",
      "write the image, PNG, in any size up to 16384x16384: FILE [WxH]", write_image},
     {"large-image", "File", "Save large image…", GLFW_KEY_F12, kShift, "Shift+F12",
-     "ask for a size and a file, and write the image",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.path = false, v.shown.image = true, Done(); }},
+     "ask for a size and a file, and write the image", toggle<Dialog::kImage>, shows<Dialog::kImage>},
     {"save-view", "File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write what is seen and shown, JSON: FILE",
      [](Viewer& v, const std::string& file) { return v.save_view(file); }},
     {"load-view", nullptr, "", 0, 0, "", "see what a view file shows; or drop it on the window: FILE",
@@ -162,7 +177,7 @@ const Command kCommands[] = {
     {"write-frames", nullptr, "", 0, 0, "",
      "write that path as images for a video, 25 a second unless told otherwise: FOLDER [FPS] [WxH]", write_frames},
     {"camera-path", "File", "Camera path and video…", 0, 0, "", "ask for a camera path to play, and write its frames",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.image = false, v.shown.path = true, Done(); }},
+     toggle<Dialog::kPath>, shows<Dialog::kPath>},
     {"lose-context", nullptr, "", 0, 0, "", "make window and graphics context anew, as after a reset of the driver",
      [](Viewer& v, const std::string&) -> Done { return v.lose_context(), Done(); }, nullptr, false},
     {"quit", "File", "Quit", GLFW_KEY_Q, kCtrl, "Ctrl+Q", "end",
@@ -173,8 +188,11 @@ const Command kCommands[] = {
     {"redo", "Edit", "Redo", GLFW_KEY_Z, kCtrl | kShift, "Ctrl+Shift+Z", "do again what was undone",
      [](Viewer& v, const std::string&) { return v.session()->document().redo(); }},
     {"select-all", "Edit", "Select all", GLFW_KEY_A, kCtrl, "Ctrl+A", "select all that is not hidden", select_all},
-    {"select-none", "Edit", "Select nothing", GLFW_KEY_ESCAPE, 0, "Esc", "select nothing",
+    {"select-none", "Edit", "Select nothing", 0, 0, "", "select nothing",
      [](Viewer& v, const std::string&) { return v.session()->document().select({}); }},
+    {"escape", nullptr, "", GLFW_KEY_ESCAPE, 0, "Esc",
+     "close the topmost menu or dialog; else end what clicks or keys do otherwise; else select nothing",
+     [](Viewer& v, const std::string&) -> Done { return v.escape(), Done(); }, nullptr, false},
     {"find", "Edit", "Find", GLFW_KEY_F, kCtrl, "Ctrl+F",
      "show the nodes whose names or attributes hold a text: TEXT or ATTRIBUTE:TEXT",
      [](Viewer& v, const std::string& text) -> Done {
@@ -194,19 +212,17 @@ const Command kCommands[] = {
      [](Viewer& v, const std::string&) { return v.session()->document().show_all(); }},
 
     {"measure", "Measure", "Set marks", GLFW_KEY_M, 0, "M", "clicks set marks, which snap, and measure between them",
-     [](Viewer& v, const std::string&) -> Done {
-       v.shown.measure = !v.shown.measure;
-       if (v.shown.measure) v.shown.tab = "Measure";
-       return {};
-     },
-     [](Viewer& v) { return v.shown.measure; }},
+     take_tool<Tool::kMeasure>, has_tool<Tool::kMeasure>},
     {"measure-selected", "Measure", "Distance of selected items", 0, 0, "",
      "the shortest distance of two selected items", measure_selected},
     {"measure-clear", "Measure", "Clear", 0, 0, "", "take marks and distances away",
      [](Viewer& v, const std::string&) -> Done { return v.session()->measuring().clear(), Done(); }},
 
-    {"section-here", "Section", "Cut at the face under the cursor", GLFW_KEY_X, 0, "X",
-     "cut away what lies in front of the face under the cursor", section_here},
+    {"section-face", "Section", "Pick a face…", 0, 0, "",
+     "cut away what lies in front of the face that is clicked on next (X: of the face under the cursor)",
+     take_tool<Tool::kSection>, has_tool<Tool::kSection>},
+    {"section-here", nullptr, "", GLFW_KEY_X, 0, "X", "cut away what lies in front of the face under the cursor",
+     section_here},
     {"section-box", "Section", "Cut around the selection", GLFW_KEY_B, 0, "B",
      "cut away what lies outside the box around what is selected, or around the model", section_box},
     {"section-select", nullptr, "", 0, 0, "", "show all handles of a section: N, 0: of none", select_section},
@@ -316,12 +332,10 @@ const Command kCommands[] = {
        return v.set_motion_error(*pixels);
      }},
 
-    {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.help = !v.shown.help, Done(); },
-     [](Viewer& v) { return v.shown.help; }, false},
+    {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse", toggle<Dialog::kHelp>,
+     shows<Dialog::kHelp>, false},
     {"driver", "Help", "Graphics driver", 0, 0, "", "show what the graphics driver offers, to copy into a report",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.driver = !v.shown.driver, Done(); },
-     [](Viewer& v) { return v.shown.driver; }, false},
+     toggle<Dialog::kDriver>, shows<Dialog::kDriver>, false},
 };
 
 constexpr Gesture kGestures[] = {

@@ -54,7 +54,7 @@ void Viewer::compare(const std::string& file) {
   landing_calls_ = 0;
   loader_ = std::make_unique<Loader>(older, &Window::wake, work);
   found_ = std::move(found);
-  shown.compare = false;
+  if (shown.dialog == Dialog::kCompare) shown.dialog = Dialog::kNone;
   tell("comparing with " + std::filesystem::path(file).filename().string());
 }
 
@@ -69,7 +69,7 @@ void Viewer::land_comparison(core::Expected<Model> before, const std::string& fi
 
 core::Expected<void> compare_with(Viewer& viewer, const std::string& file) {
   if (file.empty())
-    viewer.shown.compare = true;
+    viewer.shown.dialog = Dialog::kCompare;
   else
     viewer.compare(file);
   return {};

@@ -128,13 +128,13 @@ Done write_frames(Viewer& viewer, const std::string& argument) {
 void image_window(Viewer& viewer) {
   static std::array<int, 2> size = kSizes[0].second;  // these stay from time to time
   static std::string file;
-  begin_centred("Save large image", &viewer.shown.image, 34.0f);
+  begin_dialog(viewer, "Save large image", 34.0f);
   size_fields(size);
   ImGui::SetNextItemWidth(-1.0f);
   ImGui::InputTextWithHint("##file", "file; empty: the next screenshot-1.png …", &file);
   if (ImGui::Button("Save")) {
     const Done done = write_image(viewer, file.empty() ? size_text(size) : file + " " + size_text(size));
-    viewer.shown.image = !done;
+    if (done) viewer.shown.dialog = Dialog::kNone;
     tell_failure(viewer, done);
   }
   ImGui::SameLine();
@@ -147,7 +147,7 @@ void path_window(Viewer& viewer) {
   static std::array<int, 2> size{1920, 1080};
   static double fps = kFps;
   PathPlayer& player = viewer.player();
-  begin_centred("Camera path", &viewer.shown.path, 34.0f);
+  begin_dialog(viewer, "Camera path", 34.0f);
   ImGui::SetNextItemWidth(-1.0f);
   ImGui::InputTextWithHint("##path", player.path() ? "file; empty: the path played or recorded last" : "file of a path",
                            &file);
@@ -169,7 +169,7 @@ void path_window(Viewer& viewer) {
   ImGui::SameLine();
   if (ImGui::Button("Write frames")) {
     const Done done = write_frames(viewer, folder + " " + std::to_string(fps) + " " + size_text(size));
-    viewer.shown.path = !done;
+    if (done) viewer.shown.dialog = Dialog::kNone;
     tell_failure(viewer, done);
   }
   ImGui::End();

@@ -8,6 +8,7 @@
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
+#include <imgui_internal.h>  // for the stack of popups, which Esc closes one by one
 
 namespace sightline::apps {
 namespace {
@@ -82,6 +83,8 @@ void set_style(Theme theme, double scale) {
   style.WindowRounding = 0.0f;
   style.FrameRounding = 3.0f;
   style.WindowBorderSize = 1.0f;
+  for (const int ground : {ImGuiCol_WindowBg, ImGuiCol_PopupBg})
+    style.Colors[ground].w = 1.0f;  // text on lines is hard to read
   style.ScaleAllSizes(float(scale));
   ImGui::GetStyle() = style;
 }
@@ -179,6 +182,16 @@ bool Gui::uses(const Event& event) const {
 
 bool Gui::has_text_cursor() const {
   return ImGui::GetIO().WantTextInput;
+}
+
+bool Gui::has_popup() const {
+  return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+}
+
+bool Gui::close_popup() {
+  const int open = ImGui::GetCurrentContext()->OpenPopupStack.Size;
+  if (open > 0) ImGui::ClosePopupToLevel(open - 1, true);
+  return open > 0;
 }
 
 void Gui::begin(const std::array<int, 2>& size, double seconds) {

@@ -34,6 +34,8 @@ class Gui {
   /// Whether widgets use an event, as of the last frame.
   bool uses(const Event& event) const;
   bool has_text_cursor() const;
+  bool has_popup() const;  ///< a menu or the like, open
+  bool close_popup();      ///< the topmost one; false where none is open
 
   /// Frees what lies in the window's context, and makes it anew in the context that the window then has. No frame may
   /// be drawn in between.

@@ -24,11 +24,11 @@ std::optional<ImVec2> on_screen(const core::View& view, const Part& part, double
 
 void measure_overlay(Viewer& viewer, const Part& part) {
   Session* session = viewer.session();
-  if (!session || (!viewer.shown.measure && !session->measuring().distance())) return;
+  if (!session || (viewer.shown.tool != Tool::kMeasure && !session->measuring().distance())) return;
   const auto view = session->view();
   if (!view) return;
   const double height = double(ImGui::GetIO().DisplaySize.y);
-  ImDrawList& list = *ImGui::GetForegroundDrawList();
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();  // below panels, menus and dialogs
   const ImU32 colour = ImGui::GetColorU32({0.95f, 0.45f, 0.05f, 1.0f}), shade = ImGui::GetColorU32({0, 0, 0, 0.75f});
   const auto screen = [&](const core::dvec3& point) { return on_screen(*view, part, height, point); };
   const auto text = [&](ImVec2 at, const std::string& words) {
@@ -49,7 +49,7 @@ void measure_overlay(Viewer& viewer, const Part& part) {
   }
   for (const Measuring::Mark& mark : measuring.marks())
     if (const auto at = screen(mark.snap.point)) list.AddCircle(*at, kMarkRadius, colour, 0, 2.0f);
-  if (!viewer.shown.measure || !viewer.aimed()) return;
+  if (viewer.shown.tool != Tool::kMeasure || !viewer.aimed()) return;
   if (const auto at = screen(viewer.aimed()->point)) {
     list.AddCircleFilled(*at, kMarkRadius, colour);
     text({at->x + 12.0f, at->y - 24.0f}, viewer.aimed()->words);

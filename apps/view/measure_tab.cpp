@@ -6,7 +6,7 @@ namespace sightline::apps {
 void measure_tab(Viewer& viewer) {
   Session& session = *viewer.session();
   const Command& measure = *find_command("measure");
-  bool on = viewer.shown.measure;
+  bool on = viewer.shown.tool == Tool::kMeasure;
   if (ImGui::Checkbox(measure.title, &on)) run(viewer, measure);
   ImGui::TextWrapped("Click on two things. Marks snap to corners, edges, centres and axes.");
   if (ImGui::Button("Distance of two selected items")) run(viewer, *find_command("measure-selected"));

@@ -25,11 +25,7 @@ void measure_overlay(Viewer& viewer, const Part& part);
 void section_overlay(Viewer& viewer, const Part& part);
 void triad_overlay(Viewer& viewer);
 void status_bar(Viewer& viewer);
-void help_window(Viewer& viewer);
-void driver_window(Viewer& viewer);   ///< what the graphics driver offers, to copy into a report
-void open_window(Viewer& viewer);     ///< a path to type, or a file opened before
-void compare_window(Viewer& viewer);  ///< the same for an older revision
-void quit_window(Viewer& viewer);     ///< asks what becomes of views that no file has
+void dialog_window(Viewer& viewer);
 void loading_window(Viewer& viewer);  ///< progress, and a button that cancels
 void item_tip(Viewer& viewer, core::ItemId item);
 

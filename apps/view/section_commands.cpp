@@ -19,6 +19,17 @@ core::Expected<std::size_t> section_named(const Sections& sections, const std::s
 
 }  // namespace
 
+core::Expected<void> cut_at(Viewer& viewer, const core::Expected<std::optional<engine::Pick>>& face) {
+  if (!face) return tl::unexpected(face.error());
+  if (!*face) return core::fail("there is no face under the cursor");
+  Sections& sections = viewer.session()->sections();
+  if (!sections.add((*face)->point, (*face)->normal))
+    return core::fail("there are eight sections: take one away first");
+  sections.select(sections.all().size() - 1);
+  viewer.shown.tab = "Sections";
+  return {};
+}
+
 core::Expected<void> select_section(Viewer& viewer, const std::string& number) {
   Sections& sections = viewer.session()->sections();
   if (number == "0") return sections.select(std::nullopt), core::Expected<void>();

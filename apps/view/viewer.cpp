@@ -7,15 +7,11 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <imgui.h>
 
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
-#include "sightline/apps/view/exporting.h"
-#include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/views.h"
-#include "sightline/gl/external_target.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
 #include "sightline/render/image/image.h"
@@ -23,20 +19,24 @@
 namespace sightline::apps {
 namespace {
 
-using Type = Event::Type;
-
 constexpr core::vec3 kCulledColour{0.85f, 0.1f, 0.55f};
-constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
 constexpr engine::Hatching kHatching{0.6f, 6.0f};
-constexpr double kMotionError = 0.5;                     // pixels
-constexpr double kLongestStep = 0.25;                    // seconds: a hitch must not make the camera jump
-constexpr double kExportSlice = 0.05;                    // seconds between images of the window
-constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;  // seconds
-constexpr double kBetweenFrames =
-    3.0;  // times as long as a frame took: frames of a large window must not delay opening
+constexpr double kMotionError = 0.5;                           // pixels
+constexpr double kExportSlice = 0.05;                          // seconds between images of the window
+constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
 constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
 
 }  // namespace
+
+const char* name_of(Dialog dialog) {
+  constexpr const char* kNames[] = {"none", "help", "driver", "open", "compare", "quit", "image", "path"};
+  return kNames[int(dialog)];
+}
+
+const char* name_of(Tool tool) {
+  constexpr const char* kNames[] = {"select", "measure", "section"};
+  return kNames[int(tool)];
+}
 
 std::string free_name(const std::string& stem, const std::string& extension) {
   for (int i = 1;; ++i)
@@ -131,9 +131,10 @@ bool Viewer::script_ended() const {
 /// Whether the window is to be closed. Asks once, where views would be lost that no file has.
 bool Viewer::closing() {
   if (!window_.closing()) return false;
-  if (shown.quit || !options_.script.empty() || options_.frames > 0 || views_.unsaved() == 0) return true;
+  if (shown.dialog == Dialog::kQuit || !options_.script.empty() || options_.frames > 0 || views_.unsaved() == 0)
+    return true;
   window_.keep_open();
-  shown.quit = true;
+  shown.dialog = Dialog::kQuit;
   redraws_ = kSettlingFrames;
   return false;
 }
@@ -205,139 +206,6 @@ engine::EngineConfig Viewer::image_config() const {
   config.drawing.culled_colour = kCulledColour;
   config.context.later = true;
   return config;
-}
-
-core::Expected<void> Viewer::frame(double seconds) {
-  const double began = glfwGetTime();
-  for (const Event& event : gui_.take_events()) {
-    redraws_ = kSettlingFrames;
-    if (export_) {
-      export_cancelled_ |= event.type == Type::kKey && event.down && event.key == GLFW_KEY_ESCAPE;
-      continue;
-    }
-    if (!gui_.uses(event) || event.type == Type::kDrop || (event.type == Type::kButton && !event.down) ||
-        (event.type == Type::kKey && !event.down) || event.type == Type::kCursor)
-      handle(event);
-  }
-  fly(std::min(seconds, kLongestStep));
-  play();
-  hover();
-  const std::array<int, 2> size = window_.size();
-  gui_.begin(size, seconds);
-  if (shown.panels) {
-    menu_bar(*this);
-    splitters(*this);  // first: of windows that stay in their order, the one that was made first lies in front
-    tree_panel(*this);
-    side_panel(*this);
-    status_bar(*this);
-  }
-  if (shown.help) help_window(*this);
-  if (shown.driver) driver_window(*this);
-  if (shown.open) open_window(*this);
-  if (shown.compare) compare_window(*this);
-  if (shown.quit) quit_window(*this);
-  if (shown.image && session_) image_window(*this);
-  if (shown.path && session_) path_window(*this);
-  if (loader_) loading_window(*this);
-  exporting_window(*this);
-  if (session_ && session_->document().hovered() && !drag_ && !shown.measure && !ImGui::GetIO().WantCaptureMouse &&
-      !section_target())
-    item_tip(*this, *session_->document().hovered());
-  draw_rectangle();
-  measure_overlay(*this, viewport());
-  section_overlay(*this, viewport());
-  window_.clear(gui_.theme() == Theme::kDark ? kEmptyDark : kEmptyLight);
-  const auto drawn = draw_model(viewport());
-  if (session_) culling_.draw(*session_, viewport());
-  triad_overlay(*this);
-  gui_.end();
-  if (!drawn) return drawn;
-  if (!window_shot_.empty()) {
-    auto written = image::write_png(window_.read(), std::exchange(window_shot_, {}));
-    if (!written) return written;
-  }
-  window_.present();
-  const double now = glfwGetTime();
-  frame_seconds_ = now - began;
-  next_frame_ = now + kBetweenFrames * frame_seconds_;
-  if (asked_at_ > 0.0) response_ms_ = 1e3 * (now - std::exchange(asked_at_, 0.0));
-  if (!gui_.has_events()) asked_at_ = -1.0;
-  redraws_ = std::max(0, redraws_ - 1);
-  return {};
-}
-
-core::Expected<void> Viewer::draw_model(const Part& part) {
-  if (part.width <= 0 || part.height <= 0) return {};
-  if (!session_ && preview_) {
-    const auto framebuffer = preview_->draw(window_.context(), {part.width, part.height});
-    if (framebuffer) window_.copy(*framebuffer, {part.width, part.height}, part);
-  }
-  if (!session_) return {};
-  if (export_) {
-    if (!window_.keeps_image())
-      if (auto done = window_.keep(&export_->before()); !done) return done;
-    return window_.copy_kept(part), core::Expected<void>();
-  }
-  part_ = part;
-  if (auto done = session_->resize({part.width, part.height}); !done) return done;
-  if (auto done = adapt_to_motion(); !done) return done;
-  const bool shifted = session_->partly_refined() || (session_->smooth() && !shown.smooth);
-  if (options_.frames > 0 || shifted) session_->changed();
-  const auto drawn = session_->draw();
-  if (!drawn) return tl::unexpected(drawn.error());
-  if (*drawn) note_image();
-  if (auto done = show_image(part); !done || drag_) return done;
-  return session_->outline_hovered({0, part.x, part.y, part.width, part.height});
-}
-
-core::Expected<void> Viewer::show_image(const Part& part) {
-  keeps_moving_image_ = keeps_moving_image_ && !motion_.moving() && session_->report().pending > 0;
-  if (keeps_moving_image_) return window_.copy_kept(part), core::Expected<void>();
-  const image::Image* smooth = shown.smooth ? session_->smooth() : nullptr;
-  core::Expected<void> copied;
-  if (!smooth || !window_.keeps_image()) copied = window_.keep(smooth);
-  if (smooth && copied)
-    window_.copy_kept(part);
-  else
-    window_.copy(session_->engine().framebuffer().value_or(0), session_->drawn_size(), part);
-  return copied;
-}
-
-/// Coarser meshes while the view moves, and fewer pixels where frames then come late. With a budget the image at rest
-/// takes several frames, and begins with fewer items than that of the motion, which therefore stays until then.
-core::Expected<void> Viewer::adapt_to_motion() {
-  const auto view = session_->view();
-  const bool moves = view && shown_view_ && !core::same_image(*view, *shown_view_);
-  if (view) shown_view_ = *view;
-  const bool moved = motion_.moving();
-  const bool coarse = motion_.next(moves, glfwGetTime(), frame_seconds_) && shown.lower && options_.frames == 0;
-  if (moved && !motion_.moving() && session_->report().pending > 0) {
-    const auto image = session_->engine().read_colour();
-    if (!image) return tl::unexpected(image.error());
-    if (auto kept = window_.keep(&*image); !kept) return kept;
-    keeps_moving_image_ = true;
-  }
-  if (auto done = session_->set_coarse(coarse); !done) return done;
-  return session_->set_moving(motion_.moving());
-}
-
-void Viewer::note_image() {
-  const engine::FrameReport& report = session_->report();
-  ++frames_;
-  if (recorder_) recorder_->add(glfwGetTime(), {session_->camera().pose(), session_->camera().fovy()});
-  if (!options_.json_file.empty()) {
-    cull_ms_.push_back(report.cull_ms);
-    if (report.frame_ms > 0.0) frame_ms_.push_back(report.frame_ms);
-  }
-  history_.add(report, session_->visible());
-}
-
-/// Where the model is drawn: between the panels.
-Part Viewer::viewport() const {
-  const std::array<int, 2> size = window_.size();
-  if (!shown.panels) return {0, 0, size[0], size[1]};
-  const Margins m = margins(*this);
-  return {m.left, m.bottom, std::max(1, size[0] - m.left - m.right), std::max(1, size[1] - m.top - m.bottom)};
 }
 
 // --- what moves by itself --------------------------------------------------------------------------------------------
@@ -420,9 +288,9 @@ core::Expected<void> Viewer::apply_styles() {
   });
 }
 
-core::Expected<std::optional<engine::Pick>> Viewer::under_cursor() {
-  if (!in_viewport(cursor_)) return std::optional<engine::Pick>();
-  return session_->pick(in_image(cursor_));
+core::Expected<std::optional<engine::Pick>> Viewer::under(const core::dvec2& at) {
+  if (!in_viewport(at)) return std::optional<engine::Pick>();
+  return session_->pick(in_image(at));
 }
 
 core::Expected<void> Viewer::select_nodes(const std::vector<core::NodeId>& nodes) {

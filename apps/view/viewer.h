@@ -47,6 +47,18 @@ struct ViewerOptions {
 /// For example "screenshot-1.png", or the next number that no file has.
 std::string free_name(const std::string& stem, const std::string& extension);
 
+/// A window in the middle that asks or tells something; there is one at a time.
+enum class Dialog { kNone, kHelp, kDriver, kOpen, kCompare, kQuit, kImage, kPath };
+const char* name_of(Dialog dialog);
+
+/// What a click in the image does.
+enum class Tool {
+  kSelect,
+  kMeasure,  ///< sets marks
+  kSection,  ///< cuts at a face, once
+};
+const char* name_of(Tool tool);
+
 class Viewer {
  public:
   Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFile settings = {});
@@ -91,8 +103,9 @@ class Viewer {
   }
   const std::string& message() const { return message_; }
   bool message_is_error() const { return message_is_error_; }
-  /// What the image shows under the cursor.
-  core::Expected<std::optional<engine::Pick>> under_cursor();
+  /// What the image shows under the cursor, or at a point of the window.
+  core::Expected<std::optional<engine::Pick>> under_cursor() { return under(cursor_); }
+  core::Expected<std::optional<engine::Pick>> under(const core::dvec2& at);
   /// What a click would mark.
   const std::optional<measure::Snap>& aimed() const { return aimed_; }
   /// The axes in the image's corner; none beside hidden panels or in a small image.
@@ -107,6 +120,8 @@ class Viewer {
   bool walking() const { return walker_.has_value(); }
   /// Motion stays on the floor, and walls stop it; or the camera flies again.
   void set_walking(bool walking);
+  /// Ends one thing: the topmost menu, else the dialog, a camera path, the tool, walking, or at last the selection.
+  void escape();
   void quit() { window_.close(); }
   const gl::Context& context() const { return window_.context(); }
   /// As if the driver had lost the window's context.
@@ -115,8 +130,9 @@ class Viewer {
 
   /// Switches of panels.
   struct Shown {
-    bool panels = true, help = false, driver = false, open = false, compare = false;
-    bool quit = false;          ///< asks before views are lost
+    Dialog dialog = Dialog::kNone;
+    Tool tool = Tool::kSelect;
+    bool panels = true;
     bool smooth = true;         ///< edges, while nothing moves
     bool depth_shading = true;  ///< what has one colour
     bool hatching = true;       ///< of cut faces
@@ -125,16 +141,16 @@ class Viewer {
     bool levels = true;                          ///< of detail of meshes, while the view moves
     bool triad = true;                           ///< beside panels
     bool recognise = false;                      ///< primitives, in meshes of files that are opened
-    bool measure = false;                        ///< clicks set marks
     bool find = false;                           ///< the search field gets the keyboard next
     float tree_width = 0.0f, side_width = 0.0f;  ///< of the panels, in lines of text; 0: as the window's size suggests
-    bool image = false, path = false;            ///< dialogs
     const char* tab = "";                        ///< of the right panel, that comes to the front next; "": as it is
   } shown;
   const std::vector<std::string>& recent() const { return now_.recent; }
 
  private:
   static constexpr int kSettlingFrames = 3;  // after an event: widgets take some to come to rest
+  // Times as long as a frame took: frames of a large window must not delay opening.
+  static constexpr double kBetweenFrames = 3.0;
 
   struct Drag {
     int button = 0, mods = 0;
@@ -228,6 +244,7 @@ class Viewer {
   core::dvec2 last_click_at_{0.0};
   core::dvec2 cursor_{-1.0};
   bool cursor_moved_ = false;
+  std::uint64_t hovered_version_ = 0;  // of the document, when the item under the cursor was last looked for
   bool context_lost_ = false;
   int recovered_ = 0;  // times that the context was made anew
   std::optional<measure::Snap> aimed_;

@@ -7,6 +7,7 @@
 #include <imgui.h>
 
 #include "sightline/apps/view/commands.h"
+#include "sightline/apps/view/section_commands.h"
 #include "sightline/apps/view/viewer.h"
 #include "sightline/apps/view/widgets.h"
 
@@ -91,13 +92,21 @@ void Viewer::drop(const std::vector<std::string>& files) {
 void Viewer::press_key(const Event& event) {
   held_.insert(event.key);
   last_click_ = -1.0;
-  if (event.key == GLFW_KEY_ESCAPE && player_.playing()) return player_.stop();
-  if (event.key == GLFW_KEY_ESCAPE && section_handles_.dragging()) {
+  const Command* command = find_command(event.key, event.mods);
+  if (command && (!command->needs_model || session_)) sightline::apps::run(*this, *command);
+}
+
+void Viewer::escape() {
+  if (section_handles_.dragging()) {
     drag_.reset();
     return section_handles_.cancel(*session_);
   }
-  const Command* command = find_command(event.key, event.mods);
-  if (command && (!command->needs_model || session_)) sightline::apps::run(*this, *command);
+  if (gui_.close_popup()) return;
+  if (shown.dialog != Dialog::kNone) return void(shown.dialog = Dialog::kNone);
+  if (player_.playing()) return player_.stop();
+  if (shown.tool != Tool::kSelect) return void(shown.tool = Tool::kSelect);
+  if (walking()) return set_walking(false);
+  if (session_) tell_failure(session_->document().select({}));
 }
 
 void Viewer::press_button(const Event& event) {
@@ -163,7 +172,12 @@ void Viewer::set_mark(const core::dvec2& at) {
 }
 
 void Viewer::click(const Drag& drag) {
-  if (shown.measure) return set_mark(drag.from);
+  if (shown.tool == Tool::kMeasure) return set_mark(drag.from);
+  if (shown.tool == Tool::kSection) {
+    const auto done = cut_at(*this, under(drag.from));
+    if (done) shown.tool = Tool::kSelect;
+    return tell_failure(done);
+  }
   const auto hit = session_->pick(in_image(drag.from));
   if (!hit) return tell(hit.error().message, true);
   const SelectMode mode = (drag.mods & GLFW_MOD_CONTROL) != 0 ? SelectMode::kToggle
@@ -248,11 +262,13 @@ void Viewer::walk(const core::dvec3& held, double seconds) {
 void Viewer::hover() {
   if (!session_ || drag_ || export_ || session_->engine().preparing_picks()) return;
   if (click_) click(*std::exchange(click_, std::nullopt));
-  if (!std::exchange(cursor_moved_, false)) return;
+  const std::uint64_t version = session_->document().version();
+  const bool changed = std::exchange(hovered_version_, version) != version;  // what was there may be hidden now
+  if (!std::exchange(cursor_moved_, false) && !changed) return;
   std::optional<core::ItemId> item;
   const bool over_image = in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end() && !section_target();
   aimed_.reset();
-  if (over_image && shown.measure) {
+  if (over_image && shown.tool == Tool::kMeasure) {
     if (const auto aimed = session_->aim(in_image(cursor_), kReach * gui_.scale()); aimed && *aimed)
       aimed_ = (*aimed)->snap;
   } else if (over_image)

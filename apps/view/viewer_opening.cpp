@@ -55,7 +55,7 @@ void Viewer::open(const std::vector<std::string>& files) {
   opening_ = {};
   opening_.enter(OpeningStep::kReading);
   landing_calls_ = 0;
-  shown.open = false;
+  if (shown.dialog == Dialog::kOpen) shown.dialog = Dialog::kNone;
   tell("reading " + name_of_files(files));
 }
 

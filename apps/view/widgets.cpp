@@ -19,6 +19,12 @@ void begin_centred(const char* name, bool* open, float lines_wide, float at_heig
   ImGui::Begin(name, open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
 }
 
+void begin_dialog(Viewer& viewer, const char* name, float lines_wide) {
+  bool open = true;
+  begin_centred(name, &open, lines_wide);
+  if (!open) viewer.shown.dialog = Dialog::kNone;
+}
+
 void row(const char* name, const std::string& value) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();

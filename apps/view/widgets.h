@@ -12,9 +12,11 @@
 namespace sightline::apps {
 
 /// Windows that stay where they are put, and in the middle, or with their middle at another part of the height;
-/// ImGui::End() ends both.
+/// ImGui::End() ends them. A dialog has a button that closes it.
 void begin_fixed(const char* name, float x, float y, float width, float height, ImGuiWindowFlags flags = 0);
 void begin_centred(const char* name, bool* open, float lines_wide, float at_height = 0.5f);
+
+void begin_dialog(Viewer& viewer, const char* name, float lines_wide);
 
 /// A table of names and values; ImGui::EndTable() ends it where this is true.
 bool begin_rows(const char* name);

@@ -6,6 +6,7 @@
 #include <imgui_stdlib.h>
 
 #include "sightline/apps/common/gl_page.h"
+#include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/views.h"
 #include "sightline/apps/view/widgets.h"
@@ -23,8 +24,6 @@ bool path_entry(const Viewer& viewer, std::string& path) {
   return false;
 }
 
-}  // namespace
-
 void help_window(Viewer& viewer) {
   const auto line = [](const char* how, const char* what) {
     ImGui::TableNextRow();
@@ -36,7 +35,7 @@ void help_window(Viewer& viewer) {
   std::vector<const Command*> keyed;
   for (const Command& command : commands())
     if (command.keys[0] != '\0') keyed.push_back(&command);
-  begin_centred("Keys and mouse", &viewer.shown.help, 72.0f);
+  begin_dialog(viewer, "Keys and mouse", 72.0f);
   const float half = 0.5f * ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x;
   const std::size_t first = keyed.size() / 3;  // keys take one line each, gestures two
   for (const bool left : {true, false}) {
@@ -58,7 +57,7 @@ void help_window(Viewer& viewer) {
 
 void driver_window(Viewer& viewer) {
   static std::string text;  // of when it was opened: asking for extensions takes a while
-  begin_centred("Graphics driver", &viewer.shown.driver, 64.0f);
+  begin_dialog(viewer, "Graphics driver", 64.0f);
   if (ImGui::IsWindowAppearing()) text = gl_page_text(gl_page(viewer.context()));
   if (ImGui::Button("Copy")) ImGui::SetClipboardText(text.c_str());
   ImGui::InputTextMultiline("##driver", &text, {-1.0f, 26.0f * ImGui::GetTextLineHeight()},
@@ -68,7 +67,7 @@ void driver_window(Viewer& viewer) {
 
 void open_window(Viewer& viewer) {
   static std::string path;  // stays from time to time
-  begin_centred("Open", &viewer.shown.open, 40.0f);
+  begin_dialog(viewer, "Open", 40.0f);
   ImGui::TextUnformatted("Path of a file; or drop files on the window:");
   const bool chosen = path_entry(viewer, path);
   ImGui::Checkbox("Recognise primitives in meshes", &viewer.shown.recognise);
@@ -78,7 +77,7 @@ void open_window(Viewer& viewer) {
 
 void compare_window(Viewer& viewer) {
   static std::string path;  // stays from time to time
-  begin_centred("Compare with an older revision", &viewer.shown.compare, 40.0f);
+  begin_dialog(viewer, "Compare with an older revision", 40.0f);
   ImGui::TextWrapped("What is open counts as the newer revision. Path of the older one:");
   if (path_entry(viewer, path)) viewer.compare(path);
   ImGui::End();
@@ -86,7 +85,7 @@ void compare_window(Viewer& viewer) {
 
 void quit_window(Viewer& viewer) {
   static std::string file = "views.bcfzip";  // stays from time to time
-  begin_centred("Quit", nullptr, 34.0f);
+  begin_dialog(viewer, "Quit", 34.0f);
   const std::size_t unsaved = viewer.views().unsaved();
   ImGui::TextWrapped("%zu view%s of the list %s in no file, and would be lost. Save all views as:", unsaved,
                      unsaved == 1 ? "" : "s", unsaved == 1 ? "is" : "are");
@@ -101,8 +100,31 @@ void quit_window(Viewer& viewer) {
   ImGui::SameLine();
   if (ImGui::Button("Quit without them")) viewer.quit();
   ImGui::SameLine();
-  if (ImGui::Button("Stay")) viewer.shown.quit = false;
+  if (ImGui::Button("Stay")) viewer.shown.dialog = Dialog::kNone;
   ImGui::End();
+}
+
+}  // namespace
+
+void dialog_window(Viewer& viewer) {
+  switch (viewer.shown.dialog) {
+    case Dialog::kHelp:
+      return help_window(viewer);
+    case Dialog::kDriver:
+      return driver_window(viewer);
+    case Dialog::kOpen:
+      return open_window(viewer);
+    case Dialog::kCompare:
+      return compare_window(viewer);
+    case Dialog::kQuit:
+      return quit_window(viewer);
+    case Dialog::kImage:
+      return image_window(viewer);
+    case Dialog::kPath:
+      return path_window(viewer);
+    case Dialog::kNone:
+      return;
+  }
 }
 
 void loading_window(Viewer& viewer) {

@@ -294,8 +294,8 @@ TEST_F(ViewScript, PanelsShowAndHideAtAnySize) {
       "window-shot " +
           wide +
           "\n"
-          "press f1\nexpect /help = true\npress f1\nexpect /help = false\n"
-          "driver\nexpect /driver = true\ndriver\nexpect /driver = false\n"
+          "press f1\nexpect /dialog = help\npress f1\nexpect /dialog = none\n"
+          "driver\nexpect /dialog = driver\ndriver\nexpect /dialog = none\n"
           "resize 500x400\nexpect /window/0 = 500\nwindow-shot " +
           small +
           "\n"

@@ -1,0 +1,65 @@
+// What surrounds the image in sightline-view: menus, dialogs, tools, panels. Skipped without Xvfb.
+#include "sightline/tests/apps/view_window.h"
+
+namespace sightline::tests::view_gui_test {
+namespace {
+
+/// Part of an image, as rows of pixels.
+std::vector<std::uint8_t> part(const Image& image, int x0, int y0, int x1, int y1) {
+  std::vector<std::uint8_t> rgb;
+  for (int y = y0; y < y1; ++y)
+    for (int i = 3 * (y * image.width + x0); i < 3 * (y * image.width + x1); ++i)
+      rgb.push_back(image.rgb[std::size_t(i)]);
+  return rgb;
+}
+
+/// A menu first, then the dialog, the tool, walking, and the selection at last; one of them each time.
+TEST_F(ViewScript, EscapeEndsOneThingAfterAnother) {
+  expect_driven(
+      "find front\nselect-found\nexpect /selection/count = 1\n"
+      "walk\nmeasure\nexpect /tool = measure\nopen\nexpect /dialog = open\ntype boxes\n"
+      "click 15 8\nexpect /menu = true\n"
+      "press escape\nexpect /menu = false\nexpect /dialog = open\n"
+      "press escape\nexpect /dialog = none\nexpect /tool = measure\n"
+      "press escape\nexpect /tool = select\nexpect /walk = true\n"
+      "press escape\nexpect /walk = false\nexpect /selection/count = 1\n"
+      "press escape\nexpect /selection/count = 0\npress escape\n",
+      {boxes(), "--size", kSize});
+}
+
+TEST_F(ViewScript, ThereIsOneDialogAtATime) {
+  expect_driven(
+      "open\nexpect /dialog = open\nhelp\nexpect /dialog = help\nlarge-image\nexpect /dialog = image\n"
+      "camera-path\nexpect /dialog = path\ncompare\nexpect /dialog = compare\nlarge-image\nlarge-image\n"
+      "expect /dialog = none\n",
+      {boxes(), "--size", kSize});
+}
+
+/// The menu lies over the image: only the click that follows says which face.
+TEST_F(ViewScript, PickingAFaceWaitsForAClick) {
+  expect_driven(
+      "front\nsection-face\nexpect /tool = section\nexpect /sections = 0\n"
+      "click 5 5\nexpect /tool = section\nexpect /message = \"there is no face under the cursor\"\n"
+      "click 300 200\nexpect /sections = 1\nexpect /tool = select\nexpect /selection/count = 0\n"
+      "section-face\npress escape\nexpect /tool = select\n",
+      {boxes(), "--size", kSize, "--no-panels"});
+}
+
+/// Nor is a tooltip left of an item that was hidden.
+TEST_F(ViewScript, NothingLiesOverDialogs) {
+  const std::string plain = path("plain.png"), lined = path("lined.png"), model = boxes();
+  const std::string begin = "top\nmove 590 390\nlarge-image\n", mark = "top\nmeasure\nclick 300 360\nclick 300 40\n";
+  expect_driven(begin + "window-shot " + plain + "\n", {model, "--size", kSize, "--no-panels"});
+  expect_driven(mark + "expect /measure/distance > 5\nmeasure\n" + begin + "window-shot " + lined + "\n",
+                {model, "--size", kSize, "--no-panels"});
+  const Image a = read_png(plain), b = read_png(lined);
+  EXPECT_NE(a.rgb, b.rgb) << "the line shows beside the dialog";
+  EXPECT_EQ(part(a, 100, 170, 500, 230), part(b, 100, 170, 500, 230));
+  expect_driven(
+      "front\nmove 300 200\nexpect /hovered = 0\nfind front\nselect-found\nhide\nexpect /hovered = 1\n"
+      "find behind\nselect-found\nhide\nexpect /hovered = -1\n",
+      {model, "--size", kSize, "--no-panels"});
+}
+
+}  // namespace
+}  // namespace sightline::tests::view_gui_test
