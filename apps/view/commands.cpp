@@ -1,6 +1,8 @@
 #include "sightline/apps/view/commands.h"
 
+#include <cctype>
 #include <cstdio>
+#include <vector>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -8,6 +10,8 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/exporting.h"
+#include "sightline/apps/view/icons.h"
+#include "sightline/apps/view/obstacles.h"
 #include "sightline/apps/view/section_commands.h"
 #include "sightline/apps/view/views.h"
 
@@ -54,8 +58,8 @@ Done cull(Viewer& viewer, const std::string&) {
 /// A function of the document that takes the selection, which must not be empty.
 template <Done (Document::*kFunction)(std::span<const core::ItemId>)>
 Done with_selection(Viewer& viewer, const std::string&) {
+  if (const char* why = without_selection(viewer)) return core::fail(why);
   Document& document = viewer.session()->document();
-  if (document.selection().empty()) return core::fail("select something first: click on it");
   const std::vector<core::ItemId> items(document.selection().begin(), document.selection().end());
   return (document.*kFunction)(items);
 }
@@ -68,7 +72,7 @@ Done select_all(Viewer& viewer, const std::string&) {
 Done measure_selected(Viewer& viewer, const std::string&) {
   Session& session = *viewer.session();
   const auto selection = session.document().selection();
-  if (selection.size() != 2) return core::fail("select two items first, the second one with Ctrl");
+  if (const char* why = without_two_items(viewer)) return core::fail(why);
   viewer.shown.tab = "Measure";
   return session.measuring().between(session.scene(), selection[0], selection[1]);
 }
@@ -100,6 +104,10 @@ Done section_here(Viewer& viewer, const std::string&) {
   return cut_at(viewer, viewer.under_cursor());
 }
 
+Done section_at(Viewer& viewer, const std::string&) {
+  return cut_at(viewer, viewer.context_face());
+}
+
 Done section_box(Viewer& viewer, const std::string&) {
   Session& session = *viewer.session();
   const auto selection = session.document().selection();
@@ -128,7 +136,7 @@ Done set_number(Viewer& viewer, const std::string& text, void (*set)(engine::Eng
   return viewer.session()->configure([&](engine::EngineConfig& config) { set(config, *number); });
 }
 
-const Command kCommands[] = {
+const Command kFile[] = {
     {"open", "File", "Open…", GLFW_KEY_O, kCtrl, "Ctrl+O", "open files, instead of what is open: FILE",
      [](Viewer& v, const std::string& file) -> Done {
        if (file.empty())
@@ -137,25 +145,126 @@ const Command kCommands[] = {
          v.open({file});
        return {};
      },
-     nullptr, false},
+     nullptr, nullptr, icons::kOpen},
     {"recognise", "File", "Recognise primitives", 0, 0, "",
-     "switch whether cylinders, boxes and their like are taken out of the meshes of files that are opened from now on",
+     "switch whether cylinders, boxes and their like are taken out of the meshes of files that are opened "
+     "from now on",
      [](Viewer& v, const std::string&) -> Done { return v.shown.recognise = !v.shown.recognise, Done(); },
-     [](Viewer& v) { return v.shown.recognise; }, false},
-    {"compare", "File", "Compare with…", 0, 0, "",
-     "show what has changed since an older revision of what is open: FILE", compare_with},
-    {"compare-end", "File", "End the comparison", 0, 0, "", "show the model alone again", end_comparison},
-    {"compare-toggle", nullptr, "", 0, 0, "",
-     "show or hide items that are added, removed, moved, changed or unchanged: WHICH", toggle_changes},
-    {"screenshot", "File", "Save image", GLFW_KEY_F12, 0, "F12",
-     "write the image, PNG, in any size up to 16384x16384: FILE [WxH]", write_image},
+     [](Viewer& v) { return v.shown.recognise; }, nullptr},
+    {"screenshot", "|File", "Save image", GLFW_KEY_F12, 0, "F12",
+     "write the image, PNG, in any size up to 16384x16384: FILE [WxH]", write_image, nullptr, without_model,
+     icons::kCamera},
     {"large-image", "File", "Save large image…", GLFW_KEY_F12, kShift, "Shift+F12",
      "ask for a size and a file, and write the image", toggle<Dialog::kImage>, shows<Dialog::kImage>},
-    {"save-view", "File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write what is seen and shown, JSON: FILE",
+    {"save-view", "|File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write what is seen and shown, JSON: FILE",
      [](Viewer& v, const std::string& file) { return v.save_view(file); }},
     {"load-view", nullptr, "", 0, 0, "", "see what a view file shows; or drop it on the window: FILE",
      [](Viewer& v, const std::string& file) { return v.load_view(file); }},
-    {"view-add", "File", "Add to the views", GLFW_KEY_V, 0, "V", "keep what is seen as a view of the list: NAME",
+    {"record", "|File/Camera path", "Record camera path", GLFW_KEY_R, 0, "R",
+     "begin to record a camera path; end and write it (--save-path)",
+     [](Viewer& v, const std::string&) { return v.toggle_recording(); }, [](Viewer& v) { return v.recording(); }},
+    {"play-path", "File/Camera path", "Play camera path", 0, 0, "",
+     "play a camera path, or that played or recorded last; or stop: FILE", play_path,
+     [](Viewer& v) { return v.player().playing(); }, without_path},
+    {"path-loop", nullptr, "", 0, 0, "", "play camera paths again and again, or once",
+     [](Viewer& v, const std::string&) -> Done { return v.player().loop = !v.player().loop, Done(); }},
+    {"path-speed", nullptr, "", 0, 0, "", "how fast camera paths play, times their own speed: FACTOR", set_path_speed},
+    {"camera-path", "File/Camera path", "Camera path and video…", 0, 0, "",
+     "ask for a camera path to play, and write its frames", toggle<Dialog::kPath>, shows<Dialog::kPath>},
+    {"write-frames", nullptr, "", 0, 0, "",
+     "write that path as images for a video, 25 a second unless told otherwise: FOLDER [FPS] [WxH]", write_frames},
+    {"quit", "|File", "Quit", GLFW_KEY_Q, kCtrl, "Ctrl+Q", "end",
+     [](Viewer& v, const std::string&) -> Done { return v.quit(), Done(); }, nullptr, nullptr},
+    {"lose-context", nullptr, "", 0, 0, "", "make window and graphics context anew, as after a reset of the driver",
+     [](Viewer& v, const std::string&) -> Done { return v.lose_context(), Done(); }, nullptr, nullptr},
+};
+
+const Command kEdit[] = {
+    {"undo", "Edit", "Undo", GLFW_KEY_Z, kCtrl, "Ctrl+Z", "undo the last change of selection and visibility",
+     [](Viewer& v, const std::string&) { return v.session()->document().undo(); }, nullptr, without_undo},
+    {"redo", "Edit", "Redo", GLFW_KEY_Z, kCtrl | kShift, "Ctrl+Shift+Z", "do again what was undone",
+     [](Viewer& v, const std::string&) { return v.session()->document().redo(); }, nullptr, without_redo},
+    {"find", "|Edit", "Find", GLFW_KEY_F, kCtrl, "Ctrl+F",
+     "show the nodes whose names or attributes hold a text: TEXT or ATTRIBUTE:TEXT",
+     [](Viewer& v, const std::string& text) -> Done {
+       v.shown.find = text.empty();  // what was searched for last stays, to be changed
+       v.shown.panels |= text.empty();
+       if (!text.empty()) v.session()->tree().find({text});
+       return {};
+     }},
+    {"select-found", "Edit", "Select what was found", 0, 0, "", "select what is below the nodes that were found",
+     [](Viewer& v, const std::string&) { return v.select_nodes(v.session()->tree().matches()); }, nullptr,
+     without_found},
+    {"select", "|Edit", "Select", 0, 0, "", "clicks select items again, and no longer measure or cut",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.tool = Tool::kSelect, Done(); },
+     has_tool<Tool::kSelect>, without_model, icons::kCursor},
+    {"select-all", "Edit", "Select all", GLFW_KEY_A, kCtrl, "Ctrl+A", "select all that is not hidden", select_all},
+    {"select-none", "Edit", "Select nothing", 0, 0, "", "select nothing",
+     [](Viewer& v, const std::string&) { return v.session()->document().select({}); }, nullptr, without_selection},
+    {"escape", nullptr, "", GLFW_KEY_ESCAPE, 0, "Esc",
+     "close the topmost menu or dialog; else end what clicks or keys do otherwise; else select nothing",
+     [](Viewer& v, const std::string&) -> Done { return v.escape(), Done(); }, nullptr, nullptr},
+    {"hide", "|Edit", "Hide", GLFW_KEY_H, 0, "H", "hide what is selected", with_selection<&Document::hide>, nullptr,
+     without_selection, icons::kEyeCrossed},
+    {"isolate", "Edit", "Isolate", GLFW_KEY_I, 0, "I", "hide all but what is selected",
+     with_selection<&Document::isolate>, nullptr, without_selection, icons::kIsolate},
+    {"ghost-others", "Edit", "Make the rest faint", GLFW_KEY_G, 0, "G", "make all but what is selected faint",
+     with_selection<&Document::ghost_others>, nullptr, without_selection},
+    {"show-all", "Edit", "Show all", GLFW_KEY_U, 0, "U", "show what is hidden or faint",
+     [](Viewer& v, const std::string&) { return v.session()->document().show_all(); }, nullptr, without_hidden,
+     icons::kEye},
+};
+
+const Command kView[] = {
+    {"fit", "View", "Fit all", GLFW_KEY_HOME, 0, "Home", "see the whole model from above",
+     [](Viewer& v, const std::string&) { return look_along(v, core::kOverviewDirection); }, nullptr, without_model,
+     icons::kFit},
+    {"focus", "View", "Focus on selection", GLFW_KEY_F, 0, "F", "fit what is selected, or the whole model", focus,
+     nullptr, without_model, icons::kFocus},
+    {"front", "View/Look from", "Front", GLFW_KEY_1, 0, "1", "look north",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {0, 1, 0});
+     },
+     nullptr, without_model, icons::kFront},
+    {"back", "View/Look from", "Back", GLFW_KEY_2, 0, "2", "look south",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {0, -1, 0});
+     },
+     nullptr, without_model, icons::kBack},
+    {"left", "View/Look from", "Left", GLFW_KEY_3, 0, "3", "look east",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {1, 0, 0});
+     },
+     nullptr, without_model, icons::kLeft},
+    {"right", "View/Look from", "Right", GLFW_KEY_4, 0, "4", "look west",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {-1, 0, 0});
+     },
+     nullptr, without_model, icons::kRight},
+    {"top", "View/Look from", "Top", GLFW_KEY_5, 0, "5", "look down",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {0, 0, -1});
+     },
+     nullptr, without_model, icons::kTop},
+    {"bottom", "View/Look from", "Bottom", GLFW_KEY_6, 0, "6", "look up",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {0, 0, 1});
+     },
+     nullptr, without_model, icons::kBottom},
+    {"zoom-in", nullptr, "", GLFW_KEY_KP_ADD, 0, "Keypad +", "come nearer to the middle", zoom<1>},
+    {"zoom-out", nullptr, "", GLFW_KEY_KP_SUBTRACT, 0, "Keypad -", "go away from it", zoom<-1>},
+    {"camera-back", "View", "Camera back", GLFW_KEY_BACKSPACE, 0, "Backspace", "put the camera back to where it was",
+     [](Viewer& v, const std::string&) -> Done { return v.session()->camera_back(), Done(); }},
+    {"orthographic", "|View", "Parallel projection", GLFW_KEY_P, 0, "P",
+     "switch between parallel and perspective projection",
+     [](Viewer& v, const std::string&) {
+       return move_camera(v, [](Camera& camera) { camera.set_orthographic(!camera.orthographic()); });
+     },
+     [](Viewer& v) { return v.session()->camera().orthographic(); }, without_model, icons::kPerspective},
+    {"walk", "View", "Walk", GLFW_KEY_K, 0, "K", "walk on floors and up stairs, and be stopped by walls; or fly again",
+     [](Viewer& v, const std::string&) -> Done { return v.set_walking(!v.walking()), Done(); },
+     [](Viewer& v) { return v.walking(); }, without_model, icons::kWalk},
+    {"view-add", "|View", "Add to the views", GLFW_KEY_V, 0, "V", "keep what is seen as a view of the list: NAME",
      add_view},
     {"view-show", nullptr, "", 0, 0, "", "show a view of the list: NAME or number", show_view},
     {"view-update", nullptr, "", 0, 0, "", "make the current view what is seen now", update_view},
@@ -165,156 +274,57 @@ const Command kCommands[] = {
      delete_view},
     {"views-save", nullptr, "", 0, 0, "", "write all views, BCF 2.1 (.bcfzip, .bcf) or JSON: FILE", save_views},
     {"views-load", nullptr, "", 0, 0, "", "add the views of a file, or drop it on the window: FILE", load_views},
-    {"record", "File", "Record camera path", GLFW_KEY_R, 0, "R",
-     "begin to record a camera path; end and write it (--save-path)",
-     [](Viewer& v, const std::string&) { return v.toggle_recording(); }, [](Viewer& v) { return v.recording(); }},
-    {"play-path", "File", "Play camera path", 0, 0, "",
-     "play a camera path, or that played or recorded last; or stop: FILE", play_path,
-     [](Viewer& v) { return v.player().playing(); }},
-    {"path-loop", nullptr, "", 0, 0, "", "play camera paths again and again, or once",
-     [](Viewer& v, const std::string&) -> Done { return v.player().loop = !v.player().loop, Done(); }},
-    {"path-speed", nullptr, "", 0, 0, "", "how fast camera paths play, times their own speed: FACTOR", set_path_speed},
-    {"write-frames", nullptr, "", 0, 0, "",
-     "write that path as images for a video, 25 a second unless told otherwise: FOLDER [FPS] [WxH]", write_frames},
-    {"camera-path", "File", "Camera path and video…", 0, 0, "", "ask for a camera path to play, and write its frames",
-     toggle<Dialog::kPath>, shows<Dialog::kPath>},
-    {"lose-context", nullptr, "", 0, 0, "", "make window and graphics context anew, as after a reset of the driver",
-     [](Viewer& v, const std::string&) -> Done { return v.lose_context(), Done(); }, nullptr, false},
-    {"quit", "File", "Quit", GLFW_KEY_Q, kCtrl, "Ctrl+Q", "end",
-     [](Viewer& v, const std::string&) -> Done { return v.quit(), Done(); }, nullptr, false},
-
-    {"undo", "Edit", "Undo", GLFW_KEY_Z, kCtrl, "Ctrl+Z", "undo the last change of selection and visibility",
-     [](Viewer& v, const std::string&) { return v.session()->document().undo(); }},
-    {"redo", "Edit", "Redo", GLFW_KEY_Z, kCtrl | kShift, "Ctrl+Shift+Z", "do again what was undone",
-     [](Viewer& v, const std::string&) { return v.session()->document().redo(); }},
-    {"select-all", "Edit", "Select all", GLFW_KEY_A, kCtrl, "Ctrl+A", "select all that is not hidden", select_all},
-    {"select-none", "Edit", "Select nothing", 0, 0, "", "select nothing",
-     [](Viewer& v, const std::string&) { return v.session()->document().select({}); }},
-    {"escape", nullptr, "", GLFW_KEY_ESCAPE, 0, "Esc",
-     "close the topmost menu or dialog; else end what clicks or keys do otherwise; else select nothing",
-     [](Viewer& v, const std::string&) -> Done { return v.escape(), Done(); }, nullptr, false},
-    {"find", "Edit", "Find", GLFW_KEY_F, kCtrl, "Ctrl+F",
-     "show the nodes whose names or attributes hold a text: TEXT or ATTRIBUTE:TEXT",
-     [](Viewer& v, const std::string& text) -> Done {
-       v.shown.find = text.empty();  // what was searched for last stays, to be changed
-       v.shown.panels |= text.empty();
-       if (!text.empty()) v.session()->tree().find({text});
-       return {};
-     }},
-    {"select-found", "Edit", "Select what was found", 0, 0, "", "select what is below the nodes that were found",
-     [](Viewer& v, const std::string&) { return v.select_nodes(v.session()->tree().matches()); }},
-    {"hide", "Edit", "Hide", GLFW_KEY_H, 0, "H", "hide what is selected", with_selection<&Document::hide>},
-    {"isolate", "Edit", "Isolate", GLFW_KEY_I, 0, "I", "hide all but what is selected",
-     with_selection<&Document::isolate>},
-    {"ghost-others", "Edit", "Make the rest faint", GLFW_KEY_G, 0, "G", "make all but what is selected faint",
-     with_selection<&Document::ghost_others>},
-    {"show-all", "Edit", "Show all", GLFW_KEY_U, 0, "U", "show what is hidden or faint",
-     [](Viewer& v, const std::string&) { return v.session()->document().show_all(); }},
-
-    {"measure", "Measure", "Set marks", GLFW_KEY_M, 0, "M", "clicks set marks, which snap, and measure between them",
-     take_tool<Tool::kMeasure>, has_tool<Tool::kMeasure>},
-    {"measure-selected", "Measure", "Distance of selected items", 0, 0, "",
-     "the shortest distance of two selected items", measure_selected},
-    {"measure-clear", "Measure", "Clear", 0, 0, "", "take marks and distances away",
-     [](Viewer& v, const std::string&) -> Done { return v.session()->measuring().clear(), Done(); }},
-
-    {"section-face", "Section", "Pick a face…", 0, 0, "",
-     "cut away what lies in front of the face that is clicked on next (X: of the face under the cursor)",
-     take_tool<Tool::kSection>, has_tool<Tool::kSection>},
-    {"section-here", nullptr, "", GLFW_KEY_X, 0, "X", "cut away what lies in front of the face under the cursor",
-     section_here},
-    {"section-box", "Section", "Cut around the selection", GLFW_KEY_B, 0, "B",
-     "cut away what lies outside the box around what is selected, or around the model", section_box},
-    {"section-select", nullptr, "", 0, 0, "", "show all handles of a section: N, 0: of none", select_section},
-    {"section-flip", "Section", "Flip the selected section", 0, 0, "",
-     "keep the other side of a section: N, or the selected one", flip_section},
-    {"section-move", nullptr, "", 0, 0, "", "move a section out of what it keeps: N METRES, or the selected one",
-     move_section},
-    {"section-remove", "Section", "Remove the selected section", 0, 0, "",
-     "take a section away: N, or the selected one", remove_section},
-    {"section-handles", "Section", "Handles", 0, 0, "", "show or hide the handles of sections beside the panels",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.section_handles = !v.shown.section_handles, Done(); },
-     [](Viewer& v) { return v.shown.section_handles; }, false},
-    {"section-clear", "Section", "No sections", GLFW_KEY_X, kShift, "Shift+X", "take all sections away",
-     [](Viewer& v, const std::string&) -> Done { return v.session()->sections().clear(), Done(); }},
-
-    {"focus", "View", "Focus on selection", GLFW_KEY_F, 0, "F", "fit what is selected, or the whole model", focus},
-    {"fit", "View", "Fit all", GLFW_KEY_HOME, 0, "Home", "see the whole model from above",
-     [](Viewer& v, const std::string&) { return look_along(v, core::kOverviewDirection); }},
-    {"front", "View", "Front", GLFW_KEY_1, 0, "1", "look north",
-     [](Viewer& v, const std::string&) { return look_along(v, {0, 1, 0}); }},
-    {"back", "View", "Back", GLFW_KEY_2, 0, "2", "look south",
-     [](Viewer& v, const std::string&) { return look_along(v, {0, -1, 0}); }},
-    {"left", "View", "Left", GLFW_KEY_3, 0, "3", "look east",
-     [](Viewer& v, const std::string&) { return look_along(v, {1, 0, 0}); }},
-    {"right", "View", "Right", GLFW_KEY_4, 0, "4", "look west",
-     [](Viewer& v, const std::string&) { return look_along(v, {-1, 0, 0}); }},
-    {"top", "View", "Top", GLFW_KEY_5, 0, "5", "look down",
-     [](Viewer& v, const std::string&) { return look_along(v, {0, 0, -1}); }},
-    {"bottom", "View", "Bottom", GLFW_KEY_6, 0, "6", "look up",
-     [](Viewer& v, const std::string&) { return look_along(v, {0, 0, 1}); }},
-    {"zoom-in", nullptr, "", GLFW_KEY_KP_ADD, 0, "Keypad +", "come nearer to the middle", zoom<1>},
-    {"zoom-out", nullptr, "", GLFW_KEY_KP_SUBTRACT, 0, "Keypad -", "go away from it", zoom<-1>},
-    {"orthographic", "View", "Parallel projection", GLFW_KEY_P, 0, "P",
-     "switch between parallel and perspective projection",
-     [](Viewer& v, const std::string&) {
-       return move_camera(v, [](Camera& camera) { camera.set_orthographic(!camera.orthographic()); });
-     },
-     [](Viewer& v) { return v.session()->camera().orthographic(); }},
-    {"camera-back", "View", "Camera back", GLFW_KEY_BACKSPACE, 0, "Backspace", "put the camera back to where it was",
-     [](Viewer& v, const std::string&) -> Done { return v.session()->camera_back(), Done(); }},
-    {"compare-next", "View", "Next change", GLFW_KEY_N, 0, "N",
-     "select the next change since the older revision, and go there", next_change},
-    {"compare-previous", "View", "Previous change", GLFW_KEY_N, kShift, "Shift+N", "the change before",
-     previous_change},
-    {"walk", "View", "Walk", GLFW_KEY_K, 0, "K", "walk on floors and up stairs, and be stopped by walls; or fly again",
-     [](Viewer& v, const std::string&) -> Done { return v.set_walking(!v.walking()), Done(); },
-     [](Viewer& v) { return v.walking(); }},
-    {"panels", "View", "Panels", GLFW_KEY_TAB, 0, "Tab", "show or hide the panels",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.panels = !v.shown.panels, Done(); },
-     [](Viewer& v) { return v.shown.panels; }, false},
-    {"smooth", "View", "Smooth edges at rest", 0, 0, "",
-     "switch smooth edges, which come when nothing moves, on or off",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.smooth = !v.shown.smooth, Done(); },
-     [](Viewer& v) { return v.shown.smooth; }, false},
-    {"lower-resolution", "View", "Lower resolution in motion", 0, 0, "",
-     "switch whether images have fewer pixels while the view moves and frames come late",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.lower = !v.shown.lower, Done(); },
-     [](Viewer& v) { return v.shown.lower; }, false},
-    {"levels", "View", "Coarser meshes in motion", 0, 0, "",
-     "switch whether meshes are drawn by levels of detail while the view moves",
-     [](Viewer& v, const std::string&) { return v.toggle_levels(); }, [](Viewer& v) { return v.shown.levels; }, false},
-    {"triad", "View", "Axes", 0, 0, "", "show or hide the axes beside the panels; a click on an end looks from there",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.triad = !v.shown.triad, Done(); },
-     [](Viewer& v) { return v.shown.triad; }, false},
-    {"depth-shading", "View", "Depth shading and edge lines", GLFW_KEY_L, 0, "L",
+    {"depth-shading", "|View/Shapes", "Depth shading and edge lines", GLFW_KEY_L, 0, "L",
      "switch the shading and the lines that make shapes of one colour legible on or off",
      [](Viewer& v, const std::string&) { return v.toggle_depth_shading(); },
-     [](Viewer& v) { return v.shown.depth_shading; }, false},
-    {"hatch", "View", "Hatching of cut faces", 0, 0, "", "switch the lines across what sections cut on or off",
+     [](Viewer& v) { return v.shown.depth_shading; }, nullptr},
+    {"smooth", "View/Shapes", "Smooth edges at rest", 0, 0, "",
+     "switch smooth edges, which come when nothing moves, on or off",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.smooth = !v.shown.smooth, Done(); },
+     [](Viewer& v) { return v.shown.smooth; }, nullptr},
+    {"hatch", "View/Shapes", "Hatching of cut faces", 0, 0, "", "switch the lines across what sections cut on or off",
      [](Viewer& v, const std::string&) { return v.toggle_hatching(); }, [](Viewer& v) { return v.shown.hatching; },
-     false},
+     nullptr},
+    {"lower-resolution", "View/Shapes", "Lower resolution in motion", 0, 0, "",
+     "switch whether images have fewer pixels while the view moves and frames come late",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.lower = !v.shown.lower, Done(); },
+     [](Viewer& v) { return v.shown.lower; }, nullptr},
+    {"levels", "View/Shapes", "Coarser meshes in motion", 0, 0, "",
+     "switch whether meshes are drawn by levels of detail while the view moves",
+     [](Viewer& v, const std::string&) { return v.toggle_levels(); }, [](Viewer& v) { return v.shown.levels; },
+     nullptr},
+    {"lod-error", nullptr, "", 0, 0, "", "pixels by which meshes may lie elsewhere while the view moves: PX",
+     [](Viewer& v, const std::string& text) -> Done {
+       const auto pixels = parse_finite(text);
+       if (!pixels) return tl::unexpected(pixels.error());
+       return v.set_motion_error(*pixels);
+     }},
     {"theme", "View", "Light colours", 0, 0, "", "switch between light and dark",
      [](Viewer& v, const std::string&) -> Done {
        return v.gui().set_theme(v.gui().theme() == Theme::kDark ? Theme::kLight : Theme::kDark), Done();
      },
-     [](Viewer& v) { return v.gui().theme() == Theme::kLight; }, false},
-
-    {"freeze", "Culling", "Freeze the culling camera", GLFW_KEY_C, 0, "C",
+     [](Viewer& v) { return v.gui().theme() == Theme::kLight; }, nullptr},
+    {"panels", "|View", "Panels", GLFW_KEY_TAB, 0, "Tab", "show or hide the panels",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.panels = !v.shown.panels, Done(); },
+     [](Viewer& v) { return v.shown.panels; }, nullptr},
+    {"triad", "View", "Axes", 0, 0, "", "show or hide the axes beside the panels; a click on an end looks from there",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.triad = !v.shown.triad, Done(); },
+     [](Viewer& v) { return v.shown.triad; }, nullptr},
+    {"freeze", "|View/Culling", "Freeze the culling camera", GLFW_KEY_C, 0, "C",
      "cull for this view from now on, and look from elsewhere: what it sees nothing of is magenta",
      [](Viewer& v, const std::string&) -> Done { return v.session()->set_frozen(!v.session()->frozen()), Done(); },
      [](Viewer& v) { return v.session()->frozen() != nullptr; }},
-    {"boxes", "Culling", "Boxes of the frozen camera", GLFW_KEY_C, kShift, "Shift+C",
+    {"boxes", "View/Culling", "Boxes of the frozen camera", GLFW_KEY_C, kShift, "Shift+C",
      "show or hide the frozen camera's view and boxes of what it culls; by a script of one STATE alone", toggle_boxes,
-     [](Viewer& v) { return v.culling().switches.boxes; }, false},
-    {"cull-auto", "Culling", "As the scene's size suggests", GLFW_KEY_0, kAlt, "Alt+0",
+     [](Viewer& v) { return v.culling().switches.boxes; }, nullptr},
+    {"cull-auto", "|View/Culling", "As the scene's size suggests", GLFW_KEY_0, kAlt, "Alt+0",
      "cull as the scene's size suggests", cull<CullerChoice::kAutomatic>},
-    {"cull-cpu", "Culling", "On the CPU", GLFW_KEY_1, kAlt, "Alt+1", "cull on the CPU", cull<CullerChoice::kCpu>,
+    {"cull-cpu", "View/Culling", "On the CPU", GLFW_KEY_1, kAlt, "Alt+1", "cull on the CPU", cull<CullerChoice::kCpu>,
      [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kCpu; }},
-    {"cull-gpu", "Culling", "On the GPU", GLFW_KEY_2, kAlt, "Alt+2", "cull on the GPU", cull<CullerChoice::kGpu>,
+    {"cull-gpu", "View/Culling", "On the GPU", GLFW_KEY_2, kAlt, "Alt+2", "cull on the GPU", cull<CullerChoice::kGpu>,
      [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kGpu; }},
-    {"cull-hybrid", "Culling", "Where it costs less", GLFW_KEY_3, kAlt, "Alt+3", "cull where it costs less (hybrid)",
-     cull<CullerChoice::kHybrid>,
+    {"cull-hybrid", "View/Culling", "Where it costs less", GLFW_KEY_3, kAlt, "Alt+3",
+     "cull where it costs less (hybrid)", cull<CullerChoice::kHybrid>,
      [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kHybrid; }},
     {"budget", nullptr, "", 0, 0, "", "milliseconds that a frame may take while the view moves; 0: any: MS",
      [](Viewer& v, const std::string& text) {
@@ -325,17 +335,63 @@ const Command kCommands[] = {
        return set_number(v, text,
                          [](engine::EngineConfig& c, double pixels) { c.losses.min_projected_area = float(pixels); });
      }},
-    {"lod-error", nullptr, "", 0, 0, "", "pixels by which meshes may lie elsewhere while the view moves: PX",
-     [](Viewer& v, const std::string& text) -> Done {
-       const auto pixels = parse_finite(text);
-       if (!pixels) return tl::unexpected(pixels.error());
-       return v.set_motion_error(*pixels);
-     }},
+};
 
+const Command kSection[] = {
+    {"section-face", "Section", "Pick a face…", 0, 0, "",
+     "cut away what lies in front of the face that is clicked on next (X: of the face under the cursor)",
+     take_tool<Tool::kSection>, has_tool<Tool::kSection>, without_model, icons::kSection},
+    {"section-at", nullptr, "Cut at this face", 0, 0, "",
+     "cut away what lies in front of the face that was clicked on with the right button", section_at, nullptr,
+     without_face},
+    {"section-here", nullptr, "", GLFW_KEY_X, 0, "X", "cut away what lies in front of the face under the cursor",
+     section_here},
+    {"section-box", "Section", "Box around the selection", GLFW_KEY_B, 0, "B",
+     "cut away what lies outside the box around what is selected, or around the model", section_box, nullptr,
+     without_model, icons::kBox},
+    {"section-flip", "|Section", "Flip the selected section", 0, 0, "",
+     "keep the other side of a section: N, or the selected one", flip_section, nullptr, without_section},
+    {"section-remove", "Section", "Remove the selected section", 0, 0, "",
+     "take a section away: N, or the selected one", remove_section, nullptr, without_section},
+    {"section-clear", "Section", "No sections", GLFW_KEY_X, kShift, "Shift+X", "take all sections away",
+     [](Viewer& v, const std::string&) -> Done { return v.session()->sections().clear(), Done(); }, nullptr,
+     without_sections},
+    {"section-handles", "|Section", "Handles", 0, 0, "", "show or hide the handles of sections beside the panels",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.section_handles = !v.shown.section_handles, Done(); },
+     [](Viewer& v) { return v.shown.section_handles; }, nullptr},
+    {"section-select", nullptr, "", 0, 0, "", "show all handles of a section: N, 0: of none", select_section},
+    {"section-move", nullptr, "", 0, 0, "", "move a section out of what it keeps: N METRES, or the selected one",
+     move_section},
+};
+
+const Command kMeasure[] = {
+    {"measure", "Measure", "Set marks", GLFW_KEY_M, 0, "M", "clicks set marks, which snap, and measure between them",
+     take_tool<Tool::kMeasure>, has_tool<Tool::kMeasure>, without_model, icons::kMeasure},
+    {"measure-selected", "Measure", "Distance of selected items", 0, 0, "",
+     "the shortest distance of two selected items", measure_selected, nullptr, without_two_items},
+    {"measure-clear", "|Measure", "Clear", 0, 0, "", "take marks and distances away",
+     [](Viewer& v, const std::string&) -> Done { return v.session()->measuring().clear(), Done(); }, nullptr,
+     without_marks},
+};
+
+const Command kCompare[] = {
+    {"compare", "Compare", "Compare with…", 0, 0, "",
+     "show what has changed since an older revision of what is open: FILE", compare_with},
+    {"compare-next", "Compare", "Next change", GLFW_KEY_N, 0, "N",
+     "select the next change since the older revision, and go there", next_change, nullptr, without_comparison},
+    {"compare-previous", "Compare", "Previous change", GLFW_KEY_N, kShift, "Shift+N", "the change before",
+     previous_change, nullptr, without_comparison},
+    {"compare-end", "|Compare", "End the comparison", 0, 0, "", "show the model alone again", end_comparison, nullptr,
+     without_comparison},
+    {"compare-toggle", nullptr, "", 0, 0, "",
+     "show or hide items that are added, removed, moved, changed or unchanged: WHICH", toggle_changes},
+};
+
+const Command kHelp[] = {
     {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse", toggle<Dialog::kHelp>,
-     shows<Dialog::kHelp>, false},
+     shows<Dialog::kHelp>, nullptr},
     {"driver", "Help", "Graphics driver", 0, 0, "", "show what the graphics driver offers, to copy into a report",
-     toggle<Dialog::kDriver>, shows<Dialog::kDriver>, false},
+     toggle<Dialog::kDriver>, shows<Dialog::kDriver>, nullptr},
 };
 
 constexpr Gesture kGestures[] = {
@@ -353,22 +409,36 @@ constexpr Gesture kGestures[] = {
 }  // namespace
 
 std::span<const Command> commands() {
-  return kCommands;
+  static const std::vector<Command> all = [] {
+    std::vector<Command> menus;
+    for (const std::span<const Command> menu :
+         {std::span<const Command>(kFile), {kEdit}, {kView}, {kSection}, {kMeasure}, {kCompare}, {kHelp}})
+      menus.insert(menus.end(), menu.begin(), menu.end());
+    return menus;
+  }();
+  return all;
 }
 
 std::span<const Gesture> gestures() {
   return kGestures;
 }
 
+std::string help_of(const Command& command) {
+  const std::string help = command.help;
+  const std::size_t colon = help.rfind(": ");
+  const bool arguments = colon != std::string::npos && colon + 2 < help.size() && std::isupper(help[colon + 2]) != 0;
+  return arguments ? help.substr(0, colon) : help;
+}
+
 const Command* find_command(const std::string& name) {
-  for (const Command& command : kCommands)
+  for (const Command& command : commands())
     if (command.name == name) return &command;
   return nullptr;
 }
 
 const Command* find_command(int key, int mods) {
   const int relevant = mods & (kCtrl | kShift | kAlt);
-  for (const Command& command : kCommands)
+  for (const Command& command : commands())
     if (command.key != 0 && command.key == key && command.mods == relevant) return &command;
   return nullptr;
 }
@@ -381,7 +451,7 @@ std::string command_list() {
     text += line;
   }
   text += "Keys, and the names of their commands in scripts:\n";
-  for (const Command& command : kCommands) {
+  for (const Command& command : commands()) {
     std::snprintf(line, sizeof line, "  %-13s %-16s %s\n", command.keys, command.name, command.help);
     text += line;
   }

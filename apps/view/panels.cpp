@@ -50,7 +50,7 @@ float drag_edge(const char* name, float x, float y, float height, bool panel_lef
 Margins margins(const Viewer& viewer) {
   const float bar = bar_height();
   return {int(panel_width(viewer.shown.tree_width, kTreeWidth, kTreeShare)),
-          int(panel_width(viewer.shown.side_width, kSideWidth, kSideShare)), int(bar), int(bar)};
+          int(panel_width(viewer.shown.side_width, kSideWidth, kSideShare)), int(bar + toolbar_height()), int(bar)};
 }
 
 void splitters(Viewer& viewer) {
@@ -61,27 +61,6 @@ void splitters(Viewer& viewer) {
               side = drag_edge("##side-edge", size.x - float(m.right), float(m.top), height, false);
   if (tree != 0.0f) viewer.shown.tree_width = std::max(kLeastWidth, (float(m.left) + tree) / font);
   if (side != 0.0f) viewer.shown.side_width = std::max(kLeastWidth, (float(m.right) - side) / font);
-}
-
-void menu_bar(Viewer& viewer) {
-  if (!ImGui::BeginMainMenuBar()) return;
-  const char* group = "";
-  bool open = false;
-  for (const Command& command : commands()) {
-    if (!command.group) continue;
-    if (std::string_view(group) != command.group) {
-      if (open) ImGui::EndMenu();
-      open = ImGui::BeginMenu(command.group);
-      group = command.group;
-    }
-    const bool enabled = !command.needs_model || viewer.session();
-    if (!open) continue;
-    const bool on = enabled && command.on && command.on(viewer);
-    if (ImGui::MenuItem(command.title, command.keys, on, enabled)) run(viewer, command);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", command.help);
-  }
-  if (open) ImGui::EndMenu();
-  ImGui::EndMainMenuBar();
 }
 
 void side_panel(Viewer& viewer) {
@@ -140,10 +119,8 @@ void status_bar(Viewer& viewer) {
 
 void item_tip(Viewer& viewer, core::ItemId item) {
   const core::Scene& scene = viewer.session()->scene();
-  core::NodeId named = scene.node_of(item);
-  while (named.valid() && scene.name(named).empty()) named = scene.parent(named);
-  ImGui::SetTooltip("%s%s%s", named.valid() ? std::string(scene.name(named)).c_str() : "", named.valid() ? "\n" : "",
-                    std::string(core::name_of(scene.kind(item))).c_str());
+  const std::string name = item_name(scene, item), kind(core::name_of(scene.kind(item)));
+  ImGui::SetTooltip("%s%s%s", name.c_str(), name == kind ? "" : "\n", name == kind ? "" : kind.c_str());
 }
 
 }  // namespace sightline::apps

@@ -12,9 +12,12 @@ struct Margins {
 Margins margins(const Viewer& viewer);
 
 void menu_bar(Viewer& viewer);
-void tree_panel(Viewer& viewer);  ///< search and tree
-void side_panel(Viewer& viewer);  ///< has the tabs
-void splitters(Viewer& viewer);   ///< the panels' inner edges, which can be dragged
+void toolbar(Viewer& viewer);
+float toolbar_height();             ///< pixels
+void context_menu(Viewer& viewer);  ///< of the right mouse button, once Viewer::Shown::context says so
+void tree_panel(Viewer& viewer);    ///< search and tree
+void side_panel(Viewer& viewer);    ///< has the tabs
+void splitters(Viewer& viewer);     ///< the panels' inner edges, which can be dragged
 void properties_tab(Viewer& viewer);
 void measure_tab(Viewer& viewer);
 void sections_tab(Viewer& viewer);
@@ -28,5 +31,7 @@ void status_bar(Viewer& viewer);
 void dialog_window(Viewer& viewer);
 void loading_window(Viewer& viewer);  ///< progress, and a button that cancels
 void item_tip(Viewer& viewer, core::ItemId item);
+/// The name of the item's node, or of the nearest one above it that has a name; without one the item's kind.
+std::string item_name(const core::Scene& scene, core::ItemId item);
 
 }  // namespace sightline::apps

@@ -106,6 +106,7 @@ class Viewer {
   /// What the image shows under the cursor, or at a point of the window.
   core::Expected<std::optional<engine::Pick>> under_cursor() { return under(cursor_); }
   core::Expected<std::optional<engine::Pick>> under(const core::dvec2& at);
+  const std::optional<engine::Pick>& context_face() const { return context_face_; }  ///< below the context menu
   /// What a click would mark.
   const std::optional<measure::Snap>& aimed() const { return aimed_; }
   /// The axes in the image's corner; none beside hidden panels or in a small image.
@@ -132,6 +133,7 @@ class Viewer {
   struct Shown {
     Dialog dialog = Dialog::kNone;
     Tool tool = Tool::kSelect;
+    bool context = false;  ///< the context menu opens next
     bool panels = true;
     bool smooth = true;         ///< edges, while nothing moves
     bool depth_shading = true;  ///< what has one colour
@@ -196,6 +198,7 @@ class Viewer {
   void release_button(const Event& event);
   void move_cursor(const core::dvec2& to);
   void click(const Drag& drag);
+  void open_context_menu(const core::dvec2& at);
   void set_mark(const core::dvec2& at);
   void select_rectangle(const Drag& drag);
   void draw_rectangle() const;
@@ -243,6 +246,7 @@ class Viewer {
   double last_click_ = -1.0;          // GLFW's time, of one without modifiers
   core::dvec2 last_click_at_{0.0};
   core::dvec2 cursor_{-1.0};
+  std::optional<engine::Pick> context_face_;
   bool cursor_moved_ = false;
   std::uint64_t hovered_version_ = 0;  // of the document, when the item under the cursor was last looked for
   bool context_lost_ = false;

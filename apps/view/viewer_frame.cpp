@@ -42,11 +42,13 @@ core::Expected<void> Viewer::frame(double seconds) {
   gui_.begin(size, seconds);
   if (shown.panels) {
     menu_bar(*this);
+    toolbar(*this);
     splitters(*this);  // first: of windows that stay in their order, the one that was made first lies in front
     tree_panel(*this);
     side_panel(*this);
     status_bar(*this);
   }
+  context_menu(*this);
   dialog_window(*this);
   if (loader_) loading_window(*this);
   exporting_window(*this);

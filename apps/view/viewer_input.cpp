@@ -93,7 +93,7 @@ void Viewer::press_key(const Event& event) {
   held_.insert(event.key);
   last_click_ = -1.0;
   const Command* command = find_command(event.key, event.mods);
-  if (command && (!command->needs_model || session_)) sightline::apps::run(*this, *command);
+  if (command && (!command->needs_model() || session_)) sightline::apps::run(*this, *command);
 }
 
 void Viewer::escape() {
@@ -130,6 +130,8 @@ void Viewer::release_button(const Event& event) {
   if (section_handles_.dragging()) return section_handles_.release(*session_, !drag.moves);
   if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_LEFT)
     session_->engine().preparing_picks() ? void(click_ = drag) : click(drag);
+  else if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_RIGHT)
+    open_context_menu(drag.from);
   else if (drag.button == GLFW_MOUSE_BUTTON_LEFT && (drag.mods & GLFW_MOD_CONTROL) != 0)
     select_rectangle(drag);
 }
@@ -196,6 +198,20 @@ void Viewer::click(const Drag& drag) {
   }
   if (auto done = session_->document().select(items, mode); !done) tell(done.error().message, true);
   if (!items.empty()) session_->tree().reveal(session_->scene().node_of(items[0]));
+}
+
+/// Of what the cursor is over, which is selected, unless it is part of what is.
+void Viewer::open_context_menu(const core::dvec2& at) {
+  context_face_.reset();
+  shown.context = true;
+  if (session_->engine().preparing_picks()) return;
+  const auto hit = under(at);
+  if (!hit) return tell(hit.error().message, true);
+  context_face_ = *hit;
+  Document& document = session_->document();
+  if (!*hit || document.is((*hit)->item, Document::kSelected)) return;
+  tell_failure(document.select(std::span(&(*hit)->item, 1)));
+  session_->tree().reveal(session_->scene().node_of((*hit)->item));
 }
 
 void Viewer::select_rectangle(const Drag& drag) {

@@ -124,7 +124,7 @@ core::Expected<void> Viewer::carry_out(const ScriptStep& step) {
   }
   const Command* command = find_command(step.name);
   if (!command) return core::fail("no command " + step.name);
-  if (command->needs_model && !session_) return core::fail(step.name + ": no model is open");
+  if (command->needs_model() && !session_) return core::fail(step.name + ": no model is open");
   return command->run(*this, step.argument);
 }
 

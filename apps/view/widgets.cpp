@@ -42,7 +42,39 @@ bool begin_rows(const char* name) {
   return true;
 }
 
+std::string shortened(const std::string& text, float width) {
+  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
+  const float room = width - ImGui::CalcTextSize("…").x;
+  std::size_t first = 0, beyond = text.size();  // the text fits from `beyond` on, and does not from `first` on
+  while (first + 1 < beyond) {
+    const std::size_t middle = (first + beyond) / 2;
+    (ImGui::CalcTextSize(text.c_str() + middle).x <= room ? beyond : first) = middle;
+  }
+  while (beyond < text.size() && (text[beyond] & 0xc0) == 0x80) ++beyond;  // within a character
+  return "…" + text.substr(beyond);
+}
+
+void command_tip(Viewer& viewer, const Command& command, bool titled) {
+  ImGui::BeginTooltip();
+  if (titled && command.keys[0] != '\0')
+    ImGui::Text("%s (%s)", command.title, command.keys);
+  else if (titled)
+    ImGui::TextUnformatted(command.title);
+  const char* obstacle = command.obstacle_now(viewer);
+  ImGui::PushTextWrapPos(25.0f * ImGui::GetFontSize());
+  ImGui::TextUnformatted(obstacle ? obstacle : help_of(command).c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+void command_item(Viewer& viewer, const Command& command) {
+  const bool possible = !command.obstacle_now(viewer), on = possible && command.on && command.on(viewer);
+  if (ImGui::MenuItem(command.title, command.keys, on, possible)) run(viewer, command);
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) command_tip(viewer, command, false);
+}
+
 void run(Viewer& viewer, const Command& command) {
+  if (const char* obstacle = command.obstacle_now(viewer)) return viewer.tell(obstacle);
   if (auto done = command.run(viewer, {}); !done) viewer.tell(done.error().message, true);
 }
 

@@ -22,7 +22,14 @@ void begin_dialog(Viewer& viewer, const char* name, float lines_wide);
 bool begin_rows(const char* name);
 void row(const char* name, const std::string& value);
 
-/// Runs a command and tells its error.
+/// Runs a command, and tells its error or what keeps it from having an effect.
 void run(Viewer& viewer, const Command& command);
+/// The command as an entry of a menu, grey where it is impossible, with its tooltip.
+void command_item(Viewer& viewer, const Command& command);
+/// What the command does, or what keeps it from it; with its title and key where these are not beside it.
+void command_tip(Viewer& viewer, const Command& command, bool titled);
+
+/// A text that is too wide, without its beginning: names of plants differ at their ends.
+std::string shortened(const std::string& text, float width);
 
 }  // namespace sightline::apps

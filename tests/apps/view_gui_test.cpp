@@ -61,5 +61,32 @@ TEST_F(ViewScript, NothingLiesOverDialogs) {
       {model, "--size", kSize, "--no-panels"});
 }
 
+/// A click of the right button without a drag; it selects what it hits, unless that is selected with others.
+TEST_F(ViewScript, TheRightButtonOpensAMenu) {
+  const Args args{boxes(), "--size", kSize, "--no-panels"};
+  expect_driven(
+      "front\ndrag 300 200 330 200 right\nexpect /menu = false\nfront\n"
+      "click 300 200 right\nexpect /menu = true\nexpect /selection/count = 1\n"
+      "section-at\nexpect /sections = 1\npress escape\nexpect /menu = false\nexpect /selection/count = 1\n"
+      "select-all\nclick 300 200 right\nexpect /selection/count = 4\npress escape\n"
+      "click 3 3 right\nexpect /menu = true\nexpect /selection/count = 4\n",
+      args);
+  const Outcome refused = drive("front\nclick 3 3 right\nsection-at\n", args);
+  EXPECT_NE(refused.err.find("there is no face"), std::string::npos) << refused;
+}
+
+/// A mode of clicks stays pressed, and impossible commands do nothing but say why.
+TEST_F(ViewScript, TheToolbarRunsCommands) {
+  const std::string before = path("before.png"), after = path("after.png");
+  // At scale 1 buttons are 26 pixels wide: open, image, select, hide, isolate, show all, fit …, in blocks.
+  expect_driven("window-shot " + before + "\nclick 107 36\nexpect /hidden = 0\n" +
+                    "expect /message = \"4 items\"\nselect-all\nclick 107 36\nexpect /hidden = 4\n" +
+                    "expect /selection/count = 0\nclick 158 36\nexpect /hidden = 0\npress h\n" +
+                    "expect /message = \"select something first: click on it\"\nmeasure\nmove 500 300\nwindow-shot " +
+                    after + "\nclick 79 36\nexpect /tool = select\nresize 300x300\n",
+                {boxes(), "--size", "800x500", "--scale", "1"});
+  EXPECT_NE(part(read_png(before), 0, 22, 800, 50), part(read_png(after), 0, 22, 800, 50)) << "pressed";
+}
+
 }  // namespace
 }  // namespace sightline::tests::view_gui_test

@@ -1,0 +1,108 @@
+// The menu bar and the menu of the right mouse button, out of the table of commands.
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <imgui.h>
+
+#include "sightline/apps/view/panels.h"
+#include "sightline/apps/view/tree_rows.h"
+#include "sightline/apps/view/widgets.h"
+
+namespace sightline::apps {
+namespace {
+
+/// Where a command stands, out of Command::menu.
+struct MenuPlace {
+  std::string_view menu, submenu;
+  bool begins_block = false;
+
+  explicit MenuPlace(const Command& command) {
+    std::string_view text = command.menu ? command.menu : "";
+    begins_block = text.starts_with('|');
+    if (begins_block) text.remove_prefix(1);
+    const std::size_t slash = text.find('/');
+    menu = text.substr(0, slash);
+    if (slash != std::string_view::npos) submenu = text.substr(slash + 1);
+  }
+};
+
+void recent_files(Viewer& viewer) {
+  if (!ImGui::BeginMenu("Open recent", !viewer.recent().empty())) return;
+  for (const std::string& file : viewer.recent()) {
+    if (ImGui::MenuItem(std::filesystem::path(file).filename().string().c_str())) viewer.open({file});
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", file.c_str());
+  }
+  ImGui::EndMenu();
+}
+
+/// The commands of one menu. Those of a submenu stand beside each other in the table.
+void menu_items(Viewer& viewer, std::string_view menu) {
+  std::string_view submenu;
+  bool open = true, first = true;
+  for (const Command& command : commands()) {
+    const MenuPlace place(command);
+    if (place.menu != menu) continue;
+    if (place.submenu != submenu) {
+      if (!submenu.empty() && open) ImGui::EndMenu();
+      submenu = place.submenu;
+      if (place.begins_block) ImGui::Separator();
+      open = submenu.empty() || ImGui::BeginMenu(std::string(submenu).c_str());
+    } else if (place.begins_block && open && !first) {
+      ImGui::Separator();
+    }
+    first = false;
+    if (!open) continue;
+    command_item(viewer, command);
+    if (command.name == std::string_view("open")) recent_files(viewer);
+  }
+  if (!submenu.empty() && open) ImGui::EndMenu();
+}
+
+std::string name_of_selection(const Session& session) {
+  const auto selection = session.document().selection();
+  if (selection.empty()) return "nothing selected";
+  if (selection.size() > 1) return grouped(std::int64_t(selection.size())) + " items selected";
+  return shortened(item_name(session.scene(), selection[0]), 24.0f * ImGui::GetFontSize());
+}
+
+}  // namespace
+
+std::string item_name(const core::Scene& scene, core::ItemId item) {
+  core::NodeId named = scene.node_of(item);
+  while (named.valid() && scene.name(named).empty()) named = scene.parent(named);
+  return named.valid() ? std::string(scene.name(named)) : std::string(core::name_of(scene.kind(item)));
+}
+
+void menu_bar(Viewer& viewer) {
+  if (!ImGui::BeginMainMenuBar()) return;
+  std::string_view last;
+  for (const Command& command : commands()) {
+    const std::string_view menu = MenuPlace(command).menu;
+    if (menu.empty() || menu == last) continue;
+    last = menu;
+    if (!ImGui::BeginMenu(std::string(menu).c_str())) continue;
+    menu_items(viewer, menu);
+    ImGui::EndMenu();
+  }
+  ImGui::EndMainMenuBar();
+}
+
+void context_menu(Viewer& viewer) {
+  constexpr const char* kName = "##context";
+  if (viewer.shown.context) ImGui::OpenPopup(kName);
+  viewer.shown.context = false;
+  if (!viewer.session() || !ImGui::BeginPopup(kName)) return;
+  ImGui::TextDisabled("%s", name_of_selection(*viewer.session()).c_str());
+  ImGui::Separator();
+  for (const char* name : {"hide", "isolate", "ghost-others", "show-all", "", "focus", "fit", "camera-back", "",
+                           "section-at", "section-box", "section-clear", "", "measure-selected", "view-add", "undo"}) {
+    if (name[0] == '\0')
+      ImGui::Separator();
+    else
+      command_item(viewer, *find_command(name));
+  }
+  ImGui::EndPopup();
+}
+
+}  // namespace sightline::apps
