@@ -6,8 +6,6 @@
 #include <span>
 #include <string_view>
 
-#include "sightline/apps/common/numbers.h"
-
 namespace sightline::apps {
 namespace {
 
@@ -64,18 +62,18 @@ std::optional<double> scale_of(const core::Affine& world_from_item) {
 }
 
 /// A parameter in the world, or, where an item is stretched, in its own units.
-std::string quantity(std::string_view name, double value, const std::optional<double>& scale) {
+std::string quantity(std::string_view name, double value, const std::optional<double>& scale,
+                     const LengthFormat& lengths) {
+  if (scale && !is_angle(name)) return lengths.text(value * *scale);
   char text[60];
   if (is_angle(name))
     std::snprintf(text, sizeof text, "%.6g°", glm::degrees(value));
-  else if (scale)
-    std::snprintf(text, sizeof text, "%.6g m", value * *scale);
   else
     std::snprintf(text, sizeof text, "%.6g units, stretched", value);
   return text;
 }
 
-std::vector<Fact> shape_facts(const core::Scene& scene, core::ItemId item) {
+std::vector<Fact> shape_facts(const core::Scene& scene, core::ItemId item, const LengthFormat& lengths) {
   const core::Kind kind = scene.kind(item);
   std::vector<Fact> facts{{"kind", std::string(core::name_of(kind))}};
   if (int(kind) >= core::kPrimitiveKindCount) {
@@ -88,7 +86,7 @@ std::vector<Fact> shape_facts(const core::Scene& scene, core::ItemId item) {
   const auto names = parameter_names(kind);
   const std::optional<double> scale = scale_of(scene.state(item).world_from_item);
   for (std::size_t i = 0; i < values.size(); ++i)
-    facts.push_back({names[i], quantity(names[i], double(values[i]), scale)});
+    facts.push_back({names[i], quantity(names[i], double(values[i]), scale, lengths)});
   return facts;
 }
 
@@ -99,13 +97,13 @@ const std::string* value_of(const std::vector<Fact>& facts, const std::string& n
 
 }  // namespace
 
-std::vector<Fact> item_facts(const core::Scene& scene, core::ItemId item) {
-  std::vector<Fact> facts = shape_facts(scene, item);
+std::vector<Fact> item_facts(const core::Scene& scene, core::ItemId item, const LengthFormat& lengths) {
+  std::vector<Fact> facts = shape_facts(scene, item, lengths);
   const core::Scene::ItemState state = scene.state(item);
   const core::AabbD box = scene.bounds_under(item, state.world_from_item);
   if (!box.empty()) {
-    facts.push_back({"from", vector_text(box.min)});
-    facts.push_back({"to", vector_text(box.max)});
+    facts.push_back({"from", lengths.text(box.min)});
+    facts.push_back({"to", lengths.text(box.max)});
   }
   if (const core::MaterialId material = scene.material_at(state.material); material.valid())
     facts.push_back({"material", scene.material(material).name});

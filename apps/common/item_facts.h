@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/apps/view/numbers.h"
 #include "sightline/core/scene.h"
 
 namespace sightline::apps {
@@ -15,7 +16,7 @@ struct Fact {
 };
 
 /// Kind, dimensions in the world, box and material, which may be inherited.
-std::vector<Fact> item_facts(const core::Scene& scene, core::ItemId item);
+std::vector<Fact> item_facts(const core::Scene& scene, core::ItemId item, const LengthFormat& lengths = {});
 /// Attributes of the node itself.
 std::vector<Fact> attribute_facts(const core::Scene& scene, core::NodeId node);
 

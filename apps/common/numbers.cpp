@@ -1,5 +1,6 @@
 #include "sightline/apps/common/numbers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -22,6 +23,47 @@ std::string length_text(double metres) {
   const bool small = std::abs(metres) < 0.01;
   std::snprintf(text, sizeof text, small ? "%.2f mm" : "%.3f m", small ? 1e3 * metres : metres);
   return text;
+}
+
+std::string LengthFormat::number(double metres) const {
+  const double value = units == Units::kMillimetres ? 1e3 * metres : units == Units::kFeet ? metres / 0.3048 : metres;
+  char text[400];
+  std::snprintf(text, sizeof text, "%.*f", decimals == kTrimmed ? 6 : decimals, std::abs(value));
+  std::string digits = text;
+  if (decimals == kTrimmed) digits.erase(digits.find_last_not_of("0") + 1);
+  if (digits.back() == '.') digits.pop_back();
+  const std::size_t point = std::min(digits.find('.'), digits.size());
+  std::string grouped_digits = digits.substr(0, point);
+  for (std::ptrdiff_t at = std::ptrdiff_t(point) - 3; at > 0; at -= 3) grouped_digits.insert(std::size_t(at), ",");
+  const bool zero = digits.find_first_not_of("0.") == std::string::npos;  // no -0
+  return (value < 0.0 && !zero ? "-" : "") + grouped_digits + digits.substr(point);
+}
+
+std::string LengthFormat::text(double metres) const {
+  return number(metres) + " " + unit();
+}
+
+std::string LengthFormat::text(const core::dvec3& place) const {
+  if (decimals == kTrimmed) return vector_text(place);
+  return number(place.x) + "  " + number(place.y) + "  " + number(place.z);
+}
+
+LengthFormat length_format(Units chosen, double size, bool plant) {
+  constexpr double kPlant = 10.0;  // metres
+  int decimals = 0;                // of millimetres
+  if (!plant && !(size > kPlant)) decimals = size > 1.0 ? 1 : size > 0.1 ? 2 : 3;
+  if (chosen == Units::kAutomatic) chosen = Units::kMillimetres;
+  return {chosen, chosen == Units::kMillimetres ? decimals : decimals + 3};
+}
+
+std::string unbroken(const std::string& text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool digit_before = i > 0 && text[i - 1] >= '0' && text[i - 1] <= '9';
+    const bool joins = text[i] == ' ' && digit_before && i + 1 < text.size() && text[i + 1] != ' ';
+    result += joins ? "\u00a0" : std::string(1, text[i]);
+  }
+  return result;
 }
 
 }  // namespace sightline::apps

@@ -100,6 +100,16 @@ bool has_tool(Viewer& viewer) {
   return viewer.shown.tool == kTool;
 }
 
+template <Units kUnits>
+Done set_units(Viewer& viewer, const std::string&) {
+  viewer.shown.units = kUnits;
+  return {};
+}
+template <Units kUnits>
+bool has_units(Viewer& viewer) {
+  return viewer.shown.units == kUnits;
+}
+
 Done section_here(Viewer& viewer, const std::string&) {
   return cut_at(viewer, viewer.under_cursor());
 }
@@ -299,6 +309,15 @@ const Command kView[] = {
        if (!pixels) return tl::unexpected(pixels.error());
        return v.set_motion_error(*pixels);
      }},
+    {"units-auto", "|View/Units", "As the model suggests", 0, 0, "",
+     "lengths in millimetres, of plants without decimals", set_units<Units::kAutomatic>, has_units<Units::kAutomatic>,
+     nullptr},
+    {"units-mm", "View/Units", "Millimetres", 0, 0, "", "lengths in millimetres", set_units<Units::kMillimetres>,
+     has_units<Units::kMillimetres>, nullptr},
+    {"units-m", "View/Units", "Metres", 0, 0, "", "lengths in metres", set_units<Units::kMetres>,
+     has_units<Units::kMetres>, nullptr},
+    {"units-ft", "View/Units", "Feet", 0, 0, "", "lengths in feet", set_units<Units::kFeet>, has_units<Units::kFeet>,
+     nullptr},
     {"theme", "View", "Light colours", 0, 0, "", "switch between light and dark",
      [](Viewer& v, const std::string&) -> Done {
        return v.gui().set_theme(v.gui().theme() == Theme::kDark ? Theme::kLight : Theme::kDark), Done();
@@ -310,20 +329,27 @@ const Command kView[] = {
     {"triad", "View", "Axes", 0, 0, "", "show or hide the axes beside the panels; a click on an end looks from there",
      [](Viewer& v, const std::string&) -> Done { return v.shown.triad = !v.shown.triad, Done(); },
      [](Viewer& v) { return v.shown.triad; }, nullptr},
-    {"freeze", "|View/Culling", "Freeze the culling camera", GLFW_KEY_C, 0, "C",
+    {"diagnostics", "|View/Diagnostics", "Diagnostics", 0, 0, "", "show or hide the tab that says what the culler does",
+     [](Viewer& v, const std::string&) -> Done {
+       v.shown.diagnostics = !v.shown.diagnostics;
+       if (v.shown.diagnostics) v.shown.tab = "Diagnostics";
+       return {};
+     },
+     [](Viewer& v) { return v.shown.diagnostics; }, nullptr},
+    {"freeze", "|View/Diagnostics", "Freeze the culling camera", GLFW_KEY_C, 0, "C",
      "cull for this view from now on, and look from elsewhere: what it sees nothing of is magenta",
      [](Viewer& v, const std::string&) -> Done { return v.session()->set_frozen(!v.session()->frozen()), Done(); },
      [](Viewer& v) { return v.session()->frozen() != nullptr; }},
-    {"boxes", "View/Culling", "Boxes of the frozen camera", GLFW_KEY_C, kShift, "Shift+C",
+    {"boxes", "View/Diagnostics", "Boxes of the frozen camera", GLFW_KEY_C, kShift, "Shift+C",
      "show or hide the frozen camera's view and boxes of what it culls; by a script of one STATE alone", toggle_boxes,
      [](Viewer& v) { return v.culling().switches.boxes; }, nullptr},
-    {"cull-auto", "|View/Culling", "As the scene's size suggests", GLFW_KEY_0, kAlt, "Alt+0",
+    {"cull-auto", "|View/Diagnostics", "As the scene's size suggests", GLFW_KEY_0, kAlt, "Alt+0",
      "cull as the scene's size suggests", cull<CullerChoice::kAutomatic>},
-    {"cull-cpu", "View/Culling", "On the CPU", GLFW_KEY_1, kAlt, "Alt+1", "cull on the CPU", cull<CullerChoice::kCpu>,
-     [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kCpu; }},
-    {"cull-gpu", "View/Culling", "On the GPU", GLFW_KEY_2, kAlt, "Alt+2", "cull on the GPU", cull<CullerChoice::kGpu>,
-     [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kGpu; }},
-    {"cull-hybrid", "View/Culling", "Where it costs less", GLFW_KEY_3, kAlt, "Alt+3",
+    {"cull-cpu", "View/Diagnostics", "On the CPU", GLFW_KEY_1, kAlt, "Alt+1", "cull on the CPU",
+     cull<CullerChoice::kCpu>, [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kCpu; }},
+    {"cull-gpu", "View/Diagnostics", "On the GPU", GLFW_KEY_2, kAlt, "Alt+2", "cull on the GPU",
+     cull<CullerChoice::kGpu>, [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kGpu; }},
+    {"cull-hybrid", "View/Diagnostics", "Where it costs less", GLFW_KEY_3, kAlt, "Alt+3",
      "cull where it costs less (hybrid)", cull<CullerChoice::kHybrid>,
      [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kHybrid; }},
     {"budget", nullptr, "", 0, 0, "", "milliseconds that a frame may take while the view moves; 0: any: MS",

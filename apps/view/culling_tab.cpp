@@ -129,7 +129,9 @@ void plots(const std::vector<FrameFigures>& frames) {
 void culling_tab(Viewer& viewer) {
   Session& session = *viewer.session();
   for (const Command& command : commands()) {
-    if (!command.on || !std::string_view(command.menu ? command.menu : "").ends_with("/Culling")) continue;
+    if (!command.on || !std::string_view(command.menu ? command.menu : "").ends_with("/Diagnostics") ||
+        command.name == std::string_view("diagnostics"))
+      continue;
     bool on = command.on(viewer);
     if (ImGui::Checkbox(command.title, &on)) run(viewer, command);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", command.help);

@@ -42,9 +42,7 @@ void measure_overlay(Viewer& viewer, const Part& part) {
     const auto from = screen(distance->from), to = screen(distance->to);
     if (from && to) {
       list.AddLine(*from, *to, colour, 2.0f);
-      char words[40];
-      std::snprintf(words, sizeof words, "%.4f m", distance->distance);
-      text({0.5f * (from->x + to->x) + 8.0f, 0.5f * (from->y + to->y)}, words);
+      text({0.5f * (from->x + to->x) + 8.0f, 0.5f * (from->y + to->y)}, viewer.lengths().text(distance->distance));
     }
   }
   for (const Measuring::Mark& mark : measuring.marks())

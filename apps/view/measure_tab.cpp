@@ -13,7 +13,7 @@ void measure_tab(Viewer& viewer) {
   ImGui::SameLine();
   if (ImGui::Button("Clear")) session.measuring().clear();
   if (!begin_rows("measured")) return;
-  for (const auto& [what, value] : session.measuring().rows()) row(what.c_str(), value);
+  for (const auto& [what, value] : session.measuring().rows(viewer.lengths())) row(what.c_str(), value);
   ImGui::EndTable();
 }
 

@@ -6,31 +6,20 @@
 namespace sightline::apps {
 namespace {
 
-std::string metres(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.6f m", value);
-  return text;
-}
-
 std::string degrees(double radians) {
   char text[40];
   std::snprintf(text, sizeof text, "%.4f°", glm::degrees(radians));
   return text;
 }
 
-std::string place(const core::dvec3& p) {
-  char text[120];
-  std::snprintf(text, sizeof text, "%.6f  %.6f  %.6f", p.x, p.y, p.z);
-  return text;
-}
-
 /// The angle of two features, and the distance of two axes.
-void relation_rows(const measure::Feature& a, const measure::Feature& b, std::vector<Measuring::Row>& rows) {
+void relation_rows(const measure::Feature& a, const measure::Feature& b, const LengthFormat& lengths,
+                   std::vector<Measuring::Row>& rows) {
   if (const auto angle = measure::angle(a.geometry, b.geometry)) rows.emplace_back("angle", degrees(*angle));
   const auto *first = std::get_if<measure::Segment>(&a.geometry), *second = std::get_if<measure::Segment>(&b.geometry);
   if (!first || !second) return;
   const measure::AxisDistance axes = measure::axis_distance(*first, *second);
-  rows.emplace_back(axes.parallel ? "between the axes" : "between the lines", metres(axes.shortest.distance));
+  rows.emplace_back(axes.parallel ? "between the axes" : "between the lines", lengths.text(axes.shortest.distance));
 }
 
 }  // namespace
@@ -71,21 +60,21 @@ core::Expected<void> Measuring::between(const core::Scene& scene, core::ItemId a
   return {};
 }
 
-std::vector<Measuring::Row> Measuring::rows() const {
+std::vector<Measuring::Row> Measuring::rows(const LengthFormat& lengths) const {
   std::vector<Row> rows;
   for (const Mark& mark : marks_) {
     rows.emplace_back(&mark == &marks_[0] ? "first" : "second", mark.snap.words);
-    rows.emplace_back("at", place(mark.snap.point));
+    rows.emplace_back("at", lengths.text(mark.snap.point));
     for (const measure::Dimension& dimension : mark.dimensions)
-      rows.emplace_back(dimension.name, dimension.angle ? degrees(dimension.value) : metres(dimension.value));
+      rows.emplace_back(dimension.name, dimension.angle ? degrees(dimension.value) : lengths.text(dimension.value));
   }
   if (!distance_) return rows;
   rows.emplace_back(of_items_ ? "shortest distance" : "distance",
-                    distance_->touching ? "0, they touch" : metres(distance_->distance));
-  if (distance_->error > 1e-6) rows.emplace_back("less by at most", metres(distance_->error));
-  rows.emplace_back("elevation", metres(distance_->rise()));
-  rows.emplace_back("along x, y, z", place(distance_->to - distance_->from));
-  if (marks_.size() == 2) relation_rows(marks_[0].snap.feature, marks_[1].snap.feature, rows);
+                    distance_->touching ? "0, they touch" : lengths.text(distance_->distance));
+  if (distance_->error > 1e-6) rows.emplace_back("less by at most", lengths.text(distance_->error));
+  rows.emplace_back("elevation", lengths.text(distance_->rise()));
+  rows.emplace_back("along x, y, z", lengths.text(distance_->to - distance_->from));
+  if (marks_.size() == 2) relation_rows(marks_[0].snap.feature, marks_[1].snap.feature, lengths, rows);
   return rows;
 }
 

@@ -9,6 +9,7 @@
 #include "sightline/analysis/measure/distances.h"
 #include "sightline/analysis/measure/item.h"
 #include "sightline/analysis/measure/snap.h"
+#include "sightline/apps/view/numbers.h"
 #include "sightline/core/scene.h"
 
 namespace sightline::apps {
@@ -35,7 +36,7 @@ class Measuring {
   /// From the first mark's point to the second's, or the shortest one of two items.
   const std::optional<measure::Distance>& distance() const { return distance_; }
   /// Everything in words.
-  std::vector<Row> rows() const;
+  std::vector<Row> rows(const LengthFormat& lengths = {}) const;
 
  private:
   std::vector<Mark> marks_;

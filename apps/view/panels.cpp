@@ -83,38 +83,11 @@ void side_panel(Viewer& viewer) {
     tab("Measure", measure_tab);
     tab("Sections", sections_tab);
     tab("Views", views_tab);
-    tab("Culling", culling_tab);
+    if (viewer.shown.diagnostics) tab("Diagnostics", culling_tab);
     if (changes) tab("Compare", compare_tab, ImGuiTabItemFlags_Leading);
     ImGui::EndTabBar();
   }
   ImGui::End();
-}
-
-void status_bar(Viewer& viewer) {
-  const ImVec2 size = ImGui::GetIO().DisplaySize;
-  const float bar = bar_height();
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
-                      {ImGui::GetStyle().WindowPadding.x, ImGui::GetStyle().FramePadding.y});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1.0f, 1.0f});
-  begin_fixed("##status", 0.0f, size.y - bar, size.x, bar, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
-  if (Session* session = viewer.session()) {
-    const Document& document = session->document();
-    ImGui::Text("%s items, %s in view, %s selected, %s hidden",
-                grouped(std::int64_t(session->scene().item_count())).c_str(), grouped(session->visible()).c_str(),
-                grouped(std::int64_t(document.selection().size())).c_str(),
-                grouped(std::int64_t(document.hidden())).c_str());
-    ImGui::SameLine(0.0f, 2.0f * ImGui::GetFontSize());
-    ImGui::Text("%s, cull %.3f ms, image %.1f ms%s%s", name_of(session->report().culler).data(),
-                session->report().cull_ms, session->report().cull_ms + session->report().draw_ms,
-                session->frozen() ? ", culling camera frozen" : "", viewer.recording() ? ", recording" : "");
-    ImGui::SameLine(0.0f, 2.0f * ImGui::GetFontSize());
-  }
-  if (viewer.message_is_error())
-    ImGui::TextColored({0.95f, 0.45f, 0.25f, 1.0f}, "%s", viewer.message().c_str());
-  else
-    ImGui::TextUnformatted(viewer.message().c_str());
-  ImGui::End();
-  ImGui::PopStyleVar(2);
 }
 
 void item_tip(Viewer& viewer, core::ItemId item) {

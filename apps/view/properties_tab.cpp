@@ -11,9 +11,9 @@
 namespace sightline::apps {
 namespace {
 
-void item_properties(const core::Scene& scene, core::ItemId item) {
+void item_properties(const core::Scene& scene, core::ItemId item, const LengthFormat& lengths) {
   if (begin_rows("item")) {
-    for (const Fact& fact : item_facts(scene, item)) row(fact.name.c_str(), fact.value);
+    for (const Fact& fact : item_facts(scene, item, lengths)) row(fact.name.c_str(), fact.value);
     ImGui::EndTable();
   }
   for (core::NodeId node = scene.node_of(item); node.valid(); node = scene.parent(node)) {
@@ -73,7 +73,7 @@ void properties_tab(Viewer& viewer) {
   ImGui::Separator();
   if (selection.size() == 1) {
     if (session.changes()) item_changes(*session.changes(), session.scene(), selection[0]);
-    item_properties(session.scene(), selection[0]);
+    item_properties(session.scene(), selection[0], viewer.lengths());
   } else {
     selection_properties(session.scene(), session.document());
   }

@@ -111,19 +111,17 @@ void SectionHandles::cancel(Session& session) {
   drag_.reset();
 }
 
-std::string SectionHandles::words() const {
+std::string SectionHandles::words(const LengthFormat& lengths) const {
   if (!drag_) return {};
   char text[80];
   if (SectionGizmo::turns(drag_->target.part)) {
     std::snprintf(text, sizeof text, "%+.1f\u00b0", kDegrees * drag_->by);
     return text;
   }
-  std::snprintf(text, sizeof text, "%+.3f m", drag_->by);
-  std::string words = text;
+  std::string words = (drag_->by < 0.0 ? "" : "+") + lengths.text(drag_->by);
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(drag_->before.normal[axis]) < 1.0 - 1e-12) continue;
-    std::snprintf(text, sizeof text, ", %c = %.3f m", "XYZ"[axis], drag_ -> place[axis]);
-    words += text;
+    words += std::string(", ") + "XYZ"[axis] + " = " + lengths.text(drag_->place[axis]);
   }
   return words;
 }

@@ -43,7 +43,7 @@ class SectionHandles {
   bool dragging() const { return drag_.has_value(); }
   std::optional<Target> dragged() const { return drag_ ? std::optional(drag_->target) : std::nullopt; }
   /// How far it was dragged.
-  std::string words() const;
+  std::string words(const LengthFormat& lengths) const;
 
  private:
   struct Drag {

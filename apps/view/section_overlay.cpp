@@ -82,7 +82,7 @@ void section_overlay(Viewer& viewer, const apps::Part& part) {
     const bool aimed = target && target->section == one.section;
     Pen(list, one.gizmo, corner, aimed ? std::optional(target->part) : std::nullopt).draw();
     if (!aimed || !viewer.section_handles().dragging()) continue;
-    const std::string words = viewer.section_handles().words();
+    const std::string words = viewer.section_handles().words(viewer.lengths());
     const ImVec2 size = ImGui::CalcTextSize(words.c_str());
     const core::dvec2 beside = one.gizmo.middle() + corner + core::dvec2(1.5, 1.0) * double(ImGui::GetFontSize());
     const ImVec2 at(std::min(float(beside.x), float(corner.x + part.width) - size.x - 6.0f), float(beside.y));

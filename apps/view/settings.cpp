@@ -44,6 +44,12 @@ std::optional<bool> light_of(const Json& json) {
   return json == "dark" ? std::optional(false) : std::nullopt;
 }
 
+std::optional<std::string> units_of(const Json& json) {
+  for (const char* name : {"auto", "mm", "m", "ft"})
+    if (json == name) return name;
+  return std::nullopt;
+}
+
 std::optional<std::vector<std::string>> files_of(const Json& json) {
   const auto is_text = [](const Json& file) { return file.is_string(); };
   if (!json.is_array() || !std::all_of(json.begin(), json.end(), is_text)) return std::nullopt;
@@ -98,6 +104,8 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("window", settings.window, window_size_of);
   take("cache", settings.cache, folder_of);
   take("recognise", settings.recognise, flag_of);
+  take("diagnostics", settings.diagnostics, flag_of);
+  take("units", settings.units, units_of);
   return settings;
 }
 
@@ -125,6 +133,8 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.window != before.window && window_size_of(now.window)) json["window"] = now.window;
   if (now.cache != before.cache) json["cache"] = now.cache;
   if (now.recognise != before.recognise) json["recognise"] = now.recognise;
+  if (now.diagnostics != before.diagnostics) json["diagnostics"] = now.diagnostics;
+  if (now.units != before.units) json["units"] = now.units;
 }
 
 }  // namespace
@@ -157,7 +167,7 @@ fs::path SettingsFile::default_place() {
   return {};
 }
 
-core::Expected<void> SettingsFile::keep(const Settings& settings) {
+core::Expected<void> SettingsFile::keep(Settings settings) {
   const Settings before = std::exchange(kept_, settings);
   if (file_.empty() || settings == before) return {};
   Json json = read_object(file_).value_or(Json::object());

@@ -26,6 +26,8 @@ struct Settings {
   std::vector<std::string> recent;          ///< files opened, the last one first, with absolute paths
   std::array<int, 2> window = {1280, 720};  ///< screen units
   std::string cache;                        ///< folder of scene caches, with an absolute path; empty: none
+  std::string units = "auto";               ///< of lengths: auto, mm, m or ft
+  bool diagnostics = false;                 ///< the tab is shown
   bool recognise = false;                   ///< primitives, in meshes of files that are opened
 
   /// Puts a file that was opened first.
@@ -55,7 +57,7 @@ class SettingsFile {
   void begin(const Settings& settings) { kept_ = settings; }
   /// Writes what has changed since begin() or the last call, if anything; the file appears whole or not at all. What
   /// could not be written is not tried again.
-  core::Expected<void> keep(const Settings& settings);
+  core::Expected<void> keep(Settings settings);
 
  private:
   std::filesystem::path file_;

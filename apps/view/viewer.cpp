@@ -62,6 +62,9 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.levels = options.shown.lod_error > 0.0 || (now_.levels && options.remembers());
   if (options.shown.lod_error == 0.0) options_.shown.lod_error = kMotionError;
   shown.recognise = options.model.import.recognise;
+  shown.diagnostics = now_.diagnostics;
+  for (const Units units : {Units::kMillimetres, Units::kMetres, Units::kFeet})
+    if (now_.units == kUnitsNames[int(units)]) shown.units = units;
   take_settings();
   settings_.begin(now_);
   if (!options.model.files.empty()) open(options.model.files);
@@ -343,6 +346,18 @@ core::Expected<void> Viewer::toggle_recording() {
   return {};
 }
 
+/// RVM files are of plants, however small the part is.
+LengthFormat Viewer::lengths() const {
+  if (!session_) return length_format(shown.units, 1.0, false);
+  const core::AabbD& bounds = session_->bounds().bounds;
+  const core::dvec3 size = bounds.empty() ? core::dvec3(1.0) : bounds.size();
+  const bool plant = std::any_of(files_.begin(), files_.end(), [](const std::string& file) {
+    const std::string extension = std::filesystem::path(file).extension().string();
+    return extension == ".rvm" || extension == ".RVM";
+  });
+  return length_format(shown.units, std::max({size.x, size.y, size.z}), plant);
+}
+
 void Viewer::take_settings() {
   now_.light = gui_.theme() == Theme::kLight;
   now_.smooth = shown.smooth;
@@ -353,6 +368,8 @@ void Viewer::take_settings() {
   now_.lower = shown.lower;
   now_.levels = shown.levels;
   now_.recognise = shown.recognise;
+  now_.diagnostics = shown.diagnostics;
+  now_.units = kUnitsNames[int(shown.units)];
   now_.tree_width = shown.tree_width;
   now_.side_width = shown.side_width;
   now_.window = window_.screen_size();

@@ -14,6 +14,7 @@
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/loader.h"
 #include "sightline/apps/view/motion_resolution.h"
+#include "sightline/apps/view/numbers.h"
 #include "sightline/apps/view/opening_steps.h"
 #include "sightline/apps/view/path_player.h"
 #include "sightline/apps/view/preview.h"
@@ -107,6 +108,9 @@ class Viewer {
   core::Expected<std::optional<engine::Pick>> under_cursor() { return under(cursor_); }
   core::Expected<std::optional<engine::Pick>> under(const core::dvec2& at);
   const std::optional<engine::Pick>& context_face() const { return context_face_; }  ///< below the context menu
+  /// The point of the model that the resting cursor is over.
+  const std::optional<core::dvec3>& cursor_point() const { return cursor_point_; }
+  LengthFormat lengths() const;  ///< of the open model
   /// What a click would mark.
   const std::optional<measure::Snap>& aimed() const { return aimed_; }
   /// The axes in the image's corner; none beside hidden panels or in a small image.
@@ -142,6 +146,8 @@ class Viewer {
     bool lower = true;                           ///< resolution, while the view moves and frames come late
     bool levels = true;                          ///< of detail of meshes, while the view moves
     bool triad = true;                           ///< beside panels
+    bool diagnostics = false;                    ///< the tab that says what the culler does
+    Units units = Units::kAutomatic;             ///< of lengths
     bool recognise = false;                      ///< primitives, in meshes of files that are opened
     bool find = false;                           ///< the search field gets the keyboard next
     float tree_width = 0.0f, side_width = 0.0f;  ///< of the panels, in lines of text; 0: as the window's size suggests
@@ -247,6 +253,7 @@ class Viewer {
   core::dvec2 last_click_at_{0.0};
   core::dvec2 cursor_{-1.0};
   std::optional<engine::Pick> context_face_;
+  std::optional<core::dvec3> cursor_point_;
   bool cursor_moved_ = false;
   std::uint64_t hovered_version_ = 0;  // of the document, when the item under the cursor was last looked for
   bool context_lost_ = false;

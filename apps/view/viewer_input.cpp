@@ -284,11 +284,18 @@ void Viewer::hover() {
   std::optional<core::ItemId> item;
   const bool over_image = in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end() && !section_target();
   aimed_.reset();
+  cursor_point_.reset();
   if (over_image && shown.tool == Tool::kMeasure) {
-    if (const auto aimed = session_->aim(in_image(cursor_), kReach * gui_.scale()); aimed && *aimed)
+    if (const auto aimed = session_->aim(in_image(cursor_), kReach * gui_.scale()); aimed && *aimed) {
       aimed_ = (*aimed)->snap;
-  } else if (over_image)
-    if (const auto hit = session_->pick(in_image(cursor_)); hit && *hit) item = (*hit)->item;
+      cursor_point_ = aimed_->point;
+    }
+  } else if (over_image) {
+    if (const auto hit = session_->pick(in_image(cursor_)); hit && *hit) {
+      item = (*hit)->item;
+      cursor_point_ = (*hit)->point;
+    }
+  }
   session_->document().hover(item);
 }
 

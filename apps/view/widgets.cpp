@@ -31,13 +31,14 @@ void row(const char* name, const std::string& value) {
   ImGui::TextUnformatted(name);
   ImGui::TableNextColumn();
   ImGui::PushTextWrapPos(0.0f);
-  ImGui::TextUnformatted(value.c_str());
+  ImGui::TextUnformatted(unbroken(value).c_str());
   ImGui::PopTextWrapPos();
 }
 
 bool begin_rows(const char* name) {
   if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerV)) return false;
-  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, 7.0f * ImGui::GetFontSize());
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed,
+                          std::min(7.0f * ImGui::GetFontSize(), 0.4f * ImGui::GetContentRegionAvail().x));
   ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
   return true;
 }

@@ -88,5 +88,16 @@ TEST_F(ViewScript, TheToolbarRunsCommands) {
   EXPECT_NE(part(read_png(before), 0, 22, 800, 50), part(read_png(after), 0, 22, 800, 50)) << "pressed";
 }
 
+/// Kept for the next time, as the tab of what the culler does, which is off at first.
+TEST_F(ViewScript, UnitsAreKept) {
+  const Args args{boxes(), "--size", "800x500", "--settings", path("settings.json")};
+  expect_driven(
+      "expect /units = auto\nexpect /diagnostics = false\nunits-ft\ndiagnostics\nexpect /units = ft\n"
+      "front\nmove 400 262\nexpect /cursor/1 < -0.99\nmove 230 80\nexpect /cursor = null\n",
+      args);
+  expect_driven("expect /units = ft\nexpect /diagnostics = true\nunits-auto\n", args);
+  expect_driven("expect /units = auto\n", args);
+}
+
 }  // namespace
 }  // namespace sightline::tests::view_gui_test

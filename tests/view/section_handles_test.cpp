@@ -54,7 +54,7 @@ TEST_F(SectionHandlesTest, FollowTheCursorAndComeBack) {
   EXPECT_TRUE(handles.dragging());
   handles.drag(*session, out + by, {});
   EXPECT_NEAR(section().place().y, place(dvec3(0, 0.5, 10)).y, 1e-6);
-  EXPECT_EQ(handles.words(), "+0.500 m, Y = 0.500 m");
+  EXPECT_EQ(handles.words({Units::kMetres, 3}), "+0.500 m, Y = 0.500 m");
   handles.drag(*session, out + 3.0 * by, {});
   EXPECT_NEAR(section().place().y, place(dvec3(0, -0.5, 10)).y, 1e-6) << "from where it began";
   handles.cancel(*session);
@@ -85,7 +85,7 @@ TEST_F(SectionHandlesTest, StopAtRoundPlacesAndAtTheModel) {
   const dvec2 up = handle(SectionGizmo::Part::kUp);
   ASSERT_TRUE(handles.press(*session, up, kScale));
   handles.drag(*session, up + dvec2(-11.0, 0.0), {.round = true});
-  EXPECT_EQ(handles.words(), "+15.0\u00b0");
+  EXPECT_EQ(handles.words({}), "+15.0\u00b0");
   EXPECT_NEAR(section().normal.z, -std::sin(0.2617993877991494), 1e-9);
 }
 

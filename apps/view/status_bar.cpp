@@ -1,0 +1,105 @@
+// The line at the bottom: what has happened, and at its right end what the cursor is over, what is selected, what the
+// mouse does, and the units.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <imgui.h>
+
+#include "sightline/apps/view/panels.h"
+#include "sightline/apps/view/widgets.h"
+
+namespace sightline::apps {
+namespace {
+
+constexpr float kNameLines = 14.0f, kFieldGapLines = 1.5f;  // in lines of text
+
+struct Field {
+  std::string text, tip;
+};
+
+Field cursor_field(const Viewer& viewer) {
+  const auto& at = viewer.cursor_point();
+  if (!at) return {};
+  const LengthFormat lengths = viewer.lengths();
+  std::string text;
+  for (int axis = 0; axis < 3; ++axis)
+    text += std::string(axis > 0 ? "  " : "") + "XYZ"[axis] + " " + lengths.number((*at)[axis]);
+  return {text, "what the cursor is over, in " + std::string(lengths.unit())};
+}
+
+Field selection_field(const Session& session) {
+  const Document& document = session.document();
+  const auto selection = document.selection();
+  const std::string hidden =
+      document.hidden() == 0 ? "" : grouped(std::int64_t(document.hidden())) + " hidden; U shows all";
+  if (selection.empty()) return {hidden, ""};
+  std::string tip = selection.size() == 1 ? session.scene().path(session.scene().node_of(selection[0])) : "";
+  const std::string text = selection.size() == 1
+                               ? shortened(item_name(session.scene(), selection[0]), kNameLines * ImGui::GetFontSize())
+                               : grouped(std::int64_t(selection.size())) + " selected";
+  return {hidden.empty() ? text : text + ", " + grouped(std::int64_t(document.hidden())) + " hidden", std::move(tip)};
+}
+
+Field mode_field(Viewer& viewer) {
+  constexpr const char* kTools[] = {"Select", "Measure", "Pick a face"};
+  std::string text = kTools[int(viewer.shown.tool)];
+  if (viewer.walking()) text += ", walk";
+  if (viewer.recording()) text += ", recording";
+  if (viewer.player().playing()) text += ", playing";
+  if (viewer.session()->frozen()) text += ", culling camera frozen";
+  return {text, "what clicks do"};
+}
+
+/// Returns where the fields begin.
+float fields(const std::vector<Field>& all) {
+  const float gap = kFieldGapLines * ImGui::GetFontSize();
+  float x = ImGui::GetWindowWidth() - ImGui::GetStyle().WindowPadding.x;
+  for (auto field = all.rbegin(); field != all.rend(); ++field) {
+    if (field->text.empty()) continue;
+    x -= ImGui::CalcTextSize(field->text.c_str()).x;
+    ImGui::SameLine(x);
+    ImGui::TextUnformatted(field->text.c_str());
+    if (ImGui::IsItemHovered() && !field->tip.empty()) ImGui::SetTooltip("%s", field->tip.c_str());
+    x -= gap;
+  }
+  return x;
+}
+
+void message(const Viewer& viewer, float wide) {
+  const std::string& text = viewer.message();
+  const bool fits = ImGui::CalcTextSize(text.c_str()).x <= wide;
+  if (viewer.message_is_error()) ImGui::PushStyleColor(ImGuiCol_Text, {0.95f, 0.45f, 0.25f, 1.0f});
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::PushClipRect(at, {at.x + wide, at.y + ImGui::GetFrameHeight()}, true);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopClipRect();
+  if (viewer.message_is_error()) ImGui::PopStyleColor();
+  if (!fits && ImGui::IsItemHovered() && ImGui::GetMousePos().x < at.x + wide) ImGui::SetTooltip("%s", text.c_str());
+}
+
+}  // namespace
+
+void status_bar(Viewer& viewer) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float bar = ImGui::GetFrameHeight(), padding = ImGui::GetStyle().WindowPadding.x;
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {padding, ImGui::GetStyle().FramePadding.y});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1.0f, 1.0f});
+  begin_fixed("##status", 0.0f, size.y - bar, size.x, bar, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
+  const ImVec2 begin = ImGui::GetCursorPos();
+  float wide = size.x - 2.0f * padding;
+  if (viewer.session()) {
+    ImGui::Dummy({0.0f, 0.0f});
+    wide = fields({cursor_field(viewer),
+                   selection_field(*viewer.session()),
+                   mode_field(viewer),
+                   {viewer.lengths().unit(), "units: View, Units"}}) -
+           padding;
+  }
+  ImGui::SetCursorPos(begin);
+  message(viewer, std::max(0.0f, wide));
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+}
+
+}  // namespace sightline::apps
