@@ -26,7 +26,7 @@ std::string length_text(double metres) {
 }
 
 std::string LengthFormat::number(double metres) const {
-  const double value = units == Units::kMillimetres ? 1e3 * metres : units == Units::kFeet ? metres / 0.3048 : metres;
+  const double value = metres * per_metre();
   char text[400];
   std::snprintf(text, sizeof text, "%.*f", decimals == kTrimmed ? 6 : decimals, std::abs(value));
   std::string digits = text;
@@ -37,6 +37,10 @@ std::string LengthFormat::number(double metres) const {
   for (std::ptrdiff_t at = std::ptrdiff_t(point) - 3; at > 0; at -= 3) grouped_digits.insert(std::size_t(at), ",");
   const bool zero = digits.find_first_not_of("0.") == std::string::npos;  // no -0
   return (value < 0.0 && !zero ? "-" : "") + grouped_digits + digits.substr(point);
+}
+
+double LengthFormat::per_metre() const {
+  return units == Units::kMillimetres ? 1e3 : units == Units::kFeet ? 1.0 / 0.3048 : 1.0;
 }
 
 std::string LengthFormat::text(double metres) const {

@@ -24,6 +24,7 @@ struct LengthFormat {
   std::string number(double metres) const;           ///< 12,346
   std::string text(double metres) const;             ///< 12,346 mm
   std::string text(const core::dvec3& place) const;  ///< three numbers, without the unit
+  double per_metre() const;
   const char* unit() const { return kUnitsNames[int(units)]; }
 };
 

@@ -114,6 +114,11 @@ Done section_here(Viewer& viewer, const std::string&) {
   return cut_at(viewer, viewer.under_cursor());
 }
 
+template <int kAxis>
+Done cut_across(Viewer& viewer, const std::string&) {
+  return cut_middle(viewer, kAxis);
+}
+
 Done section_at(Viewer& viewer, const std::string&) {
   return cut_at(viewer, viewer.context_face());
 }
@@ -372,6 +377,12 @@ const Command kSection[] = {
      without_face},
     {"section-here", nullptr, "", GLFW_KEY_X, 0, "X", "cut away what lies in front of the face under the cursor",
      section_here},
+    {"section-z", "Section/Through the middle", "Horizontal", 0, 0, "", "cut away the upper half of the model",
+     cut_across<2>},
+    {"section-x", "Section/Through the middle", "Across X", 0, 0, "",
+     "cut away the eastern half of the model, where X is larger", cut_across<0>},
+    {"section-y", "Section/Through the middle", "Across Y", 0, 0, "",
+     "cut away the northern half of the model, where Y is larger", cut_across<1>},
     {"section-box", "Section", "Box around the selection", GLFW_KEY_B, 0, "B",
      "cut away what lies outside the box around what is selected, or around the model", section_box, nullptr,
      without_model, icons::kBox},

@@ -15,7 +15,7 @@ namespace sightline::apps {
 namespace {
 
 constexpr float kTreeWidth = 19.0f, kSideWidth = 21.0f, kLeastWidth = 8.0f;  // in lines of text
-constexpr float kTreeShare = 0.27f, kSideShare = 0.3f, kMostShare = 0.45f;   // of the window
+constexpr float kTreeShare = 0.27f, kSideShare = 0.33f, kMostShare = 0.45f;  // of the window
 constexpr float kGrip = 0.4f;                                                // lines, of an edge that can be dragged
 
 float bar_height() {
@@ -68,7 +68,7 @@ void side_panel(Viewer& viewer) {
   const Margins m = margins(viewer);
   begin_fixed("##side", size.x - float(m.right), float(m.top), float(m.right), size.y - float(m.top + m.bottom),
               ImGuiWindowFlags_NoTitleBar);
-  if (viewer.session() && ImGui::BeginTabBar("##tabs", ImGuiTabBarFlags_FittingPolicyScroll)) {
+  if (viewer.session() && ImGui::BeginTabBar("##tabs", ImGuiTabBarFlags_FittingPolicyResizeDown)) {
     static const ChangeList* known = nullptr;
     const ChangeList* changes = viewer.session()->changes();
     if (std::exchange(known, changes) != changes && changes) viewer.shown.tab = "Compare";

@@ -30,6 +30,16 @@ core::Expected<void> cut_at(Viewer& viewer, const core::Expected<std::optional<e
   return {};
 }
 
+core::Expected<void> cut_middle(Viewer& viewer, int axis) {
+  Sections& sections = viewer.session()->sections();
+  const core::AabbD& bounds = viewer.session()->bounds().bounds;
+  if (bounds.empty()) return core::fail("the model is empty");
+  if (!sections.add_middle(axis, bounds)) return core::fail("there are eight sections: take one away first");
+  sections.select(sections.all().size() - 1);
+  viewer.shown.tab = "Sections";
+  return {};
+}
+
 core::Expected<void> select_section(Viewer& viewer, const std::string& number) {
   Sections& sections = viewer.session()->sections();
   if (number == "0") return sections.select(std::nullopt), core::Expected<void>();

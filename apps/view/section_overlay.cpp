@@ -1,6 +1,7 @@
 // Draws the handles of sections over the image.
 #include <imgui.h>
 
+#include "sightline/apps/view/overlay.h"
 #include "sightline/apps/view/panels.h"
 
 namespace sightline::apps {
@@ -70,10 +71,25 @@ class Pen {
   ImU32 rim_ = ImGui::GetColorU32(kRim);
 };
 
+void box_edges(const Session& session, const Part& part) {
+  const auto sides = session.sections().box();
+  const auto view = session.view();
+  if (!sides || !view) return;
+  const std::array<core::dvec3, 8> corners = box_corners(session.sections(), *sides);
+  Overlay overlay(*view, part);
+  for (const bool rim : {true, false})
+    for (std::size_t corner = 0; corner < corners.size(); ++corner)
+      for (std::size_t axis = 1; axis < corners.size(); axis *= 2)
+        if ((corner & axis) == 0)
+          overlay.line(corners[corner], corners[corner | axis], ImGui::GetColorU32(rim ? kRim : kColour),
+                       rim ? 3.5f : 1.5f);
+}
+
 }  // namespace
 
 void section_overlay(Viewer& viewer, const apps::Part& part) {
   if (!viewer.shows_section_handles()) return;
+  box_edges(*viewer.session(), part);
   const core::dvec2 corner(part.x, double(ImGui::GetIO().DisplaySize.y) - part.y - part.height);
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.PushClipRect({float(corner.x), float(corner.y)}, {float(corner.x + part.width), float(corner.y + part.height)});

@@ -67,6 +67,62 @@ void Sections::box(const core::AabbD& bounds) {
   }
 }
 
+bool Sections::add_middle(int axis, const core::AabbD& bounds) {
+  core::dvec3 normal(0.0);
+  normal[axis] = 1.0;
+  return add(bounds.centre(), normal);
+}
+
+std::optional<std::array<std::size_t, 6>> Sections::box() const {
+  constexpr double kSame = 1e-9;
+  std::array<std::size_t, 6> sides{};
+  std::size_t found = 0;
+  std::vector<bool> used(sections_.size(), false);
+  const auto right_angle = [&](std::size_t i) {
+    for (std::size_t k = 0; k < found; k += 2)
+      if (std::abs(glm::dot(sections_[i].normal, sections_[sides[k]].normal)) > kSame) return false;
+    return true;
+  };
+  for (std::size_t i = 0; i < sections_.size() && found < kBoxSides; ++i)
+    for (std::size_t j = i + 1; j < sections_.size() && !used[i] && found < kBoxSides; ++j) {
+      if (used[j] || glm::length(sections_[i].normal + sections_[j].normal) > kSame || !right_angle(i)) continue;
+      const core::dvec3& n = sections_[i].normal;
+      const bool upper = n.x + n.y + n.z > 0.0;
+      sides[found++] = upper ? i : j;
+      sides[found++] = upper ? j : i;
+      used[i] = used[j] = true;
+    }
+  return found == kBoxSides ? std::optional(sides) : std::nullopt;
+}
+
+std::array<core::dvec3, 8> box_corners(const Sections& sections, const std::array<std::size_t, 6>& sides) {
+  std::array<core::dvec3, 8> corners{};
+  for (std::size_t corner = 0; corner < corners.size(); ++corner)
+    for (std::size_t pair = 0; pair < 3; ++pair) {
+      const Sections::Section &upper = sections.all()[sides[2 * pair]], &lower = sections.all()[sides[2 * pair + 1]];
+      const Sections::Section& side = (corner >> pair & 1) != 0 ? upper : lower;
+      corners[corner] += glm::dot(upper.normal, side.place()) * upper.normal;
+    }
+  return corners;
+}
+
+std::optional<int> section_axis(const Sections::Section& section) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(section.normal[axis]) > 1.0 - 1e-12) return axis;
+  return std::nullopt;
+}
+
+std::string section_words(const Sections::Section& section, const core::dvec3& origin, const LengthFormat& lengths) {
+  constexpr const char* kKeeps[3][2] = {
+      {"west of X ", "east of X "}, {"south of Y ", "north of Y "}, {"below elevation ", "above elevation "}};
+  if (const auto axis = section_axis(section))
+    return kKeeps[*axis][section.normal[*axis] < 0.0] + lengths.text((section.place() - origin)[*axis]);
+  const double slope = glm::degrees(std::asin(std::min(1.0, std::abs(section.normal.z))));
+  return std::abs(section.normal.z) < 1e-9
+             ? "behind an upright plane, askew"
+             : "behind a plane, " + std::to_string(int(std::lround(90.0 - slope))) + "° steep";
+}
+
 void Sections::set(std::span<const core::Plane> planes, const core::AabbD& bounds) {
   clear();
   std::vector<core::Plane> good;

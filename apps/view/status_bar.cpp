@@ -18,10 +18,11 @@ struct Field {
   std::string text, tip;
 };
 
-Field cursor_field(const Viewer& viewer) {
-  const auto& at = viewer.cursor_point();
+Field cursor_field(Viewer& viewer) {
+  auto at = viewer.cursor_point();
   if (!at) return {};
   const LengthFormat lengths = viewer.lengths();
+  *at -= viewer.session()->offset();
   std::string text;
   for (int axis = 0; axis < 3; ++axis)
     text += std::string(axis > 0 ? "  " : "") + "XYZ"[axis] + " " + lengths.number((*at)[axis]);

@@ -183,6 +183,7 @@ Json Viewer::state() const {
         const core::dvec2 at = handle.at - in_image({0.0, 0.0});
         json["section_list"][one.section]["handles"][SectionGizmo::name_of(handle.part)] = {at.x, at.y};
       }
+  json["section_box"] = sections.box().has_value();
   json["section_selected"] = sections.selected() ? *sections.selected() + 1 : 0;
   json.update({{"items", session_->scene().item_count()},
                {"recognition", recognition_json(session_->model().report.recognition)},

@@ -1,6 +1,7 @@
 #include "sightline/apps/view/widgets.h"
 
 #include <algorithm>
+#include <sstream>
 
 namespace sightline::apps {
 
@@ -25,14 +26,40 @@ void begin_dialog(Viewer& viewer, const char* name, float lines_wide) {
   if (!open) viewer.shown.dialog = Dialog::kNone;
 }
 
+void wrapped_text(const std::string& text) {
+  const float wide = ImGui::GetContentRegionAvail().x;
+  const auto fits = [wide](const std::string& line) { return ImGui::CalcTextSize(line.c_str()).x <= wide; };
+  std::string lines, line;
+  bool words_fit = true;
+  std::istringstream in(unbroken(text));
+  for (std::string paragraph; std::getline(in, paragraph); line.clear()) {
+    if (!lines.empty()) lines += '\n';
+    for (std::size_t at = 0; at <= paragraph.size();) {
+      const std::size_t space = std::min(paragraph.find(' ', at), paragraph.size());
+      const std::string word = paragraph.substr(at, space - at);
+      words_fit = words_fit && fits(word);
+      if (at > 0 && !fits(line + " " + word)) {
+        lines += line + '\n';
+        line = word;
+      } else {
+        line += (at > 0 ? " " : "") + word;
+      }
+      at = space + 1;
+    }
+    lines += line;
+  }
+  // A single word that is too long, such as a path, ends lines anywhere.
+  ImGui::PushTextWrapPos(words_fit ? -1.0f : 0.0f);
+  ImGui::TextUnformatted(lines.c_str());
+  ImGui::PopTextWrapPos();
+}
+
 void row(const char* name, const std::string& value) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
   ImGui::TextUnformatted(name);
   ImGui::TableNextColumn();
-  ImGui::PushTextWrapPos(0.0f);
-  ImGui::TextUnformatted(unbroken(value).c_str());
-  ImGui::PopTextWrapPos();
+  wrapped_text(value);
 }
 
 bool begin_rows(const char* name) {
@@ -72,6 +99,20 @@ void command_item(Viewer& viewer, const Command& command) {
   const bool possible = !command.obstacle_now(viewer), on = possible && command.on && command.on(viewer);
   if (ImGui::MenuItem(command.title, command.keys, on, possible)) run(viewer, command);
   if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) command_tip(viewer, command, false);
+}
+
+void command_button(Viewer& viewer, const Command& command, float right) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float wide = ImGui::CalcTextSize(command.title).x + 2.0f * style.FramePadding.x;
+  const bool possible = !command.obstacle_now(viewer), on = possible && command.on && command.on(viewer);
+  if (ImGui::GetCursorScreenPos().x + wide > right) ImGui::NewLine();
+  ImGui::BeginDisabled(!possible);
+  if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+  if (ImGui::Button(command.title)) run(viewer, command);
+  if (on) ImGui::PopStyleColor();
+  ImGui::EndDisabled();
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) command_tip(viewer, command, true);
+  ImGui::SameLine();
 }
 
 void run(Viewer& viewer, const Command& command) {

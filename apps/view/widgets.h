@@ -18,6 +18,10 @@ void begin_centred(const char* name, bool* open, float lines_wide, float at_heig
 
 void begin_dialog(Viewer& viewer, const char* name, float lines_wide);
 
+/// A text that is wrapped between words alone. ImGui's TextWrapped() ends lines within numbers, too, after points and
+/// commas.
+void wrapped_text(const std::string& text);
+
 /// A table of names and values; ImGui::EndTable() ends it where this is true.
 bool begin_rows(const char* name);
 void row(const char* name, const std::string& value);
@@ -26,6 +30,8 @@ void row(const char* name, const std::string& value);
 void run(Viewer& viewer, const Command& command);
 /// The command as an entry of a menu, grey where it is impossible, with its tooltip.
 void command_item(Viewer& viewer, const Command& command);
+/// The command as a button, on the same line as the one before if it ends before `right`, a place of the screen.
+void command_button(Viewer& viewer, const Command& command, float right);
 /// What the command does, or what keeps it from it; with its title and key where these are not beside it.
 void command_tip(Viewer& viewer, const Command& command, bool titled);
 

@@ -92,7 +92,24 @@ TEST_F(ViewScript, SectionsHaveCommands) {
   }
 }
 
-/// What the viewer saved, other tools draw, and the viewer shows again.
+/// Through the middle, with the lower half kept; the edges of a box show in the image, as one entry in the tab.
+TEST_F(ViewScript, SectionsGoThroughTheMiddle) {
+  const std::string plain = path("plain.png"), edges = path("edges.png");
+  const Args args{boxes(), "--size", "900x600", "--scale", "1"};
+  expect_driven(
+      "section-z\nexpect /section_list/0/at/2 = 0\nexpect /section_list/0/normal/2 = 1\nexpect /section_selected = 1\n"
+      "section-x\nsection-y\nexpect /sections = 3\nexpect /section_list/2/at/1 = 5\n"
+      "section-clear\nsection-box\nexpect /section_box = true\nsection-remove 2\nexpect /section_box = false\n",
+      args);
+  const auto orange = [](const Image& image) {
+    int count = 0;
+    for (std::size_t i = 0; i < image.rgb.size(); i += 3)
+      count += image.rgb[i] > 230 && image.rgb[i + 1] > 130 && image.rgb[i + 1] < 190 && image.rgb[i + 2] < 80;
+    return count;
+  };
+  expect_driven("fit\nsection-box\nwindow-shot " + edges + "\nsection-remove 6\nwindow-shot " + plain + "\n", args);
+  EXPECT_GT(orange(read_png(edges)), orange(read_png(plain)) + 500);
+}
 
 }  // namespace
 }  // namespace sightline::tests::view_sections_test

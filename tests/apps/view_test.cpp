@@ -391,8 +391,8 @@ TEST_F(ViewScript, HoveringLeavesTheImage) {
 TEST_F(ViewScript, PanelsAreAsWideAsOneDragsThem) {
   const std::string settings = path("settings.json");
   expect_driven(
-      "expect /image/width = 387\ndrag 241 300 148 300\nexpect /image/width = 480\n"
-      "drag 632 300 602 290\nexpect /image/width = 450\n"
+      "expect /image/width = 360\ndrag 241 300 148 300\nexpect /image/width = 453\n"
+      "drag 605 300 602 290\nexpect /image/width = 450\n"
       "drag 602 300 12 300\nexpect /image/width = 345\ndrag 148 200 1 200\nexpect /image/width = 375\n",
       {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
   expect_driven("expect /image/width = 375\n",

@@ -93,5 +93,46 @@ TEST(SectionsTest, TheSelectedOneStaysSelected) {
   EXPECT_FALSE(sections.selected());
 }
 
+TEST(SectionsTest, SayWhatTheyKeep) {
+  const LengthFormat lengths{Units::kMillimetres, 0};
+  const auto words = [&](const core::dvec3& point, const core::dvec3& out, const core::dvec3& origin = {}) {
+    return section_words({point, glm::normalize(out)}, origin, lengths);
+  };
+  EXPECT_EQ(words({1, 2, 12.3}, {0, 0, 1}), "below elevation 12,300 mm");
+  EXPECT_EQ(words({1, 2, 12.3}, {0, 0, -2}), "above elevation 12,300 mm");
+  EXPECT_EQ(words({-1, 2, 3}, {1, 0, 0}), "west of X -1,000 mm");
+  EXPECT_EQ(words({-1, 2, 3}, {0, -1, 0}, {0, 1, 0}), "north of Y 1,000 mm");
+  EXPECT_EQ(words({0, 0, 0}, {1, 1, 0}), "behind an upright plane, askew");
+  EXPECT_EQ(words({0, 0, 0}, {1, 0, 1}), "behind a plane, 45° steep");
+  Sections sections;
+  ASSERT_TRUE(sections.add_middle(2, {{0, 0, 2}, {8, 8, 6}}));
+  EXPECT_EQ(section_words(sections.all()[0], {}, lengths), "below elevation 4,000 mm");
+}
+
+/// A box is found however its sides came about, as long as they are at right angles.
+TEST(SectionsTest, SixOfThemAreABox) {
+  Sections sections;
+  ASSERT_TRUE(sections.add({9, 9, 9}, {1, 1, 1}));
+  EXPECT_FALSE(sections.box());
+  const core::AabbD bounds{{1, 2, 3}, {4, 6, 8}};
+  sections.box(bounds);
+  ASSERT_TRUE(sections.add({0, 0, 5}, {0, 0, 1}));
+  const auto sides = sections.box();
+  ASSERT_TRUE(sides);
+  const auto corners = box_corners(sections, *sides);
+  EXPECT_EQ(corners[0], bounds.min);
+  EXPECT_EQ(corners[7], bounds.max);
+  EXPECT_EQ(corners[1], core::dvec3(4, 2, 3));
+  sections.all()[(*sides)[0]].normal = glm::normalize(core::dvec3(1, 0.1, 0));
+  EXPECT_FALSE(sections.box()) << "one was turned";
+  sections.box(bounds);
+  const std::vector<core::Plane> planes = sections.planes();
+  Sections read;
+  read.set(planes, bounds);
+  EXPECT_TRUE(read.box()) << "out of a view file";
+  read.remove(5);
+  EXPECT_FALSE(read.box());
+}
+
 }  // namespace
 }  // namespace sightline::apps::sections_test
