@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/apps/view/numbers.h"
+#include "sightline/apps/common/numbers.h"
 #include "sightline/core/scene.h"
 
 namespace sightline::apps {

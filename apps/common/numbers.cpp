@@ -39,6 +39,12 @@ std::string LengthFormat::number(double metres) const {
   return (value < 0.0 && !zero ? "-" : "") + grouped_digits + digits.substr(point);
 }
 
+std::string LengthFormat::plain(double metres) const {
+  std::string digits = number(metres);
+  std::erase(digits, ',');
+  return digits;
+}
+
 double LengthFormat::per_metre() const {
   return units == Units::kMillimetres ? 1e3 : units == Units::kFeet ? 1.0 / 0.3048 : 1.0;
 }

@@ -22,6 +22,7 @@ struct LengthFormat {
   static constexpr int kTrimmed = -1;  ///< six without zeros at the end; three for places
 
   std::string number(double metres) const;           ///< 12,346
+  std::string plain(double metres) const;            ///< 12346, for programs
   std::string text(double metres) const;             ///< 12,346 mm
   std::string text(const core::dvec3& place) const;  ///< three numbers, without the unit
   double per_metre() const;

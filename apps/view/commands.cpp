@@ -119,6 +119,21 @@ Done cut_across(Viewer& viewer, const std::string&) {
   return cut_middle(viewer, kAxis);
 }
 
+Done copy_measurements(Viewer& viewer, const std::string&) {
+  const Session& session = *viewer.session();
+  const std::vector<Measurement>& list = session.measuring().list();
+  viewer.set_clipboard(measurement_table(list, session.offset(), viewer.lengths()));
+  viewer.tell("copied: " + std::to_string(list.size()) + " measurements");
+  return {};
+}
+
+Done remove_measurement(Viewer& viewer, const std::string& number) {
+  Measuring& measuring = viewer.session()->measuring();
+  for (std::size_t i = 0; i < measuring.list().size(); ++i)
+    if (number == std::to_string(i + 1)) return measuring.remove(i), Done();
+  return core::fail("there is no measurement " + number + ": there are " + std::to_string(measuring.list().size()));
+}
+
 Done section_at(Viewer& viewer, const std::string&) {
   return cut_at(viewer, viewer.context_face());
 }
@@ -404,9 +419,13 @@ const Command kSection[] = {
 const Command kMeasure[] = {
     {"measure", "Measure", "Set marks", GLFW_KEY_M, 0, "M", "clicks set marks, which snap, and measure between them",
      take_tool<Tool::kMeasure>, has_tool<Tool::kMeasure>, without_model, icons::kMeasure},
-    {"measure-selected", "Measure", "Distance of selected items", 0, 0, "",
+    {"measure-selected", "Measure", "Distance of two selected items", 0, 0, "",
      "the shortest distance of two selected items", measure_selected, nullptr, without_two_items},
-    {"measure-clear", "|Measure", "Clear", 0, 0, "", "take marks and distances away",
+    {"measure-copy", "|Measure", "Copy the list", 0, 0, "",
+     "copy all measurements, a line each, with columns that spreadsheets take apart", copy_measurements, nullptr,
+     without_marks},
+    {"measure-remove", nullptr, "", 0, 0, "", "take a measurement from the list: N", remove_measurement},
+    {"measure-clear", "Measure", "Clear", 0, 0, "", "take marks and distances away",
      [](Viewer& v, const std::string&) -> Done { return v.session()->measuring().clear(), Done(); }, nullptr,
      without_marks},
 };

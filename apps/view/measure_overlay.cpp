@@ -15,7 +15,7 @@ constexpr float kMarkRadius = 5.0f;
 
 void measure_overlay(Viewer& viewer, const Part& part) {
   Session* session = viewer.session();
-  if (!session || (viewer.shown.tool != Tool::kMeasure && !session->measuring().distance())) return;
+  if (!session || (viewer.shown.tool != Tool::kMeasure && session->measuring().list().empty())) return;
   const auto view = session->view();
   if (!view) return;
   Overlay overlay(*view, part);
@@ -29,12 +29,11 @@ void measure_overlay(Viewer& viewer, const Part& part) {
     list.AddText(at, ImGui::GetColorU32({1, 1, 1, 1}), words.c_str());
   };
   const Measuring& measuring = session->measuring();
-  if (const auto& distance = measuring.distance()) {
-    const auto from = screen(distance->from), to = screen(distance->to);
-    overlay.line(distance->from, distance->to, colour, 2.0f);
-    if (from && to) {
-      text({0.5f * (from->x + to->x) + 8.0f, 0.5f * (from->y + to->y)}, viewer.lengths().text(distance->distance));
-    }
+  for (const Measurement& one : measuring.list()) {
+    const auto from = screen(one.from), to = screen(one.to);
+    overlay.line(one.from, one.to, colour, 2.0f);
+    if (from && to)
+      text({0.5f * (from->x + to->x) + 8.0f, 0.5f * (from->y + to->y)}, viewer.lengths().text(one.distance()));
   }
   for (const Measuring::Mark& mark : measuring.marks())
     if (const auto at = screen(mark.snap.point)) list.AddCircle(*at, kMarkRadius, colour, 0, 2.0f);

@@ -1,19 +1,52 @@
+#include <optional>
+#include <string>
+
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
 
 namespace sightline::apps {
+namespace {
+
+/// All measurements; a button removes one.
+void measurement_list(Measuring& measuring, const LengthFormat& lengths) {
+  if (!ImGui::BeginTable("##list", 3, ImGuiTableFlags_RowBg)) return;
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
+  std::optional<std::size_t> removed;
+  for (std::size_t i = 0; i < measuring.list().size(); ++i) {
+    const Measurement& one = measuring.list()[i];
+    ImGui::PushID(int(i));
+    ImGui::TableNextColumn();
+    ImGui::Text("%zu", i + 1);
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(unbroken(lengths.text(one.distance())).c_str());
+    if (!one.words.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", one.words.c_str());
+    ImGui::TableNextColumn();
+    if (ImGui::SmallButton("×")) removed = i;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Remove from the list");
+    ImGui::PopID();
+  }
+  ImGui::EndTable();
+  if (removed) measuring.remove(*removed);
+}
+
+}  // namespace
 
 void measure_tab(Viewer& viewer) {
-  Session& session = *viewer.session();
-  const Command& measure = *find_command("measure");
-  bool on = viewer.shown.tool == Tool::kMeasure;
-  if (ImGui::Checkbox(measure.title, &on)) run(viewer, measure);
-  ImGui::TextWrapped("Click on two things. Marks snap to corners, edges, centres and axes.");
-  if (ImGui::Button("Distance of two selected items")) run(viewer, *find_command("measure-selected"));
-  ImGui::SameLine();
-  if (ImGui::Button("Clear")) session.measuring().clear();
+  Measuring& measuring = viewer.session()->measuring();
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  for (const char* name : {"measure", "measure-selected", "measure-copy", "measure-clear"})
+    command_button(viewer, *find_command(name), right);
+  ImGui::NewLine();
+  if (measuring.list().empty() && measuring.marks().empty())
+    wrapped_text("Click on two things. Marks snap to corners, edges, centres and axes.");
+  measurement_list(measuring, viewer.lengths());
+  const auto rows = measuring.rows(viewer.lengths());
+  if (rows.empty()) return;
+  ImGui::Separator();
   if (!begin_rows("measured")) return;
-  for (const auto& [what, value] : session.measuring().rows(viewer.lengths())) row(what.c_str(), value);
+  for (const auto& [what, value] : rows) row(what.c_str(), value);
   ImGui::EndTable();
 }
 

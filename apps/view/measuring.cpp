@@ -1,5 +1,6 @@
 #include "sightline/apps/view/measuring.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <variant>
 
@@ -31,7 +32,38 @@ core::Expected<measure::Item> measured_item(const core::Scene& scene, core::Item
   return measure::Item::create(scene.mesh(scene.mesh_of(item)), world_from_item);
 }
 
+std::string measurement_table(std::span<const Measurement> list, const core::dvec3& origin,
+                              const LengthFormat& lengths) {
+  const std::string unit = lengths.unit();
+  std::string text = "no.\tdistance, " + unit;
+  for (const char* column : {"along x", "along y", "along z", "from x", "from y", "from z", "to x", "to y", "to z"})
+    text += std::string("\t") + column + ", " + unit;
+  text += "\twhat\n";
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Measurement& one = list[i];
+    text += std::to_string(i + 1) + "\t" + lengths.plain(one.distance());
+    for (const core::dvec3& v : {one.to - one.from, one.from - origin, one.to - origin})
+      for (int axis = 0; axis < 3; ++axis) text += "\t" + lengths.plain(v[axis]);
+    text += "\t" + one.words + "\n";
+  }
+  return text;
+}
+
 void Measuring::clear() {
+  list_.clear();
+  forget_last();
+}
+
+void Measuring::merge(std::span<const Measurement> others) {
+  for (const Measurement& other : others)
+    if (std::find(list_.begin(), list_.end(), other) == list_.end()) list_.push_back(other);
+}
+
+void Measuring::drop_mark() {
+  if (marks_.size() == 1) marks_.clear();
+}
+
+void Measuring::forget_last() {
   marks_.clear();
   distance_.reset();
   of_items_ = false;
@@ -44,9 +76,12 @@ core::Expected<void> Measuring::add(const core::Scene& scene, core::ItemId item,
     if (!dimensions) return tl::unexpected(dimensions.error());
     mark.dimensions = std::move(*dimensions);
   }
-  if (of_items_ || marks_.size() == 2) clear();
+  if (of_items_ || marks_.size() == 2) forget_last();
   marks_.push_back(std::move(mark));
-  if (marks_.size() == 2) distance_ = measure::distance(marks_[0].snap.point, marks_[1].snap.point);
+  if (marks_.size() < 2) return {};
+  const measure::Snap &first = marks_[0].snap, &second = marks_[1].snap;
+  distance_ = measure::distance(first.point, second.point);
+  list_.push_back({first.point, second.point, first.words + " to " + second.words});
   return {};
 }
 
@@ -54,9 +89,10 @@ core::Expected<void> Measuring::between(const core::Scene& scene, core::ItemId a
   const auto first = measured_item(scene, a), second = measured_item(scene, b);
   if (!first) return tl::unexpected(first.error());
   if (!second) return tl::unexpected(second.error());
-  clear();
+  forget_last();
   distance_ = measure::distance(*first, *second);
   of_items_ = true;
+  list_.push_back({distance_->from, distance_->to, "shortest distance of two items"});
   return {};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,13 +10,19 @@
 #include "sightline/analysis/measure/distances.h"
 #include "sightline/analysis/measure/item.h"
 #include "sightline/analysis/measure/snap.h"
-#include "sightline/apps/view/numbers.h"
+#include "sightline/apps/common/numbers.h"
+#include "sightline/apps/viewpoints/viewpoint.h"
 #include "sightline/core/scene.h"
 
 namespace sightline::apps {
 
 /// An item of a scene as the measuring library takes it.
 core::Expected<measure::Item> measured_item(const core::Scene& scene, core::ItemId item);
+
+/// A line of text for each, with columns that spreadsheets take apart: number, distance, parts along x, y, z, both
+/// points, words; the first line names them. `origin`: of the coordinates.
+std::string measurement_table(std::span<const Measurement> list, const core::dvec3& origin,
+                              const LengthFormat& lengths);
 
 class Measuring {
  public:
@@ -26,7 +33,7 @@ class Measuring {
   };
   using Row = std::pair<std::string, std::string>;  ///< what, and its value
 
-  void clear();
+  void clear();  ///< with the list
   /// The next of two marks. A third one begins anew.
   core::Expected<void> add(const core::Scene& scene, core::ItemId item, const measure::Snap& snap);
   /// The shortest distance of two items, in place of marks.
@@ -35,10 +42,20 @@ class Measuring {
   const std::vector<Mark>& marks() const { return marks_; }
   /// From the first mark's point to the second's, or the shortest one of two items.
   const std::optional<measure::Distance>& distance() const { return distance_; }
-  /// Everything in words.
+  /// All distances since clear(), but for those that were removed.
+  const std::vector<Measurement>& list() const { return list_; }
+  void remove(std::size_t index) { list_.erase(list_.begin() + std::ptrdiff_t(index)); }
+  /// Adds those that are not in the list.
+  void merge(std::span<const Measurement> others);
+  /// Forgets marks that wait for a second one.
+  void drop_mark();
+  /// The last one in words.
   std::vector<Row> rows(const LengthFormat& lengths = {}) const;
 
  private:
+  void forget_last();
+
+  std::vector<Measurement> list_;
   std::vector<Mark> marks_;
   std::optional<measure::Distance> distance_;
   bool of_items_ = false;

@@ -53,7 +53,7 @@ const char* without_found(Viewer& viewer) {
 const char* without_marks(Viewer& viewer) {
   const auto possible = [](Viewer& v) {
     const Measuring& measuring = v.session()->measuring();
-    return !measuring.marks().empty() || measuring.distance();
+    return !measuring.marks().empty() || !measuring.list().empty();
   };
   return unless(viewer, possible, "nothing is measured");
 }

@@ -259,6 +259,7 @@ Viewpoint Session::viewpoint() const {
   seen.orthographic = camera_.orthographic();
   seen.near = camera_.near();
   seen.sections = sections_.planes();
+  seen.measurements = measuring_.list();
   seen.shown.emplace();
   if (document_.hidden() > 0) seen.shown->hidden = names().name(document_.items_with(Document::kHidden), true);
   if (document_.ghosts() > 0) seen.shown->ghosts = names().name(document_.items_with(Document::kGhost), false);
@@ -281,6 +282,7 @@ core::Expected<std::size_t> Session::show(const Viewpoint& viewpoint) {
   camera_.set_orthographic(there.orthographic);
   if (!there.orthographic && there.near > 0.0) camera_.set_planes(there.near, core::kInfiniteFar);
   sections_.set(there.sections, bounds_.bounds);
+  measuring_.merge(there.measurements);
   if (!there.shown) return 0;
   const Viewpoint::Shown& shown = *there.shown;
   const auto hidden = names().find(shown.hidden), ghosts = names().find(shown.ghosts),

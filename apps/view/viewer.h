@@ -14,7 +14,7 @@
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/loader.h"
 #include "sightline/apps/view/motion_resolution.h"
-#include "sightline/apps/view/numbers.h"
+#include "sightline/apps/common/numbers.h"
 #include "sightline/apps/view/opening_steps.h"
 #include "sightline/apps/view/path_player.h"
 #include "sightline/apps/view/preview.h"
@@ -125,6 +125,7 @@ class Viewer {
   bool walking() const { return walker_.has_value(); }
   /// Motion stays on the floor, and walls stop it; or the camera flies again.
   void set_walking(bool walking);
+  void set_clipboard(const std::string& text) { window_.set_clipboard(text); }
   /// Ends one thing: the topmost menu, else the dialog, a camera path, the tool, walking, or at last the selection.
   void escape();
   void quit() { window_.close(); }

@@ -104,6 +104,7 @@ void Viewer::escape() {
   if (gui_.close_popup()) return;
   if (shown.dialog != Dialog::kNone) return void(shown.dialog = Dialog::kNone);
   if (player_.playing()) return player_.stop();
+  if (shown.tool == Tool::kMeasure && session_) session_->measuring().drop_mark();
   if (shown.tool != Tool::kSelect) return void(shown.tool = Tool::kSelect);
   if (walking()) return set_walking(false);
   if (session_) tell_failure(session_->document().select({}));

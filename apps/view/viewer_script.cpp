@@ -22,7 +22,7 @@ Json vector_json(const core::dvec3& v) {
 }
 
 Json measure_json(const Measuring& measuring) {
-  Json json{{"marks", measuring.marks().size()}, {"rows", Json::object()}};
+  Json json{{"marks", measuring.marks().size()}, {"list", measuring.list().size()}, {"rows", Json::object()}};
   for (const auto& [what, value] : measuring.rows()) json["rows"][what] = value;
   if (measuring.distance()) json["distance"] = measuring.distance()->distance;
   return json;

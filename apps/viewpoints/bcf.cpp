@@ -95,6 +95,16 @@ void add_camera(Node root, const Viewpoint& view) {
     add_text(camera, "FieldOfView", number(glm::degrees(view.fovy)));
 }
 
+void add_lines(Node root, const std::vector<Measurement>& measurements) {
+  if (measurements.empty()) return;
+  Node list = root.append_child("Lines");
+  for (const Measurement& one : measurements) {
+    Node node = list.append_child("Line");
+    add_vector(node, "StartPoint", one.from);
+    add_vector(node, "EndPoint", one.to);
+  }
+}
+
 /// A plane's direction is where it cuts away.
 void add_planes(Node root, const std::vector<core::Plane>& planes) {
   if (planes.empty()) return;
@@ -130,6 +140,7 @@ std::string viewpoint_text(const Viewpoint& view, const std::string& guid) {
   root.append_attribute("Guid") = guid.c_str();
   if (view.shown) add_shown(root, *view.shown);
   add_camera(root, view);
+  add_lines(root, view.measurements);
   add_planes(root, view.sections);
   return text_of(document);
 }
@@ -230,6 +241,16 @@ std::vector<core::Plane> planes_of(const Node& root) {
     planes.push_back({-*direction, glm::dot(*direction, *location)});
   }
   return planes;
+}
+
+/// Without words: BCF has none for its lines.
+std::vector<Measurement> lines_of(const Node& root) {
+  std::vector<Measurement> lines;
+  for (const Node& node : root.child("Lines").children("Line")) {
+    const auto from = vector_of(node.child("StartPoint")), to = vector_of(node.child("EndPoint"));
+    if (from && to) lines.push_back({*from, *to, ""});
+  }
+  return lines;
 }
 
 /// None where it has no name at all.
@@ -355,6 +376,7 @@ core::Expected<bool> Reader::viewpoint(const Node& markup, const std::string& gu
   auto view = camera_of(root);
   if (!view) return false;
   view->sections = planes_of(root);
+  view->measurements = lines_of(root);
   view->shown = shown_of(root);
   view->name = topic.child("Title").text().get();
   view->author = topic.child("CreationAuthor").text().get();

@@ -61,6 +61,8 @@ Json to_json(const Viewpoint& viewpoint) {
   json["near"] = viewpoint.near > 0.0 || viewpoint.orthographic ? viewpoint.near : 1e-3 * distance(pose);
   for (const core::Plane& plane : viewpoint.sections)
     json["sections"].push_back({{"n", to_json(plane.normal)}, {"d", plane.offset}});
+  for (const Measurement& one : viewpoint.measurements)
+    json["measurements"].push_back({{"from", to_json(one.from)}, {"to", to_json(one.to)}, {"words", one.words}});
   for (const auto& [key, text] : kTexts)
     if (!(viewpoint.*text).empty()) json[key] = viewpoint.*text;
   if (viewpoint.shown)
@@ -81,6 +83,21 @@ core::Expected<PartSet> parts_of(const Json& json, const std::string& where) {
                       std::string(names.type_name()));
   for (const Json& name : names) set.parts.push_back(part_of(name.get<std::string>()));
   return set;
+}
+
+core::Expected<std::vector<Measurement>> measurements_of(const Json& json, const std::string& where) {
+  const auto is_place = [](const Json& one, const char* key) {
+    return one.is_object() && one.contains(key) && one[key].is_array() && one[key].size() == 3 &&
+           std::all_of(one[key].begin(), one[key].end(), [](const Json& number) { return number.is_number(); });
+  };
+  std::vector<Measurement> list;
+  for (const Json& one : json.is_array() ? json : Json::array({json})) {
+    if (!is_place(one, "from") || !is_place(one, "to"))
+      return core::fail(where + ": expected an array of {\"from\":[X,Y,Z], \"to\":[X,Y,Z]}");
+    list.push_back({vector_of(one["from"]), vector_of(one["to"]), ""});
+    if (one.contains("words") && one["words"].is_string()) list.back().words = one["words"].get<std::string>();
+  }
+  return list;
 }
 
 /// The camera of a view whose keys are known to be right.
@@ -109,6 +126,11 @@ core::Expected<Viewpoint> viewpoint_of(const Json& json, const std::string& text
     if (!json[key].is_string())
       return core::fail(source + ": /" + key + ": expected a string, found " + json[key].type_name());
     viewpoint.*member = json[key].get<std::string>();
+  }
+  if (json.contains("measurements")) {
+    auto list = measurements_of(json["measurements"], source + ": /measurements");
+    if (!list) return tl::unexpected(list.error());
+    viewpoint.measurements = std::move(*list);
   }
   for (const auto& [key, member] : kParts) {
     if (!json.contains(key)) continue;
@@ -139,6 +161,7 @@ std::string format_viewpoints(std::span<const Viewpoint> viewpoints) {
     Viewpoint first = viewpoints.front();
     for (const auto& [key, text] : kTexts) (first.*text).clear();
     first.shown.reset();
+    first.measurements.clear();
     json = to_json(first);
   }
   json["views"] = Json::array();
@@ -171,6 +194,10 @@ Viewpoint translated(const Viewpoint& viewpoint, const core::dvec3& offset) {
   Viewpoint moved = viewpoint;
   moved.pose.eye += offset;
   moved.pose.target += offset;
+  for (Measurement& one : moved.measurements) {
+    one.from += offset;
+    one.to += offset;
+  }
   for (core::Plane& plane : moved.sections) plane.offset -= glm::dot(plane.normal, offset);
   return moved;
 }

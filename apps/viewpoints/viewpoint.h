@@ -3,6 +3,8 @@
 //
 //   {view …, "name":"…", "comment":"…", "author":"…", "date":"2026-01-31T12:00:00Z", "guid":"…",
 //    "hidden":PARTS, "ghosts":PARTS, "selection":PARTS}
+// and "measurements":[{"from":[X,Y,Z], "to":[X,Y,Z], "words":"…"}].
+//
 //   {first view …, "views":[view, …]}                         a list, which other tools read as its first view
 //
 // PARTS is an array of part names (item_names.h), or {"all_but":[…]}. A view without any of these three keys leaves
@@ -22,12 +24,22 @@
 
 namespace sightline::apps {
 
+/// A distance that was measured, between two points of the world.
+struct Measurement {
+  core::dvec3 from{0.0}, to{0.0};
+  std::string words;  ///< what was measured
+
+  double distance() const { return glm::length(to - from); }
+  friend bool operator==(const Measurement&, const Measurement&) = default;
+};
+
 struct Viewpoint {
   core::Pose pose;
   double fovy = 1.0;  ///< radians; of orthographic views as Camera has it
   bool orthographic = false;
   double near = 0.1;  ///< of perspective views; 0: as the camera has it
   std::vector<core::Plane> sections;
+  std::vector<Measurement> measurements;
   bool has_target = true;  ///< false: the pose's target only tells the direction
 
   struct Shown {

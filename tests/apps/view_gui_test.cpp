@@ -88,6 +88,30 @@ TEST_F(ViewScript, TheToolbarRunsCommands) {
   EXPECT_NE(part(read_png(before), 0, 22, 800, 50), part(read_png(after), 0, 22, 800, 50)) << "pressed";
 }
 
+/// They stay when the next one begins, in views and their files, too; a view adds those that the list lacks.
+TEST_F(ViewScript, MeasurementsAreAList) {
+  const Args args{boxes(), "--size", kSize, "--no-panels"};
+  std::vector<std::string> files{path("views.json")};
+#if SIGHTLINE_HAS_BCF
+  files.push_back(path("views.bcfzip"));
+#endif
+  for (const std::string& file : files) {
+    SCOPED_TRACE(file);
+    expect_driven(
+        "top\nmeasure\nclick 300 360\nclick 100 200\nexpect /measure/list = 1\nclick 300 360\nclick 500 200\n"
+        "expect /measure/list = 2\nclick 300 360\nexpect /measure/marks = 1\npress escape\nexpect /measure/marks = 0\n"
+        "expect /measure/list = 2\nmeasure-copy\nexpect /message = \"copied: 2 measurements\"\n"
+        "view-add\nviews-save " +
+            file +
+            "\nmeasure-remove 1\nexpect /measure/list = 1\nview-show 1\n"
+            "expect /measure/list = 2\nview-show 1\nexpect /measure/list = 2\nmeasure-clear\nexpect /measure/list = "
+            "0\n",
+        args);
+    expect_driven("views-load " + file + "\nview-show 1\nexpect /measure/list = 2\n", args);
+  }
+  EXPECT_NE(drive("measure-remove 1\n", args).code, 0);
+}
+
 /// Kept for the next time, as the tab of what the culler does, which is off at first.
 TEST_F(ViewScript, UnitsAreKept) {
   const Args args{boxes(), "--size", "800x500", "--settings", path("settings.json")};

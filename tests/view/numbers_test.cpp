@@ -1,6 +1,8 @@
-#include "sightline/apps/view/numbers.h"
+#include "sightline/apps/common/numbers.h"
 
 #include <gtest/gtest.h>
+
+#include "sightline/apps/view/measuring.h"
 
 namespace sightline::apps {
 namespace {
@@ -29,6 +31,13 @@ TEST(Numbers, UnitsAreAsChosen) {
 TEST(Numbers, AUnitStaysBesideItsNumber) {
   EXPECT_EQ(unbroken("moved by 1,250 mm"), "moved by 1,250\u00a0mm");
   EXPECT_EQ(unbroken("1  2  3"), "1  2  3") << "between numbers a line may end";
+}
+
+TEST(Numbers, MeasurementsAreATableForSpreadsheets) {
+  const std::vector<Measurement> list{{{1, 2, 3}, {1, 2, 1003}, "corner to edge"}};
+  EXPECT_EQ(measurement_table(list, {1, 0, 0}, {Units::kMetres, 1}),
+            "no.\tdistance, m\talong x, m\talong y, m\talong z, m\tfrom x, m\tfrom y, m\tfrom z, m\tto x, m\tto y, m\t"
+            "to z, m\twhat\n1\t1000.0\t0.0\t0.0\t1000.0\t0.0\t2.0\t3.0\t0.0\t2.0\t1003.0\tcorner to edge\n");
 }
 
 }  // namespace
