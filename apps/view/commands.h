@@ -27,6 +27,8 @@ struct Command {
 };
 
 std::span<const Command> commands();
+/// The name of the menu that a command stands in; empty: in none.
+std::string menu_of(const Command& command);
 /// What a command does, without the arguments that scripts give it.
 std::string help_of(const Command& command);
 const Command* find_command(const std::string& name);

@@ -93,6 +93,14 @@ core::Expected<void> Document::hide(std::span<const core::ItemId> items) {
   }));
 }
 
+core::Expected<void> Document::show(std::span<const core::ItemId> items) {
+  const std::vector<bool> named = marked(items);
+  return step(changes([&](core::ItemId item) {
+    const std::uint8_t flags = flags_[to_index(item)];
+    return named[to_index(item)] ? std::uint8_t(flags & ~(kHidden | kGhost)) : flags;
+  }));
+}
+
 core::Expected<void> Document::isolate(std::span<const core::ItemId> items) {
   const std::vector<bool> named = marked(items);
   return step(changes([&](core::ItemId item) {

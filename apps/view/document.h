@@ -60,6 +60,7 @@ class Document {
   // that cannot be seen are not selected.
   core::Expected<void> select(std::span<const core::ItemId> items, SelectMode mode = SelectMode::kReplace);
   core::Expected<void> hide(std::span<const core::ItemId> items);     ///< hidden items are not selected
+  core::Expected<void> show(std::span<const core::ItemId> items);     ///< neither hidden nor faint
   core::Expected<void> isolate(std::span<const core::ItemId> items);  ///< hides all others
   core::Expected<void> ghost_others(std::span<const core::ItemId> items);
   core::Expected<void> show_all();  ///< without ghosts

@@ -16,7 +16,7 @@ inline constexpr char kCursor[] = "M 4 1 L 4 13 L 7 10.3 L 9 15 L 11 14 L 9 9.5 
 inline constexpr char kEye[] = "M 1 8 L 4 5 L 8 3.5 L 12 5 L 15 8 L 12 11 L 8 12.5 L 4 11 Z D 8 8 2";
 inline constexpr char kEyeCrossed[] =
     "M 1 8 L 4 5 L 8 3.5 L 12 5 L 15 8 L 12 11 L 8 12.5 L 4 11 Z D 8 8 2 M 2 14.5 L 14 1.5";
-inline constexpr char kEyeHalf[] = "M 1 8 L 4 5 L 8 3.5 L 12 5 L 15 8 L 12 11 L 8 12.5 L 4 11 Z C 8 8 2";
+inline constexpr char kEyeHalf[] = "M 1 8 L 4 5 L 8 3.5 L 12 5 L 15 8 D 8 8 2 M 2 13 L 6 13 M 10 13 L 14 13";
 inline constexpr char kEyeClosed[] =
     "M 1 7 L 4 10 L 8 11.5 L 12 10 L 15 7 M 4 10 L 3 12 M 8 11.5 L 8 13.5 M 12 10 L 13 12";
 inline constexpr char kIsolate[] =

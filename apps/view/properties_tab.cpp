@@ -1,15 +1,18 @@
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <string>
-#include <string_view>
 
 #include "sightline/apps/common/item_facts.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/view/model_facts.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
 
 namespace sightline::apps {
 namespace {
+
+constexpr std::size_t kMostWarnings = 100;
 
 void item_properties(const core::Scene& scene, core::ItemId item, const LengthFormat& lengths) {
   if (begin_rows("item")) {
@@ -52,24 +55,58 @@ void selection_properties(const core::Scene& scene, const Document& document) {
   ImGui::EndTable();
 }
 
+/// What is odd, and what readers noticed.
+void model_warnings(Viewer& viewer) {
+  Session& session = *viewer.session();
+  const std::vector<Finding>& found = session.findings();
+  const auto& warnings = session.model().report.warnings;
+  if (found.empty() && warnings.empty()) return;
+  const std::size_t count = found.size() + warnings.size();
+  const std::string title = grouped(std::int64_t(count)) + (count == 1 ? " warning" : " warnings") + "###warnings";
+  if (!ImGui::CollapsingHeader(title.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) return;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    ImGui::PushID(int(i));
+    wrapped_text(found[i].words);
+    if (ImGui::SmallButton("Select them")) {
+      viewer.tell_failure(find_command("select-finding")->run(viewer, std::to_string(i + 1)));
+      viewer.tell_failure(find_command("focus")->run(viewer, ""));
+    }
+    ImGui::PopID();
+  }
+  for (std::size_t i = 0; i < std::min(warnings.size(), kMostWarnings); ++i) {
+    const std::string file = std::filesystem::path(warnings[i].file).filename().string();
+    wrapped_text((file.empty() ? "" : file + ": ") + warnings[i].message);
+  }
+  if (warnings.size() > kMostWarnings) ImGui::TextDisabled("and more; sightline-info lists all");
+}
+
+void model_properties(Viewer& viewer) {
+  Session& session = *viewer.session();
+  if (begin_rows("model")) {
+    for (const Fact& fact : model_facts(viewer.files(), session.scene(), session.bounds().bounds, viewer.lengths()))
+      row(fact.name.c_str(), fact.value);
+    ImGui::EndTable();
+  }
+  if (const auto& recognition = session.model().report.recognition; recognition.meshes > 0)
+    wrapped_text(recognition_words(recognition) + ".");
+  model_warnings(viewer);
+  ImGui::Separator();
+  wrapped_text("Nothing is selected. Click on something, or press F1 for keys and mouse.");
+}
+
 }  // namespace
 
 void properties_tab(Viewer& viewer) {
   Session& session = *viewer.session();
   const auto selection = session.document().selection();
   if (selection.empty()) {
-    ImGui::TextWrapped("Nothing is selected. Click on something, or press F1 for keys and mouse.");
-    if (const auto& recognition = session.model().report.recognition; recognition.meshes > 0)
-      ImGui::TextWrapped("\n%s.", recognition_words(recognition).c_str());
-    return;
+    return model_properties(viewer);
   }
   ImGui::Text("%s item%s selected", grouped(std::int64_t(selection.size())).c_str(), selection.size() == 1 ? "" : "s");
-  for (const char* name : {"hide", "isolate", "ghost-others", "focus"}) {
-    const Command& command = *find_command(name);
-    if (std::string_view(name) != "hide") ImGui::SameLine();
-    if (ImGui::SmallButton(command.title)) run(viewer, command);
-    if (std::string_view(name) == "isolate") ImGui::NewLine();
-  }
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  for (const char* name : {"hide", "isolate", "ghost-others", "focus"})
+    command_button(viewer, *find_command(name), right);
+  ImGui::NewLine();
   ImGui::Separator();
   if (selection.size() == 1) {
     if (session.changes()) item_changes(*session.changes(), session.scene(), selection[0]);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/apps/view/numbers.h"
+#include "sightline/apps/common/numbers.h"
 #include "sightline/core/aabb.h"
 #include "sightline/core/view.h"
 

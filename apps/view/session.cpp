@@ -252,6 +252,24 @@ const ItemNames& Session::names() const {
   return *names_;
 }
 
+const TreeStates& Session::tree_states() {
+  tree_states_.follow(tree_.rows(), scene(), document_);
+  return tree_states_;
+}
+
+const std::vector<Finding>& Session::findings() {
+  if (!findings_) findings_ = sightline::apps::findings(scene(), bounds_);
+  return *findings_;
+}
+
+core::Expected<void> Session::toggle_part(const PartName& part) {
+  const auto found = names().find({false, {part}});
+  if (found.items.empty()) return core::fail("the model has no items below \"" + to_text(part) + "\"");
+  const auto hidden = [this](core::ItemId item) { return document_.is(item, Document::kHidden); };
+  return std::all_of(found.items.begin(), found.items.end(), hidden) ? document_.show(found.items)
+                                                                     : document_.hide(found.items);
+}
+
 Viewpoint Session::viewpoint() const {
   Viewpoint seen;
   seen.pose = camera_.pose();
@@ -299,6 +317,7 @@ core::Expected<void> Session::edit_scene(const std::function<core::Expected<void
   document_.follow_scene();
   tree_.follow_scene();
   names_.reset();
+  findings_.reset();
   bounds_ = engine_.snapshot().bounds().fitted_bounds();
   changed();
   return done ? committed : done;

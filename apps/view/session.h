@@ -13,9 +13,11 @@
 #include "sightline/apps/view/document.h"
 #include "sightline/apps/view/frozen_camera.h"
 #include "sightline/apps/view/measuring.h"
+#include "sightline/apps/view/model_facts.h"
 #include "sightline/apps/view/model_tree.h"
 #include "sightline/apps/view/resting_image.h"
 #include "sightline/apps/view/sections.h"
+#include "sightline/apps/view/tree_states.h"
 #include "sightline/apps/viewpoints/item_names.h"
 #include "sightline/apps/viewpoints/viewpoint.h"
 #include "sightline/engine/engine.h"
@@ -57,6 +59,12 @@ class Session {
   Measuring& measuring() { return measuring_; }
   const Measuring& measuring() const { return measuring_; }
   const core::FittedBounds& bounds() const { return bounds_; }
+  /// Counted anew at the first call after items, or what is hidden, have changed.
+  const TreeStates& tree_states();
+  /// What is odd about the model.
+  const std::vector<Finding>& findings();
+  /// Hides the items of a part, or shows them if all are hidden. Fails where the model has no such part.
+  core::Expected<void> toggle_part(const PartName& part);
 
   /// Looks along a direction, or as the camera does, at all that is shown: Camera::show_all().
   void show_all(const std::optional<core::dvec3>& direction = {});
@@ -168,6 +176,8 @@ class Session {
   engine::Engine engine_;
   Document document_;
   ModelTree tree_;
+  TreeStates tree_states_;
+  std::optional<std::vector<Finding>> findings_;  // made when first asked for
   Measuring measuring_;
   Sections sections_;
   std::unique_ptr<ChangeList> changes_;

@@ -1,6 +1,5 @@
 // The row of buttons below the menu bar: all commands with an icon, in the order of their menus.
 #include <string>
-#include <string_view>
 
 #include <imgui.h>
 
@@ -63,13 +62,11 @@ void toolbar(Viewer& viewer) {
   begin_fixed("##toolbar", 0.0f, ImGui::GetFrameHeight(), wide, toolbar_height(),
               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   const std::span<const Command> all = commands();
-  std::string_view menu;
+  std::string menu;
   bool first = true;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!all[i].icon) continue;
-    std::string_view its = all[i].menu;
-    if (its.starts_with('|')) its.remove_prefix(1);
-    its = its.substr(0, its.find('/'));
+    const std::string its = menu_of(all[i]);
     if (!first) ImGui::SameLine(0.0f, its == menu ? style.ItemSpacing.x : kGapLines * ImGui::GetFontSize());
     first = false;
     menu = its;

@@ -4,6 +4,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "sightline/apps/view/icons.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
 
@@ -59,40 +60,76 @@ void node_menu(Viewer& viewer, core::NodeId node, ModelTree& tree) {
   ImGui::EndPopup();
 }
 
+/// At the right end of a row: shows and hides what is below.
+void eye(Viewer& viewer, const TreeRow& row, const TreeStates::Below& below, float x) {
+  const float side = ImGui::GetTextLineHeight();
+  ImGui::SameLine(x);
+  if (ImGui::InvisibleButton("##eye", {side, side})) {
+    Document& document = viewer.session()->document();
+    const std::vector<core::ItemId> items = document.items_below(row.node);
+    tell_errors(viewer, below.hidden() ? document.show(items) : document.hide(items));
+  }
+  const bool hovered = ImGui::IsItemHovered();
+  const char* icon = below.hidden() ? icons::kEyeClosed : below.partly_hidden() ? icons::kEyeHalf : icons::kEye;
+  const float alpha = hovered || below.shown < below.items ? 1.0f : 0.35f;
+  draw_icon(*ImGui::GetWindowDrawList(), icon, ImGui::GetItemRectMin(), side, ImGui::GetColorU32(ImGuiCol_Text, alpha));
+  if (hovered)
+    ImGui::SetTooltip("%s", below.hidden()          ? "hidden: a click shows it"
+                            : below.partly_hidden() ? "partly hidden: a click hides all"
+                                                    : "a click hides it");
+}
+
+/// The name, shortened from the left, and the number of items below.
+void row_text(const TreeRow& row, const std::string& name, const TreeStates::Below& below, float x, float end) {
+  const ImVec4 match(0.95f, 0.6f, 0.15f, 1.0f), faint = ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled);
+  const std::string count = below.items > 1 ? grouped(below.items) : "";
+  const float count_wide = count.empty() ? 0.0f : ImGui::CalcTextSize(count.c_str()).x + 0.5f * ImGui::GetFontSize();
+  const std::string text = shortened(name, std::max(0.0f, end - x - count_wide));
+  ImGui::SameLine(x);
+  ImGui::TextColored(below.hidden() ? faint
+                     : row.match    ? match
+                                    : ImGui::GetStyleColorVec4(ImGuiCol_Text),
+                     "%s", text.c_str());
+  if (count.empty()) return;
+  ImGui::SameLine(end - ImGui::CalcTextSize(count.c_str()).x);
+  ImGui::TextColored(faint, "%s", count.c_str());
+}
+
 /// Returns whether the row was opened or closed, after which the rows are others.
 bool node_row(Viewer& viewer, const TreeRow& row, ModelTree& tree) {
-  const core::Scene& scene = viewer.session()->scene();
-  const Document& document = viewer.session()->document();
-  const core::ItemId first = scene.first_item(row.node);
-  const bool selected = first != core::kNoItem && document.is(first, Document::kSelected);
-  const bool hidden = first != core::kNoItem && document.is(first, Document::kHidden);
+  Session& session = *viewer.session();
+  const core::ItemId first = session.scene().first_item(row.node);
+  const TreeStates::Below below = session.tree_states().below(tree.rows(), row.node);
+  const float font = ImGui::GetFontSize(), indent = 0.7f * font * float(row.depth),
+              end = ImGui::GetWindowContentRegionMax().x;
   ImGui::PushID(int(row.node.index));
-  ImGui::Indent(0.7f * ImGui::GetFontSize() * float(row.depth) + 0.001f);
-  ImGuiTreeNodeFlags flags =
-      ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_OpenOnArrow | ImGuiTreeNodeFlags_SpanFullWidth;
+  ImGuiTreeNodeFlags flags = ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_OpenOnArrow |
+                             ImGuiTreeNodeFlags_SpanFullWidth | ImGuiTreeNodeFlags_AllowItemOverlap;
   if (!row.has_children) flags |= ImGuiTreeNodeFlags_Leaf;
-  if (selected) flags |= ImGuiTreeNodeFlags_Selected;
+  if (first != core::kNoItem && session.document().is(first, Document::kSelected)) flags |= ImGuiTreeNodeFlags_Selected;
   ImGui::SetNextItemOpen(row.expanded);
-  std::string text = label(scene, row.node);
-  if (row.items > 1) text += "  (" + std::to_string(row.items) + ")";
-  const ImVec4 match(0.95f, 0.6f, 0.15f, 1.0f), faint = ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled);
-  if (row.match || hidden) ImGui::PushStyleColor(ImGuiCol_Text, hidden ? faint : match);
-  const bool open = ImGui::TreeNodeEx("##node", flags, "%s", text.c_str());
-  if (row.match || hidden) ImGui::PopStyleColor();
-  const bool toggled = ImGui::IsItemToggledOpen();
+  ImGui::Indent(indent + 0.001f);
+  const float x = ImGui::GetCursorPosX() + ImGui::GetTreeNodeToLabelSpacing();
+  const bool open = ImGui::TreeNodeEx("##node", flags), toggled = ImGui::IsItemToggledOpen();
+  ImGui::Unindent(indent + 0.001f);
   if (ImGui::IsItemClicked() && !toggled) {
     select_below(viewer, row.node);
     if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) tell_errors(viewer, find_command("focus")->run(viewer, {}));
   }
+  const std::string name = label(session.scene(), row.node);
+  const float name_end = end - 1.4f * font;
+  if (ImGui::IsItemHovered() && ImGui::CalcTextSize(name.c_str()).x > name_end - x - 2.0f * font)
+    ImGui::SetTooltip("%s", name.c_str());
   node_menu(viewer, row.node, tree);
-  ImGui::Unindent(0.7f * ImGui::GetFontSize() * float(row.depth) + 0.001f);
+  row_text(row, name, below, x, name_end);
+  if (below.items > 0) eye(viewer, row, below, end - 1.1f * font);
   ImGui::PopID();
   if (toggled) open ? tree.rows().expand(row.node) : tree.rows().collapse(row.node);
   return toggled;
 }
 
 void rows(Viewer& viewer, ModelTree& tree) {
-  ImGui::BeginChild("##rows", {0.0f, 0.0f}, false, ImGuiWindowFlags_HorizontalScrollbar);
+  ImGui::BeginChild("##rows");
   if (const auto revealed = tree.take_revealed()) {
     const float at = float(*revealed) * ImGui::GetTextLineHeightWithSpacing(), height = ImGui::GetWindowHeight();
     if (at < ImGui::GetScrollY() || at > ImGui::GetScrollY() + 0.9f * height)

@@ -33,6 +33,7 @@ void TreeRows::reset(const core::Scene& scene) {
   (filtered_ ? unfiltered_expanded_ : expanded_).for_each([&](std::size_t i) { expanded.push_back(places_[i].node); });
   const bool root_was_childless = places_.size() <= 1;
 
+  ++resets_;
   copy_tree(scene);
   let_all_through();
   expanded_ = BitSet(places_.size());
@@ -73,6 +74,11 @@ std::uint32_t TreeRows::place_of(NodeId node) const {
   if (node.index >= place_of_.size()) return kNone;
   const std::uint32_t place = place_of_[node.index];
   return place != kNone && places_[place].node == node ? place : kNone;
+}
+
+std::optional<std::pair<std::uint32_t, std::uint32_t>> TreeRows::range(NodeId node) const {
+  const std::uint32_t place = place_of(node);
+  return place == kNone ? std::nullopt : std::optional(std::pair(place, places_[place].end));
 }
 
 bool TreeRows::contains(NodeId node) const {

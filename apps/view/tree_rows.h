@@ -18,6 +18,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sightline/apps/view/bit_set.h"
@@ -67,6 +68,12 @@ class TreeRows {
   void clear_filter();
   bool filtered() const { return filtered_; }
 
+  /// The places of a node and all below it in tree order, whether they have rows or not: the first and the one behind
+  /// the last, both below or equal to place_count(). None if contains() is false.
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> range(core::NodeId node) const;
+  std::size_t place_count() const { return places_.size(); }
+  std::uint64_t resets() const { return resets_; }  ///< calls of reset() so far: places are others after each
+
   std::size_t memory_bytes() const;
 
  private:
@@ -94,6 +101,7 @@ class TreeRows {
   BitSet shown_;                               // places with a row
   std::vector<std::uint32_t> rows_before_{0};  // each group of words of shown_; the last one is the sum
   bool filtered_ = false;
+  std::uint64_t resets_ = 0;
 };
 
 /// What a tree calls a node: its name; else the kind and number of its first item, "Cylinder 12"; else "Group 12" with

@@ -154,6 +154,7 @@ class Viewer {
     float tree_width = 0.0f, side_width = 0.0f;  ///< of the panels, in lines of text; 0: as the window's size suggests
     const char* tab = "";                        ///< of the right panel, that comes to the front next; "": as it is
   } shown;
+  const std::vector<std::string>& files() const { return files_; }  ///< those that are open
   const std::vector<std::string>& recent() const { return now_.recent; }
 
  private:

@@ -199,6 +199,7 @@ Json Viewer::state() const {
                {"cursor", cursor_point_ ? vector_json(*cursor_point_) : Json()},
                {"sections", session_->sections().planes().size()},
                {"measure", measure_json(session_->measuring())},
+               {"findings", session_->findings().size()},
                {"found", session_->tree().match_count()},
                {"rows", session_->tree().rows().row_count()},
                {"undo_steps", document.undo_steps()},

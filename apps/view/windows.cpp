@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <cfloat>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <imgui.h>
@@ -24,34 +27,61 @@ bool path_entry(const Viewer& viewer, std::string& path) {
   return false;
 }
 
-void help_window(Viewer& viewer) {
-  const auto line = [](const char* how, const char* what) {
-    ImGui::TableNextRow();
-    ImGui::TableNextColumn();
-    ImGui::TextWrapped("%s", how);
-    ImGui::TableNextColumn();
-    ImGui::TextWrapped("%s", what);
-  };
-  std::vector<const Command*> keyed;
-  for (const Command& command : commands())
-    if (command.keys[0] != '\0') keyed.push_back(&command);
-  begin_dialog(viewer, "Keys and mouse", 72.0f);
-  const float half = 0.5f * ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x;
-  const std::size_t first = keyed.size() / 3;  // keys take one line each, gestures two
-  for (const bool left : {true, false}) {
-    ImGui::BeginGroup();
-    if (ImGui::BeginTable(left ? "##left" : "##right", 2, ImGuiTableFlags_RowBg, {half, 0.0f})) {
-      ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, 8.5f * ImGui::GetFontSize());
-      ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
-      for (const Gesture& gesture : gestures())
-        if (left) line(gesture.how, gesture.what);
-      for (std::size_t i = left ? 0 : first; i < (left ? first : keyed.size()); ++i)
-        line(keyed[i]->keys, keyed[i]->help);
-      ImGui::EndTable();
-    }
-    ImGui::EndGroup();
-    if (left) ImGui::SameLine();
+/// What is done in the image, then the commands that have keys, by menu.
+struct HelpGroup {
+  std::string title;
+  std::vector<std::pair<std::string, std::string>> lines;  // how, what
+};
+
+std::vector<HelpGroup> help_groups() {
+  std::vector<HelpGroup> groups{{"In the image", {}}};
+  for (const Gesture& gesture : gestures()) groups[0].lines.emplace_back(gesture.how, gesture.what);
+  std::string menu = "File";
+  for (const Command& command : commands()) {
+    if (command.menu) menu = menu_of(command);
+    if (command.keys[0] == '\0') continue;
+    if (groups.back().title != menu) groups.push_back({menu, {}});
+    groups.back().lines.emplace_back(command.keys, help_of(command));
   }
+  return groups;
+}
+
+void help_column(std::span<const HelpGroup> groups) {
+  for (const HelpGroup& group : groups) {
+    ImGui::TextColored(ImGui::GetStyleColorVec4(ImGuiCol_CheckMark), "%s", group.title.c_str());
+    if (!ImGui::BeginTable(group.title.c_str(), 2, ImGuiTableFlags_RowBg)) continue;
+    ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, 8.5f * ImGui::GetFontSize());
+    ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
+    for (const auto& [how, what] : group.lines) {
+      ImGui::TableNextColumn();
+      ImGui::TextWrapped("%s", how.c_str());
+      ImGui::TableNextColumn();
+      ImGui::TextWrapped("%s", what.c_str());
+    }
+    ImGui::EndTable();
+  }
+}
+
+void help_window(Viewer& viewer) {
+  constexpr float kColumnLines = 34.0f;
+  const float font = ImGui::GetFontSize();
+  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  begin_dialog(viewer, "Keys and mouse", 2.0f * kColumnLines + 4.0f);
+  const std::vector<HelpGroup> groups = help_groups();
+  const bool two = ImGui::GetContentRegionAvail().x > 1.6f * kColumnLines * font;
+  std::size_t left = groups.size(), lines = 0, all = 0;
+  for (const HelpGroup& group : groups) all += group.lines.size() + 1;
+  for (std::size_t i = 1; two && i < groups.size() && left == groups.size(); ++i)
+    if ((lines += groups[i - 1].lines.size() + 1) + groups[i].lines.size() > 3 * all / 5) left = i;
+  ImGui::BeginChild("##help", {0.0f, std::min(0.8f * screen.y, (two ? 46.0f : 70.0f) * font)});
+  if (ImGui::BeginTable("##columns", two ? 2 : 1)) {
+    ImGui::TableNextColumn();
+    help_column(std::span(groups).first(left));
+    ImGui::TableNextColumn();
+    if (two) help_column(std::span(groups).subspan(left));
+    ImGui::EndTable();
+  }
+  ImGui::EndChild();
   ImGui::End();
 }
 

@@ -112,12 +112,27 @@ TEST_F(ViewScript, MeasurementsAreAList) {
   EXPECT_NE(drive("measure-remove 1\n", args).code, 0);
 }
 
+/// What a click on an eye of the tree does, and what is odd about a model.
+TEST_F(ViewScript, PartsOfTheTreeAreHiddenAndShown) {
+  const std::string model = write("odd.obj", read_bytes(boxes()) + "o flat\nv 0 0 0\nv 1 1 1\nv 2 2 2\nf 33 34 35\n");
+  const Args args{model, "--size", "800x500", "--scale", "1"};
+  expect_driven(
+      "toggle-part odd.obj/left\nexpect /hidden = 1\ntoggle-part odd.obj/right\nexpect /hidden = 2\n"
+      "toggle-part odd.obj/left\nexpect /hidden = 1\nundo\nexpect /hidden = 2\n",
+      args);
+  EXPECT_NE(drive("toggle-part odd.obj/nothing\n", args).code, 0);
+  EXPECT_NE(drive("select-finding 9\n", args).code, 0);
+  // The eye of the first row, at the right end of the panel.
+  expect_driven("click 199 94\nexpect /hidden > 3\nclick 199 94\nexpect /hidden = 0\nexpect /selection/count = 0\n",
+                args);
+}
+
 /// Kept for the next time, as the tab of what the culler does, which is off at first.
 TEST_F(ViewScript, UnitsAreKept) {
   const Args args{boxes(), "--size", "800x500", "--settings", path("settings.json")};
   expect_driven(
       "expect /units = auto\nexpect /diagnostics = false\nunits-ft\ndiagnostics\nexpect /units = ft\n"
-      "front\nmove 400 262\nexpect /cursor/1 < -0.99\nmove 230 80\nexpect /cursor = null\n",
+      "front\nmove 376 262\nexpect /cursor/1 < -0.99\nmove 230 80\nexpect /cursor = null\n",
       args);
   expect_driven("expect /units = ft\nexpect /diagnostics = true\nunits-auto\n", args);
   expect_driven("expect /units = auto\n", args);
