@@ -28,6 +28,7 @@ void measure_overlay(Viewer& viewer, const Part& part);
 void section_overlay(Viewer& viewer, const Part& part);
 void triad_overlay(Viewer& viewer);
 void status_bar(Viewer& viewer);
+void start_page(Viewer& viewer, const Part& part);  ///< in place of the image while no model is open or read
 void dialog_window(Viewer& viewer);
 void loading_window(Viewer& viewer);  ///< progress, and a button that cancels
 void item_tip(Viewer& viewer, core::ItemId item);

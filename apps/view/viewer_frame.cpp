@@ -48,6 +48,7 @@ core::Expected<void> Viewer::frame(double seconds) {
     side_panel(*this);
     status_bar(*this);
   }
+  if (options_.frames == 0) start_page(*this, viewport());
   context_menu(*this);
   dialog_window(*this);
   if (loader_) loading_window(*this);

@@ -150,7 +150,7 @@ core::Expected<void> Viewer::landed() {
   if (first && !settings_.damage().empty())
     tell(settings_.damage(), true);
   else
-    tell(std::to_string(session_->scene().item_count()) + " items" +
+    tell(grouped(std::int64_t(session_->scene().item_count())) + " items" +
          recognised_items(session_->model().report.recognition));
   return {};
 }

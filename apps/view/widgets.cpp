@@ -57,7 +57,7 @@ void wrapped_text(const std::string& text) {
 void row(const char* name, const std::string& value) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  ImGui::TextUnformatted(name);
+  wrapped_text(name);
   ImGui::TableNextColumn();
   wrapped_text(value);
 }

@@ -127,6 +127,14 @@ TEST_F(ViewScript, PartsOfTheTreeAreHiddenAndShown) {
                 args);
 }
 
+/// While no model is open, a click on a file that was open before opens it again.
+TEST_F(ViewScript, TheStartPageOpensRecentModels) {
+  const Args args{"--size",     "800x600",
+                  "--scale",    "1",
+                  "--settings", write("settings.json", Json({{"recent", {path("gone.obj"), boxes()}}}).dump())};
+  expect_driven("click 260 209\nexpect /model = []\nclick 260 228\nexpect /items = 4\n", args);
+}
+
 /// Kept for the next time, as the tab of what the culler does, which is off at first.
 TEST_F(ViewScript, UnitsAreKept) {
   const Args args{boxes(), "--size", "800x500", "--settings", path("settings.json")};

@@ -578,7 +578,7 @@ TEST_F(ViewScript, ALostContextIsMadeAnew) {
   const std::string before = path("before.png"), after = path("after.png"), model = boxes();
   for (const char* culler : {"cpu", "gpu"}) {
     SCOPED_TRACE(culler);
-    expect_driven("front\nclick 300 200\nmove 300 200\nsection-here\ndrag 300 200 360 230\nsmooth\nscreenshot " +
+    expect_driven("front\nclick 282 214\nmove 282 214\nsection-here\ndrag 300 200 360 230\nsmooth\nscreenshot " +
                       before +
                       "\nlose-context\nexpect /recovered = 1\nexpect /selection/count = 1\nexpect /sections = 1\n"
                       "expect /window/0 = 600\nexpect /window/1 = 400\nscreenshot " +
