@@ -163,7 +163,7 @@ void expect_flips(const std::string& page) {
     EXPECT_EQ(between(frames, "<img ", "/>").size(), buttons.size());
     EXPECT_TRUE(names.insert(between(flip, " name=\"", "\"").at(0)).second);
   }
-  EXPECT_EQ(names.size(), 5u);
+  EXPECT_EQ(names.size(), 6u);
 }
 
 TEST_F(Regress, AChangedModelFailsWithImagesOfIt) {

@@ -96,7 +96,8 @@ class SimulatedCards : public SimulatedGpuTest, public testing::WithParamInterfa
 };
 
 /// On any card and with any CPU the hybrid takes hardly longer than the better of its paths, apart from what its probes
-/// cost and the first frames, in which it knows neither.
+/// cost and the first frames, in which it knows neither. Where one path takes a fifth longer or less, it may stay on
+/// that one for some frames after a probe, which costs next to nothing.
 TEST_P(SimulatedCards, TheHybridTakesTheCheaperPath) {
   constexpr int kFrames = 120, kFirst = 5;
   constexpr CpuModel kCpus[] = {{20e-6, 0.0}, {20e-6, 40e-9}, {20e-6, 400e-9}};
@@ -113,7 +114,7 @@ TEST_P(SimulatedCards, TheHybridTakesTheCheaperPath) {
           << by_cpu.seconds << " s by the CPU, " << by_gpu.seconds << " s by the GPU, " << hybrid.on_gpu << " of "
           << kFrames << " frames";
       const int on_better = by_gpu.seconds < by_cpu.seconds ? hybrid.on_gpu : kFrames - hybrid.on_gpu;
-      if (path == around && std::max(by_cpu.seconds, by_gpu.seconds) > 1.1 * better) {
+      if (path == around && std::max(by_cpu.seconds, by_gpu.seconds) > 1.2 * better) {
         EXPECT_GE(on_better, kFrames - kFirst - int(hybrid.probes));
       }
     }
