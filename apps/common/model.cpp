@@ -173,8 +173,9 @@ core::Expected<Model> load_model(const ModelOptions& options) {
     model.report = std::move(*report);
   }
   if (!options.quiet) print_warnings(model.report.warnings);
-  if (!options.quiet && options.import.up == importers::UpAxis::kZ && leave_up_open(options.files) &&
-      seems_to_have_y_up(*model.scene))
+  model.seems_y_up =
+      options.import.up == importers::UpAxis::kZ && leave_up_open(options.files) && seems_to_have_y_up(*model.scene);
+  if (model.seems_y_up && !options.quiet)
     std::fprintf(stderr, "note: %s seems to have y up; --up y turns it\n", options.files.front().c_str());
   // Only after the import: if an absurd offset moves items out of range, that is an error of the offset, and no item is
   // dropped.
@@ -341,7 +342,8 @@ void add_drawn_options(CommandLine& line, DrawnOptions& options) {
       .add("--lod-error", options.lod_error,
            "Draw meshes coarser, within so many pixels of the exact ones, proven; 0: in full")
       .shows_default()
-      .not_negative();
+      .not_negative()
+      .advanced();
   add_contribution_mode_option(line, "--contribution-mode",
                                "How items are drawn that are below --min-projected-area or beyond --budget",
                                options.contribution_mode);

@@ -17,7 +17,8 @@ class OpeningSteps {
 
   /// `when`: not before the step that it ends. kNone: the model is open, or will not be.
   void enter(OpeningStep step, Clock::time_point when = Clock::now()) {
-    if (step_ != OpeningStep::kNone) seconds_[std::size_t(step_)] += std::chrono::duration<double>(when - since_).count();
+    if (step_ != OpeningStep::kNone)
+      seconds_[std::size_t(step_)] += std::chrono::duration<double>(when - since_).count();
     step_ = step;
     since_ = when;
   }

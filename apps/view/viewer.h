@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/apps/common/numbers.h"
 #include "sightline/apps/view/axis_triad.h"
 #include "sightline/apps/view/culling_overlay.h"
 #include "sightline/apps/view/export.h"
@@ -14,7 +15,6 @@
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/loader.h"
 #include "sightline/apps/view/motion_resolution.h"
-#include "sightline/apps/common/numbers.h"
 #include "sightline/apps/view/opening_steps.h"
 #include "sightline/apps/view/path_player.h"
 #include "sightline/apps/view/preview.h"
@@ -89,6 +89,9 @@ class Viewer {
   core::Expected<void> toggle_recording();
   core::Expected<void> toggle_depth_shading();
   core::Expected<void> toggle_hatching();
+  bool y_is_up() const { return options_.model.import.up == importers::UpAxis::kY; }
+  /// Of files that do not say which axis points up; those that are open are read again.
+  void toggle_up();
   core::Expected<void> toggle_levels();
   /// Of meshes, by levels of detail, while the view moves; 0: none.
   core::Expected<void> set_motion_error(double pixels);

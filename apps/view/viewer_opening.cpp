@@ -59,6 +59,11 @@ void Viewer::open(const std::vector<std::string>& files) {
   tell("reading " + name_of_files(files));
 }
 
+void Viewer::toggle_up() {
+  options_.model.import.up = y_is_up() ? importers::UpAxis::kZ : importers::UpAxis::kY;
+  if (!files_.empty()) open(std::vector(files_));
+}
+
 void Viewer::drop_loading() {
   opening_.enter(OpeningStep::kNone);
   loader_.reset();  // first: its thread uses preview and model
@@ -151,7 +156,8 @@ core::Expected<void> Viewer::landed() {
     tell(settings_.damage(), true);
   else
     tell(grouped(std::int64_t(session_->scene().item_count())) + " items" +
-         recognised_items(session_->model().report.recognition));
+         recognised_items(session_->model().report.recognition) +
+         (session_->model().seems_y_up ? "; y seems to point up: File, Y is up" : ""));
   return {};
 }
 

@@ -164,6 +164,7 @@ Json Viewer::state() const {
             {"units", kUnitsNames[int(shown.units)]},
             {"diagnostics", shown.diagnostics},
             {"recognise", shown.recognise},
+            {"y_up", y_is_up()},
             {"image", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
             {"pause_ms", pause_ms_},

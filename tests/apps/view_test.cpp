@@ -680,6 +680,20 @@ TEST_F(ViewScript, SettingsNameAFolderOfCaches) {
   EXPECT_EQ(count(other), SIGHTLINE_HAS_SLC);
 }
 
+TEST_F(ViewScript, FilesThatDoNotSayMayBeTurned) {
+  const std::string model = write("standing.obj",
+                                  "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 2 0.5\n"
+                                  "f 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n"),
+                    turned = path("turned.png");
+  expect_driven(
+      "expect /y_up = false\nexpect /message = \"1 items; y seems to point up: File, Y is up\"\n"
+      "y-up\nexpect /y_up = true\nexpect /message = \"1 items\"\nscreenshot " +
+          turned + "\n",
+      {model, "--size", "200x150", "--no-panels"});
+  const Outcome same = compare(turned, {model, "--size", "200x150", "--up", "y"});
+  EXPECT_EQ(same.code, 0) << same;
+}
+
 TEST_F(ViewScript, PrimitivesAreRecognisedWhereThatIsSwitchedOn) {
   const std::string model = boxes(),
                     same = "compare " + model + "\nexpect /message = \"nothing has changed since boxes.obj\"\n";
