@@ -31,7 +31,7 @@ TEST_F(Info, TellsWhereYSeemsToPointUp) {
   EXPECT_TRUE(told({standing}));
   EXPECT_FALSE(told({standing, "--up", "y"}));
   EXPECT_FALSE(told({lying}));
-  EXPECT_FALSE(told({plant(100)})) << "RVM files say it";
+  EXPECT_FALSE(told({plant(1000)})) << "RVM files say it";
 }
 
 TEST_F(Info, WritesTheKeysOfTheContract) {

@@ -130,11 +130,11 @@ TEST_F(Trace, RefusesBadOptions) {
     expect_usage_error("trace", {"model.rvm", "--samples", bad}, "--samples");
   for (const char* bad : {"-0.1", "1.1", "nan", "x"})
     expect_usage_error("trace", {"model.rvm", "--adaptive", bad}, "--adaptive");
-  for (const char* bad : {"1,2", "x", "nan,0,0"}) expect_usage_error("trace", {"model.rvm", "--sun", bad}, "--sun");
+  for (const char* bad : {"1,2", "x", "nan,0,0", "0,0,0"})
+    expect_usage_error("trace", {"model.rvm", "--sun", bad}, "--sun");
   expect_usage_error("trace", {"model.rvm", "--shadows"}, "--sun");
   for (const char* bad : {"0x5", "5", "16385x4"}) expect_usage_error("trace", {"model.rvm", "--size", bad}, "--size");
   expect_usage_error("trace", {"model.rvm", "--frame", "1"}, "--path");
-  expect_failure("trace", {model, "--size", "8x8", "--sun", "0,0,0"}, "directions");
   const std::string bad = unwritable("a");
   for (const char* option : {"--out", "--ids", "--depth", "--visible", "--json"})
     expect_failure("trace", {model, "--size", "8x8", option, bad}, bad);

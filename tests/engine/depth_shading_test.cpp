@@ -59,27 +59,49 @@ class Twin {
   double factor(int x, int y, const DepthShading& depth_shading) const {
     static constexpr int kClose[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
     static constexpr int kWide[4][2] = {{5, 2}, {2, 5}, {-2, 5}, {-5, 2}};
-    if (!covered(x, y)) {
-      const bool beside = covered(x + 1, y) || covered(x - 1, y) || covered(x, y + 1) || covered(x, y - 1);
-      return beside ? 1.0 - depth_shading.edge_lines : 1.0;
-    }
+    if (!covered(x, y)) return 1.0 - depth_shading.edge_lines * outline(x, y);
     double line = 0.0, dark = 0.0;
     for (const auto& [dx, dy] : kClose) {
       const double reach = std::hypot(dx, dy);
       const double a = steps(x, y, dx, dy) / reach, b = steps(x, y, -dx, -dy) / reach;
       if (std::min(a, b) <= 12.0) dark += hollow(a + b);
+      double drawn = 0.0;
       if (std::max(a, b) > 12.0 && std::abs(std::min(a, b)) < 4.0)
-        line = 1.0;
-      else if (std::max(std::abs(a), std::abs(b)) < 4.0) {
-        const double t = std::clamp((std::abs(a + b) - 0.7) / 0.7, 0.0, 1.0);
-        line = std::max(line, t * t * (3.0 - 2.0 * t));
-      }
+        drawn = 1.0;
+      else if (std::max(std::abs(a), std::abs(b)) < 4.0)
+        drawn = smooth((std::abs(a + b) - 0.7) / 0.7);
+      line = std::max(line, drawn * alone(x, y, dx, dy, a + b));
     }
     for (const auto& [dx, dy] : kWide) dark += hollow((steps(x, y, dx, dy) + steps(x, y, -dx, -dy)) / 5.4);
     return (1.0 - depth_shading.strength * dark / 8.0) * (1.0 - depth_shading.edge_lines * line);
   }
 
  private:
+  static double smooth(double t) {
+    t = std::clamp(t, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+  }
+  /// Fainter beside what is four pixels wide or less.
+  double outline(int x, int y) const {
+    double drawn = 0.0;
+    for (const auto& [dx, dy] : {std::array{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+      if (covered(x + dx, y + dy)) drawn = std::max(drawn, covered(x + 4 * dx, y + 4 * dy) ? 1.0 : 0.2);
+    return drawn;
+  }
+  /// Fainter where slopes change as much two pixels off.
+  double alone(int x, int y, int dx, int dy, double change) const {
+    double other = 0.0;
+    for (const int side : {-2, 2}) {
+      const int i = x + side * dx, j = y - side * dy;
+      if (outside(i + dx, j - dy) || outside(i - dx, j + dy)) continue;
+      const double here = distance(x, y), middle = distance(i, j), a = distance(i + dx, j - dy),
+                   b = distance(i - dx, j + dy);
+      const double bend = orthographic_ ? 2.0 * middle - a - b : here / a + here / b - 2.0 * here / middle;
+      other = std::max(other, std::abs(bend) / pixel_ / std::hypot(dx, dy));
+    }
+    return 1.0 - 0.8 * smooth((other / std::min(std::abs(change), 24.0) - 0.5) / 0.5);
+  }
+  static bool outside(int i, int j) { return i < 0 || j < 0 || i >= kWidth || j >= kHeight; }
   static double hollow(double sum) { return std::max(0.0, sum) / (1.0 + std::max(0.0, sum)); }
   float at(int x, int y) const {
     return metres_[std::size_t(std::clamp(y, 0, kHeight - 1) * kWidth + std::clamp(x, 0, kWidth - 1))];
@@ -88,7 +110,6 @@ class Twin {
   double distance(int x, int y) const { return covered(x, y) ? double(at(x, y)) : far_; }
   /// Nearer by so many widths of a pixel.
   double steps(int x, int y, int dx, int dy) const {
-    const auto outside = [](int i, int j) { return i < 0 || j < 0 || i >= kWidth || j >= kHeight; };
     if (outside(x + dx, y - dy) || outside(x - dx, y + dy)) return 0.0;
     const double here = distance(x, y), there = distance(x + dx, y - dy);  // rows run down, in GL up
     return orthographic_ ? (here - there) / pixel_ : (here / there - 1.0) / pixel_;
