@@ -7,6 +7,8 @@
 #include <span>
 #include <tuple>
 
+#include "sightline/core/internal/visible_box.h"
+
 namespace sightline::core {
 namespace {
 
@@ -169,13 +171,20 @@ void add_items(Fitting& fitting, const ItemBounds& items, const AabbD& within, s
   }
 }
 
+Fitting fitting_of(const ItemBounds& items, const AabbD& within, const dvec3& direction, double fovy, double aspect,
+                   std::span<const Plane> sections, double filled) {
+  const AabbD box = visible_box(within);
+  Fitting fitting(direction, fovy, aspect, filled, box.centre());
+  add_items(fitting, items, within, sections);
+  if (fitting.empty()) add_items(fitting, items, within);
+  if (fitting.empty() || box.min != within.min) fitting.add(box);  // nothing, or a point
+  return fitting;
+}
+
 Expected<View> fit_items(const ItemBounds& items, const AabbD& within, const dvec3& direction, double fovy,
                          double aspect, double filled) {
   const auto of_box = View::fit(within, direction, fovy, aspect, filled);
-  if (!of_box || within.empty()) return of_box;
-  Fitting fitting(direction, fovy, aspect, filled, within.centre());
-  add_items(fitting, items, within);
-  return fitting.empty() ? of_box : fitting.perspective();
+  return of_box ? fitting_of(items, within, direction, fovy, aspect, {}, filled).perspective() : of_box;
 }
 
 }  // namespace sightline::core

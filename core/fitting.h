@@ -67,6 +67,12 @@ class SIGHTLINE_API Fitting {
 SIGHTLINE_API void add_items(Fitting& fitting, const ItemBounds& items, const AabbD& within,
                              std::span<const Plane> sections = {}, std::uint32_t layers = kDefaultLayerMask);
 
+/// Of what sections keep of the items that lie within a box whole: add_items(). Of all these items where sections keep
+/// nothing, and of the box where none lies within; of a cube where that is empty or a point. So it is never empty. The
+/// arguments must be as fitting_pose() has them.
+SIGHTLINE_API Fitting fitting_of(const ItemBounds& items, const AabbD& within, const dvec3& direction, double fovy,
+                                 double aspect, std::span<const Plane> sections = {}, double filled = kOverviewFilled);
+
 /// View::fit() of the items that lie within a box whole, instead of the box: they are shown as large as possible. Fails
 /// as that does, and is the same where no item lies within.
 SIGHTLINE_API Expected<View> fit_items(const ItemBounds& items, const AabbD& within, const dvec3& direction,

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "sightline/core/fitting.h"
+#include "sightline/core/internal/visible_box.h"
 
 namespace sightline::core {
 namespace {
@@ -32,16 +33,6 @@ Expected<void> check_lens(double fovy, double aspect) {
   if (!(fovy > 0.0 && fovy < std::numbers::pi)) return fail("perspective view: fovy must lie between 0 and pi");
   if (!(aspect > 0.0) || !std::isfinite(aspect)) return fail("perspective view: aspect must be positive");
   return {};
-}
-
-/// `bounds`, or a cube where they are empty or no larger than the rounding of their coordinates.
-AabbD visible_box(const AabbD& bounds) {
-  if (bounds.empty()) return {dvec3(-1.0), dvec3(1.0)};
-  const dvec3 reach = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
-  const double rounding = 1e-12 * std::max({reach.x, reach.y, reach.z});
-  if (glm::length(bounds.size()) > std::max(1e-6, rounding)) return bounds;
-  const dvec3 half(std::max(1.0, rounding));
-  return {bounds.centre() - half, bounds.centre() + half};
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "sightline/importers/internal/unit_or_zero.h"
+
 namespace sightline::importers {
 namespace {
 
@@ -14,11 +16,6 @@ using core::dvec3;
 
 /// Bent edges of regular solids, such as prisms of twelve sides, are to be on one side of a round angle.
 constexpr double kBendRounding = 1e-3;  // radians
-
-dvec3 unit_or_zero(const dvec3& v) {
-  const double length = glm::length(v);
-  return length > 0.0 && std::isfinite(length) ? v / length : dvec3(0.0);
-}
 
 /// Corners by the vertex at which they are: those of vertex v are corners[first[v]] up to corners[first[v + 1]].
 struct CornersOfVertices {

@@ -7,6 +7,7 @@
 
 #include "sightline/core/affine.h"
 #include "sightline/importers/internal/triangulate.h"
+#include "sightline/importers/internal/unit_or_zero.h"
 
 namespace sightline::importers {
 namespace {
@@ -118,17 +119,12 @@ class Centring {
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
       const std::array corners{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
                                mesh.positions[mesh.indices[i + 2]]};
-      const core::vec3 across = unit_or_zero(newell_normal(corners));
+      const core::vec3 across(unit_or_zero(newell_normal(corners)));
       for (std::size_t corner = i; corner < i + 3; ++corner)
         if (bad[mesh.indices[corner]]) mesh.normals[mesh.indices[corner]] += across;
     }
     for (std::size_t i = 0; i < bad.size(); ++i)
-      if (bad[i]) mesh.normals[i] = unit_or_zero(core::dvec3(mesh.normals[i]));
-  }
-
-  static core::vec3 unit_or_zero(const core::dvec3& v) {
-    const double length = glm::length(v);
-    return length > 0.0 && std::isfinite(length) ? core::vec3(v / length) : core::vec3(0.0f);
+      if (bad[i]) mesh.normals[i] = core::vec3(unit_or_zero(core::dvec3(mesh.normals[i])));
   }
 
   const PolygonMesh& from_;

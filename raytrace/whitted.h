@@ -20,7 +20,7 @@ struct Light {
   bool sun = false;         ///< infinitely far away
   core::vec3 colour{1.0f};  ///< at least 0; 1 is as bright as the head-light
 };
-/// The renderer's only light: at the eye, or behind it in orthographic views.
+/// The renderer's light of core::Lighting::kHeadLight: at the eye, or behind it in orthographic views.
 SIGHTLINE_API Light head_light(const core::View& view);
 
 /// How surfaces reflect and refract. Their colour and alpha are the material's.

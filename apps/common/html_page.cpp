@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "sightline/apps/common/markup.h"
+#include "sightline/core/internal/srgb.h"
 
 namespace sightline::apps {
 namespace {
@@ -64,14 +65,14 @@ summary { cursor: pointer; }
 )";
 
 /// The linear luminance of an sRGB colour, 0 to 1 (WCAG 2).
-float luminance(const core::vec3& colour) {
-  const auto linear = [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); };
-  return 0.2126f * linear(colour.r) + 0.7152f * linear(colour.g) + 0.0722f * linear(colour.b);
+double luminance(const core::vec3& colour) {
+  const auto linear = [](float channel) { return core::linear_from_srgb(double(channel)); };
+  return 0.2126 * linear(colour.r) + 0.7152 * linear(colour.g) + 0.0722 * linear(colour.b);
 }
 
 std::string html_of(const Badge& badge) {
   // Whichever of black and white has the greater contrast: they are equal at this luminance.
-  const char* ink = luminance(badge.colour) > 0.179f ? "#000" : "#fff";
+  const char* ink = luminance(badge.colour) > 0.179 ? "#000" : "#fff";
   return "<span class=\"badge\" style=\"background: " + hex_of(badge.colour) + "; color: " + ink + "\">" +
          escaped(badge.text) + "</span>";
 }

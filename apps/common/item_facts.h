@@ -1,4 +1,4 @@
-// What tools tell of an item, in words.
+// This tells what tools say of an item, in words.
 #pragma once
 
 #include <string>

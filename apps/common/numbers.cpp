@@ -6,10 +6,19 @@
 
 namespace sightline::apps {
 
+namespace {
+
+/// Digits with a comma between each three from the end.
+std::string with_commas(std::string digits) {
+  for (int at = int(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), ",");
+  return digits;
+}
+
+}  // namespace
+
 std::string grouped(std::int64_t number) {
-  std::string text = std::to_string(number);
-  for (int at = int(text.size()) - 3; at > (number < 0 ? 1 : 0); at -= 3) text.insert(std::size_t(at), ",");
-  return text;
+  const std::string text = std::to_string(number);
+  return number < 0 ? "-" + with_commas(text.substr(1)) : with_commas(text);
 }
 
 std::string vector_text(const core::dvec3& v) {
@@ -33,10 +42,8 @@ std::string LengthFormat::number(double metres) const {
   if (decimals == kTrimmed) digits.erase(digits.find_last_not_of("0") + 1);
   if (digits.back() == '.') digits.pop_back();
   const std::size_t point = std::min(digits.find('.'), digits.size());
-  std::string grouped_digits = digits.substr(0, point);
-  for (std::ptrdiff_t at = std::ptrdiff_t(point) - 3; at > 0; at -= 3) grouped_digits.insert(std::size_t(at), ",");
   const bool zero = digits.find_first_not_of("0.") == std::string::npos;  // no -0
-  return (value < 0.0 && !zero ? "-" : "") + grouped_digits + digits.substr(point);
+  return (value < 0.0 && !zero ? "-" : "") + with_commas(digits.substr(0, point)) + digits.substr(point);
 }
 
 std::string LengthFormat::plain(double metres) const {

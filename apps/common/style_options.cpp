@@ -3,6 +3,7 @@
 #include <map>
 
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/tree_walk.h"
 
 namespace sightline::apps {
 namespace {
@@ -31,10 +32,7 @@ core::Expected<std::vector<ItemId>> items_of(const core::Scene& scene, const std
   if (!nodes) return tl::unexpected(nodes.error());
   std::vector<bool> below(scene.item_slots());
   for (const core::NodeId top : *nodes)
-    scene.for_each_node(top, [&](core::NodeId node, const auto&...) {
-      for (ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item))
-        below[to_index(item)] = true;
-    });
+    for (const ItemId item : items_below(scene, top)) below[to_index(item)] = true;
   std::vector<ItemId> items;
   for (ItemId item{0}; to_index(item) < below.size(); ++item)
     if (below[to_index(item)] != others && scene.contains_item(item)) items.push_back(item);

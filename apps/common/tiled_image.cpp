@@ -11,21 +11,20 @@
 namespace sightline::apps {
 
 core::Expected<bool> TiledImage::step(engine::Engine& engine) {
-  const std::size_t step = done_ % steps_of_tile(), shifts = wanted_.shifts.size();
   const engine::CroppedTile& tile = tiles_.tiles[done_ / steps_of_tile()];
-  const bool apart = drawn_apart_ && step == 0;
-  const std::size_t number = step - std::size_t(drawn_apart_ && !apart);
-  const auto drawn = read(engine, draw(engine, tile, apart ? core::dvec2(0.0) : wanted_.shifts[number]), step == 0);
+  const bool first = done_ % steps_of_tile() == 0, apart = first && drawn_apart_;
+  const std::size_t number = done_ % steps_of_tile() - std::size_t(drawn_apart_);  // of the shift, unless apart
+  const auto drawn = read(engine, draw(engine, tile, apart ? core::dvec2(0.0) : wanted_.shifts[number]), first);
   if (!drawn) return tl::unexpected(drawn.error());
   covered_ |= drawn->covered;
-  if (step == 0) {
+  if (first) {
     begin_rows(tile);
     if (wanted_.ids) take(tile, drawn->ids.ids, rows_.ids, 1);
     if (wanted_.depth) take(tile, drawn->depth.metres, rows_.metres, 1);
   }
   if (!apart) add(tile, drawn->colours, number);
   ++done_;
-  return !apart && number + 1 == shifts && tile.x1 == tile.tile.width;
+  return !apart && number + 1 == wanted_.shifts.size() && tile.x1 == tile.tile.width;
 }
 
 /// The image of a shift, to the colours of its tile.

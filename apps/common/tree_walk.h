@@ -1,5 +1,9 @@
-// Visits the nodes of a scene in tree order: parents before their children, children in their order.
+// Visits the nodes of a scene in tree order, which has parents before their children and these in their order, and
+// lists the items below a node.
 #pragma once
+
+#include <algorithm>
+#include <vector>
 
 #include "sightline/core/scene.h"
 
@@ -25,6 +29,17 @@ void walk(const core::Scene& scene, Enter&& enter, Leave&& leave) {
     leave(node);
     node = next;
   }
+}
+
+/// The items of a node and of all nodes below it, in rising order.
+inline std::vector<core::ItemId> items_below(const core::Scene& scene, core::NodeId node) {
+  std::vector<core::ItemId> items;
+  scene.for_each_node(node, [&](core::NodeId below, const auto&...) {
+    for (core::ItemId item = scene.first_item(below); item != core::kNoItem; item = scene.next_item(item))
+      items.push_back(item);
+  });
+  std::sort(items.begin(), items.end());
+  return items;
 }
 
 }  // namespace sightline::apps

@@ -36,16 +36,16 @@ bool leave_up_open(std::span<const std::string> files) {
 
 bool seems_to_have_y_up(const core::Scene& scene) {
   constexpr double kBase = 0.03, kLeast = 0.05, kTimes = 3.0;
+  constexpr double kThick = 0.02;  // else it is a sheet
   const core::AabbD box = scene.bounds(scene.root());
   const dvec3 size = box.size();
-  constexpr double kThick = 0.02;  // else it is a sheet
   if (box.empty() || size.y < kThick * std::max(size.x, size.z)) return false;
   dvec3 base(0.0);
   for_each_triangle(scene, [&](const std::array<dvec3, 3>& corners) {
     const dvec3 across = 0.5 * glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     const dvec3 highest = glm::max(corners[0], glm::max(corners[1], corners[2]));
     for (int axis = 1; axis < 3; ++axis)
-      if (highest[axis] <= box.min[axis] + kBase * box.size()[axis]) base[axis] += std::max(0.0, -across[axis]);
+      if (highest[axis] <= box.min[axis] + kBase * size[axis]) base[axis] += std::max(0.0, -across[axis]);
   });
   const double y = base.y / std::max(size.x * size.z, 1e-300), z = base.z / std::max(size.x * size.y, 1e-300);
   return y >= kLeast && y >= kTimes * z;

@@ -107,12 +107,7 @@ std::vector<core::Plane> planes_of(const ViewOptions& options, const core::dvec3
 /// The view of the whole, or of what sections keep of it.
 core::Expected<core::View> fitted_view(const ViewOptions& options, const std::vector<core::Plane>& sections,
                                        const core::ItemBounds& items, const core::AabbD& bounds, double aspect) {
-  const core::dvec3 middle = bounds.empty() ? core::dvec3(0.0) : bounds.centre(),
-                    direction = direction_of(options.from);
-  core::Fitting fitting(direction, kFovy, aspect, core::kOverviewFilled, middle);
-  core::add_items(fitting, items, bounds, sections);
-  if (fitting.empty()) core::add_items(fitting, items, bounds);
-  if (fitting.empty()) return core::View::fit(bounds, direction, kFovy, aspect, core::kOverviewFilled);
+  const core::Fitting fitting = core::fitting_of(items, bounds, direction_of(options.from), kFovy, aspect, sections);
   return options.parallel ? fitting.parallel() : fitting.perspective();
 }
 

@@ -3,8 +3,10 @@
 
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/numbers.h"
+#include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/compare/reports.h"
 #include "sightline/apps/viewpoints/bcf.h"
+#include "sightline/core/internal/sort_unique.h"
 
 namespace sightline::apps {
 namespace {
@@ -25,14 +27,10 @@ std::vector<core::ItemId> items_of(const Compared& c, const Group& group) {
       items.push_back(c.item(group, i).after);
       continue;
     }
-    const core::NodeId node = c.found.nodes[c.groups.members[group.begin + i]].after;
-    scene.for_each_node(node, [&](core::NodeId below, const auto&...) {
-      for (core::ItemId item = scene.first_item(below); item != core::kNoItem; item = scene.next_item(item))
-        items.push_back(item);
-    });
+    const auto below = items_below(scene, c.found.nodes[c.groups.members[group.begin + i]].after);
+    items.insert(items.end(), below.begin(), below.end());
   }
-  std::sort(items.begin(), items.end());
-  items.erase(std::unique(items.begin(), items.end()), items.end());
+  core::sort_unique(items);
   return items;
 }
 

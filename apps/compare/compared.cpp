@@ -54,7 +54,7 @@ std::string moved_text(const Group& group) {
   return distance < 1e-6 ? turned : text + ", " + turned;
 }
 
-/// What all texts are, or none where they differ.
+/// Returns the text that all share, or none where they differ.
 template <class Text>
 std::string common_text(std::size_t count, const Text& text) {
   const std::string first = text(0);

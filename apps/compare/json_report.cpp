@@ -24,7 +24,7 @@ Json item_json(const Compared& c, const Change& change) {
   return out;
 }
 
-/// What differs in a group, as items name it; none of added and removed items.
+/// Names what differs in a group as items name it. Added and removed items have no name.
 std::string difference_name(Way way) {
   switch (way) {
     case Way::kMoved:

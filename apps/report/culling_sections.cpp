@@ -144,7 +144,7 @@ double sum(const std::vector<double>& values) {
 
 // --- frames of the tour ----------------------------------------------------------------------------------------------
 
-/// What draws the tour. The first is the reference of the tests: everything in the view volume is drawn. The fourth is
+/// A way to draw the tour. The first is the reference of the tests: everything in the view volume is drawn. The fourth is
 /// the CPU culler as by default.
 struct Way {
   const char *test, *culler_name;  ///< rows of the two tables; null: in none

@@ -67,7 +67,7 @@ bool has_solids(const core::Snapshot& snapshot) {
   return false;
 }
 
-/// What is compared, and what is not, why.
+/// This is what the report compares, and why it leaves out what it does not.
 struct Plan {
   std::vector<Variant> variants;
   bool solids = false;

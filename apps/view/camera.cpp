@@ -25,7 +25,6 @@ double size_of(const core::AabbD& bounds) {
 
 const core::dvec3 kUp(0.0, 0.0, 1.0);
 constexpr double kFocusFilled = 0.8;
-constexpr double kLeastDiagonal = 1e-3;  // metres
 
 }  // namespace
 
@@ -65,15 +64,9 @@ void Camera::fit(const core::AabbD& bounds, double aspect) {
 
 void Camera::show_all(const core::ItemBounds& items, const core::dvec3& direction, double aspect,
                       std::span<const core::Plane> sections) {
-  const core::AabbD bounds = items.fitted_bounds().bounds;
-  core::Fitting fitting(direction, fovy_, aspect, core::kOverviewFilled,
-                        bounds.empty() ? core::dvec3(0.0) : bounds.centre());
-  core::add_items(fitting, items, bounds, sections);
-  if (fitting.empty()) core::add_items(fitting, items, bounds);
-  if (fitting.empty() || glm::length(bounds.size()) < kLeastDiagonal)
-    pose_ = core::fitting_pose(bounds, direction, fovy_, aspect, core::kOverviewFilled);
-  else
-    pose_ = orthographic_ ? fitting.parallel_pose() : fitting.pose();
+  const core::Fitting fitting =
+      core::fitting_of(items, items.fitted_bounds().bounds, direction, fovy_, aspect, sections);
+  pose_ = orthographic_ ? fitting.parallel_pose() : fitting.pose();
 }
 
 void Camera::fly(const core::dvec3& held, double seconds) {

@@ -8,6 +8,7 @@
 
 #include "sightline/apps/common/change_colours.h"
 #include "sightline/apps/common/numbers.h"
+#include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/view/tree_rows.h"
 
 namespace sightline::apps {
@@ -195,13 +196,7 @@ core::NodeId ChangeList::node(const core::Scene& scene, std::size_t row) const {
 
 std::vector<core::ItemId> ChangeList::items(const core::Scene& scene, std::size_t row) const {
   if (is_item(row)) return {item_of(rows_[row])};
-  std::vector<core::ItemId> items;
-  scene.for_each_node(node(scene, row), [&](core::NodeId below, const auto&...) {
-    for (core::ItemId item = scene.first_item(below); item != core::kNoItem; item = scene.next_item(item))
-      items.push_back(item);
-  });
-  std::sort(items.begin(), items.end());
-  return items;
+  return items_below(scene, node(scene, row));
 }
 
 std::string ChangeList::name(const core::Scene& scene, std::size_t row) const {

@@ -28,10 +28,13 @@ std::span<const Gesture> gestures() {
   return kGestures;
 }
 
-std::string menu_of(const Command& command) {
-  const std::string menu = command.menu ? command.menu : "";
-  const std::size_t begin = menu.starts_with('|') ? 1 : 0;
-  return menu.substr(begin, menu.find('/') - begin);
+MenuPlace::MenuPlace(const Command& command) {
+  std::string_view text = command.menu ? command.menu : "";
+  begins_block = text.starts_with('|');
+  if (begins_block) text.remove_prefix(1);
+  const std::size_t slash = text.find('/');
+  menu = text.substr(0, slash);
+  if (slash != std::string_view::npos) submenu = text.substr(slash + 1);
 }
 
 std::string help_of(const Command& command) {

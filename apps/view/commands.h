@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "sightline/apps/view/obstacles.h"
 #include "sightline/apps/view/viewer.h"
@@ -27,8 +28,13 @@ struct Command {
 };
 
 std::span<const Command> commands();
-/// The name of the menu that a command stands in; empty: in none.
-std::string menu_of(const Command& command);
+/// Where a command stands, out of Command::menu.
+struct MenuPlace {
+  explicit MenuPlace(const Command& command);
+
+  std::string_view menu, submenu;  ///< empty: in none
+  bool begins_block = false;
+};
 /// What a command does, without the arguments that scripts give it.
 std::string help_of(const Command& command);
 const Command* find_command(const std::string& name);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sightline/apps/common/tree_walk.h"
 #include "sightline/core/snapshot.h"
 
 namespace sightline::apps {
@@ -34,13 +35,7 @@ Document::Document(const core::Scene& scene, engine::Engine& engine)
     : scene_(&scene), engine_(&engine), flags_(scene.item_slots()) {}
 
 std::vector<core::ItemId> Document::items_below(core::NodeId node) const {
-  std::vector<core::ItemId> items;
-  scene_->for_each_node(node, [&](core::NodeId below, const auto&...) {
-    for (core::ItemId item = scene_->first_item(below); item != core::kNoItem; item = scene_->next_item(item))
-      items.push_back(item);
-  });
-  std::sort(items.begin(), items.end());
-  return items;
+  return apps::items_below(*scene_, node);
 }
 
 std::vector<core::ItemId> Document::items_with(Flag flag) const {

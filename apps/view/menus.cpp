@@ -12,21 +12,6 @@
 namespace sightline::apps {
 namespace {
 
-/// Where a command stands, out of Command::menu.
-struct MenuPlace {
-  std::string_view menu, submenu;
-  bool begins_block = false;
-
-  explicit MenuPlace(const Command& command) {
-    std::string_view text = command.menu ? command.menu : "";
-    begins_block = text.starts_with('|');
-    if (begins_block) text.remove_prefix(1);
-    const std::size_t slash = text.find('/');
-    menu = text.substr(0, slash);
-    if (slash != std::string_view::npos) submenu = text.substr(slash + 1);
-  }
-};
-
 void recent_files(Viewer& viewer) {
   if (!ImGui::BeginMenu("Open recent", !viewer.recent().empty())) return;
   for (const std::string& file : viewer.recent()) {

@@ -150,16 +150,16 @@ bool Preview::advance(Shown& shown, gl::Context& context, const std::array<int, 
     shown.in_context = used && *used;
     return false;
   }
-  if (shown.size != size && !shown.engine.resize(size[0], size[1])) {
-    failed = true;
-    return false;
+  if (shown.size != size) {
+    const double aspect = double(size[0]) / size[1];
+    Camera camera(shown.bounds.bounds, kFovy, aspect);
+    camera.show_all(shown.engine.snapshot().bounds(), core::kOverviewDirection, aspect);
+    shown.view = camera.view(aspect);
+    failed = !shown.engine.resize(size[0], size[1]);
+    if (failed) return false;
+    shown.size = size;
   }
-  shown.size = size;
-  const double aspect = double(size[0]) / size[1];
-  Camera camera(shown.bounds.bounds, kFovy, aspect);
-  camera.show_all(shown.engine.snapshot().bounds(), core::kOverviewDirection, aspect);
-  const auto view = camera.view(aspect);
-  const auto report = view ? shown.engine.frame(*view) : tl::unexpected(view.error());
+  const auto report = shown.view ? shown.engine.frame(*shown.view) : tl::unexpected(shown.view.error());
   failed = !report || !report->drawn;
   shown.complete = !failed && report->pending == 0;
   return shown.complete;

@@ -57,6 +57,7 @@ class Preview {
     core::FittedBounds bounds;
     bool in_context = false, complete = false;
     std::array<int, 2> size{};
+    core::Expected<core::View> view = core::fail("no size yet");  // of that size
   };
   static bool advance(Shown& shown, gl::Context& context, const std::array<int, 2>& size, bool& failed);
 

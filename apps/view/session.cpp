@@ -39,9 +39,7 @@ Session::Session(Model model, engine::Engine engine, const engine::EngineConfig&
       bounds_(engine_.snapshot().bounds().fitted_bounds()),
       size_{config.width, config.height},
       motion_error_(config.losses.lod_error),
-      camera_(bounds_.bounds, kFovy, aspect()) {
-  show_all(core::kOverviewDirection);
-}
+      camera_(bounds_.bounds, kFovy, aspect()) {}
 
 void Session::show_all(const std::optional<core::dvec3>& direction) {
   const core::ItemBounds& items = engine_.snapshot().bounds();
@@ -66,8 +64,11 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
       uploaded_ = done;
       return false;
     });
-  camera_ = Camera(bounds_.bounds, kFovy, aspect());
-  show_all(core::kOverviewDirection);
+  if (fitted_aspect_ != aspect()) {  // not in each portion: it takes a tenth of a second for a million items
+    fitted_aspect_ = aspect();
+    camera_ = Camera(bounds_.bounds, kFovy, fitted_aspect_);
+    show_all(core::kOverviewDirection);
+  }
   if (const auto drawn = draw(); !drawn) return engine_.drawing() ? drawn : core::Expected<bool>(false);
   if (report_.pending > 0) return false;
   engine::EngineConfig config = engine_.config();

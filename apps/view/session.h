@@ -189,6 +189,7 @@ class Session {
   double default_budget_ms_ = 0.0;
   double motion_error_ = 0.0;
   Camera camera_;
+  double fitted_aspect_ = 0.0;                       // for which begin() has fitted it
   std::vector<std::pair<core::Pose, bool>> places_;  // pose, orthographic
   std::optional<core::View> drawn_;
   std::optional<FrozenCamera> frozen_;

@@ -62,11 +62,11 @@ void toolbar(Viewer& viewer) {
   begin_fixed("##toolbar", 0.0f, ImGui::GetFrameHeight(), wide, toolbar_height(),
               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   const std::span<const Command> all = commands();
-  std::string menu;
+  std::string_view menu;
   bool first = true;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!all[i].icon) continue;
-    const std::string its = menu_of(all[i]);
+    const std::string_view its = MenuPlace(all[i]).menu;
     if (!first) ImGui::SameLine(0.0f, its == menu ? style.ItemSpacing.x : kGapLines * ImGui::GetFontSize());
     first = false;
     menu = its;

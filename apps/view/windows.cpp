@@ -38,7 +38,7 @@ std::vector<HelpGroup> help_groups() {
   for (const Gesture& gesture : gestures()) groups[0].lines.emplace_back(gesture.how, gesture.what);
   std::string menu = "File";
   for (const Command& command : commands()) {
-    if (command.menu) menu = menu_of(command);
+    if (command.menu) menu = MenuPlace(command).menu;
     if (command.keys[0] == '\0') continue;
     if (groups.back().title != menu) groups.push_back({menu, {}});
     groups.back().lines.emplace_back(command.keys, help_of(command));

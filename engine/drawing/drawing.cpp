@@ -290,8 +290,6 @@ void Drawing::configure(const EngineConfig& config) {
   context_.config = config;
   if (context_.scene && context_.renderer && config.losses.lod_error > 0.0)
     context_.mesh_details.want_levels(*context_.scene);
-  for (render::Renderer* renderer : {context_.renderer ? &*context_.renderer : nullptr, upload_.renderer()})
-    if (renderer) give_looks(config.drawing.looks, *renderer);
   images_changed();
 }
 

@@ -2,6 +2,8 @@
 #include "sightline/apps/report/tour.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -31,6 +33,24 @@ core::Scene sparse_scene(float radius) {
   return scene;
 }
 
+/// A scene, and what tours of it need.
+struct Stage {
+  explicit Stage(core::Scene made) : scene(std::move(made)) {
+    EXPECT_TRUE(scene.commit());
+    snapshot.emplace(scene);
+    fitted = snapshot->bounds().fitted_bounds();
+    auto created = raytrace::Tracer::create(*snapshot);
+    EXPECT_TRUE(created);
+    if (created) tracer.emplace(std::move(*created));
+  }
+  core::CameraPath plain_tour() const { return core::make_tour(snapshot->bounds(), fitted); }
+
+  core::Scene scene;
+  std::optional<core::Snapshot> snapshot;
+  core::FittedBounds fitted;
+  std::optional<raytrace::Tracer> tracer;
+};
+
 std::vector<double> shares(const raytrace::Tracer& tracer, const core::CameraPath& path) {
   std::vector<double> shares;
   for (int i = 0; i < kFrames; ++i)
@@ -43,46 +63,34 @@ double least(const std::vector<double>& values) {
 }
 
 TEST(Tour, KeepsTheModelInSight) {
-  core::Scene scene = sparse_scene(1.5f);
-  ASSERT_TRUE(scene.commit());
-  const core::Snapshot snapshot(scene);
-  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
-  const auto tracer = raytrace::Tracer::create(snapshot);
-  ASSERT_TRUE(tracer);
-  const core::CameraPath before = core::make_tour(snapshot.bounds(), fitted);
-  ASSERT_EQ(least(shares(*tracer, before)), 0.0) << "this scene tests nothing";
-  const auto tour = tour_in_sight(*tracer, fitted, kAspect);
+  const Stage stage(sparse_scene(1.5f));
+  ASSERT_TRUE(stage.tracer);
+  const core::CameraPath before = stage.plain_tour();
+  ASSERT_EQ(least(shares(*stage.tracer, before)), 0.0) << "this scene tests nothing";
+  const auto tour = tour_in_sight(*stage.tracer, stage.fitted, kAspect);
   ASSERT_TRUE(tour);
-  EXPECT_GT(least(shares(*tracer, *tour)), 0.0);
+  EXPECT_GT(least(shares(*stage.tracer, *tour)), 0.0);
   EXPECT_DOUBLE_EQ(tour->end(), before.end());
   EXPECT_EQ(tour->near, before.near);
 }
 
 /// Of frames that the tour was right about, nothing changes but for the spacing of keys.
 TEST(Tour, StaysWhereTheModelIsInSight) {
-  core::Scene scene = sparse_scene(12.0f);
-  ASSERT_TRUE(scene.commit());
-  const core::Snapshot snapshot(scene);
-  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
-  const auto tracer = raytrace::Tracer::create(snapshot);
-  ASSERT_TRUE(tracer);
-  const core::CameraPath before = core::make_tour(snapshot.bounds(), fitted);
-  const auto tour = tour_in_sight(*tracer, fitted, kAspect);
+  const Stage stage(sparse_scene(12.0f));
+  ASSERT_TRUE(stage.tracer);
+  const core::CameraPath before = stage.plain_tour();
+  const auto tour = tour_in_sight(*stage.tracer, stage.fitted, kAspect);
   ASSERT_TRUE(tour);
   for (const double time : {0.0, 1.0, 2.0})
     EXPECT_LT(glm::length(tour->sample(time).pose.target - before.sample(time).pose.target), 0.1) << time;
 }
 
 TEST(Tour, OfNothingIsThePlainTour) {
-  core::Scene scene;
-  ASSERT_TRUE(scene.commit());
-  const core::Snapshot snapshot(scene);
-  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
-  const auto tracer = raytrace::Tracer::create(snapshot);
-  ASSERT_TRUE(tracer);
-  const auto tour = tour_in_sight(*tracer, fitted, kAspect);
+  const Stage stage{core::Scene()};
+  ASSERT_TRUE(stage.tracer);
+  const auto tour = tour_in_sight(*stage.tracer, stage.fitted, kAspect);
   ASSERT_TRUE(tour);
-  EXPECT_EQ(tour->keys().size(), core::make_tour(snapshot.bounds(), fitted).keys().size());
+  EXPECT_EQ(tour->keys().size(), stage.plain_tour().keys().size());
 }
 
 /// From inside of an item, its walls are all that is in sight: that is not the model.
@@ -90,12 +98,10 @@ TEST(Tour, AnItemThatFillsTheImageCountsAsNothing) {
   core::Scene scene;
   scene.add_primitive(scene.root(), core::Sphere{10.0f}, core::Affine{});
   scene.add_primitive(scene.root(), core::Sphere{1.0f}, at({30, 0, 0}));
-  ASSERT_TRUE(scene.commit());
-  const core::Snapshot snapshot(scene);
-  const auto tracer = raytrace::Tracer::create(snapshot);
-  ASSERT_TRUE(tracer);
+  const Stage stage(std::move(scene));
+  ASSERT_TRUE(stage.tracer);
   const auto share = [&](const core::dvec3& eye) {
-    return *covered_share(*tracer, *core::View::perspective({eye, {30, 0, 0}, {0, 0, 1}}, 1.0, kAspect, 0.1, 1e3),
+    return *covered_share(*stage.tracer, *core::View::perspective({eye, {30, 0, 0}, {0, 0, 1}}, 1.0, kAspect, 0.1, 1e3),
                           kAspect);
   };
   EXPECT_EQ(share({0, 0, 0}), 0.0) << "inside";

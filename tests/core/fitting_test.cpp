@@ -3,41 +3,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "sightline/tests/core/primitive_samples.h"
+#include "sightline/tests/core/seen_boxes.h"
 
 namespace sightline::core::fitting_test {
 namespace {
 
+using tests::look_at_boxes;
 using tests::Random;
+using tests::Seen;
 using tests::uniform;
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kFilled = 0.9;
-
-/// Where corners lie in the image, -1 to 1 between its borders, and how far ahead of the eye.
-struct Seen {
-  dvec2 low{kInf}, high{-kInf};
-  double nearest = kInf;
-};
-
-Seen look_at(const std::vector<AabbD>& boxes, const View& view) {
-  Seen seen;
-  for (const AabbD& box : boxes)
-    for (int corner = 0; corner < 8; ++corner) {
-      const dvec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                    corner & 4 ? box.max.z : box.min.z);
-      const dvec4 clip = view.clip_from_eye() * (view.eye_from_world() * dvec4(p, 1.0));
-      const dvec2 place = dvec2(clip) / clip.w;
-      seen.low = glm::min(seen.low, place);
-      seen.high = glm::max(seen.high, place);
-      seen.nearest = std::min(seen.nearest, clip.w);
-    }
-  return seen;
-}
 
 /// Two opposite borders of the filled part are touched, and none is crossed.
 void expect_filled(const Seen& seen, double centring) {
@@ -76,10 +56,10 @@ TEST(Fitting, FillsTheImageWithAllBoxes) {
     AabbD all;
     for (const AabbD& box : boxes) fitting.add(box), all.grow(box);
     const View view = fitting.perspective().value();
-    const Seen seen = look_at(boxes, view);
+    const Seen seen = look_at_boxes(boxes, view);
     if (seen.nearest > 0.011 * glm::length(all.size())) expect_filled(seen, 0.02);
     EXPECT_GE(seen.nearest, 0.0099 * glm::length(all.size()));
-    expect_filled(look_at(boxes, fitting.parallel().value()), 1e-6);
+    expect_filled(look_at_boxes(boxes, fitting.parallel().value()), 1e-6);
     // No box about all of them comes nearer.
     const View of_all = View::fit(all, direction, fovy, aspect, kFilled).value();
     const dvec3 forward = glm::normalize(direction);

@@ -7,11 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "sightline/tests/core/primitive_samples.h"
+#include "sightline/tests/core/seen_boxes.h"
 
 namespace sightline::core::view_test {
 namespace {
 
+using tests::look_at_box;
 using tests::Random;
+using tests::Seen;
 using tests::uniform;
 
 constexpr double kPi = std::numbers::pi;
@@ -316,26 +319,6 @@ TEST(View, StartsWithoutSectionsAndOnTheDefaultLayers) {
 }
 
 // --- fitting ---------------------------------------------------------------------------------------------------------
-
-/// Where the corners of a box lie: in the image, -1 to 1 between its borders, and how far ahead of the eye.
-struct Seen {
-  dvec2 low{kInf}, high{-kInf};
-  double nearest = kInf;
-};
-
-Seen look_at_box(const AabbD& box, const View& view) {
-  Seen seen;
-  for (int corner = 0; corner < 8; ++corner) {
-    const dvec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                  corner & 4 ? box.max.z : box.min.z);
-    const dvec4 clip = view.clip_from_eye() * (view.eye_from_world() * dvec4(p, 1.0));
-    const dvec2 place = dvec2(clip) / clip.w;
-    seen.low = glm::min(seen.low, place);
-    seen.high = glm::max(seen.high, place);
-    seen.nearest = std::min(seen.nearest, clip.w);
-  }
-  return seen;
-}
 
 /// All corners inside, centred, and two opposite borders touched, unless the eye is as near as it may be.
 void expect_fitted(const AabbD& box, const dvec3& direction, double fovy, double aspect) {

@@ -47,7 +47,6 @@ class GpuUpload {
   GpuContent take();
   /// The noted edits that the upload has not followed, which are then no longer noted.
   GpuEdits take_edits();
-  render::Renderer* renderer() { return content_ && content_->renderer ? &*content_->renderer : nullptr; }
   std::size_t memory_bytes() const { return content_ ? content_->memory_bytes() : 0; }
 
  private:
