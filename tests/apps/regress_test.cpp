@@ -30,6 +30,11 @@ std::vector<pid_t> children_of(pid_t pid) {
   return out;
 }
 
+/// The tasks of Regress::suite if its flights have so many frames.
+constexpr int tasks_of(int frames) {
+  return 2 * (3 + frames);
+}
+
 class Regress : public RenderTest {
  protected:
   void SetUp() override {
@@ -105,13 +110,13 @@ class Regress : public RenderTest {
   }
 
   std::string suite;
-  static constexpr int count = 12;  // tasks
+  static constexpr int count = tasks_of(3);
 };
 
 TEST_F(Regress, ImagesAreTheSameForAnyNumberOfWorkersAndShards) {
   make_references();
   const auto reference = images_in(path("first"));
-  ASSERT_EQ(reference.size(), 18u);  // eight with ids
+  ASSERT_EQ(reference.size(), 22u);  // ten with ids
   const Json one = regress("one", 0);
   EXPECT_EQ(one["passed"], count);
   EXPECT_EQ(images_in(path("one")), reference);
@@ -387,7 +392,7 @@ TEST_F(RegressMpi, AKilledWorkerOfARankIsReplaced) {
     return workers.empty() ? 0 : workers[0];
   });
   EXPECT_EQ(outcome.code, 0) << outcome;
-  EXPECT_EQ(figures("out")["passed"], 12) << outcome;
+  EXPECT_EQ(figures("out")["passed"], tasks_of(4)) << outcome;
   EXPECT_EQ(images_in(path("out")), images_in(path("first")));
 }
 
@@ -402,11 +407,11 @@ TEST_F(RegressMpi, AKilledRanksTasksAreDoneByOthers) {
     const Child child = start_program("env", mpi_command("out", {"--enable-recovery", "-np", "3"}, {"--silence", "2"}));
     outcome = run_and_kill(
         child, 1, [](const auto& ranks) { return ranks.size() < 3 || children_of(ranks[2]).empty() ? 0 : ranks[2]; });
-    EXPECT_EQ(figures("out")["passed"], 12) << outcome;
+    EXPECT_EQ(figures("out")["passed"], tasks_of(4)) << outcome;
     EXPECT_EQ(images_in(path("out")), images_in(path("first")));
   }
   EXPECT_TRUE(missed()) << outcome;
-  EXPECT_EQ(regress("out", 0, {"--merge"})["passed"], 12);
+  EXPECT_EQ(regress("out", 0, {"--merge"})["passed"], tasks_of(4));
 }
 
 /// Without --enable-recovery mpirun ends all ranks; what they drew stays. A rank that mpirun has not ended yet
@@ -414,7 +419,7 @@ TEST_F(RegressMpi, AKilledRanksTasksAreDoneByOthers) {
 TEST_F(RegressMpi, ARunThatMpirunEndedIsResumed) {
   suite = write_suite("1000x600", 20);
   EXPECT_EQ(run("regress", command("first", {"--accept"})).code, 0);
-  const int tasks = 44;
+  const int tasks = tasks_of(20);
   int missing = 0;
   for (int tries = 0; tries < 5 && missing == 0; ++tries) {
     fs::remove_all(path("out"));
