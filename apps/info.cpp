@@ -93,6 +93,7 @@ Json to_json(const importers::ImportReport& report, const Facts& facts) {
   out["shared_meshes"] = report.shared_meshes;
   out["sharing_error"] = report.sharing_error;
   if (report.recognition.meshes > 0) out["recognition"] = apps::recognition_json(report.recognition);
+  if (report.surfaces.parts > 0) out["surfaces"] = apps::surfaces_json(report.surfaces);
   out["warnings"] = apps::warnings_json(report.warnings);
   return out;
 }
@@ -128,6 +129,7 @@ void print(const importers::ImportReport& report, const Facts& facts) {
   }
   std::printf("%-18s %g m\n", "file unit", report.metres_per_unit);
   std::printf("%-18s %zu\n", "warnings", report.warnings.size());
+  if (report.surfaces.parts > 0) std::printf("%s\n", apps::surface_words(report.surfaces).c_str());
   if (report.recognition.meshes > 0) std::printf("%s\n", apps::recognition_words(report.recognition).c_str());
 }
 

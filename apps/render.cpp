@@ -586,10 +586,10 @@ int main(int argc, char** argv) {
                          "  sightline-render plant.rvm --out plant.png\n"
                          "  sightline-render plant.rvm --from front --ortho --section 'y>12.5' --out front.png\n"
                          "  sightline-render plant.rvm --isolate PS-100 --size 1920x1080 --samples 4 --out part.png\n"
-                         "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1\n"
-                         "  sightline-render plant.slc --memory 2G --out plant.png");
+                         "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1");
   line.appendix(
-      "\n  sightline-render plant.rvm --size 16384x9216 --samples 4 --out poster.png\n"
+      "\n  sightline-render plant.slc --memory 2G --out plant.png\n"
+      "  sightline-render plant.rvm --size 16384x9216 --samples 4 --out poster.png\n"
       "  mpirun -np 4 sightline-render plant.rvm --mpi --out plant.png\n"
       "  sightline-render plant.rvm --path flight.json --write-frames frames --fps 25 --size 1920x1080\n");
   Options options;

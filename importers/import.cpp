@@ -18,6 +18,7 @@
 #include "sightline/importers/gltf/internal/gltf_reader.h"
 #endif
 #include "sightline/importers/internal/extension.h"
+#include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/obj/internal/obj_reader.h"
 #include "sightline/importers/ply/internal/ply_reader.h"
@@ -30,16 +31,22 @@
 #ifdef SIGHTLINE_HAVE_VTK
 #include "sightline/importers/vtk/internal/vtk_module.h"
 #endif
+#ifdef SIGHTLINE_HAVE_OCCT
+#include "sightline/importers/cad/internal/cad_import.h"
+#endif
 
 namespace sightline::importers {
 namespace {
 
 using Bytes = std::span<const std::byte>;
 
+using Report = core::Expected<ImportReport>;
+
 struct Format {
   std::string_view extension;
-  core::Expected<ImportReport> (*read)(Bytes, const std::filesystem::path&, core::Scene&, core::NodeId,
-                                       const ImportOptions&);
+  Report (*read)(Bytes, const std::filesystem::path&, core::Scene&, core::NodeId, const ImportOptions&) = nullptr;
+  /// Of formats that are not read as a whole by us.
+  Report (*open)(const std::filesystem::path&, core::Scene&, core::NodeId, const ImportOptions&) = nullptr;
 };
 
 core::Expected<ImportReport> read_rvm_file(Bytes bytes, const std::filesystem::path& path, core::Scene& scene,
@@ -56,7 +63,7 @@ constexpr Format kFormats[] = {
     {".ply", read_ply},
     {".stl", read_stl},
 #ifdef SIGHTLINE_HAVE_SLC
-    {".slc", nullptr},  // mapped, not read
+    {".slc", nullptr, read_slc},
 #endif
 #ifdef SIGHTLINE_HAVE_GLTF
     {".gltf", read_gltf},
@@ -69,15 +76,25 @@ constexpr Format kFormats[] = {
     {".vtp", read_vtk_by_module},
     {".vtu", read_vtk_by_module},
 #endif
+#ifdef SIGHTLINE_HAVE_OCCT
+    {".step", nullptr, import_cad},
+    {".stp", nullptr, import_cad},
+    {".stpz", nullptr, import_cad},
+    {".iges", nullptr, import_cad},
+    {".igs", nullptr, import_cad},
+    {".brep", nullptr, import_cad},
+#endif
 };
 
 /// Formats that a build may lack, and the build option that adds them.
 struct Optional {
   std::string_view extension, option;
 };
-constexpr Optional kOptional[] = {{".slc", "SIGHTLINE_SLC"}, {".gltf", "SIGHTLINE_GLTF"}, {".glb", "SIGHTLINE_GLTF"},
-                                  {".vtk", "SIGHTLINE_VTK"}, {".vtm", "SIGHTLINE_VTK"},   {".vtmb", "SIGHTLINE_VTK"},
-                                  {".vtp", "SIGHTLINE_VTK"}, {".vtu", "SIGHTLINE_VTK"}};
+constexpr Optional kOptional[] = {{".slc", "SIGHTLINE_SLC"},  {".gltf", "SIGHTLINE_GLTF"}, {".glb", "SIGHTLINE_GLTF"},
+                                  {".vtk", "SIGHTLINE_VTK"},  {".vtm", "SIGHTLINE_VTK"},   {".vtmb", "SIGHTLINE_VTK"},
+                                  {".vtp", "SIGHTLINE_VTK"},  {".vtu", "SIGHTLINE_VTK"},   {".step", "SIGHTLINE_OCCT"},
+                                  {".stp", "SIGHTLINE_OCCT"}, {".stpz", "SIGHTLINE_OCCT"}, {".iges", "SIGHTLINE_OCCT"},
+                                  {".igs", "SIGHTLINE_OCCT"}, {".brep", "SIGHTLINE_OCCT"}};
 
 constexpr auto kExtensions = [] {
   std::array<std::string_view, std::size(kFormats)> all;
@@ -98,19 +115,14 @@ core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path
     return core::fail(fmt::format("{}: unknown extension '{}', expected {}", path.string(), path.extension().string(),
                                   fmt::join(kExtensions, ", ")));
   }
-#ifdef SIGHTLINE_HAVE_SLC
-  if (format->read == nullptr) return read_slc(path, scene, parent, options);
-#endif
-  const auto bytes = read_file_bytes(path);
-  if (!bytes) return tl::unexpected(bytes.error());
   std::vector<std::filesystem::path> side_files;
-  auto report = [&] {
+  auto report = format->open ? format->open(path, scene, parent, options) : [&]() -> Report {
+    const auto bytes = read_file_bytes(path);
+    if (!bytes) return tl::unexpected(bytes.error());
     const SideFileNotes notes(side_files);
-    return format->read(*bytes, path, scene, parent, options);
+    return with_whole_path(format->read(*bytes, path, scene, parent, options), path);
   }();
-  if (report) report->side_files = std::move(side_files);
-  if (!report && report.error().message != kCancelled && path.has_parent_path())
-    report.error().message = (path.parent_path() / report.error().message).string();
+  if (report && !format->open) report->side_files = std::move(side_files);
   return report;
 }
 

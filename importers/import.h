@@ -24,6 +24,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -70,7 +71,16 @@ struct ImportOptions {
   /// How far vertices may lie from a recognised surface, in metres, finite and >= 0; 0: what each mesh's own size,
   /// tessellation and rounding tell.
   double recognise_tolerance = 0.0;
-  /// Threads for several files; 0: one for each processor.
+  /// For exact surfaces (STEP, IGES, BREP), where they are of no primitive: how far triangles may lie from them, in
+  /// metres, finite and >= 0; 0: 0.05 % of each part's diagonal. Measured, and meshed finer where it is missed
+  /// (ExactSurfaceReport).
+  double chord_tolerance = 0.0;
+  /// For the same formats, radians, above 0 to pi: the largest angle between neighbouring facets of a curve.
+  double chord_angle = std::numbers::pi / 9;
+  /// Reads the same formats in this process. Open CASCADE, which reads them, may crash, never end or take all memory
+  /// where a file is hostile or damaged; so a process of its own does it otherwise.
+  bool in_process = false;
+  /// Threads for several files, and for parts of STEP, IGES and BREP; 0: one for each processor.
   int threads = 0;
   /// Where import_files() keeps scene caches (docs/guide/scene-cache.md), made when absent; empty: none. An import of
   /// the same unchanged files with the same options then reads the cache instead, with the same result. A cache that is
@@ -115,6 +125,19 @@ struct RecognitionReport {
   std::array<std::uint64_t, kRefusalCount> refused{};  ///< solids by Refusal, those recognised in part included
 };
 
+/// What became of exact surfaces: STEP, IGES, BREP (docs/guide/step.md). Parts count once, however often they are used.
+struct ExactSurfaceReport {
+  std::uint64_t parts = 0, instances = 0;
+  std::uint64_t analytic_solids = 0;  ///< that became primitives
+  std::uint64_t meshed_bodies = 0;    ///< other solids, shells and loose faces
+  std::uint64_t triangles = 0;
+  std::uint64_t failed_faces = 0;             ///< that could not be meshed
+  std::uint64_t curves = 0, annotations = 0;  ///< not read
+  double largest_tolerance = 0.0;             ///< of any part, metres
+  double deviation = 0.0;                     ///< metres: the largest distance found between triangles and surfaces
+  double analytic_deviation = 0.0;            ///< metres: no primitive lies farther from its solid's surfaces
+};
+
 struct ImportReport {
   std::vector<core::NodeId>
       nodes;  ///< one per model file, in order: children of the given parent, named after the file (.slc: as written)
@@ -129,6 +152,7 @@ struct ImportReport {
   std::uint64_t bytes = 0;     ///< read from files
   std::vector<std::filesystem::path> side_files;  ///< that the model files name: there or not, each once or more
   RecognitionReport recognition;                  ///< with ImportOptions::recognise
+  ExactSurfaceReport surfaces;                    ///< of STEP, IGES and BREP
   bool from_cache = false;                        ///< a scene cache was read instead of the files
   double metres_per_unit = 1.0;                   ///< of the last file's coordinates; the scene is in metres
 };

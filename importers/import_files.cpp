@@ -29,6 +29,16 @@ void append(RecognitionReport& total, const RecognitionReport& one) {
   for (std::size_t k = 0; k < total.refused.size(); ++k) total.refused[k] += one.refused[k];
 }
 
+void append(ExactSurfaceReport& total, const ExactSurfaceReport& one) {
+  total.parts += one.parts, total.instances += one.instances;
+  total.analytic_solids += one.analytic_solids, total.meshed_bodies += one.meshed_bodies;
+  total.triangles += one.triangles, total.failed_faces += one.failed_faces;
+  total.curves += one.curves, total.annotations += one.annotations;
+  total.largest_tolerance = std::max(total.largest_tolerance, one.largest_tolerance);
+  total.deviation = std::max(total.deviation, one.deviation);
+  total.analytic_deviation = std::max(total.analytic_deviation, one.analytic_deviation);
+}
+
 void append(ImportReport& total, ImportReport&& one) {
   if (!one.nodes.empty()) total.metres_per_unit = one.metres_per_unit;
   total.nodes.insert(total.nodes.end(), one.nodes.begin(), one.nodes.end());
@@ -40,6 +50,7 @@ void append(ImportReport& total, ImportReport&& one) {
   total.sharing_error = std::max(total.sharing_error, one.sharing_error);
   total.bytes += one.bytes;
   append(total.recognition, one.recognition);
+  append(total.surfaces, one.surfaces);
   total.side_files.insert(total.side_files.end(), one.side_files.begin(), one.side_files.end());
 }
 

@@ -4,7 +4,7 @@
 #                                             everything, or these targets
 # Packages that only tests and the window need are installed when everything or a target with tests (…_tests) is built.
 # Sources are compiled in batches; whoever edits some may prefer SIGHTLINE_CMAKE_ARGS=-DSIGHTLINE_UNITY=OFF.
-# SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK too,
+# SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK, SIGHTLINE_SETUP_OCCT=1 Open CASCADE,
 # SIGHTLINE_SETUP_EXAMPLES=1 what the examples with OpenSceneGraph and Qt 6 need, SIGHTLINE_SETUP_PACKAGES=1 what tests
 # of the Debian packages need.
 set -euo pipefail
@@ -27,6 +27,10 @@ if [ "$preset" = packages ] || [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then pack
 if [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then packages+=(lintian); fi
 # VTK brings 246 packages, so it is installed only on request. With it the build has importers/vtk.
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
+# Open CASCADE, for STEP, IGES and BREP, likewise.
+if [ -n "${SIGHTLINE_SETUP_OCCT:-}" ]; then
+  packages+=(libocct-data-exchange-dev libocct-ocaf-dev libocct-modeling-algorithms-dev libocct-visualization-dev zlib1g-dev)
+fi
 # For the examples that draw into the windows of others.
 if [ -n "${SIGHTLINE_SETUP_EXAMPLES:-}" ]; then packages+=(libopenscenegraph-dev qt6-base-dev libqt6opengl6-dev); fi
 if [ "$preset" = fuzz ]; then packages+=(clang libclang-rt-14-dev); fi

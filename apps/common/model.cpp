@@ -54,6 +54,13 @@ core::Expected<double> parse_degrees(const std::string& text) {
   return *degrees * std::numbers::pi / 180.0;
 }
 
+/// As parse_degrees(), but for 0.
+core::Expected<double> parse_chord_angle(const std::string& text) {
+  auto radians = parse_degrees(text);
+  if (radians && *radians == 0.0) return core::fail("expected more than 0 degrees, found \"" + text + "\"");
+  return radians;
+}
+
 void add_import_options(CommandLine& to, importers::ImportOptions& options) {
   CommandLine line = to.group(OptionGroup::kImport);
   line.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage").advanced();
@@ -74,6 +81,18 @@ void add_import_options(CommandLine& to, importers::ImportOptions& options) {
           "and rounding tell")
       .needs("--recognise")
       .advanced();
+  line.add_parsed(
+          "--chord-tolerance", options.chord_tolerance, parse_tolerance,
+          "How far triangles may lie from exact surfaces (STEP, IGES, BREP), metres; without it, 0.05 % of each part's "
+          "diagonal")
+      .advanced();
+  line.add_parsed("--chord-angle", options.chord_angle, parse_chord_angle,
+                  "Degrees: the largest angle between neighbouring facets of such a surface's curves")
+      .default_text("20")
+      .advanced();
+  line.add_flag("--in-process", options.in_process,
+                "Read STEP, IGES and BREP in this process, which a hostile file then may crash")
+      .advanced();
   line.add("--cache", options.cache_folder, "Keep scene caches in this folder, for fast starts").metavar("FOLDER");
 }
 
@@ -81,12 +100,17 @@ std::string import_arguments(const importers::ImportOptions& options) {
   std::string arguments = options.lenient ? " --lenient" : "";
   for (const auto& [name, metres] : lengths())
     if (metres == options.metres_per_unit && metres != 1.0) arguments += " --units " + name;
-  if (options.recognise) arguments += " --recognise";
-  if (options.recognise && options.recognise_tolerance > 0.0) {
+  const auto add = [&](const char* name, double value) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.17g", options.recognise_tolerance);
-    arguments += std::string(" --recognise-tolerance ") + text;
-  }
+    std::snprintf(text, sizeof text, "%.17g", value);
+    arguments.append(" ").append(name).append(" ").append(text);
+  };
+  if (options.recognise) arguments += " --recognise";
+  if (options.recognise && options.recognise_tolerance > 0.0) add("--recognise-tolerance", options.recognise_tolerance);
+  if (options.chord_tolerance > 0.0) add("--chord-tolerance", options.chord_tolerance);
+  if (options.chord_angle != importers::ImportOptions().chord_angle)
+    add("--chord-angle", options.chord_angle * 180.0 / std::numbers::pi);
+  if (options.in_process) arguments += " --in-process";
   return arguments + (options.up == importers::UpAxis::kY ? " --up y" : "");
 }
 
@@ -152,6 +176,18 @@ std::string recognition_words(const importers::RecognitionReport& report) {
                 1e-3 * double(report.bytes_after), 1e-3 * double(report.bytes_before), report.largest_deviation);
   return "recognised " + (kinds.empty() ? std::string("nothing") : kinds) + text +
          (refused.empty() ? "" : "; refused: " + refused);
+}
+
+std::string surface_words(const importers::ExactSurfaceReport& report) {
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      "%llu parts in %llu places: %llu solids as primitives (at most %.2g m off), %llu bodies as %llu triangles "
+      "(at most %.2g m off, %.2g m asked for)",
+      (unsigned long long)report.parts, (unsigned long long)report.instances,
+      (unsigned long long)report.analytic_solids, report.analytic_deviation, (unsigned long long)report.meshed_bodies,
+      (unsigned long long)report.triangles, report.deviation, report.largest_tolerance);
+  return text;
 }
 
 core::Expected<Model> load_model(const ModelOptions& options) {

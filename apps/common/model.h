@@ -39,7 +39,8 @@ core::Expected<double> parse_degrees(const std::string& text);
 /// ImportOptions::crease_angle of tools that make images for people: 30 degrees.
 inline constexpr double kCreaseAngle = std::numbers::pi / 6;
 
-/// --lenient, --units, --up, --recognise, --recognise-tolerance, --cache: how files are read.
+/// --lenient, --units, --up, --recognise, --recognise-tolerance, --chord-tolerance, --chord-angle, --in-process,
+/// --cache: how files are read.
 void add_import_options(CommandLine& line, importers::ImportOptions& options);
 /// The arguments that give these options, each after a space.
 std::string import_arguments(const importers::ImportOptions& options);
@@ -61,6 +62,9 @@ void print_warnings(const std::vector<importers::ImportWarning>& warnings);
 
 /// One line for people: what was recognised, and what was not, why.
 std::string recognition_words(const importers::RecognitionReport& report);
+
+/// One line for people: what became of exact surfaces.
+std::string surface_words(const importers::ExactSurfaceReport& report);
 
 /// Imports all files below the root, whose transform is --translate. Prints warnings and progress to stderr
 /// unless ModelOptions::quiet.

@@ -35,4 +35,18 @@ inline json::Value recognition_json(const importers::RecognitionReport& report) 
                        {"refused", refused}});
 }
 
+inline json::Value surfaces_json(const importers::ExactSurfaceReport& report) {
+  return json::sorted({{"parts", report.parts},
+                       {"instances", report.instances},
+                       {"analytic_solids", report.analytic_solids},
+                       {"meshed_bodies", report.meshed_bodies},
+                       {"triangles", report.triangles},
+                       {"failed_faces", report.failed_faces},
+                       {"curves", report.curves},
+                       {"annotations", report.annotations},
+                       {"largest_tolerance", report.largest_tolerance},
+                       {"deviation", report.deviation},
+                       {"analytic_deviation", report.analytic_deviation}});
+}
+
 }  // namespace sightline::apps

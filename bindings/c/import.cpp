@@ -27,6 +27,11 @@ importers::ImportOptions options_of(const sl_import_options& from) {
   options.recognise_tolerance = from.recognise_tolerance;
   require(from.crease_angle >= 0.0 && from.crease_angle <= std::numbers::pi, "a crease_angle from 0 to pi");
   options.crease_angle = from.crease_angle;
+  require(from.chord_tolerance >= 0.0 && std::isfinite(from.chord_tolerance), "chord_tolerance of 0 or more");
+  options.chord_tolerance = from.chord_tolerance;
+  require(from.chord_angle > 0.0 && from.chord_angle <= std::numbers::pi, "a chord_angle above 0, to pi");
+  options.chord_angle = from.chord_angle;
+  options.in_process = from.in_process != 0;
   options.cached_levels = from.cached_levels != 0;
   options.progress = progress_of(from.progress, from.user);
   return options;
@@ -52,6 +57,13 @@ sl_import_report report_of(const importers::ImportReport& from) {
   report.largest_deviation = recognition.largest_deviation;
   static_assert(importers::kRefusalCount == SL_REFUSED_COUNT);
   std::copy(recognition.refused.begin(), recognition.refused.end(), report.refused);
+  const importers::ExactSurfaceReport& surfaces = from.surfaces;
+  report.parts = surfaces.parts, report.instances = surfaces.instances;
+  report.analytic_solids = surfaces.analytic_solids, report.meshed_bodies = surfaces.meshed_bodies;
+  report.surface_triangles = surfaces.triangles, report.failed_faces = surfaces.failed_faces;
+  report.curves = surfaces.curves, report.annotations = surfaces.annotations;
+  report.largest_chord_tolerance = surfaces.largest_tolerance;
+  report.surface_deviation = surfaces.deviation, report.analytic_deviation = surfaces.analytic_deviation;
   return report;
 }
 

@@ -24,7 +24,8 @@ struct Imported {
 importers::ImportOptions options_of(bool lenient, double metres_per_unit, const std::string& up,
                                     const std::string& copies, int threads,
                                     const std::optional<std::filesystem::path>& cache, bool cached_levels,
-                                    bool recognise, double recognise_tolerance, double crease_angle) {
+                                    bool recognise, double recognise_tolerance, double crease_angle,
+                                    double chord_tolerance, double chord_angle, bool in_process) {
   importers::ImportOptions options;
   options.lenient = lenient;
   options.metres_per_unit = metres_per_unit;
@@ -41,6 +42,13 @@ importers::ImportOptions options_of(bool lenient, double metres_per_unit, const 
   if (!(crease_angle >= 0.0 && crease_angle <= std::numbers::pi))
     fail("crease_angle: expected 0 to pi, found " + std::to_string(crease_angle));
   options.crease_angle = crease_angle;
+  if (!(chord_tolerance >= 0.0 && std::isfinite(chord_tolerance)))
+    fail("chord_tolerance: expected a finite number of at least 0, found " + std::to_string(chord_tolerance));
+  options.chord_tolerance = chord_tolerance;
+  if (!(chord_angle > 0.0 && chord_angle <= std::numbers::pi))
+    fail("chord_angle: expected more than 0 and at most pi, found " + std::to_string(chord_angle));
+  options.chord_angle = chord_angle;
+  options.in_process = in_process;
   return options;
 }
 
@@ -104,6 +112,27 @@ void bind_recognition(py::module_& m) {
              &Report::bytes_before, &Report::bytes_after, &Report::largest_deviation, &Report::refused>(c);
 }
 
+void bind_surfaces(py::module_& m) {
+  using Report = importers::ExactSurfaceReport;
+  py::class_<Report> c(m, "ExactSurfaces",
+                       "What became of STEP, IGES and BREP. Parts count once, however often they are used.");
+  c.def_readonly("parts", &Report::parts, "With a shape.")
+      .def_readonly("instances", &Report::instances, "Uses of them.")
+      .def_readonly("analytic_solids", &Report::analytic_solids, "That became primitives.")
+      .def_readonly("meshed_bodies", &Report::meshed_bodies, "Other solids, shells and loose faces.")
+      .def_readonly("triangles", &Report::triangles, "Of these.")
+      .def_readonly("failed_faces", &Report::failed_faces, "That could not be meshed.")
+      .def_readonly("curves", &Report::curves, "Not read.")
+      .def_readonly("annotations", &Report::annotations, "Dimensions, tolerances and notes, not read.")
+      .def_readonly("largest_tolerance", &Report::largest_tolerance, "Of any part, metres.")
+      .def_readonly("deviation", &Report::deviation, "Metres: the largest found between triangles and surfaces.")
+      .def_readonly("analytic_deviation", &Report::analytic_deviation,
+                    "Metres: no primitive lies farther from its solid's surfaces.");
+  bind_value<&Report::parts, &Report::instances, &Report::analytic_solids, &Report::meshed_bodies, &Report::triangles,
+             &Report::failed_faces, &Report::curves, &Report::annotations, &Report::largest_tolerance,
+             &Report::deviation, &Report::analytic_deviation>(c);
+}
+
 void bind_report(py::module_& m) {
   using importers::ImportWarning;
   py::class_<ImportWarning> warning(m, "ImportWarning", "Something that a reader noticed and went on.");
@@ -115,6 +144,7 @@ void bind_report(py::module_& m) {
           "message", [](const ImportWarning& w) { return to_text(w.message); }, "One line.");
   bind_value<&ImportWarning::file, &ImportWarning::offset, &ImportWarning::message>(warning);
   bind_recognition(m);
+  bind_surfaces(m);
   py::class_<Imported>(m, "ImportReport", "What an import brought.")
       .def_property_readonly(
           "nodes",
@@ -148,6 +178,8 @@ void bind_report(py::module_& m) {
       .def_property_readonly(
           "recognition", [](const Imported& r) { return r.report.recognition; }, "What `recognise` did.")
       .def_property_readonly(
+          "surfaces", [](const Imported& r) { return r.report.surfaces; }, "Of STEP, IGES and BREP.")
+      .def_property_readonly(
           "metres_per_unit", [](const Imported& r) { return r.report.metres_per_unit; },
           "Of the last file's coordinates.");
 }
@@ -164,6 +196,9 @@ void bind_import(py::module_& m, SceneClass& scene) {
       "need not build then. `recognise`: meshes become primitives where they are the triangles of some, whose vertices "
       "lie within `recognise_tolerance` metres, or, where this is 0, as near as each mesh's own tessellation tells. "
       "`crease_angle`: radians; meshes without normals look smooth but for edges bent by more; 0: facet by facet. "
+      "`chord_tolerance` (metres; 0: 0.05 % of each part's diagonal) and `chord_angle` (radians): how far triangles "
+      "may "
+      "lie from exact surfaces of STEP, IGES and BREP, which are read in a process of their own unless `in_process`. "
       "`progress`: called with the share done, 0 to 1; False cancels, and so do exceptions and Ctrl-C.";
   static const std::string file_doc =
       std::string("Imports a model file of any known format below `parent`, or the root.") + kOptions;
@@ -175,33 +210,39 @@ void bind_import(py::module_& m, SceneClass& scene) {
       [](const ScenePtr& s, const std::filesystem::path& path, const std::optional<Node>& parent, bool lenient,
          double metres_per_unit, const std::string& up, const std::string& copies,
          const std::optional<std::filesystem::path>& cache, bool cached_levels, bool recognise,
-         double recognise_tolerance, double crease_angle, const py::object& progress) {
+         double recognise_tolerance, double crease_angle, double chord_tolerance, double chord_angle, bool in_process,
+         const py::object& progress) {
         return run(s, parent,
                    options_of(lenient, metres_per_unit, up, copies, 0, cache, cached_levels, recognise,
-                              recognise_tolerance, crease_angle),
+                              recognise_tolerance, crease_angle, chord_tolerance, chord_angle, in_process),
                    progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
                      return importers::import_files(std::span(&path, 1), to, below, options);
                    });
       },
       "path"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
       "copies"_a = "similar", "cache"_a = py::none(), "cached_levels"_a = false, "recognise"_a = false,
-      "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "progress"_a = py::none(), file_doc.c_str());
+      "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "chord_tolerance"_a = 0.0,
+      "chord_angle"_a = importers::ImportOptions().chord_angle, "in_process"_a = false, "progress"_a = py::none(),
+      file_doc.c_str());
   scene.def(
       "import_files",
       [](const ScenePtr& s, const std::vector<std::filesystem::path>& paths, const std::optional<Node>& parent,
          bool lenient, double metres_per_unit, const std::string& up, const std::string& copies, int threads,
          const std::optional<std::filesystem::path>& cache, bool cached_levels, bool recognise,
-         double recognise_tolerance, double crease_angle, const py::object& progress) {
+         double recognise_tolerance, double crease_angle, double chord_tolerance, double chord_angle, bool in_process,
+         const py::object& progress) {
         return run(s, parent,
                    options_of(lenient, metres_per_unit, up, copies, threads, cache, cached_levels, recognise,
-                              recognise_tolerance, crease_angle),
+                              recognise_tolerance, crease_angle, chord_tolerance, chord_angle, in_process),
                    progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
                      return importers::import_files(paths, to, below, options);
                    });
       },
       "paths"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
       "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "cached_levels"_a = false, "recognise"_a = false,
-      "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "progress"_a = py::none(), files_doc.c_str());
+      "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "chord_tolerance"_a = 0.0,
+      "chord_angle"_a = importers::ImportOptions().chord_angle, "in_process"_a = false, "progress"_a = py::none(),
+      files_doc.c_str());
   scene.def("write_rvm", &write_rvm, "path"_a, "node"_a = py::none(), py::kw_only(), "progress"_a = py::none(),
             "Writes what is below a node, or the root, as an RVM file. `progress` as in import_file().");
   m.def(

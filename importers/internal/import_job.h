@@ -82,6 +82,9 @@ core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scen
                                         const ImportOptions& options, const FileFrame& frame,
                                         const std::function<core::Expected<void>(ImportJob&)>& read);
 
+/// An import whose error names the file as the caller did, not by its last part alone.
+core::Expected<ImportReport> with_whole_path(core::Expected<ImportReport> report, const std::filesystem::path& path);
+
 /// The frame of a format that states nothing about its coordinates.
 inline FileFrame frame_of(const ImportOptions& options) {
   return {options.metres_per_unit, options.up};

@@ -69,6 +69,8 @@ Json settings_of(const ImportOptions& options) {
           {"metres_per_unit", options.metres_per_unit},
           {"up", int(options.up)},
           {"crease_angle", options.crease_angle},
+          {"chord_tolerance", options.chord_tolerance},
+          {"chord_angle", options.chord_angle},
           {"copies", int(options.copies)},
           {"recognise", options.recognise},
           {"recognise_tolerance", options.recognise ? options.recognise_tolerance : 0.0},

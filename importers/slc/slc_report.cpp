@@ -20,6 +20,18 @@ std::string to_text(const ImportReport& report) {
                                {"bytes", {report.recognition.bytes_before, report.recognition.bytes_after}},
                                {"largest_deviation", report.recognition.largest_deviation},
                                {"refused", report.recognition.refused}}},
+                             {"surfaces",
+                              {{"parts", report.surfaces.parts},
+                               {"instances", report.surfaces.instances},
+                               {"analytic_solids", report.surfaces.analytic_solids},
+                               {"meshed_bodies", report.surfaces.meshed_bodies},
+                               {"triangles", report.surfaces.triangles},
+                               {"failed_faces", report.surfaces.failed_faces},
+                               {"curves", report.surfaces.curves},
+                               {"annotations", report.surfaces.annotations},
+                               {"largest_tolerance", report.surfaces.largest_tolerance},
+                               {"deviation", report.surfaces.deviation},
+                               {"analytic_deviation", report.surfaces.analytic_deviation}}},
                              {"warnings", warnings}});
 }
 
@@ -46,6 +58,20 @@ core::Expected<ImportReport> report_from(std::string_view text) {
       found->at("bytes").at(1).get_to(recognition.bytes_after);
       found->at("largest_deviation").get_to(recognition.largest_deviation);
       found->at("refused").get_to(recognition.refused);
+    }
+    if (const auto found = from.find("surfaces"); found != from.end()) {  // older files have none
+      ExactSurfaceReport& surfaces = report.surfaces;
+      found->at("parts").get_to(surfaces.parts);
+      found->at("instances").get_to(surfaces.instances);
+      found->at("analytic_solids").get_to(surfaces.analytic_solids);
+      found->at("meshed_bodies").get_to(surfaces.meshed_bodies);
+      found->at("triangles").get_to(surfaces.triangles);
+      found->at("failed_faces").get_to(surfaces.failed_faces);
+      found->at("curves").get_to(surfaces.curves);
+      found->at("annotations").get_to(surfaces.annotations);
+      found->at("largest_tolerance").get_to(surfaces.largest_tolerance);
+      found->at("deviation").get_to(surfaces.deviation);
+      found->at("analytic_deviation").get_to(surfaces.analytic_deviation);
     }
     for (const json::Value& w : from.at("warnings")) {
       if (report.warnings.size() > kMaxWarnings) break;

@@ -390,9 +390,20 @@ typedef struct sl_import_options {
   /* Radians, 0 to pi: meshes without normals (OBJ, PLY, STL, VTK) get those of smooth surfaces, broken at edges that
    * are bent by more than this. 0: they are shown facet by facet. */
   double crease_angle;
+  /* For exact surfaces (STEP, IGES, BREP) of no primitive: how far triangles may lie from them, in metres; 0: 0.05 % of
+   * each part's diagonal. */
+  double chord_tolerance;
+  double chord_angle; /* radians, above 0 to pi: the largest angle between neighbouring facets of a curve */
+  /* Whether the same formats are read in this process. Open CASCADE, which reads them, may crash, never end or take all
+   * memory where a file is hostile or damaged; so a process of its own does it otherwise. */
+  int32_t in_process;
+  int32_t reserved_2; /* 0 */
 } sl_import_options;
-#define SL_IMPORT_OPTIONS_INIT \
-  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL, 0, 0.0, 0, 0, 0.0 }
+#define SL_IMPORT_OPTIONS_INIT                                                                                        \
+  {                                                                                                                   \
+    sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL, 0, 0.0, 0, 0, 0.0, 0.0, \
+        0.34906585039886592, 0, 0                                                                                     \
+  }
 
 typedef struct sl_import_report {
   uint32_t size;
@@ -413,12 +424,21 @@ typedef struct sl_import_report {
   uint64_t mesh_bytes_before, mesh_bytes_after; /* of vertices, normals, indices; of parameters afterwards */
   double largest_deviation; /* metres between triangles and surfaces that replace them, both ways, in the scene */
   uint64_t refused[SL_REFUSED_COUNT]; /* solids by SL_REFUSED_..., those recognised in part included */
+  /* What became of exact surfaces: STEP, IGES, BREP. Parts count once, however often they are used. */
+  uint64_t parts, instances;
+  uint64_t analytic_solids;       /* that became primitives */
+  uint64_t meshed_bodies;         /* other solids, shells and loose faces */
+  uint64_t surface_triangles;     /* of these */
+  uint64_t failed_faces;          /* that could not be meshed */
+  uint64_t curves, annotations;   /* not read */
+  double largest_chord_tolerance; /* of any part, metres */
+  double surface_deviation;       /* metres: the largest distance found between triangles and surfaces */
+  double analytic_deviation;      /* metres: no primitive lies farther from its solid's surfaces */
 } sl_import_report;
-#define SL_IMPORT_REPORT_INIT                                                                \
-  {                                                                                          \
-    sizeof(sl_import_report), 0, {0}, 0, 0, 0, 0, 0, 0.0, 0.0, 0, {0}, 0, 0, 0, 0, 0, 0.0, { \
-      0                                                                                      \
-    }                                                                                        \
+#define SL_IMPORT_REPORT_INIT                                                                                        \
+  {                                                                                                                  \
+    sizeof(sl_import_report), 0, {0}, 0, 0, 0, 0, 0, 0.0, 0.0, 0, {0}, 0, 0, 0, 0, 0, 0.0, {0}, 0, 0, 0, 0, 0, 0, 0, \
+        0, 0.0, 0.0, 0.0                                                                                             \
   }
 
 /* Reads files into new children of `parent`, one for each model file. All or nothing. `options` may be null, and so may

@@ -27,7 +27,7 @@ __version__: str = _sightline.version
 __all__ = [
     "Box", "BoxCuller", "CameraPath", "CircularTorus", "compare", "ControllerConfig", "ControllerReport",
     "CULL_STATES", "CullStates", "Cylinder", "DEFAULT_LAYERS", "difference_image", "EllipticalDish", "encode_png",
-    "Engine", "Error", "ExternalTarget", "flip", "FrameReport", "id_colours", "ids_of_colours", "ImageDifference",
+    "Engine", "Error", "ExactSurfaces", "ExternalTarget", "flip", "FrameReport", "id_colours", "ids_of_colours", "ImageDifference",
     "ImageMetrics", "ImportReport", "ImportWarning", "Item", "KINDS", "known_extensions", "LateReport", "Line",
     "LossReport", "Material", "MemoryReport", "Mesh", "metrics", "Node", "OccluderRaster", "OVERVIEW_DIRECTION", "PagedEngine",
     "PagedReport", "Pick",

@@ -117,10 +117,12 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(offsetof(sl_import_options, recognise), 64u);
     EXPECT_EQ(offsetof(sl_import_options, cached_levels), 80u);
     EXPECT_EQ(offsetof(sl_import_options, crease_angle), 88u);
-    EXPECT_EQ(sizeof(sl_import_options), 96u);
+    EXPECT_EQ(offsetof(sl_import_options, chord_tolerance), 96u);
+    EXPECT_EQ(sizeof(sl_import_options), 120u);
     EXPECT_EQ(capi::kFirstSize<sl_import_report>, 160u);
     EXPECT_EQ(offsetof(sl_import_report, recognised), 168u);
-    EXPECT_EQ(sizeof(sl_import_report), 352u);
+    EXPECT_EQ(offsetof(sl_import_report, parts), 352u);
+    EXPECT_EQ(sizeof(sl_import_report), 440u);
     EXPECT_EQ(sizeof(sl_view), 536u);
     EXPECT_EQ(capi::kFirstSize<sl_frame_report>, 112u);
     EXPECT_EQ(sizeof(sl_frame_report), 120u);

@@ -1,0 +1,281 @@
+#include "sightline/importers/cad/internal/body_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <BRepAdaptor_Curve.hxx>
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepBuilderAPI_NurbsConvert.hxx>
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <IMeshTools_Parameters.hxx>
+#include <Poly_PolygonOnTriangulation.hxx>
+#include <Poly_Triangulation.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Vertex.hxx>
+
+#include "sightline/importers/cad/internal/occt_maths.h"
+
+namespace sightline::importers {
+namespace {
+
+using core::dvec3;
+
+double distance_to_segment(const dvec3& p, const dvec3& a, const dvec3& b) {
+  const dvec3 along = b - a;
+  const double length2 = glm::dot(along, along);
+  const double t = length2 > 0.0 ? std::clamp(glm::dot(p - a, along) / length2, 0.0, 1.0) : 0.0;
+  return glm::length(p - a - t * along);
+}
+
+/// A triangulated face, its nodes with the numbers of their positions in the body.
+struct MeshedFace {
+  std::uint32_t style;
+  std::vector<std::uint32_t> positions;                 // of the nodes
+  std::vector<core::vec3> normals;                      // of the nodes
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // of nodes, counter-clockwise from outside
+};
+
+/// Collects what the mesher has left in the faces of a body.
+class Collection {
+ public:
+  explicit Collection(const Body& body) {
+    TopExp::MapShapes(body.shape, TopAbs_EDGE, edges_);
+    TopExp::MapShapes(body.shape, TopAbs_VERTEX, vertices_);
+    at_vertex_.assign(std::size_t(vertices_.Extent()), core::kNone);
+    along_edge_.resize(std::size_t(edges_.Extent()));
+    for (const StyledFace& face : body.faces)
+      if (!add(face)) ++failed_;
+    for (int i = 1; i <= edges_.Extent(); ++i) measure_rim(i);
+  }
+
+  double deviation() const { return deviation_; }
+  std::uint64_t failed() const { return failed_; }
+
+  /// All faces of a style as one mesh; vertices are shared where position and normal are the same.
+  BodyMesh meshes() const {
+    BodyMesh made;
+    core::AabbD box;
+    for (const dvec3& p : positions_) box.grow(p);
+    if (!box.empty()) made.centre = box.centre();
+    std::map<std::uint32_t, Building> of_style;
+    for (const MeshedFace& face : faces_) add(face, made.centre, of_style[face.style]);
+    for (auto& [style, building] : of_style)
+      if (!building.mesh.indices.empty()) made.meshes.push_back({style, std::move(building.mesh)});
+    made.failed_faces = failed_;
+    made.deviation = deviation_;
+    return made;
+  }
+
+ private:
+  /// A mesh, and for each position its first vertex, from which others at the same place follow.
+  struct Building {
+    core::Mesh mesh;
+    std::vector<std::uint32_t> first, next;
+  };
+
+  bool add(const StyledFace& styled) {
+    const TopoDS_Face& face = styled.face;
+    TopLoc_Location location;
+    const Handle(Poly_Triangulation) from = BRep_Tool::Triangulation(face, location);
+    if (from.IsNull() || from->NbTriangles() == 0) return false;
+    const gp_Trsf body_from_face = location.Transformation();
+    MeshedFace made{styled.style, std::vector<std::uint32_t>(std::size_t(from->NbNodes()), core::kNone), {}, {}};
+    std::vector<dvec3> nodes;
+    for (int i = 1; i <= from->NbNodes(); ++i) nodes.push_back(from_occt(from->Node(i).Transformed(body_from_face)));
+    for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next())
+      share(TopoDS::Edge(edge.Current()), from, location, nodes, made.positions);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (made.positions[i] == core::kNone) made.positions[i] = position(nodes[i]);
+    for (int i = 1; i <= from->NbTriangles(); ++i) {
+      int a, b, c;
+      from->Triangle(i).Get(a, b, c);
+      if (face.Orientation() == TopAbs_REVERSED) std::swap(b, c);
+      made.triangles.push_back({std::uint32_t(a - 1), std::uint32_t(b - 1), std::uint32_t(c - 1)});
+    }
+    examine(face, *from, made);
+    faces_.push_back(std::move(made));
+    return true;
+  }
+
+  std::uint32_t position(const dvec3& at) {
+    positions_.push_back(at);
+    return std::uint32_t(positions_.size() - 1);
+  }
+
+  std::uint32_t position_of(const TopoDS_Vertex& vertex, const dvec3& at) {
+    std::uint32_t& known = at_vertex_[std::size_t(vertices_.FindIndex(vertex) - 1)];
+    return known = known == core::kNone ? position(at) : known;
+  }
+
+  /// Gives a face's nodes along an edge the positions that the first face at this edge gave them.
+  void share(const TopoDS_Edge& edge, const Handle(Poly_Triangulation) & of, const TopLoc_Location& location,
+             const std::vector<dvec3>& nodes, std::vector<std::uint32_t>& positions) {
+    const Handle(Poly_PolygonOnTriangulation) polygon = BRep_Tool::PolygonOnTriangulation(edge, of, location);
+    const TopoDS_Vertex begin = TopExp::FirstVertex(edge), end = TopExp::LastVertex(edge);
+    if (polygon.IsNull() || begin.IsNull() || end.IsNull()) return;
+    const int count = polygon->NbNodes();
+    std::vector<std::uint32_t>& known = along_edge_[std::size_t(edges_.FindIndex(edge) - 1)];
+    const bool fresh = known.empty();
+    if (fresh) known.resize(std::size_t(count), core::kNone);
+    if (int(known.size()) != count) return;  // the mesher never divides an edge in two ways
+    for (int i = 1; i <= count; ++i) {
+      const std::size_t node = std::size_t(polygon->Node(i)) - 1;
+      std::uint32_t& at = known[std::size_t(i) - 1];
+      if (at == core::kNone) {
+        const bool degenerated = BRep_Tool::Degenerated(edge);
+        at = i == 1 || degenerated ? position_of(begin, nodes[node])
+             : i == count          ? position_of(end, nodes[node])
+                                   : position(nodes[node]);
+      }
+      positions[node] = at;
+    }
+  }
+
+  /// Normals of the nodes, and the deviation of the triangles.
+  void examine(const TopoDS_Face& face, const Poly_Triangulation& from, MeshedFace& made) {
+    const BRepAdaptor_Surface surface(face);
+    const double side = face.Orientation() == TopAbs_REVERSED ? -1.0 : 1.0;
+    const bool has_places = from.HasUVNodes();
+    const auto place = [&](std::uint32_t node) { return from.UVNode(int(node) + 1); };
+    std::vector<dvec3> normals(made.positions.size(), dvec3(0.0));
+    if (has_places)
+      for (std::uint32_t i = 0; i < normals.size(); ++i) {
+        gp_Pnt point;
+        gp_Vec du, dv;
+        surface.D1(place(i).X(), place(i).Y(), point, du, dv);
+        const dvec3 across = from_occt(du.Crossed(dv));
+        const double length = glm::length(across);
+        if (length > 1e-9 * du.Magnitude() * dv.Magnitude() && std::isfinite(length))
+          normals[i] = side / length * across;
+      }
+    const std::vector<dvec3> exact = normals;
+    const bool curved = has_places && surface.GetType() != GeomAbs_Plane;
+    for (const auto& [a, b, c] : made.triangles) {
+      const dvec3 p = positions_[made.positions[a]], q = positions_[made.positions[b]],
+                  r = positions_[made.positions[c]];
+      const dvec3 across = glm::cross(q - p, r - p);
+      const double area2 = glm::length(across);
+      if (!(area2 > 0.0)) continue;
+      // Where the surface has no normal, as at a cone's apex, that of the triangles stands in.
+      for (const std::uint32_t node : {a, b, c})
+        if (exact[node] == dvec3(0.0)) normals[node] += across;
+      if (!curved) continue;
+      const gp_XY u = place(a).XY(), v = place(b).XY(), w = place(c).XY();
+      for (const gp_XY& at : {0.5 * (u + v), 0.5 * (v + w), 0.5 * (w + u), (u + v + w) / 3.0}) {
+        const dvec3 on = from_occt(surface.Value(at.X(), at.Y()));
+        deviation_ = std::max(deviation_, std::abs(glm::dot(on - p, across)) / area2);
+      }
+    }
+    made.normals.reserve(normals.size());
+    for (const dvec3& n : normals) {
+      const double length = glm::length(n);
+      made.normals.emplace_back(length > 0.0 ? n / length : dvec3(0.0, 0.0, 1.0));
+    }
+  }
+
+  /// The distance of an edge's curve from the chords between its points.
+  void measure_rim(int index) {
+    const TopoDS_Edge& edge = TopoDS::Edge(edges_(index));
+    const std::vector<std::uint32_t>& points = along_edge_[std::size_t(index) - 1];
+    if (points.size() < 2 || BRep_Tool::Degenerated(edge)) return;
+    const BRepAdaptor_Curve curve(edge);
+    if (!curve.Is3DCurve() || curve.GetType() == GeomAbs_Line) return;
+    Handle(Poly_Triangulation) of;
+    Handle(Poly_PolygonOnTriangulation) polygon;
+    TopLoc_Location location;
+    BRep_Tool::PolygonOnTriangulation(edge, polygon, of, location, 1);
+    if (polygon.IsNull() || !polygon->HasParameters() || polygon->NbNodes() != int(points.size())) return;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const double middle = 0.5 * (polygon->Parameter(int(i) + 1) + polygon->Parameter(int(i) + 2));
+      deviation_ = std::max(deviation_, distance_to_segment(from_occt(curve.Value(middle)), positions_[points[i]],
+                                                            positions_[points[i + 1]]));
+    }
+  }
+
+  void add(const MeshedFace& face, const dvec3& centre, Building& to) const {
+    to.first.resize(positions_.size(), core::kNone);
+    const auto vertex_of = [&](std::uint32_t node) {
+      constexpr float kSame = 1.0f - 1e-6f;  // cosine
+      const std::uint32_t position = face.positions[node];
+      const core::vec3 normal = face.normals[node];
+      std::uint32_t* at = &to.first[position];
+      while (*at != core::kNone && glm::dot(to.mesh.normals[*at], normal) < kSame) at = &to.next[*at];
+      if (*at != core::kNone) return *at;
+      const auto fresh = std::uint32_t(to.mesh.positions.size());
+      *at = fresh;
+      to.next.push_back(core::kNone);
+      to.mesh.positions.emplace_back(positions_[position] - centre);
+      to.mesh.normals.push_back(normal);
+      return fresh;
+    };
+    for (const auto& [a, b, c] : face.triangles) {
+      const std::array<core::vec3, 3> p{core::vec3(positions_[face.positions[a]] - centre),
+                                        core::vec3(positions_[face.positions[b]] - centre),
+                                        core::vec3(positions_[face.positions[c]] - centre)};
+      if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) continue;  // its other two edges close the gap
+      for (const std::uint32_t node : {a, b, c}) to.mesh.indices.push_back(vertex_of(node));
+    }
+  }
+
+  TopTools_IndexedMapOfShape edges_, vertices_;
+  std::vector<std::uint32_t> at_vertex_;                // positions
+  std::vector<std::vector<std::uint32_t>> along_edge_;  // positions
+  std::vector<dvec3> positions_;
+  std::vector<MeshedFace> faces_;
+  std::uint64_t failed_ = 0;
+  double deviation_ = 0.0;
+};
+
+void triangulate(const TopoDS_Shape& shape, double tolerance, double angle) {
+  IMeshTools_Parameters parameters;
+  parameters.Deflection = tolerance;
+  parameters.Angle = angle;
+  parameters.AllowQualityDecrease = Standard_True;  // what a file brought along says nothing of its tolerance
+  BRepMesh_IncrementalMesh(shape, parameters);
+}
+
+BodyMesh mesh_within(const Body& body, const MeshQuality& quality) {
+  constexpr int kTries = 4;
+  constexpr double kBelow = 0.7;  // of the tolerance, that the next try aims at
+  double wanted = quality.tolerance;
+  for (int i = 1;; ++i) {
+    BRepTools::Clean(body.shape);
+    triangulate(body.shape, wanted, quality.angle);
+    const Collection found(body);
+    if (found.deviation() <= quality.tolerance || i == kTries) {
+      BodyMesh made = found.meshes();
+      BRepTools::Clean(body.shape);
+      return made;
+    }
+    wanted *= std::max(0.05, kBelow * quality.tolerance / found.deviation());
+  }
+}
+
+/// The same body with splines as its surfaces, which are exactly the same.
+Body as_splines(const Body& body) {
+  BRepBuilderAPI_NurbsConvert convert(body.shape);
+  Body made{convert.Shape(), {}};
+  for (const StyledFace& face : body.faces)
+    made.faces.push_back({TopoDS::Face(convert.ModifiedShape(face.face)), face.style});
+  return made;
+}
+
+}  // namespace
+
+BodyMesh mesh_body(const Body& body, const MeshQuality& quality) {
+  BodyMesh made = mesh_within(body, quality);
+  if (made.failed_faces == 0) return made;
+  // Open CASCADE 7.6 fails on some sound cones, but not on the same surfaces as splines.
+  BodyMesh again = mesh_within(as_splines(body), quality);
+  return again.failed_faces < made.failed_faces ? again : made;
+}
+
+}  // namespace sightline::importers

@@ -1,0 +1,170 @@
+#include "sightline/importers/cad/internal/cad_parts.h"
+
+#include <algorithm>
+
+#include <BRepBndLib.hxx>
+#include <BRep_Builder.hxx>
+#include <Bnd_Box.hxx>
+#include <Quantity_ColorRGBA.hxx>
+#include <TCollection_AsciiString.hxx>
+#include <TDF_LabelSequence.hxx>
+#include <TDataStd_Name.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_DataMapOfShapeInteger.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Iterator.hxx>
+#include <XCAFDoc_ColorTool.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_ShapeTool.hxx>
+
+#include "sightline/importers/cad/internal/solid_surfaces.h"
+
+namespace sightline::importers {
+namespace {
+
+constexpr double kMillimetres = 1e3;  // a metre
+
+/// The looks and names that a part gives to shapes in it.
+class ShapeWalk {
+ public:
+  ShapeWalk(const TDF_Label& part, const CadDocument& document, CadStyles& styles) {
+    TDF_LabelSequence labels;
+    XCAFDoc_ShapeTool::GetSubShapes(part, labels);
+    for (const TDF_Label& label : labels) {
+      TopoDS_Shape shape;
+      if (!XCAFDoc_ShapeTool::GetShape(label, shape)) continue;
+      if (const std::uint32_t style = styles.of(label, document); style != kInherited) styles_.Bind(shape, int(style));
+      Handle(TDataStd_Name) name;
+      if (label.FindAttribute(TDataStd_Name::GetID(), name)) {
+        names_.push_back(TCollection_AsciiString(name->Get()).ToCString());
+        named_.Bind(shape, int(names_.size() - 1));
+      }
+    }
+  }
+
+  CadShape run(const TopoDS_Shape& shape) {
+    visit(shape, kInherited, 0);
+    if (!loose_.faces.empty()) made_.bodies.push_back({std::move(loose_), false, ""});
+    for (TopExp_Explorer edge(shape, TopAbs_EDGE, TopAbs_FACE); edge.More(); edge.Next()) ++made_.curves;
+    return std::move(made_);
+  }
+
+ private:
+  static constexpr int kDeepest = 200;  // compounds in compounds
+
+  std::uint32_t style_of(const TopoDS_Shape& shape, std::uint32_t inherited) const {
+    const int* own = styles_.Seek(shape);
+    return own ? std::uint32_t(*own) : inherited;
+  }
+
+  void visit(const TopoDS_Shape& shape, std::uint32_t inherited, int depth) {
+    if (shape.IsNull() || depth > kDeepest) return;
+    const std::uint32_t style = style_of(shape, inherited);
+    switch (shape.ShapeType()) {
+      case TopAbs_COMPOUND:
+      case TopAbs_COMPSOLID:
+        for (TopoDS_Iterator child(shape); child.More(); child.Next()) visit(child.Value(), style, depth + 1);
+        return;
+      case TopAbs_SOLID:
+      case TopAbs_SHELL: {
+        CadShape::Named found{{shape, {}}, shape.ShapeType() == TopAbs_SOLID, ""};
+        if (const int* name = named_.Seek(shape)) found.name = names_[std::size_t(*name)];
+        add_faces(shape, style, found.body);
+        if (!found.body.faces.empty()) made_.bodies.push_back(std::move(found));
+        return;
+      }
+      case TopAbs_FACE:
+        add_loose(TopoDS::Face(shape), style);
+        return;
+      default:
+        return;
+    }
+  }
+
+  void add_faces(const TopoDS_Shape& of, std::uint32_t style, Body& body) const {
+    for (TopoDS_Iterator child(of); child.More(); child.Next()) {
+      const std::uint32_t own = style_of(child.Value(), style);
+      if (child.Value().ShapeType() == TopAbs_FACE)
+        body.faces.push_back({TopoDS::Face(child.Value()), own});
+      else if (child.Value().ShapeType() == TopAbs_SHELL)
+        add_faces(child.Value(), own, body);
+    }
+  }
+
+  /// Faces that belong to no shell become one body.
+  void add_loose(const TopoDS_Face& face, std::uint32_t style) {
+    if (loose_.faces.empty()) BRep_Builder().MakeCompound(compound_);
+    BRep_Builder().Add(compound_, face);
+    loose_.shape = compound_;
+    loose_.faces.push_back({face, style});
+  }
+
+  TopTools_DataMapOfShapeInteger styles_, named_;
+  std::vector<std::string> names_;
+  CadShape made_;
+  Body loose_;
+  TopoDS_Compound compound_;
+};
+
+/// In millimetres: what was asked for, or a share of the part's size.
+double tolerance_for(const CadShape& shape, const ImportOptions& options) {
+  if (options.chord_tolerance > 0.0) return kMillimetres * options.chord_tolerance;
+  constexpr double kOfSize = 5e-4, kLeast = 1e-6;
+  Bnd_Box box;
+  for (const auto& named : shape.bodies) BRepBndLib::Add(named.body.shape, box, Standard_False);
+  return box.IsVoid() ? 1.0 : std::max(kLeast, kOfSize * std::sqrt(box.SquareExtent()));
+}
+
+/// All faces of one look, or the first's.
+bool one_style(const Body& body) {
+  return std::all_of(body.faces.begin(), body.faces.end(),
+                     [&](const StyledFace& face) { return face.style == body.faces[0].style; });
+}
+
+}  // namespace
+
+std::uint32_t CadStyles::number(const CadStyle& style) {
+  const auto at = std::find(all_.begin(), all_.end(), style);
+  if (at != all_.end()) return std::uint32_t(at - all_.begin());
+  all_.push_back(style);
+  return std::uint32_t(all_.size() - 1);
+}
+
+std::uint32_t CadStyles::of(const TDF_Label& label, const CadDocument& document) {
+  const Handle(XCAFDoc_ColorTool) colours = XCAFDoc_DocumentTool::ColorTool(document.handle()->Main());
+  Quantity_ColorRGBA colour;
+  for (const XCAFDoc_ColorType type : {XCAFDoc_ColorSurf, XCAFDoc_ColorGen}) {
+    if (!colours->GetColor(label, type, colour)) continue;
+    double r, g, b;
+    colour.GetRGB().Values(r, g, b, Quantity_TOC_sRGB);
+    return number({core::vec3(r, g, b), colour.Alpha()});
+  }
+  return kInherited;
+}
+
+CadShape shape_of(const TDF_Label& part, const CadDocument& document, CadStyles& styles) {
+  return ShapeWalk(part, document, styles).run(XCAFDoc_ShapeTool::GetShape(part));
+}
+
+CadPart make_part(const CadShape& shape, const ImportOptions& options) {
+  CadPart made;
+  made.curves = shape.curves;
+  made.tolerance = tolerance_for(shape, options);
+  for (const auto& [body, solid, name] : shape.bodies) {
+    CadPart::Content content{name, kInherited, {}, {}};
+    if (solid && one_style(body))
+      if (const auto surfaces = solid_surfaces(body.shape))
+        if (auto found = analytic_solid(*surfaces)) {
+          content.style = body.faces[0].style;
+          content.primitives = std::move(found->parts);
+          made.analytic_deviation = std::max(made.analytic_deviation, found->deviation);
+        }
+    if (content.primitives.empty()) content.mesh = mesh_body(body, {made.tolerance, options.chord_angle});
+    made.contents.push_back(std::move(content));
+  }
+  return made;
+}
+
+}  // namespace sightline::importers

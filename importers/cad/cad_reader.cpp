@@ -1,0 +1,420 @@
+#include "sightline/importers/cad/internal/cad_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cctype>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <numbers>
+#include <optional>
+#include <thread>
+#include <unordered_map>
+
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Message_ProgressIndicator.hxx>
+#include <Message_ProgressScope.hxx>
+#include <Standard_Failure.hxx>
+#include <TColStd_HSequenceOfExtendedString.hxx>
+#include <TCollection_AsciiString.hxx>
+#include <TDF_LabelSequence.hxx>
+#include <TDataStd_Name.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopLoc_Location.hxx>
+#include <TopoDS_TShape.hxx>
+#include <XCAFDoc_ColorTool.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_GraphNode.hxx>
+#include <XCAFDoc_LayerTool.hxx>
+#include <XCAFDoc_ShapeTool.hxx>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sightline/importers/cad/internal/cad_document.h"
+#include "sightline/importers/cad/internal/cad_parts.h"
+#include "sightline/importers/cad/internal/occt_maths.h"
+#include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/side_files.h"
+
+namespace sightline::importers {
+namespace {
+
+using core::Affine;
+using Done = core::Expected<void>;
+
+// Shares of the time.
+constexpr double kReading = 0.5, kMeshing = 0.4;
+
+/// Says nothing on the console while it lives.
+class Quiet {
+ public:
+  Quiet() : printers_(Message::DefaultMessenger()->Printers()) {
+    Message::DefaultMessenger()->ChangePrinters().Clear();
+  }
+  ~Quiet() { Message::DefaultMessenger()->ChangePrinters() = printers_; }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+ private:
+  Message_SequenceOfPrinters printers_;
+};
+
+/// Tells the import how far Open CASCADE has come, and Open CASCADE when it is cancelled.
+class Progress final : public Message_ProgressIndicator {
+ public:
+  explicit Progress(ImportJob& job) : job_(job) {}
+  const Done& done() const { return done_; }
+
+ protected:
+  void Show(const Message_ProgressScope&, const Standard_Boolean) override {
+    if (done_) done_ = job_.progress(kReading * GetPosition());
+  }
+  Standard_Boolean UserBreak() override { return !done_; }
+
+ private:
+  ImportJob& job_;
+  Done done_;
+};
+
+std::string utf8(const TCollection_ExtendedString& text) {
+  return TCollection_AsciiString(text).ToCString();
+}
+
+std::string name_of(const TDF_Label& label) {
+  Handle(TDataStd_Name) name;
+  return label.FindAttribute(TDataStd_Name::GetID(), name) ? utf8(name->Get()) : "";
+}
+
+/// Whether a name says something to people, unlike those that programs make up for instances: "NAUO12", "12", and those
+/// that Open CASCADE makes, "=>[0:1:1:2]".
+bool is_telling(const std::string& name) {
+  const std::size_t begin = name.starts_with("NAUO") ? 4 : 0;
+  return !name.starts_with("=>[") && name.find_first_not_of("0123456789", begin) != std::string::npos;
+}
+
+/// Makes the scene of a document.
+class Builder {
+ public:
+  Builder(ImportJob& job, CadDocument& document)
+      : job_(job),
+        document_(document),
+        colours_(XCAFDoc_DocumentTool::ColorTool(document.handle()->Main())),
+        layers_(XCAFDoc_DocumentTool::LayerTool(document.handle()->Main())) {}
+
+  Done run() {
+    TDF_LabelSequence tops;
+    XCAFDoc_DocumentTool::ShapeTool(document_.handle()->Main())->GetFreeShapes(tops);
+    for (const TDF_Label& top : tops)
+      if (auto found = find_parts(top, 0); !found) return found;
+    if (auto made = make_parts(); !made) return made;
+    add_meshes();
+    for (const TDF_Label& top : tops)
+      if (auto added = add(top, job_.file_node()); !added) return added;
+    tell();
+    return {};
+  }
+
+ private:
+  static constexpr int kDeepest = 250;                   // assemblies in assemblies
+  static constexpr std::size_t kMostNodes = 50'000'000;  // of products used in products used in products …
+
+  struct Part {
+    TDF_Label label;
+    CadShape shape;
+    CadPart made;
+    std::vector<std::vector<core::MeshId>> meshes;  // of the contents
+    bool used = false;
+  };
+
+  static TDF_Label product_of(const TDF_Label& label) {
+    TDF_Label product;
+    return XCAFDoc_ShapeTool::GetReferredShape(label, product) ? product : label;
+  }
+
+  /// Lists each part once.
+  Done find_parts(const TDF_Label& label, int depth) {
+    if (depth > kDeepest)
+      return job_.damage(0, fmt::format("assemblies are nested deeper than {}, or within themselves", kDeepest));
+    const TDF_Label product = product_of(label);
+    const std::string entry = entry_of(product);
+    if (!seen_.insert({entry, core::kNone}).second) return {};
+    if (XCAFDoc_ShapeTool::IsAssembly(product)) {
+      TDF_LabelSequence components;
+      XCAFDoc_ShapeTool::GetComponents(product, components);
+      for (const TDF_Label& component : components)
+        if (auto found = find_parts(component, depth + 1); !found) return found;
+      return {};
+    }
+    seen_[entry] = std::uint32_t(parts_.size());
+    parts_.push_back({product, shape_of(product, document_, styles_), {}, {}, false});
+    return {};
+  }
+
+  /// Parts that share a face are one thread's, one after the other: the mesher writes into faces.
+  std::vector<std::vector<std::size_t>> apart() const {
+    std::unordered_map<const TopoDS_TShape*, std::size_t> owner;
+    std::vector<std::vector<std::size_t>> groups;
+    std::vector<std::size_t> group_of(parts_.size());
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      std::optional<std::size_t> known;
+      for (const auto& named : parts_[i].shape.bodies)
+        for (const StyledFace& face : named.body.faces) {
+          const auto [at, fresh] = owner.try_emplace(face.face.TShape().get(), i);
+          if (!fresh && at->second != i) known = group_of[at->second];
+        }
+      if (!known) {
+        known = groups.size();
+        groups.emplace_back();
+      }
+      group_of[i] = *known;
+      groups[*known].push_back(i);
+    }
+    return groups;
+  }
+
+  Done make_parts() {
+    const auto groups = apart();
+    std::atomic<std::size_t> next{0}, finished{0};
+    std::atomic<bool> stop{false};
+    std::mutex mutex;
+    std::string failure;
+    const auto work = [&] {
+      for (std::size_t at = next++; at < groups.size() && !stop; at = next++) {
+        for (const std::size_t i : groups[at]) {
+          try {
+            parts_[i].made = make_part(parts_[i].shape, job_.options());
+          } catch (const Standard_Failure& thrown) {
+            note_failure(mutex, failure, i, thrown.GetMessageString());
+          } catch (const std::exception& thrown) {
+            note_failure(mutex, failure, i, thrown.what());
+          }
+          parts_[i].made.name = name_of(parts_[i].label);
+          if (stop) return;
+        }
+        ++finished;
+      }
+    };
+    std::vector<std::thread> threads;
+    const int wanted = job_.options().threads > 0 ? job_.options().threads : int(std::thread::hardware_concurrency());
+    const int count = std::clamp(wanted, 1, int(std::max<std::size_t>(1, groups.size())));
+    for (int i = 0; i < count; ++i) threads.emplace_back(work);
+    Done done;
+    while (done && finished < groups.size() && !stop) {
+      done = job_.progress(kReading + kMeshing * double(finished) / double(groups.size()));
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      const std::lock_guard lock(mutex);
+      if (!failure.empty()) stop = true;
+    }
+    if (!done) stop = true;
+    for (std::thread& thread : threads) thread.join();
+    if (done && !failure.empty()) return job_.damage(0, failure);
+    return done;
+  }
+
+  void note_failure(std::mutex& mutex, std::string& failure, std::size_t part, const char* what) {
+    const std::lock_guard lock(mutex);
+    if (failure.empty() && !job_.options().lenient)
+      failure = fmt::format("part '{}': {}", name_of(parts_[part].label), what && *what ? what : "cannot be meshed");
+    ++failed_parts_;
+  }
+
+  core::MaterialId material(std::uint32_t style) {
+    if (style == kInherited) return {};
+    if (style >= materials_.size()) materials_.resize(styles_.all().size());
+    if (!materials_[style].valid()) {
+      const CadStyle& look = styles_.all()[style];
+      materials_[style] = job_.scene().add_material({"", look.colour, look.alpha});
+    }
+    return materials_[style];
+  }
+
+  void add_meshes() {
+    ExactSurfaceReport& report = job_.report().surfaces;
+    report.parts = parts_.size();
+    for (Part& part : parts_) {
+      for (CadPart::Content& content : part.made.contents) {
+        std::vector<core::MeshId>& ids = part.meshes.emplace_back();
+        report.analytic_solids += content.primitives.empty() ? 0 : 1;
+        report.meshed_bodies += content.primitives.empty() ? 1 : 0;
+        report.failed_faces += content.mesh.failed_faces;
+        report.deviation = std::max(report.deviation, kMetres * content.mesh.deviation);
+        for (BodyMesh::OfStyle& of : content.mesh.meshes) {
+          of.mesh.name = part.made.name;
+          report.triangles += of.mesh.indices.size() / 3;
+          auto added = job_.scene().add_mesh(std::move(of.mesh));
+          ids.push_back(added.value_or(core::MeshId{}));
+        }
+      }
+      report.curves += part.made.curves;
+      report.analytic_deviation = std::max(report.analytic_deviation, kMetres * part.made.analytic_deviation);
+      if (!part.made.contents.empty())
+        report.largest_tolerance = std::max(report.largest_tolerance, kMetres * part.made.tolerance);
+    }
+    report.annotations = document_.annotations;
+  }
+
+  /// The style of a component, of an assembly's part as seen from above, or of a product.
+  std::uint32_t style_of(const TDF_Label& label, const TDF_Label& product) {
+    if (path_.Length() > 1) {
+      Handle(XCAFDoc_GraphNode) use;
+      for (int from = 1; from < path_.Length(); ++from) {
+        TDF_LabelSequence chain;
+        for (int i = from; i <= path_.Length(); ++i) chain.Append(path_(i));
+        if (XCAFDoc_ShapeTool::FindSHUO(chain, use))
+          if (const std::uint32_t own = styles_.of(use->Label(), document_); own != kInherited) return own;
+      }
+    }
+    const std::uint32_t own = styles_.of(label, document_);
+    return own != kInherited ? own : styles_.of(product, document_);
+  }
+
+  void note_attributes(core::NodeId node, const TDF_Label& label, const TDF_Label& product, const std::string& name) {
+    core::Scene& scene = job_.scene();
+    if (const std::string called = name_of(product); !called.empty() && called != name)
+      scene.set_attribute(node, "product", called);
+    if (const auto found = document_.attributes.find(entry_of(product)); found != document_.attributes.end())
+      for (const auto& [key, value] : found->second) scene.set_attribute(node, key, value);
+    for (const TDF_Label& of : {label, product}) {
+      Handle(TColStd_HSequenceOfExtendedString) names = layers_->GetLayers(of);
+      if (names.IsNull() || names->IsEmpty()) continue;
+      std::string all;
+      bool visible = false;
+      for (const TCollection_ExtendedString& layer : *names) {
+        all += (all.empty() ? "" : ", ") + utf8(layer);
+        TDF_Label its;
+        visible |= !layers_->FindLayer(layer, its) || layers_->IsVisible(its);
+      }
+      scene.set_attribute(node, "layer", all);
+      if (!visible) scene.set_visible(node, false);
+      break;
+    }
+    if (!colours_->IsVisible(label) || !colours_->IsVisible(product)) scene.set_visible(node, false);
+  }
+
+  /// Adds a use of a part or an assembly, with all below it.
+  Done add(const TDF_Label& label, core::NodeId parent) {
+    const TDF_Label product = product_of(label);
+    std::string name = name_of(label);
+    if (!is_telling(name)) name = name_of(product);
+    const Affine place =
+        label == product ? Affine{} : from_occt(XCAFDoc_ShapeTool::GetLocation(label).Transformation());
+    core::Scene& scene = job_.scene();
+    if (scene.node_count() > kMostNodes)
+      return core::fail(fmt::format("{}: expected at most {} parts in assemblies", job_.file(), kMostNodes));
+    const core::NodeId node = scene.add_node(parent, name, place);
+    path_.Append(label);
+    if (const std::uint32_t style = style_of(label, product); style != kInherited)
+      scene.set_material(node, material(style));
+    note_attributes(node, label, product, name);
+    Done done;
+    if (XCAFDoc_ShapeTool::IsAssembly(product)) {
+      if (path_.Length() <= kDeepest) {
+        TDF_LabelSequence components;
+        XCAFDoc_ShapeTool::GetComponents(product, components);
+        for (auto at = components.begin(); done && at != components.end(); ++at) done = add(*at, node);
+      }
+    } else if (const auto found = seen_.find(entry_of(product)); found != seen_.end() && found->second != core::kNone) {
+      add_part(parts_[found->second], node);
+      done = job_.progress(kReading + kMeshing);
+    }
+    path_.Remove(path_.Length());
+    return done;
+  }
+
+  void add_part(Part& part, core::NodeId node) {
+    ++job_.report().surfaces.instances;
+    for (std::size_t i = 0; i < part.made.contents.size(); ++i) {
+      const CadPart::Content& content = part.made.contents[i];
+      const bool apart = part.made.contents.size() > 1 && !content.name.empty() && content.name != part.made.name;
+      const core::NodeId at = apart ? job_.scene().add_node(node, content.name) : node;
+      for (const AnalyticPart& primitive : content.primitives)
+        job_.add_primitive(at, primitive.primitive, primitive.solid_from_primitive, material(content.style));
+      for (std::size_t k = 0; k < content.mesh.meshes.size(); ++k)
+        if (part.meshes[i][k].valid())
+          job_.add_instance(at, part.meshes[i][k], core::translation(content.mesh.centre),
+                            material(content.mesh.meshes[k].style), !part.used);
+    }
+    part.used = true;
+  }
+
+  void tell() {
+    const ExactSurfaceReport& report = job_.report().surfaces;
+    if (report.failed_faces > 0) {
+      const auto worst = std::max_element(parts_.begin(), parts_.end(),
+                                          [](const Part& a, const Part& b) { return failures(a) < failures(b); });
+      job_.warn(0, fmt::format("{} faces could not be meshed and are left out, most ({}) of part '{}'",
+                               report.failed_faces, failures(*worst), worst->made.name));
+    }
+    if (failed_parts_ > 0) job_.warn(0, fmt::format("{} parts could not be meshed and are left out", failed_parts_));
+    if (report.curves > 0) job_.warn(0, fmt::format("{} curves are not read", report.curves));
+    if (report.annotations > 0)
+      job_.warn(0, fmt::format("{} dimensions, tolerances and notes are not read", report.annotations));
+    if (document_.units.size() > 1)
+      job_.warn(0, fmt::format("parts have different units: {}", fmt::join(document_.units, ", ")));
+    job_.report().metres_per_unit = document_.metres_per_unit;
+  }
+
+  static std::uint64_t failures(const Part& part) {
+    std::uint64_t failed = 0;
+    for (const CadPart::Content& content : part.made.contents) failed += content.mesh.failed_faces;
+    return failed;
+  }
+
+  static constexpr double kMetres = 1e-3;  // a millimetre
+
+  ImportJob& job_;
+  CadDocument& document_;
+  Handle(XCAFDoc_ColorTool) colours_;
+  Handle(XCAFDoc_LayerTool) layers_;
+  CadStyles styles_;
+  std::vector<core::MaterialId> materials_;  // of the styles
+  std::vector<Part> parts_;
+  std::unordered_map<std::string, std::uint32_t> seen_;  // products by the entry of their label; kNone: assemblies
+  TDF_LabelSequence path_;                               // of components, from the top
+  std::uint64_t failed_parts_ = 0;
+};
+
+Done read(ImportJob& job, const std::filesystem::path& path) {
+  const Quiet quiet;
+  const Handle(Progress) progress = new Progress(job);
+  try {
+    CadDocument document;
+    if (auto done = read_cad_document(job, path, document, progress->Start()); !done) return done;
+    if (!progress->done()) return progress->done();
+    return Builder(job, document).run();
+  } catch (const Standard_Failure& thrown) {
+    return core::fail(fmt::format("{}: Open CASCADE failed: {} {}", job.file(), thrown.DynamicType()->Name(),
+                                  thrown.GetMessageString()));
+  }
+}
+
+}  // namespace
+
+core::Expected<ImportReport> read_cad(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
+                                      const ImportOptions& options) {
+  if (!(options.chord_tolerance >= 0.0 && std::isfinite(options.chord_tolerance)))
+    return core::fail(fmt::format("{}: chord_tolerance: expected a finite number of at least 0, found {}",
+                                  path.filename().string(), options.chord_tolerance));
+  if (!(options.chord_angle > 0.0 && options.chord_angle <= std::numbers::pi))
+    return core::fail(fmt::format("{}: chord_angle: expected more than 0 and at most pi, found {}",
+                                  path.filename().string(), options.chord_angle));
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
+  std::vector<std::filesystem::path> side_files;
+  ImportOptions frame = options;
+  frame.metres_per_unit = 1.0;
+  auto report = [&] {
+    const SideFileNotes notes(side_files);
+    return run_import(path.filename().string(), scene, parent, frame, {1e-3, UpAxis::kZ}, [&](ImportJob& job) {
+      std::error_code ignored;
+      job.report().bytes = std::filesystem::file_size(path, ignored);
+      return read(job, path);
+    });
+  }();
+  if (report) report->side_files = std::move(side_files);
+  return report;
+}
+
+}  // namespace sightline::importers

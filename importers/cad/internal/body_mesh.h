@@ -1,0 +1,48 @@
+// Internal to the importers: triangles of exact surfaces, by Open CASCADE's mesher, as meshes of ours.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shape.hxx>
+
+#include "sightline/core/mesh.h"
+
+namespace sightline::importers {
+
+/// A face, and the number of its look.
+struct StyledFace {
+  TopoDS_Face face;
+  std::uint32_t style = 0;
+};
+
+/// A solid, or faces that are none.
+struct Body {
+  TopoDS_Shape shape;
+  std::vector<StyledFace> faces;
+};
+
+struct BodyMesh {
+  struct OfStyle {
+    std::uint32_t style;
+    core::Mesh mesh;
+  };
+  std::vector<OfStyle> meshes;  ///< of styles in rising order
+  core::dvec3 centre{0.0};      ///< to be added to all positions
+  std::uint64_t failed_faces = 0;
+  double deviation = 0.0;  ///< the largest distance found between triangles and surfaces, and between their rims
+};
+
+/// Both in the body's unit; an angle in radians between neighbouring facets of a curve.
+struct MeshQuality {
+  double tolerance, angle;
+};
+
+/// Meshes a body. Faces share their vertices' positions along edges, so a closed solid gives closed triangles, of all
+/// styles together. Normals are the surfaces'. Measures the deviation at four points of each triangle and between the
+/// points of each edge; where that is above the tolerance, meshes finer, up to three times. Faces that cannot be meshed
+/// are left out and counted. Several threads may mesh bodies that share no face.
+BodyMesh mesh_body(const Body& body, const MeshQuality& quality);
+
+}  // namespace sightline::importers

@@ -1,0 +1,19 @@
+// Internal to the importers: what sightline-cad-reader gets as arguments and says on its descriptor 3.
+//
+// Arguments: the file, the scene cache to write, and "NAME=VALUE" as below. Messages are lines: a kind, a space, text.
+// The text of an error goes on to the end. A program that ends with 0 has written the scene cache.
+#pragma once
+
+namespace sightline::importers::cad {
+
+inline constexpr const char* kProgram = "sightline-cad-reader";
+inline constexpr int kMessages = 3;  ///< the descriptor
+
+inline constexpr char kProgress = 'p';  ///< share, 0 to 1
+inline constexpr char kSideFile = 's';  ///< a path
+inline constexpr char kError = 'e';
+
+inline constexpr const char *kTolerance = "tolerance", *kAngle = "angle", *kLenient = "lenient", *kThreads = "threads",
+                            *kMemory = "memory", *kSeconds = "seconds";
+
+}  // namespace sightline::importers::cad

@@ -1,0 +1,186 @@
+#include "sightline/importers/cad/internal/step_facts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <set>
+
+#include <Interface_EntityIterator.hxx>
+#include <Interface_Graph.hxx>
+#include <STEPConstruct_ExternRefs.hxx>
+#include <StepBasic_DocumentFile.hxx>
+#include <StepBasic_ExternalIdentificationAssignment.hxx>
+#include <StepBasic_MeasureValueMember.hxx>
+#include <StepBasic_MeasureWithUnit.hxx>
+#include <StepBasic_Product.hxx>
+#include <StepBasic_ProductDefinition.hxx>
+#include <StepBasic_ProductDefinitionFormation.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepDimTol_GeometricTolerance.hxx>
+#include <StepRepr_DescriptiveRepresentationItem.hxx>
+#include <StepRepr_MeasureRepresentationItem.hxx>
+#include <StepRepr_ProductDefinitionShape.hxx>
+#include <StepRepr_PropertyDefinition.hxx>
+#include <StepRepr_PropertyDefinitionRepresentation.hxx>
+#include <StepRepr_Representation.hxx>
+#include <StepRepr_RepresentationItem.hxx>
+#include <StepShape_DimensionalLocation.hxx>
+#include <StepShape_DimensionalSize.hxx>
+#include <StepVisual_AnnotationOccurrence.hxx>
+#include <TColStd_SequenceOfAsciiString.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <TransferBRep.hxx>
+#include <Transfer_TransientProcess.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_ShapeTool.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <XSControl_WorkSession.hxx>
+
+#include "sightline/importers/internal/side_files.h"
+#include "sightline/importers/internal/text_encoding.h"
+
+namespace sightline::importers {
+namespace {
+
+std::string text_of(const Handle(TCollection_HAsciiString) & text) {
+  return text.IsNull() ? std::string() : utf8_by_guess(text->ToCString());
+}
+
+std::optional<double> metres_of_step_unit(const std::string& name) {
+  constexpr std::pair<const char*, double> kUnits[] = {
+      {"metre", 1.0},       {"meter", 1.0},     {"millimetre", 1e-3},  {"millimeter", 1e-3}, {"centimetre", 1e-2},
+      {"centimeter", 1e-2}, {"kilometre", 1e3}, {"micrometre", 1e-6},  {"inch", 0.0254},     {"foot", 0.3048},
+      {"mile", 1609.344},   {"mil", 2.54e-5},   {"microinch", 2.54e-8}};
+  std::string lower = name;
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  for (const auto& [known, metres] : kUnits)
+    if (lower == known) return metres;
+  return std::nullopt;
+}
+
+void note_units(STEPCAFControl_Reader& reader, CadDocument& document) {
+  TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
+  reader.ChangeReader().FileUnits(lengths, angles, solid_angles);
+  std::optional<double> first;
+  for (const TCollection_AsciiString& length : lengths) {
+    const std::string name = length.ToCString();
+    if (!first) first = metres_of_step_unit(name);
+    if (std::find(document.units.begin(), document.units.end(), name) == document.units.end())
+      document.units.push_back(name);
+  }
+  document.metres_per_unit = first.value_or(1e-3);
+}
+
+/// An item of a representation as text; empty: of no kind that people read.
+std::string value_of(const Handle(StepRepr_RepresentationItem) & item) {
+  if (const auto words = Handle(StepRepr_DescriptiveRepresentationItem)::DownCast(item); !words.IsNull())
+    return text_of(words->Description());
+  const auto measure = Handle(StepRepr_MeasureRepresentationItem)::DownCast(item);
+  if (measure.IsNull() || measure->Measure().IsNull() || measure->Measure()->ValueComponentMember().IsNull()) return "";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.12g", measure->Measure()->ValueComponent());
+  return text;
+}
+
+/// The part's label that a product's definition has become.
+TDF_Label label_of(const Handle(StepBasic_ProductDefinition) & product, STEPCAFControl_Reader& reader,
+                   const Handle(XCAFDoc_ShapeTool) & shapes) {
+  const Handle(Transfer_TransientProcess)& process = reader.Reader().WS()->TransferReader()->TransientProcess();
+  const TopoDS_Shape shape = TransferBRep::ShapeResult(process, product);
+  TDF_Label label;
+  if (!shape.IsNull()) shapes->FindShape(shape, label);
+  return label;
+}
+
+Handle(StepBasic_ProductDefinition) product_of(const StepRepr_CharacterizedDefinition& of) {
+  if (!of.ProductDefinition().IsNull()) return of.ProductDefinition();
+  if (of.ProductDefinitionShape().IsNull()) return {};
+  return of.ProductDefinitionShape()->Definition().ProductDefinition();
+}
+
+void add(core::Scene::Attributes& to, const std::string& key, const std::string& value) {
+  if (key.empty() || value.empty()) return;
+  const bool known = std::any_of(to.begin(), to.end(), [&](const auto& a) { return a.first == key; });
+  if (!known) to.emplace_back(key, value);
+}
+
+void note_property(const StepRepr_PropertyDefinitionRepresentation& property, STEPCAFControl_Reader& reader,
+                   const Handle(XCAFDoc_ShapeTool) & shapes, CadDocument& document) {
+  const Handle(StepRepr_PropertyDefinition) definition = property.Definition().PropertyDefinition();
+  const Handle(StepRepr_Representation) values = property.UsedRepresentation();
+  if (definition.IsNull() || values.IsNull() || values->Items().IsNull()) return;
+  if (definition->IsKind(STANDARD_TYPE(StepRepr_ProductDefinitionShape))) return;  // a shape, not a property
+  const Handle(StepBasic_ProductDefinition) product = product_of(definition->Definition());
+  if (product.IsNull()) return;
+  core::Scene::Attributes found;
+  for (int i = 1; i <= values->NbItems(); ++i) {
+    const Handle(StepRepr_RepresentationItem) item = values->ItemsValue(i);
+    if (item.IsNull()) continue;
+    const std::string name = text_of(item->Name());
+    add(found, name.empty() ? text_of(definition->Name()) : name, value_of(item));
+  }
+  if (found.empty()) return;
+  const TDF_Label label = label_of(product, reader, shapes);
+  if (label.IsNull()) return;
+  for (const auto& [key, value] : found) add(document.attributes[entry_of(label)], key, value);
+}
+
+/// What a product says of itself.
+void note_product(const Handle(StepBasic_ProductDefinition) & of, STEPCAFControl_Reader& reader,
+                  const Handle(XCAFDoc_ShapeTool) & shapes, CadDocument& document) {
+  if (of->Formation().IsNull() || of->Formation()->OfProduct().IsNull()) return;
+  const Handle(StepBasic_Product) product = of->Formation()->OfProduct();
+  const TDF_Label label = label_of(of, reader, shapes);
+  if (label.IsNull()) return;
+  core::Scene::Attributes& to = document.attributes[entry_of(label)];
+  add(to, "part number", text_of(product->Id()));
+  add(to, "description", text_of(product->Description()));
+  add(to, "version", text_of(of->Formation()->Id()));
+}
+
+}  // namespace
+
+core::Expected<void> find_step_parts(ImportJob& job, const std::filesystem::path& path, STEPCAFControl_Reader& reader) {
+  STEPConstruct_ExternRefs parts(reader.Reader().WS());
+  parts.LoadExternRefs();
+  for (int i = 1; i <= parts.NbExternRefs(); ++i) {
+    const Handle(StepBasic_DocumentFile) file = parts.DocFile(i);
+    const char* name = parts.FileName(i);
+    if (file.IsNull() || !name || !*name) continue;
+    const auto found = find_named_file(path, name);
+    if (!found)
+      if (auto told = job.damage(0, "part " + found.error().message); !told) return told;
+    // Where nothing may be read, a name that no file has.
+    const std::string use =
+        found ? std::filesystem::relative(*found, std::filesystem::absolute(path).parent_path()).string() : "?";
+    const Handle(TCollection_HAsciiString) as = new TCollection_HAsciiString(use.c_str());
+    file->SetId(as);
+    Interface_EntityIterator users = reader.Reader().WS()->Graph().Sharings(file);
+    for (users.Start(); users.More(); users.Next())
+      if (const auto by = Handle(StepBasic_ExternalIdentificationAssignment)::DownCast(users.Value()); !by.IsNull())
+        by->SetAssignedId(as);
+  }
+  return {};
+}
+
+void note_step_facts(STEPCAFControl_Reader& reader, CadDocument& document) {
+  note_units(reader, document);
+  const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document.handle()->Main());
+  const Handle(StepData_StepModel) model = reader.Reader().StepModel();
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const Handle(Standard_Transient) entity = model->Value(i);
+    if (const auto product = Handle(StepBasic_ProductDefinition)::DownCast(entity); !product.IsNull())
+      note_product(product, reader, shapes, document);
+    else if (const auto property = Handle(StepRepr_PropertyDefinitionRepresentation)::DownCast(entity);
+             !property.IsNull())
+      note_property(*property, reader, shapes, document);
+    else if (entity->IsKind(STANDARD_TYPE(StepDimTol_GeometricTolerance)) ||
+             entity->IsKind(STANDARD_TYPE(StepShape_DimensionalSize)) ||
+             entity->IsKind(STANDARD_TYPE(StepShape_DimensionalLocation)) ||
+             entity->IsKind(STANDARD_TYPE(StepVisual_AnnotationOccurrence)))
+      ++document.annotations;
+  }
+}
+
+}  // namespace sightline::importers
