@@ -1,6 +1,7 @@
 # cmake --install: the libraries, their public headers, and packages for find_package() and pkg-config. Include this
 # after SharedLibrary.cmake. Install components are library (the shared library), development (what is needed to build
-# against either kind), tools, vtk (the module that reads VTK files) and internals.
+# against either kind), tools, vtk (the module that reads VTK files), occt (the program
+# that reads STEP, IGES and BREP), in_process (the module that does so) and internals.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
@@ -129,6 +130,10 @@ install(FILES ${PROJECT_BINARY_DIR}/SightlineConfig.cmake ${PROJECT_BINARY_DIR}/
         DESTINATION ${package_dir})
 if(TARGET sightline_vtk)
   install(TARGETS sightline_vtk LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT vtk)
+endif()
+if(TARGET sightline_cad)
+  install(TARGETS sightline_cad_reader RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/sightline COMPONENT occt)
+  install(TARGETS sightline_cad LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT in_process)
 endif()
 get_property(programs GLOBAL PROPERTY SIGHTLINE_TOOLS)
 if(programs)

@@ -22,6 +22,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME ${library_package})
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libsightline-dev)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME sightline-tools)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-sightline)
+set(CPACK_DEBIAN_OCCT_PACKAGE_NAME sightline-occt)
 
 set(CPACK_COMPONENTS_ALL library development)
 get_property(programs GLOBAL PROPERTY SIGHTLINE_TOOLS)
@@ -30,6 +31,9 @@ if(programs)
 endif()
 if(SIGHTLINE_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+if(TARGET sightline_cad_reader)
+  list(APPEND CPACK_COMPONENTS_ALL occt)
 endif()
 
 # Manual pages.
@@ -105,7 +109,7 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/triggers)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri")
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_SUGGESTS libosmesa6)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SUGGESTS "libosmesa6, sightline-occt")
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "visibility library for CAD viewers
 Holds a plant, a ship or an aircraft in a retained scene graph, decides per
 view what can be seen, and draws it with OpenGL 4.5.")
@@ -121,12 +125,19 @@ pkg-config.")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "fonts-dejavu-core, libegl1, libgl1-mesa-dri")
-set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS libosmesa6)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "libosmesa6, sightline-occt")
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "draws, replays, traces and converts CAD models
 Command-line tools and a walkthrough window of Sightline, a visibility
 library for CAD viewers: images and comparisons of models, flights along
 camera paths with figures of culling and drawing, ray tracing, reports,
 conversion of RVM, OBJ, glTF, PLY and STL files.")
+
+set(CPACK_DEBIAN_OCCT_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_OCCT_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_OCCT_DESCRIPTION "reads STEP, IGES and BREP files for Sightline
+With this package the tools, the library and the Python module of Sightline, a
+visibility library for CAD viewers, read STEP, IGES and BREP files, by a
+program of its own that uses Open CASCADE.")
 
 if(SIGHTLINE_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

@@ -86,15 +86,18 @@ constexpr Format kFormats[] = {
 #endif
 };
 
-/// Formats that a build may lack, and the build option that adds them.
+/// Formats that a build may lack, the build option that adds them, and Debian's packages that this needs.
 struct Optional {
-  std::string_view extension, option;
+  std::string_view extension, option, package;
 };
-constexpr Optional kOptional[] = {{".slc", "SIGHTLINE_SLC"},  {".gltf", "SIGHTLINE_GLTF"}, {".glb", "SIGHTLINE_GLTF"},
-                                  {".vtk", "SIGHTLINE_VTK"},  {".vtm", "SIGHTLINE_VTK"},   {".vtmb", "SIGHTLINE_VTK"},
-                                  {".vtp", "SIGHTLINE_VTK"},  {".vtu", "SIGHTLINE_VTK"},   {".step", "SIGHTLINE_OCCT"},
-                                  {".stp", "SIGHTLINE_OCCT"}, {".stpz", "SIGHTLINE_OCCT"}, {".iges", "SIGHTLINE_OCCT"},
-                                  {".igs", "SIGHTLINE_OCCT"}, {".brep", "SIGHTLINE_OCCT"}};
+constexpr std::string_view kOcct = "libocct-data-exchange-dev and libocct-visualization-dev";
+constexpr Optional kOptional[] = {{".slc", "SIGHTLINE_SLC", "libxxhash-dev"}, {".gltf", "SIGHTLINE_GLTF", "libstb-dev"},
+                                  {".glb", "SIGHTLINE_GLTF", "libstb-dev"},   {".vtk", "SIGHTLINE_VTK", "libvtk9-dev"},
+                                  {".vtm", "SIGHTLINE_VTK", "libvtk9-dev"},   {".vtmb", "SIGHTLINE_VTK", "libvtk9-dev"},
+                                  {".vtp", "SIGHTLINE_VTK", "libvtk9-dev"},   {".vtu", "SIGHTLINE_VTK", "libvtk9-dev"},
+                                  {".step", "SIGHTLINE_OCCT", kOcct},         {".stp", "SIGHTLINE_OCCT", kOcct},
+                                  {".stpz", "SIGHTLINE_OCCT", kOcct},         {".iges", "SIGHTLINE_OCCT", kOcct},
+                                  {".igs", "SIGHTLINE_OCCT", kOcct},          {".brep", "SIGHTLINE_OCCT", kOcct}};
 
 constexpr auto kExtensions = [] {
   std::array<std::string_view, std::size(kFormats)> all;
@@ -110,8 +113,8 @@ core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path
   if (format == std::end(kFormats)) {
     for (const Optional& o : kOptional)
       if (o.extension == extension)
-        return core::fail(
-            fmt::format("{}: this build reads no {} files ({} is off)", path.string(), extension, o.option));
+        return core::fail(fmt::format("{}: this build reads no {} files ({}, which needs {}, is off)", path.string(),
+                                      extension, o.option, o.package));
     return core::fail(fmt::format("{}: unknown extension '{}', expected {}", path.string(), path.extension().string(),
                                   fmt::join(kExtensions, ", ")));
   }

@@ -4,7 +4,7 @@
 #   scripts/nightly.sh                 all of it: about an hour on two cores
 #   scripts/nightly.sh SLICE/COUNT     one of COUNT slices that take about as long as each other, from 1/COUNT on
 #   scripts/nightly.sh --only NAME …   these alone
-#   scripts/nightly.sh --list [COUNT]  names, minutes, and the slice of COUNT (10) that each is in
+#   scripts/nightly.sh --list [COUNT]  names, minutes, and the slice of COUNT (14) that each is in
 # Does all set-up, as scripts/test.sh does. Goes on after a failure and exits 1 in the end, naming what failed. Mutation
 # only reports. SIGHTLINE_CMAKE_ARGS holds extra CMake arguments.
 set -euo pipefail
@@ -22,7 +22,8 @@ tsan         8 ThreadSanitizer on core, culling, ray tracer and engine
 asan         5 AddressSanitizer on culling, ray tracer, primitives, measuring and comparing
 asan-io      7 AddressSanitizer on core, importers, the C API and the viewer's model: what reads bytes or foreign pointers
 asan-gl      8 AddressSanitizer on the engine and the GPU culler
-zink        10 GL tests of gl, gpuscene, culling, render and engine with a second driver
+zink         5 GL tests of gl, gpuscene, culling and render with a second driver
+zink-engine  5 GL tests of engine with it
 packages     3 Debian packages: built, judged, installed, used
 consumers    6 public headers alone; projects that use the installed library, pkg-config or the sources
 shared       3 the same with one shared library
@@ -39,7 +40,7 @@ ctest_in() { ctest --test-dir "build/$1" -j "$(nproc)" --no-tests=error --output
 
 run_counts() {
   release
-  SIGHTLINE_LONG=1 ctest_in release -R '^((culling|importers|importers_vtk|stability|view|gpuprims)\.|hostile_table)' -LE '^nightly'
+  SIGHTLINE_LONG=1 ctest_in release -R '^((culling|importers|importers_vtk|importers_cad|stability|view|gpuprims)\.|hostile_table)' -LE '^nightly'
 }
 run_counts-gl() {
   release
@@ -55,13 +56,14 @@ run_tools() {
   release
   ctest_in release -L '^nightly' -R '^(apps|apps_gl|python|python_gl)\.'
 }
+run_zink() { with_zink '^(gl|gpuscene|culling|render)_gl\.'; }
+run_zink-engine() { with_zink '^engine_gl\.'; }
 # But for what compares to the byte (zink rounds colours otherwise), what counts late reports by frames, and one test
 # of many edits in which lavapipe of Mesa 22.3.6 crashes unless each of its calls is waited for (ZINK_DEBUG=validation).
-run_zink() {
+with_zink() {
   release
   scripts/with_driver.sh zink ctest --test-dir build/release -j "$(nproc)" --no-tests=error --output-on-failure \
-    -R '^(gl|gpuscene|culling|render|engine)_gl\.' -LE '^nightly' \
-    -E '\.(Images\.OfEveryPlatform|HybridTest\.TheOldestLateReports|StreamingTest\.ReusedIdsAre)'
+    -R "$1" -LE '^nightly' -E '\.(Images\.OfEveryPlatform|HybridTest\.TheOldestLateReports|StreamingTest\.ReusedIdsAre)'
 }
 run_osmesa() {
   release
@@ -76,8 +78,8 @@ run_asan() {
     scripts/test.sh asan -R '^(culling|raytrace|gpuprims|measure|compare|lod|engine)\.'
 }
 run_asan-io() {
-  SIGHTLINE_TARGETS="core_tests importers_tests importers_vtk_tests capi_tests view_tests" \
-    scripts/test.sh asan -R '^(core|importers|importers_vtk|capi|view)\.'
+  SIGHTLINE_TARGETS="core_tests importers_tests importers_vtk_tests importers_cad_tests capi_tests view_tests" \
+    scripts/test.sh asan -R '^(core|importers|importers_vtk|importers_cad|capi|view)\.'
 }
 run_asan-gl() {
   SIGHTLINE_TARGETS="culling_gl_tests engine_gl_tests view_gl_tests capi_gl_tests" \
@@ -121,7 +123,7 @@ run_mutants() {
     echo "mutants: could not be tried"
   mapfile -t folders < <(changed_files | xargs -r dirname | sort -u)
   [ ${#folders[@]} -gt 0 ] || { echo "no library file changed in the last 50 commits"; return; }
-  folder=${folders[$(($(git rev-list --count HEAD) / 10 % ${#folders[@]}))]}
+  folder=${folders[$(($(git rev-list --count HEAD) / 14 % ${#folders[@]}))]}
   mapfile -t files < <(changed_files | grep "^$folder/[^/]*$")
   scripts/mutate.sh --minutes 2 --seed "$(git rev-list --count HEAD)" "${files[@]}" || echo "mutants: could not be tried"
 }
@@ -156,7 +158,7 @@ list() {
 slice=1 count=1 chosen=()
 case ${1:-} in
   '') mapfile -t chosen < <(names) ;;
-  --list) list "${2:-10}"; exit 0 ;;
+  --list) list "${2:-14}"; exit 0 ;;
   --only)
     shift
     chosen=("$@") slice=0

@@ -28,7 +28,7 @@ if [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then packages+=(lintian); fi
 # VTK brings 246 packages, so it is installed only on request. With it the build has importers/vtk.
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
 # Open CASCADE, for STEP, IGES and BREP, likewise.
-if [ -n "${SIGHTLINE_SETUP_OCCT:-}" ]; then
+if [ "$preset" = packages ] || [ -n "${SIGHTLINE_SETUP_OCCT:-}" ]; then
   packages+=(libocct-data-exchange-dev libocct-ocaf-dev libocct-modeling-algorithms-dev libocct-visualization-dev zlib1g-dev)
 fi
 # For the examples that draw into the windows of others.

@@ -41,7 +41,7 @@ def _build(folder, settings):
     """Configures where needed, builds, and installs into `folder`."""
     tree = pathlib.Path(settings.get("build-dir", SOURCE / "build" / "wheel"))
     if not (tree / "CMakeCache.txt").exists():
-        without = [f"-DSIGHTLINE_{part}=OFF" for part in ("APPS", "BENCH", "EXAMPLES", "TESTS", "VTK")]
+        without = [f"-DSIGHTLINE_{part}=OFF" for part in ("APPS", "BENCH", "EXAMPLES", "OCCT", "TESTS", "VTK")]
         _run("cmake", "-S", SOURCE, "-B", tree, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", *without,
              "-DSIGHTLINE_PYTHON=ON", "-DSIGHTLINE_INSTALL=ON", f"-DPython_EXECUTABLE={sys.executable}",
              *shlex.split(settings.get("cmake-args", "")))

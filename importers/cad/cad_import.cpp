@@ -70,7 +70,7 @@ std::uint64_t memory_limit() {
 
 std::uint64_t second_limit(const fs::path& path) {
   std::error_code ignored;
-  return 600 + 60 * (std::uint64_t(fs::file_size(path, ignored)) >> 20);
+  return 120 + 60 * (std::uint64_t(fs::file_size(path, ignored)) >> 20);
 }
 
 /// The reader as a process: what it says, and how it ended. Killed when this goes.
@@ -131,15 +131,12 @@ class Reader {
 
  private:
   void take_lines() {
-    for (std::size_t end; error_.empty() && (end = said_.find('\n')) != std::string::npos; said_.erase(0, end + 1)) {
+    for (std::size_t end; (end = said_.find('\n')) != std::string::npos; said_.erase(0, end + 1)) {
       const std::string_view line = std::string_view(said_).substr(0, end),
                              text = line.substr(std::min<std::size_t>(2, end));
       if (line.starts_with(cad::kProgress)) std::from_chars(text.data(), text.data() + text.size(), share_);
       if (line.starts_with(cad::kSideFile)) side_files_.emplace_back(text);
-      if (line.starts_with(cad::kError)) {
-        error_ = std::string_view(said_).substr(std::min<std::size_t>(2, said_.size()));
-        return;
-      }
+      if (line.starts_with(cad::kError)) error_ = text;
     }
   }
 
@@ -153,7 +150,8 @@ class Reader {
 /// Why a reader that said nothing has no result.
 std::string end_of(int status, std::uint64_t seconds) {
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
-    return fmt::format("Open CASCADE took more than {} s of processor time", seconds);
+    return fmt::format("Open CASCADE took more than {} s of processor time (reading in this process has no limit)",
+                       seconds);
   if (WIFSIGNALED(status))
     return fmt::format("Open CASCADE crashed while it read this file ({})", strsignal(WTERMSIG(status)));
   return fmt::format("its reader ended with {}", WEXITSTATUS(status));

@@ -19,6 +19,7 @@
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
 
+#include "sightline/importers/cad/internal/sewing.h"
 #include "sightline/importers/cad/internal/solid_surfaces.h"
 
 namespace sightline::importers {
@@ -46,7 +47,7 @@ class ShapeWalk {
 
   CadShape run(const TopoDS_Shape& shape) {
     visit(shape, kInherited, 0);
-    if (!loose_.faces.empty()) made_.bodies.push_back({std::move(loose_), false, ""});
+    if (!loose_.faces.empty()) made_.bodies.push_back({std::move(loose_), ""});
     for (TopExp_Explorer edge(shape, TopAbs_EDGE, TopAbs_FACE); edge.More(); edge.Next()) ++made_.curves;
     return std::move(made_);
   }
@@ -69,7 +70,7 @@ class ShapeWalk {
         return;
       case TopAbs_SOLID:
       case TopAbs_SHELL: {
-        CadShape::Named found{{shape, {}}, shape.ShapeType() == TopAbs_SOLID, ""};
+        CadShape::Named found{{shape, {}}, ""};
         if (const int* name = named_.Seek(shape)) found.name = names_[std::size_t(*name)];
         add_faces(shape, style, found.body);
         if (!found.body.faces.empty()) made_.bodies.push_back(std::move(found));
@@ -123,6 +124,19 @@ bool one_style(const Body& body) {
                      [&](const StyledFace& face) { return face.style == body.faces[0].style; });
 }
 
+std::optional<AnalyticSolid> analytic(const SewnBody& whole) {
+  if (!whole.solid || !one_style(whole.body)) return std::nullopt;
+  const auto surfaces = solid_surfaces(whole.body.shape);
+  return surfaces ? analytic_solid(*surfaces) : std::nullopt;
+}
+
+/// Solids as they are, and what can be made of shells and loose faces.
+std::vector<SewnBody> made_whole(const Body& body) {
+  if (body.shape.ShapeType() == TopAbs_SOLID) return {{body, true}};
+  if (body.shape.ShapeType() == TopAbs_SHELL) return {solid_of(body)};
+  return sewn(body);
+}
+
 }  // namespace
 
 std::uint32_t CadStyles::number(const CadStyle& style) {
@@ -152,18 +166,18 @@ CadPart make_part(const CadShape& shape, const ImportOptions& options) {
   CadPart made;
   made.curves = shape.curves;
   made.tolerance = tolerance_for(shape, options);
-  for (const auto& [body, solid, name] : shape.bodies) {
-    CadPart::Content content{name, kInherited, {}, {}};
-    if (solid && one_style(body))
-      if (const auto surfaces = solid_surfaces(body.shape))
-        if (auto found = analytic_solid(*surfaces)) {
-          content.style = body.faces[0].style;
-          content.primitives = std::move(found->parts);
-          made.analytic_deviation = std::max(made.analytic_deviation, found->deviation);
-        }
-    if (content.primitives.empty()) content.mesh = mesh_body(body, {made.tolerance, options.chord_angle});
-    made.contents.push_back(std::move(content));
-  }
+  for (const auto& [body, name] : shape.bodies)
+    for (const SewnBody& whole : made_whole(body)) {
+      CadPart::Content content{name, kInherited, {}, {}};
+      if (auto found = analytic(whole)) {
+        content.style = whole.body.faces[0].style;
+        content.primitives = std::move(found->parts);
+        made.analytic_deviation = std::max(made.analytic_deviation, found->deviation);
+      } else {
+        content.mesh = mesh_body(whole.body, {made.tolerance, options.chord_angle});
+      }
+      made.contents.push_back(std::move(content));
+    }
   return made;
 }
 

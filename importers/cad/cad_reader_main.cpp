@@ -24,7 +24,9 @@ namespace cad = importers::cad;
 
 void say(char kind, std::string_view text) {
   std::string line{kind, ' '};
-  line.append(text).push_back('\n');
+  line.append(text);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  line.push_back('\n');
   for (std::string_view left = line; !left.empty();) {
     const auto written = write(cad::kMessages, left.data(), left.size());
     if (written <= 0) _exit(EXIT_FAILURE);  // nobody listens any more

@@ -9,7 +9,7 @@
 
 namespace sightline::importers {
 
-/// The program ends after 10 minutes of processor time and one more for each megabyte of the file, and at three
+/// The program ends after two minutes of processor time and one more for each megabyte of the file, and at three
 /// quarters of the machine's memory. With ImportOptions::in_process the module libsightline_cad.so reads instead,
 /// without limits.
 core::Expected<ImportReport> import_cad(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,

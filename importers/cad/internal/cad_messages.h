@@ -1,7 +1,7 @@
 // Internal to the importers: what sightline-cad-reader gets as arguments and says on its descriptor 3.
 //
 // Arguments: the file, the scene cache to write, and "NAME=VALUE" as below. Messages are lines: a kind, a space, text.
-// The text of an error goes on to the end. A program that ends with 0 has written the scene cache.
+// A program that ends with 0 has written the scene cache.
 #pragma once
 
 namespace sightline::importers::cad {

@@ -53,8 +53,7 @@ struct CadPart {
 /// What is to be drawn of one shape: bodies with the looks of their faces.
 struct CadShape {
   struct Named {
-    Body body;
-    bool solid = false;
+    Body body;  ///< a solid, a shell, or loose faces
     std::string name;
   };
   std::vector<Named> bodies;
