@@ -27,6 +27,18 @@ std::string vector_text(const core::dvec3& v) {
   return text;
 }
 
+std::string bytes_text(std::uint64_t bytes) {
+  constexpr std::uint64_t kMostKilobytes = 100'000, kMostMegabytes = 10'000'000'000;
+  char text[40];
+  if (bytes < kMostKilobytes)
+    std::snprintf(text, sizeof text, "%.1f kB", double(bytes) / 1e3);
+  else if (bytes < kMostMegabytes)
+    std::snprintf(text, sizeof text, "%.1f MB", double(bytes) / 1e6);
+  else
+    std::snprintf(text, sizeof text, "%.1f GB", double(bytes) / 1e9);
+  return text;
+}
+
 std::string length_text(double metres) {
   char text[40];
   const bool small = std::abs(metres) < 0.01;

@@ -10,7 +10,8 @@ namespace sightline::apps {
 
 std::string grouped(std::int64_t number);  ///< 1,234,567
 std::string vector_text(const core::dvec3& v);
-std::string length_text(double metres);  ///< 1.250 m, 0.13 mm
+std::string bytes_text(std::uint64_t bytes);  ///< 1.5 kB, 20.3 MB
+std::string length_text(double metres);       ///< 1.250 m, 0.13 mm
 
 enum class Units { kAutomatic, kMillimetres, kMetres, kFeet };
 inline constexpr const char* kUnitsNames[] = {"auto", "mm", "m", "ft"};

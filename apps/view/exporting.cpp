@@ -6,9 +6,9 @@
 #include <utility>
 
 #include <imgui.h>
-#include <imgui_stdlib.h>
 
 #include "sightline/apps/common/arguments.h"
+#include "sightline/apps/view/obstacles.h"
 #include "sightline/apps/view/widgets.h"
 #include "sightline/importers/view_json.h"
 
@@ -57,7 +57,16 @@ void tell_failure(Viewer& viewer, const Done& done) {
   if (!done) viewer.tell(done.error().message, true);
 }
 
-void size_fields(std::array<int, 2>& size) {
+/// What dialogs ask besides files; it stays from time to time.
+struct Asked {
+  std::array<int, 2> image_size = kSizes[0].second, video_size = {1920, 1080};
+  double fps = kFps;
+};
+Asked asked;
+
+void size_fields(Viewer& viewer, std::array<int, 2>& size) {
+  if (ImGui::Button("Window")) size = viewer.session()->size();
+  ImGui::SameLine();
   for (const auto& [name, preset] : kSizes) {
     if (ImGui::Button(name)) size = preset;
     ImGui::SameLine();
@@ -103,6 +112,16 @@ Done play_path(Viewer& viewer, const std::string& file) {
   return {};
 }
 
+Done save_path(Viewer& viewer, const std::string& file) {
+  if (const char* why = without_path(viewer)) return core::fail(why);
+  if (file.empty()) return viewer.shown.dialog = Dialog::kSavePath, Done();
+  const auto path = importers::translated(*viewer.player().path(), -viewer.session()->offset());
+  if (!path) return tl::unexpected(path.error());
+  if (auto done = importers::write_path(file, *path); !done) return done;
+  viewer.tell("path: " + file);
+  return {};
+}
+
 Done set_path_speed(Viewer& viewer, const std::string& factor) {
   const auto speed = parse_finite(factor);
   if (!speed) return tl::unexpected(speed.error());
@@ -125,53 +144,46 @@ Done write_frames(Viewer& viewer, const std::string& argument) {
                                       fps_word ? *parse_finite(*fps_word) : kFps, folder));
 }
 
-void image_window(Viewer& viewer) {
-  static std::array<int, 2> size = kSizes[0].second;  // these stay from time to time
-  static std::string file;
-  begin_dialog(viewer, "Save large image", 34.0f);
-  size_fields(size);
-  ImGui::SetNextItemWidth(-1.0f);
-  ImGui::InputTextWithHint("##file", "file; empty: the next screenshot-1.png …", &file);
-  if (ImGui::Button("Save")) {
-    const Done done = write_image(viewer, file.empty() ? size_text(size) : file + " " + size_text(size));
-    if (done) viewer.shown.dialog = Dialog::kNone;
-    tell_failure(viewer, done);
-  }
-  ImGui::SameLine();
-  ImGui::TextDisabled("up to 16384x16384, drawn in tiles");
-  ImGui::End();
+void image_options(Viewer& viewer) {
+  size_fields(viewer, asked.image_size);
+  wrapped_text("up to 16384x16384, drawn in tiles");
+}
+
+Done write_sized_image(Viewer& viewer, const std::string& file) {
+  return write_image(viewer, file + " " + size_text(asked.image_size));
+}
+
+Done write_sized_frames(Viewer& viewer, const std::string& folder) {
+  return write_frames(viewer, folder + " " + std::to_string(asked.fps) + " " + size_text(asked.video_size));
 }
 
 void path_window(Viewer& viewer) {
-  static std::string file, folder = "frames";  // these stay from time to time
-  static std::array<int, 2> size{1920, 1080};
-  static double fps = kFps;
   PathPlayer& player = viewer.player();
+  const bool has_path = player.path().has_value();
   begin_dialog(viewer, "Camera path", 34.0f);
-  ImGui::SetNextItemWidth(-1.0f);
-  ImGui::InputTextWithHint("##path", player.path() ? "file; empty: the path played or recorded last" : "file of a path",
-                           &file);
-  if (ImGui::Button(player.playing() ? "Stop" : "Play"))
-    tell_failure(viewer, player.playing() ? play_path(viewer, "") : play_path(viewer, file));
+  wrapped_text(has_path ? "The path that was played or recorded last:"
+                        : "There is no path yet: record one (R), or play one of a file.");
+  ImGui::BeginDisabled(!has_path);
+  if (ImGui::Button(player.playing() ? "Stop" : "Play")) tell_failure(viewer, play_path(viewer, ""));
   ImGui::SameLine();
+  if (ImGui::Button("Save…")) viewer.shown.dialog = Dialog::kSavePath;
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  if (ImGui::Button("Play a file…")) viewer.shown.dialog = Dialog::kReadPath;
   ImGui::Checkbox("again and again", &player.loop);
   ImGui::SameLine();
   ImGui::SetNextItemWidth(6.0f * ImGui::GetFontSize());
   float speed = float(player.speed);
   if (ImGui::SliderFloat("speed", &speed, 0.1f, 10.0f, "%.2f", ImGuiSliderFlags_Logarithmic)) player.speed = speed;
   ImGui::Separator();
+  ImGui::BeginDisabled(!has_path);
   ImGui::TextUnformatted("Frames of a video, in a folder:");
-  ImGui::SetNextItemWidth(-1.0f);
-  ImGui::InputText("##folder", &folder);
-  size_fields(size);
+  size_fields(viewer, asked.video_size);
   ImGui::SetNextItemWidth(6.0f * ImGui::GetFontSize());
-  ImGui::InputDouble("frames per second", &fps, 0.0, 0.0, "%g");
+  ImGui::InputDouble("frames per second", &asked.fps, 0.0, 0.0, "%g");
   ImGui::SameLine();
-  if (ImGui::Button("Write frames")) {
-    const Done done = write_frames(viewer, folder + " " + std::to_string(fps) + " " + size_text(size));
-    if (done) viewer.shown.dialog = Dialog::kNone;
-    tell_failure(viewer, done);
-  }
+  if (ImGui::Button("Write frames…")) viewer.shown.dialog = Dialog::kFrames;
+  ImGui::EndDisabled();
   ImGui::End();
 }
 

@@ -16,7 +16,13 @@ core::Expected<void> set_path_speed(Viewer& viewer, const std::string& factor);
 /// "FOLDER [FPS] [WxH]": frames of the path that was played or recorded last.
 core::Expected<void> write_frames(Viewer& viewer, const std::string& argument);
 
-void image_window(Viewer& viewer);      ///< a size and a file for an image
+/// The path that was played or recorded last, in the model's own frame. Without a name the dialog asks for one.
+core::Expected<void> save_path(Viewer& viewer, const std::string& file);
+
+void image_options(Viewer& viewer);  ///< size of the image
+/// In the sizes that dialogs have asked for.
+core::Expected<void> write_sized_image(Viewer& viewer, const std::string& file);
+core::Expected<void> write_sized_frames(Viewer& viewer, const std::string& folder);
 void path_window(Viewer& viewer);       ///< plays a path, and writes its frames
 void exporting_window(Viewer& viewer);  ///< progress, and a button that cancels
 

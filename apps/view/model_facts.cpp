@@ -1,6 +1,5 @@
 #include "sightline/apps/view/model_facts.h"
 
-#include <cstdio>
 #include <filesystem>
 
 #include "sightline/core/primitive.h"
@@ -8,14 +7,8 @@
 namespace sightline::apps {
 namespace {
 
-std::string megabytes(const std::string& file) {
-  std::error_code none;
-  const auto bytes = std::filesystem::file_size(file, none);
-  if (none) return "no longer there";
-  char text[40];
-  std::snprintf(text, sizeof text, bytes < 100'000 ? "%.1f kB" : "%.1f MB",
-                double(bytes) / (bytes < 100'000 ? 1e3 : 1e6));
-  return text;
+std::string size_of(const FileState& state) {
+  return state.there ? bytes_text(state.bytes) : "no longer there";
 }
 
 bool without_volume(const core::Scene& scene, core::ItemId item) {
@@ -32,11 +25,11 @@ void add(std::vector<Finding>& all, const char* one, const char* many, std::vect
 
 }  // namespace
 
-std::vector<Fact> model_facts(const std::vector<std::string>& files, const core::Scene& scene,
+std::vector<Fact> model_facts(const std::vector<std::string>& files, FileStates& states, const core::Scene& scene,
                               const core::AabbD& bounds, const LengthFormat& lengths) {
   std::vector<Fact> facts;
   for (const std::string& file : files)
-    facts.push_back({std::filesystem::path(file).filename().string(), megabytes(file)});
+    facts.push_back({std::filesystem::path(file).filename().string(), size_of(states.of(file))});
   facts.push_back({"items", grouped(std::int64_t(scene.item_count()))});
   if (bounds.empty()) return facts;
   for (int axis = 0; axis < 3; ++axis)

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "sightline/apps/common/item_facts.h"
+#include "sightline/apps/view/file_states.h"
 #include "sightline/core/item_bounds.h"
 
 namespace sightline::apps {
 
 /// Files with their sizes, number of items, extents.
-std::vector<Fact> model_facts(const std::vector<std::string>& files, const core::Scene& scene,
+std::vector<Fact> model_facts(const std::vector<std::string>& files, FileStates& states, const core::Scene& scene,
                               const core::AabbD& bounds, const LengthFormat& lengths);
 
 /// Items about which something is odd.

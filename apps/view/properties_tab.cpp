@@ -83,7 +83,8 @@ void model_warnings(Viewer& viewer) {
 void model_properties(Viewer& viewer) {
   Session& session = *viewer.session();
   if (begin_rows("model")) {
-    for (const Fact& fact : model_facts(viewer.files(), session.scene(), session.bounds().bounds, viewer.lengths()))
+    for (const Fact& fact :
+         model_facts(viewer.files(), viewer.file_states(), session.scene(), session.bounds().bounds, viewer.lengths()))
       row(fact.name.c_str(), fact.value);
     ImGui::EndTable();
   }

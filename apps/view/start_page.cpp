@@ -17,9 +17,8 @@ void recent_models(Viewer& viewer) {
   ImGui::TextDisabled("Recent models");
   std::string chosen;
   for (const std::string& file : viewer.recent()) {
-    std::error_code none;
     const std::filesystem::path path(file);
-    const bool there = std::filesystem::exists(path, none);
+    const bool there = viewer.file_states().of(file).there;
     ImGui::PushID(file.c_str());
     const float x = ImGui::GetCursorPosX(), wide = ImGui::GetContentRegionAvail().x;
     if (ImGui::Selectable("##file", false, there ? 0 : ImGuiSelectableFlags_Disabled)) chosen = file;

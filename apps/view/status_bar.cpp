@@ -70,7 +70,7 @@ float fields(const std::vector<Field>& all) {
 void message(const Viewer& viewer, float wide) {
   const std::string& text = viewer.message();
   const bool fits = ImGui::CalcTextSize(text.c_str()).x <= wide;
-  if (viewer.message_is_error()) ImGui::PushStyleColor(ImGuiCol_Text, {0.95f, 0.45f, 0.25f, 1.0f});
+  if (viewer.message_is_error()) ImGui::PushStyleColor(ImGuiCol_Text, kErrorColour);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::PushClipRect(at, {at.x + wide, at.y + ImGui::GetFrameHeight()}, true);
   ImGui::TextUnformatted(text.c_str());

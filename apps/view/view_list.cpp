@@ -1,7 +1,6 @@
 #include "sightline/apps/view/view_list.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <fstream>
 #include <random>
@@ -116,10 +115,15 @@ std::size_t ViewList::unsaved() const {
 }
 
 bool is_bcf(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".bcf" || extension == ".bcfzip";
+  return bcf_format().has(file);
+}
+
+std::vector<FileFormat> view_formats() {
+#ifdef SIGHTLINE_HAS_BCF
+  return {bcf_format(), json_format()};
+#else
+  return {json_format()};
+#endif
 }
 
 core::Expected<ViewFile> read_views(const std::filesystem::path& file) {

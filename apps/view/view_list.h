@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "sightline/apps/common/file_formats.h"
 #include "sightline/apps/viewpoints/viewpoint.h"
 #include "sightline/core/error.h"
 
@@ -55,5 +56,6 @@ std::string new_guid();
 core::Expected<ViewFile> read_views(const std::filesystem::path& file);
 core::Expected<void> write_views(const std::filesystem::path& file, std::span<const Viewpoint> views);
 bool is_bcf(const std::filesystem::path& file);
+std::vector<FileFormat> view_formats();  ///< that this build reads and writes
 
 }  // namespace sightline::apps

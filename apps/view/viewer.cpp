@@ -29,7 +29,9 @@ constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a
 }  // namespace
 
 const char* name_of(Dialog dialog) {
-  constexpr const char* kNames[] = {"none", "help", "driver", "open", "compare", "quit", "image", "path"};
+  constexpr const char* kNames[] = {"none",   "help",       "driver",     "open",         "compare",
+                                    "quit",   "image",      "path",       "read-path",    "save-path",
+                                    "frames", "views-load", "views-save", "save-and-quit"};
   return kNames[int(dialog)];
 }
 
@@ -44,7 +46,11 @@ std::string free_name(const std::string& stem, const std::string& extension) {
 }
 
 Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFile settings)
-    : options_(options), window_(window), gui_(std::move(gui)), settings_(std::move(settings)) {
+    : options_(options),
+      window_(window),
+      gui_(std::move(gui)),
+      file_states_(&glfwGetTime),
+      settings_(std::move(settings)) {
   shown.panels = options.panels && options.frames == 0;
   shown.smooth = options.smooth && (options.script.empty() || !options.settings.empty());
   now_ = settings_.settings();

@@ -11,6 +11,8 @@
 #include "sightline/apps/view/axis_triad.h"
 #include "sightline/apps/view/culling_overlay.h"
 #include "sightline/apps/view/export.h"
+#include "sightline/apps/view/file_dialog.h"
+#include "sightline/apps/view/file_states.h"
 #include "sightline/apps/view/frame_history.h"
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/loader.h"
@@ -49,7 +51,22 @@ struct ViewerOptions {
 std::string free_name(const std::string& stem, const std::string& extension);
 
 /// A window in the middle that asks or tells something; there is one at a time.
-enum class Dialog { kNone, kHelp, kDriver, kOpen, kCompare, kQuit, kImage, kPath };
+enum class Dialog {
+  kNone,
+  kHelp,
+  kDriver,
+  kOpen,
+  kCompare,
+  kQuit,
+  kImage,
+  kPath,
+  kReadPath,
+  kSavePath,
+  kFrames,
+  kReadViews,
+  kSaveViews,
+  kSaveAndQuit,
+};
 const char* name_of(Dialog dialog);
 
 /// What a click in the image does.
@@ -73,7 +90,9 @@ class Viewer {
   const OpeningSteps& opening() const { return opening_; }
   const Preview* preview() const { return preview_.get(); }  ///< of the model that is being read, if no other is open
   Gui& gui() { return gui_; }
-  ViewList& views() { return views_; }  ///< stays when another model is opened
+  FileDialog& file_dialog() { return file_dialog_; }
+  FileStates& file_states() { return file_states_; }  ///< of files that panels name
+  ViewList& views() { return views_; }                ///< stays when another model is opened
   void open(const std::vector<std::string>& files);
   /// Reads an older revision of the open model, and shows what has changed since.
   void compare(const std::string& file);
@@ -239,6 +258,8 @@ class Viewer {
   std::unique_ptr<Export> export_;   // with the session's engine
   bool export_cancelled_ = false;
   ViewList views_;
+  FileDialog file_dialog_;
+  FileStates file_states_;
   std::vector<std::string> files_;
   bool recognised_ = false;  // whether primitives were, when these were read
   SettingsFile settings_;

@@ -150,6 +150,7 @@ Json Viewer::state() const {
             {"message", message_},
             {"panels", shown.panels},
             {"dialog", name_of(shown.dialog)},
+            {"browser", file_dialog_.state()},
             {"menu", gui_.has_popup()},
             {"tool", name_of(shown.tool)},
             {"theme", gui_.theme() == Theme::kLight ? "light" : "dark"},

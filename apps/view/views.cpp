@@ -8,6 +8,8 @@
 namespace sightline::apps {
 namespace {
 
+using Done = core::Expected<void>;
+
 constexpr int kSnapshotWidth = 320;
 
 /// Means of squares of pixels, at most so wide.
@@ -101,7 +103,7 @@ core::Expected<void> delete_view(Viewer& viewer, const std::string& which) {
 }
 
 core::Expected<void> save_views(Viewer& viewer, const std::string& file) {
-  if (file.empty()) return core::fail("name a file: .bcfzip, .bcf or .json");
+  if (file.empty()) return viewer.shown.dialog = Dialog::kSaveViews, Done();
   auto done = write_views(file, viewer.views().all());
   if (!done) return done;
   viewer.views().mark_saved();
@@ -110,6 +112,7 @@ core::Expected<void> save_views(Viewer& viewer, const std::string& file) {
 }
 
 core::Expected<void> load_views(Viewer& viewer, const std::string& file) {
+  if (file.empty()) return viewer.shown.dialog = Dialog::kReadViews, Done();
   auto read = read_views(file);
   if (!read) return tl::unexpected(read.error());
   viewer.tell(std::to_string(read->views.size()) + " views: " + file +

@@ -28,7 +28,6 @@ void current_view(Viewer& viewer, Viewpoint& view) {
 }  // namespace
 
 void views_tab(Viewer& viewer) {
-  static std::string file = "views.bcfzip";  // stays from time to time
   ViewList& views = viewer.views();
   if (ImGui::Button("Add what is seen now")) viewer.tell_failure(add_view(viewer, ""));
   const float line = ImGui::GetTextLineHeightWithSpacing(), below = 16.0f * line;
@@ -47,12 +46,9 @@ void views_tab(Viewer& viewer) {
   ImGui::EndChild();
   if (Viewpoint* view = views.current()) current_view(viewer, *view);
   ImGui::Separator();
-  ImGui::TextUnformatted("File, .bcfzip or .json:");
-  ImGui::SetNextItemWidth(-1.0f);
-  ImGui::InputText("##file", &file);
-  if (ImGui::Button("Save all")) viewer.tell_failure(save_views(viewer, file));
+  if (ImGui::Button("Save all…")) viewer.tell_failure(save_views(viewer, ""));
   ImGui::SameLine();
-  if (ImGui::Button("Load")) viewer.tell_failure(load_views(viewer, file));
+  if (ImGui::Button("Load…")) viewer.tell_failure(load_views(viewer, ""));
 }
 
 }  // namespace sightline::apps

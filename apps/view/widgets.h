@@ -11,6 +11,8 @@
 
 namespace sightline::apps {
 
+inline const ImVec4 kErrorColour{0.95f, 0.45f, 0.25f, 1.0f};
+
 /// Windows that stay where they are put, and in the middle, or with their middle at another part of the height;
 /// ImGui::End() ends them. A dialog has a button that closes it.
 void begin_fixed(const char* name, float x, float y, float width, float height, ImGuiWindowFlags flags = 0);

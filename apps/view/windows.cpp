@@ -11,21 +11,10 @@
 #include "sightline/apps/common/gl_page.h"
 #include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/panels.h"
-#include "sightline/apps/view/views.h"
 #include "sightline/apps/view/widgets.h"
 
 namespace sightline::apps {
 namespace {
-
-/// A path to type, or one of the recent files. True once there is one.
-bool path_entry(const Viewer& viewer, std::string& path) {
-  ImGui::SetNextItemWidth(-1.0f);
-  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  if (ImGui::InputText("##path", &path, ImGuiInputTextFlags_EnterReturnsTrue) && !path.empty()) return true;
-  for (const std::string& file : viewer.recent())
-    if (ImGui::Selectable(file.c_str())) return path = file, true;
-  return false;
-}
 
 /// What is done in the image, then the commands that have keys, by menu.
 struct HelpGroup {
@@ -95,38 +84,12 @@ void driver_window(Viewer& viewer) {
   ImGui::End();
 }
 
-void open_window(Viewer& viewer) {
-  static std::string path;  // stays from time to time
-  begin_dialog(viewer, "Open", 40.0f);
-  ImGui::TextUnformatted("Path of a file; or drop files on the window:");
-  const bool chosen = path_entry(viewer, path);
-  ImGui::Checkbox("Recognise primitives in meshes", &viewer.shown.recognise);
-  if (chosen) viewer.open({path});
-  ImGui::End();
-}
-
-void compare_window(Viewer& viewer) {
-  static std::string path;  // stays from time to time
-  begin_dialog(viewer, "Compare with an older revision", 40.0f);
-  ImGui::TextWrapped("What is open counts as the newer revision. Path of the older one:");
-  if (path_entry(viewer, path)) viewer.compare(path);
-  ImGui::End();
-}
-
 void quit_window(Viewer& viewer) {
-  static std::string file = "views.bcfzip";  // stays from time to time
   begin_dialog(viewer, "Quit", 34.0f);
   const std::size_t unsaved = viewer.views().unsaved();
-  ImGui::TextWrapped("%zu view%s of the list %s in no file, and would be lost. Save all views as:", unsaved,
-                     unsaved == 1 ? "" : "s", unsaved == 1 ? "is" : "are");
-  ImGui::SetNextItemWidth(-1.0f);
-  ImGui::InputText("##file", &file);
-  if (ImGui::Button("Save and quit")) {
-    if (auto done = save_views(viewer, file); !done)
-      viewer.tell(done.error().message, true);
-    else
-      viewer.quit();
-  }
+  ImGui::TextWrapped("%zu view%s of the list %s in no file, and would be lost.", unsaved, unsaved == 1 ? "" : "s",
+                     unsaved == 1 ? "is" : "are");
+  if (ImGui::Button("Save and quit…")) viewer.shown.dialog = Dialog::kSaveAndQuit;
   ImGui::SameLine();
   if (ImGui::Button("Quit without them")) viewer.quit();
   ImGui::SameLine();
@@ -137,22 +100,17 @@ void quit_window(Viewer& viewer) {
 }  // namespace
 
 void dialog_window(Viewer& viewer) {
+  viewer.file_dialog().draw(viewer);
   switch (viewer.shown.dialog) {
     case Dialog::kHelp:
       return help_window(viewer);
     case Dialog::kDriver:
       return driver_window(viewer);
-    case Dialog::kOpen:
-      return open_window(viewer);
-    case Dialog::kCompare:
-      return compare_window(viewer);
     case Dialog::kQuit:
       return quit_window(viewer);
-    case Dialog::kImage:
-      return image_window(viewer);
     case Dialog::kPath:
       return path_window(viewer);
-    case Dialog::kNone:
+    default:
       return;
   }
 }

@@ -26,7 +26,8 @@ TEST(ModelFacts, FindWhatIsOdd) {
 TEST(ModelFacts, TellFilesAndExtents) {
   core::Scene scene;
   scene.add_primitive(scene.root(), core::Box{1, 1, 1});
-  const auto facts = model_facts({"/none/a.rvm"}, scene, {{0, 0, 1}, {12, 3, 5}}, {Units::kMillimetres, 0});
+  FileStates states([] { return 0.0; });
+  const auto facts = model_facts({"/none/a.rvm"}, states, scene, {{0, 0, 1}, {12, 3, 5}}, {Units::kMillimetres, 0});
   ASSERT_EQ(facts.size(), 7u);
   EXPECT_EQ(facts[0], (Fact{"a.rvm", "no longer there"}));
   EXPECT_EQ(facts[1], (Fact{"items", "1"}));

@@ -1,0 +1,25 @@
+// What the viewer asks files for, and what it does with them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sightline/apps/view/file_browser.h"
+#include "sightline/apps/view/viewer.h"
+
+namespace sightline::apps {
+
+struct FileQuestion {
+  Dialog dialog;
+  const char *title, *button;
+  bool models;  ///< begins in the folder of the last model, else of the last other file
+  FileRequest (*request)(Viewer& viewer);
+  core::Expected<void> (*answer)(Viewer& viewer, const std::vector<std::string>& files);
+  void (*options)(Viewer& viewer) = nullptr;  ///< draws what else is asked
+  Dialog then = Dialog::kNone;                ///< shown afterwards
+};
+
+/// Null where the dialog asks for no file.
+const FileQuestion* file_question(Dialog dialog);
+
+}  // namespace sightline::apps
