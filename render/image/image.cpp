@@ -16,6 +16,21 @@ namespace sightline::image {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// What was begun is over afterwards.
+core::Expected<Image> finish_reading(png_image& header, const std::string& source) {
+  header.format = PNG_FORMAT_RGB;
+  Image image{int(header.width), int(header.height), {}};
+  image.pixels.resize(PNG_IMAGE_SIZE(header));
+  if (png_image_finish_read(&header, nullptr, image.pixels.data(), 0, nullptr)) return image;
+  const std::string reason = header.message;
+  png_image_free(&header);
+  return core::fail(source + ": " + reason);
+}
+
+}  // namespace
+
 core::Expected<std::vector<std::uint8_t>> encode_png(const Image& image, PngSize size) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
@@ -41,15 +56,20 @@ core::Expected<Image> read_png(const fs::path& path) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   if (!png_image_begin_read_from_file(&header, path.c_str())) return core::fail(path.string() + ": " + header.message);
-  header.format = PNG_FORMAT_RGB;
-  Image image{int(header.width), int(header.height), {}};
-  image.pixels.resize(PNG_IMAGE_SIZE(header));
-  if (!png_image_finish_read(&header, nullptr, image.pixels.data(), 0, nullptr)) {
-    const std::string reason = header.message;
+  return finish_reading(header, path.string());
+}
+
+core::Expected<Image> decode_png(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint64_t kMostPixels = 1u << 26;
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  if (!png_image_begin_read_from_memory(&header, bytes.data(), bytes.size()))
+    return core::fail(std::string("PNG: ") + header.message);
+  if (std::uint64_t(header.width) * header.height > kMostPixels) {
     png_image_free(&header);
-    return core::fail(path.string() + ": " + reason);
+    return core::fail("PNG: more pixels than are read");
   }
-  return image;
+  return finish_reading(header, "PNG");
 }
 
 core::Expected<void> write_pfm(const DepthImage& image, const fs::path& path) {

@@ -44,6 +44,10 @@ enum class PngSize : std::uint8_t {
 /// The bytes of a PNG file.
 SIGHTLINE_API core::Expected<std::vector<std::uint8_t>> encode_png(const Image& image, PngSize size = PngSize::kFast);
 
+/// An image out of such bytes. Any bytes are safe: what has more than 2^26 pixels, whatever size the bytes claim, is an
+/// error.
+SIGHTLINE_API core::Expected<Image> decode_png(std::span<const std::uint8_t> bytes);
+
 /// Writers replace `path` only when complete (core/internal/atomic_file.h). Errors name the file and the reason.
 SIGHTLINE_API core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
 SIGHTLINE_API core::Expected<Image> read_png(const std::filesystem::path& path);

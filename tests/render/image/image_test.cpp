@@ -46,6 +46,22 @@ TEST(Image, SmallPngsHoldTheSameImage) {
   EXPECT_EQ(back->pixels, image.pixels);
 }
 
+/// Any bytes are safe, also those that claim to be a large image.
+TEST(Image, BytesAreDecodedUnlessTheyAreDamaged) {
+  const Image image = gradient(200, 100);
+  const std::vector<std::uint8_t> png = encode_png(image).value();
+  const auto back = decode_png(png);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->width, 200);
+  EXPECT_EQ(back->pixels, image.pixels);
+  for (const std::size_t length : {0, 7, 8, 20, 40, 100})
+    EXPECT_FALSE(decode_png(std::span(png).first(length))) << length;
+  EXPECT_FALSE(decode_png(std::span(png).first(png.size() / 2)));
+  std::vector<std::uint8_t> huge =
+      encode_png({1 << 14, (1 << 12) + 1, std::vector<std::uint8_t>(3 * 16384 * 4097)}).value();
+  EXPECT_EQ(decode_png(huge).error().message, "PNG: more pixels than are read");
+}
+
 std::string bytes_of(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
