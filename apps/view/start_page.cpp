@@ -1,5 +1,6 @@
 // What the window shows while no model is open: how to open one, and how to move in it.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -11,24 +12,85 @@
 namespace sightline::apps {
 namespace {
 
-/// Name and folder of files opened before; a click opens one again.
-void recent_models(Viewer& viewer) {
+namespace fs = std::filesystem;
+
+/// An area that looks as if something could be put there: files can be dropped anywhere, but somebody has to know.
+void drop_area(Viewer& viewer, float wide) {
+  const float font = ImGui::GetFontSize(), high = 5.5f * font, dash = 0.6f * font;
+  const ImVec2 at = ImGui::GetCursorScreenPos(), end(at.x + wide, at.y + high);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(at, end, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.35f), 0.3f * font);
+  const ImU32 colour = ImGui::GetColorU32(ImGuiCol_TextDisabled);
+  const float line = std::max(1.0f, font / 12.0f);
+  for (float x = at.x; x < end.x; x += 2.0f * dash)
+    for (const float y : {at.y, end.y}) list.AddLine({x, y}, {std::min(x + dash, end.x), y}, colour, line);
+  for (float y = at.y; y < end.y; y += 2.0f * dash)
+    for (const float x : {at.x, end.x}) list.AddLine({x, y}, {x, std::min(y + dash, end.y)}, colour, line);
+  const Command& open = *find_command("open");
+  const std::string title = std::string(open.title) + "  " + open.keys;
+  const char* words = "or drop files here";
+  const ImVec2 button(std::min(12.0f * font, wide - 2.0f * font), 2.2f * font);
+  const float both = button.x + font + ImGui::CalcTextSize(words).x;
+  const bool beside = both < wide - 2.0f * font;
+  const float x = ImGui::GetCursorPosX(), y = ImGui::GetCursorPosY(), left = 0.5f * (wide - (beside ? both : button.x));
+  ImGui::SetCursorPos({x + left, y + (beside ? 0.5f * (high - button.y) : 0.7f * font)});
+  if (ImGui::Button(title.c_str(), button)) run(viewer, open);
+  if (beside) {
+    ImGui::SameLine(0.0f, font);
+    ImGui::SetCursorPosY(y + 0.5f * (high - font) - ImGui::GetStyle().FramePadding.y);  // the button's line adds that
+  } else {
+    ImGui::SetCursorPosX(x + 0.5f * (wide - ImGui::CalcTextSize(words).x));
+  }
+  ImGui::TextUnformatted(words);
+  ImGui::SetCursorPos({x, y});
+  ImGui::Dummy({wide, high});
+}
+
+/// Image, name and folder. True where it is clicked.
+bool recent_model(Viewer& viewer, const std::string& file, const ImVec2& image, const ImVec2& cell) {
+  const fs::path path(file);
+  const bool there = viewer.file_states().of(file).there;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float line = ImGui::GetTextLineHeight(), inset = 0.5f * (cell.x - image.x);
+  ImGui::BeginDisabled(!there);
+  const bool clicked = ImGui::InvisibleButton("##model", cell);
+  ImGui::EndDisabled();
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
+    ImGui::SetTooltip("%s", file.c_str());
+    ImGui::GetWindowDrawList()->AddRectFilled(
+        at, {at.x + cell.x, at.y + cell.y}, ImGui::GetColorU32(there ? ImGuiCol_HeaderHovered : ImGuiCol_FrameBg, 0.6f),
+        inset);
+  }
+  framed_image(viewer.textures().get(viewer.context(), file, [&] { return viewer.thumbnails().read(file); }),
+               {at.x + inset, at.y + inset}, image, !there);
+  const auto text = [&](const std::string& words, float y, ImGuiCol colour) {
+    ImGui::GetWindowDrawList()->AddText({at.x + inset, y}, ImGui::GetColorU32(colour),
+                                        shortened(words, image.x).c_str());
+  };
+  const float below = at.y + inset + image.y + 0.2f * line;
+  text(path.filename().string(), below, there ? ImGuiCol_Text : ImGuiCol_TextDisabled);
+  text(there ? path.parent_path().string() : "no longer there", below + line, ImGuiCol_TextDisabled);
+  return clicked;
+}
+
+/// Files opened before, side by side as many as there is room for; a click opens one again.
+void recent_models(Viewer& viewer, float wide) {
+  constexpr float kLeastLines = 9.0f, kMostColumns = 5.0f;
   if (viewer.recent().empty()) return;
   ImGui::TextDisabled("Recent models");
+  const float font = ImGui::GetFontSize(), inset = 0.3f * font;
+  const auto columns = std::size_t(std::clamp(std::floor(wide / (kLeastLines * font)), 1.0f, kMostColumns));
+  const float across = std::floor((wide + 2.0f * inset) / float(columns));
+  const ImVec2 image(across - 2.0f * inset, 0.75f * (across - 2.0f * inset)),
+      cell(across, image.y + 2.0f * inset + 2.4f * ImGui::GetTextLineHeight());
   std::string chosen;
-  for (const std::string& file : viewer.recent()) {
-    const std::filesystem::path path(file);
-    const bool there = viewer.file_states().of(file).there;
-    ImGui::PushID(file.c_str());
-    const float x = ImGui::GetCursorPosX(), wide = ImGui::GetContentRegionAvail().x;
-    if (ImGui::Selectable("##file", false, there ? 0 : ImGuiSelectableFlags_Disabled)) chosen = file;
-    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
-      ImGui::SetTooltip("%s%s", file.c_str(), there ? "" : "\nno longer there");
-    ImGui::SameLine(x);
-    const std::string name = shortened(path.filename().string(), 0.47f * wide);
-    there ? ImGui::TextUnformatted(name.c_str()) : ImGui::TextDisabled("%s", name.c_str());
-    ImGui::SameLine(x + 0.5f * wide);
-    ImGui::TextDisabled("%s", shortened(path.parent_path().string(), 0.5f * wide).c_str());
+  for (std::size_t i = 0; i < viewer.recent().size(); ++i) {
+    if (i % columns != 0)
+      ImGui::SameLine(0.0f, 0.0f);
+    else
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() - inset);
+    ImGui::PushID(int(i));
+    if (recent_model(viewer, viewer.recent()[i], image, cell)) chosen = viewer.recent()[i];
     ImGui::PopID();
   }
   if (!chosen.empty()) viewer.open({chosen});
@@ -46,24 +108,19 @@ void first_gestures() {
 }  // namespace
 
 void start_page(Viewer& viewer, const apps::Part& part) {
+  constexpr float kMostLines = 64.0f;
   if (viewer.session() || viewer.loader()) return;
   const float font = ImGui::GetFontSize(), top = ImGui::GetIO().DisplaySize.y - float(part.y + part.height),
-              wide = std::min(float(part.width), 40.0f * font);
+              wide = std::min(float(part.width), kMostLines * font);
   ImGui::PushStyleColor(ImGuiCol_Border, {0.0f, 0.0f, 0.0f, 0.0f});
   begin_fixed("##start", float(part.x) + 0.5f * (float(part.width) - wide), top, wide, float(part.height),
               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoBackground);
-  ImGui::Dummy({0.0f, std::max(0.0f, 0.12f * float(part.height))});
-  const Command& open = *find_command("open");
-  const std::string title = std::string(open.title) + "  " + open.keys;
-  if (ImGui::Button(title.c_str(), {12.0f * font, 2.2f * font})) run(viewer, open);
-  if (wide > 20.0f * font) {
-    ImGui::SameLine();
-    ImGui::AlignTextToFramePadding();
-  }
-  wrapped_text("or drop files on the window");
-  ImGui::Dummy({0.0f, font});
-  recent_models(viewer);
-  ImGui::Dummy({0.0f, font});
+  const float room = ImGui::GetContentRegionAvail().x;
+  ImGui::Dummy({0.0f, 0.02f * float(part.height)});
+  drop_area(viewer, room);
+  ImGui::Dummy({0.0f, 0.5f * font});
+  recent_models(viewer, room);
+  ImGui::Dummy({0.0f, 0.5f * font});
   first_gestures();
   ImGui::End();
   ImGui::PopStyleColor();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 #define GLFW_INCLUDE_NONE
@@ -73,6 +74,7 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
     if (now_.units == kUnitsNames[int(units)]) shown.units = units;
   take_settings();
   settings_.begin(now_);
+  if (options.remembers()) thumbnails_ = Thumbnails(Thumbnails::default_place());
   if (!options.model.files.empty()) open(options.model.files);
 }
 
@@ -91,6 +93,7 @@ core::Expected<int> Viewer::run() {
   while (!closing() && (options_.frames == 0 || frames_ < options_.frames)) {
     const bool busy = !settled() || player_.playing() || next_step_ < script_.size();
     if (!busy) keep_settings();
+    if (thumbnail_due_ && settled()) keep_thumbnail();
     if (release_ && glfwGetTime() >= wait_until_) gui_.push({*std::exchange(release_, std::nullopt)});
     if (script_ended()) {
       quit();
@@ -151,6 +154,7 @@ bool Viewer::closing() {
 /// Makes the window and all that lay in its context anew. Model, camera, sections and selection stay.
 core::Expected<void> Viewer::recover() {
   export_.reset();
+  textures_.clear();
   gui_.drop_context();
   auto opened = window_.reopen();
   for (const double end = glfwGetTime() + kContextPatience; !opened && glfwGetTime() < end && !window_.closing();) {
@@ -387,6 +391,19 @@ void Viewer::keep_settings() {
   if (done) return;
   tell("settings are not kept: " + done.error().message, true);
   std::fprintf(stderr, "sightline-view: %s\n", message_.c_str());
+}
+
+/// Of a model that is one file, with attributes or without: an image of several shows none of them. Without a folder
+/// that takes files there are no thumbnails.
+void Viewer::keep_thumbnail() {
+  thumbnail_due_ = false;
+  std::vector<std::string> models;
+  std::copy_if(files_.begin(), files_.end(), std::back_inserter(models),
+               [](const std::string& file) { return !importers::is_attribute_file(file); });
+  if (models.size() != 1) return;
+  const FileState now = state_of(models[0]);
+  if (!thumbnails_.lacks(models[0], now)) return;
+  if (const auto image = session_->image(shown.smooth)) (void)thumbnails_.keep(models[0], now, *image);
 }
 
 core::Expected<void> Viewer::finish() {

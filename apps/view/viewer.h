@@ -15,6 +15,7 @@
 #include "sightline/apps/view/file_states.h"
 #include "sightline/apps/view/frame_history.h"
 #include "sightline/apps/view/gui.h"
+#include "sightline/apps/view/image_textures.h"
 #include "sightline/apps/view/loader.h"
 #include "sightline/apps/view/motion_resolution.h"
 #include "sightline/apps/view/opening_steps.h"
@@ -24,6 +25,7 @@
 #include "sightline/apps/view/section_handles.h"
 #include "sightline/apps/view/session.h"
 #include "sightline/apps/view/settings.h"
+#include "sightline/apps/view/thumbnails.h"
 #include "sightline/apps/view/view_list.h"
 #include "sightline/apps/view/walking.h"
 #include "sightline/apps/view/window.h"
@@ -92,7 +94,9 @@ class Viewer {
   Gui& gui() { return gui_; }
   FileDialog& file_dialog() { return file_dialog_; }
   FileStates& file_states() { return file_states_; }  ///< of files that panels name
-  ViewList& views() { return views_; }                ///< stays when another model is opened
+  const Thumbnails& thumbnails() const { return thumbnails_; }
+  ImageTextures& textures() { return textures_; }  ///< of small images in panels
+  ViewList& views() { return views_; }             ///< stays when another model is opened
   void open(const std::vector<std::string>& files);
   /// Reads an older revision of the open model, and shows what has changed since.
   void compare(const std::string& file);
@@ -237,7 +241,7 @@ class Viewer {
   void walk(const core::dvec3& held, double seconds);
   void hover();
   void play();
-  void write_title();
+  void keep_thumbnail();
   core::Expected<void> finish();
   core::Expected<void> read_path();
   void take_settings();
@@ -260,6 +264,9 @@ class Viewer {
   ViewList views_;
   FileDialog file_dialog_;
   FileStates file_states_;
+  Thumbnails thumbnails_;
+  bool thumbnail_due_ = false;  // of the model that was opened last, once its image is complete
+  ImageTextures textures_;
   std::vector<std::string> files_;
   bool recognised_ = false;  // whether primitives were, when these were read
   SettingsFile settings_;

@@ -70,6 +70,7 @@ core::Expected<void> Viewer::frame(double seconds) {
     if (!written) return written;
   }
   window_.present();
+  if (textures_.end_frame()) redraws_ = std::max(redraws_, 2);
   const double now = glfwGetTime();
   frame_seconds_ = now - began;
   next_frame_ = now + kBetweenFrames * frame_seconds_;

@@ -144,6 +144,7 @@ core::Expected<void> Viewer::landed() {
   if (const double error = shown.levels ? options_.shown.lod_error : 0.0; error != session_->motion_error())
     if (auto done = session_->set_motion_error(error); !done) return done;
   files_ = files;
+  thumbnail_due_ = true;
   for (const std::string& file : files) now_.add_recent(file);
   warn_of_outliers(session_->bounds());
   if (options_.model.explain) explain(session_->engine().plan());

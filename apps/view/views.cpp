@@ -1,8 +1,8 @@
 #include "sightline/apps/view/views.h"
 
-#include <algorithm>
 #include <utility>
 
+#include "sightline/apps/view/small_image.h"
 #include "sightline/render/image/image.h"
 
 namespace sightline::apps {
@@ -11,24 +11,6 @@ namespace {
 using Done = core::Expected<void>;
 
 constexpr int kSnapshotWidth = 320;
-
-/// Means of squares of pixels, at most so wide.
-image::Image shrunk(const image::Image& image, int width) {
-  const int by = std::max(1, (image.width + width - 1) / width);
-  image::Image small{image.width / by, image.height / by, {}};
-  for (int y = 0; y < small.height; ++y)
-    for (int x = 0; x < small.width; ++x)
-      for (int channel = 0; channel < 3; ++channel) {
-        int sum = 0;
-        for (int i = 0; i < by * by; ++i)
-          sum +=
-              image
-                  .pixels[3 * (std::size_t(y * by + i / by) * std::size_t(image.width) + std::size_t(x * by + i % by)) +
-                          std::size_t(channel)];
-        small.pixels.push_back(std::uint8_t(sum / (by * by)));
-      }
-  return small;
-}
 
 /// What is seen and shown now, with an image of it.
 core::Expected<Viewpoint> seen_now(Viewer& viewer) {
@@ -118,6 +100,7 @@ core::Expected<void> load_views(Viewer& viewer, const std::string& file) {
   viewer.tell(std::to_string(read->views.size()) + " views: " + file +
               (read->left_out > 0 ? ", " + std::to_string(read->left_out) + " without a camera left out" : ""));
   viewer.views().merge(std::move(read->views));
+  viewer.shown.tab = "Views";
   return {};
 }
 

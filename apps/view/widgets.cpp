@@ -70,6 +70,18 @@ bool begin_rows(const char* name) {
   return true;
 }
 
+void framed_image(const gl::Texture2D* image, const ImVec2& corner, const ImVec2& size, bool faint) {
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(corner, {corner.x + size.x, corner.y + size.y}, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.5f));
+  if (!image) return;
+  const float fit = std::min(size.x / float(image->width()), size.y / float(image->height()));
+  const ImVec2 half(0.5f * fit * float(image->width()), 0.5f * fit * float(image->height())),
+      middle(corner.x + 0.5f * size.x, corner.y + 0.5f * size.y);
+  list.AddImage(reinterpret_cast<ImTextureID>(std::uintptr_t(image->id())), {middle.x - half.x, middle.y - half.y},
+                {middle.x + half.x, middle.y + half.y}, {0.0f, 0.0f}, {1.0f, 1.0f},
+                ImGui::GetColorU32({1.0f, 1.0f, 1.0f, faint ? 0.35f : 1.0f}));
+}
+
 std::string shortened(const std::string& text, float width) {
   if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
   const float room = width - ImGui::CalcTextSize("…").x;

@@ -8,6 +8,7 @@
 
 #include "sightline/apps/common/numbers.h"
 #include "sightline/apps/view/commands.h"
+#include "sightline/gl/internal/texture.h"
 
 namespace sightline::apps {
 
@@ -36,6 +37,9 @@ void command_item(Viewer& viewer, const Command& command);
 void command_button(Viewer& viewer, const Command& command, float right);
 /// What the command does, or what keeps it from it; with its title and key where these are not beside it.
 void command_tip(Viewer& viewer, const Command& command, bool titled);
+
+/// An image within a rectangle of the screen, as large as fits, or a plain rectangle where there is none (null).
+void framed_image(const gl::Texture2D* image, const ImVec2& corner, const ImVec2& size, bool faint = false);
 
 /// A text that is too wide, without its beginning: names of plants differ at their ends.
 std::string shortened(const std::string& text, float width);

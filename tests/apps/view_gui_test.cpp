@@ -132,7 +132,7 @@ TEST_F(ViewScript, TheStartPageOpensRecentModels) {
   const Args args{"--size",     "800x600",
                   "--scale",    "1",
                   "--settings", write("settings.json", Json({{"recent", {path("gone.obj"), boxes()}}}).dump())};
-  expect_driven("click 260 209\nexpect /model = []\nclick 260 228\nexpect /items = 4\n", args);
+  expect_driven("click 290 240\nexpect /model = []\nclick 440 240\nexpect /items = 4\n", args);
 }
 
 /// Kept for the next time, as the tab of what the culler does, which is off at first.

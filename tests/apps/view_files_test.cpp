@@ -1,0 +1,193 @@
+// How sightline-view asks for files, and what it shows of them. Skipped without Xvfb.
+#include <cstdlib>
+#include <optional>
+#include <set>
+
+#include "sightline/tests/apps/view_window.h"
+
+namespace sightline::tests::view_files_test {
+namespace {
+
+/// A folder of models: `a`, `b2` and `b10` of one, two and three boxes, and one below it.
+class ViewFiles : public ViewScript {
+ protected:
+  void SetUp() override {
+    ViewScript::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    fs::create_directories(path("models/sub"));
+    models_ = fs::canonical(path("models")).string();
+    const std::vector<Box> boxes{{"one", 0, 0, 0, 1}, {"two", 5, 0, 0, 1}, {"three", 10, 0, 0, 1}};
+    write_boxes("models/a.obj", {boxes[0]});
+    write_boxes("models/b2.obj", {boxes[0], boxes[1]});
+    write_boxes("models/b10.obj", boxes);
+    write_boxes("models/sub/c.obj", boxes);
+    write("models/readme.md", "no model");
+  }
+  Args opened() const {
+    return {models_ + "/a.obj", "--size", "800x600", "--scale", "1", "--save-path", path("recorded.json")};
+  }
+
+  std::string models_;
+};
+
+TEST_F(ViewFiles, OpensByKeyboard) {
+  expect_driven(
+      "open\nexpect /browser/folder = " + models_ +
+          "\nexpect /browser/rows = 4\n"
+          "press down\nexpect /browser/name = sub\npress enter\nexpect /browser/folder = " +
+          models_ +
+          "/sub\npress backspace\nexpect /browser/row = sub\n"
+          "press down\npress shift+down\nexpect /browser/chosen = 2\npress enter\nexpect /dialog = none\n"
+          "expect /items = 3\nexpect /model/1 = " +
+          models_ +
+          "/b2.obj\n"
+          "open\ntype b1\nexpect /browser/row = b10.obj\npress enter\nexpect /items = 3\n"
+          "expect /model/0 = " +
+          models_ +
+          "/b10.obj\nopen\ntype none.obj\npress enter\nexpect /dialog = open\nexpect /browser/error = " + models_ +
+          "/none.obj: no such file\npress escape\nexpect /dialog = none\nexpect /browser = null\n"
+          "open\ntype sub/c.obj\npress enter\nexpect /items = 3\n",
+      opened());
+}
+
+/// The first row of the list is 141 pixels below the window's upper edge, the others follow by 19.
+TEST_F(ViewFiles, OpensByMouse) {
+  expect_driven(
+      "open\nclick 300 179\nexpect /browser/name = b2.obj\nclick 300 198 ctrl\nexpect /browser/chosen = 2\n"
+      "click 300 160 shift\nexpect /browser/chosen = 3\nclick 300 198\nclick 300 198\nexpect /dialog = none\n"
+      "expect /items = 3\n",
+      opened());
+}
+
+TEST_F(ViewFiles, ComparesWithAFile) {
+  expect_driven("compare\ntype b2\npress enter\nexpect /compare/removed = 1\n", opened());
+}
+
+/// In the window's size, which the button before 4K asks for. A file is replaced only by a second answer.
+TEST_F(ViewFiles, SavesAnImageAndAsksBeforeReplacing) {
+  const std::string image = models_ + "/shot.png";
+  expect_driven(
+      "large-image\nexpect /browser/name = a.png\ntype shot\nclick 57 487\npress enter\nexpect /dialog = none\n"
+      "expect /message = \"image: " +
+          image + "\"\n",
+      opened());
+  const std::string first = read_bytes(image);
+  EXPECT_EQ(read_png(image).width, state_after("", opened())["image"]["width"].get<int>());
+  const std::string again = "top\nlarge-image\nclick 57 487\ntype shot\npress enter\nexpect /browser/replaces = true\n";
+  expect_driven(again +
+                    "press escape\nexpect /browser/replaces = false\nexpect /dialog = image\npress escape\n"
+                    "expect /dialog = none\n",
+                opened());
+  EXPECT_EQ(read_bytes(image), first);
+  expect_driven(again + "press enter\nexpect /dialog = none\n", opened());
+  EXPECT_NE(read_bytes(image), first);
+}
+
+TEST_F(ViewFiles, SavesAndReadsPathsAndViews) {
+  expect_driven(
+      "record\ntop\nrecord\nsave-path\ntype flight\npress enter\nexpect /dialog = path\n"
+      "view-add\nviews-save\npress enter\nexpect /dialog = none\nviews-save\nexpect /browser/rows = 2\n"
+      "press escape\nview-delete\nviews-load\ntype views.\nexpect /browser/rows > 1\npress enter\n"
+      "expect /views/count = 1\n",
+      opened());
+  EXPECT_TRUE(fs::exists(models_ + "/flight.json"));
+  expect_driven("play-path " + models_ + "/flight.json\n", opened());
+}
+
+/// With a folder of caches of its own.
+class ViewThumbnails : public ViewFiles {
+ protected:
+  void SetUp() override {
+    ViewFiles::SetUp();
+    const char* cache = std::getenv("XDG_CACHE_HOME");
+    if (cache) before_ = cache;
+    setenv("XDG_CACHE_HOME", path("cache").c_str(), 1);
+  }
+  void TearDown() override {
+    before_ ? setenv("XDG_CACHE_HOME", before_->c_str(), 1) : unsetenv("XDG_CACHE_HOME");
+    ViewFiles::TearDown();
+  }
+  std::vector<std::string> thumbnails() const {
+    std::vector<std::string> names;
+    if (!fs::exists(path("cache/sightline/thumbnails"))) return names;
+    for (const auto& entry : fs::directory_iterator(path("cache/sightline/thumbnails")))
+      names.push_back(entry.path().string());
+    return names;
+  }
+  Args kept(Args args) const {
+    args.insert(args.end(), {"--size", "800x600", "--scale", "1", "--settings", path("settings.json")});
+    return args;
+  }
+  static Image crop(const Image& whole, int left, int top, int width, int height) {
+    Image part{width, height, {}};
+    for (int y = top; y < top + height; ++y)
+      for (int i = 3 * (y * whole.width + left); i < 3 * (y * whole.width + left + width); ++i)
+        part.rgb.push_back(whole.rgb[std::size_t(i)]);
+    return part;
+  }
+  /// The first image of the page.
+  Image first_image() const {
+    expect_driven("window-shot " + path("page.png") + "\n", kept({}));
+    return crop(read_png(path("page.png")), 232, 200, 120, 80);
+  }
+  static int colours(const Image& image) {
+    std::set<std::array<int, 3>> found;
+    for (std::size_t i = 0; i < image.rgb.size(); i += 3)
+      found.insert({image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]});
+    return int(found.size());
+  }
+
+ private:
+  std::optional<std::string> before_;
+};
+
+TEST_F(ViewThumbnails, ShowOnTheStartPageOfTheNextStart) {
+  const std::string model = models_ + "/b10.obj";
+  expect_driven("wait 0\n", {model, "--size", kSize});
+  EXPECT_TRUE(thumbnails().empty()) << "scripts leave nothing behind";
+  expect_driven("wait 0\n", kept({model}));
+  ASSERT_EQ(thumbnails().size(), 1u);
+  const std::string first = thumbnails()[0];
+  EXPECT_EQ(read_png(first).width, 256);
+  EXPECT_GT(colours(first_image()), 50);
+  expect_driven("click 290 240\nexpect /items = 3\n", kept({}));
+  EXPECT_EQ(thumbnails(), std::vector{first}) << "the model is as it was";
+
+  write_boxes("models/b10.obj", {{"one", 0, 0, 0, 1}});
+  EXPECT_GT(colours(first_image()), 50) << "an older one shows until the model is opened";
+  expect_driven("wait 0\n", kept({model}));
+  ASSERT_EQ(thumbnails().size(), 1u);
+  EXPECT_NE(thumbnails()[0], first);
+
+  const Image there = first_image();
+  fs::remove(model);
+  EXPECT_NE(first_image().rgb, there.rgb);
+  expect_driven("click 290 240\nexpect /model = []\n", kept({}));
+  fs::remove(thumbnails()[0]);
+  EXPECT_LT(colours(first_image()), 5);
+}
+
+/// The image of several models would not show one of them.
+TEST_F(ViewThumbnails, AreOfSingleModels) {
+  expect_driven("wait 0\n", kept({models_ + "/a.obj", models_ + "/b2.obj"}));
+  EXPECT_TRUE(thumbnails().empty());
+}
+
+/// A plain rectangle where the file keeps none.
+TEST_F(ViewThumbnails, OfViewsShowInTheirTab) {
+  const std::string shot = path("shot.png");
+  const auto colours_after = [&](const std::string& commands) {
+    expect_driven(commands + "window-shot " + shot + "\n", opened());
+    return colours(crop(read_png(shot), 570, 130, 60, 40));
+  };
+  const std::string json = path("v.json"), bcf = path("v.bcfzip");
+  EXPECT_GT(colours_after("view-add\nviews-save " + json + "\n"), 20);
+  EXPECT_LT(colours_after("views-load " + json + "\n"), 5);
+#if SIGHTLINE_HAS_BCF
+  expect_driven("view-add\nviews-save " + bcf + "\n", opened());
+  EXPECT_GT(colours_after("views-load " + bcf + "\n"), 20);
+#endif
+}
+
+}  // namespace
+}  // namespace sightline::tests::view_files_test
