@@ -100,13 +100,8 @@ core::Expected<std::vector<FolderEntry>> read_folder(const fs::path& folder) {
   std::error_code error;
   std::vector<FolderEntry> entries;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    FolderEntry entry{at->path().filename().string(), false, 0, {}};
-    std::error_code none, gone;
-    entry.folder = at->is_directory(none);
-    entry.changed = at->last_write_time(gone);
-    if (!entry.folder && !gone) entry.bytes = at->file_size(none);
-    if (!entry.folder && none) entry.bytes = 0;  // a device or a pipe
-    if (!gone) entries.push_back(std::move(entry));
+    std::error_code none;
+    entries.push_back({at->path().filename().string(), at->is_directory(none)});
   }
   if (error) return core::fail(folder.string() + ": cannot be read: " + error.message());
   return entries;
@@ -189,6 +184,12 @@ bool FileBrowser::listed(const FolderEntry& entry) const {
   return filters_[filter_].extensions.empty() || filters_[filter_].has(entry.name);
 }
 
+const FileState& FileBrowser::state_of_entry(std::size_t index) {
+  auto& state = states_[index];
+  if (!state) state = state_of(folder_ / entries_[index].name);
+  return *state;
+}
+
 /// What is chosen stays so.
 void FileBrowser::list(std::vector<FolderEntry> entries) {
   std::set<std::string> chosen;
@@ -196,17 +197,22 @@ void FileBrowser::list(std::vector<FolderEntry> entries) {
     if (chosen_[i]) chosen.insert(row(i).name);
   const std::string at = cursor_ ? row(*cursor_).name : "";
   entries_ = std::move(entries);
+  states_.assign(entries_.size(), std::nullopt);
   shows_hidden_ = typed_.starts_with('.');
   rows_.clear();
   for (std::size_t i = 0; i < entries_.size(); ++i)
     if (listed(entries_[i])) rows_.push_back(i);
+  if (column_ != Column::kName)
+    for (const std::size_t i : rows_) state_of_entry(i);
   std::sort(rows_.begin(), rows_.end(), [this](std::size_t i, std::size_t j) {
     const FolderEntry &a = entries_[i], &b = entries_[j];
     if (a.folder != b.folder) return a.folder;
     const FolderEntry &first = rising_ ? a : b, &second = rising_ ? b : a;
-    if (column_ == Column::kSize && a.bytes != b.bytes) return first.bytes < second.bytes;
-    if (column_ == Column::kDate && a.changed != b.changed) return first.changed < second.changed;
-    return column_ == Column::kName ? natural_less(first.name, second.name) : natural_less(a.name, b.name);
+    if (column_ == Column::kName) return natural_less(first.name, second.name);
+    const FileState &x = *states_[rising_ ? i : j], &y = *states_[rising_ ? j : i];
+    if (column_ == Column::kSize && x.bytes != y.bytes) return x.bytes < y.bytes;
+    if (column_ == Column::kDate && x.changed != y.changed) return x.changed < y.changed;
+    return natural_less(a.name, b.name);
   });
   chosen_.assign(rows_.size(), false);
   cursor_.reset();

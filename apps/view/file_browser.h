@@ -2,7 +2,6 @@
 // typed. No window.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "sightline/apps/common/file_formats.h"
+#include "sightline/apps/view/file_states.h"
 #include "sightline/core/error.h"
 
 namespace sightline::apps {
@@ -18,11 +18,9 @@ namespace sightline::apps {
 struct FolderEntry {
   std::string name;
   bool folder = false;
-  std::uintmax_t bytes = 0;  ///< of a file
-  std::filesystem::file_time_type changed;
 };
 
-/// What a folder holds, in no order. Entries that vanish meanwhile are left out. Fails in one line.
+/// What a folder holds, in no order. Fails in one line.
 core::Expected<std::vector<FolderEntry>> read_folder(const std::filesystem::path& folder);
 
 /// Whether a comes before b as people count: "a2" before "a10", capitals beside small letters.
@@ -77,6 +75,8 @@ class FileBrowser {
 
   std::size_t row_count() const { return rows_.size(); }
   const FolderEntry& row(std::size_t index) const { return entries_[rows_[index]]; }
+  /// Size and date of a row, asked for by the first call: that takes far longer than to list a large folder.
+  const FileState& state(std::size_t index) { return state_of_entry(rows_[index]); }
   bool chosen(std::size_t index) const { return chosen_[index]; }
   std::size_t chosen_count() const;
   std::optional<std::size_t> cursor() const { return cursor_; }  ///< the row that keys start from
@@ -117,14 +117,16 @@ class FileBrowser {
   Paths accept(std::filesystem::path path);
   Paths accept_chosen();
   bool listed(const FolderEntry& entry) const;
+  const FileState& state_of_entry(std::size_t index);
   std::optional<std::size_t> row_beginning_with(const std::string& text) const;
 
   FileRequest request_;
   std::filesystem::path folder_;
   std::filesystem::file_time_type read_at_;  // the folder's own time when it was read
   std::vector<FolderEntry> entries_;
-  std::vector<std::size_t> rows_;  // of entries_, in the order of the list
-  std::vector<bool> chosen_;       // rows
+  std::vector<std::optional<FileState>> states_;  // of entries_, those that were asked for
+  std::vector<std::size_t> rows_;                 // of entries_, in the order of the list
+  std::vector<bool> chosen_;                      // rows
   std::optional<std::size_t> cursor_, anchor_;
   Column column_ = Column::kName;
   bool rising_ = true;

@@ -60,7 +60,7 @@ void FileDialog::begin(Viewer& viewer) {
   for (const auto& files : {viewer.files(), viewer.recent()})
     if (folder.empty() && !files.empty()) folder = fs::path(files.front()).parent_path();
   browser_.begin(question_->request(viewer), folder.empty() ? "." : folder);
-  field_ = browser_.typed();
+  field_.clear();
   refresh_at_ = ImGui::GetTime() + kRefresh;
 }
 
@@ -216,9 +216,10 @@ void FileDialog::rows(float height) {
       ImGui::SetCursorScreenPos({at.x + 1.4f * text, at.y});
       ImGui::TextUnformatted(entry.name.c_str());
       ImGui::TableNextColumn();
-      if (!entry.folder) ImGui::TextUnformatted(bytes_text(entry.bytes).c_str());
+      const FileState& state = browser_.state(std::size_t(i));
+      if (!entry.folder && state.there) ImGui::TextUnformatted(bytes_text(state.bytes).c_str());
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(date_text(entry.changed).c_str());
+      if (state.there) ImGui::TextUnformatted(date_text(state.changed).c_str());
       ImGui::PopID();
     }
   clipper.End();
@@ -270,7 +271,7 @@ void FileDialog::name_field() {
     browser_.type(text);
     scrolls_ = true;
   }
-  field_ = text;
+  if (field_active_) field_ = text;
   if (filters.empty()) return;
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1.0f);
