@@ -22,9 +22,9 @@ namespace fs = std::filesystem;
 
 constexpr float kWidth = 60.0f, kLeastList = 4.0f, kMostList = 26.0f;           // lines of text
 constexpr float kPlaces = 11.0f, kFilter = 13.0f, kSize = 6.0f, kDate = 10.0f;  // widths, in lines
-constexpr float kWidthForPlaces = 36.0f, kMostCrumb = 14.0f, kButton = 7.0f;    // in lines
-constexpr float kOtherRows = 9.0f;                                              // frames above and below the list
-constexpr double kRefresh = 2.0;                                                // seconds
+constexpr float kWidthForPlaces = 36.0f, kWidthForFacts = 24.0f, kMostCrumb = 14.0f, kButton = 7.0f;  // in lines
+constexpr float kOtherRows = 9.0f;  // frames above and below the list
+constexpr double kRefresh = 2.0;    // seconds
 
 std::string date_text(const fs::file_time_type& time) {
   const auto whole = std::chrono::floor<std::chrono::seconds>(std::chrono::file_clock::to_sys(time));
@@ -170,12 +170,14 @@ void FileDialog::place_list(float width, float height) {
 void FileDialog::list(float height) {
   constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
                                      ImGuiTableFlags_BordersOuter | ImGuiTableFlags_BordersInnerV;
-  const float font = ImGui::GetFontSize();
+  const float font = ImGui::GetFontSize(), room = ImGui::GetContentRegionAvail().x;
   if (!ImGui::BeginTable("##files", 3, kFlags, {0.0f, height})) return;
   ImGui::TableSetupScrollFreeze(0, 1);
   ImGui::TableSetupColumn("Name", ImGuiTableColumnFlags_WidthStretch | ImGuiTableColumnFlags_DefaultSort);
-  ImGui::TableSetupColumn("Size", ImGuiTableColumnFlags_WidthFixed, kSize * font);
-  ImGui::TableSetupColumn("Changed", ImGuiTableColumnFlags_WidthFixed, kDate * font);
+  const ImGuiTableColumnFlags beside =
+      ImGuiTableColumnFlags_WidthFixed | (room < kWidthForFacts * font ? ImGuiTableColumnFlags_Disabled : 0);
+  ImGui::TableSetupColumn("Size", beside, kSize * font);
+  ImGui::TableSetupColumn("Changed", beside, kDate * font);
   if (ImGuiTableSortSpecs* specs = ImGui::TableGetSortSpecs(); specs && specs->SpecsDirty && specs->SpecsCount > 0) {
     browser_.sort(FileBrowser::Column(specs->Specs[0].ColumnIndex),
                   specs->Specs[0].SortDirection == ImGuiSortDirection_Ascending);
@@ -215,11 +217,10 @@ void FileDialog::rows(float height) {
         draw_icon(*ImGui::GetWindowDrawList(), icons::kOpen, at, text, ImGui::GetColorU32(ImGuiCol_Text));
       ImGui::SetCursorScreenPos({at.x + 1.4f * text, at.y});
       ImGui::TextUnformatted(entry.name.c_str());
-      ImGui::TableNextColumn();
       const FileState& state = browser_.state(std::size_t(i));
-      if (!entry.folder && state.there) ImGui::TextUnformatted(bytes_text(state.bytes).c_str());
-      ImGui::TableNextColumn();
-      if (state.there) ImGui::TextUnformatted(date_text(state.changed).c_str());
+      if (ImGui::TableNextColumn() && !entry.folder && state.there)
+        ImGui::TextUnformatted(bytes_text(state.bytes).c_str());
+      if (ImGui::TableNextColumn() && state.there) ImGui::TextUnformatted(date_text(state.changed).c_str());
       ImGui::PopID();
     }
   clipper.End();
@@ -261,7 +262,8 @@ void FileDialog::name_field() {
     static_cast<FileDialog*>(data->UserData)->take_name(*data);
     return 0;
   };
-  ImGui::SetNextItemWidth(filters.empty() ? -1.0f : -kFilter * font - gap);
+  const float filter_wide = std::min(kFilter * font, 0.4f * ImGui::GetContentRegionAvail().x);
+  ImGui::SetNextItemWidth(filters.empty() ? -1.0f : -filter_wide - gap);
   std::string text = browser_.typed();
   accepts_ |=
       ImGui::InputTextWithHint("##name", hint.c_str(), &text,
@@ -315,7 +317,7 @@ void FileDialog::answer(Viewer& viewer, const std::vector<fs::path>& files) {
   std::vector<std::string> names;
   for (const fs::path& file : files) names.push_back(file.string());
   if (const auto done = question_->answer(viewer, names); !done) return browser_.say(done.error().message);
-  last_folder() = browser_.folder();
+  last_folder() = files.front().parent_path();
   if (viewer.shown.dialog == question_->dialog) viewer.shown.dialog = question_->then;
 }
 
