@@ -67,7 +67,8 @@ TEST_F(ViewFiles, ComparesWithAFile) {
 TEST_F(ViewFiles, SavesAnImageAndAsksBeforeReplacing) {
   const std::string image = models_ + "/shot.png";
   expect_driven(
-      "large-image\ntype x\npress escape\nlarge-image\nexpect /browser/name = a.png\ntype shot\nclick 57 487\npress enter\nexpect /dialog = none\n"
+      "large-image\ntype x\npress escape\nlarge-image\nexpect /browser/name = a.png\ntype shot\nclick 57 487\npress "
+      "enter\nexpect /dialog = none\n"
       "expect /message = \"image: " +
           image + "\"\n",
       opened());
