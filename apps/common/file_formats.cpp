@@ -11,21 +11,13 @@ namespace sightline::apps {
 namespace {
 
 /// Which extensions there are is for the importers to say. One without a name here has itself as its name.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kModelNames{{{".rvm", "AVEVA RVM"},
-                                                                                     {".rev", "AVEVA RVM"},
-                                                                                     {".txt", "Attributes"},
-                                                                                     {".att", "Attributes"},
-                                                                                     {".obj", "Wavefront OBJ"},
-                                                                                     {".ply", "PLY"},
-                                                                                     {".stl", "STL"},
-                                                                                     {".slc", "Scene cache"},
-                                                                                     {".gltf", "glTF"},
-                                                                                     {".glb", "glTF"},
-                                                                                     {".vtk", "VTK"},
-                                                                                     {".vtm", "VTK"},
-                                                                                     {".vtmb", "VTK"},
-                                                                                     {".vtp", "VTK"},
-                                                                                     {".vtu", "VTK"}}};
+constexpr std::pair<std::string_view, std::string_view> kModelNames[] = {
+    {".rvm", "AVEVA RVM"},     {".rev", "AVEVA RVM"}, {".txt", "Attributes"}, {".att", "Attributes"},
+    {".obj", "Wavefront OBJ"}, {".ply", "PLY"},       {".stl", "STL"},        {".slc", "Scene cache"},
+    {".gltf", "glTF"},         {".glb", "glTF"},      {".vtk", "VTK"},        {".vtm", "VTK"},
+    {".vtmb", "VTK"},          {".vtp", "VTK"},       {".vtu", "VTK"},        {".step", "STEP"},
+    {".stp", "STEP"},          {".stpz", "STEP"},     {".iges", "IGES"},      {".igs", "IGES"},
+    {".brep", "BREP"}};
 
 std::string model_name(std::string_view extension) {
   for (const auto& [known, name] : kModelNames)

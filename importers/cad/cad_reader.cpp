@@ -232,8 +232,8 @@ class Builder {
 
   void add_meshes() {
     ExactSurfaceReport& report = job_.report().surfaces;
-    report.parts = parts_.size();
     for (Part& part : parts_) {
+      report.parts += part.made.contents.empty() ? 0 : 1;
       for (CadPart::Content& content : part.made.contents) {
         std::vector<core::MeshId>& ids = part.meshes.emplace_back();
         report.analytic_solids += content.primitives.empty() ? 0 : 1;
@@ -324,7 +324,7 @@ class Builder {
   }
 
   void add_part(Part& part, core::NodeId node) {
-    ++job_.report().surfaces.instances;
+    job_.report().surfaces.instances += part.made.contents.empty() ? 0 : 1;
     for (std::size_t i = 0; i < part.made.contents.size(); ++i) {
       const CadPart::Content& content = part.made.contents[i];
       const bool apart = part.made.contents.size() > 1 && !content.name.empty() && content.name != part.made.name;
