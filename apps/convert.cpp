@@ -1,117 +1,55 @@
 // sightline-convert: model files into one RVM, OBJ or glTF file, or into a scene cache.
 
-#include <cctype>
 #include <cstdio>
-#include <filesystem>
-#include <optional>
+#include <utility>
 
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/item_copier.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/report_json.h"
-#include "sightline/importers/gltf/gltf_writer.h"
+#include "sightline/apps/common/style_options.h"
+#include "sightline/apps/common/tree_walk.h"
+#include "sightline/apps/common/write_model.h"
 #include "sightline/importers/json/internal/json.h"
-#include "sightline/importers/obj/obj_writer.h"
-#include "sightline/importers/rvm/rvm_writer.h"
-#include "sightline/importers/slc/slc_writer.h"
 
 namespace {
 
 using namespace sightline;
 using Json = json::Value;
-using ItemCounts = std::array<std::uint64_t, core::kKindCount>;
-
-/// Triangles that stand for primitives.
-struct Tessellated {
-  std::uint64_t triangles = 0, vertices = 0;
-  double largest_chord_error = 0.0;
-};
-
-/// Report of a written file, in any format.
-struct Written {
-  ItemCounts items{};
-  std::uint64_t left_out = 0, bytes = 0;
-  std::optional<Tessellated> triangles;   ///< none in RVM, which keeps primitives
-  std::optional<std::uint64_t> analytic;  ///< of glTF
-};
-
-std::string extension_of(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
+/// Fails unless the file can be written without loss of one that is read.
+core::Expected<void> check(const std::string& output, const std::vector<std::string>& read) {
+  const auto done = apps::check_output(output, read);
+  return done ? done : core::fail("OUTPUT: " + done.error().message);
 }
 
-/// The last file is the one to write. The command line cannot separate it: a list of files takes all of them.
-core::Expected<std::string> take_output(std::vector<std::string>& files) {
-  std::string output = std::move(files.back());
-  files.pop_back();
-  const std::string extension = extension_of(output);
-  if (extension != ".rvm" && extension != ".obj" && extension != ".glb" && extension != ".gltf" && extension != ".slc")
-    return core::fail("OUTPUT: expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + output + "\"");
-  for (const std::string& file : files) {
-    std::error_code absent;
-    if (std::filesystem::equivalent(file, output, absent) && !absent)
-      return core::fail("OUTPUT: " + output + " is also a model to read, and would be lost: give it another name");
+/// The items that `only` names, with the nodes above them.
+core::Expected<core::Scene> part_of(const apps::Model& model, const std::vector<std::string>& only) {
+  const auto items = apps::items_below(*model.scene, only);
+  if (!items) return tl::unexpected(items.error());
+  return apps::copy_of_part(*model.scene, model.report.nodes, &*items, {});
+}
+
+/// Writes the model, or the part of it that `only` names. `items` becomes the number of items that were to be written.
+core::Expected<apps::WrittenModel> write(const apps::Model& model, const std::vector<std::string>& only,
+                                         const std::string& output, apps::WriteOptions options, std::uint64_t& items) {
+  apps::Progress bar("writing");
+  options.progress = bar.callback();
+  const core::Scene& all = *model.scene;
+  if (only.empty()) {
+    options.report = &model.report;
+    items = apps::total(model.report.items);
+    return apps::write_model(all, apps::node_to_write(all, model.report.nodes), output, options);
   }
-  return output;
-}
-
-/// All items of the scene, and the size of the file.
-Written whole(const core::Scene& scene, const std::string& output) {
-  Written written;
-  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
-    if (scene.contains_item(item)) ++written.items[std::size_t(scene.kind(item))];
-  std::error_code ignored;
-  written.bytes = std::filesystem::file_size(output, ignored);
-  return written;
-}
-
-core::Expected<Written> write_as_rvm(const core::Scene& scene, core::NodeId top, const std::string& output) {
-  apps::Progress bar("writing");
-  if (auto done = importers::write_rvm(scene, top, output, bar.callback()); !done) return tl::unexpected(done.error());
-  return whole(scene, output);
-}
-
-core::Expected<Written> write_as_slc(const core::Scene& scene, const importers::ImportReport& read,
-                                     const std::string& output, bool levels) {
-  apps::Progress bar("writing");
-  if (auto done = importers::write_slc(scene, output, {.report = &read, .levels = levels, .progress = bar.callback()});
-      !done)
-    return tl::unexpected(done.error());
-  return whole(scene, output);
-}
-
-core::Expected<Written> write_as_obj(const core::Scene& scene, core::NodeId top, const std::string& output,
-                                     double tolerance) {
-  apps::Progress bar("writing");
-  const auto report = importers::write_obj(scene, top, output, {.tolerance = tolerance, .progress = bar.callback()});
-  if (!report) return tl::unexpected(report.error());
-  return Written{report->items,
-                 report->left_out,
-                 report->bytes,
-                 Tessellated{report->triangles, report->vertices, report->largest_chord_error},
-                 {}};
-}
-
-core::Expected<Written> write_as_gltf(const core::Scene& scene, core::NodeId top, const std::string& output,
-                                      double tolerance, bool collections) {
-  apps::Progress bar("writing");
-  const auto report = importers::write_gltf(
-      scene, top, output, {.tolerance = tolerance, .collections = collections, .progress = bar.callback()});
-  if (!report) return tl::unexpected(report.error());
-  return Written{report->items, report->left_out, report->bytes,
-                 Tessellated{report->triangles, report->vertices, report->largest_chord_error}, report->analytic};
-}
-
-std::uint64_t total(const ItemCounts& items) {
-  std::uint64_t sum = 0;
-  for (const std::uint64_t n : items) sum += n;
-  return sum;
+  const auto part = part_of(model, only);
+  if (!part) return tl::unexpected(part.error());
+  items = part->item_count();
+  return apps::write_model(*part, apps::node_to_write(*part, apps::children_of(*part, part->root())), output, options);
 }
 
 Json to_json(const apps::ModelOptions& options, const importers::ImportReport& read, const std::string& output,
-             double tolerance, const Written& written) {
+             double tolerance, const apps::WrittenModel& written) {
   Json tessellation;
   if (written.triangles)
     tessellation = {{"tolerance", tolerance},
@@ -131,15 +69,6 @@ Json to_json(const apps::ModelOptions& options, const importers::ImportReport& r
           {"warnings", apps::warnings_json(read.warnings)}};
 }
 
-void print(const importers::ImportReport& read, const std::string& output, const Written& written) {
-  std::printf("%s: %llu of %llu items, %llu bytes", output.c_str(), (unsigned long long)total(written.items),
-              (unsigned long long)total(read.items), (unsigned long long)written.bytes);
-  if (written.triangles)
-    std::printf(", %llu triangles, at most %.3g m from the primitives they stand for",
-                (unsigned long long)written.triangles->triangles, written.triangles->largest_chord_error);
-  std::printf("\n");
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -149,6 +78,7 @@ int main(int argc, char** argv) {
       "sightline-convert",
       "  sightline-convert plant.rvm plant.obj --tolerance 0.005\n"
       "  sightline-convert plant.rvm plant.glb --collections\n"
+      "  sightline-convert plant.rvm pumps.glb --only PUMP-1 --only PUMP-2\n"
       "  sightline-convert a.rvm b.rvm both.rvm\n"
       "  sightline-convert plant.rvm plant.txt plant.slc\n"
       "  sightline-convert --levels ship.glb ship.slc\n"
@@ -157,8 +87,8 @@ int main(int argc, char** argv) {
       "  sightline-convert --lenient damaged.rvm repaired.rvm --json -");
   apps::ModelOptions options;
   std::string output, json_file;
-  double tolerance = importers::ObjWriteOptions{}.tolerance;
-  bool collections = false, levels = false;
+  std::vector<std::string> only;
+  apps::WriteOptions writing;
   options.import.copies = importers::MeshCopies::kExact;  // meshes are written as they came
   apps::add_model_options(line, options);
   line.option("MODEL")
@@ -168,23 +98,29 @@ int main(int argc, char** argv) {
           "Model files, then the file to write: .rvm, .obj (with .mtl beside it), .glb, .gltf (with .bin beside it) or "
           ".slc");
   line.check([&]() -> core::Expected<void> {
-    auto taken = take_output(options.files);
-    if (!taken) return tl::unexpected(taken.error());
-    output = std::move(*taken);
-    if (collections && extension_of(output) != ".glb" && extension_of(output) != ".gltf")
+    // The last file is the one to write. The command line cannot separate it: a list of files takes all of them.
+    output = std::move(options.files.back());
+    options.files.pop_back();
+    if (auto done = check(output, options.files); !done) return done;
+    if (writing.collections && apps::extension_of(output) != ".glb" && apps::extension_of(output) != ".gltf")
       return core::fail("--collections: expected an output ending in .glb or .gltf, found \"" + output + "\"");
-    if (levels && extension_of(output) != ".slc")
+    if (writing.levels && apps::extension_of(output) != ".slc")
       return core::fail("--levels: expected an output ending in .slc, found \"" + output + "\"");
-    if (extension_of(output) == ".slc") options.import.copies = importers::ImportOptions{}.copies;  // as tools read
+    if (apps::extension_of(output) == ".slc")
+      options.import.copies = importers::ImportOptions{}.copies;  // as tools read
     return {};
   });
-  line.add("--tolerance", tolerance, "Largest distance of OBJ and glTF triangles from analytic primitives, metres")
+  line.add("--tolerance", writing.tolerance,
+           "Largest distance of OBJ and glTF triangles from analytic primitives, metres")
       .shows_default()
       .accepted_by(apps::parse_tolerance);
-  line.add_flag("--collections", collections,
+  line.add_flag("--collections", writing.collections,
                 "Keep analytic primitives in glTF, as rows of parameters for web viewers that know them");
-  line.add_flag("--levels", levels,
+  line.add_flag("--levels", writing.levels,
                 "Build levels of detail into a scene cache, so that --lod-error starts fast from it");
+  line.add("--only", only, "Write parts alone: those with this text in a name or attribute, or KEY=TEXT")
+      .metavar("PART")
+      .one_value_each();
   line.add("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
   return line.run(argc, argv, [&]() -> core::Expected<int> {
     auto model = apps::load_model(options);
@@ -192,20 +128,17 @@ int main(int argc, char** argv) {
     core::Scene& scene = *model->scene;
     if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
     if (options.explain) apps::explain(scene);
-    // One input file is written as itself; several become the groups of one file.
-    const core::NodeId top = model->report.nodes.size() == 1 ? model->report.nodes[0] : scene.root();
-    const std::string extension = extension_of(output);
-    const auto written = extension == ".rvm"   ? write_as_rvm(scene, top, output)
-                         : extension == ".slc" ? write_as_slc(scene, model->report, output, levels)
-                         : extension == ".obj" ? write_as_obj(scene, top, output, tolerance)
-                                               : write_as_gltf(scene, top, output, tolerance, collections);
+    if (auto done = check(output, apps::files_read(options.files, model->report)); !done)
+      return tl::unexpected(done.error());
+    std::uint64_t items = 0;
+    const auto written = write(*model, only, output, writing, items);
     if (!written) return tl::unexpected(written.error());
-    if (json_file != "-") print(model->report, output, *written);
+    if (json_file != "-") std::printf("%s\n", apps::words_of(*written, output, items).c_str());
     if (json_file != "-" && options.import.recognise)
       std::printf("%s\n", apps::recognition_words(model->report.recognition).c_str());
     if (json_file.empty()) return apps::kExitOk;
-    if (auto done = apps::write_text(
-            json_file, apps::to_text(json::sorted(to_json(options, model->report, output, tolerance, *written))));
+    if (auto done = apps::write_text(json_file, apps::to_text(json::sorted(to_json(options, model->report, output,
+                                                                                   writing.tolerance, *written))));
         !done)
       return tl::unexpected(done.error());
     return apps::kExitOk;

@@ -46,6 +46,16 @@ std::vector<FileFormat> model_formats() {
   return formats;
 }
 
+std::vector<FileFormat> written_formats() {
+  std::vector<FileFormat> formats;
+  for (const char* extension : {".glb", ".gltf", ".rvm", ".obj", ".slc"}) {
+    const std::string name = model_name(extension);
+    if (formats.empty() || formats.back().name != name) formats.push_back({name, {}});
+    formats.back().extensions.emplace_back(extension);
+  }
+  return formats;
+}
+
 FileFormat png_format() {
   return {"PNG", {".png"}};
 }

@@ -28,18 +28,24 @@ core::Expected<std::vector<core::NodeId>> find(const core::Scene& scene, const s
 /// Items below the nodes, or all others.
 core::Expected<std::vector<ItemId>> items_of(const core::Scene& scene, const std::vector<std::string>& texts,
                                              bool others = false) {
-  const auto nodes = find(scene, texts);
-  if (!nodes) return tl::unexpected(nodes.error());
-  std::vector<bool> below(scene.item_slots());
-  for (const core::NodeId top : *nodes)
-    for (const ItemId item : items_below(scene, top)) below[to_index(item)] = true;
+  const auto below = items_below(scene, texts);
+  if (!below) return tl::unexpected(below.error());
   std::vector<ItemId> items;
-  for (ItemId item{0}; to_index(item) < below.size(); ++item)
-    if (below[to_index(item)] != others && scene.contains_item(item)) items.push_back(item);
+  for (ItemId item{0}; to_index(item) < below->size(); ++item)
+    if ((*below)[to_index(item)] != others && scene.contains_item(item)) items.push_back(item);
   return items;
 }
 
 }  // namespace
+
+core::Expected<std::vector<bool>> items_below(const core::Scene& scene, const std::vector<std::string>& conditions) {
+  const auto nodes = find(scene, conditions);
+  if (!nodes) return tl::unexpected(nodes.error());
+  std::vector<bool> below(scene.item_slots());
+  for (const core::NodeId top : *nodes)
+    for (const ItemId item : items_below(scene, top)) below[to_index(item)] = true;
+  return below;
+}
 
 core::NodeCondition parse_condition(const std::string& text) {
   const std::size_t equals = text.find('=');

@@ -14,6 +14,10 @@ class CommandLine;
 /// "KEY=TEXT" or "TEXT".
 core::NodeCondition parse_condition(const std::string& text);
 
+/// By ItemId, whether an item lies below a node for which one of these conditions holds. Fails where one holds for
+/// none.
+core::Expected<std::vector<bool>> items_below(const core::Scene& scene, const std::vector<std::string>& conditions);
+
 /// Each names nodes, by conditions that parse_condition() reads: those for which one of them holds.
 struct StyleOptions {
   std::vector<std::string> hide, isolate, ghost, ghost_others, fade, highlight;

@@ -1,5 +1,5 @@
 // Visits the nodes of a scene in tree order, which has parents before their children and these in their order, and
-// lists the items below a node.
+// lists what lies below a node.
 #pragma once
 
 #include <algorithm>
@@ -29,6 +29,13 @@ void walk(const core::Scene& scene, Enter&& enter, Leave&& leave) {
     leave(node);
     node = next;
   }
+}
+
+inline std::vector<core::NodeId> children_of(const core::Scene& scene, core::NodeId node) {
+  std::vector<core::NodeId> children;
+  for (core::NodeId child = scene.first_child(node); child.valid(); child = scene.next_sibling(child))
+    children.push_back(child);
+  return children;
 }
 
 /// The items of a node and of all nodes below it, in rising order.

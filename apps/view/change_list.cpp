@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <unordered_map>
 #include <utility>
 
 #include "sightline/apps/common/change_colours.h"
+#include "sightline/apps/common/item_copier.h"
 #include "sightline/apps/common/numbers.h"
 #include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/view/tree_rows.h"
@@ -28,59 +28,6 @@ core::Expected<core::NodeId> same_file(const Model& open, std::string_view name)
   return core::fail("compare: expected a file with the name of one of the " + std::to_string(files.size()) +
                     " that are open, found " + std::string(name));
 }
-
-/// Copies items and what lies between them and a node.
-class ItemCopier {
- public:
-  ItemCopier(const core::Scene& from, core::NodeId top, core::Scene& to, core::NodeId copy_of_top)
-      : from_(from), to_(to), nodes_{{top.index, copy_of_top}} {}
-
-  core::Expected<core::ItemId> copy(core::ItemId item) {
-    const core::NodeId node = copy_node(from_.node_of(item));
-    core::ItemId copied = core::kNoItem;
-    if (int(from_.kind(item)) < core::kPrimitiveKindCount) {
-      copied = to_.add_primitive(node, from_.primitive(item), from_.placement(item));
-    } else {
-      const auto mesh = copy_mesh(from_.mesh_of(item));
-      if (!mesh) return tl::unexpected(mesh.error());
-      copied = to_.add_mesh_instance(node, *mesh, from_.placement(item));
-    }
-    to_.set_visible(copied, from_.item_visible(item));
-    return copied;
-  }
-  std::vector<core::MeshId> meshes() const {
-    std::vector<core::MeshId> all;
-    for (const auto& [old, mesh] : meshes_) all.push_back(mesh);
-    return all;
-  }
-
- private:
-  core::NodeId copy_node(core::NodeId node) {
-    std::vector<core::NodeId> above;  // without a copy
-    for (; !nodes_.contains(node.index); node = from_.parent(node)) above.push_back(node);
-    core::NodeId copied = nodes_.at(node.index);
-    for (; !above.empty(); above.pop_back()) {
-      const core::NodeId next = above.back();
-      copied = to_.add_node(copied, from_.name(next), from_.transform(next));
-      to_.set_visible(copied, from_.visible(next));
-      to_.set_layers(copied, from_.layers(next));
-      for (const auto& [key, value] : from_.attributes(next)) to_.set_attribute(copied, key, value);
-      nodes_.emplace(next.index, copied);
-    }
-    return copied;
-  }
-  core::Expected<core::MeshId> copy_mesh(core::MeshId mesh) {
-    if (const auto known = meshes_.find(mesh.index); known != meshes_.end()) return known->second;
-    auto copied = to_.add_mesh(from_.mesh(mesh));
-    if (copied) meshes_.emplace(mesh.index, *copied);
-    return copied;
-  }
-
-  const core::Scene& from_;
-  core::Scene& to_;
-  std::unordered_map<std::uint32_t, core::NodeId> nodes_;  // by index of the original
-  std::unordered_map<std::uint32_t, core::MeshId> meshes_;
-};
 
 }  // namespace
 
@@ -132,7 +79,7 @@ core::Expected<void> ChangeList::add_removed(core::Scene& scene) {
   const core::dmat3 back = glm::inverse(here.linear);
   const std::string name = "removed (" + std::filesystem::path(file_).filename().string() + ")";
   removed_ = scene.add_node(scene.root(), name, {back * there.linear, back * (there.origin - here.origin)});
-  ItemCopier copier(old, top, scene, removed_);
+  ItemCopier copier(old, top, scene, removed_, ItemCopier::Materials::kNone);
   for (std::size_t i = first_removed(); i < found_.items.size(); ++i) {
     const auto copied = copier.copy(found_.items[i].before);
     meshes_ = copier.meshes();

@@ -10,6 +10,7 @@
 #include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/icons.h"
+#include "sightline/apps/view/model_exporting.h"
 #include "sightline/apps/view/obstacles.h"
 #include "sightline/apps/view/section_commands.h"
 #include "sightline/apps/view/views.h"
@@ -200,6 +201,10 @@ const Command kFile[] = {
      [](Viewer& v, const std::string& file) { return v.save_view(file); }},
     {"load-view", nullptr, "", 0, 0, "", "see what a view file shows; or drop it on the window: FILE",
      [](Viewer& v, const std::string& file) { return v.load_view(file); }},
+    {"export-model", "|File", "Export model…", 0, 0, "",
+     "write all of the model, RVM, OBJ, glTF or a scene cache: FILE", export_model, shows<Dialog::kExportModel>},
+    {"export-selection", "File", "Export selection…", 0, 0, "", "write what is selected, in the same formats: FILE",
+     export_selection, shows<Dialog::kExportSelection>, without_selection},
     {"record", "|File/Camera path", "Record camera path", GLFW_KEY_R, 0, "R",
      "begin to record a camera path; end and write it",
      [](Viewer& v, const std::string&) { return v.toggle_recording(); }, [](Viewer& v) { return v.recording(); }},

@@ -76,7 +76,7 @@ core::Expected<void> compare_with(Viewer& viewer, const std::string& file) {
 }
 
 core::Expected<void> end_comparison(Viewer& viewer, const std::string&) {
-  if (viewer.reads_revision()) return core::fail("wait until the older revision is read, or cancel that");
+  if (auto free = viewer.scene_is_free(); !free) return free;
   if (const auto changes = changes_of(viewer); !changes) return tl::unexpected(changes.error());
   return viewer.session()->end_comparison();
 }

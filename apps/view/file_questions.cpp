@@ -5,6 +5,7 @@
 #include <imgui.h>
 
 #include "sightline/apps/view/exporting.h"
+#include "sightline/apps/view/model_exporting.h"
 #include "sightline/apps/view/view_list.h"
 #include "sightline/apps/view/views.h"
 
@@ -76,6 +77,14 @@ FileRequest new_views(Viewer&) {
   return {Purpose::kSave, "", formats, "views" + formats.front().extensions.front()};
 }
 
+FileRequest new_model(Viewer& viewer) {
+  return {Purpose::kSave, "", written_formats(), export_name(viewer, "model")};
+}
+
+FileRequest new_selection(Viewer& viewer) {
+  return {Purpose::kSave, "", written_formats(), export_name(viewer, "selection")};
+}
+
 constexpr FileQuestion kQuestions[] = {
     {Dialog::kOpen, "Open", "Open", true, models, open, open_options},
     {Dialog::kCompare, "Compare with an older revision", "Compare", true, older_model, with_one<compare>,
@@ -86,6 +95,9 @@ constexpr FileQuestion kQuestions[] = {
     {Dialog::kFrames, "Folder for the frames", "Write frames", false, frames_folder, with_one<write_sized_frames>},
     {Dialog::kReadViews, "Load views", "Load", false, views, with_one<load_views>},
     {Dialog::kSaveViews, "Save all views", "Save", false, new_views, with_one<save_views>},
+    {Dialog::kExportModel, "Export the model", "Export", true, new_model, with_one<export_model>, export_model_options},
+    {Dialog::kExportSelection, "Export the selection", "Export", true, new_selection, with_one<export_selection>,
+     export_selection_options},
     {Dialog::kSaveAndQuit, "Save all views and quit", "Save and quit", false, new_views, with_one<save_and_quit>},
 };
 

@@ -1,6 +1,7 @@
 // The line at the bottom: what has happened, and at its right end what the cursor is over, what is selected, what the
 // mouse does, and the units.
 #include <algorithm>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@
 namespace sightline::apps {
 namespace {
 
-constexpr float kNameLines = 14.0f, kFieldGapLines = 1.5f;  // in lines of text
+constexpr float kNameLines = 14.0f, kFieldGapLines = 1.5f, kBarLines = 20.0f;  // in lines of text
 
 struct Field {
   std::string text, tip;
@@ -79,6 +80,20 @@ void message(const Viewer& viewer, float wide) {
   if (!fits && ImGui::IsItemHovered() && ImGui::GetMousePos().x < at.x + wide) ImGui::SetTooltip("%s", text.c_str());
 }
 
+/// What is written in the background, in place of the message, with a button that cancels.
+void writing(ModelExport& running, float wide) {
+  const ImVec2 padding = ImGui::GetStyle().FramePadding;
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding.x, 0.0f});
+  if (ImGui::Button("Cancel")) running.cancel();
+  ImGui::SameLine();
+  const std::string words = std::to_string(int(100.0 * running.progress())) + " % of " +
+                            std::filesystem::path(running.file()).filename().string();
+  const float room = std::max(1.0f, wide - ImGui::GetCursorPosX());
+  ImGui::ProgressBar(float(running.progress()), {std::min(room, kBarLines * ImGui::GetFontSize()), 0.0f},
+                     shortened(words, room).c_str());
+  ImGui::PopStyleVar();
+}
+
 }  // namespace
 
 void status_bar(Viewer& viewer) {
@@ -98,7 +113,10 @@ void status_bar(Viewer& viewer) {
            padding;
   }
   ImGui::SetCursorPos(begin);
-  message(viewer, std::max(0.0f, wide));
+  if (viewer.model_export())
+    writing(*viewer.model_export(), wide);
+  else
+    message(viewer, std::max(0.0f, wide));
   ImGui::End();
   ImGui::PopStyleVar(2);
 }

@@ -30,9 +30,10 @@ constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a
 }  // namespace
 
 const char* name_of(Dialog dialog) {
-  constexpr const char* kNames[] = {"none",   "help",       "driver",     "open",         "compare",
-                                    "quit",   "image",      "path",       "read-path",    "save-path",
-                                    "frames", "views-load", "views-save", "save-and-quit"};
+  constexpr const char* kNames[] = {"none",       "help",          "driver",       "open",
+                                    "compare",    "quit",          "image",        "path",
+                                    "read-path",  "save-path",     "frames",       "views-load",
+                                    "views-save", "save-and-quit", "export-model", "export-selection"};
   return kNames[int(dialog)];
 }
 
@@ -108,6 +109,7 @@ core::Expected<int> Viewer::run() {
       continue;
     }
     if (!busy && !gui_.has_events()) continue;  // nothing to draw
+    if (auto done = land_model_export(); !done) return tl::unexpected(done.error());
     if (auto done = land(); !done) return tl::unexpected(done.error());
     if (landing_ && !gui_.has_events() && glfwGetTime() < next_frame_) continue;
     if (auto done = step_export(); !done && !lost()) return tl::unexpected(done.error());
@@ -130,13 +132,13 @@ core::Expected<int> Viewer::run() {
 /// Seconds to wait for events before the loop goes on without.
 double Viewer::patience() const {
   if (landing_ || (preview_ && preview_->drawing())) return 0.0;
-  if (loader_) return std::max(kLoadingWait, kBetweenFrames * frame_seconds_);
+  if (loader_ || model_export_) return std::max(kLoadingWait, kBetweenFrames * frame_seconds_);
   if (!at_rest() || refining() || player_.playing() || next_step_ < script_.size()) return 0.0;
   return waits_for_picks() ? kLoadingWait : kIdleWait;
 }
 
 bool Viewer::script_ended() const {
-  return !script_.empty() && next_step_ == script_.size() && !export_ && window_shot_.empty() &&
+  return !script_.empty() && next_step_ == script_.size() && !export_ && !model_export_ && window_shot_.empty() &&
          glfwGetTime() >= wait_until_;
 }
 
@@ -196,8 +198,8 @@ bool Viewer::at_rest() const {
     return key == GLFW_KEY_W || key == GLFW_KEY_A || key == GLFW_KEY_S || key == GLFW_KEY_D || key == GLFW_KEY_Q ||
            key == GLFW_KEY_E;
   });
-  if (loader_ || redraws_ > 0 || gui_.has_events() || export_ || (player_.playing() && !player_.loop) || flies ||
-      (walker_ && walker_->falling()) || !window_shot_.empty())
+  if (loader_ || model_export_ || redraws_ > 0 || gui_.has_events() || export_ ||
+      (player_.playing() && !player_.loop) || flies || (walker_ && walker_->falling()) || !window_shot_.empty())
     return false;
   if (options_.frames > 0 || glfwGetTime() < wait_until_) return false;
   if (session_ && session_->lowered() && !player_.playing()) return false;
@@ -261,6 +263,27 @@ core::Expected<void> Viewer::step_export() {
     tell("cancelled, " + frames + target);
   else
     tell(frames + target + (blank ? " (no pixel shows any item)" : ""));
+  return {};
+}
+
+void Viewer::begin_model_export(ModelExport::Job job) {
+  tell("writing " + std::filesystem::path(job.file).filename().string());
+  model_export_ = std::make_unique<ModelExport>(std::move(job), &Window::wake);
+}
+
+/// A failure ends scripts; otherwise it is told.
+core::Expected<void> Viewer::land_model_export() {
+  auto done = model_export_ ? model_export_->take() : std::nullopt;
+  if (!done) return {};
+  model_export_.reset();
+  if (!*done && !script_.empty()) return tl::unexpected(done->error());
+  tell(*done ? **done : done->error().message, !*done);
+  return {};
+}
+
+core::Expected<void> Viewer::scene_is_free() const {
+  if (loader_ && found_) return core::fail("wait until the older revision is read, or cancel that");
+  if (model_export_) return core::fail("wait until the model is written, or cancel that");
   return {};
 }
 
@@ -408,6 +431,7 @@ void Viewer::keep_thumbnail() {
 
 core::Expected<void> Viewer::finish() {
   export_.reset();
+  model_export_.reset();
   if (!session_) return options_.frames > 0 ? core::fail("no model was drawn") : core::Expected<void>();
   session_->engine().finish();
   core::Expected<void> done;

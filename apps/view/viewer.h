@@ -17,6 +17,7 @@
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/image_textures.h"
 #include "sightline/apps/view/loader.h"
+#include "sightline/apps/view/model_export.h"
 #include "sightline/apps/view/motion_resolution.h"
 #include "sightline/apps/view/opening_steps.h"
 #include "sightline/apps/view/path_player.h"
@@ -68,6 +69,8 @@ enum class Dialog {
   kReadViews,
   kSaveViews,
   kSaveAndQuit,
+  kExportModel,
+  kExportSelection,
 };
 const char* name_of(Dialog dialog);
 
@@ -100,8 +103,6 @@ class Viewer {
   void open(const std::vector<std::string>& files);
   /// Reads an older revision of the open model, and shows what has changed since.
   void compare(const std::string& file);
-  /// Whether that is going on: somebody reads the scene.
-  bool reads_revision() const { return loader_ && found_; }
   void cancel_loading();
   /// Selects the items below nodes.
   core::Expected<void> select_nodes(const std::vector<core::NodeId>& nodes);
@@ -124,6 +125,11 @@ class Viewer {
   void begin_export(std::unique_ptr<Export> work);
   const Export* exporting() const { return export_.get(); }
   void cancel_export() { export_cancelled_ = true; }
+  /// Writes in the background from now on.
+  void begin_model_export(ModelExport::Job job);
+  ModelExport* model_export() { return model_export_.get(); }  ///< null while none goes on
+  /// Fails while somebody reads the scene, which must not be edited then.
+  core::Expected<void> scene_is_free() const;
   void tell(std::string message, bool error = false);
   void tell_failure(const core::Expected<void>& done) {
     if (!done) tell(done.error().message, true);
@@ -237,6 +243,7 @@ class Viewer {
   void select_rectangle(const Drag& drag);
   void draw_rectangle() const;
   core::Expected<void> step_export();
+  core::Expected<void> land_model_export();
   void fly(double seconds);
   void walk(const core::dvec3& held, double seconds);
   void hover();
@@ -254,6 +261,7 @@ class Viewer {
   std::unique_ptr<Session> session_, opened_;   // the second by the loader, until it has landed
   std::shared_ptr<compare::Comparison> found_;  // with what is read now; null where a model is read
   std::unique_ptr<Loader> loader_;              // its thread uses those before
+  std::unique_ptr<ModelExport> model_export_;   // reads the session's scene
   OpeningSteps opening_;
   engine::Looks looks_;              // with shading and hatching also while these are off
   int landing_calls_ = 0;            // calls of Session::begin()

@@ -78,7 +78,7 @@ void Viewer::cancel_loading() {
 /// Shows the model that was being read, once it is there: portion by portion, while the window goes on. What is open
 /// stays where the file cannot be read.
 core::Expected<void> Viewer::land() {
-  if (!loader_ || export_) return {};
+  if (!loader_ || export_ || model_export_) return {};
   follow_opening();
   if (!landing_) {
     auto model = loader_->take();

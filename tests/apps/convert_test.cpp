@@ -45,6 +45,39 @@ TEST_F(Convert, WritesOverNoFileThatItReads) {
   EXPECT_EQ(read_bytes(model), bytes);
 }
 
+/// Nor over one that such a file names.
+TEST_F(Convert, KeepsTheMaterialsOfWhatItReads) {
+  write("shared.mtl", "newmtl red\nKd 1 0 0\n");
+  const std::string model = write("part.obj", "mtllib shared.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  expect_failure("convert", {model, path("shared.obj")}, "would be lost");
+  EXPECT_EQ(read_bytes(path("shared.mtl")), "newmtl red\nKd 1 0 0\n");
+}
+
+/// Parts have the groups that they are in, and nothing else.
+TEST_F(Convert, OnlyWritesParts) {
+  const std::string model = plant(1000);
+  const auto part = [&](const Args& only) {
+    Args args{model, path("part.rvm"), "--translate", "0,0,5"};
+    for (const std::string& one : only) args.insert(args.end(), {"--only", one});
+    EXPECT_EQ(run("convert", args).code, 0);
+    return run_json("info", {path("part.rvm")});
+  };
+  const Json all = run_json("info", {model}), one = part({"PIPE-2-B1"}), zone = part({"zone-rack"}),
+             two = part({"PIPE-2-B1", "PIPE-2-B2"});
+  EXPECT_EQ(one["nodes"], 6) << "root, file, site, zone, pipe, branch";
+  EXPECT_EQ(two["nodes"], 7);
+  EXPECT_GT(total(one["items"]), 0);
+  EXPECT_GT(total(two["items"]), total(one["items"]));
+  EXPECT_GT(total(zone["items"]), total(two["items"]));
+  EXPECT_LT(total(zone["items"]), 1000);
+  EXPECT_GE(zone["bounds"]["min"][2].get<double>(), all["bounds"]["min"][2].get<double>() + 5.0 - 1e-3);
+  EXPECT_LE(zone["bounds"]["max"][0].get<double>(), all["bounds"]["max"][0].get<double>() + 1e-3);
+  ASSERT_EQ(run("convert", {model, path("whole.rvm"), "--only", fs::path(model).filename().string()}).code, 0);
+  EXPECT_TRUE(read_bytes(model) == read_bytes(path("whole.rvm")));
+  expect_failure("convert", {model, path("none.rvm"), "--only", "NO SUCH PART"}, "no node fits \"NO SUCH PART\"");
+  EXPECT_FALSE(fs::exists(path("none.rvm")));
+}
+
 TEST_F(Convert, SeveralFilesBecomeOne) {
   ASSERT_EQ(run("convert", {plant(1000, 1), plant(1001, 2), path("both.rvm")}).code, 0);
   EXPECT_EQ(total(run_json("info", {path("both.rvm")})["items"]), 2001);

@@ -1,0 +1,118 @@
+#include "sightline/apps/common/write_model.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <string_view>
+
+#include "sightline/apps/common/file_formats.h"
+#include "sightline/importers/gltf/gltf_writer.h"
+#include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/importers/slc/slc_writer.h"
+
+namespace sightline::apps {
+namespace {
+
+/// All items of the scene, and the size of the file.
+WrittenModel whole(const core::Scene& scene, const std::string& output) {
+  WrittenModel written;
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
+    if (scene.contains_item(item)) ++written.items[std::size_t(scene.kind(item))];
+  std::error_code ignored;
+  written.bytes = std::filesystem::file_size(output, ignored);
+  return written;
+}
+
+template <class Report>
+WrittenModel tessellated(const Report& report) {
+  return {report.items, report.left_out, report.bytes,
+          WrittenModel::Tessellated{report.triangles, report.vertices, report.largest_chord_error}};
+}
+
+/// What the format writes beside the file; empty: nothing.
+std::string companion_of(const std::string& output) {
+  std::filesystem::path beside = output;
+  const std::string extension = extension_of(output);
+  if (extension == ".obj") {
+    std::string name = beside.replace_extension(".mtl").filename().string();
+    for (char& c : name)
+      if (std::isspace(static_cast<unsigned char>(c))) c = '_';
+    return beside.replace_filename(name).string();
+  }
+  return extension == ".gltf" ? beside.replace_extension(".bin").string() : std::string();
+}
+
+}  // namespace
+
+std::uint64_t total(const ItemCounts& items) {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t n : items) sum += n;
+  return sum;
+}
+
+std::string extension_of(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+core::Expected<void> check_output(const std::string& output, std::span<const std::string> read) {
+  const std::vector<FileFormat> formats = written_formats();
+  if (std::none_of(formats.begin(), formats.end(), [&](const FileFormat& format) { return format.has(output); }))
+    return core::fail("expected a name ending in " + std::string(kWritableExtensions) + ", found \"" + output + "\"");
+  for (const std::string& written : {output, companion_of(output)})
+    for (const std::string& file : read) {
+      std::error_code absent;
+      if (std::filesystem::equivalent(file, written, absent) && !absent)
+        return core::fail(written + " is also a file of the model that is read, and would be lost: take another name");
+    }
+  return {};
+}
+
+std::vector<std::string> files_read(std::span<const std::string> files, const importers::ImportReport& report) {
+  std::vector<std::string> all(files.begin(), files.end());
+  for (const std::filesystem::path& file : report.side_files) all.push_back(file.string());
+  return all;
+}
+
+core::NodeId node_to_write(const core::Scene& scene, std::span<const core::NodeId> tops) {
+  return tops.size() == 1 ? tops[0] : scene.root();
+}
+
+core::Expected<WrittenModel> write_model(const core::Scene& scene, core::NodeId top, const std::string& output,
+                                         const WriteOptions& options) {
+  const auto& [tolerance, collections, levels, report, progress] = options;
+  const auto from_report = [](const auto& written) -> core::Expected<WrittenModel> {
+    if (!written) return tl::unexpected(written.error());
+    return tessellated(*written);
+  };
+  const std::string extension = extension_of(output);
+  if (extension == ".obj")
+    return from_report(importers::write_obj(scene, top, output, {.tolerance = tolerance, .progress = progress}));
+  if (extension != ".rvm" && extension != ".slc") {
+    const auto gltf = importers::write_gltf(scene, top, output,
+                                            {.tolerance = tolerance, .collections = collections, .progress = progress});
+    auto written = from_report(gltf);
+    if (written) written->analytic = gltf->analytic;
+    return written;
+  }
+  const auto done =
+      extension == ".rvm"
+          ? importers::write_rvm(scene, top, output, progress)
+          : importers::write_slc(scene, output, {.report = report, .levels = levels, .progress = progress});
+  if (!done) return tl::unexpected(done.error());
+  return whole(scene, output);
+}
+
+std::string words_of(const WrittenModel& written, const std::string& output, std::uint64_t items) {
+  std::string words = output + ": " + std::to_string(total(written.items)) + " of " + std::to_string(items) +
+                      " items, " + std::to_string(written.bytes) + " bytes";
+  if (!written.triangles) return words;
+  char text[120];
+  std::snprintf(text, sizeof text, ", %llu triangles, at most %.3g m from the primitives they stand for",
+                (unsigned long long)written.triangles->triangles, written.triangles->largest_chord_error);
+  return words + text;
+}
+
+}  // namespace sightline::apps
