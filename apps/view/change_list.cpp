@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
 #include <utility>
 
 #include "sightline/apps/common/change_colours.h"
@@ -19,6 +20,11 @@ using compare::State;
 
 constexpr std::uint32_t kNoChange = ~std::uint32_t{0};
 constexpr double kTurned = 1e-4;  // radians; less is not worth telling
+
+/// Both revisions have such an item, each in its own way.
+bool is_replaced(State state) {
+  return state == State::kMoved || state == State::kChanged;
+}
 
 core::Expected<core::NodeId> same_file(const Model& open, std::string_view name) {
   const std::vector<core::NodeId>& files = open.report.nodes;
@@ -62,39 +68,107 @@ std::vector<std::string> older_files(const std::string& file, const std::vector<
   return files;
 }
 
+std::pair<std::string, std::string> names_apart(const std::string& older, const std::vector<std::string>& open_files) {
+  namespace fs = std::filesystem;
+  const fs::path old = older;
+  std::vector<fs::path> models(open_files.begin(), open_files.end());
+  std::erase_if(models, [](const fs::path& file) { return importers::is_attribute_file(file); });
+  if (models.size() > 1) std::erase_if(models, [&](const fs::path& file) { return file.filename() != old.filename(); });
+  const fs::path now = models.empty() ? fs::path() : models.front();
+  if (now.filename() != old.filename()) return {old.filename().string(), now.filename().string()};
+  const auto in_folder = [](const fs::path& file) {
+    const fs::path whole = fs::absolute(file).lexically_normal();
+    return (whole.parent_path().filename() / whole.filename()).string();
+  };
+  return {in_folder(old), in_folder(now)};
+}
+
 ChangeList::ChangeList(std::string file, Model before, compare::Comparison found)
     : file_(std::move(file)), before_(std::move(before)), found_(std::move(found)) {
   shown_.fill(true);
   list();
 }
 
-core::Expected<void> ChangeList::add_removed(core::Scene& scene) {
-  change_of_.assign(scene.item_slots() + found_.count(State::kRemoved), kNoChange);
-  for (std::size_t i = 0; i < first_removed(); ++i) change_of_[to_index(found_.items[i].after)] = std::uint32_t(i);
-  if (found_.count(State::kRemoved) == 0) return {};
-  // Below the root, which moves all of a model, as the former root did.
+/// Copies what changes, by their indices, had before. Below the root, which moves all of a model, as the former root
+/// did.
+core::Expected<ChangeList::Copies> ChangeList::copy(core::Scene& scene, const char* name,
+                                                    std::span<const std::uint32_t> changes) {
+  Copies copies;
+  if (changes.empty()) return copies;
   const core::Scene& old = before();
   const core::NodeId top = before_.report.nodes[0];
   const core::Affine here = scene.transform(scene.root()), there = old.world_from_node(top);
   const core::dmat3 back = glm::inverse(here.linear);
-  const std::string name = "removed (" + std::filesystem::path(file_).filename().string() + ")";
-  removed_ = scene.add_node(scene.root(), name, {back * there.linear, back * (there.origin - here.origin)});
-  ItemCopier copier(old, top, scene, removed_, ItemCopier::Materials::kNone);
-  for (std::size_t i = first_removed(); i < found_.items.size(); ++i) {
-    const auto copied = copier.copy(found_.items[i].before);
-    meshes_ = copier.meshes();
-    if (!copied) return take_removed(scene), tl::unexpected(copied.error());
-    copies_.push_back(*copied);
-    change_of_[to_index(*copied)] = std::uint32_t(i);
+  copies.node = scene.add_node(scene.root(), name + (" (" + std::filesystem::path(file_).filename().string() + ")"),
+                               {back * there.linear, back * (there.origin - here.origin)});
+  ItemCopier copier(old, top, scene, copies.node, ItemCopier::Materials::kNone);
+  core::Expected<void> done;
+  for (const std::uint32_t change : changes) {
+    const auto copied = copier.copy(found_.items[change].before);
+    if (!copied) {
+      done = tl::unexpected(copied.error());
+      break;
+    }
+    copies.items.push_back(*copied);
+    change_of_.resize(scene.item_slots(), kNoChange);
+    change_of_[to_index(*copied)] = change;
   }
+  copies.meshes = copier.meshes();
+  if (done) return copies;
+  take(scene, copies);
+  return tl::unexpected(done.error());
+}
+
+void ChangeList::take(core::Scene& scene, Copies& copies) {
+  if (!copies.node.valid()) return;
+  scene.remove_node(copies.node);
+  for (const core::MeshId mesh : copies.meshes) scene.remove_mesh(mesh);
+  copies = {};
+}
+
+core::Expected<void> ChangeList::add_removed(core::Scene& scene) {
+  change_of_.assign(scene.item_slots(), kNoChange);
+  for (std::size_t i = 0; i < first_removed(); ++i) change_of_[to_index(found_.items[i].after)] = std::uint32_t(i);
+  std::vector<std::uint32_t> removed(found_.count(State::kRemoved));
+  std::iota(removed.begin(), removed.end(), std::uint32_t(first_removed()));
+  auto copies = copy(scene, "removed", removed);
+  if (!copies) return tl::unexpected(copies.error());
+  removed_ = std::move(*copies);
   return {};
 }
 
 void ChangeList::take_removed(core::Scene& scene) {
-  if (!removed_.valid()) return;
-  scene.remove_node(std::exchange(removed_, {}));
-  for (const core::MeshId mesh : std::exchange(meshes_, {})) scene.remove_mesh(mesh);
-  copies_.clear();
+  take(scene, removed_);
+}
+
+core::Expected<void> ChangeList::add_replaced(core::Scene& scene) {
+  std::vector<std::uint32_t> replaced;
+  for (std::size_t i = 0; i < first_removed(); ++i)
+    if (is_replaced(found_.items[i].state)) replaced.push_back(std::uint32_t(i));
+  auto copies = copy(scene, "replaced", replaced);
+  if (!copies) return tl::unexpected(copies.error());
+  replaced_ = std::move(*copies);
+  apart_ = true;
+  return {};
+}
+
+void ChangeList::take_replaced(core::Scene& scene) {
+  take(scene, replaced_);
+  apart_ = false;
+}
+
+std::vector<core::ItemId> ChangeList::only_in(Revision revision) const {
+  std::vector<core::ItemId> items;
+  if (revision == Revision::kOlder) {
+    items = removed_.items;
+    items.insert(items.end(), replaced_.items.begin(), replaced_.items.end());
+  } else {
+    for (std::size_t i = 0; i < first_removed(); ++i)
+      if (const Change& change = found_.items[i]; change.state == State::kAdded || is_replaced(change.state))
+        items.push_back(change.after);
+  }
+  std::sort(items.begin(), items.end());
+  return items;
 }
 
 void ChangeList::set_shown(State state, bool shown) {
@@ -120,7 +194,7 @@ BaseStyles ChangeList::base_styles() const {
   BaseStyles base_styles;
   for (std::size_t i = 0; i < compare::kStateCount; ++i) {
     const std::optional<core::vec3> colour = change_colour(State(i));
-    base_styles.all.push_back({{.colour = colour, .ghost = !colour}, shown_[i]});
+    base_styles.all.push_back({{.colour = colour, .ghost = !colour && !apart_}, shown_[i]});
   }
   base_styles.which.resize(change_of_.size());
   for (std::size_t item = 0; item < change_of_.size(); ++item)
@@ -130,7 +204,7 @@ BaseStyles ChangeList::base_styles() const {
 }
 
 core::ItemId ChangeList::item_of(std::size_t change) const {
-  return change < first_removed() ? found_.items[change].after : copies_[change - first_removed()];
+  return change < first_removed() ? found_.items[change].after : removed_.items[change - first_removed()];
 }
 
 State ChangeList::state(std::size_t row) const {

@@ -25,6 +25,12 @@ core::Expected<compare::Comparison> compare_models(const Model& before, const Mo
 /// Returns `file` and those that there are.
 std::vector<std::string> older_files(const std::string& file, const std::vector<std::string>& open_files);
 
+/// What tells an older file and the one of the open files that it was compared with apart: their names, with their
+/// folders where these are the same.
+std::pair<std::string, std::string> names_apart(const std::string& older, const std::vector<std::string>& open_files);
+
+enum class Revision { kNewer, kOlder };
+
 class ChangeList {
  public:
   /// `found` tells what has become of `before` in the open scene.
@@ -35,6 +41,14 @@ class ChangeList {
   core::Expected<void> add_removed(core::Scene& scene);
   /// Takes them away again.
   void take_removed(core::Scene& scene);
+
+  // Each revision as it was, side by side. Between these two calls unchanged items are not faint.
+  /// Copies what the older revision had in place of items that moved or changed, to below "replaced (FILE)". Fails with
+  /// nothing added. The removed items must be there.
+  core::Expected<void> add_replaced(core::Scene& scene);
+  void take_replaced(core::Scene& scene);
+  /// Items of the scene that the other revision does not have, in rising order.
+  std::vector<core::ItemId> only_in(Revision revision) const;
 
   const std::string& file() const { return file_; }
   const compare::Comparison& found() const { return found_; }
@@ -78,9 +92,17 @@ class ChangeList {
   std::vector<std::uint32_t> rows_;       // indices of items, then of nodes beyond those
   std::vector<std::uint32_t> change_of_;  // by item of the open scene
   std::optional<std::size_t> current_;
-  core::NodeId removed_;              // invalid: not added
-  std::vector<core::ItemId> copies_;  // of removed items, in their order
-  std::vector<core::MeshId> meshes_;  // of the copies
+  /// What lies below a node of the open scene, out of the older one.
+  struct Copies {
+    core::NodeId node;                 // invalid: there are none
+    std::vector<core::ItemId> items;   // in the order of the changes
+    std::vector<core::MeshId> meshes;  // of these alone
+  };
+  core::Expected<Copies> copy(core::Scene& scene, const char* name, std::span<const std::uint32_t> changes);
+  static void take(core::Scene& scene, Copies& copies);
+
+  Copies removed_, replaced_;
+  bool apart_ = false;  // between add_replaced() and take_replaced()
 };
 
 /// "added", "changed: shape, material; moved by 0.250 m, turned by 12.0°; renamed", "unchanged", …

@@ -460,6 +460,10 @@ const Command kCompare[] = {
      "select the next change since the older revision, and go there", next_change, nullptr, without_comparison},
     {"compare-previous", "Compare", "Previous change", GLFW_KEY_N, kShift, "Shift+N", "the change before",
      previous_change, nullptr, without_comparison},
+    {"compare-slider", "Compare", "Slider", 0, 0, "",
+     "split the image by a line that can be dragged: left of it the older revision as it was, right of it the newer "
+     "one; or end that: 0…1 or off",
+     set_slider, [](Viewer& v) { return v.session()->slider().has_value(); }, without_comparison},
     {"compare-end", "|Compare", "End the comparison", 0, 0, "", "show the model alone again", end_comparison, nullptr,
      without_comparison},
     {"compare-toggle", nullptr, "", 0, 0, "",

@@ -112,6 +112,8 @@ void compare_tab(Viewer& viewer) {
     ImGui::Text("%s of %s", grouped(std::int64_t(*changes.current() + 1)).c_str(), all.c_str());
   else
     ImGui::TextUnformatted(all.c_str());
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  command_button(viewer, *find_command("compare-slider"), right);
   const bool ends = ImGui::Button("End the comparison");
   list(viewer, changes);
   if (ends) viewer.tell_failure(end_comparison(viewer, ""));  // last: the list is gone then

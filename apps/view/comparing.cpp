@@ -1,8 +1,10 @@
 #include "sightline/apps/view/comparing.h"
 
 #include <filesystem>
+#include <optional>
 #include <utility>
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
@@ -98,7 +100,26 @@ core::Expected<void> previous_change(Viewer& viewer, const std::string&) {
   return step(viewer, -1);
 }
 
-Json compare_json(const ChangeList* changes) {
+core::Expected<void> set_slider(Viewer& viewer, const std::string& argument) {
+  constexpr double kMiddle = 0.5;
+  if (const auto changes = changes_of(viewer); !changes) return tl::unexpected(changes.error());
+  Session& session = *viewer.session();
+  std::optional<double> at;
+  if (argument.empty()) {
+    if (!session.slider()) at = kMiddle;
+  } else if (argument != "off") {
+    const auto number = parse_finite(argument);
+    if (!number || *number < 0.0 || *number > 1.0)
+      return core::fail("compare-slider: expected a number between 0 and 1, or off, found \"" + argument + "\"");
+    at = *number;
+  }
+  if (at.has_value() != session.slider().has_value())
+    if (auto free = viewer.scene_is_free(); !free) return free;
+  return session.set_slider(at);
+}
+
+Json compare_json(const Session& session) {
+  const ChangeList* changes = session.changes();
   if (!changes) return nullptr;
   const compare::Comparison& found = changes->found();
   Json json{{"file", changes->file()}};
@@ -107,7 +128,8 @@ Json compare_json(const ChangeList* changes) {
   json.update({{"renamed", found.renamed},
                {"groups", found.nodes.size()},
                {"rows", changes->row_count()},
-               {"current", changes->current() ? *changes->current() + 1 : 0}});
+               {"current", changes->current() ? *changes->current() + 1 : 0},
+               {"slider", session.slider() ? Json(*session.slider()) : Json()}});
   for (std::size_t i = 0; i < compare::kStateCount; ++i)
     json["shown"][std::string(compare::name_of(State(i)))] = changes->shown(State(i));
   return json;

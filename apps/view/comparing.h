@@ -16,7 +16,10 @@ core::Expected<void> toggle_changes(Viewer& viewer, const std::string& state);
 core::Expected<void> next_change(Viewer& viewer, const std::string&);
 core::Expected<void> previous_change(Viewer& viewer, const std::string&);
 
+/// "0.3", of the image's width, or "off"; without an argument the other of both. Fails while somebody reads the scene.
+core::Expected<void> set_slider(Viewer& viewer, const std::string& argument);
+
 /// For Viewer::state(); null while nothing is compared.
-json::Value compare_json(const ChangeList* changes);
+json::Value compare_json(const Session& session);
 
 }  // namespace sightline::apps

@@ -1,6 +1,7 @@
 #include "sightline/apps/view/document.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "sightline/apps/common/tree_walk.h"
@@ -160,6 +161,23 @@ bool Document::unseen(core::ItemId item, std::uint8_t flags, const BaseStyles& b
   return (flags & kHidden) != 0 || (base_style && !base_style->shown);
 }
 
+bool Document::left_out(core::ItemId item) const {
+  return std::binary_search(left_out_.begin(), left_out_.end(), item);
+}
+
+core::Expected<void> Document::leave_out(std::vector<core::ItemId> items) {
+  std::vector<core::ItemId> hide, show;
+  std::set_difference(items.begin(), items.end(), left_out_.begin(), left_out_.end(), std::back_inserter(hide));
+  std::set_difference(left_out_.begin(), left_out_.end(), items.begin(), items.end(), std::back_inserter(show));
+  for (std::vector<core::ItemId>* list : {&hide, &show})
+    std::erase_if(*list, [this](core::ItemId item) { return !shown(item); });
+  core::Expected<void> done;
+  if (!hide.empty()) done = engine_->hide(hide);
+  if (done && !show.empty()) done = engine_->show(show);
+  if (done) left_out_ = std::move(items);
+  return done;
+}
+
 /// Lets the engine show these items with their new flags and base styles.
 core::Expected<void> Document::show(const Changes& changes, const BaseStyles& base_styles) {
   constexpr std::size_t kStyles = 8;  // of each base style, by style bits
@@ -171,7 +189,7 @@ core::Expected<void> Document::show(const Changes& changes, const BaseStyles& ba
     if (style_of(flags, base_style) != style_of(old, base_styles_.of(item)))
       styled[style_bits(flags) + kStyles * (base_style ? base_styles.which[to_index(item)] : 0)].push_back(item);
     const bool unseen_now = unseen(item, flags, base_styles);
-    if (unseen_now != unseen(item, old, base_styles_)) (unseen_now ? hide : show).push_back(item);
+    if (unseen_now != unseen(item, old, base_styles_) && !left_out(item)) (unseen_now ? hide : show).push_back(item);
   }
   core::Expected<void> done;
   for (std::size_t i = 0; i < styled.size() && done; ++i)
@@ -237,6 +255,7 @@ void Document::follow_scene() {
     for (Changes& step : *steps) std::erase_if(step, [&](const Change& change) { return gone(change.item); });
     std::erase_if(*steps, [](const Changes& step) { return step.empty(); });
   }
+  std::erase_if(left_out_, gone);
   if (hovered_ && gone(*hovered_)) hovered_.reset();
   list_selection();
   ++version_;

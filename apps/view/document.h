@@ -80,6 +80,11 @@ class Document {
   /// Shows items in these base styles, and no others. A selected item keeps the colour that its base style gives it and
   /// has a line around it. No step of undo().
   core::Expected<void> set_base_styles(BaseStyles base_styles);
+  /// The engine leaves these out for now, in rising order, whatever else is true of them, and no others: for images of
+  /// what only some of the items are in. They may be selected. Neither a step of undo() nor another version(). Takes
+  /// time in proportion to these items and those before.
+  core::Expected<void> leave_out(std::vector<core::ItemId> items);
+  bool left_out(core::ItemId item) const;
   /// Takes notice of items that were added and removed, once the engine has. What undo() brings back of those that are
   /// gone is forgotten.
   void follow_scene();
@@ -111,6 +116,7 @@ class Document {
   engine::Engine* engine_;
   std::vector<std::uint8_t> flags_;  // by item
   BaseStyles base_styles_;
+  std::vector<core::ItemId> left_out_;
   std::vector<core::ItemId> selection_;
   std::optional<core::ItemId> hovered_;
   std::size_t hidden_ = 0, ghosts_ = 0;

@@ -46,6 +46,12 @@ Export::Options options_of(const Viewer& viewer, const std::array<int, 2>& size)
   return {size, viewer.shown.smooth};
 }
 
+/// Tiles and frames are of one revision.
+Done without_slider(Viewer& viewer) {
+  if (!viewer.session()->slider()) return {};
+  return core::fail("end the slider of the comparison first: Esc");
+}
+
 Done begin(Viewer& viewer, core::Expected<std::unique_ptr<Export>> made) {
   if (!made) return tl::unexpected(made.error());
   viewer.begin_export(std::move(*made));
@@ -87,6 +93,7 @@ Done write_image(Viewer& viewer, const std::string& argument) {
   if (!word) return viewer.write_screenshot(file);
   const auto size = parse_size(*word);
   if (!size) return tl::unexpected(size.error());
+  if (auto good = without_slider(viewer); !good) return good;
   if (file.empty()) file = free_name("screenshot", ".png");
   return begin(viewer, Export::image(*viewer.session(), options_of(viewer, *size), file));
 }
@@ -139,6 +146,7 @@ Done write_frames(Viewer& viewer, const std::string& argument) {
   if (folder.empty()) return core::fail("write-frames: expected FOLDER [FPS] [WIDTHxHEIGHT]");
   const auto& path = viewer.player().path();
   if (!path) return core::fail("record or play a camera path first");
+  if (auto good = without_slider(viewer); !good) return good;
   viewer.player().stop();
   return begin(viewer, Export::frames(*viewer.session(), options_of(viewer, *size), *path,
                                       fps_word ? *parse_finite(*fps_word) : kFps, folder));

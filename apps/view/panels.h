@@ -27,6 +27,7 @@ void compare_tab(Viewer& viewer);  ///< while something is compared
 void measure_overlay(Viewer& viewer, const Part& part);
 void section_overlay(Viewer& viewer, const Part& part);
 void triad_overlay(Viewer& viewer);
+void slider_overlay(Viewer& viewer, const Part& part);  ///< the line, and the files' names
 void status_bar(Viewer& viewer);
 void start_page(Viewer& viewer, const Part& part);  ///< in place of the image while no model is open or read
 void dialog_window(Viewer& viewer);

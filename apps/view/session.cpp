@@ -7,6 +7,7 @@
 
 #include "sightline/apps/view/portion.h"
 #include "sightline/core/image_rays.h"
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/raytrace/tracer.h"
 
 namespace sightline::apps {
@@ -157,7 +158,7 @@ core::Expected<bool> Session::draw() {
   if (frozen_)
     if (auto done = frozen_->follow(engine_, seen->sections, document_.solid_version()); !done)
       return tl::unexpected(done.error());
-  const auto report = engine_.frame({.view = *seen, .cull_view = frozen_ ? &frozen_->view() : nullptr});
+  const auto report = frame(*seen);
   if (!report) return tl::unexpected(report.error());
   if (!report->drawn) return core::fail("the GL context was lost");
   drawn_ = *seen;
@@ -175,10 +176,10 @@ core::Expected<void> Session::refine() {
   const core::dvec2 shift = resting_.shift() / core::dvec2(size_[0], size_[1]);
   const auto view = this->view(shift);
   if (!view) return tl::unexpected(view.error());
-  const auto report = engine_.frame({.view = *view, .cull_view = frozen_ ? &frozen_->view() : nullptr});
+  const auto report = frame(*view);
   if (!report) return tl::unexpected(report.error());
   if (report->pending > 0) return {};
-  const auto image = engine_.read_colour();
+  const auto image = read_image();
   if (!image) return tl::unexpected(image.error());
   resting_.add(*image);
   if (resting_.complete()) mean_ = resting_.mean();
@@ -190,12 +191,13 @@ core::Expected<image::Image> Session::image(bool smooth) {
   if (auto done = set_moving(false); !done) return tl::unexpected(done.error());
   if (const auto drawn = draw(); !drawn) return tl::unexpected(drawn.error());
   if (const image::Image* mean = smooth ? this->smooth() : nullptr) return *mean;
-  return engine_.read_colour();
+  return read_image();
 }
 
 core::Expected<void> Session::outline_hovered(const gl::ExternalTarget& target) {
   const auto item = document_.hovered();
   if (!item || !drawn_ || coarse_ || document_.is(*item, Document::kSelected)) return {};
+  if (auto done = turn_to(*item); !done) return done;
   return engine_.draw_outline(*drawn_, std::span(&*item, 1), target);
 }
 
@@ -203,16 +205,30 @@ core::Expected<std::optional<engine::Pick>> Session::pick(const core::dvec2& at)
   const auto seen = view();
   const auto ray = seen ? core::image_ray(*seen, size_[0], size_[1], at.x, at.y) : tl::unexpected(seen.error());
   if (!ray) return tl::unexpected(ray.error());
+  if (auto done = turn_to_column(at.x); !done) return tl::unexpected(done.error());
   return engine_.pick(*ray, raytrace::filter_of(*seen));
 }
 
 core::Expected<std::vector<core::ItemId>> Session::items_in(const engine::PixelRectangle& rectangle,
-                                                            culling::RegionRule rule) const {
+                                                            culling::RegionRule rule) {
   const auto seen = view();
   if (!seen) return tl::unexpected(seen.error());
   const std::array<int, 2> drawn = drawn_size();
   const double x = double(drawn[0]) / size_[0], y = double(drawn[1]) / size_[1];
-  return engine_.items_in(*seen, {x * rectangle.x0, y * rectangle.y0, x * rectangle.x1, y * rectangle.y1}, rule);
+  std::vector<core::ItemId> items;
+  for (const ImagePart& part : parts()) {
+    engine::PixelRectangle own{x * rectangle.x0, y * rectangle.y0, x * rectangle.x1, y * rectangle.y1};
+    if (part.begin > 0) own.x0 = std::max(own.x0, double(part.begin));
+    if (part.end < drawn[0]) own.x1 = std::min(own.x1, double(part.end));
+    if (slider_ && own.x0 >= own.x1) continue;
+    if (auto done = slider_ ? turn_to(part.revision) : core::Expected<void>(); !done)
+      return tl::unexpected(done.error());
+    const auto found = engine_.items_in(*seen, own, rule);
+    if (!found) return found;
+    items.insert(items.end(), found->begin(), found->end());
+  }
+  core::sort_unique(items);
+  return items;
 }
 
 core::Expected<std::optional<Session::Aimed>> Session::aim(const core::dvec2& at, double reach) {
@@ -336,6 +352,7 @@ core::Expected<void> Session::begin_comparison(std::unique_ptr<ChangeList> chang
 
 core::Expected<void> Session::end_comparison() {
   if (!changes_) return {};
+  if (auto done = set_slider({}); !done) return done;
   auto done = document_.set_base_styles({});
   const auto edited = edit_scene([&](core::Scene& scene) -> core::Expected<void> {
     changes_->take_removed(scene);

@@ -121,8 +121,7 @@ class Session {
   /// What the image shows at a point, pixels from its upper left corner.
   core::Expected<std::optional<engine::Pick>> pick(const core::dvec2& at);
   /// Engine::items_in() a rectangle of the image.
-  core::Expected<std::vector<core::ItemId>> items_in(const engine::PixelRectangle& rectangle,
-                                                     culling::RegionRule rule) const;
+  core::Expected<std::vector<core::ItemId>> items_in(const engine::PixelRectangle& rectangle, culling::RegionRule rule);
   /// The feature that a point of the image is nearest to, within `reach` pixels, and its item.
   struct Aimed {
     core::ItemId item;
@@ -143,6 +142,18 @@ class Session {
   core::Expected<void> end_comparison();
   ChangeList* changes() { return changes_.get(); }  ///< null while nothing is compared
   const ChangeList* changes() const { return changes_.get(); }
+  /// Splits the image at a share of its width, 0 … 1: left of it is the older revision as it was, right of it the newer
+  /// one, until it is set to none or the comparison ends. Meanwhile the scene has what the older revision had in place
+  /// of moved and changed items, and there is no time budget. Needs a comparison.
+  core::Expected<void> set_slider(std::optional<double> at);
+  const std::optional<double>& slider() const { return slider_; }
+  /// What the image has between two of its columns, which are drawn_size() in all.
+  struct ImagePart {
+    Revision revision = Revision::kNewer;
+    int begin = 0, end = 0;
+  };
+  std::vector<ImagePart> parts() const;                              ///< from left to right; one without the slider
+  core::Expected<std::uint32_t> framebuffer(const ImagePart& part);  ///< GL's name; it has all columns
   /// Shows or hides what is in a state of the comparison.
   core::Expected<void> show_changes(compare::State state, bool shown);
   /// Selects what a row of the comparison names, and goes there.
@@ -169,6 +180,13 @@ class Session {
   double budget_in_use(double asked_for) const;
   bool smooths() const { return engine_.config().drawing.samples == 1; }
   const ItemNames& names() const;
+  core::Expected<engine::FrameReport> frame(const core::View& view);
+  core::Expected<image::Image> read_image();
+  core::Expected<void> begin_slider();
+  core::Expected<void> end_slider();
+  core::Expected<void> turn_to(Revision revision);
+  core::Expected<void> turn_to(core::ItemId item);  // to a revision that has it
+  core::Expected<void> turn_to_column(double x);    // to what size() has there
   core::Expected<void> edit_scene(const std::function<core::Expected<void>(core::Scene&)>& edit);
 
   Model model_;
@@ -181,6 +199,9 @@ class Session {
   Measuring measuring_;
   Sections sections_;
   std::unique_ptr<ChangeList> changes_;
+  std::optional<double> slider_;
+  Revision revision_ = Revision::kNewer;  // that the engine has
+  double slider_budget_ms_ = 0.0;         // the budget without the slider
   core::FittedBounds bounds_;
   std::array<int, 2> size_;
   bool coarse_ = false;

@@ -49,6 +49,7 @@ Field mode_field(Viewer& viewer) {
   if (viewer.walking()) text += ", walk";
   if (viewer.recording()) text += ", recording";
   if (viewer.player().playing()) text += ", playing";
+  if (viewer.session()->slider()) text += ", slider";
   if (viewer.session()->frozen()) text += ", culling camera frozen";
   return {text, "what clicks do"};
 }

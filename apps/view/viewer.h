@@ -152,6 +152,7 @@ class Viewer {
   bool shows_section_handles() const { return session_ && shown.section_handles && shown.panels; }
   const SectionHandles& section_handles() const { return section_handles_; }
   std::optional<SectionHandles::Target> section_target() const;  ///< dragged, or else under the cursor
+  bool over_slider() const;                                      ///< a press would drag it, or does
   const FrameHistory& history() const { return history_; }
   CullingOverlay& culling() { return culling_; }
   bool walking() const { return walker_.has_value(); }
@@ -199,6 +200,7 @@ class Viewer {
     core::dvec2 from{0.0}, last{0.0};
     core::dvec3 point{0.0};  // of the model, under the cursor where it began
     bool moves = false;      // farther than a click may
+    bool slides = false;     // the slider of a comparison
   };
 
   bool lost() const { return context_lost_ || window_.context().lost(); }

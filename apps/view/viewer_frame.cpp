@@ -59,6 +59,7 @@ core::Expected<void> Viewer::frame(double seconds) {
   draw_rectangle();
   measure_overlay(*this, viewport());
   section_overlay(*this, viewport());
+  slider_overlay(*this, viewport());
   window_.clear(gui_.theme() == Theme::kDark ? kEmptyDark : kEmptyLight);
   const auto drawn = draw_model(viewport());
   if (session_) culling_.draw(*session_, viewport());
@@ -113,7 +114,9 @@ core::Expected<void> Viewer::show_image(const Part& part) {
   if (smooth && copied)
     window_.copy_kept(part);
   else
-    window_.copy(session_->engine().framebuffer().value_or(0), session_->drawn_size(), part);
+    for (const Session::ImagePart& columns : session_->parts())
+      window_.copy(session_->framebuffer(columns).value_or(0), session_->drawn_size(), part, columns.begin,
+                   columns.end);
   return copied;
 }
 

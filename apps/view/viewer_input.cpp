@@ -1,5 +1,6 @@
 // What mouse and keys do in the image.
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #define GLFW_INCLUDE_NONE
@@ -7,6 +8,7 @@
 #include <imgui.h>
 
 #include "sightline/apps/view/commands.h"
+#include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/section_commands.h"
 #include "sightline/apps/view/viewer.h"
 #include "sightline/apps/view/widgets.h"
@@ -22,6 +24,7 @@ constexpr double kReach = 10.0;                         // pixels within which m
 constexpr double kDoubleClick = 0.35;                   // seconds
 constexpr double kFaster = 8.0;                         // flying with Shift
 constexpr double kFasterOnFoot = 3.0;                   // walking with Shift
+constexpr double kSliderReach = 6.0;                    // pixels beside its line
 constexpr double kTriadMargin = 6.0;                    // pixels beside the axes
 constexpr double kTriadShare = 0.2;                     // of the image that they may reach over
 
@@ -54,6 +57,12 @@ std::optional<SectionHandles::Target> Viewer::section_target() const {
   if (drag_ || !shows_section_handles() || !in_viewport(cursor_) || ImGui::GetIO().WantCaptureMouse)
     return std::nullopt;
   return SectionHandles::at(*session_, in_image(cursor_), gui_.scale());
+}
+
+bool Viewer::over_slider() const {
+  if (drag_) return drag_->slides;
+  if (!session_ || !session_->slider() || !in_viewport(cursor_) || ImGui::GetIO().WantCaptureMouse) return false;
+  return std::abs(in_image(cursor_).x - *session_->slider() * part_.width) <= kSliderReach * gui_.scale();
 }
 
 void Viewer::handle(const Event& event) {
@@ -107,6 +116,7 @@ void Viewer::escape() {
   if (shown.tool == Tool::kMeasure && session_) session_->measuring().drop_mark();
   if (shown.tool != Tool::kSelect) return void(shown.tool = Tool::kSelect);
   if (walking()) return set_walking(false);
+  if (session_ && session_->slider()) return tell_failure(set_slider(*this, "off"));
   if (session_) tell_failure(session_->document().select({}));
 }
 
@@ -120,6 +130,11 @@ void Viewer::press_button(const Event& event) {
     drag_ = {event.key, event.mods, event.at, event.at};
     return;
   }
+  if (event.key == GLFW_MOUSE_BUTTON_LEFT && over_slider()) {
+    drag_ = {event.key, event.mods, event.at, event.at};
+    drag_->slides = true;
+    return;
+  }
   drag_ = {event.key, event.mods, event.at, event.at, session_->point_at(in_image(event.at))};
   session_->remember();
 }
@@ -128,6 +143,7 @@ void Viewer::release_button(const Event& event) {
   if (!session_ || !drag_ || drag_->button != event.key) return;
   move_cursor(event.at);
   const Drag drag = *std::exchange(drag_, std::nullopt);
+  if (drag.slides) return;
   if (section_handles_.dragging()) return section_handles_.release(*session_, !drag.moves);
   if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_LEFT)
     session_->engine().preparing_picks() ? void(click_ = drag) : click(drag);
@@ -145,6 +161,7 @@ void Viewer::move_cursor(const core::dvec2& to) {
   drag_->last = to;
   drag_->moves |= glm::length(to - drag_->from) > kClickPixels * gui_.scale();
   if (!drag_->moves) return;
+  if (drag_->slides) return tell_failure(session_->set_slider(in_image(to).x / std::max(1, part_.width)));
   if (section_handles_.dragging()) {
     const auto holds = [&](int mod, int left, int right) {
       return (drag_->mods & mod) != 0 || held_.contains(left) || held_.contains(right);
@@ -283,7 +300,8 @@ void Viewer::hover() {
   const bool changed = std::exchange(hovered_version_, version) != version;  // what was there may be hidden now
   if (!std::exchange(cursor_moved_, false) && !changed) return;
   std::optional<core::ItemId> item;
-  const bool over_image = in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end() && !section_target();
+  const bool over_image =
+      in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end() && !section_target() && !over_slider();
   aimed_.reset();
   cursor_point_.reset();
   if (over_image && shown.tool == Tool::kMeasure) {

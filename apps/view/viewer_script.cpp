@@ -207,7 +207,7 @@ Json Viewer::state() const {
                {"undo_steps", document.undo_steps()},
                {"redo_steps", document.redo_steps()},
                {"frozen", session_->frozen() != nullptr},
-               {"compare", compare_json(session_->changes())},
+               {"compare", compare_json(*session_)},
                {"culling", culling_json(*session_, culling_.boxes())},
                {"budget_ms", session_->engine().config().losses.budget_ms},
                {"min_projected_area", session_->engine().config().losses.min_projected_area},

@@ -257,10 +257,11 @@ bool Window::held(int key) const {
   return glfwGetKey(state_->window, key) == GLFW_PRESS;
 }
 
-void Window::copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to) {
+void Window::copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to, int begin, int end) {
   const gl::Functions& gl = context().functions();
   const bool same = size == std::array{to.width, to.height};
-  gl.BlitNamedFramebuffer(framebuffer, kBackBuffer, 0, 0, size[0], size[1], to.x, to.y, to.x + to.width,
+  const auto column = [&](int of_image) { return to.x + of_image * to.width / size[0]; };
+  gl.BlitNamedFramebuffer(framebuffer, kBackBuffer, begin, 0, end, size[1], column(begin), to.y, column(end),
                           to.y + to.height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
 }
 

@@ -61,6 +61,78 @@ TEST_F(ViewComparison, ColoursWhatChanged) {
   EXPECT_NE(hue(all, 380, 200), sky) << "faint, but there";
 }
 
+/// Each half is what the file alone shows, but for the colours of what changed.
+TEST_F(ViewComparison, TheSliderShowsBothRevisions) {
+  const Args view{"--size", kSize, "--no-panels"};
+  const auto with = [&](const std::string& model) {
+    Args args{model};
+    args.insert(args.end(), view.begin(), view.end());
+    return args;
+  };
+  const auto shot = [&](const std::string& name) { return "screenshot " + path(name) + "\n"; };
+  expect_driven(front_ + shot("older.png"), with(old_));
+  expect_driven(front_ + shot("newer.png") + "select-all\nhide\n" + shot("sky.png") + "undo\nundo\ncompare " + old_ +
+                    "\n" + shot("before.png") + "compare-slider\nexpect /compare/slider = 0.5\nexpect /items = 7\n" +
+                    shot("half.png") + "compare-slider 1\n" + shot("left.png") + "compare-slider 0\n" +
+                    shot("right.png") + "compare-slider off\nexpect /compare/slider = null\nexpect /items = 5\n" +
+                    shot("after.png"),
+                with(new_));
+  const Image older = read_png(path("older.png")), newer = read_png(path("newer.png")), sky = read_png(path("sky.png")),
+              half = read_png(path("half.png")), left = read_png(path("left.png")), right = read_png(path("right.png"));
+  EXPECT_EQ(read_png(path("before.png")).rgb, read_png(path("after.png")).rgb);
+  const auto same = [](const Image& a, const Image& b, int x, int y) {
+    const std::size_t at = 3 * (std::size_t(y) * std::size_t(a.width) + std::size_t(x));
+    return std::equal(a.rgb.begin() + long(at), a.rgb.begin() + long(at) + 3, b.rgb.begin() + long(at));
+  };
+  /// Pixels between two columns in which one shows something and the other nothing.
+  const auto differ = [&](const Image& a, const Image& b, int begin, int end) {
+    int count = 0, seen = 0;
+    for (int y = 0; y < sky.height; ++y)
+      for (int x = begin; x < end; ++x) {
+        count += same(a, sky, x, y) != same(b, sky, x, y);
+        seen += !same(a, sky, x, y);
+      }
+    EXPECT_GT(seen, 500);
+    return count;
+  };
+  EXPECT_LE(differ(half, older, 0, 300), 5);
+  EXPECT_LE(differ(half, newer, 300, 600), 5);
+  EXPECT_LE(differ(left, older, 0, 600), 5);
+  EXPECT_LE(differ(right, newer, 0, 600), 5);
+  EXPECT_GT(differ(half, newer, 0, 300), 500) << "they are not alike";
+  for (int y = 185; y < 215; ++y)
+    for (int x = 365; x < 395; ++x)
+      ASSERT_TRUE(same(left, older, x, y) && same(right, newer, x, y)) << "the unchanged box has its own colour";
+  expect_hue(half, 140, 200, {213, 94, 0});
+  expect_hue(half, 220, 200, {86, 180, 233});
+  expect_hue(half, 290, 200, {240, 228, 66});
+  expect_hue(half, 460, 200, {0, 158, 115});
+}
+
+/// Clicks select what is there, and the mouse drags the line.
+TEST_F(ViewComparison, TheSliderIsDraggedAndPicked) {
+  expect_driven(front_ + "compare " + old_ +
+                    "\ncompare-slider\nclick 220 200\nexpect /selection/count = 1\nclick 220 165\n"
+                    "expect /selection/count = 0\nclick 140 200\nexpect /selection/count = 1\nclick 460 200\n"
+                    "expect /selection/count = 1\nhide\nexpect /hidden = 1\n"
+                    "drag 300 100 120 100\nexpect /compare/slider = 0.2\nexpect /selection/count = 0\n"
+                    "click 220 200\nexpect /selection/count = 0\nclick 220 165\nexpect /selection/count = 1\n"
+                    "drag 120 300 700 300\nexpect /compare/slider = 1\nclick 460 200\n"
+                    "expect /selection/count = 0\ncompare-slider 0.5\ndrag 1 1 599 399 ctrl\n"
+                    "expect /selection/count = 3\npress escape\nexpect /compare/slider = null\n"
+                    "expect /compare/added = 1\nexpect /selection/count = 2\ncompare-slider 0.3\nlose-context\n"
+                    "expect /compare/slider = 0.3\ncompare-end\nexpect /compare = null\nexpect /items = 4\n",
+                {new_, "--size", kSize, "--no-panels"});
+  for (const auto& [script, message] :
+       {std::pair<std::string, std::string>{"compare-slider\n", "compare with an older revision first"},
+        {"compare " + old_ + "\ncompare-slider 2\n", "between 0 and 1"},
+        {"compare " + old_ + "\ncompare-slider\nscreenshot a.png 900x600\n", "end the slider"}}) {
+    const Outcome outcome = drive(script, {new_, "--size", kSize});
+    EXPECT_EQ(outcome.code, 1) << outcome;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << outcome;
+  }
+}
+
 /// Removed items are picked, hidden, cut, found and undone like others, and leave nothing behind.
 TEST_F(ViewComparison, RemovedItemsTakePart) {
   expect_driven(front_ + "click 380 200\nexpect /selection/count = 1\nhide\nexpect /hidden = 1\nselect-none\ncompare " +

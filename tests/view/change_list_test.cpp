@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
 #include "sightline/apps/common/change_colours.h"
+#include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/view/session.h"
 #include "sightline/engine/pick.h"
 #include "sightline/raytrace/tracer.h"
@@ -287,6 +289,13 @@ TEST(ChangeList, FindsAttributeFilesBesideTheOlderRevision) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(ChangeList, NamesTellFilesApart) {
+  using Names = std::pair<std::string, std::string>;
+  EXPECT_EQ(names_apart("/x/a.rvm", {"/y/b.rvm", "/y/b.txt"}), Names("a.rvm", "b.rvm"));
+  EXPECT_EQ(names_apart("/x/b.rvm", {"/y/a.rvm", "/y/b.rvm"}), Names("x/b.rvm", "y/b.rvm"));
+  EXPECT_EQ(names_apart("/x/old/../new/a.rvm", {"/x/older/a.rvm"}), Names("new/a.rvm", "older/a.rvm"));
+}
+
 /// A session of spheres, each alone on a ray. Removed ones are part of it while it compares.
 class ComparingSession : public ::testing::Test {
  protected:
@@ -321,8 +330,15 @@ class ComparingSession : public ::testing::Test {
     const auto hit = session->engine().pick(core::Ray{{at.x, -5.0, at.z}, {0.0, 1.0, 0.0}});
     return *hit && (*hit)->item == item;
   }
-  /// Rays find what is neither hidden nor faint.
+  /// Rays find what is neither hidden nor faint; with the slider, what is in the revision on that side.
   void expect_picks() {
+    if (!session->slider()) return expect_picks({});
+    ASSERT_TRUE(session->pick({0.4 * session->size()[0], 5.0}));
+    expect_picks(session->changes()->only_in(Revision::kNewer));
+    ASSERT_TRUE(session->pick({0.6 * session->size()[0], 5.0}));
+    expect_picks(session->changes()->only_in(Revision::kOlder));
+  }
+  void expect_picks(const std::vector<ItemId>& elsewhere) {
     const Document& document = session->document();
     for (ItemId item{0}; to_index(item) < session->scene().item_slots(); ++item) {
       if (!session->scene().contains_item(item)) continue;
@@ -330,10 +346,11 @@ class ComparingSession : public ::testing::Test {
       if (const ChangeList* changes = session->changes()) {
         const State state = changes->of(item)->state;
         seen &= changes->shown(state);
-        ghost |= state == State::kUnchanged;
+        ghost |= state == State::kUnchanged && !session->slider();
       }
       ASSERT_EQ(document.shown(item), seen) << to_index(item);
-      ASSERT_EQ(found(item), seen && (!ghost || document.is(item, Document::kSelected))) << to_index(item);
+      const bool here = !std::binary_search(elsewhere.begin(), elsewhere.end(), item);
+      ASSERT_EQ(found(item), here && seen && (!ghost || document.is(item, Document::kSelected))) << to_index(item);
     }
   }
   std::vector<int> flags() const {
@@ -368,6 +385,10 @@ class ComparingSession : public ::testing::Test {
         break;
       case 5:
         if (ChangeList* changes = session->changes()) {
+          if (random() % 2) {
+            ASSERT_TRUE(session->set_slider(session->slider() ? std::nullopt : std::optional(0.5)));
+            break;
+          }
           const State state = kStates[random() % 5];
           ASSERT_TRUE(session->show_changes(state, !changes->shown(state)));
           break;
@@ -409,6 +430,48 @@ TEST_F(ComparingSession, ShowsWhatChangedAndGoesThere) {
   EXPECT_TRUE(session->document().selection().empty()) << "the last row was of a removed item";
   expect_picks();
   EXPECT_EQ(session->document().items_below(session->scene().root()).size(), to_index(originals));
+}
+
+/// Left of the slider lies the older revision as it was.
+TEST_F(ComparingSession, TheSliderHasBothRevisions) {
+  ASSERT_TRUE(begin());
+  const std::size_t items = session->scene().item_count();
+  const auto shapes = [](const core::Scene& scene, const std::vector<ItemId>& list) {
+    std::multiset<std::array<long, 4>> all;
+    for (const ItemId item : list) {
+      const dvec3 at = scene.state(item).world_from_item.origin;
+      const double size = scene.bounds_under(item, {}).max.x;
+      all.insert({std::lround(1e4 * at.x), std::lround(1e4 * at.y), std::lround(1e4 * at.z), std::lround(1e4 * size)});
+    }
+    return all;
+  };
+  const auto all_items = [](const core::Scene& scene) { return items_below(scene, scene.root()); };
+  ASSERT_TRUE(session->set_slider(0.5));
+  const ChangeList& changes = *session->changes();
+  const core::Scene& scene = session->scene();
+  const auto& found = changes.found();
+  EXPECT_EQ(scene.item_count(), items + found.count(State::kMoved) + found.count(State::kChanged));
+  for (const Revision revision : {Revision::kOlder, Revision::kNewer}) {
+    const auto others = changes.only_in(revision == Revision::kOlder ? Revision::kNewer : Revision::kOlder);
+    std::vector<ItemId> own = all_items(scene);
+    std::erase_if(own, [&](ItemId item) { return std::binary_search(others.begin(), others.end(), item); });
+    EXPECT_EQ(own.size(), revision == Revision::kOlder ? 60u : to_index(originals));
+    if (revision == Revision::kOlder) {
+      EXPECT_EQ(shapes(scene, own), shapes(changes.before(), all_items(changes.before())));
+    }
+    for (const ItemId item : others) EXPECT_NE(changes.of(item), nullptr);
+  }
+  expect_picks();
+  ASSERT_TRUE(session->document().select(changes.only_in(Revision::kOlder)));
+  EXPECT_EQ(session->document().selection().size(), changes.only_in(Revision::kOlder).size()) << "whatever is drawn";
+  ASSERT_TRUE(session->document().hide(changes.only_in(Revision::kOlder)));
+  expect_picks();
+  EXPECT_FALSE(session->parts().empty());
+  ASSERT_TRUE(session->set_slider({}));
+  EXPECT_EQ(scene.item_count(), items);
+  expect_picks();
+  ASSERT_TRUE(session->document().undo());
+  expect_picks();
 }
 
 /// Undo goes through the whole of a comparison, but for what only its removed items knew of.

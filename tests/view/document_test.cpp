@@ -87,6 +87,32 @@ TEST_F(DocumentTest, HoveringIsNoStepAndLeavesTheImage) {
 }
 
 /// After any steps, undone and done again, flags, counts and what rays find are those of a list that is kept beside.
+/// Whatever is hidden and shown meanwhile.
+TEST_F(DocumentTest, WhatIsLeftOutStaysSoUntilItNoLongerIs) {
+  const std::vector<ItemId> some{ItemId{2}, ItemId{4}}, more{ItemId{4}, ItemId{5}};
+  ASSERT_TRUE(document->hide(std::vector<ItemId>{ItemId{2}}));
+  const std::uint64_t version = document->version();
+  const std::size_t steps = document->undo_steps();
+  ASSERT_TRUE(document->leave_out(some));
+  EXPECT_FALSE(found(ItemId{2}) || found(ItemId{4}));
+  EXPECT_TRUE(document->left_out(ItemId{4}) && document->shown(ItemId{4}));
+  EXPECT_EQ(document->version(), version);
+  EXPECT_EQ(document->undo_steps(), steps);
+  ASSERT_TRUE(document->select(some));
+  EXPECT_EQ(selection(), std::vector<ItemId>{ItemId{4}});
+  ASSERT_TRUE(document->show_all());
+  EXPECT_FALSE(found(ItemId{2}) || found(ItemId{4})) << "left out, though no longer hidden";
+  ASSERT_TRUE(document->hide(std::vector<ItemId>{ItemId{4}}));
+  ASSERT_TRUE(document->leave_out(more));
+  EXPECT_TRUE(found(ItemId{2}) && found(ItemId{3}));
+  EXPECT_FALSE(found(ItemId{4}) || found(ItemId{5}));
+  ASSERT_TRUE(document->leave_out({}));
+  EXPECT_TRUE(found(ItemId{5}));
+  EXPECT_FALSE(found(ItemId{4})) << "hidden";
+  ASSERT_TRUE(document->undo());
+  EXPECT_TRUE(found(ItemId{4}));
+}
+
 TEST_F(DocumentTest, UndoBringsBackEveryState) {
   constexpr unsigned kSeed = 11;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

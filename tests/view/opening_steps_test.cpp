@@ -1,9 +1,9 @@
 // The steps of opening a model, and how long each takes.
 #include "sightline/apps/view/opening_steps.h"
 
-#include <gtest/gtest.h>
-
 #include <chrono>
+
+#include <gtest/gtest.h>
 
 namespace sightline::apps::opening_steps_test {
 namespace {

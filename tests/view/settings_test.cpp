@@ -47,7 +47,7 @@ TEST_F(SettingsTest, ComeBack) {
   EXPECT_FALSE(fs::exists(file_)) << "nothing has changed";
   const Settings wanted{
       true,       false,     false, false, false, false, false, false, 12.5f, 30.0f, {"/a/b.rvm", "/ü \"c\".obj"},
-      {800, 601}, "/caches", "ft", true, true};
+      {800, 601}, "/caches", "ft",  true,  true};
   ASSERT_TRUE(file.keep(wanted));
   const SettingsFile again(file_);
   EXPECT_EQ(again.settings(), wanted);
