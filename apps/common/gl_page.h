@@ -14,7 +14,8 @@ namespace sightline::apps {
 /// gl::Capabilities names. Has all extensions, too. The context must be current.
 json::Value gl_page(const gl::Context& context, std::optional<double> milliseconds = {});
 
-/// The page as lines, without extensions but for their number.
+/// The page as lines, without extensions but for their number. Values begin at kGlPageColumn.
+inline constexpr std::size_t kGlPageColumn = 33;
 std::string gl_page_text(const json::Value& page);
 void print_gl_page(const json::Value& page, std::FILE* out);
 

@@ -71,7 +71,8 @@ void change_row(Viewer& viewer, const ChangeList& changes, std::size_t row, floa
   swatch(changes.state(row));
   const float indent = 1.4f * ImGui::GetTextLineHeight();
   ImGui::SetCursorPos({at.x + indent, at.y});
-  ImGui::TextUnformatted(changes.name(scene, row).c_str());
+  const float room = ImGui::GetContentRegionAvail().x;
+  ImGui::TextUnformatted(shortened(changes.name(scene, row), room).c_str());
   ImGui::SetCursorPos({at.x + indent, at.y + ImGui::GetTextLineHeight()});
   ImGui::TextDisabled("%s", changes.what(row).c_str());
   ImGui::SetCursorPos({at.x, at.y + height + ImGui::GetStyle().ItemSpacing.y});

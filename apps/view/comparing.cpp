@@ -31,7 +31,7 @@ std::string summary(const ChangeList& changes) {
   if (changes.found().same()) return "nothing has changed since " + file;
   std::string text = "since " + file + ":";
   for (const State state : {State::kAdded, State::kRemoved, State::kMoved, State::kChanged})
-    text += (state == State::kAdded ? " " : ", ") + std::to_string(changes.found().count(state)) + " " +
+    text += (state == State::kAdded ? " " : ", ") + grouped(std::int64_t(changes.found().count(state))) + " " +
             std::string(compare::name_of(state));
   return text;
 }

@@ -1,15 +1,17 @@
 // Marks and distances over the image.
-#include <algorithm>
+#include <optional>
+#include <string>
 
 #include <imgui.h>
 
+#include "sightline/apps/common/label_placement.h"
 #include "sightline/apps/view/overlay.h"
 #include "sightline/apps/view/panels.h"
 
 namespace sightline::apps {
 namespace {
 
-constexpr float kMarkRadius = 5.0f;
+constexpr float kMarkRadius = 5.0f, kPadding = 3.0f, kWide = 2.0f;  // pixels of a screen of usual density
 
 }  // namespace
 
@@ -20,28 +22,41 @@ void measure_overlay(Viewer& viewer, const Part& part) {
   if (!view) return;
   Overlay overlay(*view, part);
   ImDrawList& list = overlay.list();
+  const float scale = float(viewer.gui().scale()), radius = scale * kMarkRadius, padding = scale * kPadding,
+              wide = scale * kWide;
   const ImU32 colour = ImGui::GetColorU32({0.95f, 0.45f, 0.05f, 1.0f}), shade = ImGui::GetColorU32({0, 0, 0, 0.75f});
   const auto screen = [&](const core::dvec3& point) { return overlay.at(point); };
-  const auto text = [&](ImVec2 at, const std::string& words) {
-    const ImVec2 size = ImGui::CalcTextSize(words.c_str());
-    at.x = std::max(float(part.x), std::min(at.x, float(part.x + part.width) - size.x - 6.0f));  // not over the panels
-    list.AddRectFilled({at.x - 3.0f, at.y - 2.0f}, {at.x + size.x + 3.0f, at.y + size.y + 2.0f}, shade);
-    list.AddText(at, ImGui::GetColorU32({1, 1, 1, 1}), words.c_str());
-  };
   const Measuring& measuring = session->measuring();
+  const double left = part.x, top = double(ImGui::GetIO().DisplaySize.y) - part.y - part.height;
+  LabelPlacement labels({left, top, left + part.width, top + part.height});  // not over the panels
+  const auto mark = [&](const ImVec2& at) {
+    labels.add_mark({double(at.x - radius), double(at.y - radius), double(at.x + radius), double(at.y + radius)});
+  };
+  const auto text = [&](const ImVec2& at, const std::string& words) {
+    const ImVec2 size = ImGui::CalcTextSize(words.c_str());
+    const Rectangle place =
+        labels.place(double(at.x), double(at.y), double(size.x + 2.0f * padding), double(size.y + 2.0f * padding));
+    const ImVec2 from(float(place.left), float(place.top)), to(float(place.right), float(place.bottom));
+    list.AddRectFilled(from, to, shade);
+    list.AddText({from.x + padding, from.y + padding}, ImGui::GetColorU32({1, 1, 1, 1}), words.c_str());
+  };
+  for (const Measuring::Mark& one : measuring.marks())
+    if (const auto at = screen(one.snap.point)) {
+      list.AddCircle(*at, radius, colour, 0, wide);
+      mark(*at);
+    }
+  const auto aimed =
+      viewer.shown.tool == Tool::kMeasure && viewer.aimed() ? screen(viewer.aimed()->point) : std::optional<ImVec2>();
+  if (aimed) {
+    list.AddCircleFilled(*aimed, radius, colour);
+    mark(*aimed);
+  }
   for (const Measurement& one : measuring.list()) {
     const auto from = screen(one.from), to = screen(one.to);
-    overlay.line(one.from, one.to, colour, 2.0f);
-    if (from && to)
-      text({0.5f * (from->x + to->x) + 8.0f, 0.5f * (from->y + to->y)}, viewer.lengths().text(one.distance()));
+    overlay.line(one.from, one.to, colour, wide);
+    if (from && to) text({0.5f * (from->x + to->x), 0.5f * (from->y + to->y)}, viewer.lengths().text(one.distance()));
   }
-  for (const Measuring::Mark& mark : measuring.marks())
-    if (const auto at = screen(mark.snap.point)) list.AddCircle(*at, kMarkRadius, colour, 0, 2.0f);
-  if (viewer.shown.tool != Tool::kMeasure || !viewer.aimed()) return;
-  if (const auto at = screen(viewer.aimed()->point)) {
-    list.AddCircleFilled(*at, kMarkRadius, colour);
-    text({at->x + 12.0f, at->y - 24.0f}, viewer.aimed()->words);
-  }
+  if (aimed) text(*aimed, viewer.aimed()->words);
 }
 
 }  // namespace sightline::apps

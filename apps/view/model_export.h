@@ -40,6 +40,7 @@ class ModelExport {
   const std::string& file() const { return job_.file; }
   double progress() const { return progress_; }  ///< 0 to 1
   void cancel() { cancelled_ = true; }
+  bool cancelled() const { return cancelled_; }
   /// What was written, in words, once it is done.
   std::optional<core::Expected<std::string>> take();
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <imgui.h>
 
@@ -45,6 +46,48 @@ float drag_edge(const char* name, float x, float y, float height, bool panel_lef
   return dragged ? ImGui::GetIO().MouseDelta.x : 0.0f;
 }
 
+struct Tab {
+  const char* name;
+  void (*draw)(Viewer&);
+};
+
+/// The names of all, in as many rows as they need, where ImGui's tab bar would cut them off. Returns the one in front.
+const Tab& tab_rows(Viewer& viewer, const std::vector<Tab>& all) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
+  const auto in_front = [&](const Tab& tab) { return std::string_view(viewer.shown.tab) == tab.name; };
+  if (std::none_of(all.begin(), all.end(), in_front)) viewer.shown.tab = all.front().name;
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, style.ItemInnerSpacing);
+  for (const Tab& tab : all) {
+    if (&tab != &all.front()) {
+      ImGui::SameLine();
+      const float wide = ImGui::CalcTextSize(tab.name).x + 2.0f * style.FramePadding.x;
+      if (ImGui::GetCursorScreenPos().x + wide > right) ImGui::NewLine();
+    }
+    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(in_front(tab) ? ImGuiCol_TabActive : ImGuiCol_Tab));
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImGui::GetStyleColorVec4(ImGuiCol_TabHovered));
+    if (ImGui::Button(tab.name)) viewer.shown.tab = tab.name;
+    ImGui::PopStyleColor(2);
+  }
+  ImGui::PopStyleVar();
+  ImGui::Separator();
+  return *std::find_if(all.begin(), all.end(), in_front);
+}
+
+void tabs(Viewer& viewer) {
+  static const ChangeList* known = nullptr;
+  const ChangeList* changes = viewer.session()->changes();
+  if (std::exchange(known, changes) != changes && changes) viewer.shown.tab = "Compare";
+  std::vector<Tab> all{
+      {"Item", properties_tab}, {"Measure", measure_tab}, {"Sections", sections_tab}, {"Views", views_tab}};
+  if (viewer.shown.diagnostics) all.push_back({"Diagnostics", culling_tab});
+  if (changes) all.insert(all.begin(), {"Compare", compare_tab});
+  const Tab& front = tab_rows(viewer, all);
+  ImGui::PushID(front.name);
+  front.draw(viewer);
+  ImGui::PopID();
+}
+
 }  // namespace
 
 Margins margins(const Viewer& viewer) {
@@ -68,25 +111,7 @@ void side_panel(Viewer& viewer) {
   const Margins m = margins(viewer);
   begin_fixed("##side", size.x - float(m.right), float(m.top), float(m.right), size.y - float(m.top + m.bottom),
               ImGuiWindowFlags_NoTitleBar);
-  if (viewer.session() && ImGui::BeginTabBar("##tabs", ImGuiTabBarFlags_FittingPolicyResizeDown)) {
-    static const ChangeList* known = nullptr;
-    const ChangeList* changes = viewer.session()->changes();
-    if (std::exchange(known, changes) != changes && changes) viewer.shown.tab = "Compare";
-    const std::string_view front = std::exchange(viewer.shown.tab, "");
-    const auto tab = [&](const char* name, void (*draw)(Viewer&), ImGuiTabItemFlags flags = 0) {
-      if (front == name) flags |= ImGuiTabItemFlags_SetSelected;
-      if (!ImGui::BeginTabItem(name, nullptr, flags)) return;
-      draw(viewer);
-      ImGui::EndTabItem();
-    };
-    tab("Item", properties_tab);
-    tab("Measure", measure_tab);
-    tab("Sections", sections_tab);
-    tab("Views", views_tab);
-    if (viewer.shown.diagnostics) tab("Diagnostics", culling_tab);
-    if (changes) tab("Compare", compare_tab, ImGuiTabItemFlags_Leading);
-    ImGui::EndTabBar();
-  }
+  if (viewer.session()) tabs(viewer);
   ImGui::End();
 }
 

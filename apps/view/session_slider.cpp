@@ -26,7 +26,7 @@ core::Expected<void> Session::set_slider(std::optional<double> at) {
   if (!slider_)
     if (auto done = begin_slider(); !done) return done;
   slider_ = std::clamp(*at, 0.0, 1.0);
-  document_.hover({});  // something else may lie below the cursor now
+  document_.hover({});                  // something else may lie below the cursor now
   if (resting_.count() > 0) changed();  // it has other parts, and has left the engine's images shifted
   return {};
 }

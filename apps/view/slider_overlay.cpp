@@ -6,15 +6,19 @@
 
 #include "sightline/apps/view/overlay.h"
 #include "sightline/apps/view/panels.h"
+#include "sightline/apps/view/widgets.h"
 
 namespace sightline::apps {
 namespace {
 
 constexpr float kGripLines = 0.5f, kMarginLines = 0.5f, kLineLines = 0.2f;  // in lines of text
 
-/// A name in the upper corner of its half, and not beyond that.
-void name(ImDrawList& list, const std::string& text, float begin, float end, float top, bool at_end) {
+/// Which revision it is, in the upper corner of its half, and not beyond that.
+void name(ImDrawList& list, const char* which, const std::string& file, float begin, float end, float top,
+          bool at_end) {
   const float font = ImGui::GetFontSize(), margin = kMarginLines * font, padding = 0.3f * font;
+  const float room = end - begin - 2.0f * margin - ImGui::CalcTextSize(which).x;
+  const std::string text = which + shortened(file, std::max(0.0f, room));
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
   const float x = at_end ? std::max(begin + margin, end - margin - size.x) : begin + margin, y = top + margin;
   list.PushClipRect({begin, top}, {end, y + size.y + margin}, true);
@@ -51,8 +55,8 @@ void slider_overlay(Viewer& viewer, const Part& part) {
   }
   if (held) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
   const auto [older, newer] = names_apart(session->changes()->file(), viewer.files());
-  name(list, "older: " + older, left, x, top, false);
-  name(list, "newer: " + newer, x, right, top, true);
+  name(list, "older: ", older, left, x, top, false);
+  name(list, "newer: ", newer, x, right, top, true);
 }
 
 }  // namespace sightline::apps

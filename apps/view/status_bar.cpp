@@ -85,7 +85,9 @@ void message(const Viewer& viewer, float wide) {
 void writing(ModelExport& running, float wide) {
   const ImVec2 padding = ImGui::GetStyle().FramePadding;
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding.x, 0.0f});
+  ImGui::BeginDisabled(running.cancelled());
   if (ImGui::Button("Cancel")) running.cancel();
+  ImGui::EndDisabled();
   ImGui::SameLine();
   const std::string words = std::to_string(int(100.0 * running.progress())) + " % of " +
                             std::filesystem::path(running.file()).filename().string();

@@ -185,7 +185,7 @@ class Viewer {
     bool recognise = false;                      ///< primitives, in meshes of files that are opened
     bool find = false;                           ///< the search field gets the keyboard next
     float tree_width = 0.0f, side_width = 0.0f;  ///< of the panels, in lines of text; 0: as the window's size suggests
-    const char* tab = "";                        ///< of the right panel, that comes to the front next; "": as it is
+    const char* tab = "Item";                    ///< of the right panel, in front; the first where it has no such tab
   } shown;
   const std::vector<std::string>& files() const { return files_; }  ///< those that are open
   const std::vector<std::string>& recent() const { return now_.recent; }

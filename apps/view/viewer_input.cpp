@@ -195,8 +195,9 @@ void Viewer::click(const Drag& drag) {
   if (shown.tool == Tool::kMeasure) return set_mark(drag.from);
   if (shown.tool == Tool::kSection) {
     const auto done = cut_at(*this, under(drag.from));
-    if (done) shown.tool = Tool::kSelect;
-    return tell_failure(done);
+    if (!done) return tell_failure(done);
+    shown.tool = Tool::kSelect;
+    return tell("kept: " + section_words(session_->sections().all().back(), session_->offset(), lengths()));
   }
   const auto hit = session_->pick(in_image(drag.from));
   if (!hit) return tell(hit.error().message, true);

@@ -153,6 +153,7 @@ Json Viewer::state() const {
             {"browser", file_dialog_.state()},
             {"menu", gui_.has_popup()},
             {"tool", name_of(shown.tool)},
+            {"tab", shown.tab},
             {"theme", gui_.theme() == Theme::kLight ? "light" : "dark"},
             {"recent", now_.recent},
             {"walk", walking()},

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cfloat>
 #include <span>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,7 +63,7 @@ void help_window(Viewer& viewer) {
   for (const HelpGroup& group : groups) all += group.lines.size() + 1;
   for (std::size_t i = 1; two && i < groups.size() && left == groups.size(); ++i)
     if ((lines += groups[i - 1].lines.size() + 1) + groups[i].lines.size() > 3 * all / 5) left = i;
-  ImGui::BeginChild("##help", {0.0f, std::min(0.8f * screen.y, (two ? 46.0f : 70.0f) * font)});
+  ImGui::BeginChild("##help", {0.0f, std::min(0.85f * screen.y, (two ? 54.0f : 70.0f) * font)});
   if (ImGui::BeginTable("##columns", two ? 2 : 1)) {
     ImGui::TableNextColumn();
     help_column(std::span(groups).first(left));
@@ -74,13 +75,29 @@ void help_window(Viewer& viewer) {
   ImGui::End();
 }
 
+/// The page sets its values into a column for fonts whose characters are of one width.
+void gl_page_lines(const std::string& text) {
+  const float column = 17.0f * ImGui::GetFontSize();
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const bool row = line.size() > kGlPageColumn && line[kGlPageColumn - 1] == ' ';
+    const std::size_t end = row ? line.find_last_not_of(' ', kGlPageColumn - 1) + 1 : line.size();
+    ImGui::TextUnformatted(line.substr(0, end).c_str());
+    if (!row) continue;
+    ImGui::SameLine(column);
+    wrapped_text(line.substr(kGlPageColumn));
+  }
+}
+
 void driver_window(Viewer& viewer) {
   static std::string text;  // of when it was opened: asking for extensions takes a while
   begin_dialog(viewer, "Graphics driver", 64.0f);
   if (ImGui::IsWindowAppearing()) text = gl_page_text(gl_page(viewer.context()));
   if (ImGui::Button("Copy")) ImGui::SetClipboardText(text.c_str());
-  ImGui::InputTextMultiline("##driver", &text, {-1.0f, 26.0f * ImGui::GetTextLineHeight()},
-                            ImGuiInputTextFlags_ReadOnly);
+  ImGui::BeginChild("##driver", {0.0f, std::min(0.7f * ImGui::GetIO().DisplaySize.y, 40.0f * ImGui::GetFontSize())},
+                    true);
+  gl_page_lines(text);
+  ImGui::EndChild();
   ImGui::End();
 }
 

@@ -46,6 +46,16 @@ TEST_F(ViewScript, PickingAFaceWaitsForAClick) {
 }
 
 /// Nor is a tooltip left of an item that was hidden.
+/// In two rows where the panel is narrow. A tab that goes leaves the first one in front.
+TEST_F(ViewScript, AllTabsAreReached) {
+  const std::string model = boxes();
+  expect_driven("expect /tab = Item\ndiagnostics\nexpect /tab = Diagnostics\ncompare " + model +
+                    "\nexpect /tab = Compare\nclick 641 70\nexpect /tab = Item\nclick 568 96\nexpect /tab = Views\n"
+                    "click 634 96\nexpect /tab = Diagnostics\nmeasure\nexpect /tab = Measure\nclick 567 70\n"
+                    "expect /tab = Compare\ncompare-end\nexpect /tab = Item\n",
+                {model, "--size", "800x600"});
+}
+
 TEST_F(ViewScript, NothingLiesOverDialogs) {
   const std::string plain = path("plain.png"), lined = path("lined.png"), model = boxes();
   const std::string begin = "top\nmove 590 390\nlarge-image\n", mark = "top\nmeasure\nclick 300 360\nclick 300 40\n";
