@@ -31,7 +31,8 @@ Scene random_scene(Random& random) {
   scene.set_transform(scene.root(), core::translation({5.0, 0.0, 0.0}));
   std::vector<NodeId> nodes{scene.add_node(scene.root(), "a"), scene.add_node(scene.root(), "b")};
   std::vector<core::MaterialId> materials{{}};
-  for (int i = 0; i < 4; ++i) materials.push_back(scene.add_material({"m" + std::to_string(i), {0.2f * float(i), 0, 1}}));
+  for (int i = 0; i < 4; ++i)
+    materials.push_back(scene.add_material({"m" + std::to_string(i), {0.2f * float(i), 0, 1}}));
   const core::MeshId mesh = scene.add_mesh(triangle(1.0f)).value(), other = scene.add_mesh(triangle(2.0f)).value();
   const auto any = [&](const auto& list) { return list[random() % list.size()]; };
   for (int i = 0; i < 60; ++i) {
