@@ -26,8 +26,10 @@ core::Expected<void> Session::set_slider(std::optional<double> at) {
   if (!slider_)
     if (auto done = begin_slider(); !done) return done;
   slider_ = std::clamp(*at, 0.0, 1.0);
-  document_.hover({});                  // something else may lie below the cursor now
-  if (resting_.count() > 0) changed();  // it has other parts, and has left the engine's images shifted
+  document_.hover({});  // something else may lie below the cursor now
+
+  // It has other parts, and has left the images of the engine shifted.
+  if (resting_.count() > 0) changed();
   return {};
 }
 
@@ -103,6 +105,7 @@ core::Expected<engine::FrameReport> Session::frame(const core::View& view) {
 }
 
 core::Expected<std::uint32_t> Session::framebuffer(const ImagePart& part) {
+  if (!slider_) return engine_.framebuffer();
   if (auto done = engine_.use_image(image_of(part.revision)); !done) return tl::unexpected(done.error());
   const auto framebuffer = engine_.framebuffer();
   const auto back = engine_.use_image(image_of(revision_));
