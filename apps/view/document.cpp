@@ -39,6 +39,39 @@ std::vector<core::ItemId> Document::items_below(core::NodeId node) const {
   return apps::items_below(*scene_, node);
 }
 
+core::NodeId Document::node_of_selection() const {
+  if (selection_.empty()) return {};
+  std::vector<core::NodeId> above;  // of the first item: its node, then what that lies below
+  for (core::NodeId at = scene_->node_of(selection_[0]); at.valid(); at = scene_->parent(at)) above.push_back(at);
+  std::size_t lowest = 0;
+  for (const core::ItemId item : selection_)
+    for (core::NodeId at = scene_->node_of(item); at.valid(); at = scene_->parent(at))
+      if (const auto found = std::find(above.begin() + std::ptrdiff_t(lowest), above.end(), at); found != above.end()) {
+        lowest = std::size_t(found - above.begin());
+        break;
+      }
+  return above[lowest];
+}
+
+core::NodeId Document::selected_part() const {
+  if (!part_) {
+    const core::NodeId node = node_of_selection();
+    part_ = node.valid() && items_below(node).size() == selection_.size() ? node : core::NodeId{};
+  }
+  return *part_;
+}
+
+core::Expected<void> Document::select_part() {
+  core::NodeId node = node_of_selection();
+  if (!node.valid()) return {};
+  std::vector<core::ItemId> items = items_below(node);
+  while (items.size() <= selection_.size() && scene_->parent(node).valid()) {
+    node = scene_->parent(node);
+    items = items_below(node);
+  }
+  return select(items);
+}
+
 std::vector<core::ItemId> Document::items_with(Flag flag) const {
   std::vector<core::ItemId> items;
   for (core::ItemId item{0}; to_index(item) < flags_.size(); ++item)
@@ -225,6 +258,7 @@ core::Expected<Document::Changes> Document::apply(const Changes& changes) {
 }
 
 void Document::list_selection() {
+  part_.reset();
   selection_ = items_with(kSelected);
 }
 

@@ -53,6 +53,12 @@ class Document {
   std::vector<core::ItemId> items_with(Flag flag) const;                  ///< in rising order
   /// Items of a subtree, in rising order.
   std::vector<core::ItemId> items_below(core::NodeId node) const;
+  /// The lowest node that all selected items lie below; invalid without a selection.
+  core::NodeId node_of_selection() const;
+  /// That node, if nothing else lies below it; else invalid. Found once for a selection.
+  core::NodeId selected_part() const;
+  /// Selects all that lies below the node or, where that is selected, below the next node above that has more.
+  core::Expected<void> select_part();
   /// Bounds of items in the world.
   core::AabbD bounds(std::span<const core::ItemId> items) const;
 
@@ -118,6 +124,7 @@ class Document {
   BaseStyles base_styles_;
   std::vector<core::ItemId> left_out_;
   std::vector<core::ItemId> selection_;
+  mutable std::optional<core::NodeId> part_;  // selected_part(), once it was asked for
   std::optional<core::ItemId> hovered_;
   std::size_t hidden_ = 0, ghosts_ = 0;
   std::vector<Changes> done_, undone_;  // what brings back the state before, the last one last

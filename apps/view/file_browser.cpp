@@ -135,7 +135,9 @@ std::vector<Place> places(std::span<const std::string> open, std::span<const std
 void FileBrowser::begin(FileRequest request, const fs::path& folder) {
   request_ = std::move(request);
   filters_ = filters_of(request_);
-  filter_ = 0;
+  const auto fits = std::find_if(filters_.begin(), filters_.end(),
+                                 [&](const FileFormat& filter) { return filter.has(request_.name); });
+  filter_ = request_.purpose == Purpose::kSave && fits != filters_.end() ? std::size_t(fits - filters_.begin()) : 0;
   typed_ = request_.name;
   typed_by_row_ = false;
   replaced_.reset();

@@ -81,8 +81,8 @@ void context_menu(Viewer& viewer) {
   ImGui::TextDisabled("%s", name_of_selection(*viewer.session()).c_str());
   ImGui::Separator();
   for (const char* name :
-       {"hide", "isolate", "ghost-others", "show-all", "", "focus", "fit", "camera-back", "", "section-at",
-        "section-box", "section-clear", "", "measure-selected", "view-add", "export-selection", "undo"}) {
+       {"select-part", "hide", "isolate", "ghost-others", "show-all", "", "focus", "fit", "camera-back", "",
+        "section-at", "section-box", "section-clear", "", "measure-selected", "view-add", "export-selection", "undo"}) {
     if (name[0] == '\0')
       ImGui::Separator();
     else

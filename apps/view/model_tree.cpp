@@ -1,6 +1,5 @@
 #include "sightline/apps/view/model_tree.h"
 
-#include <chrono>
 #include <utility>
 
 namespace sightline::apps {
@@ -27,7 +26,6 @@ void ModelTree::follow_scene() {
 
 void ModelTree::find(const NameQuery& query) {
   release_scene();
-  const auto begin = std::chrono::steady_clock::now();
   query_ = query;
   matches_ = {};
   error_.clear();
@@ -39,7 +37,6 @@ void ModelTree::find(const NameQuery& query) {
   } else {
     error_ = found.error().message;  // the rows stay
   }
-  find_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
 void ModelTree::reveal(core::NodeId node) {

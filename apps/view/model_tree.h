@@ -29,7 +29,6 @@ class ModelTree {
   const std::vector<core::NodeId>& matches() const { return matches_.nodes; }  ///< those that have rows
   std::size_t match_count() const { return matches_.count; }
   const std::string& error() const { return error_; }  ///< of a regular expression; empty without one
-  double find_ms() const { return find_ms_; }          ///< what the last find() took
 
   /// Expands what is above a node; the list should scroll there.
   void reveal(core::NodeId node);
@@ -44,7 +43,6 @@ class ModelTree {
   NameMatches matches_;
   std::string error_;
   std::optional<std::size_t> revealed_;
-  double find_ms_ = 0.0;
   std::jthread indexing_;  // last: it writes index_
 };
 

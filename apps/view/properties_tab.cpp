@@ -14,12 +14,9 @@ namespace {
 
 constexpr std::size_t kMostWarnings = 100;
 
-void item_properties(const core::Scene& scene, core::ItemId item, const LengthFormat& lengths) {
-  if (begin_rows("item")) {
-    for (const Fact& fact : item_facts(scene, item, lengths)) row(fact.name.c_str(), fact.value);
-    ImGui::EndTable();
-  }
-  for (core::NodeId node = scene.node_of(item); node.valid(); node = scene.parent(node)) {
+/// Names and attributes of a node and of those above.
+void node_properties(const core::Scene& scene, core::NodeId lowest) {
+  for (core::NodeId node = lowest; node.valid(); node = scene.parent(node)) {
     const std::string name(scene.name(node));
     if (name.empty() && scene.attributes(node).empty()) continue;
     ImGui::PushID(int(node.index));
@@ -30,6 +27,14 @@ void item_properties(const core::Scene& scene, core::ItemId item, const LengthFo
     }
     ImGui::PopID();
   }
+}
+
+void item_properties(const core::Scene& scene, core::ItemId item, const LengthFormat& lengths) {
+  if (begin_rows("item")) {
+    for (const Fact& fact : item_facts(scene, item, lengths)) row(fact.name.c_str(), fact.value);
+    ImGui::EndTable();
+  }
+  node_properties(scene, scene.node_of(item));
 }
 
 /// What has become of an item since the older revision, and what differs in its facts.
@@ -53,6 +58,7 @@ void selection_properties(const core::Scene& scene, const Document& document) {
   if (!begin_rows("kinds")) return;
   for (const auto& [kind, count] : kinds) row(kind.c_str(), grouped(count));
   ImGui::EndTable();
+  if (const core::NodeId part = document.selected_part(); part.valid()) node_properties(scene, part);
 }
 
 /// What is odd, and what readers noticed.

@@ -30,6 +30,10 @@ void search_field(Viewer& viewer, ModelTree& tree) {
   if (viewer.shown.find) ImGui::SetKeyboardFocusHere();
   viewer.shown.find = false;
   bool changed = ImGui::InputTextWithHint("##find", "find: text, or attribute:text", &query.text);
+  if (ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) {
+    changed |= !query.text.empty();  // Dear ImGui would bring back what was searched for before
+    query.text.clear();
+  }
   const bool entered = ImGui::IsItemDeactivatedAfterEdit() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
   ImGui::SameLine();
   changed |= ImGui::Checkbox(".*", &query.regular_expression);
@@ -40,7 +44,7 @@ void search_field(Viewer& viewer, ModelTree& tree) {
     ImGui::TextWrapped("%s", tree.error().c_str());
     return;
   }
-  ImGui::Text("%zu found, %.1f ms", tree.match_count(), tree.find_ms());
+  ImGui::Text("%s found", grouped(std::int64_t(tree.match_count())).c_str());
   ImGui::SameLine();
   if ((ImGui::SmallButton("Select") || entered) && !tree.matches().empty())
     tell_errors(viewer, viewer.select_nodes(tree.matches()));

@@ -99,7 +99,8 @@ void Viewer::drop(const std::vector<std::string>& files) {
 }
 
 void Viewer::press_key(const Event& event) {
-  held_.insert(event.key);
+  const bool modifier = event.key >= GLFW_KEY_LEFT_SHIFT && event.key <= GLFW_KEY_RIGHT_SUPER;
+  if (modifier || !(event.mods & GLFW_MOD_CONTROL)) held_.insert(event.key);  // Ctrl+S flies nowhere
   last_click_ = -1.0;
   const Command* command = find_command(event.key, event.mods);
   if (command && (!command->needs_model() || session_)) sightline::apps::run(*this, *command);

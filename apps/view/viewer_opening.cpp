@@ -145,7 +145,8 @@ core::Expected<void> Viewer::landed() {
     if (auto done = session_->set_motion_error(error); !done) return done;
   files_ = files;
   thumbnail_due_ = true;
-  for (const std::string& file : files) now_.add_recent(file);
+  for (const std::string& file : files)  // attributes alone open nothing
+    if (!importers::is_attribute_file(file)) now_.add_recent(file);
   warn_of_outliers(session_->bounds());
   if (options_.model.explain) explain(session_->engine().plan());
   if (const auto& path = player_.path(); path && !another) {

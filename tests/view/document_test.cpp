@@ -40,6 +40,28 @@ class DocumentTest : public ::testing::Test {
   std::unique_ptr<Document> document;
 };
 
+/// An item, then its part, then the part above; what is selected with its whole part shows that part's properties.
+TEST_F(DocumentTest, SelectsWholeParts) {
+  const core::NodeId above = scene.add_node(scene.root(), "above");
+  ASSERT_TRUE(scene.reparent(nodes[0], above));
+  ASSERT_TRUE(scene.reparent(nodes[1], above));
+  EXPECT_FALSE(document->node_of_selection().valid());
+  EXPECT_FALSE(document->selected_part().valid());
+  const ItemId one[] = {ItemId{7}};
+  ASSERT_TRUE(document->select(one));
+  EXPECT_EQ(document->node_of_selection(), nodes[1]);
+  EXPECT_FALSE(document->selected_part().valid());
+  for (const core::NodeId part : {nodes[1], above, scene.root()}) {
+    ASSERT_TRUE(document->select_part());
+    EXPECT_EQ(selection(), document->items_below(part));
+    EXPECT_EQ(document->selected_part(), part);
+  }
+  const ItemId apart[] = {ItemId{1}, ItemId{6}};
+  ASSERT_TRUE(document->select(apart));
+  EXPECT_EQ(document->node_of_selection(), above);
+  EXPECT_FALSE(document->selected_part().valid());
+}
+
 TEST_F(DocumentTest, SelectsInThreeWays) {
   const ItemId first[] = {ItemId{3}, ItemId{1}}, second[] = {ItemId{1}, ItemId{7}};
   ASSERT_TRUE(document->select(first));

@@ -228,6 +228,8 @@ TEST_F(FileBrowserTest, SavesWithAnExtensionAndAsksFirst) {
   write("old.json", 3);
   FileBrowser browser = asked(Purpose::kSave, kViews, "views.bcfzip");
   EXPECT_EQ(browser.typed(), "views.bcfzip");
+  EXPECT_EQ(asked(Purpose::kSave, kViews, "views.json").filter(), 1u) << "the format of the name";
+  EXPECT_EQ(browser.filter(), 0u);
   EXPECT_EQ(answer(browser), Names{"views.bcfzip"});
   browser.set_filter(1);
   EXPECT_EQ(browser.typed(), "views.json");
