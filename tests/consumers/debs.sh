@@ -15,7 +15,7 @@ debs=("$source"/build/packages/debs/*.deb)
 tags=$(lintian --allow-root --fail-on error,warning "${debs[@]}" 2>&1) || { printf '%s\n' "$tags" >&2; exit 1; }
 
 model=$source/tests/data/small_plant.rvm
-"$bin/sightline-render" "$model" --size 320x180 --out "$folder/reference.png"
+"$bin/sightline-render" "$model" --plain --size 320x180 --out "$folder/reference.png"
 
 in_overlay() {
   set -e

@@ -10,7 +10,7 @@ if [ "$prefix" != /usr ]; then
   export LD_LIBRARY_PATH=$libraries CMAKE_PREFIX_PATH=$prefix
 fi
 
-"$prefix/bin/sightline-render" "$model" --size 320x180 --compare "$folder/reference.png"
+"$prefix/bin/sightline-render" "$model" --plain --size 320x180 --compare "$folder/reference.png"
 for tool in "$prefix"/bin/sightline-*; do
   [ -s "$prefix/share/man/man1/${tool##*/}.1.gz" ] || { echo "use_debs: ${tool##*/} has no manual page" >&2; exit 1; }
 done

@@ -42,8 +42,8 @@ def render(
 ) -> NDArray[np.uint8]:
     """An image of the scene, (height, width, 3) uint8, with an engine made for it.
 
-    Without a view the whole model, as sightline-render shows it. `config`: keyword arguments of Engine. For more than
-    one image of a scene keep an Engine: it builds what it needs once.
+    Without a view the whole model, as sightline-render --plain shows it. `config`: keyword arguments of Engine. For
+    more than one image of a scene keep an Engine: it builds what it needs once.
     """
     with Engine(scene, draw=True, width=width, height=height, **config) as engine:
         if view is None:
