@@ -142,7 +142,7 @@ SurfacePatch plane_of(const Samples& samples) {
 }
 
 /// Whose sections across its axis are circles such as this one, and whose other lines are straight.
-SurfacePatch round_about(const Circle& circle, const dvec3& p, const dvec3& q) {
+SurfacePatch round_about(const Circle& circle, const dvec3& p, const dvec3& q, double tolerance) {
   SurfacePatch surface;
   surface.origin = circle.centre;
   surface.axis = circle.normal;
@@ -153,10 +153,14 @@ SurfacePatch round_about(const Circle& circle, const dvec3& p, const dvec3& q) {
   };
   const auto [h0, r0] = place(p);
   const auto [h1, r1] = place(q);
-  const double slope = h1 != h0 ? (r1 - r0) / (h1 - h0) : 0.0;
-  constexpr double kLeastSlope = 1e-9;
-  surface.kind = std::abs(slope) < kLeastSlope ? SurfaceKind::kCylinder : SurfaceKind::kCone;
-  surface.slope = surface.kind == SurfaceKind::kCone ? slope : 0.0;
+  // Rounding of points makes a slope, too: a cone that is a cylinder to a fraction of the tolerance is one.
+  constexpr double kNoSlope = 0.1;
+  if (h1 == h0 || std::abs(r1 - r0) <= kNoSlope * tolerance) {
+    surface.kind = SurfaceKind::kCylinder;
+    return surface;
+  }
+  surface.kind = SurfaceKind::kCone;
+  surface.slope = (r1 - r0) / (h1 - h0);
   return surface;
 }
 
@@ -191,7 +195,8 @@ std::optional<FaceSurface> sampled(const BRepAdaptor_Surface& face, double toler
   if (!u && !v) return samples.within(plane_of(samples), tolerance);
   if (!u || !v)
     return samples.within(
-        round_about(u ? *u : *v, samples.middle(!u.has_value(), 0), samples.middle(!u.has_value(), kLast)), tolerance);
+        round_about(u ? *u : *v, samples.middle(!u.has_value(), 0), samples.middle(!u.has_value(), kLast), tolerance),
+        tolerance);
   for (const SurfacePatch& candidate : {sphere_of(*u, *v), torus_of(*u, *v), torus_of(*v, *u)})
     if (auto found = samples.within(candidate, tolerance)) return found;
   return std::nullopt;
