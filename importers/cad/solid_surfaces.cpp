@@ -12,8 +12,10 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepGProp.hxx>
 #include <BRepTools.hxx>
+#include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
+#include <Precision.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
@@ -54,13 +56,27 @@ double distance(const SurfacePatch& a, const SurfacePatch& b, double reach) {
   return reach;
 }
 
+/// Parameters of a point within a face's borders: those in the middle if they are. Tries ever finer grids.
+gp_Pnt2d within(const TopoDS_Face& face) {
+  double u0, u1, v0, v1;
+  BRepTools::UVBounds(face, u0, u1, v0, v1);
+  const BRepTopAdaptor_FClass2d borders(face, Precision::PConfusion());
+  constexpr int kFinest = 32;
+  for (int grid = 2; grid <= kFinest; grid *= 2)
+    for (int i = 1; i < grid; ++i)
+      for (int j = 1; j < grid; ++j) {
+        const gp_Pnt2d at(u0 + (u1 - u0) * i / grid, v0 + (v1 - v0) * j / grid);
+        if (borders.Perform(at) == TopAbs_IN) return at;
+      }
+  return {0.5 * (u0 + u1), 0.5 * (v0 + v1)};
+}
+
 /// Outwards, and on which side the solid lies.
 void orient(SurfacePatch& patch, const BRepAdaptor_Surface& face) {
-  double u0, u1, v0, v1;
-  BRepTools::UVBounds(face.Face(), u0, u1, v0, v1);
+  const gp_Pnt2d at = within(face.Face());
   gp_Pnt point;
   gp_Vec du, dv;
-  face.D1(0.5 * (u0 + u1), 0.5 * (v0 + v1), point, du, dv);
+  face.D1(at.X(), at.Y(), point, du, dv);
   dvec3 out = from_occt(du.Crossed(dv));
   if (face.Face().Orientation() == TopAbs_REVERSED) out = -out;
   patch.inside = from_occt(point);
