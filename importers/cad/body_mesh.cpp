@@ -263,8 +263,11 @@ BodyMesh mesh_within(const Body& body, const MeshQuality& quality) {
 Body as_splines(const Body& body) {
   BRepBuilderAPI_NurbsConvert convert(body.shape);
   Body made{convert.Shape(), {}};
+  TopTools_IndexedMapOfShape faces;  // with the orientation that they have in the body, unlike ModifiedShape()'s
+  TopExp::MapShapes(made.shape, TopAbs_FACE, faces);
   for (const StyledFace& face : body.faces)
-    made.faces.push_back({TopoDS::Face(convert.ModifiedShape(face.face)), face.style});
+    if (const int at = faces.FindIndex(convert.ModifiedShape(face.face)); at > 0)
+      made.faces.push_back({TopoDS::Face(faces(at)), face.style});
   return made;
 }
 
