@@ -88,8 +88,11 @@ TDF_Label label_of(const Handle(StepBasic_ProductDefinition) & product, STEPCAFC
                    const Handle(XCAFDoc_ShapeTool) & shapes) {
   const Handle(Transfer_TransientProcess)& process = reader.Reader().WS()->TransferReader()->TransientProcess();
   const TopoDS_Shape shape = TransferBRep::ShapeResult(process, product);
+  if (shape.IsNull()) return {};
+  // Assemblies are not found by their shapes, which are made anew from their parts.
+  if (const TDF_Label* label = reader.GetShapeLabelMap().Seek(shape)) return *label;
   TDF_Label label;
-  if (!shape.IsNull()) shapes->FindShape(shape, label);
+  shapes->FindShape(shape, label);
   return label;
 }
 
