@@ -155,11 +155,12 @@ Done read_brep(ImportJob& job, const std::filesystem::path& path, CadDocument& d
   const auto bytes = read_file_bytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const std::string_view begin = text.substr(0, 200);
   std::istringstream stream{std::string(text)};
   TopoDS_Shape shape;
-  if (text.substr(0, 200).find("Open CASCADE Topology") != std::string_view::npos)
+  if (begin.find("Open CASCADE Topology V") != std::string_view::npos)
     BinTools::Read(shape, stream, progress);
-  else
+  else if (begin.find("CASCADE Topology V") != std::string_view::npos)  // without it, Open CASCADE prints
     BRepTools::Read(shape, stream, BRep_Builder(), progress);
   if (shape.IsNull() && !progress.UserBreak())
     return core::fail(fmt::format("{}: expected a BREP file of Open CASCADE, found damage or none", job.file()));
