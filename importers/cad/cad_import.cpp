@@ -191,6 +191,8 @@ core::Expected<ImportReport> read_apart(const fs::path& path, core::Scene& scene
   if (!report) return report;
   report->side_files = std::move(reader.side_files());
   report->from_cache = false;
+  std::error_code ignored;
+  report->bytes = fs::file_size(path, ignored);
   return report;
 }
 
