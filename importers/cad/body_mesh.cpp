@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include <BRepAdaptor_Curve.hxx>
@@ -33,6 +34,26 @@ double distance_to_segment(const dvec3& p, const dvec3& a, const dvec3& b) {
   const double length2 = glm::dot(along, along);
   const double t = length2 > 0.0 ? std::clamp(glm::dot(p - a, along) / length2, 0.0, 1.0) : 0.0;
   return glm::length(p - a - t * along);
+}
+
+/// Whether a parameter does not count at a place, as the longitude at a pole.
+struct Free {
+  bool u = false, v = false;
+};
+constexpr double kNoSpeed = 1e-9;  // of the other parameter's
+struct Place {
+  gp_XY at;
+  Free free;
+};
+
+/// The parameters of a triangle's corner. One that does not count there is that of the side between the other corners.
+gp_XY seen_from(const std::array<Place, 3>& corners, std::size_t which) {
+  const Place &corner = corners[which], &one = corners[(which + 1) % 3], &other = corners[(which + 2) % 3];
+  const auto middle = [](double a, bool a_free, double b, bool b_free) {
+    return a_free ? b : b_free ? a : 0.5 * (a + b);
+  };
+  return {corner.free.u ? middle(one.at.X(), one.free.u, other.at.X(), other.free.u) : corner.at.X(),
+          corner.free.v ? middle(one.at.Y(), one.free.v, other.at.Y(), other.free.v) : corner.at.Y()};
 }
 
 /// A triangulated face, its nodes with the numbers of their positions in the body.
@@ -146,6 +167,7 @@ class Collection {
     const bool has_places = from.HasUVNodes();
     const auto place = [&](std::uint32_t node) { return from.UVNode(int(node) + 1); };
     std::vector<dvec3> normals(made.positions.size(), dvec3(0.0));
+    std::vector<Free> free(has_places ? normals.size() : 0);
     if (has_places)
       for (std::uint32_t i = 0; i < normals.size(); ++i) {
         gp_Pnt point;
@@ -155,6 +177,7 @@ class Collection {
         const double length = glm::length(across);
         if (length > 1e-9 * du.Magnitude() * dv.Magnitude() && std::isfinite(length))
           normals[i] = side / length * across;
+        free[i] = {du.Magnitude() <= kNoSpeed * dv.Magnitude(), dv.Magnitude() <= kNoSpeed * du.Magnitude()};
       }
     const std::vector<dvec3> exact = normals;
     const bool curved = has_places && surface.GetType() != GeomAbs_Plane;
@@ -168,7 +191,9 @@ class Collection {
       for (const std::uint32_t node : {a, b, c})
         if (exact[node] == dvec3(0.0)) normals[node] += across;
       if (!curved) continue;
-      const gp_XY u = place(a).XY(), v = place(b).XY(), w = place(c).XY();
+      const std::array<Place, 3> places{
+          Place{place(a).XY(), free[a]}, {place(b).XY(), free[b]}, {place(c).XY(), free[c]}};
+      const gp_XY u = seen_from(places, 0), v = seen_from(places, 1), w = seen_from(places, 2);
       for (const gp_XY& at : {0.5 * (u + v), 0.5 * (v + w), 0.5 * (w + u), (u + v + w) / 3.0}) {
         const dvec3 on = from_occt(surface.Value(at.X(), at.Y()));
         deviation_ = std::max(deviation_, std::abs(glm::dot(on - p, across)) / area2);
@@ -245,17 +270,20 @@ void triangulate(const TopoDS_Shape& shape, double tolerance, double angle) {
 BodyMesh mesh_within(const Body& body, const MeshQuality& quality) {
   constexpr int kTries = 4;
   constexpr double kBelow = 0.7;  // of the tolerance, that the next try aims at
-  double wanted = quality.tolerance;
+  constexpr double kFiner = 0.1;  // at most, from one try to the next: triangles grow by the inverse
+  constexpr double kHelps = 0.8;  // of the deviation before; what is above does not get better
+  double wanted = quality.tolerance, before = std::numeric_limits<double>::infinity();
   for (int i = 1;; ++i) {
     BRepTools::Clean(body.shape);
     triangulate(body.shape, wanted, quality.angle);
     const Collection found(body);
-    if (found.deviation() <= quality.tolerance || i == kTries) {
+    if (found.deviation() <= quality.tolerance || found.deviation() > kHelps * before || i == kTries) {
       BodyMesh made = found.meshes();
       BRepTools::Clean(body.shape);
       return made;
     }
-    wanted *= std::max(0.05, kBelow * quality.tolerance / found.deviation());
+    before = found.deviation();
+    wanted *= std::max(kFiner, kBelow * quality.tolerance / before);
   }
 }
 
