@@ -157,11 +157,16 @@ Done read_brep(ImportJob& job, const std::filesystem::path& path, CadDocument& d
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   const std::string_view begin = text.substr(0, 200);
   std::istringstream stream{std::string(text)};
+  stream.exceptions(std::ios::failbit | std::ios::badbit);  // Open CASCADE would go on for ever at the end
   TopoDS_Shape shape;
-  if (begin.find("Open CASCADE Topology V") != std::string_view::npos)
-    BinTools::Read(shape, stream, progress);
-  else if (begin.find("CASCADE Topology V") != std::string_view::npos)  // without it, Open CASCADE prints
-    BRepTools::Read(shape, stream, BRep_Builder(), progress);
+  try {
+    if (begin.find("Open CASCADE Topology V") != std::string_view::npos)
+      BinTools::Read(shape, stream, progress);
+    else if (begin.find("CASCADE Topology V") != std::string_view::npos)  // without it, Open CASCADE prints
+      BRepTools::Read(shape, stream, BRep_Builder(), progress);
+  } catch (const std::ios::failure&) {
+    shape.Nullify();
+  }
   if (shape.IsNull() && !progress.UserBreak())
     return core::fail(fmt::format("{}: expected a BREP file of Open CASCADE, found damage or none", job.file()));
   XCAFDoc_DocumentTool::ShapeTool(document.handle()->Main())->AddShape(shape, Standard_True);
