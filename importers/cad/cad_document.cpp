@@ -123,6 +123,7 @@ Done read_step(ImportJob& job, const std::filesystem::path& path, CadDocument& d
   const auto status = reader.ChangeReader().ReadStream(path.c_str(), stream);
   if (status != IFSelect_RetDone)
     return core::fail(fmt::format("{}: expected a STEP file (ISO 10303-21), found damage or none", job.file()));
+  if (auto checked = check_step_uses(job, reader); !checked) return checked;
   if (auto found = find_step_parts(job, path, reader); !found) return found;
   if (!reader.Transfer(document.handle(), progress) && !progress.UserBreak())
     if (auto told = job.damage(0, "no part of it could be read"); !told) return told;

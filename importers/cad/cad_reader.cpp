@@ -117,8 +117,7 @@ class Builder {
   }
 
  private:
-  static constexpr int kDeepest = 250;                   // assemblies in assemblies
-  static constexpr std::size_t kMostNodes = 50'000'000;  // of products used in products used in products …
+  static constexpr int kDeepest = 250;  // assemblies in assemblies
 
   struct Part {
     TDF_Label label;

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
-#include <set>
+#include <unordered_map>
+#include <vector>
 
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
@@ -20,6 +21,7 @@
 #include <StepDimTol_GeometricTolerance.hxx>
 #include <StepRepr_DescriptiveRepresentationItem.hxx>
 #include <StepRepr_MeasureRepresentationItem.hxx>
+#include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <StepRepr_ProductDefinitionShape.hxx>
 #include <StepRepr_PropertyDefinition.hxx>
 #include <StepRepr_PropertyDefinitionRepresentation.hxx>
@@ -36,6 +38,7 @@
 #include <XCAFDoc_ShapeTool.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <fmt/format.h>
 
 #include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/internal/text_encoding.h"
@@ -163,6 +166,38 @@ core::Expected<void> find_step_parts(ImportJob& job, const std::filesystem::path
     for (users.Start(); users.More(); users.Next())
       if (const auto by = Handle(StepBasic_ExternalIdentificationAssignment)::DownCast(users.Value()); !by.IsNull())
         by->SetAssignedId(as);
+  }
+  return {};
+}
+
+core::Expected<void> check_step_uses(ImportJob& job, STEPCAFControl_Reader& reader) {
+  struct Product {
+    double nodes = 1.0;     // with all below it
+    std::size_t waits = 0;  // uses of others in it that are not counted yet
+    std::vector<const void*> users;
+  };
+  std::unordered_map<const void*, Product> products;
+  const Handle(StepData_StepModel) model = reader.Reader().StepModel();
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model->Value(i));
+    if (use.IsNull() || use->RelatingProductDefinition().IsNull() || use->RelatedProductDefinition().IsNull()) continue;
+    const void* user = use->RelatingProductDefinition().get();
+    ++products[user].waits;
+    products[use->RelatedProductDefinition().get()].users.push_back(user);
+  }
+  // From the parts upwards. What is used within itself is never reached.
+  std::vector<const void*> ready;
+  for (const auto& [product, its] : products)
+    if (its.waits == 0) ready.push_back(product);
+  while (!ready.empty()) {
+    const Product& counted = products[ready.back()];
+    ready.pop_back();
+    if (counted.nodes > double(kMostNodes))
+      return core::fail(fmt::format("{}: expected at most {} parts in assemblies", job.file(), kMostNodes));
+    for (const void* user : counted.users) {
+      products[user].nodes += counted.nodes;
+      if (--products[user].waits == 0) ready.push_back(user);
+    }
   }
   return {};
 }

@@ -17,6 +17,9 @@
 
 namespace sightline::importers {
 
+/// More parts in parts in assemblies than a model has; an error from there on.
+inline constexpr std::size_t kMostNodes = 50'000'000;
+
 /// Closes its document when it goes.
 class CadDocument {
  public:
