@@ -32,7 +32,7 @@ done
 longest() {
   case $1 in
     *json | controller_trace) echo 1024 ;;
-    slc) echo 16384 ;;
+    cad | slc) echo 16384 ;;
     *) echo 8192 ;;
   esac
 }

@@ -41,8 +41,8 @@ struct MeshQuality {
 
 /// Meshes a body. Faces share their vertices' positions along edges, so a closed solid gives closed triangles, of all
 /// styles together. Normals are the surfaces'. Measures the deviation at four points of each triangle and between the
-/// points of each edge; where that is above the tolerance, meshes finer, up to three times. Faces that cannot be meshed
-/// are left out and counted. Several threads may mesh bodies that share no face.
+/// points of each edge; where that is above the tolerance, meshes finer, up to three times and as long as that helps.
+/// Faces that cannot be meshed are left out and counted. Several threads may mesh bodies that share no face.
 BodyMesh mesh_body(const Body& body, const MeshQuality& quality);
 
 }  // namespace sightline::importers
