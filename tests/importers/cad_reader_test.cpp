@@ -619,7 +619,8 @@ TEST_F(CadReader, ReadersThatEndBadly) {
   EXPECT_EQ(error_with("kill -SEGV $$", reader, file),
             name + "Open CASCADE crashed while it read this file (Segmentation fault)");
   EXPECT_EQ(error_with("kill -KILL $$", reader, file), name + "Open CASCADE crashed while it read this file (Killed)");
-  EXPECT_EQ(error_with("kill -XCPU $$", reader, file), name + "Open CASCADE took more than 600 s of processor time");
+  EXPECT_EQ(error_with("kill -XCPU $$", reader, file),
+            name + "Open CASCADE took more than 120 s of processor time (reading in this process has no limit)");
   EXPECT_EQ(error_with("exit 3", reader, file), name + "its reader ended with 3");
   EXPECT_EQ(error_with("echo 'e plant.stp: said so' >&3; exit 1", reader, file), name + "said so");
   EXPECT_NE(error_with("exit 0", reader, file), "") << "without a result";
@@ -734,7 +735,7 @@ struct RealFile {
   std::size_t parts, instances, analytic;
 };
 const RealFile kRealFiles[] = {
-    {"as1-oc-214.stp", 5, 18, 2},      {"as1-tu-203.stp", 5, 18, 2}, {"as1_pe_203.brep", 20, 50, 2},
+    {"as1-oc-214.stp", 5, 18, 2},      {"as1-tu-203.stp", 5, 18, 2}, {"as1_pe_203.brep", 5, 18, 2},
     {"conical-surface.step", 1, 1, 0}, {"cube-10x10.igs", 1, 1, 1},  {"cube-in.step", 1, 1, 1},
     {"cube-m.step", 1, 1, 1},          {"cube-mm.step", 1, 1, 1},    {"dm1-oc-214.stp", 3, 7, 1},
     {"rounded-cube.step", 1, 1, 0},    {"screw.step", 1, 1, 0}};
