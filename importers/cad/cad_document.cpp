@@ -168,7 +168,8 @@ Done read_brep(ImportJob& job, const std::filesystem::path& path, CadDocument& d
   } catch (const std::ios::failure&) {
     shape.Nullify();
   }
-  if (shape.IsNull() && !progress.UserBreak())
+  if (progress.UserBreak()) return {};
+  if (shape.IsNull())
     return core::fail(fmt::format("{}: expected a BREP file of Open CASCADE, found damage or none", job.file()));
   XCAFDoc_DocumentTool::ShapeTool(document.handle()->Main())->AddShape(shape, Standard_True);
   return {};
