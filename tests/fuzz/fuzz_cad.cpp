@@ -38,6 +38,11 @@ sightline::core::Expected<sightline::importers::ImportReport> read(std::span<con
 
 }  // namespace
 
+/// What Open CASCADE keeps in static objects, and forgets.
+extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
+  return "leak:libTK";
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace sightline;
   constexpr std::size_t kAny = std::size_t{1} << 40;

@@ -575,13 +575,16 @@ TEST_F(CadReader, CancellingEndsTheProcess) {
 TEST_F(CadReader, CancellingAtAnyTimeLeavesTheScene) {
   const Plant plant;
   plant.model.write_step(folder_ / "plant.stp");
-  for (const double at : {0.0, 0.3, 0.5, 0.9}) {
-    SCOPED_TRACE(at);
-    ImportOptions options;
-    options.progress = [&](double share) { return share < at; };
-    EXPECT_EQ(error_of(folder_ / "plant.stp", options), kCancelled);
-    EXPECT_EQ(scene_.item_slots(), 0u);
-  }
+  plant.model.write_iges(folder_ / "plant.igs");
+  BRepTools::Write(tests::cad_drilled_box(), (folder_ / "part.brep").c_str());
+  for (const char* name : {"plant.stp", "plant.igs", "part.brep"})
+    for (const double at : {0.0, 0.01, 0.3, 0.5, 0.9}) {
+      SCOPED_TRACE(fmt::format("{} at {}", name, at));
+      ImportOptions options;
+      options.progress = [&](double share) { return share < at; };
+      EXPECT_EQ(error_of(folder_ / name, options), kCancelled);
+      EXPECT_EQ(scene_.item_slots(), 0u);
+    }
 }
 
 /// What an import says when `script` stands where the reader should.
