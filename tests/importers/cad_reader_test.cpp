@@ -8,6 +8,8 @@
 
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Builder.hxx>
@@ -378,6 +380,37 @@ TEST_F(CadReader, BrepSharesMovedAndMirroredShapes) {
     const core::ItemId at{std::uint32_t(i)};
     EXPECT_EQ(core::enclosure(scene_.mesh(scene_.mesh_of(at))), core::Enclosure::kInside);
   }
+}
+
+TEST_F(CadReader, IgesHasPlacesNamesAndColours) {
+  Plant plant;
+  plant.model.colour(plant.box, 1, 0, 0);
+  plant.model.write_iges(folder_ / "plant.IGS");
+  read(folder_ / "plant.IGS");
+  EXPECT_EQ(scene_.item_count(), 5u) << tree();
+  expect_bounds(scene_.bounds(scene_.root()), dvec3(-3, 0, 0), dvec3(3, 0.52, 2.01), 1e-6);
+  std::size_t boxes = 0;
+  for (std::uint32_t i = 0; i < scene_.item_slots(); ++i) {
+    if (scene_.kind(core::ItemId{i}) != core::Kind::kBox) continue;
+    ++boxes;
+    expect_colour(core::ItemId{i}, {1, 0, 0});
+  }
+  EXPECT_EQ(boxes, 2u);
+  EXPECT_NE(tree().find("box"), std::string::npos) << tree();
+}
+
+TEST_F(CadReader, FacesThatFailAreCountedAndTheirPartNamed) {
+  BRepBuilderAPI_MakePolygon crossed(gp_Pnt(5, 0, 0), gp_Pnt(6, 1, 0), gp_Pnt(6, 0, 0), gp_Pnt(5, 1, 0), Standard_True);
+  TopoDS_Compound both;
+  BRep_Builder().MakeCompound(both);
+  BRep_Builder().Add(both, tests::cad_drilled_box());
+  BRep_Builder().Add(both, BRepBuilderAPI_MakeFace(gp_Pln(), crossed.Wire(), Standard_False).Face());
+  BRepTools::Write(both, (folder_ / "broken.brep").c_str());  // STEP would mend it
+  read(folder_ / "broken.brep");
+  EXPECT_EQ(report_.surfaces.failed_faces, 1u);
+  ASSERT_EQ(report_.warnings.size(), 1u);
+  EXPECT_EQ(report_.warnings[0].message, "1 faces could not be meshed and are left out, most (1) of part 'FACE'");
+  EXPECT_EQ(scene_.item_count(), 1u);
 }
 
 // --- compressed, and other files -------------------------------------------------------------------------------------
