@@ -40,7 +40,7 @@ ctest_in() { ctest --test-dir "build/$1" -j "$(nproc)" --no-tests=error --output
 
 run_counts() {
   release
-  SIGHTLINE_LONG=1 ctest_in release -R '^((culling|importers|importers_vtk|importers_cad|stability|view|gpuprims)\.|hostile_table)' -LE '^nightly'
+  SIGHTLINE_LONG=1 ctest_in release -R '^((culling|importers|importers_vtk|stability|view|gpuprims)\.|hostile_table)' -LE '^nightly'
 }
 run_counts-gl() {
   release
