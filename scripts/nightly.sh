@@ -21,6 +21,7 @@ fuzz         6 twenty seconds of each fuzz target
 tsan         8 ThreadSanitizer on core, culling, ray tracer and engine
 asan         5 AddressSanitizer on culling, ray tracer, primitives, measuring and comparing
 asan-io      7 AddressSanitizer on core, importers, the C API and the viewer's model: what reads bytes or foreign pointers
+asan-cad     4 AddressSanitizer on STEP, IGES and BREP
 asan-gl      8 AddressSanitizer on the engine and the GPU culler
 zink         5 GL tests of gl, gpuscene, culling and render with a second driver
 zink-engine  5 GL tests of engine with it
@@ -78,8 +79,11 @@ run_asan() {
     scripts/test.sh asan -R '^(culling|raytrace|gpuprims|measure|compare|lod|engine)\.'
 }
 run_asan-io() {
-  SIGHTLINE_TARGETS="core_tests importers_tests importers_vtk_tests importers_cad_tests capi_tests view_tests" \
-    scripts/test.sh asan -R '^(core|importers|importers_vtk|importers_cad|capi|view)\.'
+  SIGHTLINE_TARGETS="core_tests importers_tests importers_vtk_tests capi_tests view_tests" \
+    scripts/test.sh asan -R '^(core|importers|importers_vtk|capi|view)\.'
+}
+run_asan-cad() {
+  SIGHTLINE_TARGETS=importers_cad_tests scripts/test.sh asan -R '^importers_cad\.'
 }
 run_asan-gl() {
   SIGHTLINE_TARGETS="culling_gl_tests engine_gl_tests view_gl_tests capi_gl_tests" \

@@ -22,6 +22,13 @@ namespace {
 using namespace sightline;
 namespace cad = importers::cad;
 
+/// A sanitizer reserves more address space than any limit leaves.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
 void say(char kind, std::string_view text) {
   std::string line{kind, ' '};
   line.append(text);
@@ -58,7 +65,7 @@ importers::ImportOptions options_from(int count, char** arguments) {
     if (name == cad::kAngle) options.chord_angle = number<double>(value);
     if (name == cad::kLenient) options.lenient = value == "1";
     if (name == cad::kThreads) options.threads = number<int>(value);
-    if (name == cad::kMemory && value != "0") limit(RLIMIT_AS, number<std::uint64_t>(value));
+    if (name == cad::kMemory && value != "0" && !kSanitized) limit(RLIMIT_AS, number<std::uint64_t>(value));
     if (name == cad::kSeconds) limit(RLIMIT_CPU, number<std::uint64_t>(value));
   }
   return options;
