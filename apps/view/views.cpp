@@ -8,6 +8,10 @@
 namespace sightline::apps {
 namespace {
 
+std::string count_of_views(std::size_t count) {
+  return std::to_string(count) + (count == 1 ? " view" : " views");
+}
+
 using Done = core::Expected<void>;
 
 constexpr int kSnapshotWidth = 320;
@@ -89,7 +93,7 @@ core::Expected<void> save_views(Viewer& viewer, const std::string& file) {
   auto done = write_views(file, viewer.views().all());
   if (!done) return done;
   viewer.views().mark_saved();
-  viewer.tell(std::to_string(viewer.views().size()) + " views: " + file);
+  viewer.tell(count_of_views(viewer.views().size()) + " saved in " + file);
   return {};
 }
 
@@ -97,7 +101,7 @@ core::Expected<void> load_views(Viewer& viewer, const std::string& file) {
   if (file.empty()) return viewer.shown.dialog = Dialog::kReadViews, Done();
   auto read = read_views(file);
   if (!read) return tl::unexpected(read.error());
-  viewer.tell(std::to_string(read->views.size()) + " views: " + file +
+  viewer.tell(count_of_views(read->views.size()) + " read from " + file +
               (read->left_out > 0 ? ", " + std::to_string(read->left_out) + " without a camera left out" : ""));
   viewer.views().merge(std::move(read->views));
   viewer.shown.tab = "Views";
