@@ -12,6 +12,7 @@
 #include "sightline/apps/common/style_options.h"
 #include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/common/write_model.h"
+#include "sightline/importers/internal/extension.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace {
@@ -102,11 +103,12 @@ int main(int argc, char** argv) {
     output = std::move(options.files.back());
     options.files.pop_back();
     if (auto done = check(output, options.files); !done) return done;
-    if (writing.collections && apps::extension_of(output) != ".glb" && apps::extension_of(output) != ".gltf")
+    if (writing.collections && importers::lower_case_extension(output) != ".glb" &&
+        importers::lower_case_extension(output) != ".gltf")
       return core::fail("--collections: expected an output ending in .glb or .gltf, found \"" + output + "\"");
-    if (writing.levels && apps::extension_of(output) != ".slc")
+    if (writing.levels && importers::lower_case_extension(output) != ".slc")
       return core::fail("--levels: expected an output ending in .slc, found \"" + output + "\"");
-    if (apps::extension_of(output) == ".slc")
+    if (importers::lower_case_extension(output) == ".slc")
       options.import.copies = importers::ImportOptions{}.copies;  // as tools read
     return {};
   });

@@ -3,27 +3,21 @@
 #include <algorithm>
 #include <string_view>
 
+#include "sightline/core/internal/ascii_case.h"
+
 namespace sightline::core {
 namespace {
 
-char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-}
-
-bool same(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
-}
-
 bool holds(std::string_view text, std::string_view part) {
   return std::search(text.begin(), text.end(), part.begin(), part.end(),
-                     [](char x, char y) { return lower(x) == lower(y); }) != text.end() ||
+                     [](char x, char y) { return lower_case(x) == lower_case(y); }) != text.end() ||
          part.empty();
 }
 
 bool fulfils(const Scene& scene, NodeId node, const NodeCondition& condition) {
   if (condition.key.empty() && holds(scene.name(node), condition.text)) return true;
   for (const auto& [key, value] : scene.attributes(node))
-    if ((condition.key.empty() || same(key, condition.key)) && holds(value, condition.text)) return true;
+    if ((condition.key.empty() || same_but_for_case(key, condition.key)) && holds(value, condition.text)) return true;
   return false;
 }
 

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "sightline/core/internal/atomic_file.h"
+#include "sightline/core/internal/hash.h"
 
 namespace sightline::gl {
 namespace {
@@ -29,12 +30,6 @@ struct Header {
   std::uint64_t format;
 };
 constexpr std::array<char, 8> kMagic = {'S', 'L', 'P', 'R', 'O', 'G', '0', '2'};
-
-/// FNV-1a: detects accidents, not attacks.
-std::uint64_t checksum(std::string_view bytes, std::uint64_t sum = 0xcbf29ce484222325u) {
-  for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
-  return sum;
-}
 
 std::string driver_of(const Functions& gl) {
   std::string names;
@@ -97,7 +92,8 @@ std::string bindings_of(const Functions& gl, GLuint program) {
       } else {
         std::array<char, 256> name{};
         gl.GetProgramResourceName(program, interface, i, GLsizei(name.size()), nullptr, name.data());
-        lines += fmt::format("{} {} {}\n", interface, name.data(), property(gl, program, interface, i, GL_BUFFER_BINDING));
+        lines +=
+            fmt::format("{} {} {}\n", interface, name.data(), property(gl, program, interface, i, GL_BUFFER_BINDING));
       }
     }
   }
@@ -138,7 +134,7 @@ fs::path ProgramCache::default_folder() {
 }
 
 fs::path ProgramCache::place_of(std::string_view key) const {
-  return folder_ / fmt::format("{:016x}{}", checksum(key, checksum(driver_)), kExtension);
+  return folder_ / fmt::format("{:016x}{}", core::fnv1a(key, core::fnv1a(driver_)), kExtension);
 }
 
 std::optional<ProgramCache::Entry> ProgramCache::find(std::string_view key) const {
@@ -152,13 +148,13 @@ std::optional<ProgramCache::Entry> ProgramCache::find(std::string_view key) cons
       header.binary_bytes != bytes.size() - whole_key.size() || bytes.substr(0, whole_key.size()) != whole_key)
     return std::nullopt;
   bytes.remove_prefix(whole_key.size());
-  if (header.checksum != checksum(bytes)) return std::nullopt;
+  if (header.checksum != core::fnv1a(bytes)) return std::nullopt;
   return Entry{static_cast<GLenum>(header.format), std::string(bytes)};
 }
 
 void ProgramCache::keep(std::string_view key, GLenum format, std::string_view bytes) const {
   const std::string whole_key = driver_ + std::string(key);
-  const Header header{kMagic, whole_key.size(), bytes.size(), checksum(bytes), format};
+  const Header header{kMagic, whole_key.size(), bytes.size(), core::fnv1a(bytes), format};
   make_folder(folder_);
   // A failed write keeps nothing; the next run compiles again.
   (void)core::write_file(place_of(key), {std::as_bytes(std::span(&header, 1)), std::as_bytes(std::span(whole_key)),

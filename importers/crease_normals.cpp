@@ -4,9 +4,9 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
+#include "sightline/core/internal/disjoint_sets.h"
 #include "sightline/importers/internal/unit_or_zero.h"
 
 namespace sightline::importers {
@@ -48,14 +48,15 @@ class CreaseNormals {
       const auto corners = around.of(vertex);
       group(corners);
       sums_.assign(corners.size(), dvec3(0.0));
-      for (std::size_t i = 0; i < corners.size(); ++i) sums_[root(i)] += weight(corners[i]) * faces_[corners[i] / 3];
+      for (std::uint32_t i = 0; i < corners.size(); ++i)
+        sums_[sets_.find(i)] += weight(corners[i]) * faces_[corners[i] / 3];
       number_.assign(corners.size(), core::kNone);
-      for (std::size_t i = 0; i < corners.size(); ++i) {
-        std::uint32_t& number = number_[root(i)];
+      for (std::uint32_t i = 0; i < corners.size(); ++i) {
+        std::uint32_t& number = number_[sets_.find(i)];
         if (number == core::kNone) {
           number = std::uint32_t(positions.size());
           positions.push_back(mesh_.positions[vertex]);
-          normals.emplace_back(unit_or_zero(sums_[root(i)]));
+          normals.emplace_back(unit_or_zero(sums_[sets_.find(i)]));
         }
         mesh_.indices[corners[i]] = number;
       }
@@ -94,17 +95,10 @@ class CreaseNormals {
     return std::acos(std::clamp(glm::dot(a, b), -1.0, 1.0));
   }
 
-  std::uint32_t root(std::size_t i) {
-    auto at = std::uint32_t(i);
-    while (parent_[at] != at) at = parent_[at] = parent_[parent_[at]];
-    return at;
-  }
-
   /// Joins corners at one vertex whose faces share an edge there that is no crease. An edge of more faces than any
   /// model has is one, so that the time stays in proportion to the faces.
   void group(std::span<const std::uint32_t> corners) {
-    parent_.resize(corners.size());
-    std::iota(parent_.begin(), parent_.end(), 0u);
+    sets_.reset(corners.size());
     edges_.clear();
     for (std::uint32_t i = 0; i < corners.size(); ++i) {
       edges_.push_back({vertices_[next(corners[i])], i});
@@ -122,8 +116,7 @@ class CreaseNormals {
     for (std::size_t i = 0; i < edges.size(); ++i)
       for (std::size_t k = i + 1; k < edges.size(); ++k) {
         const std::uint32_t a = edges[i].second, b = edges[k].second;
-        if (glm::dot(faces_[corners[a] / 3], faces_[corners[b] / 3]) >= least_cosine_)
-          parent_[std::max(root(a), root(b))] = std::min(root(a), root(b));
+        if (glm::dot(faces_[corners[a] / 3], faces_[corners[b] / 3]) >= least_cosine_) sets_.merge(a, b);
       }
   }
 
@@ -133,7 +126,8 @@ class CreaseNormals {
   std::vector<dvec3> faces_;             // their normals; zero where they have no area
   // Of the corners at one vertex, numbered from 0.
   std::vector<Edge> edges_;
-  std::vector<std::uint32_t> parent_, number_;
+  core::DisjointSets sets_;
+  std::vector<std::uint32_t> number_;
   std::vector<dvec3> sums_;
 };
 

@@ -86,18 +86,17 @@ constexpr Format kFormats[] = {
 #endif
 };
 
-/// Formats that a build may lack, the build option that adds them, and Debian's packages that this needs.
+/// Build options that a build may lack, Debian's packages that they need, and the formats that they add.
 struct Optional {
-  std::string_view extension, option, package;
+  std::string_view option, packages;
+  std::array<std::string_view, 6> extensions;
 };
-constexpr std::string_view kOcct = "libocct-data-exchange-dev and libocct-visualization-dev";
-constexpr Optional kOptional[] = {{".slc", "SIGHTLINE_SLC", "libxxhash-dev"}, {".gltf", "SIGHTLINE_GLTF", "libstb-dev"},
-                                  {".glb", "SIGHTLINE_GLTF", "libstb-dev"},   {".vtk", "SIGHTLINE_VTK", "libvtk9-dev"},
-                                  {".vtm", "SIGHTLINE_VTK", "libvtk9-dev"},   {".vtmb", "SIGHTLINE_VTK", "libvtk9-dev"},
-                                  {".vtp", "SIGHTLINE_VTK", "libvtk9-dev"},   {".vtu", "SIGHTLINE_VTK", "libvtk9-dev"},
-                                  {".step", "SIGHTLINE_OCCT", kOcct},         {".stp", "SIGHTLINE_OCCT", kOcct},
-                                  {".stpz", "SIGHTLINE_OCCT", kOcct},         {".iges", "SIGHTLINE_OCCT", kOcct},
-                                  {".igs", "SIGHTLINE_OCCT", kOcct},          {".brep", "SIGHTLINE_OCCT", kOcct}};
+constexpr Optional kOptional[] = {{"SIGHTLINE_SLC", "libxxhash-dev", {".slc"}},
+                                  {"SIGHTLINE_GLTF", "libstb-dev", {".gltf", ".glb"}},
+                                  {"SIGHTLINE_VTK", "libvtk9-dev", {".vtk", ".vtm", ".vtmb", ".vtp", ".vtu"}},
+                                  {"SIGHTLINE_OCCT",
+                                   "libocct-data-exchange-dev and libocct-visualization-dev",
+                                   {".step", ".stp", ".stpz", ".iges", ".igs", ".brep"}}};
 
 constexpr auto kExtensions = [] {
   std::array<std::string_view, std::size(kFormats)> all;
@@ -112,9 +111,9 @@ core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path
       std::find_if(std::begin(kFormats), std::end(kFormats), [&](const Format& f) { return f.extension == extension; });
   if (format == std::end(kFormats)) {
     for (const Optional& o : kOptional)
-      if (o.extension == extension)
+      if (!extension.empty() && std::find(o.extensions.begin(), o.extensions.end(), extension) != o.extensions.end())
         return core::fail(fmt::format("{}: this build reads no {} files ({}, which needs {}, is off)", path.string(),
-                                      extension, o.option, o.package));
+                                      extension, o.option, o.packages));
     return core::fail(fmt::format("{}: unknown extension '{}', expected {}", path.string(), path.extension().string(),
                                   fmt::join(kExtensions, ", ")));
   }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/ascii_case.h"
 #include "sightline/importers/internal/file_bytes.h"
 
 namespace sightline::importers {
@@ -15,18 +16,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool equal_but_for_case(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
-}
-
 /// The first by name of a folder's entries of that name.
 std::optional<fs::path> similar_entry(const fs::path& folder, const std::string& name) {
   std::optional<fs::path> best;
   std::error_code code;
   for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code)) {
     const fs::path& path = entry->path();
-    if (equal_but_for_case(path.filename().string(), name) && (!best || path < *best)) best = path;
+    if (core::same_but_for_case(path.filename().string(), name) && (!best || path < *best)) best = path;
   }
   return best;
 }

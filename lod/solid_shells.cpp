@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "sightline/core/internal/disjoint_sets.h"
 #include "sightline/core/internal/hash.h"
 #include "sightline/core/mesh.h"
 
@@ -19,20 +19,6 @@ constexpr int kRounds = 8;          // of the search for a centre that sees the 
 constexpr double kStep = 1.2;       // step length, relative to the distance to the plane
 constexpr double kFlatness = 1e-9;  // smaller heights over a plane, relative to a corner's distance, are rounding
 
-/// Union-find over positions.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-    return i;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) { parents_[find(a)] = find(b); }
-
- private:
-  std::vector<std::uint32_t> parents_;
-};
-
 struct Shell {
   std::uint64_t balance = 0;  // sum over its edges; 0: closed
   dvec3 sum{0.0};             // of all corners
@@ -45,10 +31,10 @@ struct Shell {
 
 /// Returns the shell of each triangle.
 std::vector<std::uint32_t> find_shells(Indices corners, std::size_t positions, std::vector<Shell>& shells) {
-  Sets sets(positions);
+  core::DisjointSets sets(positions);
   for (std::size_t i = 0; i < corners.size(); i += 3) {
-    sets.unite(corners[i], corners[i + 1]);
-    sets.unite(corners[i], corners[i + 2]);
+    sets.merge(corners[i], corners[i + 1]);
+    sets.merge(corners[i], corners[i + 2]);
   }
   std::vector<std::uint32_t> number(positions, 0xffffffffu), shell_of(corners.size() / 3);
   for (std::size_t t = 0; t < shell_of.size(); ++t) {

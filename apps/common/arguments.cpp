@@ -1,9 +1,10 @@
 #include "sightline/apps/common/arguments.h"
 
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+
+#include "sightline/importers/internal/extension.h"
 
 namespace sightline::apps {
 
@@ -40,8 +41,7 @@ core::Expected<double> parse_finite(const std::string& text) {
 }
 
 core::Expected<std::string> parse_png_name(const std::string& text) {
-  std::string extension = std::filesystem::path(text).extension().string();
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = importers::lower_case_extension(text);
   for (const char* other : {".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif", ".webp", ".svg", ".pdf", ".exr", ".tga"})
     if (extension == other)
       return core::fail("images are written as PNG: expected a name such as image.png, found \"" + text + "\"");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sightline/importers/import.h"
+#include "sightline/importers/internal/extension.h"
 
 namespace sightline::apps {
 namespace {
@@ -28,10 +29,7 @@ std::string model_name(std::string_view extension) {
 }  // namespace
 
 bool FileFormat::has(const std::filesystem::path& file) const {
-  std::string extension = file.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+  return std::find(extensions.begin(), extensions.end(), importers::lower_case_extension(file)) != extensions.end();
 }
 
 std::vector<FileFormat> model_formats() {

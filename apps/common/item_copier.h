@@ -16,7 +16,7 @@ class ItemCopier {
  public:
   enum class Materials { kNone, kKept };
 
-  /// What lies below `top` gets its copies below `copy_of_top`.
+  /// Copies of what lies below `top` come to lie below `copy_of_top`.
   ItemCopier(const core::Scene& from, core::NodeId top, core::Scene& to, core::NodeId copy_of_top, Materials materials)
       : from_(from), to_(to), materials_kept_(materials == Materials::kKept), nodes_{{top.index, copy_of_top}} {}
 

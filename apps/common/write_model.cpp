@@ -8,6 +8,7 @@
 
 #include "sightline/apps/common/file_formats.h"
 #include "sightline/importers/gltf/gltf_writer.h"
+#include "sightline/importers/internal/extension.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/slc_writer.h"
 
@@ -30,10 +31,10 @@ WrittenModel tessellated(const Report& report) {
           WrittenModel::Tessellated{report.triangles, report.vertices, report.largest_chord_error}};
 }
 
-/// What the format writes beside the file; empty: nothing.
+/// Names the file that the format writes beside its own; empty: it writes none.
 std::string companion_of(const std::string& output) {
   std::filesystem::path beside = output;
-  const std::string extension = extension_of(output);
+  const std::string extension = importers::lower_case_extension(output);
   if (extension == ".obj") {
     std::string name = beside.replace_extension(".mtl").filename().string();
     for (char& c : name)
@@ -51,16 +52,10 @@ std::uint64_t total(const ItemCounts& items) {
   return sum;
 }
 
-std::string extension_of(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 core::Expected<void> check_output(const std::string& output, std::span<const std::string> read) {
   const std::vector<FileFormat> formats = written_formats();
   if (std::none_of(formats.begin(), formats.end(), [&](const FileFormat& format) { return format.has(output); }))
-    return core::fail("expected a name ending in " + std::string(kWritableExtensions) + ", found \"" + output + "\"");
+    return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + output + "\"");
   for (const std::string& written : {output, companion_of(output)})
     for (const std::string& file : read) {
       std::error_code absent;
@@ -87,7 +82,7 @@ core::Expected<WrittenModel> write_model(const core::Scene& scene, core::NodeId 
     if (!written) return tl::unexpected(written.error());
     return tessellated(*written);
   };
-  const std::string extension = extension_of(output);
+  const std::string extension = importers::lower_case_extension(output);
   if (extension == ".obj")
     return from_report(importers::write_obj(scene, top, output, {.tolerance = tolerance, .progress = progress}));
   if (extension != ".rvm" && extension != ".slc") {

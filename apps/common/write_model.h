@@ -18,11 +18,6 @@ namespace sightline::apps {
 using ItemCounts = std::array<std::uint64_t, core::kKindCount>;
 std::uint64_t total(const ItemCounts& items);
 
-inline constexpr const char* kWritableExtensions = ".rvm, .obj, .glb, .gltf or .slc";
-
-/// The extension of a file's name in lower case, with the dot.
-std::string extension_of(const std::string& file);
-
 /// Fails unless models can be written under that name, and where it, or the file that its format has beside it, is one
 /// of those that were or will be read: it would be lost.
 core::Expected<void> check_output(const std::string& output, std::span<const std::string> read);

@@ -25,7 +25,7 @@ core::Expected<compare::Comparison> compare_models(const Model& before, const Mo
 /// Returns `file` and those that there are.
 std::vector<std::string> older_files(const std::string& file, const std::vector<std::string>& open_files);
 
-/// What tells an older file and the one of the open files that it was compared with apart: their names, with their
+/// Tells an older file and the one of the open files that it was compared with apart: by their names, with their
 /// folders where these are the same.
 std::pair<std::string, std::string> names_apart(const std::string& older, const std::vector<std::string>& open_files);
 
@@ -92,7 +92,7 @@ class ChangeList {
   std::vector<std::uint32_t> rows_;       // indices of items, then of nodes beyond those
   std::vector<std::uint32_t> change_of_;  // by item of the open scene
   std::optional<std::size_t> current_;
-  /// What lies below a node of the open scene, out of the older one.
+  /// Copies of items of the older scene, which lie below a node of the open one.
   struct Copies {
     core::NodeId node;                 // invalid: there are none
     std::vector<core::ItemId> items;   // in the order of the changes

@@ -63,7 +63,7 @@ void tell_failure(Viewer& viewer, const Done& done) {
   if (!done) viewer.tell(done.error().message, true);
 }
 
-/// What dialogs ask besides files; it stays from time to time.
+/// Answers of dialogs that are no files; they stay from time to time.
 struct Asked {
   std::array<int, 2> image_size = kSizes[0].second, video_size = {1920, 1080};
   double fps = kFps;

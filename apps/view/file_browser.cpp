@@ -6,6 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/core/internal/ascii_case.h"
+
 namespace sightline::apps {
 namespace {
 
@@ -15,10 +17,6 @@ using Purpose = FileRequest::Purpose;
 
 bool is_digit(char c) {
   return c >= '0' && c <= '9';
-}
-
-char folded(char c) {
-  return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
 }
 
 /// The digits at `at`, without zeros before them; `at` moves behind them.
@@ -39,15 +37,17 @@ int natural_order(std::string_view a, std::string_view b) {
       if (const int order = x.compare(y); order != 0) return order;
       continue;
     }
-    const auto x = static_cast<unsigned char>(folded(a[i++])), y = static_cast<unsigned char>(folded(b[j++]));
+    const auto x = static_cast<unsigned char>(core::lower_case(a[i++])),
+               y = static_cast<unsigned char>(core::lower_case(b[j++]));
     if (x != y) return x < y ? -1 : 1;
   }
   return int(i < a.size()) - int(j < b.size());
 }
 
 bool begins_with(std::string_view text, std::string_view beginning) {
-  return text.size() >= beginning.size() && std::equal(beginning.begin(), beginning.end(), text.begin(),
-                                                       [](char a, char b) { return folded(a) == folded(b); });
+  return text.size() >= beginning.size() &&
+         std::equal(beginning.begin(), beginning.end(), text.begin(),
+                    [](char a, char b) { return core::lower_case(a) == core::lower_case(b); });
 }
 
 std::optional<fs::path> home() {
@@ -192,7 +192,7 @@ const FileState& FileBrowser::state_of_entry(std::size_t index) {
   return *state;
 }
 
-/// What is chosen stays so.
+/// Entries that are chosen stay so.
 void FileBrowser::list(std::vector<FolderEntry> entries) {
   std::set<std::string> chosen;
   for (std::size_t i = 0; i < row_count(); ++i)

@@ -7,6 +7,7 @@
 #include "sightline/apps/common/write_model.h"
 #include "sightline/apps/view/model_export.h"
 #include "sightline/apps/view/widgets.h"
+#include "sightline/importers/internal/extension.h"
 
 namespace sightline::apps {
 namespace {
@@ -54,7 +55,7 @@ void export_selection_options(Viewer& viewer) {
 }
 
 std::string export_name(const Viewer& viewer, const char* stem) {
-  const std::string extension = viewer.files().empty() ? "" : extension_of(viewer.files().front());
+  const std::string extension = viewer.files().empty() ? "" : importers::lower_case_extension(viewer.files().front());
   return std::string(stem) + (check_output("x" + extension, {}) ? extension : ".glb");
 }
 

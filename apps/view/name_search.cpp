@@ -10,6 +10,7 @@
 
 #include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/view/regular_expression.h"
+#include "sightline/core/internal/ascii_case.h"
 #include "sightline/importers/import.h"
 
 namespace sightline::apps {
@@ -21,16 +22,6 @@ using core::NodeId;
 constexpr std::size_t kChunkBytes = 128 << 10, kChunkTexts = 4096;
 constexpr std::size_t kMostThreads = 8;
 constexpr std::size_t kQuoted = 60;  // bytes of a text in a message
-
-char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-}
-
-std::string lowered(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(), lower);
-  return result;
-}
 
 }  // namespace
 
@@ -64,7 +55,8 @@ class NameIndex::FieldBuilder {
     if (2 * field_.size() >= table_.size()) enlarge_table();
     const std::size_t begin = field_.bytes.size();
     field_.bytes.resize(begin + text.size());
-    std::transform(text.begin(), text.end(), field_.bytes.begin() + std::ptrdiff_t(begin), lower);
+    std::transform(text.begin(), text.end(), field_.bytes.begin() + std::ptrdiff_t(begin),
+                   [](char c) { return core::lower_case(c); });
     const std::string_view added = std::string_view(field_.bytes).substr(begin);
     std::uint32_t& place = find(added);
     if (place != kNone) {
@@ -95,7 +87,7 @@ NameIndex::NameIndex(const core::Scene& scene) {
   std::vector<FieldBuilder> builders(1);
   nodes_.reserve(scene.node_count());
   const auto builder_of = [&](std::string_view key) -> FieldBuilder& {
-    const auto [known, added] = field_of_key_.try_emplace(lowered(key), std::uint32_t(builders.size()));
+    const auto [known, added] = field_of_key_.try_emplace(core::lower_case(key), std::uint32_t(builders.size()));
     if (added) builders.emplace_back();
     return builders[known->second];
   };
@@ -222,7 +214,7 @@ void NameIndex::scan(const Field& field, const Chunk& chunk, const Needle& needl
 
 NameIndex::Target NameIndex::target_of(std::string_view query) const {
   for (std::size_t colon = query.size(); (colon = query.substr(0, colon).rfind(':')) != query.npos && colon > 0;)
-    if (const auto known = field_of_key_.find(lowered(query.substr(0, colon))); known != field_of_key_.end())
+    if (const auto known = field_of_key_.find(core::lower_case(query.substr(0, colon))); known != field_of_key_.end())
       return {first_chunk_[known->second], first_chunk_[known->second + 1], query.substr(colon + 1)};
   return {0, chunks_.size(), query};
 }
@@ -284,7 +276,7 @@ core::Expected<NameMatches> NameIndex::find(const NameQuery& query, std::size_t 
       };
     });
   } else {
-    const Needle wanted = needle(lowered(target.text));
+    const Needle wanted = needle(core::lower_case(target.text));
     found = scan_all(target, stop, [&] {
       return [&](const Field& field, const Chunk& chunk, BitSet& nodes) -> core::Expected<void> {
         scan(field, chunk, wanted, nodes);

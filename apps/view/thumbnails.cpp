@@ -9,6 +9,7 @@
 
 #include "sightline/apps/view/small_image.h"
 #include "sightline/core/internal/atomic_file.h"
+#include "sightline/core/internal/hash.h"
 #include "sightline/gl/internal/program_cache.h"
 
 namespace sightline::apps {
@@ -18,12 +19,10 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kEnding = ".png";
 
-/// FNV-1a, as 16 digits.
+/// As 16 digits.
 std::string hash(std::string_view bytes) {
-  std::uint64_t sum = 0xcbf29ce484222325u;
-  for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
   char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(sum));
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(core::fnv1a(bytes)));
   return text;
 }
 

@@ -1,7 +1,6 @@
 #include "sightline/apps/viewpoints/bcf.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -12,6 +11,8 @@
 
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/viewpoints/zip_archive.h"
+#include "sightline/core/internal/ascii_case.h"
+#include "sightline/core/internal/hash.h"
 
 namespace sightline::apps {
 namespace {
@@ -29,8 +30,7 @@ constexpr const char* kNoDate = "1970-01-01T00:00:00Z";
 std::string derived_guid(const std::string& guid, std::string_view what) {
   std::string derived;
   for (int half = 0; half < 2; ++half) {
-    std::uint64_t hash = 0xcbf29ce484222325u + std::uint64_t(half);  // FNV-1a
-    for (const char c : guid + std::string(what)) hash = (hash ^ std::uint8_t(c)) * 0x100000001b3u;
+    std::uint64_t hash = core::fnv1a(what, core::fnv1a(guid, core::kFnvBasis + std::uint64_t(half)));
     for (int i = 0; i < 16; ++i, hash >>= 4) derived += "0123456789abcdef"[hash & 15];
   }
   derived[12] = '8';  // version 8: made by a rule of one's own
@@ -299,11 +299,6 @@ Viewpoint::Shown shown_of(const Node& root) {
   return shown;
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
-}
-
 /// The text of all comments that name a viewpoint, and for the first viewpoint of those that name none.
 std::string comments_of(const Node& markup, const std::string& viewpoint, bool first) {
   std::string text;
@@ -312,7 +307,7 @@ std::string comments_of(const Node& markup, const std::string& viewpoint, bool f
     for (const Node& node : list.children("Comment")) {
       const std::string of = node.child("Viewpoint").attribute("Guid").value();
       const std::string words = node.child("Comment").text().get();
-      if (!words.empty() && (of.empty() ? first : lower(of) == lower(viewpoint)))
+      if (!words.empty() && (of.empty() ? first : core::lower_case(of) == core::lower_case(viewpoint)))
         text += (text.empty() ? "" : "\n") + words;
     }
   return text;
@@ -384,7 +379,7 @@ core::Expected<bool> Reader::viewpoint(const Node& markup, const std::string& gu
   view->comment = comments_of(markup, guid, index == 0);
   if (index == 0 && view->comment.empty()) view->comment = topic.child("Description").text().get();
   // A view stands for its topic; further ones of the same topic have only the viewpoint's GUID.
-  view->guid = lower(index == 0 ? topic.attribute("Guid").value() : guid.c_str());
+  view->guid = core::lower_case(index == 0 ? topic.attribute("Guid").value() : guid.c_str());
   if (index > 0) view->name += " (" + std::to_string(index + 1) + ")";
   if (const std::string* image = entry(snapshot); image && image->starts_with(kPng))
     view->snapshot.assign(image->begin(), image->end());
@@ -434,7 +429,7 @@ core::Expected<ViewFile> parse_bcf(std::string_view bytes, const std::string& so
   Reader reader(*entries, source);
   bool any = entries->contains("bcf.version");
   for (const auto& entry : *entries)
-    if (lower(entry.first) == "markup.bcf" || lower(entry.first).ends_with("/markup.bcf")) {
+    if (core::lower_case(entry.first) == "markup.bcf" || core::lower_case(entry.first).ends_with("/markup.bcf")) {
       any = true;
       if (auto done = reader.topic(entry.first, entry.second); !done) return tl::unexpected(done.error());
     }

@@ -5,19 +5,13 @@
 #include <string_view>
 
 #include "sightline/apps/common/tree_walk.h"
+#include "sightline/core/internal/hash.h"
 
 namespace sightline::apps {
 namespace {
 
 using core::kNoItem;
 using core::kNone;
-
-/// FNV-1a: continued by the next piece of a text.
-std::uint64_t hashed(std::uint64_t so_far, std::string_view text) {
-  for (const char c : text) so_far = (so_far ^ std::uint8_t(c)) * 0x100000001b3u;
-  return so_far;
-}
-constexpr std::uint64_t kEmptyHash = 0xcbf29ce484222325u;
 
 std::string_view guid_of(const core::Scene& scene, core::NodeId node) {
   for (const auto& [key, value] : scene.attributes(node))
@@ -71,10 +65,12 @@ ItemNames::ItemNames(const core::Scene& scene) : scene_(&scene) {
         const auto first = std::uint32_t(items_.size());
         for (core::ItemId item = scene.first_item(node); item != kNoItem; item = scene.next_item(item))
           items_.push_back(item);
-        places_.push_back({node, kEmptyHash, 0, siblings_before, parent, here, first, std::uint32_t(items_.size())});
+        places_.push_back(
+            {node, core::kFnvBasis, 0, siblings_before, parent, here, first, std::uint32_t(items_.size())});
         Place& place = places_.back();
         if (parent != kNone)
-          place.path = hashed(parent == 0 ? kEmptyHash : hashed(places_[parent].path, "/"), label(place));
+          place.path =
+              core::fnv1a(label(place), parent == 0 ? core::kFnvBasis : core::fnv1a("/", places_[parent].path));
         std::vector<std::uint32_t>& same = by_path_[place.path];
         place.nth = std::uint32_t(same.size());
         same.push_back(here);
@@ -108,7 +104,7 @@ PartName ItemNames::name_of(const Place& place) const {
 const ItemNames::Place* ItemNames::place_of(const PartName& part) const {
   // A name that is a GUID alone has no path, which the root would have.
   if (!part.node.empty() || part.guid.empty()) {
-    const auto same = by_path_.find(hashed(kEmptyHash, part.node));
+    const auto same = by_path_.find(core::fnv1a(part.node));
     if (same != by_path_.end() && part.nth < same->second.size()) return &places_[same->second[part.nth]];
   }
   const auto it = by_guid_.find(part.guid);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -25,6 +24,7 @@
 #include <gp_Circ.hxx>
 #include <gp_Elips.hxx>
 
+#include "sightline/core/internal/disjoint_sets.h"
 #include "sightline/importers/cad/internal/face_surface.h"
 #include "sightline/importers/cad/internal/occt_maths.h"
 
@@ -98,20 +98,6 @@ void orient(SurfacePatch& patch, const BRepAdaptor_Surface& face) {
       break;
   }
 }
-
-/// Sets that merge.
-class Sets {
- public:
-  explicit Sets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t of(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void merge(std::uint32_t a, std::uint32_t b) { parent_[of(b)] = of(a); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// Points of edges that form one curve, and the plane that a circle or an ellipse among them states.
 struct Curve {
@@ -211,7 +197,7 @@ class Extraction {
 
   /// False where an edge has not two sides.
   bool join_faces() {
-    Sets sets(surfaces_.size());
+    core::DisjointSets sets(surfaces_.size());
     for (int i = 1; i <= edges_.Extent(); ++i) {
       if (BRep_Tool::Degenerated(TopoDS::Edge(edges_.FindKey(i)))) continue;
       const auto sides = sides_of(i);
@@ -224,7 +210,7 @@ class Extraction {
     patch_of_.assign(surfaces_.size(), 0);
     std::map<std::uint32_t, std::uint32_t> numbers;
     for (std::uint32_t i = 0; i < surfaces_.size(); ++i) {
-      const auto [at, fresh] = numbers.try_emplace(sets.of(i), std::uint32_t(numbers.size()));
+      const auto [at, fresh] = numbers.try_emplace(sets.find(i), std::uint32_t(numbers.size()));
       if (fresh) made_.patches.push_back(surfaces_[i].as);
       patch_of_[i] = at->second;
       made_.merge_error = std::max(made_.merge_error, surfaces_[i].gap);
@@ -266,14 +252,14 @@ class Extraction {
       if (a != b) between[std::minmax(a, b)].push_back(edge);
     }
     for (const auto& [patches, edges] : between) {
-      Sets sets(edges.size());
+      core::DisjointSets sets(edges.size());
       for (std::uint32_t i = 0; i < edges.size(); ++i)
         for (std::uint32_t j = 0; j < i; ++j) {
           TopoDS_Vertex shared;
           if (TopExp::CommonVertex(edges[i], edges[j], shared)) sets.merge(i, j);
         }
       std::map<std::uint32_t, Curve> curves;
-      for (std::uint32_t i = 0; i < edges.size(); ++i) curves[sets.of(i)].add(edges[i]);
+      for (std::uint32_t i = 0; i < edges.size(); ++i) curves[sets.find(i)].add(edges[i]);
       for (const auto& [set, curve] : curves) {
         made_.patches[patches.first].borders.push_back(curve.border(patches.second));
         made_.patches[patches.second].borders.push_back(curve.border(patches.first));

@@ -40,6 +40,7 @@
 #include <XSControl_WorkSession.hxx>
 #include <fmt/format.h>
 
+#include "sightline/core/internal/ascii_case.h"
 #include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/internal/text_encoding.h"
 
@@ -55,10 +56,8 @@ std::optional<double> metres_of_step_unit(const std::string& name) {
       {"metre", 1.0},       {"meter", 1.0},     {"millimetre", 1e-3},  {"millimeter", 1e-3}, {"centimetre", 1e-2},
       {"centimeter", 1e-2}, {"kilometre", 1e3}, {"micrometre", 1e-6},  {"inch", 0.0254},     {"foot", 0.3048},
       {"mile", 1609.344},   {"mil", 2.54e-5},   {"microinch", 2.54e-8}};
-  std::string lower = name;
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   for (const auto& [known, metres] : kUnits)
-    if (lower == known) return metres;
+    if (core::same_but_for_case(name, known)) return metres;
   return std::nullopt;
 }
 

@@ -4,14 +4,13 @@
 #include <filesystem>
 #include <string>
 
+#include "sightline/core/internal/ascii_case.h"
+
 namespace sightline::importers {
 
 /// With its dot; letters of ASCII in lower case.
 inline std::string lower_case_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return extension;
+  return core::lower_case(path.extension().string());
 }
 
 }  // namespace sightline::importers

@@ -7,19 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/ascii_case.h"
 #include "sightline/importers/internal/side_files.h"
 
 namespace sightline::importers::obj {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower_case(std::string_view word) {
-  std::string lower(word);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return lower;
-}
 
 std::string_view without_quotes(std::string_view name) {
   const bool quotes = name.size() >= 2 && name.front() == '"' && name.back() == '"';
@@ -31,7 +25,7 @@ using Names = std::vector<std::string>;
 /// Names that end with .mtl, and may hold spaces.
 Names split_behind_extensions(std::string_view arguments) {
   constexpr std::string_view kExtension = ".mtl";
-  const std::string lower = lower_case(arguments);
+  const std::string lower = core::lower_case(arguments);
   Names names;
   std::size_t begin = 0;
   for (std::size_t at = 0; (at = lower.find(kExtension, at)) != lower.npos;) {
@@ -89,7 +83,7 @@ struct MaterialLibraries::Reading {
 
   void statement(std::string_view line) {
     TextScanner words(std::as_bytes(std::span(line)));
-    const std::string key = lower_case(words.word());
+    const std::string key = core::lower_case(words.word());
     if (key.empty()) return;
     if (key[0] == '#') return comment(line);
     const std::string_view rest = words.rest_of_line(), numbers = rest.substr(0, rest.find('#'));
@@ -107,7 +101,7 @@ struct MaterialLibraries::Reading {
 
   /// These programs write opacity as Tr, and name themselves at the begin.
   void comment(std::string_view line) {
-    const std::string lower = lower_case(line);
+    const std::string lower = core::lower_case(line);
     for (const std::string_view writer : {"meshlab", "visualization toolkit"})
       tr_is_opacity = tr_is_opacity || lower.find(writer) != lower.npos;
   }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/ascii_case.h"
 #include "sightline/importers/internal/text_scanner.h"
 
 namespace sightline::importers::ply {
@@ -23,14 +24,9 @@ constexpr NamedScalar kScalars[] = {
     {"int64", Scalar::kInt64},   {"uint64", Scalar::kUint64}, {"float", Scalar::kFloat}, {"float32", Scalar::kFloat},
     {"double", Scalar::kDouble}, {"float64", Scalar::kDouble}};
 
-bool same_word(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
-}
-
 std::optional<Scalar> scalar_named(std::string_view name) {
   for (const NamedScalar& known : kScalars)
-    if (same_word(known.name, name)) return known.type;
+    if (core::same_but_for_case(known.name, name)) return known.type;
   return {};
 }
 
@@ -43,7 +39,8 @@ bool is_nearly(std::string_view word, std::string_view keyword) {
   for (std::size_t i = 1; i <= word.size(); ++i) {
     std::size_t diagonal = std::exchange(row[0], i);
     for (std::size_t j = 1; j <= keyword.size(); ++j) {
-      const std::size_t changed = diagonal + (same_word(word.substr(i - 1, 1), keyword.substr(j - 1, 1)) ? 0 : 1);
+      const std::size_t changed =
+          diagonal + (core::same_but_for_case(word.substr(i - 1, 1), keyword.substr(j - 1, 1)) ? 0 : 1);
       diagonal = std::exchange(row[j], std::min({changed, row[j] + 1, row[j - 1] + 1}));
     }
   }
@@ -60,8 +57,10 @@ class HeaderParser {
     for (;;) {
       if (!next_line()) return expected(has_format_ ? "end_header" : "a format line", "the file's end");
       const std::string_view keyword = word();
-      if (same_word(keyword, "end_header")) break;
-      if (same_word(keyword, "comment") || same_word(keyword, "obj_info") || keyword.empty()) continue;
+      if (core::same_but_for_case(keyword, "end_header")) break;
+      if (core::same_but_for_case(keyword, "comment") || core::same_but_for_case(keyword, "obj_info") ||
+          keyword.empty())
+        continue;
       if (auto done = line_of(keyword); !done) return tl::unexpected(done.error());
     }
     if (!has_format_) return expected("a format line before the header's end", "none");
@@ -77,7 +76,8 @@ class HeaderParser {
   bool begins_as_ply() {
     const bool mark = text_.starts_with(kByteOrderMark);
     const std::size_t begin = mark ? kByteOrderMark.size() : 0, end = text_.find_first_of("\r\n");
-    if (end == std::string_view::npos || !same_word(trimmed(text_.substr(begin, end - begin)), "ply")) return false;
+    if (end == std::string_view::npos || !core::same_but_for_case(trimmed(text_.substr(begin, end - begin)), "ply"))
+      return false;
     if (text_[end] == '\r' && text_.substr(end, 2) != "\r\n") line_end_ = '\r';
     at_ = text_.find(line_end_) + 1;
     if (mark) warn(line_, "a byte order mark is skipped");
@@ -106,9 +106,9 @@ class HeaderParser {
   }
 
   core::Expected<void> line_of(std::string_view keyword) {
-    if (same_word(keyword, "format")) return format_line();
-    if (same_word(keyword, "element")) return element_line();
-    if (same_word(keyword, "property")) return property_line();
+    if (core::same_but_for_case(keyword, "format")) return format_line();
+    if (core::same_but_for_case(keyword, "element")) return element_line();
+    if (core::same_but_for_case(keyword, "property")) return property_line();
     for (const std::string_view known : {"element", "property", "end_header"})
       if (is_nearly(keyword, known)) return expected("comment, element, property or end_header", shown_word(keyword));
     if (skipped_++ == 0) first_skipped_ = line_;
@@ -122,11 +122,11 @@ class HeaderParser {
   core::Expected<void> format_line() {
     has_format_ = true;
     const std::string_view name = word(), version = word();
-    if (same_word(name, "ascii"))
+    if (core::same_but_for_case(name, "ascii"))
       header_.encoding = Encoding::kAscii;
-    else if (same_word(name, "binary_little_endian"))
+    else if (core::same_but_for_case(name, "binary_little_endian"))
       header_.encoding = Encoding::kLittleEndian;
-    else if (same_word(name, "binary_big_endian"))
+    else if (core::same_but_for_case(name, "binary_big_endian"))
       header_.encoding = Encoding::kBigEndian;
     else
       return expected("ascii, binary_little_endian or binary_big_endian", shown_word(name));
@@ -150,7 +150,7 @@ class HeaderParser {
     if (header_.elements.empty()) return expected("an element before its properties", "a property");
     Property property;
     std::string_view type = word();
-    if (same_word(type, "list")) {
+    if (core::same_but_for_case(type, "list")) {
       property.count = scalar_named(type = word());
       if (!property.count) return expected("the type of a list's length", shown_word(type));
       type = word();

@@ -39,7 +39,7 @@ enum class Word : std::uint8_t {
 Word end_word(std::string_view word) {
   std::string_view what = word.substr(3);
   while (!what.empty() && (what[0] == '_' || what[0] == '-')) what.remove_prefix(1);
-  switch (what.empty() ? ' ' : lower(what[0])) {
+  switch (what.empty() ? ' ' : core::lower_case(what[0])) {
     case 'l':
       return Word::kEndLoop;
     case 'f':

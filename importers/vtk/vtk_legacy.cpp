@@ -16,18 +16,12 @@
 #include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
 
+#include "sightline/core/internal/ascii_case.h"
 #include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/vtk/internal/vtk_grid.h"
 
 namespace sightline::importers {
 namespace {
-
-std::string lower_case(std::string_view word) {
-  std::string lower(word);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return lower;
-}
 
 /// Type of an array's elements: numbers, or bits and strings, which are only skipped or taken as text.
 struct Element {
@@ -36,7 +30,7 @@ struct Element {
 };
 
 std::optional<Element> element_named(std::string_view name) {
-  const std::string type = lower_case(name);
+  const std::string type = core::lower_case(name);
   if (type == "bit") return Element{.bit = true};
   if (type == "string" || type == "utf8_string") return Element{.string = true};
   if (type == "char" || type == "signed_char") return Element{Number::kInt8};
@@ -192,13 +186,13 @@ class LegacyParser {
     version_ = first.size() > kBegin.size() ? first[kBegin.size()] - '0' : 0;
     rest_of_line();  // a title
     const std::string_view form = word();
-    binary_ = lower_case(form) == "binary";
-    return binary_ || lower_case(form) == "ascii" ? Done{} : expected("ASCII or BINARY", form);
+    binary_ = core::lower_case(form) == "binary";
+    return binary_ || core::lower_case(form) == "ascii" ? Done{} : expected("ASCII or BINARY", form);
   }
 
   Done sections() {
     for (std::string_view found = word(); !found.empty(); found = word()) {
-      const std::string keyword = lower_case(found);
+      const std::string keyword = core::lower_case(found);
       if (auto done = section(keyword); !done) return done;
     }
     if (!whole()) return file_.fail(at_, "expected a DATASET with POINTS and cells before the end of the file");
@@ -223,8 +217,9 @@ class LegacyParser {
 
   Done data_set() {
     const std::string_view found = word();
-    grid_ = lower_case(found) == "unstructured_grid";
-    if (!grid_ && lower_case(found) != "polydata") return expected("DATASET POLYDATA or UNSTRUCTURED_GRID", found);
+    grid_ = core::lower_case(found) == "unstructured_grid";
+    if (!grid_ && core::lower_case(found) != "polydata")
+      return expected("DATASET POLYDATA or UNSTRUCTURED_GRID", found);
     known_ = true;
     return {};
   }
@@ -271,7 +266,7 @@ class LegacyParser {
     for (std::size_t i = 0; i < 2; ++i) {
       const std::size_t before = at_;
       const std::string_view found = word();
-      if (lower_case(found) != names[i]) {
+      if (core::lower_case(found) != names[i]) {
         at_ = before;
         if (offset_count == 0) return vtkSmartPointer<vtkCellArray>::New();
         return file_.fail(before, fmt::format("expected {} of cells", names[i]));
@@ -360,7 +355,7 @@ class LegacyParser {
     const std::string_view line = rest_of_line();
     if (const std::string_view found = next_word(line, in_line); !found.empty() && !parse_count(found, components))
       return expected("a number of components", found);
-    if (const std::string_view table = word(); lower_case(table) != "lookup_table")
+    if (const std::string_view table = word(); core::lower_case(table) != "lookup_table")
       return expected("LOOKUP_TABLE after SCALARS", table);
     word();
     return take_colours_or_skip(type, components, tuples_, "", *target_);
@@ -411,7 +406,7 @@ class LegacyParser {
     if (auto done = count(arrays, "a number of arrays"); !done) return done;
     for (std::uint64_t i = 0; i < arrays; ++i) {
       std::string_view name = word();
-      if (lower_case(name) == "metadata") {  // of the array before
+      if (core::lower_case(name) == "metadata") {  // of the array before
         metadata();
         name = word();
       }

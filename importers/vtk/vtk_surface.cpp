@@ -20,15 +20,12 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 
+#include "sightline/core/internal/ascii_case.h"
+
 namespace sightline::importers {
 namespace {
 
 constexpr const char* kOriginalCells = "vtkOriginalCellIds";  // the filter leaks any other name
-
-bool same_in_any_case(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
-}
 
 vtkUnsignedCharArray* as_colours(vtkAbstractArray* array) {
   auto* colours = vtkUnsignedCharArray::SafeDownCast(array);
@@ -307,7 +304,7 @@ vtkUnsignedCharArray* colours_of(vtkDataSetAttributes& attributes) {
     auto* colours = as_colours(attributes.GetAbstractArray(i));
     if (!colours || !colours->GetName()) continue;
     for (const std::string_view name : {"colors", "rgb", "rgba"})
-      if (same_in_any_case(colours->GetName(), name)) return colours;
+      if (core::same_but_for_case(colours->GetName(), name)) return colours;
   }
   return nullptr;
 }

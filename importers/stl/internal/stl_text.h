@@ -7,19 +7,16 @@
 #include <span>
 #include <string_view>
 
+#include "sightline/core/internal/ascii_case.h"
 #include "sightline/importers/internal/import_job.h"
 
 namespace sightline::importers::stl {
-
-constexpr char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-}
 
 /// Keywords come in any case.
 inline bool is(std::string_view word, std::string_view keyword) {
   if (word.size() != keyword.size()) return false;
   return word == keyword ||
-         std::equal(word.begin(), word.end(), keyword.begin(), [](char a, char b) { return lower(a) == b; });
+         std::equal(word.begin(), word.end(), keyword.begin(), [](char a, char b) { return core::lower_case(a) == b; });
 }
 inline bool is_one_of(std::string_view word, std::initializer_list<std::string_view> keywords) {
   return std::any_of(keywords.begin(), keywords.end(), [&](std::string_view keyword) { return is(word, keyword); });
