@@ -8,7 +8,6 @@
 #include <exception>
 #include <mutex>
 #include <numbers>
-#include <optional>
 #include <thread>
 #include <unordered_map>
 
@@ -32,6 +31,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sightline/core/internal/disjoint_sets.h"
 #include "sightline/importers/cad/internal/cad_document.h"
 #include "sightline/importers/cad/internal/cad_parts.h"
 #include "sightline/importers/cad/internal/occt_maths.h"
@@ -123,6 +123,7 @@ class Builder {
     TDF_Label label;
     CadShape shape;
     CadPart made;
+    std::string failure;                            // why it could not be made
     std::vector<std::vector<core::MeshId>> meshes;  // of the contents
     bool used = false;
   };
@@ -147,76 +148,67 @@ class Builder {
       return {};
     }
     seen_[entry] = std::uint32_t(parts_.size());
-    parts_.push_back({product, shape_of(product, document_, styles_), {}, {}, false});
+    parts_.push_back({product, shape_of(product, document_, styles_), {}, {}, {}, false});
     return {};
   }
 
   /// Parts that share a face are one thread's, one after the other: the mesher writes into faces.
   std::vector<std::vector<std::size_t>> apart() const {
-    std::unordered_map<const TopoDS_TShape*, std::size_t> owner;
-    std::vector<std::vector<std::size_t>> groups;
-    std::vector<std::size_t> group_of(parts_.size());
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      std::optional<std::size_t> known;
+    std::unordered_map<const TopoDS_TShape*, std::uint32_t> owner;
+    core::DisjointSets sets(parts_.size());
+    for (std::uint32_t i = 0; i < parts_.size(); ++i)
       for (const auto& named : parts_[i].shape.bodies)
-        for (const StyledFace& face : named.body.faces) {
-          const auto [at, fresh] = owner.try_emplace(face.face.TShape().get(), i);
-          if (!fresh && at->second != i) known = group_of[at->second];
-        }
-      if (!known) {
-        known = groups.size();
-        groups.emplace_back();
-      }
-      group_of[i] = *known;
-      groups[*known].push_back(i);
-    }
+        for (const StyledFace& face : named.body.faces)
+          sets.merge(i, owner.try_emplace(face.face.TShape().get(), i).first->second);
+    std::vector<std::vector<std::size_t>> groups(parts_.size());
+    for (std::uint32_t i = 0; i < parts_.size(); ++i) groups[sets.find(i)].push_back(i);
+    std::erase_if(groups, [](const auto& group) { return group.empty(); });
     return groups;
   }
 
+  /// Says so in the part where it cannot be made.
+  void make(Part& part) const {
+    const auto fail = [&](const char* what) { part.failure = what && *what ? what : "cannot be meshed"; };
+    try {
+      part.made = make_part(part.shape, job_.options());
+    } catch (const Standard_Failure& thrown) {
+      fail(thrown.GetMessageString());
+    } catch (const std::exception& thrown) {
+      fail(thrown.what());
+    }
+    part.made.name = name_of(part.label);
+  }
+
+  /// In parallel. A strict import ends with the first part that fails.
   Done make_parts() {
     const auto groups = apart();
     std::atomic<std::size_t> next{0}, finished{0};
     std::atomic<bool> stop{false};
-    std::mutex mutex;
-    std::string failure;
     const auto work = [&] {
-      for (std::size_t at = next++; at < groups.size() && !stop; at = next++) {
+      for (std::size_t at = next++; at < groups.size(); at = next++) {
         for (const std::size_t i : groups[at]) {
-          try {
-            parts_[i].made = make_part(parts_[i].shape, job_.options());
-          } catch (const Standard_Failure& thrown) {
-            note_failure(mutex, failure, i, thrown.GetMessageString());
-          } catch (const std::exception& thrown) {
-            note_failure(mutex, failure, i, thrown.what());
-          }
-          parts_[i].made.name = name_of(parts_[i].label);
           if (stop) return;
+          make(parts_[i]);
+          if (!parts_[i].failure.empty() && !job_.options().lenient) stop = true;
         }
         ++finished;
       }
     };
-    std::vector<std::thread> threads;
     const int wanted = job_.options().threads > 0 ? job_.options().threads : int(std::thread::hardware_concurrency());
     const int count = std::clamp(wanted, 1, int(std::max<std::size_t>(1, groups.size())));
-    for (int i = 0; i < count; ++i) threads.emplace_back(work);
     Done done;
-    while (done && finished < groups.size() && !stop) {
-      done = job_.progress(kReading + kMeshing * double(finished) / double(groups.size()));
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      const std::lock_guard lock(mutex);
-      if (!failure.empty()) stop = true;
+    {
+      std::vector<std::jthread> threads;
+      for (int i = 0; i < count; ++i) threads.emplace_back(work);
+      while (done && finished < groups.size() && !stop) {
+        done = job_.progress(kReading + kMeshing * double(finished) / double(groups.size()));
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+      if (!done) stop = true;
     }
-    if (!done) stop = true;
-    for (std::thread& thread : threads) thread.join();
-    if (done && !failure.empty()) return job_.damage(0, failure);
-    return done;
-  }
-
-  void note_failure(std::mutex& mutex, std::string& failure, std::size_t part, const char* what) {
-    const std::lock_guard lock(mutex);
-    if (failure.empty() && !job_.options().lenient)
-      failure = fmt::format("part '{}': {}", name_of(parts_[part].label), what && *what ? what : "cannot be meshed");
-    ++failed_parts_;
+    const auto failed = std::find_if(parts_.begin(), parts_.end(), [](const Part& p) { return !p.failure.empty(); });
+    if (!done || job_.options().lenient || failed == parts_.end()) return done;
+    return job_.damage(0, fmt::format("part '{}': {}", failed->made.name, failed->failure));
   }
 
   core::MaterialId material(std::uint32_t style) {
@@ -346,7 +338,8 @@ class Builder {
       job_.warn(0, fmt::format("{} faces could not be meshed and are left out, most ({}) of part '{}'",
                                report.failed_faces, failures(*worst), worst->made.name));
     }
-    if (failed_parts_ > 0) job_.warn(0, fmt::format("{} parts could not be meshed and are left out", failed_parts_));
+    const auto left_out = std::count_if(parts_.begin(), parts_.end(), [](const Part& p) { return !p.failure.empty(); });
+    if (left_out > 0) job_.warn(0, fmt::format("{} parts could not be meshed and are left out", left_out));
     if (report.curves > 0) job_.warn(0, fmt::format("{} curves are not read", report.curves));
     if (report.annotations > 0)
       job_.warn(0, fmt::format("{} dimensions, tolerances and notes are not read", report.annotations));
@@ -372,7 +365,6 @@ class Builder {
   std::vector<Part> parts_;
   std::unordered_map<std::string, std::uint32_t> seen_;  // products by the entry of their label; kNone: assemblies
   TDF_LabelSequence path_;                               // of components, from the top
-  std::uint64_t failed_parts_ = 0;
 };
 
 Done read(ImportJob& job, const std::filesystem::path& path) {
