@@ -21,7 +21,7 @@ elif [ "$preset" = gpu-kit-build ]; then
 elif [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
   packages+=(ccache fonts-dejavu-core libglfw3-dev libimgui-dev libpcre2-dev libgtest-dev libgmp-dev libosmesa6 mesa-vulkan-drivers pkg-config xvfb xdotool
     libopenmpi-dev openmpi-bin parallel libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen
-    glslang-dev spirv-tools)
+    glslang-dev glslang-tools spirv-tools)
 fi
 if [ "$preset" = packages ] || [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then packages+=(dpkg-dev file help2man); fi
 if [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then packages+=(lintian); fi
@@ -29,7 +29,7 @@ if [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then packages+=(lintian); fi
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
 # Open CASCADE, for STEP, IGES and BREP, likewise.
 if [ "$preset" = packages ] || [ -n "${SIGHTLINE_SETUP_OCCT:-}" ]; then
-  packages+=(libocct-data-exchange-dev libocct-ocaf-dev libocct-modeling-algorithms-dev libocct-visualization-dev zlib1g-dev)
+  packages+=(libocct-data-exchange-dev libocct-ocaf-dev libocct-modeling-algorithms-dev libocct-visualization-dev libtbb-dev zlib1g-dev)
 fi
 # For the examples that draw into the windows of others.
 if [ -n "${SIGHTLINE_SETUP_EXAMPLES:-}" ]; then packages+=(libopenscenegraph-dev qt6-base-dev libqt6opengl6-dev); fi
