@@ -10,9 +10,17 @@ struct Pair3 {
 // The leading 12 of 24 bits: products of two such numbers are exact, and so is the rest, which has the other 12.
 vec3 leading_bits(vec3 a) { return uintBitsToFloat(floatBitsToUint(a) & 0xfffff000u); }
 
+// GLSL ES has no `precise`. A factor of 1 that the compiler does not know keeps it from simplifying sums.
+#ifdef GL_ES
+uniform float one;
+#define ROUNDED(sum) ((sum) * one)
+#else
+#define ROUNDED(sum) (sum)
+#endif
+
 // a + b, exactly.
 Pair3 pair_sum(vec3 a, vec3 b) {
-  precise vec3 sum = a + b, of_b = sum - a;
+  precise vec3 sum = ROUNDED(a + b), of_b = ROUNDED(sum - a);
   precise vec3 lost = (a - (sum - of_b)) + (b - of_b);
   return Pair3(sum, lost);
 }

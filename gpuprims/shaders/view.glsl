@@ -2,14 +2,18 @@
 
 #include "limits.glsl"
 
+#ifdef GL_ES
+struct ViewBlock {
+#else
 layout(std140, binding = 0) uniform ViewBlock {
+#endif
   mat3 eye_from_world;       // linear part: directions into eye space
   mat3 eye_from_world_parts[2];  // the same to 36 bits: leading bits, and the rest of them (pairs.glsl)
   vec4 pixel_ray[2];         // x, y of the point at depth t on the ray through pixel coordinate p: (a + b p) + t (c + d p)
   vec4 pixel_ray_rest;       // what float leaves of c, d (perspective; a, b in orthographic views) of x, and of y
   mat4 clip_from_eye;       // reversed zero-to-one depth
   vec4 depth_range;         // x: eye depth of the near plane, y: of the far plane (infinity allowed)
-  vec4 viewport;            // xy: size in pixels
+  vec4 viewport;            // xy: size in pixels; zw: in GLSL ES, its first pixel in the window
   vec4 up;                  // world up in eye space
   ivec4 flags;              // x: 1 perspective, 0 orthographic; y: number of sections; z: 1 when sections unite
   vec4 sections[kMaxSections];  // eye-space half-spaces
@@ -21,7 +25,12 @@ layout(std140, binding = 0) uniform ViewBlock {
   vec4 hatch_whole[kMaxSections];  // xy: of the two
   // Lights far away: xyz: towards them in eye space, w: their strength, 0 none. Without any there is a head-light.
   vec4 lights[2];
+#ifdef GL_ES
+};
+uniform ViewBlock view;
+#else
 } view;
+#endif
 
 bool perspective_view() { return view.flags.x == 1; }
 

@@ -7,9 +7,11 @@
 #include "make_proxy.glsl"
 #include "internal_faces.glsl"
 
+#ifndef GL_ES
 out gl_PerVertex {
   vec4 gl_Position;
 };
+#endif
 #ifdef PROXY_CORNERS
 // As in primitive.geom.
 layout(location = 0) flat out vec4 local_from_eye[3];

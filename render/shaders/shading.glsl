@@ -11,7 +11,9 @@ layout(location = 2) out float out_nearest;    // reverse-Z; blending takes the 
 layout(location = 64) uniform vec2 blend_range;  // eye depths of the nearest surface and of the farthest
 #else
 layout(location = 0) out vec4 out_colour;
+#ifndef GL_ES
 layout(location = 1) out uint out_id;  // item id + 1; 0 is background
+#endif
 #ifdef NORMALS
 layout(location = 2) out vec4 out_normal;  // in eye space, towards the eye
 #endif
@@ -97,7 +99,9 @@ void write_lit(vec3 n, float head, vec2 lights, float sky, float hatch, uint wor
 #else
   out_colour = vec4(lit, 1.0);
 #endif
+#ifndef GL_ES
   out_id = id + 1u;
+#endif
 #ifdef NORMALS
   out_normal = vec4(n, 0.0);
 #endif
