@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -93,10 +94,26 @@ class CollectionsWriter {
     });
     if (!error_.empty()) return core::fail(error_);
     prune();
-    for (const auto& [name, rows] : rows_) write_rows(name, {}, rows);
-    for (const auto& [shape, rows] : meshes_)
-      write_rows("InstanceMesh", fmt::format(",\"mesh\":{}", shapes_.mesh(shape, kNone)), rows);
-    if (!caps_.trees.empty()) write_rows("CircleCollection", ",\"extras\":{\"caps\":true}", caps_);
+    write_all_rows();
+    return {};
+  }
+
+  core::Expected<void> run(core::NodeId top, std::span<const CollectionItem> items, const dvec3& centre) {
+    centre_ = centre;
+    rows_have_centre_ = false;
+    std::unordered_map<std::uint32_t, std::size_t> parts;  // by node
+    for (const CollectionItem& item : items) {
+      const auto [part, added] = parts.try_emplace(item.node.index, parts_);
+      tree_ = float(part->second);
+      const bool written = write_item(item.id, item.state);
+      ++(written ? report_.items[std::size_t(scene_.kind(item.id))] : report_.left_out);
+      if (written && part->second == parts_) ++parts_;
+      if (!written && part->second == parts_) parts.erase(part);
+    }
+    if (parts_ > kMostParts) return core::fail(too_many_parts());
+    for (const CollectionItem& item : items)
+      if (parts.contains(item.node.index)) place(item.node, top, parts);
+    write_all_rows();
     return {};
   }
 
@@ -117,23 +134,53 @@ class CollectionsWriter {
     }
     if (is_top && !shows) return;
     const core::NodeId above = is_top ? core::NodeId{} : scene_.parent(node);
+    const std::uint32_t index = output_.node(above.valid() && above.index < place_.size() ? place_[above.index] : kNone,
+                                             node_text(node, shows ? parts_ : kMostParts));
+    if (!is_top) remember(node, index);
+    shows_.push_back(shows);
+    lost_.push_back(report_.left_out > left_out_before);
+    if (shows && ++parts_ >= kMostParts) error_ = too_many_parts();
+  }
+
+  static std::string too_many_parts() {
+    return fmt::format("more than {} nodes with items, which the tree indices of collections cannot count", kMostParts);
+  }
+
+  /// Members of a node's object. `part`: its tree index; kMostParts: it has none.
+  std::string node_text(core::NodeId node, std::size_t part) const {
     std::string text = "\"name\":" + json_string(scene_.name(node));
     std::string extras;
     for (const auto& [key, value] : scene_.attributes(node))
       extras += json_string(key) + ':' + json_string(value) + ',';
-    if (shows) extras += fmt::format("\"treeIndex\":{},", parts_);
+    if (part != kMostParts) extras += fmt::format("\"treeIndex\":{},", part);
     if (!extras.empty()) extras.pop_back(), text += ",\"extras\":{" + extras + '}';
-    const std::uint32_t index =
-        output_.node(above.valid() && above.index < place_.size() ? place_[above.index] : kNone, text);
-    if (!is_top) {
-      if (place_.size() <= node.index) place_.resize(std::size_t(node.index) + 1, kNone);
-      place_[node.index] = index;
+    return text;
+  }
+
+  void remember(core::NodeId node, std::uint32_t index) {
+    if (place_.size() <= node.index) place_.resize(std::size_t(node.index) + 1, kNone);
+    place_[node.index] = index;
+  }
+
+  /// Writes a node and those above it, below `top`, unless they are written.
+  void place(core::NodeId node, core::NodeId top, const std::unordered_map<std::uint32_t, std::size_t>& parts) {
+    std::vector<core::NodeId> path;
+    std::uint32_t above = kNone;
+    for (; node.valid(); node = scene_.parent(node)) {
+      if (const auto known = nodes_.find(node.index); known != nodes_.end()) {
+        above = known->second;
+        break;
+      }
+      path.push_back(node);
+      if (node == top) break;
     }
-    shows_.push_back(shows);
-    lost_.push_back(report_.left_out > left_out_before);
-    if (shows && ++parts_ >= kMostParts)
-      error_ =
-          fmt::format("more than {} nodes with items, which the tree indices of collections cannot count", kMostParts);
+    for (; !path.empty(); path.pop_back()) {
+      const auto part = parts.find(path.back().index);
+      // The root of a scene is written where it has items alone.
+      if (part == parts.end() && path.back() == scene_.root()) continue;
+      above = output_.node(above, node_text(path.back(), part == parts.end() ? kMostParts : part->second));
+      nodes_.emplace(path.back().index, above);
+    }
   }
 
   /// Leaves out nodes that show nothing because what they had was left out.
@@ -149,12 +196,19 @@ class CollectionsWriter {
     output_.prune(keep);
   }
 
+  void write_all_rows() {
+    for (const auto& [name, rows] : rows_) write_rows(name, {}, rows);
+    for (const auto& [shape, rows] : meshes_)
+      write_rows("InstanceMesh", fmt::format(",\"mesh\":{}", shapes_.mesh(shape, kNone)), rows);
+    if (!caps_.trees.empty()) write_rows("CircleCollection", ",\"extras\":{\"caps\":true}", caps_);
+  }
+
   void write_rows(std::string_view name, const std::string& members, const Collection& rows) {
     std::string attributes =
         fmt::format("\"_treeIndex\":{},\"_color\":{}", output_.numbers(rows.trees, 1), output_.colours(rows.colours));
     for (const Collection::Column& column : rows.columns)
       attributes += fmt::format(",\"{}\":{}", column.name, output_.numbers(column.values, column.components));
-    const std::string placement = gltf_transform(core::translation(centre_));
+    const std::string placement = rows_have_centre_ ? gltf_transform(core::translation(centre_)) : std::string();
     output_.node(kNone, fmt::format("\"name\":\"{}\"{}{}{},\"extensions\":{{\"EXT_mesh_gpu_instancing\":"
                                     "{{\"attributes\":{{{}}}}}}}",
                                     name, placement.empty() ? "" : ",", placement, members, attributes));
@@ -339,10 +393,12 @@ class CollectionsWriter {
   GltfWriteReport& report_;
   GltfShapes shapes_;
   dvec3 centre_{0.0};
+  bool rows_have_centre_ = true;  // no: the file is relative to it
   std::map<std::string, Collection> rows_;
   std::map<std::uint32_t, Collection> meshes_;  // by shape
   Collection caps_;
-  std::vector<std::uint32_t> place_;  // in the file, of each node of the scene
+  std::vector<std::uint32_t> place_;                        // in the file, of each node of the scene
+  std::unordered_map<std::uint32_t, std::uint32_t> nodes_;  // the same where few are written
   std::vector<bool> shows_, lost_;
   std::size_t parts_ = 0;
   float tree_ = 0.0f;            // of the present node
@@ -357,6 +413,12 @@ class CollectionsWriter {
 core::Expected<void> write_collections(const core::Scene& scene, core::NodeId top, const GltfWriteOptions& options,
                                        GltfOutput& output, GltfWriteReport& report) {
   return CollectionsWriter(scene, options, output, report).run(top);
+}
+
+core::Expected<void> write_collections(const core::Scene& scene, core::NodeId top,
+                                       std::span<const CollectionItem> items, const dvec3& centre,
+                                       const GltfWriteOptions& options, GltfOutput& output, GltfWriteReport& report) {
+  return CollectionsWriter(scene, options, output, report).run(top, items, centre);
 }
 
 }  // namespace sightline::importers

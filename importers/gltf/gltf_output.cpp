@@ -1,13 +1,16 @@
 #include "sightline/importers/gltf/internal/gltf_output.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "sightline/core/internal/atomic_file.h"
 #include "sightline/core/internal/srgb.h"
+#include "sightline/importers/gltf/internal/gltf_compression.h"
+#include "sightline/importers/gltf/internal/meshopt_encoding.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/internal/json_text.h"
 
@@ -23,6 +26,8 @@ void put_word(OutputBytes& to, std::uint64_t value) {
 std::size_t padded(std::size_t size) {
   return (size + 3) / 4 * 4;
 }
+
+constexpr std::size_t kTableAlignment = 8;  // as EXT_structural_metadata has it for the numbers of all types
 
 std::string_view type_of(int components) {
   return components == 1 ? "SCALAR" : components == 3 ? "VEC3" : components == 4 ? "VEC4" : "MAT4";
@@ -62,28 +67,59 @@ std::uint32_t GltfOutput::add(Array& array, std::string_view text) {
   return array.count++;
 }
 
-std::uint32_t GltfOutput::accessor(ViewKind kind, const void* data, std::size_t size, std::string_view members) {
-  View& view = views_[kind];
-  auto at = std::find(order_.begin(), order_.end(), kind);
-  if (at == order_.end()) {
-    at = order_.insert(at, kind);
-    const bool vertices = kind == kPositions || kind == kNormals, corners = kind == kSmallIndices || kind == kIndices;
-    view.members = vertices ? ",\"byteStride\":12,\"target\":34962" : corners ? ",\"target\":34963" : "";
-  }
+GltfOutput::GltfOutput(bool compress) : compress_(compress && encodes_meshopt()) {}
+
+/// The view of all arrays of a kind with elements of that size.
+GltfOutput::View& GltfOutput::view_for(Kind kind, std::size_t stride) {
+  const auto known = std::find_if(views_.begin(), views_.end(),
+                                  [&](const View& view) { return view.kind == kind && view.stride == stride; });
+  return known != views_.end() ? *known : views_.emplace_back(View{kind, stride, {}});
+}
+
+std::uint32_t GltfOutput::accessor(Kind kind, std::span<const std::byte> data, std::size_t stride,
+                                   std::string_view members) {
+  View& view = view_for(kind, stride);
   const std::size_t offset = view.bytes.size();
-  view.bytes.resize(padded(offset + size));
-  std::memcpy(view.bytes.data() + offset, data, size);
-  return add(accessors_, fmt::format("\"bufferView\":{},\"byteOffset\":{},{}", at - order_.begin(), offset, members));
+  view.bytes.insert(view.bytes.end(), data.begin(), data.end());
+  return add(accessors_, fmt::format("\"bufferView\":{},\"byteOffset\":{},{}", &view - views_.data(), offset, members));
+}
+
+std::uint32_t GltfOutput::floats(Kind kind, std::span<const float> values, int components, std::string_view bounds) {
+  return accessor(kind, std::as_bytes(values), sizeof(float) * std::size_t(components),
+                  fmt::format("\"componentType\":5126,\"count\":{},\"type\":\"{}\"{}",
+                              values.size() / std::size_t(components), type_of(components), bounds));
+}
+
+std::uint32_t GltfOutput::table(std::span<const std::byte> bytes, std::size_t stride) {
+  views_.push_back({Kind::kTable, stride, {bytes.begin(), bytes.end()}});
+  return std::uint32_t(views_.size() - 1);
+}
+
+/// Compresses views where that makes them smaller.
+void GltfOutput::compress() {
+  if (!compress_) return;
+  for (View& view : views_) {
+    if (view.raw_bytes > 0 || (view.kind == Kind::kTable && view.stride % 4 != 0)) continue;
+    std::vector<std::byte> encoded = view.is_corners() ? encode_meshopt_triangles(view.bytes, view.stride)
+                                                       : encode_meshopt_attributes(view.bytes, view.stride);
+    if (encoded.size() >= view.bytes.size() && !view.is_filtered()) continue;
+    view.raw_bytes = view.bytes.size();
+    view.bytes = std::move(encoded);
+    use_extension(kMeshopt, true);
+    compressed_ = true;
+  }
 }
 
 std::uint32_t GltfOutput::positions(std::span<const core::vec3> values) {
   core::vec3 low(values[0]), high(values[0]);
   for (const core::vec3& p : values) low = glm::min(low, p), high = glm::max(high, p);
-  return accessor(kPositions, values.data(), values.size_bytes(),
-                  fmt::format("\"componentType\":5126,\"count\":{},\"type\":\"VEC3\",\"min\":[{},{},{}],"
-                              "\"max\":[{},{},{}]",
-                              values.size(), double(low.x), double(low.y), double(low.z), double(high.x),
-                              double(high.y), double(high.z)));
+  const std::string bounds = fmt::format(",\"min\":[{},{},{}],\"max\":[{},{},{}]", double(low.x), double(low.y),
+                                         double(low.z), double(high.x), double(high.y), double(high.z));
+  if (compress_)
+    if (const auto counts = exponential_positions(values); !counts.empty())
+      return accessor(Kind::kCountedPositions, counts, 12,
+                      fmt::format("\"componentType\":5126,\"count\":{},\"type\":\"VEC3\"{}", values.size(), bounds));
+  return floats(Kind::kPositions, {&values[0].x, 3 * values.size()}, 3, bounds);
 }
 
 std::uint32_t GltfOutput::normals(std::span<const core::vec3> values) {
@@ -94,8 +130,15 @@ std::uint32_t GltfOutput::normals(std::span<const core::vec3> values) {
     const double length = glm::length(normal);
     units.push_back(length > 0.0 && std::isfinite(length) ? core::vec3(normal / length) : core::vec3(0, 0, 1));
   }
-  return accessor(kNormals, units.data(), std::span(units).size_bytes(),
-                  fmt::format("\"componentType\":5126,\"count\":{},\"type\":\"VEC3\"", units.size()));
+  if (!compress_) return floats(Kind::kNormals, {&units[0].x, 3 * units.size()}, 3);
+  use_extension("KHR_mesh_quantization", true);
+  return accessor(
+      Kind::kByteNormals, octahedral_normals(units), 4,
+      fmt::format("\"componentType\":5120,\"normalized\":true,\"count\":{},\"type\":\"VEC3\"", units.size()));
+}
+
+std::uint32_t GltfOutput::features(std::span<const float> values) {
+  return floats(Kind::kFeatures, values, 1);
 }
 
 std::uint32_t GltfOutput::indices(std::span<const std::uint32_t> values, std::size_t vertices) {
@@ -103,20 +146,18 @@ std::uint32_t GltfOutput::indices(std::span<const std::uint32_t> values, std::si
     return fmt::format("\"componentType\":{},\"count\":{},\"type\":\"SCALAR\"", type, values.size());
   };
   // The largest index of each type is reserved.
-  if (vertices > 0xffff) return accessor(kIndices, values.data(), values.size_bytes(), members(5125));
+  if (vertices > 0xffff) return accessor(Kind::kIndices, std::as_bytes(values), 4, members(5125));
   const std::vector<std::uint16_t> small(values.begin(), values.end());
-  return accessor(kSmallIndices, small.data(), std::span(small).size_bytes(), members(5123));
+  return accessor(Kind::kIndices, std::as_bytes(std::span(small)), 2, members(5123));
 }
 
 std::uint32_t GltfOutput::numbers(std::span<const float> values, int components) {
-  return accessor(kNumbers, values.data(), values.size_bytes(),
-                  fmt::format("\"componentType\":5126,\"count\":{},\"type\":\"{}\"",
-                              values.size() / std::size_t(components), type_of(components)));
+  return floats(Kind::kNumbers, values, components);
 }
 
 std::uint32_t GltfOutput::colours(std::span<const std::uint8_t> rgba) {
   return accessor(
-      kColours, rgba.data(), rgba.size_bytes(),
+      Kind::kColours, std::as_bytes(rgba), 4,
       fmt::format("\"componentType\":5121,\"normalized\":true,\"count\":{},\"type\":\"VEC4\"", rgba.size() / 4));
 }
 
@@ -141,6 +182,13 @@ void GltfOutput::use_extension(std::string_view name, bool required) {
   if (std::find(used_.begin(), used_.end(), name) != used_.end()) return;
   used_.emplace_back(name);
   if (required) required_.emplace_back(name);
+}
+
+void GltfOutput::add_extension(std::string_view name, std::string_view text) {
+  use_extension(name, false);
+  if (!extensions_.empty()) extensions_ += ',';
+  extensions_ += json_string(name) + ':';
+  extensions_ += text;
 }
 
 void GltfOutput::prune(const std::vector<bool>& keep) {
@@ -205,7 +253,41 @@ std::string GltfOutput::node_text() const {
   return all + ']';
 }
 
-std::string GltfOutput::text(std::uint64_t binary_bytes, std::string_view uri) const {
+std::vector<GltfOutput::Place> GltfOutput::places() const {
+  std::vector<Place> places;
+  Place end;
+  for (const View& view : views_) {
+    const std::size_t alignment = view.kind == Kind::kTable ? kTableAlignment : 4;
+    end.offset = (end.offset + alignment - 1) / alignment * alignment;
+    end.raw_offset = (end.raw_offset + alignment - 1) / alignment * alignment;
+    places.push_back(end);
+    end.offset += view.bytes.size();
+    end.raw_offset += view.raw_bytes;
+  }
+  end.offset = padded(end.offset), end.raw_offset = padded(end.raw_offset);
+  places.push_back(end);
+  return places;
+}
+
+std::string GltfOutput::view_text(const View& view, const Place& place) const {
+  const bool vertices = view.kind < Kind::kIndices, corners = view.is_corners();
+  const std::string members = vertices  ? fmt::format(",\"byteStride\":{},\"target\":34962", view.stride)
+                              : corners ? ",\"target\":34963"
+                                        : "";
+  if (view.raw_bytes == 0)
+    return fmt::format("{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{}{}}}", place.offset, view.bytes.size(),
+                       members);
+  return fmt::format(
+      "{{\"buffer\":1,\"byteOffset\":{},\"byteLength\":{}{},\"extensions\":{{\"{}\":{{\"buffer\":0,\"byteOffset\":{},"
+      "\"byteLength\":{},\"byteStride\":{},\"count\":{},\"mode\":\"{}\"{}}}}}}}",
+      place.raw_offset, view.raw_bytes, members, kMeshopt, place.offset, view.bytes.size(), view.stride,
+      view.raw_bytes / view.stride, corners ? "TRIANGLES" : "ATTRIBUTES",
+      view.kind == Kind::kByteNormals        ? ",\"filter\":\"OCTAHEDRAL\""
+      : view.kind == Kind::kCountedPositions ? ",\"filter\":\"EXPONENTIAL\""
+                                             : "");
+}
+
+std::string GltfOutput::text(std::string_view uri) const {
   std::string all = "{\"asset\":{\"version\":\"2.0\",\"generator\":\"Sightline\"}";
   const auto names = [&](std::string_view key, const std::vector<std::string>& list) {
     if (list.empty()) return;
@@ -215,6 +297,7 @@ std::string GltfOutput::text(std::uint64_t binary_bytes, std::string_view uri) c
   };
   names("extensionsUsed", used_);
   names("extensionsRequired", required_);
+  if (!extensions_.empty()) all += ",\"extensions\":{" + extensions_ + '}';
   all += node_text();
   const auto array = [&](std::string_view key, const Array& objects) {
     if (objects.count > 0) all += fmt::format(",\"{}\":[", key), all += objects.text, all += ']';
@@ -222,33 +305,36 @@ std::string GltfOutput::text(std::uint64_t binary_bytes, std::string_view uri) c
   array("meshes", meshes_);
   array("materials", materials_);
   array("accessors", accessors_);
-  if (!order_.empty()) {
-    all += ",\"bufferViews\":[";
-    std::uint64_t offset = 0;
-    for (std::size_t i = 0; i < order_.size(); ++i) {
-      const View& view = views_[order_[i]];
-      all += fmt::format("{}{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{}{}}}", i ? "," : "", offset,
-                         view.bytes.size(), view.members);
-      offset += view.bytes.size();
-    }
-    all += fmt::format("],\"buffers\":[{{\"byteLength\":{}{}}}]", binary_bytes,
-                       uri.empty() ? "" : ",\"uri\":" + json_string(uri));
-  }
-  return all + '}';
+  if (views_.empty()) return all + '}';
+  const std::vector<Place> at = places();
+  all += ",\"bufferViews\":[";
+  for (std::size_t i = 0; i < views_.size(); ++i) all += (i ? "," : "") + view_text(views_[i], at[i]);
+  all += fmt::format("],\"buffers\":[{{\"byteLength\":{}{}}}", at.back().offset,
+                     uri.empty() ? "" : ",\"uri\":" + json_string(uri));
+  // What the compressed views stand for is in no file.
+  if (compressed_)
+    all += fmt::format(",{{\"byteLength\":{},\"extensions\":{{\"{}\":{{\"fallback\":true}}}}}}", at.back().raw_offset,
+                       kMeshopt);
+  return all + "]}";
 }
 
 core::Expected<std::uint64_t> GltfOutput::write(const std::filesystem::path& path) {
-  std::uint64_t binary = 0;
-  for (const ViewKind kind : order_) binary += views_[kind].bytes.size();
+  compress();
+  const std::vector<Place> at = places();
+  const std::uint64_t binary = at.back().offset;
   const auto write_views = [&](core::AtomicFile& file) {
-    for (const ViewKind kind : order_) file.write(views_[kind].bytes);
+    constexpr std::byte kNothing[kTableAlignment] = {};
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      file.write(views_[i].bytes);
+      file.write(std::span(kNothing).first(at[i + 1].offset - at[i].offset - views_[i].bytes.size()));
+    }
   };
   auto file = core::AtomicFile::create(path);
   if (!file) return tl::unexpected(file.error());
   if (lower_case_extension(path) == ".gltf") {
     std::filesystem::path beside = path;
     beside.replace_extension(".bin");
-    const std::string json = text(binary, percent_encoded(beside.filename().string()));
+    const std::string json = text(percent_encoded(beside.filename().string()));
     file->write(std::as_bytes(std::span(json)));
     if (binary > 0) {
       auto numbers = core::AtomicFile::create(beside);
@@ -259,7 +345,7 @@ core::Expected<std::uint64_t> GltfOutput::write(const std::filesystem::path& pat
     if (auto done = file->commit(); !done) return tl::unexpected(done.error());
     return json.size() + binary;
   }
-  std::string json = text(binary, "");
+  std::string json = text("");
   json.resize(padded(json.size()), ' ');
   const std::uint64_t size = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
   if (size > std::numeric_limits<std::uint32_t>::max())

@@ -1,7 +1,6 @@
 #include "sightline/importers/gltf/internal/gltf_shapes.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -12,47 +11,11 @@
 namespace sightline::importers {
 namespace {
 
-/// Steps of the scale in an octave.
-constexpr double kScaleSteps = 8.0;
-
-/// Number of the step that ends at or above `scale`. Placements of one scale differ in its last digits, so a step ends
-/// a little beyond its number.
-double step_above(double scale) {
-  return std::ceil(kScaleSteps * std::log2(scale) - 1e-4);
-}
-double scale_of_step(double step) {
-  return 1.00001 * std::exp2(step / kScaleSteps);
-}
-
-/// A primitive of size 1 with the scale that makes the given one of it, and the part of it that stretches what is bent.
-struct Unit {
-  core::Primitive primitive;
-  core::dvec3 scale{1.0}, bent{1.0};
-};
-
-Unit unit_of(const core::Primitive& primitive) {
-  if (core::is_degenerate(primitive)) return {primitive};
-  const auto size = [](float length) { return std::abs(double(length)); };
-  if (const auto* cylinder = std::get_if<core::Cylinder>(&primitive)) {
-    const double r = size(cylinder->radius);
-    return {core::Cylinder{1, 1}, {r, r, size(cylinder->height)}, {r, r, 0}};
-  }
-  if (const auto* sphere = std::get_if<core::Sphere>(&primitive))
-    return {core::Sphere{1}, core::dvec3(size(sphere->diameter)), core::dvec3(size(sphere->diameter))};
-  if (const auto* box = std::get_if<core::Box>(&primitive))
-    return {core::Box{1, 1, 1}, {size(box->size_x), size(box->size_y), size(box->size_z)}};
-  return {primitive};
-}
-
 bool all_finite(const std::vector<core::vec3>& values) {
   return std::all_of(values.begin(), values.end(), [](const core::vec3& v) { return core::is_finite(core::dvec3(v)); });
 }
 
 }  // namespace
-
-core::Mesh GltfShapes::triangles(const core::Primitive& primitive, double scale) const {
-  return gpuprims::tessellate(primitive, {.chord_tolerance = tolerance_ / scale, .max_segments = kMostSegments});
-}
 
 GltfShapes::Scaled GltfShapes::shape(core::ItemId item, const core::Affine& world_from_item) {
   const core::Kind kind = scene_.kind(item);
@@ -62,24 +25,16 @@ GltfShapes::Scaled GltfShapes::shape(core::ItemId item, const core::Affine& worl
     if (added) at->second = add(scene_.mesh(mesh), scene_.mesh(mesh).name, 0.0);
     return {at->second};
   }
-  const Unit unit = unit_of(scene_.primitive(item));
-  core::dmat3 bent = world_from_item.linear;
-  for (int c = 0; c < 3; ++c) bent[c] *= unit.bent[c];
-  const double scale = largest_scale(bent);
-  const bool flat = kind == core::Kind::kLine || kind == core::Kind::kBox;  // whose triangles are exact
-  if (!flat && !(scale > 0.0)) return {};
-  const double step = flat ? 0.0 : step_above(scale);
-  PrimitiveKey key{std::uint32_t(kind), std::uint32_t(std::int32_t(step))};
-  const auto parameters = core::parameters(unit.primitive);
-  for (std::size_t i = 0; i < parameters.size(); ++i) key[2 + i] = std::bit_cast<std::uint32_t>(parameters[i]);
-  const auto [at, added] = of_primitives_.try_emplace(key, core::kNone);
+  const SharedPrimitive shared = shared_primitive(scene_.primitive(item), world_from_item.linear);
+  if (shared.empty()) return {};
+  const auto [at, added] = of_primitives_.try_emplace(shared.key, core::kNone);
   if (added && kind == core::Kind::kLine) {
-    at->second = add_line(std::get<core::Line>(unit.primitive));
+    at->second = add_line(std::get<core::Line>(shared.primitive));
   } else if (added) {
-    const core::Mesh mesh = triangles(unit.primitive, scale_of_step(step));
+    const core::Mesh mesh = shared.triangles(tolerance_);
     at->second = add(mesh, core::name_of(kind), chord_error(mesh));
   }
-  return {note_error(at->second, scale), unit.scale};
+  return {note_error(at->second, shared.bend), shared.scale};
 }
 
 std::uint32_t GltfShapes::baked(core::ItemId item, const core::dmat3& linear, const core::Affine& world_from_item) {
@@ -88,7 +43,9 @@ std::uint32_t GltfShapes::baked(core::ItemId item, const core::dmat3& linear, co
   if (kind == core::Kind::kLine) return core::kNone;
   const double scale = largest_scale(world_from_item.linear);
   if (primitive && !(scale > 0.0)) return core::kNone;
-  core::Mesh mesh = primitive ? triangles(scene_.primitive(item), scale) : scene_.mesh(scene_.mesh_of(item));
+  core::Mesh mesh = primitive ? gpuprims::tessellate(scene_.primitive(item), {.chord_tolerance = tolerance_ / scale,
+                                                                              .max_segments = kMostSegments})
+                              : scene_.mesh(scene_.mesh_of(item));
   const double error = primitive ? chord_error(mesh) : 0.0;
   const core::dmat3 normals = normal_map(linear);
   for (core::vec3& p : mesh.positions) p = core::vec3(linear * core::dvec3(p));

@@ -11,6 +11,7 @@
 
 #include "sightline/importers/gltf/internal/gltf_collections_writer.h"
 #include "sightline/importers/gltf/internal/gltf_output.h"
+#include "sightline/importers/gltf/internal/gltf_placement.h"
 #include "sightline/importers/gltf/internal/gltf_shapes.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/extension.h"
@@ -24,56 +25,6 @@ using core::dvec3;
 using core::kNoItem;
 using core::kNone;
 using core::NodeId;
-
-/// z up to y up.
-const Affine kFileFromWorld{dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), dvec3(0.0)};
-
-/// Whether a map is a rotation times a scale, which is all that glTF has.
-bool is_decomposable(const dmat3& m) {
-  constexpr double kSkew = 1e-6;
-  double lengths[3];
-  for (int i = 0; i < 3; ++i) lengths[i] = glm::length(m[i]);
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3;
-    if (!(lengths[i] > 0.0) || std::abs(glm::dot(m[i], m[j])) > kSkew * lengths[i] * lengths[j]) return false;
-  }
-  return true;
-}
-
-/// Rotation (a quaternion x y z w) and scale of a map that is_decomposable(). A mirrored one has a negative x scale.
-struct Turn {
-  float rotation[4], scale[3];
-};
-Turn decomposed(const dmat3& m) {
-  Turn turn;
-  dmat3 r;
-  const double sign = glm::determinant(m) < 0.0 ? -1.0 : 1.0;
-  for (int i = 0; i < 3; ++i) {
-    const double scale = glm::length(m[i]) * (i == 0 ? sign : 1.0);
-    turn.scale[i] = float(scale);
-    r[i] = m[i] / scale;
-  }
-  // Shepperd's method: divides by the largest of the four.
-  const double trace = r[0][0] + r[1][1] + r[2][2];
-  double q[4];
-  int most = 3;
-  double largest = trace;
-  for (int i = 0; i < 3; ++i)
-    if (r[i][i] > largest) largest = r[i][i], most = i;
-  if (most == 3) {
-    q[3] = 0.5 * std::sqrt(1.0 + trace);
-    for (int i = 0; i < 3; ++i) q[i] = (r[(i + 1) % 3][(i + 2) % 3] - r[(i + 2) % 3][(i + 1) % 3]) / (4.0 * q[3]);
-  } else {
-    const int i = most, j = (i + 1) % 3, k = (i + 2) % 3;
-    q[i] = 0.5 * std::sqrt(1.0 + r[i][i] - r[j][j] - r[k][k]);
-    q[j] = (r[i][j] + r[j][i]) / (4.0 * q[i]);
-    q[k] = (r[i][k] + r[k][i]) / (4.0 * q[i]);
-    q[3] = (r[j][k] - r[k][j]) / (4.0 * q[i]);
-  }
-  const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-  for (int i = 0; i < 4; ++i) turn.rotation[i] = float(q[i] / length);
-  return turn;
-}
 
 /// Members of an object, joined.
 class Members {
@@ -124,7 +75,7 @@ class TreeWriter {
                   core::MaterialId material) {
     const std::uint64_t left_out_before = report_.left_out;
     const std::vector<Item> items = items_of(node, world, visible, layers, material);
-    if (is_top) file_from_top_ = kFileFromWorld * world;
+    if (is_top) file_from_top_ = kGltfFromWorld * world;
     if (is_top && items.empty()) return;
     const NodeId above = is_top ? NodeId{} : scene_.parent(node);
     const auto known = above.valid() ? place_of(above) : kNone;
@@ -202,20 +153,15 @@ class TreeWriter {
       high = glm::max(high, items[i].node_from_shape.origin);
     }
     const dvec3 middle = 0.5 * (low + high);
-    std::vector<float> translations, rotations, scales;
+    std::vector<Affine> placements;
     for (const std::size_t i : group) {
-      const Affine& placement = items[i].node_from_shape;
-      const Turn turn = decomposed(placement.linear);
-      for (int c = 0; c < 3; ++c) translations.push_back(float(placement.origin[c] - middle[c]));
-      rotations.insert(rotations.end(), std::begin(turn.rotation), std::end(turn.rotation));
-      scales.insert(scales.end(), std::begin(turn.scale), std::end(turn.scale));
+      placements.push_back(items[i].node_from_shape);
+      placements.back().origin -= middle;
     }
     Members members;
     members.add(gltf_transform(core::translation(middle))).add(fmt::format("\"mesh\":{}", mesh));
-    members.add(
-        fmt::format("\"extensions\":{{\"EXT_mesh_gpu_instancing\":{{\"attributes\":{{\"TRANSLATION\":{},"
-                    "\"ROTATION\":{},\"SCALE\":{}}}}}}}",
-                    output_.numbers(translations, 3), output_.numbers(rotations, 4), output_.numbers(scales, 3)));
+    members.add(fmt::format("\"extensions\":{{\"EXT_mesh_gpu_instancing\":{{\"attributes\":{{{}}}}}}}",
+                            instance_attributes(output_, placements)));
     output_.use_extension("EXT_mesh_gpu_instancing", true);
     note(output_.node(node, members.text()), true, false);
   }

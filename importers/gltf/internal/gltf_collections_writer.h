@@ -2,6 +2,8 @@
 // gltf_collections.h. gltf_writer.h says what becomes what.
 #pragma once
 
+#include <span>
+
 #include "sightline/core/scene.h"
 #include "sightline/importers/gltf/gltf_writer.h"
 #include "sightline/importers/gltf/internal/gltf_output.h"
@@ -10,5 +12,18 @@ namespace sightline::importers {
 
 core::Expected<void> write_collections(const core::Scene& scene, core::NodeId top, const GltfWriteOptions& options,
                                        GltfOutput& output, GltfWriteReport& report);
+
+/// An item, the node that it hangs on, and what it inherits.
+struct CollectionItem {
+  core::ItemId id;
+  core::NodeId node;
+  core::Scene::ItemState state;
+};
+
+/// The same for some items, with the nodes above them below `top`. Coordinates
+/// are relative to `centre`. Items without anything to draw are counted as left out.
+core::Expected<void> write_collections(const core::Scene& scene, core::NodeId top,
+                                       std::span<const CollectionItem> items, const core::dvec3& centre,
+                                       const GltfWriteOptions& options, GltfOutput& output, GltfWriteReport& report);
 
 }  // namespace sightline::importers

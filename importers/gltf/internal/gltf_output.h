@@ -2,7 +2,6 @@
 // would take ten times the memory.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -22,10 +21,15 @@ std::string json_string(std::string_view text);
 
 class GltfOutput {
  public:
+  /// `compress`: numbers as streams of EXT_meshopt_compression, which readers must know then, where that is smaller and
+  /// the build has the library. Triangles may be turned, and normals become bytes (KHR_mesh_quantization).
+  explicit GltfOutput(bool compress = false);
+
   // Each adds one object and returns its index.
-  std::uint32_t positions(std::span<const core::vec3> values);  ///< all finite, at least one
-  std::uint32_t normals(std::span<const core::vec3> values);    ///< made unit vectors
-  std::uint32_t indices(std::span<const std::uint32_t> values, std::size_t vertices);
+  std::uint32_t positions(std::span<const core::vec3> values);                         ///< all finite, at least one
+  std::uint32_t normals(std::span<const core::vec3> values);                           ///< made unit vectors
+  std::uint32_t indices(std::span<const std::uint32_t> values, std::size_t vertices);  ///< of triangles
+  std::uint32_t features(std::span<const float> values);                 ///< a whole number for each vertex, below 2^24
   std::uint32_t numbers(std::span<const float> values, int components);  ///< 1, 3, 4 or 16 for each instance
   std::uint32_t colours(std::span<const std::uint8_t> rgba);             ///< for instances, normalised
   std::uint32_t material(const core::Material& material);
@@ -33,6 +37,10 @@ class GltfOutput {
   /// `text`: members of the object but for "children", joined by commas. `parent` comes first; kNone: of the scene.
   std::uint32_t node(std::uint32_t parent, std::string_view text);
   void use_extension(std::string_view name, bool required);
+  /// Extension of the file itself. `text`: its object.
+  void add_extension(std::string_view name, std::string_view text);
+  /// Buffer view of its own that no accessor refers to, for an extension. `stride`: bytes of a number in it.
+  std::uint32_t table(std::span<const std::byte> bytes, std::size_t stride);
 
   /// Leaves out nodes: keep[i] of node i. A kept node's parent must be kept.
   void prune(const std::vector<bool>& keep);
@@ -47,21 +55,46 @@ class GltfOutput {
     std::string text;
     std::uint32_t count = 0;
   };
-  struct View {
-    std::vector<std::byte> bytes;
-    std::string members;  // of the buffer view: stride and target
+  enum class Kind : std::uint8_t {
+    kPositions,
+    kCountedPositions,
+    kNormals,
+    kByteNormals,
+    kFeatures,
+    kIndices,
+    kNumbers,
+    kColours,
+    kTable
   };
-  enum ViewKind : std::size_t { kPositions, kNormals, kSmallIndices, kIndices, kNumbers, kColours, kViews };
+  struct View {
+    Kind kind;
+    std::size_t stride;            // bytes of an element
+    std::vector<std::byte> bytes;  // as they are written
+    std::size_t raw_bytes = 0;     // that readers make of a compressed one; 0: it is not compressed
+    bool is_corners() const { return kind == Kind::kIndices; }
+    /// Only readers of the stream know what its bytes mean.
+    bool is_filtered() const { return kind == Kind::kCountedPositions || kind == Kind::kByteNormals; }
+  };
+  /// Where a view lies in its buffer.
+  struct Place {
+    std::uint64_t offset = 0, raw_offset = 0;
+  };
 
   static std::uint32_t add(Array& array, std::string_view text);
-  std::uint32_t accessor(ViewKind kind, const void* data, std::size_t size, std::string_view members);
+  std::uint32_t accessor(Kind kind, std::span<const std::byte> data, std::size_t stride, std::string_view members);
+  std::uint32_t floats(Kind kind, std::span<const float> values, int components, std::string_view bounds = {});
+  View& view_for(Kind kind, std::size_t stride);
+  void compress();
+  std::vector<Place> places() const;
+  std::string view_text(const View& view, const Place& place) const;
   std::string node_text() const;
-  std::string text(std::uint64_t binary_bytes, std::string_view uri) const;
+  std::string text(std::string_view uri) const;
 
   Array accessors_, materials_, meshes_;
-  std::array<View, kViews> views_;
-  std::vector<ViewKind> order_;  // of the views in use
-  std::string nodes_;            // their members, back to back
+  std::vector<View> views_;
+  bool compress_, compressed_ = false;  // it may be, and some view is
+  std::string extensions_;              // members
+  std::string nodes_;                   // their members, back to back
   std::vector<std::uint64_t> ends_;
   std::vector<std::uint32_t> parents_;
   std::vector<std::string> used_, required_;

@@ -11,6 +11,7 @@
 #include "sightline/core/scene.h"
 #include "sightline/importers/gltf/gltf_writer.h"
 #include "sightline/importers/gltf/internal/gltf_output.h"
+#include "sightline/importers/gltf/internal/shared_primitive.h"
 
 namespace sightline::importers {
 
@@ -39,10 +40,7 @@ class GltfShapes {
     std::string name;     // as JSON; empty: none
     double chord_error = 0.0;
   };
-  /// Kind, bits of the parameters, step of the scale.
-  using PrimitiveKey = std::array<std::uint32_t, 11>;
 
-  core::Mesh triangles(const core::Primitive& primitive, double scale) const;
   std::uint32_t add(const core::Mesh& mesh, std::string_view name, double chord_error);
   std::uint32_t add_line(const core::Line& line);
   std::uint32_t note_error(std::uint32_t shape, double scale);
@@ -53,7 +51,7 @@ class GltfShapes {
   GltfWriteReport& report_;
   std::vector<Shape> shapes_;
   std::unordered_map<std::uint32_t, std::uint32_t> of_meshes_;
-  std::map<PrimitiveKey, std::uint32_t> of_primitives_;
+  std::map<SharedPrimitive::Key, std::uint32_t> of_primitives_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> meshes_;
   std::unordered_map<std::uint32_t, std::uint32_t> materials_;
 };
