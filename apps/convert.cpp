@@ -1,4 +1,4 @@
-// sightline-convert: model files into one RVM, OBJ or glTF file, or into a scene cache.
+// sightline-convert: model files into one RVM, OBJ or glTF file, into a scene cache, or into 3D Tiles.
 
 #include <cstdio>
 #include <utility>
@@ -19,9 +19,9 @@ namespace {
 
 using namespace sightline;
 using Json = json::Value;
-/// Fails unless the file can be written without loss of one that is read.
-core::Expected<void> check(const std::string& output, const std::vector<std::string>& read) {
-  const auto done = apps::check_output(output, read);
+/// Fails unless the file, or the folder of tiles, can be written without loss of one that is read.
+core::Expected<void> check(const std::string& output, const std::vector<std::string>& read, bool tiles) {
+  const auto done = tiles ? apps::check_tiles_folder(output, read) : apps::check_output(output, read);
   return done ? done : core::fail("OUTPUT: " + done.error().message);
 }
 
@@ -49,6 +49,22 @@ core::Expected<apps::WrittenModel> write(const apps::Model& model, const std::ve
   return apps::write_model(*part, apps::node_to_write(*part, apps::children_of(*part, part->root())), output, options);
 }
 
+Json tiles_json(const importers::TilesWriteReport& tiles, double tolerance) {
+  return {{"tiles", tiles.tiles},
+          {"leaves", tiles.leaves},
+          {"levels", tiles.levels},
+          {"root_error", tiles.root_error},
+          {"whole_error", tiles.whole_error},
+          {"tolerance", tolerance},
+          {"largest_chord_error", tiles.largest_chord_error},
+          {"triangles", tiles.triangles},
+          {"leaf_triangles", tiles.leaf_triangles},
+          {"leaf_bytes", tiles.leaf_bytes},
+          {"largest_file", tiles.largest_file},
+          {"instances", tiles.instances},
+          {"divided", tiles.divided}};
+}
+
 Json to_json(const apps::ModelOptions& options, const importers::ImportReport& read, const std::string& output,
              double tolerance, const apps::WrittenModel& written) {
   Json tessellation;
@@ -65,6 +81,7 @@ Json to_json(const apps::ModelOptions& options, const importers::ImportReport& r
           {"bytes_in", read.bytes},
           {"bytes_out", written.bytes},
           {"tessellation", tessellation},
+          {"tiles", written.tiles ? tiles_json(*written.tiles, tolerance) : Json()},
           {"analytic", written.analytic ? Json(*written.analytic) : Json()},
           {"recognition", options.import.recognise ? apps::recognition_json(read.recognition) : Json()},
           {"warnings", apps::warnings_json(read.warnings)}};
@@ -79,6 +96,8 @@ int main(int argc, char** argv) {
       "sightline-convert",
       "  sightline-convert plant.rvm plant.obj --tolerance 0.005\n"
       "  sightline-convert plant.rvm plant.glb --collections\n"
+      "  sightline-convert plant.rvm plant.txt plant-tiles --tiles\n"
+      "  sightline-convert plant.rvm plant-tiles --tiles --collections\n"
       "  sightline-convert plant.rvm pumps.glb --only PUMP-1 --only PUMP-2\n"
       "  sightline-convert a.rvm b.rvm both.rvm\n"
       "  sightline-convert plant.rvm plant.txt plant.slc\n"
@@ -97,27 +116,31 @@ int main(int argc, char** argv) {
       .usage_text("... OUTPUT REQUIRED")
       .described_as(
           "Model files, then the file to write: .rvm, .obj (with .mtl beside it), .glb, .gltf (with .bin beside it) or "
-          ".slc");
+          ".slc; with --tiles the folder to write");
   line.check([&]() -> core::Expected<void> {
     // The last file is the one to write. The command line cannot separate it: a list of files takes all of them.
     output = std::move(options.files.back());
     options.files.pop_back();
-    if (auto done = check(output, options.files); !done) return done;
-    if (writing.collections && importers::lower_case_extension(output) != ".glb" &&
+    if (auto done = check(output, options.files, writing.tiles); !done) return done;
+    if (!writing.compress && !writing.tiles) return core::fail("--uncompressed: only with --tiles");
+    if (writing.collections && !writing.tiles && importers::lower_case_extension(output) != ".glb" &&
         importers::lower_case_extension(output) != ".gltf")
       return core::fail("--collections: expected an output ending in .glb or .gltf, found \"" + output + "\"");
     if (writing.levels && importers::lower_case_extension(output) != ".slc")
       return core::fail("--levels: expected an output ending in .slc, found \"" + output + "\"");
-    if (importers::lower_case_extension(output) == ".slc")
+    if (writing.tiles || importers::lower_case_extension(output) == ".slc")
       options.import.copies = importers::ImportOptions{}.copies;  // as tools read
     return {};
   });
   line.add("--tolerance", writing.tolerance,
-           "Largest distance of OBJ and glTF triangles from analytic primitives, metres")
+           "Largest distance of OBJ, glTF and 3D Tiles' triangles from analytic primitives, metres")
       .shows_default()
       .accepted_by(apps::parse_tolerance);
   line.add_flag("--collections", writing.collections,
-                "Keep analytic primitives in glTF, as rows of parameters for web viewers that know them");
+                "Keep analytic primitives in glTF and 3D Tiles, as rows of parameters for web viewers that know them");
+  line.add_flag("--tiles", writing.tiles,
+                "Write a folder of 3D Tiles 1.1: a tree of glTF files with proven errors, which web viewers stream");
+  line.add_flag("!--uncompressed", writing.compress, "Tiles for viewers without a decoder for EXT_meshopt_compression");
   line.add_flag("--levels", writing.levels,
                 "Build levels of detail into a scene cache, so that --lod-error starts fast from it");
   line.add("--only", only, "Write parts alone: those with this text in a name or attribute, or KEY=TEXT")
@@ -130,7 +153,7 @@ int main(int argc, char** argv) {
     core::Scene& scene = *model->scene;
     if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
     if (options.explain) apps::explain(scene);
-    if (auto done = check(output, apps::files_read(options.files, model->report)); !done)
+    if (auto done = check(output, apps::files_read(options.files, model->report), writing.tiles); !done)
       return tl::unexpected(done.error());
     std::uint64_t items = 0;
     const auto written = write(*model, only, output, writing, items);

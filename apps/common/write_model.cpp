@@ -31,6 +31,20 @@ WrittenModel tessellated(const Report& report) {
           WrittenModel::Tessellated{report.triangles, report.vertices, report.largest_chord_error}};
 }
 
+core::Expected<WrittenModel> write_tiles_of(const core::Scene& scene, core::NodeId top, const std::string& folder,
+                                            const WriteOptions& options) {
+  const auto done = importers::write_tiles(scene, top, folder,
+                                           {.tolerance = options.tolerance,
+                                            .collections = options.collections,
+                                            .compress = options.compress,
+                                            .progress = options.progress});
+  if (!done) return tl::unexpected(done.error());
+  WrittenModel written{done->items, done->left_out, done->bytes};
+  written.analytic = done->analytic;
+  written.tiles = *done;
+  return written;
+}
+
 /// Names the file that the format writes beside its own; empty: it writes none.
 std::string companion_of(const std::string& output) {
   std::filesystem::path beside = output;
@@ -65,6 +79,22 @@ core::Expected<void> check_output(const std::string& output, std::span<const std
   return {};
 }
 
+core::Expected<void> check_tiles_folder(const std::string& folder, std::span<const std::string> read) {
+  namespace fs = std::filesystem;
+  for (const auto& formats : {written_formats(), model_formats()})
+    for (const FileFormat& format : formats)
+      if (format.has(folder) && !fs::is_directory(folder))
+        return core::fail("expected the name of a folder, found \"" + folder + "\"");
+  std::error_code absent;
+  const fs::path place = fs::weakly_canonical(folder, absent);
+  for (const std::string& file : read) {
+    const fs::path within = fs::weakly_canonical(file, absent).lexically_relative(place);
+    if (!within.empty() && *within.begin() != "..")
+      return core::fail(file + " is read, lies in " + folder + ", and would be lost: take another folder");
+  }
+  return {};
+}
+
 std::vector<std::string> files_read(std::span<const std::string> files, const importers::ImportReport& report) {
   std::vector<std::string> all(files.begin(), files.end());
   for (const std::filesystem::path& file : report.side_files) all.push_back(file.string());
@@ -77,7 +107,8 @@ core::NodeId node_to_write(const core::Scene& scene, std::span<const core::NodeI
 
 core::Expected<WrittenModel> write_model(const core::Scene& scene, core::NodeId top, const std::string& output,
                                          const WriteOptions& options) {
-  const auto& [tolerance, collections, levels, report, progress] = options;
+  if (options.tiles) return write_tiles_of(scene, top, output, options);
+  const auto& [tolerance, collections, tiles, compress, levels, report, progress] = options;
   const auto from_report = [](const auto& written) -> core::Expected<WrittenModel> {
     if (!written) return tl::unexpected(written.error());
     return tessellated(*written);
@@ -103,8 +134,15 @@ core::Expected<WrittenModel> write_model(const core::Scene& scene, core::NodeId 
 std::string words_of(const WrittenModel& written, const std::string& output, std::uint64_t items) {
   std::string words = output + ": " + std::to_string(total(written.items)) + " of " + std::to_string(items) +
                       " items, " + std::to_string(written.bytes) + " bytes";
+  char text[200];
+  if (written.tiles) {
+    const importers::TilesWriteReport& tiles = *written.tiles;
+    std::snprintf(text, sizeof text, ", %llu tiles on %llu levels, errors up to %.3g m, %llu triangles",
+                  (unsigned long long)tiles.tiles, (unsigned long long)tiles.levels, tiles.root_error,
+                  (unsigned long long)tiles.leaf_triangles);
+    return words + text;
+  }
   if (!written.triangles) return words;
-  char text[120];
   std::snprintf(text, sizeof text, ", %llu triangles, at most %.3g m from the primitives they stand for",
                 (unsigned long long)written.triangles->triangles, written.triangles->largest_chord_error);
   return words + text;

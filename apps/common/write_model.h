@@ -12,6 +12,7 @@
 #include "sightline/core/scene.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/obj/obj_writer.h"
+#include "sightline/importers/tiles/tiles_writer.h"
 
 namespace sightline::apps {
 
@@ -21,6 +22,8 @@ std::uint64_t total(const ItemCounts& items);
 /// Fails unless models can be written under that name, and where it, or the file that its format has beside it, is one
 /// of those that were or will be read: it would be lost.
 core::Expected<void> check_output(const std::string& output, std::span<const std::string> read);
+/// The same for a folder of 3D Tiles, which replaces what is there: none of the files may lie in it.
+core::Expected<void> check_tiles_folder(const std::string& folder, std::span<const std::string> read);
 /// The files of a model, and those that they name.
 std::vector<std::string> files_read(std::span<const std::string> files, const importers::ImportReport& report);
 
@@ -30,6 +33,8 @@ core::NodeId node_to_write(const core::Scene& scene, std::span<const core::NodeI
 struct WriteOptions {
   double tolerance = importers::ObjWriteOptions{}.tolerance;  ///< of OBJ and glTF triangles, metres
   bool collections = false;                                   ///< GltfWriteOptions::collections
+  bool tiles = false;                                         ///< 3D Tiles in a folder, whatever its name
+  bool compress = true;                                       ///< TilesWriteOptions::compress
   bool levels = false;                                        ///< SlcWriteOptions::levels
   const importers::ImportReport* report = nullptr;            ///< SlcWriteOptions::report
   std::function<bool(double)> progress = {};                  ///< as ImportOptions::progress
@@ -46,6 +51,7 @@ struct WrittenModel {
   std::uint64_t left_out = 0, bytes = 0;
   std::optional<Tessellated> triangles = {};   ///< none in RVM, which keeps primitives
   std::optional<std::uint64_t> analytic = {};  ///< of glTF
+  std::optional<importers::TilesWriteReport> tiles = {};
 };
 
 /// Writes what lies below `top`, whole or not at all; all of the scene where the format is a scene cache. The name must

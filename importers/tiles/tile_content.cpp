@@ -30,7 +30,7 @@ struct Copy {
 };
 
 /// Copies of one mesh in one material, in the order of the first of each.
-struct Group {
+struct CopyGroup {
   const core::Mesh* mesh;
   std::uint32_t material;
   std::vector<Copy> copies;
@@ -57,7 +57,7 @@ class Content {
 
   TileCounts write(std::span<const TileItem* const> items, double error, const dvec3& centre) {
     for (const TileItem* item : items) add(*item, error, centre);
-    for (const Group& group : groups_) {
+    for (const CopyGroup& group : groups_) {
       if (is_worth_instances(group))
         write_instances(group);
       else
@@ -85,7 +85,7 @@ class Content {
     groups_[at->second].copies.push_back(copy);
   }
 
-  static bool is_worth_instances(const Group& group) {
+  static bool is_worth_instances(const CopyGroup& group) {
     return (group.copies.size() - 1) * group.mesh->positions.size() >= kVerticesSaved &&
            is_near_its_origin(*group.mesh);
   }
@@ -126,7 +126,7 @@ class Content {
     return text + fmt::format(",\"material\":{}", material(look));
   }
 
-  void write_instances(const Group& group) {
+  void write_instances(const CopyGroup& group) {
     const core::Mesh& mesh = *group.mesh;
     const std::uint32_t number = output_.mesh(
         "\"primitives\":[{" + geometry(mesh.positions, mesh.normals, mesh.indices, group.material, "") + "}]");
@@ -161,7 +161,7 @@ class Content {
   GltfOutput& output_;
   TileParts parts_;
   TileCounts counts_;
-  std::vector<Group> groups_;
+  std::vector<CopyGroup> groups_;
   std::map<std::pair<const core::Mesh*, std::uint32_t>, std::size_t> group_of_;
   std::map<std::tuple<std::uint32_t, bool, bool>, Batch> batches_;  // material, without normals, lines
   std::map<std::uint32_t, std::uint32_t> materials_;

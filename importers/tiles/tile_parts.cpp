@@ -15,7 +15,7 @@ namespace {
 using Rows = std::map<std::uint32_t, std::string>;  // values by row; others are empty
 
 /// One property: what the schema says of it, and where its values are.
-struct Property {
+struct Column {
   std::string schema, values;
 };
 
@@ -37,8 +37,8 @@ std::uint32_t write_numbers(std::span<const std::uint32_t> values, GltfOutput& o
 }
 
 /// Nothing where all are empty: buffer views are not.
-Property strings(const std::string& id, std::string_view name, const Rows& rows, std::size_t count,
-                 GltfOutput& output) {
+Column string_column(const std::string& id, std::string_view name, const Rows& rows, std::size_t count,
+                     GltfOutput& output) {
   std::string text;
   std::vector<std::uint32_t> offsets;
   auto at = rows.begin();
@@ -53,14 +53,14 @@ Property strings(const std::string& id, std::string_view name, const Rows& rows,
           fmt::format("\"{}\":{{\"values\":{},\"stringOffsets\":{}}}", id, values, write_numbers(offsets, output))};
 }
 
-Property numbers(const std::string& id, std::span<const std::uint32_t> rows, GltfOutput& output) {
+Column number_column(const std::string& id, std::span<const std::uint32_t> rows, GltfOutput& output) {
   return {fmt::format("\"{}\":{{\"type\":\"SCALAR\",\"componentType\":\"UINT32\",\"required\":true}}", id),
           fmt::format("\"{}\":{{\"values\":{}}}", id, write_numbers(rows, output))};
 }
 
-std::string joined(const std::vector<Property>& properties, std::string Property::*part) {
+std::string joined(const std::vector<Column>& properties, std::string Column::*part) {
   std::string all;
-  for (const Property& property : properties) {
+  for (const Column& property : properties) {
     if ((property.*part).empty()) continue;
     if (!all.empty()) all += ',';
     all += property.*part;
@@ -109,15 +109,16 @@ void TileParts::write(GltfOutput& output) {
     for (const auto& [key, value] : scene_.attributes(nodes_[row])) attributes[key][row] = utf8_by_guess(value);
   }
   std::set<std::string> taken{"name", "node", "parent"};
-  std::vector<Property> properties{strings("name", "Name", names, nodes_.size(), output),
-                                   numbers("node", numbers_of_nodes, output), numbers("parent", parents, output)};
+  std::vector<Column> properties{string_column("name", "Name", names, nodes_.size(), output),
+                                 number_column("node", numbers_of_nodes, output),
+                                 number_column("parent", parents, output)};
   for (const auto& [key, rows] : attributes)
-    properties.push_back(strings(identifier(key, taken), key, rows, nodes_.size(), output));
+    properties.push_back(string_column(identifier(key, taken), key, rows, nodes_.size(), output));
   output.add_extension(
       "EXT_structural_metadata",
       fmt::format("{{\"schema\":{{\"id\":\"sightline\",\"classes\":{{\"part\":{{\"properties\":{{{}}}}}}}}},"
                   "\"propertyTables\":[{{\"class\":\"part\",\"count\":{},\"properties\":{{{}}}}}]}}",
-                  joined(properties, &Property::schema), nodes_.size(), joined(properties, &Property::values)));
+                  joined(properties, &Column::schema), nodes_.size(), joined(properties, &Column::values)));
 }
 
 }  // namespace sightline::importers

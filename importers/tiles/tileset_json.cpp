@@ -29,16 +29,16 @@ AabbD on_grid(const AabbD& box, double step) {
   return {step * glm::floor(box.min / step), step * glm::ceil(box.max / step)};
 }
 
-std::string numbers(std::initializer_list<double> values) {
+std::string comma_separated(std::initializer_list<double> values) {
   std::string text;
   for (const double value : values) text += fmt::format("{}{}", text.empty() ? "" : ",", value == 0.0 ? 0.0 : value);
   return text;
 }
 
-class Text {
+class TilesetText {
  public:
-  Text(const TileTree& tree, std::span<const TilePlace> places, std::span<const std::string> contents,
-       const TilesetFacts& facts)
+  TilesetText(const TileTree& tree, std::span<const TilePlace> places, std::span<const std::string> contents,
+              const TilesetFacts& facts)
       : tree_(tree), places_(places), contents_(contents), facts_(facts) {}
 
   std::string run() {
@@ -58,13 +58,13 @@ class Text {
     const dvec3 shift = place.centre - parent_centre, to = root ? shift : in_frame(shift);
     text_ += root ? "{\"refine\":\"REPLACE\"," : "{";
     if (root && facts_.turned)
-      text_ += fmt::format("\"transform\":[1,0,0,0,0,0,-1,0,0,1,0,0,{},1],", numbers({to.x, to.y, to.z}));
+      text_ += fmt::format("\"transform\":[1,0,0,0,0,0,-1,0,0,1,0,0,{},1],", comma_separated({to.x, to.y, to.z}));
     else
-      text_ += fmt::format("\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0,{},1],", numbers({to.x, to.y, to.z}));
+      text_ += fmt::format("\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0,{},1],", comma_separated({to.x, to.y, to.z}));
     const dvec3 c = in_frame(0.5 * (place.box.min - place.centre) + 0.5 * (place.box.max - place.centre));
     const dvec3 h = glm::abs(in_frame(0.5 * (place.box.max - place.box.min)));
     text_ += fmt::format("\"boundingVolume\":{{\"box\":[{}]}},\"geometricError\":{}",
-                         numbers({c.x, c.y, c.z, h.x, 0, 0, 0, h.y, 0, 0, 0, h.z}), place.error);
+                         comma_separated({c.x, c.y, c.z, h.x, 0, 0, 0, h.y, 0, 0, 0, h.z}), place.error);
     if (!contents_[number].empty()) text_ += fmt::format(",\"content\":{{\"uri\":\"{}\"}}", contents_[number]);
     if (!tile.leaf()) text_ += ",\"children\":[";
     for (std::uint32_t i = 0; i < tile.child_count; ++i) {
@@ -108,7 +108,7 @@ std::vector<TilePlace> place_tiles(const TileTree& tree, std::span<const TileIte
 
 std::string tileset_json(const TileTree& tree, std::span<const TilePlace> places, std::span<const std::string> contents,
                          const TilesetFacts& facts) {
-  return Text(tree, places, contents, facts).run();
+  return TilesetText(tree, places, contents, facts).run();
 }
 
 }  // namespace sightline::importers

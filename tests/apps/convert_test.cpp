@@ -91,6 +91,42 @@ TEST_F(Convert, MovesTheModel) {
   EXPECT_NEAR(there["bounds"]["max"][2].get<double>(), here["bounds"]["max"][2].get<double>() - 7.0, 1e-3);
 }
 
+TEST_F(Convert, TilesAreAFolder) {
+  const std::string model = plant(1000);
+  const Json facts = run_json("convert", {model, path("tiles"), "--tiles", "--tolerance", "0.0005"});
+  EXPECT_EQ(total(facts["items_out"]), 1000);
+  EXPECT_EQ(facts["left_out"], 0);
+  EXPECT_EQ(facts["tiles"]["tolerance"], 0.0005);
+  EXPECT_LE(facts["tiles"]["largest_chord_error"].get<double>(), 0.0005);
+  EXPECT_GT(facts["tiles"]["tiles"].get<int>(), 1);
+  EXPECT_GT(facts["tiles"]["whole_error"].get<double>(), facts["tiles"]["root_error"].get<double>());
+  std::uint64_t bytes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(path("tiles")))
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  EXPECT_EQ(facts["bytes_out"], bytes);
+  const Json tileset = json::parse(read_bytes(path("tiles/tileset.json"))).value();
+  EXPECT_EQ(tileset["asset"]["version"], "1.1");
+  EXPECT_EQ(tileset["asset"]["extras"]["tolerance"], 0.0005);
+  // A tileset is replaced, a folder of others is not.
+  const Outcome again = run("convert", {model, path("tiles"), "--tiles", "--collections"});
+  EXPECT_EQ(again.code, 0) << again;
+  EXPECT_NE(again.out.find("1000 of 1000 items"), std::string::npos) << again;
+  EXPECT_NE(again.out.find("tiles on"), std::string::npos) << again;
+  fs::create_directories(path("mine"));
+  write("mine/notes.txt", "mine");
+  expect_failure("convert", {model, path("mine"), "--tiles"}, "would be lost");
+  EXPECT_EQ(read_bytes(path("mine/notes.txt")), "mine");
+}
+
+TEST_F(Convert, TilesRefuseBadUsage) {
+  const std::string model = plant(1000);
+  expect_usage_error("convert", {model, path("tiles.glb"), "--tiles"}, "folder");
+  expect_usage_error("convert", {model, fs::path(model).parent_path().string(), "--tiles"}, "would be lost");
+  expect_usage_error("convert", {model, path("a.glb"), "--uncompressed"}, "--tiles");
+  expect_usage_error("convert", {model, path("tiles"), "--tiles", "--levels"}, "--levels");
+  EXPECT_TRUE(fs::exists(model));
+}
+
 TEST_F(Convert, ToleranceDecidesTheTriangles) {
   const std::string model = plant(1000);
   const Json coarse = run_json("convert", {model, path("coarse.obj"), "--tolerance", "0.05"});
