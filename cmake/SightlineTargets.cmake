@@ -4,7 +4,9 @@ get_filename_component(SIGHTLINE_CHECKOUT ${CMAKE_CURRENT_LIST_DIR} DIRECTORY)
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
-set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT EMSCRIPTEN)  # whose modules are never shared libraries
+  set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+endif()
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_VERIFY_INTERFACE_HEADER_SETS ON)  # target all_verify_interface_header_sets: every public header compiles alone
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
@@ -62,6 +64,18 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND CMAKE_CXX_COMPILER_ID MATCH
     target_compile_definitions(sightline_flags INTERFACE "SIGHTLINE_HAS_${form}=${features}")
   endforeach()
 endif()
+if(EMSCRIPTEN)
+  # Exceptions of WebAssembly itself: others would cost each call that may throw. The library throws none across its
+  # interfaces, but catches what the standard library throws where memory ends.
+  set(wasm_options -fwasm-exceptions $<$<BOOL:${SIGHTLINE_WASM_THREADS}>:-pthread>)
+  target_compile_options(sightline_flags INTERFACE ${wasm_options})
+  target_link_options(sightline_flags INTERFACE ${wasm_options})
+  target_compile_definitions(sightline_flags INTERFACE $<$<BOOL:${SIGHTLINE_WASM_SIMD}>:SIGHTLINE_WASM_KERNELS>)
+  # Sizes have 32 bits there. Counts that files state have 64, and are compared with what the file holds first.
+  target_compile_options(sightline_flags INTERFACE -Wno-shorten-64-to-32)
+  # What the standard library that Emscripten brings lacks of C++20.
+  target_include_directories(sightline_flags INTERFACE ${SIGHTLINE_CHECKOUT}/bindings/wasm/libcxx)
+endif()
 if(SIGHTLINE_SANITIZE)
   # With sanitizers g++ 12 takes the insides of std::variant and std::regex for uninitialised (GCC's manual: they add
   # false positives).
@@ -99,10 +113,17 @@ function(sightline_library name)
   set_property(GLOBAL APPEND PROPERTY SIGHTLINE_LIBRARIES ${name})
 endfunction()
 
-# sightline_kernels(NAME AVX2 file AVX512 file): kernels of one binary for all processors. Only these files may use
-# wider instructions; core/instruction_set.h says which ones the processor has.
+# sightline_kernels(NAME AVX2 file AVX512 file [WASM file]): kernels of one binary for all processors. Only these files
+# may use wider instructions; core/instruction_set.h says which ones the processor has. A WebAssembly module is checked
+# as a whole before it runs, so each holds one form alone.
 function(sightline_kernels name)
-  cmake_parse_arguments(arg "" "AVX2;AVX512" "" ${ARGN})
+  cmake_parse_arguments(arg "" "AVX2;AVX512;WASM" "" ${ARGN})
+  # Other files must not be vectorised: clang 14 (Emscripten 3.1.6) mixes up the lanes of doubles.
+  if(EMSCRIPTEN AND SIGHTLINE_WASM_SIMD AND arg_WASM)
+    target_sources(sightline_${name} PRIVATE ${arg_WASM})
+    set_source_files_properties(${arg_WASM} PROPERTIES COMPILE_OPTIONS "-msimd128;-fno-vectorize;-fno-slp-vectorize"
+                                SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
   if(SIGHTLINE_X86_KERNELS)
     target_sources(sightline_${name} PRIVATE ${arg_AVX2} ${arg_AVX512})
     foreach(form AVX2 AVX512)

@@ -85,6 +85,7 @@ struct BoxCuller::Impl {
   std::vector<std::uint32_t> index_of;  // slot to index
   std::vector<core::Slot> slot_of;      // index to slot
   std::optional<CpuCuller> culler;      // borrows bounds
+  std::size_t empty_boxes = 0;          // which ranges of slots may hold
   std::vector<core::Slot> changed;      // scratch of update()
   mutable CullThreads threads;          // for the occlusion test and large changes
 
@@ -97,10 +98,18 @@ struct BoxCuller::Impl {
     return box.empty() ? core::Aabb() : core::round_outwards(box, bounds.origin);
   }
   void list(const core::VisibleSet& set, std::vector<std::uint32_t>& indices) const {
+    if (empty_boxes == 0) {
+      indices.resize(set.count());
+      return list_ids(set, index_of, indices);
+    }
     indices.clear();
     set.for_each_slot([&](core::Slot slot) {
       if (!bounds.vacant(slot)) indices.push_back(index_of[slot]);
     });
+  }
+  void count_empty() {
+    empty_boxes = 0;
+    for (core::Slot slot = 0; slot < bounds.size(); ++slot) empty_boxes += bounds.vacant(slot) ? 1 : 0;
   }
   void replace(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes);
   void replace_all(std::span<const core::AabbD> boxes, const core::AabbD& all);
@@ -116,6 +125,8 @@ void BoxCuller::Impl::replace(std::span<const std::uint32_t> indices, std::span<
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const std::size_t next = i + core::kPrefetchAhead;
     for (int axis = 0; axis < 6 && next < boxes.size(); ++axis) core::prefetch(bounds.coordinate(axis)[changed[next]]);
+    empty_boxes -= bounds.vacant(changed[i]) ? 1 : 0;
+    empty_boxes += boxes[i].empty() ? 1 : 0;
     bounds.set(changed[i], rounded(boxes[i]));
   }
   culler->update(changed, changed.size() < kChangesWorthThreads ? nullptr : &threads);
@@ -138,6 +149,7 @@ void BoxCuller::Impl::replace_all(std::span<const core::AabbD> boxes, const core
   for (const core::Aabb& part : extents) extent.grow(part);
   bounds.set_extent(extent);
   culler->refit(&threads);
+  count_empty();
 }
 
 BoxCuller::BoxCuller(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -161,12 +173,25 @@ core::Expected<BoxCuller> BoxCuller::create(std::span<const core::AabbD> boxes) 
     impl->slot_of[impl->index_of[slot]] = slot;
     impl->bounds.set(slot, rounded[impl->index_of[slot]]);
   }
+  impl->count_empty();
   impl->culler.emplace(impl->bounds);
   return BoxCuller(std::move(impl));
 }
 
 std::size_t BoxCuller::size() const {
   return impl_->index_of.size();
+}
+
+const core::ItemBounds& BoxCuller::bounds() const {
+  return impl_->bounds;
+}
+
+const CpuCuller& BoxCuller::culler() const {
+  return *impl_->culler;
+}
+
+std::span<const std::uint32_t> BoxCuller::indices() const {
+  return impl_->index_of;
 }
 
 core::Expected<void> BoxCuller::visible(const double clip_from_world[16], core::ClipDepth depth,

@@ -15,7 +15,9 @@
 #include "sightline/core/aabb.h"
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
+#include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
+#include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/occlusion/depth_pyramid.h"
 
 namespace sightline::culling {
@@ -66,6 +68,12 @@ class SIGHTLINE_API BoxCuller {
   /// of create(boxes), in a sixth of its time, since nothing is sorted: as after update(), far moves make culling
   /// slower. Linear in size(), on several threads. Fails as create() does, and then changes nothing.
   core::Expected<void> refit(std::span<const core::AabbD> boxes);
+
+  /// What SpatialQueries and ContributionTest take: the boxes in an order of the culler's own, by slot, and the culler
+  /// over them. indices()[slot] is the index of a box. All belong to this object, and follow its updates.
+  const core::ItemBounds& bounds() const;
+  const CpuCuller& culler() const;
+  std::span<const std::uint32_t> indices() const;
 
  private:
   struct Impl;

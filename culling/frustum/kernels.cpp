@@ -35,6 +35,8 @@ ItemTest make_item_test(const core::ItemBounds& bounds, const CullPlanes& planes
 const FrustumKernels& frustum_kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
   return core::form_in_use(scalar_frustum_kernels, avx2_frustum_kernels, avx512_frustum_kernels)();
+#elif defined(SIGHTLINE_WASM_KERNELS)
+  return wasm_frustum_kernels();
 #else
   return scalar_frustum_kernels();
 #endif

@@ -68,7 +68,7 @@ class TextScanner {
     skip_space();
     const char* const from = at_;
     while (at_ != end_ && !is_space(*at_)) ++at_;
-    return {from, at_};
+    return between(from, at_);
   }
 
   /// Takes the rest of the line, without space at either end.
@@ -78,7 +78,7 @@ class TextScanner {
     at_ = std::find_if(at_, end_, ends_line);
     const char* stop = at_;
     while (stop != from && is_space(stop[-1])) --stop;
-    return {from, stop};
+    return between(from, stop);
   }
 
   /// Takes the next word of this line; empty where the line has none.
@@ -96,7 +96,7 @@ class TextScanner {
     return true;
   }
   /// Returns what is left of the text, and takes nothing.
-  std::string_view rest() const { return {at_, end_}; }
+  std::string_view rest() const { return between(at_, end_); }
   void pass(std::size_t bytes) { at_ += bytes; }
   /// Goes back to what rest() was, if line() was not asked behind the line's end.
   void back_to(std::string_view rest) { counted_to_ = std::min(counted_to_, at_ = rest.data()); }
@@ -112,6 +112,7 @@ class TextScanner {
   }
 
  private:
+  static std::string_view between(const char* from, const char* to) { return {from, std::size_t(to - from)}; }
   static constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
   static constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
   static constexpr bool ends_line(char c) { return c == '\n' || c == '\r'; }
@@ -149,7 +150,7 @@ class TextScanner {
       word();
       return Found::kOther;
     }
-    if (error == std::errc::result_out_of_range) value = beyond_range({from, stop});
+    if (error == std::errc::result_out_of_range) value = beyond_range(between(from, stop));
     at_ = stop;
     return Found::kNumber;
   }

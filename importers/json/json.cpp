@@ -250,7 +250,7 @@ Value& Value::at_pointer(std::string_view pointer) {
 // --- comparison ------------------------------------------------------------------------------------------------------
 
 std::partial_ordering Value::order(const Value& a, const Value& b) {
-  if (a.is_string() && b.is_string()) return *a.content_.string <=> *b.content_.string;
+  if (a.is_string() && b.is_string()) return a.content_.string->compare(*b.content_.string) <=> 0;
   if (!a.is_number() || !b.is_number()) return std::partial_ordering::unordered;
   if (a.kind_ == Kind::kDouble || b.kind_ == Kind::kDouble) return a.get<double>() <=> b.get<double>();
   const bool negative_a = a.kind_ == Kind::kInteger && a.content_.integer < 0;

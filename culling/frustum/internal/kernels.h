@@ -94,7 +94,8 @@ struct FrustumKernels {
 const FrustumKernels& scalar_frustum_kernels();
 const FrustumKernels& avx2_frustum_kernels();
 const FrustumKernels& avx512_frustum_kernels();
-/// The table for instruction_set().
+const FrustumKernels& wasm_frustum_kernels();  ///< SIMD128
+/// The table for instruction_set(); in builds with SIMD128 its own, since a module holds one form alone.
 const FrustumKernels& frustum_kernels();
 
 }  // namespace sightline::culling

@@ -7,21 +7,11 @@
 #include <immintrin.h>
 
 #include "sightline/culling/frustum/frustum_test.h"
+#include "sightline/culling/frustum/internal/compress_table.h"
 #include "sightline/culling/frustum/internal/simd_avx.h"
 
 namespace sightline::culling {
 namespace {
-
-/// Row m: the places of the bits of m, in rising order.
-struct CompressTable {
-  alignas(8) std::uint8_t rows[256][8];
-  constexpr CompressTable() : rows() {
-    for (unsigned m = 0; m < 256; ++m)
-      for (unsigned i = 0, n = 0; i < 8; ++i)
-        if ((m >> i & 1u) != 0) rows[m][n++] = std::uint8_t(i);
-  }
-};
-constexpr CompressTable kCompress;
 
 struct Avx2 {
   struct Plane {

@@ -29,7 +29,7 @@ class ChunkWriter {
   void string(std::string_view text) {
     const std::size_t words = (text.size() + 3) / 4;
     u32(std::uint32_t(words));
-    const auto bytes = std::as_bytes(std::span(text));
+    const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
     buffer_.resize(buffer_.size() + words * 4 - text.size());
   }
