@@ -2,7 +2,8 @@
 # Installs what a build needs on Debian 12 (skips what is installed), then configures and builds one preset.
 #   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz, packages, study or gpu-kit-build;
 #                                             everything, or these targets
-# Packages that only tests and the window need are installed when everything or a target with tests (…_tests) is built.
+# Packages that only tests and the window need are installed when everything or a target with tests (…_tests, wasm_…) is
+# built.
 # Sources are compiled in batches; whoever edits some may prefer SIGHTLINE_CMAKE_ARGS=-DSIGHTLINE_UNITY=OFF.
 # SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK, SIGHTLINE_SETUP_OCCT=1 Open CASCADE,
 # SIGHTLINE_SETUP_EXAMPLES=1 what the examples with OpenSceneGraph and Qt 6 need, SIGHTLINE_SETUP_PACKAGES=1 what tests
@@ -18,7 +19,7 @@ if [ "$preset" = packages ]; then
   packages+=(libglfw3-dev libimgui-dev libpcre2-dev libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy)
 elif [ "$preset" = gpu-kit-build ]; then
   packages+=(ccache libgtest-dev libgmp-dev binutils)
-elif [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
+elif [ $# -eq 0 ] || [[ $* == *_tests* || $* == *wasm_* ]]; then
   packages+=(ccache fonts-dejavu-core libglfw3-dev libimgui-dev libpcre2-dev libgtest-dev libgmp-dev libosmesa6 mesa-vulkan-drivers pkg-config xvfb xdotool
     libopenmpi-dev openmpi-bin parallel libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen
     glslang-dev glslang-tools spirv-tools)

@@ -1,0 +1,25 @@
+// What a view shows of boxes: the frustum, then occlusion, then size, each only where it is asked for. For the boxes of
+// an application and for the items of a scene alike.
+#pragma once
+
+#include <span>
+
+#include "sightline/bindings/wasm/views.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/culling/occlusion/depth_pyramid.h"
+
+namespace sightline::wasm {
+
+struct Limits {
+  const culling::DepthPyramid* pyramid = nullptr;  ///< of the same view and its size, or null
+  float least_area = 0.0f;                         ///< pixels that an item must be expected to cover; 0: any
+  std::span<const float> solids = {};              ///< as ContributionTest takes them
+};
+
+/// Replaces `set`. `threads` may be null.
+void find_visible(const core::ItemBounds& bounds, const culling::CpuCuller& culler, const ViewObject& view,
+                  const Limits& limits, culling::CullThreads* threads, core::VisibleSet& set);
+
+}  // namespace sightline::wasm
