@@ -30,6 +30,8 @@ consumers    6 public headers alone; projects that use the installed library, pk
 shared       3 the same with one shared library
 study        6 the study and its tests, on the installed library
 without      4 builds without optional parts, and their tests
+wasm         8 the npm package in all forms beside the library, in node and Chromium
+browser      7 the npm package in pages: primitives, scenes of three.js, plants, a project of its own; 3D Tiles in a viewer
 mutants      7 mutants of files that changed lately, and of occlusion culling: what survives is reported
 "
 
@@ -104,6 +106,12 @@ run_shared() {
 run_study() {
   release
   ctest_in release -R '^consumers\.study$'
+}
+run_wasm() {
+  SIGHTLINE_LONG=1 scripts/wasm.sh test culling
+}
+run_browser() {
+  SIGHTLINE_WASM_FORMS=simd scripts/wasm.sh test package plant primitives three tiles
 }
 # Each in a tree as deep as that of release, so that a compiler cache finds the objects.
 run_without() {

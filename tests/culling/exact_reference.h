@@ -112,12 +112,17 @@ class ExactVolume {
   /// Whether the p-vertex of origin + box is inside every plane (and any of a union): true for every box that meets the
   /// volume.
   bool passes(const core::dvec3& origin, const core::Aabb& box) {
-    if (box.empty()) return false;
-    for (std::size_t k = 0; k < union_first_; ++k)
-      if (sign_at_p_vertex(planes_[k], origin, box) < 0) return false;
-    for (std::size_t k = union_first_; k < planes_.size(); ++k)
-      if (sign_at_p_vertex(planes_[k], origin, box) >= 0) return true;
-    return !has_union();
+    return !box.empty() && passes([&](const ExactPlane& plane) {
+      return sign_at(plane, origin, {plane.p_vertex(box, 0), plane.p_vertex(box, 1), plane.p_vertex(box, 2)});
+    });
+  }
+  /// The same of a box in double.
+  bool passes(const core::AabbD& box) {
+    return !box.empty() && passes([&](const ExactPlane& plane) {
+      core::dvec3 corner;
+      for (int i = 0; i < 3; ++i) corner[i] = plane.rounded[std::size_t(i)] >= 0.0L ? box.max[i] : box.min[i];
+      return sign_at(plane, corner, core::vec3(0.0f));
+    });
   }
 
   /// passes(), with planes moved outwards by `tolerance` times the absolute terms that enter their value. Not exact.
@@ -160,8 +165,16 @@ class ExactVolume {
   std::uint64_t decided_in_rationals = 0;  ///< planes, over all calls of passes()
 
  private:
-  int sign_at_p_vertex(const ExactPlane& plane, const core::dvec3& origin, const core::Aabb& box) {
-    const core::vec3 corner(plane.p_vertex(box, 0), plane.p_vertex(box, 1), plane.p_vertex(box, 2));
+  template <class SignAtPVertex>
+  bool passes(const SignAtPVertex& sign) {
+    for (std::size_t k = 0; k < union_first_; ++k)
+      if (sign(planes_[k]) < 0) return false;
+    for (std::size_t k = union_first_; k < planes_.size(); ++k)
+      if (sign(planes_[k]) >= 0) return true;
+    return !has_union();
+  }
+
+  int sign_at(const ExactPlane& plane, const core::dvec3& origin, const core::vec3& corner) {
     if (const int sign = plane.filtered_sign(origin, corner); sign != 0) return sign;
     ++decided_in_rationals;
     return plane.exact_sign(origin, corner);

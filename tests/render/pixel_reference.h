@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -158,6 +159,51 @@ inline double first_shown(const core::Primitive& primitive, const core::Affine& 
                           const PixelRay& ray) {
   const Shape shape{core::ItemId{0}, world_from_item, primitive, nullptr, true};
   return first_hit({&shape, 1}, view, ray).depth;
+}
+
+// --- rays through a pixel and close by: image_check.h says what they are for
+
+inline constexpr double kReach = 1.0 / 32.0;  ///< pixels
+inline constexpr double kSmooth = 2.0;        ///< degrees
+
+/// What the rays through a pixel and close by see.
+struct PixelHits {
+  std::array<RayHit, 5> hits_around;  ///< the first through the centre
+  int hits = 0;
+
+  const RayHit& centre() const { return hits_around[0]; }
+  bool clear() const { return hits == 0 || smooth; }
+  bool smooth = false;  ///< all hit, and their normals agree
+};
+
+inline double degrees_between(const dvec3& a, const dvec3& b) {
+  return glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+}
+
+/// x, y as in pixel_ray(). `reach`: how far aside the four rays are.
+inline PixelHits look_around(std::span<const Shape> shapes, const core::View& view, int width, int height, double x,
+                             double y, double reach = kReach) {
+  constexpr int kAside[5][2] = {{0, 0}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+  PixelHits around;
+  around.smooth = true;
+  for (int i = 0; i < 5; ++i) {
+    const RayHit& seen_hit = around.hits_around[std::size_t(i)] =
+        first_hit(shapes, view, pixel_ray(view, width, height, x + reach * kAside[i][0], y + reach * kAside[i][1]));
+    around.hits += seen_hit.hit();
+    around.smooth = around.smooth && seen_hit.hit() && seen_hit.items == around.centre().items &&
+                    seen_hit.cut == around.centre().cut &&
+                    degrees_between(seen_hit.normal, around.centre().normal) <= kSmooth;
+  }
+  return around;
+}
+
+inline std::vector<PixelHits> look_at(std::span<const Shape> shapes, const core::View& view, int width, int height,
+                                      double reach = kReach) {
+  std::vector<PixelHits> seen;
+  seen.reserve(std::size_t(width) * std::size_t(height));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) seen.push_back(look_around(shapes, view, width, height, x, y, reach));
+  return seen;
 }
 
 }  // namespace sightline::tests

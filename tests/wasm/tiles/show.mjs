@@ -1,0 +1,72 @@
+// Shows a tileset in headless Chromium and saves the image. Prints what the page tells, as JSON. Exit code 1 where a tile
+// cannot be loaded, or content lies outside its box.
+import { createReadStream } from 'node:fs';
+import { readFile, stat, writeFile } from 'node:fs/promises';
+import { createServer } from 'node:http';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+import { chromium as executablePath, modules, required } from '../browser.mjs';
+
+const { chromium } = required('playwright-core');
+
+const here = path.dirname(fileURLToPath(import.meta.url));
+const options = { '--size': '1280x720', '--error': '1' };
+const names = [];
+for (let i = 2; i < process.argv.length; ++i) {
+  if (process.argv[i] in options) options[process.argv[i]] = process.argv[++i];
+  else names.push(process.argv[i]);
+}
+if (names.length !== 3) {
+  console.error('show.mjs: expected TILES_FOLDER VIEW.json OUT.png [--size WxH] [--error PX]');
+  process.exit(2);
+}
+const [folder, viewFile, image] = names;
+const [width, height] = options['--size'].split('x').map(Number);
+
+const types = { '.html': 'text/html', '.mjs': 'text/javascript', '.js': 'text/javascript', '.json': 'application/json' };
+const roots = [['/modules/', modules], ['/tileset/', folder], ['/', here]];
+
+const server = createServer(async (request, response) => {
+  const url = decodeURIComponent(new URL(request.url, 'http://localhost').pathname);
+  const [prefix, root] = roots.find(([prefix]) => url.startsWith(prefix));
+  const file = path.join(root, path.normalize('/' + url.slice(prefix.length)));
+  try {
+    const { size } = await stat(file);
+    response.writeHead(200, {
+      'content-type': types[path.extname(file)] ?? 'application/octet-stream',
+      'content-length': size,
+    });
+    createReadStream(file).pipe(response);
+  } catch {
+    response.writeHead(404).end();
+  }
+});
+await new Promise((done) => server.listen(0, '127.0.0.1', done));
+const site = `http://127.0.0.1:${server.address().port}`;
+
+const browser = await chromium.launch({
+  executablePath,
+  args: ['--no-sandbox', '--disable-quic', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+});
+let failed = true;
+try {
+  const page = await browser.newPage({ viewport: { width, height } });
+  const errors = [];
+  page.on('pageerror', (error) => errors.push(String(error)));
+  page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
+  await page.goto(`${site}/viewer.html`);
+  await page.waitForFunction(() => window.ready, null, { timeout: 30e3 });
+  const view = JSON.parse(await readFile(viewFile, 'utf8'));
+  const facts = await page.evaluate((of) => window.show(of), {
+    tileset: `${site}/tileset/tileset.json`, view, width, height, error: Number(options['--error']),
+  });
+  const shot = await page.evaluate(() => document.querySelector('canvas').toDataURL('image/png'));
+  await writeFile(image, Buffer.from(shot.split(',')[1], 'base64'));
+  console.log(JSON.stringify({ ...facts, errors }));
+  failed = errors.length > 0 || facts.failures.length > 0 || facts.outside.most > 1e-6;
+} finally {
+  await browser.close();
+  server.close();
+}
+process.exit(failed ? 1 : 0);
