@@ -14,19 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-tl::unexpected<Error> cannot_write(const fs::path& target, const std::error_code& reason) {
-  return fail(target.string() + ": cannot be written: " + reason.message());
-}
-
-/// A file name beside `place` that is very probably free.
-fs::path beside(const fs::path& place) {
-  static std::atomic<std::uint32_t> next{
-      static_cast<std::uint32_t>(std::chrono::system_clock::now().time_since_epoch().count())};
-  fs::path path = place;
-  path += "." + std::to_string(next++) + ".part";
-  return path;
-}
-
 /// errno, or EIO where that is 0. A function that sets no errno leaves that of an earlier call; its failure must not
 /// get lost.
 int last_error() {
@@ -34,6 +21,18 @@ int last_error() {
 }
 
 }  // namespace
+
+tl::unexpected<Error> cannot_write(const fs::path& target, const std::error_code& reason) {
+  return fail(target.string() + ": cannot be written: " + reason.message());
+}
+
+fs::path beside(const fs::path& place) {
+  static std::atomic<std::uint32_t> next{
+      static_cast<std::uint32_t>(std::chrono::system_clock::now().time_since_epoch().count())};
+  fs::path path = place;
+  path += "." + std::to_string(next++) + ".part";
+  return path;
+}
 
 Expected<AtomicFile> AtomicFile::create(fs::path target) {
   AtomicFile made;

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <memory>
 #include <span>
+#include <system_error>
 
 #include "sightline/core/error.h"
 
@@ -44,6 +45,10 @@ class AtomicFile {
   std::unique_ptr<std::FILE, Close> file_;   // null once committed
   int error_ = 0;                            // errno of the first failure
 };
+
+/// A name beside `place` that is very probably free: for what will be renamed to it.
+std::filesystem::path beside(const std::filesystem::path& place);
+tl::unexpected<Error> cannot_write(const std::filesystem::path& target, const std::error_code& reason);
 
 /// Replaces the content of `target` by the `parts`, one after the other.
 Expected<void> write_file(const std::filesystem::path& target, std::initializer_list<std::span<const std::byte>> parts);

@@ -1,30 +1,15 @@
 #include "sightline/importers/tiles/internal/new_folder.h"
 
-#include <atomic>
-#include <chrono>
-#include <string>
 #include <system_error>
 #include <utility>
 
+#include "sightline/core/internal/atomic_file.h"
+
 namespace sightline::importers {
-namespace {
 
 namespace fs = std::filesystem;
-
-tl::unexpected<core::Error> cannot_write(const fs::path& target, const std::error_code& reason) {
-  return core::fail(target.string() + ": cannot be written: " + reason.message());
-}
-
-/// A name beside `path` that is very probably free.
-fs::path beside(const fs::path& path) {
-  static std::atomic<std::uint32_t> next{
-      static_cast<std::uint32_t>(std::chrono::system_clock::now().time_since_epoch().count())};
-  fs::path name = path;
-  name += "." + std::to_string(next++) + ".part";
-  return name;
-}
-
-}  // namespace
+using core::beside;
+using core::cannot_write;
 
 core::Expected<NewFolder> NewFolder::create(const fs::path& target,
                                             const std::function<bool(const fs::path&)>& may_replace) {

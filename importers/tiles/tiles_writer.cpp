@@ -115,7 +115,7 @@ class TilesWriter {
   core::Expected<void> write_contents(const fs::path& folder) {
     std::error_code reason;
     if (!fs::create_directory(folder / kContentFolder, reason))
-      return core::fail((folder / kContentFolder).string() + ": cannot be written: " + reason.message());
+      return core::cannot_write(folder / kContentFolder, reason);
     const Proceed proceed = within(0.5, 1.0);
     contents_.resize(tree_.tiles.size());
     report_.tiles = tree_.tiles.size();
