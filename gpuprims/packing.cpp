@@ -6,6 +6,7 @@
 #include <cmath>
 #include <variant>
 
+#include "sightline/gpuprims/internal/joints.h"
 #include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
@@ -188,6 +189,32 @@ void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& 
   if (kind != core::Kind::kLine && is_singular(item.placement.linear)) return pack_nothing(item, out);
   std::visit([&](const auto& shape) { pack_shape(shape, item, out); }, core::make_primitive(kind, parameters));
   if (!sane(out)) pack_nothing(item, out);
+}
+
+std::uint32_t material_row(const core::Snapshot& snapshot, core::Slot slot) {
+  const std::uint32_t material = snapshot.material(slot);
+  return material == core::kNone ? 0u : (material + 1) & kMaterialMask;
+}
+
+std::uint32_t material_word(const core::Snapshot& snapshot, const Joints& joints, core::Slot slot) {
+  const Ends covered = joints.covered(snapshot, slot);
+  std::uint32_t word = material_row(snapshot, slot);
+  if ((covered & kBottomEnd) != 0) word |= kBottomOpen;
+  if ((covered & kTopEnd) != 0) word |= kTopOpen;
+  if (snapshot.vacant(slot)) word |= kVacant;
+  return word;
+}
+
+void pack(const core::Snapshot& snapshot, core::Slot slot, std::uint32_t material, std::span<Texel> out) {
+  const core::Kind kind = snapshot.kind(slot);
+  const core::KindItems& items = snapshot.of_kind(kind);
+  const std::uint32_t i = snapshot.index_in_kind(slot);
+  std::span<const float> parameters;
+  if (int(kind) < core::kPrimitiveKindCount) {
+    const auto n = std::size_t(core::parameter_count(kind));
+    parameters = std::span(items.parameters).subspan(i * n, n);
+  }
+  pack(kind, parameters, {items.placements[i], to_index(snapshot.item(slot)), material}, out);
 }
 
 }  // namespace sightline::gpuprims

@@ -23,14 +23,9 @@ constexpr std::uint32_t kHeadroom = 64;  // spare records, besides an eighth of 
 constexpr std::size_t kPiece = 4096;     // records packed at a time, which takes less than a millisecond
 
 /// What a record says of an item besides its placement and shape.
-std::uint32_t material_word(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot slot) {
-  const gpuprims::Ends covered = joints.covered(snapshot, slot);
-  std::uint32_t word = GpuScene::material_row(snapshot, slot);
-  if (flat_shaded(snapshot, slot)) word |= gpuprims::kFlatShaded;
-  if ((covered & gpuprims::kBottomEnd) != 0) word |= gpuprims::kBottomOpen;
-  if ((covered & gpuprims::kTopEnd) != 0) word |= gpuprims::kTopOpen;
-  if (snapshot.vacant(slot)) word |= gpuprims::kVacant;
-  return word;
+std::uint32_t record_word(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot slot) {
+  return gpuprims::material_word(snapshot, joints, slot) |
+         (flat_shaded(snapshot, slot) ? std::uint32_t(gpuprims::kFlatShaded) : 0u);
 }
 
 /// Packs the records of `slots`, by several threads where they are many.
@@ -77,11 +72,6 @@ core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, std::s
 
 }  // namespace
 
-std::uint32_t GpuScene::material_row(const Snapshot& snapshot, Slot slot) {
-  const std::uint32_t material = snapshot.material(slot);
-  return material == core::kNone ? 0u : (material + 1) & gpuprims::kMaterialMask;
-}
-
 std::uint32_t GpuScene::rank(const Snapshot& snapshot, BatchKind kind, Slot slot) {
   std::uint32_t rank = 0;
   for (int k = 0; k < core::kKindCount; ++k)
@@ -98,16 +88,7 @@ std::uint32_t GpuScene::record_of(const Snapshot& snapshot, Slot slot) {
 }
 
 void GpuScene::pack(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot slot, std::span<Texel> out) {
-  const Kind kind = snapshot.kind(slot);
-  const core::KindItems& items = snapshot.of_kind(kind);
-  const std::uint32_t i = snapshot.index_in_kind(slot);
-  std::span<const float> parameters;
-  if (int(kind) < core::kPrimitiveKindCount) {
-    const std::size_t n = std::size_t(core::parameter_count(kind));
-    parameters = std::span(items.parameters).subspan(i * n, n);
-  }
-  gpuprims::pack(kind, parameters,
-                 {items.placements[i], to_index(snapshot.item(slot)), material_word(snapshot, joints, slot)}, out);
+  gpuprims::pack(snapshot, slot, record_word(snapshot, joints, slot), out);
 }
 
 // --- uploading -------------------------------------------------------------------------------------------------------
@@ -291,7 +272,7 @@ void GpuScene::update_styles(const Snapshot& snapshot, std::span<const Slot> cha
     std::vector<std::uint32_t> places, words;
     for (std::size_t i = 0; i < now.slots.size(); ++i) {
       places.push_back(now.records[i] * stride + gpuprims::kMaterialWord);
-      words.push_back(material_word(snapshot, joints, now.slots[i]));
+      words.push_back(record_word(snapshot, joints, now.slots[i]));
     }
     writer_.write(target.records, sizeof(std::uint32_t), places, words.data());
   });

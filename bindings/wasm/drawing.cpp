@@ -1,11 +1,8 @@
-// What js/primitives.js draws of a scene: records of analytic primitives, and meshes with their instances.
+// Hands out what js/plant.js draws of a scene: records of analytic primitives, and meshes with their instances.
 #include <array>
-
-#include <glm/gtc/type_ptr.hpp>
 
 #include "sightline/bindings/wasm/call.h"
 #include "sightline/bindings/wasm/scene.h"
-#include "sightline/gpuprims/internal/joints.h"
 #include "sightline/gpuprims/internal/packing.h"
 
 namespace sightline::wasm {
@@ -23,21 +20,7 @@ constexpr std::array<std::initializer_list<Kind>, 7> kPrograms = {
      {Kind::kPyramid},
      {Kind::kBox}}};
 
-/// Row of sl_scene_materials(): the first is that of items without a material.
-std::uint32_t material_row(const core::Snapshot& snapshot, core::Slot slot) {
-  const std::uint32_t material = snapshot.material(slot);
-  return material == core::kNone ? 0u : (material + 1) & gpuprims::kMaterialMask;
-}
-
-std::uint32_t material_word(const core::Snapshot& snapshot, const gpuprims::Joints& joints, core::Slot slot) {
-  const gpuprims::Ends covered = joints.covered(snapshot, slot);
-  std::uint32_t word = material_row(snapshot, slot);
-  if ((covered & gpuprims::kBottomEnd) != 0) word |= gpuprims::kBottomOpen;
-  if ((covered & gpuprims::kTopEnd) != 0) word |= gpuprims::kTopOpen;
-  return word;
-}
-
-/// Calls visit(slot, kind, its index among the kind) for items that are shown.
+/// Calls visit(slot, its index among the kind) for items that are shown.
 template <class Visit>
 void for_each_shown(const core::Snapshot& snapshot, Kind kind, const Visit& visit) {
   const core::KindItems& items = snapshot.of_kind(kind);
@@ -54,17 +37,13 @@ SIGHTLINE_EXPORT bool sl_scene_records(Model* model, std::uint32_t program) {
   return attempt([&]() -> core::Expected<bool> {
     if (!model->snapshot) return core::fail("expected commit() first");
     const core::Snapshot& snapshot = *model->snapshot;
-    const gpuprims::Joints joints(snapshot);
+    if (!model->joints) model->joints.emplace(snapshot);
     model->words.clear();
     std::array<gpuprims::Texel, 8> texels;
     for (const Kind kind : kPrograms.at(program)) {
-      const core::KindItems& items = snapshot.of_kind(kind);
-      const auto parameters = std::size_t(core::parameter_count(kind));
       const std::span record(texels.data(), std::size_t(gpuprims::texels_per_item(kind)));
-      for_each_shown(snapshot, kind, [&](core::Slot slot, std::size_t i) {
-        gpuprims::pack(
-            kind, std::span(items.parameters.data() + i * parameters, parameters),
-            {items.placements[i], core::to_index(snapshot.item(slot)), material_word(snapshot, joints, slot)}, record);
+      for_each_shown(snapshot, kind, [&](core::Slot slot, std::size_t) {
+        gpuprims::pack(snapshot, slot, gpuprims::material_word(snapshot, *model->joints, slot), record);
         for (const gpuprims::Texel& texel : record) model->words.insert(model->words.end(), texel.begin(), texel.end());
       });
     }
@@ -107,7 +86,7 @@ SIGHTLINE_EXPORT bool sl_scene_instances(Model* model) {
       for_each_shown(snapshot, kind, [&](core::Slot slot, std::size_t i) {
         const std::uint32_t mesh = snapshot.of_kind(kind).meshes[i];
         model->words.insert(model->words.end(),
-                            {core::to_index(snapshot.item(slot)), mesh, material_row(snapshot, slot)});
+                            {core::to_index(snapshot.item(slot)), mesh, gpuprims::material_row(snapshot, slot)});
       });
     answer(model->words);
     return true;

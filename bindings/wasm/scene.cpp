@@ -47,6 +47,26 @@ core::Expected<core::ItemId> item_at(const Model& model, std::uint32_t number) {
     return core::fail("expected an item of this scene, got " + std::to_string(number));
   return core::ItemId(number);
 }
+
+/// Calls edit(node), of a number that JavaScript gave.
+template <class Edit>
+bool edit_node(Model* model, std::uint32_t number, const Edit& edit) {
+  return attempt([&]() -> core::Expected<bool> {
+    const auto node = node_at(*model, number);
+    if (!node) return tl::unexpected(node.error());
+    edit(*node);
+    return true;
+  });
+}
+template <class Edit>
+bool edit_item(Model* model, std::uint32_t number, const Edit& edit) {
+  return attempt([&]() -> core::Expected<bool> {
+    const auto item = item_at(*model, number);
+    if (!item) return tl::unexpected(item.error());
+    edit(*item);
+    return true;
+  });
+}
 core::MaterialId material_at(const Model& model, std::uint32_t number) {
   return number < model.materials.size() ? model.materials[number] : core::MaterialId();
 }
@@ -62,6 +82,7 @@ void Model::find_nodes() {
 core::Expected<void> Model::commit() {
   const auto delta = scene.commit();
   if (!delta) return tl::unexpected(delta.error());
+  joints.reset();
   if (snapshot && snapshot->disorder() * kDisorder <= snapshot->size()) {
     const std::vector<core::Slot> touched = snapshot->apply(*delta);
     culler->update(touched, &threads);
@@ -140,20 +161,11 @@ SIGHTLINE_EXPORT std::uint32_t sl_scene_add_node(Model* model, std::uint32_t par
   return number;
 }
 SIGHTLINE_EXPORT bool sl_scene_set_transform(Model* model, std::uint32_t node, const double* parent_from_node) {
-  return attempt([&]() -> core::Expected<bool> {
-    const auto found = node_at(*model, node);
-    if (!found) return tl::unexpected(found.error());
-    model->scene.set_transform(*found, affine_at(parent_from_node));
-    return true;
-  });
+  return edit_node(model, node,
+                   [&](core::NodeId found) { model->scene.set_transform(found, affine_at(parent_from_node)); });
 }
 SIGHTLINE_EXPORT bool sl_scene_set_node_visible(Model* model, std::uint32_t node, bool visible) {
-  return attempt([&]() -> core::Expected<bool> {
-    const auto found = node_at(*model, node);
-    if (!found) return tl::unexpected(found.error());
-    model->scene.set_visible(*found, visible);
-    return true;
-  });
+  return edit_node(model, node, [&](core::NodeId found) { model->scene.set_visible(found, visible); });
 }
 /// `normals` may be null. Returns a number for sl_scene_add_instance(), or kFailed.
 SIGHTLINE_EXPORT std::uint32_t sl_scene_add_mesh(Model* model, const float* positions, std::uint32_t vertices,
@@ -221,28 +233,14 @@ SIGHTLINE_EXPORT std::uint32_t sl_scene_add_instance(Model* model, std::uint32_t
   return item;
 }
 SIGHTLINE_EXPORT bool sl_scene_remove_item(Model* model, std::uint32_t item) {
-  return attempt([&]() -> core::Expected<bool> {
-    const auto found = item_at(*model, item);
-    if (!found) return tl::unexpected(found.error());
-    model->scene.remove_item(*found);
-    return true;
-  });
+  return edit_item(model, item, [&](core::ItemId found) { model->scene.remove_item(found); });
 }
 SIGHTLINE_EXPORT bool sl_scene_set_placement(Model* model, std::uint32_t item, const double* node_from_item) {
-  return attempt([&]() -> core::Expected<bool> {
-    const auto found = item_at(*model, item);
-    if (!found) return tl::unexpected(found.error());
-    model->scene.set_placement(*found, affine_at(node_from_item));
-    return true;
-  });
+  return edit_item(model, item,
+                   [&](core::ItemId found) { model->scene.set_placement(found, affine_at(node_from_item)); });
 }
 SIGHTLINE_EXPORT bool sl_scene_set_item_visible(Model* model, std::uint32_t item, bool visible) {
-  return attempt([&]() -> core::Expected<bool> {
-    const auto found = item_at(*model, item);
-    if (!found) return tl::unexpected(found.error());
-    model->scene.set_visible(*found, visible);
-    return true;
-  });
+  return edit_item(model, item, [&](core::ItemId found) { model->scene.set_visible(found, visible); });
 }
 
 // --- what is in it ---------------------------------------------------------------------------------------------------
@@ -329,8 +327,7 @@ SIGHTLINE_EXPORT bool sl_scene_visible(Model* model, const ViewObject* view, con
                                        float least_area) {
   return attempt([&]() -> core::Expected<bool> {
     if (!model->snapshot) return core::fail("expected commit() first");
-    find_visible(model->snapshot->bounds(), *model->culler, *view, {pyramid, least_area, {}}, &model->threads,
-                 model->set);
+    find_visible(model->snapshot->bounds(), *model->culler, *view, {pyramid, least_area}, &model->threads, model->set);
     model->words.clear();
     model->set.for_each_slot([&](core::Slot slot) {
       if (!model->snapshot->vacant(slot)) model->words.push_back(core::to_index(model->snapshot->item(slot)));
@@ -345,7 +342,7 @@ SIGHTLINE_EXPORT bool sl_scene_occluders(Model* model, const ViewObject* view, c
                                          float least_area) {
   return attempt([&]() -> core::Expected<bool> {
     if (!model->snapshot) return core::fail("expected commit() first");
-    find_visible(model->snapshot->bounds(), *model->culler, *view, {nullptr, least_area, {}}, nullptr, model->set);
+    find_visible(model->snapshot->bounds(), *model->culler, *view, {nullptr, least_area}, nullptr, model->set);
     model->solids.begin(*model->snapshot, view->view, view->width, view->height);
     model->solids.add(model->set, &model->threads);
     model->solids.build(*pyramid, {}, &model->threads);

@@ -12,6 +12,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/occlusion/solid_occluders.h"
+#include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/import.h"
 #include "sightline/raytrace/tracer.h"
 
@@ -26,16 +27,17 @@ struct Model {
   std::vector<core::MaterialId> materials = {};
   importers::ImportReport report = {};
 
-  // Of the last commit; null or empty before the first, and the tracer before the first ray.
+  // Of the last commit; null or empty before the first, the tracer before the first ray, joints before records.
   std::unique_ptr<core::Snapshot> snapshot = {};
   std::optional<culling::CpuCuller> culler = {};
   std::optional<raytrace::Tracer> tracer = {};
+  std::optional<gpuprims::Joints> joints = {};
 
   culling::CullThreads threads{};
   culling::SolidOccluders solids = {};
   core::VisibleSet set = {};
 
-  // What answers lie in.
+  // Answers lie in these until the next one.
   std::vector<std::uint32_t> words = {};
   std::vector<float> floats = {};
   std::vector<double> doubles = {};

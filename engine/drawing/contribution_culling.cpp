@@ -164,7 +164,7 @@ void ContributionCulling::find(DrawContext& context, const Culled& culled, culli
     for (const Square& square : of_part_[i].squares)
       if (!one_sample || !hidden(square))
         splats.push_back({unprojection.eye(square), std::min(side(square), largest_side), snapshot.item(square.slot),
-                          gpuscene::GpuScene::material_row(snapshot, square.slot)});
+                          gpuprims::material_row(snapshot, square.slot)});
   });
   splats_.clear();
   for (std::uint32_t i = 0; i < parts_.count(); ++i)

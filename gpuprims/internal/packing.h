@@ -27,6 +27,8 @@
 
 namespace sightline::gpuprims {
 
+class Joints;
+
 using Texel = std::array<std::uint32_t, 4>;
 
 using uint = std::uint32_t;  // GLSL's name for it
@@ -61,5 +63,13 @@ constexpr int texels_per_item(core::Kind kind) {
 /// kind, empty for tessellated kinds (their shape is in the mesh). A primitive without any extent, and a solid
 /// under a singular placement, get a zero scale, which shaders skip.
 void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& item, std::span<Texel> out);
+
+/// The row of the material table that a slot's item is drawn with. Row 0 is for items that name no material; the
+/// materials follow in scene order.
+std::uint32_t material_row(const core::Snapshot& snapshot, core::Slot slot);
+/// PackedItem::material of a slot: its row, its ends that neighbours cover, and whether it is vacant.
+std::uint32_t material_word(const core::Snapshot& snapshot, const Joints& joints, core::Slot slot);
+/// Writes the record of a slot's item, with this PackedItem::material.
+void pack(const core::Snapshot& snapshot, core::Slot slot, std::uint32_t material, std::span<Texel> out);
 
 }  // namespace sightline::gpuprims

@@ -79,14 +79,13 @@ class GpuScene {
   const std::vector<Batch>& batches() const { return batches_; }
   const Batch* batch(BatchKind kind) const;  ///< null when the scene has none
   const MeshPool& meshes() const { return meshes_; }
+  /// By gpuprims::material_row().
   const gl::TextureBuffer& materials() const { return material_texels_; }
   std::size_t memory_bytes() const;
 
   /// Writes a slot's record to `out`, texels_per_record() of its batch.
   static void pack(const core::Snapshot& snapshot, const gpuprims::Joints& joints, core::Slot slot,
                    std::span<gpuprims::Texel> out);
-  /// An item's row in materials(). Row 0 is for items that name no material; the materials follow in scene order.
-  static std::uint32_t material_row(const core::Snapshot& snapshot, core::Slot slot);
   /// Number of items of a batch in slots below `slot`. Constant time.
   static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);
   /// Place of an item's record in its batch. Equals rank() of its own slot, but is faster.

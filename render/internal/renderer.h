@@ -53,7 +53,7 @@ class Renderer {
 
   /// Draws the records in the lists beside what the target holds of the same view. Where two items have the same depth,
   /// the pixel keeps what it has. `materials`: a table to use instead of the scene's, with as many rows as the scene
-  /// has materials and one more (GpuScene::material_row); null: the scene's.
+  /// has materials and one more (gpuprims::material_row); null: the scene's.
   core::Expected<void> draw_more(const core::View& view, const core::Snapshot& snapshot,
                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                  const RenderTarget& target, const gl::TextureBuffer* materials = nullptr);
