@@ -22,7 +22,8 @@ std::uint64_t total(const ItemCounts& items);
 /// Fails unless models can be written under that name, and where it, or the file that its format has beside it, is one
 /// of those that were or will be read: it would be lost.
 core::Expected<void> check_output(const std::string& output, std::span<const std::string> read);
-/// The same for a folder of 3D Tiles, which replaces what is there: none of the files may lie in it.
+/// Fails where a folder of 3D Tiles cannot be written under that name without losing one of those files: it replaces what
+/// is there.
 core::Expected<void> check_tiles_folder(const std::string& folder, std::span<const std::string> read);
 /// The files of a model, and those that they name.
 std::vector<std::string> files_read(std::span<const std::string> files, const importers::ImportReport& report);

@@ -1,7 +1,6 @@
 #include "sightline/bindings/wasm/call.h"
 
 #include <cstdlib>
-#include <thread>
 
 namespace sightline::wasm {
 namespace {
@@ -40,11 +39,6 @@ SIGHTLINE_EXPORT void* sl_allocate(std::size_t bytes) {
 }
 SIGHTLINE_EXPORT void sl_free(void* memory) {
   std::free(memory);
-}
-
-/// Threads that the module may use, the calling one included.
-SIGHTLINE_EXPORT std::uint32_t sl_threads() {
-  return std::thread::hardware_concurrency();
 }
 
 }  // namespace sightline::wasm

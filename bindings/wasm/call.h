@@ -1,5 +1,5 @@
-// What every function of the module shares: how it is exported, how it answers, and how it fails. Numbers and addresses
-// come in; arrays lie in the module's memory, whose views js/memory.js makes. One thread of JavaScript calls at a time.
+// All functions of the module are exported, answer and fail in one way. Numbers and addresses come in; arrays lie in
+// the module's memory, of which js/objects.js makes views. One thread of JavaScript calls at a time.
 //
 // A function that can fail returns whether it succeeded, or an address that is 0 otherwise, and leaves a message for
 // sl_error(). A function that answers with an array leaves its place for sl_answer(). The array belongs to the object

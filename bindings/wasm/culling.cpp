@@ -5,6 +5,7 @@
 #include "sightline/bindings/wasm/numbers.h"
 #include "sightline/bindings/wasm/visibility.h"
 #include "sightline/culling/box_culler.h"
+#include "sightline/culling/frustum/internal/slot_list.h"
 #include "sightline/culling/occlusion/depth_pyramid.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
@@ -65,10 +66,8 @@ SIGHTLINE_EXPORT bool sl_boxes_visible(Boxes* boxes, const ViewObject* view, con
       boxes->culler.visible(view->view, *pyramid, boxes->indices);
     } else {
       find_visible(boxes->culler.bounds(), boxes->culler.culler(), *view, {pyramid, least_area}, nullptr, boxes->set);
-      boxes->indices.clear();
-      boxes->set.for_each_slot([&](core::Slot slot) {
-        if (!boxes->culler.bounds().vacant(slot)) boxes->indices.push_back(boxes->culler.indices()[slot]);
-      });
+      boxes->indices.resize(boxes->set.count());  // without vacant slots, which have no size
+      culling::list_ids(boxes->set, boxes->culler.indices(), boxes->indices);
     }
     answer(boxes->indices);
   });

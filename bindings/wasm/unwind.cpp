@@ -1,7 +1,7 @@
-// What exceptions of a module with threads need of a runtime, in place of Emscripten's: clang 14 writes where it landed
-// into one __wasm_lpad_context for all threads, but Emscripten 3.1.6 reads it from one of each thread, in which nothing
-// was written. No exception is then caught. Names and tasks are those of clang's code for WebAssembly and of the
-// Itanium C++ ABI, level I, whose header has other integers in clang's folder than in Emscripten's.
+// Catches exceptions in modules with threads, where Emscripten's runtime does not: clang 14 writes where it landed into
+// one __wasm_lpad_context for all threads, but Emscripten 3.1.6 reads it from one of each thread, in which nothing was
+// written. Names and tasks are those of clang's code for WebAssembly and of the Itanium C++ ABI, level I, whose header
+// has other integers in clang's folder than in Emscripten's.
 //
 // Two threads must not land at the same moment. Exceptions are thrown for want of memory and of threads alone, and by
 // the calling thread: the library's jobs catch none.

@@ -23,7 +23,7 @@ void find_visible(const core::ItemBounds& bounds, const culling::CpuCuller& cull
     test.filter(bounds, set, set, {}, threads, &culler.hierarchy());
   }
   if (limits.least_area > 0.0f) {
-    const culling::ContributionTest test(view.view, bounds.origin, view.width, view.height, limits.solids);
+    const culling::ContributionTest test(view.view, bounds.origin, view.width, view.height);
     const core::Scratch<Leaves> scratch;
     test.filter_leaves(culler.hierarchy(), set, limits.least_area, scratch->set);
     test.filter(bounds, scratch->set, limits.least_area, set);

@@ -1,8 +1,6 @@
-// What a view shows of boxes: the frustum, then occlusion, then size, each only where it is asked for. For the boxes of
-// an application and for the items of a scene alike.
+// Finds what a view shows of boxes, of an application or of a scene's items: by the view volume, then by occlusion,
+// then by size, each only where it is asked for.
 #pragma once
-
-#include <span>
 
 #include "sightline/bindings/wasm/views.h"
 #include "sightline/core/item_bounds.h"
@@ -15,7 +13,6 @@ namespace sightline::wasm {
 struct Limits {
   const culling::DepthPyramid* pyramid = nullptr;  ///< of the same view and its size, or null
   float least_area = 0.0f;                         ///< pixels that an item must be expected to cover; 0: any
-  std::span<const float> solids = {};              ///< as ContributionTest takes them
 };
 
 /// Replaces `set`. `threads` may be null.

@@ -74,14 +74,13 @@ export class Plant extends Group {
     this.#pyramid = sightline.createDepthPyramid();
     this.#primitives = new AnalyticPrimitives(scene.packed());
     this.add(this.#primitives);
-    this.#addMeshes();
     this.stats.items = scene.itemNodes().length;
+    this.#addMeshes();
   }
 
   #addMeshes() {
-    const items = this.#scene.itemNodes().length;
-    this.#holderOf = new Int32Array(items).fill(-1);
-    this.#placeOf = new Int32Array(items);
+    this.#holderOf = new Int32Array(this.stats.items).fill(-1);
+    this.#placeOf = new Int32Array(this.stats.items);
     /** @type {Map<number, import('./scene.js').MeshInstance[]>} */ const byMesh = new Map();
     for (const instance of this.#scene.instances()) {
       const list = byMesh.get(instance.mesh);
@@ -154,11 +153,7 @@ export class Plant extends Group {
   /** Shows all until the next update(). */
   showAll() {
     this.#primitives.showAll();
-    for (const mesh of this.#meshes) {
-      mesh.hide();
-      for (let i = 0; i < mesh.count; ++i) mesh.show(i);
-      mesh.finish();
-    }
+    for (const mesh of this.#meshes) mesh.showAll();
   }
 
   /**

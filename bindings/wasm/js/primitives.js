@@ -26,6 +26,7 @@ import {
 } from 'three';
 
 import {fragmentShader, vertexShader} from './shaders.js';
+import {clippingPlanesOf, MOST_SECTIONS} from './three_camera.js';
 
 /**
  * The kinds that are drawn, each by a program of its own, and the length of their records in 32-bit words. Kinds of RVM
@@ -61,7 +62,6 @@ const ROW = 2048;
 /** Corners of the two triangles of each visible side of a proxy: gpuscene::kProxyTriangles. */
 const PROXY_TRIANGLES = [1, 3, 5, 5, 3, 7, 5, 7, 4, 4, 7, 6, 2, 6, 3, 3, 6, 7];
 
-const MAX_SECTIONS = 8;
 const NO_RECORD = 0xffffffff;
 const RECORD_BITS = 28;  // of a place; the kind is above them
 
@@ -108,13 +108,6 @@ function eyeDepth(clip, depth) {
   return denominator === 0.0 ? Infinity : (clip[14] - depth * clip[15]) / denominator;
 }
 
-/** The half-spaces that count for an object, and whether they unite. */
-function sectionsOf(object, renderer) {
-  const planes = [...(object.clippingPlanes ?? [])], unite = object.clipIntersection && planes.length > 0;
-  if (!unite) planes.push(...renderer.clippingPlanes);
-  return {planes: planes.slice(0, MAX_SECTIONS), unite};
-}
-
 /** Uniforms that all kinds of an object share. They follow the camera in use. */
 class SharedUniforms {
   /** @param {PackedPrimitives} packed */
@@ -133,10 +126,10 @@ class SharedUniforms {
       viewport: floats(4),
       up: floats(4),
       flags: new Int32Array(4),
-      sections: floats(4 * MAX_SECTIONS),
+      sections: floats(4 * MOST_SECTIONS),
       hatching: floats(4),  // none
-      hatch_across: floats(8 * MAX_SECTIONS),
-      hatch_whole: floats(4 * MAX_SECTIONS),
+      hatch_across: floats(8 * MOST_SECTIONS),
+      hatch_whole: floats(4 * MOST_SECTIONS),
       lights: floats(8),  // none: a head-light
     };
     const chunkTexels = 2 * this.origins.length / 3, materialTexels = packed.materials.length / 4;
@@ -159,7 +152,7 @@ class SharedUniforms {
     if (!isPlain(clip)) return false;
     const eyeFromObject = eye.multiplyMatrices(camera.matrixWorldInverse, object.matrixWorld).elements;
     renderer.getCurrentViewport(viewport);
-    const {planes, unite} = sectionsOf(object, renderer);
+    const {planes, unite} = clippingPlanesOf(renderer, object);
     const state = [...clip, ...eyeFromObject, ...viewport, ...camera.up, ...camera.matrixWorldInverse.elements, unite];
     for (const plane of planes) state.push(...plane.normal, plane.constant);
     const target = renderer.getRenderTarget();

@@ -22,20 +22,35 @@ const size = new Vector2();
  *     approximate: what shows between its pixel centres alone may be left out.
  */
 
+/** Section planes that the library and its shaders take at most. */
+export const MOST_SECTIONS = 8;
+
 /**
- * Sections are half-spaces of the model. three.js counts those of the renderer as well, unless the object's unite.
+ * Half-spaces of the world that an object is cut by, and whether they unite. three.js counts those of the renderer as
+ * well, unless the object's unite. The first eight count.
+ * @param {Renderer} renderer
+ * @param {Pick<Model, 'clippingPlanes' | 'clipIntersection'>} [object]
+ * @returns {{ planes: Plane[], unite: boolean }}
+ */
+export function clippingPlanesOf(renderer, object) {
+  const own = object?.clippingPlanes ?? [];
+  const unite = object?.clipIntersection === true && own.length > 0;
+  return { planes: [...own, ...(unite ? [] : renderer.clippingPlanes ?? [])].slice(0, MOST_SECTIONS), unite };
+}
+
+/**
+ * The same in the model's coordinates.
  * @param {Renderer} renderer
  * @param {Model} [model]
  */
 function sectionsOf(renderer, model) {
-  const anySection = model?.clipIntersection === true && !!model.clippingPlanes?.length;
-  const planes = [...(model?.clippingPlanes ?? []), ...(anySection ? [] : renderer.clippingPlanes ?? [])].slice(0, 8);
+  const { planes, unite } = clippingPlanesOf(renderer, model);
   const modelFromWorld = model ? new Matrix4().copy(model.matrixWorld).invert() : new Matrix4();
   const sections = planes.map((plane) => {
     const { normal, constant } = new Plane().copy(plane).applyMatrix4(modelFromWorld);
     return [normal.x, normal.y, normal.z, constant];
   });
-  return { sections, anySection };
+  return { sections, anySection: unite };
 }
 
 /**

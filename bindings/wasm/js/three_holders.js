@@ -155,9 +155,12 @@ export class Instances {
       attribute.needsUpdate = true;
     }
   }
-  restore() {
+  showAll() {
     this.wanted.fill(1);
     this.finish();
+  }
+  restore() {
+    this.showAll();
     this.object.frustumCulled = this.frustumCulled;
   }
 }

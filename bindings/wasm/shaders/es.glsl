@@ -1,4 +1,4 @@
-// What shaders of GLSL 4.50 find here instead in GLSL ES 3.00, which WebGL2 has. Every stage includes this file first.
+// Stands in for what GLSL ES 3.00, which WebGL2 has, lacks of GLSL 4.50. Every stage includes this file first.
 precision highp float;
 precision highp int;
 precision highp sampler2D;

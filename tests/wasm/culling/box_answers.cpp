@@ -90,7 +90,7 @@ class Both {
       culler_->visible(view_->view, pyramid_, indices_);
     } else {
       core::VisibleSet set;
-      wasm::find_visible(culler_->bounds(), culler_->culler(), *view_, {behind ? &pyramid_ : nullptr, least_area, {}},
+      wasm::find_visible(culler_->bounds(), culler_->culler(), *view_, {behind ? &pyramid_ : nullptr, least_area},
                          nullptr, set);
       list(set);
     }

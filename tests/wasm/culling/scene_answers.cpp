@@ -137,8 +137,7 @@ class BothScenes {
   }
   void visible(bool behind, float least_area) {
     core::VisibleSet set;
-    wasm::find_visible(snapshot_->bounds(), *culler_, *view_, {behind ? &pyramid_ : nullptr, least_area, {}}, nullptr,
-                       set);
+    wasm::find_visible(snapshot_->bounds(), *culler_, *view_, {behind ? &pyramid_ : nullptr, least_area}, nullptr, set);
     std::vector<std::uint32_t> items;
     set.for_each_slot([&](core::Slot slot) {
       if (!snapshot_->vacant(slot)) items.push_back(core::to_index(snapshot_->item(slot)));
@@ -151,7 +150,7 @@ class BothScenes {
     out_->text("occlude");
     out_->numbers({double(least_area)});
     core::VisibleSet set;
-    wasm::find_visible(snapshot_->bounds(), *culler_, *view_, {nullptr, least_area, {}}, nullptr, set);
+    wasm::find_visible(snapshot_->bounds(), *culler_, *view_, {nullptr, least_area}, nullptr, set);
     solids_.begin(*snapshot_, view_->view, view_->width, view_->height);
     solids_.add(set, &threads_);
     solids_.build(pyramid_, {}, &threads_);
