@@ -45,11 +45,17 @@ const types = {
   '.html': 'text/html',
   '.js': 'text/javascript',
   '.json': 'application/json',
+  '.mjs': 'text/javascript',
   '.wasm': 'application/wasm',
 };
 
-/** Serves files, cross-origin isolated, as threads need it. `post(root, rest, content)` gets what is sent. */
-export async function serve(roots, post) {
+const kIsolation = { 'Cross-Origin-Embedder-Policy': 'require-corp', 'Cross-Origin-Opener-Policy': 'same-origin' };
+
+/**
+ * Serves the files below /NAME/ from the folder roots[NAME]. `post(root, rest, content)` gets what is sent. `isolated`: cross-origin
+ * isolated, as threads need it.
+ */
+export async function serve(roots, post, isolated = true) {
   const server = createServer((request, response) => {
     const path = decodeURIComponent(new URL(request.url, 'http://localhost').pathname);
     const [, root, ...rest] = path.split('/');
@@ -67,8 +73,7 @@ export async function serve(roots, post) {
     if (rest.includes('..') || !existsSync(file)) return void response.writeHead(404).end();
     response.writeHead(200, {
       'Content-Type': types[extname(file)] ?? 'application/octet-stream',
-      'Cross-Origin-Embedder-Policy': 'require-corp',
-      'Cross-Origin-Opener-Policy': 'same-origin',
+      ...(isolated ? kIsolation : {}),
     });
     response.end(readFileSync(file));
   });
@@ -77,7 +82,7 @@ export async function serve(roots, post) {
 }
 
 /** Opens a page until it sends its result. Images are written to `folder`. */
-export async function runPage({ page, roots, folder, size = '800,600', minutes = 9 }) {
+export async function runPage({ page, roots, folder, size = '800,600', minutes = 9, isolated = true }) {
   mkdirSync(folder, { recursive: true });
   let finish;
   const finished = new Promise((resolve) => (finish = resolve));
@@ -85,7 +90,7 @@ export async function runPage({ page, roots, folder, size = '800,600', minutes =
     if (root === 'log') console.log(content.toString());
     if (root === 'image') writeFileSync(join(folder, `${rest[0]}.png`), content);
     if (root === 'result') finish(JSON.parse(content));
-  });
+  }, isolated);
   const profile = mkdtempSync(join(tmpdir(), 'chromium-'));
   const options = [
     ...['--headless', '--no-sandbox', '--no-first-run', '--disable-quic', '--disable-background-networking'],

@@ -1,12 +1,10 @@
 // Shows a tileset in headless Chromium and saves the image. Prints what the page tells, as JSON. Exit code 1 where a tile
 // cannot be loaded, or content lies outside its box.
-import { createReadStream } from 'node:fs';
-import { readFile, stat, writeFile } from 'node:fs/promises';
-import { createServer } from 'node:http';
+import { readFile, writeFile } from 'node:fs/promises';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-import { chromium as executablePath, modules, required } from '../browser.mjs';
+import { chromium as executablePath, modules, required, serve } from '../browser.mjs';
 
 const { chromium } = required('playwright-core');
 
@@ -24,26 +22,7 @@ if (names.length !== 3) {
 const [folder, viewFile, image] = names;
 const [width, height] = options['--size'].split('x').map(Number);
 
-const types = { '.html': 'text/html', '.mjs': 'text/javascript', '.js': 'text/javascript', '.json': 'application/json' };
-const roots = [['/modules/', modules], ['/tileset/', folder], ['/', here]];
-
-const server = createServer(async (request, response) => {
-  const url = decodeURIComponent(new URL(request.url, 'http://localhost').pathname);
-  const [prefix, root] = roots.find(([prefix]) => url.startsWith(prefix));
-  const file = path.join(root, path.normalize('/' + url.slice(prefix.length)));
-  try {
-    const { size } = await stat(file);
-    response.writeHead(200, {
-      'content-type': types[path.extname(file)] ?? 'application/octet-stream',
-      'content-length': size,
-    });
-    createReadStream(file).pipe(response);
-  } catch {
-    response.writeHead(404).end();
-  }
-});
-await new Promise((done) => server.listen(0, '127.0.0.1', done));
-const site = `http://127.0.0.1:${server.address().port}`;
+const { url: site, close } = await serve({ modules, tileset: folder, test: here });
 
 const browser = await chromium.launch({
   executablePath,
@@ -55,7 +34,7 @@ try {
   const errors = [];
   page.on('pageerror', (error) => errors.push(String(error)));
   page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
-  await page.goto(`${site}/viewer.html`);
+  await page.goto(`${site}/test/viewer.html`);
   await page.waitForFunction(() => window.ready, null, { timeout: 30e3 });
   const view = JSON.parse(await readFile(viewFile, 'utf8'));
   const facts = await page.evaluate((of) => window.show(of), {
@@ -67,6 +46,6 @@ try {
   failed = errors.length > 0 || facts.failures.length > 0 || facts.outside.most > 1e-6;
 } finally {
   await browser.close();
-  server.close();
+  close();
 }
 process.exit(failed ? 1 : 0);
