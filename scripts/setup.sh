@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Installs what a build needs on Debian 12 (skips what is installed), then configures and builds one preset.
-#   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz, packages, study or gpu-kit-build;
-#                                             everything, or these targets
+#   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz, packages, study, gpu-kit-build,
+#                                             wasm, wasm-threads or wasm-scalar; everything, or these targets
 # Packages that only tests and the window need are installed when everything or a target with tests (…_tests, wasm_…) is
 # built.
 # Sources are compiled in batches; whoever edits some may prefer SIGHTLINE_CMAKE_ARGS=-DSIGHTLINE_UNITY=OFF.
 # SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK, SIGHTLINE_SETUP_OCCT=1 Open CASCADE,
 # SIGHTLINE_SETUP_EXAMPLES=1 what the examples with OpenSceneGraph and Qt 6 need, SIGHTLINE_SETUP_PACKAGES=1 what tests
-# of the Debian packages need.
+# of the Debian packages need, SIGHTLINE_SETUP_BROWSER=1 what those of the npm package need.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}
@@ -15,7 +15,13 @@ preset=${1:-release}
 
 packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev
   libstb-dev libmeshoptimizer-dev libdraco-dev libxxhash-dev libpng-dev libbenchmark-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
-if [ "$preset" = packages ]; then
+if [[ $preset == wasm* ]]; then
+  packages=(emscripten cmake ninja-build libglm-dev libexpected-dev libfmt-dev nlohmann-json3-dev libxxhash-dev)
+  # A node that is not Debian's has an npm of its own, which Debian's cannot be installed beside.
+  command -v npm >/dev/null || packages+=(npm)
+  # Emscripten's own scripts look for node's modules where Debian installs them.
+  export NODE_PATH=/usr/share/nodejs${NODE_PATH:+:$NODE_PATH}
+elif [ "$preset" = packages ]; then
   packages+=(libglfw3-dev libimgui-dev libpcre2-dev libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy)
 elif [ "$preset" = gpu-kit-build ]; then
   packages+=(ccache libgtest-dev libgmp-dev binutils)
@@ -34,6 +40,7 @@ if [ "$preset" = packages ] || [ -n "${SIGHTLINE_SETUP_OCCT:-}" ]; then
 fi
 # For the examples that draw into the windows of others.
 if [ -n "${SIGHTLINE_SETUP_EXAMPLES:-}" ]; then packages+=(libopenscenegraph-dev qt6-base-dev libqt6opengl6-dev); fi
+if [ -n "${SIGHTLINE_SETUP_BROWSER:-}" ]; then packages+=(chromium); fi
 if [ "$preset" = fuzz ]; then packages+=(clang libclang-rt-14-dev); fi
 
 missing=()
