@@ -129,7 +129,7 @@ core::Expected<Json> pick(const Options& o, const raytrace::Tracer& tracer, cons
 core::Expected<int> trace_model(Options& o) {
   const auto size = apps::parse_size(o.view.size);
   if (!size) return tl::unexpected(size.error());
-  const auto [width, height] = *size;
+  const int width = (*size)[0], height = (*size)[1];
   for (const std::string& sun : o.suns) o.whitted.lights.push_back({apps::parse_direction(sun).value(), true});
   const auto model = apps::load_model(o.model);
   if (!model) return tl::unexpected(model.error());

@@ -10,8 +10,9 @@ endif()
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_VERIFY_INTERFACE_HEADER_SETS ON)  # target all_verify_interface_header_sets: every public header compiles alone
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
-# Batches of sources compile headers once. So file-local names of a target must differ, as if it were one file.
-option(SIGHTLINE_UNITY "Compile sources in batches: several times faster from scratch, slower after an edit" OFF)
+# Batches of sources compile headers once. So file-local names of a target must differ, as if it were one file. What every
+# script and CI build is also what CMake builds unless told otherwise; scripts/alone.py checks sources one by one.
+option(SIGHTLINE_UNITY "Compile sources in batches: several times faster from scratch, slower after an edit" ON)
 set(CMAKE_UNITY_BUILD ${SIGHTLINE_UNITY})
 set(SIGHTLINE_UNITY_BATCH 16 CACHE STRING "Sources in a batch; 0: all sources of a target")
 set(CMAKE_UNITY_BUILD_BATCH_SIZE ${SIGHTLINE_UNITY_BATCH})

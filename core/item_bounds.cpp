@@ -132,7 +132,8 @@ FittedBounds ItemBounds::fitted_bounds(std::uint32_t mask) const {
 #endif
     for (int axis = 0; axis < 3; ++axis) {
       const float *low = coordinate(axis), *high = coordinate(axis + 3);
-      for_each_shown([&](std::size_t i) { visit(centres[std::size_t(axis)], 0.5f * low[i] + 0.5f * high[i]); });
+      Selection& selection = centres[std::size_t(axis)];
+      for_each_shown([&](std::size_t i) { visit(selection, 0.5f * low[i] + 0.5f * high[i]); });
     }
   };
   for_each_centre([](Selection& selection, float centre) { selection.count(centre); });

@@ -122,7 +122,7 @@ run_without() {
 # without NAME OPTIONS: builds and tests a tree with these options.
 without() {
   # shellcheck disable=SC2086
-  cmake --preset release -B "build/without-$1" -DSIGHTLINE_UNITY=ON $2 "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
+  cmake --preset release -B "build/without-$1" $2 "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
   cmake --build "build/without-$1" -j "$(nproc)"
   ctest_in "without-$1" -LE '^nightly' -E '^(consumers|docs)\.'
 }
@@ -146,10 +146,12 @@ changed_files() {
   since=$(git rev-list --max-count=51 HEAD | tail -1)
   git diff --name-only --diff-filter=AM "$since" HEAD | grep -E '^(core|culling|gpuprims|importers|analysis|raytrace|engine)/.*\.cpp$' || true
 }
-# Compiles every K-th of N sources alone, as developers without batches do.
+# Compiles every K-th of N sources and public headers alone, as developers without batches do, and all that changed in
+# the last 50 commits, with both compilers.
 alone() {
-  release
-  scripts/alone.py build/release "$1" "$2"
+  SIGHTLINE_SETUP_CLANG=1 release
+  local compiler
+  for compiler in g++ clang++; do scripts/alone.py build/release --compiler "$compiler" --slice "$1/$2" --changed 50; done
 }
 
 names() { awk 'NF { print $1 }' <<<"$units"; }

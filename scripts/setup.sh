@@ -4,10 +4,10 @@
 #                                             wasm, wasm-threads or wasm-scalar; everything, or these targets
 # Packages that only tests and the window need are installed when everything or a target with tests (…_tests, wasm_…) is
 # built.
-# Sources are compiled in batches; whoever edits some may prefer SIGHTLINE_CMAKE_ARGS=-DSIGHTLINE_UNITY=OFF.
+# Sources are compiled in batches; after edits of single files it is faster without: SIGHTLINE_CMAKE_ARGS=-DSIGHTLINE_UNITY=OFF.
 # SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK, SIGHTLINE_SETUP_OCCT=1 Open CASCADE,
 # SIGHTLINE_SETUP_EXAMPLES=1 what the examples with OpenSceneGraph and Qt 6 need, SIGHTLINE_SETUP_PACKAGES=1 what tests
-# of the Debian packages need, SIGHTLINE_SETUP_BROWSER=1 what those of the npm package need.
+# of the Debian packages need, SIGHTLINE_SETUP_BROWSER=1 what those of the npm package need, SIGHTLINE_SETUP_CLANG=1 clang.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}
@@ -41,7 +41,7 @@ fi
 # For the examples that draw into the windows of others.
 if [ -n "${SIGHTLINE_SETUP_EXAMPLES:-}" ]; then packages+=(libopenscenegraph-dev qt6-base-dev libqt6opengl6-dev); fi
 if [ -n "${SIGHTLINE_SETUP_BROWSER:-}" ]; then packages+=(chromium); fi
-if [ "$preset" = fuzz ]; then packages+=(clang libclang-rt-14-dev); fi
+if [ "$preset" = fuzz ] || [ -n "${SIGHTLINE_SETUP_CLANG:-}" ]; then packages+=(clang libclang-rt-14-dev); fi
 
 missing=()
 for package in "${packages[@]}"; do
@@ -69,5 +69,5 @@ if [ ! -e "build/$preset/CMakeCache.txt" ] && command -v ccache >/dev/null; then
   launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
 # shellcheck disable=SC2086
-cmake --preset "$preset" -DSIGHTLINE_UNITY=ON "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
+cmake --preset "$preset" "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
 cmake --build --preset "$preset" -j "$(nproc)" ${1:+--target "$@"}

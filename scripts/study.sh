@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/setup.sh study install
 # shellcheck disable=SC2086
-cmake -S study -B build/study/program -G Ninja -DCMAKE_BUILD_TYPE=Release -DSIGHTLINE_UNITY=ON \
+cmake -S study -B build/study/program -G Ninja -DCMAKE_BUILD_TYPE=Release \
   -DCMAKE_PREFIX_PATH="$PWD/build/study/prefix" -DSTUDY_TESTS=OFF ${STUDY_CMAKE_ARGS:-} >/dev/null
 cmake --build build/study/program -j "$(nproc)"
 [ $# -gt 0 ] || set -- --tables --scale 0.05 --frames 30

@@ -22,6 +22,7 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/core/image_rays.h"
 #include "sightline/importers/json/internal/json.h"
+#include "sightline/raytrace/tracer.h"
 #if SIGHTLINE_HAS_EMBREE
 #include "sightline/apps/bench/embree_peer.h"
 #include "sightline/gpuprims/internal/primitives.h"

@@ -118,10 +118,12 @@ core::Expected<std::vector<std::size_t>> choose_tasks(const Options& o, const ap
   }
   if (fitting.empty()) return core::fail(o.suite + ": no task fits --only");
   if (o.shard.empty()) return fitting;
-  const auto [i, n] = parse_shard(o.shard).value();
+  const auto shard = parse_shard(o.shard).value();
   // Neighbours belong together: most are of one model, which is then read in one shard.
-  const auto begin = [&](std::size_t part) { return fitting.begin() + std::ptrdiff_t(part * fitting.size() / n); };
-  return std::vector<std::size_t>(begin(i), begin(i + 1));
+  const auto begin = [&](std::size_t part) {
+    return fitting.begin() + std::ptrdiff_t(part * fitting.size() / shard[1]);
+  };
+  return std::vector<std::size_t>(begin(shard[0]), begin(shard[0] + 1));
 }
 
 /// Those without a result that may be kept; old results of these are removed.

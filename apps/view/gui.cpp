@@ -93,7 +93,7 @@ void set_style(Theme theme, double scale) {
 
 core::Expected<Gui> Gui::create(Window& window, Theme theme, double scale) {
   IMGUI_CHECKVERSION();
-  Gui gui(window, ImGui::CreateContext());
+  Gui gui(ImGui::CreateContext());
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // panels stay where they are put
   io.BackendFlags |= ImGuiBackendFlags_HasMouseCursors;

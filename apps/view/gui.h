@@ -50,10 +50,9 @@ class Gui {
   struct Destroy {
     void operator()(ImGuiContext* context) const;
   };
-  Gui(Window& window, ImGuiContext* context) : window_(&window), context_(context) {}
+  explicit Gui(ImGuiContext* context) : context_(context) {}
   void load_font();
 
-  Window* window_;
   std::unique_ptr<ImGuiContext, Destroy> context_;
   Theme theme_ = Theme::kDark;
   double scale_ = 1.0;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sightline/core/internal/sort_unique.h"
+#include "sightline/lod/internal/cut.h"
 
 namespace sightline::culling {
 namespace {

@@ -79,7 +79,7 @@ std::uint32_t TileParts::row(core::NodeId node) {
 std::string TileParts::feature_ids(std::span<const float> ids) {
   std::vector<float> distinct(ids.begin(), ids.end());
   std::ranges::sort(distinct);
-  const auto count = std::ranges::unique(distinct).begin() - distinct.begin();
+  const auto count = std::unique(distinct.begin(), distinct.end()) - distinct.begin();
   return fmt::format("{{\"featureIds\":[{{\"featureCount\":{},\"attribute\":0,\"propertyTable\":0}}]}}", count);
 }
 

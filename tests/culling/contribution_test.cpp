@@ -114,7 +114,9 @@ TEST(ContributionTest, SolidsLimitAreasAndMakeSquares) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const auto [half, origin, view] = RandomSite(random);
+    const RandomSite site(random);
+    const core::dvec3 origin = site.origin;
+    const core::View& view = site.view;
     const int width = whole(random, 1, 300), height = whole(random, 1, 200);
     const std::size_t count = std::size_t(whole(random, 1, 200));
     core::ItemBounds bounds;
@@ -123,7 +125,7 @@ TEST(ContributionTest, SolidsLimitAreasAndMakeSquares) {
     std::vector<float> solids(count - count / 10);  // the last have none
     std::vector<std::uint64_t> without(culling::bit_words(count));
     for (std::size_t i = 0; i < count; ++i) {
-      bounds.set(i, random_box(random, half));
+      bounds.set(i, random_box(random, site.half));
       if (i < solids.size()) {
         const core::vec3 size = bounds.box(i).max - bounds.box(i).min;
         solids[i] = float(uniform(random, 0.0, 1.0)) * (size.x * size.y + size.y * size.z + size.z * size.x);
@@ -179,7 +181,7 @@ TEST(ContributionTest, SolidsLimitAreasAndMakeSquares) {
         if (!has_square) continue;
         ASSERT_NEAR(next->x, place.x, 0.01);
         ASSERT_NEAR(next->y, place.y, 0.01);
-        ASSERT_NEAR(next->distance, distance, 1e-4 * (half + std::abs(distance)));
+        ASSERT_NEAR(next->distance, distance, 1e-4 * (site.half + std::abs(distance)));
         ASSERT_EQ(next->area, areas[i].area);
         const double side = std::sqrt(double(std::max(fixed, next->area)));
         const auto covers = [&](float at, int size, double margin) {

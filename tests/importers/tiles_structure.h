@@ -261,7 +261,7 @@ class TileTriangles {
                   1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 2 * (x * z + y * w), 2 * (y * z - x * w),
                   1 - 2 * (x * x + y * y));
       for (int c = 0; c < 3; ++c) m[c] *= float(s[3 * i + std::size_t(c)]);
-      const core::vec3 origin(float(t[3 * i]), float(t[3 * i + 1]), float(t[3 * i + 2]));
+      const core::vec3 origin{float(t[3 * i]), float(t[3 * i + 1]), float(t[3 * i + 2])};
       ++instances;
       for (std::size_t k = 0; k < corners.size(); k += 3) {
         Triangle triangle;

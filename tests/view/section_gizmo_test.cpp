@@ -14,7 +14,6 @@ using Part = SectionGizmo::Part;
 
 constexpr int kWidth = 800, kHeight = 600;
 constexpr double kAspect = double(kWidth) / kHeight;
-const dvec2 kSize(kWidth, kHeight);
 constexpr Part kParts[] = {Part::kMiddle, Part::kOut, Part::kIn, Part::kRight, Part::kLeft, Part::kUp, Part::kDown};
 
 ImageFrame frame_of(const core::View& view) {
