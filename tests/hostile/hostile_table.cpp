@@ -8,7 +8,7 @@
 // SIGHTLINE_LONG at 1 there are 500, and all of the others.
 //
 // Exits 1 when an import crashed, took more memory than its bound, ran too long, or read what lies outside the model's
-// directory. docs/results/hostile-files.md holds a table.
+// directory.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
