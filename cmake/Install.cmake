@@ -1,7 +1,7 @@
 # cmake --install: the libraries, their public headers, and packages for find_package() and pkg-config. Include this
 # after SharedLibrary.cmake. Install components are library (the shared library), development (what is needed to build
 # against either kind), tools, vtk (the module that reads VTK files), occt (the program
-# that reads STEP, IGES and BREP), in_process (the module that does so) and internals.
+# that reads STEP, IGES and BREP) and in_process (the module that does so).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
@@ -100,26 +100,6 @@ foreach(name IN LISTS libraries)
 endforeach()
 
 set(SIGHTLINE_COMPONENTS ${libraries})
-
-# For projects that measure the library's parts: all private headers, and the shaders that some of them include. They
-# promise nothing and change without notice. An install component of its own; find_package() has it as a component, too.
-if(SIGHTLINE_INSTALL_INTERNALS)
-  if(BUILD_SHARED_LIBS)
-    message(FATAL_ERROR "sightline: SIGHTLINE_INSTALL_INTERNALS needs static libraries, BUILD_SHARED_LIBS is on: "
-                        "a shared library exports only what its public headers declare")
-  endif()
-  foreach(name IN LISTS libraries)
-    get_target_property(source_dir sightline_${name} SOURCE_DIR)
-    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${source_dir})
-    set(destination ${CMAKE_INSTALL_INCLUDEDIR}/sightline/${folder})
-    file(GLOB internals RELATIVE ${source_dir} ${source_dir}/internal ${source_dir}/*/internal)
-    foreach(path IN LISTS internals)
-      install(DIRECTORY ${source_dir}/${path}/ DESTINATION ${destination}/${path} COMPONENT internals)
-    endforeach()
-    file(GLOB limits ${source_dir}/shaders/*limits.glsl)
-    install(FILES ${limits} DESTINATION ${destination}/shaders COMPONENT internals)
-  endforeach()
-endif()
 
 install(EXPORT SightlineTargets NAMESPACE sightline:: DESTINATION ${package_dir})
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/SightlineConfig.cmake.in

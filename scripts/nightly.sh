@@ -28,7 +28,7 @@ zink-engine  5 GL tests of engine with it
 packages     3 Debian packages: built, judged, installed, used
 consumers    6 public headers alone; projects that use the installed library, pkg-config or the sources
 shared       3 the same with one shared library
-study        6 the study and its tests, on the installed library
+study        6 the study and its tests
 without      4 builds without optional parts, and their tests
 wasm         8 the npm package in all forms beside the library, in node and Chromium
 browser      7 the npm package in pages: primitives, scenes of three.js, plants, a project of its own; 3D Tiles in a viewer
@@ -36,7 +36,7 @@ mutants      7 mutants of files that changed lately, and of occlusion culling: w
 "
 
 release() {
-  SIGHTLINE_SETUP_PACKAGES=1 SIGHTLINE_CMAKE_ARGS="-DSIGHTLINE_INSTALL_INTERNALS=ON ${SIGHTLINE_CMAKE_ARGS:-}" scripts/setup.sh release
+  SIGHTLINE_SETUP_PACKAGES=1 scripts/setup.sh release
 }
 # Runs tests of a build, also those that presets leave out: ctest_in BUILD ARGUMENTS …
 ctest_in() { ctest --test-dir "build/$1" -j "$(nproc)" --no-tests=error --output-on-failure "${@:2}"; }
@@ -104,8 +104,9 @@ run_shared() {
   ctest_in release -R '^consumers\.(shared_package|c_shared_package|c_shared_pkg_config)$'
 }
 run_study() {
-  release
-  ctest_in release -R '^consumers\.study$'
+  SIGHTLINE_CMAKE_ARGS="-DSIGHTLINE_TESTS=ON -DSTUDY_OSG=OFF -DSTUDY_OCCT=OFF ${SIGHTLINE_CMAKE_ARGS:-}" \
+    scripts/setup.sh study sightline-study study_tests study_gl_tests
+  ctest_in study -R '^study'
 }
 run_wasm() {
   SIGHTLINE_LONG=1 scripts/wasm.sh test culling

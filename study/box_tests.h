@@ -1,5 +1,5 @@
 // study: the CPU culling techniques that others have used, as they were, to be compared with production (culling/) in
-// error and in time. A project of its own, which finds the installed library. What can be chosen is in variant.h, the
+// error and in time. A laboratory, built from the source tree alone. What can be chosen is in variant.h, the
 // culler in culler.h, the yardstick for errors in exact.h, its hierarchies in tree.h. Uses core, culling.
 //
 // This header: one box against one camera. Outside, intersecting or inside. Arithmetic is a template parameter so that

@@ -7,7 +7,7 @@
 
 namespace sightline::bench {
 
-/// Those that can be built with the installed library.
+/// The subcommands that this build has.
 std::span<const Subcommand> parts();
 
 Run add_compare(apps::CommandLine& line);
