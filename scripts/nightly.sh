@@ -15,7 +15,7 @@ units="
 counts       8 long counts of random input, hostile files and exact pairs
 counts-gl    8 long counts of images: occlusion, portions, state of applications, joints of real models; calls of GL that fail
 isa          4 core, culling, ray tracer and primitives with narrower instruction sets
-tools        2 tools that are started many times, mpirun, pip
+tools        5 tools that are started many times, mpirun, pip from a built tree and from the sources
 osmesa       2 GL tests with OSMesa contexts
 fuzz         6 twenty seconds of each fuzz target
 tsan         8 ThreadSanitizer on core, culling, ray tracer and engine
@@ -147,12 +147,12 @@ changed_files() {
   since=$(git rev-list --max-count=51 HEAD | tail -1)
   git diff --name-only --diff-filter=AM "$since" HEAD | grep -E '^(core|culling|gpuprims|importers|analysis|raytrace|engine)/.*\.cpp$' || true
 }
-# Compiles every K-th of N sources and public headers alone, as developers without batches do, and all that changed in
-# the last 50 commits, with both compilers.
+# Compiles every K-th of N sources and public headers alone with both compilers, as developers without batches do, and
+# with g++ all that changed in the last 50 commits.
 alone() {
   SIGHTLINE_SETUP_CLANG=1 release
-  local compiler
-  for compiler in g++ clang++; do scripts/alone.py build/release --compiler "$compiler" --slice "$1/$2" --changed 50; done
+  scripts/alone.py build/release --slice "$1/$2" --changed 50
+  scripts/alone.py build/release --slice "$1/$2" --compiler clang++
 }
 
 names() { awk 'NF { print $1 }' <<<"$units"; }
