@@ -54,7 +54,7 @@ LocalShape local_shape(const core::Mesh& mesh, const core::AabbD& box) {
   const double share = 1.0 / double(mesh.positions.size());
   for (const core::vec3& p : mesh.positions) {
     for (int axis = 0; axis < 3; ++axis)
-      shape.content = core::mixed(shape.content ^ std::bit_cast<std::uint32_t>(p[axis]));
+      shape.content = core::mixed(shape.content ^ std::bit_cast<std::uint32_t>(p[axis] + 0.0f));  // -0 becomes 0
     shape.centre += share * dvec3(p);
   }
   for (const core::vec3& p : mesh.positions) shape.spread += share * outer(dvec3(p) - shape.centre);

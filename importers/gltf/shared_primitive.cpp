@@ -61,7 +61,8 @@ SharedPrimitive shared_primitive(const core::Primitive& primitive, const core::d
   shared.largest_bend = scale_of_step(step);
   shared.key = {std::uint32_t(kind), std::uint32_t(std::int32_t(step))};
   const auto parameters = core::parameters(shared.primitive);
-  for (std::size_t i = 0; i < parameters.size(); ++i) shared.key[2 + i] = std::bit_cast<std::uint32_t>(parameters[i]);
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    shared.key[2 + i] = std::bit_cast<std::uint32_t>(parameters[i] + 0.0f);  // -0 becomes 0
   return shared;
 }
 

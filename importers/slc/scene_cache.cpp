@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using Json = json::Value;
 
 /// Raised when a reader makes something else of the same file.
-constexpr int kReaders = 1;
+constexpr int kReaders = 2;
 /// Of an import with levels of detail, the rest of which are these.
 constexpr double kReadingShare = 0.2;
 

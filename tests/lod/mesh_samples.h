@@ -77,6 +77,20 @@ inline core::Mesh smooth_cylinder(std::uint32_t segments) {
   return mesh;
 }
 
+/// A closed torus of which every position of the seams has two vertices with normals of their own, one at 0 and one at
+/// -0, as sines and cosines of a full turn and mirrored halves have them.
+inline core::Mesh torus_with_minus_zeros(std::uint32_t cells) {
+  core::Mesh mesh = bumpy_torus(cells, 0.0);
+  for (std::uint32_t i = 0; i < mesh.positions.size(); ++i) {
+    const float u = float(i % (2 * cells + 1)), v = float(i / (2 * cells + 1));
+    mesh.normals.emplace_back(glm::normalize(core::vec3(u, v, 1.0f)));
+    if (u > float(cells) || v > float(cells / 2))
+      for (int k = 0; k < 3; ++k)
+        if (mesh.positions[i][k] == 0.0f) mesh.positions[i][k] = -0.0f;
+  }
+  return mesh;
+}
+
 inline core::Mesh joined(core::Mesh a, const core::Mesh& b, const core::vec3& shift) {
   const auto first = std::uint32_t(a.positions.size());
   for (const core::vec3& p : b.positions) a.positions.push_back(p + shift);
@@ -109,6 +123,7 @@ inline std::vector<NamedMesh> ordinary_meshes() {
           {"torus", bumpy_torus(40, 0.1)},
           {"small torus", bumpy_torus(8, 0.0)},
           {"cylinder with creases", smooth_cylinder(60)},
+          {"torus with minus zeros", torus_with_minus_zeros(40)},
           {"soup of a torus", soup_of(bumpy_torus(20, 0.2))},
           {"torus and many small shells", bolts}};
 }

@@ -19,7 +19,9 @@ constexpr double kLeastGain = 0.9;  // of the triangles before: a halving that l
 /// About half as many triangles, with the vertices that these have; adds the estimated error.
 core::Mesh halved(const core::Mesh& mesh, float& error) {
   constexpr float kAnyError = std::numeric_limits<float>::max();
-  const float* positions = &mesh.positions[0].x;
+  std::vector<core::vec3> places = mesh.positions;
+  for (core::vec3& p : places) p += 0.0f;  // meshoptimizer takes -0 for another place than 0
+  const float* positions = &places[0].x;
   std::vector<std::uint32_t> indices(mesh.indices.size());
   float relative = 0.0f;
   indices.resize(meshopt_simplify(indices.data(), mesh.indices.data(), mesh.indices.size(), positions,
