@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/ascii_case.h"
 #include "sightline/importers/internal/byte_order.h"
 #include "sightline/importers/internal/counted_warnings.h"
 #include "sightline/importers/internal/face_colours.h"
@@ -45,26 +46,14 @@ struct NamedRole {
   std::string_view name;
   Role role;
 };
-constexpr NamedRole kVertexRoles[] = {{"x", kX},
-                                      {"y", kY},
-                                      {"z", kZ},
-                                      {"nx", kNormalX},
-                                      {"ny", kNormalY},
-                                      {"nz", kNormalZ},
-                                      {"red", kRed},
-                                      {"green", kGreen},
-                                      {"blue", kBlue},
-                                      {"alpha", kAlpha},
-                                      {"diffuse_red", kRed},
-                                      {"diffuse_green", kGreen},
-                                      {"diffuse_blue", kBlue}};
-constexpr NamedRole kFaceRoles[] = {{"vertex_indices", kCorners},
-                                    {"vertex_index", kCorners},
-                                    {"red", kRed},
-                                    {"green", kGreen},
-                                    {"blue", kBlue},
-                                    {"alpha", kAlpha}};
-constexpr NamedRole kStripRoles[] = {{"vertex_indices", kCorners}, {"vertex_index", kCorners}};
+constexpr NamedRole kVertexRoles[] = {{"x", kX},        {"y", kY},        {"z", kZ},
+                                      {"nx", kNormalX}, {"ny", kNormalY}, {"nz", kNormalZ}};
+constexpr NamedRole kFaceRoles[] = {{"vertex_indices", kCorners}, {"vertex_index", kCorners}};
+/// Names that programs give to red, green, blue and alpha, the commonest first.
+constexpr std::array<std::string_view, 4> kColourNames[] = {
+    {"red", "green", "blue", "alpha"},
+    {"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"},
+    {"r", "g", "b", "a"}};
 
 struct Field {
   Scalar type;
@@ -75,14 +64,15 @@ struct Field {
 /// How an element is read: each role at most once; properties without a role are skipped.
 struct Layout {
   Layout(const Element& element, std::span<const NamedRole> roles) {
-    for (const Property& property : element.properties) {
-      Role role = kSkipped;
-      for (const NamedRole& known : roles)
-        if (known.name == property.name && !has(known.role) && property.count.has_value() == (known.role == kCorners))
-          role = known.role;
-      if (role != kSkipped) present[role] = true;
-      if (role >= kRed && role <= kAlpha) colour_scale[role - kRed] = scale_of(property.type);
-      fields.push_back({property.type, property.count, role});
+    for (const Property& property : element.properties) fields.push_back({property.type, property.count, kSkipped});
+    for (const NamedRole& known : roles) find(element, known.name, known.role);
+    for (const auto& names : kColourNames) {
+      Layout with = *this;
+      for (std::size_t i = 0; i < names.size(); ++i) with.find(element, names[i], Role(kRed + i));
+      with.find(element, "alpha", kAlpha);
+      if (!with.has_all(kRed, kBlue)) continue;
+      *this = std::move(with);
+      break;
     }
   }
   bool has(Role role) const { return present[role]; }
@@ -95,6 +85,17 @@ struct Layout {
   std::array<double, 4> colour_scale{1.0, 1.0, 1.0, 1.0};
 
  private:
+  /// Gives the role to the first property of that name, unless another one has it.
+  void find(const Element& element, std::string_view name, Role role) {
+    for (std::size_t i = 0; i < fields.size() && !has(role); ++i) {
+      if (!core::same_but_for_case(element.properties[i].name, name) ||
+          fields[i].count.has_value() != (role == kCorners))
+        continue;
+      fields[i].role = role;
+      present[role] = true;
+      if (role >= kRed && role <= kAlpha) colour_scale[role - kRed] = scale_of(fields[i].type);
+    }
+  }
   /// The factor that scales to 0…255.
   static double scale_of(Scalar type) {
     if (type == Scalar::kUint16) return 1.0 / 257.0;
@@ -410,7 +411,7 @@ class PlyBody {
 
   core::Expected<void> read_faces(const Element& element) {
     const bool strips = element.name == "tristrips";
-    const Layout layout(element, strips ? std::span<const NamedRole>(kStripRoles) : kFaceRoles);
+    const Layout layout(element, kFaceRoles);
     if (!layout.has(kCorners)) {
       job_.warn(source_.offset(), fmt::format("element '{}' has no list vertex_indices: left out", element.name));
       return for_each_record(element, layout, [](const Record&) {});

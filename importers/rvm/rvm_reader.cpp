@@ -70,8 +70,7 @@ class RvmWalk {
     const auto header = rvm::read_header(bytes_, 0);
     if (!header || header->name() != "HEAD")
       return tl::unexpected(error(0, "", "not an RVM file: expected a HEAD chunk (24 bytes, 'H' in byte 3)"));
-    const bool next_valid = next_is_valid(*header);
-    rvm::ByteCursor cursor(bytes_, rvm::kHeaderBytes, next_valid ? header->next : bytes_.size());
+    rvm::ByteCursor cursor(bytes_, rvm::kHeaderBytes, limit_of(*header));
     const rvm::Head head = rvm::read_head(cursor);
     if (!cursor.ok()) return tl::unexpected(error(cursor.error_offset(), "HEAD", cursor.error()));
     builder_.add(head);
@@ -85,6 +84,40 @@ class RvmWalk {
   bool leads_to_chunk(std::uint64_t offset) const {
     const auto header = rvm::read_header(bytes_, offset);
     return header && rvm::is_known_tag(header->name());
+  }
+
+  /// The first place from there on that looks like a chunk; the file's size if there is none.
+  std::uint64_t find_chunk(std::uint64_t from) const {
+    for (std::uint64_t at = from; at + rvm::kHeaderBytes <= bytes_.size(); ++at) {
+      if (bytes_[at] != std::byte{0}) continue;  // tags are characters of four bytes each
+      const auto header = rvm::read_header(bytes_, at);
+      if (header && rvm::is_known_tag(header->name()) && (header->name() == "END:" || next_is_valid(*header)))
+        return at;
+    }
+    return bytes_.size();
+  }
+
+  /// Where the contents of a chunk must end: where its header says that the next one begins. Programs that rewrite a
+  /// file may leave offsets of the former one, which then lead into the contents; so an offset that leads to no chunk
+  /// counts only where the contents do not reach just up to one. The contents are read no farther than that, so that
+  /// the time stays linear.
+  std::uint64_t limit_of(const rvm::ChunkHeader& header) const {
+    if (!next_is_valid(header)) return bytes_.size();
+    if (!rvm::is_known_tag(header.name()) || rvm::read_header(bytes_, header.next)) return header.next;
+    const std::uint64_t begin = header.offset + rvm::kHeaderBytes, end = find_chunk(begin);
+    rvm::ByteCursor cursor(bytes_, begin, end);
+    pass_body(header.name(), cursor);
+    return cursor.ok() && cursor.position() == end ? end : header.next;
+  }
+
+  /// Reads contents without a use.
+  void pass_body(std::string_view tag, rvm::ByteCursor& cursor) const {
+    if (tag == "PRIM" || tag == "OBST" || tag == "INSU") rvm::read_item(cursor, bytes_, tag != "PRIM");
+    if (tag == "HEAD") rvm::read_head(cursor);
+    if (tag == "MODL") rvm::read_model(cursor);
+    if (tag == "CNTB") rvm::read_group(cursor);
+    if (tag == "CNTE") cursor.u32("version");
+    if (tag == "COLR") rvm::read_colour(cursor);
   }
 
   /// Moves on to the next chunk. The body ended at `body_end`. Where that and the header disagree, the offset that
@@ -105,16 +138,13 @@ class RvmWalk {
 
   /// After damage, in a lenient import: goes on at the next place that looks like a chunk.
   void resynchronise(std::uint64_t from) {
-    for (std::uint64_t at = from; at + rvm::kHeaderBytes <= bytes_.size(); ++at) {
-      if (bytes_[at] != std::byte{0}) continue;  // tags are characters of four bytes each
-      const auto header = rvm::read_header(bytes_, at);
-      if (!header || !rvm::is_known_tag(header->name()) || (header->name() != "END:" && !next_is_valid(*header)))
-        continue;
-      warn(from, "", fmt::format("{} bytes skipped, up to a {} chunk at byte {}", at - from, header->name(), at));
-      at_ = at;
-      return;
-    }
-    ended_ = true;
+    const std::uint64_t found = find_chunk(from);
+    ended_ = found == bytes_.size();
+    if (ended_) return;
+    warn(from, "",
+         fmt::format("{} bytes skipped, up to a {} chunk at byte {}", found - from,
+                     rvm::read_header(bytes_, found)->name(), found));
+    at_ = found;
   }
 
   core::Expected<void> step() {
@@ -132,8 +162,7 @@ class RvmWalk {
       return depth_ == 0 ? core::Expected<void>{}
                          : damage(at_, tag, fmt::format("expected {} more CNTE: groups are not closed", depth_));
     }
-    const bool next_valid = next_is_valid(*header);
-    rvm::ByteCursor cursor(bytes_, at_ + rvm::kHeaderBytes, next_valid ? header->next : bytes_.size());
+    rvm::ByteCursor cursor(bytes_, at_ + rvm::kHeaderBytes, limit_of(*header));
     auto understood = read_body(tag, cursor);
     if (!understood) return tl::unexpected(understood.error());
     if (cursor.ok() && *understood) return advance(*header, cursor.position());
@@ -141,7 +170,7 @@ class RvmWalk {
     auto tolerated = cursor.ok() ? core::Expected<void>{} : damage(cursor.error_offset(), tag, cursor.error());
     const std::uint64_t behind_header = at_ + rvm::kHeaderBytes;
     at_ = header->next;
-    if (!next_valid) resynchronise(behind_header);
+    if (!next_is_valid(*header)) resynchronise(behind_header);
     return tolerated;
   }
 

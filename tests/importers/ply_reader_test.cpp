@@ -1,6 +1,7 @@
 // Well-formed PLY files, and what the reader says of damage. hostile_test.cpp has damage in numbers.
 #include "sightline/importers/ply/internal/ply_reader.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <fstream>
@@ -182,6 +183,38 @@ TEST_F(PlyReader, FacesHaveTheMeanOfTheirVertices) {
                    faces + "0 0 0 1 0 nan 32896\n1 0 0 1 -3 0 32896\n0 1 0 1 0 0 32896\n3 0 1 2\n"));
   EXPECT_EQ(material().name, "#ff000080");
   EXPECT_EQ(material().alpha, 128.0f / 255.0f);
+}
+
+TEST_F(PlyReader, ColoursHaveTheNamesOfSeveralPrograms) {
+  const std::vector<std::array<std::string, 4>> all = {
+      {"red", "green", "blue", "alpha"},
+      {"Red", "Green", "Blue", "Alpha"},
+      {"r", "g", "b", "a"},
+      {"r", "g", "b", "alpha"},
+      {"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"}};
+  const std::string points = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string list = "element face 1\nproperty list uchar int vertex_indices\n";
+  for (const auto& names : all)
+    for (const auto& [type, colour] : {std::pair("float", " 1 0.5 0 0.2"),
+                                       {"double", " 1.0 0.5 0 0.2"},
+                                       {"uchar", " 255 128 0 51"},
+                                       {"ushort", " 65535 32768 0 13107"}}) {
+      SCOPED_TRACE(names[0] + " as " + type);
+      std::string properties;
+      for (const std::string& name : names) properties += std::string("property ") + type + " " + name + "\n";
+      const std::string c = colour;
+      ASSERT_TRUE(read("ply\nformat ascii 1.0\n" + points + properties + list + "end_header\n0 0 0" + c + "\n1 0 0" +
+                       c + "\n0 1 0" + c + "\n3 0 1 2\n"));
+      EXPECT_EQ(material().name, "#ff800033");
+      ASSERT_TRUE(read("ply\nformat ascii 1.0\n" + points + list + properties +
+                       "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2" + c + "\n"));
+      EXPECT_EQ(material().name, "#ff800033");
+    }
+  // A radius is no red where the colours have other names.
+  ASSERT_TRUE(read("ply\nformat ascii 1.0\n" + points + "property float r\nproperty uchar red\nproperty uchar green\n" +
+                   "property uchar blue\n" + list +
+                   "end_header\n0 0 0 0.7 1 2 3\n1 0 0 0.7 1 2 3\n0 1 0 0.7 1 2 3\n3 0 1 2\n"));
+  EXPECT_EQ(material().name, "#010203");
 }
 
 TEST_F(PlyReader, AlphaThatIsZeroThroughoutIsNoAlpha) {

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <random>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -330,10 +332,12 @@ TEST(RvmReader, DamageIsAnErrorOrAWarning) {
 }
 
 TEST(RvmReader, WrongNextOffsetsLoseNothingWhereContentsLeadOn) {
-  for (const std::uint32_t next : {0u, 0xffffffffu, 24u, 700u}) {
-    RvmBytes b;
-    b.head().group("g", 1);
-    const std::size_t at = b.bytes.size();
+  RvmBytes begun;
+  begun.head().group("g", 1);
+  const std::size_t at = begun.bytes.size();
+  const auto within = [&](std::size_t offset) { return std::uint32_t(at + offset); };
+  for (const std::uint32_t next : {0u, 0xffffffffu, 24u, 700u, within(24), within(25), within(60), within(100)}) {
+    RvmBytes b = begun;
     b.prim(8, {1, 2}).prim(8, {3, 4}).group_end().group("h", 1).prim(9, {1}).group_end().finish();
     b.put(at + 16, next);
     const Read read(b.bytes);
@@ -430,6 +434,27 @@ TEST(RvmReader, WarningsAreCapped) {
   ASSERT_TRUE(read.report);
   ASSERT_EQ(read.report->warnings.size(), kMaxWarnings + 1);
   EXPECT_NE(read.report->warnings.back().message.find("4001"), std::string::npos);
+}
+
+/// Programs that rewrite a file leave the offsets of the former one, which lead anywhere.
+TEST(RvmReader, OffsetsOfAnotherFileLoseNothing) {
+  std::mt19937 random(60);
+  for (int i = 0; i < 200; ++i) {
+    RvmBytes b;
+    std::vector<std::size_t> chunks{0};
+    const auto next = [&]() { chunks.push_back(b.bytes.size()); };
+    b.head(), next();
+    b.group("a long name of a group", 1), next(), b.prim(8, {1, 2}), next(), b.prim(9, {3}), next();
+    b.prim(2, {1, 2, 3}), next(), b.group_end().finish();
+    for (std::size_t k = 1; k + 1 < chunks.size(); ++k)
+      b.put(chunks[k] + 16, std::uint32_t(chunks[k] + 24 + random() % (chunks[k + 1] - chunks[k] - 24)));
+    for (const bool lenient : {false, true}) {
+      const Read read(b.bytes, lenient);
+      ASSERT_TRUE(read.report) << read.report.error().message;
+      EXPECT_EQ(read.report->warnings.size(), chunks.size() - 2) << i;
+      EXPECT_EQ(read.scene.item_count(), 3u) << i;
+    }
+  }
 }
 
 TEST(RvmReader, LostContentsAreSkipped) {

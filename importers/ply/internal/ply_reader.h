@@ -2,11 +2,12 @@
 //
 // A node named after the file holds one mesh item. Its vertices are the element "vertex": x, y, z of any scalar type,
 // kept in double relative to the mesh's centre; nx, ny, nz. Its faces are the elements "face" (vertex_indices or
-// vertex_index, any list types) and "tristrips" (-1 ends a strip). Colours (red, green, blue, alpha; whole numbers up
-// to 255, 65535 for 16 bits, floats up to 1) become materials. Face colours give one item per colour; beyond
-// kMostFaceColours colours their average counts. Where faces have no colours, each has the mean of its vertices'.
-// An alpha of 0 throughout is ignored: writers leave it so. Other properties are skipped, other elements, too, with a
-// warning. A file without faces (a scan's points) gives a node without items and a warning.
+// vertex_index, any list types) and "tristrips" (-1 ends a strip). Names count in any case. Colours (red, green, blue,
+// alpha; else diffuse_red and so on; else r, g, b, a; whole numbers up to 255, 65535 for 16 bits, floats up to 1)
+// become materials. Face colours give one item per colour; beyond kMostFaceColours colours their average counts. Where
+// faces have no colours, each has the mean of its vertices'. An alpha of 0 throughout is ignored: writers leave it so.
+// Other properties are skipped, other elements, too, with a warning. A file without faces (a scan's points) gives a
+// node without items and a warning.
 //
 // In text an element is a line. Read with one warning for each kind: numbers or words behind an element's own, comments
 // and empty lines among the data, an element that goes on in the next line, header lines without a keyword, a byte
