@@ -43,7 +43,15 @@ struct ImportWarning {
 };
 
 /// Which axis of a file points up. Scenes have z up.
-enum class UpAxis : std::uint8_t { kY, kZ };
+enum class UpAxis : std::uint8_t {
+  kY,
+  kZ,
+  /// OBJ and PLY: what a comment at their begin says ("z up"). Else, of these and STL, y where the meshes stand on a
+  /// base in y and on none in z; the file's node then turns them, and a warning of kSeemsYUp tells it. z otherwise.
+  kAutomatic,
+};
+/// Message of the warning.
+inline constexpr std::string_view kSeemsYUp = "seems to have y up and is turned";
 
 /// Which meshes of a file count as copies of one another.
 enum class MeshCopies : std::uint8_t {
@@ -59,7 +67,7 @@ struct ImportOptions {
   /// it.
   double metres_per_unit = 1.0;
   /// The axis that points up, for the same formats.
-  UpAxis up = UpAxis::kZ;
+  UpAxis up = UpAxis::kAutomatic;
   /// For the same formats, radians, 0 to pi: meshes without normals get those of smooth surfaces, broken at edges that
   /// are bent by more than this. 0: they are shown facet by facet. About 0.2 us a triangle, and 12 bytes a vertex.
   double crease_angle = 0.0;

@@ -13,6 +13,7 @@
 
 #include "sightline/importers/internal/crease_normals.h"
 #include "sightline/importers/internal/text_encoding.h"
+#include "sightline/importers/internal/up_axis.h"
 
 namespace sightline::importers {
 namespace {
@@ -48,6 +49,7 @@ ImportJob::ImportJob(std::string_view file, core::Scene& scene, core::NodeId par
     : scene_(scene),
       options_(options),
       file_(utf8_by_guess(file)),
+      frame_(frame),
       file_node_(scene.add_node(parent, file_, scene_from_file(frame))),
       sharing_(scene, options.copies) {
   report_.nodes.push_back(file_node_);
@@ -65,6 +67,12 @@ core::Expected<void> ImportJob::damage(std::uint64_t offset, std::string message
   if (!options_.lenient) return core::fail(fmt::format("{}: {}", file_, message));
   warn(offset, std::move(message));
   return {};
+}
+
+void ImportJob::state_up(UpAxis up) {
+  if (frame_.up != UpAxis::kAutomatic) return;
+  frame_.up = up;
+  scene_.set_transform(file_node_, scene_from_file(frame_));
 }
 
 core::Expected<void> ImportJob::progress(double share) {
@@ -136,6 +144,12 @@ void ImportJob::add_primitive(core::NodeId node, const core::Primitive& primitiv
   scene_.add_primitive(node, primitive, placement, material);
 }
 
+void ImportJob::turn_if_y_seems_up() {
+  if (frame_.up != UpAxis::kAutomatic || !seems_to_have_y_up(scene_, file_node_)) return;
+  state_up(UpAxis::kY);
+  warn(0, std::string(kSeemsYUp));
+}
+
 /// Readers refuse bad numbers, but the product of several nodes' transforms may be bad all the same.
 void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
   if (reach_promised_ && is_tame(scene_.world_from_node(file_node_))) return;
@@ -165,6 +179,7 @@ void ImportJob::say_if_nothing_is_drawn() {
 core::Expected<void> ImportJob::finish(core::ItemId first) {
   if (!refused_) return refused_;
   drop_what_cannot_be_committed(first);
+  turn_if_y_seems_up();
   say_if_nothing_is_drawn();
   if (unlisted_ > 0)
     report_.warnings.push_back({file_, report_.bytes, fmt::format("{} further warnings are not listed", unlisted_)});

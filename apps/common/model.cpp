@@ -10,7 +10,6 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/progress.h"
-#include "sightline/apps/common/up_axis.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"
 #endif
@@ -67,8 +66,10 @@ void add_import_options(CommandLine& to, importers::ImportOptions& options) {
   line.add_choice("--units", options.metres_per_unit, lengths(),
                   "Unit of files that name none (OBJ, PLY, STL, VTK): mm, cm, m, km, in or ft")
       .usage_text("UNIT (m)");
-  line.add_choice("--up", options.up, {{"y", importers::UpAxis::kY}, {"z", importers::UpAxis::kZ}},
-                  "Axis that points up in files that do not say")
+  line.add_choice("--up", options.up,
+                  {{"y", importers::UpAxis::kY}, {"z", importers::UpAxis::kZ}, {"auto", importers::UpAxis::kAutomatic}},
+                  "Axis that points up in files of formats that do not say; auto: by a comment, or by what meshes "
+                  "stand on (OBJ, PLY, STL)")
       .shows_default();
   line.add_flag(
           "--recognise", options.recognise,
@@ -111,7 +112,8 @@ std::string import_arguments(const importers::ImportOptions& options) {
   if (options.chord_angle != importers::ImportOptions().chord_angle)
     add("--chord-angle", options.chord_angle * 180.0 / std::numbers::pi);
   if (options.in_process) arguments += " --in-process";
-  return arguments + (options.up == importers::UpAxis::kY ? " --up y" : "");
+  if (options.up == importers::UpAxis::kAutomatic) return arguments;
+  return arguments + (options.up == importers::UpAxis::kY ? " --up y" : " --up z");
 }
 
 void add_model_options(CommandLine& line, ModelOptions& options) {
@@ -140,10 +142,15 @@ void add_model_options(CommandLine& line, ModelOptions& options) {
 
 void print_warnings(const std::vector<importers::ImportWarning>& warnings) {
   constexpr std::size_t kShown = 5;
-  for (std::size_t i = 0; i < std::min(kShown, warnings.size()); ++i)
-    std::fprintf(stderr, "warning: %s: byte %llu: %s\n", warnings[i].file.c_str(),
-                 (unsigned long long)warnings[i].offset, warnings[i].message.c_str());
-  if (warnings.size() > kShown) std::fprintf(stderr, "warning: and %zu more\n", warnings.size() - kShown);
+  std::size_t count = 0;
+  for (const importers::ImportWarning& warning : warnings) {
+    if (warning.message == importers::kSeemsYUp)
+      std::fprintf(stderr, "note: %s seems to have y up and is turned; --up z keeps it\n", warning.file.c_str());
+    else if (count++ < kShown)
+      std::fprintf(stderr, "warning: %s: byte %llu: %s\n", warning.file.c_str(), (unsigned long long)warning.offset,
+                   warning.message.c_str());
+  }
+  if (count > kShown) std::fprintf(stderr, "warning: and %zu more\n", count - kShown);
 }
 
 namespace {
@@ -209,10 +216,9 @@ core::Expected<Model> load_model(const ModelOptions& options) {
     model.report = std::move(*report);
   }
   if (!options.quiet) print_warnings(model.report.warnings);
-  model.seems_y_up =
-      options.import.up == importers::UpAxis::kZ && leave_up_open(options.files) && seems_to_have_y_up(*model.scene);
-  if (model.seems_y_up && !options.quiet)
-    std::fprintf(stderr, "note: %s seems to have y up; --up y turns it\n", options.files.front().c_str());
+  model.seems_y_up = std::ranges::any_of(model.report.warnings, [](const importers::ImportWarning& warning) {
+    return warning.message == importers::kSeemsYUp;
+  });
   // Only after the import: if an absurd offset moves items out of range, that is an error of the offset, and no item is
   // dropped.
   if (!options.translate.empty()) {

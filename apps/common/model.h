@@ -54,7 +54,7 @@ struct Model {
   std::unique_ptr<core::Scene> scene;
   importers::ImportReport report;
   core::dvec3 offset{0.0};  ///< --translate
-  bool seems_y_up = false;  ///< it was read with z up, from files that do not say (up_axis.h)
+  bool seems_y_up = false;  ///< a file that does not say was turned for it (importers::kSeemsYUp)
 };
 
 /// Prints the first few in full to stderr.

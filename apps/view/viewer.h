@@ -113,8 +113,9 @@ class Viewer {
   core::Expected<void> toggle_recording();
   core::Expected<void> toggle_depth_shading();
   core::Expected<void> toggle_hatching();
-  bool y_is_up() const { return options_.model.import.up == importers::UpAxis::kY; }
-  /// Of files that do not say which axis points up; those that are open are read again.
+  /// Of files that do not say which axis points up, where the user says it, or where they were turned for it.
+  bool y_is_up() const;
+  /// Of such files; those that are open are read again.
   void toggle_up();
   core::Expected<void> toggle_levels();
   /// Of meshes, by levels of detail, while the view moves; 0: none.

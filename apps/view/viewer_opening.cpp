@@ -59,6 +59,12 @@ void Viewer::open(const std::vector<std::string>& files) {
   tell("reading " + name_of_files(files));
 }
 
+bool Viewer::y_is_up() const {
+  if (options_.model.import.up != importers::UpAxis::kAutomatic)
+    return options_.model.import.up == importers::UpAxis::kY;
+  return session_ && session_->model().seems_y_up;
+}
+
 void Viewer::toggle_up() {
   options_.model.import.up = y_is_up() ? importers::UpAxis::kZ : importers::UpAxis::kY;
   if (!files_.empty()) open(std::vector(files_));
@@ -159,7 +165,7 @@ core::Expected<void> Viewer::landed() {
   else
     tell(grouped(std::int64_t(session_->scene().item_count())) + " items" +
          recognised_items(session_->model().report.recognition) +
-         (session_->model().seems_y_up ? "; y seems to point up: File, Y is up" : ""));
+         (session_->model().seems_y_up ? "; y seems to point up, so it is turned: File, Y is up" : ""));
   return {};
 }
 

@@ -17,7 +17,7 @@ importers::ImportOptions options_of(const sl_import_options& from) {
   options.lenient = from.lenient != 0;
   require(from.metres_per_unit > 0.0 && std::isfinite(from.metres_per_unit), "metres_per_unit above 0");
   options.metres_per_unit = from.metres_per_unit;
-  options.up = enum_of<importers::UpAxis>(from.up, 2, "up");
+  options.up = enum_of<importers::UpAxis>(from.up, 3, "up");
   options.copies = enum_of<importers::MeshCopies>(from.copies, 3, "copies");
   options.threads = from.threads;
   if (from.cache_folder) options.cache_folder = path_of(from.cache_folder);

@@ -29,7 +29,7 @@ importers::ImportOptions options_of(bool lenient, double metres_per_unit, const 
   importers::ImportOptions options;
   options.lenient = lenient;
   options.metres_per_unit = metres_per_unit;
-  options.up = importers::UpAxis(one_of("up", up, {"y", "z"}));
+  options.up = importers::UpAxis(one_of("up", up, {"y", "z", "auto"}));
   options.copies = importers::MeshCopies(one_of("copies", copies, {"apart", "exact", "similar"}));
   if (threads < 0) fail("threads: expected 0 or more, found " + std::to_string(threads));
   options.threads = threads;
@@ -219,7 +219,7 @@ void bind_import(py::module_& m, SceneClass& scene) {
                      return importers::import_files(std::span(&path, 1), to, below, options);
                    });
       },
-      "path"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
+      "path"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "auto",
       "copies"_a = "similar", "cache"_a = py::none(), "cached_levels"_a = false, "recognise"_a = false,
       "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "chord_tolerance"_a = 0.0,
       "chord_angle"_a = importers::ImportOptions().chord_angle, "in_process"_a = false, "progress"_a = py::none(),
@@ -238,9 +238,9 @@ void bind_import(py::module_& m, SceneClass& scene) {
                      return importers::import_files(paths, to, below, options);
                    });
       },
-      "paths"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
-      "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "cached_levels"_a = false, "recognise"_a = false,
-      "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "chord_tolerance"_a = 0.0,
+      "paths"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0,
+      "up"_a = "auto", "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "cached_levels"_a = false,
+      "recognise"_a = false, "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "chord_tolerance"_a = 0.0,
       "chord_angle"_a = importers::ImportOptions().chord_angle, "in_process"_a = false, "progress"_a = py::none(),
       files_doc.c_str());
   scene.def("write_rvm", &write_rvm, "path"_a, "node"_a = py::none(), py::kw_only(), "progress"_a = py::none(),

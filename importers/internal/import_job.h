@@ -13,7 +13,7 @@
 
 namespace sightline::importers {
 
-/// What a format's coordinates mean.
+/// What a format's coordinates mean. With UpAxis::kAutomatic the meshes decide in the end, unless the file says it.
 struct FileFrame {
   double metres_per_unit = 1.0;
   UpAxis up = UpAxis::kZ;
@@ -30,6 +30,8 @@ class ImportJob {
   void warn(std::uint64_t offset, std::string message);
   /// An error "FILE: message" when strict, a warning when lenient.
   core::Expected<void> damage(std::uint64_t offset, std::string message);
+  /// The file says itself which axis points up; counts where the caller does not say it.
+  void state_up(UpAxis up);
   /// Fails when the caller cancels. Cheap enough to be called for every chunk of a file.
   core::Expected<void> progress(double share);
 
@@ -60,6 +62,7 @@ class ImportJob {
   ImportJob(std::string_view file, core::Scene& scene, core::NodeId parent, const ImportOptions& options,
             const FileFrame& frame);
   core::Expected<MeshSharing::Use> use_of(core::Mesh mesh);
+  void turn_if_y_seems_up();
   void drop_what_cannot_be_committed(core::ItemId first);
   void say_if_nothing_is_drawn();
   core::Expected<void> finish(core::ItemId first);
@@ -67,6 +70,7 @@ class ImportJob {
   core::Scene& scene_;
   const ImportOptions& options_;
   std::string file_;
+  FileFrame frame_;
   core::NodeId file_node_;
   MeshSharing sharing_;
   ImportReport report_;
@@ -88,6 +92,10 @@ core::Expected<ImportReport> with_whole_path(core::Expected<ImportReport> report
 /// The frame of a format that states nothing about its coordinates.
 inline FileFrame frame_of(const ImportOptions& options) {
   return {options.metres_per_unit, options.up};
+}
+/// The frame of a format that has z up by custom.
+inline FileFrame frame_with_z_up(const ImportOptions& options) {
+  return {options.metres_per_unit, options.up == UpAxis::kAutomatic ? UpAxis::kZ : options.up};
 }
 
 }  // namespace sightline::importers

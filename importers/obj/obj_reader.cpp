@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/importers/internal/up_axis.h"
 #include "sightline/importers/obj/internal/obj_model.h"
 
 namespace sightline::importers::obj {
@@ -92,7 +93,8 @@ class ObjParser {
   void statement(std::string_view line) {
     TextScanner words = words_of(line);
     const std::string_view keyword = words.word();
-    if (keyword.empty() || keyword[0] == '#') return;
+    if (keyword.empty()) return;
+    if (keyword[0] == '#') return comment(line);
     const std::string_view rest = line.substr(words.offset());
     if (keyword == "v")
       vertex(rest.substr(0, rest.find('#')));
@@ -102,6 +104,11 @@ class ObjParser {
       normal(rest.substr(0, rest.find('#')));
     else if (keyword != "vt")
       other_statement(keyword, trimmed(rest));
+  }
+
+  void comment(std::string_view line) {
+    if (!model_.positions.empty()) return;
+    if (const auto up = up_axis_in_comment(line)) job_.state_up(*up);
   }
 
   void other_statement(std::string_view keyword, std::string_view rest) {

@@ -150,6 +150,7 @@ class ObjWriter {
       for (core::ItemId item = scene_.first_item(node); item != core::kNoItem; item = scene_.next_item(item)) ++items;
     });
     progress_step_ = 1.0 / double(std::max<std::uint64_t>(1, items));
+    out_ << "# metres, z up\n";  // readers of OBJ have no other way to know
     NodePath path(scene_, top);
     scene_.for_each_node(
         top, [&](NodeId node, const core::Affine& world, bool visible, std::uint32_t layers, MaterialId material) {

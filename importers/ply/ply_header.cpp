@@ -9,6 +9,7 @@
 
 #include "sightline/core/internal/ascii_case.h"
 #include "sightline/importers/internal/text_scanner.h"
+#include "sightline/importers/internal/up_axis.h"
 
 namespace sightline::importers::ply {
 namespace {
@@ -58,9 +59,11 @@ class HeaderParser {
       if (!next_line()) return expected(has_format_ ? "end_header" : "a format line", "the file's end");
       const std::string_view keyword = word();
       if (core::same_but_for_case(keyword, "end_header")) break;
-      if (core::same_but_for_case(keyword, "comment") || core::same_but_for_case(keyword, "obj_info") ||
-          keyword.empty())
+      if (core::same_but_for_case(keyword, "comment") || core::same_but_for_case(keyword, "obj_info")) {
+        if (const auto up = up_axis_in_comment(rest_)) header_.up = up;
         continue;
+      }
+      if (keyword.empty()) continue;
       if (auto done = line_of(keyword); !done) return tl::unexpected(done.error());
     }
     if (!has_format_) return expected("a format line before the header's end", "none");

@@ -643,6 +643,7 @@ core::Expected<ImportReport> read_ply(std::span<const std::byte> bytes, const st
                       const auto header = ply::parse_header(file);
                       if (!header) return core::fail(fmt::format("{}: {}", job.file(), header.error().message));
                       for (const std::string& warning : header->warnings) job.warn(0, warning);
+                      if (header->up) job.state_up(*header->up);
                       switch (header->encoding) {
                         case ply::Encoding::kAscii:
                           return read_body<TextSource>(job, file, *header);

@@ -10,7 +10,7 @@ namespace sightline::importers {
 
 core::Expected<ImportReport> import_vtk(vtkDataObject& data, std::string_view name, core::Scene& scene,
                                         core::NodeId parent, const ImportOptions& options) {
-  return run_import(name, scene, parent, options, frame_of(options), [&](ImportJob& job) {
+  return run_import(name, scene, parent, options, frame_with_z_up(options), [&](ImportJob& job) {
     const VtkQuiet quiet;
     auto done = VtkSceneBuilder(job).add(job.file_node(), data, Share{job});
     if (!done) return core::Expected<void>(tl::unexpected(done.error()));

@@ -163,7 +163,7 @@ class Reading {
 
 core::Expected<ImportReport> read_vtk(std::span<const std::byte> bytes, const fs::path& path, core::Scene& scene,
                                       core::NodeId parent, const ImportOptions& options) {
-  return run_import(path.filename().string(), scene, parent, options, frame_of(options), [&](ImportJob& job) {
+  return run_import(path.filename().string(), scene, parent, options, frame_with_z_up(options), [&](ImportJob& job) {
     job.report().bytes = bytes.size();
     const VtkQuiet quiet;
     std::string decoded;

@@ -19,19 +19,23 @@ std::uint64_t total(const Json& info) {
 }
 
 /// A pyramid that stands on the plane y = 0, in a format that does not say which axis points up.
-TEST_F(Info, TellsWhereYSeemsToPointUp) {
+TEST_F(Info, TellsWhatItTurnsWhereYSeemsToPointUp) {
   const std::string faces = "f 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n";
-  const std::string standing = write("standing.obj", "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 2 0.5\n" + faces),
-                    lying = write("lying.obj", "v 0 0 0\nv 0 1 0\nv 1 1 0\nv 1 0 0\nv 0.5 0.5 2\n" + faces);
+  const std::string standing = write("standing.obj", "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 2 0.5\n" + faces);
   const auto told = [&](const Args& args) {
     const Outcome outcome = run("info", args);
     EXPECT_EQ(outcome.code, 0) << outcome;
-    return outcome.err.find("seems to have y up; --up y turns it") != std::string::npos;
+    return outcome.err.find("note: standing.obj seems to have y up and is turned; --up z keeps it") !=
+           std::string::npos;
   };
   EXPECT_TRUE(told({standing}));
   EXPECT_FALSE(told({standing, "--up", "y"}));
-  EXPECT_FALSE(told({lying}));
-  EXPECT_FALSE(told({plant(1000)})) << "RVM files say it";
+  EXPECT_FALSE(told({standing, "--up", "z"}));
+  const auto height = [&](const Args& args) { return run_json("info", args)["bounds"]["max"][2].get<double>(); };
+  EXPECT_NEAR(height({standing}), 2.0, 1e-6);
+  EXPECT_NEAR(height({standing, "--up", "z"}), 1.0, 1e-6);
+  ASSERT_EQ(run("convert", {standing, path("written.obj"), "--up", "z"}).code, 0);
+  EXPECT_NEAR(height({path("written.obj")}), 1.0, 1e-6);
 }
 
 TEST_F(Info, WritesTheKeysOfTheContract) {

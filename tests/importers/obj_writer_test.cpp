@@ -206,7 +206,7 @@ TEST_F(ObjWriter, WhatIsHiddenOrEmptyIsLeftOut) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->left_out, 3u);
   EXPECT_EQ(report->items[std::size_t(core::Kind::kLine)], 1u);
-  EXPECT_EQ(contents(folder_ / "a.obj"), "o \nv -1 0 0\nv 2 0 0\nl 1 2\n");
+  EXPECT_EQ(contents(folder_ / "a.obj"), "# metres, z up\no \nv -1 0 0\nv 2 0 0\nl 1 2\n");
   EXPECT_EQ(files(), 1u);  // no material, no library
 }
 

@@ -351,7 +351,9 @@ SL_API sl_status sl_item_get(sl_scene scene, sl_item item, sl_item_info* info);
 
 /* --- import: sightline/importers/import.h ------------------------------------------------------------------------ */
 
-enum { SL_UP_Y = 0, SL_UP_Z = 1 };
+/* SL_UP_AUTOMATIC: what a comment at the begin of an OBJ or PLY file says; else y, with a warning, where the meshes of
+ * such a file or of an STL file stand on a base in y and on none in z; else z. */
+enum { SL_UP_Y = 0, SL_UP_Z = 1, SL_UP_AUTOMATIC = 2 };
 enum { SL_COPIES_APART = 0, SL_COPIES_EXACT = 1, SL_COPIES_SIMILAR = 2 };
 /* Why a solid of a mesh, or a part of one, stayed triangles. */
 enum {
@@ -399,10 +401,10 @@ typedef struct sl_import_options {
   int32_t in_process;
   int32_t reserved_2; /* 0 */
 } sl_import_options;
-#define SL_IMPORT_OPTIONS_INIT                                                                                        \
-  {                                                                                                                   \
-    sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL, 0, 0.0, 0, 0, 0.0, 0.0, \
-        0.34906585039886592, 0, 0                                                                                     \
+#define SL_IMPORT_OPTIONS_INIT                                                                                      \
+  {                                                                                                                 \
+    sizeof(sl_import_options), 0, 1.0, SL_UP_AUTOMATIC, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL, 0, 0.0, 0, 0, \
+        0.0, 0.0, 0.34906585039886592, 0, 0                                                                         \
   }
 
 typedef struct sl_import_report {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/core/error.h"
+#include "sightline/importers/import.h"
 
 namespace sightline::importers::ply {
 
@@ -43,6 +43,7 @@ struct Header {
   std::vector<Element> elements;
   std::size_t size = 0;               ///< bytes; the data begin there
   std::vector<std::string> warnings;  ///< what bends the specification: "line N: …"
+  std::optional<UpAxis> up;           ///< that a comment names
   bool skipped_lines = false;         ///< some were not understood
 };
 

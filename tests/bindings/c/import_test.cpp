@@ -150,7 +150,7 @@ TEST_F(CapiImport, ErrorsNameTheFile) {
   options.metres_per_unit = -1;
   EXPECT_EQ(import(c, {plant}, &options), SL_ERROR_ARGUMENT);
   options = SL_IMPORT_OPTIONS_INIT;
-  options.up = 2;
+  options.up = 3;
   EXPECT_EQ(import(c, {plant}, &options), SL_ERROR_ARGUMENT);
   options = SL_IMPORT_OPTIONS_INIT;
   options.copies = -1;
@@ -173,6 +173,24 @@ TEST_F(CapiImport, WarningsOfDamageAreHeard) {
   ASSERT_FALSE(heard.warnings.empty());
   EXPECT_EQ(heard.warnings[0].rfind("capi_damaged.rvm: ", 0), 0u) << heard.warnings[0];
   std::filesystem::remove(damaged);
+}
+
+TEST_F(CapiImport, FilesThatStandOnYAreTurned) {
+  const auto file = std::filesystem::path(::testing::TempDir()) / "capi_standing.obj";
+  std::ofstream(file)
+      << "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 2 0.5\nf 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n";
+  for (const auto& [up, height] : {std::pair(SL_UP_AUTOMATIC, 2.0), {SL_UP_Y, 2.0}, {SL_UP_Z, 1.0}}) {
+    const CScene c;
+    Heard heard;
+    sl_import_options options = listening(heard);
+    if (up != SL_UP_AUTOMATIC) options.up = up;  // which is the default
+    ASSERT_OK(import(c, {file.string()}, &options));
+    sl_box bounds;
+    ASSERT_OK(sl_scene_bounds(c.scene, c.root, ~0u, &bounds));
+    EXPECT_NEAR(bounds.max[2] - bounds.min[2], height, 1e-6);
+    EXPECT_EQ(heard.warnings.size(), up == SL_UP_AUTOMATIC ? 1u : 0u);
+  }
+  std::filesystem::remove(file);
 }
 
 TEST_F(CapiImport, ACacheGivesTheSameTheSecondTime) {

@@ -94,6 +94,16 @@ class Import(Case):
             for bad in (-1.0, float("nan"), float("inf")):
                 self.assert_error("recognise_tolerance", files, scene, recognise=True, recognise_tolerance=bad)
 
+    def test_files_that_stand_on_y_are_turned(self):
+        standing = self.folder / "standing.obj"
+        standing.write_text("v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 2 0.5\n"
+                            "f 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n")
+        for options, height in (({}, 2.0), ({"up": "auto"}, 2.0), ({"up": "y"}, 2.0), ({"up": "z"}, 1.0)):
+            scene = sightline.Scene()
+            report = scene.import_file(standing, **options)
+            self.assertAlmostEqual(scene.root.bounds()[1, 2], height, 6)
+            self.assertEqual(len(report.warnings), 0 if options.get("up") in ("y", "z") else 1)
+
     def test_what_is_written_is_read_again(self):
         scene = plant(2000)
         scene.write_rvm(self.folder / "plant.rvm")
@@ -115,7 +125,7 @@ class Import(Case):
         self.assert_error("broken.rvm", scene.import_file, broken)
         self.assertEqual(scene.node_count, 1)
         self.assertGreater(len(scene.import_file(broken, lenient=True).warnings), 0)
-        self.assert_error("up: expected y or z", scene.import_file, broken, up="x")
+        self.assert_error("up: expected y, z or auto", scene.import_file, broken, up="x")
         triangle = self.folder / "triangle.obj"
         triangle.write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n")
         self.assert_error("metres_per_unit: expected", scene.import_file, triangle, metres_per_unit=-1.0)
