@@ -137,7 +137,8 @@ core::Expected<int> trace_model(Options& o) {
   const core::Snapshot snapshot(*model->scene, o.whitted.threads);
   const auto view = apps::choose_view(o.view, *model, snapshot, double(width) / height);
   if (!view) return tl::unexpected(view.error());
-  if (o.suns.empty() && !o.plain)
+  o.whitted.studio = o.suns.empty() && !o.plain;
+  if (o.whitted.studio)
     for (const core::DistantLight& light : core::distant_lights(*view, core::Lighting::kStudio, {}))
       o.whitted.lights.push_back({light.towards, true, core::vec3(float(light.strength))});
 

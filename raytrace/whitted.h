@@ -49,6 +49,7 @@ struct WhittedOptions {
   std::optional<double> edge_threshold = {};
 
   std::vector<Light> lights = {};            ///< any number; none: head_light()
+  bool studio = false;                       ///< black shows shapes as with core::Lighting::kStudio
   bool shadows = false;                      ///< transparent items let their share of the light through
   Optics optics = {};                        ///< of all materials
   std::vector<Optics> material_optics = {};  ///< by material index, instead; materials beyond its end have `optics`

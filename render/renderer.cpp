@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sightline/core/internal/studio_black.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/shaders.h"
 #include "sightline/gpuprims/internal/view_block.h"
@@ -196,6 +197,7 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
   const std::vector<core::DistantLight> lights = core::distant_lights(view, lighting, sun);
   for (std::size_t i = 0; i < lights.size(); ++i)
     block->lights[i] = {glm::normalize(core::dmat3(view.eye_from_world()) * lights[i].towards), lights[i].strength};
+  if (lighting == core::Lighting::kStudio) block->up.w = core::kStudioBlack;
   view_block_.write(0, sizeof(*block), &*block);
 
   std::vector<glm::vec4> rows = gpuprims::eye_relative_origins(view, snapshot.chunk_origins());

@@ -23,7 +23,7 @@ struct ViewBlock {
   glm::mat4 clip_from_eye;
   glm::vec4 depth_range;
   glm::vec4 viewport;
-  glm::vec4 up;
+  glm::vec4 up;  ///< w: for the renderer to fill; what black materials are lit as, as a grey
   glm::ivec4 flags;
   glm::vec4 sections[kMaxSections];
   glm::vec4 hatching;  ///< for the renderer to fill; 0: none

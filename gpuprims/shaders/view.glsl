@@ -14,7 +14,7 @@ layout(std140, binding = 0) uniform ViewBlock {
   mat4 clip_from_eye;       // reversed zero-to-one depth
   vec4 depth_range;         // x: eye depth of the near plane, y: of the far plane (infinity allowed)
   vec4 viewport;            // xy: size in pixels; zw: in GLSL ES, its first pixel in the window
-  vec4 up;                  // world up in eye space
+  vec4 up;                  // world up in eye space; w: the grey as which black materials are lit
   ivec4 flags;              // x: 1 perspective, 0 orthographic; y: number of sections; z: 1 when sections unite
   vec4 sections[kMaxSections];  // eye-space half-spaces
   // Hatching of cut faces: x: strength, 0 none; y: least distance of lines, pixels; z: their width, pixels.

@@ -84,7 +84,9 @@ vec2 light_on(vec3 n, vec3 to_viewer, float head) {
 void write_lit(vec3 n, float head, vec2 lights, float sky, float hatch, uint word, uint id) {
   float light = 0.30 + 0.50 * lights.x + 0.25 * sky;
   vec4 material = material_of(word);
-  vec3 lit = min(material.rgb * light + 0.12 * lights.y, vec3(1.0));
+  float dark = 1.0 - max(max(material.r, material.g), material.b), square = dark * dark;
+  vec3 colour = material.rgb + view.up.w * square * square;  // twin: core/internal/studio_black.h
+  vec3 lit = min(colour * light + 0.12 * lights.y, vec3(1.0));
 #ifdef HATCHING
   lit = mix(lit, vec3(dot(lit, kLuma) < kDarkFace ? 1.0 : 0.0), hatch);
 #endif

@@ -302,6 +302,18 @@ TEST(Whitted, LightsMeshesByTheirNormals) {
   EXPECT_GT(mixed[0], rgb(in_shadow(grey))[0]);
 }
 
+/// As Lighting::kStudio does it, and no light alone.
+TEST(Whitted, ShowsBlackAsAGreyInTheStudio) {
+  Plates plates;
+  plates.add({4, 8, 1}, {2, 4, 0}, plates.material(vec3(0.0f)));
+  plates.add({4, 8, 1}, {6, 4, 0}, plates.material({1.0f, 0.0f, 0.2f}));
+  plates.build();
+  const WhittedImage plain = plates.render({}), studio = plates.render({.studio = true});
+  EXPECT_EQ(rgb(plain, 1, 4), rgb(lit_from_above(vec3(0.0f))));
+  EXPECT_EQ(rgb(studio, 1, 4), rgb(lit_from_above(vec3(0.25f))));
+  EXPECT_EQ(rgb(studio, 6, 4), rgb(plain, 6, 4));
+}
+
 TEST(Whitted, RefusesOptionsOutOfRange) {
   Plates plates;
   plates.build();
