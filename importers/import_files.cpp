@@ -203,11 +203,35 @@ ImportOptions portion(const ImportOptions& options, double begin, double end) {
   return part;
 }
 
+/// Parts of one model that lie in files of their own fit together only if all of them are turned, or none. So none is
+/// where the meshes of some files stand on y and those of others, which do not say either, do not.
+void turn_all_or_none(std::span<const std::filesystem::path> paths, core::Scene& scene, ImportReport& report) {
+  const auto says_nothing = [](const std::filesystem::path& path) {
+    const std::string extension = lower_case_extension(path);
+    return extension == ".obj" || extension == ".ply" || extension == ".stl";
+  };
+  const auto is_turned = [](const ImportWarning& warning) { return warning.message == kSeemsYUp; };
+  const auto open = std::count_if(paths.begin(), paths.end(), says_nothing);
+  if (std::count_if(report.warnings.begin(), report.warnings.end(), is_turned) == open) return;
+  for (ImportWarning& warning : report.warnings) {
+    if (!is_turned(warning)) continue;
+    warning.message = "seems to have y up, but other files do not: none is turned";
+    for (const core::NodeId node : report.nodes) {
+      if (scene.name(node) != warning.file) continue;
+      core::Affine upright = scene.transform(node);
+      upright.linear = core::dmat3(glm::length(upright.linear[0]));
+      scene.set_transform(node, upright);
+    }
+  }
+}
+
 core::Expected<ImportReport> import_models(std::span<const std::filesystem::path> paths, core::Scene& scene,
                                            core::NodeId parent, const ImportOptions& options) {
   if (paths.empty()) return ImportReport{};
   if (paths.size() == 1) return import_file(paths[0], scene, parent, options);
-  return SideBySide(paths, scene, parent, options).run();
+  auto report = SideBySide(paths, scene, parent, options).run();
+  if (report && options.up == UpAxis::kAutomatic) turn_all_or_none(paths, scene, *report);
+  return report;
 }
 
 }  // namespace

@@ -190,7 +190,8 @@ void bind_import(py::module_& m, SceneClass& scene) {
   bind_report(m);
   constexpr const char* kOptions =
       " A failed or cancelled import leaves the scene as it was. `lenient`: import what a damaged file holds. "
-      "`metres_per_unit`, `up` (\"y\" or \"z\"): for formats that do not say. `copies` (\"apart\", \"exact\", "
+      "`metres_per_unit`, `up` (\"y\", \"z\" or \"auto\"): for formats that do not say. `copies` (\"apart\", "
+      "\"exact\", "
       "\"similar\"): which meshes are kept once. `cache`: a folder of scene caches, so that the next import of the "
       "same unchanged files is fast. `cached_levels`: these hold levels of detail, too, which engines with `lod_error` "
       "need not build then. `recognise`: meshes become primitives where they are the triangles of some, whose vertices "

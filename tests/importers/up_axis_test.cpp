@@ -75,6 +75,25 @@ TEST_F(UpAxisOfFiles, IsYWhereMeshesStandOnIt) {
   EXPECT_EQ(read(write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nf 1 2 3 4\n")), (Read{1.0, false}));
 }
 
+/// Else parts of one model would no longer fit together.
+TEST_F(UpAxisOfFiles, IsTheSameOfFilesThatAreReadTogether) {
+  const std::string faces = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  const fs::path standing = write("standing.obj", kPoints + kFaces),
+                 again = write("again.ply", "ply\nformat ascii 1.0\n" + kPly),
+                 box = write("box.obj",
+                             "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n" + faces);
+  const auto height = [](const std::vector<fs::path>& files) {
+    core::Scene scene;
+    const auto report = import_files(files, scene, scene.root(), {.metres_per_unit = 0.5});
+    EXPECT_TRUE(report) << report.error().message;
+    return rounded(scene.bounds(scene.root()).size()).z;
+  };
+  EXPECT_EQ(height({standing, again}), 1.0);
+  EXPECT_EQ(height({standing, box}), 0.5);
+  EXPECT_EQ(height({box, standing, again}), 0.5);
+  EXPECT_EQ(height({box}), 0.5);
+}
+
 TEST_F(UpAxisOfFiles, TurnsBelowATurnedParent) {
   core::Scene scene;
   core::Affine turned;
