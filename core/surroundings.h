@@ -16,7 +16,8 @@ namespace sightline::core {
 /// All of them have a share of the sky beside: more on what faces up.
 enum class Lighting : std::uint8_t {
   kHeadLight,  ///< one light at the eye
-  kStudio,     ///< a key light over the viewer's left shoulder, and a fainter one from the right that fills its shadows
+  kStudio,     ///< a key light over the viewer's left shoulder, and a fainter one from the right that fills its
+               ///< shadows; black is lit as a dark grey, so that it shows shapes
   kSun,        ///< one light infinitely far away, which stays where it is in the world
 };
 

@@ -47,7 +47,8 @@ enum class UpAxis : std::uint8_t {
   kY,
   kZ,
   /// OBJ and PLY: what a comment at their begin says ("z up"). Else, of these and STL, y where the meshes stand on a
-  /// base in y and on none in z; the file's node then turns them, and a warning of kSeemsYUp tells it. z otherwise.
+  /// base in y and on none in z; the file's node then turns them, and a warning of kSeemsYUp tells it. z otherwise. Of
+  /// several such files of one import all are turned or none.
   kAutomatic,
 };
 /// Message of the warning.
