@@ -83,7 +83,7 @@ sl_status sl_occluder_raster_add_largest(sl_occluder_raster raster, const sl_box
 
 sl_status sl_occluder_raster_add_cube(sl_occluder_raster raster, const double world_from_cube[16]) {
   return add_occluders(__func__, raster,
-                       [&](culling::OccluderRaster& to) { (void)to.add_box(affine_of(world_from_cube)); });
+                       [&](culling::OccluderRaster& to) { (void)to.add_cube(affine_of(world_from_cube)); });
 }
 
 sl_status sl_occluder_raster_add_cylinder(sl_occluder_raster raster, const double world_from_cylinder[16],

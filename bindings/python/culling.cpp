@@ -218,7 +218,7 @@ void bind_raster(py::module_& m) {
           "add_cube",
           [](GatedRaster& to, const py::object& placement) {
             const core::Affine world = affine(placement, "placement");
-            return add_to(to).add_box(world);
+            return add_to(to).add_cube(world);
           },
           py::arg("placement"), "The cube -1 to 1 in a placement, 4 x 4. False: it hides nothing.")
       .def("add_cylinder", &add_cylinder, py::arg("placement"), py::arg("sides") = 8,

@@ -202,7 +202,7 @@ SIGHTLINE_EXPORT std::uint32_t sl_raster_add_largest(culling::OccluderRaster* ra
 }
 SIGHTLINE_EXPORT bool sl_raster_add_cube(culling::OccluderRaster* raster, const double* world_from_cube) {
   bool added = false;
-  attempt_all([&] { added = raster->add_box(affine_at(world_from_cube)); });
+  attempt_all([&] { added = raster->add_cube(affine_at(world_from_cube)); });
   return added;
 }
 SIGHTLINE_EXPORT bool sl_raster_add_cylinder(culling::OccluderRaster* raster, const double* world_from_cylinder,

@@ -459,7 +459,7 @@ bool OccluderRaster::add_box(const core::AabbD& box) {
   return add_solid(image_, cube(), {{{half.x, 0, 0}, {0, half.y, 0}, {0, 0, half.z}}, 0.5 * (low + high)});
 }
 
-bool OccluderRaster::add_box(const Affine& world_from_cube) {
+bool OccluderRaster::add_cube(const Affine& world_from_cube) {
   return add_solid(image_, cube(), from(image_.eye, world_from_cube));
 }
 

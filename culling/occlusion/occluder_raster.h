@@ -73,8 +73,8 @@ class SIGHTLINE_API OccluderRaster {
 
   /// A solid box in the world. Empty ones hide nothing.
   bool add_box(const core::AabbD& box);
-  /// The cube -1 … 1 in a placement: a box that lies anyhow.
-  bool add_box(const core::Affine& world_from_cube);
+  /// The cube -1 … 1 in a placement: an oriented box.
+  bool add_cube(const core::Affine& world_from_cube);
   /// The cylinder of radius 1 about z, from -1 to 1, as its inscribed prism of 3 … 16 sides. More sides hide more and
   /// cost more. Sides that the near plane cuts hide nothing: it opens the cylinder before it meets the prism.
   bool add_cylinder(const core::Affine& world_from_cylinder, int sides = 8);

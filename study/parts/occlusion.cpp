@@ -137,7 +137,7 @@ double box_ns(const Image& image, double side, int passes) {
   OccluderRaster raster;
   const auto times = least_times(1, passes, [&](std::size_t) {
     raster.begin(view, image.width, image.height);
-    for (const core::Affine& box : boxes) raster.add_box(box);
+    for (const core::Affine& box : boxes) raster.add_cube(box);
   });
   return 1e6 * times[0] / double(boxes.size());
 }

@@ -270,7 +270,7 @@ TEST(OccluderImage, SolidsHoldNeitherMoreNorLess) {
     std::vector<dvec3> points = solid.corners, bulges;
     if (!cube) bulges = bulges_of(place, sides), points.insert(points.end(), bulges.begin(), bulges.end());
     const auto image = image_of(camera, snap, [&](OccluderRaster& raster) {
-      return cube ? raster.add_box(place) : raster.add_cylinder(place, sides);
+      return cube ? raster.add_cube(place) : raster.add_cylinder(place, sides);
     });
     const std::optional<bool> kept = kept_by(camera.view, points);
     if (!kept) continue;

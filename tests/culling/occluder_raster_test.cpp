@@ -99,7 +99,7 @@ struct Occluder {
 
   void add(OccluderRaster& raster, int sides) const {
     if (shape == Shape::kCube) {
-      raster.add_box(placement);
+      raster.add_cube(placement);
     } else if (shape == Shape::kCylinder) {
       raster.add_cylinder(placement, sides);
     } else {
@@ -318,7 +318,7 @@ TEST(OccluderRaster, LosesLittle) {
     const std::vector<std::uint32_t> triangles = {0, 1, 3, 0, 3, 2, 4, 7, 5, 4, 6, 7, 0, 5, 1, 0, 4, 5,
                                                   2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
     const Image images[] = {{view, [&](OccluderRaster& r) { EXPECT_TRUE(r.add_box(box)); }},
-                            {view, [&](OccluderRaster& r) { EXPECT_TRUE(r.add_box(mirrored)); }},
+                            {view, [&](OccluderRaster& r) { EXPECT_TRUE(r.add_cube(mirrored)); }},
                             {view, [&](OccluderRaster& r) { r.add_mesh(corners, triangles, placement); }}};
     for (const Image& image : images) {
       std::size_t expected = 0;
@@ -424,7 +424,7 @@ TEST(OccluderRaster, LeavesOutWhatItCannotJudge) {
   EXPECT_FALSE(raster.add_box(AabbD{{-1, 5, nan}, {1, 7, 1}}));
   EXPECT_FALSE(raster.add_box(AabbD{{100, 5, -1}, {101, 7, 1}})) << "beside the image";
   EXPECT_FALSE(raster.add_box(AabbD{{0, 5, 0}, {1e-6, 5, 1e-6}})) << "smaller than a pixel";
-  EXPECT_FALSE(raster.add_box(Affine{core::dmat3(nan), {0, 5, 0}}));
+  EXPECT_FALSE(raster.add_cube(Affine{core::dmat3(nan), {0, 5, 0}}));
   EXPECT_FALSE(raster.add_cylinder(Affine{core::dmat3(0.0), {0, 5, 0}}));
   const core::vec3 positions[] = {{0, 5, 0}, {float(nan), 5, 0}, {1, 5, 1}, {1, 5, 1}};
   const std::uint32_t indices[] = {0, 1, 2, 0, 2, 3, 2, 3, 3};

@@ -86,7 +86,7 @@ TEST_F(OccluderDepth, IsNowhereNearerThanWhatIsDrawn) {
       for (const auto& [kind, place] : items) {
         for (culling::OccluderRaster* raster : {&solids, &all}) {
           if (kind == 0)
-            raster->add_box(place * Affine{half(box.size_x, box.size_y, box.size_z), {}});
+            raster->add_cube(place * Affine{half(box.size_x, box.size_y, box.size_z), {}});
           else if (kind == 1)
             raster->add_cylinder(place * Affine{half(2 * cylinder.radius, 2 * cylinder.radius, cylinder.height), {}},
                                  16);

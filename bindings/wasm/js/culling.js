@@ -367,7 +367,7 @@ export class OccluderRaster extends NativeObject {
     );
   }
   /**
-   * The cube -1 … 1 in a placement: a box that lies anyhow. False where it hides nothing.
+   * The cube -1 … 1 in a placement: an oriented box. False where it hides nothing.
    * @param {ArrayLike<number>} worldFromCube
    */
   addCube(worldFromCube) {

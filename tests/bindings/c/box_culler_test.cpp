@@ -243,7 +243,7 @@ class CapiOccluders : public ::testing::Test {
       const core::dmat4 all = glm::make_mat4(m.m);
       return core::Affine{core::dmat3(all), core::dvec3(all[3])};
     };
-    EXPECT_TRUE(twin.add_box(affine(cube)));
+    EXPECT_TRUE(twin.add_cube(affine(cube)));
     EXPECT_TRUE(twin.add_cylinder(affine(cylinder), 12));
     const float corners[9] = {-50, -20, -50, -10, -20, -50, -30, -20, 50};
     const std::uint32_t indices[3] = {0, 1, 2};

@@ -116,7 +116,7 @@ class Both {
     matrix[3] = core::dvec4(placement.origin, 1.0);
     out_->text("addPlaced");
     out_->array(numbers_of(matrix));
-    const bool added = sides == 0 ? raster_.add_box(placement) : raster_.add_cylinder(placement, sides);
+    const bool added = sides == 0 ? raster_.add_cube(placement) : raster_.add_cylinder(placement, sides);
     out_->numbers({double(sides), added ? 1.0 : 0.0});
   }
   void add_mesh(const std::vector<core::vec3>& positions, const Indices& corners, const dvec3& origin) {
