@@ -1,9 +1,10 @@
 #include "sightline/culling/box_culler.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
+#include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <string>
 
 #include <glm/gtc/type_ptr.hpp>
@@ -23,6 +24,7 @@ namespace {
 
 /// Boxes of a job for threads, and changes that are worth threads.
 constexpr std::size_t kJobBoxes = 8192, kChangesWorthThreads = 4096;
+constexpr const char* kMovedFrom = "box culler: its boxes were moved to another one";
 
 struct VisibleBuffers {
   core::VisibleSet set;
@@ -44,6 +46,29 @@ bool acceptable(const core::AabbD& box) {
 tl::unexpected<core::Error> refuse(std::size_t index) {
   return core::fail("box " + std::to_string(index) + ": expected finite corners");
 }
+
+core::Expected<void> check_count(std::size_t expected, std::size_t found) {
+  if (found == expected) return {};
+  return core::fail("box culler: expected " + std::to_string(expected) + " boxes, found " + std::to_string(found));
+}
+
+/// Lets queries run side by side and changes alone. Whoever comes takes its turn first, so that queries without a pause
+/// do not keep a change waiting.
+class QueryMutex {
+ public:
+  std::shared_lock<std::shared_mutex> for_query() {
+    const std::lock_guard turn(turn_);
+    return std::shared_lock(mutex_);
+  }
+  std::unique_lock<std::shared_mutex> for_change() {
+    const std::lock_guard turn(turn_);
+    return std::unique_lock(mutex_);
+  }
+
+ private:
+  std::mutex turn_;
+  std::shared_mutex mutex_;
+};
 
 std::size_t job_count(std::size_t boxes) {
   return (boxes + kJobBoxes - 1) / kJobBoxes;
@@ -87,7 +112,8 @@ struct BoxCuller::Impl {
   std::optional<CpuCuller> culler;      // borrows bounds
   std::size_t empty_boxes = 0;          // which ranges of slots may hold
   std::vector<core::Slot> changed;      // scratch of update()
-  mutable CullThreads threads;          // for the occlusion test and large changes
+  CullThreads threads;                  // for the occlusion test and large changes
+  QueryMutex mutex;
 
   /// The middle of the boxes, to which coordinates in float are relative.
   static core::dvec3 origin_of(const core::AabbD& all) {
@@ -111,17 +137,27 @@ struct BoxCuller::Impl {
     empty_boxes = 0;
     for (core::Slot slot = 0; slot < bounds.size(); ++slot) empty_boxes += bounds.vacant(slot) ? 1 : 0;
   }
+  core::Expected<void> check(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes) const;
   void replace(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes);
   void replace_all(std::span<const core::AabbD> boxes, const core::AabbD& all);
 };
 
+core::Expected<void> BoxCuller::Impl::check(std::span<const std::uint32_t> indices,
+                                            std::span<const core::AabbD> boxes) const {
+  if (auto fits = check_count(indices.size(), boxes.size()); !fits) return fits;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (indices[i] >= slot_of.size())
+      return core::fail("box culler: expected indices below " + std::to_string(slot_of.size()) + ", found " +
+                        std::to_string(indices[i]));
+    if (!acceptable(boxes[i])) return refuse(indices[i]);
+  }
+  return {};
+}
+
 /// Boxes lie all over the arrays, so their lines are prefetched.
 void BoxCuller::Impl::replace(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes) {
   changed.resize(indices.size());
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    assert(indices[i] < slot_of.size());
-    changed[i] = slot_of[indices[i]];
-  }
+  for (std::size_t i = 0; i < indices.size(); ++i) changed[i] = slot_of[indices[i]];
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const std::size_t next = i + core::kPrefetchAhead;
     for (int axis = 0; axis < 6 && next < boxes.size(); ++axis) core::prefetch(bounds.coordinate(axis)[changed[next]]);
@@ -157,6 +193,11 @@ BoxCuller::BoxCuller(BoxCuller&&) noexcept = default;
 BoxCuller& BoxCuller::operator=(BoxCuller&&) noexcept = default;
 BoxCuller::~BoxCuller() = default;
 
+BoxCuller::Impl& BoxCuller::impl() const {
+  static const std::unique_ptr<Impl> nothing = std::move(create({})->impl_);
+  return impl_ ? *impl_ : *nothing;
+}
+
 core::Expected<BoxCuller> BoxCuller::create(std::span<const core::AabbD> boxes) {
   if (boxes.size() >= core::kNone / 2) return core::fail("box culler: expected fewer than 2^31 - 1 boxes");
   auto impl = std::make_unique<Impl>();
@@ -179,51 +220,61 @@ core::Expected<BoxCuller> BoxCuller::create(std::span<const core::AabbD> boxes) 
 }
 
 std::size_t BoxCuller::size() const {
-  return impl_->index_of.size();
+  return impl().index_of.size();
 }
 
 const core::ItemBounds& BoxCuller::bounds() const {
-  return impl_->bounds;
+  return impl().bounds;
 }
 
 const CpuCuller& BoxCuller::culler() const {
-  return *impl_->culler;
+  return *impl().culler;
 }
 
 std::span<const std::uint32_t> BoxCuller::indices() const {
-  return impl_->index_of;
+  return impl().index_of;
 }
 
 core::Expected<void> BoxCuller::visible(const double clip_from_world[16], core::ClipDepth depth,
                                         std::vector<std::uint32_t>& indices) const {
-  const auto view = core::View::from_matrices(core::dmat4(1.0), glm::make_mat4(clip_from_world), depth);
+  return visible(glm::make_mat4(clip_from_world), depth, indices);
+}
+
+core::Expected<void> BoxCuller::visible(const core::dmat4& clip_from_world, core::ClipDepth depth,
+                                        std::vector<std::uint32_t>& indices) const {
+  if (!impl_) return core::fail(kMovedFrom);
+  const auto view = core::View::from_matrices(core::dmat4(1.0), clip_from_world, depth);
   if (!view) return tl::unexpected(view.error());
   visible(*view, indices);
   return {};
 }
 
 void BoxCuller::visible(const core::View& view, std::vector<std::uint32_t>& indices) const {
+  Impl& boxes = impl();
+  const auto lock = boxes.mutex.for_query();
   const core::Scratch<VisibleBuffers> scratch;
-  impl_->culler->cull(view, scratch->set);
-  impl_->list(scratch->set, indices);
+  boxes.culler->cull(view, scratch->set);
+  boxes.list(scratch->set, indices);
 }
 
 void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const {
   if (depth.level_count() == 0) return visible(view, indices);
+  Impl& boxes = impl();
+  const auto lock = boxes.mutex.for_query();
   const core::Scratch<VisibleBuffers> scratch;
   auto& [set, parts, firsts] = *scratch;
-  impl_->culler->cull(view, set);
-  const OcclusionTest test(view, impl_->bounds.origin, depth.width(), depth.height(), depth);
+  boxes.culler->cull(view, set);
+  const OcclusionTest test(view, boxes.bounds.origin, depth.width(), depth.height(), depth);
   parts.split(set);
-  parts.for_each(&impl_->threads, [&](core::VisibleSet& part, std::uint32_t) {
-    test.filter(impl_->bounds, part, part, {}, nullptr, &impl_->culler->hierarchy());
+  parts.for_each(&boxes.threads, [&](core::VisibleSet& part, std::uint32_t) {
+    test.filter(boxes.bounds, part, part, {}, nullptr, &boxes.culler->hierarchy());
   });
   firsts.assign(1, 0);
   for (std::uint32_t i = 0; i < parts.count(); ++i) firsts.push_back(firsts.back() + parts[i].count());
   indices.resize(firsts.back());
   const std::span<const std::size_t> to = firsts;
-  parts.for_each(&impl_->threads, [&](const core::VisibleSet& part, std::uint32_t i) {
-    list_ids(part, impl_->index_of, std::span(indices).subspan(to[i], to[i + 1] - to[i]));
+  parts.for_each(&boxes.threads, [&](const core::VisibleSet& part, std::uint32_t i) {
+    list_ids(part, boxes.index_of, std::span(indices).subspan(to[i], to[i + 1] - to[i]));
   });
 }
 
@@ -232,15 +283,17 @@ core::Expected<void> BoxCuller::update(std::uint32_t index, const core::AabbD& b
 }
 
 core::Expected<void> BoxCuller::update(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes) {
-  assert(indices.size() == boxes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    if (!acceptable(boxes[i])) return refuse(indices[i]);
+  if (!impl_) return core::fail(kMovedFrom);
+  if (auto fits = impl_->check(indices, boxes); !fits) return fits;
+  const auto lock = impl_->mutex.for_change();
   impl_->replace(indices, boxes);
   return {};
 }
 
 core::Expected<void> BoxCuller::refit(std::span<const core::AabbD> boxes) {
-  assert(boxes.size() == size());
+  if (!impl_) return core::fail(kMovedFrom);
+  if (auto fits = check_count(size(), boxes.size()); !fits) return fits;
+  const auto lock = impl_->mutex.for_change();
   const auto all = union_of(boxes, impl_->threads);
   if (!all) return tl::unexpected(all.error());
   impl_->replace_all(boxes, *all);

@@ -4,7 +4,7 @@
 //
 //   auto culler = culling::BoxCuller::create(boxes);
 //   std::vector<std::uint32_t> visible;
-//   culler->visible(projection_times_view, core::ClipDepth::kMinusOneToOne, visible);
+//   culler->visible(projection_times_view, core::ClipDepth::kMinusOneToOne, visible);  // a glm::dmat4
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@
 
 #include "sightline/core/aabb.h"
 #include "sightline/core/api.h"
+#include "sightline/core/conventions.h"
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
@@ -24,7 +25,11 @@ namespace sightline::culling {
 
 /// Owns its boxes: a copy in float, rounded outwards, in an order of its own (33 bytes a box with the hierarchy, and 4
 /// for each box of the largest batch). Box i is the i-th of those given to create(). Promise: conservative, with the
-/// same answer as CpuCuller. Movable.
+/// same answer as CpuCuller.
+///
+/// Several threads may call visible() at once. Changes wait for those that run, and keep new ones waiting, so each
+/// answer is that of the boxes before or after a change. Movable, while no other thread uses it; what was moved from
+/// has no boxes, and all its functions that can fail do so.
 class SIGHTLINE_API BoxCuller {
  public:
   /// Boxes in world coordinates, in any unit. Empty boxes (min > max) are never visible. Fails on a box with a NaN or
@@ -40,9 +45,10 @@ class SIGHTLINE_API BoxCuller {
   /// Replaces the contents of `indices` by the indices of the visible boxes. Their order is unspecified, but the same
   /// for the same boxes. `clip_from_world` is projection * view, sixteen numbers in columns as glUniformMatrix4dv takes
   /// them; `depth` is the range of depths that it projects to. Does not allocate once `indices` and this thread's
-  /// scratch memory have grown to their sizes. Fails on entries that are not finite. Several threads may call it at
-  /// once.
+  /// scratch memory have grown to their sizes. Fails as core::View::from_matrices() does.
   core::Expected<void> visible(const double clip_from_world[16], core::ClipDepth depth,
+                               std::vector<std::uint32_t>& indices) const;
+  core::Expected<void> visible(const core::dmat4& clip_from_world, core::ClipDepth depth,
                                std::vector<std::uint32_t>& indices) const;
   /// The same for a view with its section planes. All boxes are on core::kLayerModel, which views show unless told
   /// otherwise.
@@ -54,23 +60,25 @@ class SIGHTLINE_API BoxCuller {
   /// built hides nothing.
   void visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const;
 
-  /// Replaces box `index`, which must be below size(). Fails on a box that create() refuses, and then changes nothing.
+  /// Replaces box `index`. Fails on an index that is not below size() and on a box that create() refuses, and then
+  /// changes nothing.
   /// Boxes that move far make culling slower, not wrong, since all keep their places in the order of create(): after
   /// many of them create a new culler.
   core::Expected<void> update(std::uint32_t index, const core::AabbD& box);
   /// Replaces box indices[i] by boxes[i] for each i, with the result of single updates one after the other: of a
   /// repeated index the last box counts. Faster than these, since each hierarchy node is refitted once, large batches
-  /// by several threads: 0.15 us a box where a single update takes 0.7 (10,000 of a million boxes, two cores). Both
-  /// spans must have the same size. Fails on a box that create() refuses, which the message names by its index, and
-  /// then changes nothing.
+  /// by several threads: 0.15 us a box where a single update takes 0.7 (10,000 of a million boxes, two cores). Fails on
+  /// spans of different sizes, on an index that is not below size() and on a box that create() refuses, which the
+  /// message names by its index, and then changes nothing.
   core::Expected<void> update(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes);
-  /// Replaces all boxes, of which there must be size(): for boxes that move every frame. From then on answers are those
-  /// of create(boxes), in a sixth of its time, since nothing is sorted: as after update(), far moves make culling
-  /// slower. Linear in size(), on several threads. Fails as create() does, and then changes nothing.
+  /// Replaces all boxes: for boxes that move every frame. From then on answers are those of create(boxes), in a sixth
+  /// of its time, since nothing is sorted: as after update(), far moves make culling slower. Linear in size(), on
+  /// several threads. Fails as create() does and on any other number of boxes than size(), and then changes nothing.
   core::Expected<void> refit(std::span<const core::AabbD> boxes);
 
   /// What SpatialQueries and ContributionTest take: the boxes in an order of the culler's own, by slot, and the culler
-  /// over them. indices()[slot] is the index of a box. All belong to this object, and follow its updates.
+  /// over them. indices()[slot] is the index of a box. All belong to this object, and follow its updates, which do not
+  /// wait for their use.
   const core::ItemBounds& bounds() const;
   const CpuCuller& culler() const;
   std::span<const std::uint32_t> indices() const;
@@ -78,6 +86,8 @@ class SIGHTLINE_API BoxCuller {
  private:
   struct Impl;
   explicit BoxCuller(std::unique_ptr<Impl> impl);
+  /// Returns that of a culler without boxes where they were moved to another one.
+  Impl& impl() const;
 
   std::unique_ptr<Impl> impl_;
 };

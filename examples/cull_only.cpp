@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
   const glm::dmat4 clip_from_world = glm::perspective(0.9, double(kWidth) / kHeight, 1.0, 4000.0) *
                                      glm::lookAt(eye, glm::dvec3(3050.0, 2800.0, 0.0), glm::dvec3(0, 0, 1));
   std::vector<std::uint32_t> visible;
-  culler->visible(&clip_from_world[0][0], core::ClipDepth::kMinusOneToOne, visible);
+  culler->visible(clip_from_world, core::ClipDepth::kMinusOneToOne, visible);
   std::printf("%zu of %zu houses are in the view\n", visible.size(), houses.size());
 
   const auto distance = [&](std::uint32_t i) { return glm::distance(eye, 0.5 * (houses[i].min + houses[i].max)); };

@@ -98,15 +98,9 @@ sl_status sl_view_read(const char* path, double aspect, sl_view* view) {
 
 namespace {
 
-/// Runs `change` with the culler while nobody else uses it.
 template <class Change>
 sl_status change_boxes(const char* function, sl_box_culler handle, const Change& change) {
-  return call(function, [&] {
-    const std::shared_ptr<BoxCullerObject> object = find(handle);
-    const std::lock_guard turn(object->turn);
-    const std::lock_guard lock(object->mutex);
-    change(object->culler);
-  });
+  return call(function, [&] { change(find(handle)->culler); });
 }
 
 }  // namespace

@@ -85,20 +85,11 @@ SIGHTLINE_EXPORT bool sl_boxes_visible_in(Boxes* boxes, const double* clip_from_
 SIGHTLINE_EXPORT bool sl_boxes_update(Boxes* boxes, const std::uint32_t* indices, const double* values,
                                       std::uint32_t count) {
   return attempt([&]() -> core::Expected<bool> {
-    for (std::uint32_t i = 0; i < count; ++i)
-      if (indices[i] >= boxes->culler.size())
-        return core::fail("update: expected indices below " + std::to_string(boxes->culler.size()) + ", got " +
-                          std::to_string(indices[i]));
     return done(boxes->culler.update({indices, count}, boxes_at(values, count)));
   });
 }
 SIGHTLINE_EXPORT bool sl_boxes_refit(Boxes* boxes, const double* values, std::uint32_t count) {
-  return attempt([&]() -> core::Expected<bool> {
-    if (count != boxes->culler.size())
-      return core::fail("refit: expected " + std::to_string(boxes->culler.size()) + " boxes, got " +
-                        std::to_string(count));
-    return done(boxes->culler.refit(boxes_at(values, count)));
-  });
+  return attempt([&]() -> core::Expected<bool> { return done(boxes->culler.refit(boxes_at(values, count))); });
 }
 
 enum class BoxRule : std::uint32_t { kIntersecting, kInside };

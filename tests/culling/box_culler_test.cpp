@@ -2,8 +2,10 @@
 #include "sightline/culling/box_culler.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <numeric>
+#include <thread>
 
 #include <glm/gtc/type_ptr.hpp>
 #include <gtest/gtest.h>
@@ -19,6 +21,7 @@ namespace {
 using core::AabbD;
 using core::dvec3;
 using culling::BoxCuller;
+using culling::DepthPyramid;
 using Indices = std::vector<std::uint32_t>;
 
 std::vector<AabbD> boxes_around(Random& random, std::size_t count, const dvec3& site, double half) {
@@ -347,6 +350,75 @@ TEST(BoxCuller, RefusesWhatItCannotCull) {
   const core::dmat4 spoiled(nan);
   Indices indices;
   EXPECT_FALSE(culler->visible(glm::value_ptr(spoiled), core::ClipDepth::kMinusOneToOne, indices));
+}
+
+TEST(BoxCuller, MisuseIsAnErrorAndChangesNothing) {
+  const AabbD box{dvec3(-1.0), dvec3(1.0)}, other{dvec3(2.0), dvec3(3.0)};
+  const std::vector<AabbD> boxes(3, box), others(2, other);
+  auto culler = *BoxCuller::create(boxes);
+  const auto message = [](const core::Expected<void>& done) { return done ? "" : done.error().message; };
+  const Indices wrong{0, 3}, right{0, 1};
+  EXPECT_EQ(message(culler.update(3, other)), "box culler: expected indices below 3, found 3");
+  EXPECT_EQ(message(culler.update(0xffffffffu, other)), "box culler: expected indices below 3, found 4294967295");
+  EXPECT_EQ(message(culler.update(wrong, others)), "box culler: expected indices below 3, found 3");
+  EXPECT_EQ(message(culler.update(right, boxes)), "box culler: expected 2 boxes, found 3");
+  EXPECT_EQ(message(culler.refit(others)), "box culler: expected 3 boxes, found 2");
+  const core::View view = *core::View::perspective({{0, -5, 0}, {0, 0, 0}, {0, 0, 1}}, 0.2, 1.0, 0.1);
+  EXPECT_EQ(visible_of(culler, view).size(), 3u);
+
+  BoxCuller moved = std::move(culler);
+  for (BoxCuller* from : {&culler, &moved}) {  // NOLINT(bugprone-use-after-move)
+    Indices indices{7};
+    if (from == &moved) BoxCuller(std::move(moved)).visible(view, indices), indices = {7};
+    EXPECT_EQ(from->size(), 0u);
+    EXPECT_EQ(from->bounds().size(), 0u);
+    EXPECT_TRUE(from->indices().empty());
+    from->visible(view, indices);
+    EXPECT_TRUE(indices.empty());
+    const std::string expected = "box culler: its boxes were moved to another one";
+    EXPECT_EQ(message(from->visible(view.clip_from_world(), view.clip_depth(), indices)), expected);
+    EXPECT_EQ(message(from->update(0, box)), expected);
+    EXPECT_EQ(message(from->refit(boxes)), expected);
+  }
+}
+
+/// Answers belong to the boxes before or after a change: of two states, each with all boxes on one side of the view.
+TEST(BoxCuller, ChangesWaitForQueries) {
+  constexpr std::size_t kCount = 3000;
+  std::vector<AabbD> states[2];
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const dvec3 low(double(i % 50), 10.0 + double(i / 50), 0.0);
+    states[0].push_back({low, low + 60.0});  // more than a pixel of the depth image
+    states[1].push_back(i % 2 ? AabbD{} : AabbD{-low - 60.0, -low});
+  }
+  auto culler = *BoxCuller::create(states[0]);
+  const core::View view = *core::View::orthographic({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 400.0, 1.0, -400.0, 400.0);
+  const core::View half = *core::View::orthographic({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 400.0, 1.0, 0.0, 400.0);
+  Indices all(kCount);
+  std::iota(all.begin(), all.end(), 0u);
+  DepthPyramid nothing;
+  nothing.build(std::vector<float>(64, std::numeric_limits<float>::infinity()), 8, 8);
+  std::atomic<int> answers = 0, neither = 0;
+  std::atomic<bool> done = false;
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 4; ++t)
+      threads.emplace_back([&, t] {
+        for (Indices found; !done; ++answers) {
+          if (t == 0) culler.visible(view, nothing, found);
+          if (t != 0)
+            (void)culler.visible(t == 1 ? half.clip_from_world() : view.clip_from_world(), view.clip_depth(), found);
+          const std::size_t other = t == 1 ? 0 : kCount / 2;
+          neither += found.size() != kCount && found.size() != other;
+        }
+      });
+    for (int i = 0; i < 60 || answers < 200; ++i) {
+      const std::vector<AabbD>& boxes = states[(i + 1) % 2];
+      ASSERT_TRUE(i % 3 ? culler.update(all, boxes) : culler.refit(boxes));
+    }
+    done = true;
+  }
+  EXPECT_EQ(neither, 0) << "of " << answers;
 }
 
 }  // namespace

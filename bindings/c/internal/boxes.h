@@ -1,8 +1,6 @@
 // What functions of box cullers share: boxes where they lie, and lists of the visible ones.
 #pragma once
 
-#include <mutex>
-#include <shared_mutex>
 #include <span>
 #include <vector>
 
@@ -34,10 +32,6 @@ sl_status list_visible(const char* function, sl_box_culler handle, std::uint32_t
     check_buffer(indices, capacity);
     check_result(count);
     const std::shared_ptr<BoxCullerObject> object = find(handle);
-    const std::shared_lock lock = [&] {
-      const std::lock_guard turn(object->turn);
-      return std::shared_lock(object->mutex);
-    }();
     const core::Scratch<ListBuffers> scratch;
     cull(object->culler, scratch->indices);
     write_list(scratch->indices, indices, capacity, count);

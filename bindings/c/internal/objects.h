@@ -7,7 +7,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <shared_mutex>
 #include <thread>
 
 #include "sightline/bindings/c/internal/call.h"
@@ -51,10 +50,6 @@ struct EngineObject {
 struct BoxCullerObject {
   explicit BoxCullerObject(culling::BoxCuller made) : culler(std::move(made)) {}
 
-  /// Shared by those who cull. Whoever locks it holds `turn` meanwhile, so that culling without a pause does not keep
-  /// an update waiting.
-  std::shared_mutex mutex;
-  std::mutex turn;
   culling::BoxCuller culler;
 };
 

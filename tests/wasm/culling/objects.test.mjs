@@ -41,9 +41,9 @@ for (const [form, options] of Object.entries(kForms)) {
       fails(() => sightline.createBoxCuller(bad), SightlineError, /^box 0: expected finite corners$/);
       fails(() => sightline.createBoxCuller([1, 2, 3]), TypeError, /expected six numbers each, got 3/);
       fails(() => culler.update([5], bad), SightlineError, /^box 5: expected finite corners$/);
-      fails(() => culler.update([100], someBoxes(1)), SightlineError, /expected indices below 100, got 100/);
+      fails(() => culler.update([100], someBoxes(1)), SightlineError, /expected indices below 100, found 100/);
       fails(() => culler.update([1, 2], someBoxes(1)), TypeError, /six numbers for each index/);
-      fails(() => culler.refit(someBoxes(99)), SightlineError, /expected 100 boxes, got 99/);
+      fails(() => culler.refit(someBoxes(99)), SightlineError, /expected 100 boxes, found 99/);
       fails(() => culler.refit(Array(600).fill(Infinity)), SightlineError, /^box 0: expected finite corners$/);
       fails(() => culler.visibleIn(kIdentity.slice(1)), TypeError, /sixteen numbers/);
       fails(() => culler.visibleIn(kIdentity.map(() => NaN)), SightlineError, /finite/);
