@@ -308,12 +308,12 @@ const Scene::Resolved& Scene::resolve_once(std::uint32_t index, ResolvedNodes& k
 Expected<MeshId> Scene::add_mesh(Mesh mesh) {
   if (auto valid = validate(mesh); !valid) return tl::unexpected(valid.error());
   AabbD box;
-  bool finite = true;
-  for (const vec3& p : mesh.positions) {
-    box.grow(dvec3(p));
-    finite = finite && is_finite(dvec3(p));
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    if (!is_finite(dvec3(mesh.positions[i])))
+      return fail("mesh \"" + mesh.name + "\": expected finite positions, found one that is not at vertex " +
+                  std::to_string(i));
+    box.grow(dvec3(mesh.positions[i]));
   }
-  if (!finite) box.min = dvec3(std::numeric_limits<double>::quiet_NaN());  // commit() refuses its items
   auto shared = std::make_shared<const Mesh>(std::move(mesh));
   if (const auto index = may_reuse() ? free_.meshes.take() : std::nullopt) {
     mesh_table_.set(*index, std::move(shared));

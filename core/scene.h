@@ -98,7 +98,7 @@ class SIGHTLINE_API Scene {
   // Items hold mesh and material indices. The index of a removed mesh or material is not given out again, except after
   // take_back() and by reuse_ids().
 
-  /// Fails as validate() does, with nothing added.
+  /// Fails as validate() does, and on a position that is not finite, whose vertex the error names; adds nothing then.
   Expected<MeshId> add_mesh(Mesh mesh);
   MaterialId add_material(Material material);
   /// Changes the look of all items with this material. Published by the next commit(), like every edit.

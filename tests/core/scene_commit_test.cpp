@@ -65,7 +65,7 @@ TEST(SceneCommit, RefusesBadPlacementsOfThingsWithoutExtent) {
   }
 }
 
-TEST(SceneCommit, RefusesBadParametersAndVertices) {
+TEST(SceneCommit, RefusesBadParameters) {
   Random random(3);
   for (int k = 0; k < kPrimitiveKindCount; ++k)
     for (int v = 0; v < parameter_count(static_cast<Kind>(k)); ++v)
@@ -77,13 +77,25 @@ TEST(SceneCommit, RefusesBadParametersAndVertices) {
         scene.add_primitive(scene.add_node(scene.root(), "part"), make_primitive(static_cast<Kind>(k), values));
         expect_refused(scene, "part");
       }
-  for (int axis = 0; axis < 3; ++axis) {
-    Scene scene;
-    Mesh mesh = triangle();
-    mesh.positions[1][axis] = std::numeric_limits<float>::quiet_NaN();
-    scene.add_mesh_instance(scene.add_node(scene.root(), "part"), scene.add_mesh(mesh).value());
-    expect_refused(scene, "part");
-  }
+}
+
+/// The scene and its other meshes go on.
+TEST(SceneCommit, AMeshWithAVertexThatIsNoNumberIsNotAdded) {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()})
+    for (int axis = 0; axis < 3; ++axis) {
+      Scene scene;
+      Mesh mesh = triangle();
+      mesh.name = "plate";
+      const MeshId good = scene.add_mesh(mesh).value();
+      mesh.positions[1][axis] = bad;
+      const auto refused = scene.add_mesh(mesh);
+      ASSERT_FALSE(refused);
+      EXPECT_EQ(refused.error().message,
+                "mesh \"plate\": expected finite positions, found one that is not at vertex 1");
+      EXPECT_EQ(scene.mesh_slots(), 1u);
+      scene.add_mesh_instance(scene.root(), good);
+      EXPECT_EQ(scene.commit()->inserted.size(), 1u);
+    }
 }
 
 TEST(SceneCommit, AFailedCommitKeepsEarlierEditsAndRemovals) {
