@@ -42,7 +42,16 @@ inline double evaluate(const Plane& plane, const dvec3& p) {
 enum class ClipDepth : std::uint8_t {
   kReversedZeroToOne,  ///< near at 1, far at 0: what Sightline renders with
   kMinusOneToOne,      ///< near at -1, far at +1: classic OpenGL, accepted from applications
+  kZeroToOne,          ///< near at 0, far at 1: Vulkan, Direct3D, WebGPU; accepted from applications
 };
+
+/// Depths (z / w in clip space) of the near and of the far plane.
+constexpr double near_depth(ClipDepth range) {
+  return range == ClipDepth::kReversedZeroToOne ? 1.0 : range == ClipDepth::kMinusOneToOne ? -1.0 : 0.0;
+}
+constexpr double far_depth(ClipDepth range) {
+  return range == ClipDepth::kReversedZeroToOne ? 0.0 : 1.0;
+}
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 /// An item's place in a snapshot's spatial order: internal, changes with every rebuild.

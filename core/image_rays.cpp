@@ -21,20 +21,20 @@ ImageRays::ImageRays(const View& view, int width, int height)
     : width_(width), height_(height), orthographic_(view.orthographic()) {
   const dmat4 rows = glm::transpose(view.clip_from_eye()), eye_from_clip = glm::inverse(view.clip_from_eye());
   const dmat4 world_from_eye = glm::inverse(view.eye_from_world());
-  const bool reversed = view.clip_depth() == ClipDepth::kReversedZeroToOne;
-  const dvec4 near = reversed ? rows[2] - rows[3] : rows[2] + rows[3], far = reversed ? rows[2] : rows[2] - rows[3];
+  const double near_z = near_depth(view.clip_depth()), far_z = far_depth(view.clip_depth());
+  const dvec4 near = rows[2] - near_z * rows[3], far = rows[2] - far_z * rows[3];
   const dvec3 x(rows[0]), y(rows[1]), w(rows[3]);
   Linear<dvec3> along{glm::cross(x, y), glm::cross(y, w), glm::cross(w, x)};
   // Forwards is where w grows, or from the near to the far plane.
   const double forwards =
-      orthographic_ ? glm::dot(dvec3(rows[2]), along.constant) * (reversed ? -1.0 : 1.0) : glm::dot(w, along.constant);
+      orthographic_ ? glm::dot(dvec3(rows[2]), along.constant) * (far_z - near_z) : glm::dot(w, along.constant);
   const double scale = std::copysign(1.0 / glm::length(along.constant), forwards);
   for (dvec3* part : {&along.constant, &along.per_x, &along.per_y}) *part *= scale;
   const auto turned = [&](const dvec3& direction) { return dmat3(world_from_eye) * direction; };
   direction_ = {turned(along.constant), turned(along.per_x), turned(along.per_y)};
   if (orthographic_) {
     const auto on_near = [&](double at_x, double at_y) {
-      const dvec4 place = eye_from_clip * dvec4(at_x, at_y, reversed ? 1.0 : -1.0, 1.0);
+      const dvec4 place = eye_from_clip * dvec4(at_x, at_y, near_z, 1.0);
       return dvec3(place) / place.w;
     };
     const dvec3 middle = on_near(0.0, 0.0);

@@ -29,6 +29,36 @@ dvec3 other_axis(const dvec3& direction) {
   return a.z <= a.x && a.z <= a.y ? dvec3(0, 0, 1) : a.y <= a.x ? dvec3(0, 1, 0) : dvec3(1, 0, 0);
 }
 
+dvec4 scaled(const dvec4& v) {
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z), std::abs(v.w)});
+  return largest > 0.0 ? v / largest : v;
+}
+
+/// Returns 1 where depth grows with the distance from the eye, -1 where it falls, and 0 where the matrix does not tell.
+/// A parallel projection that is combined with the eye's matrix never tells: a mirrored one may look the other way.
+int depth_trend(const dmat4& clip_from_eye, bool combined) {
+  constexpr double kDoubt = 1e-6;  // relative error of matrices that were multiplied in float
+  const dvec4 z = scaled(row(clip_from_eye, 2)), w = scaled(row(clip_from_eye, 3));
+  const bool parallel = dvec3(w) == dvec3(0.0);
+  if (parallel && (combined || !(w.w > 0.0))) return 0;
+  const dvec3 ahead = parallel ? dvec3(0.0, 0.0, -1.0) : dvec3(w);
+  if (!(glm::length(glm::cross(dvec3(z), ahead)) <= kDoubt * glm::length(dvec3(z)) * glm::length(ahead))) return 0;
+  const double slope = glm::dot(dvec3(z), ahead) / glm::dot(ahead, ahead);
+  if (parallel) return slope > 0.0 ? 1 : slope < 0.0 ? -1 : 0;
+  const double rest = z.w - slope * w.w;  // z = slope * w + rest, so depth = slope + rest / w
+  if (!(std::abs(rest) > kDoubt * (std::abs(z.w) + std::abs(slope * w.w)))) return 0;
+  return rest < 0.0 ? 1 : -1;
+}
+
+Expected<void> check_depth(const dmat4& clip_from_eye, bool combined, ClipDepth depth) {
+  const bool grows = far_depth(depth) > near_depth(depth);
+  if (depth_trend(clip_from_eye, combined) != (grows ? -1 : 1)) return {};
+  if (grows)
+    return fail(
+        "view: depth falls with distance from the eye, but its ClipDepth says that it grows to 1 at the far plane");
+  return fail("view: depth grows with distance from the eye, but its ClipDepth says that it falls from 1 to 0");
+}
+
 Expected<void> check_lens(double fovy, double aspect) {
   if (!(fovy > 0.0 && fovy < std::numbers::pi)) return fail("perspective view: fovy must lie between 0 and pi");
   if (!(aspect > 0.0) || !std::isfinite(aspect)) return fail("perspective view: aspect must be positive");
@@ -129,6 +159,8 @@ Expected<View> View::from_matrices(const dmat4& eye_from_world, const dmat4& cli
   if (row(eye_from_world, 3) != dvec4(0.0, 0.0, 0.0, 1.0))
     return fail(
         "view: eye_from_world must be affine, with the last row 0 0 0 1; give projection * view as clip_from_eye");
+  const bool combined = eye_from_world == dmat4(1.0);
+  if (auto fits = check_depth(clip_from_eye, combined, depth); !fits) return tl::unexpected(fits.error());
   return View(eye_from_world, clip_from_eye, depth);
 }
 
@@ -150,9 +182,9 @@ bool same_image(const View& a, const View& b) {
 std::array<Plane, kFrustumPlaneCount> frustum_planes(const dmat4& clip_from_world, ClipDepth depth) {
   const dvec4 x = row(clip_from_world, 0), y = row(clip_from_world, 1), z = row(clip_from_world, 2),
               w = row(clip_from_world, 3);
-  const bool reversed = depth == ClipDepth::kReversedZeroToOne;
+  const double near = near_depth(depth), far = far_depth(depth), sign = far > near ? 1.0 : -1.0;
   const std::array<dvec4, kFrustumPlaneCount> rows = {
-      w + x, w - x, w + y, w - y, reversed ? w - z : w + z, reversed ? z : w - z};
+      w + x, w - x, w + y, w - y, sign * (z - near * w), sign * (far * w - z)};
   std::array<Plane, kFrustumPlaneCount> planes;
   for (int i = 0; i < kFrustumPlaneCount; ++i) planes[i] = {dvec3(rows[i]), rows[i].w};
   return planes;

@@ -49,7 +49,9 @@ class SIGHTLINE_API View {
   /// A view from an application's own matrices. Culling uses clip_from_eye * eye_from_world. Pass a combined projection
   /// * view matrix as clip_from_eye, with the identity as eye_from_world. Such a view can cull but not be drawn, since
   /// drawing needs the two parts. Entries must be finite. Fails when eye_from_world is not affine (last row 0 0 0 1),
-  /// for example when it is a combined matrix.
+  /// for example when it is a combined matrix, and when the projection's depth falls with distance where `depth` says
+  /// that it grows, or grows where it falls. Matrices that do not tell pass: combined parallel projections, oblique
+  /// near planes, and those of no camera.
   static Expected<View> from_matrices(const dmat4& eye_from_world, const dmat4& clip_from_eye, ClipDepth depth);
 
   const dmat4& eye_from_world() const { return eye_from_world_; }

@@ -12,8 +12,9 @@ using core::dvec4;
 
 dmat4 reversed_clip_from_eye(const core::View& view) {
   dmat4 clip = view.clip_from_eye();
-  if (view.clip_depth() == core::ClipDepth::kMinusOneToOne)
-    for (int c = 0; c < 4; ++c) clip[c][2] = 0.5 * (clip[c][3] - clip[c][2]);
+  const double near = core::near_depth(view.clip_depth()), far = core::far_depth(view.clip_depth());
+  if (near < far)
+    for (int c = 0; c < 4; ++c) clip[c][2] = (far * clip[c][3] - clip[c][2]) / (far - near);
   return clip;
 }
 
@@ -49,7 +50,9 @@ float leading_bits(double x) {
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(float(x)) & 0xfffff000u);
 }
 
-glm::vec4 rest_of(const dvec4& x, const glm::vec4& high) { return glm::vec4(x - dvec4(high)); }
+glm::vec4 rest_of(const dvec4& x, const glm::vec4& high) {
+  return glm::vec4(x - dvec4(high));
+}
 
 void set_linear(ViewBlock& block, const dmat4& eye_from_world) {
   for (int c = 0; c < 3; ++c) {
@@ -79,8 +82,8 @@ void set_rays(ViewBlock& block, const dmat4& clip, bool perspective, int width, 
 }  // namespace
 
 std::vector<glm::vec4> eye_relative_origins(const core::View& view, std::span<const core::dvec3> origins) {
-  // The matrix alone says where the eye is, and it alone must not be rounded: an origin is placed by it, and then turned
-  // back.
+  // The matrix alone says where the eye is, and it alone must not be rounded: an origin is placed by it, and then
+  // turned back.
   const dmat4& eye_from_world = view.eye_from_world();
   const glm::dmat3 world_from_eye = glm::inverse(glm::dmat3(eye_from_world));
   std::vector<glm::vec4> rows;
@@ -98,7 +101,8 @@ core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int
   const bool separable = clip[0][1] == 0.0 && clip[0][2] == 0.0 && clip[1][0] == 0.0 && clip[1][2] == 0.0 &&
                          clip[0][0] != 0.0 && clip[1][1] != 0.0;
   const bool perspective = !view.orthographic();
-  if (!separable || clip[0][3] != 0.0 || clip[1][3] != 0.0 || (perspective && clip[3][3] != 0.0))
+  const bool ahead = perspective ? clip[2][3] < 0.0 && clip[3][3] == 0.0 : clip[3][3] > 0.0 && clip[2][2] > 0.0;
+  if (!separable || clip[0][3] != 0.0 || clip[1][3] != 0.0 || !ahead)
     return core::fail("view: clip_from_eye must be a perspective or orthographic projection along -z");
 
   ViewBlock block{};

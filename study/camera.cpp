@@ -92,11 +92,11 @@ Camera::Camera(const core::View& view, const core::Aabb& extent) {
 
   // Corners, and what follows from them.
   const core::dmat4 world = glm::inverse(clip);
-  const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
+  const double near = core::near_depth(view.clip_depth()), far = core::far_depth(view.clip_depth());
   core::AabbD box;
   core::dvec3 centre(0.0);
   for (int i = 0; i < 8 && complete; ++i) {
-    const double depth = (i & 4) != 0 ? 1.0 : reversed ? 0.0 : -1.0;
+    const double depth = (i & 4) != 0 ? std::max(near, far) : std::min(near, far);
     const core::dvec4 h = world * core::dvec4((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0, depth, 1.0);
     const core::dvec3 corner = core::dvec3(h) / h.w;
     complete = std::isfinite(corner.x) && std::isfinite(corner.y) && std::isfinite(corner.z) && std::abs(h.w) > 0.0;

@@ -15,11 +15,11 @@ class Frustum {
  public:
   Frustum(const core::View& view, const std::array<core::Plane, core::kFrustumPlaneCount>& planes) {
     const core::dmat4 world = glm::inverse(view.clip_from_world());
-    const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
+    const double near = core::near_depth(view.clip_depth()), far = core::far_depth(view.clip_depth());
     bounded_ = true;
     for (const core::Plane& p : planes) bounded_ &= glm::length(p.normal) > 0.0;
     for (int i = 0; i < 8; ++i) {
-      const double depth = (i & 4) != 0 ? 1.0 : reversed ? 0.0 : -1.0;
+      const double depth = (i & 4) != 0 ? std::max(near, far) : std::min(near, far);
       const core::dvec4 h = world * core::dvec4((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0, depth, 1.0);
       corners_[std::size_t(i)] = dvec3(h) / h.w;
       for (int axis = 0; axis < 3; ++axis) bounded_ &= std::isfinite(corners_[std::size_t(i)][axis]);

@@ -61,8 +61,8 @@ class Projection {
       if (at_b < 0.0) high = std::min(high, at_a / (at_a - at_b));
       return low < high;
     };
-    const bool reversed = view_.clip_depth() == core::ClipDepth::kReversedZeroToOne;
-    const auto before = [&](const dvec4& c) { return reversed ? c.w - c.z : c.w + c.z; };
+    const double near = core::near_depth(view_.clip_depth()), sign = core::far_depth(view_.clip_depth()) - near;
+    const auto before = [&](const dvec4& c) { return sign * (c.z - near * c.w); };
     if (!inside(before(a.clip), before(b.clip))) return false;
     for (int axis = 0; axis < 2; ++axis)
       if (!inside(a.clip.w - a.clip[axis], b.clip.w - b.clip[axis]) ||

@@ -37,7 +37,7 @@ std::array<dvec3, 8> corners_of(const core::View& view, const core::AabbD& bound
   double far = std::max(near + kBeyond * (farthest - near), near + least);
   if (const auto plane = distance_of(view, core::kFar); plane && *plane > near) far = std::min(far, *plane);
   const core::dmat4 eye_from_clip = glm::inverse(view.clip_from_eye()), world = glm::inverse(view.eye_from_world());
-  const double clip_near = view.clip_depth() == core::ClipDepth::kReversedZeroToOne ? 1.0 : -1.0;
+  const double clip_near = core::near_depth(view.clip_depth());
   constexpr double kRing[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   std::array<dvec3, 8> corners;
   for (std::size_t i = 0; i < 4; ++i) {

@@ -63,7 +63,7 @@ core::View view_of(const sl_view* from) {
   const sl_view c = read(from, sl_view SL_VIEW_INIT);
   core::View view =
       value_of(core::View::from_matrices(glm::make_mat4(c.eye_from_world), glm::make_mat4(c.clip_from_eye),
-                                         enum_of<core::ClipDepth>(c.clip_depth, 2, "clip_depth")));
+                                         enum_of<core::ClipDepth>(c.clip_depth, 3, "clip_depth")));
   view.layers = c.layers;
   view.section_mode = enum_of<core::SectionMode>(c.section_mode, 2, "section_mode");
   require(c.section_count <= SL_MAX_SECTIONS, "at most SL_MAX_SECTIONS sections");

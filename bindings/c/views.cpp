@@ -79,7 +79,7 @@ sl_status sl_view_from_matrices(const double eye_from_world[16], const double cl
   return make_view(__func__, view, [&] {
     require(clip_from_eye != nullptr, "clip_from_eye, found null");
     const core::dmat4 eye = eye_from_world ? glm::make_mat4(eye_from_world) : core::dmat4(1.0);
-    return core::View::from_matrices(eye, glm::make_mat4(clip_from_eye), enum_of<core::ClipDepth>(depth, 2, "depth"));
+    return core::View::from_matrices(eye, glm::make_mat4(clip_from_eye), enum_of<core::ClipDepth>(depth, 3, "depth"));
   });
 }
 
@@ -130,7 +130,7 @@ sl_status sl_box_culler_visible_in(sl_box_culler culler, const double clip_from_
   return list_visible(__func__, culler, indices, capacity, count,
                       [&](const culling::BoxCuller& boxes, std::vector<std::uint32_t>& visible) {
                         require(clip_from_world != nullptr, "a matrix, found null");
-                        const auto range = enum_of<core::ClipDepth>(depth, 2, "depth");
+                        const auto range = enum_of<core::ClipDepth>(depth, 3, "depth");
                         value_of(boxes.visible(clip_from_world, range, visible));
                       });
 }

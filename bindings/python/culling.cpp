@@ -3,6 +3,7 @@
 
 #include "sightline/bindings/python/gate.h"
 #include "sightline/bindings/python/module.h"
+#include "sightline/bindings/python/planes.h"
 #include "sightline/culling/box_culler.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 
@@ -47,7 +48,7 @@ py::array_t<std::uint32_t> visible_in_view(GatedCuller& culler, const core::View
 py::array_t<std::uint32_t> visible_in_matrix(GatedCuller& culler, const py::object& clip_from_world,
                                              const std::string& depth) {
   const core::dmat4 columns = matrix(clip_from_world, "clip_from_world");
-  const auto range = core::ClipDepth(one_of("depth", depth, {"reversed", "classic"}));
+  const core::ClipDepth range = depth_of(depth);
   std::vector<std::uint32_t> indices;
   core::Expected<void> done;
   {
@@ -245,8 +246,7 @@ void bind_culling(py::module_& m) {
            "Indices of the boxes that the view sees, uint32, in no order: the same for the same boxes. Its section "
            "planes count.")
       .def("visible", &visible_in_matrix, py::arg("clip_from_world"), py::kw_only(), py::arg("depth") = "reversed",
-           "The same for projection @ view, 4 x 4. `depth`: \"reversed\" (1 near, 0 far) or \"classic\" (-1 near, 1 "
-           "far).")
+           "The same for projection @ view, 4 x 4. `depth`: as for View.from_matrices().")
       .def("visible", &visible_behind, py::arg("view"), py::arg("occluders"),
            "The same without boxes that are hidden, or cover no pixel: `occluders` is an OccluderRaster of this view, "
            "or "

@@ -1,4 +1,4 @@
-// Section planes as rows of numbers.
+// What callers give of views: section planes as rows of numbers, and the name of a depth range.
 #pragma once
 
 #include "sightline/bindings/python/convert.h"
@@ -9,5 +9,7 @@ namespace sightline::python {
 /// (N, 4), at most core::kMaxSectionPlanes, finite: normal and offset.
 std::vector<core::Plane> section_planes(py::handle value, const char* argument);
 Numbers<double> planes_to_array(const std::vector<core::Plane>& planes);
+
+core::ClipDepth depth_of(const std::string& name);
 
 }  // namespace sightline::python

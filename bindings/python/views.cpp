@@ -13,7 +13,7 @@
 namespace sightline::python {
 
 template <>
-inline constexpr int kEnumerators<core::ClipDepth> = 2;
+inline constexpr int kEnumerators<core::ClipDepth> = 3;
 template <>
 inline constexpr int kEnumerators<core::SectionMode> = 2;
 
@@ -26,10 +26,6 @@ constexpr auto kAnyRows = py::ssize_t(-1);
 
 core::Pose pose(py::handle eye, py::handle target, py::handle up) {
   return {vector3(eye, "eye"), vector3(target, "target"), vector3(up, "up")};
-}
-
-core::ClipDepth depth_of(const std::string& name) {
-  return core::ClipDepth(one_of("depth", name, {"reversed", "classic"}));
 }
 
 core::AabbD box(py::handle value, const char* argument) {
@@ -136,8 +132,9 @@ void bind_view(py::module_& m) {
                                               matrix(clip_from_eye, "clip_from_eye"), depth_of(depth)));
           },
           py::arg("eye_from_world"), py::arg("clip_from_eye"), py::kw_only(), py::arg("depth") = "reversed",
-          "From an application's matrices for column vectors. `depth`: \"reversed\" (1 near, 0 far) or \"classic\" (-1 "
-          "near, 1 far). With the identity as `eye_from_world` it culls but does not draw.")
+          "From an application's matrices for column vectors. `depth`: \"reversed\" (1 near, 0 far), \"classic\" (-1 "
+          "near, 1 far) or \"zero_to_one\" (0 near, 1 far); a projection that does not fit is an error. With the "
+          "identity as `eye_from_world` it culls but does not draw.")
       .def_static(
           "parse",
           [](const py::str& json, double aspect) { return unwrap(importers::parse_view(to_bytes(json), aspect)); },
@@ -255,6 +252,10 @@ void bind_path(py::module_& m) {
 }
 
 }  // namespace
+
+core::ClipDepth depth_of(const std::string& name) {
+  return core::ClipDepth(one_of("depth", name, {"reversed", "classic", "zero_to_one"}));
+}
 
 std::vector<core::Plane> section_planes(py::handle value, const char* argument) {
   const auto rows = doubles(value, argument, {kAnyRows, 4});

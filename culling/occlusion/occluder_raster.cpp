@@ -443,8 +443,9 @@ void OccluderRaster::begin(const core::View& view, int width, int height, float 
   };
   image.x = place(0, width);
   image.y = place(1, height);
-  const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
-  image.near = sum(1.0, w, reversed ? -1.0 : 1.0, of_row(clip[2]));
+  const double near = core::near_depth(view.clip_depth());
+  const double sign = core::far_depth(view.clip_depth()) > near ? 1.0 : -1.0;
+  image.near = sum(-sign * near, w, sign, of_row(clip[2]));
   image.frustum = core::frustum_planes(view.clip_from_world(), view.clip_depth());
   image.sections.clear();
   for (const core::Plane& plane : view.sections)

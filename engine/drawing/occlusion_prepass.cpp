@@ -33,7 +33,7 @@ bool mostly_solid(const core::Snapshot& snapshot) {
 /// Box around the rectangle of the near plane that a view shows, with a margin for rounding.
 core::AabbD near_rectangle(const core::View& view) {
   const core::dmat4 world_from_clip = glm::inverse(view.clip_from_world());
-  const double z = view.clip_depth() == core::ClipDepth::kReversedZeroToOne ? 1.0 : -1.0;
+  const double z = core::near_depth(view.clip_depth());
   core::AabbD box;
   for (const double x : {-1.0, 1.0})
     for (const double y : {-1.0, 1.0}) {

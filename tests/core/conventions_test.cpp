@@ -125,6 +125,26 @@ TEST(Conventions, ClassicDepthRunsFromMinusOneToOne) {
   EXPECT_LT(evaluate(planes[kFar], {0, 0, -3.1}), 0.0);
 }
 
+TEST(Conventions, PlainDepthRunsFromZeroToOne) {
+  EXPECT_EQ(near_depth(ClipDepth::kReversedZeroToOne), 1.0);
+  EXPECT_EQ(far_depth(ClipDepth::kReversedZeroToOne), 0.0);
+  EXPECT_EQ(near_depth(ClipDepth::kMinusOneToOne), -1.0);
+  EXPECT_EQ(far_depth(ClipDepth::kMinusOneToOne), 1.0);
+  EXPECT_EQ(near_depth(ClipDepth::kZeroToOne), 0.0);
+  EXPECT_EQ(far_depth(ClipDepth::kZeroToOne), 1.0);
+  // As of Vulkan: 90 degrees, near 1, far 3.
+  dmat4 clip(0.0);
+  clip[0][0] = clip[1][1] = 1.0;
+  clip[2][2] = -1.5;
+  clip[3][2] = -1.5;
+  clip[2][3] = -1.0;
+  const auto planes = frustum_planes(clip, ClipDepth::kZeroToOne);
+  EXPECT_NEAR(evaluate(planes[kNear], {0, 0, -1}), 0.0, 1e-15);
+  EXPECT_NEAR(evaluate(planes[kFar], {0, 0, -3}), 0.0, 1e-15);
+  EXPECT_LT(evaluate(planes[kNear], {0, 0, -0.9}), 0.0);
+  EXPECT_LT(evaluate(planes[kFar], {0, 0, -3.1}), 0.0);
+}
+
 TEST(Conventions, AnglesAreRadiansCounterClockwiseFromPlusXTowardsPlusY) {
   const Primitive quarter = CircularTorus{10.0f, 1.0f, float(kPi / 2)};
   EXPECT_NEAR(support(quarter, {0, 1, 0}), 11.0, 1e-6);

@@ -37,16 +37,16 @@ TEST(ImageRays, RefusesImagesOfNothing) {
 /// A view of any convention, stretched or mirrored, with its matrices apart or as their product.
 View view_of_matrices(Random& random) {
   const Pose pose{point(random, 10.0), point(random, 10.0), {0, 0, 1}};
-  const bool parallel = chance(random, 0.3), standard = chance(random, 0.5);
+  const bool parallel = chance(random, 0.3);
+  const auto depth = ClipDepth(int(uniform(random, 0.0, 3.0)));
   const View like = parallel ? *View::orthographic(pose, 3.0, 1.5, -2.0, 40.0)
                              : *View::asymmetric(pose, -0.1, 0.3, -0.2, 0.25, 0.5, 50.0);
   dmat4 eye = like.eye_from_world(), clip = like.clip_from_eye();
   for (int axis = 0; axis < 3; ++axis)
     for (int row = 0; row < 3; ++row) eye[axis][row] *= axis == 1 ? uniform(random, 0.5, 2.0) : 1.0;
   if (chance(random, 0.3)) clip = dmat4(glm::dvec4(-1, 0, 0, 0), {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}) * clip;
-  if (standard)  // depth from -1 at near to 1 at far
-    clip = dmat4(glm::dvec4(1, 0, 0, 0), {0, 1, 0, 0}, {0, 0, -2, 0}, {0, 0, 1, 1}) * clip;
-  const auto depth = standard ? ClipDepth::kMinusOneToOne : ClipDepth::kReversedZeroToOne;
+  const double near = near_depth(depth), far = far_depth(depth);
+  clip = dmat4(glm::dvec4(1, 0, 0, 0), {0, 1, 0, 0}, {0, 0, near - far, 0}, {0, 0, far, 1}) * clip;
   if (chance(random, 0.3)) return *View::from_matrices(dmat4(1.0), clip * eye, depth);
   return *View::from_matrices(eye, clip, depth);
 }
@@ -57,14 +57,13 @@ TEST(ImageRays, RunsFromTheNearToTheFarPlane) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const View view = view_of_matrices(random);
-    const bool reversed = view.clip_depth() == ClipDepth::kReversedZeroToOne;
     const dmat4 world_from_clip = glm::inverse(view.clip_from_world());
     const double x = uniform(random, 0.0, 300.0), y = uniform(random, 0.0, 200.0);
     const auto in_world = [&](double depth) {
       const dvec4 p = world_from_clip * dvec4(2.0 * x / 300.0 - 1.0, 1.0 - 2.0 * y / 200.0, depth, 1.0);
       return dvec3(p) / p.w;
     };
-    const dvec3 near = in_world(reversed ? 1.0 : -1.0), far = in_world(reversed ? 0.0 : 1.0);
+    const dvec3 near = in_world(near_depth(view.clip_depth())), far = in_world(far_depth(view.clip_depth()));
     const auto ray = image_ray(view, 300, 200, x, y);
     ASSERT_TRUE(ray);
     ASSERT_NEAR(glm::length(ray->direction), 1.0, 1e-12);

@@ -302,6 +302,67 @@ TEST(View, RefusesMatricesThatAreNotFinite) {
   EXPECT_TRUE(View::from_matrices(dmat4(1.0), dmat4(1.0), ClipDepth::kMinusOneToOne));
 }
 
+/// The projection of a view of reversed depth for another depth.
+dmat4 for_depth(dmat4 clip, ClipDepth depth) {
+  const double near = near_depth(depth), far = far_depth(depth);
+  for (int c = 0; c < 4; ++c) clip[c][2] = far * clip[c][3] + (near - far) * clip[c][2];
+  return clip;
+}
+
+bool grows(ClipDepth depth) {
+  return far_depth(depth) > near_depth(depth);
+}
+
+constexpr ClipDepth kDepths[] = {ClipDepth::kReversedZeroToOne, ClipDepth::kMinusOneToOne, ClipDepth::kZeroToOne};
+
+TEST(View, RefusesAProjectionOfAnotherDepth) {
+  Random random(11);
+  for (int i = 0; i < 300; ++i) {
+    SCOPED_TRACE(testing::Message() << "round " << i << " of seed 11");
+    const Pose pose = random_pose(random, 1e4);
+    const double near = uniform(random, 0.1, 10.0), far = i % 4 == 0 ? kInfiniteFar : near * uniform(random, 1.1, 1e6);
+    const View view = i % 3 == 0   ? *View::asymmetric(pose, -0.1, 0.3, 0.2, 0.25, near, far)
+                      : i % 3 == 1 ? *View::perspective(pose, uniform(random, 0.01, 2.5), 1.5, near, far)
+                                   : *View::orthographic(pose, 3.0, 1.5, -near, near);
+    dmat4 mirror(1.0);
+    if (i % 5 == 0) mirror[1][1] = -1.0;  // y downwards, as of Vulkan
+    for (const ClipDepth made : kDepths)
+      for (const ClipDepth stated : kDepths) {
+        const dmat4 clip = for_depth(mirror * view.clip_from_eye(), made);
+        const auto given = View::from_matrices(view.eye_from_world(), clip, stated);
+        const auto combined = View::from_matrices(dmat4(1.0), clip * view.eye_from_world(), stated);
+        if (grows(made) == grows(stated)) {
+          EXPECT_TRUE(given && combined);
+          continue;
+        }
+        expect_error(given, grows(stated) ? "its ClipDepth says that it grows" : "its ClipDepth says that it falls");
+        EXPECT_EQ(bool(combined), view.orthographic()) << "which way a combined parallel projection looks is not known";
+      }
+  }
+}
+
+/// Where rounding or an unusual matrix leaves it open.
+TEST(View, TakesMatricesThatDoNotTellTheirDepth) {
+  const View view = *View::perspective({{3, -8, 2}, {0, 0, 0}, {0, 0, 1}}, 0.8, 1.5, 0.1, 1e3);
+  const View below = *View::orthographic({{3, 8, -2}, {3, 8, 5}, {0, 1, 0}}, 4.0, 1.5, -10.0, 10.0);
+  dmat4 oblique = view.clip_from_eye(), constant = view.clip_from_eye();
+  oblique[0][2] = 0.3;
+  for (int c = 0; c < 4; ++c) constant[c][2] = 0.5 * constant[c][3];
+  for (const ClipDepth depth : kDepths) {
+    EXPECT_TRUE(View::from_matrices(view.eye_from_world(), oblique, depth));
+    EXPECT_TRUE(View::from_matrices(view.eye_from_world(), constant, depth));
+    EXPECT_TRUE(View::from_matrices(dmat4(1.0), below.clip_from_world(), depth));
+    EXPECT_TRUE(View::from_matrices(dmat4(1.0), dmat4(0.0), depth));
+    EXPECT_TRUE(View::from_matrices(dmat4(1.0), dmat4(1e-300), depth));
+  }
+  // What floats make of a camera 10 000 km away is not refused for its near plane of 10 cm.
+  const View away = *View::perspective({{1e7, 2e7, 0}, {1e7, 2e7 + 1, 1}, {0, 0, 1}}, 0.8, 1.5, 0.1, 1e3);
+  for (const ClipDepth made : kDepths) {
+    const dmat4 rounded(glm::mat4(for_depth(away.clip_from_eye(), made) * away.eye_from_world()));
+    EXPECT_TRUE(View::from_matrices(dmat4(1.0), rounded, made));
+  }
+}
+
 TEST(View, RefusesAProjectionInPlaceOfAnEyeMatrix) {
   const View view = View::perspective({{3, -8, 2}, {0, 0, 0}, {0, 0, 1}}, 0.8, 1.5, 0.1).value();
   const dmat4 combined = view.clip_from_world();

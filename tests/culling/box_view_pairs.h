@@ -25,11 +25,18 @@ struct PairBlock {
 
 // --- views -----------------------------------------------------------------------------------------------------------
 
-/// The same volume for clip depths of -1 … 1.
-inline core::View with_symmetric_depth(const core::View& view) {
+inline core::ClipDepth any_depth(Random& random) {
+  return core::ClipDepth(whole(random, 0, 2));
+}
+
+/// The volume of a view of reversed depth, for any depth.
+inline core::View with_any_depth(Random& random, const core::View& view) {
+  const core::ClipDepth depth = any_depth(random);
+  if (depth == view.clip_depth()) return view;
+  const double near = core::near_depth(depth), far = core::far_depth(depth);
   core::dmat4 clip = view.clip_from_eye();
-  for (int column = 0; column < 4; ++column) clip[column][2] = clip[column][3] - 2.0 * clip[column][2];
-  const auto other = core::View::from_matrices(view.eye_from_world(), clip, core::ClipDepth::kMinusOneToOne);
+  for (int column = 0; column < 4; ++column) clip[column][2] = far * clip[column][3] + (near - far) * clip[column][2];
+  const auto other = core::View::from_matrices(view.eye_from_world(), clip, depth);
   return other ? *other : view;
 }
 
@@ -39,17 +46,16 @@ inline core::View with_oblique_near_plane(Random& random, const core::View& view
   core::dmat4 clip = view.clip_from_world();
   const core::dvec3 normal = tests::point(random, magnitude(random, 1e-3, 1e3));
   const core::dvec4 plane(normal, -glm::dot(normal, point));
-  const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
-  for (int column = 0; column < 4; ++column)
-    clip[column][2] = reversed ? clip[column][3] - plane[column] : plane[column] - clip[column][3];
+  const double near = core::near_depth(view.clip_depth()), sign = core::far_depth(view.clip_depth()) > near ? 1 : -1;
+  for (int column = 0; column < 4; ++column) clip[column][2] = near * clip[column][3] + sign * plane[column];
   const auto other = core::View::from_matrices(core::dmat4(1.0), clip, view.clip_depth());
   return other ? *other : view;
 }
 
-/// Perspective (to infinity or not), asymmetric, orthographic or oblique, of either depth convention.
+/// Perspective (to infinity or not), asymmetric, orthographic or oblique, of any depth convention.
 inline core::View any_view(Random& random, const core::dvec3& origin, double half) {
   core::View view = random_view(random, origin, half);
-  if (chance(random, 0.5)) view = with_symmetric_depth(view);
+  view = with_any_depth(random, view);
   if (chance(random, 0.15)) view = with_oblique_near_plane(random, view, origin + point(random, half));
   return view;
 }
@@ -65,7 +71,7 @@ inline core::View degenerate_view(Random& random, const core::dvec3& origin, dou
   const double far = chance(random, 0.3) ? core::kInfiniteFar : near * 1e8;
   const auto view = core::View::perspective(pose, fovy, magnitude(random, 0.5, 2.0), near, far);
   if (!view) return random_view(random, origin, half);
-  return chance(random, 0.5) ? with_symmetric_depth(*view) : *view;
+  return with_any_depth(random, *view);
 }
 
 inline double step(double x, int ulps) {
@@ -251,8 +257,10 @@ inline core::View matrix_view(Random& random, const core::dvec3& origin, double 
   for (int i = 0; i < 16; ++i) clip[i / 4][i % 4] = number();
   if (chance(random, 0.1)) clip = glm::transpose(clip), clip[whole(random, 0, 3)] = {0, 0, 0, number()};
   if (chance(random, 0.5)) clip[3] = {0, 0, 0, std::abs(number())};
-  const auto depth = chance(random, 0.5) ? core::ClipDepth::kReversedZeroToOne : core::ClipDepth::kMinusOneToOne;
-  core::View view = *core::View::from_matrices(core::dmat4(1.0), clip, depth);
+  const core::ClipDepth depth = any_depth(random);
+  const auto made = core::View::from_matrices(core::dmat4(1.0), clip, depth);
+  if (!made) return random_view(random, origin, half);  // a camera of another depth
+  core::View view = *made;
   if (chance(random, 0.3)) add_sections(random, origin, half, view);
   for (core::Plane& section : view.sections) {
     if (chance(random, 0.3)) section = {{number(), number(), number()}, number()};

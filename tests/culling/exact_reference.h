@@ -74,21 +74,22 @@ class ExactVolume {
   /// is given up.
   explicit ExactVolume(const core::View& view) {
     const core::dmat4 m = view.clip_from_world();
-    const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
-    const auto add = [&](bool with_w, int row, double sign) {
+    const double near = core::near_depth(view.clip_depth()), far = core::far_depth(view.clip_depth());
+    const double sign_of_depth = far > near ? 1.0 : -1.0;
+    const auto add = [&](double share_of_w, int row, double sign) {
       std::array<double, 4> w{}, other{};
       for (std::size_t i = 0; i < 4; ++i) {
-        w[i] = with_w ? m[int(i)][3] : 0.0;
+        w[i] = share_of_w * m[int(i)][3];
         other[i] = sign * m[int(i)][row];
       }
       planes_.emplace_back(w, other);
     };
     for (const int row : {0, 1}) {
-      add(true, row, 1.0);
-      add(true, row, -1.0);
+      add(1.0, row, 1.0);
+      add(1.0, row, -1.0);
     }
-    add(true, 2, reversed ? -1.0 : 1.0);
-    add(!reversed, 2, reversed ? 1.0 : -1.0);
+    add(-sign_of_depth * near, 2, sign_of_depth);
+    add(sign_of_depth * far, 2, -sign_of_depth);
     union_first_ = planes_.size();
     bool given_up = false;
     for (const core::Plane& s : view.sections) {

@@ -30,8 +30,8 @@ ItemBounds bounds_of(const std::vector<Aabb>& boxes, const core::dvec3& origin) 
   return bounds;
 }
 
-View matrix_view(const core::dmat4& clip) {
-  return *View::from_matrices(core::dmat4(1.0), clip, core::ClipDepth::kMinusOneToOne);
+View matrix_view(const core::dmat4& clip, core::ClipDepth depth = core::ClipDepth::kMinusOneToOne) {
+  return *View::from_matrices(core::dmat4(1.0), clip, depth);
 }
 
 TEST(FrustumTest, KernelsAnswerLikeSingleBoxes) {
@@ -88,10 +88,11 @@ TEST(FrustumTest, NodesNeverContradictTheirItems) {
 TEST(FrustumTest, AnswersDoNotDependOnTheMatrixScale) {
   Random random(11);
   const ItemBounds bounds = bounds_of(random_boxes(random, 500, 20.0), core::dvec3(0.0));
-  const core::dmat4 clip = random_view(random, core::dvec3(0.0), 20.0).clip_from_world();
-  const CullPlanes planes(matrix_view(clip), bounds);
+  const View view = random_view(random, core::dvec3(0.0), 20.0);
+  const core::dmat4 clip = view.clip_from_world();
+  const CullPlanes planes(view, bounds);
   for (const double scale : {0x1p-900, 0x1p-120, 0x1p120, 0x1p900}) {
-    const CullPlanes scaled(matrix_view(clip * scale), bounds);
+    const CullPlanes scaled(matrix_view(clip * scale, view.clip_depth()), bounds);
     for (std::size_t i = 0; i < bounds.size(); ++i)
       ASSERT_EQ(planes.visible(bounds.box(i), planes.all()), scaled.visible(bounds.box(i), scaled.all())) << scale;
   }

@@ -129,9 +129,9 @@ class ExactImage {
     if (!line) return std::nullopt;
     Sight sight{*line, {mpq_class(-kFar), mpq_class(kFar)}};
     sight.part.clip(exact_.clip(3), sight.line);
-    const Form near = tests::minus(exact_.clip(depth_ == core::ClipDepth::kMinusOneToOne ? 2 : 3),
-                                   depth_ == core::ClipDepth::kMinusOneToOne ? -1 : 1,
-                                   exact_.clip(depth_ == core::ClipDepth::kMinusOneToOne ? 3 : 2));
+    Form near = tests::minus(exact_.clip(2), core::near_depth(depth_), exact_.clip(3));
+    if (core::far_depth(depth_) < core::near_depth(depth_))
+      for (mpq_class& c : near) c = -c;
     sight.part.clip(near, sight.line);
     return sight;
   }

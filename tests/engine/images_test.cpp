@@ -74,7 +74,10 @@ class Images : public GlTest {
         *View::asymmetric({{2, 6, -2}, {0, 0, 0}, {0, 0, 1}}, 0.01 * aspect, 0.06 * aspect, -0.01, 0.04, 0.1, 6.0),
         *View::from_matrices(eye_from_world,
                              {{1.9 / aspect, 0, 0, 0}, {0, 1.9, 0, 0}, {0, 0, -1.01, -1}, {0, 0, -0.2, 0}},
-                             core::ClipDepth::kMinusOneToOne)};
+                             core::ClipDepth::kMinusOneToOne),
+        *View::from_matrices(eye_from_world,
+                             {{1.9 / aspect, 0, 0, 0}, {0, 1.9, 0, 0}, {0, 0, -1.5, -1}, {0, 0, -8.4, 0}},
+                             core::ClipDepth::kZeroToOne)};
     const std::size_t uncut = views.size();
     for (std::size_t i = 0; i < uncut; i += 3) {
       views.push_back(views[i]);

@@ -53,11 +53,10 @@ struct PixelRay {
 inline PixelRay pixel_ray(const core::View& view, int width, int height, double x, double y) {
   const core::dmat4 eye_from_clip = glm::inverse(view.clip_from_eye());
   const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
-  const bool reversed = view.clip_depth() != core::ClipDepth::kMinusOneToOne;
-  const dvec4 far = eye_from_clip * dvec4(0.0, 0.0, reversed ? 0.0 : 1.0, 1.0);
+  const dvec4 far = eye_from_clip * dvec4(0.0, 0.0, core::far_depth(view.clip_depth()), 1.0);
   const double t_far = far.w > 1e-12 ? -far.z / far.w : std::numeric_limits<double>::infinity();
-  const dvec4 p =
-      eye_from_clip * dvec4(2.0 * (x + 0.5) / width - 1.0, 1.0 - 2.0 * (y + 0.5) / height, reversed ? 1.0 : -1.0, 1.0);
+  const dvec4 p = eye_from_clip * dvec4(2.0 * (x + 0.5) / width - 1.0, 1.0 - 2.0 * (y + 0.5) / height,
+                                        core::near_depth(view.clip_depth()), 1.0);
   dvec3 near = dvec3(p) / p.w, direction(0.0, 0.0, -1.0);
   const double t_near = -near.z;
   if (view.orthographic()) {

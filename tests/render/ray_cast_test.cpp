@@ -68,6 +68,10 @@ class RayCast : public tests::GlTest {
          *View::from_matrices(look(c + dvec3(4, -2, 1), c).eye_from_world(),
                               core::dmat4{{1.2, 0, 0, 0}, {0, 1.8, 0, 0}, {0, 0, -1.0002, -1}, {0, 0, -0.20002, 0}},
                               core::ClipDepth::kMinusOneToOne)},
+        {"depth of Vulkan",
+         *View::from_matrices(look(c + dvec3(4, -2, 1), c).eye_from_world(),
+                              core::dmat4{{1.2, 0, 0, 0}, {0, 1.8, 0, 0}, {0, 0, -1.0001, -1}, {0, 0, -0.10001, 0}},
+                              core::ClipDepth::kZeroToOne)},
     };
     for (const auto& [name, view] : views) {
       SCOPED_TRACE(name);

@@ -455,7 +455,8 @@ SL_API const char* sl_import_extensions(void);
 typedef int32_t sl_clip_depth;
 enum {
   SL_DEPTH_REVERSED_ZERO_TO_ONE = 0, /* near at 1, far at 0 */
-  SL_DEPTH_MINUS_ONE_TO_ONE = 1      /* classic OpenGL */
+  SL_DEPTH_MINUS_ONE_TO_ONE = 1,     /* classic OpenGL */
+  SL_DEPTH_ZERO_TO_ONE = 2           /* near at 0, far at 1: Vulkan, Direct3D, WebGPU */
 };
 enum { SL_SECTIONS_INTERSECTION = 0, SL_SECTIONS_UNION = 1 };
 #define SL_MAX_SECTIONS 8
@@ -490,7 +491,8 @@ SL_API sl_status sl_view_asymmetric(const sl_pose* pose, double left, double rig
 SL_API sl_status sl_view_fit(const sl_box* bounds, const double direction[3], double fovy, double aspect,
                              sl_view* view);
 /* From an application's own matrices. With a null eye_from_world the other one is projection * view: such a view can
- * cull but not be drawn. */
+ * cull but not be drawn. Fails where the projection's depth falls with distance and `depth` says that it grows, or the
+ * other way round. */
 SL_API sl_status sl_view_from_matrices(const double eye_from_world[16], const double clip_from_eye[16],
                                        sl_clip_depth depth, sl_view* view);
 /* From a JSON file: sightline/importers/view_json.h. */

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 _Path = Union[str, "PathLike[str]"]
-_Depth = Literal["reversed", "classic"]
+_Depth = Literal["reversed", "classic", "zero_to_one"]
 _Rule = Literal["crossing", "wholly"]
 _Culler = Literal["automatic", "linear", "cpu", "gpu", "hybrid"]
 _Occlusion = Literal["off", "on", "auto"]

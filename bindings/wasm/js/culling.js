@@ -26,7 +26,7 @@ import { NativeObject, sizeOf } from './objects.js';
  */
 
 /** @type {Record<Depth, number>} */
-const kDepths = { reversed: 0, minusOneToOne: 1, zeroToOne: 0 };
+const kDepths = { reversed: 0, minusOneToOne: 1, zeroToOne: 2 };
 
 /**
  * @param {ArrayLike<number>} matrix
@@ -36,17 +36,10 @@ function checkMatrix(matrix, what) {
   if (matrix?.length !== 16) throw new TypeError(`${what}: expected sixteen numbers in columns`);
 }
 
-/**
- * Projections to 0 … 1 become reversed ones: the same volume, with depth as w - z.
- * @param {ArrayLike<number>} projection
- * @param {Depth} depth
- */
-function asKnown(projection, depth) {
+/** @param {Depth} depth */
+function depthNumber(depth) {
   if (!(depth in kDepths)) throw new TypeError(`depth: expected one of ${Object.keys(kDepths).join(', ')}`);
-  if (depth !== 'zeroToOne') return projection;
-  const reversed = Float64Array.from(projection);
-  for (let column = 0; column < 16; column += 4) reversed[column + 2] = reversed[column + 3] - reversed[column + 2];
-  return reversed;
+  return kDepths[depth];
 }
 
 /**
@@ -81,12 +74,13 @@ export class View extends NativeObject {
     const { view, projection, depth = 'minusOneToOne', width = 1, height = 1 } = camera;
     checkMatrix(view, 'view');
     checkMatrix(projection, 'projection');
+    const range = depthNumber(depth);
     return bridge.withScratch(2 * 16 * 8, () => {
       const eye = bridge.lend(Float64Array, asAffine(view));
-      const clip = bridge.lend(Float64Array, asKnown(projection, depth));
+      const clip = bridge.lend(Float64Array, projection);
       const { sl_view_create, sl_view_set } = bridge.exports;
       const set = to.length === 0 ? sl_view_create : sl_view_set;
-      return bridge.checked(set(...to, eye, clip, kDepths[depth], width, height));
+      return bridge.checked(set(...to, eye, clip, range, width, height));
     });
   }
 
@@ -178,10 +172,11 @@ export class BoxCuller extends NativeObject {
    */
   visibleIn(clipFromWorld, depth = 'minusOneToOne') {
     checkMatrix(clipFromWorld, 'clipFromWorld');
+    const range = depthNumber(depth);
     const { bridge } = this;
     return bridge.withScratch(16 * 8, () => {
-      const matrix = bridge.lend(Float64Array, asKnown(clipFromWorld, depth));
-      bridge.checked(bridge.exports.sl_boxes_visible_in(this.address, matrix, kDepths[depth]));
+      const matrix = bridge.lend(Float64Array, clipFromWorld);
+      bridge.checked(bridge.exports.sl_boxes_visible_in(this.address, matrix, range));
       return bridge.answer(Uint32Array);
     });
   }

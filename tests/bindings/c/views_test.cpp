@@ -47,12 +47,18 @@ TEST(CapiViews, FromMatrices) {
   ASSERT_OK(sl_view_from_matrices(eye, clip, SL_DEPTH_REVERSED_ZERO_TO_ONE, &view));
   expect_same(view, cpp);
   const core::dmat4 product = cpp.clip_from_world();
-  ASSERT_OK(sl_view_from_matrices(nullptr, glm::value_ptr(product), SL_DEPTH_MINUS_ONE_TO_ONE, &view));
-  expect_same(view, core::View::from_matrices(core::dmat4(1.0), product, core::ClipDepth::kMinusOneToOne));
+  ASSERT_OK(sl_view_from_matrices(nullptr, glm::value_ptr(product), SL_DEPTH_REVERSED_ZERO_TO_ONE, &view));
+  expect_same(view, core::View::from_matrices(core::dmat4(1.0), product, core::ClipDepth::kReversedZeroToOne));
+  core::dmat4 plain = cpp.clip_from_eye();
+  for (int c = 0; c < 4; ++c) plain[c][2] = plain[c][3] - plain[c][2];
+  ASSERT_OK(sl_view_from_matrices(eye, glm::value_ptr(plain), SL_DEPTH_ZERO_TO_ONE, &view));
+  expect_same(view, core::View::from_matrices(cpp.eye_from_world(), plain, core::ClipDepth::kZeroToOne));
+  EXPECT_EQ(capi::view_of(&view).clip_depth(), core::ClipDepth::kZeroToOne);
   sl_view untouched = view;
   EXPECT_EQ(sl_view_from_matrices(glm::value_ptr(product), clip, 0, &view), SL_ERROR_FAILED) << "not affine";
   EXPECT_EQ(sl_view_from_matrices(eye, nullptr, 0, &view), SL_ERROR_ARGUMENT);
-  EXPECT_EQ(sl_view_from_matrices(eye, clip, 2, &view), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_view_from_matrices(eye, clip, 3, &view), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_view_from_matrices(eye, clip, SL_DEPTH_ZERO_TO_ONE, &view), SL_ERROR_FAILED) << "another depth";
   EXPECT_EQ(std::memcmp(&view, &untouched, sizeof view), 0);
 }
 

@@ -2,6 +2,7 @@
 
 import copy
 import math
+import pickle
 import unittest
 
 import numpy as np
@@ -37,7 +38,21 @@ class Views(Case):
     def test_matrices_come_back(self):
         view = View.perspective(EYE, TARGET, fovy=1.0, aspect=2.0)
         self.assertEqual(View.from_matrices(view.eye_from_world, view.clip_from_eye), view)
-        self.assert_error("depth: expected reversed or classic", View.from_matrices, np.eye(4), np.eye(4), depth="x")
+        self.assert_error("depth: expected reversed, classic or zero_to_one", View.from_matrices, np.eye(4), np.eye(4),
+                          depth="x")
+
+    def test_depths(self):
+        view = View.perspective(EYE, TARGET, fovy=1.0, aspect=2.0)
+        plain = view.clip_from_eye
+        plain[2] = plain[3] - plain[2]
+        same = View.from_matrices(view.eye_from_world, plain, depth="zero_to_one")
+        self.assertEqual(copy.deepcopy(same), same)
+        self.assertEqual(pickle.loads(pickle.dumps(same)), same)
+        culler = sightline.BoxCuller(np.random.default_rng(1).uniform(-20, 20, (500, 3)).repeat(2, 0).reshape(500, 6))
+        np.testing.assert_array_equal(culler.visible(same), culler.visible(view))
+        np.testing.assert_array_equal(culler.visible(same.clip_from_world, depth="zero_to_one"), culler.visible(view))
+        self.assert_error("depth grows with distance", View.from_matrices, view.eye_from_world, plain)
+        self.assert_error("depth grows with distance", culler.visible, same.clip_from_world)
 
     def test_sections(self):
         view = View.perspective(EYE, TARGET, fovy=1.0, aspect=2.0)

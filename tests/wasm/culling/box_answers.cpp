@@ -56,17 +56,14 @@ class Both {
   void look(const core::View& view, int width, int height, bool zero_to_one = false) {
     out_->text("view");
     if (zero_to_one && view.clip_depth() == core::ClipDepth::kReversedZeroToOne) {
-      const core::dmat4 clip = turned_depth(view.clip_from_eye());
-      write_view(*out_, view.eye_from_world(), clip, RecordedDepth::kZeroToOne, width, height, view);
-      core::View turned =
-          *core::View::from_matrices(view.eye_from_world(), turned_depth(clip), core::ClipDepth::kReversedZeroToOne);
+      core::View turned = *core::View::from_matrices(view.eye_from_world(), turned_depth(view.clip_from_eye()),
+                                                     core::ClipDepth::kZeroToOne);
       turned.sections = view.sections;
       turned.section_mode = view.section_mode;
-      view_.emplace(wasm::ViewObject{turned, width, height});
-    } else {
-      write_view(*out_, view.eye_from_world(), view.clip_from_eye(), depth_of(view), width, height, view);
-      view_.emplace(wasm::ViewObject{view, width, height});
+      return look(turned, width, height);
     }
+    write_view(*out_, view, width, height);
+    view_.emplace(wasm::ViewObject{view, width, height});
   }
   void visible() {
     out_->text("visible");
@@ -77,7 +74,7 @@ class Both {
     const core::dmat4 clip = view_->view.clip_from_world();
     out_->text("visibleIn");
     out_->array(numbers_of(clip));
-    out_->numbers({double(depth_of(view_->view))});
+    out_->numbers({double(view_->view.clip_depth())});
     const auto done = culler_->visible(glm::value_ptr(clip), view_->view.clip_depth(), indices_);
     if (!done) indices_.clear();
     out_->array(indices_);

@@ -133,7 +133,7 @@ class BothScenes {
   void look(const core::View& view, int width, int height) {
     view_.emplace(wasm::ViewObject{view, width, height});
     out_->text("view");
-    write_view(*out_, view.eye_from_world(), view.clip_from_eye(), depth_of(view), width, height, view);
+    write_view(*out_, view, width, height);
   }
   void visible(bool behind, float least_area) {
     core::VisibleSet set;
