@@ -72,7 +72,7 @@ void tell_lines(const std::vector<std::string>& lines, std::string& not_told, sl
 }
 
 std::span<const core::ItemId> items_of(const sl_item* items, std::size_t count) {
-  require(items || count == 0, "items, found null");
+  check_array(items, count, core::kNone);
   static_assert(sizeof(core::ItemId) == sizeof(sl_item));
   return {reinterpret_cast<const core::ItemId*>(items), count};
 }
@@ -157,7 +157,8 @@ sl_status sl_engine_frame_into(sl_engine handle, const sl_view* view, const sl_e
 sl_status sl_engine_frame_views(sl_engine handle, const sl_view* const* views, const sl_external_target* const* targets,
                                 size_t count, sl_frame_report* const* reports) {
   return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
-    require((views && targets) || count == 0, "views and targets, found null");
+    check_array(views, count, kMostListed);
+    check_array(targets, count, kMostListed);
     check_drawing(true);
     std::vector<core::View> seen;
     std::vector<gl::ExternalTarget> into;
@@ -456,10 +457,17 @@ sl_status sl_engine_set_hidden(sl_engine handle, const sl_item* items, size_t it
 namespace {
 
 std::vector<core::NodeId> nodes_of(const EngineUse& engine, const sl_node* nodes, std::size_t count) {
-  require(nodes || count == 0, "nodes, found null");
+  check_array(nodes, count, kMostPerScene);
   std::vector<core::NodeId> ids;
   for (std::size_t i = 0; i < count; ++i) ids.push_back(engine.scene().id(nodes[i]));
   return ids;
+}
+
+/// Refuses what set_override() and hide() do.
+core::ItemId known_item(const EngineUse& engine, sl_item item) {
+  if (engine->snapshot().slot(core::ItemId{item}) == core::kNone)
+    throw Failure{SL_ERROR_FAILED, "engine: no item " + std::to_string(item) + " as of the last commit"};
+  return core::ItemId{item};
 }
 
 void write_items(std::span<const core::ItemId> from, sl_item* items, std::size_t capacity, std::size_t* count) {
@@ -485,7 +493,7 @@ sl_status sl_engine_get_override(sl_engine handle, sl_item item, int32_t* there,
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     require(there != nullptr, "there, found null");
     check_result(style);
-    const auto found = engine->override_of(core::ItemId{item});
+    const auto found = engine->override_of(known_item(engine, item));
     sl_item_style to SL_ITEM_STYLE_INIT;
     if (found) {
       to.use_colour = found->colour.has_value();
@@ -506,7 +514,7 @@ sl_status sl_engine_overridden_items(sl_engine handle, sl_item* items, size_t ca
 sl_status sl_engine_is_hidden(sl_engine handle, sl_item item, int32_t* hidden) {
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     require(hidden != nullptr, "hidden, found null");
-    *hidden = engine->is_hidden(core::ItemId{item});
+    *hidden = engine->is_hidden(known_item(engine, item));
   });
 }
 
@@ -632,8 +640,7 @@ sl_status sl_engine_items_in_planes(sl_engine handle, const sl_plane* planes, si
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     check_buffer(items, capacity);
     check_result(count);
-    require(planes || plane_count == 0, "planes, found null");
-    require(plane_count <= SL_MAX_SECTIONS, "at most SL_MAX_SECTIONS planes");
+    check_array(planes, plane_count, SL_MAX_SECTIONS);
     std::vector<core::Plane> translated(plane_count);
     std::transform(planes, planes + plane_count, translated.begin(), plane_of);
     write_list(value_of(engine->items_in(std::move(translated), enum_of<culling::RegionRule>(rule, 2, "rule"), layers)),

@@ -84,7 +84,7 @@ sl_status sl_import(sl_scene handle, sl_node parent, const char* const* paths, s
     const sl_import_options chosen = read(options ? options : &defaults, defaults);
     const importers::ImportOptions translated = options_of(chosen);
     if (report) check_result(report);
-    require(paths || path_count == 0, "paths, found null");
+    check_array(paths, path_count, kMostListed);
     std::vector<std::filesystem::path> files;
     for (std::size_t i = 0; i < path_count; ++i) files.push_back(path_of(paths[i]));
     const importers::ImportReport done = [&] {

@@ -20,9 +20,8 @@ std::vector<core::vec3> vectors_of(const float* values, std::size_t count) {
 
 core::Mesh mesh_of(const sl_mesh_data* from) {
   const sl_mesh_data data = read(from, sl_mesh_data SL_MESH_DATA_INIT);
-  require(data.positions || data.vertex_count == 0, "positions, found null");
-  require(data.indices || data.index_count == 0, "indices, found null");
-  require(data.index_count <= core::kNone, "at most 2^32 - 1 indices");
+  check_array(data.positions, data.vertex_count, core::kNone);
+  check_array(data.indices, data.index_count, core::kNone);
   core::Mesh mesh;
   mesh.name = text_or_empty(data.name);
   mesh.positions = vectors_of(data.positions, data.vertex_count);

@@ -43,8 +43,8 @@ sl_status add_occluders(const char* function, sl_occluder_raster handle, const A
 }
 
 void check_corners(const sl_mesh_data& mesh) {
-  require(mesh.positions || mesh.vertex_count == 0, "positions, found null");
-  require(mesh.indices || mesh.index_count == 0, "indices, found null");
+  check_array(mesh.positions, mesh.vertex_count, core::kNone);
+  check_array(mesh.indices, mesh.index_count, core::kNone);
   require(mesh.index_count % 3 == 0, "three indices a triangle");
   const auto below = [&](std::uint32_t index) { return index < mesh.vertex_count; };
   require(std::all_of(mesh.indices, mesh.indices + mesh.index_count, below), "indices of vertices");

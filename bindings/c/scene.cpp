@@ -100,7 +100,7 @@ sl_status sl_scene_find_nodes(sl_scene handle, sl_node top, const sl_condition* 
   return call(__func__, [&] {
     check_buffer(nodes, capacity);
     check_result(count);
-    require(conditions || condition_count == 0, "conditions, found null");
+    check_array(conditions, condition_count, kMostListed);
     const SceneUse scene(handle, Access::kRead);
     const core::NodeId below = scene.id(top);
     std::vector<core::NodeCondition> all;

@@ -145,7 +145,7 @@ sl_status sl_box_culler_update(sl_box_culler culler, uint32_t index, const sl_bo
 
 sl_status sl_box_culler_update_many(sl_box_culler culler, const uint32_t* indices, const sl_box* boxes, size_t count) {
   return change_boxes(__func__, culler, [&](culling::BoxCuller& to) {
-    require(indices || count == 0, "indices, found null");
+    check_array(indices, count, core::kNone);
     const std::span<const core::AabbD> replacements = boxes_of(boxes, count);
     const auto below = [&](std::uint32_t index) { return index < to.size(); };
     require(std::all_of(indices, indices + count, below), "indices of boxes");

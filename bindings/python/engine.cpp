@@ -293,9 +293,19 @@ py::array_t<std::uint32_t> items_below(EngineBox& box, const std::vector<Node>& 
   return take(unwrap(box.call([&](engine::Engine& e) { return e.items_below(ids); })));
 }
 
+/// Throws for what set_override() and hide() refuse.
+void check_known(const engine::Engine& engine, core::ItemId item) {
+  if (engine.snapshot().slot(item) == core::kNone)
+    fail("engine: no item " + std::to_string(core::to_index(item)) + " as of the last commit");
+}
+
+bool is_hidden(EngineBox& box, core::ItemId item) {
+  return box.call([&](engine::Engine& e) { return check_known(e, item), e.is_hidden(item); });
+}
+
 /// The arguments of set_override().
 std::optional<py::dict> override_of(EngineBox& box, core::ItemId item) {
-  const auto style = box.call([&](engine::Engine& e) { return e.override_of(item); });
+  const auto style = box.call([&](engine::Engine& e) { return check_known(e, item), e.override_of(item); });
   if (!style) return std::nullopt;
   py::dict named;
   named["colour"] = style->colour ? py::object(py::make_tuple(style->colour->r, style->colour->g, style->colour->b))
@@ -439,10 +449,7 @@ void bind_overrides(EngineClass& c) {
           "overridden_items",
           [](EngineBox& b) { return take(b.call([](engine::Engine& e) { return e.overridden_items(); })); },
           "Ids of the items with such a style, uint32, rising.")
-      .def(
-          "is_hidden",
-          [](EngineBox& b, core::ItemId item) { return b.call([&](engine::Engine& e) { return e.is_hidden(item); }); },
-          "item"_a, "Whether hide() or isolate() hides the item.")
+      .def("is_hidden", &is_hidden, "item"_a, "Whether hide() or isolate() hides the item.")
       .def(
           "hidden_items", [](EngineBox& b) { return take(b.call([](engine::Engine& e) { return e.hidden_items(); })); },
           "Ids of the items that they hide, uint32, rising.")

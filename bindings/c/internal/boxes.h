@@ -14,8 +14,7 @@ static_assert(sizeof(sl_box) == sizeof(core::AabbD) && offsetof(sl_box, max) == 
 
 /// The boxes where they lie: six doubles in both languages.
 inline std::span<const core::AabbD> boxes_of(const sl_box* boxes, std::size_t count) {
-  require(boxes || count == 0, "boxes, found null");
-  require(count < core::kNone / 2, "fewer than 2^31 - 1 boxes");
+  check_array(boxes, count, core::kNone / 2 - 1);
   return {reinterpret_cast<const core::AabbD*>(boxes), count};
 }
 

@@ -87,6 +87,18 @@ inline void check_buffer(const void* buffer, std::size_t capacity) {
   require(buffer != nullptr || capacity == 0, "a buffer, found null with a capacity above 0");
 }
 
+/// Longer arrays of what a caller lists by hand (conditions, views, paths) are mistakes.
+inline constexpr std::size_t kMostListed = std::size_t(1) << 16;
+
+/// Refuses an array that is null, and one that is longer than any can be: to walk over it would leave the caller's
+/// memory.
+inline void check_array(const void* array, std::size_t count, std::size_t most) {
+  require(array != nullptr || count == 0, "an array, found null with a count above 0");
+  if (count > most)
+    refuse(SL_ERROR_ARGUMENT,
+           "expected an array of at most " + std::to_string(most) + ", found a count of " + std::to_string(count));
+}
+
 void check_text(const sl_text* text);
 /// check_text() must have been called.
 void write_text(sl_text* text, std::string_view from);

@@ -35,8 +35,10 @@
  * Conventions are those of sightline/core/conventions.h: metres, z up, right-handed, radians. Matrices are sixteen
  * numbers in columns, as OpenGL takes them. Texts are UTF-8 and end with a zero. Flags are int32_t: 0 or not 0.
  *
- * What cannot be checked remains the caller's: pointers must be valid or null, and a GL context given to an engine must
- * be current in its calls. No C++ exception leaves a function, nor may one leave a callback. */
+ * What cannot be checked remains the caller's: pointers must be valid or null, arrays as long as the counts beside them
+ * say, and a GL context given to an engine must be current in its calls. A count that no array can have is refused
+ * (SL_ERROR_ARGUMENT): of conditions, views and paths more than 65536. No C++ exception leaves a function, nor may one
+ * leave a callback. */
 #ifndef SIGHTLINE_CAPI_SIGHTLINE_H
 #define SIGHTLINE_CAPI_SIGHTLINE_H
 
@@ -242,6 +244,7 @@ typedef struct sl_mesh_data {
 #define SL_MESH_DATA_INIT \
   { sizeof(sl_mesh_data), 0, NULL, NULL, NULL, NULL, 0 }
 
+/* Fails on an index that is not below vertex_count and on a position that is not finite, and names it. */
 SL_API sl_status sl_mesh_add(sl_scene scene, const sl_mesh_data* data, sl_mesh* mesh);
 /* Points into the scene: valid until the mesh is removed or the scene destroyed, since meshes never change. The name is
  * left out (null). */
@@ -546,7 +549,8 @@ SL_API sl_status sl_occluder_raster_read(sl_occluder_raster raster, float* metre
  * cover none of its pixel centres. The view must know its eye: one made from a combined matrix does not. */
 SL_API sl_status sl_box_culler_visible_behind(sl_box_culler culler, const sl_view* view, sl_occluder_raster raster,
                                               uint32_t* indices, size_t capacity, size_t* count);
-/* The same for an application's own depth of this view: width * height metres as sl_occluder_raster_read() has them. */
+/* The same for an application's own depth of this view, as sl_occluder_raster_read() has it. `metres` has no size of
+ * its own: it must hold width * height values, and all of them are read. */
 SL_API sl_status sl_box_culler_visible_in_depth(sl_box_culler culler, const sl_view* view, const float* metres,
                                                 int32_t width, int32_t height, uint32_t* indices, size_t capacity,
                                                 size_t* count);
@@ -862,7 +866,8 @@ SL_API sl_status sl_engine_read_depth(sl_engine engine, const sl_view* view, flo
 SL_API sl_status sl_engine_covered(sl_engine engine, int32_t* covered);
 /* GL's name of the framebuffer with that image, in the context that the engine draws with. */
 SL_API sl_status sl_engine_framebuffer(sl_engine engine, uint32_t* framebuffer);
-/* Rows from top to bottom, three bytes a pixel. Replaces the file only when complete. */
+/* Rows from top to bottom, three bytes a pixel. `rgb` has no size of its own: it must hold 3 * width * height bytes,
+ * and all of them are read. Replaces the file only when complete. */
 SL_API sl_status sl_write_png(const char* path, int32_t width, int32_t height, const uint8_t* rgb);
 
 /* --- picks and regions ------------------------------------------------------------------------------------------- */
@@ -949,11 +954,13 @@ SL_API sl_status sl_engine_set_hidden(sl_engine engine, const sl_item* items, si
 /* Hides all items but those below the nodes, and shows these. */
 SL_API sl_status sl_engine_isolate(sl_engine engine, const sl_node* nodes, size_t node_count);
 SL_API sl_status sl_engine_show_all(sl_engine engine);
-/* The style that sl_engine_set_override() gave an item; `there` is 0 where it shows as the scene says. */
+/* The style that sl_engine_set_override() gave an item; `there` is 0 where it shows as the scene says.
+ * Fails with an item that was unknown at the last sl_engine_commit(). */
 SL_API sl_status sl_engine_get_override(sl_engine engine, sl_item item, int32_t* there, sl_item_style* style);
 /* Items with such a style, in rising order. */
 SL_API sl_status sl_engine_overridden_items(sl_engine engine, sl_item* items, size_t capacity, size_t* count);
-/* Whether sl_engine_set_hidden() or sl_engine_isolate() hides an item, and all those that they hide. */
+/* Whether sl_engine_set_hidden() or sl_engine_isolate() hides an item, which fails with an unknown one, too; and all
+ * those that they hide. */
 SL_API sl_status sl_engine_is_hidden(sl_engine engine, sl_item item, int32_t* hidden);
 SL_API sl_status sl_engine_hidden_items(sl_engine engine, sl_item* items, size_t capacity, size_t* count);
 /* Items that hang on the nodes and on all nodes below them, in rising order: those that are known as of the last

@@ -388,10 +388,18 @@ TEST_F(CapiEngine, HidesAndIsolatesAsCppDoes) {
   EXPECT_EQ(std::vector(told.begin(), told.begin() + std::ptrdiff_t(count)), c_ids(twin->hidden_items()));
   ASSERT_OK(sl_engine_hidden_items(engine, told.data(), 3, &count));
   EXPECT_EQ(count, twin->hidden_items().size()) << "of all, also without room";
-  for (const sl_item item : {sl_item(3), to_index(twin->items_below(std::vector{same})->front()), sl_item(100'000)}) {
+  for (const sl_item item : {sl_item(3), to_index(twin->items_below(std::vector{same})->front())}) {
     std::int32_t hidden = -1;
     ASSERT_OK(sl_engine_is_hidden(engine, item, &hidden));
     EXPECT_EQ(hidden != 0, twin->is_hidden(core::ItemId{item}));
+  }
+  for (const sl_item missing : {sl_item(100'000), SL_NO_ITEM}) {
+    std::int32_t answer = -1;
+    sl_item_style style = SL_ITEM_STYLE_INIT;
+    EXPECT_EQ(sl_engine_is_hidden(engine, missing, &answer), SL_ERROR_FAILED);
+    EXPECT_EQ(sl_engine_get_override(engine, missing, &answer, &style), SL_ERROR_FAILED);
+    EXPECT_NE(std::string(sl_last_error()).find("no item " + std::to_string(missing)), std::string::npos);
+    EXPECT_EQ(answer, -1);
   }
   ASSERT_OK(sl_engine_items_below(engine, &node, 1, told.data(), told.size(), &count));
   ASSERT_EQ(count, 1u);
