@@ -1,5 +1,6 @@
 #include "sightline/bindings/python/module.h"
 
+#include "sightline/bindings/python/instances.h"
 #include "sightline/bindings/python/signatures.h"
 
 namespace sightline::python {
@@ -27,6 +28,7 @@ PYBIND11_MODULE(_sightline, m) {
   if (!error_class) throw py::error_already_set();
   m.attr("Error") = py::handle(error_class);
   py::register_exception_translator(&translate);
+  guard_instance_base();
   const py::object name = m.attr("__name__");
   m.attr("__name__") = "sightline";  // what classes, functions and signatures in docstrings say that they belong to
   bind_views(m);
@@ -36,6 +38,7 @@ PYBIND11_MODULE(_sightline, m) {
   bind_culling(m);
   bind_engine(m);
   bind_paged(m);
+  guard_instances(m);
   tell_signatures(m);
   m.attr("__name__") = name;
 }

@@ -35,7 +35,7 @@ class Values(Case):
     def assert_value(self, value):
         """Its copies are equal to it, and not it."""
         copies = [copy.copy(value), copy.deepcopy(value)]
-        copies += [pickle.loads(pickle.dumps(value, protocol)) for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1)]
+        copies += [pickle.loads(pickle.dumps(value, protocol)) for protocol in range(pickle.HIGHEST_PROTOCOL + 1)]
         for other in copies:
             self.assertIs(type(other), type(value))
             self.assertEqual(other, value)
