@@ -3,6 +3,7 @@
 import gc
 import sys
 import threading
+import time
 import unittest
 import weakref
 
@@ -178,6 +179,56 @@ class Threads(Case):
             thread.join()
         self.assertEqual(sorted(done[-5:]), sorted(users))
         self.assertEqual(done[:-5], sorted(done[:-5]))
+
+    def test_a_pick_that_waits_comes_before_the_next_frame(self):
+        scene = plant(2000)
+        view = overview(scene)
+        engine = sightline.Engine(scene, width=64, height=40)
+        engine.pick(view, 32, 20)
+        frames, between = [], []
+        done = threading.Event()
+
+        def draw():
+            while not done.is_set() and len(frames) < 2000:
+                engine.commit()
+                engine.frame(view)
+                frames.append(None)
+
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(60)  # the GIL changes hands in long calls alone
+        self.addCleanup(sys.setswitchinterval, interval)
+        drawing = threading.Thread(target=draw)
+        drawing.start()
+        for _ in range(20):
+            before = len(frames)
+            engine.pick(view, 32, 20)
+            between.append(len(frames) - before)
+            time.sleep(0)
+        done.set()
+        drawing.join()
+        self.assertLessEqual(max(between), 2)
+        self.assertGreater(len(frames), 10, "frames come between picks, too")
+
+    def test_a_callback_reads_what_its_call_reads_while_an_edit_waits(self):
+        scene = plant(20_000)
+        view = overview(scene)
+        engine = sightline.Engine(scene, width=8, height=8)
+        waiting = [threading.Thread(target=call) for call in (lambda: scene.root.add_node("n"), engine.commit,
+                                                              lambda: engine.frame(view))]
+        counts = []
+
+        def progress(_):
+            for thread in waiting if not counts else ():
+                thread.start()
+                thread.join(0.05)
+            counts.append(scene.item_count)
+            engine.frame(view)
+            self.assert_error("in use by the call that called back", scene.root.add_node, "m")
+
+        scene.write_rvm(self.folder / "plant.rvm", progress=progress)
+        for thread in waiting:
+            thread.join()
+        self.assertEqual(set(counts), {20_000})
 
     def test_a_culler_is_updated_while_others_ask(self):
         rows = box_rows(20000)
