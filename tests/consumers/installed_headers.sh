@@ -1,0 +1,17 @@
+#!/bin/sh
+# installed_headers.sh PREFIX: headers that are installed include only such headers, and private ones among them are
+# there because public ones include them.
+set -eu
+cd "$1/include"
+bad=$(mktemp)
+trap 'rm -f "$bad"' EXIT
+find sightline -type f | while read -r header; do
+  sed -n 's/^ *# *include "\(sightline\/[^"]*\)".*/\1/p' "$header" | while read -r included; do
+    [ -f "$included" ] || echo "$header includes $included, which is not installed" >>"$bad"
+  done
+  case $header in
+    */internal/*) grep -rqF "#include \"$header\"" sightline || echo "$header: no installed header includes it" >>"$bad" ;;
+  esac
+done
+cat "$bad"
+[ ! -s "$bad" ]
