@@ -1,6 +1,8 @@
 #include "sightline/render/internal/compositor.h"
 
 #include <cassert>
+#include <cstdint>
+#include <limits>
 #include <string>
 
 #include "sightline/gl/internal/pipeline_state.h"
@@ -10,7 +12,20 @@ namespace {
 
 constexpr GLint kWindowDepthsUniform = 1;
 
-core::Expected<void> check(const gl::Functions& gl, const gl::ExternalTarget& to) {
+/// Whether the corner opposite to x, y has coordinates of GL's numbers.
+bool within_range(const gl::ExternalTarget& to) {
+  const auto fits = [](std::int64_t corner, std::int64_t size) {
+    return corner + size <= std::numeric_limits<GLint>::max();
+  };
+  return fits(to.x, to.width) && fits(to.y, to.height);
+}
+
+}  // namespace
+
+core::Expected<void> check_target(const gl::Functions& gl, const gl::ExternalTarget& to) {
+  if (!within_range(to))
+    return core::fail("external target: expected a rectangle below 2^31 pixels, found " + std::to_string(to.width) +
+                      "x" + std::to_string(to.height) + " at " + std::to_string(to.x) + ", " + std::to_string(to.y));
   const auto depth = [](double d) { return d >= 0.0 && d <= 1.0; };
   if (!depth(to.near_depth) || !depth(to.far_depth) || to.near_depth == to.far_depth)
     return core::fail("external target: expected two different depths between 0 and 1 at the near and far plane");
@@ -26,8 +41,6 @@ core::Expected<void> check(const gl::Functions& gl, const gl::ExternalTarget& to
   if (drawn == GL_NONE) return core::fail(name + ": its draw buffer is GL_NONE, so no colour would be drawn");
   return {};
 }
-
-}  // namespace
 
 core::Expected<void> Compositor::clear(const gl::ExternalTarget& to, const core::Background& background) {
   if (to.clear_colour) {
@@ -47,7 +60,7 @@ core::Expected<void> Compositor::clear(const gl::ExternalTarget& to, const core:
 core::Expected<void> Compositor::draw(const RenderTarget& from, const gl::ExternalTarget& to,
                                       const core::Background& background) {
   assert(to.width == from.width() && to.height == from.height());
-  if (auto good = check(*gl_, to); !good) return good;
+  if (auto good = check_target(*gl_, to); !good) return good;
   if (auto done = clear(to, background); !done) return done;
   return put(from, to);
 }

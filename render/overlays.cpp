@@ -124,6 +124,7 @@ core::Expected<void> Overlays::put_layer(const gl::ExternalTarget& over) {
 
 core::Expected<void> Overlays::put_outline(const RenderTarget& image, const core::vec3& colour, const PixelBox& within,
                                            const gl::ExternalTarget& over) {
+  if (auto good = check_target(*gl_, over); !good) return good;
   const auto made = pass_.program(outline_, kOutline, image.format().samples);
   if (!made) return tl::unexpected(made.error());
   pass_.begin(**made, over);

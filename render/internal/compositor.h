@@ -10,6 +10,10 @@
 
 namespace sightline::render {
 
+/// Fails on a framebuffer that does not exist or is not complete, on depths out of range, and on a rectangle whose
+/// corners are no numbers of GL.
+core::Expected<void> check_target(const gl::Functions& gl, const gl::ExternalTarget& to);
+
 /// Draws the pixels of a target that show anything, with their depths, over the whole part of a framebuffer. Where the
 /// target has several samples per pixel and the framebuffer as many, it gets each of them; otherwise one pixel: the
 /// mean of the samples, blended by the share that is covered, at the least distance. Only fragment output 0 is written.
@@ -27,8 +31,7 @@ class Compositor {
   explicit Compositor(const gl::Functions& gl, Source source = Source::kImage) : gl_(&gl), pass_(gl), source_(source) {}
 
   /// As put(), into a framebuffer of the application's, which is cleared first where it says so. `to` must have the
-  /// size of `from`. `background`: to clear with. Fails on a framebuffer that does not exist or is not complete,
-  /// and on depths out of range.
+  /// size of `from`. `background`: to clear with. Fails as check_target() does.
   core::Expected<void> draw(const RenderTarget& from, const gl::ExternalTarget& to, const core::Background& background);
   /// Sets GL state and leaves it set, with the framebuffer bound for drawing. Fails with the driver's log.
   core::Expected<void> put(const RenderTarget& from, const gl::ExternalTarget& to);

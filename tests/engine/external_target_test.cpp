@@ -376,6 +376,13 @@ TEST_F(ExternalTarget, BadOnesAreErrorsAndNothingIsDrawn) {
   target = application.target();
   target.width = 0;
   refused(target, "0x64 pixels");
+  target = application.target();
+  target.x = std::numeric_limits<int>::max();
+  refused(target, "expected a rectangle below 2^31 pixels");
+  target = application.target();
+  target.y = std::numeric_limits<int>::max() - target.height + 1;
+  refused(target, "expected a rectangle below 2^31 pixels");
+  target = application.target();
   target.width = 1 << 24;
   refused(target, "pixels wanted");
   EXPECT_TRUE(application.pixels() == before);

@@ -326,6 +326,16 @@ TEST_F(OverlaysTest, OutlinesRefuseWhatTheyCannotSurround) {
   gl::ExternalTarget other = target;
   other.width = kWidth - 1;
   EXPECT_FALSE(engine->draw_outline(around(0), {&known, 1}, other));
+  for (int gl::ExternalTarget::*const corner : {&gl::ExternalTarget::x, &gl::ExternalTarget::y}) {
+    other = target;
+    other.*corner = std::numeric_limits<int>::max();
+    const auto refused = engine->draw_outline(around(0), {&known, 1}, other);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("below 2^31 pixels"), std::string::npos) << refused.error().message;
+  }
+  other = target;
+  other.framebuffer = 4711;
+  EXPECT_FALSE(engine->draw_outline(around(0), {&known, 1}, other)) << "no framebuffer";
   EXPECT_TRUE(engine->draw_outline(around(0), {}, target));
   auto culls = Engine::create(scene, {});
   ASSERT_TRUE(culls);
