@@ -159,7 +159,8 @@ class GroupSimplifier {
 
 class Builder {
  public:
-  Builder(const core::Mesh& mesh, int threads) : mesh_(mesh), threads_(threads), welded_(core::weld(mesh.positions)) {}
+  Builder(const core::Mesh& mesh, int threads, const std::stop_token& stop)
+      : mesh_(mesh), threads_(threads), stop_(stop), welded_(core::weld(mesh.positions)) {}
 
   /// `coarser`: with all levels.
   MeshLevels build(bool coarser) {
@@ -168,6 +169,7 @@ class Builder {
     const std::vector<std::uint32_t> equal = equal_vertices(mesh_, welded_);
     for (std::uint32_t& corner : corners) corner = equal[corner];
     append_clusters(ordered(mesh_.positions, std::span(corners).first(levels_.solid_indices), threads_), kNone);
+    if (stop_.stop_requested()) return {};
     append_clusters(ordered(mesh_.positions, std::span(corners).subspan(levels_.solid_indices), threads_), kNone);
     levels_.mesh_clusters = std::uint32_t(levels_.clusters.size());
     for (std::uint32_t first = 0; coarser && first < levels_.clusters.size();) {
@@ -175,6 +177,7 @@ class Builder {
       if (!add_level(first, end)) break;
       first = end;
     }
+    if (stop_.stop_requested()) return {};
     list_roots(levels_);
     return std::move(levels_);
   }
@@ -256,7 +259,8 @@ class Builder {
           corners.insert(corners.end(), part.begin(), part.end());
           if (cluster.made_by != kNone) errors.append(errors_, cluster.first_index / 3 - first, part.size() / 3);
         }
-        if (corners.size() > 3 * kFewestTriangles) simplified[i] = simplifier.run(corners, errors, shared_);
+        if (corners.size() > 3 * kFewestTriangles && !stop_.stop_requested())
+          simplified[i] = simplifier.run(corners, errors, shared_);
       }
     }
     return simplified;
@@ -275,6 +279,7 @@ class Builder {
 
   const core::Mesh& mesh_;
   int threads_;
+  std::stop_token stop_;
   std::vector<std::uint32_t> welded_;
   std::vector<std::uint8_t> shared_;  // by welded vertex
   TriangleErrors errors_;             // of the last level's triangles
@@ -331,12 +336,12 @@ bool needs_levels(const core::Mesh& mesh) {
   return mesh.indices.size() > 3 * kFewestTriangles;
 }
 
-MeshLevels build_clusters(const core::Mesh& mesh, int threads) {
-  return can_divide(mesh) ? Builder(mesh, threads).build(false) : MeshLevels();
+MeshLevels build_clusters(const core::Mesh& mesh, int threads, const std::stop_token& stop) {
+  return can_divide(mesh) ? Builder(mesh, threads, stop).build(false) : MeshLevels();
 }
 
-MeshLevels build_levels(const core::Mesh& mesh, int threads) {
-  return can_divide(mesh) ? Builder(mesh, threads).build(true) : MeshLevels();
+MeshLevels build_levels(const core::Mesh& mesh, int threads, const std::stop_token& stop) {
+  return can_divide(mesh) ? Builder(mesh, threads, stop).build(true) : MeshLevels();
 }
 
 }  // namespace sightline::lod

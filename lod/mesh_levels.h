@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "sightline/core/aabb.h"
@@ -82,12 +83,14 @@ struct MeshLevels {
 SIGHTLINE_API bool needs_levels(const core::Mesh& mesh);
 
 /// Divides a mesh, which passes validate(), into clusters alone; there are no coarser levels. About 0.5 us a triangle.
-SIGHTLINE_API MeshLevels build_clusters(const core::Mesh& mesh, int threads = 0);
+/// `stop`: the result may then be without any.
+SIGHTLINE_API MeshLevels build_clusters(const core::Mesh& mesh, int threads = 0, const std::stop_token& stop = {});
 
 /// Divides a mesh, which passes validate(), into clusters, and makes its levels. The first clusters hold the same
 /// triangles as the mesh, by vertices of the same positions and normals. Levels end where simplification does, or at
 /// a few dozen triangles. Without any for meshes that need none or have coordinates that are not finite. The
-/// result does not depend on the number of threads (OpenMP; 0: all that it offers). Takes about 3 us a triangle.
-SIGHTLINE_API MeshLevels build_levels(const core::Mesh& mesh, int threads = 0);
+/// result does not depend on the number of threads (OpenMP; 0: all that it offers). Takes about 3 us a triangle. `stop`
+/// ends that within a fraction of the time of the clusters, and the result is then without any.
+SIGHTLINE_API MeshLevels build_levels(const core::Mesh& mesh, int threads = 0, const std::stop_token& stop = {});
 
 }  // namespace sightline::lod

@@ -285,9 +285,9 @@ MeshLevels stored_levels_of(const core::Mesh& mesh, LevelRange range) {
   return {};
 }
 
-MeshLevels levels_of(const core::Mesh& mesh, LevelRange range, int threads) {
+MeshLevels levels_of(const core::Mesh& mesh, LevelRange range, int threads, const std::stop_token& stop) {
   if (MeshLevels stored = stored_levels_of(mesh, range); !stored.empty()) return stored;
-  return range == LevelRange::kAll ? build_levels(mesh, threads) : build_clusters(mesh, threads);
+  return range == LevelRange::kAll ? build_levels(mesh, threads, stop) : build_clusters(mesh, threads, stop);
 }
 
 bool builds_levels() {

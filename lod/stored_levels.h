@@ -43,8 +43,9 @@ SIGHTLINE_API core::Expected<MeshLevels> decode(std::span<const std::byte> bytes
 /// Those that came with the mesh; without any where none did, or where they cannot be used.
 SIGHTLINE_API MeshLevels stored_levels_of(const core::Mesh& mesh, LevelRange range = LevelRange::kAll);
 
-/// The same, but where there are none they are built by so many threads.
-SIGHTLINE_API MeshLevels levels_of(const core::Mesh& mesh, LevelRange range, int threads = 0);
+/// Those that came with the mesh; where there are none, they are built by so many threads until `stop`.
+SIGHTLINE_API MeshLevels levels_of(const core::Mesh& mesh, LevelRange range, int threads = 0,
+                                   const std::stop_token& stop = {});
 
 /// Whether build_levels() makes coarser levels: the library was built with meshoptimizer.
 SIGHTLINE_API bool builds_levels();
