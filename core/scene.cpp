@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "sightline/core/internal/access.h"
 #include "sightline/core/internal/contract.h"
 #include "sightline/core/internal/radix_sort.h"
 
@@ -40,13 +42,29 @@ bool surely_publishable(const AabbD& box, const Affine& world_from_item) {
   return glm::all(glm::lessThan(farthest, dvec3(0.5 * kLargestCoordinate)));
 }
 
-/// Bounds of points under a map. Vertex by vertex: the box of a rotated box would be up to sqrt(3) too large.
-AabbD mesh_extent(const Mesh& mesh, const Affine& world_from_item) {
+/// Whether each coordinate of a result depends on one of the argument alone: no rotation but by right angles.
+bool keeps_axes(const dmat3& m) {
+  int most = 0;
+  for (int row = 0; row < 3; ++row)
+    most = std::max(most, int(m[0][row] != 0.0) + int(m[1][row] != 0.0) + int(m[2][row] != 0.0));
+  return most <= 1;
+}
+
+/// Bounds of a mesh under a map, by its own. Vertex by vertex where it turns: the box of a rotated box would be up to
+/// sqrt(3) too large. Elsewhere rounding is monotone, and the corners of the box give the very same.
+AabbD mesh_extent(const Mesh& mesh, const AabbD& bounds, const Affine& world_from_item) {
+  const AabbD refused{dvec3(std::numeric_limits<double>::quiet_NaN()), dvec3(0.0)};  // commit() refuses it
   AabbD box;
-  for (const vec3& p : mesh.positions) {
-    const dvec3 q = transform_point(world_from_item, dvec3(p));
-    if (!is_finite(q)) return {dvec3(std::numeric_limits<double>::quiet_NaN()), dvec3(0.0)};  // commit() refuses it
-    box.grow(q);
+  const auto grow = [&](const dvec3& p) {
+    const dvec3 q = transform_point(world_from_item, p);
+    if (is_finite(q)) box.grow(q);
+    return is_finite(q);
+  };
+  if (keeps_axes(world_from_item.linear)) {
+    if (!mesh.positions.empty() && !(grow(bounds.min) && grow(bounds.max))) return refused;
+  } else {
+    for (const vec3& p : mesh.positions)
+      if (!grow(dvec3(p))) return refused;
   }
   if (box.empty()) return box;
   constexpr double kPad = 16.0 * std::numeric_limits<double>::epsilon();
@@ -511,7 +529,7 @@ MaterialId Scene::item_material(ItemId id) const {
 AabbD Scene::bounds_under(ItemId id, const Affine& world_from_item) const {
   const Item& item = live(id);
   if (int(item.kind) < kPrimitiveKindCount) return core::bounds(primitive(id), world_from_item);
-  return mesh_extent(mesh_table_[item.payload], world_from_item);
+  return mesh_extent(mesh_table_[item.payload], meshes_[item.payload].bounds, world_from_item);
 }
 
 AabbD Scene::bounds(NodeId top, std::uint32_t mask) const {
@@ -623,36 +641,94 @@ void Scene::release_ids() {
   if ((meshes || materials) && ++generation_ == kNone) generation_ = 0;
 }
 
-Expected<SceneDelta> Scene::commit() {
-  forget_removed_materials();
-  const std::vector<ItemId> items = collect_dirty_items();
-  auto delta = validated(items);
-  if (!delta) return delta;
-  for (const ItemId id : items) item_states_[to_index(id)] = kCommitted;
-  for (const std::uint32_t node : dirty_nodes_) nodes_[node].dirty = false;
-  radix_sort(removed_items_);
-  delta->removed = std::move(removed_items_);
-  removed_items_.clear();
-  radix_sort(dirty_materials_);
-  dirty_materials_.erase(std::unique(dirty_materials_.begin(), dirty_materials_.end()), dirty_materials_.end());
-  delta->materials = std::move(dirty_materials_);
-  dirty_materials_.clear();
-  dirty_items_ = {};
-  dirty_nodes_.clear();
-  mesh_table_.remove(removed_meshes_);
-  commits_ += !delta->empty();
-  if (reuses_ids_) {
-    free_.items.remove(delta->removed, commits_);
-    free_.meshes.remove(removed_meshes_, commits_);
-    free_.materials.remove(removed_materials_, commits_);
+namespace {
+
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+
+/// Takes up to `most` off the end of a list. They come sorted.
+template <class Id>
+std::vector<Id> take_last(std::vector<Id>& list, std::size_t most) {
+  std::vector<Id> taken;
+  if (most >= list.size()) {
+    taken = std::exchange(list, {});
+  } else {
+    taken.assign(list.end() - std::ptrdiff_t(most), list.end());
+    list.resize(list.size() - most);
   }
-  removed_meshes_.clear();
-  removed_materials_.clear();
-  if (!delta->empty())
-    for (const auto& subscriber : subscribers_.inboxes)
-      if (const auto inbox = subscriber.lock()) inbox->push(*delta, commits_);
-  release_ids();
+  if (!std::is_sorted(taken.begin(), taken.end())) radix_sort(taken);
+  return taken;
+}
+
+}  // namespace
+
+/// Makes items below touched nodes touched ones, until there are so many. A node waits for touched ones above it, which
+/// lead to it again.
+void Access::touch_items_below(Scene& s, std::size_t wanted) {
+  constexpr int kSteps = 64;                        // upwards, at most: beyond, a node may be entered again
+  const auto stored_snapshot = s.stored_snapshot_;  // edits have dropped it where they had to
+  while (s.dirty_items_.size() < wanted && !s.dirty_nodes_.empty()) {
+    const std::uint32_t index = s.dirty_nodes_.back();
+    s.dirty_nodes_.pop_back();
+    Node& node = s.nodes_[index];
+    if (!std::exchange(node.dirty, false)) continue;  // removed since, and another node may have its index
+    std::uint32_t above = node.parent;
+    for (int step = 0; step < kSteps && above != kNone && !s.nodes_[above].dirty; ++step)
+      above = s.nodes_[above].parent;
+    if (above != kNone && s.nodes_[above].dirty) continue;
+    for (std::uint32_t c = node.first_child; c != kNone; c = s.nodes_[c].next) s.touch_node(c);
+    for (ItemId item = node.first_item; item != kNoItem; item = s.items_[to_index(item)].next) s.touch_item(item);
+  }
+  s.stored_snapshot_ = stored_snapshot;
+}
+
+Expected<SceneDelta> Scene::commit() {
+  return Access::publish(*this, kAll);
+}
+
+Expected<SceneDelta> Access::publish(Scene& s, std::size_t most) {
+  if (!s.removed_materials_.empty()) most = kAll;  // all items are walked over once
+  s.forget_removed_materials();
+  const std::size_t removals = std::min(most, s.removed_items_.size());
+  std::vector<ItemId> items;
+  if (most == kAll) {
+    items = s.collect_dirty_items();
+  } else {
+    touch_items_below(s, most - removals);
+    items = take_last(s.dirty_items_, most - removals);
+  }
+  auto delta = s.validated(items);
+  if (!delta) {
+    if (most != kAll) s.dirty_items_.insert(s.dirty_items_.end(), items.begin(), items.end());
+    return delta;
+  }
+  for (const ItemId id : items) s.item_states_[to_index(id)] = Scene::kCommitted;
+  if (most == kAll) {
+    for (const std::uint32_t node : s.dirty_nodes_) s.nodes_[node].dirty = false;
+    s.dirty_items_ = {};
+    s.dirty_nodes_.clear();
+  }
+  delta->removed = take_last(s.removed_items_, removals);
+  delta->materials = take_last(s.dirty_materials_, kAll);
+  delta->materials.erase(std::unique(delta->materials.begin(), delta->materials.end()), delta->materials.end());
+  announce(s, *delta);
   return delta;
+}
+
+/// Counts what is published as a commit, frees ids, and tells all subscribers.
+void Access::announce(Scene& s, const SceneDelta& delta) {
+  s.commits_ += !delta.empty();
+  if (s.reuses_ids_) s.free_.items.remove(delta.removed, s.commits_);
+  if (s.dirty_items_.empty() && s.dirty_nodes_.empty() && s.removed_items_.empty()) {
+    s.mesh_table_.remove(s.removed_meshes_);
+    if (s.reuses_ids_) s.free_.meshes.remove(s.removed_meshes_, s.commits_);
+    s.removed_meshes_.clear();
+  }
+  if (s.reuses_ids_) s.free_.materials.remove(s.removed_materials_, s.commits_);
+  s.removed_materials_.clear();
+  if (!delta.empty())
+    for (const auto& subscriber : s.subscribers_.inboxes)
+      if (const auto inbox = subscriber.lock()) inbox->push(delta, s.commits_);
+  s.release_ids();
 }
 
 SceneSubscription Scene::subscribe() {

@@ -86,10 +86,23 @@ class Access {
   static SnapshotParts<Snapshot> of(Snapshot& snapshot) { return {snapshot}; }
   static SnapshotParts<const Snapshot> of(const Snapshot& snapshot) { return {snapshot}; }
 
+  /// Scene::commit() of so many items at most, removed ones first, for consumers that must not stop. Removed meshes go
+  /// with the last of them. Where an item is refused, nothing of this call is published.
+  SIGHTLINE_API static Expected<SceneDelta> publish(Scene& scene, std::size_t most);
+  /// Whether publish() has anything left to do.
+  static bool has_edits(const Scene& scene) {
+    return !scene.dirty_nodes_.empty() || !scene.dirty_items_.empty() || !scene.removed_items_.empty() ||
+           !scene.dirty_materials_.empty() || !scene.removed_meshes_.empty() || !scene.removed_materials_.empty();
+  }
+
   static Snapshot empty_snapshot() { return {}; }
   static Snapshot reordered(const Snapshot& like, SnapshotItems&& items, int threads) {
     return {like, std::move(items), threads};
   }
+
+ private:
+  static void touch_items_below(Scene& scene, std::size_t wanted);
+  static void announce(Scene& scene, const SceneDelta& delta);
 };
 
 }  // namespace sightline::core
