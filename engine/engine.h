@@ -337,7 +337,10 @@ class SIGHTLINE_API Engine {
   /// snapshot that its slots belong to.
   core::Expected<void> commit();
   /// The same in portions, for a thread that must not stop: works for about `seconds` and returns whether all edits are
-  /// followed. Frames show those that are; call it again for the others, which are then read as the scene has them.
+  /// followed. Frames show those that are, and a mesh once it is uploaded as a whole; call it again for the others,
+  /// which are then read as the scene has them. Edits are validated piece by piece, too: where one is refused, those
+  /// before it are followed. Longer than that take single steps: the first frame of a kind of items, enlarging records
+  /// of a kind, a node with very many items of its own, removed materials, and what engines that cull on the GPU make.
   core::Expected<bool> commit(double seconds);
   /// Makes a new scene version at once, the one that a new engine would have. Stops a rebuild in the background.
   core::Expected<void> rebuild();

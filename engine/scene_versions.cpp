@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sightline/core/internal/access.h"
 #include "sightline/core/internal/sort_unique.h"
 #include "sightline/engine/internal/device_constants.h"
 #include "sightline/engine/internal/engine_state.h"
@@ -38,10 +39,12 @@ core::SceneDelta first_of(core::SceneDelta& delta) {
   return piece;
 }
 
-/// Remembers for picks which nodes hold these items. Items keep their nodes.
+/// Remembers for picks which nodes hold these items. Items keep their nodes. With headroom, as a snapshot has it.
 void note_nodes([[maybe_unused]] EngineState& s, [[maybe_unused]] std::span<const core::ItemId> items) {
 #if SIGHTLINE_HAS_RAYTRACE
-  s.nodes.resize(s.scene->item_slots());
+  const std::size_t slots = s.scene->item_slots();
+  if (s.nodes.empty()) s.nodes.reserve(slots + slots * 3 / 8);
+  s.nodes.resize(slots);
   for (const core::ItemId item : items)
     if (s.scene->contains_item(item)) s.nodes[to_index(item)] = s.scene->node_of(item);
 #endif
@@ -165,7 +168,7 @@ void rebuild_when_disordered(EngineState& s) {
 }
 
 /// Shows what the scene now has of the edited items.
-core::Expected<void> follow(EngineState& s, core::SceneDelta delta) {
+core::Expected<void> follow(EngineState& s, core::SceneDelta delta, core::Deadline deadline) {
   s.new_tracer.interrupt(s.live);
   if (s.config.culling.part.count > 1) return build(s);
   note_nodes(s, delta.inserted);
@@ -192,19 +195,48 @@ core::Expected<void> follow(EngineState& s, core::SceneDelta delta) {
   if (!s.backend->ready()) return {};
   const auto kept = s.keep_state();
   return update_backend(s, [&] {
-    return s.backend->update(Backend::Edit::kItems, *s.live.snapshot, s.live.joints, touched, delta.materials);
+    s.meshes_left = deadline != core::kNoDeadline;
+    return s.backend->update(Backend::Edit::kItems, *s.live.snapshot, s.live.joints, touched, delta.materials,
+                             deadline);
   });
 }
 
-core::Expected<bool> commit(EngineState& s, core::Deadline deadline) {
-  if (auto landed = land(s); !landed) return tl::unexpected(landed.error());
+/// Uploads meshes that follow() has left to later portions. Whether none are left.
+core::Expected<bool> upload_meshes_left(EngineState& s, core::Deadline deadline) {
+  if (!s.meshes_left || !s.backend->ready()) return true;
+  const auto kept = s.keep_state();
+  const auto done = update_backend(s, [&]() -> core::Expected<void> {
+    const auto all = s.backend->upload_meshes(deadline);
+    if (!all) return tl::unexpected(all.error());
+    s.meshes_left = !*all;
+    return {};
+  });
+  if (!done) return tl::unexpected(done.error());
+  return !s.meshes_left;
+}
+
+/// Publishes and follows all that is edited, as a whole.
+core::Expected<void> commit(EngineState& s) {
   if (auto published = s.scene->commit(); !published) return tl::unexpected(published.error());
-  const bool at_once = deadline == core::kNoDeadline || s.config.culling.part.count > 1;
   for (;;) {
-    if (s.edits_left.empty()) s.edits_left = s.edits.take();
-    if (s.edits_left.empty()) return true;
-    core::SceneDelta piece = at_once ? std::exchange(s.edits_left, {}) : first_of(s.edits_left);
-    if (auto done = follow(s, std::move(piece)); !done) return tl::unexpected(done.error());
+    core::SceneDelta delta = s.edits_left.empty() ? s.edits.take() : std::exchange(s.edits_left, {});
+    if (delta.empty()) break;
+    if (auto done = follow(s, std::move(delta), core::kNoDeadline); !done) return done;
+  }
+  return upload_meshes_left(s, core::kNoDeadline).map([](bool) {});
+}
+
+/// The same in pieces, which are published when those before are followed.
+core::Expected<bool> commit(EngineState& s, core::Deadline deadline) {
+  for (;;) {
+    if (s.edits_left.empty()) {
+      const auto published = core::Access::publish(*s.scene, kCommittedPiece);
+      if (!published) return tl::unexpected(published.error());
+      s.edits_left = s.edits.take();
+      if (s.edits_left.empty() && !core::Access::has_edits(*s.scene)) return upload_meshes_left(s, deadline);
+    }
+    if (!s.edits_left.empty())
+      if (auto done = follow(s, first_of(s.edits_left), deadline); !done) return tl::unexpected(done.error());
     if (core::over(deadline)) return false;
   }
 }
@@ -212,11 +244,15 @@ core::Expected<bool> commit(EngineState& s, core::Deadline deadline) {
 }  // namespace
 
 core::Expected<void> Engine::commit() {
-  return engine::commit(*state_, core::kNoDeadline).map([](bool) {});
+  if (auto landed = land(*state_); !landed) return landed;
+  return engine::commit(*state_);
 }
 
 core::Expected<bool> Engine::commit(double seconds) {
-  return engine::commit(*state_, core::deadline_in(seconds));
+  const core::Deadline deadline = core::deadline_in(seconds);
+  if (state_->config.culling.part.count > 1) return commit().map([] { return true; });
+  if (auto landed = land(*state_); !landed) return tl::unexpected(landed.error());
+  return engine::commit(*state_, deadline);
 }
 
 core::Expected<void> Engine::rebuild() {

@@ -37,7 +37,8 @@ core::Expected<void> override_items(EngineState& s, const Edit& edit) {
   if (!s.backend->ready()) return {};
   const auto kept = s.keep_state();
   return update_backend(s, [&] {
-    return s.backend->update(Backend::Edit::kStyles, *s.live.snapshot, s.live.joints, change.touched, change.materials);
+    return s.backend->update(Backend::Edit::kStyles, *s.live.snapshot, s.live.joints, change.touched, change.materials,
+                             core::kNoDeadline);
   });
 }
 

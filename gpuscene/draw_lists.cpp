@@ -186,7 +186,7 @@ core::Expected<void> DrawLists::list_meshes(const Snapshot& snapshot, const Mesh
   for (const Slot slot : visible_.meshes) {
     const std::uint32_t record = GpuScene::record_of(snapshot, slot), solid = pool.solid_indices(record);
     const bool fronts_alone = solid > 0 && shown.shows_fronts_alone(slot);
-    list_mesh(snapshot, {slot, pool.commands()[record], {}}, pool.levels(record), fronts_alone ? solid : 0, in);
+    list_mesh(snapshot, {slot, pool.command(record), {}}, pool.levels(record), fronts_alone ? solid : 0, in);
   }
   if (in.triangles) {
     picked_.test(snapshot, *in.triangles, in.threads);
@@ -257,6 +257,14 @@ core::Expected<void> DrawLists::upload() {
   commands_.write(0, command_list_);
   if (!single_list_.empty()) singles_.write(0, single_list_);
   return {};
+}
+
+void DrawLists::trim() {
+  single_texels_ = {};
+  singles_.trim();
+  commands_.trim();
+  picked_indices_.trim();
+  sections_ = {};
 }
 
 std::size_t DrawLists::memory_bytes() const {

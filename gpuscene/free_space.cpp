@@ -6,6 +6,7 @@ namespace sightline::gpuscene {
 
 std::uint32_t FreeSpace::take(std::uint32_t count) {
   if (count == 0) return end_;
+  used_ += count;
   const auto fits = by_count_.lower_bound({count, 0});
   if (fits == by_count_.end()) return std::exchange(end_, end_ + count);
   const auto [size, first] = *fits;
@@ -19,6 +20,7 @@ std::uint32_t FreeSpace::take(std::uint32_t count) {
 
 void FreeSpace::give_back(std::uint32_t first, std::uint32_t count) {
   if (count == 0) return;
+  used_ -= count;
   auto next = gaps_.lower_bound(first);
   if (next != gaps_.end() && next->first == first + count) {
     count += next->second;

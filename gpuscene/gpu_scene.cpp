@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <string>
+#include <utility>
 
 #include "sightline/core/internal/radix_sort.h"
 #include "sightline/core/internal/snapshot_prefetch.h"
@@ -13,14 +15,16 @@ namespace {
 using core::Deadline;
 using core::Kind;
 using core::kNoDeadline;
+using core::kNone;
 using core::kPrefetchAhead;
 using core::over;
 using core::Slot;
 using core::Snapshot;
 using gpuprims::Texel;
 
-constexpr std::uint32_t kHeadroom = 64;  // spare records, besides an eighth of the present ones
-constexpr std::size_t kPiece = 4096;     // records packed at a time, which takes less than a millisecond
+constexpr std::uint32_t kHeadroom = 64;        // spare records, besides an eighth of the present ones
+constexpr std::size_t kPiece = 4096;           // records packed at a time, which takes less than a millisecond
+constexpr std::uint32_t kCopiedPiece = 16384;  // records copied at a time: some 512 that come need a 32nd of a million
 
 /// What a record says of an item besides its placement and shape.
 std::uint32_t record_word(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot slot) {
@@ -48,26 +52,19 @@ std::vector<Texel> pack_slots(const Snapshot& snapshot, const gpuprims::Joints& 
   return texels;
 }
 
-/// Gives a batch room for so many records.
-core::Expected<void> enlarge(const gl::Functions& gl, Batch& batch, std::size_t records) {
-  const std::string what = "records of the " + std::string(name_of(batch.kind)) + " batch";
-  auto buffer = batch.records.enlarged(gl, records * record_bytes(batch.kind), GL_DYNAMIC_STORAGE_BIT, what);
-  if (!buffer) return tl::unexpected(buffer.error());
-  auto view = gl::TextureBuffer::create(gl, *buffer, GL_RGBA32UI, what);
-  if (!view) return tl::unexpected(view.error());
-  batch.texels = std::move(*view);
-  batch.records = std::move(*buffer);
-  batch.capacity = std::uint32_t(records);
-  return {};
+std::string records_of(BatchKind kind) {
+  return "records of the " + std::string(name_of(kind)) + " batch";
 }
 
 /// A batch with room for some more than `count` records.
 core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, std::size_t count) {
-  Batch batch;
-  batch.kind = kind;
-  batch.count = std::uint32_t(count);
-  if (auto done = enlarge(gl, batch, count + count / 8 + kHeadroom); !done) return tl::unexpected(done.error());
-  return batch;
+  const std::size_t capacity = count + count / 8 + kHeadroom;
+  auto buffer =
+      gl::Buffer::create(gl, capacity * record_bytes(kind), nullptr, GL_DYNAMIC_STORAGE_BIT, records_of(kind));
+  if (!buffer) return tl::unexpected(buffer.error());
+  auto view = gl::TextureBuffer::create(gl, *buffer, GL_RGBA32UI, records_of(kind));
+  if (!view) return tl::unexpected(view.error());
+  return Batch{kind, std::uint32_t(count), std::uint32_t(capacity), std::move(*buffer), std::move(*view), {}, 0};
 }
 
 }  // namespace
@@ -98,7 +95,6 @@ struct GpuScene::Upload {
   std::vector<Slot> slots;  // of its records
   std::size_t next = 0;     // of these
   bool batch_made = false;
-  bool flushes_often = false;  // meshes, with every portion
 };
 
 GpuScene::GpuScene() = default;
@@ -108,22 +104,17 @@ GpuScene::~GpuScene() = default;
 
 core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot,
                                           const gpuprims::Joints& joints) {
-  auto scene = begin(context, snapshot);
-  if (!scene) return scene;
-  if (auto done = scene->advance(snapshot, joints, kNoDeadline); !done) return tl::unexpected(done.error());
+  GpuScene scene = begin(context, snapshot);
+  if (auto done = scene.advance(snapshot, joints, kNoDeadline); !done) return tl::unexpected(done.error());
   return scene;
 }
 
-core::Expected<GpuScene> GpuScene::begin(const gl::Context& context, const Snapshot& snapshot, const GpuScene* former) {
+GpuScene GpuScene::begin(const gl::Context& context, const Snapshot& snapshot) {
   GpuScene scene;
   scene.gl_ = &context.functions();
   scene.writer_ = ElementWriter(context);
   scene.slot_count_ = Slot(snapshot.size());
   scene.upload_ = std::make_unique<Upload>();
-  scene.upload_->flushes_often = former != nullptr;
-  if (former)
-    if (auto done = scene.meshes_.reserve_as(context.functions(), former->meshes_); !done)
-      return tl::unexpected(done.error());
   return scene;
 }
 
@@ -165,14 +156,11 @@ core::Expected<bool> GpuScene::advance_batch(const Snapshot& snapshot, const gpu
     if (over(deadline)) return false;
   }
   if (kind == BatchKind::kMesh) {
-    bool all = false;
-    do {
+    while (meshes_.records() < upload_->slots.size()) {
       meshes_.add(snapshot, upload_->slots[meshes_.records()]);
-      all = meshes_.records() == upload_->slots.size();
-    } while (!all && !over(deadline));
-    if (all || upload_->flushes_often)
-      if (auto done = meshes_.flush(*gl_); !done) return tl::unexpected(done.error());
-    if (!all) return false;
+      if (over(deadline)) return false;
+    }
+    if (const auto done = upload_meshes(deadline); !done || !*done) return done;
   }
   upload_->batch_made = false;
   return true;
@@ -234,7 +222,6 @@ core::Expected<bool> GpuScene::append(const Snapshot& snapshot, const gpuprims::
     b.count += std::uint32_t(fresh.size());
   }
   for (const Slot slot : slots[std::size_t(BatchKind::kMesh)]) meshes_.add(snapshot, slot);
-  if (auto done = meshes_.flush(*gl_); !done) return tl::unexpected(done.error());
   return larger;
 }
 
@@ -249,20 +236,59 @@ core::Expected<bool> GpuScene::make_room(BatchKind kind, std::size_t records) {
     batches_.insert(place, std::move(*made));
     return true;
   }
-  const std::size_t needed = place->count + records;
-  if (needed <= place->capacity) return false;
-  return enlarge(*gl_, *place, needed + needed / 2).map([] { return true; });
+  if (place->count + records <= place->capacity) return false;
+  return enlarge(*place, place->count + records, kNone);
 }
 
-core::Expected<void> GpuScene::add_levels(std::span<const MeshPool::LevelsOfMesh> levels) {
-  meshes_.add_levels(levels);
-  return meshes_.flush(*gl_);
+core::Expected<bool> GpuScene::prepare_room() {
+  bool larger = false;
+  for (Batch& batch : batches_) {
+    if (batch.count <= batch.capacity - batch.capacity / 16) continue;
+    const auto done = enlarge(batch, batch.capacity, kCopiedPiece);
+    if (!done) return done;
+    larger |= *done;
+  }
+  return larger;
+}
+
+/// Copies `most` records of a batch, or the rest, to a larger buffer: for half as many again as `records`. Uses that
+/// once all are there, and returns true.
+core::Expected<bool> GpuScene::enlarge(Batch& batch, std::size_t records, std::uint32_t most) {
+  const std::size_t stride = record_bytes(batch.kind);
+  if (batch.larger.size() < records * stride) {
+    auto made = gl::Buffer::create(*gl_, (records + records / 2) * stride, nullptr, GL_DYNAMIC_STORAGE_BIT,
+                                   records_of(batch.kind));
+    if (!made) return tl::unexpected(made.error());
+    batch.larger = std::move(*made);
+    batch.copied = 0;
+  }
+  const std::uint32_t count = std::min(most, batch.count - batch.copied);
+  const auto begin = GLintptr(batch.copied * stride);
+  if (count > 0)
+    gl_->CopyNamedBufferSubData(batch.records.id(), batch.larger.id(), begin, begin, GLsizeiptr(count * stride));
+  batch.copied += count;
+  if (batch.copied < batch.count) return false;
+  auto view = gl::TextureBuffer::create(*gl_, batch.larger, GL_RGBA32UI, records_of(batch.kind));
+  if (!view) return tl::unexpected(view.error());
+  batch.texels = std::move(*view);
+  batch.capacity = std::uint32_t(batch.larger.size() / stride);
+  batch.records = std::exchange(batch.larger, {});
+  batch.copied = 0;
+  return true;
+}
+
+/// Writes elements of so many bytes into the records of a batch, and into those that were copied.
+void GpuScene::write(const Batch& batch, std::size_t bytes, std::span<const std::uint32_t> places, const void* data) {
+  writer_.write(batch.records, bytes, places, data);
+  const std::uint64_t end = batch.copied * (record_bytes(batch.kind) / bytes);
+  const auto copied = std::ranges::lower_bound(places, end) - places.begin();
+  if (copied > 0) writer_.write(batch.larger, bytes, places.first(std::size_t(copied)), data);
 }
 
 void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed, const gpuprims::Joints& joints) {
   for_each_batch(snapshot, changed, [&](const Batch& target, const Changed& now) {
     const std::vector<Texel> texels = pack_slots(snapshot, joints, target.kind, now.slots);
-    writer_.write(target.records, record_bytes(target.kind), now.records, texels.data());
+    write(target, record_bytes(target.kind), now.records, texels.data());
   });
 }
 
@@ -274,7 +300,7 @@ void GpuScene::update_styles(const Snapshot& snapshot, std::span<const Slot> cha
       places.push_back(now.records[i] * stride + gpuprims::kMaterialWord);
       words.push_back(record_word(snapshot, joints, now.slots[i]));
     }
-    writer_.write(target.records, sizeof(std::uint32_t), places, words.data());
+    write(target, sizeof(std::uint32_t), places, words.data());
   });
 }
 
@@ -310,7 +336,7 @@ const Batch* GpuScene::batch(BatchKind kind) const {
 
 std::size_t GpuScene::memory_bytes() const {
   std::size_t bytes = meshes_.memory_bytes() + material_rows_.size();
-  for (const Batch& b : batches_) bytes += b.records.size();
+  for (const Batch& b : batches_) bytes += b.records.size() + b.larger.size();
   return bytes;
 }
 

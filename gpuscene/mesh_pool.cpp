@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "sightline/lod/internal/solid_shells.h"
@@ -13,6 +14,9 @@ using core::kNoItem;
 using core::kNone;
 using core::Slot;
 using core::Snapshot;
+
+constexpr std::size_t kVertexPiece = 8192, kIndexPiece = 65536;  // staged at a time: a fraction of a millisecond
+constexpr std::size_t kLeastDone = 16384;  // elements of a call, so that edits cannot keep uploads from ending
 
 std::uint32_t snorm16(float v) {
   return std::uint16_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 32767.0f));
@@ -37,35 +41,46 @@ bool flat_shaded(const Snapshot& snapshot, Slot slot) {
 void MeshPool::add(const Snapshot& snapshot, Slot slot) {
   const bool given_up = snapshot.item(slot) == kNoItem;  // it never shows again
   const std::uint32_t shape = given_up ? kNone : shape_of(snapshot.share_mesh(slot));
-  ElementsCommand command{0, snapshot.vacant(slot) ? 0u : 1u, 0, 0, std::uint32_t(commands_.size())};
-  if (shape != kNone) {
-    ++shapes_[shape].users;
-    command.count = shapes_[shape].index_count;
-    command.first_index = shapes_[shape].first_index;
-    command.base_vertex = std::int32_t(shapes_[shape].first_vertex);
-  }
-  commands_.push_back(command);
+  if (shape != kNone) ++shapes_[shape].users;
+  hidden_.push_back(snapshot.vacant(slot));
   shape_of_record_.push_back(shape);
 }
 
 void MeshPool::update(const Snapshot& snapshot, Slot slot, std::uint32_t record) {
-  commands_[record].instance_count = snapshot.vacant(slot) ? 0 : 1;
+  hidden_[record] = snapshot.vacant(slot);
   if (snapshot.item(slot) != kNoItem || shape_of_record_[record] == kNone) return;
-  commands_[record].count = 0;
-  const std::uint32_t index = std::exchange(shape_of_record_[record], kNone);
-  Shape& shape = shapes_[index];
-  if (--shape.users > 0) return;
-  vertices_.space.give_back(shape.first_vertex, shape.vertex_count);
-  free_indices(shape);
-  shape_of_mesh_.erase(shape.mesh.get());
-  shape = {};
-  unused_shapes_.push_back(index);
+  const std::uint32_t shape = std::exchange(shape_of_record_[record], kNone);
+  if (--shapes_[shape].users == 0) release(shape);
+}
+
+/// Null where nothing of a record's mesh is drawn.
+const MeshPool::Shape* MeshPool::drawn_shape(std::uint32_t record) const {
+  const std::uint32_t shape = shape_of_record_[record];
+  return shape != kNone && shapes_[shape].drawn ? &shapes_[shape] : nullptr;
+}
+
+ElementsCommand MeshPool::command(std::uint32_t record) const {
+  const Shape* shape = drawn_shape(record);
+  if (!shape) return {0, 0, 0, 0, record};
+  return {shape->index_count, hidden_[record] ? 0u : 1u, shape->first_index, std::int32_t(shape->first_vertex), record};
 }
 
 std::uint32_t MeshPool::solid_indices(std::uint32_t record) const {
-  const std::uint32_t shape = shape_of_record_[record];
-  return shape == kNone ? 0 : shapes_[shape].solid_indices;
+  const Shape* shape = drawn_shape(record);
+  return shape ? shape->solid_indices.value_or(0) : 0;
 }
+
+const lod::MeshLevels* MeshPool::levels(std::uint32_t record) const {
+  const Shape* shape = drawn_shape(record);
+  return shape ? shape->levels.get() : nullptr;
+}
+
+std::shared_ptr<const lod::MeshLevels> MeshPool::share_levels(std::uint32_t record) const {
+  const Shape* shape = drawn_shape(record);
+  return shape ? shape->levels : nullptr;
+}
+
+// --- meshes ----------------------------------------------------------------------------------------------------------
 
 /// kNone where there is no mesh.
 std::uint32_t MeshPool::shape_of(std::shared_ptr<const core::Mesh> mesh) {
@@ -79,30 +94,36 @@ std::uint32_t MeshPool::shape_of(std::shared_ptr<const core::Mesh> mesh) {
     unused_shapes_.pop_back();
   }
   Shape& shape = shapes_[place->second];
+  shape.serial = ++serial_;
+  queue(new_meshes_, {place->second, shape.serial, nullptr, calls_, mesh->positions.size(), mesh->indices.size()});
   shape.mesh = std::move(mesh);
-  stage(shape);
   new_shapes_.push_back(place->second);
   return place->second;
 }
 
-// --- triangles -------------------------------------------------------------------------------------------------------
-
-void MeshPool::stage(Shape& shape) {
-  const core::Mesh& mesh = *shape.mesh;
-  shape.vertex_count = std::uint32_t(mesh.positions.size());
-  shape.index_count = std::uint32_t(mesh.indices.size());
-  shape.first_vertex = vertices_.begin_run(shape.vertex_count);
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-    vertices_.staged.push_back({mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])});
-  shape.first_index = indices_.begin_run(shape.index_count);
-  indices_.staged.insert(indices_.staged.end(), mesh.indices.begin(), mesh.indices.end());
-  shape.solid_indices = lod::solid_shells_first(mesh.positions, std::span(indices_.staged).last(mesh.indices.size()));
+void MeshPool::release(std::uint32_t index) {
+  Shape& shape = shapes_[index];
+  if (is_current(shape)) give_back_current();
+  if (shape.drawn) {
+    vertices_.give_back(shape.first_vertex, shape.vertex_count);
+    indices_.give_back(shape.first_index, index_room(shape));
+  }
+  shape_of_mesh_.erase(shape.mesh.get());
+  gone_meshes_.push_back(std::move(shape.mesh));
+  shape = {};
+  unused_shapes_.push_back(index);
 }
 
-std::vector<std::shared_ptr<const core::Mesh>> MeshPool::take_new_meshes() {
+std::vector<std::shared_ptr<const core::Mesh>> MeshPool::take_new_meshes(std::size_t most) {
   std::vector<std::shared_ptr<const core::Mesh>> meshes;
-  for (const std::uint32_t shape : std::exchange(new_shapes_, {}))
-    if (shapes_[shape].mesh) meshes.push_back(shapes_[shape].mesh);
+  for (; meshes.size() < most && !new_shapes_.empty(); new_shapes_.pop_back())
+    if (shapes_[new_shapes_.back()].mesh) meshes.push_back(shapes_[new_shapes_.back()].mesh);
+  return meshes;
+}
+
+std::vector<std::shared_ptr<const core::Mesh>> MeshPool::take_gone_meshes() {
+  auto meshes = std::exchange(gone_meshes_, {});
+  std::erase_if(meshes, [&](const auto& mesh) { return has(*mesh); });
   return meshes;
 }
 
@@ -114,94 +135,162 @@ std::vector<std::shared_ptr<const core::Mesh>> MeshPool::meshes() const {
 }
 
 void MeshPool::add_levels(std::span<const LevelsOfMesh> levels) {
-  bool any = false;
-  for (const LevelsOfMesh& of : levels) any |= add_levels(of);
-  if (!any) return;
-  ++levels_version_;
-  for (std::size_t record = 0; record < commands_.size(); ++record)
-    if (shape_of_record_[record] != kNone)
-      commands_[record].first_index = shapes_[shape_of_record_[record]].first_index;
+  for (const LevelsOfMesh& of : levels) {
+    const auto place = shape_of_mesh_.find(of.mesh.get());
+    if (place == shape_of_mesh_.end() || of.levels->empty()) continue;
+    queue(new_levels_, {place->second, shapes_[place->second].serial, of.levels, calls_, 0, of.levels->indices.size()});
+  }
 }
 
-/// Whether these are new.
-bool MeshPool::add_levels(const LevelsOfMesh& of) {
-  const auto place = shape_of_mesh_.find(of.mesh.get());
-  if (place == shape_of_mesh_.end() || of.levels->empty()) return false;
-  Shape& shape = shapes_[place->second];
-  // Levels from a file may be those of another mesh.
-  if (shape.levels == of.levels || shape.solid_indices != of.levels->solid_indices) return false;
-  free_indices(shape);
-  shape.first_index = indices_.begin_run(of.levels->indices.size());
-  indices_.staged.insert(indices_.staged.end(), of.levels->indices.begin(), of.levels->indices.end());
-  shape.levels = of.levels;
+void MeshPool::queue(std::deque<Upload>& uploads, Upload upload) {
+  waiting_vertices_ += upload.vertex_count;
+  waiting_indices_ += upload.index_count;
+  uploads.push_back(std::move(upload));
+}
+
+// --- uploading -------------------------------------------------------------------------------------------------------
+
+core::Expected<bool> MeshPool::upload(const gl::Functions& gl, core::Deadline deadline, bool levels) {
+  const std::uint64_t least = elements_done_ + kLeastDone;
+  core::Expected<bool> more;
+  do more = step(gl, levels, deadline == core::kNoDeadline);
+  while (more && *more && (elements_done_ < least || !core::over(deadline)));
+  write_staged();
+  vertices_.free_scratch();
+  indices_.free_scratch();
+  ++calls_;
+  if (!more) return more;
+  return current_.shape == kNone && new_meshes_.empty() && (!levels || (!*more && new_levels_.empty()));
+}
+
+/// Does a little of what comes next. Returns whether there was anything to do.
+core::Expected<bool> MeshPool::step(const gl::Functions& gl, bool levels, bool find_solids) {
+  if (vertices_.moving()) return move(gl, vertices_, &Shape::first_vertex, vertex_room);
+  if (indices_.moving()) return move(gl, indices_, &Shape::first_index, index_room);
+  if (current_.shape == kNone && !begin_next(levels, find_solids)) return pack_if_wasteful(gl);
+  auto room = make_room(gl, vertices_, waiting_vertices_);
+  if (room) room = make_room(gl, indices_, waiting_indices_);
+  if (!room) return tl::unexpected(room.error());
+  if (!vertices_.moving() && !indices_.moving()) stage_piece();
   return true;
 }
 
-void MeshPool::free_indices(const Shape& shape) {
-  const std::size_t count = shape.levels ? shape.levels->indices.size() : shape.index_count;
-  indices_.space.give_back(shape.first_index, std::uint32_t(count));
-}
-
-const lod::MeshLevels* MeshPool::levels(std::uint32_t record) const {
-  const std::uint32_t shape = shape_of_record_[record];
-  return shape == kNone ? nullptr : shapes_[shape].levels.get();
-}
-
-std::shared_ptr<const lod::MeshLevels> MeshPool::share_levels(std::uint32_t record) const {
-  const std::uint32_t shape = shape_of_record_[record];
-  return shape == kNone ? nullptr : shapes_[shape].levels;
-}
-
-core::Expected<void> MeshPool::reserve_as(const gl::Functions& gl, const MeshPool& other) {
-  if (other.indices().size() == 0) return {};
-  auto done = vertices_.make_writable(gl, other.vertices().size(), "mesh vertices");
-  return done ? indices_.make_writable(gl, other.indices().size(), "mesh indices") : done;
-}
-
-core::Expected<void> MeshPool::flush(const gl::Functions& gl) {
-  auto done = vertices_.flush(gl, "mesh vertices");
-  return done ? indices_.flush(gl, "mesh indices", levels_version_ > 0 ? 8 : 2) : done;
-}
-
-/// The place of the next `count` elements that are staged.
-template <class Element>
-std::uint32_t MeshPool::Store<Element>::begin_run(std::size_t count) {
-  const std::uint32_t first = space.take(std::uint32_t(count));
-  const bool joins = !runs.empty() && runs.back().first + (staged.size() - runs.back().begin) == first;
-  if (!joins && count > 0) runs.push_back({first, staged.size()});
-  return first;
-}
-
-template <class Element>
-core::Expected<void> MeshPool::Store<Element>::flush(const gl::Functions& gl, const char* what, std::size_t headroom) {
-  if (staged.empty()) return {};
-  const std::size_t needed = std::max<std::size_t>(space.end(), 1) * sizeof(Element);
-  if (buffer.size() == 0 && runs.size() == 1) {
-    auto made = gl::Buffer::create(gl, std::span(staged), 0, what);
-    if (!made) return tl::unexpected(made.error());
-    buffer = std::move(*made);
-  } else {
-    const std::size_t elements = std::max(needed, buffer.size()) / sizeof(Element);
-    if (!writable || needed > buffer.size())
-      if (auto done = make_writable(gl, (elements + elements / headroom) * sizeof(Element), what); !done) return done;
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      const std::size_t begin = runs[i].begin, end = i + 1 < runs.size() ? runs[i + 1].begin : staged.size();
-      buffer.write(runs[i].first * sizeof(Element), (end - begin) * sizeof(Element), staged.data() + begin);
+/// Takes the next upload and places for it. Levels come once all meshes are there.
+bool MeshPool::begin_next(bool levels, bool find_solids) {
+  while (!new_meshes_.empty() || (levels && !new_levels_.empty())) {
+    std::deque<Upload>& uploads = new_meshes_.empty() ? new_levels_ : new_meshes_;
+    Current next{std::move(uploads.front()), 0, 0, 0, 0, {}, {}};
+    uploads.pop_front();
+    waiting_vertices_ -= next.vertex_count;
+    waiting_indices_ -= next.index_count;
+    const Shape& shape = shapes_[next.shape];
+    if (shape.serial != next.serial) continue;  // the mesh is gone
+    if (next.levels) {
+      // Levels from a file may be those of another mesh.
+      const std::uint32_t solid = next.levels->solid_indices;
+      if (shape.levels == next.levels || shape.solid_indices.value_or(solid) != solid) continue;
+      next.solid_indices = solid;
+    } else if (find_solids || !lod::is_large(*shape.mesh)) {
+      next.ordered = shape.mesh->indices;
+      next.solid_indices = lod::solid_shells_first(shape.mesh->positions, next.ordered);
     }
+    next.first_vertex = vertices_.take(std::uint32_t(next.vertex_count));
+    next.first_index = indices_.take(std::uint32_t(next.index_count));
+    current_ = std::move(next);
+    return true;
   }
-  staged = {};
-  runs = {};
-  return {};
+  return false;
 }
 
+void MeshPool::give_back_current() {
+  vertices_.give_back(current_.first_vertex, std::uint32_t(current_.vertex_count));
+  indices_.give_back(current_.first_index, std::uint32_t(current_.index_count));
+  current_ = {};
+}
+
+void MeshPool::stage_piece() {
+  Current& c = current_;
+  const core::Mesh& mesh = *shapes_[c.shape].mesh;
+  const std::size_t vertices = std::min(kVertexPiece, c.vertex_count - c.vertices);
+  for (Vertex& vertex : vertices_.stage(c.first_vertex + std::uint32_t(c.vertices), vertices)) {
+    const std::size_t i = c.vertices++;
+    vertex = {mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])};
+  }
+  const std::vector<std::uint32_t>& from = c.levels ? c.levels->indices : c.ordered.empty() ? mesh.indices : c.ordered;
+  const std::size_t indices = std::min(kIndexPiece, c.index_count - c.indices);
+  const auto to = indices_.stage(c.first_index + std::uint32_t(c.indices), indices);
+  std::copy_n(from.begin() + std::ptrdiff_t(c.indices), indices, to.begin());
+  c.indices += indices;
+  elements_done_ += vertices + indices;
+  if (c.vertices == c.vertex_count && c.indices == c.index_count) end_current();
+  if (vertices_.staged() >= kVertexPiece || indices_.staged() >= kIndexPiece) write_staged();
+}
+
+/// Draws it from now on. What is staged is written before anything draws.
+void MeshPool::end_current() {
+  Current done = std::exchange(current_, {});
+  Shape& shape = shapes_[done.shape];
+  if (done.levels) {
+    indices_.give_back(shape.first_index, index_room(shape));
+    has_levels_ = true;
+  } else {
+    shape.first_vertex = done.first_vertex;
+    shape.vertex_count = std::uint32_t(done.vertex_count);
+    shape.index_count = std::uint32_t(done.index_count);
+    shape.drawn = true;
+  }
+  shape.first_index = done.first_index;
+  shape.solid_indices = done.solid_indices;
+  shape.levels = std::move(done.levels);
+  if (shape.levels || done.call != calls_) ++version_;
+}
+
+void MeshPool::write_staged() {
+  vertices_.write();
+  indices_.write();
+}
+
+// --- memory ----------------------------------------------------------------------------------------------------------
+
+/// `waiting`: elements that are to come beside those that have places.
 template <class Element>
-core::Expected<void> MeshPool::Store<Element>::make_writable(const gl::Functions& gl, std::size_t bytes,
-                                                             const char* what) {
-  auto made = buffer.enlarged(gl, bytes, GL_DYNAMIC_STORAGE_BIT, what);
-  if (!made) return tl::unexpected(made.error());
-  buffer = std::move(*made);
-  writable = true;
-  return {};
+core::Expected<void> MeshPool::make_room(const gl::Functions& gl, ElementStore<Element>& store, std::size_t waiting) {
+  if (store.has_room()) return {};
+  write_staged();
+  return store.begin_growth(gl, waiting, has_levels_ ? 8 : 2);
+}
+
+/// Moves some of a store's elements to its other buffer, and draws from there once all are.
+template <class Element>
+bool MeshPool::move(const gl::Functions& gl, ElementStore<Element>& store, std::uint32_t Shape::*first,
+                    std::uint32_t (*room)(const Shape&)) {
+  const bool done = store.move(gl);
+  elements_done_ += ElementStore<Element>::kMovedBytes / sizeof(Element);
+  if (!done) return true;
+  if (store.packing()) {
+    for (Shape& shape : shapes_)
+      if (shape.drawn && room(shape) > 0) shape.*first = store.packed_place(shape.*first);
+    ++version_;
+  }
+  store.end_move();
+  return true;
+}
+
+/// Begins to move what is in use where that is less than half of a buffer. Returns whether it is.
+core::Expected<bool> MeshPool::pack_if_wasteful(const gl::Functions& gl) {
+  const auto begin = [&](auto& store, std::uint32_t Shape::*first, std::uint32_t (*room)(const Shape&)) {
+    using Run = typename std::remove_reference_t<decltype(store)>::Run;
+    std::vector<Run> runs;
+    ++packs_;
+    for (const Shape& shape : shapes_)
+      if (shape.drawn && room(shape) > 0) runs.push_back({shape.*first, room(shape)});
+    return store.begin_packing(gl, std::move(runs)).map([] { return true; });
+  };
+  if (!new_levels_.empty()) return false;  // they may need the room
+  write_staged();
+  if (vertices_.is_wasteful()) return begin(vertices_, &Shape::first_vertex, vertex_room);
+  if (indices_.is_wasteful()) return begin(indices_, &Shape::first_index, index_room);
+  return false;
 }
 
 }  // namespace sightline::gpuscene

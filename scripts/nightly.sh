@@ -57,7 +57,7 @@ run_isa() {
 }
 run_tools() {
   release
-  ctest_in release -L '^nightly' -R '^(apps|apps_gl|python|python_gl)\.'
+  ctest_in release -L '^nightly' -R '^(apps|apps_gl|engine_gl|python|python_gl)\.'
 }
 run_zink() { with_zink '^(gl|gpuscene|culling|render)_gl\.'; }
 run_zink-engine() { with_zink '^engine_gl\.'; }
@@ -90,6 +90,7 @@ run_asan-cad() {
 run_asan-gl() {
   SIGHTLINE_TARGETS="culling_gl_tests engine_gl_tests view_gl_tests capi_gl_tests" \
     scripts/test.sh asan -R '^(culling_gl|engine_gl|view_gl|capi_gl)\.'
+  ctest_in asan -L '^nightly' -R '^engine_gl\.'
 }
 run_packages() {
   release

@@ -113,7 +113,7 @@ MeshParts* GpuCuller::parts() {
 
 core::Expected<void> GpuCuller::make_batches(const Snapshot& snapshot, const gpuscene::GpuScene& scene) {
   batches_.clear();
-  levels_version_ = 0;
+  pool_version_ = 0;
   for (const Batch& batch : scene.batches())
     if (auto done = add_batch(snapshot, scene, batch, gpuscene::GpuScene::slots_of(snapshot, batch.kind)); !done)
       return done;
@@ -126,9 +126,11 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
                                           std::vector<Slot> slots) {
   auto made = GpuBounds::create(*gl_, snapshot, batch, std::move(slots));
   if (!made) return tl::unexpected(made.error());
-  CullBatch added{batch.kind, std::move(*made), {}, {}, nullptr};
+  CullBatch added{batch.kind, std::move(*made), {}, {}, {}, nullptr};
   if (added.meshes()) {
-    std::vector<gpuscene::ElementsCommand> commands = scene.meshes().commands();
+    std::vector<gpuscene::ElementsCommand>& commands = added.written;
+    for (std::uint32_t record = 0; record < scene.meshes().records(); ++record)
+      commands.push_back(scene.meshes().command(record));
     commands.resize(batch.capacity);
     auto array = TexelArray::create(*gl_, commands.size() * sizeof(commands[0]), commands.data(), GL_R32UI,
                                     "commands of all meshes");
@@ -172,31 +174,32 @@ core::Expected<void> GpuCuller::follow(const Snapshot& snapshot, const gpuscene:
 }
 
 /// Commands of records that are drawn by parts have no indices.
-void GpuCuller::write_commands(const CullBatch& batch, const gpuscene::MeshPool& pool,
+void GpuCuller::write_commands(CullBatch& batch, const gpuscene::MeshPool& pool,
                                std::span<const std::uint32_t> records) {
   std::vector<gpuscene::ElementsCommand> commands;
   for (const std::uint32_t record : records) {
-    commands.push_back(pool.commands()[record]);
+    commands.push_back(pool.command(record));
+    batch.written[record] = commands.back();
     if (batch.parts && batch.parts->has(record)) commands.back().count = 0;
   }
   writer_.write(batch.commands.buffer, sizeof(commands[0]), records, commands.data());
 }
 
-/// Takes in the levels that meshes have got since the last call.
+/// Takes in the levels and places that meshes have got since the last call.
 core::Expected<void> GpuCuller::follow_levels(const Snapshot& snapshot, const gpuscene::GpuScene& scene) {
   const gpuscene::MeshPool& pool = scene.meshes();
-  if (pool.levels_version() == levels_version_) return {};
+  if (pool.version() == pool_version_) return {};
   CullBatch& batch = *mesh_batch();
   const std::size_t whole = std::min<std::size_t>(most_mesh_commands_, scene.batch(BatchKind::kMesh)->capacity);
   if (!batch.parts) batch.parts = std::make_unique<MeshParts>(most_mesh_commands_ - whole);
   std::vector<std::uint32_t> records;
   for (std::uint32_t record = 0; record < pool.records(); ++record)
-    if (batch.parts->differs(pool, record)) records.push_back(record);
+    if (batch.written[record] != pool.command(record) || batch.parts->differs(pool, record)) records.push_back(record);
   auto done = batch.parts->update(*gl_, snapshot, pool, records, batch.bounds.slots(), writer_);
   if (!done) return done;
   write_commands(batch, pool, records);
   if (batch.parts->capacity() == 0) batch.parts = nullptr;
-  levels_version_ = pool.levels_version();
+  pool_version_ = pool.version();
   return {};
 }
 

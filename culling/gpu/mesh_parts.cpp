@@ -52,17 +52,22 @@ core::Expected<void> make_room(const gl::Functions& gl, TexelArray& array, std::
 
 bool MeshParts::differs(const gpuscene::MeshPool& pool, std::uint32_t record) const {
   const std::uint32_t instance = instance_of(record);
-  return pool.levels(record) != (instance == kNone ? nullptr : meshes_[instances_[instance].mesh].levels.get());
+  if (instance == kNone) return pool.levels(record) != nullptr;
+  const Mesh& mesh = meshes_[instances_[instance].mesh];
+  const gpuscene::ElementsCommand command = pool.command(record);
+  return pool.levels(record) != mesh.levels.get() || command.first_index != mesh.first_index ||
+         command.base_vertex != mesh.base_vertex;
 }
 
 core::Expected<void> MeshParts::update(const gl::Functions& gl, const core::Snapshot& snapshot,
                                        const gpuscene::MeshPool& pool, std::span<const std::uint32_t> records,
                                        std::span<const core::Slot> slots, gpuscene::ElementWriter& writer) {
+  // All that draw a mesh let go of it first: it may have another place.
+  for (const std::uint32_t record : records)
+    if (has(record) && differs(pool, record)) release(instance_of(record));
   for (const std::uint32_t record : records) {
-    const bool other = differs(pool, record);
-    if (other && has(record)) release(instance_of(record));
-    if (other && pool.levels(record)) add(record, pool.share_levels(record), pool.commands()[record]);
-    if (has(record)) place(snapshot, pool, instance_of(record), slots[record]);
+    if (!has(record) && pool.levels(record)) add(record, pool.share_levels(record), pool.command(record));
+    if (has(record)) place(snapshot, instance_of(record), slots[record]);
   }
   return flush(gl, snapshot, slots, writer);
 }
@@ -73,8 +78,7 @@ void MeshParts::add(std::uint32_t record, std::shared_ptr<const lod::MeshLevels>
   const auto count = std::uint32_t(levels->clusters.size());
   const std::uint32_t first = space_.take(count);
   if (cluster_count() > most_clusters_) return space_.give_back(first, count);
-  Instance instance{record, mesh_of(std::move(levels), command.first_index), detail_space_.take(kInstanceTexels),
-                    first};
+  Instance instance{record, mesh_of(std::move(levels), command), detail_space_.take(kInstanceTexels), first};
   ++meshes_[instance.mesh].users;
   std::uint32_t number = std::uint32_t(instances_.size());
   if (unused_instances_.empty()) {
@@ -90,8 +94,7 @@ void MeshParts::add(std::uint32_t record, std::shared_ptr<const lod::MeshLevels>
   for (std::uint32_t i = 0; i < count; ++i) parts_[first + i] = {number, i};
 }
 
-void MeshParts::place(const core::Snapshot& snapshot, const gpuscene::MeshPool& pool, std::uint32_t number,
-                      core::Slot slot) {
+void MeshParts::place(const core::Snapshot& snapshot, std::uint32_t number, core::Slot slot) {
   const Instance& instance = instances_[number];
   const core::Affine world = snapshot.world_from_item(slot);
   const dvec3 origin = world.origin - snapshot.bounds().origin;
@@ -100,7 +103,7 @@ void MeshParts::place(const core::Snapshot& snapshot, const gpuscene::MeshPool& 
     write(instance.details + row, {along(0), along(1), along(2), bits(float(origin[int(row)]))});
   }
   write(instance.details + 3, {bits(core::round_up(stretch(world.linear))), instance.record,
-                               std::uint32_t(pool.commands()[instance.record].base_vertex), 0});
+                               std::uint32_t(meshes_[instance.mesh].base_vertex), 0});
   mark(instance);
 }
 
@@ -129,7 +132,8 @@ void MeshParts::mark(const Instance& instance) {
     if (changed_.empty() || changed_.back() != c) changed_.push_back(c);
 }
 
-std::uint32_t MeshParts::mesh_of(std::shared_ptr<const lod::MeshLevels> levels, std::uint32_t first_index) {
+std::uint32_t MeshParts::mesh_of(std::shared_ptr<const lod::MeshLevels> levels,
+                                 const gpuscene::ElementsCommand& command) {
   const auto [present, fresh] = mesh_of_levels_.try_emplace(levels.get(), std::uint32_t(meshes_.size()));
   if (!fresh) return present->second;
   if (unused_meshes_.empty()) {
@@ -140,12 +144,12 @@ std::uint32_t MeshParts::mesh_of(std::shared_ptr<const lod::MeshLevels> levels, 
   }
   const std::size_t texels = kClusterTexels * levels->clusters.size() + kGroupTexels * levels->groups.size();
   Mesh& mesh = meshes_[present->second];
-  mesh = {std::move(levels), detail_space_.take(std::uint32_t(texels)), 0};
-  write_mesh(mesh, first_index);
+  mesh = {std::move(levels), detail_space_.take(std::uint32_t(texels)), 0, command.first_index, command.base_vertex};
+  write_mesh(mesh);
   return present->second;
 }
 
-void MeshParts::write_mesh(const Mesh& mesh, std::uint32_t first_index) {
+void MeshParts::write_mesh(const Mesh& mesh) {
   const lod::MeshLevels& levels = *mesh.levels;
   std::uint32_t place = mesh.details;
   const std::uint32_t groups = place + kClusterTexels * std::uint32_t(levels.clusters.size());
@@ -154,7 +158,7 @@ void MeshParts::write_mesh(const Mesh& mesh, std::uint32_t first_index) {
   };
   const auto details_of = [&](std::uint32_t group) { return group == kNone ? kNone : groups + kGroupTexels * group; };
   for (const lod::Cluster& cluster : levels.clusters) {
-    write_corner(cluster.box.min, first_index + cluster.first_index);
+    write_corner(cluster.box.min, mesh.first_index + cluster.first_index);
     write_corner(cluster.box.max, cluster.index_count);
     write(place++, {details_of(cluster.made_by), details_of(cluster.goes_into), 0, 0});
   }

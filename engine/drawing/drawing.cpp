@@ -138,9 +138,10 @@ core::Expected<bool> Drawing::advance(const core::Snapshot& snapshot, const gpup
   }
   if (const auto done = warm_up(snapshot, deadline); !done || !*done) return done;
   const GpuEdits edits = upload_.take_edits();
-  auto done = update(Edit::kItems, snapshot, joints, edits.touched, edits.materials);
+  auto done = update(Edit::kItems, snapshot, joints, edits.touched, edits.materials, deadline);
   if (done) done = culling_.leave_out(context_, snapshot, overlaid());
-  return done.map([] { return true; });
+  if (!done) return tl::unexpected(done.error());
+  return context_.scene->upload_meshes(deadline);
 }
 
 core::Expected<bool> Drawing::advance_version(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
@@ -156,7 +157,8 @@ core::Expected<void> Drawing::take_version(const core::Snapshot& former, const c
   for (auto& [number, image] : context_.images) image.passes.follow(former, snapshot);
   if (auto done = take_upload(snapshot); !done) return done;
   const GpuEdits edits = upload_.take_edits();
-  if (auto done = update(Edit::kItems, snapshot, joints, edits.touched, edits.materials); !done) return done;
+  if (auto done = update(Edit::kItems, snapshot, joints, edits.touched, edits.materials, core::kNoDeadline); !done)
+    return done;
   if (gpu_culls && !culling_.culler()) return add_culler(snapshot);
   return culling_.leave_out(context_, snapshot, overlaid());
 }
@@ -172,6 +174,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   }
   for (auto& [number, image] : context_.images) image.passes.reset();
   if (auto taken = take_upload(snapshot); !taken) return taken;
+  context_.mesh_details.keep_only(*context_.scene, wants_levels());
   return culling_.leave_out(context_, snapshot, overlaid());
 }
 
@@ -184,7 +187,7 @@ core::Expected<void> Drawing::take_upload(const core::Snapshot& snapshot) {
   culling_.use(std::move(content.culler));
   context_.scene = std::move(content.scene);
   context_.lists = std::move(content.lists);
-  context_.mesh_details.forget_scene();
+  packs_ = 0;
   if (content.renderer) context_.renderer = std::move(content.renderer);
   overlays_.translucent().reset(snapshot);
   if (!context_.renderer) return {};
@@ -244,18 +247,29 @@ core::Expected<void> Drawing::draw_one(const core::Snapshot& snapshot, const gpu
 // --- edits -----------------------------------------------------------------------------------------------------------
 
 core::Expected<void> Drawing::update(Edit edit, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
-                                     std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) {
+                                     std::span<const core::Slot> touched, std::span<const std::uint32_t> materials,
+                                     core::Deadline deadline) {
   if (auto current = make_current(); !current) return current;
   if (edit == Edit::kStyles) {
     context_.scene->update_styles(snapshot, touched, joints);
     return follow_edit(edit, snapshot, touched, materials);
   }
+  const bool in_portions = deadline != core::kNoDeadline;
+  const auto prepared = in_portions ? context_.scene->prepare_room() : core::Expected<bool>(false);
   const auto larger = context_.scene->append(snapshot, joints);
-  if (!larger) return rebuild(snapshot, joints, culling_.culler());  // the scene is of no use then
+  if (!prepared || !larger) return rebuild(snapshot, joints, culling_.culler());  // the scene is of no use then
   context_.scene->update(snapshot, touched, joints);
-  if (*larger)
+  if (!context_.scene->upload_meshes(deadline)) return rebuild(snapshot, joints, culling_.culler());
+  follow_meshes();
+  if (*prepared || *larger)
     if (auto done = follow_batches(snapshot); !done) return done;
   return follow_edit(edit, snapshot, touched, materials);
+}
+
+core::Expected<bool> Drawing::upload_meshes(core::Deadline deadline) {
+  if (auto current = make_current(); !current) return tl::unexpected(current.error());
+  images_changed();
+  return context_.scene->upload_meshes(deadline);
 }
 
 /// Makes anew what is kept for each batch, where batches are larger or new.
@@ -288,8 +302,7 @@ void Drawing::configure(const EngineConfig& config) {
   if (config.losses.min_projected_area != context_.config.losses.min_projected_area)
     for (auto& [number, image] : context_.images) image.was_large.clear();
   context_.config = config;
-  if (context_.scene && context_.renderer && config.losses.lod_error > 0.0)
-    context_.mesh_details.want_levels(*context_.scene);
+  if (context_.scene && context_.renderer && wants_levels()) context_.mesh_details.want_levels(*context_.scene);
   images_changed();
 }
 
@@ -423,13 +436,19 @@ std::optional<LateReport> Drawing::take_late_report() {
                     context_.config.draw ? std::int64_t(feedback->items_drawn) : -1};
 }
 
+/// Learns which meshes have come and gone, and gives back memory where they have become far fewer.
+void Drawing::follow_meshes() {
+  if (std::exchange(packs_, context_.scene->meshes().packs()) < packs_) context_.lists->trim();
+  if (context_.renderer) return context_.mesh_details.follow(*context_.scene, wants_levels());
+  (void)context_.scene->take_new_meshes(core::kNone);  // nobody else will, and their lists would grow
+  (void)context_.scene->take_gone_meshes();
+}
+
 /// Gives the GPU scene clusters and levels of detail that are ready.
 core::Expected<void> Drawing::follow_levels(core::Deadline deadline) {
-  if (!context_.renderer) {
-    (void)context_.scene->take_new_meshes();  // nobody else will, and their list would grow
-    return {};
-  }
-  return context_.mesh_details.advance(*context_.scene, context_.config.losses.lod_error > 0.0, deadline);
+  follow_meshes();
+  if (!context_.renderer) return {};
+  return context_.mesh_details.advance(*context_.scene, wants_levels(), deadline);
 }
 
 core::Expected<void> Drawing::finish_levels() {

@@ -9,7 +9,7 @@
 namespace sightline::engine {
 namespace {
 
-constexpr core::Slot kAppendedPiece = 64;    // slots at a time, which may bring a mesh each
+constexpr core::Slot kAppendedPiece = 64;    // slots at a time
 constexpr std::size_t kTouchedPiece = 1024;  // slots at a time
 
 }  // namespace
@@ -67,11 +67,7 @@ core::Expected<bool> GpuUpload::advance(const DrawContext& context, GpuCulling& 
 /// Uploads the scene, and then everything that was edited meanwhile.
 core::Expected<bool> GpuUpload::advance_scene(const DrawContext& context, const core::Snapshot& snapshot,
                                               const gpuprims::Joints& joints, core::Deadline deadline) {
-  if (!content_->scene) {
-    auto scene = gpuscene::GpuScene::begin(context.context, snapshot, context.scene ? &*context.scene : nullptr);
-    if (!scene) return tl::unexpected(scene.error());
-    content_->scene = std::move(*scene);
-  }
+  if (!content_->scene) content_->scene = gpuscene::GpuScene::begin(context.context, snapshot);
   if (!uploaded_) {
     const auto done = content_->scene->advance(snapshot, joints, deadline);
     if (!done || !*done) return done;
@@ -102,7 +98,7 @@ core::Expected<bool> GpuUpload::follow_edits(const core::Snapshot& snapshot, con
     core::sort_unique(piece);
     scene.update(snapshot, piece, joints);
   }
-  return true;
+  return scene.upload_meshes(deadline);
 }
 
 /// Creates what depends on a complete scene.

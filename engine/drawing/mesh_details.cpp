@@ -10,74 +10,94 @@
 namespace sightline::engine {
 namespace {
 
-constexpr std::size_t kMostAtOnce = 256;             // meshes that the thread takes at a time
-constexpr std::size_t kUploadedIndices = 1'000'000;  // at a time
+constexpr std::size_t kMostAtOnce = 256;  // meshes that the thread takes at a time
+constexpr std::size_t kFollowed = 512;    // new meshes that are looked at at a time
 
 }  // namespace
 
-core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline) {
-  const std::vector<std::shared_ptr<const core::Mesh>> added = scene.take_new_meshes();
+MeshDetails::~MeshDetails() {
+  for (auto& [mesh, known] : known_) known.stop.request_stop();
+}
+
+void MeshDetails::follow(gpuscene::GpuScene& scene, bool levels) {
   if (levels) want_levels(scene);
-  if (scene_known_)
-    want(added);
-  else
-    begin(scene);
-  take_built();
-  while (!given_.empty()) {
-    std::size_t count = 0, indices = 0;
-    while (count < given_.size() && indices < kUploadedIndices)
-      indices += given_[given_.size() - ++count].levels->indices.size();
-    if (auto done = scene.add_levels(std::span(given_).last(count)); !done) return done;
-    given_.resize(given_.size() - count);
-    if (core::over(deadline)) break;
-  }
+  levels_wanted_ = levels;
+  for (const auto& mesh : scene.take_gone_meshes()) forget(*mesh);
+  drop_cancelled();
+  want(scene, scene.take_new_meshes(kFollowed));
+  give_built(scene);
+}
+
+core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline) {
+  do follow(scene, levels);
+  while (scene.meshes().has_new_meshes() && !core::over(deadline));
+  if (auto done = scene.upload_levels(deadline); !done) return tl::unexpected(done.error());
   return {};
 }
 
-void MeshDetails::want_levels(const gpuscene::GpuScene& scene) {
-  if (std::exchange(levels_wanted_, true)) return;
-  begin(scene);
+void MeshDetails::want_levels(gpuscene::GpuScene& scene) {
+  if (!std::exchange(levels_wanted_, true)) want(scene, scene.meshes().meshes());
 }
 
-/// Learns which meshes a scene has, and keeps what is known of these.
-void MeshDetails::begin(const gpuscene::GpuScene& scene) {
-  const std::vector<std::shared_ptr<const core::Mesh>> meshes = scene.meshes().meshes();
-  take_built();
-  given_.clear();
-  auto former = std::exchange(known_, {});
-  for (const auto& mesh : meshes) {
-    const auto present = former.find(mesh.get());
-    if (present == former.end()) continue;
-    if (present->second.of.levels) given_.push_back(present->second.of);
-    known_.insert(former.extract(present));
-  }
-  want(meshes);
-  scene_known_ = true;
+void MeshDetails::keep_only(const gpuscene::GpuScene& scene, bool levels) {
+  std::vector<const core::Mesh*> others;
+  for (const auto& [mesh, known] : known_)
+    if (!scene.meshes().has(*mesh) || (known.levels && !levels)) others.push_back(mesh);
+  for (const core::Mesh* mesh : others) forget(*mesh);
+  drop_cancelled();
 }
 
-void MeshDetails::want(std::span<const std::shared_ptr<const core::Mesh>> meshes) {
+/// Meshes that are known already get what is known: the scene may be another one.
+void MeshDetails::want(gpuscene::GpuScene& scene, Meshes meshes) {
+  std::vector<Wanted> fresh;
   for (const std::shared_ptr<const core::Mesh>& mesh : meshes) {
     if (!(levels_wanted_ ? lod::needs_levels(*mesh) : lod::is_large(*mesh))) continue;
-    Wanted& known = known_[mesh.get()];
-    if (known.of.mesh && known.levels >= levels_wanted_) continue;
+    const auto [place, is_new] = known_.try_emplace(mesh.get());
+    Wanted& known = place->second;
+    if (known.of.levels) scene.add_levels({&known.of, 1});
+    if (!is_new && known.levels >= levels_wanted_) continue;
+    known.stop.request_stop();
+    known.stop = {};
     known.of.mesh = mesh;
     known.levels = levels_wanted_;
-    const std::lock_guard lock(mutex_);
-    wanted_.push_back({{mesh, nullptr}, levels_wanted_});
-    if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
-    changed_.notify_all();
+    fresh.push_back({{mesh, nullptr}, known.levels, known.stop});
   }
+  if (fresh.empty()) return;
+  const std::lock_guard lock(mutex_);
+  std::ranges::move(fresh, std::back_inserter(wanted_));
+  if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  changed_.notify_all();
 }
 
-void MeshDetails::take_built() {
+void MeshDetails::forget(const core::Mesh& mesh) {
+  const auto known = known_.find(&mesh);
+  if (known == known_.end()) return;
+  known->second.stop.request_stop();
+  known_.erase(known);
+  ++cancelled_;
+}
+
+/// Lets go of meshes that wait in vain, once they may be half of all that wait.
+void MeshDetails::drop_cancelled() {
+  if (cancelled_ == 0) return;
   const std::lock_guard lock(mutex_);
-  for (Wanted& made : built_) {
-    const auto known = known_.find(made.of.mesh.get());
-    if (known == known_.end() || made.levels < known->second.levels) continue;  // gone, or better ones are to come
-    known->second.of = made.of;
-    given_.push_back(std::move(made.of));
+  if (2 * cancelled_ < wanted_.size()) return;
+  std::erase_if(wanted_, [](const Wanted& wanted) { return wanted.stop.stop_requested(); });
+  cancelled_ = 0;
+}
+
+void MeshDetails::give_built(gpuscene::GpuScene& scene) {
+  std::vector<Wanted> built;
+  {
+    const std::lock_guard lock(mutex_);
+    built.swap(built_);
   }
-  built_.clear();
+  for (Wanted& made : built) {
+    const auto known = known_.find(made.of.mesh.get());
+    if (known == known_.end() || made.stop != known->second.stop) continue;  // gone, or better ones are to come
+    known->second.of = std::move(made.of);
+    scene.add_levels({&known->second.of, 1});
+  }
 }
 
 void MeshDetails::wait() {
@@ -87,8 +107,10 @@ void MeshDetails::wait() {
 
 std::size_t MeshDetails::memory_bytes() const {
   std::size_t bytes = 0;
-  for (const auto& [mesh, known] : known_)
-    if (known.of.levels) bytes += known.of.levels->memory_bytes();
+  const auto add = [&](const Wanted& wanted) { bytes += wanted.of.levels ? wanted.of.levels->memory_bytes() : 0; };
+  for (const auto& [mesh, known] : known_) add(known);
+  const std::lock_guard lock(mutex_);
+  for (const Wanted& made : built_) add(made);
   return bytes;
 }
 
@@ -101,22 +123,25 @@ void MeshDetails::run(const std::stop_token& stop) {
     wanted_.resize(wanted_.size() - count);
     works_ = true;
     lock.unlock();
-    build(work, stop);
+    build(work);
     lock.lock();
     if (stop.stop_requested()) return;
-    std::ranges::move(work, std::back_inserter(built_));
+    for (Wanted& made : work)
+      if (!made.stop.stop_requested()) built_.push_back(std::move(made));
+    work.clear();
     works_ = false;
     changed_.notify_all();
   }
 }
 
-void MeshDetails::build(std::vector<Wanted>& work, const std::stop_token& stop) {
+void MeshDetails::build(std::vector<Wanted>& work) {
   std::vector<const core::Mesh*> meshes;
   for (const Wanted& one : work) meshes.push_back(one.of.mesh.get());
   lod::for_each_mesh(meshes, [&](std::size_t i, int threads) {
-    if (stop.stop_requested()) return;
-    work[i].of.levels = std::make_shared<const lod::MeshLevels>(
-        lod::levels_of(*meshes[i], work[i].levels ? lod::LevelRange::kAll : lod::LevelRange::kClusters, threads));
+    const std::stop_token stop = work[i].stop.get_token();
+    const auto range = work[i].levels ? lod::LevelRange::kAll : lod::LevelRange::kClusters;
+    if (!stop.stop_requested())
+      work[i].of.levels = std::make_shared<const lod::MeshLevels>(lod::levels_of(*meshes[i], range, threads, stop));
   });
 }
 

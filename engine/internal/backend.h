@@ -71,7 +71,7 @@ class Backend {
   // `gpu_culls`: with a GPU culler.
 
   /// Uploads what the engine draws, in portions: call it until it returns true. Each call does at least a little, and
-  /// ends a few milliseconds after the deadline, but for single programs, meshes and the GPU culler. It also draws an
+  /// ends a few milliseconds after the deadline, but for single programs and the GPU culler. It also draws an
   /// item of each batch, since some drivers compile when a program first draws. Meanwhile resize(), configure(),
   /// follow_later() and lost() may be called. It is of no use after a failure.
   virtual core::Expected<bool> advance(const core::Snapshot&, const gpuprims::Joints&, bool /*gpu_culls*/,
@@ -102,12 +102,15 @@ class Backend {
     kItems,   ///< placements and shapes may have changed, and slots were appended
     kStyles,  ///< only styles and whether items are drawn
   };
-  /// Follows an edit of touched slots (Snapshot::apply) and of materials (SceneDelta::materials).
+  /// Follows an edit of touched slots (Snapshot::apply) and of materials (SceneDelta::materials). After the deadline
+  /// meshes are left to upload_meshes().
   virtual core::Expected<void> update(Edit, const core::Snapshot&, const gpuprims::Joints&,
                                       std::span<const core::Slot> /*touched*/,
-                                      std::span<const std::uint32_t> /*materials*/) {
+                                      std::span<const std::uint32_t> /*materials*/, core::Deadline) {
     return {};
   }
+  /// Uploads meshes that update() has left, which are drawn from then on. Whether all are.
+  virtual core::Expected<bool> upload_meshes(core::Deadline) { return true; }
   /// Notes an edit of the snapshot that advance() or advance_version() works on.
   virtual void follow_later(std::span<const core::Slot> /*touched*/, std::span<const std::uint32_t> /*materials*/) {}
 

@@ -40,6 +40,7 @@ struct EngineState {
   std::unique_ptr<Backend> backend = std::make_unique<Backend>();  // never null
   std::unique_ptr<Backend> coming;  // that use_context() makes in portions, while `backend` is not ready; or null
   const gl::Context* coming_in = nullptr;  // the context of `coming`
+  bool meshes_left = false;                // a commit in portions may have left meshes to be uploaded
   bool gpu_behind = false;  // an update of the backend has failed: it shows the snapshot only once it is made anew
   double next_try = -1.0;   // when to try to make a context, in seconds; below 0: none is missing
   double last_frame_began = -1.0;  // seconds on the steady clock

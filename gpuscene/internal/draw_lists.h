@@ -120,6 +120,8 @@ class DrawLists {
   /// The files of gpuscene/shaders, with the defines that the shaders of draw lists need.
   static gl::ShaderContext shader_context();
   static std::vector<gl::PipelineDescription> all_programs();
+  /// Makes the lists of the CPU empty and frees their memory: where a scene has become much smaller.
+  void trim();
   /// Makes the lists empty.
   void clear() { sections_ = {}; }
 
@@ -175,7 +177,8 @@ class DrawLists {
   const gl::Functions* gl_ = nullptr;
   gl::Buffer record_indices_, mesh_instances_;
   static constexpr std::size_t kLeastCommands = 256, kLeastSingles = 1024;
-  RingBuffer<ElementsCommand> commands_{"draw commands", kLeastCommands, 4};  // levels of detail need more from view to view
+  RingBuffer<ElementsCommand> commands_{"draw commands", kLeastCommands,
+                                        4};  // levels of detail need more from view to view
   RingBuffer<std::uint32_t> singles_{"visible records", kLeastSingles, 3};
   gl::TextureBuffer single_texels_;
   std::array<Section, kBatchKindCount> sections_;

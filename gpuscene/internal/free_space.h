@@ -16,7 +16,8 @@ class FreeSpace {
   std::uint32_t take(std::uint32_t count);
   /// Gives back what take() has returned, all of it.
   void give_back(std::uint32_t first, std::uint32_t count);
-  std::uint32_t end() const { return end_; }  ///< beyond all that is taken
+  std::uint32_t end() const { return end_; }    ///< beyond all that is taken
+  std::uint32_t used() const { return used_; }  ///< number of units that are taken
 
  private:
   using Gap = std::pair<std::uint32_t, std::uint32_t>;
@@ -24,7 +25,7 @@ class FreeSpace {
 
   std::map<std::uint32_t, std::uint32_t> gaps_;  // first to count
   std::set<Gap> by_count_;                       // count, first
-  std::uint32_t end_ = 0;
+  std::uint32_t end_ = 0, used_ = 0;
 };
 
 }  // namespace sightline::gpuscene

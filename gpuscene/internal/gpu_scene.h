@@ -28,6 +28,8 @@ struct Batch {
   std::uint32_t capacity = 0;  ///< records that the memory has room for
   gl::Buffer records;
   gl::TextureBuffer texels;
+  gl::Buffer larger;         ///< that records move to, if they do
+  std::uint32_t copied = 0;  ///< records that are there, too
 };
 
 class GpuScene {
@@ -37,14 +39,10 @@ class GpuScene {
   static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot,
                                          const gpuprims::Joints& joints = {});
   /// The same in portions: begin(), which uploads nothing, and advance() until it returns true. Each call does at least
-  /// a little, and ends a millisecond or so after the deadline; but a mesh is worked up as a whole. The snapshot may be
-  /// edited in between: once all is uploaded, call append() and update() with everything that was touched meanwhile.
-  /// After a failure the scene is of no use.
-  ///
-  /// `former`: a scene of the same items in another order, whose memory tells how much the meshes need. Without one
-  /// all meshes are uploaded in one step.
-  static core::Expected<GpuScene> begin(const gl::Context& context, const core::Snapshot& snapshot,
-                                        const GpuScene* former = nullptr);
+  /// a little, and ends a millisecond or so after the deadline. The snapshot may be edited in between: once all is
+  /// uploaded, call append(), update() and upload_meshes() with everything that was touched meanwhile. After a failure
+  /// the scene is of no use.
+  static GpuScene begin(const gl::Context& context, const core::Snapshot& snapshot);
   core::Expected<bool> advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, core::Deadline deadline);
 
   GpuScene(GpuScene&&) noexcept;
@@ -58,23 +56,29 @@ class GpuScene {
   /// The same where placements and shapes are as they were: rewrites one word of each record.
   void update_styles(const core::Snapshot& snapshot, std::span<const core::Slot> changed,
                      const gpuprims::Joints& joints = {});
-  /// Adds records of the slots appended since the last call, `most` of them, with their meshes and kinds. Where a batch
-  /// is full it gets half as much again, and the GPU copies what was there. True: some batches are larger or new, so
-  /// that who keeps something for each batch (DrawLists, a culler, a renderer) needs it anew. Fails when the GPU has
-  /// not enough memory; then the scene is of no use.
+  /// Adds records of the slots appended since the last call, `most` of them, and their kinds. Their meshes are drawn
+  /// after upload_meshes(). Where a batch is full it gets half as much again, and the GPU copies what was there. True:
+  /// some batches are larger or new, so that who keeps something for each batch (DrawLists, a culler, a renderer) needs
+  /// it anew. Fails when the GPU has not enough memory; then the scene is of no use.
   core::Expected<bool> append(const core::Snapshot& snapshot, const gpuprims::Joints& joints = {},
                               core::Slot most = core::kNone);
+  /// Enlarges batches that have little room left, some of it in each call: whoever calls it before each append() of a
+  /// few hundred slots never waits until a whole batch is copied. Result and failure as those of append().
+  core::Expected<bool> prepare_room();
   /// Whether all slots of the snapshot have records.
   bool has_all(const core::Snapshot& snapshot) const { return slot_count_ == snapshot.size(); }
   /// Writes all edited or added materials at once; `edited` holds their indices in rising order. Makes a larger table
   /// when added ones do not fit. Fails when the GPU has not enough memory; then nothing has changed.
   core::Expected<void> update_materials(const core::Snapshot& snapshot, std::span<const std::uint32_t> edited);
 
-  /// Takes in levels of meshes that records have. Fails when the GPU has not enough memory; then the scene is of no
-  /// use.
-  core::Expected<void> add_levels(std::span<const MeshPool::LevelsOfMesh> levels);
-  /// Meshes that records have got since the last call.
-  std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes() { return meshes_.take_new_meshes(); }
+  // --- meshes: see MeshPool ---
+  core::Expected<bool> upload_meshes(core::Deadline deadline) { return meshes_.upload_meshes(*gl_, deadline); }
+  void add_levels(std::span<const MeshPool::LevelsOfMesh> levels) { meshes_.add_levels(levels); }
+  core::Expected<bool> upload_levels(core::Deadline deadline) { return meshes_.upload_levels(*gl_, deadline); }
+  std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes(std::size_t most) {
+    return meshes_.take_new_meshes(most);
+  }
+  std::vector<std::shared_ptr<const core::Mesh>> take_gone_meshes() { return meshes_.take_gone_meshes(); }
 
   const std::vector<Batch>& batches() const { return batches_; }
   const Batch* batch(BatchKind kind) const;  ///< null when the scene has none
@@ -106,6 +110,8 @@ class GpuScene {
   core::Expected<bool> advance_batch(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                      core::Deadline deadline);
   core::Expected<bool> make_room(BatchKind kind, std::size_t records);
+  core::Expected<bool> enlarge(Batch& batch, std::size_t records, std::uint32_t most);
+  void write(const Batch& batch, std::size_t bytes, std::span<const std::uint32_t> places, const void* data);
   core::Expected<void> make_materials(const core::Snapshot& snapshot);
 
   const gl::Functions* gl_ = nullptr;

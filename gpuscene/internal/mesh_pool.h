@@ -2,13 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
+#include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "sightline/core/internal/deadline.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/gl/internal/buffer.h"
-#include "sightline/gpuscene/internal/free_space.h"
+#include "sightline/gpuscene/internal/element_store.h"
 #include "sightline/lod/mesh_levels.h"
 
 namespace sightline::gpuscene {
@@ -18,6 +22,8 @@ struct ElementsCommand {
   std::uint32_t count, instance_count, first_index;
   std::int32_t base_vertex;
   std::uint32_t base_instance;
+
+  bool operator==(const ElementsCommand&) const = default;
 };
 static_assert(sizeof(ElementsCommand) == 20);
 
@@ -30,8 +36,8 @@ inline constexpr std::uint32_t kNoNormal = 0x80008000u;
 /// True when an item's mesh has no normals and is shaded flat.
 bool flat_shaded(const core::Snapshot& snapshot, core::Slot slot);
 
-/// Each mesh is stored once, as long as a record of the mesh batch draws it. Records come in slot order; what they and
-/// their meshes lack on the GPU is there after flush().
+/// Each mesh is stored once, as long as a record of the mesh batch draws it. Records come in slot order. Meshes and
+/// their levels are uploaded in portions, and each is drawn once it is there as a whole.
 class MeshPool {
  public:
   static constexpr int kVertexBytes = 16;
@@ -40,41 +46,57 @@ class MeshPool {
   void add(const core::Snapshot& snapshot, core::Slot slot);
   /// Follows an edit of the slot of a record. A record whose slot was given up lets go of its mesh.
   void update(const core::Snapshot& snapshot, core::Slot slot, std::uint32_t record);
-  /// Writes the meshes that were added. The first call takes the memory that they need, since most scenes never get
-  /// more. Later ones take half as much again where that is used up (for levels an eighth), and the GPU copies what was
-  /// there. Fails when the
-  /// GPU has not enough memory; then the pool is of no use.
-  core::Expected<void> flush(const gl::Functions& gl);
 
-  /// Takes as much memory as another pool has, before the first flush(): so that many may follow, and none copies.
-  core::Expected<void> reserve_as(const gl::Functions& gl, const MeshPool& other);
-
-  /// Meshes that were added since the last call, as far as records still have them; or all of them.
-  std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes();
-  std::vector<std::shared_ptr<const core::Mesh>> meshes() const;
   struct LevelsOfMesh {
     std::shared_ptr<const core::Mesh> mesh;
     std::shared_ptr<const lod::MeshLevels> levels;
   };
-  /// Puts levels of meshes, where a record has them, in place of others; flush() writes them. Their first clusters hold
-  /// all triangles of the mesh, so commands() use these from then on.
+  /// Takes levels of meshes, where a record has them, to be uploaded in place of others. Their first clusters hold all
+  /// triangles of the mesh, which command() draws from then on.
   void add_levels(std::span<const LevelsOfMesh> levels);
-  /// Levels of a record's mesh, or null. Their indices begin at the first one of the record's command.
+
+  /// Uploads the meshes that were added, until the deadline but at least a few. Returns true once all are drawn. The
+  /// first buffer has just the memory that they need, since most scenes never get more. Later ones have half as much
+  /// again (with levels an eighth), and little more than what is used where that has become less than half. Without a
+  /// deadline, solid shells of all meshes are found at once; else those of large meshes are known with their clusters.
+  /// Fails when the GPU has not enough memory; then the pool is of no use.
+  core::Expected<bool> upload_meshes(const gl::Functions& gl, core::Deadline deadline) {
+    return upload(gl, deadline, false);
+  }
+  /// Uploads the levels, too.
+  core::Expected<bool> upload_levels(const gl::Functions& gl, core::Deadline deadline) {
+    return upload(gl, deadline, true);
+  }
+  /// How often buffers have become smaller, since less than half of them was in use.
+  int packs() const { return packs_; }
+  /// Number of elements that were written or moved, ever: what a portion does, for tests.
+  std::uint64_t elements_done() const { return elements_done_; }
+
+  /// Meshes that were added and not yet taken, as far as records still have them: so many at most.
+  std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes(std::size_t most);
+  bool has_new_meshes() const { return !new_shapes_.empty(); }
+  /// Meshes that the last record has given up since the last call, and that no record has got since.
+  std::vector<std::shared_ptr<const core::Mesh>> take_gone_meshes();
+  std::vector<std::shared_ptr<const core::Mesh>> meshes() const;  ///< all
+  bool has(const core::Mesh& mesh) const { return shape_of_mesh_.contains(&mesh); }
+  /// Levels with which a record is drawn, or null. Their indices begin at the first one of the record's command.
   const lod::MeshLevels* levels(std::uint32_t record) const;
   std::shared_ptr<const lod::MeshLevels> share_levels(std::uint32_t record) const;
-  /// Rises whenever meshes have got levels.
-  std::uint64_t levels_version() const { return levels_version_; }
+  /// Rises whenever commands of records that were there before draw from other places, or by levels.
+  std::uint64_t version() const { return version_; }
 
-  std::size_t records() const { return commands_.size(); }
-  /// One per record: all that it draws.
-  const std::vector<ElementsCommand>& commands() const { return commands_; }
+  std::size_t records() const { return shape_of_record_.size(); }
+  /// All that a record draws.
+  ElementsCommand command(std::uint32_t record) const;
   /// How many of the first indices of a record's command belong to solid shells, whose back faces cannot be seen from
-  /// outside.
+  /// outside. 0 where that is not known.
   std::uint32_t solid_indices(std::uint32_t record) const;
   /// Four words each: position x y z as float bits, normal (pack_normal). No buffer while there is no triangle.
-  const gl::Buffer& vertices() const { return vertices_.buffer; }
-  const gl::Buffer& indices() const { return indices_.buffer; }  ///< uint32
-  std::size_t memory_bytes() const { return vertices().size() + indices().size() + enclosures->bytes.size(); }
+  const gl::Buffer& vertices() const { return vertices_.buffer(); }
+  const gl::Buffer& indices() const { return indices_.buffer(); }  ///< uint32
+  std::size_t memory_bytes() const {
+    return vertices_.memory_bytes() + indices_.memory_bytes() + enclosures->bytes.size();
+  }
 
   /// What the meshes of records enclose (core::Enclosure), a byte each. Made by who first needs it.
   struct Enclosures {
@@ -92,41 +114,66 @@ class MeshPool {
   static_assert(sizeof(Vertex) == kVertexBytes);
   struct Shape {
     std::shared_ptr<const core::Mesh> mesh;  // keeps its address from being another's
-    std::uint32_t first_index, index_count, first_vertex, vertex_count, solid_indices;
-    std::uint32_t users;                            // records
+    std::uint64_t serial = 0;                // no other shape has had it
+    bool drawn = false;                      // the mesh is there; the places and counts that follow are its own
+    std::uint32_t first_vertex = 0, vertex_count = 0, first_index = 0, index_count = 0;
+    std::optional<std::uint32_t> solid_indices;     // none: not known
+    std::uint32_t users = 0;                        // records
     std::shared_ptr<const lod::MeshLevels> levels;  // where there are any, their indices lie at first_index
   };
-  /// A buffer, its places, and what waits for flush().
-  template <class Element>
-  struct Store {
-    /// Elements of `staged` from `begin` to the next run's come to neighbouring places from `first` on.
-    struct Run {
-      std::uint32_t first;
-      std::size_t begin;
-    };
-    gl::Buffer buffer;
-    bool writable = false;
-    FreeSpace space;
-    std::vector<Element> staged;
-    std::vector<Run> runs;
-
-    std::uint32_t begin_run(std::size_t count);
-    core::Expected<void> flush(const gl::Functions& gl, const char* what, std::size_t headroom = 2);
-    core::Expected<void> make_writable(const gl::Functions& gl, std::size_t bytes, const char* what);
+  /// A mesh to be uploaded, or levels of one.
+  struct Upload {
+    std::uint32_t shape = core::kNone;
+    std::uint64_t serial = 0;
+    std::shared_ptr<const lod::MeshLevels> levels;  // null: the mesh itself
+    std::uint64_t call = 0;                         // number of the call of upload() before which it came
+    std::size_t vertex_count = 0, index_count = 0;
   };
-  std::uint32_t shape_of(std::shared_ptr<const core::Mesh> mesh);
-  void stage(Shape& shape);
-  bool add_levels(const LevelsOfMesh& of);
-  void free_indices(const Shape& shape);
+  /// The one that is under way, with its places.
+  struct Current : Upload {
+    std::uint32_t first_vertex = 0, first_index = 0;
+    std::size_t vertices = 0, indices = 0;  // of these, staged
+    std::vector<std::uint32_t> ordered;     // indices of the mesh in another order than its own; none: in its own
+    std::optional<std::uint32_t> solid_indices;
+  };
 
-  Store<Vertex> vertices_;
-  Store<std::uint32_t> indices_;
-  std::uint64_t levels_version_ = 0;
-  std::vector<ElementsCommand> commands_;
+  static std::uint32_t vertex_room(const Shape& shape) { return shape.vertex_count; }
+  static std::uint32_t index_room(const Shape& shape) {
+    return shape.levels ? std::uint32_t(shape.levels->indices.size()) : shape.index_count;
+  }
+  std::uint32_t shape_of(std::shared_ptr<const core::Mesh> mesh);
+  const Shape* drawn_shape(std::uint32_t record) const;
+  void release(std::uint32_t shape);
+  void queue(std::deque<Upload>& uploads, Upload upload);
+  bool is_current(const Shape& shape) const { return current_.shape != core::kNone && current_.serial == shape.serial; }
+  void give_back_current();
+  core::Expected<bool> upload(const gl::Functions& gl, core::Deadline deadline, bool levels);
+  core::Expected<bool> step(const gl::Functions& gl, bool levels, bool find_solids);
+  bool begin_next(bool levels, bool find_solids);
+  void stage_piece();
+  void end_current();
+  void write_staged();
+  template <class Element>
+  core::Expected<void> make_room(const gl::Functions& gl, ElementStore<Element>& store, std::size_t waiting);
+  template <class Element>
+  bool move(const gl::Functions& gl, ElementStore<Element>& store, std::uint32_t Shape::*first,
+            std::uint32_t (*room)(const Shape&));
+  core::Expected<bool> pack_if_wasteful(const gl::Functions& gl);
+
+  ElementStore<Vertex> vertices_{"mesh vertices"};
+  ElementStore<std::uint32_t> indices_{"mesh indices"};
+  std::uint64_t version_ = 0, serial_ = 0, calls_ = 0, elements_done_ = 0;
+  int packs_ = 0;
+  bool has_levels_ = false;
   std::vector<std::uint32_t> shape_of_record_;  // kNone: draws nothing any more
+  std::vector<bool> hidden_;                    // by record
   std::vector<Shape> shapes_;
   std::vector<std::uint32_t> unused_shapes_, new_shapes_;
+  std::vector<std::shared_ptr<const core::Mesh>> gone_meshes_;
   std::unordered_map<const core::Mesh*, std::uint32_t> shape_of_mesh_;
+  std::deque<Upload> new_meshes_, new_levels_;
+  std::size_t waiting_vertices_ = 0, waiting_indices_ = 0;  // of both
+  Current current_;                                         // its shape is kNone where there is none
 };
 
 }  // namespace sightline::gpuscene

@@ -13,8 +13,8 @@ namespace sightline::gpuscene {
 template <class Element>
 class RingBuffer {
  public:
-  /// `what` names the contents, as in gl::Buffer::create(). Regions hold at least so many elements; when they grow, they
-  /// get so many halves of what is needed then.
+  /// `what` names the contents, as in gl::Buffer::create(). Regions hold at least so many elements; when they grow,
+  /// they get so many halves of what is needed then.
   RingBuffer(const char* what, std::size_t least, std::size_t halves) : what_(what), least_(least), halves_(halves) {}
 
   /// Makes each region hold so many elements. Where they did not, the buffer is another one without contents, and the
@@ -28,6 +28,8 @@ class RingBuffer {
     capacity_ = capacity;
     return true;
   }
+  /// Frees the buffer; the next reserve() makes one for what is needed then.
+  void trim() { buffer_ = {}, capacity_ = 0; }
   /// The next frame uses the next region.
   void advance() { region_ = (region_ + 1) % kRegions; }
   /// Number of elements before the region of this frame.

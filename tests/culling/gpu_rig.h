@@ -61,6 +61,7 @@ struct Rig {
     const std::vector<core::Slot> touched = snapshot.apply(delta);
     ASSERT_TRUE(gpu.append(snapshot));
     gpu.update(snapshot, touched);
+    ASSERT_TRUE(gpu.upload_meshes(core::kNoDeadline));
     ASSERT_TRUE(culler.update(snapshot, gpu, touched));
   }
 };

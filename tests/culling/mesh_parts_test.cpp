@@ -46,9 +46,10 @@ class MeshParts : public GlTest, public testing::WithParamInterface<culling::Gpu
   /// Gives levels to all meshes that lack them.
   static void give_levels(Rig& rig) {
     std::vector<gpuscene::MeshPool::LevelsOfMesh> given;
-    for (const auto& mesh : rig.gpu.take_new_meshes())
+    for (const auto& mesh : rig.gpu.take_new_meshes(1000))
       given.push_back({mesh, std::make_shared<const lod::MeshLevels>(lod::build_levels(*mesh, 1))});
-    ASSERT_TRUE(rig.gpu.add_levels(given));
+    rig.gpu.add_levels(given);
+    ASSERT_TRUE(rig.gpu.upload_levels(core::kNoDeadline));
   }
 
   /// By record, which clusters are drawn. Every command names a cluster, or a mesh without parts.
@@ -68,7 +69,7 @@ class MeshParts : public GlTest, public testing::WithParamInterface<culling::Gpu
     for (const gpuscene::ElementsCommand& command : commands) {
       const std::uint32_t record = command.base_instance;
       const lod::MeshLevels* levels = rig.gpu.meshes().levels(record);
-      const gpuscene::ElementsCommand& whole = rig.gpu.meshes().commands()[record];
+      const gpuscene::ElementsCommand whole = rig.gpu.meshes().command(record);
       EXPECT_EQ(command.base_vertex, whole.base_vertex);
       EXPECT_EQ(command.instance_count, 1u);
       EXPECT_TRUE(levels);
@@ -250,6 +251,7 @@ TEST_P(MeshParts, FollowEdits) {
     const auto larger = rig.gpu.append(rig.snapshot);
     ASSERT_TRUE(larger);
     rig.gpu.update(rig.snapshot, touched);
+    ASSERT_TRUE(rig.gpu.upload_meshes(core::kNoDeadline));
     if (*larger) {
       rig.lists = std::move(*gpuscene::DrawLists::create(*context, rig.gpu));
       rig.culler = std::move(*culling::GpuCuller::create(*context, rig.snapshot, rig.gpu, GetParam()));

@@ -156,7 +156,7 @@ class GpuCuller {
   core::Expected<void> choose_variant(const gl::Context& context, const core::Snapshot& snapshot,
                                       const gpuscene::GpuScene& scene);
   core::Expected<void> follow_levels(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
-  void write_commands(const CullBatch& batch, const gpuscene::MeshPool& pool, std::span<const std::uint32_t> records);
+  void write_commands(CullBatch& batch, const gpuscene::MeshPool& pool, std::span<const std::uint32_t> records);
   void upload_planes(const core::View& view, const CullPlanes& planes, const core::ItemBounds& bounds,
                      const lod::ImageError* error) const;
   CullBatch* mesh_batch();
@@ -173,7 +173,7 @@ class GpuCuller {
   gpuscene::ElementWriter writer_;
   core::Slot slot_count_ = 0;
   bool uses_layers_ = false;
-  std::uint64_t levels_version_ = 0;    // MeshPool::levels_version() that parts follow
+  std::uint64_t pool_version_ = 0;      // MeshPool::version() that commands and parts follow
   std::size_t most_mesh_commands_ = 0;  // that shaders can address
   std::unique_ptr<GpuPass> pass_;
   bool variant_settled_ = true;

@@ -29,8 +29,8 @@ class MeshParts {
 
   /// Whether update() would change what a record is drawn by.
   bool differs(const gpuscene::MeshPool& pool, std::uint32_t record) const;
-  /// Follows records that are new, given up or have moved, or whose meshes have got levels. `slots`: of all records.
-  /// Fails when the GPU has too little memory.
+  /// Follows records that are new, given up or have moved, or whose meshes have got levels or another place. `slots`:
+  /// of all records. Fails when the GPU has too little memory.
   core::Expected<void> update(const gl::Functions& gl, const core::Snapshot& snapshot, const gpuscene::MeshPool& pool,
                               std::span<const std::uint32_t> records, std::span<const core::Slot> slots,
                               gpuscene::ElementWriter& writer);
@@ -72,6 +72,8 @@ class MeshParts {
   struct Mesh {
     std::shared_ptr<const lod::MeshLevels> levels;
     std::uint32_t details, users;
+    std::uint32_t first_index;  // as the commands of its records have them
+    std::int32_t base_vertex;
   };
 
   std::uint32_t instance_of(std::uint32_t record) const {
@@ -79,10 +81,10 @@ class MeshParts {
   }
   void add(std::uint32_t record, std::shared_ptr<const lod::MeshLevels> levels,
            const gpuscene::ElementsCommand& command);
-  void place(const core::Snapshot& snapshot, const gpuscene::MeshPool& pool, std::uint32_t instance, core::Slot slot);
+  void place(const core::Snapshot& snapshot, std::uint32_t instance, core::Slot slot);
   void release(std::uint32_t instance);
-  std::uint32_t mesh_of(std::shared_ptr<const lod::MeshLevels> levels, std::uint32_t first_index);
-  void write_mesh(const Mesh& mesh, std::uint32_t first_index);
+  std::uint32_t mesh_of(std::shared_ptr<const lod::MeshLevels> levels, const gpuscene::ElementsCommand& command);
+  void write_mesh(const Mesh& mesh);
   void write(std::uint32_t place, const Texel& texel) { detail_writes_.emplace_back(place, texel); }
   void mark(const Instance& instance);
   Cluster make_cluster(const core::Snapshot& snapshot, std::uint32_t cluster, std::span<const core::Slot> slots) const;

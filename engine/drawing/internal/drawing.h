@@ -40,7 +40,9 @@ class Drawing : public Backend {
   core::Expected<void> add_culler(const core::Snapshot& snapshot) override;
 
   core::Expected<void> update(Edit edit, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
-                              std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) override;
+                              std::span<const core::Slot> touched, std::span<const std::uint32_t> materials,
+                              core::Deadline deadline) override;
+  core::Expected<bool> upload_meshes(core::Deadline deadline) override;
   void follow_later(std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) override {
     upload_.follow_later(touched, materials);
   }
@@ -101,6 +103,8 @@ class Drawing : public Backend {
   core::Expected<void> follow_edit(Edit edit, const core::Snapshot& snapshot, std::span<const core::Slot> touched,
                                    std::span<const std::uint32_t> materials);
   core::Expected<render::RenderTarget> make_target(int width, int height) const;
+  bool wants_levels() const { return context_.config.losses.lod_error > 0.0; }
+  void follow_meshes();
   core::Expected<void> follow_levels(core::Deadline deadline);
   void image_changed();
   void images_changed();
@@ -114,6 +118,7 @@ class Drawing : public Backend {
   std::optional<gl::Context> own_context_;  // none when the context is the application's
   FrameQueue queue_;
   GpuUpload upload_;           // of the first order, or of another one beside the one that is drawn
+  int packs_ = 0;              // MeshPool::packs() that draw lists follow
   std::size_t warmed_up_ = 0;  // batches of which advance() has drawn an item
   GpuCulling culling_;
   OpaqueItems opaque_;

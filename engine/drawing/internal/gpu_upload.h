@@ -39,8 +39,8 @@ class GpuUpload {
   void abandon();
   /// Notes an edit of the snapshot for later: touched slots (Snapshot::apply) and materials (SceneDelta::materials).
   void follow_later(std::span<const core::Slot> touched, std::span<const std::uint32_t> materials);
-  /// Works until the deadline, but at least a little; true once all is uploaded. Single meshes, programs and the GPU
-  /// culler are not interrupted.
+  /// Works until the deadline, but at least a little; true once all is uploaded. Single programs and the GPU culler are
+  /// not interrupted.
   core::Expected<bool> advance(const DrawContext& context, GpuCulling& culling, const core::Snapshot& snapshot,
                                const gpuprims::Joints& joints, bool gpu_culls, core::Deadline deadline);
   /// Ends the upload and returns what it has made.

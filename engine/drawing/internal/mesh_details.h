@@ -16,17 +16,20 @@
 namespace sightline::engine {
 
 /// Large meshes get clusters, and where levels are asked for all meshes that gain by them get levels: those that came
-/// with them, else a thread builds each once. It starts with the first mesh. Meshes that no item has are forgotten with
-/// the next scene.
+/// with them, else a thread builds each once. It starts with the first mesh. Meshes that no item has any more are
+/// forgotten when the scene has followed that, and what is being built of them is cancelled.
 class MeshDetails {
  public:
-  /// Gives a scene what is ready and it lacks, until the deadline but at least some, and has built what is not.
-  /// `levels`: they are asked for.
+  ~MeshDetails();
+  /// Follows which meshes the scene has got and given up. `levels`: they are asked for.
+  void follow(gpuscene::GpuScene& scene, bool levels);
+  /// Follows the scene, gives it what is ready, and uploads that until the deadline but at least a little.
   core::Expected<void> advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline);
   /// Begins to build levels before the first advance() that asks for them. The scene is that of the next one.
-  void want_levels(const gpuscene::GpuScene& scene);
-  /// The next advance() is with another scene, which has nothing yet.
-  void forget_scene() { scene_known_ = false; }
+  void want_levels(gpuscene::GpuScene& scene);
+  /// Keeps what a new engine would have, for a scene that was made anew: nothing of other meshes, and levels only where
+  /// they are asked for.
+  void keep_only(const gpuscene::GpuScene& scene, bool levels);
   /// Waits until everything that was asked for is built.
   void wait();
   /// Whether any mesh has clusters or will have some.
@@ -35,22 +38,25 @@ class MeshDetails {
 
  private:
   using Levels = gpuscene::MeshPool::LevelsOfMesh;
+  using Meshes = std::span<const std::shared_ptr<const core::Mesh>>;
   /// What is wanted of a mesh: levels, or clusters alone. `of` holds them once they are built.
   struct Wanted {
     Levels of;
     bool levels = false;
+    std::stop_source stop;  // of building it; also tells whether two are of the same call of want()
   };
 
-  void want(std::span<const std::shared_ptr<const core::Mesh>> meshes);
-  void begin(const gpuscene::GpuScene& scene);
-  void take_built();
+  void want(gpuscene::GpuScene& scene, Meshes meshes);
+  void forget(const core::Mesh& mesh);
+  void drop_cancelled();
+  void give_built(gpuscene::GpuScene& scene);
   void run(const std::stop_token& stop);
-  static void build(std::vector<Wanted>& work, const std::stop_token& stop);
+  static void build(std::vector<Wanted>& work);
 
   std::unordered_map<const core::Mesh*, Wanted> known_;
-  std::vector<Levels> given_;  // ready, for the scene of advance()
-  bool scene_known_ = false, levels_wanted_ = false;
-  std::mutex mutex_;  // guards what follows
+  bool levels_wanted_ = false;
+  std::size_t cancelled_ = 0;  // of wanted_, at most
+  mutable std::mutex mutex_;   // guards what follows
   std::condition_variable_any changed_;
   std::vector<Wanted> wanted_, built_;
   bool works_ = false;
