@@ -159,7 +159,7 @@ bool Tracer::Impl::is_built_from(std::uint32_t index, const std::shared_ptr<cons
   return !built_from_[index].owner_before(mesh) && !mesh.owner_before(built_from_[index]);
 }
 
-core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_unused]] int threads,
+core::Expected<void> Tracer::Impl::add_meshes(std::span<const Slot> slots, [[maybe_unused]] int threads,
                                               const std::stop_token& stop) {
   std::vector<Slot> firsts;  // one for each new mesh
   for (const Slot slot : slots) {
@@ -197,13 +197,30 @@ core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_u
   return {};
 }
 
+/// Counts which of these slots hold meshes, and frees the trees of meshes that no slot holds any more.
+void Tracer::Impl::count_users(std::span<const Slot> slots) {
+  counted_.resize(snapshot_->size());
+  users_.resize(meshes_.size());
+  for (const bool held : {true, false})  // first those that hold one: another mesh may have got the index of a former
+    for (const Slot slot : slots) {
+      if ((snapshot_->item(slot) != core::kNoItem) != held || counted_[slot] == held) continue;
+      counted_[slot] = held;
+      const std::uint32_t index = mesh_index(slot);
+      if (held)
+        ++users_[index];
+      else if (--users_[index] == 0)
+        meshes_[index] = nullptr, built_from_[index].reset();
+    }
+}
+
 core::Expected<void> Tracer::Impl::build(int threads, const std::stop_token& stop) {
   std::vector<Slot> slots;
   for (const Kind kind : {Kind::kFacetGroup, Kind::kMesh}) {
     const auto& of_kind = snapshot_->of_kind(kind).members;
     slots.insert(slots.end(), of_kind.begin(), of_kind.end());
   }
-  if (auto done = add_meshes(std::move(slots), threads, stop); !done) return done;
+  if (auto done = add_meshes(slots, threads, stop); !done) return done;
+  count_users(slots);
   if (!stop.stop_requested()) items_ = ItemTrees(snapshot_->bounds(), threads, stop);
   if (stop.stop_requested()) return core::fail("tracer: stopped");
   return {};
@@ -215,7 +232,8 @@ core::Expected<void> Tracer::Impl::update(std::span<const Slot> touched) {
     if (is_mesh(snapshot_->kind(slot))) slots.push_back(slot);
   for (std::size_t slot = items_.slot_count(); slot < snapshot_->size(); ++slot)
     if (is_mesh(snapshot_->kind(Slot(slot)))) slots.push_back(Slot(slot));
-  if (auto done = add_meshes(std::move(slots), 1); !done) return done;
+  if (auto done = add_meshes(slots, 1); !done) return done;
+  count_users(slots);
   items_.update(snapshot_->bounds(), touched);
   return {};
 }

@@ -156,12 +156,15 @@ class Tracer::Impl {
     return snapshot_->of_kind(snapshot_->kind(slot)).meshes[snapshot_->index_in_kind(slot)];
   }
   bool is_built_from(std::uint32_t index, const std::shared_ptr<const core::Mesh>& mesh) const;
-  core::Expected<void> add_meshes(std::vector<Slot> slots, int threads, const std::stop_token& stop = {});
+  core::Expected<void> add_meshes(std::span<const Slot> slots, int threads, const std::stop_token& stop = {});
+  void count_users(std::span<const Slot> slots);
 
   const core::Snapshot* snapshot_;
   ItemTrees items_;
   std::vector<std::unique_ptr<const MeshTree>> meshes_;  // by mesh index; null: no item has had it
   std::vector<std::weak_ptr<const core::Mesh>> built_from_;
+  std::vector<std::uint32_t> users_;  // by mesh index: slots that counted_ has
+  std::vector<bool> counted_;         // by slot
   // What they enclose, 1 more than core::Enclosure; 0 until a section cuts one.
   mutable std::deque<std::atomic<std::uint8_t>> enclosures_;
 };

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/engine.h"
+#include "sightline/gpuprims/internal/sphere.h"
 
 namespace sightline::engine::pick_test {
 namespace {
@@ -325,6 +326,36 @@ TEST(Pick, FollowsEditsAndNewVersions) {
 }
 
 /// An order made in the background comes with its tracer.
+/// What picks keep of a mesh comes back with the commit that follows its removal, though another one has its index.
+TEST(Pick, ForgetsMeshesThatAreGone) {
+  Balls balls(3);
+  core::Scene& scene = balls.scene;
+  scene.reuse_ids(true);
+  auto engine = Engine::create(scene, balls.config());
+  ASSERT_TRUE(engine);
+  EXPECT_EQ(balls.pick(*engine, 1, 1), balls.items[4]);
+  std::size_t first = 0;
+  for (int round = 0; round < 40; ++round) {
+    core::Mesh plate = gpuprims::tessellate(core::Sphere{0.5f}, {.fixed_segments = 40});
+    const core::MeshId mesh = scene.add_mesh(std::move(plate)).value();
+    const core::ItemId item = scene.add_mesh_instance(scene.root(), mesh, core::translation({1.5, 1.5, 5.0}));
+    const core::ItemId other = scene.add_mesh_instance(scene.root(), mesh, core::translation({0.5, 0.5, 5.0}));
+    ASSERT_TRUE(engine->commit());
+    ASSERT_EQ(balls.pick(*engine, 1, 1), item);
+    if (round == 0) first = engine->memory().tracer;
+    EXPECT_LE(engine->memory().tracer, first + (std::size_t(1) << 16)) << round;
+    scene.remove_item(item);
+    ASSERT_TRUE(engine->commit());
+    ASSERT_EQ(balls.pick(*engine, 0, 0), other);
+    scene.remove_item(other);
+    scene.remove_mesh(mesh);
+    if (round % 2 == 0) {  // else another mesh comes in the same commit
+      ASSERT_TRUE(engine->commit());
+      ASSERT_EQ(balls.pick(*engine, 1, 1), balls.items[4]);
+    }
+  }
+}
+
 TEST(Pick, FollowsBackgroundRebuilds) {
   Balls balls(40);
   EngineConfig config = balls.config();
