@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/core/internal/access.h"
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/core/scene_samples.h"
 
@@ -204,6 +205,85 @@ TEST(SceneCommit, EachSubscriptionGetsWhatWasPublishedSinceItAsked) {
   ASSERT_TRUE(scene->commit());
   scene.reset();
   EXPECT_EQ(early.take().removed, Ids{second}) << "published while there was a scene";
+}
+
+/// Random edits of a tree, among them nodes that are moved above and below each other.
+void edit(Scene& scene, std::vector<NodeId>& nodes, Random& random) {
+  for (int i = 0; i < 60; ++i) {
+    const NodeId node = nodes[random() % nodes.size()];
+    const auto item = ItemId(random() % (scene.item_slots() + 1));
+    const bool known = scene.contains_item(item);
+    switch (random() % 7) {
+      case 0:
+        nodes.push_back(scene.add_node(node, "node"));
+        break;
+      case 1:
+        scene.set_transform(node, translation({double(i), 0, 0}));
+        break;
+      case 2:
+        if (known) scene.remove_item(item);
+        break;
+      case 3:
+        if (known) scene.set_visible(item, i % 2 == 0);
+        break;
+      case 4:
+        scene.add_material({"", {0.1f, 0.2f, 0.3f}});
+        break;
+      default:
+        scene.add_primitive(node, kPipe, translation({0, double(i), 0}));
+    }
+  }
+}
+
+TEST(SceneCommit, InPiecesPublishesWhatOneCommitDoes) {
+  constexpr std::size_t kPiece = 7;
+  Scene scene;
+  Random random(3);
+  std::vector<NodeId> nodes{scene.root()};
+  std::size_t pieces = 0;
+  for (int round = 0; round < 200; ++round) {
+    SCOPED_TRACE(testing::Message() << "seed 3, round " << round);
+    edit(scene, nodes, random);
+    Scene twin = scene;
+    const auto wanted = twin.commit();
+    ASSERT_TRUE(wanted);
+    SceneSubscription subscription = scene.subscribe();
+    SceneDelta published;
+    while (Access::has_edits(scene)) {
+      const auto piece = Access::publish(scene, kPiece);
+      ASSERT_TRUE(piece);
+      ASSERT_LE(piece->size() - piece->materials.size(), kPiece);
+      published.append(*piece);
+      ++pieces;
+    }
+    ASSERT_EQ(published.inserted, wanted->inserted);
+    ASSERT_EQ(published.changed, wanted->changed);
+    ASSERT_EQ(published.removed, wanted->removed);
+    ASSERT_EQ(published.materials, wanted->materials);
+    const SceneDelta taken = subscription.take();
+    ASSERT_EQ(taken.inserted, wanted->inserted);
+    ASSERT_EQ(taken.changed, wanted->changed);
+    ASSERT_EQ(taken.removed, wanted->removed);
+  }
+  EXPECT_GT(pieces, 1000u);
+}
+
+TEST(SceneCommit, InPiecesLosesNothingWhereOneIsRefused) {
+  Scene scene;
+  Ids items;
+  for (int i = 0; i < 20; ++i) items.push_back(scene.add_primitive(scene.root(), kPipe));
+  scene.set_placement(items[9], translation({kNan, 0, 0}));
+  std::size_t published = 0;
+  for (;;) {
+    const auto piece = Access::publish(scene, 3);
+    if (!piece) break;
+    published += piece->inserted.size();
+    ASSERT_LT(published, 20u);
+  }
+  EXPECT_FALSE(Access::publish(scene, 3));
+  scene.set_placement(items[9], {});
+  while (Access::has_edits(scene)) published += Access::publish(scene, 3)->inserted.size();
+  EXPECT_EQ(published, 20u);
 }
 
 }  // namespace

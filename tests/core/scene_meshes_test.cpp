@@ -1,5 +1,6 @@
 // Meshes and materials of a scene.
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -159,6 +160,31 @@ TEST(SceneMeshes, MeshBoundsFollowTheVerticesNotTheirBox) {
   const ItemId nothing = scene.add_mesh_instance(scene.root(), scene.add_mesh({}).value());
   EXPECT_TRUE(scene.bounds_under(nothing, {}).empty());
   EXPECT_TRUE(scene.commit()) << "empty meshes may be committed";
+}
+
+/// Turned by right angles at most, the box of the vertices' box is that of the vertices, to the bit.
+TEST(SceneMeshes, MeshBoundsAreThoseOfTheVertices) {
+  Random random(7);
+  for (int round = 0; round < 2000; ++round) {
+    SCOPED_TRACE(testing::Message() << "seed 7, round " << round);
+    Scene scene;
+    Mesh mesh;
+    for (int i = 0; i < 9; ++i)
+      mesh.positions.emplace_back(uniform(random, -1, 1), uniform(random, -1e3, 1e3), uniform(random, 5, 6));
+    const ItemId item = scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh).value());
+    Affine place = translation({uniform(random, -1e6, 1e6), uniform(random, -1, 1), 0.0});
+    place.linear = dmat3(0.0);
+    const int shift = int(random() % 3);
+    for (int i = 0; i < 3; ++i)
+      if (random() % 5 > 0) place.linear[i][(i + shift) % 3] = uniform(random, -2, 2);
+    AabbD wanted;
+    for (const vec3& p : mesh.positions) wanted.grow(transform_point(place, dvec3(p)));
+    const dvec3 pad =
+        16.0 * std::numeric_limits<double>::epsilon() * glm::max(glm::abs(wanted.min), glm::abs(wanted.max));
+    const AabbD box = scene.bounds_under(item, place);
+    ASSERT_EQ(box.min, wanted.min - pad);
+    ASSERT_EQ(box.max, wanted.max + pad);
+  }
 }
 
 }  // namespace
