@@ -11,7 +11,7 @@ namespace sightline::engine {
 namespace {
 
 constexpr double kFewSlots = 256.0;           // fewer are not worth a thread
-constexpr std::size_t kCommittedPiece = 512;  // edits at a time, where a commit goes on later
+constexpr std::size_t kCommittedPiece = 256;  // edits at a time, where a commit goes on later
 constexpr double kShareOfSnapshot = 0.75;     // of the time that making an engine takes
 // Frames and commits work so long for a new scene version that is to land: seconds, and a share of what the last frame
 // took.
@@ -65,9 +65,10 @@ core::Expected<void> follow_order(EngineState& s) {
 }
 
 /// Works a little on what the backend needs for the new scene version. Whether it has all.
-core::Expected<bool> prepare_landing(EngineState& s) {
+core::Expected<bool> prepare_landing(EngineState& s, double most_seconds) {
   if (s.backend->lost()) drop_context(s);
-  const double seconds = std::clamp(kLandingShare * s.frame_seconds, kLeastLanding, kMostLanding);
+  const double seconds =
+      std::min(std::clamp(kLandingShare * s.frame_seconds, kLeastLanding, kMostLanding), most_seconds);
   auto done = s.backend->advance_version(*s.landing->snapshot, s.landing->joints, s.live.plan.gpu_culls(),
                                          core::deadline_in(seconds));
   if (!done && s.backend->lost()) {
@@ -96,7 +97,7 @@ core::Expected<void> build(EngineState& s, const Engine::Progress& progress) {
   return follow_order(s);
 }
 
-core::Expected<void> land(EngineState& s) {
+core::Expected<void> land(EngineState& s, double most_seconds) {
   if (!s.rebuild) return {};
   if (s.rebuild->finished()) {
     s.rebuild.reset();
@@ -108,7 +109,7 @@ core::Expected<void> land(EngineState& s) {
     s.landing = std::move(made);
   }
   const auto kept = s.keep_state();
-  const auto prepared = prepare_landing(s);
+  const auto prepared = prepare_landing(s, most_seconds);
   if (!prepared) return tl::unexpected(prepared.error());
   if (!*prepared) return {};
   s.new_tracer.interrupt(s.live);
@@ -251,7 +252,7 @@ core::Expected<void> Engine::commit() {
 core::Expected<bool> Engine::commit(double seconds) {
   const core::Deadline deadline = core::deadline_in(seconds);
   if (state_->config.culling.part.count > 1) return commit().map([] { return true; });
-  if (auto landed = land(*state_); !landed) return tl::unexpected(landed.error());
+  if (auto landed = land(*state_, 0.5 * seconds); !landed) return tl::unexpected(landed.error());
   return engine::commit(*state_, deadline);
 }
 

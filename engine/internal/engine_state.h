@@ -78,8 +78,9 @@ core::Expected<void> switch_image(EngineState& s, std::uint32_t number);
 // --- scene_versions.cpp ---
 /// Builds everything that the plan names. The scene must be committed.
 core::Expected<void> build(EngineState& s, const Engine::Progress& progress = {});
-/// Brings in a new scene version when one is ready and the backend has what it needs for it.
-core::Expected<void> land(EngineState& s);
+/// Brings in a new scene version when one is ready and the backend has what it needs for it. Works for that for a part
+/// of a frame's time, and for `most_seconds` at most.
+core::Expected<void> land(EngineState& s, double most_seconds = 1.0);
 void abandon_rebuild(EngineState& s);
 /// Makes the hybrid culler follow the plan, the scene and the context.
 void follow_hybrid(EngineState& s);
