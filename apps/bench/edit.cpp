@@ -4,7 +4,7 @@
 // parts of the commit (validation by the scene, snapshot, culler), and culling along a path before, after, and in the
 // new order that the engine would land. Then edits and culls frame by frame with an engine while its rebuild runs.
 // Last the same boxes in a BoxCuller: updates one by one and in batches, refit and a new culler, and culling after
-// each.
+// each. By itself: what portions of commits take of the calling thread's time (portions.h).
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -17,6 +17,7 @@
 
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/models/plant_boxes.h"
+#include "sightline/apps/bench/portions.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/core/internal/snapshot_copies.h"
@@ -411,7 +412,18 @@ void print_scenes(const Json& json, std::FILE* out) {
       r["longest_commit_ms"].get<double>());
 }
 
+void print_portions(const Json& json, std::FILE* out) {
+  std::fprintf(out,
+               "portions of 4 ms in a drawn scene, ms of the calling thread\n%-32s portions longest |  frame longest\n",
+               "");
+  for (const Json& p : json["portions"])
+    std::fprintf(out, "%-32s %8d %7.1f | %6.1f %7.1f\n", p["what"].get<std::string>().c_str(), p["portions"].get<int>(),
+                 p.contains("portion_ms_longest") ? p["portion_ms_longest"].get<double>() : 0.0,
+                 p["frame_ms"].get<double>(), p["frame_ms_longest"].get<double>());
+}
+
 void print_table(const Json& json, std::FILE* out) {
+  if (json.contains("portions")) print_portions(json, out);
   if (json.contains("edits")) print_scenes(json, out);
   if (json.contains("boxes")) print_boxes(json, out);
 }
@@ -433,6 +445,12 @@ core::Expected<int> run(const Options& options) {
   if (!views) return tl::unexpected(views.error());
   if (views->empty()) return core::fail(options.views + ": no views");
   Json json{{"items", options.items}, {"commits", options.commits}, {"views", views->size()}};
+  if (options.subject == "portions") {
+    auto figures = measure_portions(options.items);
+    if (!figures) return tl::unexpected(figures.error());
+    json["portions"] = std::move(*figures);
+    return finish(options.json, json, print_table);
+  }
   if (options.subject != "boxes")
     if (auto done = measure_scenes(options, *views, json); !done) return tl::unexpected(done.error());
   if (options.subject != "scenes") {
@@ -452,8 +470,8 @@ void add_options(apps::CommandLine& line, Options& options) {
       .shows_default();
   line.add("--share", options.share, "of the items, edited per commit").in_range(1e-6, 0.1).shows_default();
   line.add("--subject", options.subject,
-           "what is edited: scenes, the boxes of a BoxCuller, or first one, then the other")
-      .one_of({"all", "scenes", "boxes"})
+           "what is edited: scenes, the boxes of a BoxCuller, first one, then the other, or a drawn scene in portions")
+      .one_of({"all", "scenes", "boxes", "portions"})
       .shows_default();
   line.add("--commits", options.commits, "of each kind of edit, one after the other").in_range(1, 9).shows_default();
   add_views_option(line, options.views);
