@@ -339,8 +339,8 @@ class SIGHTLINE_API Engine {
   /// The same in portions, for a thread that must not stop: works for about `seconds` and returns whether all edits are
   /// followed. Frames show those that are, and a mesh once it is uploaded as a whole; call it again for the others,
   /// which are then read as the scene has them. Edits are validated piece by piece, too: where one is refused, those
-  /// before it are followed. Longer than that take single steps: the first frame of a kind of items, enlarging records
-  /// of a kind, a node with very many items of its own, removed materials, and what engines that cull on the GPU make.
+  /// before it are followed. Longer than that take single steps: arrays of a scene that outgrow their headroom, a
+  /// node with very many items of its own, removed materials, a tracer for picks, and what a culler on the GPU needs.
   core::Expected<bool> commit(double seconds);
   /// Makes a new scene version at once, the one that a new engine would have. Stops a rebuild in the background.
   core::Expected<void> rebuild();
