@@ -5,8 +5,8 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -22,6 +22,7 @@
 #include <unistd.h>
 
 #include "sightline/importers/cad/internal/cad_messages.h"
+#include "sightline/importers/cad/internal/temporary_folder.h"
 #include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/loaded_module.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
@@ -42,26 +43,6 @@ core::Expected<ImportReport> read_by_module(const fs::path& path, core::Scene& s
                                   path.filename().string(), module.error));
   return (*static_cast<const Read*>(module.entry))(path, scene, parent, options);
 }
-
-/// A folder that is gone when this is.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code failed;
-    std::string pattern = (fs::temp_directory_path(failed) / "sightline-XXXXXX").string();
-    if (!failed && mkdtemp(pattern.data())) path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }  ///< empty: none can be made
-
- private:
-  fs::path path_;
-};
 
 std::uint64_t memory_limit() {
   const auto pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
@@ -157,6 +138,43 @@ std::string end_of(int status, std::uint64_t seconds) {
   return fmt::format("its reader ended with {}", WEXITSTATUS(status));
 }
 
+constexpr double kHandingOver = 0.05;  // share of the time
+
+std::vector<std::string> arguments_for(const fs::path& path, const fs::path& result, const ImportOptions& options) {
+  const auto option = [](const char* key, const auto& value) { return fmt::format("{}={}", key, value); };
+  return {cad::kProgram,
+          path.string(),
+          result.string(),
+          option(cad::kTolerance, options.chord_tolerance),
+          option(cad::kAngle, options.chord_angle),
+          option(cad::kLenient, int(options.lenient)),
+          option(cad::kThreads, options.threads),
+          option(cad::kMemory, memory_limit()),
+          option(cad::kSeconds, second_limit(path))};
+}
+
+/// Waits for the reader's end, and returns its status; nothing where the caller cancels. `shown` rises.
+std::optional<int> wait_for(Reader& reader, const ImportOptions& options, double& shown) {
+  while (reader.listen()) {
+    shown = std::max(shown, (1.0 - kHandingOver) * reader.share());
+    if (options.progress && !options.progress(shown)) return std::nullopt;
+  }
+  return reader.wait();
+}
+
+core::Expected<ImportReport> take_over(const fs::path& path, const fs::path& result, core::Scene& scene,
+                                       core::NodeId parent, const ImportOptions& options) {
+  ImportOptions handing_over;
+  if (options.progress)
+    handing_over.progress = [&](double share) { return options.progress(1.0 - kHandingOver * (1.0 - share)); };
+  auto report = read_slc(result, scene, parent, handing_over);
+  if (!report) return report;
+  report->from_cache = false;
+  std::error_code ignored;
+  report->bytes = fs::file_size(path, ignored);
+  return report;
+}
+
 core::Expected<ImportReport> read_apart(const fs::path& path, core::Scene& scene, core::NodeId parent,
                                         const ImportOptions& options) {
   const std::string name = path.filename().string();
@@ -167,33 +185,29 @@ core::Expected<ImportReport> read_apart(const fs::path& path, core::Scene& scene
   const TemporaryFolder folder;
   if (folder.path().empty()) return core::fail(fmt::format("{}: no temporary folder can be made", name));
   const fs::path result = folder.path() / "scene.slc";
-  const std::uint64_t seconds = second_limit(path);
-  const auto option = [](const char* key, const auto& value) { return fmt::format("{}={}", key, value); };
-  Reader reader;
-  if (auto started = reader.start(
-          *program, {cad::kProgram, path.string(), result.string(), option(cad::kTolerance, options.chord_tolerance),
-                     option(cad::kAngle, options.chord_angle), option(cad::kLenient, int(options.lenient)),
-                     option(cad::kThreads, options.threads), option(cad::kMemory, memory_limit()),
-                     option(cad::kSeconds, seconds)});
-      !started)
-    return core::fail(fmt::format("{}: {}", name, started.error().message));
-  constexpr double kHandingOver = 0.05;  // share of the time
-  while (reader.listen())
-    if (options.progress && !options.progress((1.0 - kHandingOver) * reader.share()))
-      return core::fail(std::string(kCancelled));
-  const int status = reader.wait();
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return core::fail(reader.error().empty() ? fmt::format("{}: {}", name, end_of(status, seconds)) : reader.error());
-  ImportOptions handing_over;
-  if (options.progress)
-    handing_over.progress = [&](double share) { return options.progress(1.0 - kHandingOver * (1.0 - share)); };
-  auto report = read_slc(result, scene, parent, handing_over);
-  if (!report) return report;
-  report->side_files = std::move(reader.side_files());
-  report->from_cache = false;
-  std::error_code ignored;
-  report->bytes = fs::file_size(path, ignored);
-  return report;
+  std::vector<std::string> arguments = arguments_for(path, result, options);
+  std::string crash;  // of the first reader
+  double shown = 0.0;
+  for (;;) {
+    Reader reader;
+    if (auto started = reader.start(*program, arguments); !started)
+      return core::fail(fmt::format("{}: {}", name, started.error().message));
+    const auto status = wait_for(reader, options, shown);
+    if (!status) return core::fail(std::string(kCancelled));
+    if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) {
+      auto report = take_over(path, result, scene, parent, options);
+      if (!report) return report;
+      report->side_files = std::move(reader.side_files());
+      if (!crash.empty()) report->warnings.insert(report->warnings.begin(), {name, 0, crash + cad::shapes_alone(path)});
+      return report;
+    }
+    const bool crashed = WIFSIGNALED(*status) && WTERMSIG(*status) != SIGXCPU;
+    if (crash.empty() && !reader.error().empty()) return core::fail(reader.error());
+    if (!crash.empty() || !crashed)
+      return core::fail(fmt::format("{}: {}", name, crash.empty() ? end_of(*status, second_limit(path)) : crash));
+    crash = end_of(*status, 0);
+    arguments.push_back(fmt::format("{}=1", cad::kShapesAlone));
+  }
 }
 
 }  // namespace

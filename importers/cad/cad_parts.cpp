@@ -1,14 +1,13 @@
 #include "sightline/importers/cad/internal/cad_parts.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <BRepBndLib.hxx>
 #include <BRep_Builder.hxx>
 #include <Bnd_Box.hxx>
 #include <Quantity_ColorRGBA.hxx>
-#include <TCollection_AsciiString.hxx>
 #include <TDF_LabelSequence.hxx>
-#include <TDataStd_Name.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_DataMapOfShapeInteger.hxx>
@@ -30,18 +29,14 @@ constexpr double kMillimetres = 1e3;  // a metre
 /// The looks and names that a part gives to shapes in it.
 class ShapeWalk {
  public:
-  ShapeWalk(const TDF_Label& part, const CadDocument& document, CadStyles& styles) {
+  ShapeWalk(const TDF_Label& part, const CadDocument& document, CadStyles& styles) : document_(document) {
     TDF_LabelSequence labels;
     XCAFDoc_ShapeTool::GetSubShapes(part, labels);
     for (const TDF_Label& label : labels) {
       TopoDS_Shape shape;
       if (!XCAFDoc_ShapeTool::GetShape(label, shape)) continue;
       if (const std::uint32_t style = styles.of(label, document); style != kInherited) styles_.Bind(shape, int(style));
-      Handle(TDataStd_Name) name;
-      if (label.FindAttribute(TDataStd_Name::GetID(), name)) {
-        names_.push_back(TCollection_AsciiString(name->Get()).ToCString());
-        named_.Bind(shape, int(names_.size() - 1));
-      }
+      if (std::string name = name_of(label); !name.empty()) names_.emplace(shape.TShape().get(), std::move(name));
     }
   }
 
@@ -71,7 +66,9 @@ class ShapeWalk {
       case TopAbs_SOLID:
       case TopAbs_SHELL: {
         CadShape::Named found{{shape, {}}, ""};
-        if (const int* name = named_.Seek(shape)) found.name = names_[std::size_t(*name)];
+        for (const BodyNames* names : {&document_.body_names, &std::as_const(names_)})
+          if (const auto at = names->find(shape.TShape().get()); found.name.empty() && at != names->end())
+            found.name = at->second;
         add_faces(shape, style, found.body);
         if (!found.body.faces.empty()) made_.bodies.push_back(std::move(found));
         return;
@@ -102,8 +99,9 @@ class ShapeWalk {
     loose_.faces.push_back({face, style});
   }
 
-  TopTools_DataMapOfShapeInteger styles_, named_;
-  std::vector<std::string> names_;
+  const CadDocument& document_;
+  BodyNames names_;  // of labels
+  TopTools_DataMapOfShapeInteger styles_;
   CadShape made_;
   Body loose_;
   TopoDS_Compound compound_;
@@ -162,12 +160,12 @@ CadShape shape_of(const TDF_Label& part, const CadDocument& document, CadStyles&
   return ShapeWalk(part, document, styles).run(XCAFDoc_ShapeTool::GetShape(part));
 }
 
-CadPart make_part(const CadShape& shape, const ImportOptions& options) {
+CadPart make_part(const CadShape& shape, const ImportOptions& options, bool all_meshes) {
   CadPart made;
   made.curves = shape.curves;
   made.tolerance = tolerance_for(shape, options);
   for (const auto& [body, name] : shape.bodies)
-    for (const SewnBody& whole : made_whole(body)) {
+    for (const SewnBody& whole : all_meshes ? std::vector<SewnBody>{{body, false}} : made_whole(body)) {
       CadPart::Content content{name, kInherited, {}, {}};
       if (auto found = analytic(whole)) {
         content.style = whole.body.faces[0].style;

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <numbers>
 #include <thread>
@@ -17,9 +18,7 @@
 #include <Message_ProgressScope.hxx>
 #include <Standard_Failure.hxx>
 #include <TColStd_HSequenceOfExtendedString.hxx>
-#include <TCollection_AsciiString.hxx>
 #include <TDF_LabelSequence.hxx>
-#include <TDataStd_Name.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
 #include <TopoDS_TShape.hxx>
@@ -33,6 +32,7 @@
 
 #include "sightline/core/internal/disjoint_sets.h"
 #include "sightline/importers/cad/internal/cad_document.h"
+#include "sightline/importers/cad/internal/cad_messages.h"
 #include "sightline/importers/cad/internal/cad_parts.h"
 #include "sightline/importers/cad/internal/occt_maths.h"
 #include "sightline/importers/internal/import_job.h"
@@ -78,15 +78,6 @@ class Progress final : public Message_ProgressIndicator {
   Done done_;
 };
 
-std::string utf8(const TCollection_ExtendedString& text) {
-  return TCollection_AsciiString(text).ToCString();
-}
-
-std::string name_of(const TDF_Label& label) {
-  Handle(TDataStd_Name) name;
-  return label.FindAttribute(TDataStd_Name::GetID(), name) ? utf8(name->Get()) : "";
-}
-
 /// Whether a name says something to people, unlike those that programs make up for instances: "NAUO12", "12", and those
 /// that Open CASCADE makes, "=>[0:1:1:2]".
 bool is_telling(const std::string& name) {
@@ -104,14 +95,18 @@ class Builder {
         layers_(XCAFDoc_DocumentTool::LayerTool(document.handle()->Main())) {}
 
   Done run() {
-    TDF_LabelSequence tops;
-    XCAFDoc_DocumentTool::ShapeTool(document_.handle()->Main())->GetFreeShapes(tops);
+    const std::vector<TDF_Label>& tops = document_.roots;
     for (const TDF_Label& top : tops)
       if (auto found = find_parts(top, 0); !found) return found;
     if (auto made = make_parts(); !made) return made;
     add_meshes();
     for (const TDF_Label& top : tops)
       if (auto added = add(top, job_.file_node()); !added) return added;
+    const auto& items = job_.report().items;
+    const bool nothing = std::all_of(items.begin(), items.end(), [](auto count) { return count == 0; });
+    if (nothing && !document_.lost_parts.empty())
+      return core::fail(
+          fmt::format("{}: none of its parts in other files could be read: {}", job_.file(), document_.lost_parts[0]));
     tell();
     return {};
   }
@@ -128,9 +123,23 @@ class Builder {
     bool used = false;
   };
 
-  static TDF_Label product_of(const TDF_Label& label) {
+  /// What a label is a use of. A part in another file is that file's root where it has one, else an assembly of them.
+  TDF_Label product_of(const TDF_Label& label) const {
     TDF_Label product;
-    return XCAFDoc_ShapeTool::GetReferredShape(label, product) ? product : label;
+    if (!XCAFDoc_ShapeTool::GetReferredShape(label, product)) product = label;
+    const auto elsewhere = document_.parts_elsewhere.find(entry_of(product));
+    const bool one = elsewhere != document_.parts_elsewhere.end() && elsewhere->second.size() == 1 &&
+                     !XCAFDoc_ShapeTool::IsReference(elsewhere->second[0]);
+    return one ? product_of(elsewhere->second[0]) : product;
+  }
+
+  /// The parts of an assembly; none for what is no assembly.
+  std::vector<TDF_Label> components_of(const TDF_Label& product) const {
+    const auto elsewhere = document_.parts_elsewhere.find(entry_of(product));
+    if (elsewhere != document_.parts_elsewhere.end()) return elsewhere->second;
+    TDF_LabelSequence components;
+    if (XCAFDoc_ShapeTool::IsAssembly(product)) XCAFDoc_ShapeTool::GetComponents(product, components);
+    return {components.begin(), components.end()};
   }
 
   /// Lists each part once.
@@ -140,9 +149,7 @@ class Builder {
     const TDF_Label product = product_of(label);
     const std::string entry = entry_of(product);
     if (!seen_.insert({entry, core::kNone}).second) return {};
-    if (XCAFDoc_ShapeTool::IsAssembly(product)) {
-      TDF_LabelSequence components;
-      XCAFDoc_ShapeTool::GetComponents(product, components);
+    if (const std::vector<TDF_Label> components = components_of(product); !components.empty()) {
       for (const TDF_Label& component : components)
         if (auto found = find_parts(component, depth + 1); !found) return found;
       return {};
@@ -170,7 +177,7 @@ class Builder {
   void make(Part& part) const {
     const auto fail = [&](const char* what) { part.failure = what && *what ? what : "cannot be meshed"; };
     try {
-      part.made = make_part(part.shape, job_.options());
+      part.made = make_part(part.shape, job_.options(), document_.shapes_alone);
     } catch (const Standard_Failure& thrown) {
       fail(thrown.GetMessageString());
     } catch (const std::exception& thrown) {
@@ -300,12 +307,9 @@ class Builder {
       scene.set_material(node, material(style));
     note_attributes(node, label, product, name);
     Done done;
-    if (XCAFDoc_ShapeTool::IsAssembly(product)) {
-      if (path_.Length() <= kDeepest) {
-        TDF_LabelSequence components;
-        XCAFDoc_ShapeTool::GetComponents(product, components);
+    if (const std::vector<TDF_Label> components = components_of(product); !components.empty()) {
+      if (path_.Length() <= kDeepest)
         for (auto at = components.begin(); done && at != components.end(); ++at) done = add(*at, node);
-      }
     } else if (const auto found = seen_.find(entry_of(product)); found != seen_.end() && found->second != core::kNone) {
       add_part(parts_[found->second], node);
       done = job_.progress(kReading + kMeshing);
@@ -367,24 +371,44 @@ class Builder {
   TDF_LabelSequence path_;                               // of components, from the top
 };
 
-Done read(ImportJob& job, const std::filesystem::path& path) {
+std::string words_of(const Standard_Failure& thrown) {
+  return fmt::format("Open CASCADE failed: {} {}", thrown.DynamicType()->Name(), thrown.GetMessageString());
+}
+
+/// The document of a file. Its shapes alone where Open CASCADE throws at more.
+Done read_document(ImportJob& job, const std::filesystem::path& path, std::unique_ptr<CadDocument>& document,
+                   const Message_ProgressRange& progress) {
+  constexpr int kFirstTime = 99;  // of a hundred: reading again is rare
+  Message_ProgressScope scope(progress, nullptr, kFirstTime + 1);
+  try {
+    return read_cad_document(job, path, *document, scope.Next(kFirstTime));
+  } catch (const Standard_Failure& thrown) {
+    if (document->shapes_alone) throw;
+    job.warn(0, words_of(thrown) + cad::shapes_alone(path));
+  }
+  document = std::make_unique<CadDocument>();
+  document->shapes_alone = true;
+  return read_cad_document(job, path, *document, scope.Next());
+}
+
+Done read(ImportJob& job, const std::filesystem::path& path, CadDetail detail) {
   const Quiet quiet;
   const Handle(Progress) progress = new Progress(job);
   try {
-    CadDocument document;
-    if (auto done = read_cad_document(job, path, document, progress->Start()); !done) return done;
+    auto document = std::make_unique<CadDocument>();
+    document->shapes_alone = detail == CadDetail::kShapesAlone;
+    if (auto done = read_document(job, path, document, progress->Start()); !done) return done;
     if (!progress->done()) return progress->done();
-    return Builder(job, document).run();
+    return Builder(job, *document).run();
   } catch (const Standard_Failure& thrown) {
-    return core::fail(fmt::format("{}: Open CASCADE failed: {} {}", job.file(), thrown.DynamicType()->Name(),
-                                  thrown.GetMessageString()));
+    return core::fail(fmt::format("{}: {}", job.file(), words_of(thrown)));
   }
 }
 
 }  // namespace
 
 core::Expected<ImportReport> read_cad(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
-                                      const ImportOptions& options) {
+                                      const ImportOptions& options, CadDetail detail) {
   if (!(options.chord_tolerance >= 0.0 && std::isfinite(options.chord_tolerance)))
     return core::fail(fmt::format("{}: chord_tolerance: expected a finite number of at least 0, found {}",
                                   path.filename().string(), options.chord_tolerance));
@@ -401,7 +425,7 @@ core::Expected<ImportReport> read_cad(const std::filesystem::path& path, core::S
     return run_import(path.filename().string(), scene, parent, frame, {1e-3, UpAxis::kZ}, [&](ImportJob& job) {
       std::error_code ignored;
       job.report().bytes = std::filesystem::file_size(path, ignored);
-      return read(job, path);
+      return read(job, path, detail);
     });
   }();
   if (report) report->side_files = std::move(side_files);

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -55,7 +56,7 @@ T number(std::string_view text) {
   return value;
 }
 
-importers::ImportOptions options_from(int count, char** arguments) {
+importers::ImportOptions options_from(int count, char** arguments, importers::CadDetail& detail) {
   importers::ImportOptions options;
   limit(RLIMIT_CORE, 0);
   for (int i = 0; i < count; ++i) {
@@ -65,13 +66,15 @@ importers::ImportOptions options_from(int count, char** arguments) {
     if (name == cad::kAngle) options.chord_angle = number<double>(value);
     if (name == cad::kLenient) options.lenient = value == "1";
     if (name == cad::kThreads) options.threads = number<int>(value);
+    if (name == cad::kShapesAlone && value == "1") detail = importers::CadDetail::kShapesAlone;
     if (name == cad::kMemory && value != "0" && !kSanitized) limit(RLIMIT_AS, number<std::uint64_t>(value));
     if (name == cad::kSeconds) limit(RLIMIT_CPU, number<std::uint64_t>(value));
   }
   return options;
 }
 
-core::Expected<void> run(const char* file, const char* result, importers::ImportOptions options) {
+core::Expected<void> run(const char* file, const char* result, importers::ImportOptions options,
+                         importers::CadDetail detail) {
   constexpr double kReading = 0.9;  // share of the time
   const auto progress = [&](double begin, double share) {
     return [=](double done) {
@@ -81,7 +84,7 @@ core::Expected<void> run(const char* file, const char* result, importers::Import
   };
   options.progress = progress(0.0, kReading);
   core::Scene scene;
-  const auto report = importers::read_cad(file, scene, scene.root(), options);
+  const auto report = importers::read_cad(file, scene, scene.root(), options, detail);
   if (!report) return tl::unexpected(report.error());
   for (const auto& path : report->side_files) say(cad::kSideFile, path.string());
   return importers::write_slc(scene, result, {.report = &*report, .progress = progress(kReading, 1.0 - kReading)});
@@ -96,7 +99,11 @@ int main(int count, char** arguments) {
     return EXIT_FAILURE;
   }
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  const auto done = run(arguments[1], arguments[2], options_from(count - 3, arguments + 3));
+  // What a crash leaves behind goes with the folder of the result.
+  setenv("TMPDIR", std::filesystem::path(arguments[2]).parent_path().c_str(), 1);
+  auto detail = importers::CadDetail::kAll;
+  const importers::ImportOptions options = options_from(count - 3, arguments + 3, detail);
+  const auto done = run(arguments[1], arguments[2], options, detail);
   if (!done) say(cad::kError, done.error().message);
   std::fflush(nullptr);
   // Open CASCADE has nothing left to do; its static objects take time to go, and may fail to.

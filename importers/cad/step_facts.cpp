@@ -4,20 +4,27 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
 #include <STEPConstruct_ExternRefs.hxx>
+#include <StepBasic_Document.hxx>
 #include <StepBasic_DocumentFile.hxx>
 #include <StepBasic_ExternalIdentificationAssignment.hxx>
+#include <StepBasic_ExternalSource.hxx>
 #include <StepBasic_MeasureValueMember.hxx>
 #include <StepBasic_MeasureWithUnit.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepBasic_ProductDefinitionFormation.hxx>
+#include <StepBasic_ProductDefinitionWithAssociatedDocuments.hxx>
+#include <StepBasic_SourceItem.hxx>
+#include <StepData_SelectNamed.hxx>
 #include <StepData_StepModel.hxx>
+#include <StepData_UndefinedEntity.hxx>
 #include <StepDimTol_GeometricTolerance.hxx>
 #include <StepRepr_DescriptiveRepresentationItem.hxx>
 #include <StepRepr_MeasureRepresentationItem.hxx>
@@ -27,11 +34,17 @@
 #include <StepRepr_PropertyDefinitionRepresentation.hxx>
 #include <StepRepr_Representation.hxx>
 #include <StepRepr_RepresentationItem.hxx>
+#include <StepShape_ConnectedFaceSet.hxx>
 #include <StepShape_DimensionalLocation.hxx>
 #include <StepShape_DimensionalSize.hxx>
+#include <StepShape_ManifoldSolidBrep.hxx>
+#include <StepShape_ShapeRepresentation.hxx>
+#include <StepShape_ShellBasedSurfaceModel.hxx>
+#include <StepShape_SolidModel.hxx>
 #include <StepVisual_AnnotationOccurrence.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
 #include <TCollection_HAsciiString.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
@@ -39,9 +52,9 @@
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sightline/core/internal/ascii_case.h"
-#include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/internal/text_encoding.h"
 
 namespace sightline::importers {
@@ -64,6 +77,7 @@ std::optional<double> metres_of_step_unit(const std::string& name) {
 void note_units(STEPCAFControl_Reader& reader, CadDocument& document) {
   TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
   reader.ChangeReader().FileUnits(lengths, angles, solid_angles);
+  const bool first_file = document.units.empty();
   std::optional<double> first;
   for (const TCollection_AsciiString& length : lengths) {
     const std::string name = length.ToCString();
@@ -71,7 +85,7 @@ void note_units(STEPCAFControl_Reader& reader, CadDocument& document) {
     if (std::find(document.units.begin(), document.units.end(), name) == document.units.end())
       document.units.push_back(name);
   }
-  document.metres_per_unit = first.value_or(1e-3);
+  if (first_file) document.metres_per_unit = first.value_or(1e-3);
 }
 
 /// An item of a representation as text; empty: of no kind that people read.
@@ -144,29 +158,138 @@ void note_product(const Handle(StepBasic_ProductDefinition) & of, STEPCAFControl
   add(to, "version", text_of(of->Formation()->Id()));
 }
 
+/// What identifies a document elsewhere.
+std::vector<Handle(StepBasic_ExternalIdentificationAssignment)> assignments_of(const Handle(StepBasic_Document) &
+                                                                                   document,
+                                                                               const Interface_Graph& graph) {
+  std::vector<Handle(StepBasic_ExternalIdentificationAssignment)> all;
+  Interface_EntityIterator users = graph.Sharings(document);
+  for (users.Start(); users.More(); users.Next())
+    if (auto by = Handle(StepBasic_ExternalIdentificationAssignment)::DownCast(users.Value()); !by.IsNull())
+      all.push_back(by);
+  return all;
+}
+
+/// A file, or what AP203 associates with a product.
+std::vector<Handle(StepBasic_Document)> documents_of(const Handle(StepBasic_DocumentFile) & file,
+                                                     const Handle(StepBasic_ProductDefinition) & product) {
+  std::vector<Handle(StepBasic_Document)> all;
+  if (!file.IsNull()) {
+    all.emplace_back(file);
+    return all;
+  }
+  const auto with = Handle(StepBasic_ProductDefinitionWithAssociatedDocuments)::DownCast(product);
+  for (int i = 1; !with.IsNull() && !with->DocIds().IsNull() && i <= with->NbDocIds(); ++i)
+    if (!with->DocIdsValue(i).IsNull()) all.push_back(with->DocIdsValue(i));
+  return all;
+}
+
+/// Adds all that may be the name of a document's file, the likeliest first.
+void add_file_names(const Handle(StepBasic_Document) & document, const Interface_Graph& graph,
+                    std::vector<std::string>& names) {
+  const auto add_name = [&](const std::string& name) {
+    // "#71" is an entity.
+    if (!name.empty() && name[0] != '#' && std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(name);
+  };
+  for (const auto& assignment : assignments_of(document, graph)) {
+    const std::string id = text_of(assignment->AssignedId());
+    std::string source;
+    if (!assignment->Source().IsNull()) {
+      const auto named = Handle(StepData_SelectNamed)::DownCast(assignment->Source()->SourceId().Value());
+      constexpr int kText = 6;
+      if (!named.IsNull() && named->Kind() == kText) source = utf8_by_guess(named->String());
+    }
+    if (!source.empty() && !id.empty() && source != id) add_name(source + "/" + id);
+    add_name(id);
+    add_name(source);
+  }
+  add_name(text_of(document->Id()));
+  add_name(text_of(document->Name()));
+}
+
+/// Names of solids, shells and what is made of them.
+void note_body(const Handle(StepRepr_RepresentationItem) & item, STEPCAFControl_Reader& reader, CadDocument& document) {
+  const std::string name = text_of(item->Name());
+  if (name.empty()) return;
+  const TopoDS_Shape shape =
+      TransferBRep::ShapeResult(reader.Reader().WS()->TransferReader()->TransientProcess(), item);
+  if (!shape.IsNull()) document.body_names.emplace(shape.TShape().get(), name);
+}
+
+template <class Array>
+std::uint64_t nulls_of(const Handle(Array) & items) {
+  std::uint64_t count = 0;
+  for (int i = items.IsNull() ? 1 : items->Lower(); !items.IsNull() && i <= items->Upper(); ++i)
+    count += items->Value(i).IsNull() ? 1 : 0;
+  return count;
+}
+
+/// What a shape should consist of, and is not there or of an unknown type.
+std::uint64_t missing_items(const Handle(Standard_Transient) & entity) {
+  if (const auto shape = Handle(StepShape_ShapeRepresentation)::DownCast(entity); !shape.IsNull())
+    return nulls_of(shape->Items());
+  if (const auto shell = Handle(StepShape_ConnectedFaceSet)::DownCast(entity); !shell.IsNull())
+    return nulls_of(shell->CfsFaces());
+  if (const auto shells = Handle(StepShape_ShellBasedSurfaceModel)::DownCast(entity); !shells.IsNull())
+    return nulls_of(shells->SbsmBoundary());
+  const auto solid = Handle(StepShape_ManifoldSolidBrep)::DownCast(entity);
+  return !solid.IsNull() && solid->Outer().IsNull() ? 1 : 0;
+}
+
+/// What is missing costs itself alone.
+void warn_of_missing_items(ImportJob& job, const Handle(StepData_StepModel) & model) {
+  std::uint64_t missing = 0;
+  std::set<std::string> types;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    missing += missing_items(model->Value(i));
+    if (const auto entity = Handle(StepData_UndefinedEntity)::DownCast(model->Value(i)); !entity.IsNull())
+      types.insert(entity->StepType());
+  }
+  const bool all_known = types.empty();
+  std::erase_if(types, [](const std::string& type) { return type.find("TESSELLATED") != type.npos; });
+  if (missing == 0 || (types.empty() && !all_known)) return;
+  job.warn(0, fmt::format("{} items of shapes are not read: there is no such entity, or its type is unknown{}", missing,
+                          all_known ? "" : fmt::format(" ({})", fmt::join(types, ", "))));
+}
+
 }  // namespace
 
-core::Expected<void> find_step_parts(ImportJob& job, const std::filesystem::path& path, STEPCAFControl_Reader& reader) {
-  STEPConstruct_ExternRefs parts(reader.Reader().WS());
-  parts.LoadExternRefs();
-  for (int i = 1; i <= parts.NbExternRefs(); ++i) {
-    const Handle(StepBasic_DocumentFile) file = parts.DocFile(i);
-    const char* name = parts.FileName(i);
-    if (file.IsNull() || !name || !*name) continue;
-    const auto found = find_named_file(path, name);
-    if (!found)
-      if (auto told = job.damage(0, "part " + found.error().message); !told) return told;
-    // Where nothing may be read, a name that no file has.
-    const std::string use =
-        found ? std::filesystem::relative(*found, std::filesystem::absolute(path).parent_path()).string() : "?";
-    const Handle(TCollection_HAsciiString) as = new TCollection_HAsciiString(use.c_str());
-    file->SetId(as);
-    Interface_EntityIterator users = reader.Reader().WS()->Graph().Sharings(file);
-    for (users.Start(); users.More(); users.Next())
-      if (const auto by = Handle(StepBasic_ExternalIdentificationAssignment)::DownCast(users.Value()); !by.IsNull())
-        by->SetAssignedId(as);
+std::vector<ExternalReference> take_external_references(STEPCAFControl_Reader& reader) {
+  STEPConstruct_ExternRefs found(reader.Reader().WS());
+  found.LoadExternRefs();
+  const Interface_Graph& graph = reader.Reader().WS()->Graph();
+  std::vector<ExternalReference> references;
+  std::vector<Handle(StepBasic_Document)> all;
+  std::unordered_map<const void*, std::size_t> known;
+  for (int i = 1; i <= found.NbExternRefs(); ++i) {
+    const Handle(StepBasic_ProductDefinition) product = found.ProdDef(i);
+    const auto documents = documents_of(found.DocFile(i), product);
+    all.insert(all.end(), documents.begin(), documents.end());
+    if (product.IsNull()) continue;
+    const auto [at, added] = known.try_emplace(product.get(), references.size());
+    if (added) references.push_back({product, {}});
+    for (const Handle(StepBasic_Document) & document : documents)
+      add_file_names(document, graph, references[at->second].files);
   }
-  return {};
+  const Handle(TCollection_HAsciiString) none = new TCollection_HAsciiString("");
+  for (const Handle(StepBasic_Document) & document : all) {
+    for (const auto& assignment : assignments_of(document, graph)) {
+      assignment->SetAssignedId(none);
+      assignment->SetSource({});
+    }
+    document->SetId(none);
+    document->SetName(none);
+  }
+  return references;
+}
+
+TDF_Label empty_part(const ExternalReference& reference, STEPCAFControl_Reader& reader, const CadDocument& document) {
+  const TDF_Label label =
+      label_of(reference.product, reader, XCAFDoc_DocumentTool::ShapeTool(document.handle()->Main()));
+  if (label.IsNull() || XCAFDoc_ShapeTool::IsAssembly(label)) return {};
+  const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(label);
+  return !shape.IsNull() && TopoDS_Iterator(shape).More() ? TDF_Label() : label;
 }
 
 core::Expected<void> check_step_uses(ImportJob& job, STEPCAFControl_Reader& reader) {
@@ -201,8 +324,10 @@ core::Expected<void> check_step_uses(ImportJob& job, STEPCAFControl_Reader& read
   return {};
 }
 
-void note_step_facts(STEPCAFControl_Reader& reader, CadDocument& document) {
+void note_step_facts(ImportJob& job, STEPCAFControl_Reader& reader, CadDocument& document) {
   note_units(reader, document);
+  warn_of_missing_items(job, reader.Reader().StepModel());
+  if (document.shapes_alone) return;
   const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document.handle()->Main());
   const Handle(StepData_StepModel) model = reader.Reader().StepModel();
   for (int i = 1; i <= model->NbEntities(); ++i) {
@@ -212,6 +337,10 @@ void note_step_facts(STEPCAFControl_Reader& reader, CadDocument& document) {
     else if (const auto property = Handle(StepRepr_PropertyDefinitionRepresentation)::DownCast(entity);
              !property.IsNull())
       note_property(*property, reader, shapes, document);
+    else if (entity->IsKind(STANDARD_TYPE(StepShape_SolidModel)) ||
+             entity->IsKind(STANDARD_TYPE(StepShape_ConnectedFaceSet)) ||
+             entity->IsKind(STANDARD_TYPE(StepShape_ShellBasedSurfaceModel)))
+      note_body(Handle(StepRepr_RepresentationItem)::DownCast(entity), reader, document);
     else if (entity->IsKind(STANDARD_TYPE(StepDimTol_GeometricTolerance)) ||
              entity->IsKind(STANDARD_TYPE(StepShape_DimensionalSize)) ||
              entity->IsKind(STANDARD_TYPE(StepShape_DimensionalLocation)) ||

@@ -200,6 +200,34 @@ TEST_F(CadReader, NamesInAllTheirWritings) {
   EXPECT_EQ(scene_.name(scene_.first_child(scene_.first_child(scene_.root()))), "Bügel 日本 'x'");
 }
 
+/// Programs write letters without the escapes of the standard, too.
+TEST_F(CadReader, NamesWithoutEscapes) {
+  CadModel model;
+  const TDF_Label part = model.part(tests::cad_box(1, 2, 3), "PART"), top = model.assembly("TOP");
+  model.use(top, part, "");
+  model.write_step(folder_ / "names.stp");
+  std::string text = tests::text_of_file(folder_ / "names.stp");
+  const std::string id_and_name = "','";
+  text.insert(text.find(id_and_name, text.find("NEXT_ASSEMBLY_USAGE")) + id_and_name.size(), "USE");
+  const auto named = [&](const std::string& name) {
+    std::string all = tests::replaced(text, "'PART'", "'P" + name + "'");
+    for (const std::string of : {"TOP", "USE"})
+      all = tests::replaced(all, "'" + of + "'", "'" + of.substr(0, 1) + name + "'");
+    return all;
+  };
+  for (const auto& [written, meant] :
+       {std::pair("äöü", "äöü"), {"日本", "日本"}, {"\xe4\xf6\x80", "äö€"}, {"\U0001F527", "\U0001F527"}}) {
+    SCOPED_TRACE(meant);
+    tests::write_text(folder_ / "names.stp", named(written));
+    read(folder_ / "names.stp");
+    const std::string use = fmt::format("T{0}/U{0}", meant);
+    item(use);
+    EXPECT_EQ(attribute(use, "product"), fmt::format("P{}", meant));
+    EXPECT_EQ(attribute(use, "part number"), fmt::format("P{}", meant));
+    EXPECT_EQ(report_.warnings.size(), written == std::string(meant) ? 0u : 1u);
+  }
+}
+
 TEST_F(CadReader, ColoursFromTheNearest) {
   Plant plant;
   plant.model.colour(plant.box, 1, 0, 0);
@@ -330,6 +358,61 @@ TEST_F(CadReader, PropertiesOfParts) {
   EXPECT_EQ(attribute("valve", "description"), "a Ü");
   EXPECT_EQ(attribute("valve", "supplier"), "ACME Müller");
   EXPECT_EQ(attribute("valve", "mass").substr(0, 4), "12.5");
+}
+
+TEST_F(CadReader, UnknownItemsCostThemselvesAlone) {
+  CadModel model;
+  model.part(tests::cad_drilled_box(), "part");
+  model.write_step(folder_ / "part.stp");
+  std::string text = tests::text_of_file(folder_ / "part.stp");
+  const std::string items = "ADVANCED_BREP_SHAPE_REPRESENTATION('',(", body = "MANIFOLD_SOLID_BREP('',";
+  const std::string shell = text.substr(text.find(body) + body.size(), 8);
+  text = with_entities(tests::replaced(text, body, "MANIFOLD_SOLID_BREP('First',"),
+                       "#9009 = MANIFOLD_SOLID_BREP('Second'," + shell.substr(0, shell.find(')')) + ");\n");
+  text = tests::replaced(text, items, items + "#9009,");
+  const std::pair<const char*, const char*> damage[] = {
+      {"#9001,", "#9001 = LEADER_DIRECTED_CALLOUT('',());\n"},
+      {"#9001,", "#9001 = !ACME_NOTE('x');\n"},
+      {"#9001,", ""},
+      {"$,", ""},
+      {"#9001,", "#9001 = MANIFOLD_SOLID_BREP('',#9002);\n"},
+      {"#9001,", "#9001 = SHELL_BASED_SURFACE_MODEL('',(#9002));\n"},
+      {"#9001,", "#9001 = SHELL_BASED_SURFACE_MODEL('',(#9002));\n#9002 = OPEN_SHELL('',(#9003));\n"},
+  };
+  for (const auto& [item_of_shape, entities] : damage)
+    for (const bool in_process : {true, false}) {
+      SCOPED_TRACE(fmt::format("{} {}", item_of_shape, entities));
+      tests::write_text(folder_ / "more.stp",
+                        with_entities(tests::replaced(text, items, items + item_of_shape), entities));
+      scene_ = core::Scene();
+      const auto report = import_file(folder_ / "more.stp", scene_, scene_.root(), {.in_process = in_process});
+      ASSERT_TRUE(report) << report.error().message;
+      EXPECT_EQ(scene_.item_count(), 2u);
+      item("part/First");
+      item("part/Second");
+      ASSERT_EQ(report->warnings.size(), 1u);
+      EXPECT_TRUE(report->warnings[0].message.starts_with("1 items of shapes are not read"))
+          << report->warnings[0].message;
+    }
+}
+
+TEST_F(CadReader, ShapesAloneAreTriangles) {
+  Plant plant;
+  plant.model.colour(plant.box, 1, 0, 0);
+  plant.model.write_step(folder_ / "plant.stp");
+  plant.model.write_iges(folder_ / "plant.igs");
+  BRepTools::Write(tests::cad_box(1, 2, 3), (folder_ / "box.brep").c_str());
+  for (const auto& [name, count] : {std::pair("plant.stp", 5u), {"plant.igs", 5u}, {"box.brep", 1u}}) {
+    SCOPED_TRACE(name);
+    scene_ = core::Scene();
+    const auto report = read_cad(folder_ / name, scene_, scene_.root(), {}, CadDetail::kShapesAlone);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(scene_.commit());
+    EXPECT_EQ(scene_.item_count(), count);
+    EXPECT_EQ(report->surfaces.analytic_solids, 0u);
+    EXPECT_EQ(scene_.material_slots(), 0u);
+    if (count > 1) expect_bounds(scene_.bounds(scene_.root()), dvec3(-3, 0, 0), dvec3(3, 0.52, 2.01), 1e-5);
+  }
 }
 
 TEST_F(CadReader, CurvesAndAnnotationsAreCounted) {
@@ -533,6 +616,87 @@ TEST_F(CadReaderParts, OutsideTheFolderAreNotRead) {
   }
 }
 
+TEST_F(CadReaderParts, AreFoundFromAnyFolder) {
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_.path().parent_path());
+  const fs::path relative = folder_.path().filename() / "plant.stp";
+  for (const fs::path& file : {relative, "." / relative, folder_ / "plant.stp"}) {
+    read(file);
+    EXPECT_TRUE(report_.warnings.empty()) << report_.warnings[0].message;
+    EXPECT_EQ(scene_.item_count(), 5u) << tree();
+  }
+  fs::current_path(before);
+}
+
+TEST_F(CadReaderParts, AreFoundByWhatOtherSystemsWrite) {
+  fs::create_directory(folder_ / "sub");
+  fs::rename(folder_ / "box.stp", folder_ / "sub/Bo x.stp");
+  for (const auto& [name, guessed] : {std::pair("sub/Bo x.stp", false),
+                                      {"./sub/Bo x.stp", false},
+                                      {"sub\\\\Bo x.stp", false},
+                                      {"sub/Bo%20x.stp", false},
+                                      {"sub/Bo x", false},
+                                      {"SUB/bo X.STP", true},
+                                      {"Sub\\\\BO x.stp", true}}) {
+    SCOPED_TRACE(name);
+    tests::write_text(folder_ / "other.stp", tests::replaced(text(), "'box.stp'", fmt::format("'{}'", name)));
+    read(folder_ / "other.stp");
+    EXPECT_EQ(scene_.item_count(), 5u) << tree();
+    EXPECT_EQ(report_.warnings.size(), guessed ? 1u : 0u);
+  }
+  // The last part of a path of another machine is looked for in the folder.
+  fs::rename(folder_ / "sub/Bo x.stp", folder_ / "box.stp");
+  for (const char* name : {"C:\\\\work\\\\parts\\\\box.stp", "file:///C:/work/box.stp", "/home/someone/box.stp"}) {
+    SCOPED_TRACE(name);
+    tests::write_text(folder_ / "other.stp", tests::replaced(text(), "'box.stp'", fmt::format("'{}'", name)));
+    read(folder_ / "other.stp");
+    EXPECT_EQ(scene_.item_count(), 5u) << tree();
+    EXPECT_EQ(report_.warnings.size(), 1u);
+  }
+}
+
+/// Each file in a folder of its own, the outer naming the inner by its own folder; and with what wraps other files.
+TEST_F(CadReaderParts, MayBeAssembliesOfParts) {
+  fs::create_directories(folder_ / "models/parts");
+  fs::create_directory(folder_ / "common");
+  fs::rename(folder_ / "plant.stp", folder_ / "models/plant.stp");
+  fs::rename(folder_ / "drilled.stp", folder_ / "models/parts/drilled.stp");
+  tests::write_text(folder_ / "common/box.stp", "\xef\xbb\xbf" + tests::text_of_file(folder_ / "box.stp"));
+  const auto inner = tests::text_of_file(folder_ / "models/plant.stp");
+  tests::write_text(folder_ / "models/plant.stp",
+                    tests::replaced(tests::replaced(inner, "'drilled.stp'", "'parts/drilled.stp'"), "'box.stp'",
+                                    "'..\\\\Common\\\\box.stp'"));
+  tests::write_text(folder_ / "top.stp", tests::replaced(tests::replaced(inner, "'drilled.stp'", "'models/plant.stp'"),
+                                                         "'box.stp'", "'common/box.stp'"));
+  read(folder_ / "top.stp");
+  EXPECT_EQ(scene_.item_count(), 2u + 3u * 5u) << tree();
+  EXPECT_EQ(scene_.mesh_slots(), 1u) << "each file is read once";
+  item("plant/left rack/upper/right rack/upper");
+}
+
+TEST_F(CadReaderParts, WithinThemselvesAreDamage) {
+  tests::write_text(folder_ / "box.stp", text());
+  EXPECT_EQ(error_of(folder_ / "plant.stp"), "plant.stp: part 'box.stp' is used within itself");
+  read(folder_ / "plant.stp", {.lenient = true});
+  EXPECT_GT(scene_.item_count(), 3u);
+}
+
+TEST_F(CadReaderParts, NothingReadAtAllIsAnError) {
+  fs::remove(folder_ / "box.stp");
+  fs::remove(folder_ / "drilled.stp");
+  EXPECT_EQ(error_of(folder_ / "plant.stp", {.lenient = true}),
+            "plant.stp: none of its parts in other files could be read: part 'box.stp' not found");
+}
+
+TEST_F(CadReaderParts, OfOtherFormatsAreSaid) {
+  tests::write_text(folder_ / "plant.stp", tests::replaced(text(), "'box.stp'", "'box.jt'"));
+  tests::write_text(folder_ / "box.jt", "Version 8.1 JT");
+  read(folder_ / "plant.stp");
+  EXPECT_EQ(scene_.item_count(), 3u) << tree();
+  ASSERT_EQ(report_.warnings.size(), 1u);
+  EXPECT_EQ(report_.warnings[0].message, "part 'box.jt' is not read: it is no STEP file, or not there");
+}
+
 // --- in a process of its own -----------------------------------------------------------------------------------------
 
 TEST_F(CadReader, ReadsTheSameInAProcessOfItsOwn) {
@@ -657,6 +821,17 @@ TEST_F(CadReader, ReadersThatEndBadly) {
   EXPECT_EQ(error_with("kill -KILL $$", reader, file), name + "Open CASCADE crashed while it read this file (Killed)");
   EXPECT_EQ(error_with("kill -XCPU $$", reader, file),
             name + "Open CASCADE took more than 120 s of processor time (reading in this process has no limit)");
+  // A crash at all that a file holds leaves its shapes.
+  const std::string crash_at_more = "case \"$*\" in *shapes_alone=1*) exec " + real + " \"$@\" ;; esac; kill -SEGV $$";
+  EXPECT_EQ(error_with(crash_at_more, reader, file), "");
+  core::Scene scene;
+  const auto shapes = import_file(file, scene, scene.root());
+  ASSERT_TRUE(shapes);
+  EXPECT_EQ(scene.item_count(), 5u);
+  ASSERT_EQ(shapes->warnings.size(), 1u);
+  EXPECT_EQ(shapes->warnings[0].message,
+            "Open CASCADE crashed while it read this file (Segmentation fault); read again as triangles without names, "
+            "colours, layers, properties and parts in other files");
   EXPECT_EQ(error_with("exit 3", reader, file), name + "its reader ended with 3");
   EXPECT_EQ(error_with("echo 'e plant.stp: said so' >&3; exit 1", reader, file), name + "said so");
   EXPECT_NE(error_with("exit 0", reader, file), "") << "without a result";

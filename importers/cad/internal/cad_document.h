@@ -5,12 +5,15 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <Message_ProgressRange.hxx>
+#include <TCollection_ExtendedString.hxx>
 #include <TDF_Label.hxx>
 #include <TDocStd_Document.hxx>
+#include <TopoDS_TShape.hxx>
 
 #include "sightline/core/scene.h"
 #include "sightline/importers/internal/import_job.h"
@@ -19,6 +22,9 @@ namespace sightline::importers {
 
 /// More parts in parts in assemblies than a model has; an error from there on.
 inline constexpr std::size_t kMostNodes = 50'000'000;
+
+/// Names of solids and shells in parts.
+using BodyNames = std::unordered_map<const TopoDS_TShape*, std::string>;
 
 /// Closes its document when it goes.
 class CadDocument {
@@ -31,14 +37,23 @@ class CadDocument {
   const Handle(TDocStd_Document) & handle() const { return document_; }
   Handle(TDocStd_Document) & handle() { return document_; }
 
+  bool shapes_alone = false;                                  ///< what is to be read
+  std::vector<TDF_Label> roots;                               ///< parts and assemblies that the file itself has on top
   std::vector<std::string> units;                             ///< of length, as the file names them, each once
   double metres_per_unit = 1e-3;                              ///< of the first of them
   std::uint64_t annotations = 0;                              ///< dimensions, tolerances and notes, which are not read
   std::map<std::string, core::Scene::Attributes> attributes;  ///< of parts, by the entry of their label
+  std::map<std::string, std::vector<TDF_Label>> parts_elsewhere;  ///< roots of another file, by the part's entry
+  std::vector<std::string> lost_parts;  ///< in other files, which could not be read: why, one by one
+  BodyNames body_names;
 
  private:
   Handle(TDocStd_Document) document_;
 };
+
+std::string utf8(const TCollection_ExtendedString& text);
+/// The name of a label; empty: it has none.
+std::string name_of(const TDF_Label& label);
 
 /// The entry of a label, such as "0:1:1:2".
 std::string entry_of(const TDF_Label& label);

@@ -61,7 +61,8 @@ struct CadShape {
 };
 CadShape shape_of(const TDF_Label& part, const CadDocument& document, CadStyles& styles);
 
-/// Analytic solids as primitives, all else meshed. Several threads may do so for parts that share no face.
-CadPart make_part(const CadShape& shape, const ImportOptions& options);
+/// Analytic solids as primitives, all else meshed. Several threads may do so for parts that share no face. With
+/// `all_meshes`, solids are meshed too, and loose faces are not sewn.
+CadPart make_part(const CadShape& shape, const ImportOptions& options, bool all_meshes = false);
 
 }  // namespace sightline::importers
