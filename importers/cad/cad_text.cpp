@@ -4,6 +4,7 @@
 #include <array>
 #include <fstream>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 

@@ -198,7 +198,7 @@ void add_file_names(const Handle(StepBasic_Document) & document, const Interface
     if (!assignment->Source().IsNull()) {
       const auto named = Handle(StepData_SelectNamed)::DownCast(assignment->Source()->SourceId().Value());
       constexpr int kText = 6;
-      if (!named.IsNull() && named->Kind() == kText) source = utf8_by_guess(named->String());
+      if (!named.IsNull() && named->Kind() == kText && named->String()) source = utf8_by_guess(named->String());
     }
     if (!source.empty() && !id.empty() && source != id) add_name(source + "/" + id);
     add_name(id);

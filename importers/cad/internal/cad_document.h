@@ -13,10 +13,11 @@
 #include <TCollection_ExtendedString.hxx>
 #include <TDF_Label.hxx>
 #include <TDocStd_Document.hxx>
-#include <TopoDS_TShape.hxx>
 
 #include "sightline/core/scene.h"
 #include "sightline/importers/internal/import_job.h"
+
+class TopoDS_TShape;
 
 namespace sightline::importers {
 

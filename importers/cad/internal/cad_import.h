@@ -9,6 +9,7 @@
 
 namespace sightline::importers {
 
+/// Where the program crashes, a second one reads the shapes alone, with a warning, and a crash of that one is an error.
 /// The program ends after two minutes of processor time and one more for each megabyte of the file, and at three
 /// quarters of the machine's memory. With ImportOptions::in_process the module libsightline_cad.so reads instead,
 /// without limits.

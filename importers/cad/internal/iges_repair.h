@@ -9,11 +9,10 @@
 
 namespace sightline::importers {
 
-/// The text without the comments behind parameters (IGES 5.3, 2.2.4.5.3); with the parameter ranges of spline curves
-/// and surfaces (entities 126 and 128) where their writer left them out: those of the knots; without such that lack
-/// more, at which Open CASCADE crashes, with a warning; and with strings that are
-/// not UTF-8 decoded from Windows-1252, with a warning. Nothing where no entity needs a change, or the text is not what
-/// the standard calls the fixed format.
+/// The text without the comments behind parameters (IGES 5.3, 2.2.4.5.3). Spline curves and surfaces (entities 126 and
+/// 128) whose writer left out their parameter ranges get those of the knots; such as lack more, at which Open CASCADE
+/// crashes, are left out with a warning. Strings that are not UTF-8 are decoded from Windows-1252, with a warning.
+/// Nothing where no entity needs a change, or the text is not what the standard calls the fixed format.
 std::optional<std::string> repaired_iges(ImportJob& job, std::string_view text);
 
 }  // namespace sightline::importers
