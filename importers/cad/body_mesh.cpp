@@ -5,16 +5,20 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_NurbsConvert.hxx>
+#include <BRepGProp.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
+#include <GProp_GProps.hxx>
 #include <IMeshTools_Parameters.hxx>
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
+#include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -56,12 +60,26 @@ gp_XY seen_from(const std::array<Place, 3>& corners, std::size_t which) {
           corner.free.v ? middle(one.at.Y(), one.free.v, other.at.Y(), other.free.v) : corner.at.Y()};
 }
 
+/// What the borders of a face enclose of its surface; no number where Open CASCADE cannot tell.
+double enclosed_area(const TopoDS_Face& face) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  if (!has_surface(face)) return kUnknown;
+  try {
+    GProp_GProps enclosed;
+    BRepGProp::SurfaceProperties(face, enclosed);
+    return std::abs(enclosed.Mass());
+  } catch (const Standard_Failure&) {
+    return kUnknown;
+  }
+}
+
 /// A triangulated face, its nodes with the numbers of their positions in the body.
 struct MeshedFace {
   std::uint32_t style;
   std::vector<std::uint32_t> positions;                 // of the nodes
   std::vector<core::vec3> normals;                      // of the nodes
   std::vector<std::array<std::uint32_t, 3>> triangles;  // of nodes, counter-clockwise from outside
+  std::size_t number = 0;                               // in the body, from 1
 };
 
 /// Collects what the mesher has left in the faces of a body.
@@ -72,8 +90,11 @@ class Collection {
     TopExp::MapShapes(body.shape, TopAbs_VERTEX, vertices_);
     at_vertex_.assign(std::size_t(vertices_.Extent()), core::kNone);
     along_edge_.resize(std::size_t(edges_.Extent()));
-    for (const StyledFace& face : body.faces)
-      if (!add(face)) ++failed_;
+    for (std::size_t i = 0; i < body.faces.size(); ++i)
+      if (has_surface(body.faces[i].face) ? add(body.faces[i]) : add_triangles(body.faces[i]))
+        faces_.back().number = i + 1;
+      else
+        ++failed_;
     for (int i = 1; i <= edges_.Extent(); ++i) measure_rim(i);
   }
 
@@ -95,6 +116,24 @@ class Collection {
     return made;
   }
 
+  /// Compares the areas of faces with what their borders enclose, and looks for gaps in a solid.
+  void judge(const Body& body, double tolerance, BodyMesh& made) const {
+    constexpr double kOfArea = 0.1, kOfStrip = 4.0;  // the strip along the border, as wide as the tolerance
+    for (const MeshedFace& face : faces_) {
+      const TopoDS_Face& exact = body.faces[face.number - 1].face;
+      const double area = enclosed_area(exact), off = std::abs(area_of(face) - area), rim = rim_length(exact);
+      if (!(off > kOfArea * area + kOfStrip * tolerance * rim)) continue;
+      made.wrong_faces.push_back(face.number);
+      made.deviation = std::max(made.deviation, rim > 0.0 ? off / rim : std::sqrt(off));
+    }
+    if (body.shape.ShapeType() != TopAbs_SOLID || failed_ > 0) return;
+    std::vector<std::uint32_t> each(positions_.size());
+    std::iota(each.begin(), each.end(), 0u);
+    made.open_edges = open_edges(each);
+    // Faces that share no edge may meet all the same.
+    if (made.open_edges > 0) made.open_edges = open_edges(welded());
+  }
+
  private:
   /// A mesh, and for each position its first vertex, from which others at the same place follow.
   struct Building {
@@ -108,7 +147,7 @@ class Collection {
     const Handle(Poly_Triangulation) from = BRep_Tool::Triangulation(face, location);
     if (from.IsNull() || from->NbTriangles() == 0) return false;
     const gp_Trsf body_from_face = location.Transformation();
-    MeshedFace made{styled.style, std::vector<std::uint32_t>(std::size_t(from->NbNodes()), core::kNone), {}, {}};
+    MeshedFace made{styled.style, std::vector<std::uint32_t>(std::size_t(from->NbNodes()), core::kNone), {}, {}, 0};
     std::vector<dvec3> nodes;
     for (int i = 1; i <= from->NbNodes(); ++i) nodes.push_back(from_occt(from->Node(i).Transformed(body_from_face)));
     for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next())
@@ -124,6 +163,43 @@ class Collection {
     examine(face, *from, made);
     faces_.push_back(std::move(made));
     return true;
+  }
+
+  /// A face without a surface. Points at the same place are one; corners without normals have their triangle's.
+  bool add_triangles(const StyledFace& styled) {
+    TopLoc_Location location;
+    const Handle(Poly_Triangulation) from = BRep_Tool::Triangulation(styled.face, location);
+    if (from.IsNull() || from->NbTriangles() == 0) return false;
+    const gp_Trsf body_from_face = location.Transformation();
+    const bool reversed = styled.face.Orientation() == TopAbs_REVERSED;
+    MeshedFace made{styled.style, {}, {}, {}, 0};
+    for (int i = 1; i <= from->NbTriangles(); ++i) {
+      std::array<int, 3> nodes;
+      from->Triangle(i).Get(nodes[0], nodes[1], nodes[2]);
+      if (reversed) std::swap(nodes[1], nodes[2]);
+      std::array<dvec3, 3> at;
+      for (std::size_t k = 0; k < 3; ++k) at[k] = from_occt(from->Node(nodes[k]).Transformed(body_from_face));
+      const dvec3 across = glm::cross(at[1] - at[0], at[2] - at[0]);
+      const double area2 = glm::length(across);
+      if (!(area2 > 0.0)) continue;
+      const auto first = std::uint32_t(made.positions.size());
+      for (std::size_t k = 0; k < 3; ++k) {
+        made.positions.push_back(welded_position(at[k]));
+        const dvec3 stated =
+            from->HasNormals() ? from_occt(from->Normal(nodes[k]).Transformed(body_from_face)) * (reversed ? -1.0 : 1.0)
+                               : across / area2;
+        made.normals.emplace_back(stated);
+      }
+      made.triangles.push_back({first, first + 1, first + 2});
+    }
+    faces_.push_back(std::move(made));
+    return true;
+  }
+
+  std::uint32_t welded_position(const dvec3& at) {
+    const auto [known, fresh] = welded_.try_emplace({at.x, at.y, at.z}, std::uint32_t(positions_.size()));
+    if (fresh) positions_.push_back(at);
+    return known->second;
   }
 
   std::uint32_t position(const dvec3& at) {
@@ -225,6 +301,55 @@ class Collection {
     }
   }
 
+  double area_of(const MeshedFace& face) const {
+    double area = 0.0;
+    for (const auto& [a, b, c] : face.triangles) {
+      const dvec3& p = positions_[face.positions[a]];
+      area += 0.5 * glm::length(glm::cross(positions_[face.positions[b]] - p, positions_[face.positions[c]] - p));
+    }
+    return area;
+  }
+
+  double rim_length(const TopoDS_Face& face) const {
+    double length = 0.0;
+    for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
+      const std::vector<std::uint32_t>& points = along_edge_[std::size_t(edges_.FindIndex(edge.Current())) - 1];
+      for (std::size_t i = 1; i < points.size(); ++i)
+        length += glm::length(positions_[points[i]] - positions_[points[i - 1]]);
+    }
+    return length;
+  }
+
+  /// For each position the first one at the same place.
+  std::vector<std::uint32_t> welded() const {
+    std::map<std::array<double, 3>, std::uint32_t> numbers;
+    std::vector<std::uint32_t> first;
+    for (const dvec3& p : positions_)
+      first.push_back(numbers.try_emplace({p.x, p.y, p.z}, std::uint32_t(first.size())).first->second);
+    return first;
+  }
+
+  /// Edges of triangles that are not there as often in one direction as in the other, by numbers of positions.
+  std::size_t open_edges(const std::vector<std::uint32_t>& numbers) const {
+    std::vector<std::array<std::uint32_t, 3>> edges;  // both ends, and the direction
+    for (const MeshedFace& face : faces_)
+      for (const auto& triangle : face.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t a = numbers[face.positions[triangle[k]]],
+                              b = numbers[face.positions[triangle[(k + 1) % 3]]];
+          if (a != b) edges.push_back({std::min(a, b), std::max(a, b), a < b});
+        }
+    std::sort(edges.begin(), edges.end());
+    std::size_t open = 0;
+    for (auto at = edges.begin(); at != edges.end();) {
+      const auto end =
+          std::find_if(at, edges.end(), [&](const auto& e) { return e[0] != (*at)[0] || e[1] != (*at)[1]; });
+      open += 2 * std::count_if(at, end, [](const auto& e) { return e[2] == 1; }) != end - at;
+      at = end;
+    }
+    return open;
+  }
+
   void add(const MeshedFace& face, const dvec3& centre, Building& to) const {
     to.first.resize(positions_.size(), core::kNone);
     const auto vertex_of = [&](std::uint32_t node) {
@@ -254,6 +379,7 @@ class Collection {
   std::vector<std::uint32_t> at_vertex_;                // positions
   std::vector<std::vector<std::uint32_t>> along_edge_;  // positions
   std::vector<dvec3> positions_;
+  std::map<std::array<double, 3>, std::uint32_t> welded_;  // positions of faces without edges
   std::vector<MeshedFace> faces_;
   std::uint64_t failed_ = 0;
   double deviation_ = 0.0;
@@ -279,6 +405,7 @@ BodyMesh mesh_within(const Body& body, const MeshQuality& quality) {
     const Collection found(body);
     if (found.deviation() <= quality.tolerance || found.deviation() > kHelps * before || i == kTries) {
       BodyMesh made = found.meshes();
+      found.judge(body, quality.tolerance, made);
       BRepTools::Clean(body.shape);
       return made;
     }
@@ -287,26 +414,39 @@ BodyMesh mesh_within(const Body& body, const MeshQuality& quality) {
   }
 }
 
-/// The same body with splines as its surfaces, which are exactly the same.
-Body as_splines(const Body& body) {
-  BRepBuilderAPI_NurbsConvert convert(body.shape);
-  Body made{convert.Shape(), {}};
+}  // namespace
+
+Body changed(const Body& body, BRepBuilderAPI_ModifyShape& change) {
+  Body made{change.Shape(), {}};
   TopTools_IndexedMapOfShape faces;  // with the orientation that they have in the body, unlike ModifiedShape()'s
   TopExp::MapShapes(made.shape, TopAbs_FACE, faces);
   for (const StyledFace& face : body.faces)
-    if (const int at = faces.FindIndex(convert.ModifiedShape(face.face)); at > 0)
+    if (const int at = faces.FindIndex(change.ModifiedShape(face.face)); at > 0)
       made.faces.push_back({TopoDS::Face(faces(at)), face.style});
   return made;
 }
 
-}  // namespace
+bool has_surface(const TopoDS_Face& face) {
+  TopLoc_Location ignored;
+  return !BRep_Tool::Surface(face, ignored).IsNull();
+}
+
+bool is_tessellated(const Body& body) {
+  return std::none_of(body.faces.begin(), body.faces.end(),
+                      [](const auto& styled) { return has_surface(styled.face); });
+}
 
 BodyMesh mesh_body(const Body& body, const MeshQuality& quality) {
+  if (is_tessellated(body)) return Collection(body).meshes();
   BodyMesh made = mesh_within(body, quality);
-  if (made.failed_faces == 0) return made;
+  const auto faults = [](const BodyMesh& mesh) {
+    return mesh.failed_faces + mesh.wrong_faces.size() + (mesh.open_edges > 0 ? 1 : 0);
+  };
+  if (faults(made) == 0) return made;
   // Open CASCADE 7.6 fails on some sound cones, but not on the same surfaces as splines.
-  BodyMesh again = mesh_within(as_splines(body), quality);
-  return again.failed_faces < made.failed_faces ? again : made;
+  BRepBuilderAPI_NurbsConvert as_splines(body.shape);
+  BodyMesh again = mesh_within(changed(body, as_splines), quality);
+  return faults(again) < faults(made) ? again : made;
 }
 
 }  // namespace sightline::importers

@@ -31,10 +31,15 @@
 #include <fmt/format.h>
 
 #include "sightline/importers/cad/internal/cad_text.h"
+#include "sightline/importers/cad/internal/iges_placements.h"
 #include "sightline/importers/cad/internal/iges_repair.h"
+#include "sightline/importers/cad/internal/occt_maths.h"
 #include "sightline/importers/cad/internal/step_facts.h"
+#include "sightline/importers/cad/internal/step_placements.h"
 #include "sightline/importers/cad/internal/step_repair.h"
+#include "sightline/importers/cad/internal/step_spheres.h"
 #include "sightline/importers/cad/internal/temporary_folder.h"
+#include "sightline/importers/cad/internal/tessellated_step.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/internal/text_encoding.h"
@@ -144,8 +149,10 @@ class StepFiles {
                                                Labels& roots) {
     auto text = read_cad_text(job_, file);
     if (!text) return tl::unexpected(text.error());
-    std::istringstream stream(repaired_step(job_, *text));
+    std::string repaired = repaired_step(job_, *text);
     *text = {};
+    TessellatedStep tessellated(job_, repaired);
+    std::istringstream stream(std::move(repaired));
     STEPCAFControl_Reader reader;
     reader.SetPropsMode(Standard_False);
     reader.SetGDTMode(Standard_False);
@@ -158,10 +165,16 @@ class StepFiles {
           fmt::format("{}: expected a STEP file (ISO 10303-21), found damage or none", file.filename().string()));
     if (auto checked = check_step_uses(job_, reader); !checked) return tl::unexpected(checked.error());
     const std::vector<ExternalReference> references = take_external_references(reader);
+    complete_axes(reader);
+    turn_spheres(reader);
+    const StepOperators operators(job_, stream.view(), reader);
+    tessellated.bind(reader);
     const Labels before = free_shapes(document_);
     if (!transfer(reader, reader.ChangeReader(), document_, progress) && !progress.UserBreak())
       if (auto told = job_.damage(0, "no part of it could be read"); !told) return tl::unexpected(told.error());
     warn_of_failures(job_, file, reader.Reader().WS());
+    operators.note(reader, document_);
+    tessellated.note(reader, document_);
     note_step_facts(job_, reader, document_);
     for (const TDF_Label& root : free_shapes(document_))
       if (std::find(before.begin(), before.end(), root) == before.end()) roots.push_back(root);
@@ -296,6 +309,7 @@ Done read_iges(ImportJob& job, const fs::path& path, CadDocument& document, cons
   if (reader.ReadFile(file->c_str()) != IFSelect_RetDone)
     return core::fail(fmt::format("{}: expected an IGES file, found damage or none", job.file()));
   warn_of_damage(job, *reader.IGESModel());
+  prepare_iges_placements(job, reader.IGESModel());
   if (!transfer(reader, reader, document, progress) && !progress.UserBreak())
     if (auto told = job.damage(0, "no part of it could be read"); !told) return told;
   warn_of_failures(job, path, reader.WS());
@@ -346,6 +360,18 @@ std::string utf8(const TCollection_ExtendedString& text) {
 std::string name_of(const TDF_Label& label) {
   Handle(TDataStd_Name) name;
   return label.FindAttribute(TDataStd_Name::GetID(), name) ? utf8(name->Get()) : "";
+}
+
+core::Affine CadDocument::placement(const TopLoc_Location& location) const {
+  core::Affine whole;  // the innermost comes first
+  for (TopLoc_Location rest = location; !rest.IsIdentity(); rest = rest.NextLocation()) {
+    const auto known = placements.find(rest.FirstDatum());
+    if (known == placements.end())
+      whole = from_occt(rest.FirstDatum()->Transformation().Powered(rest.FirstPower())) * whole;
+    else
+      whole = (rest.FirstPower() < 0 ? inverse_of(known->second) : known->second) * whole;
+  }
+  return whole;
 }
 
 std::string entry_of(const TDF_Label& label) {

@@ -97,7 +97,7 @@ class Builder {
   Done run() {
     const std::vector<TDF_Label>& tops = document_.roots;
     for (const TDF_Label& top : tops)
-      if (auto found = find_parts(top, 0); !found) return found;
+      if (auto found = find_parts(top, 1.0, 0); !found) return found;
     if (auto made = make_parts(); !made) return made;
     add_meshes();
     for (const TDF_Label& top : tops)
@@ -112,7 +112,8 @@ class Builder {
   }
 
  private:
-  static constexpr int kDeepest = 250;  // assemblies in assemblies
+  static constexpr int kDeepest = 250;           // assemblies in assemblies
+  static constexpr double kLarger = 1.0 + 1e-9;  // what rounding does not make of equal scales
 
   struct Part {
     TDF_Label label;
@@ -120,6 +121,7 @@ class Builder {
     CadPart made;
     std::string failure;                            // why it could not be made
     std::vector<std::vector<core::MeshId>> meshes;  // of the contents
+    double scale = 1.0;                             // of its largest use
     bool used = false;
   };
 
@@ -142,21 +144,31 @@ class Builder {
     return {components.begin(), components.end()};
   }
 
-  /// Lists each part once.
-  Done find_parts(const TDF_Label& label, int depth) {
+  /// Lists each part once, with the scale of its largest use.
+  Done find_parts(const TDF_Label& label, double scale, int depth) {
     if (depth > kDeepest)
       return job_.damage(0, fmt::format("assemblies are nested deeper than {}, or within themselves", kDeepest));
+    scale *= std::cbrt(std::abs(glm::determinant(placement_of(label).linear)));
     const TDF_Label product = product_of(label);
-    const std::string entry = entry_of(product);
-    if (!seen_.insert({entry, core::kNone}).second) return {};
+    const auto [seen, fresh] = seen_.insert({entry_of(product), {}});
+    if (!fresh && !(scale > kLarger * seen->second.scale)) return {};
+    seen->second.scale = scale;
     if (const std::vector<TDF_Label> components = components_of(product); !components.empty()) {
       for (const TDF_Label& component : components)
-        if (auto found = find_parts(component, depth + 1); !found) return found;
+        if (auto found = find_parts(component, scale, depth + 1); !found) return found;
       return {};
     }
-    seen_[entry] = std::uint32_t(parts_.size());
-    parts_.push_back({product, shape_of(product, document_, styles_), {}, {}, {}, false});
+    if (fresh) {
+      seen->second.part = std::uint32_t(parts_.size());
+      parts_.push_back({product, shape_of(product, document_, styles_), {}, {}, {}, scale, false});
+    }
+    parts_[seen->second.part].scale = scale;
     return {};
+  }
+
+  /// Within the assembly, or the identity for a product of its own.
+  Affine placement_of(const TDF_Label& label) const {
+    return label == product_of(label) ? Affine{} : document_.placement(XCAFDoc_ShapeTool::GetLocation(label));
   }
 
   /// Parts that share a face are one thread's, one after the other: the mesher writes into faces.
@@ -177,7 +189,7 @@ class Builder {
   void make(Part& part) const {
     const auto fail = [&](const char* what) { part.failure = what && *what ? what : "cannot be meshed"; };
     try {
-      part.made = make_part(part.shape, job_.options(), document_.shapes_alone);
+      part.made = make_part(part.shape, job_.options(), part.scale, document_.shapes_alone);
     } catch (const Standard_Failure& thrown) {
       fail(thrown.GetMessageString());
     } catch (const std::exception& thrown) {
@@ -237,7 +249,8 @@ class Builder {
         report.analytic_solids += content.primitives.empty() ? 0 : 1;
         report.meshed_bodies += content.primitives.empty() ? 1 : 0;
         report.failed_faces += content.mesh.failed_faces;
-        report.deviation = std::max(report.deviation, kMetres * content.mesh.deviation);
+        tessellated_ += content.tessellated ? 1 : 0;
+        report.deviation = std::max(report.deviation, kMetres * part.scale * content.mesh.deviation);
         for (BodyMesh::OfStyle& of : content.mesh.meshes) {
           of.mesh.name = part.made.name;
           report.triangles += of.mesh.indices.size() / 3;
@@ -246,9 +259,10 @@ class Builder {
         }
       }
       report.curves += part.made.curves;
-      report.analytic_deviation = std::max(report.analytic_deviation, kMetres * part.made.analytic_deviation);
+      report.analytic_deviation =
+          std::max(report.analytic_deviation, kMetres * part.scale * part.made.analytic_deviation);
       if (!part.made.contents.empty())
-        report.largest_tolerance = std::max(report.largest_tolerance, kMetres * part.made.tolerance);
+        report.largest_tolerance = std::max(report.largest_tolerance, kMetres * part.scale * part.made.tolerance);
     }
     report.annotations = document_.annotations;
   }
@@ -296,12 +310,10 @@ class Builder {
     const TDF_Label product = product_of(label);
     std::string name = name_of(label);
     if (!is_telling(name)) name = name_of(product);
-    const Affine place =
-        label == product ? Affine{} : from_occt(XCAFDoc_ShapeTool::GetLocation(label).Transformation());
     core::Scene& scene = job_.scene();
     if (scene.node_count() > kMostNodes)
       return core::fail(fmt::format("{}: expected at most {} parts in assemblies", job_.file(), kMostNodes));
-    const core::NodeId node = scene.add_node(parent, name, place);
+    const core::NodeId node = scene.add_node(parent, name, placement_of(label));
     path_.Append(label);
     if (const std::uint32_t style = style_of(label, product); style != kInherited)
       scene.set_material(node, material(style));
@@ -310,8 +322,9 @@ class Builder {
     if (const std::vector<TDF_Label> components = components_of(product); !components.empty()) {
       if (path_.Length() <= kDeepest)
         for (auto at = components.begin(); done && at != components.end(); ++at) done = add(*at, node);
-    } else if (const auto found = seen_.find(entry_of(product)); found != seen_.end() && found->second != core::kNone) {
-      add_part(parts_[found->second], node);
+    } else if (const auto found = seen_.find(entry_of(product));
+               found != seen_.end() && found->second.part != core::kNone) {
+      add_part(parts_[found->second.part], node);
       done = job_.progress(kReading + kMeshing);
     }
     path_.Remove(path_.Length());
@@ -334,6 +347,41 @@ class Builder {
     part.used = true;
   }
 
+  /// Bodies whose triangles are not what their surfaces are.
+  void tell_of_faults() {
+    std::uint64_t faces = 0, solids = 0;
+    std::string first_face, first_solid;
+    const Part* farthest = nullptr;
+    for (const Part& part : parts_)
+      for (const CadPart::Content& content : part.made.contents) {
+        const BodyMesh& mesh = content.mesh;
+        const std::string body = content.name.empty() ? "" : fmt::format(" of body '{}'", content.name);
+        if (!mesh.wrong_faces.empty() && faces == 0)
+          first_face = fmt::format("face {}{} of part '{}'", mesh.wrong_faces[0], body, part.made.name);
+        if (mesh.open_edges > 0 && solids == 0)
+          first_solid = fmt::format("{} edges{} of part '{}'", mesh.open_edges, body, part.made.name);
+        faces += mesh.wrong_faces.size();
+        solids += mesh.open_edges > 0 ? 1 : 0;
+        if (!content.tessellated && mesh.deviation > part.made.tolerance &&
+            (!farthest || deviation(part) > deviation(*farthest)))
+          farthest = &part;
+      }
+    if (faces > 0)
+      job_.warn(0, fmt::format("{} faces are meshed with another area than their borders enclose, first {}", faces,
+                               first_face));
+    if (solids > 0) job_.warn(0, fmt::format("{} solids do not close, first {}", solids, first_solid));
+    if (farthest)
+      job_.warn(0, fmt::format("triangles lie {:.3g} m off their surfaces in part '{}', where {:.3g} m were asked for",
+                               kMetres * farthest->scale * deviation(*farthest), farthest->made.name,
+                               kMetres * farthest->scale * farthest->made.tolerance));
+  }
+
+  static double deviation(const Part& part) {
+    double most = 0.0;
+    for (const CadPart::Content& content : part.made.contents) most = std::max(most, content.mesh.deviation);
+    return most;
+  }
+
   void tell() {
     const ExactSurfaceReport& report = job_.report().surfaces;
     if (report.failed_faces > 0) {
@@ -344,6 +392,11 @@ class Builder {
     }
     const auto left_out = std::count_if(parts_.begin(), parts_.end(), [](const Part& p) { return !p.failure.empty(); });
     if (left_out > 0) job_.warn(0, fmt::format("{} parts could not be meshed and are left out", left_out));
+    tell_of_faults();
+    if (tessellated_ > 0)
+      job_.warn(0,
+                fmt::format("{} bodies are tessellated in the file, which does not say how far off their triangles are",
+                            tessellated_));
     if (report.curves > 0) job_.warn(0, fmt::format("{} curves are not read", report.curves));
     if (report.annotations > 0)
       job_.warn(0, fmt::format("{} dimensions, tolerances and notes are not read", report.annotations));
@@ -367,8 +420,13 @@ class Builder {
   CadStyles styles_;
   std::vector<core::MaterialId> materials_;  // of the styles
   std::vector<Part> parts_;
-  std::unordered_map<std::string, std::uint32_t> seen_;  // products by the entry of their label; kNone: assemblies
-  TDF_LabelSequence path_;                               // of components, from the top
+  std::uint64_t tessellated_ = 0;  // bodies whose triangles are the file's
+  struct Seen {
+    std::uint32_t part = core::kNone;  // none: an assembly
+    double scale = 0.0;                // of the largest use
+  };
+  std::unordered_map<std::string, Seen> seen_;  // products by the entry of their label
+  TDF_LabelSequence path_;                      // of components, from the top
 };
 
 std::string words_of(const Standard_Failure& thrown) {

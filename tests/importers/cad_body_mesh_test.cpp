@@ -31,6 +31,8 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
 #include <gp_Circ.hxx>
 #include <gtest/gtest.h>
 
@@ -299,6 +301,40 @@ TEST(CadBodyMesh, FacesThatCannotBeMeshedAreCounted) {
   EXPECT_EQ(made.failed_faces, 1u);
   ASSERT_EQ(made.meshes.size(), 1u);
   EXPECT_EQ(made.meshes[0].mesh.indices.size(), 6u);
+}
+
+TEST(CadBodyMesh, ASolidThatDoesNotCloseIsFound) {
+  Numbers numbers(1);
+  const TopoDS_Shape whole = drilled(numbers);
+  EXPECT_EQ(mesh_body(body_of(whole, numbers, 1), {0.1, 0.35}).open_edges, 0u);
+  TopoDS_Shell shell;
+  BRep_Builder().MakeShell(shell);
+  bool first = true;
+  for (TopExp_Explorer face(whole, TopAbs_FACE); face.More(); face.Next(), first = false)
+    if (!first) BRep_Builder().Add(shell, face.Current());
+  TopoDS_Solid solid;
+  BRep_Builder().MakeSolid(solid);
+  BRep_Builder().Add(solid, shell);
+  EXPECT_GE(mesh_body(body_of(solid, numbers, 2), {0.1, 0.35}).open_edges, 3u);
+}
+
+/// Open CASCADE takes a border within another one as a hole, whichever way it runs.
+TEST(CadBodyMesh, AFaceWithAnotherAreaThanItsBordersIsNamedAndFarOff) {
+  BRepBuilderAPI_MakePolygon outer(gp_Pnt(0, 0, 0), gp_Pnt(10, 0, 0), gp_Pnt(10, 10, 0), gp_Pnt(0, 10, 0),
+                                   Standard_True);
+  BRepBuilderAPI_MakePolygon inner(gp_Pnt(1, 1, 0), gp_Pnt(9, 1, 0), gp_Pnt(9, 9, 0), gp_Pnt(1, 9, 0), Standard_True);
+  for (const bool hole : {true, false}) {
+    BRepBuilderAPI_MakeFace face(outer.Wire());
+    face.Add(hole ? TopoDS::Wire(inner.Wire().Reversed()) : inner.Wire());
+    TopoDS_Compound both;
+    BRep_Builder().MakeCompound(both);
+    BRep_Builder().Add(both, BRepBuilderAPI_MakeFace(outer.Wire()).Face());
+    BRep_Builder().Add(both, face.Face());
+    Numbers numbers(1);
+    const BodyMesh made = mesh_body(body_of(both, numbers, 1), {0.01, 0.35});
+    EXPECT_EQ(made.wrong_faces, hole ? std::vector<std::size_t>{} : std::vector<std::size_t>{2}) << hole;
+    EXPECT_EQ(made.deviation > 0.01, !hole);
+  }
 }
 
 /// Open CASCADE 7.6 fails on this cone, but not on the same one as a spline.

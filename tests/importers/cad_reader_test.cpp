@@ -23,6 +23,8 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Compound.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
 #include <XCAFDoc_GraphNode.hxx>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -494,6 +496,33 @@ TEST_F(CadReader, FacesThatFailAreCountedAndTheirPartNamed) {
   ASSERT_EQ(report_.warnings.size(), 1u);
   EXPECT_EQ(report_.warnings[0].message, "1 faces could not be meshed and are left out, most (1) of part 'FACE'");
   EXPECT_EQ(scene_.item_count(), 1u);
+}
+
+TEST_F(CadReader, FaultsOfMeshesAreNamed) {
+  TopoDS_Shell shell;
+  BRep_Builder().MakeShell(shell);
+  TopExp_Explorer face(tests::cad_drilled_box(), TopAbs_FACE);
+  for (face.Next(); face.More(); face.Next()) BRep_Builder().Add(shell, face.Current());
+  TopoDS_Solid solid;
+  BRep_Builder().MakeSolid(solid);
+  BRep_Builder().Add(solid, shell);
+  BRepTools::Write(solid, (folder_ / "open.brep").c_str());
+  read(folder_ / "open.brep");
+  ASSERT_EQ(report_.warnings.size(), 1u);
+  EXPECT_TRUE(report_.warnings[0].message.starts_with("1 solids do not close, first ")) << report_.warnings[0].message;
+  EXPECT_TRUE(report_.warnings[0].message.ends_with(" edges of part 'SOLID'")) << report_.warnings[0].message;
+
+  BRepBuilderAPI_MakePolygon outer(gp_Pnt(0, 0, 0), gp_Pnt(9, 0, 0), gp_Pnt(9, 9, 0), gp_Pnt(0, 9, 0), Standard_True);
+  BRepBuilderAPI_MakePolygon inner(gp_Pnt(1, 1, 0), gp_Pnt(8, 1, 0), gp_Pnt(8, 8, 0), gp_Pnt(1, 8, 0), Standard_True);
+  BRepBuilderAPI_MakeFace wrong(outer.Wire());
+  wrong.Add(inner.Wire());
+  BRepTools::Write(wrong.Face(), (folder_ / "wrong.brep").c_str());
+  read(folder_ / "wrong.brep");
+  ASSERT_EQ(report_.warnings.size(), 2u);
+  EXPECT_EQ(report_.warnings[0].message,
+            "1 faces are meshed with another area than their borders enclose, first face 1 of part 'FACE'");
+  EXPECT_NE(report_.warnings[1].message.find("m off their surfaces in part 'FACE'"), std::string::npos);
+  EXPECT_GT(report_.surfaces.deviation, report_.surfaces.largest_tolerance);
 }
 
 // --- compressed, and other files -------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -13,11 +14,13 @@
 #include <TCollection_ExtendedString.hxx>
 #include <TDF_Label.hxx>
 #include <TDocStd_Document.hxx>
+#include <TopLoc_Datum3D.hxx>
+#include <TopLoc_Location.hxx>
+#include <TopoDS_TShape.hxx>
 
+#include "sightline/core/affine.h"
 #include "sightline/core/scene.h"
 #include "sightline/importers/internal/import_job.h"
-
-class TopoDS_TShape;
 
 namespace sightline::importers {
 
@@ -47,6 +50,12 @@ class CadDocument {
   std::map<std::string, std::vector<TDF_Label>> parts_elsewhere;  ///< roots of another file, by the part's entry
   std::vector<std::string> lost_parts;  ///< in other files, which could not be read: why, one by one
   BodyNames body_names;
+  std::set<Handle(TopoDS_TShape)> doubled;  ///< tessellated, and there in their exact form, too
+  /// Placements that scale or mirror, which Open CASCADE forbids in locations: by the datum that stands for each.
+  std::map<Handle(TopLoc_Datum3D), core::Affine> placements;
+
+  /// The meaning of a location, in millimetres.
+  core::Affine placement(const TopLoc_Location& location) const;
 
  private:
   Handle(TDocStd_Document) document_;

@@ -42,11 +42,12 @@ struct CadPart {
     std::uint32_t style = kInherited;
     std::vector<AnalyticPart> primitives;  ///< if empty, meshed
     BodyMesh mesh;
+    bool tessellated = false;  ///< in the file itself
   };
   std::string name;
   std::vector<Content> contents;
   std::uint64_t curves = 0;  ///< edges that belong to no face, which are not read
-  double tolerance = 0.0;    ///< of its meshes
+  double tolerance = 0.0;    ///< of its meshes; 0 where all are the file's own
   double analytic_deviation = 0.0;
 };
 
@@ -61,8 +62,8 @@ struct CadShape {
 };
 CadShape shape_of(const TDF_Label& part, const CadDocument& document, CadStyles& styles);
 
-/// Analytic solids as primitives, all else meshed. Several threads may do so for parts that share no face. With
-/// `all_meshes`, solids are meshed too, and loose faces are not sewn.
-CadPart make_part(const CadShape& shape, const ImportOptions& options, bool all_meshes = false);
+/// Analytic solids as primitives, all else meshed, to be used at a scale of up to `scale`. Several threads may do so
+/// for parts that share no face. With `all_meshes`, solids are meshed too, and loose faces are not sewn.
+CadPart make_part(const CadShape& shape, const ImportOptions& options, double scale, bool all_meshes = false);
 
 }  // namespace sightline::importers

@@ -31,4 +31,18 @@ inline core::Affine from_occt(const gp_Trsf& t) {
   return map;
 }
 
+/// For maps that turn, mirror, move and scale evenly.
+inline gp_Trsf to_occt(const core::Affine& a) {
+  const core::dmat3& m = a.linear;
+  const core::dvec3& o = a.origin;
+  gp_Trsf made;
+  made.SetValues(m[0][0], m[1][0], m[2][0], o.x, m[0][1], m[1][1], m[2][1], o.y, m[0][2], m[1][2], m[2][2], o.z);
+  return made;
+}
+
+inline core::Affine inverse_of(const core::Affine& a) {
+  const core::dmat3 back = glm::inverse(a.linear);
+  return {back, -(back * a.origin)};
+}
+
 }  // namespace sightline::importers
