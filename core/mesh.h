@@ -17,21 +17,25 @@ class StoredLevels;
 
 namespace sightline::core {
 
-/// Something that is true of its owner as it is. Copies of the owner, which may be changed, come without it.
-template <class T>
-class Companion : public std::shared_ptr<const T> {
+struct MeshExtras;
+
+/// What came with a mesh from its file beside its triangles (core/mesh_extras.h); nothing for most. Whoever copies a
+/// mesh may change the copy, which therefore comes without what is true of the original alone: levels of detail.
+class SIGHTLINE_API MeshExtrasSlot {
  public:
-  using std::shared_ptr<const T>::shared_ptr;
-  Companion() = default;
-  Companion(std::shared_ptr<const T> of) : std::shared_ptr<const T>(std::move(of)) {}
-  Companion(const Companion&) : std::shared_ptr<const T>() {}
-  Companion(Companion&&) noexcept = default;
-  Companion& operator=(const Companion&) {
-    this->reset();
-    return *this;
-  }
-  Companion& operator=(Companion&&) noexcept = default;
-  ~Companion() = default;
+  MeshExtrasSlot() = default;
+  explicit MeshExtrasSlot(MeshExtras extras);
+  MeshExtrasSlot(const MeshExtrasSlot& other);
+  MeshExtrasSlot& operator=(const MeshExtrasSlot& other);
+  MeshExtrasSlot(MeshExtrasSlot&&) noexcept = default;
+  MeshExtrasSlot& operator=(MeshExtrasSlot&&) noexcept = default;
+  ~MeshExtrasSlot() = default;
+
+  explicit operator bool() const { return extras_ != nullptr; }
+  const MeshExtras* operator->() const { return extras_.get(); }
+
+ private:
+  std::shared_ptr<const MeshExtras> extras_;
 };
 
 /// Indexed triangles in local coordinates (float; importers re-centre far coordinates in double first and put the
@@ -49,8 +53,7 @@ struct Mesh {
   std::vector<std::uint32_t> contour_sizes;
   std::vector<std::uint32_t> polygon_contours;
 
-  /// Levels of detail of these triangles that were read with them (lod/stored_levels.h); null: none.
-  Companion<lod::StoredLevels> levels = {};
+  MeshExtrasSlot extras = {};
 
   bool is_facet_group() const { return !polygon_contours.empty(); }
 };

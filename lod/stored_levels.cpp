@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "sightline/core/affine.h"
+#include "sightline/core/mesh_extras.h"
 #include "sightline/lod/internal/cluster_tree.h"
 
 namespace sightline::lod {
@@ -279,8 +280,8 @@ core::Expected<MeshLevels> decode(std::span<const std::byte> bytes, const core::
 }
 
 MeshLevels stored_levels_of(const core::Mesh& mesh, LevelRange range) {
-  if (mesh.levels)
-    if (const auto bytes = mesh.levels->bytes())
+  if (const StoredLevels* stored = core::levels_stored_with(mesh))
+    if (const auto bytes = stored->bytes())
       if (auto levels = decode(*bytes, mesh, range)) return std::move(*levels);
   return {};
 }

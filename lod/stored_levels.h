@@ -15,7 +15,7 @@ namespace sightline::lod {
 /// Raised when build_levels() makes something else of a mesh, and when encode() writes it otherwise.
 inline constexpr std::uint32_t kLevelsVersion = 1;
 
-/// Levels that lie in a file, beside the mesh that they are of (core::Mesh::levels). Nothing of them is in memory.
+/// Levels that lie in a file, beside the mesh that they are of (core::MeshExtras). Nothing of them is in memory.
 class SIGHTLINE_API StoredLevels {
  public:
   virtual ~StoredLevels() = default;

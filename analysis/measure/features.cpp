@@ -269,7 +269,7 @@ class Dimensioner {
 }  // namespace
 
 std::string describe(const Feature& feature) {
-  constexpr std::string_view kNouns[] = {"corner", "edge", "centre", "axis", "face"};
+  constexpr std::string_view kNouns[] = {"corner", "edge", "centre", "axis", "face", "surface"};
   std::string kind(core::name_of(feature.of));
   std::replace(kind.begin(), kind.end(), '_', ' ');
   std::string words(kNouns[std::size_t(feature.kind)]);

@@ -50,12 +50,13 @@ enum class FeatureKind : std::uint8_t {
   kCentre,  ///< point: of a circle, an ellipse, a bend or a sphere
   kAxis,    ///< segment, or arc: the centre line of a torus
   kFace,
+  kSurface,  ///< point: of a curved face, or of the cap that a section plane leaves; as good as a face
 };
 
 struct Feature {
   FeatureKind kind;
   core::Kind of;          ///< the item's kind
-  std::string_view part;  ///< where on the item: "the lower end", or empty; a literal
+  std::string_view part;  ///< where on the item: "the lower end", "a cylindrical face", or empty; a literal
   Geometry geometry;
 };
 

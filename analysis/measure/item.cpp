@@ -97,16 +97,23 @@ std::vector<TriangleFeatures> find_triangle_features(const Shape& mesh) {
 core::Expected<Item> Item::create(const core::Primitive& primitive, const core::Affine& world_from_item) {
   auto found = measure::features(primitive, world_from_item);
   if (!found) return tl::unexpected(found.error());
-  return Item(std::make_shared<const Data>(
-      Data{core::kind_of(primitive), make_shape(primitive, world_from_item), std::move(*found), {}}));
+  auto sizes = measure::dimensions(primitive, world_from_item);
+  if (!sizes) return tl::unexpected(sizes.error());
+  return Item(std::make_shared<const Data>(Data{
+      core::kind_of(primitive), make_shape(primitive, world_from_item), std::move(*found), std::move(*sizes), {}, {}}));
 }
 
 core::Expected<Item> Item::create(const core::Mesh& mesh, const core::Affine& world_from_item) {
   if (auto valid = core::validate(mesh); !valid) return tl::unexpected(valid.error());
   if (!core::is_finite(world_from_item)) return core::fail("measure: mesh: expected a finite placement");
-  Data data{
-      mesh.is_facet_group() ? core::Kind::kFacetGroup : core::Kind::kMesh, make_shape(mesh, world_from_item), {}, {}};
+  Data data{mesh.is_facet_group() ? core::Kind::kFacetGroup : core::Kind::kMesh,
+            make_shape(mesh, world_from_item),
+            {},
+            {},
+            {},
+            {}};
   data.triangles = find_triangle_features(data.shape);
+  data.faces = find_mesh_faces(mesh, world_from_item, data.shape);
   return Item(std::make_shared<const Data>(std::move(data)));
 }
 

@@ -314,12 +314,14 @@ Shape make_shape(const core::Mesh& mesh, const core::Affine& world_from_item) {
     if (core::is_finite(dvec3(p))) box.grow(dvec3(p));
   const dvec3 middle = box.empty() ? dvec3(0.0) : box.centre();
   shape.origin = core::transform_point(world_from_item, middle);
+  std::vector<std::uint32_t> kept;  // triangles of the mesh
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     dvec3 corners[3];
     for (int k = 0; k < 3; ++k)
       corners[k] = world_from_item.linear * (dvec3(mesh.positions[mesh.indices[i + k]]) - middle);
-    if (core::is_finite(corners[0]) && core::is_finite(corners[1]) && core::is_finite(corners[2]))
-      shape.points.insert(shape.points.end(), corners, corners + 3);
+    if (!core::is_finite(corners[0]) || !core::is_finite(corners[1]) || !core::is_finite(corners[2])) continue;
+    shape.points.insert(shape.points.end(), corners, corners + 3);
+    kept.push_back(std::uint32_t(i / 3));
   }
   shape.solid = core::enclosure(mesh) != core::Enclosure::kNothing;
   std::vector<std::uint32_t> triangles(shape.points.size() / 3);
@@ -329,9 +331,12 @@ Shape make_shape(const core::Mesh& mesh, const core::Affine& world_from_item) {
   build_nodes(shape, triangles, 0, triangles.size());
   std::vector<dvec3> ordered;
   ordered.reserve(shape.points.size());
-  for (const std::uint32_t triangle : triangles)
+  for (std::uint32_t& triangle : triangles) {
     for (int k = 0; k < 3; ++k) ordered.push_back(shape.points[3 * std::size_t(triangle) + k]);
+    triangle = kept[triangle];
+  }
   shape.points = std::move(ordered);
+  shape.mesh_triangles = std::move(triangles);
   return shape;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "sightline/analysis/measure/internal/closest.h"
 #include "sightline/analysis/measure/internal/item_data.h"
@@ -33,6 +34,20 @@ class Sections {
     return planes_.empty() ||
            (mode_ == core::SectionMode::kIntersection ? std::all_of(planes_.begin(), planes_.end(), on_kept_side)
                                                       : std::any_of(planes_.begin(), planes_.end(), on_kept_side));
+  }
+  /// The nearest kept point, if it is that near: what is picked on a plane lies beside it by rounding.
+  std::optional<dvec3> kept(const dvec3& p, double most) const {
+    if (keep(p)) return p;
+    dvec3 moved = p;
+    if (mode_ == core::SectionMode::kIntersection) {
+      for (const core::Plane& plane : planes_) moved -= std::min(0.0, core::evaluate(plane, moved)) * plane.normal;
+    } else {
+      const auto& nearest = *std::max_element(planes_.begin(), planes_.end(), [&](const auto& a, const auto& b) {
+        return core::evaluate(a, p) < core::evaluate(b, p);
+      });
+      moved -= core::evaluate(nearest, p) * nearest.normal;
+    }
+    return keep(moved) && glm::length(moved - p) <= most ? std::optional(moved) : std::nullopt;
   }
   Intervals kept(const Segment& s) const {
     return kept_of({0.0, 1.0}, [&](const core::Plane& plane) -> Intervals {
@@ -99,20 +114,18 @@ class Snapper {
  public:
   Snapper(const Item& item, const Aim& aim, const Sections& sections) : item_(item), aim_(aim), sections_(sections) {}
 
-  std::optional<Snap> best_of(FeatureKind kind, std::span<const Feature> features) const {
-    const Feature* best = nullptr;
+  struct Found {
+    Feature feature;
     dvec3 at;
-    double least = std::numeric_limits<double>::infinity();
-    for (const Feature& feature : features) {
-      if (feature.kind != kind) continue;
-      const auto point = std::visit([&](const auto& g) { return nearest(feature, g); }, feature.geometry);
-      if (!point || !within_reach(*point)) continue;
-      const double off = is_inner(feature) ? off_aim(*point) : glm::length(*point - aim_.point);
-      if (off >= least || !is_visible(feature, *point)) continue;
-      least = off, best = &feature, at = *point;
-    }
-    if (best == nullptr) return std::nullopt;
-    return Snap{*best, at, describe(*best)};
+    std::size_t index;  ///< of the feature; their number for a point of the surface that belongs to none
+  };
+  std::optional<Found> first_of(std::span<const Feature> features) const {
+    for (const FeatureKind kind :
+         {FeatureKind::kCorner, FeatureKind::kEdge, FeatureKind::kCentre, FeatureKind::kAxis, FeatureKind::kFace})
+      if (auto found = best_of(kind, features)) return found;
+    const auto point = surface_point();
+    if (!point) return std::nullopt;
+    return Found{{FeatureKind::kSurface, item_.kind(), "", *point}, *point, features.size()};
   }
 
   /// How far a feature may lie off the aim at the aim's point.
@@ -152,14 +165,41 @@ class Snapper {
     }
     return best;
   }
-  std::optional<dvec3> nearest(const Feature&, const dvec3& p) const {
-    return sections_.keep(p) ? std::optional(p) : std::nullopt;
+  std::optional<dvec3> nearest(const Feature& feature, const dvec3& p) const {
+    return sections_.kept(p, feature.kind == FeatureKind::kSurface ? reach() : 0.0);
   }
   std::optional<dvec3> nearest(const Feature& feature, const Segment& s) const { return nearest_kept(feature, s); }
   std::optional<dvec3> nearest(const Feature& feature, const Arc& a) const { return nearest_kept(feature, a); }
   std::optional<dvec3> nearest(const Feature&, const Line&) const { return std::nullopt; }
   std::optional<dvec3> nearest(const Feature& feature, const Face& face) const {
     return nearest(feature, distance(face, aim_.point).from);
+  }
+
+  /// The nearest feature of a kind. Surfaces are as good as faces.
+  std::optional<Found> best_of(FeatureKind kind, std::span<const Feature> features) const {
+    constexpr double kSame = 1e-6;  // an edge has two sides, whose points differ by rounding: the first side counts
+    std::optional<Found> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      const Feature& feature = features[i];
+      if (std::min(feature.kind, FeatureKind::kFace) != kind) continue;
+      const auto point = std::visit([&](const auto& g) { return nearest(feature, g); }, feature.geometry);
+      if (!point || !within_reach(*point)) continue;
+      const double off = is_inner(feature) ? off_aim(*point) : glm::length(*point - aim_.point);
+      if (off >= least - kSame * reach() || !is_visible(feature, *point)) continue;
+      least = off, best = {feature, *point, i};
+    }
+    return best;
+  }
+
+  /// The point of the item's surface that is aimed at. On the cap of a section it lies within the item.
+  std::optional<dvec3> surface_point() const {
+    const Distance gap = distance(aim_.point, item_);
+    const bool is_mesh = item_.data().shape.form == Shape::Form::kTriangles;
+    const dvec3 on = gap.touching && (!is_mesh || !within_reach(gap.to)) ? aim_.point : gap.to;
+    if (std::isinf(gap.distance)) return std::nullopt;  // of a mesh without triangles
+    const auto point = sections_.kept(on, reach());
+    return point && within_reach(*point) ? point : std::nullopt;
   }
 
   /// Whether the kept part of the item leaves the way from the eye to the point free.
@@ -179,16 +219,27 @@ class Snapper {
   const Sections& sections_;
 };
 
-/// Features of a mesh near a point.
+/// Features of a mesh near a point, those of curved faces first: of an edge's two sides they say more.
 class NearTriangles {
  public:
   NearTriangles(const Item::Data& data, const dvec3& point, double reach)
       : data_(data), point_(point - data.shape.origin), reach_(reach) {
     if (!data.shape.nodes.empty()) visit(0);
+    for (const std::uint32_t face : std::set(of_triangles_.begin(), of_triangles_.end()))
+      if (face != core::kNone)
+        for (const Feature& feature : data.faces.faces[face].features) add(face, feature);
+    std::stable_partition(near_.begin(), near_.end(), [&](const Near& n) { return is_curved(n.face); });
+    for (Near& near : near_) features.push_back(std::move(near.feature)), faces.push_back(near.face);
   }
-  const std::vector<Feature>& features() const { return features_; }
+  std::vector<Feature> features;
+  std::vector<std::uint32_t> faces;  ///< of these: kNone for those of no face that the file states
 
  private:
+  struct Near {
+    Feature feature;
+    std::uint32_t face;
+  };
+
   void visit(std::uint32_t index) {
     const TriangleNode& node = data_.shape.nodes[index];
     const dvec3 outside = glm::max(glm::max(node.box.min - point_, point_ - node.box.max), dvec3(0.0));
@@ -197,26 +248,47 @@ class NearTriangles {
     visit(index + 1);
     visit(node.second);
   }
+  bool is_curved(std::uint32_t face) const {
+    return face != core::kNone && data_.faces.faces[face].surface.kind != core::MeshSurface::Kind::kPlane;
+  }
   void add_triangle(std::uint32_t triangle) {
     const TriangleFeatures& sharp = data_.triangles[triangle];
+    const std::uint32_t face = data_.faces.of_triangle.empty() ? core::kNone : data_.faces.of_triangle[triangle];
+    of_triangles_.push_back(face);
+    const std::string_view part = is_curved(face) ? face_words(data_.faces.faces[face].surface.kind) : "";
     dvec3 corners[3];
     for (int i = 0; i < 3; ++i) corners[i] = data_.shape.origin + data_.shape.points[3 * std::size_t(triangle) + i];
     for (int i = 0; i < 3; ++i) {
-      if (sharp.corners[i]) add(FeatureKind::kCorner, corners[i]);
-      if (sharp.edges[i]) add(FeatureKind::kEdge, Segment{corners[i], corners[(i + 1) % 3]});
+      if (sharp.corners[i]) add(face, {FeatureKind::kCorner, data_.kind, "", corners[i]});
+      if (sharp.edges[i]) add(face, {FeatureKind::kEdge, data_.kind, part, Segment{corners[i], corners[(i + 1) % 3]}});
     }
     const dvec3 n = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     const double size = glm::length(n);
-    add(FeatureKind::kFace,
-        Face{(corners[0] + corners[1] + corners[2]) / 3.0, size > 0.0 ? n / size : dvec3(0.0), {corners, corners + 3}});
+    Face flat{(corners[0] + corners[1] + corners[2]) / 3.0, size > 0.0 ? n / size : dvec3(0.0), {corners, corners + 3}};
+    if (face == core::kNone) return add(face, {FeatureKind::kFace, data_.kind, part, std::move(flat)});
+    const core::MeshSurface& surface = data_.faces.faces[face].surface;
+    if (surface.kind == core::MeshSurface::Kind::kPlane) {
+      flat.normal = glm::dot(surface.axis, flat.normal) < 0.0 ? -surface.axis : surface.axis;
+      return add(face, {FeatureKind::kFace, data_.kind, part, std::move(flat)});
+    }
+    const dvec3 on = distance(flat, data_.shape.origin + point_).from;
+    add(face, {FeatureKind::kSurface, data_.kind, part, core::nearest_point(surface, on)});
   }
-  void add(FeatureKind kind, const Geometry& geometry) { features_.push_back({kind, data_.kind, "", geometry}); }
+  void add(std::uint32_t face, Feature feature) { near_.push_back({std::move(feature), face}); }
 
   const Item::Data& data_;
   dvec3 point_;
   double reach_;
-  std::vector<Feature> features_;
+  std::vector<std::uint32_t> of_triangles_;
+  std::vector<Near> near_;
 };
+
+std::optional<Segment> straight_axis(std::span<const Feature> features) {
+  for (const Feature& feature : features)
+    if (const auto* axis = std::get_if<Segment>(&feature.geometry); axis && feature.kind == FeatureKind::kAxis)
+      return *axis;
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -224,14 +296,21 @@ std::optional<Snap> snap(const Item& item, const Aim& aim, std::span<const core:
                          core::SectionMode mode) {
   const Sections sections(planes, mode);
   const Snapper snapper(item, aim, sections);
-  const bool is_mesh = item.data().shape.form == Shape::Form::kTriangles;
-  std::vector<Feature> near;
-  if (is_mesh) near = NearTriangles(item.data(), aim.point, (aim.ray ? kGrazing : 1.0) * snapper.reach()).features();
-  const std::span<const Feature> features = is_mesh ? near : item.features();
-  for (const FeatureKind kind :
-       {FeatureKind::kCorner, FeatureKind::kEdge, FeatureKind::kCentre, FeatureKind::kAxis, FeatureKind::kFace})
-    if (auto found = snapper.best_of(kind, features)) return found;
-  return std::nullopt;
+  const Item::Data& data = item.data();
+  if (data.shape.form != Shape::Form::kTriangles) {
+    auto found = snapper.first_of(item.features());
+    if (!found) return std::nullopt;
+    return Snap{found->feature, found->at, describe(found->feature), data.dimensions, straight_axis(item.features())};
+  }
+  const NearTriangles near(data, aim.point, (aim.ray ? kGrazing : 1.0) * snapper.reach());
+  auto found = snapper.first_of(near.features);
+  if (!found) return std::nullopt;
+  Snap made{found->feature, found->at, describe(found->feature)};
+  if (found->index < near.faces.size() && near.faces[found->index] != core::kNone) {
+    const MeshFace& face = data.faces.faces[near.faces[found->index]];
+    made.dimensions = face.dimensions, made.axis = straight_axis(face.features);
+  }
+  return made;
 }
 
 }  // namespace sightline::measure

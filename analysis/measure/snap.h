@@ -29,10 +29,15 @@ struct Snap {
   Feature feature;
   dvec3 point;        ///< on the feature, exact up to double rounding; the nearest one to 1e-6 of the reach
   std::string words;  ///< describe(feature)
+  /// Of a primitive as measure::dimensions() has them. Of a mesh those of the face that the feature belongs to, where
+  /// the mesh's file states its surface: STEP, IGES and BREP.
+  std::vector<Dimension> dimensions = {};
+  std::optional<Segment> axis = {};  ///< the straight axis of what has the dimensions, if it has one
 };
 
 /// The feature of the item within reach of the aim that comes first in the order of FeatureKind, and of these the
-/// nearest one; none where there is none.
+/// nearest one. Where there is none, the point of the surface itself: each point that a pick returns can be snapped to.
+/// None where the aim's point is farther from what is kept of the item than the reach.
 ///
 /// With a ray, corners and edges are those within its cone that the item itself does not hide, at their point nearest
 /// to the aim's point. Edges count up to four times the reach away from it: a surface at a grazing angle looks shorter.
@@ -44,7 +49,8 @@ struct Snap {
 /// ignored.
 ///
 /// The edges of a mesh are those where its triangles turn by more than 20 degrees, and its corners are where such edges
-/// meet. Its faces are triangles.
+/// meet. Its faces are triangles, or points of the surface that its file states for a curved face, whose axis and
+/// centres count, too, where the face itself is near the aim's point.
 SIGHTLINE_API std::optional<Snap> snap(const Item& item, const Aim& aim, std::span<const core::Plane> sections = {},
                                        core::SectionMode mode = core::SectionMode::kIntersection);
 

@@ -1,10 +1,15 @@
 #include "sightline/apps/common/item_facts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
+
+#include "sightline/core/mesh_extras.h"
 
 namespace sightline::apps {
 namespace {
@@ -73,12 +78,38 @@ std::string quantity(std::string_view name, double value, const std::optional<do
   return text;
 }
 
+/// Sizes of the faces whose surfaces the mesh's file states, each once, from small to large.
+void add_face_sizes(const core::Mesh& mesh, const std::optional<double>& scale, const LengthFormat& lengths,
+                    std::vector<Fact>& facts) {
+  using Kind = core::MeshSurface::Kind;
+  const auto add = [&](Kind kind, const char* name, double core::MeshSurface::*size, double factor) {
+    std::map<std::string, double> sizes;
+    for (const core::MeshSurface& surface : core::surfaces_stored_with(mesh)) {
+      const double value = std::fabs(factor * (surface.*size));
+      if (surface.kind == kind)
+        sizes.emplace(quantity(name, is_angle(name) ? std::atan(value) : value, scale, lengths), value);
+    }
+    std::vector<std::pair<double, std::string>> sorted;
+    for (const auto& [text, value] : sizes) sorted.emplace_back(value, text);
+    std::sort(sorted.begin(), sorted.end());
+    std::string all;
+    for (const auto& [value, text] : sorted) all += (all.empty() ? "" : ", ") + text;
+    if (!all.empty()) facts.push_back({name, all});
+  };
+  add(Kind::kCylinder, "diameters of cylindrical faces", &core::MeshSurface::radius, 2.0);
+  add(Kind::kCone, "half angles of conical faces", &core::MeshSurface::slope, 1.0);
+  add(Kind::kSphere, "diameters of spherical faces", &core::MeshSurface::radius, 2.0);
+  add(Kind::kTorus, "tube diameters of toroidal faces", &core::MeshSurface::tube_radius, 2.0);
+}
+
 std::vector<Fact> shape_facts(const core::Scene& scene, core::ItemId item, const LengthFormat& lengths) {
   const core::Kind kind = scene.kind(item);
   std::vector<Fact> facts{{"kind", std::string(core::name_of(kind))}};
   if (int(kind) >= core::kPrimitiveKindCount) {
     const core::MeshId mesh = scene.mesh_of(item);
-    if (mesh.valid()) facts.push_back({"triangles", grouped(std::int64_t(scene.mesh(mesh).indices.size() / 3))});
+    if (!mesh.valid()) return facts;
+    facts.push_back({"triangles", grouped(std::int64_t(scene.mesh(mesh).indices.size() / 3))});
+    add_face_sizes(scene.mesh(mesh), scale_of(scene.state(item).world_from_item), lengths, facts);
     return facts;
   }
   const core::Primitive primitive = scene.primitive(item);

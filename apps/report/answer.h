@@ -15,7 +15,9 @@ struct SurfaceCost {
 };
 
 struct AnswerFigures {
-  bool solids = true;                  ///< false: the model is drawn as its triangles anyway
+  std::uint64_t solids = 1, meshes = 0;  ///< items that are drawn as exact surfaces, and as the triangles that they are
+  /// Metres between surfaces that files state (STEP, IGES, BREP) and what stands for them: triangles, and primitives.
+  double mesh_deviation = 0.0, solid_deviation = 0.0;
   SurfaceCost exact;                   ///< as drawn by default
   std::vector<SurfaceCost> triangles;  ///< coarsest first; may be empty
 };

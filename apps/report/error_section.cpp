@@ -23,8 +23,6 @@ using Figures = std::vector<VariantFigures>;
 using Style = PanelSeries::Style;
 using Rows = std::vector<std::vector<std::string>>;
 
-constexpr const char* kDefault = "exact surfaces, as by default";
-
 // --- the variants ----------------------------------------------------------------------------------------------------
 
 std::uint64_t triangles_of(const core::Scene& scene) {
@@ -59,20 +57,19 @@ double expected_triangles(const core::Scene& scene, double metres) {
   return double(step) * double(triangles_of(tessellated_within(sample, metres)));
 }
 
-bool has_solids(const core::Snapshot& snapshot) {
-  for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
-    if (!snapshot.vacant(slot) && int(snapshot.kind(slot)) < core::kPrimitiveKindCount &&
-        snapshot.kind(slot) != core::Kind::kLine)
-      return true;
-  return false;
-}
-
 /// This is what the report compares, and why it leaves out what it does not.
 struct Plan {
   std::vector<Variant> variants;
-  bool solids = false;
+  std::uint64_t solids = 0, meshes = 0;             ///< items
   std::string triangles_left_out, levels_left_out;  ///< sentences; empty: nothing is
 };
+
+void count_items(const core::Snapshot& snapshot, Plan& plan) {
+  for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {
+    if (snapshot.vacant(slot) || snapshot.kind(slot) == core::Kind::kLine) continue;
+    ++(int(snapshot.kind(slot)) < core::kPrimitiveKindCount ? plan.solids : plan.meshes);
+  }
+}
 
 /// "some 190 million"
 std::string about(double count) {
@@ -120,9 +117,12 @@ void add_levels(const Report& report, const std::shared_ptr<core::Scene>& scene,
 core::Expected<Plan> make_plan(const Report& report) {
   const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it
   Plan plan;
-  plan.solids = has_solids(report.snapshot());
-  plan.variants.push_back({Group::kExact, kDefault, scene, report.engine_config()});
-  if (plan.solids)
+  count_items(report.snapshot(), plan);
+  const std::string drawn = plan.solids == 0   ? "meshes"
+                            : plan.meshes == 0 ? "exact surfaces"
+                                               : "exact surfaces and meshes";
+  plan.variants.push_back({Group::kExact, drawn + ", as by default", scene, report.engine_config()});
+  if (plan.solids > 0)
     if (auto done = add_triangles(report, scene, plan); !done) return tl::unexpected(done.error());
   plan.variants.push_back({Group::kSamples, "half the resolution, enlarged", scene, report.engine_config(), 2});
   for (const int samples : {4, 8}) {
@@ -166,20 +166,26 @@ SurfaceCost cost_of(const VariantFigures& v) {
   return {v.tolerance, v.ms, v.error_p99};
 }
 
-AnswerFigures answer_of(const Figures& all, bool solids) {
-  AnswerFigures answer{solids, cost_of(all.front()), {}};
+AnswerFigures answer_of(const Report& report, const Figures& all, const Plan& plan) {
+  const importers::ImportReport& imported = report.model().report;
+  AnswerFigures answer{plan.solids,
+                       plan.meshes,
+                       imported.surfaces.deviation,
+                       std::max(imported.surfaces.analytic_deviation, imported.recognition.largest_deviation),
+                       cost_of(all.front()),
+                       {}};
   for (const VariantFigures& v : all)
     if (v.group == Group::kTriangles) answer.triangles.push_back(cost_of(v));
   return answer;
 }
 
 std::string surface_plot(const Figures& all) {
-  PanelSeries exact{"exact surfaces, as by default", {}, Style::kPoints, colours::kExact};
+  PanelSeries exact{all.front().label, {}, Style::kPoints, colours::kExact};
   PanelSeries triangles{"triangles within a tolerance", {}, Style::kPointsAndLine, colours::kTriangles};
   PanelSeries levels{"meshes within so many pixels", {}, Style::kPointsAndLine, colours::kLevels};
   for (const VariantFigures& v : all) {
     const double millimetres = 1e3 * v.error_p99;
-    if (v.group == Group::kExact) exact.points.push_back({v.ms, millimetres, "exact", v.label});
+    if (v.group == Group::kExact) exact.points.push_back({v.ms, millimetres, "as by default", v.label});
     if (v.group == Group::kTriangles)
       triangles.points.push_back({v.ms, millimetres, length_words(v.tolerance), v.label});
     if (v.group == Group::kLevels)
@@ -196,22 +202,31 @@ std::string surface_plot(const Figures& all) {
   return svg_panels(plot);
 }
 
+/// What stands for the true surface where the model is triangles.
+std::string truth_words(const Report& report, const Plan& plan) {
+  if (plan.meshes == 0) return "";
+  const double off = report.model().report.surfaces.deviation;
+  return "The true surface of a mesh is its triangles" +
+         (off > 0.0 ? ", which lie up to " + length_words(off) + " off the surfaces of their file. " : ". ");
+}
+
 void open_page(const Report& report, const Figures& all, const Plan& plan, Section& section) {
-  const std::string answer = answer_sentence(answer_of(all, plan.solids));
+  const std::string answer = answer_sentence(answer_of(report, all, plan));
   section.figures["answer"] = answer;
   section.opening.lead(answer);
   section.opening.plot(
       surface_plot(all),
       {"Down and left is better. Names beside the points are tolerances. The true surface is what a ray through the "
        "pixel's centre hits first in double precision; distances of 99 % of the pixels are below the figure. " +
-           measured_words(report) + (plan.triangles_left_out.empty() ? "" : " " + plan.triangles_left_out),
+           truth_words(report, plan) + measured_words(report) +
+           (plan.triangles_left_out.empty() ? "" : " " + plan.triangles_left_out),
        report.section_command("error")});
 }
 
 core::Expected<void> show_surfaces(const Report& report, const std::vector<Reference>& references, const Figures& all,
                                    const Plan& plan, Section& section) {
   section.html.heading("Surfaces: exact, and as triangles within a tolerance");
-  if (!plan.solids)
+  if (plan.solids == 0)
     section.html.paragraph("left out: triangles in place of primitives, since the model has no solid primitives.");
   Rows rows;
   const VariantFigures *exact = &all.front(), *pictured = exact;
@@ -238,13 +253,14 @@ core::Expected<void> show_surfaces(const Report& report, const std::vector<Refer
        "where the pixel shows the same item as the ray through its centre in double precision "
        "(raytrace/tracer.h); another item at the same depth counts as the same. Rays do not see lines, "
        "nor what is behind transparent items. " +
-           measured_words(report) + (plan.triangles_left_out.empty() ? "" : " " + plan.triangles_left_out),
+           truth_words(report, plan) + measured_words(report) +
+           (plan.triangles_left_out.empty() ? "" : " " + plan.triangles_left_out),
        report.section_command("error")});
   const auto view = std::size_t(std::max_element(pictured->differences.begin(), pictured->differences.end()) -
                                 pictured->differences.begin());
   const std::array images{
       LabelledImage{"by rays in double precision, " + report.views()[view].name, references[view].colour},
-      LabelledImage{kDefault, exact->images[view]},
+      LabelledImage{exact->label, exact->images[view]},
       LabelledImage{"difference of the two, four times amplified; white: none",
                     differences_on_white(references[view].colour, exact->images[view])},
       LabelledImage{"difference of rays and " + pictured->label + ", likewise",
@@ -289,7 +305,7 @@ bool on_front(const VariantFigures& v, const Figures& all) {
 }
 
 std::string choice_plot(const Explanation& words, const Figures& variants) {
-  PanelSeries exact{kDefault, {}, Style::kPoints, colours::kExact};
+  PanelSeries exact{variants.front().label, {}, Style::kPoints, colours::kExact};
   PanelSeries others{words.legend, {}, Style::kPoints, colour_of(words.group)};
   PanelSeries front{"nothing measured is both faster and less wrong", {}, Style::kDashes, "#999999"};
   for (const VariantFigures& v : variants) {

@@ -29,6 +29,7 @@ constexpr SectionMaker kMakers[] = {
 };
 
 void add_options(CommandLine& line, ReportOptions& o) {
+  o.model.import.crease_angle = kCreaseAngle;
   add_model_options(line, o.model);
   line.add("--out", o.out, "The page, HTML").required();
   line.add("--size", o.size, "Pixels of all images and timed frames, 64x36 at least")

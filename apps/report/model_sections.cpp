@@ -88,6 +88,10 @@ void add_content(const Report& report, const Content& content, Section& section)
     rows.push_back({"items too far out for views of the whole", count_words(report.fitted().outliers)});
   }
   section.html.table({"", ""}, rows, {"Content of the scene.", report.command("info", "")});
+  if (imported.surfaces.parts > 0) {
+    section.html.paragraph("Exact surfaces: " + surface_words(imported.surfaces) + ".");
+    section.figures["surfaces"] = surfaces_json(imported.surfaces);
+  }
   section.figures["nodes"] = report.scene().node_count();
   section.figures["meshes"] = content.meshes;
   section.figures["mesh_items"] = content.mesh_items;
@@ -230,7 +234,8 @@ core::Expected<Section> images_section(const Report& report, const SectionProgre
     return section;
   }
   section.html.paragraph(
-      "Images at the left show the model as it is drawn, those at the right each item in a colour of its own. The "
+      "Images at the left show the model as it is drawn, those at the right each item in a colour of its own, in place "
+      "of the numbers that --ids writes. The "
       "tour is a camera path made for the model, which keeps it in sight; this command writes it:");
   section.html.commands(
       report.command("report", std::string("--sections plan --out report.html --save-path ") + kTourFile));
@@ -246,9 +251,9 @@ core::Expected<Section> images_section(const Report& report, const SectionProgre
     const std::array images{LabelledImage{place.name, std::move(*colour)},
                             LabelledImage{"items, " + place.name, item_colours(*ids)}};
     auto done = section.html.images(
-        images,
-        {count_words(seen) + (seen == 1 ? " item is" : " items are") + " visible in the id image.",
-         report.command("render", place.options + " " + report.size_option() + " --out image.png --ids items.png")});
+        images, {count_words(seen) + (seen == 1 ? " item is" : " items are") + " visible in the id image.",
+                 report.command("render", place.options + " --plain " + report.size_option() +
+                                              " --out image.png --ids items.png")});
     if (!done) return tl::unexpected(done.error());
     section.figures["views"].push_back({{"name", place.name}, {"visible_in_ids", seen}});
     progress(double(section.figures["views"].size()) / double(report.views().size()));

@@ -7,6 +7,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/common/svg_canvas.h"
+#include "sightline/apps/common/view_options.h"
 #include "sightline/core/internal/sort_unique.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #if SIGHTLINE_HAS_RAYTRACE
@@ -84,7 +85,7 @@ core::Expected<void> Report::load() {
   if (!engine) return tl::unexpected(engine.error());
   engine_ = std::make_unique<engine::Engine>(std::move(*engine));
   times_.engine = lap();
-  const auto view = core::View::fit(fitted_.bounds, core::kOverviewDirection, kFovy, aspect());
+  const auto view = overview();
   if (!view) return tl::unexpected(view.error());
   if (auto frame = engine_->frame(*view); !frame) return tl::unexpected(frame.error());
   engine_->finish();
@@ -106,10 +107,16 @@ core::Expected<void> Report::make_tour() {
   return {};
 }
 
+core::Expected<core::View> Report::overview() const {
+  ViewOptions options;
+  options.quiet = true;
+  return choose_view(options, model_, snapshot(), aspect());
+}
+
 core::Expected<void> Report::find_views() {
-  const auto overview = core::View::fit(fitted_.bounds, core::kOverviewDirection, kFovy, aspect());
-  if (!overview) return tl::unexpected(overview.error());
-  views_.push_back({"overview", *overview, "--fit"});
+  const auto whole = overview();
+  if (!whole) return tl::unexpected(whole.error());
+  views_.push_back({"overview", *whole, "--fit"});
   if (empty()) return {};
   struct Candidate {
     int frame;
@@ -169,6 +176,9 @@ std::string Report::command(const std::string& tool, const std::string& argument
   for (const std::string& file : options_.model.files) line += " " + shell_word(file);
   if (!options_.model.translate.empty()) line += " --translate " + shell_word(options_.model.translate);
   line += import_arguments(options_.model.import);
+  // It is of shading alone, which other tools do not show.
+  if (options_.model.import.crease_angle != kCreaseAngle && (tool == "render" || tool == "report"))
+    line += " --crease-angle " + short_number(glm::degrees(options_.model.import.crease_angle), 17);
   return arguments.empty() ? line : line + " " + arguments;
 }
 

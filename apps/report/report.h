@@ -94,6 +94,8 @@ class Report {
   core::Expected<void> load();
   core::Expected<void> make_tour();
   core::Expected<void> find_views();
+  /// What sightline-render shows by default.
+  core::Expected<core::View> overview() const;
 
   ReportOptions options_;
   std::array<int, 2> size_{};

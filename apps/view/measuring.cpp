@@ -13,11 +13,19 @@ std::string degrees(double radians) {
   return text;
 }
 
-/// The angle of two features, and the distance of two axes.
-void relation_rows(const measure::Feature& a, const measure::Feature& b, const LengthFormat& lengths,
+/// The line that a mark is on, or else the axis of what it is on.
+const measure::Segment* line_of(const measure::Snap& snap) {
+  const auto* line = std::get_if<measure::Segment>(&snap.feature.geometry);
+  return line ? line : snap.axis ? &*snap.axis : nullptr;
+}
+
+/// The angle of two features, or of their axes, and the distance of two lines.
+void relation_rows(const measure::Snap& a, const measure::Snap& b, const LengthFormat& lengths,
                    std::vector<Measuring::Row>& rows) {
-  if (const auto angle = measure::angle(a.geometry, b.geometry)) rows.emplace_back("angle", degrees(*angle));
-  const auto *first = std::get_if<measure::Segment>(&a.geometry), *second = std::get_if<measure::Segment>(&b.geometry);
+  const measure::Segment *first = line_of(a), *second = line_of(b);
+  auto angle = measure::angle(a.feature.geometry, b.feature.geometry);
+  if (!angle && first && second) angle = measure::angle(*first, *second);
+  if (angle) rows.emplace_back("angle", degrees(*angle));
   if (!first || !second) return;
   const measure::AxisDistance axes = measure::axis_distance(*first, *second);
   rows.emplace_back(axes.parallel ? "between the axes" : "between the lines", lengths.text(axes.shortest.distance));
@@ -69,20 +77,13 @@ void Measuring::forget_last() {
   of_items_ = false;
 }
 
-core::Expected<void> Measuring::add(const core::Scene& scene, core::ItemId item, const measure::Snap& snap) {
-  Mark mark{item, snap, {}};
-  if (int(scene.kind(item)) < core::kPrimitiveKindCount) {
-    auto dimensions = measure::dimensions(scene.primitive(item), scene.state(item).world_from_item);
-    if (!dimensions) return tl::unexpected(dimensions.error());
-    mark.dimensions = std::move(*dimensions);
-  }
+void Measuring::add(core::ItemId item, const measure::Snap& snap) {
   if (of_items_ || marks_.size() == 2) forget_last();
-  marks_.push_back(std::move(mark));
-  if (marks_.size() < 2) return {};
+  marks_.push_back({item, snap});
+  if (marks_.size() < 2) return;
   const measure::Snap &first = marks_[0].snap, &second = marks_[1].snap;
   distance_ = measure::distance(first.point, second.point);
   list_.push_back({first.point, second.point, first.words + " to " + second.words});
-  return {};
 }
 
 core::Expected<void> Measuring::between(const core::Scene& scene, core::ItemId a, core::ItemId b) {
@@ -101,7 +102,7 @@ std::vector<Measuring::Row> Measuring::rows(const LengthFormat& lengths) const {
   for (const Mark& mark : marks_) {
     rows.emplace_back(&mark == &marks_[0] ? "first" : "second", mark.snap.words);
     rows.emplace_back("at", lengths.text(mark.snap.point));
-    for (const measure::Dimension& dimension : mark.dimensions)
+    for (const measure::Dimension& dimension : mark.snap.dimensions)
       rows.emplace_back(dimension.name, dimension.angle ? degrees(dimension.value) : lengths.text(dimension.value));
   }
   if (!distance_) return rows;
@@ -110,7 +111,7 @@ std::vector<Measuring::Row> Measuring::rows(const LengthFormat& lengths) const {
   if (distance_->error > 1e-6) rows.emplace_back("less by at most", lengths.text(distance_->error));
   rows.emplace_back("elevation", lengths.text(distance_->rise()));
   rows.emplace_back("along x, y, z", lengths.text(distance_->to - distance_->from));
-  if (marks_.size() == 2) relation_rows(marks_[0].snap.feature, marks_[1].snap.feature, lengths, rows);
+  if (marks_.size() == 2) relation_rows(marks_[0].snap, marks_[1].snap, lengths, rows);
   return rows;
 }
 

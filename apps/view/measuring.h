@@ -29,13 +29,12 @@ class Measuring {
   struct Mark {
     core::ItemId item;
     measure::Snap snap;
-    std::vector<measure::Dimension> dimensions;  ///< of the item; none of meshes
   };
   using Row = std::pair<std::string, std::string>;  ///< what, and its value
 
   void clear();  ///< with the list
   /// The next of two marks. A third one begins anew.
-  core::Expected<void> add(const core::Scene& scene, core::ItemId item, const measure::Snap& snap);
+  void add(core::ItemId item, const measure::Snap& snap);
   /// The shortest distance of two items, in place of marks.
   core::Expected<void> between(const core::Scene& scene, core::ItemId a, core::ItemId b);
 

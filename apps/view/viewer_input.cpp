@@ -187,8 +187,7 @@ void Viewer::set_mark(const core::dvec2& at) {
   const auto aimed = session_->aim(in_image(at), kReach * gui_.scale());
   if (!aimed) return tell(aimed.error().message, true);
   if (!*aimed) return tell("there is nothing to measure");
-  const auto done = session_->measuring().add(session_->scene(), (*aimed)->item, (*aimed)->snap);
-  if (!done) return tell(done.error().message, true);
+  session_->measuring().add((*aimed)->item, (*aimed)->snap);
   tell((*aimed)->snap.words);
 }
 

@@ -3,7 +3,7 @@
 
 #include "sightline/bindings/c/internal/objects.h"
 #include "sightline/bindings/c/internal/values.h"
-#include "sightline/core/mesh.h"
+#include "sightline/core/mesh_extras.h"
 #include "sightline/core/primitive.h"
 
 using namespace sightline;
@@ -83,6 +83,23 @@ sl_status sl_mesh_get(sl_scene handle, sl_mesh mesh, sl_mesh_data* data) {
     };
     write(data, {0, std::uint32_t(found.positions.size()), nullptr, floats(found.positions), floats(found.normals),
                  found.indices.empty() ? nullptr : found.indices.data(), found.indices.size()});
+  });
+}
+
+sl_status sl_mesh_get_surface(sl_scene handle, sl_mesh mesh, uint32_t triangle, sl_mesh_surface* surface) {
+  return call(__func__, [&] {
+    const SceneUse scene(handle, Access::kRead);
+    const core::Mesh& of = scene->mesh(scene.id(mesh));
+    if (triangle >= of.indices.size() / 3) refuse(SL_ERROR_ARGUMENT, "triangle: the mesh has fewer");
+    const std::uint32_t face = core::surface_of(of, triangle);
+    const core::MeshSurface s = face == core::kNone ? core::MeshSurface() : core::surfaces_stored_with(of)[face];
+    write(surface, {0,
+                    std::int32_t(s.kind),
+                    {s.origin.x, s.origin.y, s.origin.z},
+                    {s.axis.x, s.axis.y, s.axis.z},
+                    s.radius,
+                    s.tube_radius,
+                    s.slope});
   });
 }
 

@@ -7,6 +7,7 @@
 #include "sightline/bindings/python/module.h"
 #include "sightline/bindings/python/values.h"
 #include "sightline/core/find_nodes.h"
+#include "sightline/core/mesh_extras.h"
 #include "sightline/importers/plant/plant_generator.h"
 
 namespace sightline::python {
@@ -104,6 +105,22 @@ void remove_mesh(const Mesh& mesh) {
   scene.remove_mesh(mesh.id);
 }
 
+std::optional<py::dict> surface_of_triangle(const Mesh& x, std::uint32_t triangle) {
+  const core::Mesh& mesh = read(x).mesh(x.id);
+  if (triangle >= mesh.indices.size() / 3) fail("triangle: the mesh has fewer");
+  const std::uint32_t face = core::surface_of(mesh, triangle);
+  if (face == core::kNone) return std::nullopt;
+  const core::MeshSurface& surface = core::surfaces_stored_with(mesh)[face];
+  py::dict found;
+  found["kind"] = std::string(core::name_of(surface.kind));
+  found["origin"] = to_array(surface.origin);
+  found["axis"] = to_array(surface.axis);
+  found["radius"] = surface.radius;
+  found["tube_radius"] = surface.tube_radius;
+  found["slope"] = surface.slope;
+  return found;
+}
+
 void bind_mesh(py::module_& m) {
   py::class_<Mesh>(m, "Mesh", "Triangles of a scene, shared between items and immutable.")
       .def_property_readonly(
@@ -124,6 +141,10 @@ void bind_mesh(py::module_& m) {
       .def_property_readonly(
           "bounds", [](const Mesh& x) { return to_array(read(x).mesh_bounds(x.id)); },
           "[[min], [max]] in local coordinates; None when empty.")
+      .def("surface", &surface_of_triangle, py::arg("triangle"),
+           "The surface that the mesh's file (STEP, IGES, BREP) states for the face of a triangle, such as that of a "
+           "pick: kind (plane, cylinder, cone, sphere, torus), origin and axis in local coordinates, radius, "
+           "tube_radius of a torus, slope of a cone: tangent of its half angle. None where it states none of these.")
       .def("remove", &remove_mesh, "Frees it. Fails while an item uses it or an array looks into it.")
       .def(
           "__eq__", [](const Mesh& a, const Mesh& b) { return a == b; }, py::is_operator())

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <numeric>
+#include <span>
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
@@ -26,6 +28,7 @@
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Vertex.hxx>
 
+#include "sightline/importers/cad/internal/face_surface.h"
 #include "sightline/importers/cad/internal/occt_maths.h"
 
 namespace sightline::importers {
@@ -76,11 +79,29 @@ double enclosed_area(const TopoDS_Face& face) {
 /// A triangulated face, its nodes with the numbers of their positions in the body.
 struct MeshedFace {
   std::uint32_t style;
+  TopoDS_Face face;
   std::vector<std::uint32_t> positions;                 // of the nodes
   std::vector<core::vec3> normals;                      // of the nodes
   std::vector<std::array<std::uint32_t, 3>> triangles;  // of nodes, counter-clockwise from outside
   std::size_t number = 0;                               // in the body, from 1
 };
+
+/// The surface of a face whose triangles have these corners, of any kind where they lie farther off than the tolerance.
+core::MeshSurface surface_at(const TopoDS_Face& face, const dvec3& centre, std::span<const core::vec3> corners,
+                             double tolerance) {
+  constexpr double kOfSize = 1e-5;  // splines that are a surface of a kind to less than this are one
+  core::AabbD box;
+  for (const core::vec3& p : corners) box.grow(dvec3(p));
+  if (box.empty() || !has_surface(face)) return {};
+  const auto found =
+      face_surface(BRepAdaptor_Surface(face), std::max(BRep_Tool::Tolerance(face), kOfSize * glm::length(box.size())));
+  if (!found) return {};
+  core::MeshSurface made = mesh_surface(found->as);
+  made.origin -= centre;
+  for (const core::vec3& p : corners)
+    made.gap = std::max(made.gap, glm::length(dvec3(p) - core::nearest_point(made, dvec3(p))));
+  return made.gap <= tolerance ? made : core::MeshSurface();
+}
 
 /// Collects what the mesher has left in the faces of a body.
 class Collection {
@@ -101,16 +122,23 @@ class Collection {
   double deviation() const { return deviation_; }
   std::uint64_t failed() const { return failed_; }
 
-  /// All faces of a style as one mesh; vertices are shared where position and normal are the same.
-  BodyMesh meshes() const {
+  /// All faces of a style as one mesh; vertices are shared where position and normal are the same. Faces whose
+  /// triangles' corners lie within the tolerance of a surface of a kind keep it.
+  BodyMesh meshes(double tolerance) const {
     BodyMesh made;
     core::AabbD box;
     for (const dvec3& p : positions_) box.grow(p);
     if (!box.empty()) made.centre = box.centre();
     std::map<std::uint32_t, Building> of_style;
-    for (const MeshedFace& face : faces_) add(face, made.centre, of_style[face.style]);
-    for (auto& [style, building] : of_style)
-      if (!building.mesh.indices.empty()) made.meshes.push_back({style, std::move(building.mesh)});
+    for (const MeshedFace& face : faces_) add(face, made.centre, tolerance, of_style[face.style]);
+    for (auto& [style, building] : of_style) {
+      if (building.mesh.indices.empty()) continue;
+      const auto is_known = [](const core::MeshSurface& s) { return s.kind != core::MeshSurface::Kind::kOther; };
+      if (std::ranges::any_of(building.surfaces, is_known))
+        building.mesh.extras = core::MeshExtrasSlot(
+            {nullptr, std::make_shared<const std::vector<core::MeshSurface>>(std::move(building.surfaces))});
+      made.meshes.push_back({style, std::move(building.mesh)});
+    }
     made.failed_faces = failed_;
     made.deviation = deviation_;
     return made;
@@ -138,6 +166,7 @@ class Collection {
   /// A mesh, and for each position its first vertex, from which others at the same place follow.
   struct Building {
     core::Mesh mesh;
+    std::vector<core::MeshSurface> surfaces;  // of the faces so far
     std::vector<std::uint32_t> first, next;
   };
 
@@ -147,7 +176,8 @@ class Collection {
     const Handle(Poly_Triangulation) from = BRep_Tool::Triangulation(face, location);
     if (from.IsNull() || from->NbTriangles() == 0) return false;
     const gp_Trsf body_from_face = location.Transformation();
-    MeshedFace made{styled.style, std::vector<std::uint32_t>(std::size_t(from->NbNodes()), core::kNone), {}, {}, 0};
+    MeshedFace made{styled.style, face, std::vector<std::uint32_t>(std::size_t(from->NbNodes()), core::kNone),
+                    {},           {},   0};
     std::vector<dvec3> nodes;
     for (int i = 1; i <= from->NbNodes(); ++i) nodes.push_back(from_occt(from->Node(i).Transformed(body_from_face)));
     for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next())
@@ -172,7 +202,7 @@ class Collection {
     if (from.IsNull() || from->NbTriangles() == 0) return false;
     const gp_Trsf body_from_face = location.Transformation();
     const bool reversed = styled.face.Orientation() == TopAbs_REVERSED;
-    MeshedFace made{styled.style, {}, {}, {}, 0};
+    MeshedFace made{styled.style, styled.face, {}, {}, {}, 0};
     for (int i = 1; i <= from->NbTriangles(); ++i) {
       std::array<int, 3> nodes;
       from->Triangle(i).Get(nodes[0], nodes[1], nodes[2]);
@@ -350,7 +380,8 @@ class Collection {
     return open;
   }
 
-  void add(const MeshedFace& face, const dvec3& centre, Building& to) const {
+  void add(const MeshedFace& face, const dvec3& centre, double tolerance, Building& to) const {
+    std::vector<core::vec3> corners;
     to.first.resize(positions_.size(), core::kNone);
     const auto vertex_of = [&](std::uint32_t node) {
       constexpr float kSame = 1.0f - 1e-6f;  // cosine
@@ -372,7 +403,10 @@ class Collection {
                                         core::vec3(positions_[face.positions[c]] - centre)};
       if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) continue;  // its other two edges close the gap
       for (const std::uint32_t node : {a, b, c}) to.mesh.indices.push_back(vertex_of(node));
+      corners.insert(corners.end(), p.begin(), p.end());
     }
+    to.surfaces.push_back(surface_at(face.face, centre, corners, tolerance));
+    to.surfaces.back().end_triangle = std::uint32_t(to.mesh.indices.size() / 3);
   }
 
   TopTools_IndexedMapOfShape edges_, vertices_;
@@ -404,7 +438,7 @@ BodyMesh mesh_within(const Body& body, const MeshQuality& quality) {
     triangulate(body.shape, wanted, quality.angle);
     const Collection found(body);
     if (found.deviation() <= quality.tolerance || found.deviation() > kHelps * before || i == kTries) {
-      BodyMesh made = found.meshes();
+      BodyMesh made = found.meshes(quality.tolerance);
       found.judge(body, quality.tolerance, made);
       BRepTools::Clean(body.shape);
       return made;
@@ -437,7 +471,7 @@ bool is_tessellated(const Body& body) {
 }
 
 BodyMesh mesh_body(const Body& body, const MeshQuality& quality) {
-  if (is_tessellated(body)) return Collection(body).meshes();
+  if (is_tessellated(body)) return Collection(body).meshes(quality.tolerance);
   BodyMesh made = mesh_within(body, quality);
   const auto faults = [](const BodyMesh& mesh) {
     return mesh.failed_faces + mesh.wrong_faces.size() + (mesh.open_edges > 0 ? 1 : 0);

@@ -58,25 +58,6 @@ std::optional<FaceSurface> stated(const BRepAdaptor_Surface& face) {
   }
 }
 
-/// How far a point lies from a surface.
-double distance_to(const SurfacePatch& surface, const dvec3& p) {
-  const dvec3 away = p - surface.origin;
-  const double along = glm::dot(away, surface.axis), aside = glm::length(away - along * surface.axis);
-  switch (surface.kind) {
-    case SurfaceKind::kPlane:
-      return std::abs(along);
-    case SurfaceKind::kCylinder:
-      return std::abs(aside - surface.radius);
-    case SurfaceKind::kCone:
-      return std::abs(aside - surface.radius - surface.slope * along) / std::hypot(1.0, surface.slope);
-    case SurfaceKind::kSphere:
-      return std::abs(glm::length(away) - surface.radius);
-    case SurfaceKind::kTorus:
-      return std::abs(std::hypot(aside - surface.radius, along) - surface.tube_radius);
-  }
-  return 0.0;
-}
-
 /// Points of a face, spread evenly over its parameters.
 class Samples {
  public:
@@ -99,8 +80,9 @@ class Samples {
 
   std::optional<FaceSurface> within(const SurfacePatch& surface, double tolerance) const {
     FaceSurface found{surface, 0.0};
+    const core::MeshSurface whole = mesh_surface(surface);
     for (const auto& row : points_)
-      for (const dvec3& p : row) found.gap = std::max(found.gap, distance_to(surface, p));
+      for (const dvec3& p : row) found.gap = std::max(found.gap, glm::length(p - core::nearest_point(whole, p)));
     if (!(found.gap <= tolerance)) return std::nullopt;
     return found;
   }
@@ -207,6 +189,17 @@ std::optional<FaceSurface> sampled(const BRepAdaptor_Surface& face, double toler
 std::optional<FaceSurface> face_surface(const BRepAdaptor_Surface& face, double tolerance) {
   auto found = stated(face);
   return found ? found : sampled(face, tolerance);
+}
+
+core::MeshSurface mesh_surface(const SurfacePatch& patch) {
+  constexpr core::MeshSurface::Kind kKinds[] = {core::MeshSurface::Kind::kPlane, core::MeshSurface::Kind::kCylinder,
+                                                core::MeshSurface::Kind::kCone, core::MeshSurface::Kind::kSphere,
+                                                core::MeshSurface::Kind::kTorus};
+  core::MeshSurface made;
+  made.kind = kKinds[std::size_t(patch.kind)];
+  made.origin = patch.origin, made.axis = patch.axis;
+  made.radius = patch.radius, made.tube_radius = patch.tube_radius, made.slope = patch.slope;
+  return made;
 }
 
 }  // namespace sightline::importers

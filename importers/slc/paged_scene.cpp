@@ -13,6 +13,7 @@
 #include <xxhash.h>
 
 #include "sightline/core/internal/sort_unique.h"
+#include "sightline/core/mesh_extras.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/slc/internal/page_table.h"
@@ -391,8 +392,7 @@ class PagedPart {
     std::vector<std::byte> bytes;
     if (auto done = read_values(kSlcMeshValues, mesh.first, value_bytes(mesh), bytes, sum); !done) return done;
     core::Mesh made = mesh_of(mesh, bytes);
-    if (has_coarse())
-      if (auto levels = levels_of(number)) made.levels.swap(levels);
+    if (has_coarse()) made.extras = core::MeshExtrasSlot({levels_of(number), nullptr});
     return add_mesh(std::move(made), page);
   }
 

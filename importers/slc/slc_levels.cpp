@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 
+#include "sightline/core/mesh_extras.h"
 #include "sightline/lod/coarse_mesh.h"
 #include "sightline/lod/internal/each_mesh.h"
 
@@ -37,8 +38,8 @@ struct Written {
 };
 
 Written levels_of(const core::Mesh& mesh, bool build, int threads) {
-  if (mesh.levels)
-    if (auto bytes = mesh.levels->bytes())
+  if (const lod::StoredLevels* stored = core::levels_stored_with(mesh))
+    if (auto bytes = stored->bytes())
       if (const auto levels = lod::decode(*bytes, mesh))
         return {std::move(*bytes), levels->indices.size(), lod::coarsest(mesh, *levels)};
   if (!build) return {};
@@ -68,8 +69,10 @@ bool write_levels(const core::Scene& scene, std::span<const std::uint32_t> meshe
   std::uint64_t triangles = 0, done = 0, at = 0;
   for (const std::uint32_t number : meshes) {
     const core::MeshId id = scene.mesh_at(number);
-    if (!id.valid() || !(scene.mesh(id).levels || (build && lod::needs_levels(scene.mesh(id))))) continue;
-    wanted.push_back(&scene.mesh(id));
+    if (!id.valid()) continue;
+    const core::Mesh& mesh = scene.mesh(id);
+    if (!core::levels_stored_with(mesh) && !(build && lod::needs_levels(mesh))) continue;
+    wanted.push_back(&mesh);
     numbers.push_back(number);
     triangles += wanted.back()->indices.size() / 3;
   }

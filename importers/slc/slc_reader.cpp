@@ -9,6 +9,7 @@
 #include "sightline/importers/slc/internal/slc_levels.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
+#include "sightline/importers/slc/internal/slc_surfaces.h"
 
 namespace sightline::importers {
 namespace {
@@ -49,6 +50,8 @@ SlcExpected<void> read_meshes(const std::shared_ptr<const SlcFile>& shared, cons
     return damaged("its meshes have another size");
   auto levels = read_levels(shared, mapping, rows.size());
   if (!levels) return tl::unexpected(levels.error());
+  auto surfaces = read_surfaces(file, mapping, rows.size());
+  if (!surfaces) return tl::unexpected(surfaces.error());
   std::uint64_t begin = 0, used = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const SlcMesh& row = rows[i];
@@ -68,7 +71,8 @@ SlcExpected<void> read_meshes(const std::shared_ptr<const SlcFile>& shared, cons
     // Each mesh has values of its own: a small file cannot ask for much memory.
     used += at - row.first;
     if (used > values.size()) return damaged("its meshes overlap");
-    if (!levels->empty()) mesh.levels.swap((*levels)[i]);
+    mesh.extras = core::MeshExtrasSlot(
+        {levels->empty() ? nullptr : std::move((*levels)[i]), surfaces->empty() ? nullptr : std::move((*surfaces)[i])});
     if (auto added = scene.add_mesh(std::move(mesh)); !added) return damaged("a mesh: " + added.error().message);
   }
   return {};

@@ -11,6 +11,7 @@
 #include "sightline/importers/slc/internal/slc_levels.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
+#include "sightline/importers/slc/internal/slc_surfaces.h"
 
 namespace sightline::importers {
 namespace {
@@ -70,6 +71,7 @@ class SceneWriter {
     if (!tell(0.5)) return false;
     storage::for_each_scene_array(scene_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     attributes();
+    write_surfaces(scene_, out_);
     const auto levels_progress = [&](double share) { return tell(1.0 + share * (1.0 / before_levels() - 1.0)); };
     CoarseMeshes coarse;
     if (!write_levels(scene_, meshes_by_slot(), options_.levels, levels_progress, out_, coarse)) return false;

@@ -8,7 +8,10 @@ namespace {
 
 TEST(Answer, NamesTheTrianglesThatAreAsGoodAndTheCoarseOnes) {
   const AnswerFigures figures{
-      true,
+      1,
+      0,
+      0.0,
+      0.0,
       {0.0, 34.0, 0.00009},
       {{0.1, 30.0, 0.08}, {0.03, 40.8, 0.021}, {0.001, 90.0, 0.0007}, {0.0001, 631.0, 0.00009}}};
   EXPECT_EQ(answer_sentence(figures),
@@ -20,7 +23,7 @@ TEST(Answer, NamesTheTrianglesThatAreAsGoodAndTheCoarseOnes) {
 /// Finer triangles that come no nearer are not the ones to compare with.
 TEST(Answer, SaysWhereNoTrianglesAreAsGood) {
   const AnswerFigures figures{
-      true, {0.0, 10.0, 1e-5}, {{0.03, 10.5, 0.02}, {0.003, 15.0, 0.00052}, {0.0001, 50.0, 0.0005}}};
+      1, 0, 0.0, 0.0, {0.0, 10.0, 1e-5}, {{0.03, 10.5, 0.02}, {0.003, 15.0, 0.00052}, {0.0001, 50.0, 0.0005}}};
   EXPECT_EQ(
       answer_sentence(figures),
       "Exact surfaces take 10 ms a frame and are drawn within 0.01 mm of the true ones; no triangles measured come "
@@ -29,25 +32,41 @@ TEST(Answer, SaysWhereNoTrianglesAreAsGood) {
 }
 
 TEST(Answer, SaysWhereTrianglesAreFaster) {
-  const AnswerFigures figures{true, {0.0, 120.0, 1e-5}, {{0.1, 30.0, 1e-5}, {0.03, 40.0, 1e-5}}};
+  const AnswerFigures figures{1, 0, 0.0, 0.0, {0.0, 120.0, 1e-5}, {{0.1, 30.0, 1e-5}, {0.03, 40.0, 1e-5}}};
   EXPECT_EQ(answer_sentence(figures),
             "Exact surfaces take 120 ms a frame and are drawn within 0.01 mm of the true ones; triangles as good "
             "(tolerance 100 mm) take 30 ms, 4 times as fast.");
 }
 
 TEST(Answer, NamesTheFinestWhereNoneIsAsFineAsTheUsualCoarseOnes) {
-  const AnswerFigures figures{true, {0.0, 10.0, 1e-5}, {{0.1, 20.0, 0.05}}};
+  const AnswerFigures figures{1, 0, 0.0, 0.0, {0.0, 10.0, 1e-5}, {{0.1, 20.0, 0.05}}};
   EXPECT_EQ(
       answer_sentence(figures),
       "Exact surfaces take 10 ms a frame and are drawn within 0.01 mm of the true ones; no triangles measured come "
       "nearer than 50 mm, and these (tolerance 100 mm) take 20 ms, 2 times as long.");
 }
 
+/// What the file states may be neither the primitives nor the triangles that are drawn.
+TEST(Answer, SaysHowFarTheModelIsFromItsFile) {
+  EXPECT_EQ(answer_sentence({2, 3, 0.019e-3, 1e-9, {0.0, 10.0, 1e-9}, {}}),
+            "Exact surfaces of 2 items and triangles of 3 items, which lie up to 0.019 mm off the surfaces of their "
+            "file, take 10 ms a frame and are drawn within 0.001 mm of where they are; triangles were not measured.");
+  EXPECT_EQ(answer_sentence({2, 1, 0.0, 0.0, {0.0, 10.0, 1e-5}, {}}),
+            "Exact surfaces of 2 items and triangles of 1 item take 10 ms a frame and are drawn within 0.01 mm of "
+            "where they are; triangles were not measured.");
+  EXPECT_EQ(answer_sentence({0, 3, 0.019e-3, 0.0, {0.0, 10.0, 1e-9}, {}}),
+            "The model has no solid primitives: its triangles, which lie up to 0.019 mm off the surfaces of their "
+            "file, take 10 ms a frame, and are drawn within 0.001 mm of where they are.");
+  EXPECT_EQ(answer_sentence({2, 0, 0.0, 2e-3, {0.0, 10.0, 1e-5}, {}}),
+            "Exact surfaces take 10 ms a frame and are drawn within 2 mm of the true ones; triangles were not "
+            "measured.");
+}
+
 TEST(Answer, SaysWhereNothingIsCompared) {
-  EXPECT_EQ(answer_sentence({true, {0.0, 10.0, 1e-9}, {}}),
+  EXPECT_EQ(answer_sentence({1, 0, 0.0, 0.0, {0.0, 10.0, 1e-9}, {}}),
             "Exact surfaces take 10 ms a frame and are drawn within 0.001 mm of the true ones; triangles were not "
             "measured.");
-  EXPECT_EQ(answer_sentence({false, {0.0, 3.14, 2e-6}, {}}),
+  EXPECT_EQ(answer_sentence({0, 4, 0.0, 0.0, {0.0, 3.14, 2e-6}, {}}),
             "The model has no solid primitives: its triangles take 3.1 ms a frame, and are drawn within 0.002 mm of "
             "where they are.");
 }

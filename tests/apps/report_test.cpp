@@ -4,6 +4,8 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
+#include <string_view>
 
 #include "sightline/tests/apps/render_test.h"
 #include "sightline/tests/support/test_data.h"
@@ -306,6 +308,62 @@ TEST_F(ReportPage, OfMeshesAlone) {
   EXPECT_EQ(sections(page, false), all_but("stability"));
   EXPECT_EQ(sections(page, true), std::vector<std::string>{"stability"});
   EXPECT_EQ(page.figures["sections"]["model"]["triangles"]["items"], 4);
+}
+
+std::string decoded(const std::string& base64) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t bits = 0, count = 0;
+  for (const char digit : base64.substr(0, base64.find('='))) {
+    bits = bits << 6 | std::uint32_t(kDigits.find(digit)), count += 6;
+    if (count >= 8) count -= 8, bytes += char(bits >> count & 255u);
+  }
+  return bytes;
+}
+
+/// The command beside an image gives that image, pixel by pixel: of a thin model, whose view of the whole is nearer
+/// than its bounding sphere's, and whatever the options.
+TEST_F(ReportPage, CommandsGiveTheImagesAgain) {
+  std::string rods = "v 0 0 0\nv 30 0 0\nv 30 0.5 0\nv 0 0.5 4\nv 3 3 3\nf 1 2 3\nf 1 3 4\nf 1 4 5\nf 3 4 5\n";
+  for (const Args& model : {Args{write("rods.obj", rods)}, Args{plant(1000), "--translate", "100,0,0"},
+                            Args{write("flat.obj", rods), "--crease-angle", "0"}}) {
+    Args args = model;
+    args.insert(args.end(), {"--sections", "images", "--size", "160x120", "--save-path", path("tour.json")});
+    const Page page = report(args);
+    std::size_t at = 0;
+    for (const Json& view : page.figures["sections"]["images"]["views"]) {
+      constexpr std::string_view kImage = "src=\"data:image/png;base64,", kCommand = "sightline-render ";
+      at = page.text.find(kImage, at) + kImage.size();
+      const std::string drawn = write("drawn.png", decoded(page.text.substr(at, page.text.find('"', at) - at)));
+      const std::size_t begin = page.text.find(kCommand, at);
+      ASSERT_NE(begin, std::string::npos);
+      std::string words =
+          page.text.substr(begin + kCommand.size(), page.text.find('<', begin) - begin - kCommand.size());
+      Args command;
+      for (std::istringstream in(words); in >> words;)
+        command.push_back(words == "image.png" || words == "items.png" || words == "tour.json" ? path(words) : words);
+      command.insert(command.end(), {"--compare", drawn});
+      const Outcome outcome = run("render", command);
+      EXPECT_EQ(outcome.code, 0) << view << '\n' << outcome;
+      at = begin;
+    }
+  }
+}
+
+/// Bodies of STEP that are triangles are no exact surfaces.
+TEST_F(ReportPage, SaysHowFarTrianglesLieOffTheirFile) {
+  const std::string model = data_path("machined.stp");
+  if (run("info", {model}).code != 0) GTEST_SKIP() << "built without STEP";
+  const Page page = report({model, "--sections", "model,error"});
+  const Json& sections = page.figures["sections"];
+  EXPECT_EQ(sections["model"]["surfaces"]["meshed_bodies"], 1);
+  EXPECT_GT(sections["model"]["surfaces"]["deviation"], 1e-6);
+  EXPECT_NE(page.text.find("Exact surfaces: 1 parts in 2 places"), std::string::npos);
+  if (!is_built("trace")) return;
+  const std::string answer = sections["error"]["answer"].string();
+  EXPECT_EQ(answer.find("Exact surfaces"), std::string::npos) << answer;
+  EXPECT_NE(answer.find(" mm off the surfaces of their file"), std::string::npos) << answer;
+  EXPECT_EQ(sections["error"]["surfaces"][0]["label"], "meshes, as by default");
 }
 
 TEST_F(ReportPage, OfNothing) {

@@ -12,6 +12,9 @@
 #include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepGProp.hxx>
+#include <BRepPrimAPI_MakeCone.hxx>
+#include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRep_Builder.hxx>
 #include <BinTools.hxx>
 #include <Bnd_Box.hxx>
@@ -31,6 +34,8 @@
 #include <zip.h>
 #include <zlib.h>
 
+#include "sightline/analysis/measure/distances.h"
+#include "sightline/analysis/measure/snap.h"
 #include "sightline/core/surface_area.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/tests/importers/cad_model.h"
@@ -158,6 +163,77 @@ TEST_F(CadReader, AssembliesPlacesAndSharedParts) {
     expect_bounds(scene_.bounds(node("plant/right rack/racked box")), dvec3(2.8, 0, 1), dvec3(3, 0.1, 1.3), 1e-7);
     expect_bounds(scene_.bounds(node("plant/right rack/upper")), dvec3(2.98, 0, 2), dvec3(3, 0.02, 2.01), 1e-7);
     EXPECT_EQ(report.metres_per_unit, 1e-3);
+  }
+}
+
+/// A block of 40 x 40 x 10 with a hole of 6, a countersunk one of 8 whose cone has 45 degrees, and a ball's and a
+/// ring's mark in its upper face.
+TopoDS_Shape machined() {
+  TopoDS_Shape made = tests::cad_box(40, 40, 10);
+  const auto at = [](double x, double y, double z) { return gp_Ax2(gp_Pnt(x, y, z), gp_Dir(0, 0, 1)); };
+  for (const TopoDS_Shape& tool :
+       {BRepPrimAPI_MakeCylinder(at(10, 10, -1), 3, 12).Shape(),
+        BRepPrimAPI_MakeCylinder(at(30, 10, -1), 4, 12).Shape(), BRepPrimAPI_MakeCone(at(30, 10, 7), 4, 8, 4).Shape(),
+        BRepPrimAPI_MakeSphere(gp_Pnt(10, 30, 10), 5).Shape(), BRepPrimAPI_MakeTorus(at(30, 30, 10), 6, 2).Shape()})
+    made = BRepAlgoAPI_Cut(made, tool).Shape();
+  return made;
+}
+
+std::string words_of(const std::vector<measure::Dimension>& dimensions) {
+  std::string words;
+  for (const measure::Dimension& d : dimensions)
+    words += fmt::format("{}{} {:.6g}", words.empty() ? "" : ", ", d.name, d.angle ? glm::degrees(d.value) : d.value);
+  return words;
+}
+
+/// Faces of meshed bodies keep their surfaces in each format, through the scene cache of a reader's own process and in
+/// each use of a part.
+TEST_F(CadReader, FacesOfMeshesKeepTheirSurfaces) {
+  const CadModel model;
+  const TDF_Label part = model.part(machined(), "machined"), plant = model.assembly("plant");
+  gp_Trsf turned;
+  turned.SetRotation(gp::OX(), 0.5);
+  model.use(plant, part, "first");
+  model.use(plant, part, "second", tests::moved(100, 0, 0) * turned);
+  model.write_step(folder_ / "plant.stp");
+  model.write_iges(folder_ / "plant.igs");
+  for (const char* file : {"plant.stp", "plant.igs"}) {
+    SCOPED_TRACE(file);
+    scene_ = core::Scene();
+    const auto report = import_file(folder_ / file, scene_, scene_.root());
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_TRUE(scene_.commit());
+    std::vector<measure::Item> items;
+    for (core::ItemId one{0}; to_index(one) < scene_.item_slots(); ++one)
+      items.push_back(*measure::Item::create(scene_.mesh(scene_.mesh_of(one)), scene_.state(one).world_from_item));
+    ASSERT_EQ(items.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const core::Affine place =
+          i == 0 ? core::Affine()
+                 : core::Affine{core::dmat3(1, 0, 0, 0, std::cos(0.5), std::sin(0.5), 0, -std::sin(0.5), std::cos(0.5)),
+                                {0.1, 0, 0}};
+      const auto snapped = [&](double x, double y, double z) {
+        const dvec3 world = core::transform_point(place, 1e-3 * dvec3(x, y, z));
+        return measure::snap(items[i], measure::Aim{world, 2e-4, {}});
+      };
+      const auto words = [&](double x, double y, double z) {
+        const auto found = snapped(x, y, z);
+        return found ? words_of(found->dimensions) : "nothing";
+      };
+      EXPECT_EQ(words(13, 10, 5), "diameter 0.006, radius 0.003, length 0.01");
+      EXPECT_EQ(words(30, 6, 3), "diameter 0.008, radius 0.004, length 0.007");
+      EXPECT_EQ(words(30, 15.5, 8.5), "half angle 45, largest diameter 0.014, smallest diameter 0.008, length 0.003");
+      EXPECT_EQ(words(10 + 3, 30, 6), "diameter 0.01, radius 0.005");
+      EXPECT_EQ(words(36, 30, 8), "bend radius 0.006, tube diameter 0.004, tube radius 0.002");
+      EXPECT_EQ(words(20, 20, 10), "");
+      const auto hole = snapped(13, 10, 5), countersink = snapped(30, 15.5, 8.5);
+      ASSERT_TRUE(hole && countersink && hole->axis && countersink->axis);
+      EXPECT_EQ(hole->words, "surface of a cylindrical face of a mesh");
+      const measure::AxisDistance axes = measure::axis_distance(*hole->axis, *countersink->axis);
+      EXPECT_TRUE(axes.parallel);
+      EXPECT_NEAR(axes.shortest.distance, 0.02, 1e-8);
+      EXPECT_NEAR(glm::length(hole->point - core::transform_point(place, {0.013, 0.01, 0.005})), 0.0, 1e-8);
+    }
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/core/mesh_extras.h"
 #include "sightline/importers/slc/slc_writer.h"
 #include "sightline/tests/importers/many_pages.h"
 #include "sightline/tests/importers/slc_seal.h"
@@ -91,6 +92,22 @@ inline core::Scene scene_with_levels() {
   core::Mesh not_finite = bumpy_torus(8, 0.1);
   not_finite.positions[3].x = std::numeric_limits<float>::infinity();
   EXPECT_TRUE(scene.add_mesh(std::move(not_finite)));
+  return scene;
+}
+
+/// A mesh of two faces with surfaces among others without.
+inline core::Scene scene_with_surfaces() {
+  core::Scene scene = scene_with_everything();
+  core::Mesh mesh = triangle(2.0f);
+  mesh.indices = {0, 1, 2, 0, 2, 1};
+  std::vector<core::MeshSurface> surfaces(2);
+  surfaces[0].kind = core::MeshSurface::Kind::kPlane, surfaces[0].end_triangle = 1;
+  surfaces[1].kind = core::MeshSurface::Kind::kTorus, surfaces[1].end_triangle = 2;
+  surfaces[1].origin = {1, 2, 3}, surfaces[1].radius = 4, surfaces[1].tube_radius = 0.5, surfaces[1].gap = 1e-3;
+  mesh.extras = core::MeshExtrasSlot({nullptr, std::make_shared<const std::vector<core::MeshSurface>>(surfaces)});
+  const core::MeshId id = *scene.add_mesh(std::move(mesh));
+  const core::NodeId node = scene.add_node(scene.root(), "surfaces");
+  for (int i = 0; i < 2; ++i) scene.add_mesh_instance(node, id, core::translation({9.0 * i, 0.0, 0.0}));
   return scene;
 }
 

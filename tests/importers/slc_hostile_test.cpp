@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/core/mesh_extras.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 #include "sightline/lod/stored_levels.h"
 #include "sightline/tests/importers/hostile.h"
@@ -34,8 +35,8 @@ TEST(SlcHostile, EveryByteChangedInTurnIsFound) {
 /// Levels are read later than the rest.
 bool has_whole_levels(const core::Scene& scene) {
   for (std::uint32_t i = 0; i < scene.mesh_slots(); ++i)
-    if (const core::MeshId id = scene.mesh_at(i); id.valid() && scene.mesh(id).levels)
-      if (!scene.mesh(id).levels->bytes()) return false;
+    if (const core::MeshId id = scene.mesh_at(i); id.valid() && core::levels_stored_with(scene.mesh(id)))
+      if (!core::levels_stored_with(scene.mesh(id))->bytes()) return false;
   return true;
 }
 
@@ -79,6 +80,23 @@ TEST(SlcHostile, RowsOfLevelsAreChecked) {
   EXPECT_TRUE(is_refused(with + 1, ~std::uint64_t(0)));
   EXPECT_TRUE(is_refused(with + 1, bytes[with + 1] + 1)) << "bytes of the next one, too";
   EXPECT_TRUE(is_refused(1, 1)) << "of a mesh that has none";
+}
+
+TEST(SlcHostile, SurfacesAreChecked) {
+  const auto whole = tests::slc_of(tests::scene_with_surfaces());
+  const auto file = *SlcFile::of_bytes(whole);
+  const SlcFile::Section *ends = file->find(kSlcSurfaceEnds), *rows = file->find(kSlcSurfaces);
+  const auto is_refused = [&](std::uint64_t at, const auto& value) {
+    std::vector<std::byte> bytes = whole;
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+    return !load(*SlcFile::of_bytes(bytes), false);
+  };
+  EXPECT_FALSE(is_refused(rows->offset, std::uint32_t(1)));
+  EXPECT_TRUE(is_refused(rows->offset, std::uint32_t(6))) << "a kind that there is not";
+  EXPECT_TRUE(is_refused(rows->offset + 4, std::uint32_t(3))) << "triangles that do not rise";
+  EXPECT_TRUE(is_refused(rows->offset + 8, std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_TRUE(is_refused(ends->offset, std::uint64_t(3)));
+  EXPECT_TRUE(is_refused(ends->offset + 8 * (ends->count - 1), ~std::uint64_t(0)));
 }
 
 TEST(SlcHostile, EveryTruncationIsFound) {

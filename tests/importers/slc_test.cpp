@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sightline/core/mesh_extras.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/obj/obj_writer.h"
@@ -301,8 +302,8 @@ std::vector<std::vector<std::byte>> levels_of(const Scene& scene) {
   for (std::uint32_t i = 0; i < scene.mesh_slots(); ++i) {
     all.emplace_back();
     const core::MeshId id = scene.mesh_at(i);
-    if (!id.valid() || !scene.mesh(id).levels) continue;
-    auto bytes = scene.mesh(id).levels->bytes();
+    if (!id.valid() || !core::levels_stored_with(scene.mesh(id))) continue;
+    auto bytes = core::levels_stored_with(scene.mesh(id))->bytes();
     EXPECT_TRUE(bytes) << bytes.error().message;
     if (bytes) all.back() = std::move(*bytes);
   }
@@ -342,8 +343,41 @@ TEST_F(SlcTest, LevelsComeWithTheirMeshes) {
   const Snapshot snapshot(both);
   std::size_t with = 0;
   for (const core::Slot slot : snapshot.of_kind(core::Kind::kMesh).members)
-    with += snapshot.mesh(slot).levels != nullptr;
+    with += core::levels_stored_with(snapshot.mesh(slot)) != nullptr;
   EXPECT_EQ(with, 6u);
+}
+
+/// Surfaces of a scene's meshes as bytes; empty where a mesh has none.
+std::vector<std::vector<std::byte>> surfaces_of(const Scene& scene) {
+  std::vector<std::vector<std::byte>> all;
+  for (std::uint32_t i = 0; i < scene.mesh_slots(); ++i) {
+    const core::MeshId id = scene.mesh_at(i);
+    const auto bytes =
+        std::as_bytes(id.valid() ? core::surfaces_stored_with(scene.mesh(id)) : std::span<const core::MeshSurface>());
+    all.emplace_back(bytes.begin(), bytes.end());
+  }
+  return all;
+}
+
+/// A file of meshes without surfaces is what it was before there were any.
+TEST_F(SlcTest, SurfacesComeWithTheirMeshes) {
+  const Scene scene = tests::scene_with_surfaces();
+  const auto surfaces = surfaces_of(scene);
+  EXPECT_EQ(surfaces.back().size(), 2 * sizeof(core::MeshSurface));
+  ASSERT_TRUE(write_slc(scene, folder_ / "a.slc"));
+  const Scene again = read(folder_ / "a.slc");
+  EXPECT_EQ(surfaces_of(again), surfaces);
+  ASSERT_TRUE(write_slc(again, folder_ / "b.slc", {.levels = lod::builds_levels()}));
+  const Scene with_levels = read(folder_ / "b.slc"), copy = again;
+  EXPECT_EQ(surfaces_of(with_levels), surfaces);
+  EXPECT_EQ(surfaces_of(copy), surfaces);
+  Scene moved;
+  const core::NodeId parent = moved.add_node(moved.root(), "moved", core::translation({1, 2, 3}));
+  ASSERT_TRUE(import_file(folder_ / "a.slc", moved, parent));
+  EXPECT_EQ(surfaces_of(moved), surfaces);
+  const auto plain = SlcFile::of_bytes(tests::slc_of(tests::scene_with_everything()));
+  EXPECT_EQ((*plain)->find(kSlcSurfaces), nullptr);
+  EXPECT_EQ((*plain)->find(kSlcSurfaceEnds), nullptr);
 }
 
 TEST_F(SlcTest, LevelsOfAnotherVersionAreNotUsed) {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/core/mesh_extras.h"
 #include "sightline/lod/internal/cut.h"
 #include "sightline/tests/lod/mesh_samples.h"
 #include "sightline/tests/support/effort.h"
@@ -149,19 +150,19 @@ TEST(StoredLevels, ComeWithTheirMeshAndNotWithItsCopies) {
   MeshLevels marked = lod::build_levels(mesh);
   marked.clusters[0].box.min.z -= 1.0f;  // so that they are told from those which are built
   const auto bytes = lod::encode(marked);
-  mesh.levels = core::Companion<lod::StoredLevels>(std::make_shared<InMemory>(bytes));
+  mesh.extras = core::MeshExtrasSlot({std::make_shared<InMemory>(bytes), nullptr});
   const core::Mesh copy = mesh;
-  EXPECT_EQ(copy.levels, nullptr);
+  EXPECT_EQ(core::levels_stored_with(copy), nullptr);
   core::Mesh assigned = mesh;
   assigned = copy;
-  EXPECT_EQ(assigned.levels, nullptr);
+  EXPECT_EQ(core::levels_stored_with(assigned), nullptr);
   const core::Mesh moved = std::move(mesh);
-  EXPECT_NE(moved.levels, nullptr);
+  EXPECT_NE(core::levels_stored_with(moved), nullptr);
   expect_same(lod::levels_of(moved, LevelRange::kAll), marked);
   expect_same(lod::levels_of(copy, LevelRange::kAll), lod::build_levels(copy));
   core::Mesh damaged = copy;
-  damaged.levels = core::Companion<lod::StoredLevels>(
-      std::make_shared<InMemory>(std::vector<std::byte>(bytes.begin(), bytes.end() - 1)));
+  damaged.extras = core::MeshExtrasSlot(
+      {std::make_shared<InMemory>(std::vector<std::byte>(bytes.begin(), bytes.end() - 1)), nullptr});
   expect_same(lod::levels_of(damaged, LevelRange::kAll), lod::build_levels(copy));
 }
 

@@ -1,6 +1,7 @@
 // What an Item holds. Internal to measure.
 #pragma once
 
+#include "sightline/analysis/measure/internal/mesh_faces.h"
 #include "sightline/analysis/measure/internal/shape.h"
 #include "sightline/analysis/measure/item.h"
 
@@ -16,7 +17,9 @@ struct Item::Data {
   core::Kind kind;
   Shape shape;
   std::vector<Feature> features;            ///< of a primitive
+  std::vector<Dimension> dimensions;        ///< of a primitive
   std::vector<TriangleFeatures> triangles;  ///< of a mesh, in the order of the shape's
+  MeshFaces faces;                          ///< of a mesh
 };
 
 /// One entry for each triangle of a mesh's shape. An edge is sharp where the triangles on both sides turn by more than

@@ -51,6 +51,7 @@ struct Shape {
   dvec3 origin{0.0};  ///< in the world; all else is relative to it
   dmat3 linear{1.0};
   std::vector<dvec3> points;
+  std::vector<std::uint32_t> mesh_triangles;  ///< kTriangles: of each its number in the mesh
   std::array<Disc, 2> discs{};
   double base_radius = 0.0, height = 0.0;  ///< kCap
   Sweep sweep;

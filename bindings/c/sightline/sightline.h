@@ -249,6 +249,27 @@ SL_API sl_status sl_mesh_add(sl_scene scene, const sl_mesh_data* data, sl_mesh* 
 /* Points into the scene: valid until the mesh is removed or the scene destroyed, since meshes never change. The name is
  * left out (null). */
 SL_API sl_status sl_mesh_get(sl_scene scene, sl_mesh mesh, sl_mesh_data* data);
+enum {
+  SL_SURFACE_OTHER = 0,
+  SL_SURFACE_PLANE = 1,
+  SL_SURFACE_CYLINDER = 2,
+  SL_SURFACE_CONE = 3,
+  SL_SURFACE_SPHERE = 4,
+  SL_SURFACE_TORUS = 5
+};
+typedef struct sl_mesh_surface {
+  uint32_t size;
+  int32_t kind;              /* SL_SURFACE_...; the rest says nothing of others */
+  double origin[3], axis[3]; /* in the mesh's coordinates; the axis is a unit vector: a plane's normal */
+  double radius;             /* of a torus: of the circle of the tube's centre; of a cone: at the origin */
+  double tube_radius;        /* of a torus */
+  double slope;              /* of a cone: tangent of its half angle, by which the radius grows along the axis */
+} sl_mesh_surface;
+#define SL_MESH_SURFACE_INIT \
+  { sizeof(sl_mesh_surface), SL_SURFACE_OTHER, {0}, {0}, 0.0, 0.0, 0.0 }
+
+/* The surface that the mesh's file (STEP, IGES, BREP) states for the face of a triangle, such as that of a pick. */
+SL_API sl_status sl_mesh_get_surface(sl_scene scene, sl_mesh mesh, uint32_t triangle, sl_mesh_surface* surface);
 /* Fails with SL_ERROR_BUSY while an item uses it. Looks at every item. */
 SL_API sl_status sl_mesh_remove(sl_scene scene, sl_mesh mesh);
 

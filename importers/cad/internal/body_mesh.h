@@ -55,6 +55,7 @@ struct MeshQuality {
 /// styles together. Normals are the surfaces'. Measures the deviation at four points of each triangle and between the
 /// points of each edge; where that is above the tolerance, meshes finer, up to three times and as long as that helps. A
 /// face with a wrong area counts as far off as a strip along its border would be that has the difference.
+/// Faces keep their surfaces (core::MeshExtras) where these are planes, cylinders, cones, spheres or tori.
 /// Faces that cannot be meshed are left out and counted. A tessellated body keeps its triangles, and its normals where
 /// it has some. Several threads may mesh bodies that share no face.
 BodyMesh mesh_body(const Body& body, const MeshQuality& quality);

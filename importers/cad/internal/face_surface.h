@@ -5,6 +5,7 @@
 
 #include <BRepAdaptor_Surface.hxx>
 
+#include "sightline/core/mesh_extras.h"
 #include "sightline/importers/cad/internal/analytic_solid.h"
 
 namespace sightline::importers {
@@ -17,5 +18,8 @@ struct FaceSurface {
 /// Planes, cylinders, cones, spheres and tori as the face states them. Splines and surfaces of revolution or extrusion
 /// are the same ones where 17 x 17 points of the face, spread evenly over its parameters, lie within the tolerance.
 std::optional<FaceSurface> face_surface(const BRepAdaptor_Surface& face, double tolerance);
+
+/// The whole surface of a patch, as meshes have it.
+core::MeshSurface mesh_surface(const SurfacePatch& patch);
 
 }  // namespace sightline::importers

@@ -49,6 +49,8 @@ enum SlcArray : std::uint64_t {
   kSlcCoarseMeshes,
   kSlcCoarseValues,
   kSlcCoarsePages,
+  kSlcSurfaceEnds,
+  kSlcSurfaces,
 };
 
 /// Why a cache cannot be used.

@@ -1,10 +1,14 @@
 // Snapping: what is aimed at is found, exactly, and nothing that is hidden or cut away.
 #include "sightline/analysis/measure/snap.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 #include <gtest/gtest.h>
 
+#include "sightline/analysis/measure/distances.h"
+#include "sightline/core/mesh_extras.h"
 #include "sightline/tests/analysis/measure/measure_samples.h"
 
 namespace sightline::snap_test {
@@ -47,7 +51,7 @@ TEST(Snap, EachKindInItsOrder) {
   EXPECT_EQ(words_at(pipe, look(above, {0.099, 0, 2}, 0.02)), "edge of the upper end of a cylinder");
   const dvec3 side(6, 0, 0);
   EXPECT_EQ(words_at(pipe, look(side, {0.1, 0.0, 0.5}, 0.02)), "axis of a cylinder");
-  EXPECT_EQ(words_at(pipe, look(side, {0.08, 0.06, 0.5}, 0.02)), "nothing");
+  EXPECT_EQ(words_at(pipe, look(side, {0.08, 0.06, 0.5}, 0.02)), "surface of a cylinder");
   EXPECT_EQ(words_at(pipe, look(side, {0.1, 0.0, 1.99}, 0.02)), "edge of the upper end of a cylinder");
   const auto axis = measure::snap(pipe, look(side, {0.1, 0.0, 0.5}, 0.02));
   EXPECT_LE(glm::length(axis->point - dvec3(0, 0, 0.5 * 6 / 5.9)), 1e-9);
@@ -62,6 +66,49 @@ TEST(Snap, EachKindInItsOrder) {
   EXPECT_EQ(words_at(box, Aim{{0.49, 0.48, 0.5}, 0.05, {}}), "corner of a box");
   EXPECT_EQ(words_at(box, Aim{{0.3, 0.3, 2.0}, 0.05, {}}), "nothing");
   EXPECT_EQ(words_at(item_of(core::Sphere{1}), look({0, 0, 5}, {0, 0, 0.5}, 0.01)), "centre of a sphere");
+}
+
+/// Each point of each kind's surface is snapped to, if only as a point of the surface, and stays where it is.
+TEST(Snap, EveryPointOfASurface) {
+  Random random(kSeed);
+  std::array<int, core::kKindCount> bare{};
+  for (int i = 0; i < 4000; ++i) {
+    const core::Kind kind = tests::random_of(tests::kSolidKinds, random);
+    const core::Primitive primitive = tests::ordinary_primitive(kind, random);
+    const Affine a = tests::placement(random, 1.0, i % 2 == 0 ? 1e4 : 0.0);
+    const Item item = item_of(primitive, a);
+    const double size = tests::size_of(primitive, a), reach = 1e-4 * size;
+    const dvec3 eye = a.origin + 5.0 * size * tests::random_direction(random);
+    const dvec3 on = measure::distance(eye + size * tests::random_direction(random), item).to;
+    const dvec3 picked = on + 1e-7 * size * tests::random_direction(random);  // as picks round
+    for (const Aim& aim : {look(eye, picked, reach), Aim{picked, reach, {}}}) {
+      const auto found = measure::snap(item, aim);
+      ASSERT_TRUE(found) << "seed " << kSeed << ": " << i << ' ' << tests::text_of(primitive, a);
+      if (found->feature.kind != FeatureKind::kSurface) continue;
+      ++bare[std::size_t(kind)];
+      EXPECT_LE(glm::length(found->point - picked), reach) << "seed " << kSeed << ": " << i;
+      EXPECT_LE(measure::distance(found->point, item).distance, 1e-6 * size) << "seed " << kSeed << ": " << i;
+    }
+  }
+  for (const core::Kind kind : {core::Kind::kSphere, core::Kind::kCylinder, core::Kind::kCircularTorus,
+                                core::Kind::kEllipticalDish, core::Kind::kSphericalDish, core::Kind::kSnout})
+    EXPECT_GT(bare[std::size_t(kind)], 40) << core::name_of(kind);
+}
+
+/// The cap that a section plane leaves has points, too, and what is picked beside the plane lies in it.
+TEST(Snap, CapsOfSections) {
+  const Item ball = item_of(core::Sphere{2}, core::translation({kFar, 0, 0}));
+  const Plane keep_lower{{0, 0, -1}, 0.3};
+  for (const double off : {-1e-6, 0.0, 1e-6}) {
+    const auto found =
+        measure::snap(ball, look({kFar, 0, 5}, {kFar + 0.2, 0.1, 0.3 + off}, 0.01), std::span(&keep_lower, 1));
+    ASSERT_TRUE(found) << off;
+    EXPECT_EQ(found->words, "surface of a sphere");
+    EXPECT_LE(found->point.z, 0.3 + 1e-8);
+    EXPECT_GE(found->point.z, 0.3 - 1e-5);
+  }
+  EXPECT_FALSE(measure::snap(ball, look({kFar + 0.3, 0.4, 5}, {kFar + 0.3, 0.4, std::sqrt(0.75)}, 0.01),
+                             std::span(&keep_lower, 1)));
 }
 
 TEST(Snap, OrthographicRays) {
@@ -222,6 +269,86 @@ TEST(Snap, MeshesHaveSharpEdgesOnly) {
   ASSERT_TRUE(corner);
   EXPECT_LE(glm::length(corner->point - dvec3(kFar + 1, 1, 1)), 1e-9);
   EXPECT_FALSE(measure::snap(*Item::create(core::Mesh{}, {}), at(0, 0, 0)));
+}
+
+/// A wall of 32 facets about the z axis, from z = 0 to 1, that stands for a cylinder or a cone, whose radius at
+/// the top is given; and a plane triangle beside it.
+core::Mesh faceted(double top_radius) {
+  core::Mesh mesh;
+  for (int i = 0; i < 64; ++i) {
+    const double angle = core::kFullTurn * (i / 2) / 32, r = i % 2 == 0 ? 1.0 : top_radius;
+    mesh.positions.emplace_back(r * std::cos(angle), r * std::sin(angle), i % 2);
+  }
+  for (std::uint32_t i = 0; i < 32; ++i) {
+    const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % 32);
+    for (const std::uint32_t index : {a, b, b + 1, a, b + 1, a + 1}) mesh.indices.push_back(index);
+  }
+  for (const core::vec3& p : {core::vec3(2, 0, 0), core::vec3(4, 0, 0), core::vec3(2, 2, 0)}) {
+    mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
+    mesh.positions.push_back(p);
+  }
+  using Surface = core::MeshSurface;
+  Surface wall, plane;
+  wall.kind = top_radius == 1.0 ? Surface::Kind::kCylinder : Surface::Kind::kCone;
+  wall.radius = 1.0, wall.slope = top_radius - 1.0, wall.end_triangle = 64, wall.gap = 1e-6;
+  plane.kind = Surface::Kind::kPlane, plane.end_triangle = 65, plane.gap = 1e-6;
+  mesh.extras = core::MeshExtrasSlot({nullptr, std::make_shared<const std::vector<Surface>>(std::vector{wall, plane})});
+  return mesh;
+}
+
+std::string dimension_words(const std::optional<Snap>& found) {
+  std::string words = found ? "" : "nothing";
+  for (const measure::Dimension& d : found ? found->dimensions : std::vector<measure::Dimension>()) {
+    char text[80];
+    std::snprintf(text, sizeof text, "%s%s %.5g", words.empty() ? "" : ", ", d.name.data(), d.value);
+    words += text;
+  }
+  return words;
+}
+
+/// Between the facets the point is the cylinder's, and not the triangle's.
+TEST(Snap, FacesOfMeshesAreTheSurfacesThatTheirFileStates) {
+  const double near = std::cos(core::kFullTurn / 64);  // of the middle of a facet
+  const dvec3 middle = near * dvec3(std::cos(core::kFullTurn / 64), std::sin(core::kFullTurn / 64), 0);
+  for (const bool mirrored : {false, true}) {
+    Affine place = core::translation({kFar, 0, 0});
+    place.linear = 0.5 * place.linear;
+    if (mirrored) place.linear[1] = -place.linear[1];
+    const auto at = [&](const dvec3& p) { return core::transform_point(place, p); };
+    const Item item = *Item::create(faceted(1.0), place);
+    const auto wall = measure::snap(item, Aim{at(middle + dvec3(0, 0, 0.4)), 0.05, {}});
+    ASSERT_TRUE(wall);
+    EXPECT_EQ(wall->words, "surface of a cylindrical face of a mesh");
+    EXPECT_EQ(dimension_words(wall), "diameter 1, radius 0.5, length 0.5");
+    EXPECT_NEAR(glm::length(wall->point - at({0, 0, 0.4})), 0.5, 1e-8);
+    ASSERT_TRUE(wall->axis);
+    EXPECT_NEAR(glm::length(wall->axis->from - at({0, 0, 0})), 0.0, 1e-8);
+    EXPECT_NEAR(glm::length(wall->axis->to - at({0, 0, 1})), 0.0, 1e-8);
+    const auto axis = measure::snap(item, look(at({9, 0, 0.5}), at({near, 0, 0.5}), 0.01));
+    EXPECT_EQ(axis ? axis->words : "nothing", "axis of a cylindrical face of a mesh");
+    const auto plane = measure::snap(item, Aim{at({2.5, 0.5, 0}), 0.05, {}});
+    EXPECT_EQ(plane ? plane->words : "nothing", "face of a mesh");
+    EXPECT_EQ(dimension_words(plane), "");
+  }
+}
+
+TEST(Snap, ConesHaveTheirAngle) {
+  const auto found = measure::snap(*Item::create(faceted(0.5), {}), Aim{{0.7, 0.0, 0.6}, 0.02, {}});
+  EXPECT_EQ(found ? found->words : "nothing", "surface of a conical face of a mesh");
+  EXPECT_EQ(dimension_words(found), "half angle 0.46365, largest diameter 2, smallest diameter 1, length 1");
+}
+
+/// A copy keeps the surfaces as far as its triangles lie on them; an ellipse has no diameter.
+TEST(Snap, SurfacesThatAreNoLongerTrueAreNotUsed) {
+  const Aim aim{{0.0, 1.0, 0.4}, 0.05, {}};
+  const core::Mesh copy = faceted(1.0);
+  EXPECT_EQ(dimension_words(measure::snap(*Item::create(core::Mesh(copy), {}), aim)), "diameter 2, radius 1, length 1");
+  core::Mesh moved = copy;
+  for (core::vec3& p : moved.positions) p.x += 0.01f;
+  EXPECT_EQ(dimension_words(measure::snap(*Item::create(moved, {}), aim)), "");
+  Affine stretched;
+  stretched.linear[2] = {0, 0, 3};
+  EXPECT_EQ(dimension_words(measure::snap(*Item::create(copy, stretched), aim)), "");
 }
 
 /// A vertex within a straight edge is no corner.

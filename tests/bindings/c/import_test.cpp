@@ -10,8 +10,10 @@
 #include "c_scene.h"
 #include "sightline/tests/support/test_data.h"
 #if __has_include("sightline/importers/import.h")
+#include "sightline/core/mesh_extras.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/obj/obj_writer.h"
+#include "sightline/importers/slc/slc_writer.h"
 #include "sightline/lod/stored_levels.h"
 #include "sightline/tests/lod/mesh_samples.h"
 
@@ -234,7 +236,7 @@ TEST_F(CapiImport, CachesHoldLevelsWhereThatIsAskedFor) {
     EXPECT_OK(import(CScene(), {model.string()}, &options));
     core::Scene read;
     EXPECT_TRUE(importers::import_file(std::filesystem::directory_iterator(folder)->path(), read, read.root()));
-    return read.mesh(read.mesh_at(0)).levels != nullptr;
+    return core::levels_stored_with(read.mesh(read.mesh_at(0))) != nullptr;
   };
   EXPECT_FALSE(cached_with_levels());
   options.cached_levels = 1;
@@ -244,6 +246,36 @@ TEST_F(CapiImport, CachesHoldLevelsWhereThatIsAskedFor) {
   EXPECT_TRUE(cached_with_levels());
   std::filesystem::remove_all(folder);
   std::filesystem::remove(model);
+}
+
+/// A triangle of a face has its surface, another one none.
+TEST_F(CapiImport, FacesOfMeshesHaveTheirSurfaces) {
+  if (std::string(sl_import_extensions()).find(".slc") == std::string::npos) GTEST_SKIP() << "built without caches";
+  core::Mesh made;
+  made.positions = {{2, 0, 0}, {0, 2, 0}, {0, 2, 1}, {5, 5, 5}};
+  made.indices = {0, 1, 2, 0, 1, 3};
+  core::MeshSurface hole;
+  hole.kind = core::MeshSurface::Kind::kCylinder, hole.end_triangle = 2, hole.radius = 2.0, hole.gap = 1e-6;
+  made.extras = core::MeshExtrasSlot({nullptr, std::make_shared<const std::vector<core::MeshSurface>>(1, hole)});
+  core::Scene scene;
+  scene.add_mesh_instance(scene.add_node(scene.root(), "part"), scene.add_mesh(std::move(made)).value());
+  ASSERT_TRUE(scene.commit());
+  const auto file = std::filesystem::path(::testing::TempDir()) / "capi_surfaces.slc";
+  ASSERT_TRUE(importers::write_slc(scene, file));
+  const CScene c;
+  ASSERT_OK(import(c, {file.string()}));
+  std::filesystem::remove(file);
+  sl_item_info item = SL_ITEM_INFO_INIT;
+  ASSERT_OK(sl_item_get(c.scene, 0, &item));
+  sl_mesh_surface surface = SL_MESH_SURFACE_INIT;
+  ASSERT_OK(sl_mesh_get_surface(c.scene, item.mesh, 0, &surface));
+  EXPECT_EQ(surface.kind, SL_SURFACE_CYLINDER);
+  EXPECT_EQ(surface.radius, 2.0);
+  EXPECT_EQ(surface.axis[2], 1.0);
+  ASSERT_OK(sl_mesh_get_surface(c.scene, item.mesh, 1, &surface));
+  EXPECT_EQ(surface.kind, SL_SURFACE_OTHER) << "its corners do not lie on it";
+  EXPECT_EQ(sl_mesh_get_surface(c.scene, item.mesh, 2, &surface), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_mesh_get_surface(c.scene, item.mesh, 0, nullptr), SL_ERROR_ARGUMENT);
 }
 
 /// Of a program made before there were caches.

@@ -555,6 +555,8 @@ class Sequence {
         return;
       }
       case 9: {
+        sl_mesh_surface surface = SL_MESH_SURFACE_INIT;
+        check(sl_mesh_get_surface(of, mesh(), in_.below(3), sized(surface)), of);
         sl_material_data data = SL_MATERIAL_DATA_INIT;
         check(sl_material_get(of, {any(made_.materials)}, sized(data), room_for_text()), of);
         return;

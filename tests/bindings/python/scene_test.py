@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 import sightline
-from support import Case
+from support import SOURCE, Case
 
 TRIANGLE = ([[0, 0, 0], [1, 0, 0], [0, 0, 1]], [[0, 1, 2]])
 
@@ -193,6 +193,24 @@ class Meshes(Case):
         mesh.remove()
         self.assertFalse(mesh.alive)
         self.assert_error("removed", lambda: mesh.positions)
+
+    def test_faces_of_step_have_their_surface(self):
+        scene = sightline.Scene()
+        own = scene.add_mesh(*TRIANGLE)
+        self.assertIsNone(own.surface(0))
+        self.assert_error("fewer", own.surface, 1)
+        self.assertRaises(TypeError, own.surface, -1)
+        if ".stp" not in sightline.known_extensions():
+            self.skipTest("built without STEP")
+        scene.import_file(SOURCE / "tests" / "data" / "machined.stp")
+        mesh = [one for one in scene.meshes if one != own][0]
+        found = [mesh.surface(i) for i in range(len(mesh.indices))]
+        self.assertEqual({s["kind"] for s in found}, {"plane", "cylinder", "cone", "sphere", "torus"})
+        holes = [s for s in found if s["kind"] == "cylinder"]
+        self.assertEqual({round(s["radius"], 9) for s in holes}, {3.0, 4.0})
+        self.assertAlmostEqual(abs(holes[0]["axis"][2]), 1.0)
+        cone = [s for s in found if s["kind"] == "cone"][0]
+        self.assertAlmostEqual(abs(cone["slope"]), 1.0)
 
     def test_broken_meshes_are_refused(self):
         scene = sightline.Scene()
