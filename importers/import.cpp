@@ -128,6 +128,14 @@ core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path
   return report;
 }
 
+/// Items by kind from `first` on.
+std::array<std::uint64_t, core::kKindCount> items_from(const core::Scene& scene, core::ItemId first) {
+  std::array<std::uint64_t, core::kKindCount> items{};
+  for (core::ItemId item = first; to_index(item) < scene.item_slots(); ++item)
+    if (scene.contains_item(item)) ++items[std::size_t(scene.kind(item))];
+  return items;
+}
+
 /// Reads, and then recognises what was read. Fails, with the scene as it was, when that is cancelled.
 core::Expected<ImportReport> read_and_recognise(const std::filesystem::path& path, core::Scene& scene,
                                                 core::NodeId parent, const ImportOptions& options) {
@@ -145,9 +153,12 @@ core::Expected<ImportReport> read_and_recognise(const std::filesystem::path& pat
   auto report = read_by_extension(path, scene, parent, reading);
   if (!report) return report;
   core::Error error{std::string(kCancelled)};
+  const auto before = items_from(scene, core::ItemId(mark.items));
   try {
     if (recognise_items(scene, core::ItemId(mark.items), options.recognise_tolerance, part(kReading, 1.0 - kReading),
                         report->recognition)) {
+      const auto after = items_from(scene, core::ItemId(mark.items));
+      for (std::size_t k = 0; k < after.size(); ++k) report->items[k] += after[k] - before[k];
       if (options.progress) (void)options.progress(1.0);
       return report;
     }

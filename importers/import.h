@@ -151,7 +151,8 @@ struct ImportReport {
   std::vector<core::NodeId>
       nodes;  ///< one per model file, in order: children of the given parent, named after the file (.slc: as written)
   std::vector<ImportWarning> warnings;
-  /// Items by kind as found in the file (an empty facet group counts as one), degenerate ones included.
+  /// Items by kind as found in the file (an empty facet group counts as one), degenerate ones included. With
+  /// ImportOptions::recognise, recognised meshes are not among them, but what they became.
   std::array<std::uint64_t, core::kKindCount> items{};
   std::uint64_t degenerate = 0;     ///< items without volume: no length for lines, no area for facets
   std::uint64_t shared_meshes = 0;  ///< mesh items that use a mesh which another item brought

@@ -178,7 +178,7 @@ std::string recognition_words(const importers::RecognitionReport& report) {
   for (std::size_t k = 0; k < importers::kRefusalCount; ++k)
     add(refused, report.refused[k], name_of(importers::Refusal(k)));
   char text[256];
-  std::snprintf(text, sizeof text, "; %llu of %llu mesh triangles left, %.1f of %.1f kB, at most %.3g m off",
+  std::snprintf(text, sizeof text, "; %llu of %llu triangles of distinct meshes left, %.1f of %.1f kB, at most %.3g m off",
                 (unsigned long long)report.triangles_after, (unsigned long long)report.triangles_before,
                 1e-3 * double(report.bytes_after), 1e-3 * double(report.bytes_before), report.largest_deviation);
   return "recognised " + (kinds.empty() ? std::string("nothing") : kinds) + text +
