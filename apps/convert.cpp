@@ -6,10 +6,10 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/item_copier.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/named_parts.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/report_json.h"
-#include "sightline/apps/common/style_options.h"
 #include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/common/write_model.h"
 #include "sightline/importers/internal/extension.h"
@@ -25,25 +25,42 @@ core::Expected<void> check(const std::string& output, const std::vector<std::str
   return done ? done : core::fail("OUTPUT: " + done.error().message);
 }
 
-/// The items that `only` names, with the nodes above them.
-core::Expected<core::Scene> part_of(const apps::Model& model, const std::vector<std::string>& only) {
-  const auto items = apps::items_below(*model.scene, only);
-  if (!items) return tl::unexpected(items.error());
-  return apps::copy_of_part(*model.scene, model.report.nodes, &*items, {});
+/// The parts of a model that are written: those that `only` names, or all where it is empty, without those of `except`.
+struct Chosen {
+  std::vector<std::string> only, except;
+  bool all() const { return only.empty() && except.empty(); }
+};
+
+/// Chosen items, with the nodes above them.
+core::Expected<core::Scene> part_of(const apps::Model& model, const Chosen& chosen) {
+  const core::Scene& scene = *model.scene;
+  const auto only = apps::named_nodes(scene, chosen.only, false),
+             except = apps::named_nodes(scene, chosen.except, false);
+  if (!only || !except) return tl::unexpected((only ? except : only).error());
+  std::vector<bool> items =
+      chosen.only.empty() ? std::vector<bool>(scene.item_slots(), true) : apps::items_below(scene, *only);
+  const std::vector<bool> left_out = apps::items_below(scene, *except);
+  bool any = false;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    items[i] = items[i] && !left_out[i];
+    any = any || (items[i] && scene.contains_item(core::ItemId(i)));
+  }
+  if (!any) return core::fail("--only and --except leave no item to write");
+  return apps::copy_of_part(scene, model.report.nodes, &items, {});
 }
 
-/// Writes the model, or the part of it that `only` names. `items` becomes the number of items that were to be written.
-core::Expected<apps::WrittenModel> write(const apps::Model& model, const std::vector<std::string>& only,
-                                         const std::string& output, apps::WriteOptions options, std::uint64_t& items) {
+/// Writes the model, or chosen parts of it. `items` becomes the number of items that were to be written.
+core::Expected<apps::WrittenModel> write(const apps::Model& model, const Chosen& chosen, const std::string& output,
+                                         apps::WriteOptions options, std::uint64_t& items) {
   apps::Progress bar("writing");
   options.progress = bar.callback();
   const core::Scene& all = *model.scene;
-  if (only.empty()) {
+  if (chosen.all()) {
     options.report = &model.report;
-    items = apps::total(model.report.items);
+    items = all.item_count();
     return apps::write_model(all, apps::node_to_write(all, model.report.nodes), output, options);
   }
-  const auto part = part_of(model, only);
+  const auto part = part_of(model, chosen);
   if (!part) return tl::unexpected(part.error());
   items = part->item_count();
   return apps::write_model(*part, apps::node_to_write(*part, apps::children_of(*part, part->root())), output, options);
@@ -98,7 +115,7 @@ int main(int argc, char** argv) {
       "  sightline-convert plant.rvm plant.glb --collections\n"
       "  sightline-convert plant.rvm plant.txt plant-tiles --tiles\n"
       "  sightline-convert plant.rvm plant-tiles --tiles --collections\n"
-      "  sightline-convert plant.rvm pumps.glb --only PUMP-1 --only PUMP-2\n"
+      "  sightline-convert plant.rvm pumps.glb --only 'PUMP-*' --except PUMP-2\n"
       "  sightline-convert a.rvm b.rvm both.rvm\n"
       "  sightline-convert plant.rvm plant.txt plant.slc\n"
       "  sightline-convert --levels ship.glb ship.slc\n"
@@ -107,7 +124,7 @@ int main(int argc, char** argv) {
       "  sightline-convert --lenient damaged.rvm repaired.rvm --json -");
   apps::ModelOptions options;
   std::string output, json_file;
-  std::vector<std::string> only;
+  Chosen chosen;
   apps::WriteOptions writing;
   options.import.copies = importers::MeshCopies::kExact;  // meshes are written as they came
   apps::add_model_options(line, options);
@@ -143,9 +160,14 @@ int main(int argc, char** argv) {
   line.add_flag("!--uncompressed", writing.compress, "Tiles for viewers without a decoder for EXT_meshopt_compression");
   line.add_flag("--levels", writing.levels,
                 "Build levels of detail into a scene cache, so that --lod-error starts fast from it");
-  line.add("--only", only, "Write parts alone: those with this text in a name or attribute, or KEY=TEXT")
-      .metavar("PART")
-      .one_value_each();
+  const auto add_parts = [&line](const char* name, std::vector<std::string>& parts, const char* help) {
+    line.add(name, parts, help).metavar("PART").one_value_each().accepted_by(apps::parse_part);
+  };
+  add_parts(
+      "--only", chosen.only,
+      "Write parts alone: a path, a name, the value of an attribute or KEY=VALUE, whole words, or a pattern with * "
+      "or ?, or re:EXPRESSION");
+  add_parts("--except", chosen.except, "Write all but these parts, or of --only all but these");
   line.add("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
   return line.run(argc, argv, [&]() -> core::Expected<int> {
     auto model = apps::load_model(options);
@@ -156,7 +178,7 @@ int main(int argc, char** argv) {
     if (auto done = check(output, apps::files_read(options.files, model->report), writing.tiles); !done)
       return tl::unexpected(done.error());
     std::uint64_t items = 0;
-    const auto written = write(*model, only, output, writing, items);
+    const auto written = write(*model, chosen, output, writing, items);
     if (!written) return tl::unexpected(written.error());
     if (json_file != "-") std::printf("%s\n", apps::words_of(*written, output, items).c_str());
     if (json_file != "-" && options.import.recognise)

@@ -8,10 +8,9 @@
 #include "sightline/apps/common/gl_page.h"
 #endif
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/named_parts.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/report_json.h"
-#include "sightline/apps/common/style_options.h"
-#include "sightline/core/find_nodes.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace {
@@ -66,8 +65,8 @@ Json to_json(const core::Scene& scene, std::span<const core::NodeId> found) {
 }
 
 /// Prints lines for people to read and scripts to cut: path, centre, attributes.
-void print(const core::Scene& scene, std::span<const core::NodeId> found) {
-  for (const core::NodeId node : found) {
+void print(const core::Scene& scene, const core::FoundNodes& found) {
+  for (const core::NodeId node : found.nodes) {
     const core::AabbD bounds = bounds_of(scene, node);
     std::printf("%s", scene.path(node).c_str());
     if (!bounds.empty()) {
@@ -77,7 +76,7 @@ void print(const core::Scene& scene, std::span<const core::NodeId> found) {
     std::printf("\n");
     for (const auto& [key, value] : scene.attributes(node)) std::printf("    %s: %s\n", key.c_str(), value.c_str());
   }
-  std::printf("%zu found\n", found.size());
+  std::printf("%zu found %s\n", found.nodes.size(), words_of(found.match).data());
 }
 
 Json to_json(const importers::ImportReport& report, const Facts& facts) {
@@ -140,15 +139,15 @@ core::Expected<int> tell_of_model(const apps::ModelOptions& options, const std::
   if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());
   if (options.explain) apps::explain(*model->scene);
   std::vector<core::NodeCondition> conditions;
-  for (const std::string& text : find) conditions.push_back(apps::parse_condition(text));
-  const auto found = conditions.empty() ? std::vector<core::NodeId>()
-                                        : core::find_nodes(*model->scene, model->scene->root(), conditions);
+  for (const std::string& text : find) conditions.push_back({"", text});
+  const auto found = find.empty() ? core::FoundNodes() : apps::find_parts(*model->scene, conditions);
+  if (!found) return tl::unexpected(found.error());
   const Facts facts = gather(*model->scene);
   if (json_file != "-" && find.empty()) print(model->report, facts);
-  if (json_file != "-" && !find.empty()) print(*model->scene, found);
+  if (json_file != "-" && !find.empty()) print(*model->scene, *found);
   if (json_file.empty()) return apps::kExitOk;
   Json out = to_json(model->report, facts);
-  if (!find.empty()) out["found"] = to_json(*model->scene, found);
+  if (!find.empty()) out["found"] = to_json(*model->scene, found->nodes);
   return write_json(json_file, std::move(out));
 }
 
@@ -177,11 +176,13 @@ int main(int argc, char** argv) {
   std::string json_file;
   std::vector<std::string> find;
   apps::add_model_options(line, options);
-  line.add(
-          "--list", find,
-          "List parts instead: those with this text in a name or attribute, or KEY=TEXT; given several times, all hold")
+  line.add("--list", find,
+           "List parts instead: a path, a name, the value of an attribute or KEY=VALUE, whole words, or a pattern with "
+           "* or "
+           "?, or re:EXPRESSION; given several times, all hold")
       .metavar("PART")
-      .one_value_each();
+      .one_value_each()
+      .accepted_by(apps::parse_part);
   line.add("--json", json_file, "Write the facts as JSON to FILE, or - for stdout");
 #if SIGHTLINE_HAS_GL
   bool gl_page = false;

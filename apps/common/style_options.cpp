@@ -3,7 +3,7 @@
 #include <map>
 
 #include "sightline/apps/common/command_line.h"
-#include "sightline/apps/common/tree_walk.h"
+#include "sightline/apps/common/named_parts.h"
 
 namespace sightline::apps {
 namespace {
@@ -13,51 +13,27 @@ using core::ItemId;
 constexpr core::vec3 kHighlight{1.0f, 0.45f, 0.05f};
 constexpr float kFade = 0.3f;
 
-/// Nodes for which one of the conditions holds.
-core::Expected<std::vector<core::NodeId>> find(const core::Scene& scene, const std::vector<std::string>& texts) {
-  std::vector<core::NodeId> nodes;
-  for (const std::string& text : texts) {
-    const core::NodeCondition condition = parse_condition(text);
-    const auto found = core::find_nodes(scene, scene.root(), {&condition, 1});
-    if (found.empty()) return core::fail("no node fits \"" + text + "\"");
-    nodes.insert(nodes.end(), found.begin(), found.end());
-  }
-  return nodes;
-}
-
-/// Items below the nodes, or all others.
+/// Items below the parts, or all others.
 core::Expected<std::vector<ItemId>> items_of(const core::Scene& scene, const std::vector<std::string>& texts,
-                                             bool others = false) {
-  const auto below = items_below(scene, texts);
-  if (!below) return tl::unexpected(below.error());
+                                             bool quiet, bool others = false) {
+  const auto nodes = named_nodes(scene, texts, quiet);
+  if (!nodes) return tl::unexpected(nodes.error());
+  const std::vector<bool> below = items_below(scene, *nodes);
   std::vector<ItemId> items;
-  for (ItemId item{0}; to_index(item) < below->size(); ++item)
-    if ((*below)[to_index(item)] != others && scene.contains_item(item)) items.push_back(item);
+  for (ItemId item{0}; to_index(item) < below.size(); ++item)
+    if (below[to_index(item)] != others && scene.contains_item(item)) items.push_back(item);
   return items;
 }
 
 }  // namespace
 
-core::Expected<std::vector<bool>> items_below(const core::Scene& scene, const std::vector<std::string>& conditions) {
-  const auto nodes = find(scene, conditions);
-  if (!nodes) return tl::unexpected(nodes.error());
-  std::vector<bool> below(scene.item_slots());
-  for (const core::NodeId top : *nodes)
-    for (const ItemId item : items_below(scene, top)) below[to_index(item)] = true;
-  return below;
-}
-
-core::NodeCondition parse_condition(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos) return {"", text};
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
 void add_style_options(CommandLine& line, StyleOptions& options) {
   const auto add = [&](const char* name, std::vector<std::string>& texts, const char* help) {
-    return line.add(name, texts, help).metavar("PART").one_value_each();
+    return line.add(name, texts, help).metavar("PART").one_value_each().accepted_by(parse_part);
   };
-  add("--isolate", options.isolate, "Show parts alone: those with this text in a name or attribute, or KEY=TEXT");
+  add("--isolate", options.isolate,
+      "Show parts alone: a path, a name, the value of an attribute or KEY=VALUE, whole words, or a pattern with * or "
+      "?, or re:EXPRESSION");
   add("--hide", options.hide, "Hide parts");
   add("--highlight", options.highlight, "Show parts in orange, outlined");
   add("--ghost-others", options.ghost_others, "Show all but these parts as faint shells").advanced();
@@ -75,16 +51,16 @@ core::Expected<void> apply_styles(const StyleOptions& options, const core::Scene
   const auto give = [&](const std::vector<std::string>& texts, const engine::ItemStyle& style,
                         bool others = false) -> core::Expected<void> {
     if (texts.empty()) return {};
-    const auto items = items_of(scene, texts, others);
+    const auto items = items_of(scene, texts, options.quiet, others);
     return items ? engine.set_override(*items, style) : core::Expected<void>(tl::unexpected(items.error()));
   };
   if (!options.isolate.empty()) {
-    const auto nodes = find(scene, options.isolate);
+    const auto nodes = named_nodes(scene, options.isolate, options.quiet);
     if (!nodes) return tl::unexpected(nodes.error());
     if (auto done = engine.isolate(*nodes); !done) return done;
   }
   if (!options.hide.empty()) {
-    const auto items = items_of(scene, options.hide);
+    const auto items = items_of(scene, options.hide, options.quiet);
     if (!items) return tl::unexpected(items.error());
     if (auto done = engine.hide(*items); !done) return done;
   }

@@ -55,11 +55,15 @@ Done cull(Viewer& viewer, const std::string&) {
   return viewer.session()->set_culler(kChoice);
 }
 
-/// A function of the document that takes the selection, which must not be empty.
+/// A function of the document that takes the parts that are named, or the selection, which must not be empty.
 template <Done (Document::*kFunction)(std::span<const core::ItemId>)>
-Done with_selection(Viewer& viewer, const std::string&) {
-  if (const char* why = without_selection(viewer)) return core::fail(why);
+Done with_selection(Viewer& viewer, const std::string& part) {
   Document& document = viewer.session()->document();
+  if (!part.empty()) {
+    const auto named = viewer.items_named(part);
+    return named ? (document.*kFunction)(*named) : Done(tl::unexpected(named.error()));
+  }
+  if (const char* why = without_selection(viewer)) return core::fail(why);
   const std::vector<core::ItemId> items(document.selection().begin(), document.selection().end());
   return (document.*kFunction)(items);
 }
@@ -231,17 +235,14 @@ const Command kEdit[] = {
      [](Viewer& v, const std::string&) { return v.session()->document().undo(); }, nullptr, without_undo},
     {"redo", "Edit", "Redo", GLFW_KEY_Z, kCtrl | kShift, "Ctrl+Shift+Z", "do again what was undone",
      [](Viewer& v, const std::string&) { return v.session()->document().redo(); }, nullptr, without_redo},
-    {"find", "|Edit", "Find", GLFW_KEY_F, kCtrl, "Ctrl+F",
-     "show the nodes whose names or attributes hold a text: TEXT or ATTRIBUTE:TEXT",
+    {"find", "|Edit", "Find", GLFW_KEY_F, kCtrl, "Ctrl+F", "show the parts that a text names: PART",
      [](Viewer& v, const std::string& text) -> Done {
-       v.shown.find = text.empty();  // what was searched for last stays, to be changed
-       v.shown.panels |= text.empty();
-       if (!text.empty()) v.session()->tree().find({text});
+       if (!text.empty()) return v.find(text);
+       v.shown.find = v.shown.panels = true;  // what was searched for last stays, to be changed
        return {};
      }},
-    {"select-found", "Edit", "Select what was found", 0, 0, "", "select what is below the nodes that were found",
-     [](Viewer& v, const std::string&) { return v.select_nodes(v.session()->tree().matches()); }, nullptr,
-     without_found},
+    {"select-found", "Edit", "Select what was found", 0, 0, "", "select what is below the parts that a search names",
+     [](Viewer& v, const std::string&) { return v.select_found(); }, nullptr, without_found},
     {"select", "|Edit", "Select", 0, 0, "", "clicks select items again, and no longer measure or cut",
      [](Viewer& v, const std::string&) -> Done { return v.shown.tool = Tool::kSelect, Done(); },
      has_tool<Tool::kSelect>, without_model, icons::kCursor},
@@ -254,14 +255,15 @@ const Command kEdit[] = {
     {"escape", nullptr, "", GLFW_KEY_ESCAPE, 0, "Esc",
      "close the topmost menu or dialog; else end what clicks or keys do otherwise; else select nothing",
      [](Viewer& v, const std::string&) -> Done { return v.escape(), Done(); }, nullptr, nullptr},
-    {"hide", "|Edit", "Hide", GLFW_KEY_H, 0, "H", "hide what is selected", with_selection<&Document::hide>, nullptr,
-     without_selection, icons::kEyeCrossed},
-    {"isolate", "Edit", "Isolate", GLFW_KEY_I, 0, "I", "hide all but what is selected",
+    {"hide", "|Edit", "Hide", GLFW_KEY_H, 0, "H", "hide what is selected, or a part: PART",
+     with_selection<&Document::hide>, nullptr, without_selection, icons::kEyeCrossed},
+    {"isolate", "Edit", "Isolate", GLFW_KEY_I, 0, "I", "hide all but what is selected, or a part: PART",
      with_selection<&Document::isolate>, nullptr, without_selection, icons::kIsolate},
-    {"ghost-others", "Edit", "Make the rest faint", GLFW_KEY_G, 0, "G", "make all but what is selected faint",
-     with_selection<&Document::ghost_others>, nullptr, without_selection},
-    {"toggle-part", nullptr, "", 0, 0, "", "hide what lies below a node, or show it if it is hidden: PATH",
-     [](Viewer& v, const std::string& path) { return v.session()->toggle_part(part_of(path)); }},
+    {"ghost-others", "Edit", "Make the rest faint", GLFW_KEY_G, 0, "G",
+     "make all but what is selected faint, or a part: PART", with_selection<&Document::ghost_others>, nullptr,
+     without_selection},
+    {"toggle-part", nullptr, "", 0, 0, "", "hide what lies below a part, or show it if it is hidden: PART",
+     [](Viewer& v, const std::string& path) { return v.toggle_part(path); }},
     {"select-finding", nullptr, "", 0, 0, "", "select the items of what the tab Item says is odd about the model: N",
      select_finding},
     {"show-all", "Edit", "Show all", GLFW_KEY_U, 0, "U", "show what is hidden or faint",

@@ -23,11 +23,18 @@ class ModelTree {
 
   TreeRows& rows() { return rows_; }
 
-  /// Shows the nodes that match, and their ancestors; an empty text: all nodes. Waits for the index.
+  /// Shows the nodes that hold the text, to choose from, and their ancestors; an empty text: all nodes. Where none
+  /// holds it, those that it names. Waits for the index.
   void find(const NameQuery& query);
+  /// Shows the nodes that the text names (core/find_nodes.h; "KEY:TEXT" is also understood), or that a regular
+  /// expression matches. Fails where there are none, and then shows what find() does.
+  core::Expected<core::FoundNodes> find_named(const NameQuery& query);
+  /// Nodes that a text names, whatever is shown. Fails where there are none.
+  core::Expected<core::FoundNodes> nodes_named(const std::string& text);
   const NameQuery& query() const { return query_; }
   const std::vector<core::NodeId>& matches() const { return matches_.nodes; }  ///< those that have rows
   std::size_t match_count() const { return matches_.count; }
+  bool named() const { return named_; }                ///< whether those are named, and not only hold the text
   const std::string& error() const { return error_; }  ///< of a regular expression; empty without one
 
   /// Expands what is above a node; the list should scroll there.
@@ -36,11 +43,15 @@ class ModelTree {
   std::optional<std::size_t> take_revealed();
 
  private:
+  void show_named(const core::FoundNodes& found);
+  core::Expected<core::FoundNodes> by_rule(const std::string& text) const;
+
   const core::Scene* scene_;
   NameIndex index_;
   TreeRows rows_;
   NameQuery query_;
   NameMatches matches_;
+  bool named_ = false;
   std::string error_;
   std::optional<std::size_t> revealed_;
   std::jthread indexing_;  // last: it writes index_

@@ -219,6 +219,12 @@ NameIndex::Target NameIndex::target_of(std::string_view query) const {
   return {0, chunks_.size(), query};
 }
 
+std::optional<core::NodeCondition> NameIndex::condition_of(std::string_view query) const {
+  const std::string_view text = target_of(query).text;
+  if (text.size() == query.size()) return std::nullopt;
+  return core::NodeCondition{std::string(query.substr(0, query.size() - text.size() - 1)), std::string(text)};
+}
+
 /// Scans all chunks of the target on several threads. Each has a scan of its own from make_scan(): a function of a
 /// field, a chunk and the set of nodes found, which returns an error or none.
 template <class MakeScan>

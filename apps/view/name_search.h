@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -16,14 +17,15 @@
 
 #include "sightline/apps/view/bit_set.h"
 #include "sightline/core/error.h"
+#include "sightline/core/find_nodes.h"
 #include "sightline/core/scene.h"
 
 namespace sightline::apps {
 
 /// What a user types: a text that must occur in a node's name or the value of any attribute. "KEY:TEXT" looks at the
 /// values of one attribute only, if KEY is not empty and some node has such an attribute; else it is a text like any
-/// other. Of several keys that fit, the longest counts. An empty TEXT occurs everywhere. Keys and texts are compared
-/// like those of core::NodeCondition.
+/// other. Of several keys that fit, the longest counts. An empty TEXT occurs everywhere. ASCII letters match regardless
+/// of case, all other bytes exactly.
 struct NameQuery {
   std::string text;
   bool regular_expression = false;  ///< TEXT is one (regular_expression.h)
@@ -44,6 +46,9 @@ class NameIndex {
   /// none or takes too many steps, and, with importers::kCancelled as its message, some milliseconds after `stop` is
   /// requested.
   core::Expected<NameMatches> find(const NameQuery& query, std::size_t limit, std::stop_token stop = {}) const;
+
+  /// A query "KEY:TEXT" as a condition on one attribute; none where it is a text like any other.
+  std::optional<core::NodeCondition> condition_of(std::string_view query) const;
 
   std::size_t node_count() const { return nodes_.size(); }
   std::size_t memory_bytes() const;

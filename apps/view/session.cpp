@@ -279,14 +279,6 @@ const std::vector<Finding>& Session::findings() {
   return *findings_;
 }
 
-core::Expected<void> Session::toggle_part(const PartName& part) {
-  const auto found = names().find({false, {part}});
-  if (found.items.empty()) return core::fail("the model has no items below \"" + to_text(part) + "\"");
-  const auto hidden = [this](core::ItemId item) { return document_.is(item, Document::kHidden); };
-  return std::all_of(found.items.begin(), found.items.end(), hidden) ? document_.show(found.items)
-                                                                     : document_.hide(found.items);
-}
-
 Viewpoint Session::viewpoint() const {
   Viewpoint seen;
   seen.pose = camera_.pose();

@@ -63,8 +63,8 @@ class Session {
   const TreeStates& tree_states();
   /// What is odd about the model.
   const std::vector<Finding>& findings();
-  /// Hides the items of a part, or shows them if all are hidden. Fails where the model has no such part.
-  core::Expected<void> toggle_part(const PartName& part);
+  /// The items of a part, as views name it; none where the model has no such part.
+  std::vector<core::ItemId> items_of(const PartName& part) { return names().find({false, {part}}).items; }
 
   /// Looks along a direction, or as the camera does, at all that is shown: Camera::show_all().
   void show_all(const std::optional<core::dvec3>& direction = {});

@@ -46,8 +46,8 @@ void search_field(Viewer& viewer, ModelTree& tree) {
   }
   ImGui::Text("%s found", grouped(std::int64_t(tree.match_count())).c_str());
   ImGui::SameLine();
-  if ((ImGui::SmallButton("Select") || entered) && !tree.matches().empty())
-    tell_errors(viewer, viewer.select_nodes(tree.matches()));
+  if (ImGui::SmallButton("Select") || entered) tell_errors(viewer, viewer.select_found());
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("What has exactly this name, or else these words; *text* takes all");
 }
 
 void node_menu(Viewer& viewer, core::NodeId node, ModelTree& tree) {

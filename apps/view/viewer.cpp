@@ -11,8 +11,10 @@
 
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/named_parts.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/view/views.h"
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
 #include "sightline/render/image/image.h"
@@ -329,13 +331,52 @@ core::Expected<std::optional<engine::Pick>> Viewer::under(const core::dvec2& at)
   return session_->pick(in_image(at));
 }
 
-core::Expected<void> Viewer::select_nodes(const std::vector<core::NodeId>& nodes) {
+std::vector<core::ItemId> Viewer::items_below(const std::vector<core::NodeId>& nodes) const {
   std::vector<core::ItemId> items;
   for (const core::NodeId node : nodes) {
     const std::vector<core::ItemId> below = session_->document().items_below(node);
     items.insert(items.end(), below.begin(), below.end());
   }
-  return session_->document().select(items);
+  core::sort_unique(items);
+  return items;
+}
+
+core::Expected<void> Viewer::find(const std::string& text) {
+  const auto found = session_->tree().find_named({text});
+  if (!found) return tl::unexpected(found.error());
+  tell(words_of_parts(session_->scene(), text, *found));
+  return {};
+}
+
+core::Expected<void> Viewer::select_found() {
+  ModelTree& tree = session_->tree();
+  if (!tree.named()) {
+    const NameQuery query = tree.query();
+    const auto found = tree.find_named(query);
+    if (!found) return tl::unexpected(found.error());
+    tell(words_of_parts(session_->scene(), query.text, *found));
+  }
+  return session_->document().select(items_below(tree.matches()));
+}
+
+core::Expected<std::vector<core::ItemId>> Viewer::items_named(const std::string& text) {
+  const auto found = session_->tree().nodes_named(text);
+  if (!found) return tl::unexpected(found.error());
+  if (found->nodes.size() > 1) tell(words_of_parts(session_->scene(), text, *found));
+  std::vector<core::ItemId> items = items_below(found->nodes);
+  if (items.empty()) return core::fail("there are no items below \"" + text + "\"");
+  return items;
+}
+
+core::Expected<void> Viewer::toggle_part(const std::string& text) {
+  Document& document = session_->document();
+  const PartName part = part_of(text);
+  const bool numbered = text.empty() || part.node != text;  // as views have it
+  const auto items = numbered ? core::Expected<std::vector<core::ItemId>>(session_->items_of(part)) : items_named(text);
+  if (!items) return tl::unexpected(items.error());
+  if (items->empty()) return core::fail("the model has no items below \"" + text + "\"");
+  const auto hidden = [&](core::ItemId item) { return document.is(item, Document::kHidden); };
+  return std::all_of(items->begin(), items->end(), hidden) ? document.show(*items) : document.hide(*items);
 }
 
 core::Expected<void> Viewer::write_screenshot(const std::string& file) {

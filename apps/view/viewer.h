@@ -104,8 +104,15 @@ class Viewer {
   /// Reads an older revision of the open model, and shows what has changed since.
   void compare(const std::string& file);
   void cancel_loading();
-  /// Selects the items below nodes.
-  core::Expected<void> select_nodes(const std::vector<core::NodeId>& nodes);
+  /// Shows in the tree the parts that a text names; fails where it names none.
+  core::Expected<void> find(const std::string& text);
+  /// Selects the items of the parts that the search names.
+  core::Expected<void> select_found();
+  /// The items of the parts that a text names, in rising order; fails where there are none.
+  core::Expected<std::vector<core::ItemId>> items_named(const std::string& text);
+  /// Hides the items of a part, or shows them if all are hidden. A text that ends in "?nth=…" or "?item=…" is a name as
+  /// views have it.
+  core::Expected<void> toggle_part(const std::string& text);
   core::Expected<void> write_screenshot(const std::string& file);
   /// What is seen and shown, as a file for --view of other tools; without a name the next free one.
   core::Expected<void> save_view(const std::string& file);
@@ -208,6 +215,7 @@ class Viewer {
   core::Expected<void> recover();
   core::Expected<void> land();
   core::Expected<void> landed();
+  std::vector<core::ItemId> items_below(const std::vector<core::NodeId>& nodes) const;
   void follow_opening();
   void drop_loading();
   core::Expected<void> not_landed(const core::Error& error);

@@ -106,7 +106,7 @@ sl_status sl_scene_find_nodes(sl_scene handle, sl_node top, const sl_condition* 
     std::vector<core::NodeCondition> all;
     for (std::size_t i = 0; i < condition_count; ++i)
       all.push_back({std::string(text_or_empty(conditions[i].key)), std::string(text_or_empty(conditions[i].text))});
-    write_list(core::find_nodes(*scene, below, all), nodes, capacity, count,
+    write_list(value_of(core::find_nodes(*scene, below, all)).nodes, nodes, capacity, count,
                [](core::NodeId id) { return handle_of(id); });
   });
 }

@@ -333,8 +333,8 @@ py::dict attributes_of(const Node& node) {
 std::vector<Node> find(const Node& node, const py::str& text, const py::str& key) {
   const core::NodeCondition condition{to_bytes(key), to_bytes(text)};
   std::vector<Node> out;
-  for (const core::NodeId id : core::find_nodes(read(node), node.id, std::span(&condition, 1)))
-    out.push_back({node.scene, id});
+  const core::FoundNodes found = unwrap(core::find_nodes(read(node), node.id, std::span(&condition, 1)));
+  for (const core::NodeId id : found.nodes) out.push_back({node.scene, id});
   return out;
 }
 
@@ -375,10 +375,11 @@ void bind_node_tree(py::class_<Node>& node) {
       .def("add_primitives", &add_primitives, py::arg("kind"), py::arg("parameters"),
            py::arg("placements") = py::none(), py::arg("material") = py::none(),
            "Adds many primitives of one kind: `parameters` (N, count), `placements` (N, 4, 4). Returns their ids.")
-      .def(
-          "find", &find, py::arg("text"), py::arg("key") = "",
-          "The nodes of this subtree with `text` in their name or an attribute's value, or in that of attribute `key`. "
-          "Any case of ASCII letters.")
+      .def("find", &find, py::arg("text"), py::arg("key") = "",
+           "The nodes of this subtree that `text` names, by the first step that finds any: a path or its end, a name, "
+           "the "
+           "value of an attribute (`KEY=TEXT`, or with `key`, of one; key `Name` is the node's name), whole words of "
+           "these. `*`, `?` and `re:` make a pattern of it. Exact case first, then any case of ASCII letters.")
       .def(
           "bounds", [](const Node& x, std::uint32_t layers) { return to_array(read(x).bounds(x.id, layers)); },
           py::arg("layers") = core::kDefaultLayerMask,

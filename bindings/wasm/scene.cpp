@@ -6,6 +6,7 @@
 #include "sightline/bindings/wasm/call.h"
 #include "sightline/bindings/wasm/numbers.h"
 #include "sightline/bindings/wasm/visibility.h"
+#include "sightline/core/find_nodes.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/rvm/internal/rvm_attributes.h"
 #include "sightline/importers/rvm/internal/rvm_reader.h"
@@ -262,6 +263,18 @@ SIGHTLINE_EXPORT bool sl_scene_names(Model* model) {
     model->text.clear();
     for (const core::NodeId node : model->nodes) append(model->text, model->scene.name(node));
     answer_text(model->text);
+  });
+}
+/// Numbers of the nodes that a text names.
+SIGHTLINE_EXPORT bool sl_scene_find(Model* model, const char* text, std::uint32_t length) {
+  return attempt([&]() -> core::Expected<bool> {
+    const core::NodeCondition condition{"", {text, length}};
+    const auto found = core::find_nodes(model->scene, model->scene.root(), {&condition, 1});
+    if (!found) return tl::unexpected(found.error());
+    model->words.clear();
+    for (const core::NodeId node : found->nodes) model->words.push_back(model->number_of.at(node.index));
+    answer(model->words);
+    return true;
   });
 }
 /// Keys and values in turn, each ended by a NUL.

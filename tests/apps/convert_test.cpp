@@ -74,8 +74,71 @@ TEST_F(Convert, OnlyWritesParts) {
   EXPECT_LE(zone["bounds"]["max"][0].get<double>(), all["bounds"]["max"][0].get<double>() + 1e-3);
   ASSERT_EQ(run("convert", {model, path("whole.rvm"), "--only", fs::path(model).filename().string()}).code, 0);
   EXPECT_TRUE(read_bytes(model) == read_bytes(path("whole.rvm")));
-  expect_failure("convert", {model, path("none.rvm"), "--only", "NO SUCH PART"}, "no node fits \"NO SUCH PART\"");
+  expect_failure("convert", {model, path("none.rvm"), "--only", "NO SUCH PART"}, "no part fits \"NO SUCH PART\"");
   EXPECT_FALSE(fs::exists(path("none.rvm")));
+}
+
+/// Two triangles for each name.
+std::string objects(const std::vector<std::string>& names) {
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  for (const std::string& name : names) text += "o " + name + "\nf 1 2 3\nf 1 2 4\n";
+  return text;
+}
+
+TEST_F(Convert, PartsAreNamedExactlyBeforeTheyAreLookedFor) {
+  const std::string model = write(
+      "line.obj", objects({"PIPE-21", "PIPE-210", "PIPE-211", "pipe-3", "PUMP 1", "PUMP 2", "W\u00e4rme", "PIPE-4"}));
+  const auto kept = [&](const Args& more) {
+    Args args{model, path("part.obj"), "--up", "y"};  // no note asks for it
+    args.insert(args.end(), more.begin(), more.end());
+    const Outcome done = run("convert", args);
+    EXPECT_EQ(done.code, 0) << done;
+    std::istringstream in(read_bytes(path("part.obj")));
+    std::string names;
+    for (std::string line; std::getline(in, line);)
+      if (line.starts_with("o ")) names += line.substr(2) + ",";
+    return names + done.err;
+  };
+  EXPECT_EQ(kept({"--only", "PIPE-21"}), "PIPE-21,");
+  EXPECT_EQ(kept({"--only", "pipe-21"}), "PIPE-21,");
+  EXPECT_EQ(kept({"--only", "/line.obj/PIPE-21"}), "PIPE-21,");
+  EXPECT_EQ(kept({"--only", "Name=PIPE-21"}), "PIPE-21,");
+  EXPECT_EQ(kept({"--only", "w\u00e4rme"}), "W\u00e4rme,");
+  EXPECT_EQ(kept({"--only", "PUMP"}),
+            "PUMP 1,PUMP 2,note: \"PUMP\": 2 parts by whole words: line.obj/PUMP 1, line.obj/PUMP 2\n");
+  EXPECT_EQ(kept({"--only", "PIPE-21?"}),
+            "PIPE-210,PIPE-211,note: \"PIPE-21?\": 2 parts by pattern: line.obj/PIPE-210, line.obj/PIPE-211\n");
+  EXPECT_EQ(kept({"--only", "re:^PIPE-\\d$", "--except", "pipe-3"}),
+            "PIPE-4,note: \"re:^PIPE-\\d$\": 2 parts by pattern: line.obj/pipe-3, line.obj/PIPE-4\n");
+  EXPECT_EQ(kept({"--except", "PIPE-21", "--except", "W\u00e4rme"}), "PIPE-210,PIPE-211,pipe-3,PUMP 1,PUMP 2,PIPE-4,");
+
+  const auto refused = [&](const Args& more, const std::string& why) {
+    Args args{model, path("none.obj"), "--up", "y"};
+    args.insert(args.end(), more.begin(), more.end());
+    expect_failure("convert", args, why);
+    EXPECT_FALSE(fs::exists(path("none.obj")));
+  };
+  refused({"--only", "PIPE-2"}, "no part fits \"PIPE-2\"; similar names: PIPE-21, PIPE-210, PIPE-211, PIPE-4, pipe-3");
+  refused({"--only", "PIPE-21", "--only", "PIPE-5x"}, "no part fits \"PIPE-5x\"");
+  refused({"--only", "PIPE-21", "--except", "PIPE-21"}, "leave no item to write");
+  expect_usage_error("convert", {model, path("none.obj"), "--only", ""}, "--only");
+  expect_usage_error("convert", {model, path("none.obj"), "--except", "re:("}, "closing parenthesis");
+}
+
+/// What --list prints are names that other tools take.
+TEST_F(Convert, TakesThePathsThatInfoPrints) {
+  const std::string model = plant(2000);
+  const Json listed = run_json("info", {model, "--list", "PIPE-2-*"})["found"];
+  ASSERT_GT(listed.size(), 2u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string at = listed[i]["path"].get<std::string>();
+    const Json again = run_json("info", {model, "--list", at})["found"];
+    ASSERT_EQ(again.size(), 1u) << at;
+    EXPECT_EQ(again[0]["path"], at);
+    const std::string end = at.substr(at.find('/'));
+    EXPECT_EQ(run("convert", {model, path("part.rvm"), "--only", end}).err, "") << end;
+  }
+  expect_failure("info", {model, "--list", "PIPE-2-"}, "no part fits");
 }
 
 TEST_F(Convert, SeveralFilesBecomeOne) {
@@ -158,6 +221,10 @@ TEST_F(Convert, PrimitivesAreRecognised) {
   }
   const Outcome spoken = run("convert", {"--recognise", triangles, path("again.rvm")});
   EXPECT_NE(spoken.out.find("recognised "), std::string::npos) << spoken;
+  const std::string all = std::to_string(total(facts["items_out"]));
+  EXPECT_NE(spoken.out.find(": " + all + " of " + all + " items"), std::string::npos) << spoken;
+  EXPECT_EQ(facts["items_in"], facts["items_out"]);
+  EXPECT_EQ(run_json("info", {"--recognise", triangles})["items"], there) << "items of the scene, not of the file";
   expect_usage_error("convert", {path("in.rvm"), path("out.rvm"), "--recognise-tolerance", "0.1"}, "--recognise");
   expect_usage_error("convert", {path("in.rvm"), path("out.rvm"), "--recognise", "--recognise-tolerance", "0"},
                      "above 0");

@@ -18,6 +18,11 @@ using core::NodeId;
 
 constexpr std::string_view kHeader = "CADC_Attributes_File v1.0 , start: NEW , end: END , name_end: := , sep: &end&\n";
 
+std::vector<NodeId> nodes_with(const core::Scene& scene, const char* key, const char* value) {
+  const core::NodeCondition condition{key, value};
+  return core::find_nodes(scene, scene.root(), {&condition, 1})->nodes;
+}
+
 class RvmAttributes : public testing::Test {
  protected:
   void SetUp() override {
@@ -47,9 +52,7 @@ class RvmAttributes : public testing::Test {
     });
     return value;
   }
-  std::size_t attributed_nodes() const {
-    return core::find_nodes(scene_, scene_.root(), std::vector<core::NodeCondition>{{"A", ""}}).size();
-  }
+  std::size_t attributed_nodes() const { return nodes_with(scene_, "A", "").size(); }
   core::Scene scene_;
 };
 
@@ -68,8 +71,7 @@ TEST_F(RvmAttributes, GoToTheGroupsOfTheirPath) {
   EXPECT_EQ(of("plant.rvm//SITE//ZONE", "Spec"), "A 1");
   EXPECT_EQ(of("plant.rvm//SITE//ZONE", "Empty"), "");
   std::vector<std::string> numbers;
-  for (const NodeId n : core::find_nodes(scene_, scene_.root(), std::vector<core::NodeCondition>{{"No", ""}}))
-    numbers.push_back(scene_.attributes(n)[0].second);
+  for (const NodeId n : nodes_with(scene_, "No", "")) numbers.push_back(scene_.attributes(n)[0].second);
   EXPECT_EQ(numbers, (std::vector<std::string>{"1", "2"})) << "siblings of one name in order";
   EXPECT_EQ(scene_.node_count(), 6u);
 }
@@ -167,7 +169,7 @@ TEST(RvmAttributesOfRealFiles, EveryGroupHasSome) {
   EXPECT_TRUE(report->warnings.empty());
   EXPECT_EQ(report->attributed, 4084u);
   EXPECT_EQ(scene.node_count(), 4086u) << "root, file, groups";
-  const auto zones = core::find_nodes(scene, scene.root(), std::vector<core::NodeCondition>{{"Type", "ZONE"}});
+  const auto zones = nodes_with(scene, "Type", "ZONE");
   ASSERT_FALSE(zones.empty());
   EXPECT_EQ(scene.name(zones[0]), "/PS/WD1/0001");
 }
@@ -219,7 +221,7 @@ TEST(RvmAttributesOfRealFiles, TheSmallPlantHasThemAll) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->warnings.empty());
   EXPECT_EQ(report->attributed, 7u);
-  EXPECT_EQ(core::find_nodes(scene, scene.root(), std::vector<core::NodeCondition>{{"Type", "PIPE"}}).size(), 4u);
+  EXPECT_EQ(nodes_with(scene, "Type", "PIPE").size(), 4u);
 }
 
 }  // namespace

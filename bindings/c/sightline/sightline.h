@@ -183,12 +183,17 @@ SL_API sl_status sl_scene_reuse_ids(sl_scene scene, int32_t reuse);
 /* World bounds of what is visible below a node on any of `layers`; an empty box when there is nothing. */
 SL_API sl_status sl_scene_bounds(sl_scene scene, sl_node top, uint32_t layers, sl_box* bounds);
 
-/* A condition on a node: `text` occurs in the attribute `key`, or with a null or empty key in the name or any
- * attribute. Upper and lower case of ASCII are alike. */
+/* What names nodes. Without a key (null or empty) `text` is looked for in steps, the first of which that finds a node
+ * decides: a path (as sl_node_path() has it, or its end from any node on), a name, the value of any attribute or with
+ * "KEY=TEXT" of one (key "Name": the node's name, too), whole words of names and values. A text with `*` (any
+ * characters) or `?` (one), or a regular expression after "re:", is a pattern instead of words. With a key: `text` is
+ * the value of that attribute, or a pattern of it; an empty one any value. Case counts first, then upper and lower case
+ * of ASCII are alike. Slashes that names begin with may be missing. core/find_nodes.h of C++ says more. */
 typedef struct sl_condition {
   const char *key, *text;
 } sl_condition;
-/* Nodes below `top` (itself included) that fulfil all conditions, parents first. */
+/* Nodes below `top` (itself included) that fulfil all conditions, by the earliest step that finds any, parents first.
+ * None are no error; a regular expression that is none is. */
 SL_API sl_status sl_scene_find_nodes(sl_scene scene, sl_node top, const sl_condition* conditions,
                                      size_t condition_count, sl_node* nodes, size_t capacity, size_t* count);
 

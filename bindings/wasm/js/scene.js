@@ -241,6 +241,21 @@ export class Scene extends NativeObject {
     return split(this.bridge.answerText());
   }
   /**
+   * Nodes that a text names, parents first, by the first step that finds any: a path or its end, a name, the value of an
+   * attribute (`KEY=TEXT`: of one), whole words. `*`, `?` and `re:` make a pattern of it. See core/find_nodes.h.
+   * @param {string} text
+   * @returns {Uint32Array}
+   */
+  find(text) {
+    const name = new TextEncoder().encode(text);
+    const { bridge } = this;
+    bridge.withScratch(sizeOf([Uint8Array, name]), () => {
+      const at = bridge.lend(Uint8Array, name);
+      bridge.checked(bridge.exports.sl_scene_find(this.address, at, name.length));
+    });
+    return bridge.answer(Uint32Array).slice();
+  }
+  /**
    * @param {number} node
    * @returns {[string, string][]} keys and values, in the order of the file
    */

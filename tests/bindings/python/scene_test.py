@@ -40,6 +40,13 @@ class Nodes(Case):
         self.assertEqual(pipe.attributes, {"spec": "A1", "bore": "100"})
         self.assertEqual(scene.root.find("a1"), [pipe])
         self.assertEqual(scene.root.find("a1", key="bore"), [])
+        self.assertEqual(scene.root.find("site/Röhre"), [pipe])
+        self.assertEqual(scene.root.find("Spec=a1"), [pipe])
+        self.assertEqual(scene.root.find("name=Röhre"), [pipe])
+        self.assertEqual(scene.root.find("Röh"), [])
+        self.assertEqual(scene.root.find("R?hr*"), [pipe])
+        self.assertEqual(scene.root.find("site/#1"), [site.children[1]])
+        self.assert_error("closing parenthesis", scene.root.find, "re:(")
         self.assertIs(pipe.scene, scene)
 
     def test_names_that_are_no_utf8_come_back(self):

@@ -235,6 +235,11 @@ const kCalls = {
     const [node] = from.array();
     t.equal(asText(t.scene.attributes(node).flat()), from.text(), 'attributes');
   },
+  find(t, from) {
+    const text = from.text(), message = from.text(), numbers = from.array();
+    const found = t.failing(message, () => t.scene.find(text));
+    if (message === '') t.same(found, numbers, 'found');
+  },
   edit(t, from) {
     const [what, item] = from.array(), matrix = from.array();
     if (what === 0) t.scene.removeItem(item);

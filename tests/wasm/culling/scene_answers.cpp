@@ -3,6 +3,7 @@
 #include "box_answers.h"
 #include "recorded_view.h"
 #include "sightline/bindings/wasm/visibility.h"
+#include "sightline/core/find_nodes.h"
 #include "sightline/culling/occlusion/solid_occluders.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/internal/rvm_attributes.h"
@@ -117,6 +118,25 @@ class BothScenes {
       out_->text("attributes");
       out_->numbers({double(i)});
       out_->text(text);
+    }
+  }
+  /// Exact names, whole words and patterns of some nodes, and what is none.
+  void record_found() {
+    std::vector<std::string> texts{"Name=", "*1*", "PIPE", "re:\\d$", "re:("};
+    for (std::size_t i = 0; i < nodes_.size(); i += 1 + nodes_.size() / 10) {
+      texts.emplace_back(scene_->name(nodes_[i]));
+      texts.push_back(scene_->path(nodes_[i]));
+    }
+    for (const std::string& text : texts) {
+      const core::NodeCondition condition{"", text};
+      const auto found = core::find_nodes(*scene_, scene_->root(), {&condition, 1});
+      std::vector<std::uint32_t> numbers;
+      if (found)
+        for (const core::NodeId node : found->nodes) numbers.push_back(number_of_.at(node.index));
+      out_->text("find");
+      out_->text(text);
+      out_->text(found ? "" : found.error().message);
+      out_->array(numbers);
     }
   }
   void record_boxes() {
@@ -296,6 +316,7 @@ bool write_scene_answers(const std::filesystem::path& file) {
     both.commit();
     both.record_content();
     both.record_attributes();
+    both.record_found();
     record_views_and_rays(both, random, 6, repeated(1000));
     both.edit(random);
     both.follow();
