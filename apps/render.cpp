@@ -65,7 +65,9 @@ void add_output_options(apps::CommandLine& line, Options& o) {
   line.group(OptionGroup::kEngine)
       .add("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON")
       .advanced();
-  general.add("--depth", o.depth, "Depth image, PFM: metres along the view axis").metavar("FILE");
+  general.add("--depth", o.depth, "Depth image, PFM: metres along the view axis")
+      .metavar("FILE")
+      .accepted_by(apps::parse_pfm_name);
 }
 
 void add_comparison_options(apps::CommandLine& line, Options& o) {
@@ -97,7 +99,10 @@ void add_comparison_options(apps::CommandLine& line, Options& o) {
            "silhouette")
       .needs(compare_ids)
       .advanced();
-  general.add("--diff", o.diff, "Image of the difference, PNG, four times amplified").needs(compare).advanced();
+  general.add("--diff", o.diff, "Image of the difference, PNG, four times amplified")
+      .needs(compare)
+      .accepted_by(apps::parse_png_name)
+      .advanced();
 }
 
 void add_frames_options(apps::CommandLine& line, Options& o) {
@@ -135,6 +140,15 @@ void add_engine_options(apps::CommandLine& line, Options& o) {
   apps::add_context_option(line, o.platform);
 }
 
+/// Refuses to draw an image for nobody.
+core::Expected<void> check_outputs(const Options& o) {
+  if (o.model.explain) return {};
+  for (const std::string* file :
+       {&o.out, &o.ids, &o.ids_json, &o.depth, &o.reference, &o.reference_ids, &o.json_file, &o.frames_folder})
+    if (!file->empty()) return {};
+  return core::fail("--out is required: expected the name of the image, such as --out image.png");
+}
+
 void add_options(apps::CommandLine& line, Options& o) {
   apps::CommandLine general = line.group(OptionGroup::kGeneral);
   o.model.import.crease_angle = apps::kCreaseAngle;
@@ -152,14 +166,7 @@ void add_options(apps::CommandLine& line, Options& o) {
           .advanced();
   line.mode(mpi, {OptionGroup::kGeneral, OptionGroup::kImport, OptionGroup::kEngine});
   apps::add_memory_option(line, o.memory);
-}
-
-void warn_without_output(const Options& o) {
-  if (o.model.explain || o.view.quiet) return;
-  for (const std::string* file :
-       {&o.out, &o.ids, &o.ids_json, &o.depth, &o.reference, &o.reference_ids, &o.json_file, &o.frames_folder})
-    if (!file->empty()) return;
-  std::fprintf(stderr, "warning: nothing is written: --out image.png is missing\n");
+  line.check([&o] { return check_outputs(o); });
 }
 
 core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,
@@ -320,7 +327,11 @@ core::Expected<void> draw(engine::Engine& engine, apps::TiledImage& image, Outpu
 }
 
 void warn_if_blank(const apps::TiledImage& image, const std::string& name) {
-  if (!image.blank()) return;
+  if (image.covered()) return;
+  if (!image.found()) {
+    std::fprintf(stderr, "warning: %s shows nothing: no item lies in the view\n", name.c_str());
+    return;
+  }
   const std::string count = image.in_one_tile() ? std::to_string(image.report().visible) + " " : "";
   std::fprintf(stderr, "warning: %s: no pixel shows any of the %svisible items\n", name.c_str(), count.c_str());
 }
@@ -415,7 +426,8 @@ core::Expected<int> render_frames(const Options& o, Studio& studio) {
   if (auto done = apps::take_empty_folder(o.frames_folder); !done) return tl::unexpected(done.error());
   apps::Progress progress("writing frames", std::size_t(frames->count()));
   for (int frame = 0; frame < frames->count(); ++frame) {
-    const auto view = path->view(frames->time(frame), double(width) / height);
+    auto view = path->view(frames->time(frame), double(width) / height);
+    if (view) view = apps::with_sections(std::move(*view), o.view, model.offset, engine.snapshot().bounds());
     if (!view) return tl::unexpected(view.error());
     Options file = o;
     file.out = (std::filesystem::path(o.frames_folder) / apps::PathFrames::file_name(frame)).string();
@@ -513,6 +525,7 @@ core::Expected<PagedImage> draw_paged(const Options& o) {
   if (!outputs) return tl::unexpected(outputs.error());
   const auto report = settle(*engine, *view);
   if (!report) return tl::unexpected(report.error());
+  if (report->items_drawn == 0) std::fprintf(stderr, "warning: the image shows nothing\n");
   if (auto done = apps::page_errors(*engine); !done) return tl::unexpected(done.error());
   for (const std::string& error : engine->take_gl_errors()) return core::fail("GL: " + error);
   Json figures = {{"renderer", engine->renderer()},
@@ -548,7 +561,7 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
   const bool root = session->rank() == 0;
   if (!root) {
     o.out = o.ids = o.ids_json = o.depth = o.reference = o.reference_ids = o.diff = o.json_file = "";
-    o.model.quiet = o.view.quiet = true;
+    o.model.quiet = o.view.quiet = o.styles.quiet = true;
     o.model.explain = false;
   }
   o.shown.depth_shading = o.shown.edge_lines = 0.0;  // a process knows the depth of its own part alone
@@ -595,10 +608,8 @@ int main(int argc, char** argv) {
   Options options;
   add_options(line, options);
   return line.run(argc, argv, [&] {
-    auto done = !options.memory.empty() ? render_paged(options)
-                : options.mpi           ? render_parts(options)
-                                        : render_alone(options);
-    if (done) warn_without_output(options);
-    return done;
+    return !options.memory.empty() ? render_paged(options)
+           : options.mpi           ? render_parts(options)
+                                   : render_alone(options);
   });
 }

@@ -88,7 +88,9 @@ void add_options(apps::CommandLine& line, Options& o) {
            "Fly with the CPU's path, then with the GPU's, and write what each frame cost on either: a trace for "
            "--controller-only")
       .advanced();
-  engine.add("--plot", o.plot, "Plot cull time and visible count along the path, SVG").metavar("FILE");
+  engine.add("--plot", o.plot, "Plot cull time and visible count along the path, SVG")
+      .metavar("FILE")
+      .accepted_by(apps::parse_svg_name);
   const apps::Option images = general.add("--images", o.images, "Write every N-th frame to this folder (see --every)")
                                   .metavar("FOLDER")
                                   .excludes(no_render);

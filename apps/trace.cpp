@@ -1,5 +1,6 @@
 // sightline-trace: one image of a model by rays, exact at every sample, and what of the model it shows.
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
@@ -29,6 +30,14 @@ struct Options {
   raytrace::WhittedOptions whitted;
 };
 
+/// Refuses to trace an image for nobody.
+core::Expected<void> check_outputs(const Options& o) {
+  if (o.model.explain || !o.pick.empty()) return {};
+  for (const std::string* file : {&o.out, &o.ids, &o.depth, &o.visible, &o.json_file})
+    if (!file->empty()) return {};
+  return core::fail("--out is required: expected the name of the image, such as --out image.png");
+}
+
 void add_options(apps::CommandLine& line, Options& o) {
   o.model.import.crease_angle = apps::kCreaseAngle;
   apps::add_model_options(line, o.model);
@@ -37,7 +46,9 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background")
       .metavar("FILE")
       .accepted_by(apps::parse_png_name);
-  line.add("--depth", o.depth, "Depth image, PFM: metres along the view axis").metavar("FILE");
+  line.add("--depth", o.depth, "Depth image, PFM: metres along the view axis")
+      .metavar("FILE")
+      .accepted_by(apps::parse_pfm_name);
   line.add("--visible", o.visible, "Items that the samples show, each with how many, JSON; --adaptive or not");
   line.add("--pick", o.pick, "Tell what the image shows at X,Y, in pixels from the upper left corner")
       .separated_by(',')
@@ -67,6 +78,7 @@ void add_options(apps::CommandLine& line, Options& o) {
       .shows_default()
       .in_range(0, 1024);
   apps::add_json_option(line, o.json_file);
+  line.check([&o] { return check_outputs(o); });
 }
 
 double seconds() {
@@ -159,6 +171,8 @@ core::Expected<int> trace_model(Options& o) {
   }();
   if (!image) return tl::unexpected(image.error());
   const double traced = seconds();
+  if (std::all_of(image->ids.begin(), image->ids.end(), [](std::uint32_t id) { return id == 0; }))
+    std::fprintf(stderr, "warning: the image shows nothing\n");
   Json figures = {{"size", {width, height}},         {"items", snapshot.size()},
                   {"samples", image->samples},       {"build_seconds", built - start},
                   {"trace_seconds", traced - built}, {"tracer_bytes", tracer->memory().total()}};

@@ -9,6 +9,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/core/internal/ascii_case.h"
+
 namespace sightline::core {
 namespace {
 
@@ -21,6 +23,12 @@ int last_error() {
 }
 
 }  // namespace
+
+Expected<void> expect_extension(const std::filesystem::path& file, std::string_view extension) {
+  const std::string found = file.extension().string();
+  if (found.empty() || same_but_for_case(found, extension)) return {};
+  return fail(file.string() + ": expected a name that ends in " + std::string(extension));
+}
 
 tl::unexpected<Error> cannot_write(const fs::path& target, const std::error_code& reason) {
   return fail(target.string() + ": cannot be written: " + reason.message());

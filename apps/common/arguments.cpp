@@ -2,9 +2,8 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
-#include "sightline/importers/internal/extension.h"
+#include "sightline/core/internal/atomic_file.h"
 
 namespace sightline::apps {
 
@@ -40,12 +39,24 @@ core::Expected<double> parse_finite(const std::string& text) {
   return value;
 }
 
+namespace {
+
+core::Expected<std::string> parse_name(const std::string& text, std::string_view extension) {
+  return core::expect_extension(text, extension).map([&] { return text; });
+}
+
+}  // namespace
+
 core::Expected<std::string> parse_png_name(const std::string& text) {
-  const std::string extension = importers::lower_case_extension(text);
-  for (const char* other : {".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif", ".webp", ".svg", ".pdf", ".exr", ".tga"})
-    if (extension == other)
-      return core::fail("images are written as PNG: expected a name such as image.png, found \"" + text + "\"");
-  return text;
+  return parse_name(text, ".png");
+}
+
+core::Expected<std::string> parse_pfm_name(const std::string& text) {
+  return parse_name(text, ".pfm");
+}
+
+core::Expected<std::string> parse_svg_name(const std::string& text) {
+  return parse_name(text, ".svg");
 }
 
 std::string shell_word(const std::string& word) {

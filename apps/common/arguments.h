@@ -18,8 +18,10 @@ core::Expected<core::dvec3> parse_direction(const std::string& text);
 /// A finite number. Option::in_range() lets NaN through.
 core::Expected<double> parse_finite(const std::string& text);
 
-/// The name of a PNG file: no other image format's.
+// Names of files that are written, so that an extension that their format does not have is refused before any work.
 core::Expected<std::string> parse_png_name(const std::string& text);
+core::Expected<std::string> parse_pfm_name(const std::string& text);
+core::Expected<std::string> parse_svg_name(const std::string& text);
 
 /// A word as a shell takes it, quoted where that is needed.
 std::string shell_word(const std::string& word);

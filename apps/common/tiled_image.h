@@ -65,8 +65,8 @@ class TiledImage {
   const ImageRows& rows() const { return rows_; }
   /// Of the last step.
   const engine::FrameReport& report() const { return report_; }
-  /// Whether items were found in the view volume, but no pixel shows any so far.
-  bool blank() const { return found_ && !covered_; }
+  bool found() const { return found_; }      ///< whether items were found in the view volume so far
+  bool covered() const { return covered_; }  ///< whether a pixel shows any so far
 
  private:
   std::size_t steps_of_tile() const { return wanted_.shifts.size() + std::size_t(drawn_apart_); }

@@ -66,6 +66,7 @@ void add_view_options(CommandLine& to, ViewOptions& options) {
       .metavar("PLANE")
       .one_value_each()
       .accepted_by(parse_section);
+  line.add_flag("--allow-empty", o.allow_empty, "Draw an image also where sections leave nothing").advanced();
   const Option view =
       line.add("--view", o.view, "View JSON file").metavar("FILE").excludes(from).excludes(parallel).excludes(fit);
   const Option path = line.add("--path", o.path, "Camera path JSON file; see --frame")
@@ -139,16 +140,48 @@ core::Expected<core::View> choose_view(const ViewOptions& options, const Model& 
 
 core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
                                        const core::ItemBounds& items, const core::FittedBounds& fitted, double aspect) {
+  auto view = chosen_view(options, planes_of(options, offset), offset, items, fitted, aspect);
+  return view ? with_sections(std::move(*view), options, offset, items) : view;
+}
+
+core::Expected<core::View> with_sections(core::View view, const ViewOptions& options, const core::dvec3& offset,
+                                         const core::ItemBounds& items) {
   const std::vector<core::Plane> sections = planes_of(options, offset);
-  auto view = chosen_view(options, sections, offset, items, fitted, aspect);
-  if (!view || sections.empty()) return view;
-  if (view->section_mode == core::SectionMode::kUnion && !view->sections.empty())
+  if (!sections.empty() && view.section_mode == core::SectionMode::kUnion && !view.sections.empty())
     return core::fail("--section: the sections of " + options.view + " unite, so that no plane can be added");
-  if (view->sections.size() + sections.size() > core::kMaxSectionPlanes)
+  if (view.sections.size() + sections.size() > core::kMaxSectionPlanes)
     return core::fail("--section: more than " + std::to_string(core::kMaxSectionPlanes) + " planes with those of " +
                       options.view);
-  view->sections.insert(view->sections.end(), sections.begin(), sections.end());
-  return view;
+  view.sections.insert(view.sections.end(), sections.begin(), sections.end());
+  if (options.allow_empty) return view;
+  const auto kept = check_sections(view, items, offset);
+  return kept ? core::Expected<core::View>(std::move(view)) : tl::unexpected(kept.error());
+}
+
+core::Expected<void> check_sections(const core::View& view, const core::ItemBounds& items, const core::dvec3& offset) {
+  if (view.sections.empty()) return {};
+  const bool all = view.section_mode == core::SectionMode::kIntersection;
+  core::AabbD bounds;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (items.vacant(i) || (items.layers(i) & view.layers) == 0) continue;
+    const core::Aabb box = items.box(i);
+    const core::dvec3 low = items.origin + core::dvec3(box.min), high = items.origin + core::dvec3(box.max);
+    const auto reaches = [&](const core::Plane& plane) {
+      const core::dvec3 farthest = glm::mix(low, high, glm::greaterThan(plane.normal, core::dvec3(0.0)));
+      return glm::dot(plane.normal, farthest) + plane.offset >= 0.0;
+    };
+    if (all ? std::all_of(view.sections.begin(), view.sections.end(), reaches)
+            : std::any_of(view.sections.begin(), view.sections.end(), reaches))
+      return {};
+    bounds.grow(core::AabbD{low, high});
+  }
+  if (bounds.empty()) return {};  // without sections there would be nothing, either
+  char text[200];
+  const auto millimetres = [&](const core::dvec3& p) { return 1e-3 * glm::round(1e3 * (p - offset)) + 0.0; };  // no -0
+  const core::dvec3 low = millimetres(bounds.min), high = millimetres(bounds.max);
+  std::snprintf(text, sizeof text, "the sections leave nothing of the model, from %.6g %.6g %.6g to %.6g %.6g %.6g m",
+                low.x, low.y, low.z, high.x, high.y, high.z);
+  return core::fail(text);
 }
 
 }  // namespace sightline::apps

@@ -234,7 +234,8 @@ class SuiteReader {
   }
 
   core::Expected<void> read_view(const Place& at, Settings settings) {
-    if (auto done = check_keys(at, {"name", "view", "path", "frame", "frames", "size", "samples", "looks", "limits"});
+    if (auto done = check_keys(
+            at, {"name", "view", "path", "frame", "frames", "size", "samples", "looks", "limits", "allow_empty"});
         !done)
       return done;
     const auto name = name_at(at);
@@ -295,8 +296,18 @@ class SuiteReader {
   core::Expected<void> add(const Place& at, const std::string& name, const Settings& settings,
                            std::optional<core::View> view, const std::string& what) {
     const SuiteModel& model = suite_.models.back();
-    Task task{model.name + "/" + name, suite_.models.size() - 1, std::move(view), settings.size,
-              settings.samples,        settings.for_people,      settings.limits, ""};
+    Task task{.name = model.name + "/" + name,
+              .model = suite_.models.size() - 1,
+              .view = std::move(view),
+              .size = settings.size,
+              .samples = settings.samples,
+              .for_people = settings.for_people,
+              .limits = settings.limits,
+              .key = ""};
+    if (at.has("allow_empty")) {
+      if (!at.value["allow_empty"].is_boolean()) return at.at("allow_empty").expected("true or false");
+      task.allow_empty = at.value["allow_empty"].get<bool>();
+    }
     if (!names_.insert(task.name).second)
       return core::fail(at.pointer + ": two views of a model have the name " + name);
     override_limits(task.limits, instead_);
@@ -313,7 +324,7 @@ class SuiteReader {
     text << options.translate << import_arguments(options.import) << '\n'
          << what << '\n'
          << task.size[0] << 'x' << task.size[1] << ' ' << task.samples << ' ' << task.limits.ids.has_value()
-         << (task.for_people ? " people" : "");
+         << (task.for_people ? " people" : "") << (task.allow_empty ? " empty" : "");
     task.key = hash_of(text.str());
     suite_.tasks.push_back(std::move(task));
     return {};

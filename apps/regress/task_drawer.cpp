@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "sightline/apps/common/tiled_image.h"
+#include "sightline/apps/common/view_options.h"
 #include "sightline/render/image/image_metrics.h"
 
 namespace sightline::apps {
@@ -96,6 +97,8 @@ core::Expected<void> TaskDrawer::draw(const Task& task, image::Image& image, ima
                               : core::View::fit(engine_->snapshot().bounds().fitted_bounds().bounds,
                                                 core::kOverviewDirection, kFovy, aspect);
   if (!view) return tl::unexpected(view.error());
+  if (!task.allow_empty)
+    if (auto kept = check_sections(*view, engine_->snapshot().bounds(), read_->offset); !kept) return kept;
   TiledImage drawn(*view, std::move(*tiles),
                    {.ids = engine_->config().drawing.ids, .shifts = sample_shifts(task.for_people ? task.samples : 1)});
   image = {task.size[0], task.size[1], {}};

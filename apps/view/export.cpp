@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "sightline/apps/common/view_options.h"
+
 namespace sightline::apps {
 namespace {
 
@@ -24,6 +26,10 @@ Export::Export(Session& session, const Options& options, std::string target)
 
 /// The engine still is as it was.
 core::Expected<std::unique_ptr<Export>> Export::create(Session& session, const Options& options, std::string target) {
+  const auto seen = session.view();
+  if (!seen) return tl::unexpected(seen.error());
+  if (auto kept = check_sections(*seen, session.engine().snapshot().bounds(), session.offset()); !kept)
+    return tl::unexpected(kept.error());
   std::unique_ptr<Export> made(new Export(session, options, std::move(target)));
   const int side = std::max(options.size[0], options.size[1]) > kLargestWhole ? kTileSide : kLargestWhole;
   auto tiles = tiles_for(options.size, side, session.engine().config());
@@ -98,7 +104,7 @@ core::Expected<void> Export::step() {
     if (auto done = file_->write_rows(image_->rows().colours); !done) return done;
   if (!image_->complete()) return {};
   if (auto done = file_->finish(); !done) return done;
-  blank_ |= image_->blank();
+  blank_ = blank_ && !image_->covered();
   ++frame_;
   return complete() ? core::Expected<void>() : begin_frame();
 }

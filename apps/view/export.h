@@ -39,7 +39,7 @@ class Export {
   int count() const { return count_; }
   const std::array<int, 2>& size() const { return options_.size; }
   const std::string& target() const { return target_; }  ///< file or folder
-  bool blank() const { return blank_; }                  ///< whether an image shows nothing of what should be there
+  bool blank() const { return blank_; }                  ///< whether all images so far show nothing
   /// The session's image before the export.
   const image::Image& before() const { return before_; }
 
@@ -60,7 +60,7 @@ class Export {
   std::optional<image::PngWriter> file_;
   image::Image before_;
   double budget_ms_ = 0.0;
-  bool blank_ = false;
+  bool blank_ = true;
 };
 
 }  // namespace sightline::apps

@@ -10,6 +10,8 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "sightline/apps/common/arguments.h"
+
 namespace sightline::apps {
 namespace {
 
@@ -169,12 +171,29 @@ std::vector<ScriptStep> parse_script(std::string_view text) {
   return steps;
 }
 
+namespace {
+
+/// A script ends early where it would write an image under another format's name, not after half of its work.
+core::Expected<void> check_image_name(const ScriptStep& step) {
+  if (step.name != "screenshot" && step.name != "window-shot") return {};
+  const std::size_t space = step.argument.rfind(' ');  // a size may follow
+  auto good = parse_png_name(step.argument);
+  if (!good && space != std::string::npos) good = parse_png_name(step.argument.substr(0, space));
+  return good.map([](const std::string&) {});
+}
+
+}  // namespace
+
 core::Expected<std::vector<ScriptStep>> read_script(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return core::fail(file.string() + ": cannot be read");
   std::ostringstream text;
   text << in.rdbuf();
-  return parse_script(text.str());
+  std::vector<ScriptStep> steps = parse_script(text.str());
+  for (const ScriptStep& step : steps)
+    if (auto good = check_image_name(step); !good)
+      return core::fail(file.string() + ":" + std::to_string(step.line) + ": " + good.error().message);
+  return steps;
 }
 
 core::Expected<std::vector<Event>> events_of(const ScriptStep& step) {

@@ -32,7 +32,7 @@ struct ScriptStep {
   std::string name, argument;
 };
 
-/// Fails where a file cannot be read.
+/// Fails where a file cannot be read, and where it would write an image under the name of another format than PNG.
 core::Expected<std::vector<ScriptStep>> read_script(const std::filesystem::path& file);
 std::vector<ScriptStep> parse_script(std::string_view text);
 

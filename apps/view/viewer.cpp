@@ -9,10 +9,12 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/named_parts.h"
 #include "sightline/apps/common/output.h"
+#include "sightline/apps/common/view_options.h"
 #include "sightline/apps/view/views.h"
 #include "sightline/core/internal/sort_unique.h"
 #include "sightline/importers/json/internal/json.h"
@@ -381,6 +383,11 @@ core::Expected<void> Viewer::toggle_part(const std::string& text) {
 
 core::Expected<void> Viewer::write_screenshot(const std::string& file) {
   const std::string name = file.empty() ? free_name("screenshot", ".png") : file;
+  if (const auto good = parse_png_name(name); !good) return tl::unexpected(good.error());
+  const auto view = session_->view();
+  if (!view) return tl::unexpected(view.error());
+  const core::ItemBounds& items = session_->engine().snapshot().bounds();
+  if (auto kept = check_sections(*view, items, session_->offset()); !kept) return kept;
   const auto image = session_->image(shown.smooth);
   if (!image) return tl::unexpected(image.error());
   if (auto done = image::write_png(*image, name); !done) return done;

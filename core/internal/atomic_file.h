@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <system_error>
 
 #include "sightline/core/error.h"
@@ -45,6 +46,10 @@ class AtomicFile {
   std::unique_ptr<std::FILE, Close> file_;   // null once committed
   int error_ = 0;                            // errno of the first failure
 };
+
+/// Fails where a file's name has another extension than this one, any case: no format is written under the name of
+/// another. A name without any is good, so that it may be that of a device.
+Expected<void> expect_extension(const std::filesystem::path& file, std::string_view extension);
 
 /// A name beside `place` that is very probably free: for what will be renamed to it.
 std::filesystem::path beside(const std::filesystem::path& place);

@@ -47,6 +47,7 @@ core::Expected<std::vector<std::uint8_t>> encode_png(const Image& image, PngSize
 }
 
 core::Expected<void> write_png(const Image& image, const fs::path& path) {
+  if (auto good = core::expect_extension(path, ".png"); !good) return good;
   const auto encoded = encode_png(image);
   if (!encoded) return core::fail(path.string() + ": " + encoded.error().message);
   return core::write_file(path, {std::as_bytes(std::span(*encoded))});
@@ -73,6 +74,7 @@ core::Expected<Image> decode_png(std::span<const std::uint8_t> bytes) {
 }
 
 core::Expected<void> write_pfm(const DepthImage& image, const fs::path& path) {
+  if (auto good = core::expect_extension(path, ".pfm"); !good) return good;
   static_assert(std::endian::native == std::endian::little, "the scale line below says little-endian");
   const std::string header = "Pf\n" + std::to_string(image.width) + " " + std::to_string(image.height) + "\n-1.0\n";
   const std::size_t row = std::size_t(image.width);

@@ -48,13 +48,14 @@ SIGHTLINE_API core::Expected<std::vector<std::uint8_t>> encode_png(const Image& 
 /// error.
 SIGHTLINE_API core::Expected<Image> decode_png(std::span<const std::uint8_t> bytes);
 
-/// Writers replace `path` only when complete (core/internal/atomic_file.h). Errors name the file and the reason.
+/// Writers replace `path` only when complete (core/internal/atomic_file.h). Errors name the file and the reason: a name
+/// that ends otherwise than in .png, or .pfm, is one; without any extension it is good.
 SIGHTLINE_API core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
 SIGHTLINE_API core::Expected<Image> read_png(const std::filesystem::path& path);
 /// A PNG file that is written row by row, so that no image as large as it need be in memory. As write_png() does.
 class SIGHTLINE_API PngWriter {
  public:
-  /// Fails where the file cannot be written, and on sizes that PNG does not have.
+  /// Fails where the file cannot be written or has another extension, and on sizes that PNG does not have.
   static core::Expected<PngWriter> create(const std::filesystem::path& path, int width, int height);
   PngWriter(PngWriter&&) noexcept;
   PngWriter& operator=(PngWriter&&) noexcept;

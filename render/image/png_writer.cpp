@@ -83,6 +83,7 @@ PngWriter::~PngWriter() = default;
 
 core::Expected<PngWriter> PngWriter::create(const std::filesystem::path& path, int width, int height) {
   if (width < 1 || height < 1) return core::fail(path.string() + ": PNG: width and height must be above 0");
+  if (auto good = core::expect_extension(path, ".png"); !good) return tl::unexpected(good.error());
   auto file = core::AtomicFile::create(path);
   if (!file) return tl::unexpected(file.error());
   auto state = std::make_unique<State>(std::move(*file), path.string(), width, height);

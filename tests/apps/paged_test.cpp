@@ -99,8 +99,8 @@ TEST_F(Paged, AFolderIsAllOfItsParts) {
   EXPECT_EQ(items(model, {"--memory", "4G"}), 3000);
   EXPECT_EQ(items(path("parts/b.SLC"), {"--memory", "4G"}), 1000);
   fs::create_symlink(path("gone"), path("parts/c.slc"));
-  expect_failure("render", {model, "--size", "64x36"}, "c.slc", true);
-  expect_failure("render", {model, "--size", "64x36", "--memory", "4G"}, "c.slc", true);
+  expect_failure("render", {"--out", path("unused.png"), model, "--size", "64x36"}, "c.slc", true);
+  expect_failure("render", {"--out", path("unused.png"), model, "--size", "64x36", "--memory", "4G"}, "c.slc", true);
 }
 
 /// Each part is an open file, and shells allow 1024 of them unless told otherwise.
@@ -149,10 +149,10 @@ TEST_F(Paged, AFlightStaysBelowTheLimitAndComesToRest) {
 
 TEST_F(Paged, BadInputIsRefused) {
   const std::string rvm = plant(1000);
-  expect_failure("render", {rvm, "--memory", "2G"}, "expected one scene cache", true);
-  expect_failure("render", {path("none.slc"), "--memory", "2G"}, "none.slc", true);
+  expect_failure("render", {"--out", path("unused.png"), rvm, "--memory", "2G"}, "expected one scene cache", true);
+  expect_failure("render", {"--out", path("unused.png"), path("none.slc"), "--memory", "2G"}, "none.slc", true);
   fs::create_directories(path("empty"));
-  expect_failure("render", {path("empty"), "--memory", "2G"}, "expected .slc files", true);
+  expect_failure("render", {"--out", path("unused.png"), path("empty"), "--memory", "2G"}, "expected .slc files", true);
   expect_usage_error("render", {rvm, "--memory", "much"}, "expected bytes such as 800M or 2G");
   expect_usage_error("render", {rvm, "--memory", "-1G"}, "expected bytes");
   expect_usage_error("render", {rvm, "--memory", "2G", "--samples", "4"}, "--samples");
@@ -164,8 +164,8 @@ TEST_F(Paged, BadInputIsRefused) {
   damage.seekp(std::streamoff(fs::file_size(path("plant.slc")) / 3));
   damage.write("damage", 6);
   damage.close();
-  expect_failure("render", {path("plant.slc"), "--size", "64x36", "--memory", "4G"}, "does not match its checksum",
-                 true);
+  expect_failure("render", {"--out", path("unused.png"), path("plant.slc"), "--size", "64x36", "--memory", "4G"},
+                 "does not match its checksum", true);
 }
 
 TEST_F(Paged, PartsAreTheSameForTheSameSeed) {

@@ -241,6 +241,20 @@ TEST_F(Regress, WhatCannotBeDrawnIsAnErrorOfItsTasksAlone) {
   EXPECT_NE(json["tasks"][0]["reason"].get<std::string>().find("200x120"), std::string::npos) << json;
 }
 
+TEST_F(Regress, SectionsThatLeaveNothingAreErrors) {
+  const auto suite_of = [&](const std::string& more) {
+    return write("cut.json", R"({"size":"64x36","models":[{"name":"a","files":["a.rvm"],"views":[{"name":"cut","view":
+        {"eye":[-30,-12,6],"target":[5,2,3],"fovy_deg":60,"near":0.1,"sections":[{"n":[0,0,1],"d":-3000}]})" +
+                                 more + "}]}]}");
+  };
+  suite = suite_of("");
+  const Json refused = regress("refused", 1, {"--accept"});
+  EXPECT_EQ(refused["error"], 1);
+  EXPECT_NE(refused["tasks"][0]["reason"].get<std::string>().find("the sections leave nothing"), std::string::npos);
+  suite = suite_of(R"(,"allow_empty":true)");
+  EXPECT_EQ(regress("allowed", 0, {"--accept"})["accepted"], 1);
+}
+
 TEST_F(Regress, RefusesBadUsage) {
   expect_failure("regress", {path("missing.json")}, "missing.json");
   expect_failure("regress", {write("broken.json", "{")}, "broken.json");

@@ -400,9 +400,9 @@ TEST_F(Render, ShowsNodesOtherwise) {
     EXPECT_GT(differing(args, plain), 5 * kThousandth) << change[0];
   }
   EXPECT_EQ(differing({"--view", view, "--transparency", "blended"}, plain), 0u) << "nothing is transparent";
-  const Outcome unknown = run("render", with({"--hide", "NO SUCH NODE"}));
+  const Outcome unknown = run("render", with({"--hide", "NO SUCH NODE", "--out", path("none.png")}));
   EXPECT_EQ(unknown.code, 1) << unknown;
-  EXPECT_NE(unknown.err.find("no node fits \"NO SUCH NODE\""), std::string::npos) << unknown;
+  EXPECT_NE(unknown.err.find("no part fits \"NO SUCH NODE\""), std::string::npos) << unknown;
 }
 
 TEST_F(Render, ExplainsWhatWasLeftOut) {

@@ -118,6 +118,49 @@ TEST_F(ViewScript, SelectsHidesAndUndoes) {
       {model, "--size", kSize, "--no-panels"});
 }
 
+/// The list may show more while a text is typed; what is carried out takes what the text names.
+TEST_F(ViewScript, CommandsTakePartsByTheirNames) {
+  const std::string model = write_boxes(
+      "line.obj", {{"PIPE-2", 0, 0, 0, 1}, {"PIPE-21", 4, 0, 0, 1}, {"pump A", 8, 0, 0, 1}, {"pump B", 12, 0, 0, 1}});
+  const Args args{model, "--size", kSize, "--no-panels"};
+  expect_driven(
+      "find PIPE-2\nexpect /found = 1\nselect-found\nexpect /selection/count = 1\nselect-none\n"
+      "find line.obj/PIPE-21\nexpect /found = 1\nfind pump\nexpect /found = 2\n"
+      "expect /message = \"\\\"pump\\\": 2 parts by whole words: line.obj/pump A, line.obj/pump B\"\n"
+      "find *2*\nexpect /found = 2\nfind Name=pump a\nexpect /found = 1\n"
+      "isolate PIPE-2\nexpect /hidden = 3\nshow-all\nhide pump\nexpect /hidden = 2\n"
+      "ghost-others PIPE-21\nexpect /ghosts = 3\nshow-all\n"
+      "toggle-part PIPE-2\nexpect /hidden = 1\ntoggle-part line.obj/PIPE-2\nexpect /hidden = 0\n",
+      args);
+  for (const char* none : {"find PIPE-", "hide PIPE-", "toggle-part PIPE-", "isolate re:("}) {
+    const Outcome refused = drive(std::string(none) + "\n", args);
+    EXPECT_EQ(refused.code, 1) << none << refused;
+  }
+  EXPECT_NE(drive("find PIP-21\n", args).err.find("no part fits \"PIP-21\"; similar names: PIPE-21"),
+            std::string::npos);
+}
+
+TEST_F(ViewScript, ImagesArePngAndShowSomething) {
+  const std::string model = boxes(), image = path("a.png");
+  const Args args{model, "--size", kSize, "--no-panels"};
+  for (const char* step : {"screenshot ", "window-shot "}) {
+    const Outcome refused = drive("screenshot " + image + "\n" + step + path("b.jpg") + "\n", args);
+    EXPECT_EQ(refused.code, 1) << refused;
+    EXPECT_NE(refused.err.find(":2: " + path("b.jpg") + ": expected a name that ends in .png"), std::string::npos)
+        << refused;
+    EXPECT_FALSE(fs::exists(image)) << "refused before any work";
+  }
+  const Outcome sized = drive("screenshot " + path("b.jpg") + " 64x64\n", args);
+  EXPECT_EQ(sized.code, 1) << sized;
+  const std::string cut = "front\nsection-z\nsection-move 1 -1000\n";
+  for (const char* size : {"", " 64x64"}) {
+    const Outcome empty = drive(cut + "screenshot " + image + size + "\n", args);
+    EXPECT_EQ(empty.code, 1) << empty;
+    EXPECT_NE(empty.err.find("the sections leave nothing of the model"), std::string::npos) << empty;
+    EXPECT_FALSE(fs::exists(image));
+  }
+}
+
 TEST_F(ViewScript, RectanglesSelectWhatLiesInThem) {
   // From left to right: wholly; from right to left: any part. With the front box in the middle, of 115 pixels or so.
   expect_driven(

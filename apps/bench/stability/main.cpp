@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sightline/apps/bench/stability/measure.h"
+#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
@@ -65,7 +66,7 @@ void add_options(apps::CommandLine& line, Options& options) {
   line.add_flag("--details", options.details, "a line for every magnitude, not only for the worst of a family");
   apps::add_context_option(line, options.platform);
   apps::add_json_option(line, options.json);
-  line.add("--plot", options.plot, "error against magnitude, SVG");
+  line.add("--plot", options.plot, "error against magnitude, SVG").accepted_by(apps::parse_svg_name);
 }
 
 /// Calls work(0 ... count - 1) on all processors, and shows the progress.

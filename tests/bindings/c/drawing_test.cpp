@@ -587,6 +587,9 @@ TEST_F(CapiDrawing, SavesPng) {
   EXPECT_TRUE(std::equal(rgb, rgb + 12, read->pixels.begin()));
   std::filesystem::remove(file);
   EXPECT_EQ(sl_write_png("/no/such/folder/a.png", 2, 2, rgb), SL_ERROR_FAILED);
+  const auto jpeg = std::filesystem::path(::testing::TempDir()) / "capi.jpg";
+  EXPECT_EQ(sl_write_png(jpeg.string().c_str(), 2, 2, rgb), SL_ERROR_FAILED) << "PNG under another name";
+  EXPECT_FALSE(std::filesystem::exists(jpeg));
   EXPECT_EQ(sl_write_png(nullptr, 2, 2, rgb), SL_ERROR_ARGUMENT);
   EXPECT_EQ(sl_write_png("a.png", 0, 2, rgb), SL_ERROR_ARGUMENT);
   EXPECT_EQ(sl_write_png("a.png", 2, 2, nullptr), SL_ERROR_ARGUMENT);

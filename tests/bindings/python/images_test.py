@@ -70,6 +70,7 @@ class Images(Case):
         empty = np.zeros((0, 5, 3), np.uint8)
         self.assert_error("with pixels", sightline.flip, empty, empty)
         self.assert_error("", sightline.write_png, self.folder / "no" / "folder.png", a)
+        self.assert_error("ends in .png", sightline.write_png, self.folder / "a.jpg", a)
         self.assert_error("", sightline.write_png, self.folder / "e.png", empty)
         self.assert_error("missing.png", sightline.read_png, self.folder / "missing.png")
         self.assert_error("", sightline.wrong_ids, np.zeros((2, 2), np.uint32), np.zeros((2, 3), np.uint32))
