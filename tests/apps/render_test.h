@@ -13,8 +13,8 @@ class RenderTest : public ToolTest {
  protected:
   void SetUp() override {
     ToolTest::SetUp();
-    static const Outcome probe =
-        run("render", {write("probe.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"), "--size", "8x8"});
+    static const Outcome probe = run("render", {write("probe.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"), "--size",
+                                                "8x8", "--out", path("probe.png")});
     if (probe.code == 0) return;
     if (!may_skip(probe.err)) FAIL() << probe;
     GTEST_SKIP() << probe.err;
