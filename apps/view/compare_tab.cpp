@@ -37,7 +37,7 @@ void legend(Viewer& viewer, const ChangeList& changes) {
     bool on = changes.shown(state);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    if (ImGui::Checkbox(name.c_str(), &on)) viewer.tell_failure(toggle_changes(viewer, name));
+    if (ImGui::Checkbox(name.c_str(), &on)) viewer.tell_outcome(toggle_changes(viewer, name));
     ImGui::TableNextColumn();
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() + ImGui::GetStyle().FramePadding.y);
     swatch(state);
@@ -59,7 +59,7 @@ void change_row(Viewer& viewer, const ChangeList& changes, std::size_t row, floa
   const ImVec2 at = ImGui::GetCursorPos();
   ImGui::PushID(int(row));
   if (ImGui::Selectable("##row", changes.current() == row, 0, {0.0f, height}))
-    viewer.tell_failure(viewer.session()->go_to_change(row));
+    viewer.tell_outcome(viewer.session()->go_to_change(row));
   if (ImGui::IsItemHovered()) {
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(25.0f * ImGui::GetFontSize());
@@ -104,9 +104,9 @@ void compare_tab(Viewer& viewer) {
                      std::filesystem::path(changes.file()).filename().string().c_str());
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", changes.file().c_str());
   legend(viewer, changes);
-  if (ImGui::Button("Previous")) viewer.tell_failure(previous_change(viewer, ""));
+  if (ImGui::Button("Previous")) viewer.tell_outcome(previous_change(viewer, ""));
   ImGui::SameLine();
-  if (ImGui::Button("Next")) viewer.tell_failure(next_change(viewer, ""));
+  if (ImGui::Button("Next")) viewer.tell_outcome(next_change(viewer, ""));
   ImGui::SameLine();
   const std::string all = grouped(std::int64_t(changes.row_count()));
   if (changes.current())
@@ -117,7 +117,7 @@ void compare_tab(Viewer& viewer) {
   command_button(viewer, *find_command("compare-slider"), right);
   const bool ends = ImGui::Button("End the comparison");
   list(viewer, changes);
-  if (ends) viewer.tell_failure(end_comparison(viewer, ""));  // last: the list is gone then
+  if (ends) viewer.tell_outcome(end_comparison(viewer, ""));  // last: the list is gone then
 }
 
 }  // namespace sightline::apps

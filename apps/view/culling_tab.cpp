@@ -46,12 +46,9 @@ void settings_sliders(Viewer& viewer, Session& session) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
     return moved && double(shown) != value ? std::optional(shown) : std::nullopt;
   };
-  const auto tell_failure = [&](const core::Expected<void>& done) {
-    if (!done) viewer.tell(done.error().message, true);
-  };
   const auto slider = [&](const char* name, const char* tip, double value, double most, const char* format, auto set) {
     if (const auto shown = slide(name, tip, value, most, format))
-      tell_failure(session.configure([&](engine::EngineConfig& config) { set(config, *shown); }));
+      viewer.tell_outcome(session.configure([&](engine::EngineConfig& config) { set(config, *shown); }));
   };
   slider("budget, ms", "what a frame may take while the view moves; 0: any time", now.losses.budget_ms, 200.0, "%.0f",
          [](auto& config, float ms) { config.losses.budget_ms = std::round(ms); });
@@ -60,7 +57,7 @@ void settings_sliders(Viewer& viewer, Session& session) {
   if (session.has_levels())
     if (const auto pixels = slide("levels, px", "how far meshes may lie elsewhere while the view moves; 0: not at all",
                                   session.motion_error(), 16.0, "%.2f"))
-      tell_failure(viewer.set_motion_error(double(*pixels)));
+      viewer.tell_outcome(viewer.set_motion_error(double(*pixels)));
   error_figures(session);
   if (session.engine().plan().culler != engine::CullerChoice::kHybrid) return;
   const culling::FrameCostConfig& hybrid = now.culling.controller.frame_cost;

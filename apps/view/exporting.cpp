@@ -58,11 +58,6 @@ Done begin(Viewer& viewer, core::Expected<std::unique_ptr<Export>> made) {
   return {};
 }
 
-/// A button's work.
-void tell_failure(Viewer& viewer, const Done& done) {
-  if (!done) viewer.tell(done.error().message, true);
-}
-
 /// Answers of dialogs that are no files; they stay from time to time.
 struct Asked {
   std::array<int, 2> image_size = kSizes[0].second, video_size = {1920, 1080};
@@ -172,7 +167,7 @@ void path_window(Viewer& viewer) {
   wrapped_text(has_path ? "The path that was played or recorded last:"
                         : "There is no path yet: record one (R), or play one of a file.");
   ImGui::BeginDisabled(!has_path);
-  if (ImGui::Button(player.playing() ? "Stop" : "Play")) tell_failure(viewer, play_path(viewer, ""));
+  if (ImGui::Button(player.playing() ? "Stop" : "Play")) viewer.tell_outcome(play_path(viewer, ""));
   ImGui::SameLine();
   if (ImGui::Button("Save…")) viewer.shown.dialog = Dialog::kSavePath;
   ImGui::EndDisabled();

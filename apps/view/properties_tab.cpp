@@ -74,8 +74,8 @@ void model_warnings(Viewer& viewer) {
     ImGui::PushID(int(i));
     wrapped_text(found[i].words);
     if (ImGui::SmallButton("Select them")) {
-      viewer.tell_failure(find_command("select-finding")->run(viewer, std::to_string(i + 1)));
-      viewer.tell_failure(find_command("focus")->run(viewer, ""));
+      viewer.tell_outcome(find_command("select-finding")->run(viewer, std::to_string(i + 1)));
+      viewer.tell_outcome(find_command("focus")->run(viewer, ""));
     }
     ImGui::PopID();
   }

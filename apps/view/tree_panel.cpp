@@ -11,14 +11,10 @@
 namespace sightline::apps {
 namespace {
 
-void tell_errors(Viewer& viewer, const core::Expected<void>& done) {
-  if (!done) viewer.tell(done.error().message, true);
-}
-
 void select_below(Viewer& viewer, core::NodeId node) {
   Document& document = viewer.session()->document();
   const ImGuiIO& io = ImGui::GetIO();
-  tell_errors(viewer, document.select(document.items_below(node), io.KeyCtrl    ? SelectMode::kToggle
+  viewer.tell_outcome(document.select(document.items_below(node), io.KeyCtrl    ? SelectMode::kToggle
                                                                   : io.KeyShift ? SelectMode::kAdd
                                                                                 : SelectMode::kReplace));
 }
@@ -46,7 +42,7 @@ void search_field(Viewer& viewer, ModelTree& tree) {
   }
   ImGui::Text("%s found", grouped(std::int64_t(tree.match_count())).c_str());
   ImGui::SameLine();
-  if (ImGui::SmallButton("Select") || entered) tell_errors(viewer, viewer.select_found());
+  if (ImGui::SmallButton("Select") || entered) viewer.tell_outcome(viewer.select_found());
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("What has exactly this name, or else these words; *text* takes all");
 }
 
@@ -54,10 +50,10 @@ void node_menu(Viewer& viewer, core::NodeId node, ModelTree& tree) {
   if (!ImGui::BeginPopupContextItem()) return;
   const std::vector<core::ItemId> items = viewer.session()->document().items_below(node);
   Document& document = viewer.session()->document();
-  if (ImGui::MenuItem("Select")) tell_errors(viewer, document.select(items));
-  if (ImGui::MenuItem("Hide")) tell_errors(viewer, document.hide(items));
-  if (ImGui::MenuItem("Isolate")) tell_errors(viewer, document.isolate(items));
-  if (ImGui::MenuItem("Make the rest faint")) tell_errors(viewer, document.ghost_others(items));
+  if (ImGui::MenuItem("Select")) viewer.tell_outcome(document.select(items));
+  if (ImGui::MenuItem("Hide")) viewer.tell_outcome(document.hide(items));
+  if (ImGui::MenuItem("Isolate")) viewer.tell_outcome(document.isolate(items));
+  if (ImGui::MenuItem("Make the rest faint")) viewer.tell_outcome(document.ghost_others(items));
   ImGui::Separator();
   if (ImGui::MenuItem("Expand all below")) tree.rows().expand_all_below(node);
   if (ImGui::MenuItem("Copy name")) ImGui::SetClipboardText(label(viewer.session()->scene(), node).c_str());
@@ -71,7 +67,7 @@ void eye(Viewer& viewer, const TreeRow& row, const TreeStates::Below& below, flo
   if (ImGui::InvisibleButton("##eye", {side, side})) {
     Document& document = viewer.session()->document();
     const std::vector<core::ItemId> items = document.items_below(row.node);
-    tell_errors(viewer, below.hidden() ? document.show(items) : document.hide(items));
+    viewer.tell_outcome(below.hidden() ? document.show(items) : document.hide(items));
   }
   const bool hovered = ImGui::IsItemHovered();
   const char* icon = below.hidden() ? icons::kEyeClosed : below.partly_hidden() ? icons::kEyeHalf : icons::kEye;
@@ -118,7 +114,7 @@ bool node_row(Viewer& viewer, const TreeRow& row, ModelTree& tree) {
   ImGui::Unindent(indent + 0.001f);
   if (ImGui::IsItemClicked() && !toggled) {
     select_below(viewer, row.node);
-    if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) tell_errors(viewer, find_command("focus")->run(viewer, {}));
+    if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) viewer.tell_outcome(find_command("focus")->run(viewer, {}));
   }
   const std::string name = label(session.scene(), row.node);
   const float name_end = end - 1.4f * font;

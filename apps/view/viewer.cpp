@@ -294,7 +294,15 @@ core::Expected<void> Viewer::scene_is_free() const {
 void Viewer::tell(std::string message, bool error) {
   message_ = std::move(message);
   message_is_error_ = error;
+  message_is_new_ = true;
   redraws_ = kSettlingFrames;
+}
+
+void Viewer::tell_outcome(const core::Expected<void>& done) {
+  if (!done)
+    tell(done.error().message, true);
+  else if (message_is_error_ && !message_is_new_)
+    tell("");
 }
 
 core::Expected<void> Viewer::toggle_depth_shading() {

@@ -139,9 +139,8 @@ class Viewer {
   /// Fails while somebody reads the scene, which must not be edited then.
   core::Expected<void> scene_is_free() const;
   void tell(std::string message, bool error = false);
-  void tell_failure(const core::Expected<void>& done) {
-    if (!done) tell(done.error().message, true);
-  }
+  /// What became of an action. An error stays until the next action succeeds.
+  void tell_outcome(const core::Expected<void>& done);
   const std::string& message() const { return message_; }
   bool message_is_error() const { return message_is_error_; }
   /// What the image shows under the cursor, or at a point of the window.
@@ -307,14 +306,16 @@ class Viewer {
   std::optional<engine::Pick> context_face_;
   std::optional<core::dvec3> cursor_point_;
   bool cursor_moved_ = false;
-  std::uint64_t hovered_version_ = 0;  // of the document, when the item under the cursor was last looked for
+  // When the item under the cursor was last looked for: the document's version, and the camera.
+  std::uint64_t hovered_version_ = 0;
+  std::optional<core::View> hovered_view_;
   bool context_lost_ = false;
   int recovered_ = 0;  // times that the context was made anew
   std::optional<measure::Snap> aimed_;
   int redraws_ = kSettlingFrames;  // frames to draw though nothing has happened
   Part part_;
   std::string message_;
-  bool message_is_error_ = false;
+  bool message_is_error_ = false, message_is_new_ = false;  // since the last frame
   MotionResolution motion_;
   std::optional<core::View> shown_view_;  // of the last frame
   double frame_seconds_ = 0.0;            // that it took

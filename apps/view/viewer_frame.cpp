@@ -78,6 +78,7 @@ core::Expected<void> Viewer::frame(double seconds) {
   if (asked_at_ > 0.0) response_ms_ = 1e3 * (now - std::exchange(asked_at_, 0.0));
   if (!gui_.has_events()) asked_at_ = -1.0;
   redraws_ = std::max(0, redraws_ - 1);
+  message_is_new_ = false;
   return {};
 }
 

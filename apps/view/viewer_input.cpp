@@ -95,7 +95,7 @@ void Viewer::drop(const std::vector<std::string>& files) {
   const bool view = files.size() == 1 && (files[0].ends_with(".json") || is_bcf(files[0]));
   if (!view) return open(files);
   if (!session_) return tell("open a model first", true);
-  if (auto done = load_view(files[0]); !done) tell(done.error().message, true);
+  tell_outcome(load_view(files[0]));
 }
 
 void Viewer::press_key(const Event& event) {
@@ -117,8 +117,8 @@ void Viewer::escape() {
   if (shown.tool == Tool::kMeasure && session_) session_->measuring().drop_mark();
   if (shown.tool != Tool::kSelect) return void(shown.tool = Tool::kSelect);
   if (walking()) return set_walking(false);
-  if (session_ && session_->slider()) return tell_failure(set_slider(*this, "off"));
-  if (session_) tell_failure(session_->document().select({}));
+  if (session_ && session_->slider()) return tell_outcome(set_slider(*this, "off"));
+  if (session_) tell_outcome(session_->document().select({}));
 }
 
 void Viewer::press_button(const Event& event) {
@@ -162,7 +162,7 @@ void Viewer::move_cursor(const core::dvec2& to) {
   drag_->last = to;
   drag_->moves |= glm::length(to - drag_->from) > kClickPixels * gui_.scale();
   if (!drag_->moves) return;
-  if (drag_->slides) return tell_failure(session_->set_slider(in_image(to).x / std::max(1, part_.width)));
+  if (drag_->slides) return tell_outcome(session_->set_slider(in_image(to).x / std::max(1, part_.width)));
   if (section_handles_.dragging()) {
     const auto holds = [&](int mod, int left, int right) {
       return (drag_->mods & mod) != 0 || held_.contains(left) || held_.contains(right);
@@ -186,7 +186,7 @@ void Viewer::move_cursor(const core::dvec2& to) {
 void Viewer::set_mark(const core::dvec2& at) {
   const auto aimed = session_->aim(in_image(at), kReach * gui_.scale());
   if (!aimed) return tell(aimed.error().message, true);
-  if (!*aimed) return tell("there is nothing to measure");
+  if (!*aimed) return tell("there is nothing to measure", true);
   session_->measuring().add((*aimed)->item, (*aimed)->snap);
   tell((*aimed)->snap.words);
 }
@@ -195,7 +195,7 @@ void Viewer::click(const Drag& drag) {
   if (shown.tool == Tool::kMeasure) return set_mark(drag.from);
   if (shown.tool == Tool::kSection) {
     const auto done = cut_at(*this, under(drag.from));
-    if (!done) return tell_failure(done);
+    if (!done) return tell_outcome(done);
     shown.tool = Tool::kSelect;
     return tell("kept: " + section_words(session_->sections().all().back(), session_->offset(), lengths()));
   }
@@ -213,9 +213,9 @@ void Viewer::click(const Drag& drag) {
   last_click_ = now;
   if (again && !items.empty()) {
     session_->camera().fit(session_->document().bounds(items), session_->aspect());
-    return;
+    return tell_outcome({});
   }
-  if (auto done = session_->document().select(items, mode); !done) tell(done.error().message, true);
+  tell_outcome(session_->document().select(items, mode));
   if (!items.empty()) session_->tree().reveal(session_->scene().node_of(items[0]));
 }
 
@@ -229,7 +229,7 @@ void Viewer::open_context_menu(const core::dvec2& at) {
   context_face_ = *hit;
   Document& document = session_->document();
   if (!*hit || document.is((*hit)->item, Document::kSelected)) return;
-  tell_failure(document.select(std::span(&(*hit)->item, 1)));
+  tell_outcome(document.select(std::span(&(*hit)->item, 1)));
   session_->tree().reveal(session_->scene().node_of((*hit)->item));
 }
 
@@ -241,7 +241,7 @@ void Viewer::select_rectangle(const Drag& drag) {
   const auto items = session_->items_in(rectangle, rule);
   if (!items) return tell(items.error().message, true);
   const auto mode = (drag.mods & GLFW_MOD_SHIFT) != 0 ? SelectMode::kAdd : SelectMode::kReplace;
-  if (auto done = session_->document().select(*items, mode); !done) tell(done.error().message, true);
+  tell_outcome(session_->document().select(*items, mode));
 }
 
 void Viewer::draw_rectangle() const {
@@ -293,12 +293,17 @@ void Viewer::walk(const core::dvec3& held, double seconds) {
   session_->camera().set_pose(pose);
 }
 
-/// Finds what is under the resting cursor.
+/// Finds what is under the resting cursor, also while keys move the camera.
 void Viewer::hover() {
   if (!session_ || drag_ || export_ || session_->engine().preparing_picks()) return;
   if (click_) click(*std::exchange(click_, std::nullopt));
+  // What was there may be hidden now, or elsewhere in the image.
   const std::uint64_t version = session_->document().version();
-  const bool changed = std::exchange(hovered_version_, version) != version;  // what was there may be hidden now
+  bool changed = std::exchange(hovered_version_, version) != version;
+  if (const auto view = session_->view(); view && !(hovered_view_ && core::same_image(*view, *hovered_view_))) {
+    hovered_view_ = *view;
+    changed = true;
+  }
   if (!std::exchange(cursor_moved_, false) && !changed) return;
   std::optional<core::ItemId> item;
   const bool over_image =

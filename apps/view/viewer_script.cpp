@@ -125,7 +125,9 @@ core::Expected<void> Viewer::carry_out(const ScriptStep& step) {
   const Command* command = find_command(step.name);
   if (!command) return core::fail("no command " + step.name);
   if (command->needs_model() && !session_) return core::fail(step.name + ": no model is open");
-  return command->run(*this, step.argument);
+  auto done = command->run(*this, step.argument);
+  tell_outcome(done);
+  return done;
 }
 
 core::Expected<void> Viewer::expect(const std::string& argument) {

@@ -29,7 +29,7 @@ void view_row(Viewer& viewer, std::size_t index, float height) {
   const std::string number = std::to_string(index + 1);
   ImGui::PushID(int(index));
   if (ImGui::Selectable("##view", int(index) == viewer.views().current_index(), 0, {0.0f, height}))
-    viewer.tell_failure(show_view(viewer, number));
+    viewer.tell_outcome(show_view(viewer, number));
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%s%s%s", view.name.c_str(), view.comment.empty() ? "" : "\n", view.comment.c_str());
   // The snapshot of a view that is updated lies elsewhere in memory.
@@ -51,20 +51,20 @@ void current_view(Viewer& viewer, Viewpoint& view) {
   ImGui::SetNextItemWidth(-1.0f);
   ImGui::InputText("##name", &view.name);
   ImGui::InputTextMultiline("##comment", &view.comment, {-1.0f, 5.0f * ImGui::GetTextLineHeight()});
-  if (ImGui::Button("Update")) viewer.tell_failure(update_view(viewer, ""));
+  if (ImGui::Button("Update")) viewer.tell_outcome(update_view(viewer, ""));
   ImGui::SameLine();
   if (ImGui::Button("Up")) viewer.views().move_current(-1);
   ImGui::SameLine();
   if (ImGui::Button("Down")) viewer.views().move_current(1);
   ImGui::SameLine();
-  if (ImGui::Button("Delete")) viewer.tell_failure(delete_view(viewer, ""));
+  if (ImGui::Button("Delete")) viewer.tell_outcome(delete_view(viewer, ""));
 }
 
 }  // namespace
 
 void views_tab(Viewer& viewer) {
   ViewList& views = viewer.views();
-  if (ImGui::Button("Add what is seen now")) viewer.tell_failure(add_view(viewer, ""));
+  if (ImGui::Button("Add what is seen now")) viewer.tell_outcome(add_view(viewer, ""));
   const float line = ImGui::GetTextLineHeightWithSpacing(), below = 13.0f * line, row = 3.6f * line;
   const float high = std::max(row, ImGui::GetContentRegionAvail().y - below);
   if (ImGui::BeginChild("##list", {0.0f, high}, true)) {
@@ -77,9 +77,9 @@ void views_tab(Viewer& viewer) {
   ImGui::EndChild();
   if (Viewpoint* view = views.current()) current_view(viewer, *view);
   ImGui::Separator();
-  if (ImGui::Button("Save all…")) viewer.tell_failure(save_views(viewer, ""));
+  if (ImGui::Button("Save all…")) viewer.tell_outcome(save_views(viewer, ""));
   ImGui::SameLine();
-  if (ImGui::Button("Load…")) viewer.tell_failure(load_views(viewer, ""));
+  if (ImGui::Button("Load…")) viewer.tell_outcome(load_views(viewer, ""));
 }
 
 }  // namespace sightline::apps

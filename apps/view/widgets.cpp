@@ -128,8 +128,8 @@ void command_button(Viewer& viewer, const Command& command, float right) {
 }
 
 void run(Viewer& viewer, const Command& command) {
-  if (const char* obstacle = command.obstacle_now(viewer)) return viewer.tell(obstacle);
-  if (auto done = command.run(viewer, {}); !done) viewer.tell(done.error().message, true);
+  if (const char* obstacle = command.obstacle_now(viewer)) return viewer.tell(obstacle, true);
+  viewer.tell_outcome(command.run(viewer, {}));
 }
 
 }  // namespace sightline::apps

@@ -45,6 +45,23 @@ TEST_F(ViewScript, PickingAFaceWaitsForAClick) {
       {boxes(), "--size", kSize, "--no-panels"});
 }
 
+TEST_F(ViewScript, AnErrorStaysUntilAnActionSucceeds) {
+  const std::string refused = "expect /message = \"select something first: click on it\"\n",
+                    none = "expect /message = \"\"\n";
+  expect_driven("front\npress h\n" + refused + "move 10 10\n" + refused + "click 300 200\n" + none +
+                    "press escape\npress h\n" + refused + "press i\n" + refused + "top\n" + none +
+                    "section-face\nclick 5 5\nexpect /message = \"there is no face under the cursor\"\npress escape\n" +
+                    "press h\n" + refused,
+                {boxes(), "--size", kSize, "--no-panels"});
+}
+
+TEST_F(ViewScript, WhatIsUnderTheCursorFollowsTheCamera) {
+  expect_driven(
+      "front\nmove 300 200\nexpect /hovered = 0\nback\nexpect /hovered = 1\nfront\nexpect /hovered = 0\n"
+      "hold d 2\nexpect /hovered != 0\n",
+      {boxes(), "--size", kSize, "--no-panels"});
+}
+
 /// Nor is a tooltip left of an item that was hidden.
 /// In two rows where the panel is narrow. A tab that goes leaves the first one in front.
 TEST_F(ViewScript, AllTabsAreReached) {
