@@ -65,7 +65,8 @@ class SIGHTLINE_API View {
   /// Eye position in world coordinates (perspective views).
   dvec3 eye() const;
 
-  /// Kept half-spaces, at most kMaxSectionPlanes. A plane with zero normal is ignored.
+  /// Kept half-spaces, at most kMaxSectionPlanes. A plane with zero normal is ignored. Planes are moved outwards by the
+  /// rounding of items, so that what touches one is whole, wherever in the world it lies.
   std::vector<Plane> sections;
   SectionMode section_mode = SectionMode::kIntersection;
   std::uint32_t layers = kDefaultLayerMask;

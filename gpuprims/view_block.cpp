@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "sightline/core/internal/section_rounding.h"
+
 namespace sightline::gpuprims {
 
 using core::dmat4;
@@ -118,12 +120,17 @@ core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int
   const dmat4 world_from_eye = glm::inverse(eye);
   block.flags.x = perspective ? 1 : 0;
   int count = 0;
-  for (const core::Plane& plane : view.sections) {
-    if (plane.normal == core::dvec3(0.0) || count == kMaxSections) continue;
+  double largest = glm::dot(glm::abs(core::dvec3(world_from_eye[3])), core::dvec3(1.0));
+  for (const core::Plane& given : view.sections) {
+    if (given.normal == core::dvec3(0.0) || count == kMaxSections) continue;
+    const core::Plane plane = core::normalised(given);
+    largest = std::max(largest, std::abs(plane.offset));
     const dvec4 in_eye_space = glm::transpose(world_from_eye) * dvec4(plane.normal, plane.offset);
     block.sections[count] = glm::vec4(in_eye_space);
+    block.sections_rest[count] = rest_of(in_eye_space, block.sections[count]);
     add_hatching(block, count++, plane.normal, in_eye_space, world_from_eye);
   }
+  block.depth_range.z = float(core::kWorldRounding * largest);
   block.flags = {perspective ? 1 : 0, count, view.section_mode == core::SectionMode::kUnion ? 1 : 0, 0};
   return block;
 }

@@ -35,6 +35,12 @@ double most(const dvec4& form, const core::Aabb& box) {
   return -least(-form, box);
 }
 
+/// What a GPU's value in a box is off by.
+double gpu_rounding(const dvec4& form, const core::Aabb& box) {
+  const dvec3 farthest = glm::max(glm::abs(dvec3(box.min)), glm::abs(dvec3(box.max)));
+  return kGpuRounding * (glm::dot(glm::abs(dvec3(form)), farthest) + std::abs(form.w));
+}
+
 /// Largest singular value of the matrix of two rows.
 double norm(const dvec3& a, const dvec3& b) {
   const double aa = glm::dot(a, a), bb = glm::dot(b, b), ab = glm::dot(a, b);
@@ -89,19 +95,17 @@ MeshError::MeshError(const ImageError& image, const core::Affine& world_from_mes
 
 float MeshError::allowed(const core::Aabb& box) const {
   if (!(error_per_w_ > 0.0)) return -1.0f;
-  for (const dvec4& section : sections_)
-    if (least(section, box) <= 0.0 && most(section, box) >= 0.0) return -1.0f;
+  for (const dvec4& section : sections_) {
+    const double rounding = gpu_rounding(section, box);
+    if (least(section, box) <= rounding && most(section, box) >= -rounding) return -1.0f;
+  }
   const double w = std::max(least(w_, box), nearest_);
   if (!(w > 0.0)) return -1.0f;
   return core::round_down(error_per_w_ * w);
 }
 
 bool MeshError::outside(const core::Aabb& box) const {
-  const dvec3 farthest = glm::max(glm::abs(dvec3(box.min)), glm::abs(dvec3(box.max)));
-  return std::ranges::any_of(planes_, [&](const dvec4& plane) {
-    const double rounding = kGpuRounding * (glm::dot(glm::abs(dvec3(plane)), farthest) + std::abs(plane.w));
-    return most(plane, box) < -rounding;
-  });
+  return std::ranges::any_of(planes_, [&](const dvec4& plane) { return most(plane, box) < -gpu_rounding(plane, box); });
 }
 
 MeshBacks::MeshBacks(const core::View& view, const core::Affine& world_from_mesh)

@@ -1,7 +1,38 @@
 // Cuts: where the kept part of a ray begins behind a section plane within an item.
+#include "sightline/core/internal/section_rounding.h"
 #include "sightline/raytrace/internal/tracer_impl.h"
 
 namespace sightline::raytrace {
+namespace {
+
+/// The part with its planes moved outwards. `coordinates`: of an item in its chunk and of its points in it, absolute;
+/// `world`: those of the chunk.
+KeptPart moved(const Ray& ray, KeptPart part, const dvec3& coordinates, const dvec3& world) {
+  const auto distance = [&](const core::Plane& plane) {  // in t
+    const double slope = std::fabs(glm::dot(plane.normal, ray.direction));
+    return slope > 0.0 ? core::section_margin(plane, coordinates, world) / slope : 0.0;
+  };
+  if (part.cut) part.from = std::max(ray.t_min, part.from - distance(*part.cut));
+  if (part.end) part.to = std::min(ray.t_max, part.to + distance(*part.end));
+  return part;
+}
+
+}  // namespace
+
+KeptPart Tracer::Impl::part_of(Slot slot, const Ray& ray, const KeptPart& part) const {
+  const core::Placement& placed = placement(slot);
+  const dvec3& chunk = snapshot_->chunk_origins()[placed.chunk];
+  const core::Aabb box = snapshot_->bounds().box(slot);
+  const dvec3 origin = chunk - snapshot_->bounds().origin + dvec3(placed.origin);
+  const dvec3 farthest = glm::max(glm::abs(dvec3(box.min) - origin), glm::abs(dvec3(box.max) - origin));
+  return moved(ray, part, glm::abs(dvec3(placed.origin)) + farthest, glm::abs(chunk));
+}
+
+KeptPart Tracer::Impl::widest(const Ray& ray, const KeptPart& part) const {
+  const core::ItemBounds& bounds = snapshot_->bounds();
+  const dvec3 most = glm::max(glm::abs(dvec3(bounds.extent().min)), glm::abs(dvec3(bounds.extent().max)));
+  return moved(ray, part, 4.0 * most, glm::abs(bounds.origin) + most);
+}
 
 Hit Tracer::Impl::cut_hit(const Ray& ray, double t, const core::Plane& plane, Slot slot) const {
   return {

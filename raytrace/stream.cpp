@@ -160,45 +160,6 @@ class Tracer::Impl::Packet {
     }
   }
 
-  /// The nearest hits with sections.
-  void nearest_of_parts(std::span<FirstHit> hits) {
-    std::array<Hit, kPacket> whole;
-    nearest_of_parts(std::span(whole).first(hits.size()));
-    for (std::size_t i = 0; i < hits.size(); ++i) hits[i] = {whole[i].slot, whole[i].t};
-  }
-  void nearest_of_parts(std::span<Hit> hits) {
-    const auto count = int(rays_.size());
-    KeptParts parts[kPacket];
-    for (int i = 0; i < count; ++i) parts[i] = kept_parts(rays_[std::size_t(i)], filter_);
-    for (Hit& hit : hits) hit.slot = core::kNone;
-    unsigned left = all_;
-    for (std::size_t part = 0; part < 2 && left != 0; ++part) {
-      for (int i = 0; i < count; ++i) {
-        if (int(part) >= parts[i].count) {
-          left &= ~(1u << i);
-          continue;
-        }
-        if ((left >> i & 1u) == 0) continue;
-        const Ray& ray = rays_[std::size_t(i)];
-        const double from = parts[i].part[part].first;
-        const core::Plane* const plane = parts[i].cut[part];
-        if (const Slot cut = impl_.cut_at(ray, from, plane, filter_); cut != core::kNone) {
-          hits[std::size_t(i)] = impl_.cut_hit(ray, from, *plane, cut);
-          left &= ~(1u << i);
-          continue;
-        }
-        world_.from[i] = from;
-        world_.to[i] = parts[i].part[part].second;
-      }
-      if (left == 0) break;
-      all_ = left;
-      start();
-      Packet* const alone = this;
-      walk({&alone, 1});
-      left = finish(left, hits);
-    }
-  }
-
  private:
   void start() {
     for (int i = 0; i < kPacket; ++i) best_.t[i] = world_.to[i], best_.slot[i] = kNoSlot;
@@ -502,14 +463,26 @@ std::size_t Tracer::Impl::by_packets(std::span<const Ray> rays, const RayFilter&
   return rays.size();
 }
 
+namespace {
+
+void set(Hit& to, const std::optional<Hit>& hit) {
+  to = hit.value_or(Hit());
+}
+void set(FirstHit& to, const std::optional<Hit>& hit) {
+  to = hit ? FirstHit{hit->slot, hit->t} : FirstHit();
+}
+
+}  // namespace
+
 template <class Answer>
 std::size_t Tracer::Impl::nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Answer> hits) const {
   return by_packets(rays, filter, false, [&](std::span<Packet* const> packets, std::size_t first, std::size_t count) {
-    auto of_these = hits.subspan(first, count);
-    if (filter.sections.empty()) return Packet::nearest(packets, of_these);
-    for (Packet* const packet : packets) {
-      packet->nearest_of_parts(of_these.first(packet->rays().size()));
-      of_these = of_these.subspan(packet->rays().size());
+    if (filter.sections.empty()) return Packet::nearest(packets, hits.subspan(first, count));
+    // Planes are moved for each item by itself, which takes rays one by one.
+    for (std::size_t i = first; i < first + count; ++i) {
+      std::optional<Hit> hit;
+      nearest_kept(rays[i], filter, hit);
+      set(hits[i], hit);
     }
   });
 }

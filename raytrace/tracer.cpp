@@ -49,35 +49,29 @@ core::Error fault(const Ray& ray) {
 
 KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
   KeptParts parts;
-  if (filter.sections.empty()) {
-    parts.add(ray.t_min, ray.t_max);
-    return parts;
-  }
   const bool all = filter.section_mode == core::SectionMode::kIntersection;
   // Of one plane: up to `to`, or from `from` on. Of all: what is common to them, or what any of them keeps.
   double from = all ? ray.t_min : kInfinity, to = all ? ray.t_max : -kInfinity;
   bool cuts = false;
-  const core::Plane* behind = nullptr;  // the plane of `from`
+  const core::Plane *behind = nullptr, *before = nullptr;  // the planes of `from` and `to`
   for (const core::Plane& plane : filter.sections) {
     if (plane.normal == dvec3(0.0)) continue;
     cuts = true;
     const double value = core::evaluate(plane, ray.origin), slope = glm::dot(plane.normal, ray.direction);
     const double end = slope != 0.0 ? -value / slope : value >= 0.0 ? -kInfinity : kInfinity;  // kept from there on
-    if (slope < 0.0)
-      to = all ? std::min(to, end) : std::max(to, end);
-    else if (all ? end > from : end < from)
+    if (slope < 0.0) {
+      if (all ? end < to : end > to) to = end, before = &plane;
+    } else if (all ? end > from : end < from) {
       from = end, behind = &plane;
+    }
   }
-  if (all || !cuts) {
-    if (all)
-      parts.add(from, to, behind);
-    else
-      parts.add(ray.t_min, ray.t_max);
-  } else if (from <= to) {
-    parts.add(ray.t_min, ray.t_max);
+  if (all && cuts) {
+    parts.add({from, to, behind, before});
+  } else if (!cuts || from <= to) {
+    parts.add({ray.t_min, ray.t_max});
   } else {
-    parts.add(ray.t_min, std::min(to, ray.t_max));
-    parts.add(std::max(from, ray.t_min), ray.t_max, from > ray.t_min ? behind : nullptr);
+    parts.add({ray.t_min, std::min(to, ray.t_max), nullptr, to < ray.t_max ? before : nullptr});
+    parts.add({std::max(from, ray.t_min), ray.t_max, from > ray.t_min ? behind : nullptr, nullptr});
   }
   return parts;
 }
@@ -327,9 +321,10 @@ double Tracer::Impl::walk_tree(const ItemTrees::Tree& tree, const Ray& ray, doub
 }
 
 /// Calls meet(slot) for items that the ray's part from … to may meet. meet() returns the t beyond which nothing is of
-/// interest from now on; -infinity ends the walk.
+/// interest from now on; -infinity ends the walk. An empty part meets nothing.
 template <class Meet>
 void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const {
+  if (!(from <= to)) return;
   const core::ItemBounds& bounds = snapshot_->bounds();
   for (const ItemTrees::Tree& tree : items_.trees()) {
     if (tree.only == core::kNone) {
@@ -381,21 +376,16 @@ Hit Tracer::Impl::finish(const Ray& ray, const Found& found) const {
   return answer(ray, found, triangle, world_normal(placement(found.slot), normal));
 }
 
-/// Calls visit(slot) for items that contain the ray's point at t, where a section plane cuts them open.
+/// Calls visit(slot) for items that contain the ray's point where the part begins that a section plane keeps of them.
 template <class Visit>
-void Tracer::Impl::cuts_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter,
-                           const Visit& visit) const {
-  if (!plane || !filter.cuts) return;
-  walk(ray, t, t, filter, [&](Slot slot) {
-    if (encloses(slot, ray, t)) visit(slot);
-    return t;
+void Tracer::Impl::cuts_at(const Ray& ray, const KeptPart& part, const RayFilter& filter, const Visit& visit) const {
+  if (!part.cut || !filter.cuts) return;
+  const KeptPart around = widest(ray, part);
+  walk(ray, around.from, part.from, filter, [&](Slot slot) {
+    const KeptPart of_item = part_of(slot, ray, part);
+    if (of_item.from <= of_item.to && encloses(slot, ray, of_item.from)) visit(slot);
+    return part.from;
   });
-}
-
-Slot Tracer::Impl::cut_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter) const {
-  Slot cut = core::kNone;
-  cuts_at(ray, t, plane, filter, [&](Slot slot) { cut = std::min(cut, slot); });
-  return cut;
 }
 
 Tracer::Impl::Found Tracer::Impl::find_nearest(const Ray& ray, double from, double to, const RayFilter& filter) const {
@@ -403,6 +393,20 @@ Tracer::Impl::Found Tracer::Impl::find_nearest(const Ray& ray, double from, doub
   found.t = to;
   walk(ray, from, to, filter, [&](Slot slot) {
     nearest_of(slot, ray, from, found);
+    return found.t;
+  });
+  return found;
+}
+
+Tracer::Impl::Found Tracer::Impl::find_nearest(const Ray& ray, const KeptPart& part, const RayFilter& filter) const {
+  const KeptPart around = widest(ray, part);
+  Found found;
+  found.t = around.to;
+  walk(ray, around.from, around.to, filter, [&](Slot slot) {
+    const KeptPart of_item = part_of(slot, ray, part);
+    Found nearer = found;
+    if (of_item.to < found.t) nearer = {of_item.to};
+    if (nearest_of(slot, ray, of_item.from, nearer)) found = nearer;
     return found.t;
   });
   return found;
@@ -427,37 +431,47 @@ FirstHit Tracer::Impl::first(const Ray& ray, const RayFilter& filter) const {
 void Tracer::Impl::nearest_kept(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
   const KeptParts parts = kept_parts(ray, filter);
   for (int i = 0; i < parts.count; ++i) {
-    const auto [from, to] = parts.part[std::size_t(i)];
-    const core::Plane* plane = parts.cut[std::size_t(i)];
-    if (const Slot cut = cut_at(ray, from, plane, filter); cut != core::kNone) {
-      hit = cut_hit(ray, from, *plane, cut);
+    const KeptPart& part = parts.part[std::size_t(i)];
+    Slot cut = core::kNone;
+    cuts_at(ray, part, filter, [&](Slot slot) { cut = std::min(cut, slot); });
+    if (cut != core::kNone) {
+      hit = cut_hit(ray, part.from, *part.cut, cut);
       return;
     }
-    nearest_in(ray, from, to, filter, hit);
-    if (hit) return;
+    if (const Found found = find_nearest(ray, part, filter); found.slot != core::kNone) {
+      hit = finish(ray, found);
+      return;
+    }
   }
+}
+
+/// Whether an item is hit from … to.
+bool Tracer::Impl::any_of(Slot slot, const Ray& ray, double from, double to) const {
+  ItemRay local;
+  if (!to_item(*snapshot_, placement(slot), ray.origin, ray.direction, local)) return false;
+  const Kind kind = snapshot_->kind(slot);
+  if (is_mesh(kind)) {
+    double t;
+    std::uint32_t place;
+    return nearest_triangle<true>(*meshes_[mesh_index(slot)], local, from, to, t, place);
+  }
+  const gpuprims::Hits hits = solid_hits(kind, parameters(slot), {local.origin, local.direction});
+  return std::any_of(hits.hit.begin(), hits.hit.begin() + hits.count,
+                     [&](const auto& hit) { return hit.t >= from && hit.t <= to; });
 }
 
 bool Tracer::Impl::any(const Ray& ray, const RayFilter& filter) const {
   const KeptParts parts = kept_parts(ray, filter);
   bool hit = false;
   for (int i = 0; i < parts.count && !hit; ++i) {
-    const auto [from, to] = parts.part[std::size_t(i)];
-    cuts_at(ray, from, parts.cut[std::size_t(i)], filter, [&](Slot) { hit = true; });
+    const KeptPart& part = parts.part[std::size_t(i)];
+    cuts_at(ray, part, filter, [&](Slot) { hit = true; });
     if (hit) break;
-    walk(ray, from, to, filter, [&, from = from, to = to](Slot slot) {
-      ItemRay local;
-      if (!to_item(*snapshot_, placement(slot), ray.origin, ray.direction, local)) return to;
-      const Kind kind = snapshot_->kind(slot);
-      if (is_mesh(kind)) {
-        double t;
-        std::uint32_t place;
-        hit = nearest_triangle<true>(*meshes_[mesh_index(slot)], local, from, to, t, place);
-      } else {
-        const gpuprims::Hits hits = solid_hits(kind, parameters(slot), {local.origin, local.direction});
-        for (int h = 0; h < hits.count; ++h) hit |= hits.hit[h].t >= from && hits.hit[h].t <= to;
-      }
-      return hit ? -kInfinity : to;
+    const KeptPart around = widest(ray, part);
+    walk(ray, around.from, around.to, filter, [&](Slot slot) {
+      const KeptPart of_item = part_of(slot, ray, part);
+      hit = any_of(slot, ray, of_item.from, of_item.to);
+      return hit ? -kInfinity : around.to;
     });
   }
   return hit;
@@ -500,13 +514,13 @@ void Tracer::Impl::all(const Ray& ray, const RayFilter& filter, std::vector<Hit>
   hits.clear();
   const KeptParts parts = kept_parts(ray, filter);
   for (int i = 0; i < parts.count; ++i) {
-    const auto [from, to] = parts.part[std::size_t(i)];
-    const core::Plane* plane = parts.cut[std::size_t(i)];
-    cuts_at(ray, from, plane, filter,
-            [&, from = from](Slot slot) { hits.push_back(cut_hit(ray, from, *plane, slot)); });
-    walk(ray, from, to, filter, [&, from = from, to = to](Slot slot) {
-      all_of(slot, ray, from, to, hits);
-      return to;
+    const KeptPart& part = parts.part[std::size_t(i)];
+    cuts_at(ray, part, filter, [&](Slot slot) { hits.push_back(cut_hit(ray, part.from, *part.cut, slot)); });
+    const KeptPart around = widest(ray, part);
+    walk(ray, around.from, around.to, filter, [&](Slot slot) {
+      const KeptPart of_item = part_of(slot, ray, part);
+      all_of(slot, ray, of_item.from, of_item.to, hits);
+      return around.to;
     });
   }
   std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {

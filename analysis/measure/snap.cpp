@@ -6,12 +6,12 @@
 
 #include "sightline/analysis/measure/internal/closest.h"
 #include "sightline/analysis/measure/internal/item_data.h"
+#include "sightline/core/internal/section_rounding.h"
 
 namespace sightline::measure {
 namespace {
 
-constexpr double kOnPlane = 1e-9;  // metres
-constexpr double kGrazing = 4.0;   // a slanted surface looks shorter: how much farther edges are sought
+constexpr double kGrazing = 4.0;  // a slanted surface looks shorter: how much farther edges are sought
 
 /// Parameters of a segment (0 to 1) or an arc (radians).
 struct Interval {
@@ -19,18 +19,18 @@ struct Interval {
 };
 using Intervals = std::vector<Interval>;
 
-/// What section planes keep.
+/// What section planes keep, of features also what lies in a plane up to the rounding of items: where they are drawn.
 class Sections {
  public:
-  Sections(std::span<const core::Plane> planes, core::SectionMode mode) : mode_(mode) {
-    for (const core::Plane& plane : planes) {
-      const double size = glm::length(plane.normal);
-      if (size > 0.0) planes_.push_back({plane.normal / size, plane.offset / size});
-    }
+  /// `origin`: the item's.
+  Sections(std::span<const core::Plane> planes, core::SectionMode mode, const dvec3& origin)
+      : mode_(mode), origin_(origin) {
+    for (const core::Plane& plane : planes)
+      if (plane.normal != dvec3(0.0)) planes_.push_back(core::normalised(plane));
   }
 
   bool keep(const dvec3& p) const {
-    const auto on_kept_side = [&](const core::Plane& plane) { return core::evaluate(plane, p) >= -kOnPlane; };
+    const auto on_kept_side = [&](const core::Plane& plane) { return value(plane, p) >= 0.0; };
     return planes_.empty() ||
            (mode_ == core::SectionMode::kIntersection ? std::all_of(planes_.begin(), planes_.end(), on_kept_side)
                                                       : std::any_of(planes_.begin(), planes_.end(), on_kept_side));
@@ -50,16 +50,20 @@ class Sections {
     return keep(moved) && glm::length(moved - p) <= most ? std::optional(moved) : std::nullopt;
   }
   Intervals kept(const Segment& s) const {
-    return kept_of({0.0, 1.0}, [&](const core::Plane& plane) -> Intervals {
-      const double from = core::evaluate(plane, s.from) + kOnPlane, to = core::evaluate(plane, s.to) + kOnPlane;
-      if (from < 0.0 && to < 0.0) return {};
-      return {{from < 0.0 ? from / (from - to) : 0.0, to < 0.0 ? from / (from - to) : 1.0}};
+    return kept_of({0.0, 1.0}, [&](const core::Plane& plane) {
+      return kept(plane, s, value(plane, s.from) >= 0.0, value(plane, s.to) >= 0.0);
+    });
+  }
+  /// Without the rounding of items.
+  Intervals kept_of_sight(const Segment& s) const {
+    return kept_of({0.0, 1.0}, [&](const core::Plane& plane) {
+      return kept(plane, s, core::evaluate(plane, s.from) >= 0.0, core::evaluate(plane, s.to) >= 0.0);
     });
   }
   Intervals kept(const Arc& arc) const {
     return kept_of({arc.from, arc.to}, [&](const core::Plane& plane) -> Intervals {
       // centre + reach cos(t - middle) >= 0
-      const double centre = core::evaluate(plane, arc.centre) + kOnPlane;
+      const double centre = value(plane, arc.centre);
       const double u = glm::dot(plane.normal, arc.u), v = glm::dot(plane.normal, arc.v), reach = std::hypot(u, v);
       if (centre >= reach) return {{arc.from, arc.to}};
       if (centre < -reach) return {};
@@ -97,7 +101,20 @@ class Sections {
     return all;
   }
 
+  double value(const core::Plane& plane, const dvec3& p) const {
+    constexpr double kChunk = 16.0;  // metres: items lie so far from the origin that their floats count from
+    return core::evaluate(plane, p) + core::section_margin(plane, kChunk + glm::abs(p - origin_), glm::abs(p));
+  }
+  /// Of a segment whose ends are kept or not: it is cut in the plane itself.
+  static Intervals kept(const core::Plane& plane, const Segment& s, bool from, bool to) {
+    if (!from && !to) return {};
+    const double at_from = core::evaluate(plane, s.from), at_to = core::evaluate(plane, s.to);
+    const double cut = from != to ? std::clamp(at_from / (at_from - at_to), 0.0, 1.0) : 0.0;
+    return {{from ? 0.0 : cut, to ? 1.0 : cut}};
+  }
+
   core::SectionMode mode_;
+  dvec3 origin_;
   std::vector<core::Plane> planes_;  ///< with unit normals
 };
 
@@ -209,7 +226,7 @@ class Snapper {
     const AimRay& ray = *aim_.ray;
     const dvec3 eye = ray.slope > 0.0 ? ray.origin : point - ray.direction * depth(point);
     const Segment way{eye, point - kShort * (point - eye)};
-    for (const Interval& interval : sections_.kept(way))
+    for (const Interval& interval : sections_.kept_of_sight(way))
       if (distance(part_of(way, interval), item_).touching) return false;
     return true;
   }
@@ -294,7 +311,7 @@ std::optional<Segment> straight_axis(std::span<const Feature> features) {
 
 std::optional<Snap> snap(const Item& item, const Aim& aim, std::span<const core::Plane> planes,
                          core::SectionMode mode) {
-  const Sections sections(planes, mode);
+  const Sections sections(planes, mode, item.data().shape.origin);
   const Snapper snapper(item, aim, sections);
   const Item::Data& data = item.data();
   if (data.shape.form != Shape::Form::kTriangles) {

@@ -33,6 +33,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/core/internal/section_rounding.h"
+
 namespace sightline::culling {
 namespace {
 
@@ -122,7 +124,7 @@ void CullPlanes::add_sections(const core::View& view, const Sizes& sizes) {
   const bool in_union = view.section_mode == core::SectionMode::kUnion;
   bool some_never = false, some_give_up = view.sections.size() > count;
   for (std::size_t i = 0; i < count; ++i) {
-    const Kind kind = add(view.sections[i], sizes);
+    const Kind kind = add(core::moved_outwards(view.sections[i], sizes.origin, sizes.largest), sizes);
     some_never |= kind == Kind::kNever;
     some_give_up |= kind == Kind::kAlways || kind == Kind::kUnusable;
   }

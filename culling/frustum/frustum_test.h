@@ -1,9 +1,11 @@
 // Boxes against the planes of a view: conservative, and one answer for every caller.
 //
 // The view volume is the closed set of points that satisfy the six planes of View::clip_from_world() (taken exactly
-// from its sixteen doubles) and the view's section planes. A box is tested plane by plane through its p-vertex, the
-// corner farthest along the plane's normal; the n-vertex, the opposite corner, tells whether the box lies wholly inside
-// (U. Assarsson, T. Möller, "Optimized view frustum culling algorithms for bounding boxes", 2000).
+// from its sixteen doubles) and the view's section planes. These are moved outwards by the rounding of items as large
+// as the extent (core/internal/section_rounding.h), so that what touches one is kept. A box is tested plane by plane
+// through its p-vertex, the corner farthest along the plane's normal; the n-vertex, the opposite corner, tells whether
+// the box lies wholly inside (U. Assarsson, T. Möller, "Optimized view frustum culling algorithms for bounding boxes",
+// 2000).
 //
 // Two stages. Planes are built in double, moved to the bounds' origin, scaled by a power of two and rounded to float.
 // Everywhere the same expression is evaluated, in float and in this order, at a corner c:

@@ -3,6 +3,8 @@
 
 void load_shape(uint record, float unused, float shift) {}
 
+vec3 shape_reach() { return vec3(0.5); }
+
 // Faces: 4 + axis on the low side, 7 + axis on the high side.
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();

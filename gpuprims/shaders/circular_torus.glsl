@@ -17,6 +17,8 @@ void load_shape(uint record, float tube_radius, float shift) {
   shape = Shape(sweep.x, tube_radius, sweep.y > 0.0, sweep.zw);
 }
 
+vec3 shape_reach() { return vec3(vec2(shape.major + shape.tube_radius), shape.tube_radius); }
+
 // (rho - R)^2 + z^2 - r^2 and its derivative along the ray: the form that stays exact for thin tori.
 vec2 torus_value(vec3 o, vec3 d, float t) {
   vec3 p = o + t * d;

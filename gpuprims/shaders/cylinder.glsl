@@ -7,6 +7,8 @@ struct Shape {
 
 void load_shape(uint record, float height, float shift) { shape = Shape(-0.5 * height - shift, 0.5 * height - shift); }
 
+vec3 shape_reach() { return vec3(1.0, 1.0, 0.5 * (shape.high - shape.low)); }
+
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
   if (!cylinder_span(o, d, 1.0, kLateral, span)) return;

@@ -17,14 +17,10 @@ struct Item {
 };
 
 Item fetch_item(uint record, int texels_per_record) {
-  vec4 a = payload_floats(record, texels_per_record, 0);
-  vec4 b = payload_floats(record, texels_per_record, 1);
-  vec4 c = payload_floats(record, texels_per_record, 2);
   uvec4 d = payload_texel(record, texels_per_record, 3);
   Item item;
-  item.chunk_from_local = mat3(a.xyz, vec3(a.w, b.xy), vec3(b.zw, c.x));
+  item.chunk_from_local = chunk_from_local(record, texels_per_record, item.offset);
   if ((d.z & kVacant) != 0u) item.chunk_from_local = mat3(0.0);  // shrinks to a point, which is not rasterised
-  item.offset = c.yzw;
   item.chunk = Pair3(texelFetch(chunk_origins, 2 * int(d.x)).xyz, texelFetch(chunk_origins, 2 * int(d.x) + 1).xyz);
   item.id = d.y;
   item.material = d.z;

@@ -2,6 +2,7 @@
 // and the section planes keep.
 #include "view.glsl"
 #include "search.glsl"
+#include "sections.glsl"
 
 vec3 eye_direction(vec2 pixel) {
   return vec3(view.pixel_ray[0].z + view.pixel_ray[0].w * pixel.x,
@@ -12,6 +13,19 @@ vec3 eye_point(vec2 pixel, float t) {
   vec2 start = vec2(view.pixel_ray[0].x + view.pixel_ray[0].y * pixel.x,
                     view.pixel_ray[1].x + view.pixel_ray[1].y * pixel.y);
   return vec3(start, 0.0) + t * eye_direction(pixel);
+}
+
+// eye_point() in pairs: of the two coefficients for each axis that are not 0, times the depth in perspective.
+Pair3 exact_eye_point(vec2 pixel, float depth) {
+  vec4 x = view.pixel_ray[0], y = view.pixel_ray[1], rest = view.pixel_ray_rest;
+  bool perspective = perspective_view();
+  vec2 start = perspective ? vec2(x.z, y.z) : vec2(x.x, y.x), slope = perspective ? vec2(x.w, y.w) : vec2(x.y, y.y);
+  Pair3 p = pair_sum(pair_product(vec3(slope, 0.0), vec3(pixel, 0.0)), Pair3(vec3(start, -1.0), vec3(rest.xz, 0.0)));
+  p.low += vec3(rest.yw * pixel, 0.0);
+  float scale = perspective ? depth : 1.0;
+  p = pair_product(p, Pair3(vec3(scale), vec3(0.0)));
+  if (!perspective) p.high.z = -depth;
+  return p;
 }
 
 // The step from one pixel's ray to another's, at the same depth.
@@ -33,19 +47,18 @@ float depth_at(float t) {
 
 // Sections are half-spaces. The kept part lies in all of them or, when they unite, in any of them. Along a ray, the
 // part that lies in all is one span. When they unite, the part that lies in none is left out, which is also one span.
-// `cut`: the section whose face cut solids show. Compiled without SECTIONS for views that have none.
-Search search_kept(vec3 start, vec3 direction, uint hidden, out int cut) {
-  vec2 range = view.depth_range.xy + start.z;  // start.z is minus the depth of t = 0
+// Compiled without SECTIONS for views that have none. `depth`: of t = 0. `values`: section_values() there. `cut`: the section whose face cut solids show.
+Search search_kept(float depth, vec3 direction, vec4 values[2], uint hidden, out int cut) {
+  vec2 range = view.depth_range.xy - depth;
   Search search = search_within(range, hidden);
   cut = 0;
 #ifdef SECTIONS
   int count = view.flags.y;
   bool unite = view.flags.z == 1;
   Span span = whole_line();  // faces: index of the section
-  for (int i = 0; i < count; ++i) {
-    vec4 section = unite ? -view.sections[i] : view.sections[i];
-    clip(span, dot(section.xyz, start) + section.w, dot(section.xyz, direction), i);
-  }
+  float side = unite ? -1.0 : 1.0;
+  for (int i = 0; i < count; ++i)
+    clip(span, side * values[i >> 2][i & 3], side * dot(view.sections[i].xyz, direction), i);
   if (!unite) {
     search.first = vec2(max(range.x, span.from), min(range.y, span.to));
     search.cut_first = span.from > range.x;
@@ -76,10 +89,21 @@ float depth_on(vec2 pixel, int section) {
 }
 
 #ifdef SECTIONS
-// Eye depth, between the near and far plane, where the kept part begins on a pixel's ray; kNoHit where it does not.
-float section_entry(vec2 pixel, out int cut) {
-  Search search = search_kept(eye_point(pixel, 0.0), eye_direction(pixel), 0u, cut);
-  if (search.cut_second && search.second.x <= search.second.y) return search.second.x;
-  return search.cut_first && search.first.x <= search.first.y ? search.first.x : kNoHit;
+// How much nearer than the plane cut faces are, in the roundings of a float depth: than any face in the plane.
+const float kNearerCut = 8.0 / 16777216.0;
+
+// Eye depth of a cut face on a pixel's ray.
+float cut_depth(vec2 pixel, int section) {
+  float depth = depth_on(pixel, section);
+  float slope = dot(view.sections[section].xyz, eye_direction(pixel));
+  return max(depth - kNearerCut * size_of(eye_point(pixel, depth)) / slope, view.depth_range.x);
+}
+
+// Whether the kept part of a pixel's ray begins on a section plane between the near and far plane, and on which.
+bool begins_cut(vec2 pixel, out int cut) {
+  vec4 values[2];
+  section_values(Pair3(eye_point(pixel, 0.0), vec3(0.0)), vec3(0.0), 0.0, values);
+  Search search = search_kept(0.0, eye_direction(pixel), values, 0u, cut);
+  return (search.cut_second && search.second.x <= search.second.y) || (search.cut_first && search.first.x <= search.first.y);
 }
 #endif

@@ -65,6 +65,13 @@ float pair_total(Pair3 a) {
   return total;
 }
 
+// The same and one more number.
+float pair_total(Pair3 a, float high, float low) {
+  Pair3 two = pair_sum(a.high.xxx, a.high.yyy), four = pair_sum(pair_sum(two, a.high.zzz), vec3(high));
+  precise float total = four.high.x + (four.low.x + (a.low.x + a.low.y + a.low.z + low));
+  return total;
+}
+
 // A matrix times a vector, good to some 34 bits of the vector's size. `leading` are the leading bits of the matrix,
 // `rest` is what they leave.
 Pair3 pair_transform(mat3 leading, mat3 rest, Pair3 v) {

@@ -1,5 +1,6 @@
-// Includes the code of one primitive, which one of these defines selects. Shared files come first: each file is
-// included once, where it is first named, even if that is in a branch that is not taken.
+// Includes the code of one primitive, which one of these defines selects. Its shape_reach() bounds the absolute
+// coordinates of its points. Shared files come first: each file is included once, where it is first named, even if that
+// is in a branch that is not taken.
 #include "internal_faces.glsl"
 #include "payload.glsl"
 #include "arithmetic.glsl"

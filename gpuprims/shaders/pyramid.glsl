@@ -19,6 +19,11 @@ void load_shape(uint record, float height, float shift) {
   shape.high = 0.5 * height - shift;
 }
 
+vec3 shape_reach() {
+  float height = shape.high - shape.low;
+  return vec3(abs(shape.sides) + (abs(shape.widening) + abs(shape.lean)) * height, 0.5 * height);
+}
+
 // Faces: 4 + axis on the low side, 6 + axis on the high side.
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();

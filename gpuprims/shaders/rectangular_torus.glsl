@@ -17,6 +17,8 @@ void load_shape(uint record, float height, float shift) {
   shape = Shape(sweep.x, -0.5 * height - shift, 0.5 * height - shift, sweep.y > 0.0, sweep.zw);
 }
 
+vec3 shape_reach() { return vec3(1.0, 1.0, 0.5 * (shape.high - shape.low)); }
+
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span outer = whole_line();
   if (!cylinder_span(o, d, 1.0, kLateral, outer)) return;

@@ -30,6 +30,12 @@ void load_shape(uint record, float height, float shift) {
   shape.highest = range.w - shift;
 }
 
+vec3 shape_reach() {
+  float height = shape.to_bottom + shape.to_top;
+  vec2 slants = abs(shape.bottom_slant) + abs(shape.top_slant);
+  return vec3(1.0 + abs(shape.lean) * height, 0.5 * height + slants.x + slants.y);
+}
+
 // |r0 u1 - r1 u0|^2 - (u0 x u1)^2 exactly, including the line's position relative to the axis.
 float exact_discriminant(vec3 o, vec3 d) {
   vec3 slope = vec3(-shape.lean, shape.widening);

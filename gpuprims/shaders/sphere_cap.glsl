@@ -10,6 +10,8 @@ struct Shape {
 
 void load_shape(uint record, float c, float shift) { shape = Shape(c); }
 
+vec3 shape_reach() { return vec3(1.0); }
+
 bool ball(vec3 o, vec3 d, inout Span span) {
   // The line passes the centre at distance |o x d| / |d|.
   float a = dot(d, d);

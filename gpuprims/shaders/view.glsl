@@ -12,11 +12,12 @@ layout(std140, binding = 0) uniform ViewBlock {
   vec4 pixel_ray[2];         // x, y of the point at depth t on the ray through pixel coordinate p: (a + b p) + t (c + d p)
   vec4 pixel_ray_rest;       // what float leaves of c, d (perspective; a, b in orthographic views) of x, and of y
   mat4 clip_from_eye;       // reversed zero-to-one depth
-  vec4 depth_range;         // x: eye depth of the near plane, y: of the far plane (infinity allowed)
+  // x: eye depth of the near plane, y: of the far plane (infinity allowed); z: what rounds world coordinates, in metres
+  vec4 depth_range;
   vec4 viewport;            // xy: size in pixels; zw: in GLSL ES, its first pixel in the window
   vec4 up;                  // world up in eye space; w: the grey as which black materials are lit
   ivec4 flags;              // x: 1 perspective, 0 orthographic; y: number of sections; z: 1 when sections unite
-  vec4 sections[kMaxSections];  // eye-space half-spaces
+  vec4 sections[kMaxSections];  // eye-space half-spaces, with unit normals
   // Hatching of cut faces: x: strength, 0 none; y: least distance of lines, pixels; z: their width, pixels.
   vec4 hatching;
   // Two coordinates on each section plane, in metres, across the lines of either direction: dot(xyz, p_eye) + w, and
@@ -25,6 +26,7 @@ layout(std140, binding = 0) uniform ViewBlock {
   vec4 hatch_whole[kMaxSections];  // xy: of the two
   // Lights far away: xyz: towards them in eye space, w: their strength, 0 none. Without any there is a head-light.
   vec4 lights[2];
+  vec4 sections_rest[kMaxSections];  // what float leaves of `sections`
 #ifdef GL_ES
 };
 uniform ViewBlock view;
@@ -33,18 +35,3 @@ uniform ViewBlock view;
 #endif
 
 bool perspective_view() { return view.flags.x == 1; }
-
-// True when the section planes keep a point.
-bool sections_keep(vec3 p_eye) {
-#ifdef SECTIONS
-  int count = view.flags.y;
-  bool unite = view.flags.z == 1;
-  for (int i = 0; i < count; ++i) {
-    bool inside = dot(view.sections[i].xyz, p_eye) + view.sections[i].w >= 0.0;
-    if (inside == unite) return unite;
-  }
-  return !unite;
-#else
-  return true;
-#endif
-}

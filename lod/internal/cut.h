@@ -39,7 +39,7 @@ class MeshError {
   MeshError(const ImageError& image, const core::Affine& world_from_mesh);
 
   /// The largest error, in the mesh's own metres, of surfaces in a box that the image may show. Not less for a box than
-  /// for one around it. Negative where a section plane cuts the box: the original surface is drawn there.
+  /// for one around it. Negative where a section plane meets the box: the original surface is drawn there.
   float allowed(const core::Aabb& box) const;
   double pixels() const { return pixels_; }  ///< ImageError's
   /// Whether a box surely shows nothing: it lies outside the view volume by more than a GPU's rounding.

@@ -27,15 +27,19 @@ using core::Slot;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr float kNotCrossed = std::numeric_limits<float>::quiet_NaN();  ///< HitFilter::crossed()
 
-/// Parts of a ray that the section planes keep: none to two, in rising order.
+/// A part of a ray that the section planes keep.
+struct KeptPart {
+  double from, to;
+  const core::Plane *cut = nullptr,
+                    *end = nullptr;  ///< the planes behind which it begins, and ends; null: the ray does
+};
+
+/// None to two parts, in rising order. Also those that are empty, but for the rounding of items that a plane touches.
 struct KeptParts {
-  std::array<std::pair<double, double>, 2> part;
-  std::array<const core::Plane*, 2> cut{};  ///< the plane behind which the part begins; null: the ray begins there
+  std::array<KeptPart, 2> part;
   int count = 0;
-  void add(double from, double to, const core::Plane* plane = nullptr) {
-    if (!(from <= to)) return;
-    cut[std::size_t(count)] = plane;
-    part[std::size_t(count++)] = {from, to};
+  void add(const KeptPart& added) {
+    if (added.from < kInfinity && added.to > -kInfinity) part[std::size_t(count++)] = added;
   }
 };
 KeptParts kept_parts(const Ray& ray, const RayFilter& filter);
@@ -130,13 +134,17 @@ class Tracer::Impl {
   Found find_nearest(const Ray& ray, double from, double to, const RayFilter& filter) const;
   void nearest_kept(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const;
   void nearest_in(const Ray& ray, double from, double to, const RayFilter& filter, std::optional<Hit>& hit) const;
+  Found find_nearest(const Ray& ray, const KeptPart& part, const RayFilter& filter) const;
+  /// How far planes are moved outwards (core/internal/section_rounding.h), in t, for an item: the part that is kept of
+  /// it. Without an item at least as much.
+  KeptPart part_of(Slot slot, const Ray& ray, const KeptPart& part) const;
+  KeptPart widest(const Ray& ray, const KeptPart& part) const;
   template <class Visit>
-  void cuts_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter, const Visit& visit) const;
-  /// The lowest slot that contains the ray's point at t, where a plane cuts it open; kNone: none.
-  Slot cut_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter) const;
+  void cuts_at(const Ray& ray, const KeptPart& part, const RayFilter& filter, const Visit& visit) const;
   Hit cut_hit(const Ray& ray, double t, const core::Plane& plane, Slot slot) const;
   bool encloses(Slot slot, const Ray& ray, double t) const;
   core::Enclosure enclosure(std::uint32_t mesh) const;
+  bool any_of(Slot slot, const Ray& ray, double from, double to) const;
   void all_of(Slot slot, const Ray& ray, double from, double to, std::vector<Hit>& hits) const;
   Hit finish(const Ray& ray, const Found& found) const;
   /// `normal`: in the world.

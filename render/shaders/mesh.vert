@@ -1,5 +1,6 @@
 // Instance of a triangle mesh.
 #include "item.glsl"
+#include "sections.glsl"
 
 invariant gl_Position;  // passes of several programs meet at equal depths
 
@@ -16,6 +17,10 @@ layout(location = 1) centroid out vec3 n_eye;
 layout(location = 2) flat out uvec2 item_words;
 #endif
 
+#ifdef SECTIONS
+layout(location = 3) out vec4 section_value[2];
+#endif
+
 // Inverse of gpuscene::pack_normal.
 vec3 unpack_normal(uint word) {
   vec2 p = unpackSnorm2x16(word);
@@ -26,8 +31,14 @@ vec3 unpack_normal(uint word) {
 void main() {
   Item item = fetch_item(instance, 4);
   mat3 eye_from_local = view.eye_from_world * item.chunk_from_local;
-  p_eye = eye_from_local * uintBitsToFloat(vertex.xyz) + eye_origin(item);
+  vec3 p = uintBitsToFloat(vertex.xyz);
+  p_eye = eye_from_local * p + eye_origin(item);
   gl_Position = view.clip_from_eye * vec4(p_eye, 1.0);
+#ifdef SECTIONS
+  mat3 placed = mat3(item.chunk_from_local[0] * p.x, item.chunk_from_local[1] * p.y, item.chunk_from_local[2] * p.z);
+  float size = size_of(item.offset) + size_of(placed[0]) + size_of(placed[1]) + size_of(placed[2]);
+  section_values(turn_to_eye(pair_sum(item.chunk, item.offset)), eye_from_local * p, size, section_value);
+#endif
 #ifdef CROSSINGS
   uint enclosure = texelFetch(enclosures, int(instance)).x;
   if (enclosure == 0u) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // open meshes have no inside

@@ -1,5 +1,5 @@
 // Screen-aligned square around a point: render/internal/point_splats.h.
-#include "view.glsl"
+#include "sections.glsl"
 
 layout(location = 0) in vec4 place;  // centre in eye space; side in pixels
 layout(location = 1) in uvec2 item;  // item id, row of the material table
@@ -15,7 +15,9 @@ const float kMargin = 0.25;
 void main() {
   gl_Position = view.clip_from_eye * vec4(place.xyz, 1.0);
   // A view without sections may name a mode that keeps nothing.
-  if (view.flags.y > 0 && !sections_keep(place.xyz)) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  vec4 values[2];
+  section_values(Pair3(place.xyz, vec3(0.0)), vec3(0.0), size_of(place.xyz), values);
+  if (view.flags.y > 0 && !sections_keep(values)) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   gl_PointSize = max(place.w, 1.0) + kMargin;
   square = vec3((0.5 + 0.5 * gl_Position.xy / gl_Position.w) * view.viewport.xy, 0.5 * place.w);
   direction = perspective_view() ? place.xyz : vec3(0.0, 0.0, -1.0);

@@ -22,6 +22,19 @@ struct RayHit {
   int section;  // of a cut face
 };
 
+// section_values() on a ray, at a place beside the primitive's anchor.
+vec4[2] values_beside_anchor(vec3 beside) {
+  vec4 values[2] = vec4[2](vec4(0.0), vec4(0.0));
+#ifdef SECTIONS
+  vec3 offset, reach = shape_reach();
+  mat3 linear = chunk_from_local(anchor.z, TEXELS_PER_RECORD, offset);
+  float size = size_of(offset) + size_of(linear[0]) * reach.x + size_of(linear[1]) * reach.y + size_of(linear[2]) * reach.z;
+  Pair3 exact = exact_eye_point(vec2(anchor.w & 0xffffu, anchor.w >> 16), uintBitsToFloat(anchor.x));
+  section_values(exact, beside, size, values);
+#endif
+  return values;
+}
+
 // Casts the ray through a pixel coordinate; false when it hits nothing.
 bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out RayHit hit) {
   float anchor_depth = uintBitsToFloat(anchor.x);
@@ -32,8 +45,9 @@ bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out RayHit hit) {
   // Moves the origin to the ray's closest approach: there coordinates are about as small as the primitive.
   float start = -dot(o, d) / dot(d, d);
   o += start * d;
+  vec4 values[2] = values_beside_anchor(eye_step(from_anchor, anchor_depth) + start * direction);
   start += anchor_depth;
-  Search search = search_kept(eye_point(pixel, start), direction, hidden, hit.section);
+  Search search = search_kept(start, direction, values, hidden, hit.section);
   intersect_primitive(search, o, d);
   hit.p = o + search.t * d;
   hit.depth = start + search.t;
@@ -55,9 +69,8 @@ void main() {
   gl_SampleMask[0] = 1 << gl_SampleID;  // each sample runs the shader, and casts the ray through its own place
 #endif
   if (!cast_ray(place, rows, hidden, hit)) discard;
-#ifdef HATCHING
-  // Solids that overlap have one depth, so that their lines do not mingle.
-  if (hit.face == kCut) hit.depth = depth_on(place, hit.section);
+#ifdef SECTIONS
+  if (hit.face == kCut) hit.depth = cut_depth(place, hit.section);  // one depth for all solids that overlap
 #endif
   gl_FragDepth = min(depth_at(hit.depth), proxy_depth);  // depth_less must hold despite rounding
   bool cut = hit.face == kCut;

@@ -36,19 +36,6 @@ struct Anchor {
   vec2 pixel;
 };
 
-// eye_point() in pairs: of the two coefficients for each axis that are not 0, times the depth in perspective.
-Pair3 exact_eye_point(vec2 pixel, float depth) {
-  vec4 x = view.pixel_ray[0], y = view.pixel_ray[1], rest = view.pixel_ray_rest;
-  bool perspective = perspective_view();
-  vec2 start = perspective ? vec2(x.z, y.z) : vec2(x.x, y.x), slope = perspective ? vec2(x.w, y.w) : vec2(x.y, y.y);
-  Pair3 p = pair_sum(pair_product(vec3(slope, 0.0), vec3(pixel, 0.0)), Pair3(vec3(start, -1.0), vec3(rest.xz, 0.0)));
-  p.low += vec3(rest.yw * pixel, 0.0);
-  float scale = perspective ? depth : 1.0;
-  p = pair_product(p, Pair3(vec3(scale), vec3(0.0)));
-  if (!perspective) p.high.z = -depth;
-  return p;
-}
-
 // Chooses the box's point nearest to the middle of the view, at the depth of the box's point nearest to the eye.
 Anchor choose_anchor(Item item, LocalBox box, mat3 eye_from_local, mat3 rows, vec3 origin, vec3 local_eye) {
   vec3 nearest = perspective_view() ? clamp(local_eye, box.low, box.high) : 0.5 * (box.low + box.high);

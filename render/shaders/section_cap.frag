@@ -37,7 +37,8 @@ void main() {
 #endif
   vec2 place = fragment_place();
   int section;
-  gl_FragDepth = depth_at(section_entry(place, section));
+  begins_cut(place, section);
+  gl_FragDepth = depth_at(cut_depth(place, section));
   float hatch = hatch_cover(place, section, words.y);
   write_surface(cut_normal(section), eye_direction(place), hatch, words.z, words.y);
 }

@@ -2,13 +2,13 @@
 #include "kept_ray.glsl"
 #include "section_cells.glsl"
 
-layout(location = 0) in vec3 p_eye;
 layout(location = 1) flat in uvec2 crossing_words;  // record, and whether a ray leaves the mesh through front faces
+layout(location = 3) in vec4 section_value[2];
 
 void main() {
+  // What the section keeps is behind the point where the ray enters it.
   int section;
-  float entry = section_entry(gl_FragCoord.xy, section);
-  if (!(entry < kNoHit) || !(-p_eye.z > entry)) discard;
+  if (!begins_cut(gl_FragCoord.xy, section) || !(section_value[section >> 2][section & 3] >= 0.0)) discard;
   uint record = crossing_words.x;
   bool leaves = gl_FrontFacing == (crossing_words.y != 0u);
   int cell = cell_of_pixel();

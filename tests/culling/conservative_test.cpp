@@ -61,7 +61,9 @@ void compare(const PairBlock& block, bool sample, Tally& tally) {
     culling::LinearCuller(scene.bounds).cull(view, set);
     ASSERT_EQ(slots, set.sorted_slots());
     const culling::CullPlanes planes(view, scene.bounds);
-    ExactVolume exact(view);
+    View moved = view;
+    for (core::Plane& section : moved.sections) section = moved_outwards(section, scene.bounds);
+    ExactVolume exact(moved);
     auto next = slots.begin();
     for (core::Slot slot = 0; slot < scene.bounds.size(); ++slot) {
       const Aabb box = scene.bounds.box(slot);

@@ -163,7 +163,7 @@ void expect_planes_of_twin(const View& view, const ItemBounds& bounds, Random& r
   for (const core::Plane& plane : core::frustum_planes(view.clip_from_world(), view.clip_depth()))
     if (twin.set(plane, bounds)) twins.push_back(twin);
   for (const core::Plane& plane : view.sections)
-    if (twin.set(plane, bounds)) twins.push_back(twin);
+    if (twin.set(moved_outwards(plane, bounds), bounds)) twins.push_back(twin);
   const CullPlanes planes(view, bounds);
   ASSERT_EQ(planes.plane_count(), int(twins.size()));
   for (std::size_t k = 0; k < twins.size(); ++k) {

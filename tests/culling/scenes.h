@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/block_order.h"
+#include "sightline/core/internal/section_rounding.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/frustum/cpu_culler.h"
@@ -34,6 +35,13 @@ inline core::dvec3 point(Random& random, double half) {
 /// Evenly spread over orders of magnitude.
 inline double magnitude(Random& random, double low, double high) {
   return std::exp(uniform(random, std::log(low), std::log(high)));
+}
+
+/// A section plane as items of these bounds are tested against it.
+inline core::Plane moved_outwards(const core::Plane& section, const core::ItemBounds& bounds) {
+  const core::Aabb& extent = bounds.extent();
+  const core::dvec3 largest = glm::max(glm::abs(core::dvec3(extent.min)), glm::abs(core::dvec3(extent.max)));
+  return core::moved_outwards(section, bounds.origin, extent.empty() ? core::dvec3(0.0) : largest);
 }
 
 inline core::Aabb box_around(const core::dvec3& centre, const core::dvec3& half) {

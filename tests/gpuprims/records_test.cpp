@@ -166,7 +166,8 @@ TEST(ViewBlock, KeepsSectionPlanesInEyeSpace) {
   const dvec3 point(13, 22, 28);
   const glm::dvec4 eye = view.eye_from_world() * glm::dvec4(point, 1.0);
   EXPECT_NEAR(glm::dot(glm::dvec4(block.sections[0]), eye), core::evaluate(planes[0], point), 1e-5);
-  EXPECT_NEAR(glm::dot(glm::dvec4(block.sections[1]), eye), core::evaluate(planes[2], point), 1e-4);
+  EXPECT_NEAR(glm::dot(glm::dvec4(block.sections[1]), eye),
+              core::evaluate(planes[2], point) / glm::length(planes[2].normal), 1e-5);
   view.section_mode = core::SectionMode::kIntersection;
   view.sections.clear();
   EXPECT_EQ(make_view_block(view, 300, 200)->flags, glm::ivec4(1, 0, 0, 0));

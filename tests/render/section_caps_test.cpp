@@ -36,9 +36,9 @@ Shape add_box(core::Scene& scene, const core::Box& box, const core::Affine& plac
 }
 
 /// How many clear pixels showed a cut face.
-int check(Camera& camera, std::span<const Shape> shapes, const View& view) {
+int check(Camera& camera, std::span<const Shape> shapes, const View& view, const Tolerance& tolerance = kTolerance) {
   const std::vector<PixelHits> seen = look_at(shapes, view, kWidth, kHeight);
-  return compare(camera.draw(view, shapes), seen, kTolerance).cut;
+  return compare(camera.draw(view, shapes), seen, tolerance).cut;
 }
 
 using SectionCaps = GlTest;
@@ -83,7 +83,8 @@ TEST_F(SectionCaps, FillStacksOfMeshesAndPrimitives) {
   int cut = 0;
   for (unsigned seed = 0; seed < kStacks; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    cut += check(camera, stacks[seed], views[seed]);
+    // Planes are moved outwards by rounding, and so is, by much more, where two of them meet at a small angle.
+    cut += check(camera, stacks[seed], views[seed], {kTolerance.depth, kTolerance.degrees, 1});
   }
   EXPECT_GT(cut, 15000) << "hardly anything was cut";
 }

@@ -131,6 +131,7 @@ class SharedUniforms {
       hatch_across: floats(8 * MOST_SECTIONS),
       hatch_whole: floats(4 * MOST_SECTIONS),
       lights: floats(8),  // none: a head-light
+      sections_rest: floats(4 * MOST_SECTIONS),
     };
     const chunkTexels = 2 * this.origins.length / 3, materialTexels = packed.materials.length / 4;
     this.uniforms = {
@@ -228,12 +229,16 @@ class SharedUniforms {
     this.view.flags[1] = planes.length;
     this.view.flags[2] = unite ? 1 : 0;
     const worldFromEye = camera.matrixWorld.elements;
+    const largest = planes.map((plane) => Math.abs(plane.constant));
+    largest.push(Math.abs(worldFromEye[12]) + Math.abs(worldFromEye[13]) + Math.abs(worldFromEye[14]));
+    this.view.depth_range[2] = 2 ** -49 * Math.max(...largest);
     planes.forEach(({normal, constant}, i) => {
       const plane = [normal.x, normal.y, normal.z, constant];
       for (let column = 0; column < 4; ++column) {
         let sum = 0.0;
         for (let row = 0; row < 4; ++row) sum += worldFromEye[4 * column + row] * plane[row];
         this.view.sections[4 * i + column] = sum;
+        this.view.sections_rest[4 * i + column] = sum - Math.fround(sum);
       }
     });
   }
