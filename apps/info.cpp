@@ -132,15 +132,32 @@ void print(const importers::ImportReport& report, const Facts& facts) {
   if (report.recognition.meshes > 0) std::printf("%s\n", apps::recognition_words(report.recognition).c_str());
 }
 
+/// Parts by the rule of core/find_nodes.h. To list is also to search: where the rule finds none, those that hold the
+/// texts anywhere in a name or value, with a note.
+core::Expected<core::FoundNodes> listed_parts(const core::Scene& scene, const std::vector<std::string>& texts) {
+  std::vector<core::NodeCondition> exact, within;
+  for (const std::string& text : texts) {
+    exact.push_back({"", text});
+    const std::size_t value = text.find('=') + 1;  // 0: there is none
+    within.push_back(core::is_pattern(text)
+                         ? exact.back()
+                         : core::NodeCondition{"", text.substr(0, value) + "*" + text.substr(value) + "*"});
+  }
+  auto found = apps::find_parts(scene, exact);
+  if (found) return found;
+  const auto holding = apps::find_parts(scene, within);
+  if (!holding) return found;
+  std::fprintf(stderr, "note: %s; listed is what holds it\n", found.error().message.c_str());
+  return holding;
+}
+
 core::Expected<int> tell_of_model(const apps::ModelOptions& options, const std::string& json_file,
                                   const std::vector<std::string>& find) {
   auto model = apps::load_model(options);
   if (!model) return tl::unexpected(model.error());
   if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());
   if (options.explain) apps::explain(*model->scene);
-  std::vector<core::NodeCondition> conditions;
-  for (const std::string& text : find) conditions.push_back({"", text});
-  const auto found = find.empty() ? core::FoundNodes() : apps::find_parts(*model->scene, conditions);
+  const auto found = find.empty() ? core::FoundNodes() : listed_parts(*model->scene, find);
   if (!found) return tl::unexpected(found.error());
   const Facts facts = gather(*model->scene);
   if (json_file != "-" && find.empty()) print(model->report, facts);

@@ -26,6 +26,8 @@ int last_error() {
 
 Expected<void> expect_extension(const std::filesystem::path& file, std::string_view extension) {
   const std::string found = file.extension().string();
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) return {};  // the writer says that it is one
   if (found.empty() || same_but_for_case(found, extension)) return {};
   return fail(file.string() + ": expected a name that ends in " + std::string(extension));
 }

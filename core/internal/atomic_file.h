@@ -48,7 +48,8 @@ class AtomicFile {
 };
 
 /// Fails where a file's name has another extension than this one, any case: no format is written under the name of
-/// another. A name without any is good, so that it may be that of a device.
+/// another. A name without any is good, so that it may be that of a device; so is that of a folder, which writing
+/// refuses.
 Expected<void> expect_extension(const std::filesystem::path& file, std::string_view extension);
 
 /// A name beside `place` that is very probably free: for what will be renamed to it.

@@ -138,7 +138,14 @@ TEST_F(Convert, TakesThePathsThatInfoPrints) {
     const std::string end = at.substr(at.find('/'));
     EXPECT_EQ(run("convert", {model, path("part.rvm"), "--only", end}).err, "") << end;
   }
-  expect_failure("info", {model, "--list", "PIPE-2-"}, "no part fits");
+  const Outcome search = run("info", {model, "--list", "PIPE-2-", "--json", "-"});  // no word, but the begin of names
+  EXPECT_EQ(search.code, 0);
+  EXPECT_NE(search.err.find("no part fits \"PIPE-2-\""), std::string::npos) << search.err;
+  auto found = json::parse(search.out);
+  ASSERT_TRUE(found);
+  EXPECT_EQ((*found)["found"], listed);
+  expect_failure("info", {model, "--list", "PIPE-2-no"}, "no part fits");
+  expect_failure("convert", {model, path("none.rvm"), "--only", "PIPE-2-"}, "no part fits");
 }
 
 TEST_F(Convert, SeveralFilesBecomeOne) {
