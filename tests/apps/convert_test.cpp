@@ -240,7 +240,7 @@ TEST_F(Convert, PrimitivesAreRecognised) {
 TEST_F(Convert, UnitsAndAxesAreApplied) {
   const std::string part = write("part.stl", kStlText);
   ASSERT_EQ(run("convert", {part, path("part.obj"), "--units", "mm", "--up", "y"}).code, 0);
-  EXPECT_EQ(read_bytes(path("part.obj")), "o part\nv 1000001 0 0\nv 1000003 0 0\nv 1000001 0 2\nf 1 2 3\n");
+  EXPECT_EQ(read_bytes(path("part.obj")), "# metres, z up\no part\nv 1000001 0 0\nv 1000003 0 0\nv 1000001 0 2\nf 1 2 3\n");
 }
 
 TEST_F(Convert, SpeaksBesideJson) {
@@ -311,7 +311,7 @@ TEST_F(ConvertImages, GltfShowsWhatRvmShows) {
   };
   for (const char* name : {"plant.glb", "plant.gltf"}) {
     const Json facts = compared({"--tolerance", "0.0005"}, name);
-    // Of 240,000 pixels: silhouettes are polygons. Four times the tolerance, where surfaces are seen aslant.
+    // Pixels of 240,000: silhouettes are polygons. Four times the tolerance, where surfaces are seen aslant.
     EXPECT_LE(elsewhere(depths(path("before.pfm")), depths(path("after.pfm")), 0.002f), 50);
     // Items that become instances change places with others of their node, so that other items have these ids.
     EXPECT_LE(facts["wrong_ids"], 2400);

@@ -26,8 +26,8 @@ class Paged : public RenderTest {
   /// Runs a tool with so many MiB. The kernel gives it no more but for stacks, of which threads touch next to nothing.
   Outcome run_with(int megabytes, const std::string& tool, Args args) const {
     args.insert(args.end(), {"--memory", std::to_string(megabytes) + "M", "--json", path("figures.json")});
-    // Of the heap, and of anonymous and private writable mappings. The rasteriser, OpenMP and those who check files
-    // each have a thread per processor, with 8 MiB for its stack.
+    // RLIMIT_DATA counts the heap, and anonymous and private writable mappings. The rasteriser, OpenMP and those who
+    // check files each have a thread per processor, with 8 MiB for its stack.
     const int stacks = 80 + 3 * 8 * int(std::max(1u, std::thread::hardware_concurrency()));
     const std::string limit = kSanitized ? "" : "ulimit -d " + std::to_string((megabytes + stacks) * 1024) + " && ";
     Args all = {"-c", limit + "exec \"$0\" \"$@\"", program_of(tool)};
@@ -109,7 +109,7 @@ TEST_F(Paged, AFolderMayHaveMorePartsThanAShellAllowsFiles) {
   for (int i = 3; i < 120; ++i)
     fs::create_hard_link(path("parts/part-00001.slc"), path("parts/" + std::to_string(i) + ".slc"));
   const Outcome drawn = run_program("bash", {"-c", "ulimit -S -n 64 && exec \"$0\" \"$@\"", program_of("render"), model,
-                                             "--size", "64x36", "--memory", "4G"});
+                                             "--size", "64x36", "--memory", "4G", "--out", path("many.png")});
   EXPECT_EQ(drawn.code, 0) << drawn;
 }
 

@@ -183,7 +183,7 @@ TEST_F(Render, SectionsKeepTheSideThatTheyName) {
   EXPECT_NEAR(pixels({"x<1"}), whole / 4, 500.0);
   EXPECT_NEAR(pixels({"x > 100cm"}), whole * 3 / 4, 700.0);
   EXPECT_NEAR(pixels({"x<3000mm", "y>1"}), whole * 3 / 8, 600.0);
-  EXPECT_EQ(pixels({"z>2"}), 0.0);
+  expect_failure("render", {slab, "--view", top, "--out", path("none.png"), "--section", "z>2"}, "leave nothing");
 
   // The rest is fitted, not the box around what was cut away.
   const std::string ids = path("rest.png"), tower = write("tower.ply", slab_text(0.1, 0.1, 30.0));
@@ -422,9 +422,9 @@ TEST_F(Render, ExplainsWhatWasLeftOut) {
   EXPECT_EQ(line_with(small, "mesh program").rfind("used", 0), 0u) << small;
 }
 
-TEST_F(Render, SaysWhenNothingIsWritten) {
+TEST_F(Render, RefusesToDrawForNobody) {
   const Args small = {write("triangle.stl", tests::stl_text({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}}})), "--size", "64x48"};
-  EXPECT_NE(render(small).err.find("--out image.png is missing"), std::string::npos);
+  expect_usage_error("render", small, "--out");
   for (const char* option : {"--out", "--ids", "--depth", "--json"}) {
     Args args = small;
     args.insert(args.end(), {option, path("written")});
@@ -439,7 +439,7 @@ TEST_F(Render, SaysWhenNoPixelShowsWhatIsVisible) {
   };
   const std::string triangle = write("triangle.stl", tests::stl_text({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}}}));
   const auto stderr_of = [&](const std::string& from, const Args& more) {
-    Args args = {triangle, "--size", "64x48", "--view", from};
+    Args args = {triangle, "--size", "64x48", "--view", from, "--out", path("look.png")};
     args.insert(args.end(), more.begin(), more.end());
     return render(args).err;
   };

@@ -58,7 +58,7 @@ class Input {
     return kOdd[below(10)];
   }
   float number() { return one_in(16) ? odd() : float(between(-2.0, 2.0)); }
-  /// Of a solid; now and then none, or far from the others.
+  /// A length of a solid; now and then 0, or far from the others.
   float length() {
     constexpr float kOdd[] = {0.0f, 1e-6f, 1e-3f, 1e3f, 1e6f, -1.0f};
     return one_in(32) ? kOdd[below(6)] : float(between(0.1, 2.0));
@@ -76,7 +76,7 @@ class Input {
   const std::uint8_t *at_, *end_;
 };
 
-/// Of a lathe: numbers as random as the seed, so that one byte of input moves all vertices.
+/// Scatter of a lathe: numbers as random as the seed, so that one byte of input moves all vertices.
 double scatter(std::uint64_t seed) {
   seed = (seed ^ seed >> 30) * 0xbf58476d1ce4e5b9u;
   seed = (seed ^ seed >> 27) * 0x94d049bb133111ebu;
@@ -473,7 +473,11 @@ std::string check_items(const RecognitionInput& input) {
   const core::NodeId node = scene.add_node(scene.root(), "node");
   if (core::is_finite(input.node)) scene.set_transform(node, input.node);
   const auto mesh = scene.add_mesh(input.mesh);
-  if (!mesh) return "a valid mesh: " + mesh.error().message;
+  const bool valid =
+      std::ranges::all_of(input.mesh.positions, [](const core::vec3& p) { return core::is_finite(dvec3(p)); });
+  if (mesh.has_value() != valid)
+    return valid ? "a valid mesh: " + mesh.error().message : "a position that is not finite";
+  if (!valid) return "";
   std::size_t items = 0;
   for (const Affine& placement : input.placements) {
     const core::ItemId item = scene.add_mesh_instance(node, *mesh, placement);

@@ -285,6 +285,8 @@ class Misuse(Case):
                             value("x")
                         elif name == "set_attribute":
                             value("k", "v")
+                        elif name == "surface":
+                            value(0)
                         elif callable(value):
                             value()
                     self.assert_error("it has been removed from its scene", use)
