@@ -49,7 +49,7 @@ struct Options {
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   std::optional<std::uint64_t> samples;
-  apps::DrawnOptions shown{.looks = engine::Looks::for_people()};
+  apps::DrawnOptions shown{.looks = engine::Looks::standard()};
   apps::StyleOptions styles;
   gl::ContextPlatform platform = {};
   bool gl_debug = false, mpi = false;

@@ -39,7 +39,7 @@ class SIGHTLINE_API CameraPath {
 
   /// `time` outside the keys clamps to the first or last.
   CameraSample sample(double time) const;
-  /// The same as a perspective view. Fails as View::perspective does.
+  /// The perspective view at that time. Fails as View::perspective does.
   Expected<View> view(double time, double aspect) const;
   /// Time of frame `frame` of `frames` evenly spaced frames. The first is at begin(), the last at end().
   double time_of(int frame, int frames) const;
@@ -61,7 +61,7 @@ class SIGHTLINE_API CameraPath {
 /// Deterministic; works for empty and flat bounds. `places` are points worth visiting (item centres, say); it may be
 /// empty.
 SIGHTLINE_API CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, double duration = 60.0);
-/// The same for a snapshot's items without their outliers. `fitted` is what items.fitted_bounds() returned. The places
+/// Overload for a snapshot's items without their outliers. `fitted` is what items.fitted_bounds() returned. The places
 /// are the centres of at most about 8,000 items.
 SIGHTLINE_API CameraPath make_tour(const ItemBounds& items, const FittedBounds& fitted, double duration = 60.0);
 

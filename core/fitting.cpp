@@ -90,7 +90,7 @@ void Fitting::add(const AabbD& box) {
     dvec3 corner = centre;
     for (int i = 0; i < 3; ++i) corner[i] += support.normal[i] < 0.0 ? -half[i] : half[i];
     corner = in_eye(corner);
-    // Of equally far ones the same is taken in whatever order they come.
+    // A total order among equally far points, so that the result does not depend on their order.
     const auto rank = [](const dvec3& p) { return std::tie(p.z, p.x, p.y); };
     if (distance == support.distance && rank(corner) <= rank(support.corner)) continue;
     support.distance = distance;
@@ -131,7 +131,7 @@ Expected<View> Fitting::perspective() const {
 }
 
 Fitting::ParallelImage Fitting::parallel_image() const {
-  // Of slope 0.
+  // The extent at slope 0.
   const auto reach = [&](std::size_t axis, std::size_t side) {
     return supports_[(2 * axis + side) * kSlopes + kSlopes - 1].distance;
   };

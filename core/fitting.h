@@ -67,9 +67,9 @@ class SIGHTLINE_API Fitting {
 SIGHTLINE_API void add_items(Fitting& fitting, const ItemBounds& items, const AabbD& within,
                              std::span<const Plane> sections = {}, std::uint32_t layers = kDefaultLayerMask);
 
-/// Of what sections keep of the items that lie within a box whole: add_items(). Of all these items where sections keep
-/// nothing, and of the box where none lies within; of a cube where that is empty or a point. So it is never empty. The
-/// arguments must be as fitting_pose() has them.
+/// A fitting about what sections keep of the items that lie wholly within a box (add_items()); about all these items
+/// where sections keep nothing, about the box where no item lies within it, and about a cube where that is empty or a
+/// point. So it is never empty. The arguments must be as fitting_pose() has them.
 SIGHTLINE_API Fitting fitting_of(const ItemBounds& items, const AabbD& within, const dvec3& direction, double fovy,
                                  double aspect, std::span<const Plane> sections = {}, double filled = kOverviewFilled);
 

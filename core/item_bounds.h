@@ -51,7 +51,7 @@ class SIGHTLINE_API ItemBounds {
 
   /// Union of the boxes on any of `layers`, in world coordinates: the boxes that views with this layer mask can show.
   AabbD world_bounds(std::uint32_t layers = kDefaultLayerMask) const;
-  /// The same without outliers, for views of the whole model: a few items far away must not make all others small.
+  /// Bounds without outliers, for views of the whole model: a few items far away must not make all others small.
   ///
   /// The rule: the middle is the median of the boxes' centres, axis by axis. The reach of a box is how far it extends
   /// from the middle along any axis. R is the reach that 99 % of the boxes (of n boxes, n - floor(n / 100)) do not

@@ -42,8 +42,8 @@ struct SIGHTLINE_API Page {
   /// Ends hidden at joints (gpuprims/internal/joints.h): two bits per slot.
   std::vector<std::uint64_t> internal_end_caps;
 
-  /// Of a page of PagedScene::coarse: of all meshes, one after the other; and for each mesh where its own end. A mesh
-  /// without is the one that it stands for.
+  /// Deviations of a page of PagedScene::coarse, of all meshes one after the other, and for each mesh where its own
+  /// end. A mesh without is the one that it stands for.
   std::vector<MeshDeviation> deviations;
   std::vector<std::uint32_t> deviation_ends;
   std::span<const MeshDeviation> deviations_of(std::uint32_t mesh) const;
@@ -73,14 +73,14 @@ struct PagedScene {
   /// Reads a page, verified; `page` must be one of pages. Any thread may call it, several at once. Fails where the file
   /// cannot be read, is damaged, or the page does not fit into memory.
   std::function<Expected<std::unique_ptr<Page>>(std::uint32_t page)> load;
-  /// The same pages, with each mesh by the coarsest of its levels of detail. Those of which that takes less than half
-  /// the bytes of meshes; others have no slots. Only `pages` and `load` are of use. Null: there are none.
+  /// Coarse forms of the same pages, with the coarsest level of detail of each mesh. Pages that this does not halve
+  /// have no slots. Only `pages` and `load` are of use. Null: there are none.
   std::shared_ptr<const PagedScene> coarse;
 
   std::uint32_t leaf_end(std::uint32_t page) const {
     return pages[page].first_leaf + (pages[page].slot_count + kBlockSlots - 1) / kBlockSlots;
   }
-  /// Of what is always in memory.
+  /// Bytes of what is always in memory.
   std::size_t memory_bytes() const {
     return leaves.memory_bytes() + colours.capacity() * sizeof(colours[0]) + pages.capacity() * sizeof(PageInfo) +
            (coarse ? coarse->memory_bytes() : 0);

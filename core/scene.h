@@ -224,7 +224,7 @@ class SIGHTLINE_API Scene {
     std::uint32_t material;  ///< material index, kNone when none is set anywhere above
   };
   ItemState state(ItemId item) const;
-  /// The same, from the values that for_each_node() gave for the item's node. Cheaper for many items.
+  /// The item's state from the values that for_each_node() gave for its node. Cheaper for many items.
   ItemState state(ItemId item, const Affine& world_from_node, bool visible, std::uint32_t layers,
                   MaterialId material) const;
 

@@ -67,7 +67,7 @@ class SIGHTLINE_API Snapshot {
   std::vector<Slot> apply(const SceneDelta& delta);
 
   // --- overrides ---------------------------------------------------------------------------------------------------
-  // What one viewer shows otherwise than the scene says. Who overrides an item remembers what it was before. apply()
+  // What one viewer shows otherwise than the scene says. The caller must save the original values. apply()
   // makes the items of a delta what the scene says, so that they must be overridden again. Copies of items, and what is
   // built from them, are as overridden.
 

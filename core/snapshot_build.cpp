@@ -323,7 +323,7 @@ Aabb Snapshot::write(const Source& source, std::span<const std::uint32_t> order,
   return extent;
 }
 
-/// Of the arrays by slot and by kind, once the kinds are known.
+/// Sizes the arrays by slot and by kind, once the kinds are known.
 void Snapshot::make_room(bool with_layers) {
   const std::size_t n = kinds_.size();
   bounds_.reserve(with_headroom(n));

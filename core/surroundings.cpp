@@ -7,7 +7,7 @@
 namespace sightline::core {
 namespace {
 
-/// Of Lighting::kStudio, in eye space: x right, y up, z towards the viewer.
+/// A light of Lighting::kStudio, in eye space: x right, y up, z towards the viewer.
 struct StudioLight {
   dvec3 towards;
   double strength;

@@ -50,14 +50,14 @@ class SIGHTLINE_API BoxCuller {
                                std::vector<std::uint32_t>& indices) const;
   core::Expected<void> visible(const core::dmat4& clip_from_world, core::ClipDepth depth,
                                std::vector<std::uint32_t>& indices) const;
-  /// The same for a view with its section planes. All boxes are on core::kLayerModel, which views show unless told
+  /// Visible boxes of a view with its section planes. All boxes are on core::kLayerModel, which views show unless told
   /// otherwise.
   void visible(const core::View& view, std::vector<std::uint32_t>& indices) const;
 
-  /// The same without boxes that are hidden in a depth image of this view (OcclusionTest says when) or that cover none
-  /// of its pixel centres. The view must know its eye: one made from a combined matrix does not. Large sets are tested
-  /// on several threads (CullThreads), which start with the first set that is worth them. A pyramid that was never
-  /// built hides nothing.
+  /// Visible boxes without those that are occluded in a depth image of this view (OcclusionTest says when) or that
+  /// cover none of its pixel centres. The view must know its eye: one made from a combined matrix does not. Large sets
+  /// are tested on several threads (CullThreads), which start with the first set that is worth them. A pyramid that was
+  /// never built hides nothing.
   void visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const;
 
   /// Replaces box `index`. Fails on an index that is not below size() and on a box that create() refuses, and then

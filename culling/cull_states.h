@@ -46,7 +46,7 @@ struct CullStates {
 };
 
 /// `hierarchy`: over `bounds`. `small`, `occluded`: slots that the tests after the view volume's have left out, with
-/// precedence of the first; those of items outside count not.
+/// precedence of the first; bits of items outside the view volume are ignored.
 ///
 /// Promise: not outside are exactly the items that every culler returns for the view. An item is inside only if it is
 /// for certain: within rounding of the border it intersects. Sections belong to the view volume. Time is linear in the

@@ -25,7 +25,7 @@ core::Expected<std::unique_ptr<Backend>> make_complete_backend(const EngineState
 }  // namespace
 
 core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version) {
-  if (new_version) s.coming.reset();
+  if (new_version) s.next_backend.reset();
   if (!s.needs_gl()) {
     s.backend = std::make_unique<Backend>();
     return {};
@@ -73,7 +73,7 @@ core::Expected<void> unless_lost(const EngineState& s, core::Expected<void> done
 void drop_context(EngineState& s) {
   s.backend = std::make_unique<Backend>();
   s.gpu_behind = false;
-  s.coming.reset();
+  s.next_backend.reset();
   s.next_try = s.config.context.later ? std::numeric_limits<double>::infinity() : 0.0;
   if (s.hybrid) s.hybrid->gpu_lost();
 }
@@ -91,7 +91,7 @@ namespace {
 /// Draws in a context of the application's from now on. `made`: a backend that has everything to draw; null: it is made
 /// now.
 core::Expected<void> take_context(EngineState& s, gl::Context& context, std::unique_ptr<Backend> made) {
-  s.coming.reset();
+  s.next_backend.reset();
   const auto before = std::pair(s.config.context.application, s.next_try);
   s.config.context.application = &context;
   s.next_try = -1.0;
@@ -110,14 +110,14 @@ core::Expected<void> take_context(EngineState& s, gl::Context& context, std::uni
   return {};
 }
 
-core::Expected<void> begin_coming(EngineState& s, gl::Context& context) {
+core::Expected<void> begin_next_backend(EngineState& s, gl::Context& context) {
   EngineConfig config = s.config;
   config.context.application = &context;
   auto begun = make_backend(config, s.overrides);
   if (!begun) return tl::unexpected(begun.error());
   if ((*begun)->lost()) return core::fail("engine: the context is lost");
-  s.coming = std::move(*begun);
-  s.coming_in = &context;
+  s.next_backend = std::move(*begun);
+  s.next_context = &context;
   return {};
 }
 
@@ -137,20 +137,20 @@ core::Expected<bool> Engine::use_context(gl::Context& context, double seconds) {
   EngineState& s = *state_;
   if (s.backend->lost()) drop_context();
   assert(!s.backend->ready() && "the other context is still in use: drop_context()");
-  if (s.coming && (s.coming_in != &context || s.coming->lost())) s.coming.reset();
+  if (s.next_backend && (s.next_context != &context || s.next_backend->lost())) s.next_backend.reset();
   const auto taken = [] { return true; };
   if (!s.needs_gl()) return take_context(s, context, nullptr).map(taken);
   const core::Deadline deadline = core::deadline_in(seconds);
-  if (!s.coming)
-    if (auto begun = begin_coming(s, context); !begun) return tl::unexpected(begun.error());
-  auto done = s.coming->advance(*s.live.snapshot, s.live.joints, s.live.plan.gpu_culls(), deadline);
+  if (!s.next_backend)
+    if (auto begun = begin_next_backend(s, context); !begun) return tl::unexpected(begun.error());
+  auto done = s.next_backend->advance(*s.live.snapshot, s.live.joints, s.live.plan.gpu_culls(), deadline);
   if (done && !*done) return false;
-  if (done && s.coming->lost()) done = core::fail("engine: the context is lost");
+  if (done && s.next_backend->lost()) done = core::fail("engine: the context is lost");
   if (!done) {
-    s.coming.reset();
+    s.next_backend.reset();
     return done;
   }
-  return take_context(s, context, std::move(s.coming)).map(taken);
+  return take_context(s, context, std::move(s.next_backend)).map(taken);
 }
 
 }  // namespace sightline::engine

@@ -144,7 +144,7 @@ core::Expected<void> Engine::configure(const EngineConfig& config) {
     return done;
   }
   s.backend->configure(s.config);
-  if (s.coming) s.coming->configure(s.config);
+  if (s.next_backend) s.next_backend->configure(s.config);
   const bool same_culler = s.live.plan.culler == culler_before;
   if (!same_culler) abandon_rebuild(s);  // it would land with the former culler
   if (same_culler && cost_alike(before, s.config)) return {};
@@ -157,10 +157,10 @@ core::Expected<void> resize(EngineState& s, int width, int height) {
   const auto kept = s.keep_state();
   if (s.config.draw)
     if (auto done = unless_lost(s, s.backend->resize(width, height)); !done) return done;
-  if (s.coming && s.config.draw)
-    if (auto done = s.coming->resize(width, height); !done) {
-      const bool lost = s.coming->lost();
-      s.coming.reset();
+  if (s.next_backend && s.config.draw)
+    if (auto done = s.next_backend->resize(width, height); !done) {
+      const bool lost = s.next_backend->lost();
+      s.next_backend.reset();
       if (!lost) return done;
     }
   s.config.width = width;
@@ -217,7 +217,7 @@ MemoryReport Engine::memory() const {
   MemoryReport report;
   report.scene = s.scene->memory_bytes();
   report.snapshot = s.overrides.memory_bytes();
-  for (const SceneVersion* version : {&s.live, s.landing ? &*s.landing : nullptr}) {
+  for (const SceneVersion* version : {&s.live, s.incoming ? &*s.incoming : nullptr}) {
     if (!version) continue;
     report.snapshot += version->snapshot->memory_bytes() + version->joints.memory_bytes();
     if (const auto* culler = std::get_if<culling::CpuCuller>(version->culler.get()))

@@ -183,15 +183,15 @@ struct FrameReport {
   bool drawn = false;     ///< false without drawing, and while the context is lost
   std::int64_t visible = 0,
                tested = 0;  ///< items in the view volume; hierarchy and item boxes. -1: known to the GPU alone
-  /// Of these, items that may cover a sample of the image (-1 where occlusion was tested, which includes that); items
-  /// drawn. Both -1 without drawing, and where the GPU alone knows.
+  /// Items in the view volume that may cover a sample of the image (-1 where occlusion was tested, which includes
+  /// that); items drawn. Both -1 without drawing, and where the GPU alone knows.
   std::int64_t sampled = -1, items_drawn = -1;
   /// Triangles of the meshes drawn, whether they cover a sample or not: fewer than these have where levels of detail or
   /// clusters (lod/mesh_levels.h) draw them. -1 without drawing, and where the GPU culled.
   std::int64_t triangles = -1;
   /// Items in the view volume that are below EngineConfig::losses.min_projected_area; 0 without it.
   std::int64_t below_min_area = 0;
-  /// Of these and of pending items, those drawn as one splat each: EngineConfig::losses.contribution_mode.
+  /// Drawn and pending items that are drawn as one splat each: EngineConfig::losses.contribution_mode.
   std::int64_t splats = 0;
   /// Items in the view volume for which EngineConfig::losses.budget_ms did not suffice: some of them may be hidden, and
   /// some drawn by coarser levels than lod_error asks for. 0: the image is complete.
@@ -241,8 +241,8 @@ struct EngineState;
 
 class SIGHTLINE_API Engine {
  public:
-  /// Told the share that is done, rising to 1, now and then by the thread that calls create(). Returning false before 1
-  /// makes that fail.
+  /// Progress callback with a value from 0 to 1, called now and then by the thread that calls create(). Returning false
+  /// before 1 makes that fail.
   using Progress = std::function<bool(double)>;
   /// Commits the scene's pending edits and builds everything the plan names. The scene must outlive the engine. Fails
   /// with the scene's error, or GL's when drawing was asked for (also when this build has no GL).
@@ -275,7 +275,7 @@ class SIGHTLINE_API Engine {
   /// support, and on framebuffers that GL does not draw to. Then nothing is drawn there. Nothing is drawn while the
   /// context is lost.
   core::Expected<FrameReport> frame(const core::View& view, const gl::ExternalTarget& target);
-  /// The same for several views at one time, such as the two eyes of a headset: view i goes into target i, which may be
+  /// Draws several views of one moment, such as the two eyes of a headset: view i goes into target i, which may be
   /// a layer of a texture, and has image i of use_image(). EngineConfig::losses.budget_ms is for all of them
   /// together. Needs as many targets as views. Where one fails, those before it are drawn. Which image is in use does
   /// not change.
@@ -336,10 +336,10 @@ class SIGHTLINE_API Engine {
   /// culler); then it lands as an exchange of pointers. Slots change with it: visible() names the generation of the
   /// snapshot that its slots belong to.
   core::Expected<void> commit();
-  /// The same in portions, for a thread that must not stop: works for about `seconds` and returns whether all edits are
-  /// followed. Frames show those that are, and a mesh once it is uploaded as a whole; call it again for the others,
-  /// which are then read as the scene has them. Edits are validated piece by piece, too: where one is refused, those
-  /// before it are followed. Longer than that take single steps: arrays of a scene that outgrow their headroom, a
+  /// Follows edits in portions, for a thread that must not stop: works for about `seconds` and returns whether all
+  /// edits are followed. Frames show those that are, and a mesh once it is uploaded as a whole; call it again for the
+  /// others, which are then read as the scene has them. Edits are validated piece by piece, too: where one is refused,
+  /// those before it are followed. Longer than that take single steps: arrays of a scene that outgrow their headroom, a
   /// node with very many items of its own, removed materials, a tracer for picks, and what a culler on the GPU needs.
   core::Expected<bool> commit(double seconds);
   /// Makes a new scene version at once, the one that a new engine would have. Stops a rebuild in the background.
@@ -430,11 +430,11 @@ class SIGHTLINE_API Engine {
   /// Makes everything anew in another context of the application's, in place of a lost or dropped one. It must be
   /// current. Fails with GL's error; then nothing has changed.
   core::Expected<void> use_context(gl::Context& context);
-  /// The same in portions, for a thread that must not stop: works for about `seconds` and returns whether everything is
-  /// made. While it is not, call it again with the same context, with frames of other engines or the application's own
-  /// in between; until then this engine is as it was, and everything may be asked of it. Longer than that take single
-  /// steps: compiling a program, the corners of one mesh, making the GPU culler. The first frame is then no slower than
-  /// others, even where drivers compile late.
+  /// Moves to a context in portions, for a thread that must not stop: works for about `seconds` and returns whether
+  /// everything is made. While it is not, call it again with the same context, with frames of other engines or the
+  /// application's own in between; until then this engine is as it was, and everything may be asked of it. Longer than
+  /// that take single steps: compiling a program, the corners of one mesh, making the GPU culler. The first frame is
+  /// then no slower than others, even where drivers compile late.
   ///
   /// Edits in between are followed. A new scene version makes it begin anew. Fails as above, and when the context is
   /// lost meanwhile; the next call then begins anew.

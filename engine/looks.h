@@ -34,7 +34,7 @@ struct Looks {
 
   /// What images for people have: a studio's light, a quiet background, depth shading and light edge lines. The others
   /// are as above.
-  static Looks for_people() {
+  static Looks standard() {
     return {.depth_shading = {.strength = 0.4f, .edge_lines = 0.4f},
             .lighting = core::Lighting::kStudio,
             .background = {.bottom = {0.91f, 0.92f, 0.93f}, .top = {0.73f, 0.78f, 0.85f}}};

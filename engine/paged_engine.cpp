@@ -280,7 +280,7 @@ std::vector<std::string> PagedEngine::Impl::take_errors() {
   return errors;
 }
 
-/// Of the image begun, without showing it.
+/// Draws more of the image begun, without showing it.
 core::Expected<void> PagedEngine::Impl::refine_more() {
   const gl::CurrentContext kept;
   if (auto ready = take_context(); !ready) return ready;

@@ -107,7 +107,7 @@ class SIGHTLINE_API PagedEngine {
   /// Waits until a page has arrived for the next frame, at most so long; may be infinite. False, at once, where none is
   /// on its way.
   bool wait(double seconds);
-  /// Told now and then how far an image is. Returning false stops.
+  /// Progress callback, called now and then with how far an image is. Returning false stops.
   using Progress = std::function<bool(const PagedReport&)>;
   /// As frame() until the image is complete, without showing what comes between.
   core::Expected<PagedReport> settle(const core::View& view, const Progress& progress = {});
@@ -117,7 +117,7 @@ class SIGHTLINE_API PagedEngine {
   /// Messages of the driver; only with gl_debug.
   std::vector<std::string> take_gl_errors();
 
-  /// Of the last frame, which there must have been; wait for the GPU. Splats have the id of the background, and no
+  /// Reads the last frame, which there must have been; waits for the GPU. Splats have the id of the background, and no
   /// depth.
   image::Image read_colour() const;
   image::IdImage read_ids() const;  ///< only with PagedConfig::ids

@@ -98,7 +98,7 @@ void PagedImage::list_leaves() {
       if ((scene_.colours[leaf] & core::PagedScene::kHasLines) != 0)
         line_leaves_[leaf / 64] |= std::uint64_t(1) << leaf % 64;
     }
-  open_.resize(culling::bit_words(scene_.leaves.size()));
+  visible_leaves_.resize(culling::bit_words(scene_.leaves.size()));
   open_count_.resize(scene_.pages.size());
   area_.resize(scene_.pages.size());
   coarse_drawn_.resize(scene_.pages.size());
@@ -123,8 +123,8 @@ core::Expected<void> PagedImage::begin(const core::View& view) {
   pyramid_.clear(config_.width, config_.height);
   coarse_drawn_.assign(coarse_drawn_.size(), false);
   find_leaves(view, candidates_);
-  open_.assign(open_.size(), 0);
-  culling::set_bits(candidates_, open_);
+  visible_leaves_.assign(visible_leaves_.size(), 0);
+  culling::set_bits(candidates_, visible_leaves_);
   leaves_ = std::int64_t(candidates_.count());
   items_drawn_ = coarse_items_ = splats_ = 0;
   measure_pages();
@@ -179,7 +179,7 @@ culling::OcclusionTest PagedImage::occlusion_test(const core::dvec3& origin) con
 void PagedImage::close_hidden(std::uint32_t page) {
   core::VisibleSet leaves, open;
   for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
-    if (culling::contains(open_, leaf)) culling::append_range(leaf, leaf + 1, leaves.ranges);
+    if (culling::contains(visible_leaves_, leaf)) culling::append_range(leaf, leaf + 1, leaves.ranges);
   occlusion_test(scene_.leaves.origin).filter(scene_.leaves, leaves, open, line_leaves_);
   close(page, open);
 }
@@ -187,8 +187,8 @@ void PagedImage::close_hidden(std::uint32_t page) {
 /// Closes all leaves of a page, but for these.
 void PagedImage::close(std::uint32_t page, const core::VisibleSet& but) {
   for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
-    open_[leaf / 64] &= ~(std::uint64_t(1) << leaf % 64);
-  culling::set_bits(but, open_);
+    visible_leaves_[leaf / 64] &= ~(std::uint64_t(1) << leaf % 64);
+  culling::set_bits(but, visible_leaves_);
   open_count_[page] = std::uint32_t(but.count());
 }
 
@@ -242,7 +242,7 @@ core::VisibleSet PagedImage::slots_of_page(std::uint32_t page, const ResidentPag
   core::VisibleSet set;
   set.generation = resident.content->snapshot.generation();
   for (std::uint32_t leaf = info.first_leaf; leaf < scene_.leaf_end(page); ++leaf) {
-    if (!culling::contains(open_, leaf)) continue;
+    if (!culling::contains(visible_leaves_, leaf)) continue;
     const core::Slot first = (leaf - info.first_leaf) * core::kBlockSlots;
     const core::Slot end = std::min<core::Slot>(info.slot_count, first + core::kBlockSlots);
     if (bounds.uses_layers()) {
@@ -311,7 +311,7 @@ core::Expected<std::uint64_t> PagedImage::draw_coarse_page(const PagesInMemory& 
   core::VisibleSet set, open;
   const std::uint32_t first = scene_.pages[page].first_leaf;
   for (std::uint32_t leaf = first; leaf < scene_.leaf_end(page); ++leaf)
-    if (culling::contains(open_, leaf) && culling::contains(rough, (leaf - first) * core::kBlockSlots))
+    if (culling::contains(visible_leaves_, leaf) && culling::contains(rough, (leaf - first) * core::kBlockSlots))
       culling::append_range(leaf, leaf + 1, open.ranges);
   for (std::size_t word = 0; word < fine.size(); ++word) fine[word] &= ~rough[word];
   to_set(fine, set);
@@ -327,7 +327,7 @@ core::Expected<void> PagedImage::show(const PagesInMemory& pages, std::int64_t p
   canvas_.copy_to(target_);
   coarse_items_ = splats_ = 0;
   if (pending > 0) {
-    to_set(open_, candidates_);
+    to_set(visible_leaves_, candidates_);
     if (pages.coarse)
       if (auto done = show_coarse_pages(pages); !done) return done;
     if (auto done = placeholders_->draw(scene_, *view_, candidates_, target_); !done) return done;
@@ -345,7 +345,7 @@ core::Expected<void> PagedImage::show(const PagesInMemory& pages, std::int64_t p
 
 /// Draws open leaves by the coarsest levels of their meshes, and leaves the others as candidates.
 core::Expected<void> PagedImage::show_coarse_pages(const PagesInMemory& pages) {
-  std::vector<std::uint64_t> rest = open_;
+  std::vector<std::uint64_t> rest = visible_leaves_;
   for (const std::uint32_t page : pages.coarse->resident()) {
     if (open_count_[page] == 0) continue;
     ResidentPage& resident = use(*pages.coarse, page, pages.frame);

@@ -88,14 +88,15 @@ struct Plan {
 inline constexpr std::size_t kSmallScene = 128;
 /// Below this many items, the CPU culls in a microsecond or two and a GPU culler can gain nothing: none is made.
 inline constexpr std::size_t kSmallHybridScene = 10'000;
-/// Below this many items that may cover a sample, occlusion is not tested unless asked for. Above, measured times decide
-/// (OcclusionTrial). Clusters of large meshes are tested, too, but do not count: frames that test them wait
-/// for their own depth, which takes more time than the triangles of hidden clusters, most of which cover no sample and
-/// are left out anyway (docs/results/levels-of-detail.md). They pay only near a mesh of millions of triangles that
-/// hides most of itself, and no part of a frame foretells that as well as a part of the items does.
+/// Below this many items that may cover a sample, occlusion is not tested unless asked for. Above, measured times
+/// decide (OcclusionTrial). Clusters of large meshes are tested, too, but do not count: frames that test them wait for
+/// their own depth, which takes more time than the triangles of hidden clusters, most of which cover no sample and are
+/// left out anyway (docs/results/levels-of-detail.md). They pay only near a mesh of millions of triangles that hides
+/// most of itself, and no part of a frame foretells that as well as a part of the items does.
 inline constexpr std::size_t kSmallOcclusionScene = 16'384;
-/// The same where a GPU culls and draws, below so many items in the scene: nothing is measured there. An H200 takes 1.73
-/// ms a frame without the test and 1.79 with it at 100,000 items, 8.2 and 5.9 at a million (docs/results/gpu.md).
+/// Below so many items in a scene that a GPU culls and draws, the occlusion test is off: nothing is measured there. An
+/// H200 takes 1.73 ms a frame without the test and 1.79 with it at 100,000 items, 8.2 and 5.9 at a million
+/// (docs/results/gpu.md).
 inline constexpr std::size_t kGpuOcclusionScene = 100'000;
 
 /// Adds an entry, or replaces the one of the same feature.

@@ -15,7 +15,7 @@ constexpr std::size_t kCommittedPiece = 256;  // edits at a time, where a commit
 constexpr double kShareOfSnapshot = 0.75;     // of the time that making an engine takes
 // Frames and commits work so long for a new scene version that is to land: seconds, and a share of what the last frame
 // took.
-constexpr double kLeastLanding = 0.001, kMostLanding = 0.008, kLandingShare = 0.25;
+constexpr double kLeastPortion = 0.001, kLongestPortion = 0.008, kPortionShare = 0.25;
 
 /// Adds slots below `size`, so that each is there once.
 void add_slots(std::span<const core::Slot> slots, std::size_t size, std::vector<core::Slot>& touched) {
@@ -65,11 +65,11 @@ core::Expected<void> follow_order(EngineState& s) {
 }
 
 /// Works a little on what the backend needs for the new scene version. Whether it has all.
-core::Expected<bool> prepare_landing(EngineState& s, double most_seconds) {
+core::Expected<bool> prepare_incoming(EngineState& s, double most_seconds) {
   if (s.backend->lost()) drop_context(s);
   const double seconds =
-      std::min(std::clamp(kLandingShare * s.frame_seconds, kLeastLanding, kMostLanding), most_seconds);
-  auto done = s.backend->advance_version(*s.landing->snapshot, s.landing->joints, s.live.plan.gpu_culls(),
+      std::min(std::clamp(kPortionShare * s.frame_seconds, kLeastPortion, kLongestPortion), most_seconds);
+  auto done = s.backend->advance_version(*s.incoming->snapshot, s.incoming->joints, s.live.plan.gpu_culls(),
                                          core::deadline_in(seconds));
   if (!done && s.backend->lost()) {
     drop_context(s);
@@ -103,18 +103,18 @@ core::Expected<void> land(EngineState& s, double most_seconds) {
     s.rebuild.reset();
     return {};
   }
-  if (!s.landing) {
+  if (!s.incoming) {
     SceneVersion made;
     if (!s.rebuild->take(made)) return {};
-    s.landing = std::move(made);
+    s.incoming = std::move(made);
   }
   const auto kept = s.keep_state();
-  const auto prepared = prepare_landing(s, most_seconds);
+  const auto prepared = prepare_incoming(s, most_seconds);
   if (!prepared) return tl::unexpected(prepared.error());
   if (!*prepared) return {};
   s.new_tracer.interrupt(s.live);
-  SceneVersion former = std::exchange(s.live, std::move(*s.landing));
-  s.landing.reset();
+  SceneVersion former = std::exchange(s.live, std::move(*s.incoming));
+  s.incoming.reset();
   s.live.follow_plan(plan_request(s));  // settings may have changed since the rebuild began
   s.overrides.reorder(*s.live.snapshot);
   core::Expected<void> done;
@@ -132,20 +132,20 @@ core::Expected<void> land(EngineState& s, double most_seconds) {
 }
 
 void abandon_rebuild(EngineState& s) {
-  s.landing.reset();
+  s.incoming.reset();
   s.rebuild.reset();
   s.backend->abandon_version();
 }
 
-void follow_in_landing(EngineState& s, const core::SceneDelta& edited, std::span<const std::uint32_t> materials) {
-  if (!s.landing) return;
+void follow_in_incoming(EngineState& s, const core::SceneDelta& edited, std::span<const std::uint32_t> materials) {
+  if (!s.incoming) return;
   std::vector<core::ItemId> items;
   for (const auto* list : {&edited.removed, &edited.changed, &edited.inserted})
     items.insert(items.end(), list->begin(), list->end());
   core::sort_unique(items);
   core::ItemCopies copies;
   core::copy_items(*s.live.snapshot, items, copies);
-  s.backend->follow_later(catch_up(*s.landing, items, copies), materials);
+  s.backend->follow_later(catch_up(*s.incoming, items, copies), materials);
 }
 
 void follow_hybrid(EngineState& s) {
@@ -191,8 +191,8 @@ core::Expected<void> follow(EngineState& s, core::SceneDelta delta, core::Deadli
   rebuild_when_disordered(s);
   if (s.live.snapshot->size() > former_size) plan_programs(s.live.plan, *s.live.snapshot, s.config.draw);
   delta.materials.insert(delta.materials.end(), overridden.materials.begin(), overridden.materials.end());
-  follow_in_landing(s, delta, delta.materials);
-  if (s.coming) s.coming->follow_later(touched, delta.materials);
+  follow_in_incoming(s, delta, delta.materials);
+  if (s.next_backend) s.next_backend->follow_later(touched, delta.materials);
   if (!s.backend->ready()) return {};
   const auto kept = s.keep_state();
   return update_backend(s, [&] {
@@ -227,7 +227,7 @@ core::Expected<void> commit(EngineState& s) {
   return upload_meshes_left(s, core::kNoDeadline).map([](bool) {});
 }
 
-/// The same in pieces, which are published when those before are followed.
+/// Commits in pieces, which are published when those before are followed.
 core::Expected<bool> commit(EngineState& s, core::Deadline deadline) {
   for (;;) {
     if (s.edits_left.empty()) {

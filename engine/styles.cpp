@@ -32,8 +32,8 @@ core::Expected<void> override_items(EngineState& s, const Edit& edit) {
   s.new_tracer.follow(s.live);
   if (change.touched.empty()) return {};
   if (s.hybrid && change.boxes) s.hybrid->scene_changed(s.live.snapshot->size());
-  follow_in_landing(s, edited, change.materials);
-  if (s.coming) s.coming->follow_later(change.touched, change.materials);
+  follow_in_incoming(s, edited, change.materials);
+  if (s.next_backend) s.next_backend->follow_later(change.touched, change.materials);
   if (!s.backend->ready()) return {};
   const auto kept = s.keep_state();
   return update_backend(s, [&] {

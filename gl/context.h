@@ -41,8 +41,8 @@ SIGHTLINE_API core::Expected<ContextPlatform> parse_platform(const std::string& 
 
 struct ContextOptions {
   ContextPlatform platform = ContextPlatform::kAutomatic;
-  int device = -1;     ///< index of the EGL device for kEglDevice; -1 tries all
-  bool debug = false;  ///< collect KHR_debug messages; calls become synchronous and slower
+  int device = -1;               ///< index of the EGL device for kEglDevice; -1 tries all
+  bool debug = false;            ///< collect KHR_debug messages; calls become synchronous and slower
   std::string workarounds = {};  ///< "plain-depth=on,…": forces these on or off, see gl/workarounds.h
   // Opened at run time, so a machine without them gets an error value.
   std::string egl_library = "libEGL.so.1";
@@ -118,12 +118,12 @@ class SIGHTLINE_API Context {
   /// cache, which is the initial state. The context must be current.
   void cache_programs(const std::filesystem::path& folder);
 
-  /// Tests the driver, and works around what fails from now on; see gl/workarounds.h. Only the first call does anything.
-  /// It takes some milliseconds, and none where the folder of cache_programs() has the results of an earlier one. The
-  /// context must be current; its state is left changed. Programs made before do not know what is found.
+  /// Tests the driver, and works around what fails from now on; see gl/workarounds.h. Only the first call does
+  /// anything. It takes some milliseconds, and none where the folder of cache_programs() has the results of an earlier
+  /// one. The context must be current; its state is left changed. Programs made before do not know what is found.
   void test_driver();
   const DriverTest& driver_test() const;
-  /// Of these, the ones that the user has set.
+  /// The workarounds that the user has set.
   const WorkaroundSwitches& workaround_switches() const;
 
   /// True once the driver has reset the context, for example after a hang of the GPU. Its contents are gone, calls do

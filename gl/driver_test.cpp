@@ -36,8 +36,8 @@ ProgramDescription describe(const char* name, std::vector<StageDescription> stag
   return description;
 }
 ProgramDescription image_program() {
-  auto description = describe("self-test's image", {{GL_VERTEX_SHADER, {"driver_check.vert"}},
-                                                    {GL_FRAGMENT_SHADER, {"driver_check.frag"}}});
+  auto description = describe("self-test's image",
+                              {{GL_VERTEX_SHADER, {"driver_check.vert"}}, {GL_FRAGMENT_SHADER, {"driver_check.frag"}}});
   description.shaders.defines = {"WRITES_DEPTH"};
   return description;
 }
@@ -117,7 +117,7 @@ class CheckImage {
     gl_->DrawArrays(GL_TRIANGLES, 0, 3);
   }
 
-  /// Of the middle row: numbers + 1, 0 where nothing is.
+  /// Reads the middle row: numbers + 1, 0 where nothing is.
   std::array<GLuint, kSize> numbers() const {
     std::array<GLuint, kSize * kSize> all;
     numbers_.read(0, GL_RED_INTEGER, GL_UNSIGNED_INT, std::as_writable_bytes(std::span(all)));
@@ -192,7 +192,8 @@ CheckResult indexed_points(const Functions& gl, const CheckImage& image, bool co
     if (number < 6 || !count_from_buffer) expected[number] = number + 1;
   const auto numbers = image.numbers();
   // Where the base vertex is not counted, that is another check's matter.
-  const bool right = count_from_buffer ? numbers[6] == 0 && numbers != std::array<GLuint, kSize>{} : numbers == expected;
+  const bool right =
+      count_from_buffer ? numbers[6] == 0 && numbers != std::array<GLuint, kSize>{} : numbers == expected;
   return right ? CheckResult::kPassed : CheckResult::kFailed;
 }
 
@@ -222,7 +223,8 @@ CheckResult check_samples(const Functions& gl, const CheckImage& image, int samp
 CheckResult check_feedback(const Functions& gl) {
   constexpr GLuint kVertices = 6;
   const auto program = make_program(gl, feedback_program());
-  auto buffer = Buffer::create(gl, 5 * kVertices * sizeof(GLuint), nullptr, GL_DYNAMIC_STORAGE_BIT, "self-test's feedback");
+  auto buffer =
+      Buffer::create(gl, 5 * kVertices * sizeof(GLuint), nullptr, GL_DYNAMIC_STORAGE_BIT, "self-test's feedback");
   auto framebuffer = Framebuffer::create_attachmentless(gl, 1, 1, "self-test");
   if (!program || !buffer || !framebuffer) return CheckResult::kNotRun;
   const VertexArray array(gl);
@@ -332,8 +334,8 @@ class CheckProxies {
   GpuTimer timer_;
 };
 
-/// Not on software rasterisers, where timers mean nothing. There both take as long (docs/results/drawing.md), so the form
-/// that computes less stays.
+/// Not on software rasterisers, where timers mean nothing. There both take as long (docs/results/drawing.md), so the
+/// form that computes less stays.
 CheckResult check_geometry_stage(const Functions& gl, const Capabilities& has, const CheckImage& image) {
   if (has.software) return CheckResult::kNotRun;
   const auto points = make_program(gl, proxies_program(true)), triangles = make_program(gl, proxies_program(false));

@@ -8,7 +8,7 @@
 namespace sightline::gpuprims {
 namespace {
 
-/// The same in x and y: |position - lean z| <= width + widening z.
+/// A frustum that is alike in x and y: |position - lean z| <= width + widening z.
 struct Frustum {
   dvec2 lean, width, widening;
   double half_height;

@@ -125,8 +125,8 @@ void DrawLists::list_records(const Batch& batch) {
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
-/// Of a mesh with levels a cut. Of its first indices, `solid` show only front faces. A mesh of solids alone remains
-/// solid in every cut; of others that is known of their own triangles.
+/// Lists a cut of a mesh with levels. The first `solid` of its indices show only front faces. A mesh of solids alone
+/// remains solid in every cut; of others that is known of their own triangles.
 void DrawLists::list_mesh(const Snapshot& snapshot, MeshTriangles mesh, const lod::MeshLevels* levels,
                           std::uint32_t solid, const DrawnIn& in) {
   if (mesh.whole.instance_count == 0 || mesh.whole.count == 0) return;

@@ -128,7 +128,7 @@ core::Expected<bool> GpuScene::advance(const Snapshot& snapshot, const gpuprims:
   return true;
 }
 
-/// Of the batch that comes next: its records, and with them its meshes.
+/// Uploads the records of the next batch, and with them its meshes.
 core::Expected<bool> GpuScene::advance_batch(const Snapshot& snapshot, const gpuprims::Joints& joints,
                                              Deadline deadline) {
   const auto kind = BatchKind(upload_->kind);

@@ -111,7 +111,7 @@ class CreaseNormals {
     }
   }
 
-  /// Of faces that share an edge.
+  /// Joins faces that share an edge.
   void join(std::span<const std::uint32_t> corners, std::span<const Edge> edges) {
     for (std::size_t i = 0; i < edges.size(); ++i)
       for (std::size_t k = i + 1; k < edges.size(); ++k) {
@@ -124,7 +124,7 @@ class CreaseNormals {
   double least_cosine_;
   std::vector<std::uint32_t> vertices_;  // by corner, one for each place
   std::vector<dvec3> faces_;             // their normals; zero where they have no area
-  // Of the corners at one vertex, numbered from 0.
+  // The edges of the corners at one vertex, numbered from 0.
   std::vector<Edge> edges_;
   core::DisjointSets sets_;
   std::vector<std::uint32_t> number_;

@@ -45,7 +45,7 @@ using Report = core::Expected<ImportReport>;
 struct Format {
   std::string_view extension;
   Report (*read)(Bytes, const std::filesystem::path&, core::Scene&, core::NodeId, const ImportOptions&) = nullptr;
-  /// Of formats that are not read as a whole by us.
+  /// For formats that are not read as a whole by us.
   Report (*open)(const std::filesystem::path&, core::Scene&, core::NodeId, const ImportOptions&) = nullptr;
 };
 

@@ -14,7 +14,7 @@ fs::path folder_of_program() {
   return fs::read_symlink("/proc/self/exe", ignored).parent_path();
 }
 
-/// Of the program or shared library that this code is part of.
+/// The folder of the program or shared library that this code is part of.
 fs::path folder_of_library() {
   Dl_info info{};
   if (dladdr(reinterpret_cast<const void*>(&folder_of_library), &info) == 0 || !info.dli_fname) return {};

@@ -38,7 +38,7 @@ SIGHTLINE_API std::string format_path(const core::CameraPath& path);
 /// Replaces `file`. Its folder must exist.
 SIGHTLINE_API core::Expected<void> write_path(const std::filesystem::path& file, const core::CameraPath& path);
 
-/// The same view or path for a model that was moved by `offset`, sections included.
+/// The view or path of a model that was moved by `offset`, sections included.
 SIGHTLINE_API core::Expected<core::View> translated(const core::View& view, const core::dvec3& offset);
 SIGHTLINE_API core::Expected<core::CameraPath> translated(const core::CameraPath& path, const core::dvec3& offset);
 

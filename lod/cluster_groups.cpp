@@ -70,7 +70,7 @@ class Growth {
       }
       std::erase(candidates_, cluster);
       if (size == most || candidates_.empty()) break;
-      // Of equal ones the oldest, so that groups grow round and not long.
+      // The oldest among equal ones, so that groups grow round and not long.
       cluster = *std::ranges::max_element(candidates_, {}, [&](std::uint32_t candidate) { return shared_[candidate]; });
     }
     for (const std::uint32_t candidate : candidates_) shared_[candidate] = 0;

@@ -122,7 +122,8 @@ class GroupSimplifier {
   void forget() {
     for (const std::uint32_t vertex : vertices_) number_of_[vertex] = kNone;
   }
-  /// Of the simplified triangles from the former ones and back, by points without regard to normals.
+  /// Proves the deviation of the simplified triangles from the former ones and back, by points without regard to
+  /// normals.
   void prove(const TriangleErrors& errors, Simplified& result) {
     points_.clear();
     for (std::uint32_t i = 0; i < vertices_.size(); ++i) {

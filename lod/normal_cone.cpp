@@ -10,8 +10,8 @@ namespace {
 
 using core::dvec3;
 
-// Of the cross product of two edges, relative to the product of their lengths: each edge is rounded once, and so are
-// two products and their difference.
+// The error of the cross product of two edges, relative to the product of their lengths: each edge is rounded once, and
+// so are two products and their difference.
 constexpr double kNormalRounding = 2e-15;
 constexpr int kSteps = 10;  // towards the axis: the cone is then about a tenth wider than it must be
 
@@ -25,7 +25,7 @@ struct Normals {
   std::span<const Normal> list() const { return std::span(all).first(count); }
 };
 
-/// Of all triangles but those that are thinner than kThin.
+/// Normals of all triangles but those that are thinner than kThin.
 Normals normals_of(std::span<const core::vec3> positions, std::span<const std::uint32_t> corners) {
   assert(corners.size() <= 3 * kClusterTriangles);
   Normals normals;

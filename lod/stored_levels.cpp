@@ -81,7 +81,7 @@ class IndexDecoder {
   IndexDecoder(std::span<const std::byte> codes, std::span<const std::byte> rest, std::size_t vertices)
       : codes_(codes), rest_(rest), vertices_(vertices) {}
 
-  /// Of the next cluster, which must be among the codes. False where they are damaged.
+  /// Reads the next cluster, which must be among the codes. False where they are damaged.
   bool read_cluster(std::span<std::uint32_t> indices) {
     std::size_t had = 0;
     for (std::uint32_t& index : indices) {

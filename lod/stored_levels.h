@@ -40,10 +40,10 @@ SIGHTLINE_API std::vector<std::byte> encode(const MeshLevels& levels);
 SIGHTLINE_API core::Expected<MeshLevels> decode(std::span<const std::byte> bytes, const core::Mesh& mesh,
                                                 LevelRange range = LevelRange::kAll);
 
-/// Those that came with the mesh; without any where none did, or where they cannot be used.
+/// The levels that came with the mesh; empty where none did, or where they cannot be used.
 SIGHTLINE_API MeshLevels stored_levels_of(const core::Mesh& mesh, LevelRange range = LevelRange::kAll);
 
-/// Those that came with the mesh; where there are none, they are built by so many threads until `stop`.
+/// The levels that came with the mesh; where there are none, they are built by so many threads until `stop`.
 SIGHTLINE_API MeshLevels levels_of(const core::Mesh& mesh, LevelRange range, int threads = 0,
                                    const std::stop_token& stop = {});
 

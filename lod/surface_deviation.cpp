@@ -175,8 +175,8 @@ void SurfaceDeviation::make_balls() {
   }
 }
 
-/// Of more than two triangles at an edge, the first two that are left become neighbours, and so on: any choice is
-/// right.
+/// Where more than two triangles meet at an edge, the first two that are left become neighbours, and so on: any choice
+/// is right.
 void SurfaceDeviation::join_faces(const Triangles& to) {
   const std::span<const std::uint32_t> corners = to.corners;
   const auto end_of = [&](std::uint32_t i) { return corners[i % 3 == 2 ? i - 2 : i + 1]; };
@@ -252,13 +252,14 @@ SurfaceDeviation::Near SurfaceDeviation::nearest(Near start, const dvec3& point)
   return best;
 }
 
-/// Of a point that does not lie above the face, or of any from a sliver.
+/// The square distance of a point that does not lie above the face, or of any point from a sliver.
 double SurfaceDeviation::Face::square_distance_beside(const dvec3& point) const {
   const double square = square_of(point - nearest_point(point, corners[0], corners[1], corners[2]));
   return square >= 0.0 ? square : square_of(point - corners[0]);  // a degenerate triangle may give no number
 }
 
-/// Of the polygon's points, with the errors of both triangles, where it is at most so much; else anything that is more.
+/// The largest distance of the polygon's points, with the errors of both triangles, where it is at most so much; else
+/// anything that is more.
 double SurfaceDeviation::farthest(const Polygon& polygon, std::uint32_t face, double most) const {
   const double errors = faces_[face].error + error_, left = most - errors;
   if (!(left >= 0.0)) return std::numeric_limits<double>::infinity();

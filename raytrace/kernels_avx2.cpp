@@ -59,7 +59,7 @@ inline unsigned signs(const Wide& x) {
   return unsigned(_mm256_movemask_ps(x.a)) | unsigned(_mm256_movemask_ps(x.b)) << 8;
 }
 
-/// Of some rays, at least one.
+/// The lowest value of some rays, at least one.
 inline float lowest_of(const Wide& x, unsigned rays) {
   alignas(32) float lanes[kPacket];
   x.store(lanes);

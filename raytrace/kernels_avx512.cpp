@@ -65,7 +65,7 @@ float folded(__m512 x, const Fold& fold) {
   a = fold(a, _mm_movehl_ps(a, a));
   return _mm_cvtss_f32(fold(a, _mm_shuffle_ps(a, a, 1)));
 }
-/// Of some rays, at least one.
+/// The lowest value of some rays, at least one.
 inline float lowest_of(const Wide& x, unsigned rays) {
   const __m512 others = _mm512_set1_ps(std::numeric_limits<float>::infinity());
   return folded(_mm512_mask_mov_ps(others, __mmask16(rays), x.v), [](__m128 a, __m128 b) { return _mm_min_ps(a, b); });

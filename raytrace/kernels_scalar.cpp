@@ -66,7 +66,7 @@ inline unsigned equal(const ScalarWide& a, const ScalarWide& b) {
   return ScalarWide::bits([&](int i) { return a.v[i] == b.v[i]; });
 }
 
-/// Of some rays, at least one.
+/// The lowest value of some rays, at least one.
 inline float lowest_of(const ScalarWide& a, unsigned rays) {
   float result = std::numeric_limits<float>::infinity();
   for (int i = 0; i < kPacket; ++i)

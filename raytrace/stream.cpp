@@ -227,7 +227,7 @@ class Tracer::Impl::Packet {
     }
   }
 
-  /// Of the lane, only what its hit has is set.
+  /// What was found for a ray. Only what its hit has is set.
   Found found(int ray) const {
     const Slot slot = best_.slot[ray];
     if (slot == kNoSlot) return {best_.t[ray], slot};

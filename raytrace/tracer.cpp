@@ -50,7 +50,7 @@ core::Error fault(const Ray& ray) {
 KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
   KeptParts parts;
   const bool all = filter.section_mode == core::SectionMode::kIntersection;
-  // Of one plane: up to `to`, or from `from` on. Of all: what is common to them, or what any of them keeps.
+  // One plane keeps up to `to`, or from `from` on; several keep what is common to them, or what any of them keeps.
   double from = all ? ray.t_min : kInfinity, to = all ? ray.t_max : -kInfinity;
   bool cuts = false;
   const core::Plane *behind = nullptr, *before = nullptr;  // the planes of `from` and `to`

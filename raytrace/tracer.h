@@ -82,7 +82,7 @@ struct Hit {
   Face face = Face::kTriangle;
 };
 
-/// Of the nearest hit, what images of ids and of distances need.
+/// The part of the nearest hit that images of ids and of distances need.
 struct FirstHit {
   core::Slot slot = core::kNone;  ///< kNone: nothing is hit, and t says nothing
   double t = 0.0;
@@ -126,12 +126,12 @@ class SIGHTLINE_API Tracer {
   /// many hits as rays; then `hits` may hold anything.
   core::Expected<void> nearest(std::span<const core::Ray> rays, std::span<Hit> hits,
                                const RayFilter& filter = {}) const;
-  /// The same without points, normals and faces, which take a tenth to a fifth of the time.
+  /// Nearest hits without points, normals and faces, which take a tenth to a fifth of the time.
   core::Expected<void> nearest(std::span<const core::Ray> rays, std::span<FirstHit> hits,
                                const RayFilter& filter = {}) const;
   /// Whether anything is hit. Faster than nearest().
   core::Expected<bool> any(const core::Ray& ray, const RayFilter& filter = {}) const;
-  /// The same for many rays, as for shadows: hit[i] is what any(rays[i]) answers. Fails as nearest() of many rays does.
+  /// Answers for many rays, as for shadows: hit[i] is what any(rays[i]) answers. Fails as nearest() of many rays does.
   core::Expected<void> any(std::span<const core::Ray> rays, std::span<bool> hit, const RayFilter& filter = {}) const;
   /// Every crossing, in rising t: each entry and exit once, for closed meshes also where the ray meets an edge or a
   /// corner. Replaces the contents of `hits`.

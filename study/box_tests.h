@@ -72,7 +72,7 @@ T height(const PlaneT<T>& p, T x, T y, T z) {
 }
 
 #ifdef SIGHTLINE_STUDY_SSE
-/// The same through one register that is packed for this one distance, offset included.
+/// The height through one register that is packed for this one distance, offset included.
 inline float packed_height(const Plane& p, float x, float y, float z, float offset) {
   const __m128 product = _mm_mul_ps(_mm_set_ps(offset, p.n[2], p.n[1], p.n[0]), _mm_set_ps(1.0f, z, y, x));
   const __m128 pairs = _mm_add_ps(product, _mm_shuffle_ps(product, product, _MM_SHUFFLE(2, 3, 0, 1)));

@@ -17,7 +17,7 @@ class ExactSets {
 
   /// Sorted ids of boxes whose p-vertex no plane of the frustum rejects: what an ideal plane test keeps.
   const std::vector<std::uint32_t>& p_vertex() const { return p_vertex_; }
-  /// Those of them that meet the frustum (separating axes: planes, box axes, and cross products of edges; S. Gottschalk
+  /// The boxes that meet the frustum (separating axes: planes, box axes, and cross products of edges; S. Gottschalk
   /// and others, "OBBTree", 1996). The same as p_vertex() when the frustum is not bounded. Boxes within 1e-9 of the
   /// scene's size count as meeting it.
   const std::vector<std::uint32_t>& meeting() const { return meeting_; }

@@ -23,7 +23,7 @@ struct ProductionForm {
 /// The plain form, "production", first; then those that this processor can run. All use one thread.
 std::vector<ProductionForm> production_forms();
 
-/// The same set in every form. Forces its instruction set while it culls, so that one
+/// Every form gives one and the same set. Forces its instruction set while it culls, so that one
 /// method culls at a time.
 std::unique_ptr<Method> make_production(const ProductionForm& form, std::span<const core::Aabb> boxes);
 

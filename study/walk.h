@@ -143,7 +143,7 @@ void walk_stackless(const Frame& f, Node* nodes, std::uint32_t root, Visible& ou
   for (std::uint32_t i = root; i < end;) i = open<kTest, kSimd>(f, nodes, i, out) ? i + 1 : nodes[i].escape;
 }
 
-/// The same with a stack of pointers.
+/// A walk with a stack of pointers.
 template <Test kTest, bool kSimd>
 void walk_with_stack(const Frame& f, FullNode* nodes, std::vector<FullNode*>& stack, Visible& out) {
   stack.assign(1, nodes);

@@ -39,7 +39,7 @@ struct Candidates {
 
   std::uint32_t node(std::uint32_t order) const { return node_of.empty() ? order : node_of[order]; }
   std::uint32_t begin(std::uint32_t node) const { return first.empty() ? node : first[node]; }
-  /// Of the nodes from `node` on up to `end`.
+  /// Counts items below the nodes from `node` up to `end`, which is excluded.
   std::uint32_t count(std::uint32_t node, std::uint32_t end) const { return before[begin(end)] - before[begin(node)]; }
 };
 

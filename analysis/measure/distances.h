@@ -34,7 +34,7 @@ SIGHTLINE_API Distance distance(const Geometry& a, const Geometry& b);
 /// Infinite, with an infinite error, when a mesh has no triangles.
 SIGHTLINE_API Distance distance(const Item& a, const Item& b);
 
-/// Of a feature to an item.
+/// The distance of a feature to an item.
 SIGHTLINE_API Distance distance(const Geometry& feature, const Item& item);
 
 /// The angle between two features in radians, 0 to pi / 2: of two directions, of two planes, or of a direction and a

@@ -105,7 +105,7 @@ class Sections {
     constexpr double kChunk = 16.0;  // metres: items lie so far from the origin that their floats count from
     return core::evaluate(plane, p) + core::section_margin(plane, kChunk + glm::abs(p - origin_), glm::abs(p));
   }
-  /// Of a segment whose ends are kept or not: it is cut in the plane itself.
+  /// The kept part of a segment whose ends are kept or not: it is cut in the plane itself.
   static Intervals kept(const core::Plane& plane, const Segment& s, bool from, bool to) {
     if (!from && !to) return {};
     const double at_from = core::evaluate(plane, s.from), at_to = core::evaluate(plane, s.to);

@@ -29,8 +29,8 @@ struct Snap {
   Feature feature;
   dvec3 point;        ///< on the feature, exact up to double rounding; the nearest one to 1e-6 of the reach
   std::string words;  ///< describe(feature)
-  /// Of a primitive as measure::dimensions() has them. Of a mesh those of the face that the feature belongs to, where
-  /// the mesh's file states its surface: STEP, IGES and BREP.
+  /// Sizes of a primitive as measure::dimensions() has them; for a mesh those of the face that the feature belongs to,
+  /// where the mesh's file states its surface: STEP, IGES and BREP.
   std::vector<Dimension> dimensions = {};
   std::optional<Segment> axis = {};  ///< the straight axis of what has the dimensions, if it has one
 };

@@ -41,7 +41,7 @@ class EmbreePeer {
   std::int64_t bytes() const;
   /// Traces rays one by one. Returns the number that hit; `t` gets the distances, infinity where nothing is hit.
   std::size_t single(std::span<const FloatRay> rays, std::span<float> t) const;
-  /// The same in packets of sixteen, rays in an order in which neighbours are coherent.
+  /// Traces packets of sixteen, rays in an order in which neighbours are coherent.
   std::size_t packets(std::span<const FloatRay> rays, std::span<float> t) const;
 
  private:

@@ -36,7 +36,7 @@ inline core::Expected<int> finish(const std::string& json_file, const json::Valu
   return apps::kExitOk;
 }
 
-/// The same after print_table(json, stream), where the table does not get into the JSON.
+/// Writes the JSON after print_table(json, stream), whose table is not part of it.
 template <class Print>
 core::Expected<int> finish(const std::string& json_file, const json::Value& json, const Print& print_table) {
   print_table(json, apps::table_stream(json_file));

@@ -13,7 +13,7 @@ namespace sightline::apps {
 core::Expected<std::array<int, 2>> parse_size(const std::string& text);
 /// "X,Y,Z", finite.
 core::Expected<core::dvec3> parse_vector(const std::string& text);
-/// The same, but not 0,0,0.
+/// A vector other than 0,0,0.
 core::Expected<core::dvec3> parse_direction(const std::string& text);
 /// A finite number. Option::in_range() lets NaN through.
 core::Expected<double> parse_finite(const std::string& text);

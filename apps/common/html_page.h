@@ -43,7 +43,7 @@ class HtmlBody {
   /// before the names, one a row.
   void table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows,
              const Caption& caption, std::span<const Badge> badges = {});
-  /// The same with text in all columns.
+  /// A table with text in all columns.
   void text_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows,
                   const Caption& caption);
   /// A line with a badge; a click on it shows what is inside.

@@ -20,7 +20,7 @@ class ItemCopier {
   ItemCopier(const core::Scene& from, core::NodeId top, core::Scene& to, core::NodeId copy_of_top, Materials materials)
       : from_(from), to_(to), materials_kept_(materials == Materials::kKept), nodes_{{top.index, copy_of_top}} {}
 
-  /// Of an item below the top. Fails as Scene::add_mesh() does.
+  /// Copies an item below the top. Fails as Scene::add_mesh() does.
   core::Expected<core::ItemId> copy(core::ItemId item);
   /// Without its items.
   core::NodeId copy(core::NodeId node);

@@ -28,7 +28,7 @@ class MeanImage {
                    [](std::uint16_t sum, std::uint8_t value) { return std::uint16_t(sum + value); });
     ++count_;
   }
-  /// Of sRGB values, as multisampling has it. At least one image must have been added.
+  /// The mean of sRGB values, as multisampling has it. At least one image must have been added.
   image::Image mean() const {
     assert(count_ > 0);
     image::Image image{width_, height_, std::vector<std::uint8_t>(sums_.size())};

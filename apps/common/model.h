@@ -120,7 +120,7 @@ void add_plain_option(CommandLine& line, DrawnOptions& options);
 /// Prints to stderr which features are used and which are left out.
 void explain(const engine::Plan& plan);
 
-/// The same for tools that draw nothing: prints the plan for drawing the committed scene.
+/// For tools that draw nothing: prints the plan for drawing the committed scene.
 void explain(const core::Scene& scene);
 
 }  // namespace sightline::apps

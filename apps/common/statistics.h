@@ -17,7 +17,7 @@ struct Summary {
   double mean = 0.0, median = 0.0, p99 = 0.0, max = 0.0;
 };
 
-/// Of any number of samples; all zero for none.
+/// Summarises any number of samples; all zero for none.
 Summary summarise(const std::vector<double>& samples);
 
 json::Value to_json(const Summary& s);

@@ -63,7 +63,7 @@ class TiledImage {
   core::Expected<bool> step(engine::Engine& engine);
   /// The last rows that were completed.
   const ImageRows& rows() const { return rows_; }
-  /// Of the last step.
+  /// The report of the last step.
   const engine::FrameReport& report() const { return report_; }
   bool found() const { return found_; }      ///< whether items were found in the view volume so far
   bool covered() const { return covered_; }  ///< whether a pixel shows any so far

@@ -36,7 +36,7 @@ void add_view_options(CommandLine& line, ViewOptions& options);
 /// stderr of what that leaves out. Fails where sections leave nothing, unless that is allowed.
 core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
                                        double aspect);
-/// The same where that is known of the model: boxes, and which of them its views of the whole should show.
+/// Overload where the model's boxes are known, and which of them its views of the whole should show.
 core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
                                        const core::ItemBounds& items, const core::FittedBounds& fitted, double aspect);
 /// A view, with the sections of the options; fails as choose_view() does.

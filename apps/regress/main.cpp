@@ -206,7 +206,7 @@ void print(const Options& o, const std::vector<apps::Outcome>& outcomes) {
     std::fprintf(out, "to take what failed as references, if it is right: the same with --resume --accept\n");
 }
 
-/// Of a shard no pages are written: --merge makes those of all.
+/// A shard writes no pages: --merge makes those of all shards.
 core::Expected<int> report(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
                            const std::vector<std::size_t>& tasks) {
   auto outcomes = apps::outcomes(suite, results, tasks);

@@ -13,7 +13,7 @@ struct Outcome {
   std::string reason;  ///< one line; empty for what passed
 };
 
-/// Of these tasks, in the suite's order, whoever drew them in whatever order.
+/// Outcomes of these tasks in the suite's order, whoever drew them in whatever order.
 std::vector<Outcome> outcomes(const Suite& suite, const ResultFolder& results, const std::vector<std::size_t>& tasks);
 std::size_t count(const std::vector<Outcome>& outcomes, Status status);
 /// Whether all passed or were accepted.

@@ -50,7 +50,7 @@ bool is_name(const std::string& text) {
 struct Settings {
   std::array<int, 2> size{640, 360};
   int samples = 1;
-  bool for_people = false;
+  bool standard_looks = false;
   Limits limits;
 };
 
@@ -132,8 +132,8 @@ core::Expected<void> read_settings(const Place& at, Settings& settings) {
   }
   if (at.has("looks")) {
     const Place looks = at.at("looks");
-    if (looks.value != "plain" && looks.value != "people") return looks.expected("plain or people");
-    settings.for_people = looks.value == "people";
+    if (looks.value != "plain" && looks.value != "standard") return looks.expected("plain or standard");
+    settings.standard_looks = looks.value == "standard";
   }
   return at.has("limits") ? read_limits(at.at("limits"), settings.limits) : core::Expected<void>();
 }
@@ -301,7 +301,7 @@ class SuiteReader {
               .view = std::move(view),
               .size = settings.size,
               .samples = settings.samples,
-              .for_people = settings.for_people,
+              .standard_looks = settings.standard_looks,
               .limits = settings.limits,
               .key = ""};
     if (at.has("allow_empty")) {
@@ -324,7 +324,7 @@ class SuiteReader {
     text << options.translate << import_arguments(options.import) << '\n'
          << what << '\n'
          << task.size[0] << 'x' << task.size[1] << ' ' << task.samples << ' ' << task.limits.ids.has_value()
-         << (task.for_people ? " people" : "") << (task.allow_empty ? " empty" : "");
+         << (task.standard_looks ? " standard" : "") << (task.allow_empty ? " empty" : "");
     task.key = hash_of(text.str());
     suite_.tasks.push_back(std::move(task));
     return {};

@@ -36,8 +36,8 @@ struct Task {
   std::optional<core::View> view;  ///< none: of the whole model
   std::array<int, 2> size{};
   int samples = 1;
-  bool for_people = false;   ///< engine::Looks::for_people(), with samples that are images of their own
-  bool allow_empty = false;  ///< the view's sections may leave nothing
+  bool standard_looks = false;  ///< engine::Looks::standard(), with samples that are images of their own
+  bool allow_empty = false;     ///< the view's sections may leave nothing
   Limits limits;
   std::string key;  ///< equal where the same is to be drawn; limits do not count, nor what files hold
 };

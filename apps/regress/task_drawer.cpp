@@ -62,8 +62,8 @@ core::Expected<engine::ImageTiles> TaskDrawer::prepare(const Task& task) {
   }
   engine::EngineConfig config;
   config.draw = true;
-  if (task.for_people) config.drawing.looks = engine::Looks::for_people();
-  config.drawing.samples = task.for_people ? 1 : task.samples;
+  if (task.standard_looks) config.drawing.looks = engine::Looks::standard();
+  config.drawing.samples = task.standard_looks ? 1 : task.samples;
   config.drawing.ids = task.limits.ids.has_value();
   config.context.platform = platform_;
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
@@ -99,8 +99,9 @@ core::Expected<void> TaskDrawer::draw(const Task& task, image::Image& image, ima
   if (!view) return tl::unexpected(view.error());
   if (!task.allow_empty)
     if (auto kept = check_sections(*view, engine_->snapshot().bounds(), read_->offset); !kept) return kept;
-  TiledImage drawn(*view, std::move(*tiles),
-                   {.ids = engine_->config().drawing.ids, .shifts = sample_shifts(task.for_people ? task.samples : 1)});
+  TiledImage drawn(
+      *view, std::move(*tiles),
+      {.ids = engine_->config().drawing.ids, .shifts = sample_shifts(task.standard_looks ? task.samples : 1)});
   image = {task.size[0], task.size[1], {}};
   ids = {task.size[0], task.size[1], {}};
   while (!drawn.complete()) {

@@ -33,7 +33,7 @@ std::uint64_t triangles_of(const core::Scene& scene) {
   return triangles;
 }
 
-/// Of meshes, each counted once however many items share it.
+/// Triangles of meshes, each counted once however many items share it.
 std::uint64_t stored_triangles_of(const core::Scene& scene) {
   std::set<std::uint32_t> meshes;
   std::uint64_t triangles = 0;

@@ -67,7 +67,7 @@ class Report {
   const core::Snapshot& snapshot() const { return engine_->snapshot(); }
   const core::FittedBounds& fitted() const { return fitted_; }
   const core::CameraPath& tour() const { return tour_; }
-  /// Of snapshot(), in double precision; null in builds without ray tracing.
+  /// The tracer of snapshot(), in double precision; null in builds without ray tracing.
   const raytrace::Tracer* tracer() const { return tracer_.get(); }
   const std::vector<ReportView>& views() const { return views_; }
   int width() const { return size_[0]; }

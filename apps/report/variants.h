@@ -38,7 +38,7 @@ struct Reference {
   bool shows(std::size_t pixel, std::uint32_t id) const;
 };
 
-/// Of all views together.
+/// Results of all views together.
 struct VariantFigures {
   Variant::Group group = Variant::Group::kExact;
   std::string label;

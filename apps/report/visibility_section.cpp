@@ -44,7 +44,7 @@ struct Image {
   Ids visible_in_ids;  ///< items, sorted
 };
 
-/// Of one way, by frame.
+/// Results of one way of culling, by frame.
 struct Drawn {
   std::vector<double> items;
   std::vector<Image> images;

@@ -12,7 +12,7 @@ class BitSet {
  public:
   static constexpr std::size_t kWordBits = 64;
 
-  /// Of none, or all, of the indices below `size`.
+  /// A set of none, or all, of the indices below `size`.
   explicit BitSet(std::size_t size = 0, bool all = false)
       : size_(size), words_((size + kWordBits - 1) / kWordBits, all ? ~std::uint64_t(0) : 0) {
     if (all && size % kWordBits != 0) words_.back() = below(size);

@@ -56,7 +56,7 @@ class Camera {
   void set_fovy(double fovy) { fovy_ = fovy; }
   double near() const { return near_; }
   double far() const { return far_; }
-  /// Of perspective views, 0 < near < far.
+  /// Sets the planes of perspective views, 0 < near < far.
   void set_planes(double near, double far);
   double speed() const { return speed_; }  ///< metres per second
 

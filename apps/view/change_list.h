@@ -62,7 +62,7 @@ class ChangeList {
   // are nodes with other attributes but without items of their own. An index must be below row_count().
   std::size_t row_count() const { return rows_.size(); }
   compare::State state(std::size_t row) const;
-  /// Of the open scene. Items of the row, in rising order.
+  /// Node and items of a row in the open scene, items in rising order.
   core::NodeId node(const core::Scene& scene, std::size_t row) const;
   std::vector<core::ItemId> items(const core::Scene& scene, std::size_t row) const;
   std::string name(const core::Scene& scene, std::size_t row) const;

@@ -158,7 +158,7 @@ Done section_box(Viewer& viewer, const std::string&) {
   return {};
 }
 
-/// Of all states, or of the one that is named.
+/// Toggles the boxes of all states, or of the one that is named.
 Done toggle_boxes(Viewer& viewer, const std::string& state) {
   CullingSwitches& switches = viewer.culling().switches;
   if (state.empty()) return switches.boxes = !switches.boxes, Done();

@@ -53,7 +53,7 @@ void Viewer::compare(const std::string& file) {
   drop_loading();
   opening_ = {};
   opening_.enter(OpeningStep::kReading);
-  landing_calls_ = 0;
+  engine_portions_ = 0;
   loader_ = std::make_unique<Loader>(older, &Window::wake, work);
   found_ = std::move(found);
   if (shown.dialog == Dialog::kCompare) shown.dialog = Dialog::kNone;

@@ -19,7 +19,7 @@ class CullingOverlay {
   /// After the image was drawn, whose part of the window this is. Costs nothing unless the camera is frozen.
   void draw(Session& session, const Part& part);
   const CullingBoxes& boxes() const { return boxes_; }
-  /// Of a state's boxes: M. Okabe, K. Ito, "Color universal design", 2008.
+  /// The colour of a state's boxes: M. Okabe, K. Ito, "Color universal design", 2008.
   static ImVec4 colour(culling::CullState state);
 
  private:

@@ -106,7 +106,7 @@ std::string milliseconds(double ms) {
   return text;
 }
 
-/// Of the last images. Colours differ for all kinds of colour blindness.
+/// Plots of the last images. Colours differ for all kinds of colour blindness.
 void plots(const std::vector<FrameFigures>& frames) {
   const ImVec4 kFirst{0.0f, 0.62f, 0.45f, 1.0f}, kSecond{0.90f, 0.62f, 0.0f, 1.0f};
   constexpr double kGap = std::numeric_limits<double>::quiet_NaN();

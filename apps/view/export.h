@@ -24,7 +24,7 @@ class Export {
   /// One image. Fails where the file cannot be written.
   static core::Expected<std::unique_ptr<Export>> image(Session& session, const Options& options,
                                                        const std::string& file);
-  /// Those of a path, into a folder that is empty or not there yet.
+  /// Exports the frames of a path, into a folder that is empty or not there yet.
   static core::Expected<std::unique_ptr<Export>> frames(Session& session, const Options& options,
                                                         const core::CameraPath& path, double per_second,
                                                         const std::string& folder);

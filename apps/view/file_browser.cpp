@@ -309,7 +309,7 @@ FileBrowser::Paths FileBrowser::accept() {
   return request_.purpose == Purpose::kFolder ? one(folder_) : std::nullopt;
 }
 
-/// Of several, folders do not count.
+/// Accepts what is chosen; among several entries folders do not count.
 FileBrowser::Paths FileBrowser::accept_chosen() {
   std::vector<fs::path> files;
   for (std::size_t i = 0; i < row_count(); ++i)

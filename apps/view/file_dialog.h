@@ -19,7 +19,7 @@ class FileDialog {
  public:
   /// Draws it, if the viewer's dialog is one that asks for files.
   void draw(Viewer& viewer);
-  /// Of the viewer's state; null while nothing is asked.
+  /// The part of the viewer's state about the dialog; null while nothing is asked.
   json::Value state() const;
 
  private:

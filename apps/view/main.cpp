@@ -64,7 +64,7 @@ void apply(const apps::Settings& settings, const apps::CommandLine& line, apps::
   if (unsaid("--no-panels")) o.panels = settings.panels;
   if (unsaid("--cache")) o.model.import.cache_folder = settings.cache;
   if (unsaid("--recognise")) o.model.import.recognise = settings.recognise;
-  if (o.remembers()) o.shown.looks = engine::Looks::for_people();
+  if (o.remembers()) o.shown.looks = engine::Looks::standard();
   if (unsaid("--budget") && o.remembers()) o.default_budget_ms = kDefaultBudget;
   if (unsaid("--size")) o.size = std::to_string(settings.window[0]) + "x" + std::to_string(settings.window[1]);
 }

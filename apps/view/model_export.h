@@ -25,7 +25,7 @@ class ModelExport {
   /// Fails where the name is not one of a model file, or that of a file that the session has read.
   static core::Expected<Job> model(const Session& session, const std::vector<std::string>& files,
                                    const std::string& file);
-  /// The same of the selected items that the model has; removed ones of a comparison it has not.
+  /// Exports the selected items that the model has; removed ones of a comparison it has not.
   static core::Expected<Job> selection(const Session& session, const std::vector<std::string>& files,
                                        const std::string& file);
 

@@ -24,7 +24,7 @@ class OpeningSteps {
   }
   OpeningStep step() const { return step_; }
   std::string_view name() const { return kOpeningStepNames[std::size_t(step_)]; }
-  /// Of a step that is over.
+  /// The time that a finished step took.
   double seconds(OpeningStep step) const { return seconds_[std::size_t(step)]; }
 
  private:

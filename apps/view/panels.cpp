@@ -23,7 +23,7 @@ float bar_height() {
   return ImGui::GetFrameHeight();
 }
 
-/// Of a panel, pixels. `chosen`: by the user, in lines of text; 0: not chosen.
+/// The width of a panel, pixels. `chosen`: by the user, in lines of text; 0: not chosen.
 float panel_width(float chosen, float usual, float usual_share) {
   const float font = ImGui::GetFontSize(), wide = ImGui::GetIO().DisplaySize.x;
   if (chosen == 0.0f) return std::min(usual * font, usual_share * wide);

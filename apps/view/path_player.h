@@ -26,7 +26,7 @@ class PathPlayer {
   /// beginning. None while nothing plays. Stops at the path's end, and where `camera` is not where the last call put
   /// it: somebody else has taken over.
   std::optional<core::CameraSample> next(double now, const core::Pose& camera);
-  /// The same for one of `frames` evenly spaced frames.
+  /// The sample of one of `frames` evenly spaced frames.
   std::optional<core::CameraSample> next_frame(int frame, int frames);
 
  private:

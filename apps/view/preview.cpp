@@ -123,13 +123,13 @@ bool Preview::follow(const core::Scene& scene, Clock::time_point now) {
 }
 
 std::optional<std::uint32_t> Preview::draw(gl::Context& context, const std::array<int, 2>& size) {
-  if (!coming_) {
+  if (!incoming_) {
     const std::lock_guard lock(mutex_);
-    coming_ = std::move(fresh_);
+    incoming_ = std::move(fresh_);
   }
   bool failed = false;
-  if (coming_ && advance(*coming_, context, size, failed)) shown_ = std::move(coming_);
-  if (failed) coming_.reset();
+  if (incoming_ && advance(*incoming_, context, size, failed)) shown_ = std::move(incoming_);
+  if (failed) incoming_.reset();
   if (!shown_) return std::nullopt;
   failed = false;
   if (!shown_->complete || shown_->size != size) advance(*shown_, context, size, failed);
@@ -139,7 +139,7 @@ std::optional<std::uint32_t> Preview::draw(gl::Context& context, const std::arra
 
 bool Preview::drawing() const {
   const std::lock_guard lock(mutex_);
-  return fresh_ || coming_ || (shown_ && !shown_->complete);
+  return fresh_ || incoming_ || (shown_ && !shown_->complete);
 }
 
 /// True once it is complete in that size.

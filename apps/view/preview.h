@@ -72,7 +72,7 @@ class Preview {
   Clock::time_point next_;
   mutable std::mutex mutex_;
   std::unique_ptr<Shown> fresh_;           // guarded by it
-  std::unique_ptr<Shown> coming_, shown_;  // the drawing thread's
+  std::unique_ptr<Shown> incoming_, shown_;  // the drawing thread's
 };
 
 }  // namespace sightline::apps

@@ -17,7 +17,7 @@ class RestingImage {
   int count() const { return sum_.count(); }
   bool complete() const { return count() == kSamples; }
   void clear() { sum_.clear(); }
-  /// Of the next image.
+  /// The shift of the next image.
   core::dvec2 shift() const { return shifts()[std::size_t(count() % kSamples)]; }
   /// All must have one size, from clear() on.
   void add(const image::Image& image) { sum_.add(image); }

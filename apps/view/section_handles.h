@@ -26,7 +26,7 @@ class SectionHandles {
     bool round = false, model = false;
   };
 
-  /// Of all sections that are on; the one to draw first comes first, the selected one last and whole.
+  /// Handles of all sections that are on; the one to draw first comes first, the selected one last and whole.
   static std::vector<Shown> shown(const Session& session, double scale);
   /// The handle at a point of the image.
   static std::optional<Target> at(const Session& session, const core::dvec2& at, double scale);

@@ -74,7 +74,7 @@ class Session {
 
   /// The view that the image shows now: the camera's, cut by the sections; `shift` as Camera::view() has it.
   core::Expected<core::View> view(const core::dvec2& shift = core::dvec2(0.0)) const;
-  /// The same with another camera, of an image of any shape.
+  /// The view of another camera, of an image of any shape.
   core::Expected<core::View> view_of(const Camera& camera, double aspect,
                                      const core::dvec2& shift = core::dvec2(0.0)) const;
   double aspect() const { return double(size_[0]) / size_[1]; }

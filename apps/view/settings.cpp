@@ -72,7 +72,7 @@ std::optional<std::string> folder_of(const Json& json) {
   return folder.empty() || fs::path(folder).is_absolute() ? std::optional(std::move(folder)) : std::nullopt;
 }
 
-/// Of a panel's width.
+/// Reads a panel's width.
 std::optional<float> lines_of(const Json& json) {
   constexpr float kMostLines = 1000.0f;
   if (!json.is_number() || json < 0.0f || json > kMostLines) return std::nullopt;

@@ -67,7 +67,7 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   looks_ = options.shown.all_looks();
   const bool asked = options.shown.depth_shading || options.shown.edge_lines || !options.remembers();
   shown.depth_shading = looks_.depth_shading.any() && (now_.depth_shading || asked);
-  if (!looks_.depth_shading.any()) looks_.depth_shading = engine::Looks::for_people().depth_shading;
+  if (!looks_.depth_shading.any()) looks_.depth_shading = engine::Looks::standard().depth_shading;
   shown.hatching = looks_.hatching.any() || (now_.hatching && options.remembers());
   if (!looks_.hatching.any()) looks_.hatching = kHatching;
   looks_.hatching.spacing = float(kHatching.spacing * std::max(1.0, gui_.scale()));
@@ -115,7 +115,7 @@ core::Expected<int> Viewer::run() {
     if (!busy && !gui_.has_events()) continue;  // nothing to draw
     if (auto done = land_model_export(); !done) return tl::unexpected(done.error());
     if (auto done = land(); !done) return tl::unexpected(done.error());
-    if (landing_ && !gui_.has_events() && glfwGetTime() < next_frame_) continue;
+    if (swapping_in_ && !gui_.has_events() && glfwGetTime() < next_frame_) continue;
     if (auto done = step_export(); !done && !lost()) return tl::unexpected(done.error());
     if (settled() && next_step_ < script_.size())
       if (auto done = step_script(); !done) return tl::unexpected(done.error());
@@ -135,7 +135,7 @@ core::Expected<int> Viewer::run() {
 
 /// Seconds to wait for events before the loop goes on without.
 double Viewer::patience() const {
-  if (landing_ || (preview_ && preview_->drawing())) return 0.0;
+  if (swapping_in_ || (preview_ && preview_->drawing())) return 0.0;
   if (loader_ || model_export_) return std::max(kLoadingWait, kBetweenFrames * frame_seconds_);
   if (!at_rest() || refining() || player_.playing() || next_step_ < script_.size()) return 0.0;
   return waits_for_picks() ? kLoadingWait : kIdleWait;
@@ -210,7 +210,7 @@ bool Viewer::at_rest() const {
   return !session_ || !session_->stale();
 }
 
-/// Of the images; their context and size come later.
+/// The configuration of the images; their context and size come later.
 engine::EngineConfig Viewer::image_config() const {
   engine::EngineConfig config;
   config.draw = true;
@@ -472,8 +472,8 @@ void Viewer::keep_settings() {
   std::fprintf(stderr, "sightline-view: %s\n", message_.c_str());
 }
 
-/// Of a model that is one file, with attributes or without: an image of several shows none of them. Without a folder
-/// that takes files there are no thumbnails.
+/// Keeps the thumbnail of a model that is one file, with attributes or without: an image of several shows none of them.
+/// Without a folder that takes files there are no thumbnails.
 void Viewer::keep_thumbnail() {
   thumbnail_due_ = false;
   std::vector<std::string> models;

@@ -120,12 +120,12 @@ class Viewer {
   core::Expected<void> toggle_recording();
   core::Expected<void> toggle_depth_shading();
   core::Expected<void> toggle_hatching();
-  /// Of files that do not say which axis points up, where the user says it, or where they were turned for it.
+  /// Whether y is up in files that do not say so, because the user says it or because they were turned for it.
   bool y_is_up() const;
-  /// Of such files; those that are open are read again.
+  /// Changes the axis that points up in such files; those that are open are read again.
   void toggle_up();
   core::Expected<void> toggle_levels();
-  /// Of meshes, by levels of detail, while the view moves; 0: none.
+  /// The error of meshes, by levels of detail, while the view moves; 0: none.
   core::Expected<void> set_motion_error(double pixels);
   bool recording() const { return recorder_.has_value(); }
   PathPlayer& player() { return player_; }
@@ -274,9 +274,9 @@ class Viewer {
   std::unique_ptr<ModelExport> model_export_;   // reads the session's scene
   OpeningSteps opening_;
   engine::Looks looks_;              // with shading and hatching also while these are off
-  int landing_calls_ = 0;            // calls of Session::begin()
+  int engine_portions_ = 0;          // calls of Session::begin()
   bool keeps_moving_image_ = false;  // the window shows it until the image at rest is complete
-  bool landing_ = false;             // it is done, and opened_ is brought into the window's context
+  bool swapping_in_ = false;         // it is done, and opened_ is brought into the window's context
   std::unique_ptr<Export> export_;   // with the session's engine
   bool export_cancelled_ = false;
   ViewList views_;

@@ -219,7 +219,7 @@ void Viewer::click(const Drag& drag) {
   if (!items.empty()) session_->tree().reveal(session_->scene().node_of(items[0]));
 }
 
-/// Of what the cursor is over, which is selected, unless it is part of what is.
+/// Opens the menu of what the cursor is over, which is selected unless it is part of the selection.
 void Viewer::open_context_menu(const core::dvec2& at) {
   context_face_.reset();
   shown.context = true;

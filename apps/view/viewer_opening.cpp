@@ -1,4 +1,4 @@
-// Models, from a file's name to the image: reading, landing in the window, and what becomes of it where that fails.
+// Models, from a file's name to the image: reading, swapping into the window, and what becomes of it where that fails.
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
@@ -12,7 +12,7 @@
 namespace sightline::apps {
 namespace {
 
-constexpr double kShareOfEngine = 0.9;  // of the progress after reading; the rest is landing
+constexpr double kShareOfEngine = 0.9;  // of the progress after reading; the rest is swapping in
 
 std::string name_of_files(const std::vector<std::string>& files) {
   std::string name = files.empty() ? "" : std::filesystem::path(files[0]).filename().string();
@@ -20,7 +20,7 @@ std::string name_of_files(const std::vector<std::string>& files) {
   return name;
 }
 
-/// Of the bottom line; all of the report is in the tab Item.
+/// The text of the bottom line; all of the report is in the tab Item.
 std::string recognised_items(const importers::RecognitionReport& report) {
   if (report.meshes == 0) return "";
   const std::uint64_t items = std::accumulate(report.items.begin(), report.items.end(), std::uint64_t{0});
@@ -54,7 +54,7 @@ void Viewer::open(const std::vector<std::string>& files) {
   found_.reset();
   opening_ = {};
   opening_.enter(OpeningStep::kReading);
-  landing_calls_ = 0;
+  engine_portions_ = 0;
   if (shown.dialog == Dialog::kOpen) shown.dialog = Dialog::kNone;
   tell("reading " + name_of_files(files));
 }
@@ -74,7 +74,7 @@ void Viewer::drop_loading() {
   opening_.enter(OpeningStep::kNone);
   loader_.reset();  // first: its thread uses preview and model
   opened_.reset();
-  landing_ = false;
+  swapping_in_ = false;
 }
 
 void Viewer::cancel_loading() {
@@ -86,7 +86,7 @@ void Viewer::cancel_loading() {
 core::Expected<void> Viewer::land() {
   if (!loader_ || export_ || model_export_) return {};
   follow_opening();
-  if (!landing_) {
+  if (!swapping_in_) {
     auto model = loader_->take();
     if (!model) return {};
     if (found_) {
@@ -96,12 +96,12 @@ core::Expected<void> Viewer::land() {
       return land_comparison(std::move(*model), file), core::Expected<void>();
     }
     if (!*model) return not_landed(model->error());
-    landing_ = true;
+    swapping_in_ = true;
     if (window_.context().capabilities().software) opened_->set_default_budget(options_.default_budget_ms);
   }
   if (loader_->cancelled()) return not_landed({std::string(importers::kCancelled)});
   part_ = viewport();
-  ++landing_calls_;
+  ++engine_portions_;
   const auto done = opened_->begin(window_.context(), {part_.width, part_.height});
   if (!done) return lost() ? core::Expected<void>() : not_landed(done.error());
   return *done ? landed() : core::Expected<void>();
@@ -111,7 +111,7 @@ core::Expected<void> Viewer::land() {
 void Viewer::follow_opening() {
   if (opening_.step() == OpeningStep::kReading && loader_->read_at() != OpeningSteps::Clock::time_point())
     opening_.enter(OpeningStep::kBuilding, loader_->read_at());
-  if (!landing_) return;
+  if (!swapping_in_) return;
   const OpeningStep step = opened_->uploaded() ? OpeningStep::kDrawing : OpeningStep::kUploading;
   if (step != opening_.step()) opening_.enter(step);
 }
@@ -135,7 +135,7 @@ core::Expected<void> Viewer::landed() {
   preview_.reset();
   opening_.enter(OpeningStep::kNone);
   recognised_ = recognised;
-  landing_ = false;
+  swapping_in_ = false;
   redraws_ = kSettlingFrames;
   print_warnings(opened_->model().report.warnings);
   set_walking(false);

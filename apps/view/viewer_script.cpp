@@ -172,7 +172,7 @@ Json Viewer::state() const {
             {"image", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
             {"pause_ms", pause_ms_},
-            {"opening", opening_json(opening_, landing_calls_)},
+            {"opening", opening_json(opening_, engine_portions_)},
             {"recording", recording()},
             {"playing", player_.playing()},
             {"recovered", recovered_},

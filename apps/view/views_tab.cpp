@@ -14,7 +14,7 @@
 namespace sightline::apps {
 namespace {
 
-/// Of a snapshot; none of bytes that are no image.
+/// The image of a snapshot; none for bytes that are no image.
 std::optional<image::Image> small_image(const Viewpoint& view) {
   constexpr int kWidth = 320;
   const auto image = image::decode_png(view.snapshot);

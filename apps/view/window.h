@@ -59,7 +59,7 @@ class Window {
   void copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to) {
     copy(framebuffer, size, to, 0, size[0]);
   }
-  /// The same of the columns from `begin` to before `end` alone, which get their part of `to`.
+  /// Copies the columns from `begin` to before `end` alone, which get their part of `to`.
   void copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to, int begin, int end);
   /// Keeps an image in the context, in place of another one; null: none.
   core::Expected<void> keep(const image::Image* image);

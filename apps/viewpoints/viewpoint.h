@@ -72,7 +72,7 @@ struct ViewFile {
   std::size_t left_out = 0;  ///< topics and viewpoints without a camera that can be shown
 };
 
-/// The same for a model that was moved by `offset`.
+/// The viewpoint of a model that was moved by `offset`.
 Viewpoint translated(const Viewpoint& viewpoint, const core::dvec3& offset);
 
 }  // namespace sightline::apps

@@ -12,7 +12,7 @@
 namespace sightline::capi {
 namespace {
 
-/// Of fixed size, so that setting it cannot fail and threads need not free it.
+/// The last error of this thread. Its size is fixed, so that setting it cannot fail and threads need not free it.
 thread_local char last_error[1024] = "";
 
 void set_last_error(std::string_view function, std::string_view message) {

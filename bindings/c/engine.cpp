@@ -315,7 +315,7 @@ sl_status sl_engine_drop_context(sl_engine handle) {
     engine->drop_context();
 #if SIGHTLINE_HAS_GL
     engine.object().context_in_use = false;
-    engine.object().coming_context.reset();
+    engine.object().next_context.reset();
 #endif
   });
 }
@@ -324,7 +324,7 @@ sl_status sl_engine_abandon_context(sl_engine handle) {
   return with_engine(__func__, handle, Access::kEdit, [](const EngineUse& engine) {
 #if SIGHTLINE_HAS_GL
     engine.object().context.reset();  // shares of it are lost from now on: they free nothing
-    engine.object().coming_context.reset();
+    engine.object().next_context.reset();
     engine.object().context_in_use = false;
 #endif
     engine->drop_context();
@@ -341,7 +341,7 @@ sl_status sl_engine_use_context(sl_engine handle, sl_get_proc get_proc, void* us
     auto context = std::make_unique<gl::Context>(value_of(gl::Context::adopt(get_proc, user)));
     value_of(engine->use_context(*context));
     object.context = std::move(context);
-    object.coming_context.reset();
+    object.next_context.reset();
     object.context_in_use = true;
 #else
     (void)engine, (void)get_proc, (void)user;
@@ -358,15 +358,15 @@ sl_status sl_engine_use_context_for(sl_engine handle, sl_get_proc get_proc, void
 #if SIGHTLINE_HAS_GL
     EngineObject& object = engine.object();
     if (object.context_in_use) refuse(SL_ERROR_BUSY, "the former context is in use: drop or abandon it first");
-    if (!object.coming_context) {
+    if (!object.next_context) {
       require(get_proc != nullptr, "get_proc, found null");
-      object.coming_context = std::make_unique<gl::Context>(value_of(gl::Context::adopt(get_proc, user)));
+      object.next_context = std::make_unique<gl::Context>(value_of(gl::Context::adopt(get_proc, user)));
     }
-    const auto done = engine->use_context(*object.coming_context, seconds);
-    if (!done) object.coming_context.reset();
+    const auto done = engine->use_context(*object.next_context, seconds);
+    if (!done) object.next_context.reset();
     const bool taken = value_of(done);
     if (taken) {
-      object.context = std::move(object.coming_context);
+      object.context = std::move(object.next_context);
       object.context_in_use = true;
     }
     *complete = taken;

@@ -165,7 +165,7 @@ py::array_t<float> distances(GatedRaster& of) {
   return down;
 }
 
-/// Of an array as distances() gives it.
+/// Makes a pyramid of an array as distances() gives it.
 culling::DepthPyramid pyramid_of(py::handle value) {
   const auto down = floats(value, "occluders", {-1, -1});
   const py::ssize_t height = down.shape(0), width = down.shape(1);

@@ -30,13 +30,13 @@ EngineBox::EngineBox(ScenePtr scene, engine::EngineConfig config, const py::obje
 }
 
 EngineBox::~EngineBox() {
-  if (engine_) context_.reset(), coming_.reset();  // what the engine has in them is lost to it: it frees nothing
+  if (engine_) context_.reset(), next_context_.reset();  // what the engine has in them is lost to it: it frees nothing
 }
 
 void EngineBox::close() {
   const LongCall call({gate_, Use::kWrite});
   engine_.reset();
-  coming_.reset();
+  next_context_.reset();
   context_.reset();
 }
 
@@ -62,14 +62,14 @@ void EngineBox::drop_context() {
   call([&](engine::Engine& e) {
     e.drop_context();
     context_in_use_ = false;
-    coming_.reset();
+    next_context_.reset();
   });
 }
 
 void EngineBox::abandon_context() {
   call([&](engine::Engine& e) {
     context_.reset();
-    coming_.reset();
+    next_context_.reset();
     context_in_use_ = false;
     e.drop_context();
   });
@@ -79,15 +79,16 @@ bool EngineBox::use_context(const py::object& get_proc, std::optional<double> se
   if (seconds && std::isnan(*seconds)) fail("seconds: expected a number or None, found nan");
   if (closed()) fail("engine: it is closed");
   std::unique_ptr<gl::Context> adopted;
-  if (!coming_ && !context_in_use_) adopted = adopt_context(get_proc);
+  if (!next_context_ && !context_in_use_) adopted = adopt_context(get_proc);
   return unwrap(call([&](engine::Engine& e) -> core::Expected<bool> {
     if (context_in_use_) return core::fail("engine: the former context is in use: drop or abandon it first");
-    if (adopted) coming_ = std::move(adopted);
-    if (!coming_) return core::fail("engine: another thread has dropped the context meanwhile");
-    auto done = seconds ? e.use_context(*coming_, *seconds) : e.use_context(*coming_).map([] { return true; });
-    if (!done) coming_.reset();
+    if (adopted) next_context_ = std::move(adopted);
+    if (!next_context_) return core::fail("engine: another thread has dropped the context meanwhile");
+    auto done =
+        seconds ? e.use_context(*next_context_, *seconds) : e.use_context(*next_context_).map([] { return true; });
+    if (!done) next_context_.reset();
     if (!done || !*done) return done;
-    context_ = std::move(coming_);
+    context_ = std::move(next_context_);
     context_in_use_ = true;
     return true;
   }));

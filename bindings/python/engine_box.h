@@ -50,7 +50,7 @@ class EngineBox {
   Gate gate_;
   int width_, height_;  // of the image, in pixels
   // The application's contexts, which the engine must not outlive: the one it draws with, and the one it is taking.
-  std::unique_ptr<gl::Context> context_, coming_;
+  std::unique_ptr<gl::Context> context_, next_context_;
   bool context_in_use_ = false;  // neither dropped nor abandoned
   std::optional<engine::Engine> engine_;
 };

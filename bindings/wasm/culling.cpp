@@ -124,7 +124,7 @@ SIGHTLINE_EXPORT bool sl_boxes_nearest(Boxes* boxes, const double* point, std::u
     boxes->answer_hits();
   });
 }
-/// Of the last hits.
+/// Writes the distances of the last hits.
 SIGHTLINE_EXPORT void sl_boxes_distances(Boxes* boxes) {
   answer(boxes->distances);
 }

@@ -27,7 +27,7 @@ struct Model {
   std::vector<core::MaterialId> materials = {};
   importers::ImportReport report = {};
 
-  // Of the last commit; null or empty before the first, the tracer before the first ray, joints before records.
+  // Made for the last commit: null or empty before the first, the tracer before the first ray, joints before records.
   std::unique_ptr<core::Snapshot> snapshot = {};
   std::optional<culling::CpuCuller> culler = {};
   std::optional<raytrace::Tracer> tracer = {};

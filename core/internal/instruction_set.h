@@ -23,7 +23,7 @@ const char* name_of(InstructionSet set);
 /// The reverse of name_of(); nullopt for any other text.
 std::optional<InstructionSet> instruction_set_named(std::string_view name);
 
-/// Of three forms the one in use.
+/// The form that belongs to the instruction set in use.
 template <class Form>
 const Form& form_in_use(const Form& scalar, const Form& avx2, const Form& avx512) {
   switch (instruction_set()) {

@@ -15,11 +15,12 @@
 
 namespace sightline::core {
 
-/// Of the sum of an item's coordinates in its chunk and of its points' in the item, all absolute. A point is off by
-/// 2^-24 of the first, and by 2 * 2^-24 of the second for the map and the parameters. The coordinates along an axis are
-/// sums of up to three terms, whose absolute sum is at most sqrt(3) times as large where the map turns: 3.5 in all.
+/// The rounding of a point, as a share of the sum of an item's coordinates in its chunk and of its points' in the item,
+/// all absolute. A point is off by 2^-24 of the first, and by 2 * 2^-24 of the second for the map and the parameters.
+/// The coordinates along an axis are sums of up to three terms, whose absolute sum is at most sqrt(3) times as large
+/// where the map turns: 3.5 in all.
 inline constexpr double kFloatRounding = 4.0 * 0x1p-24;
-/// Of world coordinates, through a few products and sums in double.
+/// The rounding of world coordinates through a few products and sums in double.
 inline constexpr double kWorldRounding = 16.0 * 0x1p-53;
 
 /// By how much the plane's value may be too low at a point of an item. `coordinates`: of the item in its chunk and of
@@ -35,7 +36,7 @@ inline Plane moved_outwards(const Plane& plane, const dvec3& origin, const dvec3
   return {plane.normal, plane.offset + section_margin(plane, 4.0 * largest, glm::abs(origin) + largest)};
 }
 
-/// The same half-space with a normal of unit length. The normal must be finite and not zero.
+/// The half-space with a normal of unit length. The normal must be finite and not zero.
 inline Plane normalised(const Plane& plane) {
   const dvec3 a = glm::abs(plane.normal);
   const double largest = std::max({a.x, a.y, a.z});  // no square over- or underflows

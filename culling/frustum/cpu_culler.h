@@ -38,7 +38,7 @@ class SIGHTLINE_API CpuCuller {
   void update(std::span<const core::Slot> changed, CullThreads* threads = nullptr) {
     hierarchy_.update(*bounds_, changed, threads);
   }
-  /// The same after any change. Linear in the number of slots.
+  /// Follows any change. Linear in the number of slots.
   void refit(CullThreads* threads = nullptr) { hierarchy_.refit(*bounds_, threads); }
 
   const Hierarchy& hierarchy() const { return hierarchy_; }

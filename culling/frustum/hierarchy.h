@@ -43,7 +43,7 @@ class SIGHTLINE_API Hierarchy {
   /// Refits all boxes, after any change of the bounds. Linear time. With `threads`, subtrees are distributed among them
   /// where that is faster.
   void refit(const core::ItemBounds& bounds, CullThreads* threads = nullptr);
-  /// The same when only boxes or layers of `changed` slots have changed (in any order, repeated or not) and slots were
+  /// Follows changes of boxes or layers of `changed` slots alone (in any order, repeated or not) and slots were
   /// appended. Refits only their blocks and the nodes above them. Boxes around slots that became vacant keep their
   /// sizes, so a walk may go further than needed. Each changed block and each node above is refitted once. Linear in
   /// the number of changes; does not depend on the number of slots unless slots were appended.
@@ -54,7 +54,7 @@ class SIGHTLINE_API Hierarchy {
   int level_count() const { return int(nodes_.size()); }
   /// Level 0 holds the boxes of leaves; the last level is the root alone.
   std::span<const HierarchyNode> level(int level) const { return nodes_[std::size_t(level)]; }
-  /// Of a lane: child `lane` % kLanes of node `lane` / kLanes of that level.
+  /// The box of a lane: child `lane` % kLanes of node `lane` / kLanes of that level.
   core::Aabb box(int level, std::uint32_t lane) const {
     const auto& bounds = nodes_[std::size_t(level)][lane / kLanes].bounds;
     const auto at = [&](int side) { return bounds[side][lane % kLanes]; };

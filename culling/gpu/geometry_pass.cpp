@@ -211,7 +211,7 @@ class GeometryPass : public GpuPass {
   }
 
   const gl::Functions* gl_;
-  // Of batches with parts the second ones; of kUnoccludedNow, and of all other selections the first.
+  // [kUnoccludedNow or any other selection][whether the batch has parts]
   std::array<std::array<gl::Program, 2>, 2> cluster_pass_;
   std::array<BatchPrograms, kSelectionCount> item_pass_;
   gl::VertexArray cluster_array_, item_array_;

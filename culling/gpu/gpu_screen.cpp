@@ -8,8 +8,8 @@
 namespace sightline::culling {
 namespace {
 
-/// Of a form's value, in units of the sum of the sizes of its four products. A coefficient is off by 2^-24, a product
-/// and three sums by 2^-23 each; that the bands are rounded, too, takes less than the rest.
+/// The error of a form's value, in units of the sum of the sizes of its four products. A coefficient is off by 2^-24, a
+/// product and three sums by 2^-23 each; that the bands are rounded, too, takes less than the rest.
 constexpr double kUnits = 0x1p-20;
 
 }  // namespace

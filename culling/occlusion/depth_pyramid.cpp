@@ -58,7 +58,7 @@ void DepthPyramid::finish() {
   finish_above();
 }
 
-/// Of the levels whose blocks are no higher than a band.
+/// Finishes the band of all levels whose blocks are no higher than a band.
 void DepthPyramid::finish_band(int band) {
   for (int level = 1; level <= kBandLevels; ++level)
     finish_rows(level, band * (kBandRows >> level), (band + 1) * (kBandRows >> level));

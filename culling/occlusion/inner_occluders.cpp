@@ -324,7 +324,7 @@ class InnerOccluders {
     return front({0.0, 0.0, -half}, {0.0, 0.0, half}, std::max(std::abs(p[0]), std::abs(p[1])), 0.0);
   }
 
-  /// Of cylinders about chords, each of which contains its part of the tube.
+  /// Tests the fronts of cylinders about chords, each of which contains its part of the tube.
   bool fronts_of_torus(double major, double tube, double sweep) {
     if (!(major > tube) || !(sweep > 0.0)) return false;
     const int steps = std::max(1, int(std::ceil(sweep / kFrontStep)));

@@ -26,8 +26,8 @@ void for_each_piece(const core::VisibleSet& set, const Visit& visit) {
   }
 }
 
-/// Of a node of level 0, which is a child of level 1. Infinite where there is none: a view that scales may take the
-/// sides of a box to both infinities.
+/// The distance of a node of level 0, which is a child of level 1. Infinite where there is none: a view that scales may
+/// take the sides of a box to both infinities.
 float distance_of(const Hierarchy& hierarchy, std::uint32_t node, const OcclusionTest& test) {
   const float distance = test.distance(hierarchy.box(1, node));
   return std::isnan(distance) ? std::numeric_limits<float>::infinity() : distance;

@@ -126,7 +126,7 @@ bool cover(OccluderImage& image, const Polygon& polygon, double shift) {
 constexpr std::uint8_t kInOrder[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
 static_assert(std::size(kInOrder) == OccluderArea::kMostSides);
 
-/// Of a polygon of these corners and no others, three at least.
+/// The face of all these corners, three at least.
 Polygon::Face all_of(std::span<const Corner> corners) {
   return {kInOrder, int(corners.size())};
 }
@@ -351,7 +351,7 @@ double apparent_size(const OccluderImage& image, const core::AabbD& box) {
   const dvec3 to = glm::clamp(image.eye, box.min, box.max) - image.eye;
   const double distance = glm::length(to);
   if (distance == 0.0) return 0.0;  // the eye is in it
-  // Of a large face only what lies about the nearest point counts.
+  // Only the part of a large face that lies about the nearest point counts.
   const dvec3 near = glm::min(size, dvec3(4.0 * distance));
   return (std::abs(to.x) * near.y * near.z + std::abs(to.y) * near.z * near.x + std::abs(to.z) * near.x * near.y) /
          (distance * distance * distance);

@@ -84,7 +84,7 @@ class SIGHTLINE_API OccluderRaster {
   /// perspective views: the near plane clips these.
   bool add_within(std::span<const WholeSolid> solids, std::span<const OccluderPolygon> polygons);
 
-  /// Of quads in front of solids (internal/inner_occluders.h): 0 for those that lie behind what all of their pixels
+  /// Tests quads in front of solids (internal/inner_occluders.h): 0 for those that lie behind what all of their pixels
   /// hold in a pyramid of this view and size, else 1. So a solid is hidden when all its quads are. `error`: as for
   /// OcclusionTest.
   void find_seen(std::span<const OccluderPolygon> quads, const DepthPyramid& pyramid, double error,
@@ -104,7 +104,7 @@ class SIGHTLINE_API OccluderRaster {
   /// Writes the image row by row from the bottom up, as DepthPyramid::build() takes it: width * height floats.
   /// `others`: images of the same view and size, whose occluders count, too.
   void distances(std::span<float> out, std::span<const OccluderRaster* const> others = {}) const;
-  /// Of these, rows first … end - 1. `out`: still all of them.
+  /// Writes rows first … end - 1 alone. `out` has room for all rows.
   void distances_of_rows(int first, int end, std::span<float> out, std::span<const OccluderRaster* const> others) const;
 
  private:

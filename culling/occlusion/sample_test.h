@@ -29,7 +29,7 @@ namespace sightline::culling {
 
 /// Pixels by which any GL's rasteriser may move a vertex: it has four bits of sub-pixel precision or more.
 inline constexpr float kCoarsestSnap = 0.08f;
-/// The same for an image and a rasteriser with so many bits (GL_SUBPIXEL_BITS), with what float loses of a place.
+/// The snap of a rasteriser with so many bits (GL_SUBPIXEL_BITS), with what float loses of a place.
 inline float rasteriser_snap(int subpixel_bits, int width, int height) {
   return std::ldexp(1.0f, -subpixel_bits) + 0x1p-20f * float(std::max(width, height));
 }

@@ -25,9 +25,9 @@ SIGHTLINE_API core::Expected<core::View> rectangle_view(const core::View& view, 
 /// A view without an image, whose volume is what all planes keep; at most core::kMaxSectionPlanes.
 SIGHTLINE_API core::View region_view(std::vector<core::Plane> planes, std::uint32_t layers = core::kDefaultLayerMask);
 
-/// Of `candidates`, which a culler found for the view, the items that lie in its volume by the rule: in rising order of
-/// slots. The volume is what the view's planes and its sections keep; where sections unite, what the planes and any of
-/// them keep, and to be inside is to be inside one of these parts. What items hide plays no role.
+/// Lists those of `candidates`, which a culler found for the view, that lie in its volume by the rule: in rising order
+/// of slots. The volume is what the view's planes and its sections keep; where sections unite, what the planes and any
+/// of them keep, and to be inside is to be inside one of these parts. What items hide plays no role.
 ///
 /// Promises, up to double rounding of the coordinates:
 ///   - kWholly: every item reported lies in the volume. None is missing, but for snouts with slanted ends, whose

@@ -71,11 +71,11 @@ void ClusterPasses::leave_out_hidden(const Item& item, std::vector<std::uint32_t
                       core::dvec3(0.0)));
   tested_.clear();
   if (!clusters.empty()) tested_.ranges.push_back({0, core::Slot(clusters.size())});
-  test_->filter(boxes_, tested_, open_, {}, threads_);
-  open_bits_.assign(culling::bit_words(clusters.size()), 0);
-  culling::set_bits(open_, open_bits_);
+  test_->filter(boxes_, tested_, unoccluded_, {}, threads_);
+  unoccluded_bits_.assign(culling::bit_words(clusters.size()), 0);
+  culling::set_bits(unoccluded_, unoccluded_bits_);
   std::uint32_t i = 0;
-  std::erase_if(clusters, [&](std::uint32_t) { return !contains(open_bits_, i++); });
+  std::erase_if(clusters, [&](std::uint32_t) { return !contains(unoccluded_bits_, i++); });
 }
 
 }  // namespace sightline::engine

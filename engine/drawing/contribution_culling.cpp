@@ -14,7 +14,7 @@ float side_of(const Square& square, float least_area) {
   return std::sqrt(std::max(square.area, least_area));
 }
 
-/// Of each pixel, how far the nearest surface is that is known to be drawn there. Several threads may use it.
+/// For each pixel, how far the nearest surface is that is known to be drawn there. Several threads may use it.
 class NearestDrawn {
  public:
   /// `error`: metres by which the distances may be off.

@@ -6,7 +6,7 @@
 
 #include "sightline/core/internal/clock.h"
 #include "sightline/engine/drawing/internal/left_out.h"
-#include "sightline/engine/drawing/internal/rehearsal.h"
+#include "sightline/engine/drawing/internal/warm_up.h"
 #include "sightline/engine/internal/looks.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/program_cache.h"
@@ -167,7 +167,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   if (auto current = make_current(); !current) return current;
   upload_.begin();
   if (context_.config.draw && own_context_ && !context_.renderer)
-    rehearse(context_.context, context_.config, context_.target().format(), batches_of(snapshot));
+    engine::warm_up(context_.context, context_.config, context_.target().format(), batches_of(snapshot));
   if (auto done = advance_upload(snapshot, joints, gpu_culls, core::kNoDeadline); !done) {
     upload_.abandon();
     return tl::unexpected(done.error());

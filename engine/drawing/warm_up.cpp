@@ -1,4 +1,4 @@
-#include "sightline/engine/drawing/internal/rehearsal.h"
+#include "sightline/engine/drawing/internal/warm_up.h"
 
 #include <algorithm>
 #include <array>
@@ -117,8 +117,8 @@ constexpr std::array<BatchKind, gpuscene::kBatchKindCount> kOrder = {
 
 }  // namespace
 
-void rehearse(const gl::Context& context, const EngineConfig& config, const render::TargetFormat& format,
-              std::span<const BatchKind> kinds) {
+void warm_up(const gl::Context& context, const EngineConfig& config, const render::TargetFormat& format,
+             std::span<const BatchKind> kinds) {
   const std::size_t processors = std::thread::hardware_concurrency();
   const gl::Functions& gl = context.functions();
   if (!context.capabilities().software || processors < 2 || !gl.program_cache || !gl.program_cache->enabled()) return;

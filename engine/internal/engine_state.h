@@ -31,16 +31,16 @@ struct EngineState {
   core::SceneDelta edits_left;  // taken from `edits` by a commit in portions, and not followed yet
   EngineConfig config;
   SceneVersion live;
-  std::optional<SceneVersion> landing;  // a new scene version, for which the backend uploads what it lacks
+  std::optional<SceneVersion> incoming;  // a new scene version, for which the backend uploads what it lacks
   Overrides overrides;
   core::VisibleSet visible;
   core::VisibleSet overlaid;  // visible items where the GPU culls, for what is drawn over its image
   std::uint32_t image = 0;    // in use, of the size of `config`
   std::map<std::uint32_t, std::pair<int, int>> image_sizes;        // of the other images
   std::unique_ptr<Backend> backend = std::make_unique<Backend>();  // never null
-  std::unique_ptr<Backend> coming;  // that use_context() makes in portions, while `backend` is not ready; or null
-  const gl::Context* coming_in = nullptr;  // the context of `coming`
-  bool meshes_left = false;                // a commit in portions may have left meshes to be uploaded
+  std::unique_ptr<Backend> next_backend;  // that use_context() makes in portions, while `backend` is not ready; or null
+  const gl::Context* next_context = nullptr;  // the context of `next_backend`
+  bool meshes_left = false;                   // a commit in portions may have left meshes to be uploaded
   bool gpu_behind = false;  // an update of the backend has failed: it shows the snapshot only once it is made anew
   double next_try = -1.0;   // when to try to make a context, in seconds; below 0: none is missing
   double last_frame_began = -1.0;  // seconds on the steady clock
@@ -85,7 +85,7 @@ void abandon_rebuild(EngineState& s);
 /// Makes the hybrid culler follow the plan, the scene and the context.
 void follow_hybrid(EngineState& s);
 /// Makes a new scene version that is about to land follow an edit. `edited`: of the live order, which shows it already.
-void follow_in_landing(EngineState& s, const core::SceneDelta& edited, std::span<const std::uint32_t> materials);
+void follow_in_incoming(EngineState& s, const core::SceneDelta& edited, std::span<const std::uint32_t> materials);
 
 // --- contexts.cpp ---
 /// Makes what the plan needs in the context: everything for a new scene version or a new context, otherwise what

@@ -85,7 +85,7 @@ class PageStore {
     std::uint64_t loaded = 0, evicted = 0, prefetched = 0, failed = 0;
   };
 
-  /// Of `scene` it uses pages and load.
+  /// Uses `pages` and `load` of `scene`.
   PageStore(const core::PagedScene& scene, std::size_t limit);
 
   /// Bytes that a page takes while it is uploaded, and the largest one.

@@ -104,11 +104,11 @@ class PagedImage {
   std::optional<lod::ImageError> error_;
   culling::DepthPyramid pyramid_;
   std::vector<float> distances_;
-  core::VisibleSet in_view_, candidates_;  // leaves
-  std::vector<std::uint64_t> open_;        // a bit per leaf
-  std::vector<std::uint32_t> open_count_;  // by page: its open leaves
-  std::vector<bool> coarse_drawn_;         // by page: see coarse_drawn()
-  std::vector<float> area_;                // by page: pixels that its leaves come to
+  core::VisibleSet in_view_, candidates_;      // leaves
+  std::vector<std::uint64_t> visible_leaves_;  // a bit per leaf
+  std::vector<std::uint32_t> open_count_;      // by page: its open leaves
+  std::vector<bool> coarse_drawn_;             // by page: see coarse_drawn()
+  std::vector<float> area_;                    // by page: pixels that its leaves come to
   std::vector<std::uint32_t> by_area_;  // pages with open leaves, the largest first, and some that have none any more
   culling::SetParts parts_;
   std::vector<culling::ContributionTest::SlotArea> areas_;

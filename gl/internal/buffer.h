@@ -37,7 +37,7 @@ class Buffer {
   /// output. Fails for 0 bytes, and when the driver has not enough memory.
   static core::Expected<Buffer> create(const Functions& gl, std::size_t bytes, const void* data, GLbitfield flags,
                                        std::string_view what);
-  /// The same from values.
+  /// A buffer that holds these values.
   template <class T, std::size_t N>
   static core::Expected<Buffer> create(const Functions& gl, std::span<T, N> values, GLbitfield flags,
                                        std::string_view what) {

@@ -26,7 +26,7 @@ class PlatformContext {
 
 /// Makes a context and leaves it current on this thread. The error lists each platform tried and why it failed.
 core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const ContextOptions& options);
-/// The same with OSMesa. The error says what to install.
+/// Creates a context with OSMesa. The error says what to install.
 core::Expected<std::unique_ptr<PlatformContext>> create_osmesa_context(const ContextOptions& options);
 
 // OSMesa does not keep on which thread a context is current. Of those that this library made, the following know it.

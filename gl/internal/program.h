@@ -40,7 +40,7 @@ class Program {
   /// Compiles and links. Fails with the program's name, the stage's first file and the driver's log, in which source
   /// numbers are replaced by file names.
   static core::Expected<Program> create(const Functions& gl, const ProgramDescription& description);
-  /// The same for several programs. Begins all before it waits for any, so that drivers with compiler threads compile
+  /// Creates several programs. Begins all before it waits for any, so that drivers with compiler threads compile
   /// all at once; contexts made offscreen ask for these (GL_KHR_parallel_shader_compile). Fails with the first error.
   static core::Expected<std::vector<Program>> create_all(const Functions& gl,
                                                          std::span<const ProgramDescription> descriptions);

@@ -25,7 +25,7 @@ class Query {
   }
   /// Result of the last begin() and end(). Waits for the GPU.
   GLuint result() const { return read(GL_QUERY_RESULT, 0); }
-  /// The same, or nothing while the GPU has not finished. Never waits.
+  /// The result, or nothing while the GPU has not finished. Never waits.
   std::optional<GLuint> result_if_known() const {
     constexpr GLuint kUnknown = ~0u;
     const GLuint value = read(GL_QUERY_RESULT_NO_WAIT, kUnknown);

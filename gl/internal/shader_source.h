@@ -37,7 +37,7 @@ struct StageSource {
 /// file with a #version of its own; each names file and line. Comments are not parsed: an #include inside one counts.
 core::Expected<StageSource> assemble_stage(const ShaderContext& context, std::span<const std::string> files);
 
-/// The same with the defines and extensions by which shaders know of workarounds: PLAIN_DEPTH, ADD_BASE_VERTEX.
+/// Adds the defines and extensions by which shaders know of workarounds: PLAIN_DEPTH, ADD_BASE_VERTEX.
 ShaderContext with_workarounds(ShaderContext context, Workarounds workarounds);
 
 /// In a driver's log of such a stage, replaces "1:100012(3)" (Mesa) and "1(100012)" (NVIDIA) at the start of lines,

@@ -56,16 +56,16 @@ class Joints {
   /// Time linear in the number of ends. Where more ends meet in one place than in any sound model, some joints may be
   /// overlooked; their ends are then drawn. Faces more than fifty times the usual size are held to the tolerance of
   /// fifty times the usual size.
-  /// Those that a scene cache has of the snapshot are not looked for.
+  /// Finds the joints of a snapshot, unless a scene cache brought them.
   explicit Joints(const core::Snapshot& snapshot);
-  /// Of slots, two bits each: those of a core::Page. They know no items and cannot follow edits.
+  /// Joints of the slots of a core::Page, two bits each. They know no items and cannot follow edits.
   static Joints of_slots(std::vector<std::uint64_t> bits);
   /// For a scene cache, as made from `snapshot`.
   core::StoredJoints stored(const core::Snapshot& snapshot) const;
 
   /// Covered ends of an item.
   Ends covered(core::ItemId item) const;
-  /// Of a slot's item, for any Joints.
+  /// The covered ends of a slot's item, for any Joints.
   Ends covered(const core::Snapshot& snapshot, core::Slot slot) const {
     return covered_at(of_slots_ ? slot : to_index(snapshot.item(slot)));
   }
@@ -78,8 +78,8 @@ class Joints {
   /// Uncovers the ends of items that were changed or removed, and the ends that these cover.
   void dissolve(const core::Snapshot& snapshot, std::initializer_list<std::span<const core::ItemId>> edited,
                 std::size_t former_size, std::vector<core::Slot>& touched);
-  /// The same for all items that are no longer opaque, because their material was edited. Time linear in the number of
-  /// materials, and in that of slots when one has turned from opaque to transparent.
+  /// Dissolves the joints of all items that are no longer opaque, because their material was edited. Time linear in the
+  /// number of materials, and in that of slots when one has turned from opaque to transparent.
   void dissolve_transparent(const core::Snapshot& snapshot, std::size_t former_size, std::vector<core::Slot>& touched);
 
   /// Nothing while no end is covered, else two bits per item and eight bytes per covered end.

@@ -65,7 +65,7 @@ float pair_total(Pair3 a) {
   return total;
 }
 
-// The same and one more number.
+// The sum of a vector of pairs and one more number.
 float pair_total(Pair3 a, float high, float low) {
   Pair3 two = pair_sum(a.high.xxx, a.high.yyy), four = pair_sum(pair_sum(two, a.high.zzz), vec3(high));
   precise float total = four.high.x + (four.low.x + (a.low.x + a.low.y + a.low.z + low));

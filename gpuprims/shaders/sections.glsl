@@ -6,12 +6,12 @@
 float size_of(vec3 p) { return abs(p.x) + abs(p.y) + abs(p.z); }
 
 #ifdef SECTIONS
-// Of the sum of the absolute coordinates that a point is computed from, but for its distance from the eye: of the item
+// The rounding as a share of the sum of the absolute coordinates that a point is computed from, but for its distance from the eye: of the item
 // in its chunk, and of the point in the item. Placing it and evaluating a plane there take some 25 roundings of at most
 // 2^-24 of that each. The rest of the 32 keeps values positive that are interpolated between corners in the plane.
 const float kSectionRounding = 32.0 / 16777216.0;
 
-// The same of coordinates relative to the eye, which are pairs of floats.
+// The rounding as a share of coordinates relative to the eye, which are pairs of floats.
 const float kPairRounding = 1.0 / 1073741824.0;
 
 // The value of a section plane at a point.

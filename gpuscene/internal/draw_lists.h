@@ -125,7 +125,7 @@ class DrawLists {
   /// Makes the lists empty.
   void clear() { sections_ = {}; }
 
-  /// Of the last update().
+  /// The counts of the last update().
   const MeshCounts& mesh_counts() const { return mesh_counts_; }
   const Section& section(BatchKind kind) const { return sections_[std::size_t(kind)]; }
   const gl::Buffer& commands() const { return from_gpu_ ? gpu_.commands : commands_.buffer(); }
@@ -135,7 +135,7 @@ class DrawLists {
   const gl::Buffer& counts() const { return gpu_.counts; }
   static std::size_t command_count_offset(BatchKind kind) { return 2 * std::size_t(kind) * sizeof(std::uint32_t); }
   static std::size_t record_count_offset(BatchKind kind) { return command_count_offset(kind) + sizeof(std::uint32_t); }
-  /// Of triangles, uint32: those of the scene, or the ones that were picked for the image.
+  /// Triangle indices, uint32: those of the scene, or the ones that were picked for the image.
   const gl::Buffer& mesh_indices(const GpuScene& scene) const {
     return picks_ && !from_gpu_ ? picked_indices_.buffer() : scene.meshes().indices();
   }
@@ -144,7 +144,7 @@ class DrawLists {
   /// 0, 1, 2, … up to the mesh batch's capacity: the instance attribute of meshes.
   const gl::Buffer& mesh_instances() const { return mesh_instances_; }
   std::size_t memory_bytes() const;
-  /// Of these, what the first update() makes at least.
+  /// The part of these bytes that the first update() makes at least.
   static constexpr std::size_t first_update_bytes() {
     return RingBuffer<ElementsCommand>::bytes(kLeastCommands) + RingBuffer<std::uint32_t>::bytes(kLeastSingles);
   }

@@ -135,7 +135,7 @@ class ElementStore {
   FreeSpace space_;
   std::vector<Element> staged_;
   std::vector<StagedRun> staged_runs_;
-  // Of a move:
+  // State of a move:
   gl::Buffer next_;
   std::vector<Run> copies_;
   std::vector<std::uint32_t> packed_at_;  // by copy; none where the buffer grows

@@ -38,7 +38,7 @@ class GpuScene {
   /// snapshot. Fails when the GPU has not enough memory. The context must be current, here and in all other calls.
   static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot,
                                          const gpuprims::Joints& joints = {});
-  /// The same in portions: begin(), which uploads nothing, and advance() until it returns true. Each call does at least
+  /// Uploads in portions: begin(), which uploads nothing, and advance() until it returns true. Each call does at least
   /// a little, and ends a millisecond or so after the deadline. The snapshot may be edited in between: once all is
   /// uploaded, call append(), update() and upload_meshes() with everything that was touched meanwhile. After a failure
   /// the scene is of no use.
@@ -53,7 +53,7 @@ class GpuScene {
   /// nothing to draw. Call append() for appended slots first. Needs at most one GL call per run of neighbours, and
   /// far fewer for many runs (ElementWriter, which lists the GL state that it changes).
   void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const gpuprims::Joints& joints = {});
-  /// The same where placements and shapes are as they were: rewrites one word of each record.
+  /// Follows edits that keep placements and shapes: rewrites one word of each record.
   void update_styles(const core::Snapshot& snapshot, std::span<const core::Slot> changed,
                      const gpuprims::Joints& joints = {});
   /// Adds records of the slots appended since the last call, `most` of them, and their kinds. Their meshes are drawn

@@ -98,7 +98,7 @@ class MeshPool {
     return vertices_.memory_bytes() + indices_.memory_bytes() + enclosures->bytes.size();
   }
 
-  /// What the meshes of records enclose (core::Enclosure), a byte each. Made by who first needs it.
+  /// What the meshes of records enclose (core::Enclosure), a byte each. Created on first use.
   struct Enclosures {
     std::size_t records = 0;
     gl::Buffer bytes;

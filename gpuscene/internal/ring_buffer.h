@@ -39,7 +39,7 @@ class RingBuffer {
     buffer_.write((begin() + first) * sizeof(Element), elements.size_bytes(), elements.data());
   }
   const gl::Buffer& buffer() const { return buffer_; }
-  /// Of a buffer whose regions hold so many elements.
+  /// Bytes of a buffer whose regions hold so many elements.
   static constexpr std::size_t bytes(std::size_t count) { return kRegions * count * sizeof(Element); }
 
  private:

@@ -181,7 +181,7 @@ Extent extent_of(const Body& body) {
   return {{from_occt(box.CornerMin()), from_occt(box.CornerMax())}, area.Mass()};
 }
 
-/// Of the exact bodies of a part that has tessellated ones, too.
+/// Extents of the exact bodies of a part that has tessellated ones, too.
 std::vector<Extent> exact_extents(const CadShape& shape) {
   const auto tessellated = [](const CadShape::Named& named) { return is_tessellated(named.body); };
   std::vector<Extent> found;

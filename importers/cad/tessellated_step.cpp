@@ -47,7 +47,7 @@ constexpr FaceKind kFaceKinds[] = {
 };
 constexpr std::string_view kGroupKinds[] = {"TESSELLATED_SOLID", "TESSELLATED_SHELL", "TESSELLATED_GEOMETRIC_SET",
                                             "REPOSITIONED_TESSELLATED_GEOMETRIC_SET"};
-/// Of the border of a solid or shell, whose faces are enough.
+/// Kinds of items of the border of a solid or shell, whose faces are enough.
 constexpr std::string_view kBorderKinds[] = {"TESSELLATED_EDGE", "TESSELLATED_CONNECTING_EDGE", "TESSELLATED_VERTEX",
                                              "TESSELLATED_WIRE"};
 

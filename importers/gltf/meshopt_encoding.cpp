@@ -20,7 +20,7 @@ unsigned char* raw(std::vector<std::byte>& bytes) {
   return reinterpret_cast<unsigned char*>(bytes.data());
 }
 
-/// That of the largest power of two of which all values are multiples; 0 where all are 0.
+/// The exponent of the largest power of two of which all values are multiples; 0 where all are 0.
 int common_exponent(std::span<const float> values) {
   constexpr std::uint32_t kMantissa = 0x7fffff, kLeading = 0x800000;
   int least = 127;

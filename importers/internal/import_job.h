@@ -40,7 +40,7 @@ class ImportJob {
   /// import fails.
   bool add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine& placement, core::MaterialId material = {},
                 core::Kind found = core::Kind::kMesh);
-  /// The same for polygons as files hold them: re-centred, cleaned and triangulated (polygon_mesh.h). Dropped faces
+  /// Adds polygons as files hold them: re-centred, cleaned and triangulated (polygon_mesh.h). Dropped faces
   /// become a warning at `offset`.
   bool add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name, const core::Affine& placement,
                 core::MaterialId material, std::uint64_t offset = 0);

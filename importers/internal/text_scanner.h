@@ -56,7 +56,7 @@ class TextScanner {
     return number_here(value);
   }
 
-  /// The same for the next word of this line: kEnd where the line has none.
+  /// Reads the next word of this line as a number: kEnd where the line has none.
   Found number_in_line(double& value) {
     if (!at_line_end()) return number_here(value);
     value = std::numeric_limits<double>::quiet_NaN();

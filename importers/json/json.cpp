@@ -284,7 +284,7 @@ class Builder {
     return made;
   }
 
-  /// Of members with the same key the last one counts, in the place of the first. With `sort` keys ascend.
+  /// The last of several members with one key counts, in the place of the first. With `sort` keys ascend.
   static Value object(std::vector<std::string> keys, std::vector<Value> values, bool sort) {
     Value made = Value::object();
     const bool ascending = std::adjacent_find(keys.begin(), keys.end(), std::greater_equal<>()) == keys.end();

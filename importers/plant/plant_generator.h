@@ -18,7 +18,7 @@ struct PlantConfig {
 /// steel, platforms, stairs and handrails, in groups SITE / ZONE / PIPE or EQUIPMENT or STRUCTURE / BRANCH, one
 /// material per group.
 ///
-/// Of the items 65 % are cylinders, 20 % circular torus slices, 5 % snouts and 10 % boxes, dishes and the rest (to the
+/// 65 % of the items are cylinders, 20 % circular torus slices, 5 % snouts and 10 % boxes, dishes and the rest (to the
 /// item, up to rounding). Radii run from 2 mm to 4 m, roughly evenly over their logarithm. The plant stands on z = 0,
 /// centred in x and y, Z up, within 400 x 100 x 60 m. Below 100 000 items its area shrinks in proportion; above, it
 /// gets denser. As in RVM files, parameters are millimetres, and placements scale them to metres and have

@@ -500,7 +500,7 @@ class ChainFit {
     return {};
   }
 
-  /// Of the sphere through the base whose other levels are off by the least algebraic error; 0 for none.
+  /// The height of the sphere through the base whose other levels are off by the least algebraic error; 0 for none.
   static double spherical_height(const std::vector<Level>& levels) {
     const double squared = levels[0].rho * levels[0].rho;
     double above = 0.0, below = 0.0;
@@ -513,7 +513,7 @@ class ChainFit {
     return centre + std::sqrt(squared + centre * centre);
   }
 
-  /// The same of an ellipse whose widest place is the base: z^2 = h^2 (1 - rho^2 / r^2).
+  /// The height of an ellipse whose widest place is the base: z^2 = h^2 (1 - rho^2 / r^2).
   static double elliptical_height(const std::vector<Level>& levels) {
     double above = 0.0, below = 0.0;
     for (const Level& level : levels) {
@@ -629,7 +629,7 @@ class ChainFit {
     return centre + dvec2(right.x * yy - right.y * xy, right.y * xx - right.x * xy) / det;
   }
 
-  /// Of two concentric circles: |p|^2 - 2 p.c is the same for all points of each.
+  /// The centre of two concentric circles: |p|^2 - 2 p.c is the same for all points of each.
   static std::optional<dvec2> common_centre(const std::vector<dvec2>& one, const std::vector<dvec2>& other) {
     double xx = 0, xy = 0, yy = 0, xs = 0, ys = 0;
     for (const auto* arc : {&one, &other}) {

@@ -33,7 +33,7 @@ SIGHTLINE_API core::Expected<void> write_rvm(const core::Scene& scene, core::Nod
                                              const std::filesystem::path& path,
                                              const std::function<bool(double)>& progress = {});
 
-/// The same into memory.
+/// Writes into memory.
 SIGHTLINE_API core::Expected<std::vector<std::byte>> write_rvm(const core::Scene& scene, core::NodeId node);
 
 }  // namespace sightline::importers

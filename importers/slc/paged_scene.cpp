@@ -259,7 +259,7 @@ class PagedPart {
 
   bool has_layers() const { return count(storage::kLayers) > 0; }
 
-  /// Of what stays until the page goes.
+  /// Bytes that stay until the page goes.
   std::size_t kept_bytes(const SlcPage& row) const {
     const std::size_t n = row.count;
     std::size_t bytes = 6 * in_lines((n + core::ItemBounds::kPadding) * sizeof(float)) + in_lines(n) +
@@ -273,7 +273,7 @@ class PagedPart {
     }
     return bytes;
   }
-  /// Of what goes after uploading.
+  /// Bytes that go after uploading.
   static std::size_t record_bytes(const SlcPage& row) {
     std::size_t bytes = 0;
     for (int kind = 0; kind < core::kPrimitiveKindCount; ++kind) {

@@ -22,7 +22,7 @@ using Json = json::Value;
 
 /// Raised when a reader makes something else of the same file.
 constexpr int kReaders = 2;
-/// Of an import with levels of detail, the rest of which are these.
+/// The share of reading in an import with levels of detail, which take the rest.
 constexpr double kReadingShare = 0.2;
 
 /// Size and time of a file that may be missing: then both are -1.

@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint64_t kMostVertices = 4'000'000;  // that are kept from tile to tile
 constexpr int kFewestSegments = 4;                  // of a full turn, where an error is allowed
 
-/// Of the error of a level of detail, the share that rounding to the grid leaves. Triangles of primitives need none:
+/// The share of a level's error that rounding to the grid leaves. Triangles of primitives need none:
 /// they are at most 0.6 of the tolerance away (gpuprims/internal/tessellation.h), and rounded twice.
 constexpr double kLevelShare = 7.0 / 8.0;
 

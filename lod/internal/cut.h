@@ -33,7 +33,7 @@ class ImageError {
   double nearest_;  // least w of visible points
 };
 
-/// The same in the coordinates of a mesh that the view shows.
+/// A view's error in the coordinates of a mesh that it shows.
 class MeshError {
  public:
   MeshError(const ImageError& image, const core::Affine& world_from_mesh);

@@ -53,9 +53,9 @@ class SurfaceDeviation {
   /// Where triangles have errors, `distance` and what follows are sums of a distance and the errors of both triangles.
   Deviation bound(const Triangles& from, const Triangles& to);
 
-  /// The same for the points of each triangle of `from` alone.
+  /// The deviation of the points of each triangle of `from` alone.
   std::span<const double> of_from() const { return of_from_; }
-  /// The same for those points alone that were shown to lie near this triangle of `to`.
+  /// The deviation of those points alone that were shown to lie near this triangle of `to`.
   std::span<const double> of_to() const { return of_to_; }
 
  private:
@@ -73,7 +73,7 @@ class SurfaceDeviation {
     double error;                 // of Triangles
     std::uint32_t neighbours[3];  // across edge k, from corner k to the next; kNone: none
 
-    /// Of all that is no sliver, whether the point's projection lies inside, but for rounding.
+    /// Whether the point's projection lies inside, but for rounding. Not for slivers.
     bool is_above(const core::dvec3& point) const {
       const core::dvec3 p = point - corners[0];
       const double u = glm::dot(gradients[0], p), v = glm::dot(gradients[1], p);

@@ -20,7 +20,7 @@ inline constexpr double kMargin = 0x1p-18;    // along it
 /// A ray whose origin is so near to the middle of a hierarchy, in each coordinate and in units of TreeSpace::radius, is
 /// not moved towards it if it begins within a radius of its origin. Its origin stays within TreeSpace::reach.
 inline constexpr double kNear = 2.0;
-// Of a plane's distance: rounding of difference, direction, reciprocal and product.
+// Errors of a plane's distance: rounding of difference, direction, reciprocal and product.
 inline constexpr float kUp = 1.0f + 0x1p-21f, kDown = 1.0f - 0x1p-21f;
 inline constexpr float kLeastDirection = 0x1p-60f;  // crosses kBoxError only after more than the whole reach
 

@@ -110,13 +110,13 @@ struct PacketKernels {
   /// Returns those that the tracer accepts.
   unsigned (*load)(const double* rays, int count, RayLanes& out);
   void (*to_item)(const RayLanes& rays, const LaneMap& map, RayLanes& out);
-  /// Those of `rays` that passes_by() does not tell to pass by.
+  /// Bits of those `rays` that passes_by() does not exclude.
   unsigned (*near)(const RayLanes& lanes, unsigned rays, const LaneSpace& space);
   /// enter() of all rays. Returns those of `rays` that come near.
   unsigned (*enter)(const RayLanes& lanes, unsigned rays, const LaneSpace& space, PacketFrame& frame);
   void (*walk)(const WideNode* nodes, std::uint32_t root, const PacketFrame& frame, unsigned rays,
                PacketVisitor& visitor);
-  /// The same for `count` packets, up to kTogether, as one. False: they are too far apart; some leaves may have been
+  /// Walks for `count` packets, up to kTogether, as one. False: they are too far apart; some leaves may have been
   /// visited.
   bool (*walk_as_one)(const WideNode* nodes, std::uint32_t root, const PacketPart* packets, int count,
                       PacketVisitor& visitor);

@@ -438,7 +438,7 @@ struct Packets {
 
   static int lowest(unsigned rays) { return int(core::lowest_bit(rays)); }
 
-  /// Of `rays` those that share the signs of the first one's direction.
+  /// Bits of those `rays` that share the signs of the first one's direction.
   static unsigned same_signs(const PacketFrame& f, unsigned rays) {
     const int first = lowest(rays);
     for (const unsigned back : f.back) rays &= (back >> first & 1u) != 0 ? back : ~back;

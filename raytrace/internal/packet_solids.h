@@ -19,7 +19,7 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kTiny = 1024.0 * std::numeric_limits<double>::min();  // squares below have underflowed
 
-// Of doubles as whole numbers: the exponent, and that of 1; of their upper half: 2^32 / 3, and two thirds of the
+// Parts of doubles as whole numbers: the exponent, and that of 1; of their upper half: 2^32 / 3, and two thirds of the
 // exponent of 1.
 constexpr std::int64_t kExponent = 0x7ff0000000000000, kOneOver = 0x7fe0000000000000;
 constexpr std::int64_t kThird = 0x55555556, kTwoThirds = 715094163;
@@ -428,7 +428,7 @@ struct Solids {
     return result;
   }
 
-  /// Of the rays in `wanted`; as bracketed_root().
+  /// Guesses the roots of the rays in `wanted`; compare bracketed_root().
   static Eight guess_root(Eight depth, Eight e, Eight p, Eight bound, Mask wanted) {
     const Eight two = all(2.0), three = all(3.0), four = all(4.0), twelve = all(12.0);
     const Eight curvature = two * ((three * e) * e + p), reach = bound - e;

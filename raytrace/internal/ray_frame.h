@@ -134,7 +134,7 @@ struct Axes {
   }
 };
 
-/// The same ray for triangles.
+/// The ray of a frame, prepared for triangles.
 inline TriangleRay triangle_ray(const RayFrame& frame) {
   const Axes axes(frame.direction);
   const double o[3] = {frame.origin.x, frame.origin.y, frame.origin.z};

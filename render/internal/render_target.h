@@ -46,7 +46,7 @@ class RenderTarget {
   const gl::Texture2D& colour() const { return drawn_.colour; }
   /// Its depth: reverse-Z, multisampled if the format is.
   const gl::Texture2D& depth() const { return drawn_.depth; }
-  /// Of its textures.
+  /// The target of its textures.
   GLenum texture_target() const { return format_.samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE; }
   /// Makes draws write to it, in the state that all draws begin with: reverse-Z depth test, no blending.
   void begin_drawing() const;
@@ -67,9 +67,10 @@ class RenderTarget {
   image::DepthImage read_depth(const core::View& view) const;
   /// As they are stored: 0 where nothing was drawn, and the larger the nearer. Rows from the top.
   std::vector<float> read_reversed_depths() const;
-  /// The same for occlusion tests between two passes of a frame: row by row from the bottom up. Only for a target with
-  /// one sample per pixel. In orthographic views distances are off by orthographic_error() at most, in perspective ones
-  /// by a few units in the last place. Fails with GL's error: what it would leave in `metres` must not hide anything.
+  /// Reads distances for occlusion tests between two passes of a frame: row by row from the bottom up. Only for a
+  /// target with one sample per pixel. In orthographic views distances are off by orthographic_error() at most, in
+  /// perspective ones by a few units in the last place. Fails with GL's error: what it would leave in `metres` must not
+  /// hide anything.
   core::Expected<void> read_distances(const core::View& view, std::vector<float>& metres) const;
   /// What a float depth loses of a distance, metres; 0 in perspective views.
   static double orthographic_error(const core::View& view);

@@ -27,11 +27,11 @@ class Renderer {
   /// driver's log. Programs for section planes are compiled with the first view that has some.
   static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
                                          const TargetFormat& format = {});
-  /// The same for any scene that has batches of these kinds alone.
+  /// A renderer for any scene that has batches of these kinds alone.
   static core::Expected<Renderer> create(const gl::Context& context, std::span<const gpuscene::BatchKind> kinds,
                                          const TargetFormat& format);
-  /// The same in portions: begin(), and advance() until it returns true. Each call compiles at least one program, and
-  /// ends after the one that is late.
+  /// Creates a renderer in portions: begin(), and advance() until it returns true. Each call compiles at least one
+  /// program, and ends after the one that is late.
   static core::Expected<Renderer> begin(const gl::Context& context);
   /// Whether the program cache has the program of a kind of batches in views without sections.
   static bool has_cached(const gl::Functions& gl, gpuscene::BatchKind kind, const TargetFormat& format);

@@ -11,7 +11,7 @@ namespace {
 
 using gpuscene::BatchKind;
 
-// Of payload.glsl.
+// Texture units of payload.glsl.
 constexpr GLuint kPayloadUnit = 0, kSinglesUnit = 3;
 constexpr GLint kRecordCountUniform = 0, kBatchKindUniform = 1, kTexelsPerRecordUniform = 2;
 

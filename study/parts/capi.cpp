@@ -34,7 +34,7 @@ core::AabbD box_at(int i, int n) {
   return {at, at + 0.5};
 }
 
-/// The same scene in both APIs, with an engine each.
+/// One scene in both APIs, with an engine each.
 class Twins {
  public:
   explicit Twins(int n) {

@@ -146,7 +146,7 @@ Json tree_times(const core::Scene& scene, const Options& o) {
   return {{"rows", rows}, {"memory_bytes", tree.memory_bytes()}, {"checksum", sum}};
 }
 
-/// Of searches, and of filters of the tree with what they found.
+/// Times of searches, and of filters of the tree with what they found.
 core::Expected<Json> search_times(const core::Scene& scene, const Options& o) {
   apps::NameIndex index;
   const Times build = measured(std::min(o.repeats, 3), kNothing, [&] { index = apps::NameIndex(scene); });

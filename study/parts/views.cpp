@@ -40,7 +40,7 @@ core::View view_of(const core::dmat4& clip_from_world) {
   return *core::View::from_matrices(core::dmat4(1.0), clip_from_world, core::ClipDepth::kMinusOneToOne);
 }
 
-/// The same camera, moved along its own x axis.
+/// The camera moved along its own x axis.
 core::View second_eye(const core::View& view) {
   const core::dmat4 m = view.clip_from_world();
   const core::dvec3 right = glm::normalize(core::dvec3(m[0][0], m[1][0], m[2][0]));

@@ -14,7 +14,7 @@ namespace sightline::study::rays {
 
 struct Bvh {
   static constexpr std::uint32_t kMaxDepth = 96;
-  /// Of an inner node `first` is the left child, the right one lies beside it, and count is 0.
+  /// In an inner node `first` is the left child, the right one lies beside it, and count is 0.
   struct Node {
     core::Aabb box;
     std::uint32_t first = 0, count = 0;

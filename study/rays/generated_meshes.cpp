@@ -10,7 +10,7 @@ namespace {
 using core::dvec3;
 using core::vec3;
 
-/// Of the surface in this direction, about 1.
+/// The radius of the surface in this direction, about 1.
 double radius(const dvec3& direction) {
   double r = 1.0;
   for (double frequency = 3.0, height = 0.08; frequency < 200.0; frequency *= 2.1, height *= 0.5)

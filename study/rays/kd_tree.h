@@ -27,7 +27,7 @@ class KdNode {
   int axis() const { return int(bits_ & 3u); }
   float split() const { return std::bit_cast<float>(value_); }
   std::uint32_t left() const { return bits_ >> 2; }
-  /// Of a leaf: its triangles are `count` indices from `first` on.
+  /// For leaves: its triangles are `count` indices from `first` on.
   std::uint32_t first() const { return value_; }
   std::uint32_t count() const { return bits_ >> 2; }
 

@@ -116,7 +116,7 @@ double TriangleSet::intersect(const ShearedRay& ray, std::uint32_t triangle, dou
   const double t = (u * pz[0] + v * pz[1] + w * pz[2]) / determinant;
   if (!(t >= 0.0 && t <= t_max && t < kInfinity)) return kInfinity;
 
-  // Of a triangle that the ray sees edge-on, weights are rounding errors, and t is anywhere. Such a hit counts only
+  // Weights of a triangle that the ray sees edge-on are rounding errors, and t is anywhere. Such a hit counts only
   // where the triangle can be.
   const dvec3 point = ray.origin + t * ray.direction;
   const double slack = 0.5 * double(UnitSpace::kSlack) * space_.size;

@@ -23,7 +23,7 @@ struct UniformGrid {
 /// (the dissertations use 1 to 3), but not more than 27 cells a box in all: a flat scene would have any number.
 Cell grid_resolution(const core::Aabb& bounds, std::size_t boxes, double factor);
 
-/// Of factors between 1 and 3 the one whose grid costs a ray least by the surface-area heuristic: all cells are equal,
+/// The factor between 1 and 3 whose grid costs a ray least by the surface-area heuristic: all cells are equal,
 /// so the cost is the number of cells and references times the area of a cell.
 Cell automatic_resolution(std::span<const core::Aabb> boxes, const core::Aabb& bounds);
 

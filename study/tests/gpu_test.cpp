@@ -113,7 +113,7 @@ Case touching_case(std::uint64_t seed, Random& random) {
 View towards(const dvec3& eye, const dvec3& target, double fovy, double far) {
   return *View::perspective({eye, target, {0, 0, 1}}, fovy, 1.4, 1e-4 * far, far);
 }
-/// Of a scene of half side `half` around the origin.
+/// A view of a scene of half side `half` around the origin.
 View view_of_all(double half) {
   return towards({0, -20 * half, 0}, dvec3(0.0), 1.0, 100 * half);
 }

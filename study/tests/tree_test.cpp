@@ -86,7 +86,7 @@ TEST(StudyTree, MedianHalves) {
   EXPECT_EQ(build_tree(boxes, {}, Split::kMedian, 2).leaves, 2048u);
 }
 
-/// Of what a walk must expect to test: areas of all nodes over that of the root.
+/// The cost that a walk must expect: areas of all nodes over that of the root.
 double area_cost(const Tree& tree) {
   const auto area = [](const core::Aabb& b) {
     const core::dvec3 d = core::dvec3(b.max) - core::dvec3(b.min);

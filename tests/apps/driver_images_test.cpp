@@ -37,7 +37,7 @@ std::ostream& operator<<(std::ostream& to, const Differences& d) {
             << ", colours " << d.colours;
 }
 
-/// Of the lesser distance; 0 where both are infinite.
+/// The difference as a share of the lesser distance; 0 where both are infinite.
 double apart(float a, float b) {
   return a == b ? 0.0 : std::abs(double(a) - double(b)) / std::min(a, b);
 }

@@ -35,7 +35,7 @@ constexpr Example kInWindows[] = {
     {"qt_widget", "small_plant.rvm"},
 };
 
-/// Those that this build has.
+/// The examples that this build has.
 template <std::size_t N>
 std::vector<Example> built(const Example (&all)[N]) {
   std::istringstream names(SIGHTLINE_EXAMPLES);

@@ -95,7 +95,7 @@ TEST_F(GlxHost, KeepsItsContextBesideEnginesOfTheirOwn) {
   }
 }
 
-/// The same beside EGL was an error once, which the engine took for a machine without EGL.
+/// A GLX context beside EGL was an error once, which the engine took for a machine without EGL.
 TEST_F(GlxHost, IsNoReasonToDoWithoutEgl) {
   const auto made = gl::Context::create_offscreen({.platform = ContextPlatform::kEgl});
   ASSERT_TRUE(made) << made.error().message;

@@ -78,7 +78,7 @@ TEST_F(RegressSuite, KeysFollowWhatIsDrawnAndNotTheLimits) {
   EXPECT_EQ(plain, key(R"({"name":"v","limits":{"max":7,"flip":0.1}})"));
   EXPECT_NE(plain, key(R"({"name":"v","limits":{"ids":7}})"));
   EXPECT_NE(plain, key(R"({"name":"v","samples":2})"));
-  EXPECT_NE(plain, key(R"({"name":"v","looks":"people"})"));
+  EXPECT_NE(plain, key(R"({"name":"v","looks":"standard"})"));
   EXPECT_EQ(plain, key(R"({"name":"v","looks":"plain"})"));
   EXPECT_NE(plain, key(R"({"name":"v","size":"64x64"})"));
   EXPECT_NE(plain, key(R"({"name":"v"})", R"("up":"y",)"));
@@ -107,7 +107,7 @@ TEST_F(RegressSuite, BrokenSuitesAreRefusedByName) {
       {suite(model("a", view), R"("size":"0x5",)"), "/size"},
       {suite(model("a", view), R"("size":640,)"), "/size"},
       {suite(model("a", view), R"("samples":33,)"), "/samples"},
-      {suite(model("a", view), R"("looks":"nice",)"), "/looks: expected plain or people"},
+      {suite(model("a", view), R"("looks":"nice",)"), "/looks: expected plain or standard"},
       {suite(model("a", view), R"("looks":1,)"), "/looks"},
       {suite(model("a", view), R"("references":"",)"), "/references"},
       {suite(model("../a", view)), "/models/0/name"},

@@ -49,7 +49,7 @@ class Regress : public RenderTest {
 
   std::string write_suite(const std::string& size, int frames) const {
     const std::string views = R"([{"name":"whole"},{"name":"smooth","samples":4,"limits":{"ids":null}},
-                                  {"name":"people","samples":2,"looks":"people"},
+                                  {"name":"standard","samples":2,"looks":"standard"},
                                   {"name":"flight","path":"flight.json","frames":)" +
                               std::to_string(frames) + "}]";
     return write("suite.json", R"({"size":")" + size + R"(","limits":{"max":0,"ids":0},"models":[

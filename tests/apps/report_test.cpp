@@ -218,7 +218,7 @@ TEST_F(ReportPage, BeginsWithTheAnswer) {
   EXPECT_LT(section, page.text.size());
 }
 
-/// Of surfaces: exact ones are as near as depths of an image are, triangles within their tolerances.
+/// Exact surfaces are as near as depths of an image are, triangles within their tolerances.
 TEST_F(ReportPage, SurfacesAreJudgedByRaysInDoublePrecision) {
   if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
   const Json error = report({plant(1000), "--sections", "error"}).figures["sections"]["error"];

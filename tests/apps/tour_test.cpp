@@ -74,7 +74,7 @@ TEST(Tour, KeepsTheModelInSight) {
   EXPECT_EQ(tour->near, before.near);
 }
 
-/// Of frames that the tour was right about, nothing changes but for the spacing of keys.
+/// Where the tour was right, nothing changes but the spacing of keys.
 TEST(Tour, StaysWhereTheModelIsInSight) {
   const Stage stage(sparse_scene(12.0f));
   ASSERT_TRUE(stage.tracer);

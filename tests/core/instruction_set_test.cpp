@@ -44,7 +44,7 @@ bool has_all_for(InstructionSet set) {
          __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
 }
 
-/// Of a processor without one of its features, each in turn.
+/// A processor without one of its features, each in turn.
 TEST(InstructionSet, NeedsAllThatItsKernelsUse) {
   const unsigned features = __cpu_model.features;
   const auto pretend = [](unsigned word) {

@@ -26,7 +26,7 @@ using tests::uniform;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// The same scene kept in the most obvious way: everything is recomputed whenever it is asked.
+/// A scene kept in the most obvious way: everything is recomputed whenever it is asked.
 struct Twin {
   struct Node {
     NodeId handle;

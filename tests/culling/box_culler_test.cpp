@@ -263,7 +263,7 @@ TEST(BoxCuller, OfARepeatedIndexTheLastBoxCounts) {
   EXPECT_EQ(visible_of(*culler, view), Indices{7});
 }
 
-/// Of the visible boxes, those that the occlusion test leaves open one by one.
+/// Finds the visible boxes that the occlusion test keeps when asked one by one.
 TEST(BoxCuller, LeavesOutWhatADepthImageHides) {
   std::size_t hidden = 0, open = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {

@@ -85,7 +85,7 @@ inline float step(float x, int ulps) {
   return x;
 }
 
-/// The same planes but for the last bits: what is a close call for one view is one for the other.
+/// A view whose planes differ in the last bits: what is a close call for one view is one for the other.
 inline core::View nudged(Random& random, const core::View& view) {
   core::dmat4 clip = view.clip_from_world();
   for (int i = 0; i < 16; ++i)

@@ -13,7 +13,7 @@ namespace {
 
 using culling::ContributionTest;
 
-/// Of the convex hull (A. Andrew, "Another efficient algorithm for convex hulls in two dimensions", 1979).
+/// The area of the convex hull (A. Andrew, "Another efficient algorithm for convex hulls in two dimensions", 1979).
 double hull_area(std::vector<core::dvec2> points) {
   std::sort(points.begin(), points.end(),
             [](const auto& a, const auto& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });

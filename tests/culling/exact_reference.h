@@ -44,7 +44,7 @@ struct ExactPlane {
     return sgn(value);
   }
 
-  /// The same where it is certain, 0 where the rationals must decide.
+  /// The sign where it is certain, 0 where the rationals must decide.
   ///
   /// With u the unit roundoff, n_i and x_i = origin_i + corner_i carry one rounding each, their product one more and
   /// the sums at most three: the value computed is off by at most gamma_6 times the sum of the absolute exact terms,
@@ -106,7 +106,7 @@ class ExactVolume {
       planes_.erase(planes_.begin() + std::ptrdiff_t(union_first_), planes_.end());
   }
 
-  /// Those of the frustum, then the sections.
+  /// The planes of the frustum, then the sections.
   const std::vector<ExactPlane>& planes() const { return planes_; }
   bool has_union() const { return union_first_ < planes_.size(); }
 
@@ -117,7 +117,7 @@ class ExactVolume {
       return sign_at(plane, origin, {plane.p_vertex(box, 0), plane.p_vertex(box, 1), plane.p_vertex(box, 2)});
     });
   }
-  /// The same of a box in double.
+  /// Overload for a box in double.
   bool passes(const core::AabbD& box) {
     return !box.empty() && passes([&](const ExactPlane& plane) {
       core::dvec3 corner;

@@ -27,7 +27,7 @@ inline Form minus(const Form& a, const mpq_class& factor, const Form& b) {
   return out;
 }
 
-/// Of the first three; the fourth is 0.
+/// The cross product of the first three; the fourth is 0.
 inline Form cross(const Form& p, const Form& q) {
   return {mpq_class(p[1] * q[2] - p[2] * q[1]), mpq_class(p[2] * q[0] - p[0] * q[2]),
           mpq_class(p[0] * q[1] - p[1] * q[0]), mpq_class(0)};
@@ -75,7 +75,7 @@ class ExactSamples {
     return nearest(box, place(x, ox, samples_.width), place(y, oy, samples_.height));
   }
 
-  /// Of world points relative to the origin: clip coordinates and the distance along the viewing direction.
+  /// Forms of world points relative to the origin: clip coordinates and the distance along the viewing direction.
   const Form& clip(int row) const { return rows_[std::size_t(row)]; }
   const Form& distance() const { return distance_; }
   /// The line of sight, also behind the eye. None where the projection has none.

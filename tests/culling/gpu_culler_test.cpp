@@ -233,7 +233,7 @@ struct Written {
       const auto target = rig.lists.target(batch.kind);
       const auto& section = rig.lists.section(batch.kind);
       const bool meshes = batch.kind == gpuscene::BatchKind::kMesh;
-      // Of record batches the commands that are not in use count as well: where nobody counts they are drawn.
+      // In record batches, commands that are not in use count as well: where nobody counts they are drawn.
       const std::size_t drawn = meshes ? counts[2 * kind] : std::size_t(section.count);
       read(gl, rig.lists.commands().id(), section.offset, 5 * drawn, commands);
       if (!meshes) read(gl, target.buffer, target.offset, counts[2 * kind + 1], records);

@@ -85,7 +85,7 @@ inline std::size_t expect_found(Rig& rig, const core::View& view, const std::vec
   return extra.size();
 }
 
-/// The same, against the linear culler; and the feedback says as many.
+/// Expects the linear culler's set; the feedback must count as many.
 inline std::size_t expect_same(const gl::Functions& gl, Rig& rig, const core::View& view) {
   const std::vector<core::Slot> wanted = rig.cull_linear(view);
   const std::size_t extra = expect_found(rig, view, wanted);

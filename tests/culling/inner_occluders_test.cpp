@@ -126,7 +126,7 @@ Primitive random_solid(Kind kind, Random& random) {
 
 using Triangle = std::array<dvec3, 3>;
 
-/// Of a polygon the fan from a corner; of a hexahedron those of all faces.
+/// Appends the fan from a corner of a polygon, or of each face of a hexahedron.
 void append_triangles(const OccluderPolygon& polygon, std::size_t first, std::vector<Triangle>& out) {
   const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
     out.push_back({polygon.corners[a], polygon.corners[b], polygon.corners[c]});
@@ -304,7 +304,7 @@ TEST_P(InnerOccludersOf, TouchTheirSolids) {
   }
 }
 
-/// Of each kind: the shares of lines of sight to solids that occluder polygons cover, and of these that meet them
+/// For each kind, the shares of lines of sight to solids that occluder polygons cover, and of these that meet them
 /// beyond six tenths of the way through the solid.
 struct Shares {
   double covered, late;

@@ -216,8 +216,8 @@ bool clearly_covered(const ExactImage& exact, const Occluder& occluder, double h
   return true;
 }
 
-/// Of any line of sight through a pixel that holds a distance. Nearly all pixels that cubes and triangles clearly cover
-/// hold one.
+/// Any line of sight through a pixel that holds a distance meets an occluder. Nearly all pixels that cubes and
+/// triangles clearly cover hold one.
 TEST(OccluderRaster, CoversOnlyWhatIsMetAndNoNearer) {
   std::size_t covered = 0, clearly = 0, lost = 0;
   for (int seed = 1; seed <= tests::repeated(700); ++seed) {

@@ -112,7 +112,7 @@ TEST(DepthPyramid, AnswersForItsPixels) {
   EXPECT_LT(lost, nearer / 4);
 }
 
-/// Of a hidden box, no line of sight through a pixel centre meets a point in front of what the pixel holds.
+/// If a box is occluded, no line of sight through a pixel centre meets a point in front of what the pixel holds.
 TEST(OcclusionTest, HidesOnlyWhatEveryPixelHides) {
   std::size_t hidden = 0, open = 0;
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {

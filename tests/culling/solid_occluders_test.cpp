@@ -175,7 +175,7 @@ TEST_P(SolidOccludersOf, CoverOnlyWhatIsMetAndNoNearer) {
     found += pixels.found;
   }
   EXPECT_GT(met, 20'000u);
-  // Of small ones the outline's margin takes much, the near plane cuts some, and tori have no occluder polygons at
+  // The outline's margin takes much of small solids, the near plane cuts some, and tori have no occluder polygons at
   // their ends.
   const bool torus = GetParam() == Kind::kRectangularTorus || GetParam() == Kind::kCircularTorus;
   EXPECT_GT(found, met * (torus ? 33 : 55) / 100) << "of " << met;
@@ -536,7 +536,7 @@ TEST(SolidOccluders, QuadsOfWhichNothingIsKnownAreSeen) {
   EXPECT_TRUE(seen({0, 1e40, 0}, {1e39, 0, 0}, {0, 0, 1e39})) << "too far";
 }
 
-/// The same image by any number of threads, and nearer where something drawn is.
+/// The image is equal with any number of threads, and nearer where something drawn is.
 TEST(SolidOccluders, AreTheSameOnThreadsAndJoinWhatIsDrawn) {
   Random random(3);
   core::Scene scene;

@@ -22,8 +22,8 @@ REPLACED = {
     r"\brelief\b": "depth shading, edge lines",
     r"\bowners? of pixels\b": "visible in the id image",
 }
-# The names of this check's own rules, and what external interfaces or fixed data call so.
-EXEMPT = {"tests/docs/check_words.py"}
+# The words of these rules themselves, and what names were before.
+EXEMPT = {"tests/docs/check_words.py", "CHANGELOG.md"}
 
 
 def files(root):

@@ -129,7 +129,7 @@ class Application {
     return values;
   }
 
-  /// Of one sample of each pixel.
+  /// The depths of one sample of each pixel.
   std::vector<float> sample_depths(int sample) const {
     static constexpr gl::ShaderFile kShaders[] = {
         {"whole.vert",

@@ -27,7 +27,7 @@ class ContextLossTest : public DrawnGrid {
     return c;
   }
   static image::Image image(Engine& engine) { return engine.drawing()->target().read_colour(); }
-  /// The same view on an engine of its own that knows no trouble.
+  /// The view on an engine of its own whose context is never lost.
   image::Image wanted(const core::View& view) {
     auto twin = Engine::create(scene, switching(CullerChoice::kCpu, nullptr));
     EXPECT_TRUE(twin && twin->frame(view));

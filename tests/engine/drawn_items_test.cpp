@@ -619,7 +619,7 @@ TEST_P(OcclusionDrawnItems, LosesNoPixel) {
   RecordProperty("ties", ties);
 }
 
-/// Of 2,500 views each in a long run: 10,000, unless SIGHTLINE_DRAWN_VIEWS names another number.
+/// Seeds of 2,500 views each in a long run: 10,000, unless SIGHTLINE_DRAWN_VIEWS names another number.
 int seeds() {
   const char* views = std::getenv("SIGHTLINE_DRAWN_VIEWS");
   return views ? std::max(1, std::atoi(views) / 2500) : 4;

@@ -77,7 +77,7 @@ TEST_F(DrawnTriangles, ShowTheSameImageAsAll) {
           const auto ids = picked.read_ids()->ids;
           ASSERT_EQ(ids, all.read_ids()->ids);
           ASSERT_EQ(picked.read_depth(view)->metres, all.read_depth(view)->metres);
-          // Of several samples, llvmpipe shades a pixel in some ten thousand by what else is drawn: hiding any item,
+          // With several samples, llvmpipe shades a pixel in some ten thousand by what else is drawn: hiding any item,
           // even one that covers no sample, changes it.
           expect_same_image(picked, all, samples == 1 ? 0 : 16);
           for (const auto id : ids) shown += id != ids[0];

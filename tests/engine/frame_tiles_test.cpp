@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(, FrameTilesInAllModes,
                                [](EngineConfig& c) {
                                  c.drawing.looks.depth_shading = {0.7f, 0.6f};
                                }},
-                              {"for_people", [](EngineConfig& c) { c.drawing.looks = engine::Looks::for_people(); }},
+                              {"standard_looks", [](EngineConfig& c) { c.drawing.looks = engine::Looks::standard(); }},
                               {"no_sample_test", [](EngineConfig& c) { c.culling.sample_test = false; }}})),
                          name_of);
 

@@ -163,7 +163,7 @@ TEST_F(HybridTest, FrameCostGivesAGpuWithoutTimesUp) {
   EXPECT_LE(on_gpu, 30);
 }
 
-/// Of late reports that nobody takes the last 64 are kept.
+/// The last 64 of late reports that nobody takes are kept.
 TEST_F(HybridTest, TheOldestLateReportsAreLost) {
   core::Scene scene;
   fill(scene, 22);

@@ -61,7 +61,7 @@ class Images : public GlTest {
     return std::move(*engine);
   }
 
-  /// Of every projection; some near planes and far planes lie among the items.
+  /// Views of every projection; some near planes and far planes lie among the items.
   static std::vector<View> views(double aspect) {
     const core::dmat4 eye_from_world = *core::look_at({{5, 4, -2}, {0, 0, 0}, {0, 0, 1}});
     std::vector<View> views = {

@@ -178,7 +178,7 @@ TEST_P(LevelsByAny, ClustersOfLargeMeshesShowEveryPixel) {
   }
 }
 
-/// The same from many places, in small images of one mesh: from afar, along its surface, inside it, through it.
+/// Small images of one mesh from many places: from afar, along its surface, inside it, through it.
 TEST_F(Levels, ClustersOfOneMeshShowEveryPixelFromAnywhere) {
   constexpr int kSmallWidth = 48, kSmallHeight = 32;
   core::Scene scene;
@@ -210,7 +210,7 @@ TEST_F(Levels, ClustersOfOneMeshShowEveryPixelFromAnywhere) {
   }
 }
 
-/// Of one mesh, what its own front hides.
+/// Clusters of one mesh that its own front hides are left out.
 TEST_F(Levels, LeaveOutClustersThatOthersHide) {
   core::Scene scene;
   core::Mesh sheets;  // eight, one behind the other

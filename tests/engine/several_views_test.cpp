@@ -27,7 +27,7 @@ class SeveralViews : public DrawnGrid {
     for (int i = 0; i < count; ++i) made.push_back(view(turn + 1.3 * i));
     return made;
   }
-  /// Of an engine that draws nothing else.
+  /// The image of an engine that draws nothing else.
   image::Image alone(const core::View& view, const EngineConfig& c) {
     auto engine = Engine::create(scene, c);
     EXPECT_TRUE(engine && draw_complete(*engine, view));

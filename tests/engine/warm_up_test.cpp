@@ -1,5 +1,5 @@
-// What a rehearsal has drawn is compiled: the program cache has the programs of the first frame.
-#include "sightline/engine/drawing/internal/rehearsal.h"
+// What a warm-up has drawn is compiled: the program cache has the programs of the first frame.
+#include "sightline/engine/drawing/internal/warm_up.h"
 
 #include <filesystem>
 #include <fstream>
@@ -11,7 +11,7 @@
 #include "sightline/render/internal/renderer.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests::rehearsal_test {
+namespace sightline::tests::warm_up_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,7 +23,7 @@ const bool kMesaCache = [] {
   return true;
 }();
 
-class RehearsalTest : public GlTest {
+class WarmUpTest : public GlTest {
  protected:
   void SetUp() override {
     GlTest::SetUp();
@@ -50,38 +50,38 @@ class RehearsalTest : public GlTest {
                               : 0;
   }
 
-  const fs::path folder = fs::temp_directory_path() / ("sightline-rehearsal-" + std::to_string(getpid()));
+  const fs::path folder = fs::temp_directory_path() / ("sightline-warm-up-" + std::to_string(getpid()));
   engine::EngineConfig config;
 };
 
-TEST_F(RehearsalTest, CompilesWhatTheCacheLacksOfTheKinds) {
+TEST_F(WarmUpTest, CompilesWhatTheCacheLacksOfTheKinds) {
   context->cache_programs(folder);
   for (const render::TargetFormat& format : {render::TargetFormat{.ids = true}, render::TargetFormat{.samples = 4}}) {
     std::vector<BatchKind> all;
     for (int kind = 0; kind < gpuscene::kBatchKindCount; ++kind) all.push_back(BatchKind(kind));
     const std::vector<BatchKind> some = {BatchKind::kCylinder, BatchKind::kMesh};
     EXPECT_TRUE(cached(format).empty());
-    engine::rehearse(*context, config, format, some);
+    engine::warm_up(*context, config, format, some);
     EXPECT_EQ(cached(format), some);
-    engine::rehearse(*context, config, format, all);
+    engine::warm_up(*context, config, format, all);
     EXPECT_EQ(cached(format), all);
     const std::size_t before = entries();
-    engine::rehearse(*context, config, format, all);
+    engine::warm_up(*context, config, format, all);
     EXPECT_EQ(entries(), before);
   }
 }
 
-TEST_F(RehearsalTest, DoesNothingWithoutAProgramCache) {
-  engine::rehearse(*context, config, {.ids = true}, std::vector{BatchKind::kCylinder, BatchKind::kMesh});
+TEST_F(WarmUpTest, DoesNothingWithoutAProgramCache) {
+  engine::warm_up(*context, config, {.ids = true}, std::vector{BatchKind::kCylinder, BatchKind::kMesh});
   EXPECT_EQ(entries(), 0u);
 }
 
-TEST_F(RehearsalTest, ACacheThatCannotBeWrittenIsNoError) {
+TEST_F(WarmUpTest, ACacheThatCannotBeWrittenIsNoError) {
   std::ofstream(folder) << "a file";
   context->cache_programs(folder);
-  engine::rehearse(*context, config, {.ids = true}, std::vector{BatchKind::kCylinder, BatchKind::kMesh});
+  engine::warm_up(*context, config, {.ids = true}, std::vector{BatchKind::kCylinder, BatchKind::kMesh});
   EXPECT_TRUE(cached({.ids = true}).empty());
 }
 
 }  // namespace
-}  // namespace sightline::tests::rehearsal_test
+}  // namespace sightline::tests::warm_up_test

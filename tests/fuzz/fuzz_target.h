@@ -40,7 +40,7 @@ inline constexpr std::string_view kSideFileSeparator = "\n--side-file--\n";
 /// k-th name of a side file asked for stands for the k-th in the input: no input reaches the disk.
 void check_reader(Reader read, std::string_view file, std::span<const std::byte> input, const MemoryBound& bound);
 
-/// The same, and `also` sees each scene that was read.
+/// Checks a reader; `also` sees each scene that was read.
 void check_reader(Reader read, std::string_view file, std::span<const std::byte> input, const MemoryBound& bound,
                   void (*also)(const core::Scene&, const importers::ImportReport&));
 

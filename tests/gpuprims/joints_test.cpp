@@ -364,7 +364,7 @@ TEST(Joints, DissolveWhereAMaterialTurnsClear) {
   EXPECT_EQ(joints.count(), 6u);
 }
 
-/// Of the slots there were before, however the others end: gone, or appended.
+/// Only slots that existed before are touched, whether their neighbours are gone or appended.
 TEST(Joints, NeighboursEditedTogetherTouchFormerSlotsOnly) {
   const auto check = [](const char* what, void (*edit)(Scene&)) {
     SCOPED_TRACE(what);

@@ -37,7 +37,7 @@ Attack path_traversal_by_similar_names() {
   return made;
 }
 
-/// The same materials by names beyond number, materials without contents, groups without number, one long line.
+/// Materials under names beyond number, materials without contents, groups without number, one long line.
 Case obj_swollen(std::size_t k) {
   std::string text = kTriangle, materials;
   if (k == 0) {

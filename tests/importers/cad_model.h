@@ -74,7 +74,7 @@ inline gp_Trsf moved(double x, double y, double z) {
 inline TopoDS_Shape cad_box(double x, double y, double z) {
   return BRepPrimAPI_MakeBox(x, y, z).Solid();
 }
-/// Of no primitive: 20 x 20 x `height` with a hole.
+/// No primitive: 20 x 20 x `height` with a hole.
 inline TopoDS_Shape cad_drilled_box(double height = 10.0, double radius = 5.0) {
   const gp_Ax2 axis(gp_Pnt(10, 10, -1), gp_Dir(0, 0, 1));
   return BRepAlgoAPI_Cut(cad_box(20, 20, height), BRepPrimAPI_MakeCylinder(axis, radius, height + 2).Solid()).Shape();

@@ -105,7 +105,7 @@ class CadPlacement : public testing::Test {
       EXPECT_NEAR(found.max[k], 1e-3 * max[k], 1e-7) << k;
     }
   }
-  /// Of all meshes as they are placed; below 0 where one is inside out.
+  /// The volume of all meshes as they are placed; below 0 where one is inside out.
   double volume() const {
     double six = 0.0;
     for (std::uint32_t i = 0; i < scene_.item_slots(); ++i) {

@@ -1004,7 +1004,7 @@ struct Truth {
   double volume = 0.0, area = 0.0;
 };
 
-/// Of all solids and faces, by Open CASCADE's plain readers.
+/// Measures all solids and faces by Open CASCADE's plain readers.
 Truth truth_of(const fs::path& file) {
   TopoDS_Shape shape;
   const std::string extension = lower_case_extension(file);

@@ -20,7 +20,7 @@ using core::Mesh;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// Of a mesh that was made with vertices of its own for each normal.
+/// Welds a mesh that was made with vertices of its own for each normal.
 Mesh without_normals(Mesh mesh) {
   mesh.normals.clear();
   return mesh;

@@ -83,7 +83,7 @@ struct GltfBytes {
     bytes.resize(bytes.size() + padded - binary.size());
     return bytes;
   }
-  /// The same as text, its buffer in a file or data URI named `uri`.
+  /// The model as text, its buffer in a file or data URI named `uri`.
   std::string gltf(const std::string& uri) const {
     Json with = json;
     with["buffers"] = buffers({{"byteLength", binary.size()}, {"uri", uri}});

@@ -142,7 +142,7 @@ class MixedFormats : public testing::TestWithParam<ImportOptions> {
     std::ofstream(path, std::ios::binary) << content(extension, box, stem);
     return path;
   }
-  /// Those that the build reads.
+  /// The extensions that the build reads.
   static std::vector<std::string> extensions() {
     const auto known = known_extensions();
     std::vector<std::string> all = {".rvm", ".obj", ".ply", ".stl", ".vtk", ".vtp", ".gltf"};

@@ -148,7 +148,7 @@ TEST_F(PagedSceneTest, PagesAreTheSnapshotOfTheWhole) {
   }
 }
 
-/// The same items by the coarsest of their meshes' levels.
+/// Coarse pages hold the items by the coarsest of their meshes' levels.
 TEST_F(PagedSceneTest, CoarsePagesHaveTheCoarsestLevels) {
   if (!lod::builds_levels()) GTEST_SKIP() << "no levels in this build";
   const Scene scene = tests::scene_of_many_pages(600);

@@ -39,7 +39,7 @@ class PlyReader : public testing::Test {
     return read_ply(std::as_bytes(std::span(text)), "model.ply", scene_, scene_.root(), options);
   }
   const core::Mesh& mesh(core::ItemId item = core::ItemId{0}) const { return scene_.mesh(scene_.mesh_of(item)); }
-  /// Of a mesh's vertex, in the file's node.
+  /// The point of a mesh's vertex, in the file's node.
   dvec3 point(std::size_t vertex, core::ItemId item = core::ItemId{0}) const {
     return core::transform_point(scene_.placement(item), dvec3(mesh(item).positions[vertex]));
   }

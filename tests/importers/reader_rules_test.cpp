@@ -156,7 +156,7 @@ std::ostream& operator<<(std::ostream& out, const Format& format) {
   return out << format.extension;
 }
 
-/// Those that this build reads.
+/// The formats that this build reads.
 std::vector<Format> formats() {
   std::vector<Format> all = {{".obj", obj},   {".stl", stl, true, false}, {".ply", ply, false}, {".rev", rev},
                              {".gltf", gltf}, {".vtk", vtk, false},       {".vtp", vtp}};

@@ -243,7 +243,7 @@ Recovery round_trip(const core::Scene& scene, int segments) {
   return out;
 }
 
-/// Of a plant with single rows in its flattest dishes at 8 and 12 segments: these are cones, to the triangle.
+/// At 8 and 12 segments a plant has single rows in its flattest dishes: these are cones, to the triangle.
 void expect_recovered(const core::Scene& scene, const std::string& name, int segments) {
   SCOPED_TRACE(testing::Message() << segments << " segments");
   const Recovery r = round_trip(scene, segments);

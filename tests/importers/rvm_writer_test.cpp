@@ -255,7 +255,7 @@ struct Seen {
   std::uint32_t layers = 0, code = 0;
   core::dvec3 origin{0.0};
 };
-/// Of spheres by their diameters, after writing and reading.
+/// Spheres by their diameters, after writing and reading.
 std::map<float, Seen> spheres_after(const Scene& scene, NodeId top, Scene& again) {
   std::map<float, Seen> seen;
   if (!rewrite(scene, top, again).valid()) return seen;

@@ -467,7 +467,7 @@ TEST_F(SlcTest, ChangesOfTheSourcesAreFound) {
   EXPECT_TRUE(was_cached({model}));
   fs::last_write_time(model, fs::last_write_time(model) + std::chrono::hours(5));
   EXPECT_TRUE(was_cached({model}));
-  // The same size, another content, another time.
+  // A file of equal size, with another content and time.
   auto bytes = tests::bytes_of_file(model);
   const char name[] = "SITE";
   const auto at =

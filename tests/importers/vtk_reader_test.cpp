@@ -36,7 +36,7 @@ core::Expected<ImportReport> read(const std::string& bytes, const std::string& n
   return read_vtk(std::as_bytes(std::span(bytes)), name, scene, scene.root(), options);
 }
 
-/// The same bytes through VTK's reader.
+/// Reads the bytes with VTK's reader.
 vtkSmartPointer<vtkDataObject> read_by_vtk(const std::string& bytes, const std::string& name) {
   const auto run = [&](auto reader) {
     reader->ReadFromInputStringOn();

@@ -51,7 +51,7 @@ class Proxies : public GlTest {
       shape.world_from_item.linear = turn * dmat3(1.2, 0, 0, 0, 0.9, 0, 0, 0, -1.1) * dmat3(a, -b, 0, b, a, 0, 0, 0, 1);
       shape.item = scene_.add_primitive(scene_.root(), shape.primitive, shape.world_from_item);
       shapes_.push_back(shape);
-      // Of the solid, turned back.
+      // The box of the solid, turned back.
       boxes_.push_back(core::bounds(solid.primitive, {dmat3(a, -b, 0, b, a, 0, 0, 0, 1), dvec3(0.0)}));
       world_from_box_.push_back(turn * dmat3(1.2, 0, 0, 0, 0.9, 0, 0, 0, -1.1));
     }

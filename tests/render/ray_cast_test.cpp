@@ -54,7 +54,7 @@ class RayCast : public tests::GlTest {
     return *View::perspective({eye, target, {0.0, 0.0, 1.0}}, fovy, kAspect, near);
   }
 
-  /// The same set of views for every primitive of about unit size at `centre`.
+  /// Checks one set of views for every primitive of about unit size at `centre`.
   void check_views(const core::Primitive& primitive, const Affine& world_from_item) {
     const dvec3 c = world_from_item.origin;
     const std::pair<const char*, View> views[] = {

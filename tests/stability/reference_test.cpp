@@ -324,7 +324,7 @@ TEST(Judge, ForgivesTiesOnly) {
 }
 
 TEST(Cases, AimWell) {
-  // Of every case a good part of the rays has crossings: a suite that misses measures nothing.
+  // A good part of the rays of every case has crossings: a suite that misses measures nothing.
   for (const Case& c : stability_cases()) {
     if (c.family == "singular") continue;
     SCOPED_TRACE(std::string(core::name_of(c.kind)) + " " + c.name());

@@ -65,7 +65,7 @@ constexpr Fault fault_of(std::string_view name) {
 
 constexpr int kForever = std::numeric_limits<int>::max();
 
-/// Of all calls since a test began to count.
+/// The state of all calls since a test began to count.
 struct State {
   int calls = 0, fallible = 0;
   int first = 0, count = 0;  // of those that may fail, the ones that do

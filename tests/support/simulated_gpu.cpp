@@ -14,7 +14,7 @@ namespace {
 constexpr GLuint64 kForever = std::numeric_limits<GLuint64>::max();
 constexpr double kTrianglesOfPoint = 8.0;  // that the geometry stage of a ray-cast item emits
 
-/// Of the one card that is simulated at a time.
+/// The state of the one card that is simulated at a time.
 struct State {
   CardModel model;
   gl::Functions real, simulated;
@@ -51,7 +51,7 @@ double tell_time() {
 
 // --- draws ---
 
-/// Of glMultiDrawElementsIndirect.
+/// A command of glMultiDrawElementsIndirect.
 struct ElementsCommand {
   GLuint count, instances, first;
   GLint base_vertex;

@@ -313,7 +313,7 @@ class ComparingSession : public ::testing::Test {
     EXPECT_TRUE(model.scene->commit());
     return model;
   }
-  /// Of 60 parts: one in five is gone, one in six has moved, one in seven has changed; ten have come.
+  /// Changes 60 parts: one in five is gone, one in six has moved, one in seven has changed; ten have come.
   void SetUp() override {
     Model open = row_of(70, "new.rvm", [](int i) {
       return i % 5 == 1 && i < 60 ? std::nullopt : std::optional(dvec3(i, 0.0, i % 6 == 2 ? 3.0 : 0.0));

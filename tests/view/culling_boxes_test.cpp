@@ -179,7 +179,7 @@ TEST_F(CullingBoxesTest, DrawsTheBoxesOfStatesThatAreOn) {
   EXPECT_TRUE(boxes.lines().empty());
 }
 
-/// Of many the largest are drawn, and how many there are is told.
+/// The largest of many boxes are drawn, and how many there are is told.
 TEST_F(CullingBoxesTest, DrawsTheLargestOfMany) {
   const FrozenCamera camera = frozen(view({10, -5, 10}, {10, 10, 10}));
   CullingSwitches switches;

@@ -18,7 +18,7 @@ namespace {
 class LoaderTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    // Of its own: the tests run at the same time.
+    // Each test has its own file, since tests run at the same time.
     file = std::filesystem::path(testing::TempDir()) /
            ("loader_test_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".obj");
     std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

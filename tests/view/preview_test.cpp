@@ -51,7 +51,7 @@ class PreviewTest : public tests::GlTest {
   Preview::Clock::time_point now = Preview::Clock::now();
 };
 
-/// Of items in any order, in portions of any size, it keeps those that a sorted list has first.
+/// From items in any order, in portions of any size, it keeps those that a sorted list has first.
 TEST_F(PreviewTest, KeepsTheLargestItems) {
   constexpr unsigned kSeed = 3;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

@@ -11,8 +11,9 @@
 
 namespace sightline::bench {
 
-/// Of some of the groups of triangles (lod/mesh_levels.h) that an image within `pixels` shows simplified, evenly chosen
-/// among all of `visible`: the proven error over the largest distance of samples of them from the original surface.
+/// For some of the groups of triangles (lod/mesh_levels.h) that an image within `pixels` shows simplified, evenly
+/// chosen among all of `visible`: the proven error over the largest distance of samples of them from the original
+/// surface.
 std::vector<double> bound_tightness(const core::View& view, int width, int height, double pixels,
                                     const core::Snapshot& snapshot, const core::VisibleSet& visible,
                                     const gpuscene::MeshPool& meshes);

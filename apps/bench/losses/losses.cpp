@@ -206,7 +206,7 @@ struct Figures {
   std::vector<double> tightness = {};                       // of some groups of each frame
 };
 
-/// Of the full image with 64 samples a pixel, and what the full image with one shows.
+/// The full image with 64 samples a pixel, and what the full image with one shows.
 struct Reference {
   std::array<image::Image, 2> images;
   ShownSurface surface;  // of the first view

@@ -26,7 +26,7 @@ class Subject {
     int width, height;
     gl::ContextPlatform platform;
   };
-  /// Of the scene, which must outlive it, committed. With a `chain`, the scene is that of the chain.
+  /// Commits the scene, which must outlive the subject. With a `chain`, the scene is that of the chain.
   static core::Expected<std::unique_ptr<Subject>> create(core::Scene& scene, const Config& config,
                                                          const LevelChain* chain = nullptr);
 
@@ -38,7 +38,7 @@ class Subject {
 
   /// Until the image is complete, culling included.
   core::Expected<Took> draw(const Rule& rule, const core::View& view);
-  /// The same after a frame that does not count, which tells the passes of occlusion what was open.
+  /// Draws again after a frame that does not count, which tells the occlusion passes what was visible.
   core::Expected<Took> draw_again(const Rule& rule, const core::View& view);
   /// Reads what the last image shows. `original`: the model's item of each item, by id; empty: itself.
   core::Expected<ShownSurface> shown(const core::View& view, const std::vector<core::ItemId>& original);

@@ -37,7 +37,7 @@ class Nearest {
   }
 
  private:
-  // Of the distance in the image, the least distance in space: rays at the image's corners lie aslant.
+  // The least distance in space, as a share of the distance in the image: rays at the image's corners lie aslant.
   static constexpr double kNearer = 0.5;
 
   dvec3 at(double x, double y, double depth) const {

@@ -83,7 +83,7 @@ Sample aimed(const Primitive& primitive, double distance, Random& random) {
   return {primitive, {}, ray_through(target, direction_through(primitive, random), distance * radius, random), radius};
 }
 
-/// The same sample in the world. The frame's linear part is rounded to float first.
+/// The sample in world coordinates. The frame's linear part is rounded to float first.
 Sample placed(Sample sample, const Affine& world_from_item) {
   Affine frame = world_from_item;
   frame.linear = dmat3(core::mat3(frame.linear));

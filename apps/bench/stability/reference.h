@@ -41,7 +41,7 @@ QuadRay in_item_frame(const core::Affine& world_from_item, const gpuprims::Ray& 
 /// one t.
 std::vector<Crossing> reference_crossings(const core::Primitive& primitive, const QuadRay& ray);
 
-/// The same for many rays at one solid, whose surfaces are made once.
+/// Crossings of many rays with one solid, whose surfaces are made once.
 class ReferenceSolid {
  public:
   explicit ReferenceSolid(const core::Primitive& primitive);

@@ -17,7 +17,7 @@ inline constexpr core::Kind kSolids[] = {core::Kind::kCylinder,         core::Ki
                                          core::Kind::kRectangularTorus, core::Kind::kSphere, core::Kind::kSphericalDish,
                                          core::Kind::kEllipticalDish,   core::Kind::kBox,    core::Kind::kPyramid};
 
-/// The same numbers on every platform, unlike the standard's distributions.
+/// Random numbers that are equal on every platform, unlike those of the standard's distributions.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}

@@ -368,7 +368,7 @@ class AnswerJudge {
     return expected;
   }
 
-  /// Of t over the triangle's plane, per unit across the ray.
+  /// The slope of t over the triangle's plane, per unit across the ray.
   static double slope_of(const Seen& s, Quad sum) {
     Quad x = 0, y = 0;
     for (int i = 0; i < 3; ++i) {

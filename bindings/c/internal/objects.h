@@ -39,9 +39,9 @@ struct EngineObject {
 
   std::shared_ptr<SceneObject> scene;
 #if SIGHTLINE_HAS_GL
-  std::unique_ptr<gl::Context> context;         ///< the application's
-  std::unique_ptr<gl::Context> coming_context;  ///< the application's next one, taken in portions
-  bool context_in_use = false;                  ///< neither dropped nor abandoned
+  std::unique_ptr<gl::Context> context;       ///< the application's
+  std::unique_ptr<gl::Context> next_context;  ///< the application's next one, taken in portions
+  bool context_in_use = false;                ///< neither dropped nor abandoned
 #endif
   std::string gl_errors;  ///< taken from the engine, and not yet told
   std::optional<engine::Engine> engine;

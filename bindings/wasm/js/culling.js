@@ -165,7 +165,7 @@ export class BoxCuller extends NativeObject {
   }
 
   /**
-   * The same for projection * view, sixteen numbers in columns.
+   * Visible boxes for projection * view, sixteen numbers in columns.
    * @param {ArrayLike<number>} clipFromWorld
    * @param {Depth} [depth]
    * @returns {Uint32Array}

@@ -39,7 +39,7 @@ export function clippingPlanesOf(renderer, object) {
 }
 
 /**
- * The same in the model's coordinates.
+ * The renderer's section planes in the model's coordinates.
  * @param {Renderer} renderer
  * @param {Model} [model]
  */

@@ -144,7 +144,7 @@ struct Scalar {
     for (int i = 0; i < kLanes; ++i) r.v[i] = std::int32_t(of(i));
     return r;
   }
-  /// Of a >= 0.
+  /// Places whose a is at least 0.
   static Places place_above(const Lanes& a) {
     return each_place([&](int i) { return int(a.v[i]) + int(float(int(a.v[i])) < a.v[i]); });
   }

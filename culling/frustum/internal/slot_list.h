@@ -13,7 +13,7 @@ namespace sightline::culling {
 /// slots, both in rising order. At the speed of memory.
 void list_slots(const core::VisibleSet& set, std::span<core::Slot> out);
 
-/// The same through a map: ids[slot] for every slot. Half as fast, since the map is read as well.
+/// Lists ids[slot] for every slot. Half as fast, since the map is read as well.
 void list_ids(const core::VisibleSet& set, std::span<const std::uint32_t> ids, std::span<std::uint32_t> out);
 
 }  // namespace sightline::culling

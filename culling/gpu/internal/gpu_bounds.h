@@ -40,7 +40,7 @@ class GpuBounds {
   /// as vacant.
   void update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed, gpuscene::ElementWriter& writer,
               SlotBits left_out = {});
-  /// The same where nothing has moved, but slots may have become vacant or left out, or no longer are. Faster, since
+  /// Follows edits that move nothing, but make slots vacant or left out, or no longer so. Faster, since
   /// the boxes of clusters only grow, which is conservative.
   void update_shown(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed,
                     gpuscene::ElementWriter& writer, SlotBits left_out);

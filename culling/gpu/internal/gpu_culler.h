@@ -38,7 +38,7 @@ struct CullBatch;
 /// denormals to the driver (The OpenGL Shading Language 4.50, section 4.7.1). So no item of the CPU's set is ever
 /// missing. Each further item has a corner within that band of a plane: some 10^-6 of the scene's size.
 ///
-/// The same holds of the sample test, which GLSL evaluates with bands of its own (screen_box.glsl), and by rectangles
+/// GLSL also evaluates the sample test with bands of its own (screen_box.glsl), and by rectangles
 /// alone, without the rays of pixels. So it keeps some items that SampleTest leaves out.
 ///
 /// Occlusion is tested in two passes a frame, and nothing pops: cull() finds what the frame before has found open, and
@@ -79,7 +79,7 @@ class GpuCuller {
                               std::span<const core::Slot> touched, SlotBits left_out = {}) {
     return follow(snapshot, scene, touched, left_out, &GpuBounds::update);
   }
-  /// The same where no slot has moved, but some may have become vacant or left out, or no longer are. Faster.
+  /// Follows edits that move no slot, but make some vacant or left out, or no longer so. Faster.
   core::Expected<void> update_shown(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                                     std::span<const core::Slot> touched, SlotBits left_out) {
     return follow(snapshot, scene, touched, left_out, &GpuBounds::update_shown);
@@ -183,7 +183,7 @@ class GpuCuller {
   std::size_t first_probe_ = 0, pending_ = 0, last_probe_ = 0;
   std::optional<gl::GpuTimer> timer_, others_timer_;
   bool vertex_storage_ = false;  // vertex stages may have storage blocks
-  // Of the test of occlusion, made when it is first used:
+  // State of the occlusion test, made when it is first used:
   std::optional<GpuDepthPyramid> pyramid_;
   gl::Buffer occlusion_block_;
   std::uint32_t occlusion_frame_ = 1;

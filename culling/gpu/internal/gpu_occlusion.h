@@ -28,8 +28,8 @@ class GpuDepthPyramid {
   static core::Expected<GpuDepthPyramid> create(const gl::Functions& gl);
   static std::vector<gl::PipelineDescription> all_programs();
 
-  /// Of a reverse-Z depth texture that `view` was drawn with, with one sample per pixel. Submits the work and returns.
-  /// Changes the program, texture unit 0 and storage block 0. Fails when the GPU has too little memory.
+  /// Builds the pyramid of a reverse-Z depth texture that `view` was drawn with, one sample per pixel. Submits the work
+  /// and returns. Changes the program, texture unit 0 and storage block 0. Fails when the GPU has too little memory.
   core::Expected<void> build(const gl::Texture2D& depth, const core::View& view);
 
   /// R32F; the levels say where in it each begins. 3.4e38 where nothing is drawn.

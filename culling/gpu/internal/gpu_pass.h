@@ -26,7 +26,8 @@ struct CullBatch {
   TexelArray commands;                             ///< of all meshes; none of other batches
   std::vector<gpuscene::ElementsCommand> written;  ///< by record: what `commands` follow, as long as these
   gl::Buffer unoccluded_frames;                    ///< see occlusion_test.glsl; made with the first test of occlusion
-  /// Of meshes that have levels; null where none has. Commands of records that are drawn by parts have no indices.
+  /// Parts of meshes that have levels; null where none has. Commands of records that are drawn by parts have no
+  /// indices.
   std::unique_ptr<MeshParts> parts;
 
   bool meshes() const { return kind == gpuscene::BatchKind::kMesh; }

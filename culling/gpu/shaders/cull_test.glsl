@@ -14,7 +14,7 @@ layout(std140, binding = 1) uniform CullBlock {
   int union_first, plane_count;  // planes from union_first on: one of them must be met
   uint view_layers;
   bool use_layers;
-  // Of parts of meshes: lod::MeshError's w(), error_per_w(), nearest_w() and sections().
+  // For parts of meshes: lod::MeshError's w(), error_per_w(), nearest_w() and sections().
   vec4 w;
   float error_per_w, nearest_w;
   int frustum_planes;  // the first ones

@@ -7,9 +7,9 @@ layout(location = 3) uniform int of_parts;  // the parts of the batch's records 
 // and the instance that all parts are of, or kRejected; two words not in use. Then its parts: details of the instance,
 // or kRejected, and of the part.
 layout(binding = 1) uniform usamplerBuffer part_clusters;
-// Of a part: least corner, first index; greatest corner, number of indices; the groups that it is made by and goes into.
-// Of a group: least corner, error; greatest corner.
-// Of an instance: its placement's rows; stretch, record, base vertex.
+// Texels of a part: least corner, first index; greatest corner, number of indices; the groups that it is made by and goes into.
+// Texels of a group: least corner, error; greatest corner.
+// Texels of an instance: its placement's rows; stretch, record, base vertex.
 layout(binding = 4) uniform usamplerBuffer details;
 
 uvec4 detail(uint place) {

@@ -3,7 +3,7 @@
 #ifdef FOR_IMAGE
 #include "screen_box.glsl"
 
-// Of lines, whose rules are others, and of parts of meshes beside section planes: the first pass of a frame draws all.
+// Set for lines, whose rules are others, and for parts of meshes beside section planes: the first pass of a frame draws all of them.
 layout(location = 1) uniform int exempt;
 #endif
 

@@ -47,7 +47,7 @@ class AreaRows {
   const OccluderArea& area_;
 };
 
-/// Of kLanes columns from `first` on those of begin … end - 1, as bits.
+/// Bits of those of kLanes columns from `first` on that lie in begin … end - 1.
 static inline unsigned lanes_within(int first, int begin, int end) {
   unsigned bits = 0xffffu;
   if (first < begin) bits &= bits << (begin - first);

@@ -86,8 +86,8 @@ void for_each_slot_group(const core::VisibleSet& in, Visit&& visit) {
   }
 }
 
-/// The same with boxes: calls visit(group, bits of the slots in use, whether they are of a range). Single slots have
-/// their boxes copied side by side.
+/// Visits slots with their boxes: calls visit(group, bits of the slots in use, whether they are of a range). Single
+/// slots have their boxes copied side by side.
 template <class Visit>
 void for_each_group(const core::ItemBounds& bounds, const core::VisibleSet& in, Visit&& visit) {
   PrefetchedRanges ahead(bounds, in.ranges);

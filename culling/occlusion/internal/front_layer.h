@@ -12,7 +12,7 @@
 
 namespace sightline::culling {
 
-/// Of each pixel, the box that its ray enters first.
+/// For each pixel, the box that its ray enters first.
 struct FrontLayer {
   void clear(std::size_t pixels) {
     nearest.assign(pixels, std::numeric_limits<float>::infinity());

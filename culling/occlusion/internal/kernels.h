@@ -14,7 +14,7 @@ namespace sightline::culling {
 
 struct OccluderImage;
 
-/// Of sixteen boxes: rectangles in the image, pixel centres at integers, and the least distance from the eye. Errors
+/// Sixteen boxes: their rectangles in the image, pixel centres at integers, and the least distance from the eye. Errors
 /// make rectangles larger and distances smaller, never the other way. They hold for boxes with their bit in `projects`.
 struct BoxRectangles {
   alignas(64) float left[kLanes], right[kLanes], bottom[kLanes], top[kLanes], nearest[kLanes];

@@ -98,7 +98,8 @@ unsigned behind(const ScreenView& view, const BoxRectangles& boxes, const Pyrami
   return Simd::less(held, in_front<Simd>(Simd::load(boxes.nearest), margin)) & Simd::equal(wanted, level);
 }
 
-/// Of sixteen boxes those that the rays of these pixels, one for each box, meet in front of what the pixels hold.
+/// Bits of those of sixteen boxes that the rays of these pixels, one for each box, meet in front of what the pixels
+/// hold.
 template <class Simd>
 unsigned seen_at(const typename Simd::Lanes& x, const typename Simd::Lanes& y, const RayField& rays,
                  const float* const (&coordinates)[6], const PyramidBlocks& pyramid) {

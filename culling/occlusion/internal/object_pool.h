@@ -36,7 +36,7 @@ class ObjectPool {
     const std::lock_guard lock(mutex_);
     idle_.push_back(&object);
   }
-  /// Those that were lent since begin(). Not while jobs run.
+  /// The objects lent since begin(). Must not be called while jobs run.
   std::span<const std::unique_ptr<T>> used() const { return std::span(objects_).first(begun_); }
   /// Bytes of all objects. Not while jobs run.
   std::size_t memory_bytes() const {

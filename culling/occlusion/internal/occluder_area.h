@@ -7,7 +7,7 @@ namespace raster {
 
 // Bound for the rounding of a form's value, by the sum of its terms' sizes; more than twice what it can be.
 inline constexpr double kLost = 0x1p-48;
-// The same for what is computed of places in the image.
+// The bound of what is computed from places in the image.
 inline constexpr double kPlaceLost = 0x1p-44;
 // The raster leaves out occluders whose corners may be off by more, in pixels.
 inline constexpr double kMostError = 0x1p-7;

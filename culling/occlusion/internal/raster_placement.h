@@ -27,7 +27,7 @@ struct Form {
     size = glm::dot(form.sizes, coordinates) + std::abs(form.at_eye);
     lost = kLost * size + form.lost;
   }
-  /// Of coordinates relative to the eye.
+  /// Made from coordinates relative to the eye.
   Form(const EyeForm& form, const core::dvec3& magnitudes)
       : row(form.normal, form.at_eye),
         size(glm::dot(form.sizes, magnitudes) + std::abs(form.at_eye)),
@@ -52,7 +52,7 @@ struct Corner {
 /// An occluder's own coordinates in a view.
 class Placement {
  public:
-  /// Of coordinates relative to the eye.
+  /// Made from coordinates relative to the eye.
   Placement(const OccluderImage& view, const core::dvec3& magnitudes)
       : Placement(view, magnitudes, [](const EyeForm& form, const core::dvec3& most) { return Form(form, most); }) {}
   Placement(const OccluderImage& view, const core::Affine& eye_from_own, const core::dvec3& magnitudes)
@@ -91,7 +91,7 @@ class Placement {
     return whole(bits);
   }
 
-  /// Of a point in front.
+  /// Projects a point in front of the eye.
   Corner project(const Point& p) const {
     const double lost = std::max(x_.lost, y_.lost);
     if (!perspective_) {

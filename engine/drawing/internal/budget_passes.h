@@ -58,7 +58,7 @@ class BudgetPasses {
   void looked_at(std::size_t slots, std::vector<std::uint64_t>& bits) const;
   /// What drawing the pending candidates may cost, if as many of them are hidden as of those before.
   double pending_ms() const;
-  /// The same, if none of them is hidden.
+  /// Milliseconds that all pending items would take if none of them were occluded.
   double most_pending_ms() const;
   /// What a pass costs at least.
   double least_ms() const { return costs_.pass_ms(); }

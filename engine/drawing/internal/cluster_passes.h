@@ -46,8 +46,8 @@ class ClusterPasses : public gpuscene::ClusterFilter {
   std::uint64_t frame_ = 0;
   bool first_ = false;  // pass
   core::ItemBounds boxes_;
-  core::VisibleSet tested_, open_;
-  std::vector<std::uint64_t> open_bits_;
+  core::VisibleSet tested_, unoccluded_;
+  std::vector<std::uint64_t> unoccluded_bits_;
   std::vector<std::uint32_t> kept_;
 };
 

@@ -39,7 +39,7 @@ class OcclusionPasses {
   /// After next() has returned false: what the next frame draws first. Of what was drawn, what the depth of all passes
   /// does not hide, and lines.
   void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
-  /// The same for who has found it out.
+  /// Overload for callers that already computed the set.
   void remember(const core::VisibleSet& unoccluded, const core::ItemBounds& bounds);
 
   /// Forgets the frame before.

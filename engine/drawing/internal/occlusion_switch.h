@@ -24,7 +24,7 @@ class OcclusionSwitch {
  public:
   static constexpr double kTriedPart = 1.0 / 16.0;
 
-  /// The way of the next frame, whose items are so many pixels large in the mean.
+  /// Whether to test occlusion in the next frame. `area`: mean projected item area in pixels, 0 if unknown.
   OcclusionMode use(double area) {
     class_ = class_of(area);
     return class_times_[class_].use();
@@ -40,7 +40,7 @@ class OcclusionSwitch {
   }
 
  private:
-  /// Of one class.
+  /// Times of one class.
   class ClassTimes {
    public:
     OcclusionMode use() {
@@ -115,7 +115,7 @@ class OcclusionTrial {
  public:
   enum class Frame { kPlain, kTimedPlain, kTimedTest, kSwitch };
 
-  /// The way of the next frame of so many items.
+  /// Whether to test occlusion in the next frame of so many items.
   Frame next(double items) {
     if (untimed_ > 0) return --untimed_, Frame::kPlain;
     if (plain_ms_ == 0.0) return items_ = items, Frame::kTimedPlain;

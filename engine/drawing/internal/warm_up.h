@@ -14,12 +14,12 @@ namespace sightline::engine {
 ///
 /// A software rasteriser compiles in the thread that draws, once for each program, for more than a second in a scene of
 /// all kinds. What it has compiled it keeps in a cache of its own, which all contexts read. So after this the first
-/// frame finds everything compiled. Nothing else is shared: a rehearsal that fails, or that draws otherwise than the
+/// frame finds everything compiled. Nothing else is shared: a warm-up that fails, or that draws otherwise than the
 /// frame, costs time and nothing more.
 ///
 /// Does nothing where it would not help: with hardware, on one processor, without a program cache, and for kinds whose
 /// programs that cache has.
-void rehearse(const gl::Context& context, const EngineConfig& config, const render::TargetFormat& format,
-              std::span<const gpuscene::BatchKind> kinds);
+void warm_up(const gl::Context& context, const EngineConfig& config, const render::TargetFormat& format,
+             std::span<const gpuscene::BatchKind> kinds);
 
 }  // namespace sightline::engine

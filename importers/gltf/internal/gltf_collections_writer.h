@@ -20,7 +20,7 @@ struct CollectionItem {
   core::Scene::ItemState state;
 };
 
-/// The same for some items, with the nodes above them below `top`. Coordinates
+/// Writes some items, with the nodes above them below `top`. Coordinates
 /// are relative to `centre`. Items without anything to draw are counted as left out.
 core::Expected<void> write_collections(const core::Scene& scene, core::NodeId top,
                                        std::span<const CollectionItem> items, const core::dvec3& centre,

@@ -22,7 +22,7 @@ class GltfMaterials {
   /// `index` kNone: the default one of glTF, white. `tint`: colour of vertices, which multiplies; kNoColour: none. A
   /// material that cannot be read becomes the default one, with a warning.
   core::MaterialId material(std::uint64_t index, PackedColour tint, const std::string& from);
-  /// Of extensions of the materials made so far, each once.
+  /// Warns of the extensions of the materials made so far, each once.
   void warn_of_left_out();
 
  private:

@@ -273,7 +273,7 @@ class Value::Items {
   const Value *begin_, *end_;
 };
 
-/// The same value with ascending keys in all of its objects.
+/// The value with ascending keys in all of its objects.
 Value sorted(Value value);
 
 struct ParseError {

@@ -42,7 +42,7 @@ struct RingChain {
 /// no strip leads on. False when the face's boundary is not one simple loop.
 bool chain_from_face(const Solid& solid, const Faces& faces, std::uint32_t face, RingChain& out);
 
-/// The same from the fan of triangles around a vertex.
+/// Walks a chain from the fan of triangles around a vertex.
 bool chain_from_pole(const Solid& solid, const Faces& faces, std::uint32_t half_edge, RingChain& out);
 
 }  // namespace sightline::importers::recognition

@@ -17,7 +17,7 @@ struct Allowance {
   CoordinateNoise noise;
   double chosen = 0.0;  ///< > 0: for vertices, instead of what the mesh itself tells
 
-  /// Of a vertex from a surface of this radius whose facets lie within `sagitta` of it.
+  /// The allowance of a vertex from a surface of this radius whose facets lie within `sagitta` of it.
   double vertex(double radius, double sagitta) const;
   /// Two measures that differ by less are taken to be equal. `residual`: of the fits that they come from.
   double same(double radius, double sagitta, double residual) const;

@@ -27,7 +27,7 @@ namespace sightline::importers {
 /// Peak memory of read_rvm, the scene's included, stays below this many times the file's size plus kRvmMemoryConstant,
 /// whatever counts the file claims.
 inline constexpr std::size_t kRvmMemoryFactor = 32;
-/// The same for files of text, whose numbers may take two bytes each.
+/// The factor of files of text, whose numbers may take two bytes each.
 inline constexpr std::size_t kRvmTextMemoryFactor = 128;
 inline constexpr std::size_t kRvmMemoryConstant = std::size_t{1} << 20;
 

@@ -24,8 +24,8 @@ struct PageTable {
 PageTable make_page_table(const core::Scene& scene, const core::Snapshot& snapshot, const core::StoredJoints& joints,
                           std::span<const SlcMesh> meshes);
 
-/// The same pages where each mesh is the coarsest of its levels, as far as that halves the bytes of their meshes.
-/// `meshes`: as above.
+/// Coarse forms of the pages, in which each mesh is the coarsest of its levels, as far as that halves the bytes of
+/// their meshes. `meshes`: as above.
 std::vector<SlcCoarsePage> coarse_pages(const core::Scene& scene, const core::Snapshot& snapshot,
                                         const PageTable& table, std::span<const SlcMesh> meshes,
                                         const CoarseMeshes& coarse);

@@ -66,7 +66,7 @@ inline tl::unexpected<SlcProblem> damaged(std::string message) {
 }
 
 std::uint64_t slc_checksum(std::span<const std::byte> bytes);
-/// Of a whole file; 0 when it cannot be read.
+/// The checksum of a whole file; 0 when it cannot be read.
 std::uint64_t slc_checksum(const std::filesystem::path& file);
 
 /// Appends a container to a file, array by array.
@@ -118,7 +118,7 @@ class SlcFile {
     std::byte* data = nullptr;
   };
   SlcExpected<Mapping> map() const;
-  /// The same to read from alone: limits on memory count nothing of it.
+  /// A mapping to read from alone: limits on memory do not count it.
   SlcExpected<Mapping> map_to_read() const;
   /// The array lies in the mapping. False when its elements have another size. An absent one becomes empty.
   template <class T>

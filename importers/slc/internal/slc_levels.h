@@ -39,7 +39,7 @@ bool has_levels(const SlcFile& file, const SlcFile::Mapping& mapping);
 SlcExpected<std::vector<std::shared_ptr<const lod::StoredLevels>>> read_levels(
     const std::shared_ptr<const SlcFile>& file, const SlcFile::Mapping& mapping, std::size_t mesh_count);
 
-/// Of a mesh whose row says that it has some. `values`: the section in which they lie.
+/// The levels of a mesh whose row says that it has some. `values`: the section in which they lie.
 std::shared_ptr<const lod::StoredLevels> levels_in_file(std::shared_ptr<const SlcFile> file,
                                                         const SlcFile::Section& values, const SlcLevels& row);
 

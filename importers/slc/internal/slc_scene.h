@@ -44,7 +44,7 @@ SlcExpected<std::string> sources_of(const SlcFile& file);
 /// The reader of import_file().
 core::Expected<ImportReport> read_slc(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
                                       const ImportOptions& options);
-/// The same from bytes in memory, for tests and the fuzzer. `name` stands for the file.
+/// Reads bytes in memory, for tests and the fuzzer. `name` stands for the file.
 core::Expected<ImportReport> read_slc(std::span<const std::byte> bytes, const std::filesystem::path& name,
                                       core::Scene& scene, core::NodeId parent, const ImportOptions& options);
 

@@ -1,7 +1,7 @@
 // Reader of STL, text (stl_text.h) and binary. A file is binary when it is as long as its count says, else when it has
 // bytes that no text has; its first word says nothing.
 //
-// Of a binary file the records decide where count and length contradict each other: records beyond the count that look
+// The records of a binary file decide where count and length contradict each other: records beyond the count that look
 // like facets are read, other bytes there are ignored, both with a warning; so is a count of more than there is. Damage
 // is a file that ends within a facet. When lenient its whole facets are read, up to where records are no facets any
 // more: bytes that are missing within a file displace all behind them.

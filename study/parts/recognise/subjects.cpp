@@ -11,7 +11,7 @@ namespace {
 
 using core::dvec3;
 
-/// Of a full circle, where surfaces are sampled: prime, so that samples are no corners of the triangles.
+/// Samples of a full circle: prime, so that samples are no corners of the triangles.
 constexpr int kSampleSegments = 31;
 
 /// The factor of a similarity; 0 for other maps.

@@ -21,7 +21,7 @@ void add(GeneratedMesh& mesh, const GeneratedMesh& part, float scale, const vec3
   for (const std::uint32_t i : part.indices) mesh.indices.push_back(first + i);
 }
 
-/// Of 2 * around * (up - 1) triangles, radius 1.
+/// A ball of 2 * around * (up - 1) triangles, radius 1.
 GeneratedMesh ball(std::uint32_t around, std::uint32_t up) {
   constexpr double kPi = std::numbers::pi;
   GeneratedMesh mesh;
@@ -139,7 +139,7 @@ struct Searched {
   }
 };
 
-/// The same in GPU memory.
+/// The grid in GPU memory.
 struct OnGpu {
   GpuTriangles triangles;
   gl::Buffer boxes;

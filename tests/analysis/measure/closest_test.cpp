@@ -301,7 +301,7 @@ TEST(Closest, ToriByDenseSamples) {
   EXPECT_GT(apart, 20);
 }
 
-/// The same pair at another scale, turned, mirrored and 1,000 km away is so much farther apart.
+/// A pair at another scale, turned, mirrored and 1,000 km away, is so much farther apart.
 TEST(Closest, ScaledMirroredAndFar) {
   Random random(kSeed);
   for (int i = 0; i < 3000; ++i) {

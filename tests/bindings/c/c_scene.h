@@ -105,7 +105,7 @@ inline void fill_grid(const CScene& c, core::Scene& scene, int n) {
   }
 }
 
-/// The same view in both APIs: from among the items of a grid, or from outside it.
+/// One view in both APIs: from among the items of a grid, or from outside it.
 struct BothViews {
   sl_view c = SL_VIEW_INIT;
   core::View cpp;

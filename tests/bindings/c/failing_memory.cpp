@@ -54,7 +54,7 @@ void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
   return sightline::tests::allocate(size);
 }
-/// Of the arrays of scenes and snapshots.
+/// Serves the arrays of scenes and snapshots.
 void* operator new(std::size_t size, std::align_val_t alignment) {
   void* p = nullptr;
   if (sightline::tests::may_allocate() && posix_memalign(&p, std::size_t(alignment), size ? size : 1) == 0) return p;

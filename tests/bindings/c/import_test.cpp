@@ -278,7 +278,7 @@ TEST_F(CapiImport, FacesOfMeshesHaveTheirSurfaces) {
   EXPECT_EQ(sl_mesh_get_surface(c.scene, item.mesh, 0, nullptr), SL_ERROR_ARGUMENT);
 }
 
-/// Of a program made before there were caches.
+/// Options of a program that was made before there were caches.
 TEST_F(CapiImport, OptionsWithoutACacheFolderHaveNone) {
   const CScene c;
   sl_import_options options = SL_IMPORT_OPTIONS_INIT;
@@ -333,7 +333,7 @@ TEST_F(CapiImport, PrimitivesAreRecognised) {
   std::filesystem::remove(file);
 }
 
-/// Of a program made when there were caches but no recognition.
+/// Options of a program that was made when there were caches but no recognition.
 TEST_F(CapiImport, OptionsWithoutRecognitionHaveNone) {
   const CScene c;
   sl_import_options options = SL_IMPORT_OPTIONS_INIT;

@@ -23,7 +23,7 @@ namespace {
 constexpr int kWidth = 160, kHeight = 120;
 constexpr std::size_t kMany = std::size_t(8) << 30;
 
-/// The same view in both APIs, from so many metres off the scene's middle.
+/// One view in both APIs, from so many metres off the scene's middle.
 struct View {
   sl_view c = SL_VIEW_INIT;
   core::View cpp;

@@ -72,7 +72,7 @@ class Sequence {
     if (!holds && wrong_.empty()) wrong_ = std::string("expected ") + what + "; last error: " + sl_last_error();
   }
 
-  /// Of a call on a scene, engine or culler: what its liveness demands of the status.
+  /// Checks the status of a call on a scene, engine or culler against the object's liveness.
   sl_status check(sl_status status, std::uint64_t object, const std::set<std::uint64_t>& alive) {
     expect(status >= SL_OK && status <= SL_ERROR_UNSUPPORTED && status != SL_ERROR_MEMORY, "a status, and memory");
     expect(status == SL_OK || *sl_last_error() != '\0', "a message");
@@ -86,7 +86,7 @@ class Sequence {
   sl_status check(sl_status status, sl_engine engine) { return check(status, engine.id, alive_.engines); }
   sl_status check(sl_status status, sl_box_culler culler) { return check(status, culler.id, alive_.cullers); }
 
-  /// Of a function that destroys one of `alive`.
+  /// Checks the status of a function that destroys one of `alive`.
   void check_end(sl_status status, std::uint64_t object, std::set<std::uint64_t>& alive) {
     expect((status == SL_OK) == (alive.erase(object) == 1), "success for what lives, alone");
   }

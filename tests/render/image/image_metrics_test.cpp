@@ -193,7 +193,7 @@ TEST(ImageMetrics, ValuesKnownByHand) {
   EXPECT_LT(m->ssim, -0.8) << "the negative of noise";
 }
 
-/// Of images of one colour each, the means of the lightness alone count (ITU-R BT.601).
+/// For images of one colour each, the means of the lightness alone count (ITU-R BT.601).
 TEST(ImageMetrics, SsimWeighsRedGreenAndBlue) {
   const double weights[3] = {0.299, 0.587, 0.114}, c1 = 2.55 * 2.55;
   for (int channel = 0; channel < 3; ++channel) {

@@ -1,4 +1,4 @@
-// The same answers in headless Chromium: in pages and workers, with threads where the page is cross-origin isolated.
+// Equal answers in headless Chromium: in pages and workers, with threads where the page is cross-origin isolated.
 // SIGHTLINE_CHROMIUM names the browser.
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';

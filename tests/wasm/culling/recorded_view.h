@@ -38,7 +38,7 @@ inline void write_view(RecordWriter& out, const core::View& view, int width = 1,
                view.section_mode == core::SectionMode::kUnion ? 1.0 : 0.0});
   out.array(planes);
 }
-/// Of write_view(). None where the file ends.
+/// Reads what write_view() wrote. None where the file ends.
 inline std::optional<core::View> read_view(RecordReader& in) {
   const auto eye = in.array<double>(), clip = in.array<double>(), rest = in.array<double>(),
              planes = in.array<double>();

@@ -1,4 +1,4 @@
-// The same answers as the library in a process of its own, to the bit; hits of rays within rounding.
+// Answers equal to those of the library in a process of its own, to the bit; hits of rays within rounding.
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { test } from 'node:test';

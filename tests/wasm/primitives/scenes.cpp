@@ -30,7 +30,7 @@ using nlohmann::json;
 
 constexpr int kWidth = 96, kHeight = 64;
 constexpr double kAspect = double(kWidth) / kHeight;
-/// Of the five rays through a pixel and close by, how many hit; 1 when they agree; their least and greatest eye depth;
+/// How many of the five rays through a pixel and close by hit; 1 when they agree; their least and greatest eye depth;
 /// normal and item of the ray through the centre; 1 on a cut face.
 constexpr int kNumbers = 9;
 
