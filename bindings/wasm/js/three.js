@@ -52,6 +52,9 @@ function traverse(object, visit) {
  * drawn from the front of its arrays (and of instanced attributes of its geometry, which must be its own) in another
  * order: `instanceIds()` tells which they are. To change layers, instances or geometries, remove() the mesh, and add()
  * it again. Skinned and morphed meshes are left alone, as are lines, points, sprites and Plants.
+ *
+ * Always drawn are meshes that were added with `frustumCulled` false, those whose geometry has vertices that are no
+ * numbers, and, while the renderer draws shadows, those that cast one: it falls into the image from outside of it, too.
  */
 export class SceneCuller {
   #sightline;
@@ -139,13 +142,13 @@ export class SceneCuller {
   update(camera, renderer) {
     const start = performance.now();
     if (this.#stale) this.#rebuild();
-    if (!camera.parent) camera.updateMatrixWorld();
+    camera.updateWorldMatrix(true, false); // with what it is attached to, as render() will
     const occludes = this.#occluders.size > 0;
     const seen = cameraOf(camera, renderer, occludes ? this.options.occlusionWidth : 0);
     const view = (this.#view = this.#view ? this.#view.set(seen) : this.#sightline.createView(seen));
     const behind = occludes ? this.#occlude(view, camera) : undefined;
     const visible = this.#culler.visible(view, { behind, leastArea: this.options.leastArea * seen.pixels });
-    this.#holders.show(visible);
+    this.#holders.show(visible, renderer.shadowMap?.enabled !== false);
     this.stats = {
       tested: this.#culler.size,
       visible: visible.length,

@@ -5,7 +5,12 @@ import { Matrix4, Plane, Vector2, WebGPUCoordinateSystem } from 'three';
 const matrix = new Matrix4();
 const size = new Vector2();
 
-/** @typedef {{ getDrawingBufferSize(size: Vector2): Vector2, clippingPlanes?: Plane[] }} Renderer */
+/**
+ * @typedef {object} Renderer
+ * @property {(size: Vector2) => Vector2} getDrawingBufferSize
+ * @property {Plane[]} [clippingPlanes]
+ * @property {{ enabled: boolean }} [shadowMap] without one, shadows count as drawn
+ */
 
 /**
  * An object whose coordinates are the library's, and the half-spaces of the world that it is cut by.

@@ -19,10 +19,8 @@ const kRounding = 2 ** -50;
  * @param {ArrayLike<number>} m world from the geometry
  */
 function writeBox(out, at, local, m) {
-  if (local.isEmpty()) {
-    out.fill(Infinity, at, at + 3).fill(-Infinity, at + 3, at + 6);
-    return;
-  }
+  const nothing = () => out.fill(Infinity, at, at + 3).fill(-Infinity, at + 3, at + 6);
+  if (local.isEmpty()) return void nothing();
   const low = [local.min.x, local.min.y, local.min.z];
   const high = [local.max.x, local.max.y, local.max.z];
   for (let row = 0; row < 3; ++row) {
@@ -38,7 +36,15 @@ function writeBox(out, at, local, m) {
     }
     out[at + row] = least - kRounding * terms;
     out[at + 3 + row] = most + kRounding * terms;
+    if (!Number.isFinite(terms)) return void nothing();
   }
+}
+
+/**
+ * @param {Box3} local
+ */
+function isOfNumbers({ min, max }) {
+  return ![min.x, min.y, min.z, max.x, max.y, max.z].some(Number.isNaN);
 }
 
 /**
@@ -59,7 +65,7 @@ class Single {
     this.first = 0;
     this.mask = mesh.layers.mask;
     this.frustumCulled = mesh.frustumCulled;
-    mesh.frustumCulled = false;
+    mesh.frustumCulled = mesh.frustumCulled && mesh.castShadow; // casters are drawn always: three.js tests them itself
   }
   /** @param {number} _ */
   matrix(_) {
@@ -251,6 +257,8 @@ export class Holders {
   /** @type {Holder[]} */ #several = []; // those with finish()
   /** @type {Holder[]} */ #owner = []; // by place
   /** @type {number[]} */ #shownSingles = []; // places
+  /** @type {number[]} */ #always = []; // places that are drawn whatever the camera sees
+  /** @type {number[]} */ #casters = []; // places that cast shadows
   #isSingle = new Uint8Array(0); // by place
   #shownIn = new Uint32Array(0); // the last frame that showed it
   #frame = 1;
@@ -320,35 +328,44 @@ export class Holders {
   boxes(places) {
     const count = places?.length ?? this.#owner.length;
     const out = new Float64Array(6 * count);
+    if (!places) this.#always = [];
+    if (!places) this.#casters = [];
     for (let i = 0; i < count; ++i) {
       const place = places ? places[i] : i;
       const holder = this.#owner[place];
       const index = place - holder.first;
-      writeBox(out, 6 * i, holder.box(index), holder.matrix(index).elements);
+      const local = holder.box(index);
+      writeBox(out, 6 * i, local, holder.matrix(index).elements);
+      if (places) continue;
+      if (!holder.frustumCulled || !isOfNumbers(local)) this.#always.push(place);
+      else if (holder.object.castShadow) this.#casters.push(place);
     }
     return out;
   }
 
   /**
-   * Shows these places and no others. Of meshes only those are touched that come or go.
+   * Shows these places, those that are always shown, and no others. Of meshes only those are touched that come or go.
    * @param {Uint32Array} places
+   * @param {boolean} shadows whether they are drawn
    */
-  show(places) {
+  show(places, shadows) {
     const before = this.#shownSingles;
     const last = this.#frame++;
     this.#shownSingles = [];
     for (const holder of this.#several) holder.hide();
-    for (let i = 0; i < places.length; ++i) {
-      const place = places[i];
-      if (this.#isSingle[place] === 0) {
-        const holder = this.#owner[place];
-        holder.show(place - holder.first);
-        continue;
+    for (const some of [places, this.#always, shadows ? this.#casters : []])
+      for (let i = 0; i < some.length; ++i) {
+        const place = some[i];
+        if (this.#isSingle[place] === 0) {
+          const holder = this.#owner[place];
+          holder.show(place - holder.first);
+          continue;
+        }
+        if (this.#shownIn[place] === this.#frame) continue;
+        if (this.#shownIn[place] !== last) this.#owner[place].show(0);
+        this.#shownIn[place] = this.#frame;
+        this.#shownSingles.push(place);
       }
-      if (this.#shownIn[place] !== last) this.#owner[place].show(0);
-      this.#shownIn[place] = this.#frame;
-      this.#shownSingles.push(place);
-    }
     for (const place of before) if (this.#shownIn[place] !== this.#frame) this.#owner[place].hide();
     for (const holder of this.#several) /** @type {Instances | Batch} */ (holder).finish();
   }

@@ -273,6 +273,41 @@ function refuse() {
   check(culler.pick(new THREE.Ray()) === null, 'something is picked of nothing');
 }
 
+/** Objects that must be drawn though their boxes lie outside of what the camera sees, and a camera that is carried. */
+function drawWhatCountsOutside() {
+  const cube = (x, y, z) => {
+    const mesh = new THREE.Mesh(new THREE.BoxGeometry());
+    mesh.position.set(x, y, z);
+    return mesh;
+  };
+  const [root, rig, camera] = [new THREE.Scene(), new THREE.Group(), new THREE.PerspectiveCamera()];
+  camera.position.set(0, 0, 10);
+  root.add(rig.add(camera));
+  const [behind, displaced, caster, broken, far] = [0, 1, 2, 0, 200].map((x, i) => cube(x, 0, i === 3 ? 0 : 20));
+  const many = new THREE.InstancedMesh(new THREE.BoxGeometry(), undefined, 2);
+  many.setMatrixAt(0, new THREE.Matrix4().makeTranslation(0, 0, 30));
+  many.setMatrixAt(1, new THREE.Matrix4().makeTranslation(NaN, 0, 0));
+  far.position.z = 0;
+  displaced.frustumCulled = false;
+  caster.castShadow = many.castShadow = true;
+  broken.geometry.attributes.position.setX(3, NaN);
+  root.add(behind, displaced, caster, broken, far, many);
+  const said = console.error;
+  console.error = () => {}; // three.js tells of vertices that are no numbers
+  const culler = new SceneCuller(sightline).add(root);
+  const drawn = (shadows) => {
+    culler.update(camera, { getDrawingBufferSize: (size) => size.set(width, height), shadowMap: { enabled: shadows } });
+    return [behind, displaced, caster, broken, far].map((mesh) => Number(mesh.layers.mask !== 0)).join('') + many.count;
+  };
+  check(drawn(true) === '011102', `with shadows: ${drawn(true)} are drawn`);
+  check(drawn(false) === '010100', `without shadows: ${drawn(false)} are drawn`);
+  rig.position.x = 200; // render() updates world matrices after this
+  check(drawn(false) === '010110', `from a rig that moved: ${drawn(false)} are drawn`);
+  culler.dispose();
+  console.error = said;
+  check(many.count === 2 && behind.layers.mask === 1 && !displaced.frustumCulled && caster.frustumCulled, 'not restored');
+}
+
 await report(
   async () => {
     const canvases = [
@@ -282,6 +317,7 @@ await report(
     ];
     check(canvases[1].renderer.state.buffers.depth.getReversed(), 'no reversed depth buffer');
     refuse();
+    drawWhatCountsOutside();
     for (const [i, canvas] of canvases.entries())
       for (const seed of [10 * i + 1, 10 * i + 2]) {
         await compareImages(canvas, seed);
