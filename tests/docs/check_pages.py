@@ -2,6 +2,7 @@
 """Checks the Markdown pages of a source tree: check_pages.py ROOT.
 
 - Links to files of the tree lead to files that exist, and docs/README.md leads to every page.
+- The glossary defines each term once.
 - The README has at most 100 lines, a page of docs/guide at most 1,200 words.
 - Each C++ or C snippet of the pages about embedding is part of a program in examples/, line by line but for indentation.
   A line of "..." stands for left out lines.
@@ -16,7 +17,7 @@ MOST_README_LINES, MOST_GUIDE_WORDS = 100, 1200
 
 
 def pages(root):
-    return [root / name for name in ("README.md", "CONTRIBUTING.md")] + sorted((root / "docs").rglob("*.md"))
+    return [root / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")] + sorted((root / "docs").rglob("*.md"))
 
 
 def links(page):
@@ -53,6 +54,13 @@ def long_pages(root):
         words = len(page.read_text().split())
         if words > MOST_GUIDE_WORDS:
             yield f"{page.relative_to(root)}: {words} words, expected at most {MOST_GUIDE_WORDS}"
+
+
+def doubled_terms(root):
+    """Terms that the glossary defines more than once."""
+    rows = re.findall(r"^\| ([^|]+) \|", (root / "docs" / "develop" / "glossary.md").read_text(), flags=re.M)[2:]
+    terms = [term.strip("` ") for row in rows for term in row.split(",")]
+    yield from (f"docs/develop/glossary.md: {term} is defined twice" for term in sorted(set(terms)) if terms.count(term) > 1)
 
 
 def lines_of(text):
@@ -95,7 +103,7 @@ def unknown_targets(root):
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    checks = (broken_links, lost_pages, long_pages, stray_snippets, unknown_targets)
+    checks = (broken_links, lost_pages, long_pages, doubled_terms, stray_snippets, unknown_targets)
     problems = [problem for check in checks for problem in check(root)]
     for problem in problems:
         print(problem, file=sys.stderr)
