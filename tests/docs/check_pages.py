@@ -3,7 +3,7 @@
 
 - Links to files of the tree lead to files that exist, and docs/README.md leads to every page.
 - The glossary defines each term once.
-- The README has at most 100 lines, a page of docs/guide at most 1,200 words.
+- The README has at most 100 lines, a page of docs/guide at most 1,200 words, all pages together at most 58,000.
 - Each C++ or C snippet of the pages about embedding is part of a program in examples/, line by line but for indentation.
   A line of "..." stands for left out lines.
 - Each CMake snippet of these pages names targets and components that the sources have.
@@ -13,7 +13,7 @@ import re
 import sys
 
 SNIPPETS_FROM_EXAMPLES = ["docs/guide/tutorial.md"]
-MOST_README_LINES, MOST_GUIDE_WORDS = 100, 1200
+MOST_README_LINES, MOST_GUIDE_WORDS, MOST_WORDS = 100, 1200, 58000
 
 
 def pages(root):
@@ -54,6 +54,9 @@ def long_pages(root):
         words = len(page.read_text().split())
         if words > MOST_GUIDE_WORDS:
             yield f"{page.relative_to(root)}: {words} words, expected at most {MOST_GUIDE_WORDS}"
+    words = sum(len(page.read_text().split()) for page in pages(root))
+    if words > MOST_WORDS:
+        yield f"all pages: {words} words, expected at most {MOST_WORDS}"
 
 
 def doubled_terms(root):
