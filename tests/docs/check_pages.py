@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the Markdown pages of a source tree: check_pages.py ROOT.
 
-- Links to files of the tree lead to files that exist, and docs/README.md leads to every page.
+- Links lead to files and headings that exist, and docs/README.md leads to every page.
 - The glossary defines each term once.
 - The README has at most 100 lines, a page of docs/guide at most 1,200 words, all pages together at most 58,000.
 - Each C++ or C snippet of the pages about embedding is part of a program in examples/, line by line but for indentation.
@@ -32,6 +32,20 @@ def broken_links(root):
         for target in links(page):
             if not (page.parent / target).exists():
                 yield f"{page.relative_to(root)}: no file {target}"
+
+
+def headings(page):
+    """The anchors of a page's headings, as GitHub makes them."""
+    titles = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", page.read_text(), flags=re.S), flags=re.M)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+def broken_anchors(root):
+    for page in pages(root):
+        for target, anchor in re.findall(r"\]\(([^)#\s:]*)#([^)\s]+)\)", page.read_text()):
+            there = page.parent / target if target else page
+            if there.suffix == ".md" and there.exists() and anchor not in headings(there):
+                yield f"{page.relative_to(root)}: no heading {target}#{anchor}"
 
 
 def lost_pages(root):
@@ -106,7 +120,7 @@ def unknown_targets(root):
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    checks = (broken_links, lost_pages, long_pages, doubled_terms, stray_snippets, unknown_targets)
+    checks = (broken_links, broken_anchors, lost_pages, long_pages, doubled_terms, stray_snippets, unknown_targets)
     problems = [problem for check in checks for problem in check(root)]
     for problem in problems:
         print(problem, file=sys.stderr)
