@@ -39,8 +39,8 @@ void Placeholders::find(const core::PagedScene& scene, const core::View& view, c
   forget(width, height);
   parts_.split(leaves, kPart);
   for (std::uint32_t i = 0; i < parts_.count(); ++i) {
-    test.squares(scene.leaves, parts_[i], {}, 0.0f, culling::ContributionTest::SquareRule::kOnPixelCentres, squares_);
-    for (const auto& square : squares_) {
+    test.splats(scene.leaves, parts_[i], {}, 0.0f, culling::ContributionTest::SplatRule::kOnPixelCentres, found_);
+    for (const auto& square : found_) {
       const int x = std::clamp(int(std::lround(square.x)), 0, width - 1);
       const int y = std::clamp(int(std::lround(square.y)), 0, height - 1);
       Nearest& at = nearest_[std::size_t(y) * std::size_t(width) + std::size_t(x)];

@@ -99,19 +99,19 @@ void ContributionTest::filter_leaves(const Hierarchy& hierarchy, const core::Vis
                          [&](const auto& boxes) { return at_least(boxes, nullptr, kHysteresis * threshold, areas); });
 }
 
-void ContributionTest::squares(const core::ItemBounds& bounds, const core::VisibleSet& in, SlotBits without,
-                               float least_area, SquareRule rule, std::vector<Square>& squares) const {
-  squares.clear();
+void ContributionTest::splats(const core::ItemBounds& bounds, const core::VisibleSet& in, SlotBits without,
+                              float least_area, SplatRule rule, std::vector<Splat>& splats) const {
+  splats.clear();
   SolidLanes solids(solids_);
-  BoxSquares found;
+  BoxSplats found;
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
     unsigned bits = used & ~bits_of(group, without);
     if (bits == 0) return;
-    occlusion_kernels().squares(view_, group.coordinates, solids.of(group, of_range), least_area,
-                                rule == SquareRule::kAll, found);
+    occlusion_kernels().splats(view_, group.coordinates, solids.of(group, of_range), least_area,
+                               rule == SplatRule::kAll, found);
     for (bits &= found.showing; bits != 0; bits &= bits - 1) {
       const int i = std::countr_zero(bits);
-      squares.push_back({group.slots[i], found.x[i], found.y[i], found.distance[i], found.area[i]});
+      splats.push_back({group.slots[i], found.x[i], found.y[i], found.distance[i], found.area[i]});
     }
   });
 }

@@ -65,19 +65,19 @@ class SIGHTLINE_API ContributionTest {
   void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, float threshold, core::VisibleSet& kept,
                      SlotBits exempt = {}) const;
 
-  /// A square with an item's area around the projected centre of its box.
-  struct Square {
+  /// What may stand for an item: a square of its area around the projected centre of its box.
+  struct Splat {
     core::Slot slot;
     float x, y;      ///< of the centre, pixels; the first pixel's centre, at the lower left, is at 0
     float distance;  ///< of the centre along the viewing direction, metres
     float area;      ///< pixels
   };
-  enum class SquareRule { kOnPixelCentres, kAll };
-  /// Replaces `squares` by those of the slots of `in` without a bit in `without` whose centres are in the image; with
+  enum class SplatRule { kOnPixelCentres, kAll };
+  /// Replaces `splats` by those of the slots of `in` without a bit in `without` whose centres are in the image; with
   /// kOnPixelCentres only those that may cover a pixel centre. Those smaller than
   /// `least_area`, in pixels, will be drawn that large. There are none of boxes that reach behind the eye.
-  void squares(const core::ItemBounds& bounds, const core::VisibleSet& in, SlotBits without, float least_area,
-               SquareRule rule, std::vector<Square>& squares) const;
+  void splats(const core::ItemBounds& bounds, const core::VisibleSet& in, SlotBits without, float least_area,
+              SplatRule rule, std::vector<Splat>& splats) const;
 
  private:
   unsigned at_least(const float* const (&coordinates)[6], const float* solids, float threshold,

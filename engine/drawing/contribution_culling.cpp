@@ -8,9 +8,9 @@
 namespace sightline::engine {
 namespace {
 
-using Square = culling::ContributionTest::Square;
+using Splat = culling::ContributionTest::Splat;
 
-float side_of(const Square& square, float least_area) {
+float side_of(const Splat& square, float least_area) {
   return std::sqrt(std::max(square.area, least_area));
 }
 
@@ -22,12 +22,12 @@ class NearestDrawn {
       : distances_(distances), width_(width), height_(height), error_(error) {}
 
   /// Whether a square may cover a pixel centre where nothing nearer is known.
-  bool shows(const Square& square, float side) const {
+  bool shows(const Splat& square, float side) const {
     const float distance = square.distance - error_ - 1e-4f * std::abs(square.distance);
     return any_pixel(square, 0.5f * side + kMargin, [&](float& at) { return known(at).load(kOrder) >= distance; });
   }
   /// A square that will be drawn unless others hide it.
-  void add(const Square& square, float side) const {
+  void add(const Splat& square, float side) const {
     any_pixel(square, 0.5f * side - kMargin, [&](float& at) {
       for (float before = known(at).load(kOrder); square.distance < before;)
         if (known(at).compare_exchange_weak(before, square.distance, kOrder)) break;
@@ -42,7 +42,7 @@ class NearestDrawn {
 
   /// Whether visit(distance) is true of a pixel whose centre is no farther than `reach` along both axes.
   template <class Visit>
-  bool any_pixel(const Square& square, float reach, const Visit& visit) const {
+  bool any_pixel(const Splat& square, float reach, const Visit& visit) const {
     // Without std::floor and std::ceil, which are function calls where the instruction set has neither.
     const auto first = [reach](float at) {
       const float least = std::max(0.0f, at - reach);
@@ -78,7 +78,7 @@ class Unprojection {
     w_ = {float(clip[2][3]), float(clip[3][3])};
   }
 
-  core::vec3 eye(const Square& square) const {
+  core::vec3 eye(const Splat& square) const {
     const float z = -square.distance, w = w_.x * z + w_.y;
     return {x_.at(square.x, z, w), y_.at(square.y, z, w), z};
   }
@@ -121,7 +121,7 @@ bool in_share(core::ItemId item, float share) {
 /// Squares hide each other, too. What is nearest in each pixel does not depend on the order in which threads add them.
 void ContributionCulling::find(DrawContext& context, const Culled& culled, culling::SlotBits large, float least_area,
                                const Known& known) {
-  using SquareRule = culling::ContributionTest::SquareRule;
+  using SplatRule = culling::ContributionTest::SplatRule;
   const core::Snapshot& snapshot = culled.snapshot;
   const render::RenderTarget& target = context.target();
   const culling::ContributionTest test = context.contribution_test(culled.view, snapshot);
@@ -133,35 +133,35 @@ void ContributionCulling::find(DrawContext& context, const Culled& culled, culli
                              float(render::RenderTarget::orthographic_error(culled.view)));
   const NearAndFar range(culled.view);
   const Unprojection unprojection(culled.view, target.width(), target.height());
-  const auto side = [&](const Square& square) { return side_of(square, least_area); };
-  const auto hidden = [&](const Square& square) { return !nearest.shows(square, side(square)); };
-  const auto hides = [&](const Square& square) {
+  const auto side = [&](const Splat& square) { return side_of(square, least_area); };
+  const auto hidden = [&](const Splat& square) { return !nearest.shows(square, side(square)); };
+  const auto hides = [&](const Splat& square) {
     return culled.view.sections.empty() && snapshot.opaque(square.slot) && range.contain(square.distance);
   };
   parts_.split(culled.visible);
   if (of_part_.size() < parts_.count()) of_part_.resize(parts_.count());
   parts_.for_each(&context.threads, [&](core::VisibleSet& part, std::uint32_t i) {
     core::VisibleSet& open = of_part_[i].open;
-    std::vector<Square>& squares = of_part_[i].squares;
+    std::vector<Splat>& candidates = of_part_[i].candidates;
     if (known.occlusion && culled.hierarchy) {
       known.occlusion->filter_leaves(*culled.hierarchy, part, open);
       std::swap(part, open);
     }
-    test.squares(snapshot.bounds(), part, large, least_area,
-                 one_sample ? SquareRule::kOnPixelCentres : SquareRule::kAll, squares);
+    test.splats(snapshot.bounds(), part, large, least_area, one_sample ? SplatRule::kOnPixelCentres : SplatRule::kAll,
+                candidates);
     if (least_area > 0.0f)
-      std::erase_if(squares, [&](const Square& square) {
+      std::erase_if(candidates, [&](const Splat& square) {
         return !in_share(snapshot.item(square.slot), square.area / least_area);
       });
     if (!one_sample) return;
-    std::erase_if(squares, hidden);
-    for (const Square& square : squares)
+    std::erase_if(candidates, hidden);
+    for (const Splat& square : candidates)
       if (hides(square)) nearest.add(square, side(square));
   });
   parts_.for_each(&context.threads, [&](core::VisibleSet&, std::uint32_t i) {
     std::vector<render::PointSplat>& splats = of_part_[i].splats;
     splats.clear();
-    for (const Square& square : of_part_[i].squares)
+    for (const Splat& square : of_part_[i].candidates)
       if (!one_sample || !hidden(square))
         splats.push_back({unprojection.eye(square), std::min(side(square), largest_side), snapshot.item(square.slot),
                           gpuprims::material_row(snapshot, square.slot)});

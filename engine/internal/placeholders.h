@@ -47,7 +47,7 @@ class Placeholders {
   std::unique_ptr<Palette> palette_;
   gpuscene::GpuScene colours_;  // materials alone
   culling::SetParts parts_;
-  std::vector<culling::ContributionTest::Square> squares_;
+  std::vector<culling::ContributionTest::Splat> found_;
   std::vector<Nearest> nearest_;  // by pixel
   std::vector<render::PointSplat> splats_;
 };

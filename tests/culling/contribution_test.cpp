@@ -100,17 +100,17 @@ double facing_pixels(const View& view, const core::dvec3& centre, int width, int
   return std::abs(moves[0].x * moves[1].y - moves[0].y * moves[1].x);
 }
 
-struct SquareCounts {
+struct SplatCounts {
   std::size_t limited = 0, shown = 0, between = 0, outside = 0;
 
-  void add(const SquareCounts& other) {
+  void add(const SplatCounts& other) {
     limited += other.limited, shown += other.shown, between += other.between, outside += other.outside;
   }
 };
 
 /// Areas and squares of solids against double precision.
 TEST(ContributionTest, SolidsLimitAreasAndMakeSquares) {
-  SquareCounts all_seeds;
+  SplatCounts all_seeds;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
@@ -138,15 +138,15 @@ TEST(ContributionTest, SolidsLimitAreasAndMakeSquares) {
       if (!bounds.vacant(s) && chance(random, 0.7)) in.single_slots.push_back(s);
     const ContributionTest plain(view, origin, width, height), test(view, origin, width, height, solids);
     const float fixed = chance(random, 0.5) ? float(magnitude(random, 0.1, 100.0)) : 0.0f;
-    SquareCounts counts;
+    SplatCounts counts;
     for_each_instruction_set([&] {
       counts = {};
       std::vector<ContributionTest::SlotArea> areas, outlines;
       plain.areas(bounds, in, outlines);
       test.areas(bounds, in, areas);
-      std::vector<ContributionTest::Square> all(1), on_centres(1);  // to be replaced
-      test.squares(bounds, in, without, fixed, ContributionTest::SquareRule::kAll, all);
-      test.squares(bounds, in, without, fixed, ContributionTest::SquareRule::kOnPixelCentres, on_centres);
+      std::vector<ContributionTest::Splat> all(1), on_centres(1);  // to be replaced
+      test.splats(bounds, in, without, fixed, ContributionTest::SplatRule::kAll, all);
+      test.splats(bounds, in, without, fixed, ContributionTest::SplatRule::kOnPixelCentres, on_centres);
       auto next = all.begin();
       auto next_on = on_centres.begin();
       for (std::size_t i = 0; i < areas.size(); ++i) {

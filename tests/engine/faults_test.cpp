@@ -31,7 +31,7 @@ struct Mode {
   int side = 6;  // of the grid of items
   bool sections = false, overlays = false;
   int most_tries = 10;  // of each kind, but for long runs
-  enum class Calls { kFew, kMany, kLanding } calls = Calls::kFew;
+  enum class Calls { kFew, kMany, kSwap } calls = Calls::kFew;
 };
 
 const Mode kModes[] = {
@@ -82,7 +82,7 @@ const Mode kModes[] = {
     {"levels", [](EngineConfig& c) { c.losses.lod_error = 0.5; }},
     {"many_calls", [](EngineConfig& c) { c.losses.min_projected_area = 2.0f; }, 6, false, false, 10,
      Mode::Calls::kMany},
-    {"landing", [](EngineConfig& c) { c.culling.rebuild_share = 0.03; }, 8, false, false, 10, Mode::Calls::kLanding},
+    {"landing", [](EngineConfig& c) { c.culling.rebuild_share = 0.03; }, 8, false, false, 10, Mode::Calls::kSwap},
     {"gpu_levels",
      [](EngineConfig& c) {
        c.losses.lod_error = 0.5;
@@ -118,7 +118,7 @@ class Session {
     std::vector<NamedStep> all = {{"create", &Session::create}, {"frame", &Session::first},
                                   {"style", &Session::style},   {"frame", &Session::second},
                                   {"read", &Session::read},     {"commit", &Session::commit}};
-    if (mode.calls == Mode::Calls::kLanding) all.push_back({"land", &Session::land});
+    if (mode.calls == Mode::Calls::kSwap) all.push_back({"land", &Session::land});
     all.insert(all.end(), {{"frame", &Session::second}, {"read", &Session::read}, {"resize", &Session::resize}});
     if (mode.calls == Mode::Calls::kMany)
       all.insert(all.end(), {{"frame", &Session::first},

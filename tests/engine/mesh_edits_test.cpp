@@ -107,7 +107,7 @@ TEST_F(MeshEdits, OfLargeMeshes) {
     }
 }
 
-/// Of 10^7 triangles: levels are cancelled, and built, and everything comes in portions.
+/// 10^7 triangles: levels are cancelled, and built, and everything comes in portions.
 TEST_F(MeshEdits, OfTenMillionTriangles) {
   const core::Mesh huge = terrain(2237, 1.3);
   ASSERT_GE(huge.indices.size(), 30'000'000u);

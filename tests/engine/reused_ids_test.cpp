@@ -82,7 +82,7 @@ void expect_picks_of_an_engine_made_anew(double share) {
   Traffic traffic;
   auto followed = Engine::create(traffic.scene, {.culling = {.rebuild_share = share}});
   ASSERT_TRUE(followed && followed->pick({core::dvec3(0.0), {1, 0, 0}}));
-  int landings = 0;
+  int swaps = 0;
   for (int round = 0; round < 60; ++round) {
     const std::uint64_t order = followed->snapshot().generation();
     for (int piece = 0; piece < 8; ++piece) {  // commits that a new scene version comes to know at once
@@ -91,13 +91,13 @@ void expect_picks_of_an_engine_made_anew(double share) {
       while (!*followed->commit(0.0)) continue;
     }
     ASSERT_TRUE(round % 17 != 16 || followed->rebuild());
-    landings += followed->snapshot().generation() != order;
+    swaps += followed->snapshot().generation() != order;
     if (round % 4 != 3) continue;
     auto anew = Engine::create(traffic.scene);
     ASSERT_TRUE(anew);
     ASSERT_NO_FATAL_FAILURE(expect_same_picks(traffic, *followed, *anew)) << "round " << round;
   }
-  EXPECT_GE(landings, share > 0.0 ? 4 : 3) << "three by rebuild(); how many in the background depends on its thread";
+  EXPECT_GE(swaps, share > 0.0 ? 4 : 3) << "three by rebuild(); how many in the background depends on its thread";
   EXPECT_LT(traffic.scene.item_slots(), 800u) << "5,760 were added";
   EXPECT_LT(traffic.scene.mesh_slots(), 500u);
 }

@@ -157,8 +157,8 @@ TEST_F(StreamingTest, NewVersionsLandBetweenEdits) {
         if (item_red == red) found.push_back(item);
       return found;
     };
-    int landings = 0, in_between = 0;
-    for (int round = 0; round < 2000 && landings < 2; ++round) {
+    int swaps = 0, in_between = 0;
+    for (int round = 0; round < 2000 && swaps < 2; ++round) {
       const std::uint64_t order = streamed->snapshot().generation();
       const std::size_t slots = streamed->snapshot().size();
       for (int i = 0; i < 4; ++i) add_mesh(scene);
@@ -174,11 +174,11 @@ TEST_F(StreamingTest, NewVersionsLandBetweenEdits) {
       ASSERT_TRUE(streamed->set_override(coloured, red ? kRed : kBlue));
       for (const core::ItemId item : coloured) is_red[item] = red;
       ASSERT_TRUE(streamed->commit() && streamed->frame(view(0.1 * round)));
-      const bool landed = streamed->snapshot().generation() != order && streamed->snapshot().size() < slots;
-      landings += landed;
-      const bool landing = streamed->rebuilding() && !landed;
-      in_between += landing;
-      if (!landed && !(landing && in_between % 16 == 1)) continue;
+      const bool swapped = streamed->snapshot().generation() != order && streamed->snapshot().size() < slots;
+      swaps += swapped;
+      const bool swapping = streamed->rebuilding() && !swapped;
+      in_between += swapping;
+      if (!swapped && !(swapping && in_between % 16 == 1)) continue;
       auto anew = Engine::create(scene, c);
       ASSERT_TRUE(anew && set_styles(*anew));
       ASSERT_TRUE(anew->set_override(coloured_as(true), kRed) && anew->set_override(coloured_as(false), kBlue));
@@ -188,7 +188,7 @@ TEST_F(StreamingTest, NewVersionsLandBetweenEdits) {
       ASSERT_TRUE(difference);
       EXPECT_LE(difference->pixels, 200u) << "round " << round;
     }
-    EXPECT_EQ(landings, 2);
+    EXPECT_EQ(swaps, 2);
     EXPECT_GE(in_between, 1);
     items.clear();
   }
@@ -249,7 +249,7 @@ TEST_F(StreamingTest, ReusedIdsAreThoseOfOtherItems) {
     auto streamed = Engine::create(scene, c);
     ASSERT_TRUE(streamed);
     std::map<core::ItemId, bool> is_red;
-    int landings = 0;
+    int swaps = 0;
     for (int round = 0; round < 60; ++round) {
       const std::uint64_t order = streamed->snapshot().generation();
       for (int piece = 0; piece < 6; ++piece) {  // commits that a new scene version comes to know at once
@@ -260,7 +260,7 @@ TEST_F(StreamingTest, ReusedIdsAreThoseOfOtherItems) {
       }
       ASSERT_TRUE(round % 17 != 16 || streamed->rebuild());
       ASSERT_TRUE(streamed->frame(view(0.1 * round)));
-      landings += streamed->snapshot().generation() != order;
+      swaps += streamed->snapshot().generation() != order;
       if (round % 6 != 5) continue;
       auto anew = Engine::create(scene, c);
       ASSERT_TRUE(anew);
@@ -270,7 +270,7 @@ TEST_F(StreamingTest, ReusedIdsAreThoseOfOtherItems) {
       ASSERT_TRUE(difference);
       EXPECT_LE(difference->pixels, 60u) << "round " << round;  // where two colours meet, in orders of their own
     }
-    EXPECT_GE(landings, share < 1.0 ? 9 : 3);
+    EXPECT_GE(swaps, share < 1.0 ? 9 : 3);
     EXPECT_LT(scene.item_slots(), 14u * 14u * 14u + 300u) << "2,160 were added";
   }
 }

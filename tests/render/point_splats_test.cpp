@@ -32,7 +32,7 @@ class Random {
 };
 
 /// What a square shows, in pixels from the lower left corner.
-struct Square {
+struct ShownSplat {
   double x, y, half, distance;
   std::uint32_t id;
   dvec3 colour;  // 0 … 255
@@ -105,11 +105,11 @@ class PointSplatsTest : public tests::GlTest {
     return 255.0 * glm::min(sum / double(count), dvec3(1.0));
   }
 
-  std::vector<Square> expected(const View& view, std::span<const PointSplat> splats) const {
+  std::vector<ShownSplat> expected(const View& view, std::span<const PointSplat> splats) const {
     const core::dmat4 clip_from_eye = gpuprims::reversed_clip_from_eye(view);
     const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
     const dvec3 up = glm::normalize(core::dmat3(view.eye_from_world()) * dvec3(0, 0, 1));
-    std::vector<Square> squares;
+    std::vector<ShownSplat> squares;
     for (const PointSplat& s : splats) {
       const core::dvec4 eye(dvec3(s.centre), 1.0), clip = clip_from_eye * eye;
       const dvec3 world(world_from_eye * eye);
@@ -128,9 +128,9 @@ class PointSplatsTest : public tests::GlTest {
   }
 
   /// The nearest square at a place, or null; `clear`: none has its border there.
-  static const Square* at(const std::vector<Square>& squares, double x, double y, bool& clear) {
-    const Square* nearest = nullptr;
-    for (const Square& s : squares) {
+  static const ShownSplat* at(const std::vector<ShownSplat>& squares, double x, double y, bool& clear) {
+    const ShownSplat* nearest = nullptr;
+    for (const ShownSplat& s : squares) {
       const double from = std::max(std::abs(x - s.x), std::abs(y - s.y));
       if (std::abs(from - s.half) < kUnclear) clear = false;
       if (from < s.half && (!nearest || s.distance < nearest->distance)) nearest = &s;
@@ -165,7 +165,7 @@ TEST_F(PointSplatsTest, ShowSquaresOfTheirSizeColourAndDepth) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed++);
     const std::vector<PointSplat> splats = random_splats(random, view, 500, 3);
-    const std::vector<Square> squares = expected(view, splats);
+    const std::vector<ShownSplat> squares = expected(view, splats);
     EXPECT_EQ(view.sections.empty(), squares.size() == splats.size());
     const RenderTarget target = draw(view, {.ids = true, .normals = true}, splats);
     const image::Image colours = target.read_colour();
@@ -176,7 +176,7 @@ TEST_F(PointSplatsTest, ShowSquaresOfTheirSizeColourAndDepth) {
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
         bool clear = true;
-        const Square* square = at(squares, x + 0.5, y + 0.5, clear);
+        const ShownSplat* square = at(squares, x + 0.5, y + 0.5, clear);
         if (!clear) continue;
         const std::size_t i = std::size_t((kHeight - 1 - y) * kWidth + x);
         ASSERT_EQ(ids.ids[i], square ? square->id : 0u) << "(" << x << ", " << y << ")";
@@ -196,7 +196,7 @@ TEST_F(PointSplatsTest, CoverTheSamplesInside) {
   const View view = views()[0];
   Random random(7);
   const std::vector<PointSplat> splats = random_splats(random, view, 500, 3);
-  const std::vector<Square> squares = expected(view, splats);
+  const std::vector<ShownSplat> squares = expected(view, splats);
   const RenderTarget target = draw(view, {.samples = 4}, splats);
   const image::Image colours = target.read_colour();
   const dvec3 background = 255.0 * dvec3(0.86, 0.88, 0.91);
@@ -207,7 +207,7 @@ TEST_F(PointSplatsTest, CoverTheSamplesInside) {
       int covered = 0;
       dvec3 sum(0.0);
       for (const glm::vec2& offset : target.sample_offsets()) {
-        const Square* square = at(squares, x + 0.5 + double(offset.x), y + 0.5 + double(offset.y), clear);
+        const ShownSplat* square = at(squares, x + 0.5 + double(offset.x), y + 0.5 + double(offset.y), clear);
         covered += square != nullptr;
         sum += square ? square->colour : background;
       }

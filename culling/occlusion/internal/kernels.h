@@ -29,7 +29,7 @@ struct DistanceMargin {
 
 /// Squares in place of sixteen boxes: where the centres are in the image, pixel centres at integers, how far they are
 /// along the viewing direction, and the squares' areas in pixels. Means nothing without a bit in `showing`.
-struct BoxSquares {
+struct BoxSplats {
   alignas(64) float x[kLanes], y[kLanes], distance[kLanes], area[kLanes];
   unsigned showing;  // bit i: square i may cover a pixel centre of the image; or, if that is asked for, its centre is
                      // in the image
@@ -85,8 +85,8 @@ struct OcclusionKernels {
   /// Writes the projected areas of sixteen boxes, or of `solids` (square metres, or null) where these take less.
   void (*areas)(const ScreenView& view, const float* const (&coordinates)[6], const float* solids, float* out);
   /// Finds the squares that stand for sixteen boxes, `least_area` pixels or larger; `all`: also between pixel centres.
-  void (*squares)(const ScreenView& view, const float* const (&coordinates)[6], const float* solids, float least_area,
-                  bool all, BoxSquares& out);
+  void (*splats)(const ScreenView& view, const float* const (&coordinates)[6], const float* solids, float least_area,
+                 bool all, BoxSplats& out);
 
   // --- boxes against the depth pyramid ---
   /// Finds boxes behind 2 x 2 blocks around their rectangles. They must cover a sample and project. May miss some.

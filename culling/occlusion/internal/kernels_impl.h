@@ -156,7 +156,7 @@ constexpr OcclusionKernels make_occlusion_kernels() {
     ScreenBoxes<Simd>(view, c).store(view, out);
   };
   k.areas = ScreenBoxes<Simd>::store_areas;
-  k.squares = ScreenBoxes<Simd>::store_squares;
+  k.splats = ScreenBoxes<Simd>::store_splats;
   k.behind = behind<Simd>;
   k.seen = seen<Simd>;
   k.unoccluded_blocks = unoccluded_blocks<Simd>;

@@ -113,9 +113,9 @@ class ScreenBoxes {
     boxes.store_areas(solids == nullptr ? area : Centres(view, c).limited(solids, area), areas);
   }
 
-  /// See OcclusionKernels::squares.
-  static void store_squares(const ScreenView& view, const float* const (&c)[6], const float* solids, float least_area,
-                            bool all, BoxSquares& out) {
+  /// See OcclusionKernels::splats.
+  static void store_splats(const ScreenView& view, const float* const (&c)[6], const float* solids, float least_area,
+                           bool all, BoxSplats& out) {
     constexpr float kMoved = 0.01f;  // pixels by which a square may be drawn elsewhere
     Outlines outlines;
     const ScreenBoxes boxes(view, c, outlines);

@@ -35,7 +35,7 @@ class ContributionCulling {
   std::size_t memory_bytes() const { return points_ ? points_->memory_bytes() : 0; }  ///< of the GPU
 
  private:
-  using Square = culling::ContributionTest::Square;
+  using Splat = culling::ContributionTest::Splat;
   /// Distances that the image is known to hold.
   struct Known {
     std::span<const float> distances = {};              // RenderTarget::read_distances(); empty: not known
@@ -47,7 +47,7 @@ class ContributionCulling {
   culling::SetParts parts_;
   struct Part {
     core::VisibleSet open;
-    std::vector<Square> squares;
+    std::vector<Splat> candidates;
     std::vector<render::PointSplat> splats;
   };
   std::vector<Part> of_part_;
