@@ -182,17 +182,17 @@ core::Expected<void> write_id_names(const std::string& file, const std::set<std:
 }
 
 /// Adds measures of how visible the difference is. Images that are too small have none.
-void add_metrics(const Options& o, const image::Image& reference, const image::Image& image, Json& figures) {
+void add_metrics(const Options& o, const image::Image& reference, const image::Image& image, Json& results) {
   const auto metrics = image::image_metrics(reference, image, o.pixels_per_degree);
   if (!metrics) return;
-  figures["psnr"] = metrics->psnr;
-  figures["ssim"] = metrics->ssim;
-  figures["flip"] = {{"mean", metrics->flip_mean}, {"p99", metrics->flip_p99}};
+  results["psnr"] = metrics->psnr;
+  results["ssim"] = metrics->ssim;
+  results["flip"] = {{"mean", metrics->flip_mean}, {"p99", metrics->flip_p99}};
   std::fprintf(apps::table_stream(o.json_file), "PSNR %.2f dB  SSIM %.5f  FLIP mean %.5f, p99 %.4f\n", metrics->psnr,
                metrics->ssim, metrics->flip_mean, metrics->flip_p99);
 }
 
-core::Expected<bool> compare(const Options& o, const image::Image& image, Json& figures) {
+core::Expected<bool> compare(const Options& o, const image::Image& image, Json& results) {
   auto reference = image::read_png(o.reference);
   if (!reference) return tl::unexpected(reference.error());
   auto difference = image::compare(image, *reference);
@@ -203,22 +203,22 @@ core::Expected<bool> compare(const Options& o, const image::Image& image, Json& 
   const bool only_mean = o.max < 0.0 && o.mean >= 0.0, only_max = o.mean < 0.0 && o.max >= 0.0;
   const bool same =
       (only_mean || difference->max <= std::max(0.0, o.max)) && (only_max || difference->mean <= std::max(0.0, o.mean));
-  figures["compare"] = {
+  results["compare"] = {
       {"max", difference->max}, {"mean", difference->mean}, {"pixels", difference->pixels}, {"ok", same}};
-  add_metrics(o, *reference, image, figures["compare"]);
+  add_metrics(o, *reference, image, results["compare"]);
   std::fprintf(apps::table_stream(o.json_file), "max %d  mean %.4f  differing pixels %llu  %s\n", difference->max,
                difference->mean, (unsigned long long)difference->pixels, same ? "ok" : "DIFFERS");
   return same;
 }
 
-core::Expected<void> compare_ids(const Options& o, const image::IdImage& ids, Json& figures) {
+core::Expected<void> compare_ids(const Options& o, const image::IdImage& ids, Json& results) {
   auto reference = image::read_png(o.reference_ids);
   if (!reference) return tl::unexpected(reference.error());
   const auto wrong = image::id_difference(image::ids_of_colours(*reference), ids);
   if (!wrong) return core::fail(o.reference_ids + ": " + wrong.error().message);
   const std::uint64_t all = wrong->silhouettes + wrong->elsewhere;
-  figures["wrong_ids"] = all;
-  figures["wrong_ids_elsewhere"] = wrong->elsewhere;
+  results["wrong_ids"] = all;
+  results["wrong_ids_elsewhere"] = wrong->elsewhere;
   std::fprintf(apps::table_stream(o.json_file), "pixels of another item %llu, at no silhouette %llu\n",
                (unsigned long long)all, (unsigned long long)wrong->elsewhere);
   return {};
@@ -233,7 +233,7 @@ double item_radius(const core::Scene& scene, core::ItemId item) {
 /// The depths of two renderers may differ by twice what the stability suite allows each of them in whole images: 1e-4
 /// radii and two units in the last place of the distance.
 core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& drawn, const core::Scene& scene,
-                                   Json& figures) {
+                                   Json& results) {
   const auto colours = image::read_png(o.reference_ids);
   if (!colours) return tl::unexpected(colours.error());
   auto depth = image::read_pfm(o.reference_depth);
@@ -247,7 +247,7 @@ core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& dr
   };
   const auto difference = image::depth_difference(reference, drawn, bound);
   if (!difference) return core::fail(o.reference_depth + ": " + difference.error().message);
-  figures["compare_depth"] = {{"pixels", difference->pixels},
+  results["compare_depth"] = {{"pixels", difference->pixels},
                               {"beyond", difference->beyond},
                               {"max", difference->max},
                               {"worst", difference->worst},
@@ -362,7 +362,7 @@ core::Expected<Begun> begin_image(const Options& o, const Studio& studio) {
   return Begun{*view, std::move(*outputs)};
 }
 
-Json figures_of(Studio& studio) {
+Json results_of(Studio& studio) {
   return {{"renderer", studio.engine->renderer()},
           {"size", studio.size},
           {"tiles", studio.tiles.tiles.size()},
@@ -371,19 +371,19 @@ Json figures_of(Studio& studio) {
 }
 
 /// Writes and compares what was drawn.
-core::Expected<int> finish_image(const Options& o, const core::Scene& scene, Outputs& outputs, Json figures) {
+core::Expected<int> finish_image(const Options& o, const core::Scene& scene, Outputs& outputs, Json results) {
   if (auto done = outputs.finish(scene); !done) return tl::unexpected(done.error());
   if (!o.reference_ids.empty())
-    if (auto done = compare_ids(o, outputs.drawn.ids, figures); !done) return tl::unexpected(done.error());
+    if (auto done = compare_ids(o, outputs.drawn.ids, results); !done) return tl::unexpected(done.error());
   if (!o.reference_depth.empty())
-    if (auto done = compare_depth(o, outputs.drawn, scene, figures); !done) return tl::unexpected(done.error());
+    if (auto done = compare_depth(o, outputs.drawn, scene, results); !done) return tl::unexpected(done.error());
   bool same = true;
   if (!o.reference.empty()) {
-    auto compared = compare(o, outputs.image, figures);
+    auto compared = compare(o, outputs.image, results);
     if (!compared) return tl::unexpected(compared.error());
     same = *compared;
   }
-  if (auto done = apps::write_json(o.json_file, json::sorted(figures)); !done) return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, json::sorted(results)); !done) return tl::unexpected(done.error());
   return same ? apps::kExitOk : apps::kExitFailure;
 }
 
@@ -400,10 +400,10 @@ core::Expected<int> render_image(const Options& o, Studio& studio) {
                          {.ids = o.wants_ids(), .depth = o.wants_depth(), .complete = complete, .shifts = o.shifts()});
   if (auto done = draw_with_bar(studio, image, begun->outputs); !done) return tl::unexpected(done.error());
   warn_if_blank(image, "the image");
-  Json figures = figures_of(studio);
+  Json results = results_of(studio);
   const engine::FrameReport& report = image.report();
   if (studio.tiles.tiles.size() == 1)
-    figures.update({{"visible", report.visible},
+    results.update({{"visible", report.visible},
                     {"sampled", report.sampled},
                     {"items_drawn", report.items_drawn},
                     {"triangles", report.triangles},
@@ -411,7 +411,7 @@ core::Expected<int> render_image(const Options& o, Studio& studio) {
                     {"pending", report.pending},
                     {"splats", report.splats},
                     {"tested", report.tested}});
-  return finish_image(o, *studio.model.scene, begun->outputs, std::move(figures));
+  return finish_image(o, *studio.model.scene, begun->outputs, std::move(results));
 }
 
 core::Expected<int> render_frames(const Options& o, Studio& studio) {
@@ -440,12 +440,12 @@ core::Expected<int> render_frames(const Options& o, Studio& studio) {
     warn_if_blank(image, apps::PathFrames::file_name(frame));
     progress.advance(std::size_t(frame) + 1);
   }
-  const Json figures = {{"renderer", engine.renderer()},
+  const Json results = {{"renderer", engine.renderer()},
                         {"size", studio.size},
                         {"items", engine.snapshot().size()},
                         {"frames", frames->count()},
                         {"fps", o.fps}};
-  if (auto done = apps::write_json(o.json_file, json::sorted(figures)); !done) return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, json::sorted(results)); !done) return tl::unexpected(done.error());
   return apps::kExitOk;
 }
 
@@ -502,7 +502,7 @@ core::Expected<engine::PagedReport> settle(engine::PagedEngine& engine, const co
 struct PagedImage {
   Outputs outputs;
   apps::ImageRows rows;
-  Json figures;
+  Json results;
 };
 
 /// The engine is gone when its image is written and compared: that takes memory, too.
@@ -528,7 +528,7 @@ core::Expected<PagedImage> draw_paged(const Options& o) {
   if (report->items_drawn == 0) std::fprintf(stderr, "warning: the image shows nothing\n");
   if (auto done = apps::page_errors(*engine); !done) return tl::unexpected(done.error());
   for (const std::string& error : engine->take_gl_errors()) return core::fail("GL: " + error);
-  Json figures = {{"renderer", engine->renderer()},
+  Json results = {{"renderer", engine->renderer()},
                   {"size", *size},
                   {"items", engine->scene().items},
                   {"pages", engine->scene().pages.size()},
@@ -541,7 +541,7 @@ core::Expected<PagedImage> draw_paged(const Options& o) {
                    {{"limit", *apps::parse_bytes(o.memory)},
                     {"pages", engine->memory().limit},
                     {"scene", engine->scene().memory_bytes()}}}};
-  return PagedImage{std::move(*outputs), rows_of(o, *engine), std::move(figures)};
+  return PagedImage{std::move(*outputs), rows_of(o, *engine), std::move(results)};
 }
 
 core::Expected<int> render_paged(const Options& o) {
@@ -549,8 +549,8 @@ core::Expected<int> render_paged(const Options& o) {
   if (!drawn) return tl::unexpected(drawn.error());
   if (auto done = drawn->outputs.add(drawn->rows); !done) return tl::unexpected(done.error());
   drawn->rows = {};
-  drawn->figures["memory"]["peak"] = apps::peak_memory();
-  return finish_image(o, core::Scene(), drawn->outputs, std::move(drawn->figures));
+  drawn->results["memory"]["peak"] = apps::peak_memory();
+  return finish_image(o, core::Scene(), drawn->outputs, std::move(drawn->results));
 }
 
 /// One of the processes that draw an image together. Rank 0 writes it.
@@ -576,17 +576,17 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
   auto drawn =
       root ? draw_with_bar(*studio, image, begun->outputs) : draw(*studio->engine, image, begun->outputs, [] {});
   if (drawn = session->agreed(std::move(drawn)); !drawn) return tl::unexpected(drawn.error());
-  Json figures = figures_of(*studio);
+  Json results = results_of(*studio);
   const engine::Engine& engine = *studio->engine;
   const double own = double(engine.snapshot().size() - engine.snapshot().vacant_count());
-  figures.update({{"processes", session->size()},
+  results.update({{"processes", session->size()},
                   {"drawing", composer.drawing()},
                   {"visible", composer.visible()},
                   {"part_items", composer.gather(own)},
                   {"part_gpu_bytes", composer.gather(double(engine.memory().gpu))}});
   if (!root) return apps::kExitOk;
   warn_if_blank(image, "the image");
-  return finish_image(o, *studio->model.scene, begun->outputs, std::move(figures));
+  return finish_image(o, *studio->model.scene, begun->outputs, std::move(results));
 #else
   return apps::kExitFailure;
 #endif

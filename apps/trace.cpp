@@ -173,7 +173,7 @@ core::Expected<int> trace_model(Options& o) {
   const double traced = seconds();
   if (std::all_of(image->ids.begin(), image->ids.end(), [](std::uint32_t id) { return id == 0; }))
     std::fprintf(stderr, "warning: the image shows nothing\n");
-  Json figures = {{"size", {width, height}},         {"items", snapshot.size()},
+  Json results = {{"size", {width, height}},         {"items", snapshot.size()},
                   {"samples", image->samples},       {"build_seconds", built - start},
                   {"trace_seconds", traced - built}, {"tracer_bytes", tracer->memory().total()}};
   std::fprintf(apps::table_stream(o.json_file), "%llu samples, %.2f a pixel, in %.2f s, after %.2f s of building\n",
@@ -182,14 +182,14 @@ core::Expected<int> trace_model(Options& o) {
   if (!o.pick.empty()) {
     const auto picked = pick(o, *tracer, *view, width, height, *model->scene);
     if (!picked) return tl::unexpected(picked.error());
-    figures["pick"] = *picked;
+    results["pick"] = *picked;
     std::fprintf(apps::table_stream(o.json_file), "at %g,%g: %s\n", o.pick[0], o.pick[1],
                  picked->is_null() ? "nothing" : picked->dump().c_str());
   }
   if (auto done = write_images(o, *image); !done) return tl::unexpected(done.error());
   if (auto done = write_visible(o, *tracer, *view, width, height, *model->scene); !done)
     return tl::unexpected(done.error());
-  if (auto done = apps::write_json(o.json_file, json::sorted(figures)); !done) return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, json::sorted(results)); !done) return tl::unexpected(done.error());
   return apps::kExitOk;
 }
 

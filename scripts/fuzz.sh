@@ -49,12 +49,12 @@ run() {
     -rss_limit_mb=3000 -malloc_limit_mb=1100 "-max_len=$(longest "$target")" -print_final_stats=1 "${options[@]}" \
     "-artifact_prefix=$build/crashes/$target/" "$build/corpus/$target" "tests/fuzz/corpus/$target" >"$log" 2>&1 ||
     status=FAILED
-  figure() { sed -n "s/^stat::$1: *//p" "$log" | tail -1; }
+  statistic() { sed -n "s/^stat::$1: *//p" "$log" | tail -1; }
   local coverage size
   coverage=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$log" | tail -1)
   size=$(sed -n 's/.* corp: \([0-9]*\)\/.*/\1/p' "$log" | tail -1)
-  printf '%-18s %12s %8s %8s %7s %7s  %s\n' "$target" "$(figure number_of_executed_units)" \
-    "$(figure average_exec_per_sec)" "${coverage:--}" "${size:--}" "$(figure peak_rss_mb)" "$status"
+  printf '%-18s %12s %8s %8s %7s %7s  %s\n' "$target" "$(statistic number_of_executed_units)" \
+    "$(statistic average_exec_per_sec)" "${coverage:--}" "${size:--}" "$(statistic peak_rss_mb)" "$status"
   if [ "$status" = FAILED ]; then
     grep -hE '^expected|ERROR|runtime error|Test unit written' "$log" | cut -c1-200 >&2 || true
     return 1

@@ -81,14 +81,14 @@ Badge badge_of(const Outcome& outcome) {
 
 std::vector<std::string> table_row(const Outcome& o) {
   const bool compared = o.result && o.result->error.empty() && o.result->unlike.empty();
-  const auto figure = [&](const std::string& text, bool there) { return compared && there ? text : "-"; };
+  const auto cell = [&](const std::string& text, bool there) { return compared && there ? text : "-"; };
   const TaskResult& r = o.result ? *o.result : TaskResult();
   return {o.task->name,
-          figure(std::to_string(r.difference.max), true),
-          figure(number(r.difference.mean), true),
-          figure(number(r.flip), true),
-          figure(std::to_string(r.difference.pixels), true),
-          figure(std::to_string(r.wrong_ids), o.task->limits.ids.has_value()),
+          cell(std::to_string(r.difference.max), true),
+          cell(number(r.difference.mean), true),
+          cell(number(r.flip), true),
+          cell(std::to_string(r.difference.pixels), true),
+          cell(std::to_string(r.wrong_ids), o.task->limits.ids.has_value()),
           number(r.seconds, "%.2f")};
 }
 

@@ -50,21 +50,21 @@ const SurfaceCost& coarse_of(const std::vector<SurfaceCost>& triangles) {
 }
 
 /// ", which lie up to 0.019 mm off their file's surfaces,", or nothing where they lie in them or are the file's own.
-std::string off_words(const AnswerFigures& figures) {
-  if (figures.mesh_deviation < kLeastLength) return "";
-  return ", which lie up to " + length_words(figures.mesh_deviation) + " off the surfaces of their file,";
+std::string off_words(const AnswerResults& results) {
+  if (results.mesh_deviation < kLeastLength) return "";
+  return ", which lie up to " + length_words(results.mesh_deviation) + " off the surfaces of their file,";
 }
 
 /// What the model is drawn as, how long that takes, and how near it is.
-std::string drawn_words(const AnswerFigures& figures) {
-  const SurfaceCost& exact = figures.exact;
-  const double error = exact.error + (figures.solid_deviation < kLeastLength ? 0.0 : figures.solid_deviation);
+std::string drawn_words(const AnswerResults& results) {
+  const SurfaceCost& exact = results.exact;
+  const double error = exact.error + (results.solid_deviation < kLeastLength ? 0.0 : results.solid_deviation);
   const std::string precision = length_words(std::max(error, kLeastLength)), time = time_words(exact.ms);
-  if (figures.meshes == 0)
+  if (results.meshes == 0)
     return "Exact surfaces take " + time + " a frame and are drawn within " + precision + " of the true ones";
   const auto items = [](std::uint64_t count) { return std::to_string(count) + (count == 1 ? " item" : " items"); };
-  return "Exact surfaces of " + items(figures.solids) + " and triangles of " + items(figures.meshes) +
-         off_words(figures) + " take " + time + " a frame and are drawn within " + precision + " of where they are";
+  return "Exact surfaces of " + items(results.solids) + " and triangles of " + items(results.meshes) +
+         off_words(results) + " take " + time + " a frame and are drawn within " + precision + " of where they are";
 }
 
 }  // namespace
@@ -76,14 +76,14 @@ std::string length_words(double metres) {
   return short_number(value, value < 100.0 ? 2 : 3) + (small ? " mm" : " m");
 }
 
-std::string answer_sentence(const AnswerFigures& figures) {
-  const SurfaceCost& exact = figures.exact;
-  const std::vector<SurfaceCost>& triangles = figures.triangles;
-  if (figures.solids == 0)
-    return "The model has no solid primitives: its triangles" + off_words(figures) + " take " + time_words(exact.ms) +
+std::string answer_sentence(const AnswerResults& results) {
+  const SurfaceCost& exact = results.exact;
+  const std::vector<SurfaceCost>& triangles = results.triangles;
+  if (results.solids == 0)
+    return "The model has no solid primitives: its triangles" + off_words(results) + " take " + time_words(exact.ms) +
            " a frame, and are drawn within " + length_words(std::max(exact.error, kLeastLength)) +
            " of where they are.";
-  std::string sentence = drawn_words(figures);
+  std::string sentence = drawn_words(results);
   if (triangles.empty()) return sentence + "; triangles were not measured.";
   const SurfaceCost& best = nearest_of(triangles);
   const SurfaceCost* good = first_within(triangles, kAsGood * exact.error);

@@ -14,7 +14,7 @@ struct SurfaceCost {
   double error = 0.0;      ///< metres from the true surface
 };
 
-struct AnswerFigures {
+struct AnswerResults {
   std::uint64_t solids = 1, meshes = 0;  ///< items that are drawn as exact surfaces, and as the triangles that they are
   /// Metres between surfaces that files state (STEP, IGES, BREP) and what stands for them: triangles, and primitives.
   double mesh_deviation = 0.0, solid_deviation = 0.0;
@@ -23,7 +23,7 @@ struct AnswerFigures {
 };
 
 /// One sentence, for whatever came out.
-std::string answer_sentence(const AnswerFigures& figures);
+std::string answer_sentence(const AnswerResults& results);
 
 /// "30 mm", "1.2 m", "under 0.001 mm".
 std::string length_words(double metres);

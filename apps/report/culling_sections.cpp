@@ -144,8 +144,8 @@ double sum(const std::vector<double>& values) {
 
 // --- frames of the tour ----------------------------------------------------------------------------------------------
 
-/// A way to draw the tour. The first is the reference of the tests: everything in the view volume is drawn. The fourth is
-/// the CPU culler as by default.
+/// A way to draw the tour. The first is the reference of the tests: everything in the view volume is drawn. The fourth
+/// is the CPU culler as by default.
 struct Way {
   const char *test, *culler_name;  ///< rows of the two tables; null: in none
   const char* colour;              ///< of the culler
@@ -254,7 +254,7 @@ void show_cullers(const Report& report, const std::vector<Flight>& flights, Sect
     row.push_back(std::to_string(flights[i].on_gpu()) + " of " + std::to_string(flights[i].frames.size()));
     rows.push_back(std::move(row));
     panel.series.push_back(line_over_frames(way.culler_name, frame, Style::kLine, way.colour));
-    section.figures[way.culler_name] = {
+    section.results[way.culler_name] = {
         {"frame_ms", summary_json(frame)}, {"frames_on_gpu", flights[i].on_gpu()}, {"trace_ms", frame}};
     headline += (headline.empty() ? "" : ", ") + std::string(way.culler_name) + " " + number(median(frame));
   }
@@ -282,14 +282,14 @@ core::Expected<void> show_tests(const Report& report, const std::vector<Flight>&
     row.push_back(i == 0 ? "reference" : count_words(d.wrong - d.ties));
     row.push_back(i == 0 ? "" : count_words(d.ties));
     rows.push_back(std::move(row));
-    section.figures["tests"].push_back({{"label", kWays[i].test},
+    section.results["tests"].push_back({{"label", kWays[i].test},
                                         {"frame_ms", summary_json(frame)},
                                         {"wrong_ids", d.wrong - d.ties},
                                         {"ties", d.ties}});
     if (i > 1 && d.worst > differences[worst].worst) worst = i;
   }
   const Differences& shown = differences[worst];
-  section.figures["pixels"] = shown.pixels;
+  section.results["pixels"] = shown.pixels;
   section.html.heading("Leaving out what cannot be seen");
   section.html.table({"CPU culler, with", "frame, median, ms", "95th percentile", "maximum", "items drawn, mean",
                       "pixels with another item", "ties"},
@@ -323,7 +323,7 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
   const std::string command = report.command("replay", "--culler cpu --no-render " + report.tour_option());
   section.html.table({"", "median", "95th percentile", "maximum"}, {summary_row("time to cull, ms", *times)},
                      {"The CPU culler " + along + ", one thread; median of seven culls a view.", command});
-  section.figures["cull_ms"] = summary_json(*times);
+  section.results["cull_ms"] = summary_json(*times);
 
   const auto shares = measure_shares(report, progress);
   if (!shares) return tl::unexpected(shares.error());
@@ -335,7 +335,7 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
     rows.push_back({name, number(total / frames), percent(total / frames / all),
                     visible > 0.0 ? percent(total / visible) : "-",
                     total > 0.0 ? percent(1.0 - visible_in_ids / total) : "-"});
-    section.figures[key] = {{"mean", total / frames},
+    section.results[key] = {{"mean", total / frames},
                             {"false_positives", total > 0.0 ? 1.0 - visible_in_ids / total : 0.0}};
   };
   row("in the view volume (frustum culling)", "visible", shares->visible);
@@ -365,7 +365,7 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
     section.html.paragraph(
         "Of the items that may cover a sample but are not visible in the id image, the occlusion test leaves out " +
         percent(found / unseen) + ".");
-  section.figures["occluded_found"] = unseen > 0.0 ? found / unseen : 1.0;
+  section.results["occluded_found"] = unseen > 0.0 ? found / unseen : 1.0;
   section.headline = number(median(*times)) + " ms a view; " +
                      (visible > 0.0 ? percent(visible_in_ids / visible) : std::string("none")) +
                      " of the items in the view volume are visible in the id image.";

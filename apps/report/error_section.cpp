@@ -19,7 +19,7 @@ namespace sightline::apps {
 namespace {
 
 using Group = Variant::Group;
-using Figures = std::vector<VariantFigures>;
+using Results = std::vector<VariantResults>;
 using Style = PanelSeries::Style;
 using Rows = std::vector<std::vector<std::string>>;
 
@@ -141,9 +141,9 @@ core::Expected<Plan> make_plan(const Report& report) {
 }
 
 /// The variants of a group, and the default before them.
-Figures of_group(const Figures& all, Group group) {
-  Figures some;
-  for (const VariantFigures& v : all)
+Results of_group(const Results& all, Group group) {
+  Results some;
+  for (const VariantResults& v : all)
     if (v.group == group || v.group == Group::kExact) some.push_back(v);
   return some;
 }
@@ -162,28 +162,28 @@ const char* colour_of(Group group) {
 
 // --- exact surfaces beside triangles ---------------------------------------------------------------------------------
 
-SurfaceCost cost_of(const VariantFigures& v) {
+SurfaceCost cost_of(const VariantResults& v) {
   return {v.tolerance, v.ms, v.error_p99};
 }
 
-AnswerFigures answer_of(const Report& report, const Figures& all, const Plan& plan) {
+AnswerResults answer_of(const Report& report, const Results& all, const Plan& plan) {
   const importers::ImportReport& imported = report.model().report;
-  AnswerFigures answer{plan.solids,
+  AnswerResults answer{plan.solids,
                        plan.meshes,
                        imported.surfaces.deviation,
                        std::max(imported.surfaces.analytic_deviation, imported.recognition.largest_deviation),
                        cost_of(all.front()),
                        {}};
-  for (const VariantFigures& v : all)
+  for (const VariantResults& v : all)
     if (v.group == Group::kTriangles) answer.triangles.push_back(cost_of(v));
   return answer;
 }
 
-std::string surface_plot(const Figures& all) {
+std::string surface_plot(const Results& all) {
   PanelSeries exact{all.front().label, {}, Style::kPoints, colours::kExact};
   PanelSeries triangles{"triangles within a tolerance", {}, Style::kPointsAndLine, colours::kTriangles};
   PanelSeries levels{"meshes within so many pixels", {}, Style::kPointsAndLine, colours::kLevels};
-  for (const VariantFigures& v : all) {
+  for (const VariantResults& v : all) {
     const double millimetres = 1e3 * v.error_p99;
     if (v.group == Group::kExact) exact.points.push_back({v.ms, millimetres, "as by default", v.label});
     if (v.group == Group::kTriangles)
@@ -210,9 +210,9 @@ std::string truth_words(const Report& report, const Plan& plan) {
          (off > 0.0 ? ", which lie up to " + length_words(off) + " off the surfaces of their file. " : ". ");
 }
 
-void open_page(const Report& report, const Figures& all, const Plan& plan, Section& section) {
+void open_page(const Report& report, const Results& all, const Plan& plan, Section& section) {
   const std::string answer = answer_sentence(answer_of(report, all, plan));
-  section.figures["answer"] = answer;
+  section.results["answer"] = answer;
   section.opening.lead(answer);
   section.opening.plot(
       surface_plot(all),
@@ -223,19 +223,19 @@ void open_page(const Report& report, const Figures& all, const Plan& plan, Secti
        report.section_command("error")});
 }
 
-core::Expected<void> show_surfaces(const Report& report, const std::vector<Reference>& references, const Figures& all,
+core::Expected<void> show_surfaces(const Report& report, const std::vector<Reference>& references, const Results& all,
                                    const Plan& plan, Section& section) {
   section.html.heading("Surfaces: exact, and as triangles within a tolerance");
   if (plan.solids == 0)
     section.html.paragraph("left out: triangles in place of primitives, since the model has no solid primitives.");
   Rows rows;
-  const VariantFigures *exact = &all.front(), *pictured = exact;
-  for (const VariantFigures& v : all) {
+  const VariantResults *exact = &all.front(), *pictured = exact;
+  for (const VariantResults& v : all) {
     if (v.group == Group::kSamples || v.group == Group::kContribution) continue;
     rows.push_back({v.label, v.group == Group::kTriangles ? count_words(v.triangles) : "", number(v.ms),
                     number(v.ms / exact->ms), number(1e3 * v.error_median), number(1e3 * v.error_p99),
                     percent(v.wrong_pixels), bytes_words(v.gpu_bytes)});
-    section.figures["surfaces"].push_back({{"label", v.label},
+    section.results["surfaces"].push_back({{"label", v.label},
                                            {"tolerance_m", v.tolerance},
                                            {"triangles", v.triangles},
                                            {"ms", v.ms},
@@ -298,17 +298,17 @@ constexpr Explanation kLevelsWords{
     3};
 
 /// Whether no other is faster without being more wrong.
-bool on_front(const VariantFigures& v, const Figures& all) {
-  return std::none_of(all.begin(), all.end(), [&](const VariantFigures& other) {
+bool on_front(const VariantResults& v, const Results& all) {
+  return std::none_of(all.begin(), all.end(), [&](const VariantResults& other) {
     return other.ms <= v.ms && other.flip_mean <= v.flip_mean && (other.ms < v.ms || other.flip_mean < v.flip_mean);
   });
 }
 
-std::string choice_plot(const Explanation& words, const Figures& variants) {
+std::string choice_plot(const Explanation& words, const Results& variants) {
   PanelSeries exact{variants.front().label, {}, Style::kPoints, colours::kExact};
   PanelSeries others{words.legend, {}, Style::kPoints, colour_of(words.group)};
   PanelSeries front{"nothing measured is both faster and less wrong", {}, Style::kDashes, "#999999"};
-  for (const VariantFigures& v : variants) {
+  for (const VariantResults& v : variants) {
     const bool is_exact = v.group == Group::kExact;
     (is_exact ? exact : others).points.push_back({v.ms, v.flip_mean, is_exact ? "as by default" : v.label, v.label});
     if (on_front(v, variants)) front.points.push_back({v.ms, v.flip_mean, ""});
@@ -322,14 +322,14 @@ std::string choice_plot(const Explanation& words, const Figures& variants) {
   return svg_panels(plot);
 }
 
-core::Expected<void> show(const Report& report, const std::vector<Reference>& references, const Figures& variants,
+core::Expected<void> show(const Report& report, const std::vector<Reference>& references, const Results& variants,
                           const Explanation& words, Section& section) {
   Rows rows;
-  for (const VariantFigures& v : variants) {
+  for (const VariantResults& v : variants) {
     const bool front = on_front(v, variants);
     rows.push_back(
         {v.label, number(v.ms), number(v.flip_mean), number(v.flip_p99), percent(v.wrong_ids), front ? "yes" : "no"});
-    section.figures[words.key].push_back({{"label", v.label},
+    section.results[words.key].push_back({{"label", v.label},
                                           {"ms", v.ms},
                                           {"flip", {{"mean", v.flip_mean}, {"p99", v.flip_p99}}},
                                           {"wrong_ids", v.wrong_ids},
@@ -343,7 +343,7 @@ core::Expected<void> show(const Report& report, const std::vector<Reference>& re
       rows, {measured_words(report) + " Worth choosing: none measured is both faster and less wrong.", command});
   section.html.plot(choice_plot(words, variants),
                     {"Visible difference against time; down and left is better.", command});
-  const VariantFigures& pictured = variants[words.pictured];
+  const VariantResults& pictured = variants[words.pictured];
   const auto view = std::size_t(std::max_element(pictured.differences.begin(), pictured.differences.end()) -
                                 pictured.differences.begin());
   const std::array images{
@@ -353,7 +353,7 @@ core::Expected<void> show(const Report& report, const std::vector<Reference>& re
   return section.html.images(images, {"The view in which they differ most.", command});
 }
 
-core::Expected<void> show_all(const Report& report, const std::vector<Reference>& references, const Figures& all,
+core::Expected<void> show_all(const Report& report, const std::vector<Reference>& references, const Results& all,
                               const Plan& plan, Section& section) {
   open_page(report, all, plan, section);
   if (auto done = show_surfaces(report, references, all, plan, section); !done) return done;

@@ -76,7 +76,7 @@ bool wanted(const ReportOptions& o, const SectionMaker& maker) {
 struct Page {
   std::string opening;
   std::vector<PageSection> sections;
-  Json figures = Json::object();  ///< by section
+  Json results = Json::object();  ///< by section
 };
 
 core::Expected<Page> make_sections(const Report& report) {
@@ -97,12 +97,12 @@ core::Expected<Page> make_sections(const Report& report) {
     page.opening += section->opening.text();
     if (section->left_out.empty()) {
       page.sections.push_back({maker.id, maker.title, section->headline, section->html.text()});
-      page.figures[maker.id] = std::move(section->figures);
+      page.results[maker.id] = std::move(section->results);
     } else {
       HtmlBody body;
       body.paragraph("left out: " + section->left_out);
       page.sections.push_back({maker.id, maker.title, "left out: " + section->left_out, body.text()});
-      page.figures[maker.id] = {{"left_out", section->left_out}};
+      page.results[maker.id] = {{"left_out", section->left_out}};
     }
   }
   return page;
@@ -168,7 +168,7 @@ core::Expected<int> write_report(const ReportOptions& options, const std::string
       "that gives it again."};
   const std::string html = html_page("Report: " + names, intro, page->sections, page->opening);
   if (auto done = write_text(options.out, html); !done) return tl::unexpected(done.error());
-  const Json figures = {{"command", command},
+  const Json results = {{"command", command},
                         {"version", version},
                         {"date", date},
                         {"machine", machine},
@@ -176,8 +176,8 @@ core::Expected<int> write_report(const ReportOptions& options, const std::string
                         {"size", {report->width(), report->height()}},
                         {"frames", options.frames},
                         {"seconds", seconds},
-                        {"sections", page->figures}};
-  if (auto done = write_json(options.json, figures); !done) return tl::unexpected(done.error());
+                        {"sections", page->results}};
+  if (auto done = write_json(options.json, results); !done) return tl::unexpected(done.error());
   return kExitOk;
 }
 

@@ -65,8 +65,8 @@ void add_items(const Report& report, const Content& content, Section& section) {
   section.html.table(
       {"kind", "items", "share"}, rows,
       {"Items by kind; " + count_words(imported.degenerate) + " of them have no volume.", report.command("info", "")});
-  section.figures["items"] = items_json(imported.items);
-  section.figures["degenerate"] = imported.degenerate;
+  section.results["items"] = items_json(imported.items);
+  section.results["degenerate"] = imported.degenerate;
 }
 
 void add_content(const Report& report, const Content& content, Section& section) {
@@ -90,14 +90,14 @@ void add_content(const Report& report, const Content& content, Section& section)
   section.html.table({"", ""}, rows, {"Content of the scene.", report.command("info", "")});
   if (imported.surfaces.parts > 0) {
     section.html.paragraph("Exact surfaces: " + surface_words(imported.surfaces) + ".");
-    section.figures["surfaces"] = surfaces_json(imported.surfaces);
+    section.results["surfaces"] = surfaces_json(imported.surfaces);
   }
-  section.figures["nodes"] = report.scene().node_count();
-  section.figures["meshes"] = content.meshes;
-  section.figures["mesh_items"] = content.mesh_items;
-  section.figures["triangles"] = {{"meshes", content.mesh_triangles}, {"items", content.drawn_triangles}};
-  section.figures["materials"] = content.materials;
-  section.figures["bytes"] = imported.bytes;
+  section.results["nodes"] = report.scene().node_count();
+  section.results["meshes"] = content.meshes;
+  section.results["mesh_items"] = content.mesh_items;
+  section.results["triangles"] = {{"meshes", content.mesh_triangles}, {"items", content.drawn_triangles}};
+  section.results["materials"] = content.materials;
+  section.results["bytes"] = imported.bytes;
 }
 
 void add_times(const Report& report, Section& section) {
@@ -113,7 +113,7 @@ void add_times(const Report& report, Section& section) {
                       {"first image, all together", number(t.first_image())}},
                      {"Time from the files to the first image, " + report.options().size + " pixels, one run.",
                       "time " + report.command("render", report.size_option() + " --out first.png")});
-  section.figures["load_ms"] = {
+  section.results["load_ms"] = {
       {"read", t.read},       {"commit", t.commit}, {"snapshot", t.snapshot},       {"hierarchy", t.hierarchy},
       {"context", t.context}, {"engine", t.engine}, {"first_frame", t.first_frame}, {"first_image", t.first_image()}};
 }
@@ -131,14 +131,14 @@ void add_memory(const Report& report, Section& section) {
     rows.push_back({name, bytes_words(bytes), per_item(bytes)});
   section.html.table({"part", "memory", "bytes an item"}, rows,
                      {"Memory of the engine.", report.command("replay", "--frames 2 " + report.size_option())});
-  section.figures["memory_bytes"] = {
+  section.results["memory_bytes"] = {
       {"scene", m.scene}, {"snapshot", m.snapshot}, {"hierarchy", m.bvh}, {"gpu", m.gpu}, {"levels", m.levels}};
 }
 
 void add_warnings(const Report& report, Section& section) {
   constexpr std::size_t kShown = 20;
   const auto& warnings = report.model().report.warnings;
-  section.figures["warnings"] = warnings_json(warnings);
+  section.results["warnings"] = warnings_json(warnings);
   if (warnings.empty()) {
     section.html.paragraph("The import has no warnings.");
     return;
@@ -168,7 +168,7 @@ core::Expected<void> add_tour(const Report& report, Section& section) {
   section.html.paragraph("The model covers " + percent(mean) + " of the image in the mean of " +
                          std::to_string(views->size()) + " frames of the tour, and " + percent(least) +
                          " where it covers least.");
-  section.figures["tour"] = {{"covered", {{"least", least}, {"mean", mean}}}};
+  section.results["tour"] = {{"covered", {{"least", least}, {"mean", mean}}}};
 #else
   (void)report, (void)section;
 #endif
@@ -215,9 +215,9 @@ core::Expected<Section> plan_section(const Report& report, const SectionProgress
   for (const engine::PlanEntry& entry : plan.entries) {
     used += entry.used;
     rows.push_back({entry.feature, entry.used ? "used" : "left out", entry.why});
-    section.figures["entries"].push_back({{"feature", entry.feature}, {"used", entry.used}, {"why", entry.why}});
+    section.results["entries"].push_back({{"feature", entry.feature}, {"used", entry.used}, {"why", entry.why}});
   }
-  section.figures["culler"] = name_of(plan.culler);
+  section.results["culler"] = name_of(plan.culler);
   section.html.text_table({"feature", "", "why"}, rows,
                           {"What the engine uses for this model, and what it leaves out. What is left out costs no "
                            "memory, no shader and no time.",
@@ -255,8 +255,8 @@ core::Expected<Section> images_section(const Report& report, const SectionProgre
                  report.command("render", place.options + " --plain " + report.size_option() +
                                               " --out image.png --ids items.png")});
     if (!done) return tl::unexpected(done.error());
-    section.figures["views"].push_back({{"name", place.name}, {"visible_in_ids", seen}});
-    progress(double(section.figures["views"].size()) / double(report.views().size()));
+    section.results["views"].push_back({{"name", place.name}, {"visible_in_ids", seen}});
+    progress(double(section.results["views"].size()) / double(report.views().size()));
   }
   section.headline = "overview and " + std::to_string(report.views().size() - 1) + " places of the tour.";
   return section;

@@ -139,10 +139,10 @@ core::Expected<void> Report::find_views() {
                       return a.items < b.items;
                     })->items;
   std::erase_if(candidates, [&](const Candidate& c) { return 20 * c.items < most; });
-  for (std::size_t Candidate::*figure : {&Candidate::items, &Candidate::pixels}) {
+  for (std::size_t Candidate::*value : {&Candidate::items, &Candidate::pixels}) {
     if (candidates.empty()) break;
     const auto best = std::max_element(candidates.begin(), candidates.end(),
-                                       [&](const auto& a, const auto& b) { return a.*figure < b.*figure; });
+                                       [&](const auto& a, const auto& b) { return a.*value < b.*value; });
     const int frame = best->frame;
     views_.push_back({"tour at " + std::to_string(frame) + " %", best->view,
                       std::string("--path ") + kTourFile + " --frames " + std::to_string(kTourFrames) + " --frame " +

@@ -112,7 +112,7 @@ class Report {
 struct Section {
   HtmlBody opening;  ///< for the top of the page
   HtmlBody html;
-  Json figures = Json::object();
+  Json results = Json::object();
   std::string headline;
   std::string left_out;  ///< why, when there is nothing to show
 };

@@ -115,7 +115,7 @@ void add_ranges(const Report& report, Section& section) {
     rows.push_back({t.name, number(t.range.least), number(t.range.most),
                     (t.least > kNone ? number(t.least) : std::string("0")) + " to " + number(t.most),
                     number(t.range.most / t.most), within ? "yes" : "NO"});
-    section.figures["ranges"][t.key] = {{"least", t.range.least}, {"most", t.range.most}, {"within", within}};
+    section.results["ranges"][t.key] = {{"least", t.range.least}, {"most", t.range.most}, {"within", within}};
   }
   section.html.table(
       {"quantity", "least", "greatest", "tested range", "greatest / limit", "within"}, rows,
@@ -126,7 +126,7 @@ void add_ranges(const Report& report, Section& section) {
            "thick. " +
            count_words(ranges.skipped) + " have no size.",
        "sightline-stability\n" + report.section_command("stability")});
-  section.figures["flat"] = ranges.flat;
+  section.results["flat"] = ranges.flat;
 }
 
 // --- depths ----------------------------------------------------------------------------------------------------------
@@ -205,7 +205,7 @@ core::Expected<void> add_depths(const Report& report, const SectionProgress& pro
     rows.push_back({name, count_words(relative.size() + misses), number(median(relative)),
                     number(percentile(relative, 0.99)), number(percentile(relative, 1.0)), number(1e3 * metres),
                     count_words(misses)});
-    section.figures["depth"][name] = {
+    section.results["depth"][name] = {
         {"pixels", relative.size() + misses}, {"median", median(relative)}, {"p99", percentile(relative, 0.99)},
         {"max", percentile(relative, 1.0)},   {"max_metres", metres},       {"misses", misses}};
   };

@@ -169,7 +169,7 @@ class PixelErrors {
 
 /// Adds one view's errors. `share`: of the view, in means.
 core::Expected<void> add_errors(const Variant& variant, const Reference& reference, DrawnImage image, double share,
-                                std::vector<double>& distances, VariantFigures& figures) {
+                                std::vector<double>& distances, VariantResults& results) {
   if (variant.reduced > 1) {
     image.colour = enlarged(image.colour, reference.colour.width, reference.colour.height);
     image.ids = enlarged(image.ids, reference.colour.width, reference.colour.height);
@@ -179,18 +179,18 @@ core::Expected<void> add_errors(const Variant& variant, const Reference& referen
   const double pixels = double(errors.pixels());
   if (is_surface_variant(variant.group)) {
     const double wrong = double(errors.measure_surfaces(distances)) / pixels;
-    figures.wrong_pixels += share * wrong;
-    figures.differences.push_back(wrong);
+    results.wrong_pixels += share * wrong;
+    results.differences.push_back(wrong);
   }
   if (variant.group != Variant::Group::kTriangles) {
     const auto metrics = image::image_metrics(reference.smooth, image.colour);
     if (!metrics) return tl::unexpected(metrics.error());
-    figures.flip_mean += share * metrics->flip_mean;
-    figures.flip_p99 += share * metrics->flip_p99;
-    figures.wrong_ids += share * double(errors.count_wrong()) / pixels;
-    if (!is_surface_variant(variant.group)) figures.differences.push_back(metrics->flip_mean);
+    results.flip_mean += share * metrics->flip_mean;
+    results.flip_p99 += share * metrics->flip_p99;
+    results.wrong_ids += share * double(errors.count_wrong()) / pixels;
+    if (!is_surface_variant(variant.group)) results.differences.push_back(metrics->flip_mean);
   }
-  figures.images.push_back(std::move(image.colour));
+  results.images.push_back(std::move(image.colour));
   return {};
 }
 
@@ -217,11 +217,11 @@ core::Expected<std::vector<Reference>> trace_references(const Report& report, co
   return references;
 }
 
-core::Expected<std::vector<VariantFigures>> measure_variants(const Report& report, const std::vector<Variant>& variants,
+core::Expected<std::vector<VariantResults>> measure_variants(const Report& report, const std::vector<Variant>& variants,
                                                              const std::vector<Reference>& references,
                                                              const SectionProgress& progress) {
   constexpr int kPasses = 3;
-  std::vector<VariantFigures> figures;
+  std::vector<VariantResults> results;
   std::vector<DrawnVariant> drawn;
   for (const Variant& variant : variants) {
     engine::EngineConfig config = variant.config;
@@ -230,7 +230,7 @@ core::Expected<std::vector<VariantFigures>> measure_variants(const Report& repor
     auto made = DrawnVariant::create(variant.scene, config);
     if (!made) return tl::unexpected(made.error());
     drawn.push_back(std::move(*made));
-    VariantFigures& f = figures.emplace_back();
+    VariantResults& f = results.emplace_back();
     f.group = variant.group, f.label = variant.label, f.tolerance = variant.tolerance, f.triangles = variant.triangles;
     progress(0.5 * double(drawn.size()) / double(variants.size()));
   }
@@ -241,20 +241,20 @@ core::Expected<std::vector<VariantFigures>> measure_variants(const Report& repor
     const auto times = time_in_turns(drawn, view, kPasses);
     if (!times) return tl::unexpected(times.error());
     for (std::size_t i = 0; i < variants.size(); ++i) {
-      figures[i].ms += share * (*times)[i];
+      results[i].ms += share * (*times)[i];
       auto image = drawn[i].image(view);  // of the last pass
       if (!image) return tl::unexpected(image.error());
-      auto done = add_errors(variants[i], references[v], std::move(*image), share, distances[i], figures[i]);
+      auto done = add_errors(variants[i], references[v], std::move(*image), share, distances[i], results[i]);
       if (!done) return tl::unexpected(done.error());
     }
     progress(0.5 + 0.5 * double(v + 1) * share);
   }
   for (std::size_t i = 0; i < variants.size(); ++i) {
-    figures[i].error_median = median(distances[i]);
-    figures[i].error_p99 = percentile(std::move(distances[i]), 0.99);
-    figures[i].gpu_bytes = drawn[i].gpu_bytes();
+    results[i].error_median = median(distances[i]);
+    results[i].error_p99 = percentile(std::move(distances[i]), 0.99);
+    results[i].gpu_bytes = drawn[i].gpu_bytes();
   }
-  return figures;
+  return results;
 }
 
 }  // namespace sightline::apps

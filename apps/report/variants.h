@@ -39,7 +39,7 @@ struct Reference {
 };
 
 /// Results of all views together.
-struct VariantFigures {
+struct VariantResults {
   Variant::Group group = Variant::Group::kExact;
   std::string label;
   double tolerance = 0.0;
@@ -60,7 +60,7 @@ struct VariantFigures {
 core::Expected<std::vector<Reference>> trace_references(const Report& report, const SectionProgress& progress);
 
 /// Draws all variants in turns, so that other load of the machine affects all equally, and compares them.
-core::Expected<std::vector<VariantFigures>> measure_variants(const Report& report, const std::vector<Variant>& variants,
+core::Expected<std::vector<VariantResults>> measure_variants(const Report& report, const std::vector<Variant>& variants,
                                                              const std::vector<Reference>& references,
                                                              const SectionProgress& progress);
 

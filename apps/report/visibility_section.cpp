@@ -154,7 +154,7 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
   const PanelSeries seen = line_over_frames("seen by rays", exact, PanelSeries::Style::kHeavyLine, colours::kSeen);
   Panel on_cpu{"CPU culler", {seen}}, on_gpu{"GPU culler", {seen}};
   std::vector<std::vector<std::string>> rows{{"seen by rays", number(mean_of(exact)), "1", "", ""}};
-  section.figures = {{"frames", frames}, {"exact", mean_of(exact)}};
+  section.results = {{"frames", frames}, {"exact", mean_of(exact)}};
   std::optional<Drawn> reference;
   std::uint64_t unlike = 0, lost = 0;
   for (const CullingVariant& variant : kCullingVariants) {
@@ -170,7 +170,7 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
     const double ratio = excess.empty() ? 0.0 : median(excess);
     rows.push_back({variant.label, number(mean_of(drawn->items)), number(ratio), count_words(drawn->lost),
                     count_words(drawn->ties)});
-    section.figures["variants"].push_back({{"label", variant.label},
+    section.results["variants"].push_back({{"label", variant.label},
                                            {"drawn", mean_of(drawn->items)},
                                            {"per_exact", ratio},
                                            {"lost", drawn->lost},
@@ -185,7 +185,7 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
     progress(0.3 + 0.7 * double(&variant - kCullingVariants + 1) / double(std::size(kCullingVariants)));
   }
   section.headline += "; lost: " + count_words(lost) + ".";
-  section.figures["unlike_raster"] = unlike;
+  section.results["unlike_raster"] = unlike;
   const std::string command = report.section_command("visibility");
   section.html.table(
       {"culler", "items drawn, mean", "per item seen, median", "lost", "ties"}, rows,

@@ -7,14 +7,14 @@ namespace sightline::apps::answer_test {
 namespace {
 
 TEST(Answer, NamesTheTrianglesThatAreAsGoodAndTheCoarseOnes) {
-  const AnswerFigures figures{
+  const AnswerResults results{
       1,
       0,
       0.0,
       0.0,
       {0.0, 34.0, 0.00009},
       {{0.1, 30.0, 0.08}, {0.03, 40.8, 0.021}, {0.001, 90.0, 0.0007}, {0.0001, 631.0, 0.00009}}};
-  EXPECT_EQ(answer_sentence(figures),
+  EXPECT_EQ(answer_sentence(results),
             "Exact surfaces take 34 ms a frame and are drawn within 0.09 mm of the true ones; triangles as good "
             "(tolerance 0.1 mm) take 631 ms, 19 times as long; coarse ones (tolerance 30 mm) take 41 ms, 1.2 times as "
             "long, and are 21 mm off.");
@@ -22,26 +22,26 @@ TEST(Answer, NamesTheTrianglesThatAreAsGoodAndTheCoarseOnes) {
 
 /// Finer triangles that come no nearer are not the ones to compare with.
 TEST(Answer, SaysWhereNoTrianglesAreAsGood) {
-  const AnswerFigures figures{
+  const AnswerResults results{
       1, 0, 0.0, 0.0, {0.0, 10.0, 1e-5}, {{0.03, 10.5, 0.02}, {0.003, 15.0, 0.00052}, {0.0001, 50.0, 0.0005}}};
   EXPECT_EQ(
-      answer_sentence(figures),
+      answer_sentence(results),
       "Exact surfaces take 10 ms a frame and are drawn within 0.01 mm of the true ones; no triangles measured come "
       "nearer than 0.52 mm, and these (tolerance 3 mm) take 15 ms, 1.5 times as long; coarse ones (tolerance 30 "
       "mm) take 10 ms, about as long, and are 20 mm off.");
 }
 
 TEST(Answer, SaysWhereTrianglesAreFaster) {
-  const AnswerFigures figures{1, 0, 0.0, 0.0, {0.0, 120.0, 1e-5}, {{0.1, 30.0, 1e-5}, {0.03, 40.0, 1e-5}}};
-  EXPECT_EQ(answer_sentence(figures),
+  const AnswerResults results{1, 0, 0.0, 0.0, {0.0, 120.0, 1e-5}, {{0.1, 30.0, 1e-5}, {0.03, 40.0, 1e-5}}};
+  EXPECT_EQ(answer_sentence(results),
             "Exact surfaces take 120 ms a frame and are drawn within 0.01 mm of the true ones; triangles as good "
             "(tolerance 100 mm) take 30 ms, 4 times as fast.");
 }
 
 TEST(Answer, NamesTheFinestWhereNoneIsAsFineAsTheUsualCoarseOnes) {
-  const AnswerFigures figures{1, 0, 0.0, 0.0, {0.0, 10.0, 1e-5}, {{0.1, 20.0, 0.05}}};
+  const AnswerResults results{1, 0, 0.0, 0.0, {0.0, 10.0, 1e-5}, {{0.1, 20.0, 0.05}}};
   EXPECT_EQ(
-      answer_sentence(figures),
+      answer_sentence(results),
       "Exact surfaces take 10 ms a frame and are drawn within 0.01 mm of the true ones; no triangles measured come "
       "nearer than 50 mm, and these (tolerance 100 mm) take 20 ms, 2 times as long.");
 }

@@ -112,7 +112,8 @@ TEST_F(BenchCull, WritesTheKeysOfTheContract) {
   ASSERT_EQ(out["frames"].size(), views.size());
   for (const Json& frame : out["frames"])
     EXPECT_TRUE(frame["cull_ms"].is_number() && frame["visible"].is_number_unsigned()) << frame;
-  for (const char* figure : {"mean", "median", "p99", "max"}) EXPECT_TRUE(out["summary"][figure].is_number()) << figure;
+  for (const char* statistic : {"mean", "median", "p99", "max"})
+    EXPECT_TRUE(out["summary"][statistic].is_number()) << statistic;
 }
 
 TEST_F(BenchCull, FindsWhatThePlanesSay) {

@@ -15,8 +15,8 @@ Args quick(std::initializer_list<const char*> more) {
 }
 
 TEST_F(BenchHybrid, FliesGeneratedScenesWithEveryMethod) {
-  const std::string figures = path("figures");
-  const Json json = run_json("bench", quick({"--only", "P-40,aircraft", "--scale", "0.015", "--csv", figures.c_str()}));
+  const std::string results = path("figures");
+  const Json json = run_json("bench", quick({"--only", "P-40,aircraft", "--scale", "0.015", "--csv", results.c_str()}));
   ASSERT_EQ(json["runs"].size(), 4u);  // off and on
   for (const Json& run : json["runs"]) {
     SCOPED_TRACE(run["model"].get<std::string>() + " " + run["rendering"].get<std::string>());
@@ -36,8 +36,8 @@ TEST_F(BenchHybrid, FliesGeneratedScenesWithEveryMethod) {
   }
   for (const char* file : {"P-40_off.csv", "P-40_off_6_1.svg", "P-40_off_6_5.svg", "P-40_on_6_7.svg",
                            "aircraft_on_trace.csv", "aircraft_off_trace.csv"})
-    EXPECT_GT(read_bytes(fs::path(figures) / file).size(), 100u) << file;
-  const Outcome controller = run("replay", {"--controller-only", figures + "/aircraft_on_trace.csv"});
+    EXPECT_GT(read_bytes(fs::path(results) / file).size(), 100u) << file;
+  const Outcome controller = run("replay", {"--controller-only", results + "/aircraft_on_trace.csv"});
   EXPECT_EQ(controller.code, 0) << controller;
 }
 

@@ -104,8 +104,8 @@ class DriverImages : public RenderTest {
     return run_program(in_checkout("scripts/with_driver.sh"), all);
   }
   static std::string renderer_of(const Outcome& drawn) {
-    const auto figures = json::parse(drawn.out);
-    return figures && figures->contains("renderer") ? (*figures)["renderer"].get<std::string>() : "";
+    const auto results = json::parse(drawn.out);
+    return results && results->contains("renderer") ? (*results)["renderer"].get<std::string>() : "";
   }
 
   /// A failed test, and empty images, where the driver draws none or is another one.

@@ -91,13 +91,13 @@ TEST_F(MpiRender, LooksForPeopleAreThoseOfOneProcess) {
 TEST_F(MpiRender, PartsOutOfViewAreLeftOut) {
   const std::string model = plant(4000);
   const Args args = {model, "--plain", "--size", "200x120", "--json", path("figures.json"), "--out", path("a.png")};
-  const auto figures = [&] {
+  const auto results = [&] {
     Json json = json::parse(read_bytes(path("figures.json"))).value();
     EXPECT_TRUE(json.is_object());
     return json;
   };
   ASSERT_EQ(mpirun(4, "render", args).code, 0);
-  Json all = figures();
+  Json all = results();
   EXPECT_EQ(all["processes"], 4);
   EXPECT_EQ(all["drawing"], 4);
   EXPECT_EQ(all["visible"], 4000);
@@ -111,7 +111,7 @@ TEST_F(MpiRender, PartsOutOfViewAreLeftOut) {
   const std::string away = write("away.json", R"({"eye":[-300,0,5],"target":[-400,0,5],"fovy_deg":30,"near":0.1})");
   const Outcome outcome = mpirun(4, "render", joined(args, {"--view", away}));
   ASSERT_EQ(outcome.code, 0) << outcome;
-  all = figures();
+  all = results();
   EXPECT_EQ(all["drawing"], 0);
   render({model, "--plain", "--size", "200x120", "--view", away, "--out", path("b.png")});
   EXPECT_EQ(read_bytes(path("a.png")), read_bytes(path("b.png")));

@@ -50,13 +50,13 @@ class Paged : public RenderTest {
       outcome = run_with(megabytes, tool, args);
     }
     EXPECT_EQ(outcome.code, 0) << outcome;
-    Json figures = json::parse(read_bytes(path("figures.json"))).value();
-    EXPECT_TRUE(figures.is_object()) << outcome;
-    if (!figures.is_object()) return Json::object();
+    Json results = json::parse(read_bytes(path("figures.json"))).value();
+    EXPECT_TRUE(results.is_object()) << outcome;
+    if (!results.is_object()) return Json::object();
     if (!kSanitized) {
-      EXPECT_LE(figures["memory"]["peak"].get<double>(), std::ldexp(double(megabytes), 20));
+      EXPECT_LE(results["memory"]["peak"].get<double>(), std::ldexp(double(megabytes), 20));
     }
-    return figures;
+    return results;
   }
 };
 
@@ -67,9 +67,9 @@ TEST_F(Paged, TheLimitHoldsAndTheImageIsTheSame) {
   tight.push_back(path("tight.png"));
   loose.insert(loose.end(), {path("loose.png"), "--memory", "8G"});
   render(loose);
-  const Json figures = run_limited("render", tight);
-  EXPECT_EQ(figures["items"], 240'000);
-  EXPECT_GT(figures["evicted"], 0);
+  const Json results = run_limited("render", tight);
+  EXPECT_EQ(results["items"], 240'000);
+  EXPECT_GT(results["evicted"], 0);
   EXPECT_TRUE(read_bytes(path("tight.png")) == read_bytes(path("loose.png")));
 }
 
@@ -133,11 +133,11 @@ TEST_F(Paged, AnImageIsThatOfTheWholeInMemory) {
 
 TEST_F(Paged, AFlightStaysBelowTheLimitAndComesToRest) {
   const std::string model = parts(200'000, 2);
-  const Json figures = run_limited("replay", {model, "--size", "320x180", "--frames", "24", "--images", path("images"),
+  const Json results = run_limited("replay", {model, "--size", "320x180", "--frames", "24", "--images", path("images"),
                                               "--every", "24", "--save-path", path("path.json")});
-  ASSERT_EQ(figures["frames"].size(), 24u);
-  EXPECT_GT(figures["frames"][0]["placeholders"], 0);
-  EXPECT_GT(figures["loaded"], 0);
+  ASSERT_EQ(results["frames"].size(), 24u);
+  EXPECT_GT(results["frames"][0]["placeholders"], 0);
+  EXPECT_GT(results["loaded"], 0);
   // At rest the last view is what it is without a flight before.
   const Outcome rest =
       render({model, "--plain", "--size", "320x180", "--memory", "4G", "--path", path("path.json"), "--frame", "23",

@@ -358,7 +358,7 @@ class RegressMpi : public Regress {
     args.insert(args.end(), more.begin(), more.end());
     return args;
   }
-  Json figures(const std::string& out) const {
+  Json results(const std::string& out) const {
     const Json json = json::parse(read_bytes(path(out + ".json"))).value_or(Json());
     EXPECT_TRUE(json.is_object());
     return json.is_object() ? json : Json{{"passed", -1}};
@@ -372,7 +372,7 @@ TEST_F(RegressMpi, RanksDrawWhatOneProcessDraws) {
     SCOPED_TRACE(ranks);
     const Outcome outcome = run_program("env", mpi_command(ranks, {"-np", ranks}));
     EXPECT_EQ(outcome.code, 0) << outcome;
-    expect_same(figures(ranks), one);
+    expect_same(results(ranks), one);
     EXPECT_EQ(images_in(path(ranks)), images_in(path("first")));
   }
   fs::remove(path("references/b/whole.png"));
@@ -406,7 +406,7 @@ TEST_F(RegressMpi, AKilledWorkerOfARankIsReplaced) {
     return workers.empty() ? 0 : workers[0];
   });
   EXPECT_EQ(outcome.code, 0) << outcome;
-  EXPECT_EQ(figures("out")["passed"], tasks_of(4)) << outcome;
+  EXPECT_EQ(results("out")["passed"], tasks_of(4)) << outcome;
   EXPECT_EQ(images_in(path("out")), images_in(path("first")));
 }
 
@@ -421,7 +421,7 @@ TEST_F(RegressMpi, AKilledRanksTasksAreDoneByOthers) {
     const Child child = start_program("env", mpi_command("out", {"--enable-recovery", "-np", "3"}, {"--silence", "2"}));
     outcome = run_and_kill(
         child, 1, [](const auto& ranks) { return ranks.size() < 3 || children_of(ranks[2]).empty() ? 0 : ranks[2]; });
-    EXPECT_EQ(figures("out")["passed"], tasks_of(4)) << outcome;
+    EXPECT_EQ(results("out")["passed"], tasks_of(4)) << outcome;
     EXPECT_EQ(images_in(path("out")), images_in(path("first")));
   }
   EXPECT_TRUE(missed()) << outcome;

@@ -65,9 +65,9 @@ class Render : public RenderTest {
   std::uint64_t differing(Args args, const std::string& reference) const {
     args.insert(args.end(), {"--compare", reference, "--max", "255", "--mean", "255", "--json", "-"});
     const Outcome outcome = render(with(args));
-    const Json figures = json::parse(outcome.out).value();
-    EXPECT_TRUE(figures.is_object()) << outcome;
-    return figures.is_object() ? figures["compare"]["pixels"].get<std::uint64_t>() : ~0ull;
+    const Json results = json::parse(outcome.out).value();
+    EXPECT_TRUE(results.is_object()) << outcome;
+    return results.is_object() ? results["compare"]["pixels"].get<std::uint64_t>() : ~0ull;
   }
 
   std::string model, view;
@@ -99,8 +99,8 @@ TEST_F(Render, MakesImagesForPeople) {
   EXPECT_NE(sky(b, 0), sky(b, 20));
   EXPECT_GT(b.colours(), 2 * a.colours());
   // Ids are those of pixel centres, whatever the samples.
-  const Json figures = json::parse(render(more({"--compare-ids", ids, "--json", "-"})).out).value();
-  EXPECT_EQ(figures["wrong_ids"], 0);
+  const Json results = json::parse(render(more({"--compare-ids", ids, "--json", "-"})).out).value();
+  EXPECT_EQ(results["wrong_ids"], 0);
   // Eight samples, which no driver here has as such, differ little from four; one differs more.
   const auto mean = [&](const char* samples) {
     return json::parse(render(more({"--samples", samples, "--compare", people, "--max", "255", "--json", "-"})).out)
@@ -205,14 +205,14 @@ TEST_F(Render, FitsWithoutWhatLiesFarOff) {
   EXPECT_NEAR(double(filled_by(read_image(together)).pixels), expected, 0.02 * expected);
 }
 
-TEST_F(Render, WritesFiguresAsJson) {
-  const Json figures = run_json("render", with({"--view", view}));
+TEST_F(Render, WritesResultsAsJson) {
+  const Json results = run_json("render", with({"--view", view}));
   for (const char* key : {"renderer", "size", "items", "visible", "tested", "culler"})
-    EXPECT_TRUE(figures.contains(key)) << key;
-  EXPECT_EQ(figures["items"], 3000);
-  EXPECT_EQ(figures["size"], Json::array({kWidth, kHeight}));
-  EXPECT_GT(figures["visible"], 0);
-  EXPECT_LE(figures["visible"], 3000);
+    EXPECT_TRUE(results.contains(key)) << key;
+  EXPECT_EQ(results["items"], 3000);
+  EXPECT_EQ(results["size"], Json::array({kWidth, kHeight}));
+  EXPECT_GT(results["visible"], 0);
+  EXPECT_LE(results["visible"], 3000);
 }
 
 TEST_F(Render, ComparesWithItself) {
@@ -227,12 +227,12 @@ TEST_F(Render, ComparisonSaysWhatTheEyeSees) {
   const std::string out = path("out.png"), ids = path("ids.png"), other = write("other.json", kOrthoView);
   render(with({"--view", view, "--out", out, "--ids", ids}));
   const Args limits = {"--compare", out, "--compare-ids", ids, "--max", "255", "--mean", "255"};
-  const auto figures = [&](const std::string& seen) {
+  const auto results = [&](const std::string& seen) {
     Args args = with({"--view", seen});
     args.insert(args.end(), limits.begin(), limits.end());
     return run_json("render", args);
   };
-  const Json same = figures(view), changed = figures(other);
+  const Json same = results(view), changed = results(other);
   EXPECT_TRUE(same["compare"]["psnr"].is_null()) << "infinite";
   EXPECT_NEAR(same["compare"]["ssim"].get<double>(), 1.0, 1e-6);
   EXPECT_EQ(same["compare"]["flip"]["mean"], 0.0);
@@ -335,12 +335,12 @@ TEST_F(Render, DepthAgreesWithIds) {
 TEST_F(Render, ComparesIdsAndDepth) {
   const std::string ids = path("ids.png"), depth = path("depth.pfm");
   render(with({"--view", view, "--ids", ids, "--depth", depth}));
-  const auto figures = [&](const Args& more) {
+  const auto results = [&](const Args& more) {
     Args args = with({"--compare-ids", ids, "--compare-depth", depth});
     args.insert(args.end(), more.begin(), more.end());
     return run_json("render", args);
   };
-  const Json same = figures({"--view", view}), on_gpu = figures({"--view", view, "--culler", "gpu"});
+  const Json same = results({"--view", view}), on_gpu = results({"--view", view, "--culler", "gpu"});
   for (const Json& json : {same, on_gpu}) {
     EXPECT_EQ(json["wrong_ids"], 0);
     EXPECT_GT(json["compare_depth"]["pixels"], 1000);
@@ -350,7 +350,7 @@ TEST_F(Render, ComparesIdsAndDepth) {
   }
   const std::string nearer = write("nearer.json", R"({"eye":[-29.99,-12,6],"target":[5,2,3],"up":[0,0,1],)"
                                                   R"("fovy_deg":60,"near":0.1,"far":1000})");
-  const Json other = figures({"--view", nearer});
+  const Json other = results({"--view", nearer});
   EXPECT_LT(other["wrong_ids_elsewhere"], other["wrong_ids"]) << "most of the difference lies at silhouettes";
   EXPECT_GT(other["compare_depth"]["beyond"], 1000);
   expect_usage_error("render", with({"--compare-depth", depth}), "--compare-ids");
@@ -498,12 +498,12 @@ TEST_F(Render, TilesMakeTheSameImage) {
     EXPECT_GT(whole["visible"], 0);
     for (const char* tile : {"130", "200", "300"}) {
       SCOPED_TRACE(tile);
-      const Json figures = draw("tiles", {"--tile", tile, "--compare", path("whole.png"), "--max", "255", "--mean",
+      const Json results = draw("tiles", {"--tile", tile, "--compare", path("whole.png"), "--max", "255", "--mean",
                                           "0.01", "--compare-ids", path("whole-ids.png")});
-      EXPECT_GE(figures["tiles"], 2);
-      EXPECT_FALSE(figures.contains("visible")) << "items in several tiles would count more than once";
-      EXPECT_LT(figures["compare"]["pixels"], kThousandth);
-      EXPECT_LT(figures["wrong_ids"], kThousandth);
+      EXPECT_GE(results["tiles"], 2);
+      EXPECT_FALSE(results.contains("visible")) << "items in several tiles would count more than once";
+      EXPECT_LT(results["compare"]["pixels"], kThousandth);
+      EXPECT_LT(results["wrong_ids"], kThousandth);
       EXPECT_EQ(read_bytes(path("tiles.pfm")).size(), read_bytes(path("whole.pfm")).size());
       const Json names = json::parse(read_bytes(path("whole.json"))).value(),
                  in_tiles = json::parse(read_bytes(path("tiles.json"))).value();
@@ -516,8 +516,8 @@ TEST_F(Render, TilesMakeTheSameImage) {
 
 TEST_F(Render, ImagesLargerThanWhatIsDrawnAtOnce) {
   const std::string out = path("large.png");
-  const Json figures = run_json("render", {model, "--size", "16384x40", "--out", out});
-  EXPECT_EQ(figures["tiles"], 17);
+  const Json results = run_json("render", {model, "--size", "16384x40", "--out", out});
+  EXPECT_EQ(results["tiles"], 17);
   const Image image = read_image(out);
   EXPECT_EQ(image.width, 16384u);
   EXPECT_EQ(image.height, 40u);

@@ -35,8 +35,8 @@ TEST_F(Replay, WritesTheKeysOfTheContract) {
   for (const Json& entry : flight["plan"])
     EXPECT_EQ(keys_of(entry), (std::vector<std::string>{"feature", "used", "why"}));
   for (const char* key : {"cull_ms", "frame_ms"})
-    for (const char* figure : {"mean", "median", "p99", "max"})
-      EXPECT_TRUE(flight["summary"][key][figure].is_number()) << key << " " << figure;
+    for (const char* statistic : {"mean", "median", "p99", "max"})
+      EXPECT_TRUE(flight["summary"][key][statistic].is_number()) << key << " " << statistic;
   EXPECT_EQ(flight["summary"]["switches"], 0);
   for (const char* part : {"snapshot", "bvh", "gpu"}) EXPECT_TRUE(flight["memory"][part].is_number_unsigned()) << part;
   EXPECT_GT(flight["memory"]["bvh"], 0);

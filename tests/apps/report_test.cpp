@@ -98,7 +98,7 @@ class ReportPage : public RenderTest {
  protected:
   struct Page {
     std::string text;
-    Json figures;
+    Json results;
   };
 
   /// Makes a small page, which must be well-formed and load nothing.
@@ -133,8 +133,8 @@ class ReportPage : public RenderTest {
   /// Sections that were made, sorted; and those left out.
   static std::vector<std::string> sections(const Page& page, bool left_out) {
     std::vector<std::string> names;
-    for (const auto& [name, figures] : page.figures["sections"].items())
-      if (figures.contains("left_out") == left_out) names.push_back(name);
+    for (const auto& [name, results] : page.results["sections"].items())
+      if (results.contains("left_out") == left_out) names.push_back(name);
     std::sort(names.begin(), names.end());
     return of_this_build(std::move(names));
   }
@@ -156,14 +156,14 @@ TEST_F(ReportPage, OfPrimitives) {
   EXPECT_EQ(sections(page, false), all());
   EXPECT_EQ(sections(page, true), std::vector<std::string>());
   EXPECT_NE(page.text.find("sightline-info"), std::string::npos) << "commands give the figures again";
-  EXPECT_NE(page.text.find(page.figures["machine"]["renderer"].get<std::string>()), std::string::npos);
+  EXPECT_NE(page.text.find(page.results["machine"]["renderer"].get<std::string>()), std::string::npos);
   const Json info = run_json("info", {data_path("small_plant.rvm")});
-  EXPECT_EQ(page.figures["sections"]["model"]["items"], info["items"]);
+  EXPECT_EQ(page.results["sections"]["model"]["items"], info["items"]);
 }
 
 /// Each step keeps what the step after it keeps, down to the items that are visible in the id image.
 TEST_F(ReportPage, CountsWhatEachStepKeeps) {
-  const Json culling = report({plant(2000), "--sections", "culling"}).figures["sections"]["culling"];
+  const Json culling = report({plant(2000), "--sections", "culling"}).results["sections"]["culling"];
   const auto mean = [&](const char* step) { return culling[step]["mean"].get<double>(); };
   EXPECT_GT(mean("visible_in_ids"), 0.0);
   EXPECT_GE(mean("items_drawn"), mean("visible_in_ids"));
@@ -177,7 +177,7 @@ TEST_F(ReportPage, CountsWhatEachStepKeeps) {
 /// No culler loses what rays see, and each test that is added leaves out more of the rest.
 TEST_F(ReportPage, ComparesCullersWithExactVisibility) {
   if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
-  const Json page = report({plant(3000), "--sections", "visibility"}).figures["sections"]["visibility"];
+  const Json page = report({plant(3000), "--sections", "visibility"}).results["sections"]["visibility"];
   ASSERT_EQ(page["variants"].size(), 7u);
   std::map<std::string, double> drawn;
   for (const Json& way : page["variants"]) {
@@ -196,7 +196,7 @@ TEST_F(ReportPage, ComparesCullersWithExactVisibility) {
 }
 
 TEST_F(ReportPage, NothingIsLostByLeavingOut) {
-  const Json frames = report({plant(2000), "--sections", "frames"}).figures["sections"]["frames"];
+  const Json frames = report({plant(2000), "--sections", "frames"}).results["sections"]["frames"];
   ASSERT_EQ(frames["tests"].size(), 4u);
   for (const Json& test : frames["tests"]) EXPECT_EQ(test["wrong_ids"], 0) << test;
   EXPECT_EQ(frames["pixels"], 8 * 96 * 64);
@@ -207,7 +207,7 @@ TEST_F(ReportPage, NothingIsLostByLeavingOut) {
 TEST_F(ReportPage, BeginsWithTheAnswer) {
   if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
   const Page page = report({plant(1000), "--sections", "model,error"});
-  const std::string answer = page.figures["sections"]["error"]["answer"].string();
+  const std::string answer = page.results["sections"]["error"]["answer"].string();
   EXPECT_NE(answer.find("triangles"), std::string::npos) << answer;
   const std::size_t lead = page.text.find("<p class=\"lead\">" + answer), plot = page.text.find("<svg"),
                     list = page.text.find("<ul>"), section = page.text.find("<h2>");
@@ -221,7 +221,7 @@ TEST_F(ReportPage, BeginsWithTheAnswer) {
 /// Exact surfaces are as near as depths of an image are, triangles within their tolerances.
 TEST_F(ReportPage, SurfacesAreJudgedByRaysInDoublePrecision) {
   if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
-  const Json error = report({plant(1000), "--sections", "error"}).figures["sections"]["error"];
+  const Json error = report({plant(1000), "--sections", "error"}).results["sections"]["error"];
   const Json& surfaces = error["surfaces"];
   ASSERT_EQ(surfaces.size(), 8u) << "exact, and seven tolerances";
   const auto off = [&](std::size_t i) { return surfaces[i]["error_m"]["p99"].get<double>(); };
@@ -252,14 +252,14 @@ TEST_F(ReportPage, TheTourCanBeFlownAgain) {
   EXPECT_EQ(flown["frames"].size(), 8u);
   for (const Json& frame : flown["frames"]) EXPECT_GT(frame["visible"], 0);
   if (is_built("trace")) {
-    EXPECT_GT(page.figures["sections"]["images"]["tour"]["covered"]["least"], 0.0);
+    EXPECT_GT(page.results["sections"]["images"]["tour"]["covered"]["least"], 0.0);
   }
 }
 
 /// More samples come closer to 64 rays than half the resolution does.
 TEST_F(ReportPage, ErrorsFallWithEffort) {
   if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
-  const Json error = report({plant(1000), "--sections", "error", "--size", "320x180"}).figures["sections"]["error"];
+  const Json error = report({plant(1000), "--sections", "error", "--size", "320x180"}).results["sections"]["error"];
   const auto flip = [](const Json& variant) { return variant["flip"]["mean"].get<double>(); };
   const Json& samples = error["samples"];
   ASSERT_GE(samples.size(), 2u);
@@ -280,17 +280,17 @@ TEST_F(ReportPage, LevelsOfDetailAreComparedWhereThereAreManyTriangles) {
   if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
   const std::string meshes = path("meshes.obj");
   ASSERT_EQ(run("convert", {plant(1000), meshes, "--tolerance", "0.0005"}).code, 0);
-  const Json error = report({meshes, "--sections", "error", "--size", "320x180"}).figures["sections"]["error"];
+  const Json error = report({meshes, "--sections", "error", "--size", "320x180"}).results["sections"]["error"];
   const Json& levels = error["levels"];
   ASSERT_EQ(levels.size(), 6u);
   EXPECT_LT(levels[0]["wrong_ids"], 1e-4) << "in full";
   EXPECT_GT(levels[5]["flip"]["mean"], levels[0]["flip"]["mean"]) << levels;
-  const Json none = report({plant(1000), "--sections", "error", "--size", "320x180"}).figures["sections"]["error"];
+  const Json none = report({plant(1000), "--sections", "error", "--size", "320x180"}).results["sections"]["error"];
   EXPECT_FALSE(none.contains("levels"));
 }
 
 TEST_F(ReportPage, DepthsAreThoseOfDoublePrecision) {
-  const Json stability = report({plant(2000), "--sections", "stability"}).figures["sections"]["stability"];
+  const Json stability = report({plant(2000), "--sections", "stability"}).results["sections"]["stability"];
   const Json& all = stability["depth"]["all"];
   EXPECT_GT(all["pixels"], 1000);
   EXPECT_LT(all["median"], 1e-6);
@@ -307,7 +307,7 @@ TEST_F(ReportPage, OfMeshesAlone) {
   const Page page = report({model});
   EXPECT_EQ(sections(page, false), all_but("stability"));
   EXPECT_EQ(sections(page, true), std::vector<std::string>{"stability"});
-  EXPECT_EQ(page.figures["sections"]["model"]["triangles"]["items"], 4);
+  EXPECT_EQ(page.results["sections"]["model"]["triangles"]["items"], 4);
 }
 
 std::string decoded(const std::string& base64) {
@@ -331,7 +331,7 @@ TEST_F(ReportPage, CommandsGiveTheImagesAgain) {
     args.insert(args.end(), {"--sections", "images", "--size", "160x120", "--save-path", path("tour.json")});
     const Page page = report(args);
     std::size_t at = 0;
-    for (const Json& view : page.figures["sections"]["images"]["views"]) {
+    for (const Json& view : page.results["sections"]["images"]["views"]) {
       constexpr std::string_view kImage = "src=\"data:image/png;base64,", kCommand = "sightline-render ";
       at = page.text.find(kImage, at) + kImage.size();
       const std::string drawn = write("drawn.png", decoded(page.text.substr(at, page.text.find('"', at) - at)));
@@ -355,7 +355,7 @@ TEST_F(ReportPage, SaysHowFarTrianglesLieOffTheirFile) {
   const std::string model = data_path("machined.stp");
   if (run("info", {model}).code != 0) GTEST_SKIP() << "built without STEP";
   const Page page = report({model, "--sections", "model,error"});
-  const Json& sections = page.figures["sections"];
+  const Json& sections = page.results["sections"];
   EXPECT_EQ(sections["model"]["surfaces"]["meshed_bodies"], 1);
   EXPECT_GT(sections["model"]["surfaces"]["deviation"], 1e-6);
   EXPECT_NE(page.text.find("Exact surfaces: 1 parts in 2 places"), std::string::npos);
@@ -381,7 +381,7 @@ TEST_F(ReportPage, EscapesNames) {
   const Page page = report({model});
   EXPECT_EQ(page.text.find("<script"), std::string::npos);
   EXPECT_NE(page.text.find("&lt;script&gt;alert(1)&lt;!--&quot;&#39;&amp;amp;"), std::string::npos);
-  EXPECT_FALSE(page.figures["sections"]["model"]["warnings"].empty()) << "the page shows text from the file, too";
+  EXPECT_FALSE(page.results["sections"]["model"]["warnings"].empty()) << "the page shows text from the file, too";
 }
 
 TEST_F(ReportPage, HoldsTheChosenSectionsAlone) {

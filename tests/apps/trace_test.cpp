@@ -86,8 +86,8 @@ TEST_F(Trace, AdaptiveSamplingTakesFewerSamples) {
 TEST_F(Trace, KeepsStdoutForTheJson) {
   const Outcome outcome = run("trace", {model, "--size", "32x18", "--json", "-"});
   EXPECT_EQ(outcome.code, 0) << outcome;
-  const Json figures = json::parse(outcome.out).value();
-  EXPECT_EQ(keys_of(figures),
+  const Json results = json::parse(outcome.out).value();
+  EXPECT_EQ(keys_of(results),
             (std::vector<std::string>{"build_seconds", "items", "samples", "size", "trace_seconds", "tracer_bytes"}));
 }
 

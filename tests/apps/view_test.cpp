@@ -46,12 +46,12 @@ TEST_F(View, DrawsWhatRenderDraws) {
   const std::string model = plant(12000), shot = path("shot.png");
   for (const char* culler : {"auto", "linear", "gpu", "hybrid"}) {
     SCOPED_TRACE(culler);
-    const Json figures =
+    const Json results =
         run_json("view", {model, "--size", "320x200", "--frames", "6", "--culler", culler, "--screenshot", shot});
-    EXPECT_EQ(figures["frames"], 6);
-    EXPECT_EQ(figures["size"], Json::array({320, 200}));
-    EXPECT_EQ(figures["items"], 12000);
-    EXPECT_GT(figures["visible"], 11000);
+    EXPECT_EQ(results["frames"], 6);
+    EXPECT_EQ(results["size"], Json::array({320, 200}));
+    EXPECT_EQ(results["items"], 12000);
+    EXPECT_GT(results["visible"], 11000);
     expect_not_empty(shot);
     const Outcome same = compare(shot, {model, "--size", "320x200"});
     EXPECT_EQ(same.code, 0) << same;
@@ -792,9 +792,9 @@ class ViewKeys : public View {
 
 /// Real keys reach the commands, the window follows its size, and the screen shows the image.
 TEST_F(ViewKeys, TheWindowShowsTheImageAtAnySize) {
-  const std::string model = plant(3000), figures = path("figures.json");
+  const std::string model = plant(3000), results = path("figures.json");
   open({model, "--size", "320x200", "--no-panels", "--no-smooth", "--plain", "--depth-shading", "0.4", "--edge-lines",
-        "0.4", "--json", figures});
+        "0.4", "--json", results});
   for (const std::array<int, 2>& wanted : {std::array{320, 200}, {200, 300}, {500, 400}}) {
     const int width = wanted[0], height = wanted[1];
     const std::string size = std::to_string(width) + "x" + std::to_string(height);
@@ -814,7 +814,7 @@ TEST_F(ViewKeys, TheWindowShowsTheImageAtAnySize) {
   const Outcome outcome = wait_for(child_);
   child_.pid = 0;
   EXPECT_EQ(outcome.code, 0) << outcome;
-  const Json state = json::parse(read_bytes(figures)).value();
+  const Json state = json::parse(read_bytes(results)).value();
   EXPECT_EQ(state["size"], Json::array({500, 400}));
   EXPECT_GT(state["frames"], 4);
   const Json kept = json::parse(read_bytes(path("sightline/view.json"))).value();

@@ -98,7 +98,7 @@ function sectionPlanes() {
   return [new THREE.Plane(new THREE.Vector3(0, 0, -1), height)];
 }
 
-function showFigures() {
+function showCounts() {
   const milliseconds = (time) => `${time.toFixed(2)} ms`;
   const rows = {
     Items: plant.stats.items.toLocaleString('en'),
@@ -110,7 +110,7 @@ function showFigures() {
     SIMD: sightline.simd ? 'yes' : 'no',
     Threads: sightline.threads,
   };
-  element('figures').replaceChildren(
+  element('counts').replaceChildren(
     ...Object.entries(rows).map(([name, value]) => {
       const row = document.createElement('tr');
       row.append(...[name, value].map((text) => Object.assign(document.createElement('td'), { textContent: text })));
@@ -148,7 +148,7 @@ function frame(now) {
   culling.add(plant.stats.milliseconds);
   if (!isOn('culling')) plant.showAll();
   renderer.render(root, camera);
-  showFigures();
+  showCounts();
   if (flown > 0 && measured.length < flight)
     measured.push({ culling: plant.stats.milliseconds, drawn: plant.stats.visible, frame: frames.median });
   if (flight > 0 && measured.length === flight) globalThis.flight = measured;
