@@ -3,7 +3,9 @@
 
 - No comment begins as a fragment: "Of …", "The same …", "Those of …", "That of …", "Told …". It is a sentence of its own.
 - Words of our own that the field has terms for do not come back; REPLACED names the terms.
+- Nor do names of our own in code, outside its comments and texts; RENAMED says what they are called.
 """
+import os
 import pathlib
 import re
 import sys
@@ -11,7 +13,7 @@ import sys
 SOURCES = {".h", ".cpp", ".c", ".inc", ".glsl", ".vert", ".geom", ".frag", ".comp", ".py", ".pyi", ".sh", ".js", ".mjs", ".cmake",
            ".in", ".txt"}
 SKIPPED = {".git", "build", "out", "node_modules"}
-FRAGMENT = re.compile(r"^\s*(?://+!?<?|#|\*)\s?(Of [a-z]|The same\b|Those (?:of|that)\b|That of\b|Made by who\b|Told\b)")
+FRAGMENT = re.compile(r"^[ \t]*(?://+!?<?|#|\*)\s?(Of (?!Open\b)|The same\b|Those (?:of|that)\b|That of\b|Made by who\b|Told\b)", re.M)
 REPLACED = {
     r"\brehears\w*": "warm up, warm-up",
     r"\bnearness\b": "reciprocal depth",
@@ -22,34 +24,71 @@ REPLACED = {
     r"\brelief\b": "depth shading, edge lines",
     r"\bowners? of pixels\b": "visible in the id image",
 }
+RENAMED = {
+    r"\w*[Ff]igures\w*": "results, times, counts, statistics: what they are",
+    r"Squares?|SquareRule|BoxSquares": "point splat; tile or cell",
+    r"landings?|k?Landing": "new scene version, swapped in",
+    r"coming_?": "incoming",
+    r"for_people\w*": "standard",
+    r"\w*[Rr]ehears\w*": "warm up, warm-up",
+}
+CODE = {".h", ".cpp", ".c", ".inc", ".js", ".mjs", ".glsl", ".vert", ".geom", ".frag", ".comp"}
+# Comments and texts of code, which are left out, and names.
+TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|([A-Za-z_]\w*)', re.S)
+# Rooms that still have such names.
+LEFT = ("apps/bench/", "apps/view/", "study/", "tests/stability/")
 # The words of these rules themselves, and what names were before.
 EXEMPT = {"tests/docs/check_words.py", "CHANGELOG.md"}
 
 
 def files(root):
-    for path in sorted(root.rglob("*")):
-        parts = path.relative_to(root).parts
-        if path.is_file() and not SKIPPED & set(parts) and path.suffix in SOURCES | {".md"} and "/".join(parts) not in EXEMPT:
-            yield path
+    for folder, folders, names in os.walk(root):
+        folders[:] = sorted(set(folders) - SKIPPED)
+        for path in (pathlib.Path(folder, name) for name in sorted(names)):
+            if path.suffix in SOURCES | {".md"} and path.relative_to(root).as_posix() not in EXEMPT:
+                yield path
 
 
-def problems(root):
-    words = [(re.compile(word, re.IGNORECASE), term) for word, term in REPLACED.items()]
+def any_of(rules, flags=0):
+    """One expression for all rules, and a function from what it has found to what the rule asks for."""
+    terms = list(rules.values())
+    return re.compile("|".join(f"({rule})" for rule in rules), flags), lambda found: terms[found.lastindex - 1]
+
+
+def line_of(text, at):
+    return text.count("\n", 0, at) + 1
+
+
+def old_words(root):
+    words, term_of = any_of(REPLACED, re.IGNORECASE)
     for path in files(root):
-        for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
-            place = f"{path.relative_to(root)}:{number}"
-            fragment = path.suffix != ".md" and FRAGMENT.match(line)
-            if fragment:
-                yield f"{place}: a comment that begins with '{fragment[1]}' is no sentence"
-            for word, term in words:
-                found = word.search(line)
-                if found:
-                    yield f"{place}: '{found[0]}': {term}"
+        text = path.read_text(errors="replace")
+        place = path.relative_to(root).as_posix()
+        if path.suffix != ".md":
+            for found in FRAGMENT.finditer(text):
+                yield f"{place}:{line_of(text, found.start(1))}: a comment that begins with '{found[1]}' is no sentence"
+        for found in words.finditer(text):
+            yield f"{place}:{line_of(text, found.start())}: '{found[0]}': {term_of(found)}"
+
+
+def old_names(root):
+    names, term_of = any_of(RENAMED)
+    for path in files(root):
+        place = path.relative_to(root).as_posix()
+        if path.suffix not in CODE or place.startswith(LEFT):
+            continue
+        text = path.read_text(errors="replace")
+        if not any(names.fullmatch(word) for word in set(re.findall(r"\w+", text))):
+            continue
+        for token in TOKEN.finditer(text):
+            found = token[1] and names.fullmatch(token[1])
+            if found:
+                yield f"{place}:{line_of(text, token.start())}: '{found[0]}': {term_of(found)}"
 
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    found = list(problems(root))
+    found = [*old_words(root), *old_names(root)]
     for problem in found:
         print(problem, file=sys.stderr)
     return 1 if found else 0
