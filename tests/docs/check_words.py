@@ -14,7 +14,7 @@ SOURCES = {".h", ".cpp", ".c", ".inc", ".glsl", ".vert", ".geom", ".frag", ".com
            ".in", ".txt"}
 SKIPPED = {".git", "build", "out", "node_modules"}
 FRAGMENT = re.compile(r"^[ \t]*(?://+!?<?|#|\*)\s?(Of (?!Open\b)|The same\b|Those (?:of|that)\b|That of\b|Made by who\b|Told\b)", re.M)
-# In lower case. Rules begin with letters, which makes the search many times as fast as one for \\b.
+# In lower case. Rules begin with letters, so that a search skips to them.
 REPLACED = {
     r"rehears\w*": "warm up, warm-up",
     r"nearness\b": "reciprocal depth",
