@@ -472,18 +472,29 @@ void set(FirstHit& to, const std::optional<Hit>& hit) {
   to = hit ? FirstHit{hit->slot, hit->t} : FirstHit();
 }
 
+/// Calls answer(i) for rays that sections cut. Planes are moved for each item by itself, which packets do not do.
+/// Returns the first ray that is none, or their number.
+template <class Answer>
+std::size_t one_by_one(std::span<const Ray> rays, const Answer& answer) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!is_ray(rays[i])) return i;
+    answer(i);
+  }
+  return rays.size();
+}
+
 }  // namespace
 
 template <class Answer>
 std::size_t Tracer::Impl::nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Answer> hits) const {
-  return by_packets(rays, filter, false, [&](std::span<Packet* const> packets, std::size_t first, std::size_t count) {
-    if (filter.sections.empty()) return Packet::nearest(packets, hits.subspan(first, count));
-    // Planes are moved for each item by itself, which takes rays one by one.
-    for (std::size_t i = first; i < first + count; ++i) {
-      std::optional<Hit> hit;
-      nearest_kept(rays[i], filter, hit);
-      set(hits[i], hit);
-    }
+  if (filter.sections.empty())
+    return by_packets(rays, filter, false, [&](std::span<Packet* const> packets, std::size_t first, std::size_t count) {
+      Packet::nearest(packets, hits.subspan(first, count));
+    });
+  return one_by_one(rays, [&](std::size_t i) {
+    std::optional<Hit> hit;
+    nearest_kept(rays[i], filter, hit);
+    set(hits[i], hit);
   });
 }
 
@@ -491,10 +502,11 @@ template std::size_t Tracer::Impl::nearest(std::span<const Ray>, const RayFilter
 template std::size_t Tracer::Impl::nearest(std::span<const Ray>, const RayFilter&, std::span<FirstHit>) const;
 
 std::size_t Tracer::Impl::any(std::span<const Ray> rays, const RayFilter& filter, std::span<bool> hit) const {
-  return by_packets(rays, filter, true, [&](std::span<Packet* const> packets, std::size_t first, std::size_t count) {
-    if (filter.sections.empty()) return Packet::any(packets, hit.subspan(first, count));
-    for (std::size_t i = first; i < first + count; ++i) hit[i] = any(rays[i], filter);
-  });
+  if (filter.sections.empty())
+    return by_packets(rays, filter, true, [&](std::span<Packet* const> packets, std::size_t first, std::size_t count) {
+      Packet::any(packets, hit.subspan(first, count));
+    });
+  return one_by_one(rays, [&](std::size_t i) { hit[i] = any(rays[i], filter); });
 }
 
 }  // namespace sightline::raytrace

@@ -30,14 +30,6 @@ constexpr std::size_t kMostTriangles = std::size_t(1) << 28;  // places of trian
 
 // --- rays ------------------------------------------------------------------------------------------------------------
 
-bool good(const Ray& ray) {
-  // A sum of products with 0 is 0 unless one factor is not finite.
-  const dvec3 o = 0.0 * ray.origin, d = 0.0 * ray.direction;
-  const dvec3 size = magnitude(ray.direction);
-  return o.x + o.y + o.z + (d.x + d.y + d.z) == 0.0 && size.x + size.y + size.z > 0.0 &&
-         !std::isunordered(ray.t_min, ray.t_max);
-}
-
 core::Error fault(const Ray& ray) {
   if (!core::is_finite(ray.origin) || !core::is_finite(ray.direction))
     return {"ray: origin and direction must be finite"};
@@ -46,6 +38,14 @@ core::Error fault(const Ray& ray) {
 }
 
 }  // namespace
+
+bool is_ray(const Ray& ray) {
+  // A sum of products with 0 is 0 unless one factor is not finite.
+  const dvec3 o = 0.0 * ray.origin, d = 0.0 * ray.direction;
+  const dvec3 size = magnitude(ray.direction);
+  return o.x + o.y + o.z + (d.x + d.y + d.z) == 0.0 && size.x + size.y + size.z > 0.0 &&
+         !std::isunordered(ray.t_min, ray.t_max);
+}
 
 KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
   KeptParts parts;
@@ -546,14 +546,14 @@ core::Expected<void> Tracer::update(std::span<const Slot> touched) {
 }
 core::Expected<std::optional<Hit>> Tracer::nearest(const Ray& ray, const RayFilter& filter) const {
   core::Expected<std::optional<Hit>> result;
-  if (good(ray))
+  if (is_ray(ray))
     impl_->nearest(ray, filter, *result);
   else
     result = tl::unexpected(fault(ray));
   return result;
 }
 core::Expected<FirstHit> Tracer::first(const Ray& ray, const RayFilter& filter) const {
-  if (!good(ray)) return tl::unexpected(fault(ray));
+  if (!is_ray(ray)) return tl::unexpected(fault(ray));
   return impl_->first(ray, filter);
 }
 template <class Answer>
@@ -572,7 +572,7 @@ core::Expected<void> Tracer::nearest(std::span<const Ray> rays, std::span<FirstH
   return nearest_of(rays, hits, filter);
 }
 core::Expected<bool> Tracer::any(const Ray& ray, const RayFilter& filter) const {
-  if (!good(ray)) return tl::unexpected(fault(ray));
+  if (!is_ray(ray)) return tl::unexpected(fault(ray));
   return impl_->any(ray, filter);
 }
 core::Expected<void> Tracer::any(std::span<const Ray> rays, std::span<bool> hit, const RayFilter& filter) const {
@@ -582,7 +582,7 @@ core::Expected<void> Tracer::any(std::span<const Ray> rays, std::span<bool> hit,
   return {};
 }
 core::Expected<void> Tracer::all(const Ray& ray, std::vector<Hit>& hits, const RayFilter& filter) const {
-  if (!good(ray)) return tl::unexpected(fault(ray));
+  if (!is_ray(ray)) return tl::unexpected(fault(ray));
   impl_->all(ray, filter, hits);
   return {};
 }

@@ -34,7 +34,7 @@ inline double root(double a) {
 #endif
 // The loops that follow go over all rays, so that the compiler vectorises them.
 
-/// tracer.cpp, good().
+/// As is_ray() of tracer.cpp.
 template <class Form>
 unsigned load_lanes(const double* rays, int count, RayLanes& out) {
   double* const columns[] = {out.origin[0],    out.origin[1],    out.origin[2], out.direction[0],

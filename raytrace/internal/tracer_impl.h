@@ -27,6 +27,9 @@ using core::Slot;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr float kNotCrossed = std::numeric_limits<float>::quiet_NaN();  ///< HitFilter::crossed()
 
+/// Whether the tracer accepts it: finite, with a direction, and ends that are numbers.
+bool is_ray(const Ray& ray);
+
 /// A part of a ray that the section planes keep.
 struct KeptPart {
   double from, to;

@@ -693,24 +693,27 @@ TEST(Tracer, RefusesRaysThatAreNone) {
   }
   EXPECT_FALSE(*tracer.any({.t_min = 2.0, .t_max = 1.0}));
 
-  for (std::size_t at : {0u, 20u, 36u}) {
-    std::vector<Ray> rays(37);
-    rays[at] = bad[at % 5];
-    std::vector<Hit> of_rays(rays.size());
-    const auto traced = tracer.nearest(rays, of_rays);
-    ASSERT_FALSE(traced);
-    EXPECT_EQ(traced.error().message.rfind("rays[" + std::to_string(at) + "]: ", 0), 0u) << traced.error().message;
-    EXPECT_FALSE(tracer.nearest(rays, std::span(of_rays).first(3)));
-    std::vector<FirstHit> first(rays.size());
-    const auto firsts = tracer.nearest(rays, first);
-    ASSERT_FALSE(firsts);
-    EXPECT_EQ(firsts.error().message, traced.error().message);
-    bool hit[37];
-    const auto any = tracer.any(rays, hit);
-    ASSERT_FALSE(any);
-    EXPECT_EQ(any.error().message, traced.error().message);
-    EXPECT_FALSE(tracer.any(rays, std::span(hit).first(3)));
-  }
+  RayFilter cut;
+  cut.sections = {{{0, 0, 1}, 0.0}};
+  for (const RayFilter& filter : {RayFilter(), cut})
+    for (std::size_t at : {0u, 20u, 36u}) {
+      std::vector<Ray> rays(37);
+      rays[at] = bad[at % 5];
+      std::vector<Hit> of_rays(rays.size());
+      const auto traced = tracer.nearest(rays, of_rays, filter);
+      ASSERT_FALSE(traced);
+      EXPECT_EQ(traced.error().message.rfind("rays[" + std::to_string(at) + "]: ", 0), 0u) << traced.error().message;
+      EXPECT_FALSE(tracer.nearest(rays, std::span(of_rays).first(3), filter));
+      std::vector<FirstHit> first(rays.size());
+      const auto firsts = tracer.nearest(rays, first, filter);
+      ASSERT_FALSE(firsts);
+      EXPECT_EQ(firsts.error().message, traced.error().message);
+      bool hit[37];
+      const auto any = tracer.any(rays, hit, filter);
+      ASSERT_FALSE(any);
+      EXPECT_EQ(any.error().message, traced.error().message);
+      EXPECT_FALSE(tracer.any(rays, std::span(hit).first(3), filter));
+    }
   EXPECT_TRUE(tracer.nearest(std::span<const Ray>(), std::span<Hit>()));
   EXPECT_TRUE(tracer.any(std::span<const Ray>(), std::span<bool>()));
 }
