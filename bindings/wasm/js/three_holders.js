@@ -279,14 +279,20 @@ export class Holders {
     this.#of.clear();
   }
 
-  /** Gives each place its number. */
+  /** Gives each place its number, and notes which are drawn whatever the camera sees. */
   number() {
     this.#owner = [];
     this.#several = [];
     this.#shownSingles = [];
+    this.#always = [];
+    this.#casters = [];
     for (const holder of this.#of.values()) {
       holder.first = this.#owner.length;
-      for (let i = 0; i < holder.count; ++i) this.#owner.push(holder);
+      for (let i = 0; i < holder.count; ++i) {
+        const place = this.#owner.push(holder) - 1;
+        if (!holder.frustumCulled || !isOfNumbers(holder.box(i))) this.#always.push(place);
+        else if (holder.object.castShadow) this.#casters.push(place);
+      }
       if (holder instanceof Single) {
         holder.show(0);
         this.#shownSingles.push(holder.first);
@@ -328,17 +334,11 @@ export class Holders {
   boxes(places) {
     const count = places?.length ?? this.#owner.length;
     const out = new Float64Array(6 * count);
-    if (!places) this.#always = [];
-    if (!places) this.#casters = [];
     for (let i = 0; i < count; ++i) {
       const place = places ? places[i] : i;
       const holder = this.#owner[place];
       const index = place - holder.first;
-      const local = holder.box(index);
-      writeBox(out, 6 * i, local, holder.matrix(index).elements);
-      if (places) continue;
-      if (!holder.frustumCulled || !isOfNumbers(local)) this.#always.push(place);
-      else if (holder.object.castShadow) this.#casters.push(place);
+      writeBox(out, 6 * i, holder.box(index), holder.matrix(index).elements);
     }
     return out;
   }
