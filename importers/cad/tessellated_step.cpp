@@ -48,8 +48,8 @@ constexpr FaceKind kFaceKinds[] = {
 constexpr std::string_view kGroupKinds[] = {"TESSELLATED_SOLID", "TESSELLATED_SHELL", "TESSELLATED_GEOMETRIC_SET",
                                             "REPOSITIONED_TESSELLATED_GEOMETRIC_SET"};
 /// Kinds of items of the border of a solid or shell, whose faces are enough.
-constexpr std::string_view kBorderKinds[] = {"TESSELLATED_EDGE", "TESSELLATED_CONNECTING_EDGE", "TESSELLATED_VERTEX",
-                                             "TESSELLATED_WIRE"};
+constexpr std::string_view kBorderKinds[] = {"TESSELLATED_EDGE", "TESSELLATED_CONNECTING_EDGE",
+                                             "CUBIC_BEZIER_TESSELLATED_EDGE", "TESSELLATED_VERTEX", "TESSELLATED_WIRE"};
 
 /// The attributes of an entity: the parameters of a simple one, and those of its types in a complex one.
 std::vector<std::string_view> attributes(const std::vector<StepRecord>& records,

@@ -266,13 +266,16 @@ TEST_F(CadTessellated, WhatCannotBeReadIsNamed) {
       "#43 = TRIANGULATED_FACE('',#20,8,());\n#44 = TESSELLATED_SHELL('',(#41,#42,#43,#44),$);\n"
       "#45 = TESSELLATED_CURVE_SET('',#20,((1,2,3)));\n#46 = CUBIC_BEZIER_TRIANGULATED_FACE('',#20,8,(),$,((1,2,3)));\n"
       "#47 = TESSELLATED_SHELL('empty',(),$);\n#48 = TESSELLATED_EDGE('',#20,$,(1,2));\n"
-      "#40 = TESSELLATED_SOLID('',(#31,#48,#32,#33,#34,#35,#36),$);\n";
+      "#49 = ( CUBIC_BEZIER_TRIANGULATED_FACE(((1,2,3))) GEOMETRIC_REPRESENTATION_ITEM() REPRESENTATION_ITEM('') "
+      "TESSELLATED_FACE(#20,8,(),$) TESSELLATED_ITEM() TESSELLATED_STRUCTURED_ITEM() );\n"
+      "#50 = CUBIC_BEZIER_TESSELLATED_EDGE('',#20,$,(1,2,3,4));\n"
+      "#40 = TESSELLATED_SOLID('',(#31,#48,#50,#32,#33,#34,#49,#35,#36),$);\n";
   read(file_of(block(kFaces[2]) + bad, "#47,#44,#45,#46,#40"));
   EXPECT_EQ(other_warnings(), (std::vector<std::string>{
                                   "TRIANGULATED_FACE #41 has 1 triangles without points",
                                   "TRIANGULATED_FACE #42 has 1 triangles without points",
                                   "TRIANGULATED_FACE #43 has 4 attributes of 7",
-                                  "CUBIC_BEZIER_TRIANGULATED_FACE not read: 1 items, first #46",
+                                  "CUBIC_BEZIER_TRIANGULATED_FACE not read: 2 items, first #46",
                                   "TESSELLATED_CURVE_SET not read: 1 items, first #45",
                               }));
   ASSERT_EQ(items().size(), 1u);
