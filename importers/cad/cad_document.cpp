@@ -18,6 +18,7 @@
 #include <Message_ProgressScope.hxx>
 #include <STEPCAFControl_Controller.hxx>
 #include <STEPCAFControl_Reader.hxx>
+#include <StepData_StepModel.hxx>
 #include <TCollection_AsciiString.hxx>
 #include <TDF_LabelSequence.hxx>
 #include <TDF_Tool.hxx>
@@ -114,6 +115,24 @@ bool transfer(CafReader& reader, XSControl_Reader& plain, CadDocument& document,
   return plain.NbShapes() > 0;
 }
 
+/// Entities that Open CASCADE 7.6 takes otherwise than the standard has them.
+void correct_entities(const StepData_StepModel& model) {
+  std::vector<Handle(StepShape_FaceSurface)> faces;
+  for (int i = 1; i <= model.NbEntities(); ++i) {
+    const Handle(Standard_Transient) entity = model.Value(i);
+    if (const auto placement = Handle(StepGeom_Axis2Placement3d)::DownCast(entity); !placement.IsNull())
+      complete_axes(*placement);
+    else if (const auto face = Handle(StepShape_FaceSurface)::DownCast(entity); !face.IsNull())
+      faces.push_back(face);
+    else if (const auto item = Handle(StepRepr_MappedItem)::DownCast(entity); !item.IsNull())
+      order_mapping(*item);
+    else if (const auto relation = Handle(StepRepr_ShapeRepresentationRelationshipWithTransformation)::DownCast(entity);
+             !relation.IsNull())
+      order_transformation(*relation);
+  }
+  for (const auto& face : faces) turn_sphere(face);
+}
+
 /// Reads the STEP files of an assembly into one document.
 class StepFiles {
  public:
@@ -165,8 +184,7 @@ class StepFiles {
           fmt::format("{}: expected a STEP file (ISO 10303-21), found damage or none", file.filename().string()));
     if (auto checked = check_step_uses(job_, reader); !checked) return tl::unexpected(checked.error());
     const std::vector<ExternalReference> references = take_external_references(reader);
-    complete_axes(reader);
-    turn_spheres(reader);
+    correct_entities(*reader.ChangeReader().StepModel());
     const StepOperators operators(job_, stream.view(), reader);
     tessellated.bind(reader);
     const Labels before = free_shapes(document_);

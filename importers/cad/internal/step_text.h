@@ -14,7 +14,8 @@ struct StepRecord {
   std::vector<std::string_view> parameters;
 };
 
-/// Lists the entities of a text, which must outlive it. Damage ends the list, or gives entities without records.
+/// Lists the entities of a text without comments (repaired_step()), which must outlive it. Damage ends the list, or
+/// gives entities without records.
 class StepText {
  public:
   struct Entity {
