@@ -15,7 +15,7 @@ constexpr double kPi = std::numbers::pi;
 /// Areas and volumes that Open CASCADE integrates are right to this share, which any other shape would miss.
 constexpr double kShare = 1e-6;
 
-/// What stands for a patch, with the area of its curved surface.
+/// The primitive of a patch, with the area of its curved surface.
 struct Piece {
   AnalyticPart part;
   double area = 0.0, volume = 0.0, error = 0.0;
@@ -366,7 +366,7 @@ std::optional<Rectangle> rectangle(std::vector<dvec3> p, double tolerance) {
   return Rectangle{0.25 * (p[0] + p[1] + p[2] + p[3]), x, y};
 }
 
-/// What lies above a rectangle: another one along the same directions, a line along one of them, or a point.
+/// The top of a solid on a rectangle: another one along the same directions, a line along one of them, or a point.
 std::optional<Rectangle> top_above(const Rectangle& base, const std::vector<dvec3>& p, double tolerance) {
   const auto along = [&](const dvec3& v, const dvec3& edge) {
     return glm::length(glm::cross(v, glm::normalize(edge))) <= tolerance;

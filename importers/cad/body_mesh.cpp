@@ -63,7 +63,7 @@ gp_XY seen_from(const std::array<Place, 3>& corners, std::size_t which) {
           corner.free.v ? middle(one.at.Y(), one.free.v, other.at.Y(), other.free.v) : corner.at.Y()};
 }
 
-/// What the borders of a face enclose of its surface; no number where Open CASCADE cannot tell.
+/// The area of its surface that the borders of a face enclose; no number where Open CASCADE cannot tell.
 double enclosed_area(const TopoDS_Face& face) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   if (!has_surface(face)) return kUnknown;

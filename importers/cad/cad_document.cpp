@@ -104,7 +104,7 @@ void merge_attributes(CadDocument& document, const TDF_Label& from, const TDF_La
       all.push_back(added);
 }
 
-/// What a reader transfers. Shapes alone are read without the readers of Open CASCADE that also read names and looks.
+/// Transfers all that a reader has read. Shapes alone are read without the readers of Open CASCADE that also read names and looks.
 template <class CafReader>
 bool transfer(CafReader& reader, XSControl_Reader& plain, CadDocument& document,
               const Message_ProgressRange& progress) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <BRepBndLib.hxx>
@@ -48,6 +49,7 @@ Body placed(Body body, const CadDocument& document) {
 class ShapeWalk {
  public:
   ShapeWalk(const TDF_Label& part, const CadDocument& document, CadStyles& styles) : document_(document) {
+    const Handle(XCAFDoc_ColorTool) colours = XCAFDoc_DocumentTool::ColorTool(document.handle()->Main());
     TDF_LabelSequence labels;
     XCAFDoc_ShapeTool::GetSubShapes(part, labels);
     for (const TDF_Label& label : labels) {
@@ -55,13 +57,14 @@ class ShapeWalk {
       if (!XCAFDoc_ShapeTool::GetShape(label, shape)) continue;
       if (const std::uint32_t style = styles.of(label, document); style != kInherited) styles_.Bind(shape, int(style));
       if (std::string name = name_of(label); !name.empty()) names_.emplace(shape.TShape().get(), std::move(name));
+      if (!colours->IsVisible(label)) hidden_.insert(shape.TShape().get());
     }
   }
 
   CadShape run(const TopoDS_Shape& shape) {
     visit(shape, kInherited, 0);
     for (Body* loose : {&loose_, &loose_triangles_})
-      if (!loose->faces.empty()) made_.bodies.push_back({std::move(*loose), ""});
+      if (!loose->faces.empty()) made_.bodies.push_back({{}, std::move(*loose)});
     for (TopExp_Explorer edge(shape, TopAbs_EDGE, TopAbs_FACE); edge.More(); edge.Next()) ++made_.curves;
     return std::move(made_);
   }
@@ -84,10 +87,7 @@ class ShapeWalk {
         return;
       case TopAbs_SOLID:
       case TopAbs_SHELL: {
-        CadShape::Named found{{shape, {}}, ""};
-        for (const BodyNames* names : {&document_.body_names, &std::as_const(names_)})
-          if (const auto at = names->find(shape.TShape().get()); found.name.empty() && at != names->end())
-            found.name = at->second;
+        CadShape::Named found{facts_of(shape.TShape().get()), {shape, {}}};
         add_faces(shape, style, found.body);
         if (found.body.faces.empty()) return;
         found.body = placed(std::move(found.body), document_);
@@ -100,6 +100,16 @@ class ShapeWalk {
       default:
         return;
     }
+  }
+
+  CadBodyFacts facts_of(const TopoDS_TShape* body) const {
+    CadBodyFacts facts;
+    for (const BodyNames* names : {&document_.body_names, &names_})
+      if (const auto at = names->find(body); facts.name.empty() && at != names->end()) facts.name = at->second;
+    const auto layers = document_.body_layers.find(body);
+    if (layers != document_.body_layers.end()) facts.layers = layers->second.names;
+    facts.visible = !hidden_.contains(body) && (layers == document_.body_layers.end() || layers->second.visible);
+    return facts;
   }
 
   void add_faces(const TopoDS_Shape& of, std::uint32_t style, Body& body) const {
@@ -126,6 +136,7 @@ class ShapeWalk {
 
   const CadDocument& document_;
   BodyNames names_;  // of labels
+  std::set<const TopoDS_TShape*> hidden_;
   TopTools_DataMapOfShapeInteger styles_;
   CadShape made_;
   Body loose_, loose_triangles_;
@@ -229,11 +240,12 @@ CadPart make_part(const CadShape& shape, const ImportOptions& options, double sc
   made.curves = shape.curves;
   made.tolerance = tolerance_for(shape, options, scale);
   const std::vector<Extent> exact = exact_extents(shape);
-  for (const auto& [body, name] : shape.bodies) {
+  for (const CadShape::Named& named : shape.bodies) {
+    const Body& body = named.body;
     const bool tessellated = is_tessellated(body);
     if (tessellated && !exact.empty() && extent_of(body).is_of_any(exact)) continue;
     for (const SewnBody& whole : all_meshes ? std::vector<SewnBody>{{body, false}} : made_whole(body)) {
-      CadPart::Content content{name, kInherited, {}, {}, tessellated};
+      CadPart::Content content{named, kInherited, {}, {}, tessellated};
       if (auto found = analytic(whole)) {
         content.style = whole.body.faces[0].style;
         content.primitives = std::move(found->parts);

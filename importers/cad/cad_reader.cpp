@@ -125,7 +125,7 @@ class Builder {
     bool used = false;
   };
 
-  /// What a label is a use of. A part in another file is that file's root where it has one, else an assembly of them.
+  /// The product that a label is a use of. A part in another file is that file's root where it has one, else an assembly of them.
   TDF_Label product_of(const TDF_Label& label) const {
     TDF_Label product;
     if (!XCAFDoc_ShapeTool::GetReferredShape(label, product)) product = label;
@@ -335,8 +335,11 @@ class Builder {
     job_.report().surfaces.instances += part.made.contents.empty() ? 0 : 1;
     for (std::size_t i = 0; i < part.made.contents.size(); ++i) {
       const CadPart::Content& content = part.made.contents[i];
-      const bool apart = part.made.contents.size() > 1 && !content.name.empty() && content.name != part.made.name;
+      const bool named = !content.name.empty() && content.name != part.made.name;
+      const bool apart = part.made.contents.size() > 1 && (named || !content.layers.empty() || !content.visible);
       const core::NodeId at = apart ? job_.scene().add_node(node, content.name) : node;
+      if (!content.layers.empty()) job_.scene().set_attribute(at, "layer", content.layers);
+      if (!content.visible) job_.scene().set_visible(at, false);
       for (const AnalyticPart& primitive : content.primitives)
         job_.add_primitive(at, primitive.primitive, primitive.solid_from_primitive, material(content.style));
       for (std::size_t k = 0; k < content.mesh.meshes.size(); ++k)

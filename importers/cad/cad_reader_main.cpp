@@ -99,7 +99,7 @@ int main(int count, char** arguments) {
     return EXIT_FAILURE;
   }
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // What a crash leaves behind goes with the folder of the result.
+  // Files that a crash leaves behind go with the folder of the result.
   setenv("TMPDIR", std::filesystem::path(arguments[2]).parent_path().c_str(), 1);
   auto detail = importers::CadDetail::kAll;
   const importers::ImportOptions options = options_from(count - 3, arguments + 3, detail);

@@ -42,6 +42,10 @@
 #include <StepShape_ShellBasedSurfaceModel.hxx>
 #include <StepShape_SolidModel.hxx>
 #include <StepVisual_AnnotationOccurrence.hxx>
+#include <StepVisual_Invisibility.hxx>
+#include <StepVisual_LayeredItem.hxx>
+#include <StepVisual_PresentationLayerAssignment.hxx>
+#include <StepVisual_StyledItem.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopoDS_Iterator.hxx>
@@ -145,7 +149,7 @@ void note_property(const StepRepr_PropertyDefinitionRepresentation& property, ST
   for (const auto& [key, value] : found) add(document.attributes[entry_of(label)], key, value);
 }
 
-/// What a product says of itself.
+/// Attributes that a product states.
 void note_product(const Handle(StepBasic_ProductDefinition) & of, STEPCAFControl_Reader& reader,
                   const Handle(XCAFDoc_ShapeTool) & shapes, CadDocument& document) {
   if (of->Formation().IsNull() || of->Formation()->OfProduct().IsNull()) return;
@@ -158,7 +162,7 @@ void note_product(const Handle(StepBasic_ProductDefinition) & of, STEPCAFControl
   add(to, "version", text_of(of->Formation()->Id()));
 }
 
-/// What identifies a document elsewhere.
+/// The assignments that identify a document elsewhere.
 std::vector<Handle(StepBasic_ExternalIdentificationAssignment)> assignments_of(const Handle(StepBasic_Document) &
                                                                                    document,
                                                                                const Interface_Graph& graph) {
@@ -187,7 +191,8 @@ std::vector<Handle(StepBasic_Document)> documents_of(const Handle(StepBasic_Docu
 /// Adds all that may be the name of a document's file, the likeliest first.
 void add_file_names(const Handle(StepBasic_Document) & document, const Interface_Graph& graph,
                     std::vector<std::string>& names) {
-  const auto add_name = [&](const std::string& name) {
+  const auto add_name = [&](std::string name) {
+    if (name.starts_with("file:")) name.erase(0, name.starts_with("file://") ? 7 : 5);
     // "#71" is an entity.
     if (!name.empty() && name[0] != '#' && std::find(names.begin(), names.end(), name) == names.end())
       names.push_back(name);
@@ -217,6 +222,26 @@ void note_body(const Handle(StepRepr_RepresentationItem) & item, STEPCAFControl_
   if (!shape.IsNull()) document.body_names.emplace(shape.TShape().get(), name);
 }
 
+/// Layers of bodies: Open CASCADE reads those of whole parts.
+void note_layer(const Handle(StepVisual_PresentationLayerAssignment) & layer, STEPCAFControl_Reader& reader,
+                CadDocument& document) {
+  const Handle(XSControl_WorkSession) session = reader.Reader().WS();
+  bool visible = true;
+  Interface_EntityIterator users = session->Graph().Sharings(layer);
+  for (users.Start(); users.More(); users.Next())
+    visible &= !users.Value()->IsKind(STANDARD_TYPE(StepVisual_Invisibility));
+  for (int i = 1; !layer->AssignedItems().IsNull() && i <= layer->NbAssignedItems(); ++i) {
+    Handle(StepRepr_RepresentationItem) item = layer->AssignedItemsValue(i).RepresentationItem();
+    if (const auto styled = Handle(StepVisual_StyledItem)::DownCast(item); !styled.IsNull()) item = styled->Item();
+    if (item.IsNull()) continue;
+    const TopoDS_Shape shape = TransferBRep::ShapeResult(session->TransferReader()->TransientProcess(), item);
+    if (shape.IsNull()) continue;
+    BodyLayers& its = document.body_layers[shape.TShape().get()];
+    its.names += (its.names.empty() ? "" : ", ") + text_of(layer->Name());
+    its.visible |= visible;
+  }
+}
+
 template <class Array>
 std::uint64_t nulls_of(const Handle(Array) & items) {
   std::uint64_t count = 0;
@@ -225,7 +250,7 @@ std::uint64_t nulls_of(const Handle(Array) & items) {
   return count;
 }
 
-/// What a shape should consist of, and is not there or of an unknown type.
+/// Counts parts of a shape that are not there, or of an unknown type.
 std::uint64_t missing_items(const Handle(Standard_Transient) & entity) {
   if (const auto shape = Handle(StepShape_ShapeRepresentation)::DownCast(entity); !shape.IsNull())
     return nulls_of(shape->Items());
@@ -237,7 +262,7 @@ std::uint64_t missing_items(const Handle(Standard_Transient) & entity) {
   return !solid.IsNull() && solid->Outer().IsNull() ? 1 : 0;
 }
 
-/// What is missing costs itself alone.
+/// A missing item costs itself alone.
 void warn_of_missing_items(ImportJob& job, const Handle(StepData_StepModel) & model) {
   std::uint64_t missing = 0;
   std::set<std::string> types;
@@ -337,6 +362,8 @@ void note_step_facts(ImportJob& job, STEPCAFControl_Reader& reader, CadDocument&
     else if (const auto property = Handle(StepRepr_PropertyDefinitionRepresentation)::DownCast(entity);
              !property.IsNull())
       note_property(*property, reader, shapes, document);
+    else if (const auto layer = Handle(StepVisual_PresentationLayerAssignment)::DownCast(entity); !layer.IsNull())
+      note_layer(layer, reader, document);
     else if (entity->IsKind(STANDARD_TYPE(StepShape_SolidModel)) ||
              entity->IsKind(STANDARD_TYPE(StepShape_ConnectedFaceSet)) ||
              entity->IsKind(STANDARD_TYPE(StepShape_ShellBasedSurfaceModel)))

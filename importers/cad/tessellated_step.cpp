@@ -92,7 +92,7 @@ void add_fans(std::string_view fans, Triangles& to) {
   }
 }
 
-/// What a face states beside its triangles. Its own points have numbers from 1.
+/// The points and normals that a face states. Its own points have numbers from 1.
 struct FacePoints {
   const std::vector<double>& coordinates;
   std::vector<std::uint64_t> of_own;  // pnindex: points of the list by the face's own; empty: the same

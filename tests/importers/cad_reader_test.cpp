@@ -26,6 +26,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Compound.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Solid.hxx>
 #include <XCAFDoc_GraphNode.hxx>
@@ -392,6 +393,55 @@ TEST_F(CadReader, LayersAndHiddenParts) {
   EXPECT_FALSE(scene_.visible(node("plant/single")));
 }
 
+/// Layers and invisible styles of one body among several of a part.
+TEST_F(CadReader, LayersAndHiddenBodies) {
+  CadModel model;
+  TopoDS_Compound both;
+  BRep_Builder().MakeCompound(both);
+  for (const double x : {0.0, 100.0}) BRep_Builder().Add(both, tests::cad_drilled_box().Moved(tests::moved(x, 0, 0)));
+  const TDF_Label part = model.part(both, "part");
+  int body = 0;
+  for (TopoDS_Iterator at(both); at.More(); at.Next()) model.face_colour(part, at.Value(), 1, body++, 0);
+  model.write_step(folder_ / "part.stp");
+  const std::string text = tests::text_of_file(folder_ / "part.stp");
+  std::vector<std::string> solids, styles;
+  for (const auto& [type, numbers] : {std::pair("= MANIFOLD_SOLID_BREP(", &solids), {"= STYLED_ITEM(", &styles}})
+    for (std::size_t at = text.find(type); at != text.npos; at = text.find(type, at + 1)) {
+      const std::size_t begin = text.rfind('#', at);
+      numbers->push_back(text.substr(begin, text.find(' ', begin) - begin));
+    }
+  ASSERT_EQ(solids.size(), 2u);
+  ASSERT_EQ(styles.size(), 2u);
+  std::string layers;
+  const auto read_with = [&](const std::string& entities) {
+    std::string changed = text;
+    tests::write_text(folder_ / "changed.stp", changed.insert(changed.rfind("ENDSEC;"), entities));
+    read(folder_ / "changed.stp");
+    layers.clear();
+    std::vector<bool> visible;
+    for (std::uint32_t i = 0; i < scene_.item_slots(); ++i) {
+      const core::NodeId at = scene_.node_of(core::ItemId{i});
+      for (const auto& [key, value] : scene_.attributes(at))
+        if (key == "layer") layers += value + ";";
+      visible.push_back(scene_.visible(at));
+    }
+    return visible;
+  };
+  using Visible = std::vector<bool>;
+  EXPECT_EQ(read_with(""), (Visible{true, true}));
+  EXPECT_EQ(layers, "");
+  EXPECT_EQ(read_with("#9001 = INVISIBILITY((" + styles[1] + "));\n"), (Visible{true, false}));
+  const std::string layer = "#9001 = PRESENTATION_LAYER_ASSIGNMENT('pipes','',(" + solids[0] + "));\n";
+  EXPECT_EQ(read_with(layer), (Visible{true, true}));
+  EXPECT_EQ(layers, "pipes;");
+  const std::string hidden = layer + "#9002 = INVISIBILITY((#9001));\n";
+  EXPECT_EQ(read_with(hidden), (Visible{false, true}));
+  EXPECT_EQ(
+      read_with(hidden + "#9003 = PRESENTATION_LAYER_ASSIGNMENT('all','',(" + styles[0] + "," + solids[1] + "));\n"),
+      (Visible{true, true}));
+  EXPECT_EQ(layers, "pipes, all;all;");
+}
+
 TEST_F(CadReader, HiddenComponents) {
   Plant plant;
   plant.model.colours->SetVisibility(plant.left, Standard_False);
@@ -736,10 +786,12 @@ TEST_F(CadReaderParts, AreFoundFromAnyFolder) {
 TEST_F(CadReaderParts, AreFoundByWhatOtherSystemsWrite) {
   fs::create_directory(folder_ / "sub");
   fs::rename(folder_ / "box.stp", folder_ / "sub/Bo x.stp");
-  for (const auto& [name, guessed] : {std::pair("sub/Bo x.stp", false),
+  for (const auto& [name, guessed] : {std::pair(std::string("sub/Bo x.stp"), false),
                                       {"./sub/Bo x.stp", false},
                                       {"sub\\\\Bo x.stp", false},
                                       {"sub/Bo%20x.stp", false},
+                                      {"file:sub/Bo%20x.stp", false},
+                                      {"file://" + (folder_ / "sub/Bo%20x.stp").string(), false},
                                       {"sub/Bo x", false},
                                       {"SUB/bo X.STP", true},
                                       {"Sub\\\\BO x.stp", true}}) {

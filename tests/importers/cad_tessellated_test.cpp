@@ -180,6 +180,32 @@ TEST_F(CadTessellated, ColoursOfBodiesAndFaces) {
   EXPECT_GT(colours[2].z, 0.99f);
 }
 
+/// Layers of bodies, visible and not, as of exact ones.
+TEST_F(CadTessellated, Layers) {
+  const auto read_with = [&](const std::string& items, const std::string& solids, const std::string& layers) {
+    read(file_of(block(kFaces[0]) + solids + layers, items));
+    std::string found;
+    for (const core::ItemId item : this->items()) {
+      const core::NodeId at = scene_.node_of(item);
+      for (const auto& [key, value] : scene_.attributes(at))
+        if (key == "layer") found += value;
+      found += scene_.visible(at) ? ";" : " hidden;";
+    }
+    return found;
+  };
+  const std::string one = fmt::format("#40 = TESSELLATED_SOLID('',{},$);\n", kGroup);
+  const std::string two =
+      "#40 = TESSELLATED_SOLID('left',(#31,#32,#33),$);\n"
+      "#41 = TESSELLATED_SOLID('right',(#34,#35,#36),$);\n";
+  const std::string pipes = "#50 = PRESENTATION_LAYER_ASSIGNMENT('pipes','',(#40));\n";
+  const std::string hidden = pipes + "#51 = INVISIBILITY((#50));\n";
+  EXPECT_EQ(read_with("#40", one, pipes), "pipes;");
+  EXPECT_EQ(read_with("#40", one, hidden), "pipes hidden;");
+  EXPECT_EQ(read_with("#40,#41", two, pipes), "pipes;;");
+  EXPECT_EQ(read_with("#40,#41", two, hidden), "pipes hidden;;");
+  EXPECT_EQ(read_with("#40,#41", two, styled(60, "1.,0.,0.", "#41") + "#51 = INVISIBILITY((#60));\n"), "; hidden;");
+}
+
 TEST_F(CadTessellated, NamesAndPlacesOfBodies) {
   const std::string more = fmt::format(
       "#40 = TESSELLATED_SOLID('\\X2\\00DC\\X0\\ber',(#31,#32,#33),$);\n#41 = "

@@ -29,7 +29,7 @@ bool has_surface(const TopoDS_Face& face);
 /// Whether a body has triangles alone.
 bool is_tessellated(const Body& body);
 
-/// What a change has made of a body.
+/// The body that a change has made.
 Body changed(const Body& body, BRepBuilderAPI_ModifyShape& change);
 
 struct BodyMesh {

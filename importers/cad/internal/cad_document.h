@@ -29,6 +29,11 @@ inline constexpr std::size_t kMostNodes = 50'000'000;
 
 /// Names of solids and shells in parts.
 using BodyNames = std::unordered_map<const TopoDS_TShape*, std::string>;
+/// The layers of a solid or shell, joined by ", ", and whether any of them is visible.
+struct BodyLayers {
+  std::string names;
+  bool visible = false;
+};
 
 /// Closes its document when it goes.
 class CadDocument {
@@ -50,6 +55,7 @@ class CadDocument {
   std::map<std::string, std::vector<TDF_Label>> parts_elsewhere;  ///< roots of another file, by the part's entry
   std::vector<std::string> lost_parts;  ///< in other files, which could not be read: why, one by one
   BodyNames body_names;
+  std::unordered_map<const TopoDS_TShape*, BodyLayers> body_layers;
   std::set<Handle(TopoDS_TShape)> doubled;  ///< tessellated, and there in their exact form, too
   /// Placements that scale or mirror, which Open CASCADE forbids in locations: by the datum that stands for each.
   std::map<Handle(TopLoc_Datum3D), core::Affine> placements;

@@ -27,7 +27,7 @@ inline constexpr std::uint32_t kInherited = core::kNone;
 class CadStyles {
  public:
   std::uint32_t number(const CadStyle& style);
-  /// What a label has been given itself, or kInherited.
+  /// The style that a label has been given itself, or kInherited.
   std::uint32_t of(const TDF_Label& label, const CadDocument& document);
   const std::vector<CadStyle>& all() const { return all_; }
 
@@ -35,10 +35,16 @@ class CadStyles {
   std::vector<CadStyle> all_;
 };
 
+/// A solid, a shell or loose faces, apart from the geometry.
+struct CadBodyFacts {
+  std::string name;    ///< of a solid, where the file gives one
+  std::string layers;  ///< its own; empty: none
+  bool visible = true;
+};
+
 /// A part, in millimetres.
 struct CadPart {
-  struct Content {
-    std::string name;  ///< of a solid, where the file gives one
+  struct Content : CadBodyFacts {
     std::uint32_t style = kInherited;
     std::vector<AnalyticPart> primitives;  ///< if empty, meshed
     BodyMesh mesh;
@@ -51,11 +57,10 @@ struct CadPart {
   double analytic_deviation = 0.0;
 };
 
-/// What is to be drawn of one shape: bodies with the looks of their faces.
+/// The bodies of one shape with the looks of their faces.
 struct CadShape {
-  struct Named {
-    Body body;  ///< a solid, a shell, or loose faces
-    std::string name;
+  struct Named : CadBodyFacts {
+    Body body;
   };
   std::vector<Named> bodies;
   std::uint64_t curves = 0;
