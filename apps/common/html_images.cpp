@@ -1,26 +1,15 @@
 #include "sightline/apps/common/html_images.h"
 
 #include "sightline/apps/common/markup.h"
+#include "sightline/importers/internal/base64.h"
 
 namespace sightline::apps {
 namespace {
 
-std::string base64(std::span<const std::uint8_t> bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) { return i + k < bytes.size() ? std::uint32_t(bytes[i + k]) : 0u; };
-    const std::uint32_t word = byte(0) << 16 | byte(1) << 8 | byte(2);
-    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63u] : '=';
-  }
-  return out;
-}
-
 core::Expected<std::string> element_of(const LabelledImage& image) {
   const auto png = image::encode_png(image.image, image::PngSize::kSmall);
   if (!png) return tl::unexpected(png.error());
-  return "<img alt=\"" + escaped(image.label) + "\" src=\"data:image/png;base64," + base64(*png) + "\"/>";
+  return "<img alt=\"" + escaped(image.label) + "\" src=\"data:image/png;base64," + importers::base64(*png) + "\"/>";
 }
 
 }  // namespace

@@ -133,24 +133,6 @@ bool take_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute
   return true;
 }
 
-bool take_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute, const DracoAttribute& as,
-                 std::vector<std::byte>& to) {
-  switch (as.component_type) {
-    case 5120:
-      return take_values<std::int8_t>(mesh, attribute, as.components, to);
-    case 5121:
-      return take_values<std::uint8_t>(mesh, attribute, as.components, to);
-    case 5122:
-      return take_values<std::int16_t>(mesh, attribute, as.components, to);
-    case 5123:
-      return take_values<std::uint16_t>(mesh, attribute, as.components, to);
-    case 5125:
-      return take_values<std::uint32_t>(mesh, attribute, as.components, to);
-    default:
-      return take_values<float>(mesh, attribute, as.components, to);
-  }
-}
-
 }  // namespace
 
 core::Expected<DracoMesh> decompress_draco(Bytes bytes, std::span<const DracoAttribute> wanted) {
@@ -173,7 +155,10 @@ core::Expected<DracoMesh> decompress_draco(Bytes bytes, std::span<const DracoAtt
       return bad(fmt::format("attribute {}: expected {} components, found {}", as.id, as.components,
                              int(attribute->num_components())));
     out.attributes.emplace_back();
-    if (!take_values(*mesh, *attribute, as, out.attributes.back()))
+    const auto take = [&]<class T>(T) {
+      return take_values<T>(*mesh, *attribute, as.components, out.attributes.back());
+    };
+    if (!with_type(as.type, take))
       return bad(
           fmt::format("attribute {}: expected a value for each vertex that its accessor's type can hold", as.id));
   }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "sightline/importers/gltf/internal/gltf_compression.h"
+#include "sightline/importers/internal/base64.h"
 #include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/internal/text_encoding.h"
 
@@ -17,7 +18,6 @@ namespace sightline::importers {
 namespace {
 
 using Bytes = std::span<const std::byte>;
-using Type = GltfAccessor::Type;
 
 static_assert(std::endian::native == std::endian::little, "buffers are read as the processor holds numbers");
 
@@ -34,21 +34,11 @@ std::string_view as_text(Bytes bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-int component_bytes(Type type) {
-  switch (type) {
-    case Type::kByte:
-    case Type::kUnsignedByte:
-      return 1;
-    case Type::kShort:
-    case Type::kUnsignedShort:
-      return 2;
-    default:
-      return 4;
-  }
-}
-
-bool known(std::uint64_t type) {
-  return type >= 5120 && type <= 5126 && type != 5124;
+/// The type that glTF has such a number for.
+std::optional<NumberType> component_type(std::uint64_t number) {
+  using enum NumberType;
+  constexpr std::optional<NumberType> kTypes[] = {kInt8, kUint8, kInt16, kUint16, {}, kUint32, kFloat};
+  return number >= 5120 && number <= 5126 ? kTypes[number - 5120] : std::nullopt;
 }
 
 int components_of(std::string_view type) {
@@ -79,38 +69,12 @@ void gather(const std::byte* from, std::uint64_t stride, std::uint64_t n, int co
     }
 }
 
-void gather(Type type, const std::byte* from, std::uint64_t stride, std::uint64_t n, int components, bool normalized,
-            double* out) {
-  switch (type) {
-    case Type::kByte:
-      return gather<std::int8_t>(from, stride, n, components, normalized, out);
-    case Type::kUnsignedByte:
-      return gather<std::uint8_t>(from, stride, n, components, normalized, out);
-    case Type::kShort:
-      return gather<std::int16_t>(from, stride, n, components, normalized, out);
-    case Type::kUnsignedShort:
-      return gather<std::uint16_t>(from, stride, n, components, normalized, out);
-    case Type::kUnsignedInt:
-      return gather<std::uint32_t>(from, stride, n, components, normalized, out);
-    case Type::kFloat:
-      return gather<float>(from, stride, n, components, normalized, out);
-  }
-}
-
 /// Whether `count` elements of `size` bytes, `stride` apart, end within `available` bytes after `offset`.
 bool fits(std::uint64_t offset, std::uint64_t count, std::uint64_t stride, std::uint64_t size,
           std::uint64_t available) {
   if (count == 0) return offset <= available;
   if (offset > available || size > available - offset) return false;
   return (count - 1) <= (available - offset - size) / stride;
-}
-
-int base64_digit(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+' || c == '-') return 62;
-  return c == '/' || c == '_' ? 63 : -1;
 }
 
 core::Expected<std::vector<std::byte>> base64_decoded(std::string_view text) {
@@ -120,7 +84,7 @@ core::Expected<std::vector<std::byte>> base64_decoded(std::string_view text) {
   std::uint32_t bits = 0;
   int held = 0;
   for (const char c : text) {
-    const int digit = base64_digit(c);
+    const int digit = kBase64Values[static_cast<unsigned char>(c)];
     if (digit < 0) return core::fail("a data URI: expected base64");
     bits = bits << 6 | std::uint32_t(digit);
     held += 6;
@@ -208,16 +172,18 @@ core::Expected<std::vector<std::byte>> data_of(std::string_view uri) {
 // --- accessors -----------------------------------------------------------------------------------------------------
 
 void GltfAccessor::read(std::uint64_t first, std::uint64_t n, double* out) const {
+  const auto take = [&](const std::byte* from, std::uint64_t step, std::uint64_t number, double* to) {
+    with_type(type, [&]<class T>(T) { gather<T>(from, step, number, components, normalized, to); });
+  };
   if (data)
-    gather(type, data + first * stride, stride, n, components, normalized, out);
+    take(data + first * stride, stride, n, out);
   else
     std::fill_n(out, n * std::uint64_t(components), 0.0);
   if (!sparse) return;
-  const std::uint64_t size = std::uint64_t(component_bytes(type) * components);
   const auto& indices = sparse->indices;
   for (auto it = std::lower_bound(indices.begin(), indices.end(), first); it != indices.end() && *it < first + n; ++it)
-    gather(type, sparse->values + std::uint64_t(it - indices.begin()) * size, size, 1, components, normalized,
-           out + (*it - first) * std::uint64_t(components));
+    take(sparse->values + std::uint64_t(it - indices.begin()) * element_bytes(), element_bytes(), 1,
+         out + (*it - first) * std::uint64_t(components));
 }
 
 // --- the document --------------------------------------------------------------------------------------------------
@@ -483,7 +449,7 @@ core::Expected<void> GltfDocument::decompress(const Json& primitive, const std::
     for (const auto* value : {&number, &accessor})
       if (!*value) return tl::unexpected(value->error());
     if (auto done = want(*accessor, where + "/attributes/" + name); !done) return done;
-    wanted.push_back({std::uint32_t(*number), std::uint16_t(made.back().type), made.back().components});
+    wanted.push_back({std::uint32_t(*number), made.back().type, made.back().components});
   }
   if (*indices < kImpliedIndices) {
     if (auto done = want(*indices, where + "/indices"); !done) return done;
@@ -500,8 +466,7 @@ core::Expected<void> GltfDocument::decompress(const Json& primitive, const std::
   if (!counts) return core::fail(fmt::format("{}: {}", here, counts.error().message));
   constexpr std::uint64_t kBytesPerFace = 12;
   std::uint64_t bytes_per_vertex = 0;
-  for (const GltfAccessor& accessor : made)
-    bytes_per_vertex += std::uint64_t(component_bytes(accessor.type) * accessor.components);
+  for (const GltfAccessor& accessor : made) bytes_per_vertex += accessor.element_bytes();
   if (counts->faces >= core::kNone || counts->vertices >= core::kNone)
     return core::fail(fmt::format("{}: expected counts below {}", here, core::kNone));
   if (auto taken = take_inflated(kBytesPerFace * counts->faces + bytes_per_vertex * counts->vertices, here); !taken)
@@ -511,13 +476,13 @@ core::Expected<void> GltfDocument::decompress(const Json& primitive, const std::
   std::vector<std::byte> corners(mesh->corners.size() * sizeof(std::uint32_t));
   if (!corners.empty()) std::memcpy(corners.data(), mesh->corners.data(), corners.size());
   mesh->attributes.push_back(std::move(corners));
-  made.back().type = Type::kUnsignedInt;
+  made.back().type = NumberType::kUint32;
   made.back().components = 1;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     GltfAccessor& accessor = made[i];
     std::vector<std::byte>& numbers = draco_numbers_[targets[i]] = std::move(mesh->attributes[i]);
     accessor.data = numbers.data();
-    accessor.stride = std::uint64_t(component_bytes(accessor.type) * accessor.components);
+    accessor.stride = accessor.element_bytes();
     accessor.count = i + 1 < targets.size() ? mesh->vertices : mesh->corners.size();
     accessor.sparse.reset();
     draco_views_[targets[i]] = *view_of;
@@ -548,8 +513,9 @@ core::Expected<GltfAccessor> GltfDocument::make_accessor(const GltfElement& of) 
   GltfAccessor made;
   const auto type = gltf_index(json, "componentType", where);
   if (!type) return tl::unexpected(type.error());
-  if (!known(*type)) return core::fail(fmt::format("{}/componentType: expected 5120 … 5126, found {}", where, *type));
-  made.type = Type(*type);
+  const auto known_type = component_type(*type);
+  if (!known_type) return core::fail(fmt::format("{}/componentType: expected 5120 … 5126, found {}", where, *type));
+  made.type = *known_type;
   made.components = components_of(gltf_text(json, "type"));
   if (made.components == 0)
     return core::fail(
@@ -561,7 +527,7 @@ core::Expected<GltfAccessor> GltfDocument::make_accessor(const GltfElement& of) 
   made.count = *count_of;
   const Json* normalized = gltf_find(json, "normalized");
   made.normalized = normalized && normalized->is_boolean() && normalized->get<bool>();
-  const std::uint64_t size = std::uint64_t(component_bytes(made.type) * made.components);
+  const std::uint64_t size = made.element_bytes();
   made.stride = size;
   if (gltf_find(json, "bufferView")) {
     const auto index = gltf_index(json, "bufferView", where);
@@ -611,10 +577,10 @@ core::Expected<GltfAccessor::Sparse> GltfDocument::read_sparse(const Json& json,
   if (*type != 5121 && *type != 5123 && *type != 5125)
     return core::fail(fmt::format("{}/indices/componentType: expected an unsigned integer (5121, 5123, 5125), found {}",
                                   where, *type));
-  const std::uint64_t index_size = std::uint64_t(component_bytes(Type(*type)));
+  const std::uint64_t index_size = size_of(*component_type(*type));
   const auto index_bytes = part(*indices, index_size, where + "/indices");
   if (!index_bytes) return tl::unexpected(index_bytes.error());
-  const auto value_bytes = part(*values, std::uint64_t(component_bytes(of.type) * of.components), where + "/values");
+  const auto value_bytes = part(*values, of.element_bytes(), where + "/values");
   if (!value_bytes) return tl::unexpected(value_bytes.error());
 
   sparse_ += *changed;

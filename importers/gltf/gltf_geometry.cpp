@@ -20,7 +20,7 @@ core::Expected<std::vector<std::uint32_t>> vertex_order(GltfDocument& document, 
     const auto found = document.accessor(sources.indices, where + "/indices");
     if (!found) return tl::unexpected(found.error());
     indices = *found;
-    if (indices->components != 1 || indices->type == GltfAccessor::Type::kFloat)
+    if (indices->components != 1 || indices->type == NumberType::kFloat)
       return core::fail(fmt::format("{}/indices: expected whole numbers, found another type", where));
   }
   const std::uint64_t count = indices ? indices->count : vertices;
@@ -130,8 +130,8 @@ core::Expected<std::vector<std::uint32_t>> gltf_triangles(ImportJob& job, GltfDo
 
 double gltf_colour_channel(double value, const GltfAccessor& of) {
   double most = 1.0;
-  if (!of.normalized && of.type == GltfAccessor::Type::kUnsignedByte) most = 255.0;
-  if (!of.normalized && of.type == GltfAccessor::Type::kUnsignedShort) most = 65535.0;
+  if (!of.normalized && of.type == NumberType::kUint8) most = 255.0;
+  if (!of.normalized && of.type == NumberType::kUint16) most = 65535.0;
   return std::clamp(std::isfinite(value) ? value / most : 1.0, 0.0, 1.0);
 }
 

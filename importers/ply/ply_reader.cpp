@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "sightline/core/internal/ascii_case.h"
-#include "sightline/importers/internal/byte_order.h"
 #include "sightline/importers/internal/counted_warnings.h"
 #include "sightline/importers/internal/face_colours.h"
 #include "sightline/importers/internal/import_job.h"
@@ -147,22 +146,22 @@ class BinarySource {
 
   /// kEnd at the end of the data.
   Found read(Scalar type, double& value) {
-    if (ply::size_of(type) > left()) return Found::kEnd;
+    if (size_of(type) > left()) return Found::kEnd;
     with_type(type, [&](auto zero) { value = next<decltype(zero)>(); });
     return Found::kNumber;
   }
   /// Calls take(value) for each of so many values. False where the data end first.
   template <class Take>
   bool read_list(Scalar type, std::uint64_t count, Take&& take) {
-    if (count > left() / ply::size_of(type)) return false;
+    if (count > left() / size_of(type)) return false;
     with_type(type, [&](auto zero) {
       for (std::uint64_t i = 0; i < count; ++i) take(next<decltype(zero)>());
     });
     return true;
   }
   bool skip(Scalar type, std::uint64_t count) {
-    if (count > left() / ply::size_of(type)) return false;
-    at_ += count * ply::size_of(type);
+    if (count > left() / size_of(type)) return false;
+    at_ += count * size_of(type);
     return true;
   }
   /// Skips all records of an element at once, if they are of one size and all there.
@@ -191,31 +190,6 @@ class BinarySource {
     const T value = load<T, kOrder>(file_.data() + at_);
     at_ += sizeof(T);
     return double(value);
-  }
-  template <class Use>
-  static void with_type(Scalar type, Use&& use) {
-    switch (type) {
-      case Scalar::kInt8:
-        return use(std::int8_t{});
-      case Scalar::kUint8:
-        return use(std::uint8_t{});
-      case Scalar::kInt16:
-        return use(std::int16_t{});
-      case Scalar::kUint16:
-        return use(std::uint16_t{});
-      case Scalar::kInt32:
-        return use(std::int32_t{});
-      case Scalar::kUint32:
-        return use(std::uint32_t{});
-      case Scalar::kInt64:
-        return use(std::int64_t{});
-      case Scalar::kUint64:
-        return use(std::uint64_t{});
-      case Scalar::kFloat:
-        return use(float{});
-      case Scalar::kDouble:
-        return use(double{});
-    }
   }
   std::size_t left() const { return file_.size() - at_; }
   std::span<const std::byte> file_;

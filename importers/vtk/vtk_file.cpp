@@ -1,9 +1,6 @@
 #include "sightline/importers/vtk/internal/vtk_file.h"
 
-#include <algorithm>
-#include <bit>
 #include <charconv>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -18,48 +15,14 @@
 namespace sightline::importers {
 namespace {
 
-/// Calls use() with a value of the number's type.
-template <class Use>
-void with_type(Number number, Use&& use) {
-  switch (number) {
-    case Number::kInt8:
-      return use(std::int8_t{});
-    case Number::kUInt8:
-      return use(std::uint8_t{});
-    case Number::kInt16:
-      return use(std::int16_t{});
-    case Number::kUInt16:
-      return use(std::uint16_t{});
-    case Number::kInt32:
-      return use(std::int32_t{});
-    case Number::kUInt32:
-      return use(std::uint32_t{});
-    case Number::kInt64:
-      return use(std::int64_t{});
-    case Number::kUInt64:
-      return use(std::uint64_t{});
-    case Number::kFloat:
-      return use(float{});
-    case Number::kDouble:
-      return use(double{});
-  }
-}
-
-template <class T>
-T load(const std::byte* from, bool swap) {
-  std::byte raw[sizeof(T)];
-  std::memcpy(raw, from, sizeof(T));
-  if (swap) std::reverse(std::begin(raw), std::end(raw));
-  return std::bit_cast<T>(raw);
-}
-
 template <class To>
-void fill(To* to, std::size_t count, Number from, const std::byte* data, bool swap) {
+void fill(To* to, std::size_t count, Number from, const std::byte* data, bool big_endian) {
   with_type(from, [&]<class From>(From) {
     if constexpr (std::is_integral_v<To> && std::is_floating_point_v<From>) {
       return;  // make_array() refused it
     } else {
-      for (std::size_t i = 0; i < count; ++i) to[i] = To(load<From>(data + i * sizeof(From), swap));
+      for (std::size_t i = 0; i < count; ++i, data += sizeof(From))
+        to[i] = To(big_endian ? load<From, std::endian::big>(data) : load<From, std::endian::little>(data));
     }
   });
 }
@@ -117,18 +80,20 @@ vtkSmartPointer<vtkDataArray> make_array(Wanted wanted, Number from, std::size_t
   if (wanted == Wanted::kPoints) array = vtkSmartPointer<vtkDoubleArray>::New();
   if (wanted == Wanted::kNormals) array = vtkSmartPointer<vtkFloatArray>::New();
   if (wanted == Wanted::kIds && integers) array = vtkSmartPointer<vtkTypeInt64Array>::New();
-  if (wanted == Wanted::kBytes && bytes_of(from) == 1) array = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  if (wanted == Wanted::kBytes && size_of(from) == 1) array = vtkSmartPointer<vtkUnsignedCharArray>::New();
   if (array) array->SetNumberOfTuples(vtkIdType(count));
   return array;
 }
 
 void fill_from_raw(vtkDataArray& to, Number from, std::span<const std::byte> data, bool big_endian) {
-  const bool swap = big_endian != (std::endian::native == std::endian::big);
   const auto count = std::size_t(to.GetNumberOfValues());
-  if (auto* points = vtkDoubleArray::SafeDownCast(&to)) fill(points->GetPointer(0), count, from, data.data(), swap);
-  if (auto* normals = vtkFloatArray::SafeDownCast(&to)) fill(normals->GetPointer(0), count, from, data.data(), swap);
-  if (auto* ids = vtkTypeInt64Array::SafeDownCast(&to)) fill(ids->GetPointer(0), count, from, data.data(), swap);
-  if (auto* small = vtkUnsignedCharArray::SafeDownCast(&to)) fill(small->GetPointer(0), count, from, data.data(), swap);
+  if (auto* points = vtkDoubleArray::SafeDownCast(&to))
+    fill(points->GetPointer(0), count, from, data.data(), big_endian);
+  if (auto* normals = vtkFloatArray::SafeDownCast(&to))
+    fill(normals->GetPointer(0), count, from, data.data(), big_endian);
+  if (auto* ids = vtkTypeInt64Array::SafeDownCast(&to)) fill(ids->GetPointer(0), count, from, data.data(), big_endian);
+  if (auto* small = vtkUnsignedCharArray::SafeDownCast(&to))
+    fill(small->GetPointer(0), count, from, data.data(), big_endian);
 }
 
 core::Expected<std::size_t> fill_from_text(vtkDataArray& to, std::string_view text, const VtkFile& file,

@@ -17,6 +17,7 @@
 #include <vtkUnsignedCharArray.h>
 
 #include "sightline/core/internal/ascii_case.h"
+#include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/vtk/internal/vtk_grid.h"
 
@@ -34,29 +35,16 @@ std::optional<Element> element_named(std::string_view name) {
   if (type == "bit") return Element{.bit = true};
   if (type == "string" || type == "utf8_string") return Element{.string = true};
   if (type == "char" || type == "signed_char") return Element{Number::kInt8};
-  if (type == "unsigned_char") return Element{Number::kUInt8};
+  if (type == "unsigned_char") return Element{Number::kUint8};
   if (type == "short") return Element{Number::kInt16};
-  if (type == "unsigned_short") return Element{Number::kUInt16};
+  if (type == "unsigned_short") return Element{Number::kUint16};
   if (type == "int" || type == "vtkidtype") return Element{Number::kInt32};  // ids are written as ints
-  if (type == "unsigned_int") return Element{Number::kUInt32};
+  if (type == "unsigned_int") return Element{Number::kUint32};
   if (type == "long" || type == "vtktypeint64") return Element{Number::kInt64};
-  if (type == "unsigned_long" || type == "vtktypeuint64") return Element{Number::kUInt64};
+  if (type == "unsigned_long" || type == "vtktypeuint64") return Element{Number::kUint64};
   if (type == "float") return Element{Number::kFloat};
   if (type == "double") return Element{Number::kDouble};
   return {};
-}
-
-/// "%20" to " ".
-std::string decoded(std::string_view encoded) {
-  const auto digit = [](char c) { return c >= '0' && c <= '9' ? c - '0' : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1; };
-  std::string plain;
-  for (std::size_t i = 0; i < encoded.size(); ++i) {
-    const bool code =
-        encoded[i] == '%' && i + 2 < encoded.size() && digit(encoded[i + 1]) >= 0 && digit(encoded[i + 2]) >= 0;
-    plain += code ? char(digit(encoded[i + 1]) * 16 + digit(encoded[i + 2])) : encoded[i];
-    if (code) i += 2;
-  }
-  return plain;
 }
 
 using Array = vtkSmartPointer<vtkDataArray>;
@@ -106,7 +94,7 @@ class LegacyParser {
     if (binary_) rest_of_line();
     const std::uint64_t rest = text_.size() - at_;
     std::uint64_t most = (rest + 1) / 2;  // a digit and a space each
-    if (binary_) most = element.bit ? rest * 8 : element.string ? rest : rest / bytes_of(element.number);
+    if (binary_) most = element.bit ? rest * 8 : element.string ? rest : rest / size_of(element.number);
     if (element.string) most = rest;
     if (count <= most) return {};
     return file_.fail(
@@ -125,7 +113,7 @@ class LegacyParser {
       return {};
     }
     fill_from_raw(*array, element.number, file_.bytes.subspan(at_), true);
-    at_ += count * bytes_of(element.number);
+    at_ += count * size_of(element.number);
     return file_.progress(at_);
   }
 
@@ -133,7 +121,7 @@ class LegacyParser {
     if (element.string) return strings(count, nullptr);
     if (auto fits = begin_array(element, count); !fits) return fits;
     if (binary_) {
-      at_ += element.bit ? (count + 7) / 8 : count * bytes_of(element.number);
+      at_ += element.bit ? (count + 7) / 8 : count * size_of(element.number);
       return file_.progress(at_);
     }
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -155,7 +143,7 @@ class LegacyParser {
         if (at_ >= text_.size()) return expected("a string", "the end of the file");
         value = rest_of_line();
       }
-      if (to && i <= kMaxStrings) to->InsertNextValue(decoded(value));
+      if (to && i <= kMaxStrings) to->InsertNextValue(percent_decoded(value));
     }
     return file_.progress(at_);
   }
@@ -321,7 +309,7 @@ class LegacyParser {
     if (keyword == "lookup_table") {
       std::uint64_t entries = 0;
       if (auto done = count(entries, "the size of a lookup table"); !done) return done;
-      return skip({Number::kUInt8}, std::min(entries, kFar) * 4);
+      return skip({Number::kUint8}, std::min(entries, kFar) * 4);
     }
     std::uint64_t components = 0;
     if (keyword == "texture_coordinates") {
@@ -366,7 +354,7 @@ class LegacyParser {
     word();  // name
     std::uint64_t components = 0;
     if (auto done = count(components, "a number of components"); !done) return done;
-    if (binary_) return take_colours_or_skip({Number::kUInt8}, components, tuples_, "", *target_);
+    if (binary_) return take_colours_or_skip({Number::kUint8}, components, tuples_, "", *target_);
     const std::uint64_t values = std::min(tuples_, kFar) * std::min(components, kFar);
     if (components != 3 && components != 4) return skip({Number::kFloat}, values);
     Array fractions;
@@ -387,7 +375,7 @@ class LegacyParser {
                             vtkFieldData& to) {
     const std::uint64_t values = std::min(tuples, kFar) * std::min(components, kFar);
     const bool colours =
-        !type.bit && !type.string && type.number == Number::kUInt8 && (components == 3 || components == 4);
+        !type.bit && !type.string && type.number == Number::kUint8 && (components == 3 || components == 4);
     if (!colours || !target_) return skip(type, values);
     Array array;
     if (auto done = take(Wanted::kBytes, type, values, array); !done) return done;
@@ -417,7 +405,7 @@ class LegacyParser {
       if (auto done = count(components, "a number of components"); !done) return done;
       if (auto done = count(tuples, "a number of tuples"); !done) return done;
       if (auto done = element(type); !done) return done;
-      if (auto done = field_array(decoded(name), type, components, tuples); !done) return done;
+      if (auto done = field_array(percent_decoded(name), type, components, tuples); !done) return done;
     }
     return {};
   }

@@ -1,9 +1,11 @@
 #include "sightline/importers/vtk/internal/vtk_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -33,82 +35,50 @@ vtkUnsignedCharArray* as_colours(vtkAbstractArray* array) {
   return components == 3 || components == 4 ? colours : nullptr;
 }
 
-/// How many points a cell has: at least `least`, and no more unless `open`.
+/// How many points a cell has: at least `least`, and no more unless `open`. 0: cells of the type are not read.
 struct CellSize {
-  int least;
+  int least = 0;
   bool open = false;
-  bool known() const { return least > 0; }
   bool fits(vtkIdType size) const { return size == least || (open && size > least); }
 };
 
-CellSize size_of(int type) {
-  switch (type) {
-    case VTK_VERTEX:
-      return {1};
-    case VTK_POLY_VERTEX:
-      return {1, true};
-    case VTK_LINE:
-      return {2};
-    case VTK_POLY_LINE:
-      return {2, true};
-    case VTK_TRIANGLE:
-      return {3};
-    case VTK_TRIANGLE_STRIP:
-      return {3, true};
-    case VTK_POLYGON:
-      return {3, true};
-    case VTK_PIXEL:
-      return {4};
-    case VTK_QUAD:
-      return {4};
-    case VTK_TETRA:
-      return {4};
-    case VTK_VOXEL:
-      return {8};
-    case VTK_HEXAHEDRON:
-      return {8};
-    case VTK_WEDGE:
-      return {6};
-    case VTK_PYRAMID:
-      return {5};
-    case VTK_PENTAGONAL_PRISM:
-      return {10};
-    case VTK_HEXAGONAL_PRISM:
-      return {12};
-    case VTK_QUADRATIC_EDGE:
-      return {3};
-    case VTK_QUADRATIC_TRIANGLE:
-      return {6};
-    case VTK_QUADRATIC_QUAD:
-      return {8};
-    case VTK_QUADRATIC_TETRA:
-      return {10};
-    case VTK_QUADRATIC_HEXAHEDRON:
-      return {20};
-    case VTK_QUADRATIC_WEDGE:
-      return {15};
-    case VTK_QUADRATIC_PYRAMID:
-      return {13};
-    case VTK_BIQUADRATIC_QUAD:
-      return {9};
-    case VTK_TRIQUADRATIC_HEXAHEDRON:
-      return {27};
-    case VTK_QUADRATIC_LINEAR_QUAD:
-      return {6};
-    case VTK_QUADRATIC_LINEAR_WEDGE:
-      return {12};
-    case VTK_BIQUADRATIC_QUADRATIC_WEDGE:
-      return {18};
-    case VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON:
-      return {24};
-    case VTK_BIQUADRATIC_TRIANGLE:
-      return {7};
-    case VTK_POLYHEDRON:
-      return {4, true};
-    default:
-      return {0};
-  }
-}
+/// By VTK's number of the type.
+constexpr auto kCellSizes = [] {
+  constexpr std::pair<int, CellSize> kKnown[] = {{VTK_VERTEX, {1}},
+                                                 {VTK_POLY_VERTEX, {1, true}},
+                                                 {VTK_LINE, {2}},
+                                                 {VTK_POLY_LINE, {2, true}},
+                                                 {VTK_TRIANGLE, {3}},
+                                                 {VTK_TRIANGLE_STRIP, {3, true}},
+                                                 {VTK_POLYGON, {3, true}},
+                                                 {VTK_PIXEL, {4}},
+                                                 {VTK_QUAD, {4}},
+                                                 {VTK_TETRA, {4}},
+                                                 {VTK_VOXEL, {8}},
+                                                 {VTK_HEXAHEDRON, {8}},
+                                                 {VTK_WEDGE, {6}},
+                                                 {VTK_PYRAMID, {5}},
+                                                 {VTK_PENTAGONAL_PRISM, {10}},
+                                                 {VTK_HEXAGONAL_PRISM, {12}},
+                                                 {VTK_QUADRATIC_EDGE, {3}},
+                                                 {VTK_QUADRATIC_TRIANGLE, {6}},
+                                                 {VTK_QUADRATIC_QUAD, {8}},
+                                                 {VTK_QUADRATIC_TETRA, {10}},
+                                                 {VTK_QUADRATIC_HEXAHEDRON, {20}},
+                                                 {VTK_QUADRATIC_WEDGE, {15}},
+                                                 {VTK_QUADRATIC_PYRAMID, {13}},
+                                                 {VTK_BIQUADRATIC_QUAD, {9}},
+                                                 {VTK_TRIQUADRATIC_HEXAHEDRON, {27}},
+                                                 {VTK_QUADRATIC_LINEAR_QUAD, {6}},
+                                                 {VTK_QUADRATIC_LINEAR_WEDGE, {12}},
+                                                 {VTK_BIQUADRATIC_QUADRATIC_WEDGE, {18}},
+                                                 {VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON, {24}},
+                                                 {VTK_BIQUADRATIC_TRIANGLE, {7}},
+                                                 {VTK_POLYHEDRON, {4, true}}};
+  std::array<CellSize, VTK_NUMBER_OF_CELL_TYPES> sizes{};
+  for (const auto& [type, size] : kKnown) sizes[std::size_t(type)] = size;
+  return sizes;
+}();
 
 /// Checks whether VTK may work on a grid's cells.
 class CellCheck {
@@ -119,8 +89,8 @@ class CellCheck {
   /// What is wrong with the cell; empty for a good one.
   std::string fault(vtkIdType cell, int type, std::span<const vtkIdType> ids) {
     if (type == VTK_EMPTY_CELL && ids.empty()) return {};
-    const CellSize size = size_of(type);
-    if (!size.known()) return fmt::format("expected a linear, quadratic or polyhedral type, found type {}", type);
+    const CellSize size = std::size_t(type) < kCellSizes.size() ? kCellSizes[std::size_t(type)] : CellSize{};
+    if (size.least == 0) return fmt::format("expected a linear, quadratic or polyhedral type, found type {}", type);
     if (!size.fits(vtkIdType(ids.size())))
       return fmt::format("expected {}{} points for a cell of type {}, found {}", size.open ? "at least " : "",
                          size.least, type, ids.size());
@@ -187,16 +157,15 @@ core::Expected<vtkSmartPointer<vtkDataSet>> checked(vtkUnstructuredGrid& grid, I
   vtkNew<vtkUnstructuredGrid> good;  // empty so far
   vtkCellArray* cells = grid.GetCells();
   if (!cells || cells->GetNumberOfCells() == 0) return vtkSmartPointer<vtkDataSet>(good);
+  const auto left_out = [&](const char* message) {
+    return job.damage(0, message).map([&] { return vtkSmartPointer<vtkDataSet>(good); });
+  };
   vtkUnsignedCharArray* types = grid.GetCellTypesArray();
   if (!grid.GetPoints() || !cells->IsValid() || !types || types->GetNumberOfValues() != cells->GetNumberOfCells()) {
-    const auto told = job.damage(0, "cells left out: expected points, rising offsets and a type for each cell");
-    if (!told) return tl::unexpected(told.error());
-    return vtkSmartPointer<vtkDataSet>(good);
+    return left_out("cells left out: expected points, rising offsets and a type for each cell");
   }
   if (crowded(*cells, grid.GetNumberOfPoints())) {
-    const auto told = job.damage(0, "cells left out: expected them around many points, found them around few");
-    if (!told) return tl::unexpected(told.error());
-    return vtkSmartPointer<vtkDataSet>(good);
+    return left_out("cells left out: expected them around many points, found them around few");
   }
   CellCheck check(grid);
   std::vector<bool> bad(std::size_t(cells->GetNumberOfCells()));

@@ -20,6 +20,7 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkZLibDataCompressor.h>
 
+#include "sightline/importers/internal/base64.h"
 #include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/vtk/internal/vtk_grid.h"
 
@@ -133,14 +134,6 @@ class XmlParser {
 
 // --- arrays ----------------------------------------------------------------------------------------------------------
 
-constexpr auto kBase64 = [] {
-  std::array<std::int8_t, 256> values{};
-  values.fill(-1);
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < kDigits.size(); ++i) values[std::size_t(kDigits[i])] = std::int8_t(i);
-  return values;
-}();
-
 /// Reads bytes from raw data or from base64. Base64 is padded wherever a writer ended one stretch and began the next.
 class ByteStream {
  public:
@@ -175,7 +168,7 @@ class ByteStream {
     std::size_t padding = 0;
     for (std::size_t i = 0; i < 4; ++i) {
       const char c = text_[at_ + i];
-      const int value = kBase64[static_cast<unsigned char>(c)];
+      const int value = kBase64Values[static_cast<unsigned char>(c)];
       if (c == '=' && i >= 2)
         ++padding;
       else if (value < 0 || padding > 0)
@@ -197,8 +190,8 @@ class ByteStream {
 
 std::optional<Number> number_named(std::string_view type) {
   constexpr std::pair<std::string_view, Number> kNames[] = {
-      {"Int8", Number::kInt8},     {"UInt8", Number::kUInt8},    {"Int16", Number::kInt16}, {"UInt16", Number::kUInt16},
-      {"Int32", Number::kInt32},   {"UInt32", Number::kUInt32},  {"Int64", Number::kInt64}, {"UInt64", Number::kUInt64},
+      {"Int8", Number::kInt8},     {"UInt8", Number::kUint8},    {"Int16", Number::kInt16}, {"UInt16", Number::kUint16},
+      {"Int32", Number::kInt32},   {"UInt32", Number::kUint32},  {"Int64", Number::kInt64}, {"UInt64", Number::kUint64},
       {"Float32", Number::kFloat}, {"Float64", Number::kDouble}, {"String", Number::kInt8}};
   for (const auto& [name, number] : kNames)
     if (name == type) return number;
@@ -349,7 +342,7 @@ class XmlReader {
     ByteStream stream(text, base64);
     auto content = compressor_ ? inflated(stream, at) : plain(stream, at);
     if (!content) return tl::unexpected(content.error());
-    const std::uint64_t held = content->size() / bytes_of(number);
+    const std::uint64_t held = content->size() / size_of(number);
     if (count.value_or(held) > held) return file_.fail(at, fmt::format("expected {} values, found {}", *count, held));
     auto array = made(at, wanted, number, count.value_or(held));
     if (array) fill_from_raw(**array, number, *content, big_endian_);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sightline/core/error.h"
+#include "sightline/importers/internal/byte_order.h"
 
 namespace sightline::importers {
 
@@ -38,7 +39,7 @@ core::Expected<DracoCounts> draco_counts(std::span<const std::byte> bytes);
 /// An attribute to take out of a Draco mesh: its unique id, and what its accessor says.
 struct DracoAttribute {
   std::uint32_t id = 0;
-  std::uint16_t component_type = 5126;  // of glTF
+  NumberType type = NumberType::kFloat;
   int components = 3;
 };
 struct DracoMesh {

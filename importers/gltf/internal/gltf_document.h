@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sightline/core/affine.h"
+#include "sightline/importers/internal/byte_order.h"
 #include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/json_text.h"
 
@@ -26,15 +27,7 @@ struct GltfElement {
 
 /// Numbers in a buffer. `data` is null when all of them are zero.
 struct GltfAccessor {
-  enum class Type : std::uint16_t {
-    kByte = 5120,
-    kUnsignedByte = 5121,
-    kShort = 5122,
-    kUnsignedShort = 5123,
-    kUnsignedInt = 5125,
-    kFloat = 5126
-  };
-  Type type = Type::kFloat;
+  NumberType type = NumberType::kFloat;
   bool normalized = false;
   int components = 1;  ///< 1, 2, 3, 4, 9 or 16 numbers for each element
   std::uint64_t count = 0;
@@ -47,6 +40,7 @@ struct GltfAccessor {
   };
   std::optional<Sparse> sparse;
 
+  std::uint64_t element_bytes() const { return size_of(type) * std::uint64_t(components); }
   /// Reads elements first … first + n - 1 (within count) to out[0 … n * components - 1], normalised where the file says
   /// so.
   void read(std::uint64_t first, std::uint64_t n, double* out) const;

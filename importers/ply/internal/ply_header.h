@@ -10,16 +10,12 @@
 #include <vector>
 
 #include "sightline/importers/import.h"
+#include "sightline/importers/internal/byte_order.h"
 
 namespace sightline::importers::ply {
 
 enum class Encoding : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
-enum class Scalar : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
-
-constexpr std::size_t size_of(Scalar type) {
-  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-  return kSizes[std::size_t(type)];
-}
+using Scalar = NumberType;
 
 /// A property of an element. Names are views into the file.
 struct Property {

@@ -15,6 +15,7 @@
 #include <vtkDataObject.h>
 #include <vtkSmartPointer.h>
 
+#include "sightline/importers/internal/byte_order.h"
 #include "sightline/importers/vtk/internal/vtk_surface.h"
 
 class vtkDataArray;
@@ -24,11 +25,7 @@ namespace sightline::importers {
 /// Decoded arrays of a file may take this many times its bytes, plus the constant.
 inline constexpr std::size_t kVtkDecodedFactor = 64, kVtkDecodedConstant = std::size_t{1} << 20;
 
-enum class Number : std::uint8_t { kInt8, kUInt8, kInt16, kUInt16, kInt32, kUInt32, kInt64, kUInt64, kFloat, kDouble };
-inline constexpr std::size_t kNumberBytes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-constexpr std::size_t bytes_of(Number number) {
-  return kNumberBytes[std::size_t(number)];
-}
+using Number = NumberType;
 
 /// One file being read.
 struct VtkFile {
