@@ -26,6 +26,7 @@ constexpr Example kOffscreen[] = {
     {"embed", "plant"},
     {"offscreen_batch", "small_plant.rvm", "view-1.png"},
     {"edit_while_flying"},
+    {"own_renderer"},
     {"vtk_import"},
 };
 constexpr Example kInWindows[] = {
