@@ -206,6 +206,8 @@ core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scen
       return std::move(job.report_);
     }
     error = std::move(done.error());
+  } catch (ImportFault& fault) {
+    error = std::move(fault.error);
   } catch (const std::bad_alloc&) {
     error.message = fmt::format("{}: not enough memory", file);
   } catch (const std::exception& thrown) {

@@ -6,12 +6,25 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/mesh_sharing.h"
 #include "sightline/importers/internal/polygon_mesh.h"
 
 namespace sightline::importers {
+
+/// Thrown below run_import() where a file cannot be read on; run_import() returns the error.
+struct ImportFault {
+  core::Error error;
+};
+/// The value of a result; throws its error.
+template <class T>
+T value_or_throw(core::Expected<T> result) {
+  if (!result) throw ImportFault{std::move(result.error())};
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
 
 /// What a format's coordinates mean. With UpAxis::kAutomatic the meshes decide in the end, unless the file says it.
 struct FileFrame {

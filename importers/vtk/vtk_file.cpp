@@ -39,39 +39,32 @@ bool parse(std::string_view word, T& value) {
 }
 
 template <class T>
-core::Expected<std::size_t> fill(T* to, std::size_t count, std::string_view text, const VtkFile& file,
-                                 std::size_t text_at) {
+std::size_t fill(T* to, std::size_t count, std::string_view text, const VtkFile& file, std::size_t text_at) {
   constexpr std::size_t kStep = std::size_t{1} << 16;
   std::size_t at = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (i % kStep == kStep - 1)
-      if (auto asked = file.progress(text_at + at); !asked) return tl::unexpected(asked.error());
+    if (i % kStep == kStep - 1) file.progress(text_at + at);
     const std::string_view word = next_word(text, at);
     if (!parse(word, to[i]))
-      return file.fail(text_at + at,
-                       fmt::format("expected a number ({} of {}), found '{}'", i + 1, count, word.substr(0, 40)));
+      file.fail(text_at + at,
+                fmt::format("expected a number ({} of {}), found '{}'", i + 1, count, word.substr(0, 40)));
   }
   return at;
 }
 
 }  // namespace
 
-tl::unexpected<core::Error> VtkFile::fail(std::size_t at, std::string_view message) const {
-  return core::fail(fmt::format("{}: {}byte {}: {}", job().file(), part, at, message));
+void VtkFile::fail(std::size_t at, std::string_view message) const {
+  throw ImportFault{{fmt::format("{}: {}byte {}: {}", job().file(), part, at, message)}};
 }
 
-core::Expected<void> VtkFile::damage(std::size_t at, std::string_view message) const {
-  return job().damage(at, fmt::format("{}byte {}: {}", part, at, message));
-}
-
-core::Expected<void> VtkFile::claim(std::size_t at, std::uint64_t count, std::size_t size) {
+void VtkFile::claim(std::size_t at, std::uint64_t count, std::size_t size) {
   const std::size_t most = kVtkDecodedFactor * bytes.size() + kVtkDecodedConstant;
   if (count > (most - claimed) / size)
-    return fail(at, fmt::format("expected arrays of at most {} bytes in all in a file of {} bytes, found one of {} "
-                                "values of {} bytes",
-                                most, bytes.size(), count, size));
+    fail(at, fmt::format("expected arrays of at most {} bytes in all in a file of {} bytes, found one of {} "
+                         "values of {} bytes",
+                         most, bytes.size(), count, size));
   claimed += std::size_t(count) * size;
-  return {};
 }
 
 vtkSmartPointer<vtkDataArray> make_array(Wanted wanted, Number from, std::size_t count) {
@@ -96,8 +89,7 @@ void fill_from_raw(vtkDataArray& to, Number from, std::span<const std::byte> dat
     fill(small->GetPointer(0), count, from, data.data(), big_endian);
 }
 
-core::Expected<std::size_t> fill_from_text(vtkDataArray& to, std::string_view text, const VtkFile& file,
-                                           std::size_t at) {
+std::size_t fill_from_text(vtkDataArray& to, std::string_view text, const VtkFile& file, std::size_t at) {
   const auto count = std::size_t(to.GetNumberOfValues());
   if (auto* points = vtkDoubleArray::SafeDownCast(&to)) return fill(points->GetPointer(0), count, text, file, at);
   if (auto* normals = vtkFloatArray::SafeDownCast(&to)) return fill(normals->GetPointer(0), count, text, file, at);

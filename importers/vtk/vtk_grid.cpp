@@ -61,9 +61,8 @@ void take_streams(vtkSmartPointer<vtkCellArray>& cells, vtkUnsignedCharArray& ty
 
 }  // namespace
 
-core::Expected<vtkSmartPointer<vtkCellArray>> make_cells(const VtkFile& file, std::size_t at,
-                                                         vtkTypeInt64Array* offsets, vtkTypeInt64Array* connectivity,
-                                                         bool with_zero) {
+vtkSmartPointer<vtkCellArray> make_cells(const VtkFile& file, std::size_t at, vtkTypeInt64Array* offsets,
+                                         vtkTypeInt64Array* connectivity, bool with_zero) {
   auto cells = vtkSmartPointer<vtkCellArray>::New();
   if (values(offsets).empty()) return cells;
   vtkSmartPointer<vtkTypeInt64Array> whole = offsets;
@@ -76,8 +75,8 @@ core::Expected<vtkSmartPointer<vtkCellArray>> make_cells(const VtkFile& file, st
   const auto all = values(whole);
   if (all.front() != 0 || !std::is_sorted(all.begin(), all.end()) ||
       all.back() != vtkTypeInt64(values(connectivity).size()))
-    return file.fail(at, fmt::format("expected offsets of cells that rise from 0 to the {} points of all cells",
-                                     values(connectivity).size()));
+    file.fail(at, fmt::format("expected offsets of cells that rise from 0 to the {} points of all cells",
+                              values(connectivity).size()));
   vtkSmartPointer<vtkTypeInt64Array> points = connectivity;
   if (!points) points = vtkSmartPointer<vtkTypeInt64Array>::New();
   cells->SetData(whole, points);
@@ -91,13 +90,12 @@ vtkSmartPointer<vtkPoints> make_points(vtkDataArray& values) {
   return points;
 }
 
-core::Expected<vtkSmartPointer<vtkDataSet>> make_grid(const VtkFile& file, std::size_t at, vtkPoints* points,
-                                                      vtkCellArray& cells, vtkTypeInt64Array& types,
-                                                      vtkTypeInt64Array* faces, vtkTypeInt64Array* face_ends) {
+vtkSmartPointer<vtkDataSet> make_grid(const VtkFile& file, std::size_t at, vtkPoints* points, vtkCellArray& cells,
+                                      vtkTypeInt64Array& types, vtkTypeInt64Array* faces,
+                                      vtkTypeInt64Array* face_ends) {
   const vtkIdType count = cells.GetNumberOfCells();
   if (types.GetNumberOfValues() != count)
-    return file.fail(at,
-                     fmt::format("expected a type for each of {} cells, found {}", count, types.GetNumberOfValues()));
+    file.fail(at, fmt::format("expected a type for each of {} cells, found {}", count, types.GetNumberOfValues()));
   vtkNew<vtkUnsignedCharArray> small_types;
   small_types->SetNumberOfTuples(count);
   bool polyhedra = false;
@@ -111,7 +109,7 @@ core::Expected<vtkSmartPointer<vtkDataSet>> make_grid(const VtkFile& file, std::
   vtkSmartPointer<vtkCellArray> kept = &cells;
   if (!polyhedra) {
     grid->SetCells(small_types, kept);
-    return vtkSmartPointer<vtkDataSet>(grid);
+    return grid;
   }
   vtkNew<vtkIdTypeArray> streams, locations;
   if (faces && face_ends) {
@@ -126,7 +124,7 @@ core::Expected<vtkSmartPointer<vtkDataSet>> make_grid(const VtkFile& file, std::
     take_streams(kept, *small_types, *streams, *locations);
   }
   grid->SetCells(small_types, kept, locations, streams);
-  return vtkSmartPointer<vtkDataSet>(grid);
+  return grid;
 }
 
 }  // namespace sightline::importers

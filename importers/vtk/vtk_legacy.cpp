@@ -48,18 +48,18 @@ std::optional<Element> element_named(std::string_view name) {
 }
 
 using Array = vtkSmartPointer<vtkDataArray>;
-using Done = core::Expected<void>;
 
 class LegacyParser {
  public:
   explicit LegacyParser(VtkFile& file) : file_(file), text_(as_text(file.bytes)) {}
 
-  core::Expected<vtkSmartPointer<vtkDataObject>> run() {
-    if (auto done = header(); !done) return tl::unexpected(done.error());
-    if (auto done = sections(); !done) {
-      const bool cancelled = done.error().message == kCancelled;
-      if (cancelled || !file_.job().options().lenient || !whole()) return tl::unexpected(done.error());
-      file_.job().warn(at_, done.error().message + "; what follows is left out");
+  vtkSmartPointer<vtkDataObject> run() {
+    header();
+    try {
+      sections();
+    } catch (const ImportFault& fault) {
+      if (!file_.may_leave_out(fault) || !whole()) throw;
+      file_.job().warn(at_, fault.error.message + "; what follows is left out");
     }
     return assemble();
   }
@@ -73,74 +73,69 @@ class LegacyParser {
     at_ = std::min(end + 1, text_.size());
     return !line.empty() && line.back() == '\r' ? line.substr(0, line.size() - 1) : line;
   }
-  Done expected(std::string_view what, std::string_view found) const {
-    return file_.fail(at_, fmt::format("expected {}, found '{}'", what, found.substr(0, 40)));
+  [[noreturn]] void expected(std::string_view what, std::string_view found) const {
+    file_.fail(at_, fmt::format("expected {}, found '{}'", what, found.substr(0, 40)));
   }
-  Done count(std::uint64_t& value, std::string_view what) {
+  void count(std::uint64_t& value, std::string_view what) {
     const std::string_view found = word();
-    return parse_count(found, value) ? Done{} : expected(what, found);
+    if (!parse_count(found, value)) expected(what, found);
   }
-  Done element(Element& value) {
+  void element(Element& value) {
     const std::string_view found = word();
     const auto known = element_named(found);
-    if (!known) return expected("a type of numbers (float, int, ...)", found);
+    if (!known) expected("a type of numbers (float, int, ...)", found);
     value = *known;
-    return {};
   }
 
   // --- arrays -------------------------------------------------------------------------------------------------------
   /// Moves to the first value. Fails unless the rest of the file can hold that many values.
-  Done begin_array(Element element, std::uint64_t count) {
+  void begin_array(Element element, std::uint64_t count) {
     if (binary_) rest_of_line();
     const std::uint64_t rest = text_.size() - at_;
     std::uint64_t most = (rest + 1) / 2;  // a digit and a space each
     if (binary_) most = element.bit ? rest * 8 : element.string ? rest : rest / size_of(element.number);
     if (element.string) most = rest;
-    if (count <= most) return {};
-    return file_.fail(
-        at_, fmt::format("expected at most {} values in the rest of the file, found a count of {}", most, count));
+    if (count <= most) return;
+    file_.fail(at_,
+               fmt::format("expected at most {} values in the rest of the file, found a count of {}", most, count));
   }
 
-  Done take(Wanted wanted, Element element, std::uint64_t count, Array& array) {
-    if (auto fits = begin_array(element, count); !fits) return fits;
-    if (auto claimed = file_.claim(at_, count, sizeof(double)); !claimed) return claimed;
+  void take(Wanted wanted, Element element, std::uint64_t count, Array& array) {
+    begin_array(element, count);
+    file_.claim(at_, count, sizeof(double));
     if (!element.bit && !element.string) array = make_array(wanted, element.number, count);
-    if (!array) return file_.fail(at_, "expected an array of another type of numbers");
+    if (!array) file_.fail(at_, "expected an array of another type of numbers");
     if (!binary_) {
-      const auto used = fill_from_text(*array, text_.substr(at_), file_, at_);
-      if (!used) return tl::unexpected(used.error());
-      at_ += *used;
-      return {};
+      at_ += fill_from_text(*array, text_.substr(at_), file_, at_);
+      return;
     }
     fill_from_raw(*array, element.number, file_.bytes.subspan(at_), true);
     at_ += count * size_of(element.number);
     return file_.progress(at_);
   }
 
-  Done skip(Element element, std::uint64_t count) {
+  void skip(Element element, std::uint64_t count) {
     if (element.string) return strings(count, nullptr);
-    if (auto fits = begin_array(element, count); !fits) return fits;
+    begin_array(element, count);
     if (binary_) {
       at_ += element.bit ? (count + 7) / 8 : count * size_of(element.number);
       return file_.progress(at_);
     }
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (word().empty()) return expected("a number", "the end of the file");
-      if (i % (1 << 16) == 0)
-        if (auto asked = file_.progress(at_); !asked) return asked;
+      if (word().empty()) expected("a number", "the end of the file");
+      if (i % (1 << 16) == 0) file_.progress(at_);
     }
-    return {};
   }
 
-  Done strings(std::uint64_t count, vtkStringArray* to) {
-    if (auto fits = begin_array({.string = true}, count); !fits) return fits;
+  void strings(std::uint64_t count, vtkStringArray* to) {
+    begin_array({.string = true}, count);
     if (!binary_ && count > 0) rest_of_line();
     for (std::uint64_t i = 0; i < count; ++i) {
       std::string_view value;
       if (binary_) {
-        if (auto read = binary_string(value); !read) return read;
+        binary_string(value);
       } else {
-        if (at_ >= text_.size()) return expected("a string", "the end of the file");
+        if (at_ >= text_.size()) expected("a string", "the end of the file");
         value = rest_of_line();
       }
       if (to && i <= kMaxStrings) to->InsertNextValue(percent_decoded(value));
@@ -149,45 +144,43 @@ class LegacyParser {
   }
 
   /// The two upper bits of the first byte tell how many bytes the length has: 11, 10, 01 for 1, 2, 4.
-  Done binary_string(std::string_view& value) {
+  void binary_string(std::string_view& value) {
     const std::size_t rest = text_.size() - at_;
     const unsigned kind = rest > 0 ? static_cast<unsigned char>(text_[at_]) >> 6 : 0;
     const std::size_t width = kind == 3 ? 1 : kind == 2 ? 2 : 4;
-    if (kind == 0 || width > rest) return expected("the length of a string", {});
+    if (kind == 0 || width > rest) expected("the length of a string", {});
     std::size_t length = static_cast<unsigned char>(text_[at_]) & 0x3f;
     for (std::size_t i = 1; i < width; ++i) length = length << 8 | static_cast<unsigned char>(text_[at_ + i]);
-    if (length > rest - width) return expected("a string within the file", {});
+    if (length > rest - width) expected("a string within the file", {});
     value = text_.substr(at_ + width, length);
     at_ += width + length;
-    return {};
   }
 
   // --- structure ----------------------------------------------------------------------------------------------------
-  Done header() {
+  void header() {
     constexpr std::string_view kBegin = "# vtk DataFile Version ";
     if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
     const std::size_t end = text_.find_first_of("\r\n", at_);
     if (end != text_.npos && text_[end] == '\r' && text_.substr(end, 2) != "\r\n") end_of_line_ = '\r';
     const std::string_view first = rest_of_line();
     if (first.substr(0, kBegin.size()) != kBegin)
-      return file_.fail(0, fmt::format("not a VTK file: expected '{}N.N' in its first line", kBegin));
+      file_.fail(0, fmt::format("not a VTK file: expected '{}N.N' in its first line", kBegin));
     version_ = first.size() > kBegin.size() ? first[kBegin.size()] - '0' : 0;
     rest_of_line();  // a title
     const std::string_view form = word();
     binary_ = core::lower_case(form) == "binary";
-    return binary_ || core::lower_case(form) == "ascii" ? Done{} : expected("ASCII or BINARY", form);
+    if (!binary_ && core::lower_case(form) != "ascii") expected("ASCII or BINARY", form);
   }
 
-  Done sections() {
+  void sections() {
     for (std::string_view found = word(); !found.empty(); found = word()) {
       const std::string keyword = core::lower_case(found);
-      if (auto done = section(keyword); !done) return done;
+      section(keyword);
     }
-    if (!whole()) return file_.fail(at_, "expected a DATASET with POINTS and cells before the end of the file");
-    return {};
+    if (!whole()) file_.fail(at_, "expected a DATASET with POINTS and cells before the end of the file");
   }
 
-  Done section(const std::string& keyword) {
+  void section(const std::string& keyword) {
     if (keyword == "dataset") return data_set();
     if (keyword == "metadata") return metadata();
     if (keyword == "field") return field();
@@ -203,51 +196,44 @@ class LegacyParser {
     return target_ ? attribute(keyword) : expected("a section of a data set", keyword);
   }
 
-  Done data_set() {
+  void data_set() {
     const std::string_view found = word();
     grid_ = core::lower_case(found) == "unstructured_grid";
-    if (!grid_ && core::lower_case(found) != "polydata")
-      return expected("DATASET POLYDATA or UNSTRUCTURED_GRID", found);
+    if (!grid_ && core::lower_case(found) != "polydata") expected("DATASET POLYDATA or UNSTRUCTURED_GRID", found);
     known_ = true;
-    return {};
   }
 
   /// Skips metadata, which end with an empty line.
-  Done metadata() {
+  void metadata() {
     rest_of_line();
     while (at_ < text_.size() && !rest_of_line().empty()) {
     }
-    return {};
   }
 
-  Done points() {
+  void points() {
     std::uint64_t points = 0;
     Element type;
     Array values;
-    if (auto done = count(points, "a number of points"); !done) return done;
-    if (auto done = element(type); !done) return done;
-    if (points > text_.size()) return expected("fewer points than the file has bytes", std::to_string(points));
-    if (auto done = take(Wanted::kPoints, type, 3 * points, values); !done) return done;
+    count(points, "a number of points");
+    element(type);
+    if (points > text_.size()) expected("fewer points than the file has bytes", std::to_string(points));
+    take(Wanted::kPoints, type, 3 * points, values);
     points_ = make_points(*values);
-    return {};
   }
 
-  Done cells(const std::string& keyword) {
+  void cells(const std::string& keyword) {
     std::uint64_t first = 0, size = 0;
-    if (auto done = count(first, "a number of cells"); !done) return done;
-    if (auto done = count(size, "the size of the cells"); !done) return done;
+    count(first, "a number of cells");
+    count(size, "the size of the cells");
     const std::size_t at = at_;
-    auto made = version_ >= 5 ? cells_by_offsets(first, size) : cells_by_sizes(first, size, at);
-    if (!made) return tl::unexpected(made.error());
     auto& cells = keyword == "vertices"          ? vertices_
                   : keyword == "lines"           ? lines_
                   : keyword == "triangle_strips" ? strips_
                                                  : cells_;
-    cells = *made;
-    return {};
+    cells = version_ >= 5 ? cells_by_offsets(first, size) : cells_by_sizes(first, size, at);
   }
 
-  core::Expected<vtkSmartPointer<vtkCellArray>> cells_by_offsets(std::uint64_t offset_count, std::uint64_t size) {
+  vtkSmartPointer<vtkCellArray> cells_by_offsets(std::uint64_t offset_count, std::uint64_t size) {
     vtkSmartPointer<vtkDataArray> arrays[2];
     const std::uint64_t counts[] = {offset_count, size};
     const std::string_view names[] = {"offsets", "connectivity"};
@@ -257,23 +243,21 @@ class LegacyParser {
       if (core::lower_case(found) != names[i]) {
         at_ = before;
         if (offset_count == 0) return vtkSmartPointer<vtkCellArray>::New();
-        return file_.fail(before, fmt::format("expected {} of cells", names[i]));
+        file_.fail(before, fmt::format("expected {} of cells", names[i]));
       }
       Element type;
-      if (auto done = element(type); !done) return tl::unexpected(done.error());
-      if (auto done = take(Wanted::kIds, type, counts[i], arrays[i]); !done) return tl::unexpected(done.error());
+      element(type);
+      take(Wanted::kIds, type, counts[i], arrays[i]);
     }
     return make_cells(file_, at_, vtkTypeInt64Array::SafeDownCast(arrays[0]),
                       vtkTypeInt64Array::SafeDownCast(arrays[1]), true);
   }
 
   /// Each cell's number of points and its points.
-  core::Expected<vtkSmartPointer<vtkCellArray>> cells_by_sizes(std::uint64_t cell_count, std::uint64_t size,
-                                                               std::size_t begin) {
+  vtkSmartPointer<vtkCellArray> cells_by_sizes(std::uint64_t cell_count, std::uint64_t size, std::size_t begin) {
     Array array;
-    if (auto done = take(Wanted::kIds, {Number::kInt32}, size, array); !done) return tl::unexpected(done.error());
-    if (cell_count > size)
-      return file_.fail(begin, fmt::format("expected at most {} cells, found {}", size, cell_count));
+    take(Wanted::kIds, {Number::kInt32}, size, array);
+    if (cell_count > size) file_.fail(begin, fmt::format("expected at most {} cells, found {}", size, cell_count));
     vtkNew<vtkTypeInt64Array> offsets, connectivity;
     offsets->SetNumberOfTuples(vtkIdType(cell_count + 1));
     connectivity->SetNumberOfTuples(vtkIdType(size - cell_count));
@@ -283,37 +267,37 @@ class LegacyParser {
     for (std::uint64_t c = 0; c < cell_count; ++c) {
       offsets->SetValue(vtkIdType(c), vtkTypeInt64(at - c));
       if (at >= size || ids[at] < 0 || std::uint64_t(ids[at]) > size - at - 1 || at - c + ids[at] > size - cell_count)
-        return file_.fail(begin, fmt::format("expected {} cells in {} numbers, found that cell {} reaches beyond",
-                                             cell_count, size, c));
+        file_.fail(begin, fmt::format("expected {} cells in {} numbers, found that cell {} reaches beyond", cell_count,
+                                      size, c));
       const auto points = std::uint64_t(ids[at++]);
       to = std::copy_n(ids + at, points, to);
       at += points;
     }
     if (at != size)
-      return file_.fail(begin, fmt::format("expected {} cells in {} numbers, found them in {}", cell_count, size, at));
+      file_.fail(begin, fmt::format("expected {} cells in {} numbers, found them in {}", cell_count, size, at));
     offsets->SetValue(vtkIdType(cell_count), vtkTypeInt64(size - cell_count));
     return make_cells(file_, begin, offsets, connectivity, true);
   }
 
-  Done types() {
+  void types() {
     std::uint64_t cell_count = 0;
-    if (auto done = count(cell_count, "a number of cells"); !done) return done;
+    count(cell_count, "a number of cells");
     return take(Wanted::kIds, {Number::kInt32}, cell_count, types_);
   }
 
   // --- attributes ---------------------------------------------------------------------------------------------------
-  Done attribute(const std::string& keyword) {
+  void attribute(const std::string& keyword) {
     if (keyword == "scalars") return scalars();
     if (keyword == "color_scalars") return colour_scalars();
     const std::string_view name = word();
     if (keyword == "lookup_table") {
       std::uint64_t entries = 0;
-      if (auto done = count(entries, "the size of a lookup table"); !done) return done;
+      count(entries, "the size of a lookup table");
       return skip({Number::kUint8}, std::min(entries, kFar) * 4);
     }
     std::uint64_t components = 0;
     if (keyword == "texture_coordinates") {
-      if (auto done = count(components, "a number of components"); !done) return done;
+      count(components, "a number of components");
     } else if (keyword == "vectors" || keyword == "normals") {
       components = 3;
     } else if (keyword == "tensors" || keyword == "tensors6") {
@@ -321,44 +305,43 @@ class LegacyParser {
     } else if (keyword == "global_ids" || keyword == "pedigree_ids" || keyword == "edge_flags") {
       components = 1;
     } else {
-      return expected("a section of a data set", keyword + ' ' + std::string(name.substr(0, 20)));
+      expected("a section of a data set", keyword + ' ' + std::string(name.substr(0, 20)));
     }
     Element type;
-    if (auto done = element(type); !done) return done;
+    element(type);
     const std::uint64_t values = std::min(tuples_, kFar) * std::min(components, kFar);
     if (keyword != "normals" || target_ != point_data_.Get()) return skip(type, values);
     Array normals;
-    if (auto done = take(Wanted::kNormals, type, values, normals); !done) return done;
+    take(Wanted::kNormals, type, values, normals);
     normals->SetNumberOfComponents(3);
     point_data_->SetNormals(normals);
-    return {};
   }
 
-  Done scalars() {
+  void scalars() {
     word();  // name
     Element type;
-    if (auto done = element(type); !done) return done;
+    element(type);
     std::uint64_t components = 1;
     std::size_t in_line = 0;
     const std::string_view line = rest_of_line();
     if (const std::string_view found = next_word(line, in_line); !found.empty() && !parse_count(found, components))
-      return expected("a number of components", found);
+      expected("a number of components", found);
     if (const std::string_view table = word(); core::lower_case(table) != "lookup_table")
-      return expected("LOOKUP_TABLE after SCALARS", table);
+      expected("LOOKUP_TABLE after SCALARS", table);
     word();
     return take_colours_or_skip(type, components, tuples_, "", *target_);
   }
 
   /// Colours are fractions of one in ascii files.
-  Done colour_scalars() {
+  void colour_scalars() {
     word();  // name
     std::uint64_t components = 0;
-    if (auto done = count(components, "a number of components"); !done) return done;
+    count(components, "a number of components");
     if (binary_) return take_colours_or_skip({Number::kUint8}, components, tuples_, "", *target_);
     const std::uint64_t values = std::min(tuples_, kFar) * std::min(components, kFar);
     if (components != 3 && components != 4) return skip({Number::kFloat}, values);
     Array fractions;
-    if (auto done = take(Wanted::kPoints, {Number::kDouble}, values, fractions); !done) return done;
+    take(Wanted::kPoints, {Number::kDouble}, values, fractions);
     vtkNew<vtkUnsignedCharArray> colours;
     colours->SetNumberOfComponents(int(components));
     colours->SetNumberOfTuples(vtkIdType(tuples_));
@@ -367,56 +350,53 @@ class LegacyParser {
       colours->SetValue(i, static_cast<unsigned char>(fraction > 0.0 ? std::min(fraction, 1.0) * 255.0 + 0.5 : 0.0));
     }
     target_->SetScalars(colours);
-    return {};
   }
 
   /// Without a name, the colours become the active scalars.
-  Done take_colours_or_skip(Element type, std::uint64_t components, std::uint64_t tuples, const std::string& name,
+  void take_colours_or_skip(Element type, std::uint64_t components, std::uint64_t tuples, const std::string& name,
                             vtkFieldData& to) {
     const std::uint64_t values = std::min(tuples, kFar) * std::min(components, kFar);
     const bool colours =
         !type.bit && !type.string && type.number == Number::kUint8 && (components == 3 || components == 4);
     if (!colours || !target_) return skip(type, values);
     Array array;
-    if (auto done = take(Wanted::kBytes, type, values, array); !done) return done;
+    take(Wanted::kBytes, type, values, array);
     array->SetNumberOfComponents(int(components));
     if (!name.empty()) array->SetName(name.c_str());
     if (name.empty())
       target_->SetScalars(array);
     else
       to.AddArray(array);
-    return {};
   }
 
-  Done field() {
+  void field() {
     word();  // name
     std::uint64_t arrays = 0;
-    if (auto done = count(arrays, "a number of arrays"); !done) return done;
+    count(arrays, "a number of arrays");
     for (std::uint64_t i = 0; i < arrays; ++i) {
       std::string_view name = word();
       if (core::lower_case(name) == "metadata") {  // of the array before
         metadata();
         name = word();
       }
-      if (name.empty()) return expected("an array", "the end of the file");
+      if (name.empty()) expected("an array", "the end of the file");
       if (name == "NULL_ARRAY") continue;
       std::uint64_t components = 0, tuples = 0;
       Element type;
-      if (auto done = count(components, "a number of components"); !done) return done;
-      if (auto done = count(tuples, "a number of tuples"); !done) return done;
-      if (auto done = element(type); !done) return done;
-      if (auto done = field_array(percent_decoded(name), type, components, tuples); !done) return done;
+      count(components, "a number of components");
+      count(tuples, "a number of tuples");
+      element(type);
+      field_array(percent_decoded(name), type, components, tuples);
     }
-    return {};
   }
 
-  Done field_array(const std::string& name, Element type, std::uint64_t components, std::uint64_t tuples) {
+  void field_array(const std::string& name, Element type, std::uint64_t components, std::uint64_t tuples) {
     if (type.string && !target_) {
       vtkNew<vtkStringArray> values;
       values->SetName(name.c_str());
-      if (auto done = strings(std::min(components, kFar) * std::min(tuples, kFar), values); !done) return done;
+      strings(std::min(components, kFar) * std::min(tuples, kFar), values);
       fields_->AddArray(values);
-      return {};
+      return;
     }
     if (target_) return take_colours_or_skip(type, components, tuples, name, *target_);
     return skip(type, std::min(components, kFar) * std::min(tuples, kFar));
@@ -425,12 +405,10 @@ class LegacyParser {
   // --- result -------------------------------------------------------------------------------------------------------
   bool whole() const { return known_ && points_ && (!grid_ || (cells_ && types_)); }
 
-  core::Expected<vtkSmartPointer<vtkDataObject>> assemble() {
+  vtkSmartPointer<vtkDataObject> assemble() {
     vtkSmartPointer<vtkDataSet> data;
     if (grid_) {
-      auto grid = make_grid(file_, at_, points_, *cells_, static_cast<vtkTypeInt64Array&>(*types_), nullptr, nullptr);
-      if (!grid) return tl::unexpected(grid.error());
-      data = *grid;
+      data = make_grid(file_, at_, points_, *cells_, static_cast<vtkTypeInt64Array&>(*types_), nullptr, nullptr);
     } else {
       auto polygons = vtkSmartPointer<vtkPolyData>::New();
       polygons->SetPoints(points_);
@@ -443,7 +421,7 @@ class LegacyParser {
     data->GetPointData()->ShallowCopy(point_data_);
     data->GetCellData()->ShallowCopy(cell_data_);
     data->SetFieldData(fields_);
-    return vtkSmartPointer<vtkDataObject>(data);
+    return data;
   }
 
   /// Products of counts up to this fit 64 bits; files are shorter.
@@ -469,7 +447,7 @@ class LegacyParser {
 
 }  // namespace
 
-core::Expected<vtkSmartPointer<vtkDataObject>> parse_vtk_legacy(VtkFile& file) {
+vtkSmartPointer<vtkDataObject> parse_vtk_legacy(VtkFile& file) {
   return LegacyParser(file).run();
 }
 

@@ -23,7 +23,6 @@ namespace sightline::importers {
 namespace {
 
 namespace fs = std::filesystem;
-using Done = core::Expected<void>;
 
 bool is_index(const fs::path& path) {
   const std::string extension = lower_case_extension(path);
@@ -35,19 +34,18 @@ class Reading {
  public:
   Reading(ImportJob& job, const fs::path& model) : job_(job), builder_(job), model_(model) {}
 
-  Done run(std::span<const std::byte> bytes) {
+  void run(std::span<const std::byte> bytes) {
     builder_.names().state(xml_encoding(bytes));
     if (!is_index(model_)) return read_data(job_.file_node(), bytes, model_, "", Share{job_});
     std::error_code ignored;
     indices_.push_back({fs::weakly_canonical(model_, ignored), kNoIndex});
-    if (auto read = read_index(job_.file_node(), bytes, "", 0); !read) return read;
+    read_index(job_.file_node(), bytes, "", 0);
     while (!waiting_.empty()) {
       const Block block = std::move(waiting_.back());
       waiting_.pop_back();
-      if (auto read = read_block(block); !read) return read;
+      read_block(block);
       ++done_;
     }
-    return {};
   }
 
  private:
@@ -64,16 +62,13 @@ class Reading {
     std::size_t named_by;
   };
 
-  Done read_data(core::NodeId node, std::span<const std::byte> bytes, const fs::path& path, std::string part,
+  void read_data(core::NodeId node, std::span<const std::byte> bytes, const fs::path& path, std::string part,
                  const Share& share) {
     VtkFile file{bytes, std::move(part), share.part(0.0, 0.5)};
-    auto data = lower_case_extension(path) == ".vtk" ? parse_vtk_legacy(file) : parse_vtk_xml(file);
-    if (!data) return tl::unexpected(data.error());
-    auto items = builder_.add(node, **data, share.part(0.5, 1.0));
+    const auto data = lower_case_extension(path) == ".vtk" ? parse_vtk_legacy(file) : parse_vtk_xml(file);
+    auto items = builder_.add(node, *data, share.part(0.5, 1.0));
     builder_.forget();
-    if (!items) return tl::unexpected(items.error());
-    known_[path] = *items;
-    return {};
+    known_[path] = value_or_throw(std::move(items));
   }
 
   bool names_itself(const fs::path& path, std::size_t named_by) const {
@@ -82,64 +77,63 @@ class Reading {
     return false;
   }
 
-  Done read_block(const Block& block) {
+  void read_block(const Block& block) {
     const fs::path& index = indices_[block.named_by].path;
     const auto path = find_side_file(index, block.file);
-    if (!path) return job_.damage(0, "block " + path.error().message);
-    if (const auto known = known_.find(*path); known != known_.end()) {
-      builder_.add_again(block.node, known->second);
-      return {};
-    }
+    if (!path) return damage("block " + path.error().message);
+    if (const auto known = known_.find(*path); known != known_.end())
+      return builder_.add_again(block.node, known->second);
     if (is_index(*path) && names_itself(*path, block.named_by))
-      return job_.damage(0, fmt::format("block '{}' refused: the file names itself", block.file));
+      return damage(fmt::format("block '{}' refused: the file names itself", block.file));
     const auto bytes = read_file_bytes(*path);
-    if (!bytes) return job_.damage(0, "block " + bytes.error().message);
+    if (!bytes) return damage("block " + bytes.error().message);
     job_.report().bytes += bytes->size();
     const double all = double(done_ + 1 + waiting_.size());
     const Share share{job_, double(done_) / all, 1.0 / all};
     const core::ItemId first = core::ItemId(job_.scene().item_slots());
-    Done read;
-    if (is_index(*path)) {
+    const std::string kind = lower_case_extension(*path);
+    const bool data = kind == ".vtk" || kind == ".vtp" || kind == ".vtu";
+    if (!data && !is_index(*path))
+      return damage(fmt::format("block '{}' refused: expected .vtk, .vtp, .vtu, .vtm or .vtmb", block.file));
+    const VtkFile file{*bytes, block.file + ": ", share};
+    try {
+      if (data) return read_data(block.node, *bytes, *path, file.part, share);
       indices_.push_back({*path, block.named_by});
-      read = read_index(block.node, *bytes, block.file + ": ", indices_.size() - 1);
-    } else if (const std::string kind = lower_case_extension(*path);
-               kind == ".vtk" || kind == ".vtp" || kind == ".vtu") {
-      read = read_data(block.node, *bytes, *path, block.file + ": ", share);
-    } else {
-      return job_.damage(0, fmt::format("block '{}' refused: expected .vtk, .vtp, .vtu, .vtm or .vtmb", block.file));
+      read_index(block.node, *bytes, file.part, indices_.size() - 1);
+    } catch (const ImportFault& fault) {
+      const bool whole_import = blocks_ > kMaxVtkBlocks || job_.scene().item_slots() != to_index(first);
+      if (whole_import || !file.may_leave_out(fault)) throw;
+      job_.warn(0, fault.error.message + "; block left out");
     }
-    const bool whole_import = blocks_ > kMaxVtkBlocks || job_.scene().item_slots() != to_index(first);
-    if (read || !job_.options().lenient || whole_import || read.error().message == kCancelled) return read;
-    job_.warn(0, read.error().message + "; block left out");
-    return {};
   }
 
+  void damage(std::string message) { value_or_throw(job_.damage(0, std::move(message))); }
+
   /// Makes nodes of an index file's blocks at once, so that they stand in order, and leaves their files for later.
-  Done read_index(core::NodeId node, std::span<const std::byte> bytes, std::string part, std::size_t index) {
+  void read_index(core::NodeId node, std::span<const std::byte> bytes, std::string part, std::size_t index) {
     const VtkFile file{bytes, std::move(part), Share{job_, 0.0, 0.0}};
-    const auto tree = parse_xml(file);
-    if (!tree) return tl::unexpected(tree.error());
-    const XmlElement& root = (*tree)[0];
+    const XmlTree tree = parse_xml(file);
+    const XmlElement& root = tree[0];
     if (root.name != "VTKFile" || root.attribute("type") != "vtkMultiBlockDataSet")
-      return file.fail(0, "expected a VTKFile element of type vtkMultiBlockDataSet");
+      file.fail(0, "expected a VTKFile element of type vtkMultiBlockDataSet");
     struct Open {
       std::uint32_t element;
       core::NodeId node;
     };
     std::vector<Block> found;
     std::vector<Open> open;
-    if (root.first_child != core::kNone) open.push_back({(*tree)[root.first_child].first_child, node});
+    if (root.first_child != core::kNone) open.push_back({tree[root.first_child].first_child, node});
     while (!open.empty()) {
       const auto [at, parent] = open.back();
       open.pop_back();
       if (at == core::kNone) continue;
-      const XmlElement& element = (*tree)[at];
+      const XmlElement& element = tree[at];
       open.push_back({element.next, parent});
       const bool data = element.name == "DataSet", pieces = element.name == "Piece";
       const std::string name = xml_unescaped(element.attribute("file"));
       if ((!data && !pieces && element.name != "Block") || (data && name.empty())) continue;
       if (++blocks_ > kMaxVtkBlocks)
-        return core::fail(fmt::format("{}: expected at most {} blocks", job_.file(), kMaxVtkBlocks));
+        throw ImportFault{{fmt::format("{}: expected at most {} blocks", job_.file(), kMaxVtkBlocks)}};
       const core::NodeId made =
           pieces ? parent
                  : job_.scene().add_node(parent, builder_.names().decode(xml_unescaped(element.attribute("name")), 0));
@@ -147,7 +141,6 @@ class Reading {
       open.push_back({element.first_child, made});
     }
     waiting_.insert(waiting_.end(), std::make_move_iterator(found.rbegin()), std::make_move_iterator(found.rend()));
-    return {};
   }
 
   ImportJob& job_;
@@ -167,7 +160,8 @@ core::Expected<ImportReport> read_vtk(std::span<const std::byte> bytes, const fs
     job.report().bytes = bytes.size();
     const VtkQuiet quiet;
     std::string decoded;
-    return Reading(job, path).run(without_utf16(job, bytes, decoded));
+    Reading(job, path).run(without_utf16(job, bytes, decoded));
+    return core::Expected<void>{};
   });
 }
 

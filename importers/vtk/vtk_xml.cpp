@@ -32,30 +32,27 @@ class XmlParser {
  public:
   explicit XmlParser(const VtkFile& file) : file_(file), text_(as_text(file.bytes)) {}
 
-  core::Expected<XmlTree> run() {
+  XmlTree run() {
     while (!done_) {
       const std::size_t tag = text_.find('<', at_);
-      if (tag == std::string_view::npos) return file_.fail(text_.size(), "expected the end of the root element");
+      if (tag == std::string_view::npos) file_.fail(text_.size(), "expected the end of the root element");
       at_ = tag + 1;
-      auto read = starts("!--") ? skip("-->") : starts("?") ? skip("?>") : starts("/") ? close(tag) : open();
-      if (!read) return tl::unexpected(read.error());
+      starts("!--") ? skip("-->") : starts("?") ? skip("?>") : starts("/") ? close(tag) : open();
     }
     return std::move(tree_);
   }
 
  private:
-  using Done = core::Expected<void>;
   struct Open {
     std::uint32_t element, last_child;
   };
 
   bool starts(std::string_view with) const { return text_.substr(at_, with.size()) == with; }
 
-  Done skip(std::string_view end) {
+  void skip(std::string_view end) {
     at_ = text_.find(end, at_);
-    if (at_ == std::string_view::npos) return file_.fail(text_.size(), fmt::format("expected '{}'", end));
+    if (at_ == std::string_view::npos) file_.fail(text_.size(), fmt::format("expected '{}'", end));
     at_ += end.size();
-    return {};
   }
 
   std::string_view name() {
@@ -69,44 +66,43 @@ class XmlParser {
     while (at_ < text_.size() && is_space(text_[at_])) ++at_;
   }
 
-  Done close(std::size_t tag) {
+  void close(std::size_t tag) {
     ++at_;
     const std::string_view closed = name();
     skip_space();
     if (open_.empty() || tree_[open_.back().element].name != closed || !starts(">"))
-      return file_.fail(tag, fmt::format("found the end of '{}', which is not open here", closed.substr(0, 40)));
+      file_.fail(tag, fmt::format("found the end of '{}', which is not open here", closed.substr(0, 40)));
     ++at_;
     tree_[open_.back().element].end = tag;
     open_.pop_back();
     done_ = open_.empty();
-    return {};
   }
 
-  Done open() {
+  void open() {
     XmlElement element;
     element.name = name();
-    if (element.name.empty() || element.name[0] == '!') return file_.fail(at_, "expected an element");
+    if (element.name.empty() || element.name[0] == '!') file_.fail(at_, "expected an element");
     for (skip_space(); !starts(">") && !starts("/>"); skip_space()) {
       const std::string_view key = name();
       skip_space();
-      if (key.empty() || !starts("=")) return file_.fail(at_, "expected an attribute, '>' or '/>'");
+      if (key.empty() || !starts("=")) file_.fail(at_, "expected an attribute, '>' or '/>'");
       ++at_;
       skip_space();
       const char quote = at_ < text_.size() ? text_[at_] : '\0';
       const std::size_t end = quote == '"' || quote == '\'' ? text_.find(quote, at_ + 1) : std::string_view::npos;
-      if (end == std::string_view::npos) return file_.fail(at_, "expected an attribute's value in quotes");
+      if (end == std::string_view::npos) file_.fail(at_, "expected an attribute's value in quotes");
       if (element.attributes.size() == kMostXmlAttributes)
-        return file_.fail(at_, fmt::format("expected at most {} attributes of an element", kMostXmlAttributes));
+        file_.fail(at_, fmt::format("expected at most {} attributes of an element", kMostXmlAttributes));
       element.attributes.emplace_back(key, text_.substr(at_ + 1, end - at_ - 1));
       at_ = end + 1;
     }
     const bool empty = starts("/>");
     at_ += empty ? 2 : 1;
     element.begin = element.end = at_;
-    return add(std::move(element), empty);
+    add(std::move(element), empty);
   }
 
-  Done add(XmlElement element, bool empty) {
+  void add(XmlElement element, bool empty) {
     const bool appended = element.name == "AppendedData";
     const auto index = std::uint32_t(tree_.size());
     if (!open_.empty()) {
@@ -117,11 +113,10 @@ class XmlParser {
     tree_.push_back(std::move(element));
     if (appended) tree_.back().end = text_.size();
     done_ = appended || (empty && open_.empty());
-    if (empty || appended) return {};
+    if (empty || appended) return;
     if (open_.size() == kDeepestXml)
-      return file_.fail(at_, fmt::format("expected at most {} levels of elements", kDeepestXml));
+      file_.fail(at_, fmt::format("expected at most {} levels of elements", kDeepestXml));
     open_.push_back({index, core::kNone});
-    return {};
   }
 
   const VtkFile& file_;
@@ -204,21 +199,19 @@ class XmlReader {
  public:
   XmlReader(VtkFile& file, const XmlTree& tree) : file_(file), tree_(tree) {}
 
-  core::Expected<vtkSmartPointer<vtkDataObject>> run() {
+  vtkSmartPointer<vtkDataObject> run() {
     const XmlElement& root = tree_[0];
-    if (root.name != "VTKFile") return file_.fail(0, "not a VTK file: expected a VTKFile element");
+    if (root.name != "VTKFile") file_.fail(0, "not a VTK file: expected a VTKFile element");
     const std::string_view type = root.attribute("type");
     if (type != "PolyData" && type != "UnstructuredGrid")
-      return file_.fail(0, fmt::format("expected type PolyData or UnstructuredGrid, found '{}'", type.substr(0, 40)));
-    if (auto known = encoding(root); !known) return tl::unexpected(known.error());
+      file_.fail(0, fmt::format("expected type PolyData or UnstructuredGrid, found '{}'", type.substr(0, 40)));
+    encoding(root);
     const XmlElement* data = child(root, type);
-    if (!data) return file_.fail(root.begin, fmt::format("expected an element {}", type));
+    if (!data) file_.fail(root.begin, fmt::format("expected an element {}", type));
     std::vector<vtkSmartPointer<vtkDataSet>> pieces;
     for (std::uint32_t i = data->first_child; i != core::kNone; i = tree_[i].next) {
       if (tree_[i].name != "Piece") continue;
-      auto made = type == "PolyData" ? polygons(tree_[i]) : grid(tree_[i]);
-      if (!made) return tl::unexpected(made.error());
-      pieces.push_back(*made);
+      pieces.push_back(type == "PolyData" ? polygons(tree_[i]) : grid(tree_[i]));
     }
     vtkSmartPointer<vtkDataObject> whole;
     if (pieces.size() == 1) {
@@ -228,14 +221,11 @@ class XmlReader {
       for (unsigned i = 0; i < pieces.size(); ++i) several->SetPiece(i, pieces[i]);
       whole = several;
     }
-    if (const XmlElement* fields = child(*data, "FieldData"))
-      if (auto read = field_data(*fields, *whole); !read) return tl::unexpected(read.error());
+    if (const XmlElement* fields = child(*data, "FieldData")) field_data(*fields, *whole);
     return whole;
   }
 
  private:
-  using Done = core::Expected<void>;
-
   const XmlElement* child(const XmlElement& of, std::string_view name) const {
     for (std::uint32_t i = of.first_child; i != core::kNone; i = tree_[i].next)
       if (tree_[i].name == name) return &tree_[i];
@@ -247,45 +237,42 @@ class XmlReader {
     return nullptr;
   }
 
-  Done encoding(const XmlElement& root) {
+  void encoding(const XmlElement& root) {
     big_endian_ = root.attribute("byte_order") == "BigEndian";
     wide_header_ = root.attribute("header_type") == "UInt64";
     const std::string_view compressor = root.attribute("compressor");
     if (compressor == "vtkZLibDataCompressor") compressor_ = vtkSmartPointer<vtkZLibDataCompressor>::New();
     if (compressor == "vtkLZ4DataCompressor") compressor_ = vtkSmartPointer<vtkLZ4DataCompressor>::New();
     if (!compressor.empty() && !compressor_)
-      return file_.fail(0, fmt::format("expected zlib or LZ4 compression, found '{}'", compressor.substr(0, 40)));
+      file_.fail(0, fmt::format("expected zlib or LZ4 compression, found '{}'", compressor.substr(0, 40)));
     const XmlElement* appended = child(root, "AppendedData");
-    if (!appended) return {};
+    if (!appended) return;
     appended_begin_ = as_text(file_.bytes).find('_', appended->begin);
     appended_base64_ = appended->attribute("encoding") != "raw";
-    if (appended_begin_ == std::string_view::npos)
-      return file_.fail(appended->begin, "expected '_' before appended data");
+    if (appended_begin_ == std::string_view::npos) file_.fail(appended->begin, "expected '_' before appended data");
     ++appended_begin_;
-    return {};
   }
 
-  Done count(const XmlElement& piece, std::string_view key, std::uint64_t& value) const {
+  void count(const XmlElement& piece, std::string_view key, std::uint64_t& value) const {
     const std::string_view found = piece.attribute(key);
     value = 0;
     // Further than files reach; products with small numbers then fit.
-    if ((found.empty() || parse_count(found, value)) && value <= std::uint64_t{1} << 40) return {};
-    return file_.fail(piece.begin, fmt::format("expected {} to be a number, found '{}'", key, found.substr(0, 40)));
+    if ((found.empty() || parse_count(found, value)) && value <= std::uint64_t{1} << 40) return;
+    file_.fail(piece.begin, fmt::format("expected {} to be a number, found '{}'", key, found.substr(0, 40)));
   }
 
   // --- an array -----------------------------------------------------------------------------------------------------
   /// Reads an array. Without `count`: as many values as there are.
-  core::Expected<Array> array(const XmlElement& element, Wanted wanted, std::optional<std::uint64_t> count) {
+  Array array(const XmlElement& element, Wanted wanted, std::optional<std::uint64_t> count) {
     const auto number = number_named(element.attribute("type"));
     if (!number)
-      return file_.fail(element.begin,
-                        fmt::format("expected a type of numbers, found '{}'", element.attribute("type").substr(0, 40)));
+      file_.fail(element.begin,
+                 fmt::format("expected a type of numbers, found '{}'", element.attribute("type").substr(0, 40)));
     const std::string_view format = element.attribute("format");
-    const auto read = format == "appended" ? appended(element, wanted, *number, count)
-                      : format == "binary" ? binary(inside(element), true, element.begin, wanted, *number, count)
-                                           : ascii(element, wanted, *number, count);
-    if (!read) return read;
-    if (auto asked = file_.progress(element.end); !asked) return tl::unexpected(asked.error());
+    Array read = format == "appended" ? appended(element, wanted, *number, count)
+                 : format == "binary" ? binary(inside(element), true, element.begin, wanted, *number, count)
+                                      : ascii(element, wanted, *number, count);
+    file_.progress(element.end);
     return read;
   }
 
@@ -293,37 +280,33 @@ class XmlReader {
     return as_text(file_.bytes).substr(element.begin, element.end - element.begin);
   }
 
-  core::Expected<Array> made(std::size_t at, Wanted wanted, Number number, std::uint64_t count) {
-    if (auto claimed = file_.claim(at, count, sizeof(double)); !claimed) return tl::unexpected(claimed.error());
+  Array made(std::size_t at, Wanted wanted, Number number, std::uint64_t count) {
+    file_.claim(at, count, sizeof(double));
     Array array = make_array(wanted, number, std::size_t(count));
-    if (!array) return file_.fail(at, "expected an array of another type of numbers");
+    if (!array) file_.fail(at, "expected an array of another type of numbers");
     return array;
   }
 
-  core::Expected<Array> ascii(const XmlElement& element, Wanted wanted, Number number,
-                              std::optional<std::uint64_t> count) {
+  Array ascii(const XmlElement& element, Wanted wanted, Number number, std::optional<std::uint64_t> count) {
     const std::string_view text = inside(element);
     if (!count) {
       count = 0;
       for (std::size_t at = 0; !next_word(text, at).empty();) ++*count;
     }
     if (*count > (text.size() + 1) / 2)
-      return file_.fail(element.begin,
-                        fmt::format("expected {} values, found text for {} at most", *count, (text.size() + 1) / 2));
-    auto array = made(element.begin, wanted, number, *count);
-    if (!array) return array;
-    if (auto filled = fill_from_text(**array, text, file_, element.begin); !filled)
-      return tl::unexpected(filled.error());
+      file_.fail(element.begin,
+                 fmt::format("expected {} values, found text for {} at most", *count, (text.size() + 1) / 2));
+    Array array = made(element.begin, wanted, number, *count);
+    fill_from_text(*array, text, file_, element.begin);
     return array;
   }
 
-  core::Expected<Array> appended(const XmlElement& element, Wanted wanted, Number number,
-                                 std::optional<std::uint64_t> count) {
+  Array appended(const XmlElement& element, Wanted wanted, Number number, std::optional<std::uint64_t> count) {
     std::uint64_t offset = 0;
     const std::size_t rest = appended_begin_ == 0 ? 0 : file_.bytes.size() - appended_begin_;
     if (!parse_count(element.attribute("offset"), offset) || offset >= rest)
-      return file_.fail(element.begin, fmt::format("expected an offset within {} bytes of appended data, found '{}'",
-                                                   rest, element.attribute("offset").substr(0, 40)));
+      file_.fail(element.begin, fmt::format("expected an offset within {} bytes of appended data, found '{}'", rest,
+                                            element.attribute("offset").substr(0, 40)));
     const std::size_t begin = appended_begin_ + std::size_t(offset);
     return binary(as_text(file_.bytes).substr(begin), appended_base64_, begin, wanted, number, count);
   }
@@ -337,106 +320,97 @@ class XmlReader {
     return true;
   }
 
-  core::Expected<Array> binary(std::string_view text, bool base64, std::size_t at, Wanted wanted, Number number,
-                               std::optional<std::uint64_t> count) {
+  Array binary(std::string_view text, bool base64, std::size_t at, Wanted wanted, Number number,
+               std::optional<std::uint64_t> count) {
     ByteStream stream(text, base64);
-    auto content = compressor_ ? inflated(stream, at) : plain(stream, at);
-    if (!content) return tl::unexpected(content.error());
-    const std::uint64_t held = content->size() / size_of(number);
-    if (count.value_or(held) > held) return file_.fail(at, fmt::format("expected {} values, found {}", *count, held));
-    auto array = made(at, wanted, number, count.value_or(held));
-    if (array) fill_from_raw(**array, number, *content, big_endian_);
+    const std::vector<std::byte> content = compressor_ ? inflated(stream, at) : plain(stream, at);
+    const std::uint64_t held = content.size() / size_of(number);
+    if (count.value_or(held) > held) file_.fail(at, fmt::format("expected {} values, found {}", *count, held));
+    Array array = made(at, wanted, number, count.value_or(held));
+    fill_from_raw(*array, number, content, big_endian_);
     return array;
   }
 
   /// Reads uncompressed data: number of bytes, bytes.
-  core::Expected<std::vector<std::byte>> plain(ByteStream& stream, std::size_t at) {
+  std::vector<std::byte> plain(ByteStream& stream, std::size_t at) {
     std::uint64_t size = 0;
     if (!word(stream, size) || size > stream.rest())
-      return file_.fail(at, fmt::format("expected an array within the file, found one of {} bytes", size));
-    if (auto claimed = file_.claim(at, size, 1); !claimed) return tl::unexpected(claimed.error());
+      file_.fail(at, fmt::format("expected an array within the file, found one of {} bytes", size));
+    file_.claim(at, size, 1);
     std::vector<std::byte> content(size);
-    if (!stream.read(content.data(), content.size())) return file_.fail(at, "expected base64");
+    if (!stream.read(content.data(), content.size())) file_.fail(at, "expected base64");
     return content;
   }
 
   /// Reads compressed data: number of blocks, size of all but the last, size of the last (0: as the others), compressed
   /// sizes; blocks.
-  core::Expected<std::vector<std::byte>> inflated(ByteStream& stream, std::size_t at) {
+  std::vector<std::byte> inflated(ByteStream& stream, std::size_t at) {
     std::uint64_t blocks = 0, size = 0, last = 0;
-    const auto header_damaged = [&] { return file_.fail(at, "expected the sizes of compressed blocks"); };
-    if (!word(stream, blocks)) return header_damaged();
+    const auto header_damaged = [&] { file_.fail(at, "expected the sizes of compressed blocks"); };
+    if (!word(stream, blocks)) header_damaged();
     if (blocks == 0) return std::vector<std::byte>();
     if (!word(stream, size) || !word(stream, last) || blocks > std::min<std::uint64_t>(stream.rest() / 4, kFar))
-      return header_damaged();
+      header_damaged();
     if (last == 0) last = size;
-    if (size > kFar || last > kFar) return header_damaged();
+    if (size > kFar || last > kFar) header_damaged();
     const std::uint64_t total = (blocks - 1) * size + last;
-    if (auto claimed = file_.claim(at, total, 1); !claimed) return tl::unexpected(claimed.error());
+    file_.claim(at, total, 1);
     std::vector<std::uint64_t> packed_sizes(blocks);
     for (std::uint64_t& packed : packed_sizes)
-      if (!word(stream, packed)) return header_damaged();
+      if (!word(stream, packed)) header_damaged();
     stream.end_stretch();
     std::vector<std::byte> content(total), packed;
     std::size_t done = 0;
     for (std::uint64_t b = 0; b < blocks; ++b) {
       const auto block = std::size_t(b + 1 < blocks ? size : last);
-      if (packed_sizes[b] > stream.rest()) return header_damaged();
+      if (packed_sizes[b] > stream.rest()) header_damaged();
       packed.resize(std::size_t(packed_sizes[b]));
-      if (!stream.read(packed.data(), packed.size())) return header_damaged();
+      if (!stream.read(packed.data(), packed.size())) header_damaged();
       const auto* from = reinterpret_cast<const unsigned char*>(packed.data());
       auto* to = reinterpret_cast<unsigned char*>(content.data() + done);
       if (packed.empty() || block == 0 || compressor_->Uncompress(from, packed.size(), to, block) != block)
-        return file_.fail(at, fmt::format("compressed block {} is damaged", b));
+        file_.fail(at, fmt::format("compressed block {} is damaged", b));
       done += block;
-      if (auto asked = file_.progress(at); !asked) return tl::unexpected(asked.error());
+      file_.progress(at);
     }
     return content;
   }
 
   // --- structure ----------------------------------------------------------------------------------------------------
-  core::Expected<vtkSmartPointer<vtkPoints>> points(const XmlElement& piece, std::uint64_t& number) {
-    if (auto known = count(piece, "NumberOfPoints", number); !known) return tl::unexpected(known.error());
+  vtkSmartPointer<vtkPoints> points(const XmlElement& piece, std::uint64_t& number) {
+    count(piece, "NumberOfPoints", number);
     const XmlElement* holder = child(piece, "Points");
     if (!holder || holder->first_child == core::kNone) {
-      if (number > 0) return file_.fail(piece.begin, "expected an array of points");
+      if (number > 0) file_.fail(piece.begin, "expected an array of points");
       return vtkSmartPointer<vtkPoints>::New();
     }
-    auto values = array(tree_[holder->first_child], Wanted::kPoints, 3 * number);
-    if (!values) return tl::unexpected(values.error());
-    return make_points(**values);
+    return make_points(*array(tree_[holder->first_child], Wanted::kPoints, 3 * number));
   }
 
+  vtkSmartPointer<vtkTypeInt64Array> ids(const XmlElement& element, std::optional<std::uint64_t> count) {
+    return vtkTypeInt64Array::SafeDownCast(array(element, Wanted::kIds, count));
+  }
   /// Reads an array of ids; null when there is no such element.
-  core::Expected<vtkSmartPointer<vtkTypeInt64Array>> ids(const XmlElement* holder, std::string_view name,
-                                                         std::optional<std::uint64_t> count) {
+  vtkSmartPointer<vtkTypeInt64Array> ids(const XmlElement* holder, std::string_view name,
+                                         std::optional<std::uint64_t> count) {
     const XmlElement* element = named(holder, name);
-    if (!element) return vtkSmartPointer<vtkTypeInt64Array>();
-    auto values = array(*element, Wanted::kIds, count);
-    if (!values) return tl::unexpected(values.error());
-    return vtkSmartPointer<vtkTypeInt64Array>(vtkTypeInt64Array::SafeDownCast(*values));
+    return element ? ids(*element, count) : nullptr;
   }
 
-  core::Expected<vtkSmartPointer<vtkCellArray>> cells(const XmlElement& piece, std::string_view holder_name,
-                                                      std::string_view count_name, std::uint64_t& number) {
-    if (auto known = count(piece, count_name, number); !known) return tl::unexpected(known.error());
+  vtkSmartPointer<vtkCellArray> cells(const XmlElement& piece, std::string_view holder_name,
+                                      std::string_view count_name, std::uint64_t& number) {
+    count(piece, count_name, number);
     const XmlElement* holder = child(piece, holder_name);
     if (number == 0) return vtkSmartPointer<vtkCellArray>::New();
-    auto offsets = ids(holder, "offsets", number);
-    if (!offsets) return tl::unexpected(offsets.error());
-    if (!*offsets)
-      return file_.fail(piece.begin, fmt::format("expected {} with offsets of {} cells", holder_name, number));
-    auto connectivity = ids(holder, "connectivity", {});
-    if (!connectivity) return tl::unexpected(connectivity.error());
-    return make_cells(file_, holder->begin, *offsets, *connectivity, false);
+    const auto offsets = ids(holder, "offsets", number);
+    if (!offsets) file_.fail(piece.begin, fmt::format("expected {} with offsets of {} cells", holder_name, number));
+    return make_cells(file_, holder->begin, offsets, ids(holder, "connectivity", {}), false);
   }
 
-  core::Expected<vtkSmartPointer<vtkDataSet>> polygons(const XmlElement& piece) {
+  vtkSmartPointer<vtkDataSet> polygons(const XmlElement& piece) {
     auto data = vtkSmartPointer<vtkPolyData>::New();
     std::uint64_t point_count = 0, cell_count = 0;
-    auto all_points = points(piece, point_count);
-    if (!all_points) return tl::unexpected(all_points.error());
-    data->SetPoints(*all_points);
+    data->SetPoints(points(piece, point_count));
     struct Holder {
       std::string_view name, count;
       void (vtkPolyData::*set)(vtkCellArray*);
@@ -446,85 +420,76 @@ class XmlReader {
                             Holder{"Polys", "NumberOfPolys", &vtkPolyData::SetPolys},
                             Holder{"Strips", "NumberOfStrips", &vtkPolyData::SetStrips}}) {
       std::uint64_t number = 0;
-      auto some = cells(piece, h.name, h.count, number);
-      if (!some) return tl::unexpected(some.error());
-      (data->*h.set)(*some);
+      (data->*h.set)(cells(piece, h.name, h.count, number));
       cell_count += number;
     }
-    if (auto read = attributes(piece, *data, point_count, cell_count); !read) return tl::unexpected(read.error());
-    return vtkSmartPointer<vtkDataSet>(data);
+    attributes(piece, *data, point_count, cell_count);
+    return data;
   }
 
-  core::Expected<vtkSmartPointer<vtkDataSet>> grid(const XmlElement& piece) {
+  vtkSmartPointer<vtkDataSet> grid(const XmlElement& piece) {
     std::uint64_t point_count = 0, cell_count = 0;
-    auto all_points = points(piece, point_count);
-    if (!all_points) return tl::unexpected(all_points.error());
-    auto all_cells = cells(piece, "Cells", "NumberOfCells", cell_count);
-    if (!all_cells) return tl::unexpected(all_cells.error());
+    const auto all_points = points(piece, point_count);
+    const auto all_cells = cells(piece, "Cells", "NumberOfCells", cell_count);
     const XmlElement* holder = child(piece, "Cells");
     vtkSmartPointer<vtkTypeInt64Array> found[3];
     const std::pair<std::string_view, std::optional<std::uint64_t>> wanted[] = {
         {"types", cell_count}, {"faces", {}}, {"faceoffsets", cell_count}};
-    for (std::size_t i = 0; i < 3 && cell_count > 0; ++i) {
-      auto read = ids(holder, wanted[i].first, wanted[i].second);
-      if (!read) return tl::unexpected(read.error());
-      found[i] = *read;
-    }
+    for (std::size_t i = 0; i < 3 && cell_count > 0; ++i) found[i] = ids(holder, wanted[i].first, wanted[i].second);
     if (!found[0]) found[0] = vtkSmartPointer<vtkTypeInt64Array>::New();
-    auto data = make_grid(file_, piece.begin, *all_points, **all_cells, *found[0], found[1], found[2]);
-    if (!data) return data;
-    if (auto read = attributes(piece, **data, point_count, cell_count); !read) return tl::unexpected(read.error());
+    auto data = make_grid(file_, piece.begin, all_points, *all_cells, *found[0], found[1], found[2]);
+    attributes(piece, *data, point_count, cell_count);
     return data;
   }
 
   /// Attributes that are damaged are left out when lenient.
-  Done attributes(const XmlElement& piece, vtkDataSet& data, std::uint64_t point_count, std::uint64_t cell_count) {
+  void attributes(const XmlElement& piece, vtkDataSet& data, std::uint64_t point_count, std::uint64_t cell_count) {
     for (const bool of_points : {true, false}) {
       const XmlElement* holder = child(piece, of_points ? "PointData" : "CellData");
       vtkDataSetAttributes* to =
           of_points ? static_cast<vtkDataSetAttributes*>(data.GetPointData()) : data.GetCellData();
       for (std::uint32_t i = holder ? holder->first_child : core::kNone; i != core::kNone; i = tree_[i].next) {
-        auto read = attribute(*holder, tree_[i], *to, of_points ? point_count : cell_count);
-        if (read) continue;
-        if (read.error().message == kCancelled || !file_.job().options().lenient) return read;
-        file_.job().warn(tree_[i].begin, read.error().message + "; attribute left out");
+        try {
+          attribute(*holder, tree_[i], *to, of_points ? point_count : cell_count);
+        } catch (const ImportFault& fault) {
+          if (!file_.may_leave_out(fault)) throw;
+          file_.job().warn(tree_[i].begin, fault.error.message + "; attribute left out");
+        }
       }
     }
-    return {};
   }
 
-  Done attribute(const XmlElement& holder, const XmlElement& element, vtkDataSetAttributes& to, std::uint64_t tuples) {
+  void attribute(const XmlElement& holder, const XmlElement& element, vtkDataSetAttributes& to, std::uint64_t tuples) {
     const std::string_view name = element.attribute("Name"), type = element.attribute("type");
     const std::string_view parts = element.attribute("NumberOfComponents");
     const auto is_active = [&](std::string_view key) { return !name.empty() && holder.attribute(key) == name; };
     const bool normals = parts == "3" && is_active("Normals");
     const bool colours = type == "UInt8" && (parts == "3" || parts == "4");
-    if (!normals && !colours) return {};
-    auto values = array(element, normals ? Wanted::kNormals : Wanted::kBytes, tuples * (parts == "3" ? 3 : 4));
-    if (!values) return tl::unexpected(values.error());
-    (*values)->SetNumberOfComponents(parts == "3" ? 3 : 4);
-    (*values)->SetName(xml_unescaped(name).c_str());
+    if (!normals && !colours) return;
+    const int components = parts == "3" ? 3 : 4;
+    const Array values =
+        array(element, normals ? Wanted::kNormals : Wanted::kBytes, tuples * std::uint64_t(components));
+    values->SetNumberOfComponents(components);
+    values->SetName(xml_unescaped(name).c_str());
     if (normals)
-      to.SetNormals(*values);
+      to.SetNormals(values);
     else if (is_active("Scalars"))
-      to.SetScalars(*values);
+      to.SetScalars(values);
     else
-      to.AddArray(*values);
-    return {};
+      to.AddArray(values);
   }
 
   /// Reads strings: codes of characters, each string ended by a 0.
-  Done field_data(const XmlElement& fields, vtkDataObject& to) {
+  void field_data(const XmlElement& fields, vtkDataObject& to) {
     for (std::uint32_t i = fields.first_child; i != core::kNone; i = tree_[i].next) {
       const XmlElement& element = tree_[i];
       if (element.attribute("type") != "String") continue;
-      auto codes = ids_of(element);
-      if (!codes) return tl::unexpected(codes.error());
+      const auto codes = ids(element, {});
       vtkNew<vtkStringArray> strings;
       strings->SetName(xml_unescaped(element.attribute("Name")).c_str());
       std::string value;
-      for (vtkIdType k = 0; k < (*codes)->GetNumberOfValues(); ++k) {
-        if (const char c = char((*codes)->GetValue(k)); c != '\0') {
+      for (vtkIdType k = 0; k < codes->GetNumberOfValues(); ++k) {
+        if (const char c = char(codes->GetValue(k)); c != '\0') {
           value += c;
         } else {
           strings->InsertNextValue(value);
@@ -533,12 +498,6 @@ class XmlReader {
       }
       to.GetFieldData()->AddArray(strings);
     }
-    return {};
-  }
-  core::Expected<vtkSmartPointer<vtkTypeInt64Array>> ids_of(const XmlElement& element) {
-    auto values = array(element, Wanted::kIds, {});
-    if (!values) return tl::unexpected(values.error());
-    return vtkSmartPointer<vtkTypeInt64Array>(vtkTypeInt64Array::SafeDownCast(*values));
   }
 
   /// Block sizes and numbers of blocks up to this have a product of 64 bits.
@@ -559,7 +518,7 @@ std::string_view XmlElement::attribute(std::string_view key) const {
   return {};
 }
 
-core::Expected<XmlTree> parse_xml(const VtkFile& file) {
+XmlTree parse_xml(const VtkFile& file) {
   return XmlParser(file).run();
 }
 
@@ -589,10 +548,9 @@ std::string xml_unescaped(std::string_view text) {
   return plain;
 }
 
-core::Expected<vtkSmartPointer<vtkDataObject>> parse_vtk_xml(VtkFile& file) {
-  const auto tree = parse_xml(file);
-  if (!tree) return tl::unexpected(tree.error());
-  return XmlReader(file, *tree).run();
+vtkSmartPointer<vtkDataObject> parse_vtk_xml(VtkFile& file) {
+  const XmlTree tree = parse_xml(file);
+  return XmlReader(file, tree).run();
 }
 
 }  // namespace sightline::importers

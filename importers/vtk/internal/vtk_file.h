@@ -34,12 +34,15 @@ struct VtkFile {
   Share share;
 
   ImportJob& job() const { return share.job; }
-  tl::unexpected<core::Error> fail(std::size_t at, std::string_view message) const;
-  /// An error when strict, a warning when lenient.
-  core::Expected<void> damage(std::size_t at, std::string_view message) const;
-  core::Expected<void> progress(std::size_t at) const { return share.progress(double(at) / double(bytes.size())); }
+  /// Throws an ImportFault, as the functions do that follow.
+  [[noreturn]] void fail(std::size_t at, std::string_view message) const;
+  /// Whether a lenient import goes on without what had the fault.
+  bool may_leave_out(const ImportFault& fault) const {
+    return job().options().lenient && fault.error.message != kCancelled;
+  }
+  void progress(std::size_t at) const { value_or_throw(share.progress(double(at) / double(bytes.size()))); }
   /// Counts `count` values of `size` bytes, which the file promises at `at`, against the memory limit.
-  core::Expected<void> claim(std::size_t at, std::uint64_t count, std::size_t size);
+  void claim(std::size_t at, std::uint64_t count, std::size_t size);
 
   std::size_t claimed = 0;
 };
@@ -56,10 +59,9 @@ vtkSmartPointer<vtkDataArray> make_array(Wanted wanted, Number from, std::size_t
 
 /// Fills the array from raw numbers. `data` holds at least as many as the array.
 void fill_from_raw(vtkDataArray& to, Number from, std::span<const std::byte> data, bool big_endian);
-/// Fills the array from the words of `text`, which may hold more. Returns how many bytes that took, or where the file
-/// is damaged. `at` is the text's position in the file.
-core::Expected<std::size_t> fill_from_text(vtkDataArray& to, std::string_view text, const VtkFile& file,
-                                           std::size_t at);
+/// Fills the array from the words of `text`, which may hold more. Returns how many bytes that took, and throws where
+/// the file is damaged. `at` is the text's position in the file.
+std::size_t fill_from_text(vtkDataArray& to, std::string_view text, const VtkFile& file, std::size_t at);
 
 /// The next word of `text` from `at` on; moves `at` behind it. Empty at the end.
 std::string_view next_word(std::string_view text, std::size_t& at);

@@ -15,11 +15,10 @@ class vtkPoints;
 namespace sightline::importers {
 
 /// Cells with their points back to back. `offsets` are as in VTK, one more than cells and rising from 0, or as in XML
-/// files, without the 0. Both are integers; there are no cells when either is missing. Fails when they contradict each
-/// other.
-core::Expected<vtkSmartPointer<vtkCellArray>> make_cells(const VtkFile& file, std::size_t at,
-                                                         vtkTypeInt64Array* offsets, vtkTypeInt64Array* connectivity,
-                                                         bool with_zero);
+/// files, without the 0. Both are integers; there are no cells when either is missing. Throws an ImportFault when
+/// they contradict each other.
+vtkSmartPointer<vtkCellArray> make_cells(const VtkFile& file, std::size_t at, vtkTypeInt64Array* offsets,
+                                         vtkTypeInt64Array* connectivity, bool with_zero);
 
 /// Points of three values each.
 vtkSmartPointer<vtkPoints> make_points(vtkDataArray& values);
@@ -27,8 +26,7 @@ vtkSmartPointer<vtkPoints> make_points(vtkDataArray& values);
 /// `types`: one per cell. XML files store the faces of polyhedra apart: `faces` back to back, with a cell's part ending
 /// at face_ends[cell] (-1 for other cells). Without these arrays the points of a polyhedron are its face stream, as in
 /// legacy files: number of faces, then each face's size and points. Cells are not checked here (vtk_surface.h).
-core::Expected<vtkSmartPointer<vtkDataSet>> make_grid(const VtkFile& file, std::size_t at, vtkPoints* points,
-                                                      vtkCellArray& cells, vtkTypeInt64Array& types,
-                                                      vtkTypeInt64Array* faces, vtkTypeInt64Array* face_ends);
+vtkSmartPointer<vtkDataSet> make_grid(const VtkFile& file, std::size_t at, vtkPoints* points, vtkCellArray& cells,
+                                      vtkTypeInt64Array& types, vtkTypeInt64Array* faces, vtkTypeInt64Array* face_ends);
 
 }  // namespace sightline::importers

@@ -6,7 +6,7 @@
 namespace sightline::importers {
 
 /// Parses POLYDATA or UNSTRUCTURED_GRID with point normals, colours and strings of field data. Other attributes are
-/// skipped. When lenient, damage behind the cells loses only the attributes behind it.
-core::Expected<vtkSmartPointer<vtkDataObject>> parse_vtk_legacy(VtkFile& file);
+/// skipped. When lenient, damage behind the cells loses only the attributes behind it. Throws ImportFaults.
+vtkSmartPointer<vtkDataObject> parse_vtk_legacy(VtkFile& file);
 
 }  // namespace sightline::importers

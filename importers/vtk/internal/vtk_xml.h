@@ -26,9 +26,9 @@ using XmlTree = std::vector<XmlElement>;
 inline constexpr std::size_t kDeepestXml = 64, kMostXmlAttributes = 64;
 
 /// Parses markup up to the end of the root element or the begin of AppendedData. Refuses more levels or attributes than
-/// above, document types (their entities can grow without bound) and CDATA. Memory: at most 50 bytes per byte of
-/// markup.
-core::Expected<XmlTree> parse_xml(const VtkFile& file);
+/// above, document types (their entities can grow without bound) and CDATA, by an ImportFault. Memory: at most 50 bytes
+/// per byte of markup.
+XmlTree parse_xml(const VtkFile& file);
 
 /// "&amp;" to "&".
 std::string xml_unescaped(std::string_view text);
@@ -37,6 +37,6 @@ std::string_view xml_encoding(std::span<const std::byte> file);
 
 /// Parses a .vtp or .vtu file (by its root's type) with point normals, colours and strings of field data. Several
 /// pieces become a vtkMultiPieceDataSet. LZMA is refused, since its streams determine how much memory they need.
-core::Expected<vtkSmartPointer<vtkDataObject>> parse_vtk_xml(VtkFile& file);
+vtkSmartPointer<vtkDataObject> parse_vtk_xml(VtkFile& file);
 
 }  // namespace sightline::importers
