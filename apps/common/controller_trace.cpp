@@ -9,6 +9,8 @@
 #include <optional>
 #include <sstream>
 
+#include "sightline/importers/internal/text_scanner.h"
+
 namespace sightline::apps {
 namespace {
 
@@ -35,17 +37,11 @@ constexpr std::array<Column, 10> kColumns = {{{"frame", nullptr, true, false},
 /// Limit of times, counts and frame numbers. Larger numbers cannot be summed, nor written and read again.
 constexpr double kLargest = 1e15;
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   for (std::size_t begin = 0;;) {
     const std::size_t end = text.find(separator, begin);
-    parts.push_back(trimmed(text.substr(begin, end - begin)));
+    parts.push_back(importers::trimmed(text.substr(begin, end - begin)));
     if (end == std::string_view::npos) return parts;
     begin = end + 1;
   }

@@ -11,43 +11,11 @@ std::vector<double> Flight::collect(double (*pick)(const engine::FrameReport&), 
   return values;
 }
 
-std::vector<double> Flight::cull() const {
-  return collect([](const engine::FrameReport& r) { return r.cull_ms; });
-}
-
-std::vector<double> Flight::draw() const {
-  return collect([](const engine::FrameReport& r) { return r.draw_ms; });
-}
-
-std::vector<double> Flight::visible() const {
-  return collect([](const engine::FrameReport& r) { return double(r.visible); });
-}
-
-std::vector<double> Flight::sampled() const {
-  return collect([](const engine::FrameReport& r) { return double(r.sampled); });
-}
-
-std::vector<double> Flight::items_drawn() const {
-  return collect([](const engine::FrameReport& r) { return double(r.items_drawn); });
-}
-
-std::vector<double> Flight::triangles() const {
-  return collect([](const engine::FrameReport& r) { return double(r.triangles); });
-}
-
-std::vector<double> Flight::tested() const {
-  return collect([](const engine::FrameReport& r) { return double(r.tested); });
-}
-
 std::vector<double> Flight::gpu_cull() const {
   std::vector<double> values;
   for (const FlownFrame& f : frames)
     if (f.gpu_cull_ms >= 0.0) values.push_back(f.gpu_cull_ms);
   return values;
-}
-
-std::vector<double> Flight::frame() const {
-  return collect([](const engine::FrameReport& r) { return r.frame_ms; }, 1);
 }
 
 std::size_t Flight::on_gpu() const {

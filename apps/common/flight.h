@@ -22,16 +22,20 @@ struct Flight {
 
   /// Collects a figure of all frames. Leaves out negative values, which were not measured.
   std::vector<double> collect(double (*pick)(const engine::FrameReport&), std::size_t from = 0) const;
-  std::vector<double> cull() const;  ///< ms
-  std::vector<double> draw() const;  ///< ms
-  std::vector<double> visible() const;
-  std::vector<double> sampled() const;
-  std::vector<double> items_drawn() const;
-  std::vector<double> triangles() const;
-  std::vector<double> tested() const;
+  template <auto kField>
+  std::vector<double> of(std::size_t from = 0) const {
+    return collect([](const engine::FrameReport& report) { return double(report.*kField); }, from);
+  }
+  std::vector<double> cull() const { return of<&engine::FrameReport::cull_ms>(); }  ///< ms
+  std::vector<double> draw() const { return of<&engine::FrameReport::draw_ms>(); }  ///< ms
+  std::vector<double> visible() const { return of<&engine::FrameReport::visible>(); }
+  std::vector<double> sampled() const { return of<&engine::FrameReport::sampled>(); }
+  std::vector<double> items_drawn() const { return of<&engine::FrameReport::items_drawn>(); }
+  std::vector<double> triangles() const { return of<&engine::FrameReport::triangles>(); }
+  std::vector<double> tested() const { return of<&engine::FrameReport::tested>(); }
   std::vector<double> gpu_cull() const;  ///< ms
   /// Milliseconds, from the second frame on: the first has no predecessor to measure from.
-  std::vector<double> frame() const;
+  std::vector<double> frame() const { return of<&engine::FrameReport::frame_ms>(1); }
   std::size_t on_gpu() const;  ///< frames
   /// Number of frames culled by another path than the frame before.
   std::size_t switches() const;

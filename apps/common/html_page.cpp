@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/format.h>
 
 #include "sightline/apps/common/markup.h"
 #include "sightline/core/internal/srgb.h"
@@ -81,9 +82,7 @@ std::string html_of(const Badge& badge) {
 
 std::string hex_of(const core::vec3& colour) {
   const auto byte = [](float channel) { return unsigned(std::lround(255.0f * std::clamp(channel, 0.0f, 1.0f))); };
-  char text[8];
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(colour.r), byte(colour.g), byte(colour.b));
-  return text;
+  return fmt::format("#{:02x}{:02x}{:02x}", byte(colour.r), byte(colour.g), byte(colour.b));
 }
 
 void HtmlBody::heading(std::string_view text) {

@@ -1,57 +1,41 @@
 #include "sightline/apps/common/item_facts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "sightline/core/mesh_extras.h"
 
 namespace sightline::apps {
 namespace {
 
-/// In the order of core::parameters().
-std::span<const char* const> parameter_names(core::Kind kind) {
-  static constexpr const char* kPyramid[] = {"bottom x", "bottom y", "top x", "top y",
-                                             "offset x", "offset y", "height"};
-  static constexpr const char* kBox[] = {"size x", "size y", "size z"};
-  static constexpr const char* kRectangularTorus[] = {"inner radius", "outer radius", "height", "angle"};
-  static constexpr const char* kCircularTorus[] = {"bend radius", "tube radius", "angle"};
-  static constexpr const char* kDish[] = {"base radius", "height"};
-  static constexpr const char* kSnout[] = {"bottom radius",  "top radius",     "height",      "offset x",   "offset y",
-                                           "bottom shear x", "bottom shear y", "top shear x", "top shear y"};
-  static constexpr const char* kCylinder[] = {"radius", "height"};
-  static constexpr const char* kSphere[] = {"diameter"};
-  static constexpr const char* kLine[] = {"from", "to"};
-  switch (kind) {
-    case core::Kind::kPyramid:
-      return kPyramid;
-    case core::Kind::kBox:
-      return kBox;
-    case core::Kind::kRectangularTorus:
-      return kRectangularTorus;
-    case core::Kind::kCircularTorus:
-      return kCircularTorus;
-    case core::Kind::kEllipticalDish:
-    case core::Kind::kSphericalDish:
-      return kDish;
-    case core::Kind::kSnout:
-      return kSnout;
-    case core::Kind::kCylinder:
-      return kCylinder;
-    case core::Kind::kSphere:
-      return kSphere;
-    case core::Kind::kLine:
-      return kLine;
-    case core::Kind::kFacetGroup:
-    case core::Kind::kMesh:
-      break;
-  }
-  return {};
+/// By kind, in the order of core::parameters().
+const std::array<std::vector<const char*>, core::kPrimitiveKindCount>& parameter_names() {
+  static const auto all = [] {
+    using enum core::Kind;
+    std::array<std::vector<const char*>, core::kPrimitiveKindCount> names;
+    const auto of = [&](core::Kind kind) -> auto& {
+      return names[std::size_t(kind)];
+    };
+    of(kPyramid) = {"bottom x", "bottom y", "top x", "top y", "offset x", "offset y", "height"};
+    of(kBox) = {"size x", "size y", "size z"};
+    of(kRectangularTorus) = {"inner radius", "outer radius", "height", "angle"};
+    of(kCircularTorus) = {"bend radius", "tube radius", "angle"};
+    of(kEllipticalDish) = of(kSphericalDish) = {"base radius", "height"};
+    of(kSnout) = {"bottom radius",  "top radius",     "height",      "offset x",   "offset y",
+                  "bottom shear x", "bottom shear y", "top shear x", "top shear y"};
+    of(kCylinder) = {"radius", "height"};
+    of(kSphere) = {"diameter"};
+    of(kLine) = {"from", "to"};
+    return names;
+  }();
+  return all;
 }
 
 bool is_angle(std::string_view name) {
@@ -69,13 +53,8 @@ std::optional<double> scale_of(const core::Affine& world_from_item) {
 /// A parameter in the world, or, where an item is stretched, in its own units.
 std::string quantity(std::string_view name, double value, const std::optional<double>& scale,
                      const LengthFormat& lengths) {
-  if (scale && !is_angle(name)) return lengths.text(value * *scale);
-  char text[60];
-  if (is_angle(name))
-    std::snprintf(text, sizeof text, "%.6g°", glm::degrees(value));
-  else
-    std::snprintf(text, sizeof text, "%.6g units, stretched", value);
-  return text;
+  if (is_angle(name)) return fmt::format("{:.6g}°", glm::degrees(value));
+  return scale ? lengths.text(value * *scale) : fmt::format("{:.6g} units, stretched", value);
 }
 
 /// Sizes of the faces whose surfaces the mesh's file states, each once, from small to large.
@@ -114,7 +93,7 @@ std::vector<Fact> shape_facts(const core::Scene& scene, core::ItemId item, const
   }
   const core::Primitive primitive = scene.primitive(item);
   const auto values = core::parameters(primitive);
-  const auto names = parameter_names(kind);
+  const auto& names = parameter_names()[std::size_t(kind)];
   const std::optional<double> scale = scale_of(scene.state(item).world_from_item);
   for (std::size_t i = 0; i < values.size(); ++i)
     facts.push_back({names[i], quantity(names[i], double(values[i]), scale, lengths)});

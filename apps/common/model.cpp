@@ -1,11 +1,12 @@
 #include "sightline/apps/common/model.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <memory>
+
+#include <fmt/format.h>
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
@@ -101,11 +102,7 @@ std::string import_arguments(const importers::ImportOptions& options) {
   std::string arguments = options.lenient ? " --lenient" : "";
   for (const auto& [name, metres] : lengths())
     if (metres == options.metres_per_unit && metres != 1.0) arguments += " --units " + name;
-  const auto add = [&](const char* name, double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.17g", value);
-    arguments.append(" ").append(name).append(" ").append(text);
-  };
+  const auto add = [&](const char* name, double value) { arguments += fmt::format(" {} {:.17g}", name, value); };
   if (options.recognise) arguments += " --recognise";
   if (options.recognise && options.recognise_tolerance > 0.0) add("--recognise-tolerance", options.recognise_tolerance);
   if (options.chord_tolerance > 0.0) add("--chord-tolerance", options.chord_tolerance);
@@ -177,24 +174,20 @@ std::string recognition_words(const importers::RecognitionReport& report) {
     add(kinds, report.items[std::size_t(k)], core::name_of(core::Kind(k)));
   for (std::size_t k = 0; k < importers::kRefusalCount; ++k)
     add(refused, report.refused[k], name_of(importers::Refusal(k)));
-  char text[256];
-  std::snprintf(text, sizeof text, "; %llu of %llu triangles of distinct meshes left, %.1f of %.1f kB, at most %.3g m off",
-                (unsigned long long)report.triangles_after, (unsigned long long)report.triangles_before,
-                1e-3 * double(report.bytes_after), 1e-3 * double(report.bytes_before), report.largest_deviation);
-  return "recognised " + (kinds.empty() ? std::string("nothing") : kinds) + text +
-         (refused.empty() ? "" : "; refused: " + refused);
+  return fmt::format(
+      "recognised {}; {} of {} triangles of distinct meshes left, {:.1f} of {:.1f} kB, at most {:.3g} m off{}{}",
+      kinds.empty() ? "nothing" : kinds, report.triangles_after, report.triangles_before,
+      1e-3 * double(report.bytes_after), 1e-3 * double(report.bytes_before), report.largest_deviation,
+      refused.empty() ? "" : "; refused: ", refused);
 }
 
 std::string surface_words(const importers::ExactSurfaceReport& report) {
-  char text[320];
-  std::snprintf(
-      text, sizeof text,
-      "%llu parts in %llu places: %llu solids as primitives (at most %.2g m off), %llu bodies as %llu triangles "
-      "(at most %.2g m off, %.2g m asked for)",
-      (unsigned long long)report.parts, (unsigned long long)report.instances,
-      (unsigned long long)report.analytic_solids, report.analytic_deviation, (unsigned long long)report.meshed_bodies,
-      (unsigned long long)report.triangles, report.deviation, report.largest_tolerance);
-  return text;
+  return fmt::format(
+      "{} parts in {} places: {} solids as primitives (at most {:.2g} m off), {} bodies as {} triangles (at most "
+      "{:.2g} "
+      "m off, {:.2g} m asked for)",
+      report.parts, report.instances, report.analytic_solids, report.analytic_deviation, report.meshed_bodies,
+      report.triangles, report.deviation, report.largest_tolerance);
 }
 
 core::Expected<Model> load_model(const ModelOptions& options) {
@@ -336,9 +329,10 @@ namespace {
 void add_looks_options(CommandLine& line, DrawnOptions& options) {
   const auto add_strength = [](CommandLine& to, const char* name, std::optional<double>& strength, double otherwise,
                                const std::string& what) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%g", otherwise);
-    return to.add(name, strength, what).default_text(text.data()).in_range(0.0, 1.0).accepted_by(parse_finite);
+    return to.add(name, strength, what)
+        .default_text(fmt::format("{:g}", otherwise))
+        .in_range(0.0, 1.0)
+        .accepted_by(parse_finite);
   };
   const engine::Looks& looks = options.looks;
   add_strength(line, "--depth-shading", options.depth_shading, looks.depth_shading.strength,

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/format.h>
 
 namespace sightline::apps {
 
@@ -22,35 +23,23 @@ std::string grouped(std::int64_t number) {
 }
 
 std::string vector_text(const core::dvec3& v) {
-  char text[100];
-  std::snprintf(text, sizeof text, "%.3f  %.3f  %.3f", v.x + 0.0, v.y + 0.0, v.z + 0.0);  // no -0
-  return text;
+  return fmt::format("{:.3f}  {:.3f}  {:.3f}", v.x + 0.0, v.y + 0.0, v.z + 0.0);  // no -0
 }
 
 std::string bytes_text(std::uint64_t bytes) {
   constexpr std::uint64_t kMostKilobytes = 100'000, kMostMegabytes = 10'000'000'000;
-  char text[40];
-  if (bytes < kMostKilobytes)
-    std::snprintf(text, sizeof text, "%.1f kB", double(bytes) / 1e3);
-  else if (bytes < kMostMegabytes)
-    std::snprintf(text, sizeof text, "%.1f MB", double(bytes) / 1e6);
-  else
-    std::snprintf(text, sizeof text, "%.1f GB", double(bytes) / 1e9);
-  return text;
+  if (bytes < kMostKilobytes) return fmt::format("{:.1f} kB", double(bytes) / 1e3);
+  if (bytes < kMostMegabytes) return fmt::format("{:.1f} MB", double(bytes) / 1e6);
+  return fmt::format("{:.1f} GB", double(bytes) / 1e9);
 }
 
 std::string length_text(double metres) {
-  char text[40];
-  const bool small = std::abs(metres) < 0.01;
-  std::snprintf(text, sizeof text, small ? "%.2f mm" : "%.3f m", small ? 1e3 * metres : metres);
-  return text;
+  return std::abs(metres) < 0.01 ? fmt::format("{:.2f} mm", 1e3 * metres) : fmt::format("{:.3f} m", metres);
 }
 
 std::string LengthFormat::number(double metres) const {
   const double value = metres * per_metre();
-  char text[400];
-  std::snprintf(text, sizeof text, "%.*f", decimals == kTrimmed ? 6 : decimals, std::abs(value));
-  std::string digits = text;
+  std::string digits = fmt::format("{:.{}f}", std::abs(value), decimals == kTrimmed ? 6 : decimals);
   if (decimals == kTrimmed) digits.erase(digits.find_last_not_of("0") + 1);
   if (digits.back() == '.') digits.pop_back();
   const std::size_t point = std::min(digits.find('.'), digits.size());

@@ -1,12 +1,12 @@
 #include "sightline/apps/common/tessellated_scene.h"
 
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <map>
 #include <tuple>
 
 #include "sightline/gpuprims/internal/primitives.h"
+#include "sightline/importers/internal/tessellated.h"
 
 namespace sightline::apps {
 namespace {
@@ -15,14 +15,6 @@ using core::ItemId;
 using core::Kind;
 using core::NodeId;
 using core::Scene;
-
-/// The largest stretch of the map: exact when its axes stay at right angles, else an upper bound.
-double largest_scale(const core::dmat3& linear) {
-  const core::dmat3 gram = glm::transpose(linear) * linear;
-  double most = 0.0;
-  for (int i = 0; i < 3; ++i) most = std::max(most, std::abs(gram[i].x) + std::abs(gram[i].y) + std::abs(gram[i].z));
-  return std::sqrt(most);
-}
 
 class Converter {
  public:
@@ -94,7 +86,7 @@ class Converter {
     const core::Primitive primitive = from_.primitive(item);
     if (fineness_.fixed_segments == 0) {
       // In float, so that placements that differ by roundings share a mesh.
-      const double scale = largest_scale(from_.state(item).world_from_item.linear);
+      const double scale = importers::largest_scale(from_.state(item).world_from_item.linear);
       fineness_.chord_tolerance = scale > 0.0 ? float(metres_ / scale) : 0.0;
     }
     const double tolerance = fineness_.fixed_segments == 0 ? fineness_.chord_tolerance : 0.0;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
+
+#include <fmt/format.h>
 
 #include "sightline/apps/common/output.h"
 #include "sightline/core/image_rays.h"
@@ -126,9 +127,7 @@ core::Expected<PathFrames> PathFrames::create(const core::CameraPath& path, doub
 }
 
 std::string PathFrames::file_name(int frame) {
-  char name[32];
-  std::snprintf(name, sizeof name, "frame-%06d.png", frame + 1);
-  return name;
+  return fmt::format("frame-{:06}.png", frame + 1);
 }
 
 core::Expected<void> take_empty_folder(const std::string& folder) {

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/core/fitting.h"
@@ -176,12 +178,11 @@ core::Expected<void> check_sections(const core::View& view, const core::ItemBoun
     bounds.grow(core::AabbD{low, high});
   }
   if (bounds.empty()) return {};  // without sections there would be nothing, either
-  char text[200];
   const auto millimetres = [&](const core::dvec3& p) { return 1e-3 * glm::round(1e3 * (p - offset)) + 0.0; };  // no -0
   const core::dvec3 low = millimetres(bounds.min), high = millimetres(bounds.max);
-  std::snprintf(text, sizeof text, "the sections leave nothing of the model, from %.6g %.6g %.6g to %.6g %.6g %.6g m",
-                low.x, low.y, low.z, high.x, high.y, high.z);
-  return core::fail(text);
+  return core::fail(
+      fmt::format("the sections leave nothing of the model, from {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} m", low.x,
+                  low.y, low.z, high.x, high.y, high.z));
 }
 
 }  // namespace sightline::apps

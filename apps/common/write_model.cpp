@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <filesystem>
+#include <numeric>
 #include <string_view>
+
+#include <fmt/format.h>
 
 #include "sightline/apps/common/file_formats.h"
 #include "sightline/importers/gltf/gltf_writer.h"
@@ -61,9 +63,7 @@ std::string companion_of(const std::string& output) {
 }  // namespace
 
 std::uint64_t total(const ItemCounts& items) {
-  std::uint64_t sum = 0;
-  for (const std::uint64_t n : items) sum += n;
-  return sum;
+  return std::accumulate(items.begin(), items.end(), std::uint64_t{0});
 }
 
 core::Expected<void> check_output(const std::string& output, std::span<const std::string> read) {
@@ -132,20 +132,16 @@ core::Expected<WrittenModel> write_model(const core::Scene& scene, core::NodeId 
 }
 
 std::string words_of(const WrittenModel& written, const std::string& output, std::uint64_t items) {
-  std::string words = output + ": " + std::to_string(total(written.items)) + " of " + std::to_string(items) +
-                      " items, " + std::to_string(written.bytes) + " bytes";
-  char text[200];
+  const std::string words =
+      fmt::format("{}: {} of {} items, {} bytes", output, total(written.items), items, written.bytes);
   if (written.tiles) {
     const importers::TilesWriteReport& tiles = *written.tiles;
-    std::snprintf(text, sizeof text, ", %llu tiles on %llu levels, errors up to %.3g m, %llu triangles",
-                  (unsigned long long)tiles.tiles, (unsigned long long)tiles.levels, tiles.root_error,
-                  (unsigned long long)tiles.leaf_triangles);
-    return words + text;
+    return words + fmt::format(", {} tiles on {} levels, errors up to {:.3g} m, {} triangles", tiles.tiles,
+                               tiles.levels, tiles.root_error, tiles.leaf_triangles);
   }
   if (!written.triangles) return words;
-  std::snprintf(text, sizeof text, ", %llu triangles, at most %.3g m from the primitives they stand for",
-                (unsigned long long)written.triangles->triangles, written.triangles->largest_chord_error);
-  return words + text;
+  return words + fmt::format(", {} triangles, at most {:.3g} m from the primitives they stand for",
+                             written.triangles->triangles, written.triangles->largest_chord_error);
 }
 
 }  // namespace sightline::apps

@@ -13,6 +13,9 @@ namespace sightline::importers {
 
 class ImportJob;
 
+/// Bytes of the valid character that a text which is not empty begins with; 0 if it begins with none.
+std::size_t utf8_length(std::string_view text);
+
 bool is_utf8(std::string_view text);
 
 /// Every byte is a character. The five that the code page leaves open become control characters, as on the web.
