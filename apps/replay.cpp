@@ -42,7 +42,7 @@ struct Options {
   int frames = 300, every = 30;
   gl::ContextPlatform platform = {};
   bool no_render = false, mpi = false, settle = false;
-  std::string memory, record_both, controller_trace, policy = "frame-cost", rendering = "on";
+  std::string memory, record_both, controller_trace, rendering = "on";
 };
 
 void add_controller_options(apps::CommandLine& line, Options& o) {
@@ -55,11 +55,6 @@ void add_controller_options(apps::CommandLine& line, Options& o) {
     if (o.model.files.empty() && o.controller_trace.empty()) return core::fail("MODEL is required");
     return {};
   });
-  line.group(apps::OptionGroup::kEngine)
-      .add("--policy", o.policy, "Of the hybrid: frame-cost or 2009")
-      .one_of({"frame-cost", "2009"})
-      .shows_default()
-      .advanced();
   line.add("--rendering", o.rendering, "on: frame times count; off: cull times")
       .one_of({"on", "off"})
       .shows_default()
@@ -286,10 +281,6 @@ core::Expected<void> write_reports(const Options& o, const engine::Engine& engin
   return done;
 }
 
-culling::Policy policy_of(const Options& o) {
-  return o.policy == "2009" ? culling::Policy::k2009 : culling::Policy::kFrameCost;
-}
-
 /// Flies twice, with each path fixed once. A frame's interval is known when the next frame begins, so the last frame
 /// has none.
 core::Expected<int> record_both(const Options& o, const apps::Model& model, engine::EngineConfig config) {
@@ -311,7 +302,7 @@ core::Expected<int> record_both(const Options& o, const apps::Model& model, engi
       const double cull = gpu ? frame.gpu_cull_ms : frame.report.cull_ms;
       (gpu ? trace[i].gpu_cull_ms : trace[i].cpu_cull_ms) = cull > 0.0 ? cull : not_measured;
       (gpu ? trace[i].gpu_frame_ms : trace[i].cpu_frame_ms) = config.draw ? interval : not_measured;
-      if (!gpu) trace[i].visible = double(frame.report.visible), trace[i].tested = double(frame.report.tested);
+      if (!gpu) trace[i].visible = double(frame.report.visible);
     }
   }
   if (auto done = apps::write_text(o.record_both, apps::controller_trace_csv(trace)); !done)
@@ -323,9 +314,7 @@ core::Expected<int> record_both(const Options& o, const apps::Model& model, engi
 core::Expected<int> replay_controller(const Options& o) {
   const auto trace = apps::read_controller_trace(o.controller_trace);
   if (!trace) return tl::unexpected(trace.error());
-  culling::ControllerConfig config;
-  config.policy = policy_of(o);
-  const apps::TraceResult result = apps::run_controller(*trace, config, o.rendering == "on");
+  const apps::TraceResult result = apps::run_controller(*trace, o.rendering == "on");
   if (!o.json_file.empty()) {
     const Json out = {{"frames", trace->size()},       {"chosen_ms", result.chosen_ms},
                       {"oracle_ms", result.oracle_ms}, {"best_fixed_ms", result.best_fixed_ms},
@@ -335,10 +324,10 @@ core::Expected<int> replay_controller(const Options& o) {
       return tl::unexpected(done.error());
   }
   std::fprintf(apps::table_stream(o.json_file),
-               "%zu frames, policy %s, rendering %s: chosen %.4f ms, oracle %.4f, best fixed path %.4f; "
+               "%zu frames, rendering %s: chosen %.4f ms, oracle %.4f, best fixed path %.4f; "
                "%llu switches, %llu probes\n",
-               trace->size(), o.policy.c_str(), o.rendering.c_str(), result.chosen_ms, result.oracle_ms,
-               result.best_fixed_ms, (unsigned long long)result.switches, (unsigned long long)result.probes);
+               trace->size(), o.rendering.c_str(), result.chosen_ms, result.oracle_ms, result.best_fixed_ms,
+               (unsigned long long)result.switches, (unsigned long long)result.probes);
   return apps::kExitOk;
 }
 
@@ -356,7 +345,6 @@ core::Expected<engine::EngineConfig> engine_config(const Options& o) {
   config.culling.gpu_culler = o.gpu_culler;
   config.drawing.samples = o.samples;
   o.shown.apply(config);
-  config.culling.controller.policy = policy_of(o);
   return config;
 }
 
@@ -478,11 +466,11 @@ int main(int argc, char** argv) {
       "  sightline-replay plant.rvm\n"
       "  sightline-replay plant.rvm --frames 500 --no-render --json out.json --plot out.svg\n"
       "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10\n"
-      "  sightline-replay plant.rvm --culler hybrid --policy frame-cost --trace out.csv\n"
+      "  sightline-replay plant.rvm --culler hybrid --trace out.csv\n"
       "  sightline-replay huge.slc --memory 4G --frames 100 --images frames\n"
       "  mpirun -np 4 sightline-replay plant.rvm --mpi --frames 60 --images frames\n"
       "  sightline-replay plant.rvm --record-both trace.csv\n"
-      "  sightline-replay --controller-only trace.csv --policy 2009 --rendering off --json -");
+      "  sightline-replay --controller-only trace.csv --rendering off --json -");
   Options options;
   add_options(line, options);
   return line.run(argc, argv, [&] { return replay(options); });

@@ -64,7 +64,7 @@ const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig
 
 EngineState::EngineState(core::Scene& scene_, const EngineConfig& config_)
     : scene(&scene_), edits(scene_.subscribe()), config(config_) {
-  config.culling.controller.frame_cost.rendering = config.draw;
+  config.culling.controller.rendering = config.draw;
   if (config.context.later) next_try = std::numeric_limits<double>::infinity();
 }
 
@@ -134,7 +134,7 @@ core::Expected<void> Engine::configure(const EngineConfig& config) {
     return core::fail(std::string("engine: another engine is needed for another ") + fixed +
                       "; resize() and use_context() change size and context");
   const EngineConfig before = std::exchange(s.config, config);
-  s.config.culling.controller.frame_cost.rendering = config.draw;
+  s.config.culling.controller.rendering = config.draw;
   const CullerChoice culler_before = s.live.plan.culler;
   s.live.follow_plan(plan_request(s));
   if (auto done = follow_plan_in_context(s, false); !done) {

@@ -120,15 +120,6 @@ core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, bo
   return {};
 }
 
-/// Empty unless the policy is that of the dissertation: no other reads it.
-culling::FrameSample describe_walk(const EngineState& s) {
-  culling::FrameSample walk;
-  const auto* culler = std::get_if<culling::CpuCuller>(s.live.culler.get());
-  if (culler && s.config.culling.controller.policy == culling::Policy::k2009)
-    describe(culler->hierarchy(), s.visible.counters, walk);
-  return walk;
-}
-
 core::Expected<FrameReport> run_frame(EngineState& s, const FrameTask& task) {
   const auto kept = s.keep_state();
   if (task.input.target)
@@ -151,7 +142,7 @@ core::Expected<FrameReport> run_frame(EngineState& s, const FrameTask& task) {
   const auto on_gpu = cull(s, task, shows_unseen, report);
   if (!on_gpu) return failed(on_gpu.error());
   if (auto done = draw(s, task, *on_gpu, shows_unseen, report); !done) return failed(done.error());
-  if (s.hybrid && !shows_unseen) s.hybrid->measured(report, describe_walk(s));
+  if (s.hybrid && !shows_unseen) s.hybrid->measured(report);
   return report;
 }
 

@@ -37,17 +37,13 @@ Hybrid::Pending* Hybrid::find(std::uint64_t report_frame) {
   return p.sample.frame == frame && !p.fed ? &p : nullptr;
 }
 
-void Hybrid::measured(const FrameReport& report, const culling::FrameSample& walk) {
+void Hybrid::measured(const FrameReport& report) {
   Pending& p = pending(controller_.frames() - 1);
   p.wait_ms = report.wait_ms;
   p.drawn = !report.drawn;                      // then there is no drawing to wait for
   if (p.sample.path == CullPath::kGpu) return;  // its CPU time is that of the submission
   p.sample.cull_ms = report.cull_ms;
   p.sample.visible = double(report.visible);
-  p.sample.tested = double(report.tested);
-  p.sample.nodes = walk.nodes;
-  p.sample.intersections = walk.intersections;
-  p.sample.height = walk.height;
   p.late_known = true;
 }
 

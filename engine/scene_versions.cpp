@@ -81,7 +81,7 @@ core::Expected<bool> prepare_incoming(EngineState& s, double most_seconds) {
 
 culling::ControllerConfig controller_config(const EngineState& s) {
   culling::ControllerConfig config = s.config.culling.controller;
-  double& excess = config.frame_cost.presumed_gpu_excess;
+  double& excess = config.presumed_gpu_excess;
   if (excess == 0.0 && s.backend->software()) excess = kSoftwareGpuExcess;
   return config;
 }

@@ -20,19 +20,15 @@ using culling::FrameSample;
 struct Column {
   std::string_view name;
   double TraceFrame::*field;  // null: the frame number
-  bool required, time;
+  bool time;
 };
 
-constexpr std::array<Column, 10> kColumns = {{{"frame", nullptr, true, false},
-                                              {"visible", &TraceFrame::visible, true, false},
-                                              {"cpu_cull_ms", &TraceFrame::cpu_cull_ms, true, true},
-                                              {"cpu_frame_ms", &TraceFrame::cpu_frame_ms, true, true},
-                                              {"gpu_cull_ms", &TraceFrame::gpu_cull_ms, true, true},
-                                              {"gpu_frame_ms", &TraceFrame::gpu_frame_ms, true, true},
-                                              {"tested", &TraceFrame::tested, false, false},
-                                              {"nodes", &TraceFrame::nodes, false, false},
-                                              {"intersections", &TraceFrame::intersections, false, false},
-                                              {"height", &TraceFrame::height, false, false}}};
+constexpr std::array<Column, 6> kColumns = {{{"frame", nullptr, false},
+                                             {"visible", &TraceFrame::visible, false},
+                                             {"cpu_cull_ms", &TraceFrame::cpu_cull_ms, true},
+                                             {"cpu_frame_ms", &TraceFrame::cpu_frame_ms, true},
+                                             {"gpu_cull_ms", &TraceFrame::gpu_cull_ms, true},
+                                             {"gpu_frame_ms", &TraceFrame::gpu_frame_ms, true}}};
 
 /// Limit of times, counts and frame numbers. Larger numbers cannot be summed, nor written and read again.
 constexpr double kLargest = 1e15;
@@ -67,7 +63,7 @@ core::Expected<Layout> parse_header(std::string_view line) {
     layout.push_back(column);
   }
   for (const Column& column : kColumns)
-    if (column.required && std::find(layout.begin(), layout.end(), &column) == layout.end())
+    if (std::find(layout.begin(), layout.end(), &column) == layout.end())
       return core::fail("no column " + std::string(column.name));
   return layout;
 }
@@ -144,33 +140,21 @@ std::string controller_trace_csv(const std::vector<TraceFrame>& trace) {
   return csv;
 }
 
-TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::ControllerConfig& config,
-                           bool rendering) {
-  culling::ControllerConfig used = config;
-  used.frame_cost.rendering = rendering;
-  culling::Controller controller(used);
-  double items = 0.0;
-  for (const TraceFrame& f : trace) items = std::max(items, std::isnan(f.visible) ? 0.0 : f.visible);
-  controller.scene_changed(items);
-  controller.gpu_ready();
+TraceResult run_choice(const std::vector<TraceFrame>& trace, bool rendering, const std::function<CullPath()>& next,
+                       const std::function<void(const FrameSample&)>& feed) {
   TraceResult result;
   const auto show = [&](std::size_t i, CullPath path) {
     const TraceFrame& f = trace[i];
-    FrameSample sample{.frame = i, .path = path, .visible = f.visible};
-    sample.cull_ms = f.cost(path, false);
-    sample.frame_ms = f.cost(path, true);
-    if (path == CullPath::kCpu) {
-      sample.tested = f.tested;
-      sample.nodes = f.nodes;
-      sample.intersections = f.intersections;
-      sample.height = f.height;
-    }
-    controller.feed(sample);
+    feed({.frame = i,
+          .path = path,
+          .cull_ms = f.cost(path, false),
+          .frame_ms = f.cost(path, true),
+          .visible = f.visible});
   };
   const auto known = [](double ms) { return std::isnan(ms) ? 0.0 : ms; };
   double fixed[2] = {0.0, 0.0};
   for (std::size_t i = 0; i < trace.size(); ++i) {
-    const CullPath path = controller.next();
+    const CullPath path = next();
     result.choice += path == CullPath::kCpu ? 'c' : 'g';
     if (i >= kGpuLatency && result.choice[i - kGpuLatency] == 'g') show(i - kGpuLatency, CullPath::kGpu);
     if (path == CullPath::kCpu) show(i, path);
@@ -182,6 +166,20 @@ TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::
     fixed[1] += gpu;
   }
   result.best_fixed_ms = std::min(fixed[0], fixed[1]);
+  return result;
+}
+
+TraceResult run_controller(const std::vector<TraceFrame>& trace, bool rendering,
+                           const culling::ControllerConfig& config) {
+  culling::ControllerConfig used = config;
+  used.rendering = rendering;
+  culling::Controller controller(used);
+  double items = 0.0;
+  for (const TraceFrame& f : trace) items = std::max(items, std::isnan(f.visible) ? 0.0 : f.visible);
+  controller.scene_changed(items);
+  controller.gpu_ready();
+  TraceResult result = run_choice(
+      trace, rendering, [&] { return controller.next(); }, [&](const FrameSample& sample) { controller.feed(sample); });
   result.switches = controller.switches();
   result.probes = controller.probes();
   return result;

@@ -1,6 +1,7 @@
 // Recorded traces of the cost of both culling paths, frame by frame, and runs of the hybrid's controller over them.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,10 +15,6 @@ namespace sightline::apps {
 struct TraceFrame {
   double cpu_cull_ms, cpu_frame_ms, gpu_cull_ms, gpu_frame_ms;
   double visible = culling::FrameSample::kNotMeasured;
-  double tested = culling::FrameSample::kNotMeasured;         ///< by the CPU
-  double nodes = culling::FrameSample::kNotMeasured;          ///< number that the CPU could have tested
-  double intersections = culling::FrameSample::kNotMeasured;  ///< by the CPU
-  double height = culling::FrameSample::kNotMeasured;         ///< by the CPU
 
   double cost(culling::CullPath path, bool rendering) const {
     if (path == culling::CullPath::kCpu) return rendering ? cpu_frame_ms : cpu_cull_ms;
@@ -26,9 +23,8 @@ struct TraceFrame {
 };
 
 /// Parses CSV. A header names the columns, in any order: frame, visible, cpu_cull_ms, cpu_frame_ms, gpu_cull_ms,
-/// gpu_frame_ms and optionally tested, nodes, intersections, height. Other columns are skipped. Times are > 0 or "nan",
-/// counts >= 0, nothing exceeds 1e15, frames rise by one. There must be at least one frame. Errors name the line, and
-/// call the text `name`.
+/// gpu_frame_ms. Other columns are skipped. Times are > 0 or "nan", counts >= 0, nothing exceeds 1e15, frames rise by
+/// one. There must be at least one frame. Errors name the line, and call the text `name`.
 core::Expected<std::vector<TraceFrame>> parse_controller_trace(std::string_view text, const std::string& name);
 core::Expected<std::vector<TraceFrame>> read_controller_trace(const std::string& file);
 /// Writes all columns, in the form that parse_controller_trace reads.
@@ -45,10 +41,15 @@ struct TraceResult {
 /// GPU samples arrive this many frames late.
 inline constexpr std::size_t kGpuLatency = 2;
 
-/// Runs a controller over a trace. The controller sees only the cost of the path that it chose. The CPU's sample of a
-/// frame arrives before the next frame, the GPU's kGpuLatency frames later. The number of items is taken to be the
-/// largest number visible. A cost that was not measured counts as 0.
-TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::ControllerConfig& config,
-                           bool rendering);
+/// Runs a choice of paths over a trace: `next` gives the path of a frame, and `feed` gets what the frame cost on it.
+/// The CPU's sample of a frame arrives before the next frame, the GPU's kGpuLatency frames later. A cost that was not
+/// measured counts as 0. The result lacks switches and probes.
+TraceResult run_choice(const std::vector<TraceFrame>& trace, bool rendering,
+                       const std::function<culling::CullPath()>& next,
+                       const std::function<void(const culling::FrameSample&)>& feed);
+
+/// Runs the controller over a trace. The number of items is taken to be the largest number visible.
+TraceResult run_controller(const std::vector<TraceFrame>& trace, bool rendering,
+                           const culling::ControllerConfig& config = {});
 
 }  // namespace sightline::apps

@@ -60,16 +60,13 @@ void settings_sliders(Viewer& viewer, Session& session) {
       viewer.tell_outcome(viewer.set_motion_error(double(*pixels)));
   error_figures(session);
   if (session.engine().plan().culler != engine::CullerChoice::kHybrid) return;
-  const culling::FrameCostConfig& hybrid = now.culling.controller.frame_cost;
+  const culling::ControllerConfig& hybrid = now.culling.controller;
   slider("margin, %", "the hybrid changes the path where the other one is cheaper by this share", 1e2 * hybrid.margin,
-         50.0, "%.0f",
-         [](auto& config, float share) { config.culling.controller.frame_cost.margin = 1e-2 * double(share); });
+         50.0, "%.0f", [](auto& config, float share) { config.culling.controller.margin = 1e-2 * double(share); });
   slider("margin at first, %", "the same soon after a change", 1e2 * hybrid.dwell_margin, 100.0, "%.0f",
-         [](auto& config, float share) { config.culling.controller.frame_cost.dwell_margin = 1e-2 * double(share); });
+         [](auto& config, float share) { config.culling.controller.dwell_margin = 1e-2 * double(share); });
   slider("soon, frames", "what counts as soon after a change", hybrid.dwell_frames, 100.0, "%.0f",
-         [](auto& config, float frames) {
-           config.culling.controller.frame_cost.dwell_frames = std::uint32_t(frames + 0.5f);
-         });
+         [](auto& config, float frames) { config.culling.controller.dwell_frames = std::uint32_t(frames + 0.5f); });
 }
 
 /// Legend, switches and counts of a frozen camera's items.

@@ -11,56 +11,38 @@ using namespace sightline::capi;
 namespace sightline::capi {
 namespace {
 
-constexpr std::int32_t kPolicies = 2, kTriggers = 4, kGpuVariants = 3;
-
-/// Thresholds and shares of both policies.
-void check_controller(const sl_controller_config& from) {
-  for (const double number :
-       {from.least_gpu_cull_ms, from.margin, from.dwell_margin, from.probe_share, from.probe_cost,
-        from.presumed_gpu_excess, from.slow_ms, from.slow_height, from.slow_intersections, from.slow_share})
-    require(std::isfinite(number) && number >= 0.0, "finite numbers from 0 on in a controller");
-  for (const std::uint32_t frames : {from.enter_frames, from.gpu_frames, from.probe_frames, from.most_gpu_frames})
-    require(frames >= 1, "1 frame or more in SL_POLICY_2009's counts of a controller");
-}
+constexpr std::int32_t kGpuVariants = 3;
 
 culling::ControllerConfig controller_of(const sl_controller_config* given) {
   const sl_controller_config from = read(given, sl_controller_config SL_CONTROLLER_CONFIG_INIT);
-  check_controller(from);
-  culling::ControllerConfig to;
-  to.policy = enum_of<culling::Policy>(from.policy, kPolicies, "policy");
-  culling::FrameCostConfig& cost = to.frame_cost;
-  cost.least_gpu_cull_ms = from.least_gpu_cull_ms;
-  cost.margin = from.margin, cost.dwell_margin = from.dwell_margin;
-  cost.probe_share = from.probe_share, cost.probe_cost = from.probe_cost;
-  cost.presumed_gpu_excess = from.presumed_gpu_excess;
-  cost.dwell_frames = from.dwell_frames, cost.first_probes = from.first_probes;
-  cost.probe_interval = from.probe_interval, cost.silent_frames = from.silent_frames;
-  culling::Policy2009Config& old = to.policy_2009;
-  old.trigger = enum_of<culling::Policy2009Trigger>(from.trigger, kTriggers, "trigger");
-  old.slow_ms = from.slow_ms, old.slow_height = from.slow_height;
-  old.slow_intersections = from.slow_intersections, old.slow_share = from.slow_share;
-  old.enter_frames = from.enter_frames, old.gpu_frames = from.gpu_frames;
-  old.probe_frames = from.probe_frames, old.most_gpu_frames = from.most_gpu_frames;
-  return to;
+  for (const double number : {from.least_gpu_cull_ms, from.margin, from.dwell_margin, from.probe_share, from.probe_cost,
+                              from.presumed_gpu_excess})
+    require(std::isfinite(number) && number >= 0.0, "finite numbers from 0 on in a controller");
+  return {.least_gpu_cull_ms = from.least_gpu_cull_ms,
+          .margin = from.margin,
+          .dwell_margin = from.dwell_margin,
+          .dwell_frames = from.dwell_frames,
+          .probe_share = from.probe_share,
+          .first_probes = from.first_probes,
+          .probe_cost = from.probe_cost,
+          .probe_interval = from.probe_interval,
+          .silent_frames = from.silent_frames,
+          .presumed_gpu_excess = from.presumed_gpu_excess};
 }
 
 sl_controller_config controller_of(const culling::ControllerConfig& from) {
-  sl_controller_config to SL_CONTROLLER_CONFIG_INIT;
-  to.policy = std::int32_t(from.policy);
-  const culling::FrameCostConfig& cost = from.frame_cost;
-  to.least_gpu_cull_ms = cost.least_gpu_cull_ms;
-  to.margin = cost.margin, to.dwell_margin = cost.dwell_margin;
-  to.probe_share = cost.probe_share, to.probe_cost = cost.probe_cost;
-  to.presumed_gpu_excess = cost.presumed_gpu_excess;
-  to.dwell_frames = cost.dwell_frames, to.first_probes = cost.first_probes;
-  to.probe_interval = cost.probe_interval, to.silent_frames = cost.silent_frames;
-  const culling::Policy2009Config& old = from.policy_2009;
-  to.trigger = std::int32_t(old.trigger);
-  to.slow_ms = old.slow_ms, to.slow_height = old.slow_height;
-  to.slow_intersections = old.slow_intersections, to.slow_share = old.slow_share;
-  to.enter_frames = old.enter_frames, to.gpu_frames = old.gpu_frames;
-  to.probe_frames = old.probe_frames, to.most_gpu_frames = old.most_gpu_frames;
-  return to;
+  return {sizeof(sl_controller_config),
+          from.dwell_frames,
+          from.least_gpu_cull_ms,
+          from.margin,
+          from.dwell_margin,
+          from.probe_share,
+          from.probe_cost,
+          from.presumed_gpu_excess,
+          from.first_probes,
+          from.probe_interval,
+          from.silent_frames,
+          0};
 }
 
 template <class T>

@@ -79,17 +79,12 @@ constexpr Setting background(const char* name) {
           }};
 }
 
-/// Thresholds and shares of both policies, and counts of frames.
+/// Thresholds and shares.
 ControllerConfig checked(const ControllerConfig& config) {
-  const culling::FrameCostConfig& cost = config.frame_cost;
-  const culling::Policy2009Config& old = config.policy_2009;
-  for (const double number :
-       {cost.least_gpu_cull_ms, cost.margin, cost.dwell_margin, cost.probe_share, cost.probe_cost,
-        cost.presumed_gpu_excess, old.slow_ms, old.slow_height, old.slow_intersections, old.slow_share})
+  for (const double number : {config.least_gpu_cull_ms, config.margin, config.dwell_margin, config.probe_share,
+                              config.probe_cost, config.presumed_gpu_excess})
     if (!std::isfinite(number) || number < 0.0)
       fail("controller: expected finite numbers from 0 on, found " + std::string(py::repr(py::float_(number))));
-  for (const std::uint32_t frames : {old.enter_frames, old.gpu_frames, old.probe_frames, old.most_gpu_frames})
-    if (frames < 1) fail("controller: expected 1 frame or more in counts of the policy 2009, found 0");
   return config;
 }
 
@@ -175,7 +170,7 @@ const std::array<Setting, kChangeableSettings> kChangeable = {
     Setting{"controller",
             [](const EngineConfig& c) -> py::object {
               ControllerConfig told = c.culling.controller;
-              told.frame_cost.rendering = true;  // the engine's, which follows `draw`
+              told.rendering = true;  // the engine's, which follows `draw`
               return py::cast(told);
             },
             [](EngineConfig& c, const char* name, py::handle value) {
@@ -205,10 +200,6 @@ py::dict settings_of(const EngineConfig& config) {
 
 namespace {
 
-template <auto kField>
-using OfCost = Field<&ControllerConfig::frame_cost, kField>;
-template <auto kField>
-using Of2009 = Field<&ControllerConfig::policy_2009, kField>;
 template <class F>
 using NumberOf = FieldType<F, ControllerConfig>;
 
@@ -221,30 +212,26 @@ void bind_number(py::class_<ControllerConfig>& c, const char* name) {
         F::of(changed) = value;
         k = checked(changed);
       },
-      "A number; see culling/hybrid/frame_cost.h and culling/hybrid/policy_2009.h.");
+      "A number; see culling/hybrid/controller.h.");
 }
 
 template <class... F>
 py::tuple state_of_controller(const ControllerConfig& k) {
-  return py::make_tuple(stored(k.policy), stored(k.policy_2009.trigger), stored(F::of(k))...);
+  return py::make_tuple(stored(F::of(k))...);
 }
 
 template <class... F>
 ControllerConfig controller_of_state(const py::tuple& state) {
-  if (state.size() != 2 + sizeof...(F)) fail("pickle: it is of another version");
+  if (state.size() != sizeof...(F)) fail("pickle: it is of another version");
   ControllerConfig k;
-  k.policy = restored<culling::Policy>(state[0]);
-  k.policy_2009.trigger = restored<culling::Policy2009Trigger>(state[1]);
-  std::size_t i = 2;
+  std::size_t i = 0;
   ((F::of(k) = restored<NumberOf<F>>(state[i++])), ...);
   return checked(k);
 }
 
 template <class... F>
-ControllerConfig make_controller(const std::string& policy, const std::string& trigger, NumberOf<F>... values) {
+ControllerConfig make_controller(NumberOf<F>... values) {
   ControllerConfig made;
-  made.policy = enumerator_of<culling::Policy>("policy", policy);
-  made.policy_2009.trigger = enumerator_of<culling::Policy2009Trigger>("trigger", trigger);
   ((F::of(made) = values), ...);
   return checked(made);
 }
@@ -254,11 +241,8 @@ template <class... F>
 void bind_numbers(py::class_<ControllerConfig>& c, const std::array<const char*, sizeof...(F)>& names) {
   const ControllerConfig defaults;
   const auto define = [&]<std::size_t... I>(std::index_sequence<I...>) {
-    c.def(py::init(&make_controller<F...>), py::kw_only(), py::arg("policy") = "frame-cost",
-          py::arg("trigger") = "time", (py::arg(names[I]) = F::of(defaults))...,
-          "policy: \"frame-cost\" takes the culler that costs the frame less, by measured times; \"2009\" is the state "
-          "machine of the dissertation, whose `trigger` (\"time\", \"height\", \"intersections\", \"share\") says what "
-          "makes a frame slow. The first ten numbers belong to the former, the others to the latter.");
+    c.def(py::init(&make_controller<F...>), py::kw_only(), (py::arg(names[I]) = F::of(defaults))...,
+          "Takes the culler that costs the frame less, by measured times.");
     (bind_number<F>(c, names[I]), ...);
   };
   define(std::index_sequence_for<F...>());
@@ -271,29 +255,13 @@ void bind_numbers(py::class_<ControllerConfig>& c, const std::array<const char*,
 
 void bind_controller_config(py::module_& m) {
   py::class_<ControllerConfig> c(m, "ControllerConfig", "When a hybrid lets the CPU cull and when the GPU.");
-  c.def_property(
-       "policy", [](const ControllerConfig& k) { return std::string(name_of(k.policy)); },
-       [](ControllerConfig& k, const std::string& name) { k.policy = enumerator_of<culling::Policy>("policy", name); },
-       "\"frame-cost\" or \"2009\".")
-      .def_property(
-          "trigger", [](const ControllerConfig& k) { return std::string(name_of(k.policy_2009.trigger)); },
-          [](ControllerConfig& k, const std::string& name) {
-            k.policy_2009.trigger = enumerator_of<culling::Policy2009Trigger>("trigger", name);
-          },
-          "\"time\", \"height\", \"intersections\" or \"share\".");
-  using culling::FrameCostConfig, culling::Policy2009Config;
-  bind_numbers<OfCost<&FrameCostConfig::least_gpu_cull_ms>, OfCost<&FrameCostConfig::margin>,
-               OfCost<&FrameCostConfig::dwell_margin>, OfCost<&FrameCostConfig::dwell_frames>,
-               OfCost<&FrameCostConfig::probe_share>, OfCost<&FrameCostConfig::first_probes>,
-               OfCost<&FrameCostConfig::probe_cost>, OfCost<&FrameCostConfig::probe_interval>,
-               OfCost<&FrameCostConfig::silent_frames>, OfCost<&FrameCostConfig::presumed_gpu_excess>,
-               Of2009<&Policy2009Config::slow_ms>, Of2009<&Policy2009Config::slow_height>,
-               Of2009<&Policy2009Config::slow_intersections>, Of2009<&Policy2009Config::slow_share>,
-               Of2009<&Policy2009Config::enter_frames>, Of2009<&Policy2009Config::gpu_frames>,
-               Of2009<&Policy2009Config::probe_frames>, Of2009<&Policy2009Config::most_gpu_frames>>(
+  bind_numbers<Field<&ControllerConfig::least_gpu_cull_ms>, Field<&ControllerConfig::margin>,
+               Field<&ControllerConfig::dwell_margin>, Field<&ControllerConfig::dwell_frames>,
+               Field<&ControllerConfig::probe_share>, Field<&ControllerConfig::first_probes>,
+               Field<&ControllerConfig::probe_cost>, Field<&ControllerConfig::probe_interval>,
+               Field<&ControllerConfig::silent_frames>, Field<&ControllerConfig::presumed_gpu_excess>>(
       c, {"least_gpu_cull_ms", "margin", "dwell_margin", "dwell_frames", "probe_share", "first_probes", "probe_cost",
-          "probe_interval", "silent_frames", "presumed_gpu_excess", "slow_ms", "slow_height", "slow_intersections",
-          "slow_share", "enter_frames", "gpu_frames", "probe_frames", "most_gpu_frames"});
+          "probe_interval", "silent_frames", "presumed_gpu_excess"});
 }
 
 }  // namespace sightline::python

@@ -4,18 +4,6 @@
 #include "sightline/bindings/python/values.h"
 #include "sightline/engine/engine.h"
 
-namespace sightline::culling {
-
-constexpr std::string_view name_of(Policy policy) {
-  return policy == Policy::kFrameCost ? "frame-cost" : "2009";
-}
-constexpr std::string_view name_of(Policy2009Trigger trigger) {
-  constexpr std::string_view kNames[] = {"time", "height", "intersections", "share"};
-  return kNames[std::size_t(trigger)];
-}
-
-}  // namespace sightline::culling
-
 namespace sightline::engine {
 
 constexpr std::string_view name_of(GlState state) {
@@ -41,10 +29,6 @@ inline constexpr int kEnumerators<engine::GlState> = 2;
 template <>
 inline constexpr int kEnumerators<culling::GpuVariant> = 2;
 template <>
-inline constexpr int kEnumerators<culling::Policy> = 2;
-template <>
-inline constexpr int kEnumerators<culling::Policy2009Trigger> = 4;
-template <>
-inline constexpr int kEnumerators<culling::ControllerState> = 5;
+inline constexpr int kEnumerators<culling::ControllerState> = 3;
 
 }  // namespace sightline::python

@@ -23,7 +23,7 @@ void bind_frame_report(py::module_& m) {
             if (!r.state) return std::nullopt;
             return std::string(name_of(*r.state));
           },
-          "Of the hybrid: \"cpu\", \"cpu-to-gpu\", \"gpu\", \"gpu-to-cpu\" or \"probe\"; None without one.")
+          "Of the hybrid: \"cpu\", \"gpu\" or \"probe\"; None without one.")
       .def_readonly("cull_ms", &FrameReport::cull_ms, "The culler alone.")
       .def_readonly("draw_ms", &FrameReport::draw_ms, "Waiting, then making and submitting the draw lists.")
       .def_readonly("wait_ms", &FrameReport::wait_ms, "Of draw_ms: until the frame before the last was drawn.")
@@ -94,7 +94,7 @@ void bind_small_reports(py::module_& m) {
   controller
       .def_property_readonly(
           "state", [](const ControllerReport& r) { return std::string(name_of(r.state)); },
-          "\"cpu\", \"cpu-to-gpu\", \"gpu\", \"gpu-to-cpu\" or \"probe\".")
+          "\"cpu\", \"gpu\" or \"probe\".")
       .def_readonly("frames", &ControllerReport::frames, "Frames so far.")
       .def_readonly("switches", &ControllerReport::switches, "Changes of the culler, without probes.")
       .def_readonly("probes", &ControllerReport::probes, "Frames on the other culler that only measured it.");

@@ -1,4 +1,4 @@
-#include "sightline/culling/hybrid/internal/cost_table.h"
+#include "sightline/culling/hybrid/cost_table.h"
 
 #include <algorithm>
 #include <cmath>

@@ -20,9 +20,8 @@ class Hybrid {
 
   /// Begins a frame and returns its path. `since_last_ms`: time since the last frame began; 0 for the first.
   culling::CullPath next(double since_last_ms);
-  /// Reports the CPU cost of the frame that has begun. `walk`: description of the hierarchy's traversal, by
-  /// CpuCuller::describe.
-  void measured(const FrameReport& report, const culling::FrameSample& walk = {});
+  /// Reports the CPU cost of the frame that has begun.
+  void measured(const FrameReport& report);
   /// Reports that an earlier frame is drawn. `gpu_ms`: how long it kept the GPU busy; 0: not longer than the CPU.
   void drawn(std::uint64_t frame, double gpu_ms);
   /// Reports the GPU's result of an earlier frame.

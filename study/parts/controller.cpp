@@ -1,5 +1,6 @@
-// sightline-study controller: compares the hybrid culler's controller with an oracle that knows every frame's costs,
-// and with the better fixed path. Runs both policies over recorded and generated traces. Needs no GL.
+// sightline-study controller: compares the hybrid culler's controller, and that of the dissertation of 2009, with an
+// oracle that knows every frame's costs and with the better fixed path, over recorded and generated traces. Needs no
+// GL.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -13,9 +14,9 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/culling/frustum/cpu_culler.h"
-#include "sightline/culling/hybrid/frame_sample.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/study/parts/parts.h"
+#include "sightline/study/parts/policy_2009.h"
 
 namespace sightline::bench::controller_bench {
 namespace {
@@ -71,9 +72,6 @@ std::vector<apps::TraceFrame> record(std::span<const core::View> views, std::siz
     const double cull = (gpu.pass + gpu.per_item * double(items) + gpu.per_visible * visible);
     apps::TraceFrame f{};
     f.visible = visible;
-    culling::FrameSample walk;
-    describe(culler.hierarchy(), set.counters, walk);
-    f.tested = walk.tested, f.nodes = walk.nodes, f.intersections = walk.intersections, f.height = walk.height;
     f.cpu_cull_ms = times[i];
     f.gpu_cull_ms = cull * random.around_one(gpu.noise);
     const double draw = (gpu.draw + gpu.draw_visible * visible) * random.around_one(gpu.noise);
@@ -103,18 +101,12 @@ struct Figures {
 
 struct Row {
   std::string trace;
-  Figures frame_cost, policy_2009;
+  Figures controller, policy_2009;
 };
 
-culling::ControllerConfig config_of(culling::Policy policy) {
-  culling::ControllerConfig config;
-  config.policy = policy;
-  return config;
-}
-
 void add(Row& row, const std::vector<apps::TraceFrame>& trace, bool rendering, double weight) {
-  row.frame_cost.add(apps::run_controller(trace, config_of(culling::Policy::kFrameCost), rendering), weight);
-  row.policy_2009.add(apps::run_controller(trace, config_of(culling::Policy::k2009), rendering), weight);
+  row.controller.add(apps::run_controller(trace, rendering), weight);
+  row.policy_2009.add(study::run_2009(trace, rendering), weight);
 }
 
 /// Whether a path has any costs in the trace. Without a GPU clock there are no cull times.
@@ -150,12 +142,12 @@ core::Expected<std::vector<Row>> measure(const Options& options) {
 }
 
 void print(const std::vector<Row>& rows, std::FILE* out) {
-  std::fprintf(out, "%-50s | %-37s | %s\n", "", "frame-cost", "2009");
+  std::fprintf(out, "%-50s | %-37s | %s\n", "", "controller", "2009");
   std::fprintf(out, "%-50s | %7s %7s %7s %6s %6s | %7s %7s %7s %6s %6s\n", "trace", "/oracle", "worst", "/fixed",
                "switch", "probes", "/oracle", "worst", "/fixed", "switch", "probes");
   for (const Row& row : rows) {
     std::fprintf(out, "%-50s", row.trace.c_str());
-    for (const Figures* f : {&row.frame_cost, &row.policy_2009})
+    for (const Figures* f : {&row.controller, &row.policy_2009})
       std::fprintf(out, " | %7.3f %7.3f %7.3f %6.1f %6.1f", f->oracle, f->worst_oracle, f->best_fixed, f->switches,
                    f->probes);
     std::fprintf(out, "\n");
@@ -173,16 +165,16 @@ Json to_json(const std::vector<Row>& rows) {
   };
   for (const Row& row : rows)
     out.push_back({{"trace", row.trace},
-                   {"frames", row.frame_cost.frames},
-                   {"frame-cost", figures(row.frame_cost)},
+                   {"frames", row.controller.frames},
+                   {"controller", figures(row.controller)},
                    {"2009", figures(row.policy_2009)}});
   return Json{{"traces", out}};
 }
 
 std::string plot(const std::vector<Row>& rows) {
   std::vector<apps::BarPair> bars;
-  for (const Row& row : rows) bars.push_back({row.trace, row.frame_cost.oracle, row.policy_2009.oracle});
-  return apps::svg_bars("Cost of the chosen paths / cost of the per-frame oracle", {"frame-cost", "2009"}, bars);
+  for (const Row& row : rows) bars.push_back({row.trace, row.controller.oracle, row.policy_2009.oracle});
+  return apps::svg_bars("Cost of the chosen paths / cost of the per-frame oracle", {"controller", "2009"}, bars);
 }
 
 core::Expected<int> run(const Options& options) {

@@ -20,12 +20,6 @@ struct Costs {
   double cpu = 1.0, gpu = 1.0, visible = 1e5;
 };
 
-ControllerConfig config_2009() {
-  ControllerConfig config;
-  config.policy = Policy::k2009;
-  return config;
-}
-
 /// Runs frames, GPU samples two frames late; one letter per frame.
 class Loop {
  public:
@@ -70,20 +64,18 @@ TEST(Controller, IsSmallAndCopyable) {
 }
 
 TEST(Controller, StaysOnTheCpuWithoutAGpu) {
-  for (const ControllerConfig& config : {ControllerConfig{}, config_2009()}) {
-    Loop loop(config, false);
-    EXPECT_EQ(loop.run(300, {10.0, 0.1}), std::string(300, 'c'));
-    loop.controller.gpu_ready();
-    EXPECT_GT(count(loop.run(30, {10.0, 0.1}), 'g'), 10u);
-    loop.controller.gpu_lost();
-    EXPECT_EQ(loop.run(300, {10.0, 0.1}), std::string(300, 'c'));
-    EXPECT_EQ(name_of(loop.controller.state()), "cpu");
-    loop.controller.gpu_ready();
-    EXPECT_GT(count(loop.run(300, {10.0, 0.1}), 'g'), 250u);
-  }
+  Loop loop({}, false);
+  EXPECT_EQ(loop.run(300, {10.0, 0.1}), std::string(300, 'c'));
+  loop.controller.gpu_ready();
+  EXPECT_GT(count(loop.run(30, {10.0, 0.1}), 'g'), 10u);
+  loop.controller.gpu_lost();
+  EXPECT_EQ(loop.run(300, {10.0, 0.1}), std::string(300, 'c'));
+  EXPECT_EQ(name_of(loop.controller.state()), "cpu");
+  loop.controller.gpu_ready();
+  EXPECT_GT(count(loop.run(300, {10.0, 0.1}), 'g'), 250u);
 }
 
-TEST(FrameCost, TakesTheCheaperPathAndKeepsIt) {
+TEST(Controller, TakesTheCheaperPathAndKeepsIt) {
   Loop gpu;
   EXPECT_EQ(gpu.run(20, {2.0, 1.0}).substr(8), std::string(12, 'g'));
   EXPECT_LE(500 - count(gpu.run(500, {2.0, 1.0}), 'g'), 3u);  // probes
@@ -93,7 +85,7 @@ TEST(FrameCost, TakesTheCheaperPathAndKeepsIt) {
   EXPECT_EQ(cpu.controller.switches(), 0u);
 }
 
-TEST(FrameCost, ReactsToAChangeWithinEightFrames) {
+TEST(Controller, ReactsToAChangeWithinEightFrames) {
   for (const double step : {1.6, 2.0, 5.0, 50.0}) {
     Loop loop;
     loop.run(300, {1.0, 1.2});
@@ -105,9 +97,9 @@ TEST(FrameCost, ReactsToAChangeWithinEightFrames) {
 
 /// Where the GPU's path is presumed to be more expensive nothing but probes goes there, however new the view, unless
 /// they keep saying that it is cheaper.
-TEST(FrameCost, APresumptionStandsUntilItIsRefuted) {
+TEST(Controller, APresumptionStandsUntilItIsRefuted) {
   ControllerConfig config;
-  config.frame_cost.presumed_gpu_excess = 0.1;
+  config.presumed_gpu_excess = 0.1;
   std::mt19937 random(1);
   const auto noise = [&] { return 0.85 + 0.3 * double(random()) * 0x1p-32; };
   for (const double gpu : {1.0, 1.05, 1.2, 2.0}) {
@@ -117,16 +109,16 @@ TEST(FrameCost, APresumptionStandsUntilItIsRefuted) {
     for (int i = 0; i < 400; ++i) on_gpu += loop.step({noise(), gpu * noise(), double(64 << (i / 20))}) == 'g';
     EXPECT_LE(on_gpu, 2u);
   }
-  config.frame_cost.rendering = false;
+  config.rendering = false;
   EXPECT_EQ(Loop(config).run(300, {1.0, 0.5}), std::string(300, 'c'));
-  config.frame_cost.rendering = true;
+  config.rendering = true;
   Loop wrong(config);
   EXPECT_GE(count(wrong.run(100, {2.0, 1.0}).substr(40), 'g'), 58u);
   Loop right(config);
   EXPECT_LE(count(right.run(300, {1.0, 1.5}), 'g'), 2u);
 }
 
-TEST(FrameCost, TakesTheOtherPathWhereTheViewSaysSo) {
+TEST(Controller, TakesTheOtherPathWhereTheViewSaysSo) {
   Loop loop;
   const Costs few{0.1, 1.0, 1e3}, many{5.0, 1.0, 4e5};
   for (int i = 0; i < 3; ++i) {
@@ -138,7 +130,7 @@ TEST(FrameCost, TakesTheOtherPathWhereTheViewSaysSo) {
 }
 
 /// An answer of the GPU's comes late: the view has moved on since.
-TEST(FrameCost, ALateSampleDoesNotTakeTheViewBack) {
+TEST(Controller, ALateSampleDoesNotTakeTheViewBack) {
   Loop loop;
   const Costs few{0.1, 1.0, 1e3}, many{5.0, 1.0, 4e5};
   for (int i = 0; i < 3; ++i) {
@@ -155,7 +147,7 @@ TEST(FrameCost, ALateSampleDoesNotTakeTheViewBack) {
 }
 
 /// What was learnt octaves away may be wrong: by 0.2 of log(cost) each, but not by more than 1 in all.
-TEST(FrameCost, TriesAPathThatIsOnlyKnownFromFarAway) {
+TEST(Controller, TriesAPathThatIsOnlyKnownFromFarAway) {
   const auto learnt = [](double log_cost, double visible) {
     Loop loop;
     loop.run(60, {1.0, std::exp(log_cost), visible});
@@ -172,9 +164,9 @@ TEST(FrameCost, TriesAPathThatIsOnlyKnownFromFarAway) {
 }
 
 /// However often a scene changes: a probe waits for the answer to the one before.
-TEST(FrameCost, ProbesLeaveTimeForAnAnswer) {
+TEST(Controller, ProbesLeaveTimeForAnAnswer) {
   ControllerConfig config;
-  config.frame_cost.first_probes = 100;
+  config.first_probes = 100;
   Controller controller(config);
   controller.gpu_ready();
   std::vector<std::uint64_t> probes;
@@ -188,7 +180,7 @@ TEST(FrameCost, ProbesLeaveTimeForAnAnswer) {
 }
 
 /// Between paths that cost the same, in noise: the more switches prove vain, the rarer they become.
-TEST(FrameCost, VainSwitchesBecomeRare) {
+TEST(Controller, VainSwitchesBecomeRare) {
   std::uint64_t switches = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     std::mt19937 random(seed);
@@ -248,7 +240,7 @@ TEST(CostTable, StandsForFewerSamplesFarAway) {
   EXPECT_NEAR(table.predict(10.5), 2.0, 1e-6) << "the curve stays";
 }
 
-TEST(FrameCost, ASpikeIsNoReasonToSwitch) {
+TEST(Controller, ASpikeIsNoReasonToSwitch) {
   Loop loop;
   loop.run(100, {1.0, 1.5});
   for (int i = 0; i < 20; ++i) {
@@ -258,7 +250,7 @@ TEST(FrameCost, ASpikeIsNoReasonToSwitch) {
   }
 }
 
-TEST(FrameCost, DoesNotFlapInNoise) {
+TEST(Controller, DoesNotFlapInNoise) {
   std::mt19937_64 random(7);
   for (const double gpu : {0.97, 1.0, 1.03, 1.2}) {
     Loop loop;
@@ -272,7 +264,7 @@ TEST(FrameCost, DoesNotFlapInNoise) {
   }
 }
 
-TEST(FrameCost, ProbesAreBounded) {
+TEST(Controller, ProbesAreBounded) {
   std::mt19937_64 random(3);
   Loop loop;
   Costs costs;
@@ -284,14 +276,14 @@ TEST(FrameCost, ProbesAreBounded) {
   }
 }
 
-TEST(FrameCost, ACpuTooFastForAnyGpuIsNotProbed) {
+TEST(Controller, ACpuTooFastForAnyGpuIsNotProbed) {
   ControllerConfig config;
-  config.frame_cost.rendering = false;
+  config.rendering = false;
   Loop loop(config);
   EXPECT_EQ(loop.run(2000, {0.004, 0.001}), std::string(2000, 'c'));
 }
 
-TEST(FrameCost, StaysOnTheCpuWithoutTimers) {
+TEST(Controller, StaysOnTheCpuWithoutTimers) {
   Loop no_gpu_times;
   EXPECT_LE(count(no_gpu_times.run(2000, {5.0, kNan}), 'g'), 10u);
   Loop no_cpu_times;
@@ -303,10 +295,10 @@ TEST(FrameCost, StaysOnTheCpuWithoutTimers) {
   EXPECT_LE(count(failing.run(2000, {5.0, kNan}), 'g'), 12u);
 }
 
-TEST(FrameCost, TakesTheCullTimeWithRenderingOff) {
+TEST(Controller, TakesTheCullTimeWithRenderingOff) {
   for (const bool rendering : {false, true}) {
     ControllerConfig config;
-    config.frame_cost.rendering = rendering;
+    config.rendering = rendering;
     Controller controller(config);
     controller.gpu_ready();
     std::size_t gpu = 0;
@@ -331,7 +323,7 @@ TEST(Controller, APauseTeachesNothing) {
   }
 }
 
-TEST(FrameCost, LooksAgainAfterAChangeOfScene) {
+TEST(Controller, LooksAgainAfterAChangeOfScene) {
   Loop loop;
   loop.run(400, {1.0, 1.5});
   loop.controller.scene_changed(2e5);
@@ -342,20 +334,18 @@ TEST(FrameCost, LooksAgainAfterAChangeOfScene) {
 
 /// Twin of the whole controller where samples are bad: it must behave as if they had not been fed at all.
 TEST(Controller, IgnoresStrayAndDamagedSamples) {
-  for (ControllerConfig config : {ControllerConfig{}, config_2009()}) {
-    Loop clean(config), dirty(config);
-    std::mt19937_64 random(11);
-    for (int i = 0; i < 3000; ++i) {
-      const double c = 0.2 + double(random() % 1000) / 1000.0, g = 0.2 + double(random() % 1000) / 1000.0;
-      ASSERT_EQ(clean.step({c, g}), dirty.step({c, g})) << i;
-      const std::uint64_t frames = dirty.controller.frames();
-      for (const CullPath path : {CullPath::kCpu, CullPath::kGpu}) {
-        FrameSample future{.frame = frames + random() % 5, .path = path, .cull_ms = 99.0, .frame_ms = 99.0};
-        dirty.controller.feed(future);
-        if (frames > 100) {
-          FrameSample old{.frame = frames - 65 - random() % 30, .path = path, .cull_ms = 99.0, .frame_ms = 99.0};
-          dirty.controller.feed(old);
-        }
+  Loop clean, dirty;
+  std::mt19937_64 random(11);
+  for (int i = 0; i < 3000; ++i) {
+    const double c = 0.2 + double(random() % 1000) / 1000.0, g = 0.2 + double(random() % 1000) / 1000.0;
+    ASSERT_EQ(clean.step({c, g}), dirty.step({c, g})) << i;
+    const std::uint64_t frames = dirty.controller.frames();
+    for (const CullPath path : {CullPath::kCpu, CullPath::kGpu}) {
+      FrameSample future{.frame = frames + random() % 5, .path = path, .cull_ms = 99.0, .frame_ms = 99.0};
+      dirty.controller.feed(future);
+      if (frames > 100) {
+        FrameSample old{.frame = frames - 65 - random() % 30, .path = path, .cull_ms = 99.0, .frame_ms = 99.0};
+        dirty.controller.feed(old);
       }
     }
   }
@@ -368,94 +358,12 @@ TEST(Controller, IgnoresStrayAndDamagedSamples) {
 }
 
 TEST(Controller, IsDeterministic) {
-  for (const ControllerConfig& config : {ControllerConfig{}, config_2009()}) {
-    Loop a(config), b(config);
-    std::mt19937_64 random(5);
-    for (int i = 0; i < 2000; ++i) {
-      const Costs costs{double(random() % 100) / 50.0, double(random() % 100) / 50.0, double(random() % 100000)};
-      ASSERT_EQ(a.step(costs), b.step(costs));
-    }
+  Loop a, b;
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 2000; ++i) {
+    const Costs costs{double(random() % 100) / 50.0, double(random() % 100) / 50.0, double(random() % 100000)};
+    ASSERT_EQ(a.step(costs), b.step(costs));
   }
-}
-
-// --- the dissertation's state machine --------------------------------------------------------------------------------
-
-TEST(Policy2009, FollowsFigure64) {
-  Loop loop(config_2009());
-  const Costs slow{0.31, 9.0}, fast{0.29, 9.0};
-  EXPECT_EQ(loop.run(50, fast), std::string(50, 'c'));
-  EXPECT_EQ(loop.run(4, slow), "cccc");
-  EXPECT_EQ(name_of(loop.controller.state()), "cpu-to-gpu");
-  EXPECT_EQ(loop.run(1, fast), "c");  // not five in a row
-  EXPECT_EQ(name_of(loop.controller.state()), "cpu");
-  EXPECT_EQ(loop.run(5, slow), "ccccc");
-  EXPECT_EQ(name_of(loop.controller.state()), "gpu");
-  EXPECT_EQ(loop.run(500, slow), std::string(500, 'g'));
-  EXPECT_EQ(loop.run(2, slow), "cc");  // two probe frames, still slow: twice as long
-  EXPECT_EQ(loop.run(1000, slow), std::string(1000, 'g'));
-  EXPECT_EQ(loop.run(1, slow), "c");
-  EXPECT_EQ(name_of(loop.controller.state()), "gpu-to-cpu");
-  EXPECT_EQ(loop.run(100, fast), std::string(100, 'c'));
-  EXPECT_EQ(loop.controller.switches(), 2u);
-  EXPECT_EQ(loop.controller.probes(), 4u);
-  EXPECT_EQ(loop.run(506, slow).substr(5), std::string(500, 'g') + "c") << "m starts over";
-}
-
-TEST(Policy2009, EachTriggerLooksAtItsOwnFigure) {
-  for (const Policy2009Trigger trigger : {Policy2009Trigger::kTime, Policy2009Trigger::kHeight,
-                                          Policy2009Trigger::kIntersections, Policy2009Trigger::kShare}) {
-    for (const Policy2009Trigger raised : {Policy2009Trigger::kTime, Policy2009Trigger::kHeight,
-                                           Policy2009Trigger::kIntersections, Policy2009Trigger::kShare}) {
-      ControllerConfig config = config_2009();
-      config.policy_2009.trigger = trigger;
-      Controller controller(config);
-      controller.gpu_ready();
-      std::string choice;
-      for (std::uint64_t i = 0; i < 10; ++i) {
-        const CullPath path = controller.next();
-        choice += path == CullPath::kCpu ? 'c' : 'g';
-        FrameSample sample{.frame = i, .path = path};
-        sample.cull_ms = raised == Policy2009Trigger::kTime ? 0.4 : 0.2;
-        sample.height = raised == Policy2009Trigger::kHeight ? 21.0 : 20.0;
-        sample.intersections = raised == Policy2009Trigger::kIntersections ? 10001.0 : 10000.0;
-        sample.tested = raised == Policy2009Trigger::kShare ? 101.0 : 100.0;
-        sample.nodes = 1000.0;
-        controller.feed(sample);
-      }
-      EXPECT_EQ(choice, trigger == raised ? "cccccggggg" : "cccccccccc");
-    }
-  }
-}
-
-TEST(Policy2009, ThresholdsAreStrict) {
-  ControllerConfig config = config_2009();
-  config.policy_2009.slow_ms = 0.25;
-  EXPECT_EQ(Loop(config).run(20, {0.25, 1.0}), std::string(20, 'c'));
-  EXPECT_EQ(Loop(config).run(7, {std::nextafter(0.25, 1.0), 1.0}), "cccccgg");
-}
-
-TEST(Policy2009, AShareOfUnknownNodesIsNotSlow) {
-  for (const double nodes : {0.0, -1.0, FrameSample::kNotMeasured}) {
-    ControllerConfig config = config_2009();
-    config.policy_2009.trigger = Policy2009Trigger::kShare;
-    Controller controller(config);
-    controller.gpu_ready();
-    for (std::uint64_t i = 0; i < 10; ++i) {
-      EXPECT_EQ(controller.next(), CullPath::kCpu) << nodes;
-      FrameSample sample{.frame = i};
-      sample.tested = 5000.0;
-      sample.nodes = nodes;
-      controller.feed(sample);
-    }
-  }
-}
-
-TEST(Policy2009, DoublingEnds) {
-  ControllerConfig config = config_2009();
-  config.policy_2009.gpu_frames = 3;
-  config.policy_2009.most_gpu_frames = 6;
-  Loop loop(config);
-  EXPECT_EQ(loop.run(5 + 3 + 2 + 6 + 2 + 6 + 2, {1.0, 1.0}), "cccccgggccggggggccggggggcc");
 }
 
 }  // namespace

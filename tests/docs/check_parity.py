@@ -30,8 +30,6 @@ STRUCTS = {
     "engine/image_tiles.h": ["ImageTile", "CroppedTile", "ImageTiles"],
     "culling/gpu/gpu_culler_config.h": ["GpuCullerConfig"],
     "culling/hybrid/controller.h": ["ControllerConfig"],
-    "culling/hybrid/frame_cost.h": ["FrameCostConfig"],
-    "culling/hybrid/policy_2009.h": ["Policy2009Config"],
     "culling/cull_states.h": ["CullBox", "CullStates"],
     "gl/external_target.h": ["ExternalTarget"],
     "importers/import.h": ["ImportOptions"],

@@ -73,12 +73,14 @@ class DrawnGrid : public GlTest {
   }
 
  public:
-  /// A hybrid with the dissertation's policy, with numbers that change the path every few frames.
+  /// A hybrid that takes another path in every frame, as soon as it has measured both. With nothing drawn, on a
+  /// software rasteriser that does not measure the GPU's culling, it takes the GPU's path every few frames to find out.
   static void switch_often(engine::EngineConfig& c) {
-    c.culling.controller.policy = culling::Policy::k2009;
-    c.culling.controller.policy_2009.slow_ms = 0.0;
-    c.culling.controller.policy_2009.enter_frames = 2;
-    c.culling.controller.policy_2009.gpu_frames = 3;
+    culling::ControllerConfig& k = c.culling.controller;
+    k.margin = k.dwell_margin = -1e6;
+    k.least_gpu_cull_ms = 0.0;
+    k.probe_share = k.probe_cost = 1e6, k.probe_interval = 0;
+    k.presumed_gpu_excess = -1e-9;  // 0 would be the engine's default for a software rasteriser
   }
 
  protected:

@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   for (const bool rendering : {false, true}) {
-    const apps::TraceResult result = apps::run_controller(*trace, {}, rendering);
+    const apps::TraceResult result = apps::run_controller(*trace, rendering);
     fuzz::require(result.choice.size() == trace->size(), "a choice for each frame");
     fuzz::require(result.oracle_ms <= result.chosen_ms, "no choice cheaper than the oracle's");
   }

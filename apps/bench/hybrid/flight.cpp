@@ -35,7 +35,6 @@ core::Expected<Pilot> Pilot::create(core::Scene& scene, const HybridMode& mode, 
   engine_config.context.gl_state = engine::GlState::kLeave;  // nobody else draws there
   engine_config.culling.gpu_culler = config.gpu;
   engine_config.culling.occlusion = config.occlusion;
-  engine_config.culling.controller.policy = mode.policy;
   auto engine = engine::Engine::create(scene, engine_config);
   if (!engine) return tl::unexpected(engine.error());
   return Pilot(std::move(*engine));

@@ -17,13 +17,11 @@ namespace sightline::bench {
 struct HybridMode {
   const char* name;
   engine::CullerChoice culler;
-  culling::Policy policy = culling::Policy::kFrameCost;
 };
 /// The first two are the fixed paths.
 inline constexpr HybridMode kHybridModes[] = {{"cpu", engine::CullerChoice::kCpu},
                                               {"gpu", engine::CullerChoice::kGpu},
-                                              {"hybrid frame-cost", engine::CullerChoice::kHybrid},
-                                              {"hybrid 2009", engine::CullerChoice::kHybrid, culling::Policy::k2009}};
+                                              {"hybrid", engine::CullerChoice::kHybrid}};
 inline constexpr std::size_t kModes = std::size(kHybridModes);
 
 struct HybridFrame {

@@ -136,7 +136,7 @@ void print(const HybridRun& run, std::FILE* out) {
   for (std::size_t m = 0; m < kModes; ++m) {
     const HybridRow r = row_of(run, m);
     const std::string& culler = run.flights[m].front().culler;
-    const bool small = std::string_view(kHybridModes[m].name).starts_with("hybrid") && culler != "hybrid";
+    const bool small = kHybridModes[m].culler == engine::CullerChoice::kHybrid && culler != "hybrid";
     std::fprintf(out, "%-18s %10.0f %9.4g %9.4g %9.5g %9.4f %9.4f %9.0f %7.3f %7.3f %6.0f %7.1f %7.1f%s\n",
                  kHybridModes[m].name, r.processed, r.least_fps, r.most_fps, r.mean_fps, r.mean_ms, r.median_ms,
                  r.visible, r.to_cpu, r.to_better, 100.0 * r.gpu_share, r.switches, r.probes,
@@ -183,7 +183,7 @@ core::Expected<void> write_figures(const HybridRun& run, const std::filesystem::
     return done;
   }
   if (done) done = apps::write_text(stem + "_6_1.svg", figure_svg(run, aircraft ? "6.2" : "6.1", {0, 1}));
-  if (done) done = apps::write_text(stem + "_6_5.svg", figure_svg(run, aircraft ? "6.6" : "6.5", {0, 3, 2}));
+  if (done) done = apps::write_text(stem + "_6_5.svg", figure_svg(run, aircraft ? "6.6" : "6.5", {0, 2}));
   return done;
 }
 

@@ -604,26 +604,17 @@ typedef void (*sl_proc)(void);
 /* Finds a GL function by its full name ("glEnable"); null when unknown. */
 typedef sl_proc (*sl_get_proc)(const char* name, void* user);
 
-/* When a hybrid takes which culler: sightline/culling/hybrid/controller.h. Thresholds are finite and not below 0. */
-enum { SL_POLICY_FRAME_COST = 0, SL_POLICY_2009 = 1 };
-enum { SL_TRIGGER_TIME = 0, SL_TRIGGER_HEIGHT = 1, SL_TRIGGER_INTERSECTIONS = 2, SL_TRIGGER_SHARE = 3 };
+/* When a hybrid takes which culler: ControllerConfig of sightline/culling/hybrid/controller.h. Thresholds are finite
+ * and not below 0. */
 typedef struct sl_controller_config {
   uint32_t size;
-  int32_t policy; /* SL_POLICY_... */
-  /* Of SL_POLICY_FRAME_COST: FrameCostConfig of sightline/culling/hybrid/frame_cost.h. */
+  uint32_t dwell_frames;
   double least_gpu_cull_ms, margin, dwell_margin, probe_share, probe_cost, presumed_gpu_excess;
-  uint32_t dwell_frames, first_probes, probe_interval, silent_frames;
-  /* Of SL_POLICY_2009: Policy2009Config of sightline/culling/hybrid/policy_2009.h. Frame counts are at least 1. */
-  double slow_ms, slow_height, slow_intersections, slow_share;
-  int32_t trigger; /* SL_TRIGGER_...: which of these thresholds counts */
-  uint32_t enter_frames, gpu_frames, probe_frames, most_gpu_frames;
+  uint32_t first_probes, probe_interval, silent_frames;
   int32_t reserved; /* 0 */
 } sl_controller_config;
-#define SL_CONTROLLER_CONFIG_INIT                                                                                      \
-  {                                                                                                                    \
-    sizeof(sl_controller_config), SL_POLICY_FRAME_COST, 0.01, 0.01, 0.20, 0.005, 0.004, 0.0, 8, 2, 200, 16, 0.3, 20.0, \
-        1e4, 0.1, SL_TRIGGER_TIME, 5, 500, 2, 1048576, 0                                                               \
-  }
+#define SL_CONTROLLER_CONFIG_INIT \
+  { sizeof(sl_controller_config), 8, 0.01, 0.01, 0.20, 0.005, 0.004, 0.0, 2, 200, 16, 0 }
 
 typedef struct sl_engine_config {
   uint32_t size;

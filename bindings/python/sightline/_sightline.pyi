@@ -13,8 +13,6 @@ _Culler = Literal["automatic", "linear", "cpu", "gpu", "hybrid"]
 _Occlusion = Literal["off", "on", "auto"]
 _Lighting = Literal["head-light", "studio", "sun"]
 _ContributionMode = Literal["drop", "points", "stochastic"]
-_Policy = Literal["frame-cost", "2009"]
-_Trigger = Literal["time", "height", "intersections", "share"]
 _Primitive = Union[
     Pyramid, Box, RectangularTorus, CircularTorus, EllipticalDish, SphericalDish, Snout, Cylinder, Sphere, Line
 ]
@@ -814,8 +812,6 @@ class ImageTiles:
 def image_tiles(width: int, height: int, largest_side: int, more_margin: int = ...) -> ImageTiles: ...
 
 class ControllerConfig:
-    policy: _Policy
-    trigger: _Trigger
     least_gpu_cull_ms: float
     margin: float
     dwell_margin: float
@@ -826,19 +822,9 @@ class ControllerConfig:
     probe_interval: int
     silent_frames: int
     presumed_gpu_excess: float
-    slow_ms: float
-    slow_height: float
-    slow_intersections: float
-    slow_share: float
-    enter_frames: int
-    gpu_frames: int
-    probe_frames: int
-    most_gpu_frames: int
     def __init__(
         self,
         *,
-        policy: _Policy = ...,
-        trigger: _Trigger = ...,
         least_gpu_cull_ms: float = ...,
         margin: float = ...,
         dwell_margin: float = ...,
@@ -849,14 +835,6 @@ class ControllerConfig:
         probe_interval: int = ...,
         silent_frames: int = ...,
         presumed_gpu_excess: float = ...,
-        slow_ms: float = ...,
-        slow_height: float = ...,
-        slow_intersections: float = ...,
-        slow_share: float = ...,
-        enter_frames: int = ...,
-        gpu_frames: int = ...,
-        probe_frames: int = ...,
-        most_gpu_frames: int = ...,
     ) -> None: ...
     def __eq__(self, other: object) -> bool: ...
 

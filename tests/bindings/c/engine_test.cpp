@@ -464,28 +464,7 @@ sl_engine_config other_settings(const sl_controller_config* controller) {
 }
 
 sl_controller_config other_controller() {
-  return {sizeof(sl_controller_config),
-          SL_POLICY_2009,
-          0.5,
-          0.25,
-          0.75,
-          0.125,
-          0.0625,
-          0.375,
-          9,
-          3,
-          201,
-          17,
-          0.4,
-          21.0,
-          2e4,
-          0.2,
-          SL_TRIGGER_SHARE,
-          6,
-          501,
-          3,
-          1024,
-          0};
+  return {sizeof(sl_controller_config), 9, 0.5, 0.25, 0.75, 0.125, 0.0625, 0.375, 3, 201, 17, 0};
 }
 
 /// Equal byte by byte: neither has padding that is not zero.
@@ -541,13 +520,12 @@ TEST_F(CapiEngine, DefaultsAreThoseOfCpp) {
   }
   of_cpp.part_index = d.culling.part.index, of_cpp.part_count = d.culling.part.count;
   EXPECT_TRUE(same_bytes(of_c, of_cpp));
-  const culling::FrameCostConfig cost;
-  const culling::Policy2009Config old;
+  const culling::ControllerConfig cost;
   EXPECT_EQ(controller.margin, cost.margin);
   EXPECT_EQ(controller.probe_interval, cost.probe_interval);
   EXPECT_EQ(controller.presumed_gpu_excess, cost.presumed_gpu_excess);
-  EXPECT_EQ(controller.slow_intersections, old.slow_intersections);
-  EXPECT_EQ(controller.most_gpu_frames, old.most_gpu_frames);
+  EXPECT_EQ(controller.dwell_frames, cost.dwell_frames);
+  EXPECT_EQ(controller.silent_frames, cost.silent_frames);
   EXPECT_OK(sl_engine_destroy(other));
 }
 
@@ -598,10 +576,7 @@ TEST_F(CapiEngine, ControllersAreChecked) {
     EXPECT_EQ(other.id, 5u);
   };
   refused("finite numbers", [](sl_controller_config& k) { k.margin = std::nan(""); });
-  refused("finite numbers", [](sl_controller_config& k) { k.slow_ms = -1.0; });
-  refused("1 frame or more", [](sl_controller_config& k) { k.enter_frames = 0; });
-  refused("policy: no such value: 2", [](sl_controller_config& k) { k.policy = 2; });
-  refused("trigger: no such value: -1", [](sl_controller_config& k) { k.trigger = -1; });
+  refused("finite numbers", [](sl_controller_config& k) { k.presumed_gpu_excess = -1.0; });
   refused("size", [](sl_controller_config& k) { k.size = 8; });
   sl_controller_info info = SL_CONTROLLER_INFO_INIT;
   ASSERT_OK(sl_engine_get_controller(engine, &info));

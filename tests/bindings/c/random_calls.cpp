@@ -227,8 +227,7 @@ class Sequence {
     if (in_.one_in(8)) config.depth_shading = in_.small(), config.edge_lines = in_.small();
     if (in_.one_in(8)) config.hatching_strength = in_.small(), config.hatching_spacing = float(in_.number());
     sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
-    controller.policy = in_.integer(), controller.trigger = in_.integer(), controller.margin = in_.number();
-    controller.gpu_frames = in_.below(4), controller.dwell_frames = in_.below(4);
+    controller.margin = in_.number(), controller.dwell_frames = in_.below(4);
     if (in_.one_in(8)) config.controller = sized(controller);
     const sl_scene of = scene();
     importing_ = of;

@@ -134,7 +134,7 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(offsetof(sl_engine_config, lod_error), 184u);
     EXPECT_EQ(offsetof(sl_engine_config, sun), 192u);
     EXPECT_EQ(sizeof(sl_engine_config), 240u);
-    EXPECT_EQ(sizeof(sl_controller_config), 128u);
+    EXPECT_EQ(sizeof(sl_controller_config), 72u);
     EXPECT_EQ(capi::kFirstSize<sl_loss_report>, 24u);
     EXPECT_EQ(sizeof(sl_loss_report), 56u);
     EXPECT_EQ(sizeof(sl_controller_info), 40u);

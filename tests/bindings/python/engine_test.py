@@ -96,18 +96,14 @@ class Engines(Case):
                 sightline.Engine(self.scene, **config)
 
     def test_controllers_are_checked(self):
-        for text, config in (("policy: expected frame-cost or 2009, found \"x\"", dict(policy="x")),
-                             ("trigger: expected time, height", dict(trigger="x")),
-                             ("finite numbers from 0 on, found nan", dict(margin=float("nan"))),
-                             ("finite numbers from 0 on, found -1.0", dict(slow_ms=-1)),
-                             ("1 frame or more", dict(enter_frames=0))):
+        for text, config in (("finite numbers from 0 on, found nan", dict(margin=float("nan"))),
+                             ("finite numbers from 0 on, found -1.0", dict(dwell_margin=-1))):
             self.assert_error(text, sightline.ControllerConfig, **config)
         controller = sightline.ControllerConfig()
         self.assert_error("finite numbers", setattr, controller, "probe_cost", float("inf"))
-        self.assert_error("policy", setattr, controller, "policy", "x")
         self.assertEqual(controller, sightline.ControllerConfig())
-        controller.probe_cost, controller.trigger, controller.policy = 0.5, "share", "2009"
-        self.assertEqual(controller, sightline.ControllerConfig(probe_cost=0.5, trigger="share", policy="2009"))
+        controller.probe_cost, controller.dwell_frames = 0.5, 7
+        self.assertEqual(controller, sightline.ControllerConfig(probe_cost=0.5, dwell_frames=7))
         self.assertIsNone(self.engine.controller, "no hybrid")
 
     def test_settings_come_back(self):
@@ -117,7 +113,7 @@ class Engines(Case):
                       contribution_mode="points", budget_ms=7.0, lod_error=1.5, culled_colour=(0, 0.25, 1), outline_colour=(1, 0, 0.5),
                       depth_shading=0.5, edge_lines=0.25, hatching_strength=0.75, hatching_spacing=9.0,
                       lighting="sun", sun=(1, 2, 3), background_bottom=(0, 0.5, 1), background_top=(1, 0.5, 0),
-                      controller=sightline.ControllerConfig(policy="2009", gpu_frames=9))
+                      controller=sightline.ControllerConfig(dwell_frames=9))
         engine = sightline.Engine(self.scene, **chosen)
         self.assertEqual(engine.config, {"draw": False, **chosen})
         defaults = sightline.Engine(self.scene).config

@@ -124,8 +124,8 @@ class Values(Case):
         self.assert_report(tiles)
         self.assert_report(tiles.tiles[3])
         self.assertNotEqual(tiles, sightline.image_tiles(400, 300, 96))
-        controller = sightline.ControllerConfig(policy="2009", trigger="share", margin=0.5, gpu_frames=7)
-        self.assert_report(controller, policy="2009", trigger="share", margin=0.5, gpu_frames=7)
+        controller = sightline.ControllerConfig(margin=0.5, dwell_frames=7)
+        self.assert_report(controller, margin=0.5, dwell_frames=7)
         self.assertNotEqual(controller, sightline.ControllerConfig())
 
     def test_differences_of_images(self):
@@ -147,10 +147,10 @@ class Values(Case):
             for state in ((), (1,) * 50, ("x",) * len(value.__getstate__())):
                 with self.assertRaises((sightline.Error, RuntimeError, TypeError)):
                     type(value).__new__(type(value)).__setstate__(state)
-        state = list(sightline.ControllerConfig().__getstate__())
-        state[0] = 2
-        self.assert_error("no such value: 2", sightline.ControllerConfig.__new__(
-            sightline.ControllerConfig).__setstate__, tuple(state))
+        state = list(sightline.Engine(plant(1000)).frame(some_view()).__getstate__())
+        state[1] = 5  # the culler
+        self.assert_error("no such value: 5", sightline.FrameReport.__new__(sightline.FrameReport).__setstate__,
+                          tuple(state))
 
     def test_values_may_not_be_hashed(self):
         for value in (some_view(), sightline.Sphere(1), sightline.image_tiles(100, 100, 96)):
