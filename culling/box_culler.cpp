@@ -18,6 +18,7 @@
 #include "sightline/culling/frustum/internal/set_parts.h"
 #include "sightline/culling/frustum/internal/slot_list.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
+#include "sightline/culling/queries/spatial_queries.h"
 
 namespace sightline::culling {
 namespace {
@@ -32,6 +33,11 @@ struct VisibleBuffers {
   std::vector<std::size_t> firsts;  // of each part's slots in the list of all
 
   std::size_t memory_bytes() const { return core::bytes_of(set, parts, firsts); }
+};
+
+struct HitBuffer {
+  std::vector<SlotDistance> hits;
+  std::size_t memory_bytes() const { return core::bytes_of(hits); }
 };
 
 bool acceptable(const core::AabbD& box) {
@@ -120,6 +126,7 @@ struct BoxCuller::Impl {
     return all.empty() ? core::dvec3(0.0) : glm::round(all.centre());
   }
 
+  SpatialQueries queries() const { return {bounds, culler->hierarchy()}; }
   core::Aabb rounded(const core::AabbD& box) const {
     return box.empty() ? core::Aabb() : core::round_outwards(box, bounds.origin);
   }
@@ -276,6 +283,55 @@ void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::
   parts.for_each(&boxes.threads, [&](const core::VisibleSet& part, std::uint32_t i) {
     list_ids(part, boxes.index_of, std::span(indices).subspan(to[i], to[i + 1] - to[i]));
   });
+}
+
+namespace {
+
+/// Slots become indices of boxes, in rising order.
+void sort_by_index(std::span<const std::uint32_t> index_of, std::vector<std::uint32_t>& slots) {
+  for (std::uint32_t& slot : slots) slot = index_of[slot];
+  std::sort(slots.begin(), slots.end());
+}
+
+void list_hits(std::span<const std::uint32_t> index_of, const std::vector<SlotDistance>& found,
+               std::vector<BoxHit>& hits) {
+  hits.clear();
+  for (const auto& [slot, distance] : found) hits.push_back({index_of[slot], distance});
+}
+
+}  // namespace
+
+void BoxCuller::in_box(const core::AabbD& range, bool inside, std::vector<std::uint32_t>& indices) const {
+  Impl& boxes = impl();
+  const auto lock = boxes.mutex.for_query();
+  if (inside)
+    boxes.queries().inside(range, core::kLayerModel, indices);
+  else
+    boxes.queries().intersecting(range, core::kLayerModel, indices);
+  sort_by_index(boxes.index_of, indices);
+}
+
+void BoxCuller::around(const core::dvec3& point, double radius, std::vector<std::uint32_t>& indices) const {
+  Impl& boxes = impl();
+  const auto lock = boxes.mutex.for_query();
+  boxes.queries().around(point, radius, core::kLayerModel, indices);
+  sort_by_index(boxes.index_of, indices);
+}
+
+void BoxCuller::along(const core::Ray& ray, std::size_t most, std::vector<BoxHit>& hits) const {
+  Impl& boxes = impl();
+  const auto lock = boxes.mutex.for_query();
+  const core::Scratch<HitBuffer> scratch;
+  boxes.queries().first_along(ray, most, core::kLayerModel, scratch->hits);
+  list_hits(boxes.index_of, scratch->hits, hits);
+}
+
+void BoxCuller::nearest(const core::dvec3& point, std::size_t most, std::vector<BoxHit>& hits) const {
+  Impl& boxes = impl();
+  const auto lock = boxes.mutex.for_query();
+  const core::Scratch<HitBuffer> scratch;
+  boxes.queries().nearest(point, most, core::kLayerModel, scratch->hits);
+  list_hits(boxes.index_of, scratch->hits, hits);
 }
 
 core::Expected<void> BoxCuller::update(std::uint32_t index, const core::AabbD& box) {

@@ -17,11 +17,18 @@
 #include "sightline/core/conventions.h"
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/ray.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/occlusion/depth_pyramid.h"
 
 namespace sightline::culling {
+
+/// A box that a query has found: t along the ray where it enters the box, or metres to a point.
+struct BoxHit {
+  std::uint32_t index;
+  double distance;
+};
 
 /// Owns its boxes: a copy in float, rounded outwards, in an order of its own (33 bytes a box with the hierarchy, and 4
 /// for each box of the largest batch). Box i is the i-th of those given to create(). Promise: conservative, with the
@@ -60,6 +67,16 @@ class SIGHTLINE_API BoxCuller {
   /// never built hides nothing.
   void visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const;
 
+  /// Boxes that share a point with `range`, or with `inside` lie in it, in rising order of their indices. Queries take
+  /// and promise what SpatialQueries does, and replace the contents of the lists that they are given.
+  void in_box(const core::AabbD& range, bool inside, std::vector<std::uint32_t>& indices) const;
+  /// Boxes within `radius` of a point, in rising order.
+  void around(const core::dvec3& point, double radius, std::vector<std::uint32_t>& indices) const;
+  /// The first `most` boxes that a ray meets, front to back.
+  void along(const core::Ray& ray, std::size_t most, std::vector<BoxHit>& hits) const;
+  /// The `most` boxes nearest to a point, nearest first.
+  void nearest(const core::dvec3& point, std::size_t most, std::vector<BoxHit>& hits) const;
+
   /// Replaces box `index`. Fails on an index that is not below size() and on a box that create() refuses, and then
   /// changes nothing.
   /// Boxes that move far make culling slower, not wrong, since all keep their places in the order of create(): after
@@ -76,7 +93,7 @@ class SIGHTLINE_API BoxCuller {
   /// several threads. Fails as create() does and on any other number of boxes than size(), and then changes nothing.
   core::Expected<void> refit(std::span<const core::AabbD> boxes);
 
-  /// What SpatialQueries and ContributionTest take: the boxes in an order of the culler's own, by slot, and the culler
+  /// What ContributionTest takes: the boxes in an order of the culler's own, by slot, and the culler
   /// over them. indices()[slot] is the index of a box. All belong to this object, and follow its updates, which do not
   /// wait for their use.
   const core::ItemBounds& bounds() const;

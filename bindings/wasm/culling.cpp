@@ -9,7 +9,6 @@
 #include "sightline/culling/occlusion/depth_pyramid.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
-#include "sightline/culling/queries/spatial_queries.h"
 
 namespace sightline::wasm {
 namespace {
@@ -19,24 +18,16 @@ struct Boxes {
   culling::BoxCuller culler;
   core::VisibleSet set = {};
   std::vector<std::uint32_t> indices = {};
-  std::vector<culling::SlotDistance> hits = {};
+  std::vector<culling::BoxHit> hits = {};
   std::vector<double> distances = {};
 
-  culling::SpatialQueries queries() const { return {culler.bounds(), culler.culler().hierarchy()}; }
-
-  /// Slots become indices of boxes, in rising order.
-  void answer_slots() {
-    for (std::uint32_t& slot : indices) slot = culler.indices()[slot];
-    std::sort(indices.begin(), indices.end());
-    answer(indices);
-  }
   /// Indices of boxes here, their distances at sl_boxes_distances().
   void answer_hits() {
     indices.clear();
     distances.clear();
-    for (const culling::SlotDistance& hit : hits) {
-      indices.push_back(culler.indices()[hit.slot]);
-      distances.push_back(hit.distance);
+    for (const auto& [index, distance] : hits) {
+      indices.push_back(index);
+      distances.push_back(distance);
     }
     answer(indices);
   }
@@ -92,35 +83,28 @@ SIGHTLINE_EXPORT bool sl_boxes_refit(Boxes* boxes, const double* values, std::ui
   return attempt([&]() -> core::Expected<bool> { return done(boxes->culler.refit(boxes_at(values, count))); });
 }
 
-enum class BoxRule : std::uint32_t { kIntersecting, kInside };
-
-SIGHTLINE_EXPORT bool sl_boxes_in_box(Boxes* boxes, const double* range, BoxRule rule) {
+SIGHTLINE_EXPORT bool sl_boxes_in_box(Boxes* boxes, const double* range, bool inside) {
   return attempt_all([&] {
-    const core::AabbD& box = boxes_at(range, 1)[0];
-    if (rule == BoxRule::kInside)
-      boxes->queries().inside(box, core::kDefaultLayerMask, boxes->indices);
-    else
-      boxes->queries().intersecting(box, core::kDefaultLayerMask, boxes->indices);
-    boxes->answer_slots();
+    boxes->culler.in_box(boxes_at(range, 1)[0], inside, boxes->indices);
+    answer(boxes->indices);
   });
 }
 SIGHTLINE_EXPORT bool sl_boxes_around(Boxes* boxes, const double* point, double radius) {
   return attempt_all([&] {
-    boxes->queries().around(point_at(point), radius, core::kDefaultLayerMask, boxes->indices);
-    boxes->answer_slots();
+    boxes->culler.around(point_at(point), radius, boxes->indices);
+    answer(boxes->indices);
   });
 }
 /// `ray`: origin, direction, the least and the greatest t. `most`: hits at most, front to back; 0: all.
 SIGHTLINE_EXPORT bool sl_boxes_along(Boxes* boxes, const double* ray, std::uint32_t most) {
   return attempt_all([&] {
-    const std::size_t count = most == 0 ? boxes->culler.size() : most;
-    boxes->queries().first_along(ray_at(ray), count, core::kDefaultLayerMask, boxes->hits);
+    boxes->culler.along(ray_at(ray), most == 0 ? boxes->culler.size() : most, boxes->hits);
     boxes->answer_hits();
   });
 }
 SIGHTLINE_EXPORT bool sl_boxes_nearest(Boxes* boxes, const double* point, std::uint32_t count) {
   return attempt_all([&] {
-    boxes->queries().nearest(point_at(point), count, core::kDefaultLayerMask, boxes->hits);
+    boxes->culler.nearest(point_at(point), count, boxes->hits);
     boxes->answer_hits();
   });
 }

@@ -320,6 +320,67 @@ TEST(BoxCuller, ADepthImageThatWasNeverMadeHidesNothing) {
   EXPECT_EQ(found, all);
 }
 
+/// Integer corners, so that answers are exact, and a loop over all boxes.
+TEST(BoxCuller, AnswersQueriesLikeALoop) {
+  Random random(3);
+  std::vector<AabbD> boxes;
+  for (int i = 0; i < 3000; ++i) {
+    const dvec3 low(whole(random, -40, 40), whole(random, -40, 40), whole(random, -40, 40));
+    boxes.push_back({low, low + dvec3(whole(random, 0, 3), whole(random, 0, 3), whole(random, 0, 3))});
+  }
+  const auto culler = BoxCuller::create(boxes);
+  ASSERT_TRUE(culler);
+  const AabbD range{dvec3(-10, -5, 0), dvec3(12, 9, 20)};
+  const dvec3 place(3, -4, 5);
+  const auto distance = [&](std::uint32_t i) {
+    return glm::length(glm::clamp(place, boxes[i].min, boxes[i].max) - place);
+  };
+  Indices touching, within, near;
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    const auto& [low, high] = boxes[i];
+    if (glm::all(glm::lessThanEqual(low, range.max)) && glm::all(glm::lessThanEqual(range.min, high)))
+      touching.push_back(i);
+    if (glm::all(glm::lessThanEqual(range.min, low)) && glm::all(glm::lessThanEqual(high, range.max)))
+      within.push_back(i);
+    if (distance(i) <= 10.0) near.push_back(i);
+  }
+  Indices found;
+  culler->in_box(range, false, found);
+  EXPECT_EQ(found, touching);
+  culler->in_box(range, true, found);
+  EXPECT_EQ(found, within);
+  culler->around(place, 10.0, found);
+  EXPECT_EQ(found, near);
+
+  std::vector<culling::BoxHit> hits;
+  culler->nearest(place, 20, hits);
+  ASSERT_EQ(hits.size(), 20u);
+  std::vector<double> distances;
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) distances.push_back(distance(i));
+  std::sort(distances.begin(), distances.end());
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    EXPECT_NEAR(hits[i].distance, distances[i], 1e-12);
+    EXPECT_NEAR(hits[i].distance, distance(hits[i].index), 1e-12);
+  }
+  const core::Ray ray{.origin = {-100, 1.5, 2.5}, .direction = {1, 0, 0}};
+  Indices along;
+  for (std::uint32_t i = 0; i < boxes.size(); ++i)
+    if (boxes[i].min.y <= 1.5 && boxes[i].max.y >= 1.5 && boxes[i].min.z <= 2.5 && boxes[i].max.z >= 2.5)
+      along.push_back(i);
+  culler->along(ray, boxes.size(), hits);
+  found.clear();
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    found.push_back(hits[i].index);
+    EXPECT_NEAR(hits[i].distance, boxes[hits[i].index].min.x + 100, 1e-9);
+    EXPECT_GE(hits[i].distance, hits[i > 0 ? i - 1 : 0].distance);
+  }
+  std::sort(found.begin(), found.end());
+  EXPECT_GT(found.size(), 2u);
+  EXPECT_EQ(found, along);
+  culler->along(ray, 2, hits);
+  EXPECT_EQ(hits.size(), 2u);
+}
+
 TEST(BoxCuller, RefusesWhatItCannotCull) {
   const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   const AabbD good{dvec3(0.0), dvec3(1.0)};
