@@ -50,20 +50,21 @@ core::Expected<core::Scene> part_of(const apps::Model& model, const Chosen& chos
 }
 
 /// Writes the model, or chosen parts of it. `items` becomes the number of items that were to be written.
-core::Expected<apps::WrittenModel> write(const apps::Model& model, const Chosen& chosen, const std::string& output,
-                                         apps::WriteOptions options, std::uint64_t& items) {
+core::Expected<importers::WriteReport> write(const apps::Model& model, const Chosen& chosen, const std::string& output,
+                                             importers::WriteOptions options, std::uint64_t& items) {
   apps::Progress bar("writing");
   options.progress = bar.callback();
   const core::Scene& all = *model.scene;
   if (chosen.all()) {
     options.report = &model.report;
     items = all.item_count();
-    return apps::write_model(all, apps::node_to_write(all, model.report.nodes), output, options);
+    return importers::write_file(all, apps::node_to_write(all, model.report.nodes), output, options);
   }
   const auto part = part_of(model, chosen);
   if (!part) return tl::unexpected(part.error());
   items = part->item_count();
-  return apps::write_model(*part, apps::node_to_write(*part, apps::children_of(*part, part->root())), output, options);
+  return importers::write_file(*part, apps::node_to_write(*part, apps::children_of(*part, part->root())), output,
+                               options);
 }
 
 Json tiles_json(const importers::TilesWriteReport& tiles, double tolerance) {
@@ -83,7 +84,7 @@ Json tiles_json(const importers::TilesWriteReport& tiles, double tolerance) {
 }
 
 Json to_json(const apps::ModelOptions& options, const importers::ImportReport& read, const std::string& output,
-             double tolerance, const apps::WrittenModel& written) {
+             double tolerance, const importers::WriteReport& written) {
   Json tessellation;
   if (written.triangles)
     tessellation = {{"tolerance", tolerance},
@@ -125,7 +126,7 @@ int main(int argc, char** argv) {
   apps::ModelOptions options;
   std::string output, json_file;
   Chosen chosen;
-  apps::WriteOptions writing;
+  importers::WriteOptions writing;
   options.import.copies = importers::MeshCopies::kExact;  // meshes are written as they came
   apps::add_model_options(line, options);
   line.option("MODEL")

@@ -9,43 +9,10 @@
 #include <fmt/format.h>
 
 #include "sightline/apps/common/file_formats.h"
-#include "sightline/importers/gltf/gltf_writer.h"
 #include "sightline/importers/internal/extension.h"
-#include "sightline/importers/rvm/rvm_writer.h"
-#include "sightline/importers/slc/slc_writer.h"
 
 namespace sightline::apps {
 namespace {
-
-/// All items of the scene, and the size of the file.
-WrittenModel whole(const core::Scene& scene, const std::string& output) {
-  WrittenModel written;
-  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
-    if (scene.contains_item(item)) ++written.items[std::size_t(scene.kind(item))];
-  std::error_code ignored;
-  written.bytes = std::filesystem::file_size(output, ignored);
-  return written;
-}
-
-template <class Report>
-WrittenModel tessellated(const Report& report) {
-  return {report.items, report.left_out, report.bytes,
-          WrittenModel::Tessellated{report.triangles, report.vertices, report.largest_chord_error}};
-}
-
-core::Expected<WrittenModel> write_tiles_of(const core::Scene& scene, core::NodeId top, const std::string& folder,
-                                            const WriteOptions& options) {
-  const auto done = importers::write_tiles(scene, top, folder,
-                                           {.tolerance = options.tolerance,
-                                            .collections = options.collections,
-                                            .compress = options.compress,
-                                            .progress = options.progress});
-  if (!done) return tl::unexpected(done.error());
-  WrittenModel written{done->items, done->left_out, done->bytes};
-  written.analytic = done->analytic;
-  written.tiles = *done;
-  return written;
-}
 
 /// Names the file that the format writes beside its own; empty: it writes none.
 std::string companion_of(const std::string& output) {
@@ -105,33 +72,7 @@ core::NodeId node_to_write(const core::Scene& scene, std::span<const core::NodeI
   return tops.size() == 1 ? tops[0] : scene.root();
 }
 
-core::Expected<WrittenModel> write_model(const core::Scene& scene, core::NodeId top, const std::string& output,
-                                         const WriteOptions& options) {
-  if (options.tiles) return write_tiles_of(scene, top, output, options);
-  const auto& [tolerance, collections, tiles, compress, levels, report, progress] = options;
-  const auto from_report = [](const auto& written) -> core::Expected<WrittenModel> {
-    if (!written) return tl::unexpected(written.error());
-    return tessellated(*written);
-  };
-  const std::string extension = importers::lower_case_extension(output);
-  if (extension == ".obj")
-    return from_report(importers::write_obj(scene, top, output, {.tolerance = tolerance, .progress = progress}));
-  if (extension != ".rvm" && extension != ".slc") {
-    const auto gltf = importers::write_gltf(scene, top, output,
-                                            {.tolerance = tolerance, .collections = collections, .progress = progress});
-    auto written = from_report(gltf);
-    if (written) written->analytic = gltf->analytic;
-    return written;
-  }
-  const auto done =
-      extension == ".rvm"
-          ? importers::write_rvm(scene, top, output, progress)
-          : importers::write_slc(scene, output, {.report = report, .levels = levels, .progress = progress});
-  if (!done) return tl::unexpected(done.error());
-  return whole(scene, output);
-}
-
-std::string words_of(const WrittenModel& written, const std::string& output, std::uint64_t items) {
+std::string words_of(const importers::WriteReport& written, const std::string& output, std::uint64_t items) {
   const std::string words =
       fmt::format("{}: {} of {} items, {} bytes", output, total(written.items), items, written.bytes);
   if (written.tiles) {

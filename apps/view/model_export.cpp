@@ -64,8 +64,8 @@ core::Expected<std::string> ModelExport::write() {
     };
   };
   const auto write = [&](const core::Scene& scene, std::span<const core::NodeId> tops,
-                         const WriteOptions& options) -> core::Expected<std::string> {
-    const auto written = write_model(scene, node_to_write(scene, tops), job_.file, options);
+                         const importers::WriteOptions& options) -> core::Expected<std::string> {
+    const auto written = importers::write_file(scene, node_to_write(scene, tops), job_.file, options);
     if (!written) return tl::unexpected(written.error());
     return words_of(*written, job_.file, scene.item_count());
   };

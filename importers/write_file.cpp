@@ -1,0 +1,67 @@
+#include "sightline/importers/write_file.h"
+
+#include <system_error>
+
+#include "sightline/importers/gltf/gltf_writer.h"
+#include "sightline/importers/internal/extension.h"
+#include "sightline/importers/obj/obj_writer.h"
+#include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/importers/slc/slc_writer.h"
+
+namespace sightline::importers {
+namespace {
+
+/// All items below the node, and the size of the file.
+core::Expected<WriteReport> whole(const core::Expected<void>& done, const core::Scene& scene,
+                                  const std::filesystem::path& path) {
+  if (!done) return tl::unexpected(done.error());
+  WriteReport written;
+  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
+    if (scene.contains_item(item)) ++written.items[std::size_t(scene.kind(item))];
+  std::error_code ignored;
+  written.bytes = std::filesystem::file_size(path, ignored);
+  return written;
+}
+
+template <class Report>
+core::Expected<WriteReport> tessellated(const core::Expected<Report>& report) {
+  if (!report) return tl::unexpected(report.error());
+  WriteReport written{report->items, report->left_out, report->bytes,
+                      WriteReport::Tessellated{report->triangles, report->vertices, report->largest_chord_error}};
+  if constexpr (requires { report->analytic; }) written.analytic = report->analytic;
+  return written;
+}
+
+core::Expected<WriteReport> write_tiles_of(const core::Scene& scene, core::NodeId node,
+                                           const std::filesystem::path& folder, const WriteOptions& options) {
+  const auto done = write_tiles(scene, node, folder,
+                                {.tolerance = options.tolerance,
+                                 .collections = options.collections,
+                                 .compress = options.compress,
+                                 .progress = options.progress});
+  if (!done) return tl::unexpected(done.error());
+  WriteReport written{done->items, done->left_out, done->bytes};
+  written.analytic = done->analytic;
+  written.tiles = *done;
+  return written;
+}
+
+}  // namespace
+
+core::Expected<WriteReport> write_file(const core::Scene& scene, core::NodeId node, const std::filesystem::path& path,
+                                       const WriteOptions& options) {
+  if (options.tiles) return write_tiles_of(scene, node, path, options);
+  const auto& [tolerance, collections, tiles, compress, levels, report, progress] = options;
+  const std::string extension = lower_case_extension(path);
+  if (extension == ".rvm") return whole(write_rvm(scene, node, path, progress), scene, path);
+  if (extension == ".slc")
+    return whole(write_slc(scene, path, {.report = report, .levels = levels, .progress = progress}), scene, path);
+  if (extension == ".obj")
+    return tessellated(write_obj(scene, node, path, {.tolerance = tolerance, .progress = progress}));
+  if (extension == ".glb" || extension == ".gltf")
+    return tessellated(
+        write_gltf(scene, node, path, {.tolerance = tolerance, .collections = collections, .progress = progress}));
+  return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + path.string() + "\"");
+}
+
+}  // namespace sightline::importers
