@@ -150,9 +150,11 @@ core::Expected<int> replay_paged(const PagedReplayOptions& o) {
   if (!size) return tl::unexpected(size.error());
   if (!o.images.empty())
     if (auto made = make_directory(o.images); !made) return tl::unexpected(made.error());
-  auto engine =
-      open_paged(o.model, o.memory,
-                 {.width = (*size)[0], .height = (*size)[1], .lod_error = o.lod_error, .context_platform = o.platform});
+  auto engine = open_paged(o.model, o.memory,
+                           {.width = (*size)[0],
+                            .height = (*size)[1],
+                            .losses = {.lod_error = o.lod_error},
+                            .context = {.platform = o.platform}});
   if (!engine) return tl::unexpected(engine.error());
   const auto path = choose_path(o, engine->scene());
   if (!path) return tl::unexpected(path.error());

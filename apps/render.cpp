@@ -47,7 +47,7 @@ struct Options {
     return std::max(size[0], size[1]) > kLargestWhole ? apps::kTileSide : kLargestWhole;
   }
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
-  culling::GpuCullerConfig gpu_culler;
+  std::optional<culling::GpuVariant> gpu_variant;
   std::optional<std::uint64_t> samples;
   apps::DrawnOptions shown{.looks = engine::Looks::standard()};
   apps::StyleOptions styles;
@@ -128,7 +128,7 @@ void add_engine_options(apps::CommandLine& line, Options& o) {
       .in_range(2 * engine::kLeastTileSide, 16384)
       .advanced();
   apps::add_culler_option(line, o.culler);
-  apps::add_gpu_pass_option(line, o.gpu_culler);
+  apps::add_gpu_variant_option(line, o.gpu_variant);
   apps::add_drawn_options(line, o.shown);
   apps::add_style_options(line, o.styles);
   apps::add_plain_option(line, o.shown);
@@ -459,10 +459,10 @@ core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& pa
   config.drawing.ids = o.wants_ids() || o.mpi;
   config.culling.part = part;
   config.context.platform = o.platform;
-  config.context.debug = o.gl_debug;
+  config.context.gl_debug = o.gl_debug;
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
   config.culling.culler = o.culler;
-  config.culling.gpu_culler = o.gpu_culler;
+  config.culling.gpu_variant = o.gpu_variant;
   auto tiles = apps::tiles_for(*size, o.tile_side(*size), config);
   if (!tiles) return tl::unexpected(tiles.error());
   config.width = tiles->width;
@@ -512,11 +512,9 @@ core::Expected<PagedImage> draw_paged(const Options& o) {
   auto engine = apps::open_paged(o.model, o.memory,
                                  {.width = (*size)[0],
                                   .height = (*size)[1],
-                                  .ids = o.wants_ids(),
-                                  .lod_error = o.shown.lod_error,
-                                  .looks = o.shown.all_looks(),
-                                  .context_platform = o.platform,
-                                  .gl_debug = o.gl_debug});
+                                  .drawing = {.ids = o.wants_ids(), .looks = o.shown.all_looks()},
+                                  .losses = {.lod_error = o.shown.lod_error},
+                                  .context = {.platform = o.platform, .gl_debug = o.gl_debug}});
   if (!engine) return tl::unexpected(engine.error());
   const auto view = apps::choose_view(o.view, core::dvec3(0.0), engine->scene().leaves, engine->scene().fitted,
                                       double((*size)[0]) / (*size)[1]);

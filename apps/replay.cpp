@@ -36,7 +36,7 @@ struct Options {
   apps::ModelOptions model;
   std::string path, save_path, size = "1280x720", json_file, csv, plot, images;
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
-  culling::GpuCullerConfig gpu_culler;
+  std::optional<culling::GpuVariant> gpu_variant;
   int samples = 1;
   apps::DrawnOptions shown;
   int frames = 300, every = 30;
@@ -70,7 +70,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   general.add("--save-path", o.save_path, "Write the path that was flown").metavar("FILE");
   general.add("--frames", o.frames, "Frames, evenly spaced in time").shows_default().in_range(1, 1000000);
   apps::add_culler_option(line, o.culler);
-  apps::add_gpu_pass_option(line, o.gpu_culler);
+  apps::add_gpu_variant_option(line, o.gpu_variant);
   apps::add_drawn_options(line, o.shown);
   apps::add_samples_option(line, o.samples);
   apps::add_context_option(line, o.platform);
@@ -342,7 +342,7 @@ core::Expected<engine::EngineConfig> engine_config(const Options& o) {
   config.width = (*size)[0];
   config.height = (*size)[1];
   config.culling.culler = o.culler;
-  config.culling.gpu_culler = o.gpu_culler;
+  config.culling.gpu_variant = o.gpu_variant;
   config.drawing.samples = o.samples;
   o.shown.apply(config);
   return config;

@@ -87,6 +87,11 @@ if(SIGHTLINE_GL)
   sightline_need(SIGHTLINE_GL fmt_FOUND "fmt not found")
 endif()
 
+if(SIGHTLINE_CAPI)
+  find_program(SIGHTLINE_PYTHON3 NAMES python3 python)
+  sightline_need(SIGHTLINE_CAPI SIGHTLINE_PYTHON3 "no python3 found, which writes the header")
+endif()
+
 if(SIGHTLINE_PYTHON)
   # The first python3 that has numpy: a PATH may begin with another one.
   function(sightline_imports_numpy result candidate)

@@ -17,6 +17,15 @@ set(CMAKE_UNITY_BUILD ${SIGHTLINE_UNITY})
 set(SIGHTLINE_UNITY_BATCH 16 CACHE STRING "Sources in a batch; 0: all sources of a target")
 set(CMAKE_UNITY_BUILD_BATCH_SIZE ${SIGHTLINE_UNITY_BATCH})
 
+# Writes a file that settings of engines are a part of: cmake/settings.py fills a template, whenever CMake runs.
+function(sightline_fill_settings template file)
+  find_program(SIGHTLINE_PYTHON3 NAMES python3 python REQUIRED)
+  set(script ${SIGHTLINE_CHECKOUT}/cmake/settings.py)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${script} ${template}
+    ${SIGHTLINE_CHECKOUT}/engine/internal/settings.inc ${SIGHTLINE_CHECKOUT}/importers/internal/settings.inc)
+  execute_process(COMMAND ${SIGHTLINE_PYTHON3} ${script} fill ${SIGHTLINE_CHECKOUT} ${template} ${file} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
 # Includes read "sightline/core/scene.h" in the tree as after installation. For that the build tree has one include root
 # per folder, with a link to the sources of that folder only. So a target cannot include a folder that it does not link.
 function(sightline_include_root result name folder)

@@ -5,7 +5,7 @@
 
 #include "sightline/core/memory.h"
 #include "sightline/engine/internal/engine_state.h"
-#include "sightline/engine/internal/looks.h"
+#include "sightline/engine/internal/settings.h"
 
 namespace sightline::engine {
 namespace {
@@ -26,13 +26,9 @@ PlanRequest plan_request(const EngineConfig& config, bool picks) {
 }
 
 core::Expected<void> check(const EngineConfig& config) {
-  if (!(config.losses.min_projected_area >= 0.0f))
-    return core::fail("engine: min_projected_area must be 0 or more pixels");
+  if (auto good = check_ranges(config); !good) return good;
   if (config.context.later && config.context.application)
     return core::fail("engine: context_later means that there is no context yet, and there is one");
-  if (!(config.losses.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
-  if (!(config.losses.lod_error >= 0.0)) return core::fail("engine: lod_error must be 0 or more pixels");
-  if (auto good = check(config.drawing.looks); !good) return good;
   if (config.culling.part.count < 1 || config.culling.part.index < 0 ||
       config.culling.part.index >= config.culling.part.count)
     return core::fail("engine: part must have an index from 0 on and below its count");
@@ -45,19 +41,6 @@ core::Expected<void> check(const EngineConfig& config) {
 bool cost_alike(const EngineConfig& a, const EngineConfig& b) {
   return a.culling.controller == b.culling.controller && a.culling.sample_test == b.culling.sample_test &&
          a.culling.occlusion == b.culling.occlusion;
-}
-
-/// The name of a fixed setting in which they differ; null where there is none.
-const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b) {
-#define SIGHTLINE_SETTING(path, name, kind) SIGHTLINE_COMPARE_##kind(path, name)
-#define SIGHTLINE_COMPARE_FIXED(path, name) \
-  if (!(a.path == b.path)) return name;
-#define SIGHTLINE_COMPARE_CHANGEABLE(path, name)
-#include "sightline/engine/internal/settings.inc"
-#undef SIGHTLINE_SETTING
-#undef SIGHTLINE_COMPARE_FIXED
-#undef SIGHTLINE_COMPARE_CHANGEABLE
-  return nullptr;
 }
 
 }  // namespace

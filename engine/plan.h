@@ -30,7 +30,7 @@ enum class CullerChoice : std::uint8_t {
 };
 
 constexpr std::string_view name_of(CullerChoice choice) {
-  constexpr std::string_view kNames[] = {"automatic", "linear", "cpu", "gpu", "hybrid"};
+  constexpr std::string_view kNames[] = {"auto", "linear", "cpu", "gpu", "hybrid"};
   return kNames[std::size_t(choice)];
 }
 

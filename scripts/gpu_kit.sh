@@ -55,7 +55,7 @@ copy_data() {
 # machine draws them with all cullers in turns.
 draw_references() {
   local model name frame drawn culler=0 frames=16 pixels=480x270
-  local cullers=("--culler cpu" "--culler gpu --gpu-pass geometry" "--culler gpu --gpu-pass compute")
+  local cullers=("--culler cpu" "--culler gpu --gpu-variant geometry" "--culler gpu --gpu-variant compute")
   export LIBGL_ALWAYS_SOFTWARE=1 SIGHTLINE_CONTEXT=egl-surfaceless
   "$kit/bin/sightline-generate" --items 3000 "$kit/refs/generated.rvm" >/dev/null
   for model in refs/generated.rvm checkout/tests/data/small_plant.rvm checkout/tests/data/cone_vtk.stl; do

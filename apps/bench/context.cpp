@@ -22,7 +22,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   apps::add_json_option(line, o.json);
   line.examples(
       "  sightline-bench context\n"
-      "  sightline-bench context --context egl-device --json -");
+      "  sightline-bench context --context-platform egl-device --json -");
 }
 
 core::Expected<int> run(const Options& o) {

@@ -11,6 +11,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/setting_options.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"
 #endif
@@ -235,36 +236,16 @@ void warn_of_outliers(const core::FittedBounds& fitted) {
 }
 
 void add_culler_option(CommandLine& line, engine::CullerChoice& choice) {
-  using engine::CullerChoice;
-  line.group(OptionGroup::kEngine)
-      .add_choice("--culler", choice,
-                  {{"auto", CullerChoice::kAutomatic},
-                   {"linear", CullerChoice::kLinear},
-                   {"cpu", CullerChoice::kCpu},
-                   {"gpu", CullerChoice::kGpu},
-                   {"hybrid", CullerChoice::kHybrid}},
-                  "What decides which items are in the view volume")
-      .shows_default()
-      .advanced();
+  add_setting(line.group(OptionGroup::kEngine), "culler", choice).advanced();
 }
 
-void add_gpu_pass_option(CommandLine& line, culling::GpuCullerConfig& config) {
-  line.group(OptionGroup::kEngine)
-      .add_choice("--gpu-pass", config.variant,
-                  {{"geometry", culling::GpuVariant::kGeometry}, {"compute", culling::GpuVariant::kCompute}},
-                  "Shaders of the GPU culler: geometry or compute; without it the faster one, measured")
-      .advanced();
+void add_gpu_variant_option(CommandLine& line, std::optional<culling::GpuVariant>& variant) {
+  add_setting(line.group(OptionGroup::kEngine), "gpu_variant", variant).advanced();
 }
 
 void add_context_option([[maybe_unused]] CommandLine& line, [[maybe_unused]] gl::ContextPlatform& platform) {
 #if SIGHTLINE_HAS_GL
-  line.group(OptionGroup::kGeneral)
-      .add_parsed("--context", platform, gl::parse_platform,
-                  "Where OpenGL without a window comes from: auto, egl, egl-surfaceless, egl-device or osmesa; auto is "
-                  "what the environment variable SIGHTLINE_CONTEXT names, without it EGL, and OSMesa where EGL gives "
-                  "none")
-      .default_text("auto")
-      .advanced();
+  add_setting(line.group(OptionGroup::kGeneral), "context_platform", platform).advanced();
   const auto switches = std::make_shared<std::vector<std::string>>();
   line.group(OptionGroup::kGeneral)
       .add("--gl-workaround", *switches,
@@ -285,9 +266,7 @@ void add_context_option([[maybe_unused]] CommandLine& line, [[maybe_unused]] gl:
 }
 
 void add_samples_option(CommandLine& line, int& samples) {
-  line.add("--samples", samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
-      .shows_default()
-      .in_range(1, 32);
+  add_setting(line, "samples", samples).in_range(1, 32);
 }
 
 void DrawnOptions::apply(engine::EngineConfig& config) const {
@@ -312,78 +291,34 @@ engine::Looks DrawnOptions::all_looks() const {
   return all;
 }
 
-void add_contribution_mode_option(CommandLine& line, const std::string& name, const std::string& help,
-                                  engine::ContributionMode& to) {
-  using engine::ContributionMode;
-  line.add_choice(
-          name, to, by_name({ContributionMode::kDrop, ContributionMode::kPoints, ContributionMode::kStochastic}),
-          help +
-              ": drop: not at all; points: each as one splat of its area; stochastic: a share of them as splats that "
-              "are as much larger")
-      .shows_default()
-      .advanced();
-}
-
 namespace {
 
-void add_looks_options(CommandLine& line, DrawnOptions& options) {
-  const auto add_strength = [](CommandLine& to, const char* name, std::optional<double>& strength, double otherwise,
-                               const std::string& what) {
-    return to.add(name, strength, what)
-        .default_text(fmt::format("{:g}", otherwise))
-        .in_range(0.0, 1.0)
-        .accepted_by(parse_finite);
-  };
-  const engine::Looks& looks = options.looks;
-  add_strength(line, "--depth-shading", options.depth_shading, looks.depth_shading.strength,
-               "Darken corners and what lies behind edges: 0 to 1");
-  add_strength(line, "--edge-lines", options.edge_lines, looks.depth_shading.edge_lines,
-               "Draw lines along edges: 0 to 1, black");
-  CommandLine engine = line.group(OptionGroup::kEngine);
-  add_strength(engine, "--section-hatch", options.hatching, looks.hatching.strength,
-               "Draw lines across what sections cut: 0 to 1, black")
-      .advanced();
-  line.add_parsed("--sun", options.sun, parse_direction, "One light from the direction X,Y,Z, far away")
-      .metavar("X,Y,Z")
-      .advanced();
+/// One of the looks, which is that of the tool unless it is given.
+Option add_look(CommandLine line, const std::string& name, std::optional<double>& value, double otherwise) {
+  const SettingWords& words = words_of_setting(name);
+  return line.add(words.option, value, words.help)
+      .default_text(fmt::format("{:g}", otherwise))
+      .in_range(words.low, words.high)
+      .accepted_by(parse_finite);
 }
 
 }  // namespace
 
 void add_drawn_options(CommandLine& line, DrawnOptions& options) {
-  CommandLine engine = line.group(OptionGroup::kEngine);
-  engine
-      .add_choice("--sample-test", options.sample_test, {{"on", true}, {"off", false}},
-                  "Leave out of drawing what covers no sample of the image; no pixel is lost")
-      .shows_default()
+  const CommandLine engine = line.group(OptionGroup::kEngine);
+  add_setting(engine, "sample_test", options.sample_test).advanced();
+  add_setting(engine, "occlusion", options.occlusion).advanced();
+  add_setting(line, "min_projected_area", options.min_projected_area).advanced();
+  add_setting(line, "budget_ms", options.budget_ms).advanced();
+  add_setting(line.group(OptionGroup::kPaged), "lod_error", options.lod_error).advanced();
+  add_setting(line, "contribution_mode", options.contribution_mode).advanced();
+  const engine::Looks& looks = options.looks;
+  add_look(line, "depth_shading", options.depth_shading, looks.depth_shading.strength);
+  add_look(line, "edge_lines", options.edge_lines, looks.depth_shading.edge_lines);
+  add_look(engine, "hatching", options.hatching, looks.hatching.strength).advanced();
+  line.add_parsed("--sun", options.sun, parse_direction, "One light from the direction X,Y,Z, far away")
+      .metavar("X,Y,Z")
       .advanced();
-  using engine::OcclusionChoice;
-  engine
-      .add_choice("--occlusion", options.occlusion,
-                  by_name({OcclusionChoice::kOn, OcclusionChoice::kOff, OcclusionChoice::kAutomatic}),
-                  "Leave out of drawing what other items hide; no pixel is lost. auto: while it pays")
-      .shows_default()
-      .advanced();
-  line.add("--min-projected-area", options.min_projected_area,
-           "Leave out items that are expected to cover fewer pixels of the image than this; 0: none")
-      .shows_default()
-      .not_negative()
-      .advanced();
-  line.add("--budget", options.budget_ms,
-           "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
-      .shows_default()
-      .not_negative()
-      .advanced();
-  line.group(OptionGroup::kPaged)
-      .add("--lod-error", options.lod_error,
-           "Draw meshes coarser, within so many pixels of the exact ones, proven; 0: in full")
-      .shows_default()
-      .not_negative()
-      .advanced();
-  add_contribution_mode_option(line, "--contribution-mode",
-                               "How items are drawn that are below --min-projected-area or beyond --budget",
-                               options.contribution_mode);
-  add_looks_options(line, options);
 }
 
 void add_plain_option(CommandLine& line, DrawnOptions& options) {

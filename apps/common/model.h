@@ -81,10 +81,10 @@ inline constexpr double kFovy = std::numbers::pi / 4;
 /// --culler, into `choice`.
 void add_culler_option(CommandLine& line, engine::CullerChoice& choice);
 
-/// --gpu-pass, into `config`.
-void add_gpu_pass_option(CommandLine& line, culling::GpuCullerConfig& config);
+/// --gpu-variant, into `variant`.
+void add_gpu_variant_option(CommandLine& line, std::optional<culling::GpuVariant>& variant);
 
-/// --context, into `platform`, and --gl-workaround. Builds without GL have no such options.
+/// --context-platform, into `platform`, and --gl-workaround. Builds without GL have no such options.
 void add_context_option(CommandLine& line, gl::ContextPlatform& platform);
 
 /// --samples
@@ -106,12 +106,8 @@ struct DrawnOptions {
   void apply(engine::EngineConfig& config) const;
 };
 
-/// drop|points|stochastic under a name. `help`: what it is about.
-void add_contribution_mode_option(CommandLine& line, const std::string& name, const std::string& help,
-                                  engine::ContributionMode& mode);
-
 /// --sample-test on|off, --occlusion on|off|auto, --min-projected-area PX, --contribution-mode drop|points|stochastic,
-/// --budget MS, --depth-shading X, --edge-lines X, --section-hatch X, --sun X,Y,Z
+/// --budget-ms MS, --depth-shading X, --edge-lines X, --hatching X, --sun X,Y,Z
 void add_drawn_options(CommandLine& line, DrawnOptions& options);
 
 /// --plain, for tools whose images have other looks without it

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "sightline/apps/common/model.h"
-#include "sightline/engine/paged_engine.h"
+#include "sightline/engine/paged/paged_engine.h"
 
 namespace sightline::apps {
 

@@ -145,7 +145,7 @@ std::vector<std::string> worker_command(const Options& o, int argc, char** argv)
   std::error_code none;
   const fs::path self = fs::read_symlink("/proc/self/exe", none);
   std::vector<std::string> command = {none ? argv[0] : self.string(), o.suite, "--worker", "--out", o.out};
-  const std::string option = "--context";  // as it was given
+  const std::string option = "--context-platform";  // as it was given
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == option && i + 1 < argc) command.insert(command.end(), {option, argv[i + 1]});

@@ -18,7 +18,7 @@ void add_options(apps::CommandLine& line, apps::ViewerOptions& o) {
   line.option("MODEL").required(false);
   line.add("--size", o.size, "Of the window, in the screen's units").shows_default().accepted_by(apps::parse_size);
   apps::add_culler_option(line, o.culler);
-  apps::add_gpu_pass_option(line, o.gpu_culler);
+  apps::add_gpu_variant_option(line, o.gpu_variant);
   apps::add_drawn_options(line, o.shown);
   apps::add_plain_option(line, o.shown);
   apps::add_samples_option(line, o.samples);
@@ -65,7 +65,7 @@ void apply(const apps::Settings& settings, const apps::CommandLine& line, apps::
   if (unsaid("--cache")) o.model.import.cache_folder = settings.cache;
   if (unsaid("--recognise")) o.model.import.recognise = settings.recognise;
   if (o.remembers()) o.shown.looks = engine::Looks::standard();
-  if (unsaid("--budget") && o.remembers()) o.default_budget_ms = kDefaultBudget;
+  if (unsaid("--budget-ms") && o.remembers()) o.default_budget_ms = kDefaultBudget;
   if (unsaid("--size")) o.size = std::to_string(settings.window[0]) + "x" + std::to_string(settings.window[1]);
 }
 

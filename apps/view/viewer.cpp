@@ -215,7 +215,7 @@ engine::EngineConfig Viewer::image_config() const {
   engine::EngineConfig config;
   config.draw = true;
   config.culling.culler = options_.culler;
-  config.culling.gpu_culler = options_.gpu_culler;
+  config.culling.gpu_variant = options_.gpu_variant;
   config.drawing.samples = options_.samples;
   options_.shown.apply(config);
   config.drawing.looks = looks_;

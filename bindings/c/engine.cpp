@@ -19,7 +19,6 @@ using namespace sightline::capi;
 namespace {
 
 constexpr std::int32_t kCullerChoices = 5, kLargestImage = 65'536;
-[[maybe_unused]] constexpr double kLongestRay = 1e150;  // core::Ray
 
 }  // namespace
 
@@ -103,7 +102,7 @@ sl_status sl_engine_create(sl_scene handle, const sl_engine_config* config, sl_e
     check_result(engine);
     const sl_engine_config defaults = SL_ENGINE_CONFIG_INIT;
     const sl_engine_config chosen = read(config ? config : &defaults, defaults);
-    engine::EngineConfig translated = config_of(chosen, {});
+    engine::EngineConfig translated = config_of(chosen);
     std::shared_ptr<EngineObject> object;  // outlives the use of the scene, which may be its last
     const SceneUse scene(handle, Access::kEdit);
     object = std::make_shared<EngineObject>(share(handle));
@@ -610,13 +609,11 @@ sl_status sl_engine_pick_ray(sl_engine handle, const sl_ray* from, sl_pick* pick
 #if SIGHTLINE_HAS_RAYTRACE
     check_result(pick);
     const sl_ray ray = read(from, sl_ray SL_RAY_INIT);
-    for (const double component :
-         {ray.origin[0], ray.origin[1], ray.origin[2], ray.direction[0], ray.direction[1], ray.direction[2]})
-      require(std::abs(component) < kLongestRay, "components of rays below 1e150");
     const auto ghosts = ray.hit_ghosts ? engine::Ghosts::kHit : engine::Ghosts::kPassed;
-    write_pick(value_of(engine->pick({vector_of(ray.origin), vector_of(ray.direction), ray.t_min, ray.t_max},
-                                     filter_of(ray), ghosts)),
-               pick);
+    write_pick(
+        value_of(engine->pick({short_vector_of(ray.origin), short_vector_of(ray.direction), ray.t_min, ray.t_max},
+                              filter_of(ray), ghosts)),
+        pick);
 #else
     (void)engine, (void)from, (void)pick;
     refuse_picking();

@@ -1,40 +1,64 @@
-#include <numbers>
+// Reading and writing files.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 
 #include "sightline/bindings/c/internal/objects.h"
+#include "sightline/bindings/c/internal/settings.h"
 #include "sightline/bindings/c/internal/values.h"
+#include "sightline/engine/internal/settings.h"
 #if SIGHTLINE_HAS_IMPORTERS
 #include "sightline/importers/import.h"
+#include "sightline/importers/internal/settings.h"
+#include "sightline/importers/write_file.h"
 #endif
 
 using namespace sightline;
 using namespace sightline::capi;
 
 #if SIGHTLINE_HAS_IMPORTERS
+namespace sightline::engine {
+
+#define SIGHTLINE_CHOICE(Enum, prefix, ...) \
+  template <>                               \
+  inline constexpr auto kChoices<sightline::Enum> = std::to_array<std::string_view>({__VA_ARGS__});
+#include "sightline/importers/internal/settings.inc"
+
+}  // namespace sightline::engine
+
 namespace {
 
+using importers::kAboveZero, importers::kFinite, importers::kMostInt, importers::kPi;
+
 importers::ImportOptions options_of(const sl_import_options& from) {
-  importers::ImportOptions options;
-  options.lenient = from.lenient != 0;
-  require(from.metres_per_unit > 0.0 && std::isfinite(from.metres_per_unit), "metres_per_unit above 0");
-  options.metres_per_unit = from.metres_per_unit;
-  options.up = enum_of<importers::UpAxis>(from.up, 3, "up");
-  options.copies = enum_of<importers::MeshCopies>(from.copies, 3, "copies");
-  options.threads = from.threads;
-  if (from.cache_folder) options.cache_folder = path_of(from.cache_folder);
-  options.recognise = from.recognise != 0;
-  require(from.recognise_tolerance >= 0.0 && std::isfinite(from.recognise_tolerance),
-          "recognise_tolerance of 0 or more");
-  options.recognise_tolerance = from.recognise_tolerance;
-  require(from.crease_angle >= 0.0 && from.crease_angle <= std::numbers::pi, "a crease_angle from 0 to pi");
-  options.crease_angle = from.crease_angle;
-  require(from.chord_tolerance >= 0.0 && std::isfinite(from.chord_tolerance), "chord_tolerance of 0 or more");
-  options.chord_tolerance = from.chord_tolerance;
-  require(from.chord_angle > 0.0 && from.chord_angle <= std::numbers::pi, "a chord_angle above 0, to pi");
-  options.chord_angle = from.chord_angle;
-  options.in_process = from.in_process != 0;
-  options.cached_levels = from.cached_levels != 0;
-  options.progress = progress_of(from.progress, from.user);
-  return options;
+  importers::ImportOptions to;
+#define SIGHTLINE_SETTING(path, name, type, change, low, high, range, ...) \
+  take(#name, from.path, to.path);                                         \
+  require(engine::check_range({#name, low, high, range}, to.path).has_value(), #name " to be " range);
+#include "sightline/importers/internal/settings.inc"
+  to.progress = progress_of(from.progress, from.user);
+  return to;
+}
+
+importers::WriteOptions options_of(const sl_write_options& from) {
+  importers::WriteOptions to;
+#define SIGHTLINE_WRITE_SETTING(path, name, type, change, low, high, range, ...) \
+  take(#name, from.path, to.path);                                               \
+  require(engine::check_range({#name, low, high, range}, to.path).has_value(), #name " to be " range);
+#include "sightline/importers/internal/settings.inc"
+  to.progress = progress_of(from.progress, from.user);
+  return to;
+}
+
+sl_write_report report_of(const importers::WriteReport& from) {
+  sl_write_report report SL_WRITE_REPORT_INIT;
+  report.items = std::accumulate(from.items.begin(), from.items.end(), std::uint64_t(0));
+  report.left_out = from.left_out, report.bytes = from.bytes;
+  if (from.triangles) {
+    report.triangles = from.triangles->triangles;
+    report.largest_chord_error = from.triangles->largest_chord_error;
+  }
+  return report;
 }
 
 sl_import_report report_of(const importers::ImportReport& from) {
@@ -100,6 +124,26 @@ sl_status sl_import(sl_scene handle, sl_node parent, const char* const* paths, s
     tell(done, chosen);
 #else
     (void)handle, (void)parent, (void)paths, (void)path_count, (void)options, (void)nodes, (void)report;
+    refuse(SL_ERROR_UNSUPPORTED, "this library was built without importers");
+#endif
+  });
+}
+
+sl_status sl_scene_write(sl_scene handle, sl_node node, const char* path, const sl_write_options* options,
+                         sl_write_report* report) {
+  return call(__func__, [&] {
+#if SIGHTLINE_HAS_IMPORTERS
+    const sl_write_options defaults = SL_WRITE_OPTIONS_INIT;
+    const importers::WriteOptions translated = options_of(read(options ? options : &defaults, defaults));
+    if (report) check_result(report);
+    const SceneUse scene(handle, Access::kRead);
+    auto written = importers::write_file(*scene, scene.id(node), path_of(path), translated);
+    if (!written && written.error().message == importers::kCancelled)
+      throw Failure{SL_ERROR_CANCELLED, std::move(written.error().message)};
+    const importers::WriteReport done = value_of(std::move(written));
+    if (report) write(report, report_of(done));
+#else
+    (void)handle, (void)node, (void)path, (void)options, (void)report;
     refuse(SL_ERROR_UNSUPPORTED, "this library was built without importers");
 #endif
   });

@@ -29,25 +29,6 @@ sl_status with_pages(const char* function, sl_paged_engine handle, const Run& ru
 
 #if SIGHTLINE_CAPI_HAS_PAGES
 
-constexpr std::int32_t kPlatforms = 5;
-
-engine::PagedConfig config_of(const sl_paged_config& from) {
-  engine::PagedConfig config;
-  check_size(from.width, from.height);
-  config.width = from.width, config.height = from.height;
-  config.ids = from.ids != 0;
-  config.lod_error = from.lod_error;
-  require(from.memory_limit > 0, "a memory_limit above 0");
-  config.memory_limit = std::size_t(from.memory_limit);
-  require(!std::isnan(from.refine_ms), "refine_ms, found no number");
-  config.refine_ms = from.refine_ms;
-  config.loading_bar = from.loading_bar != 0;
-  config.context_platform = enum_of<gl::ContextPlatform>(from.context_platform, kPlatforms, "context_platform");
-  config.gl_debug = from.gl_debug != 0;
-  if (from.program_cache) config.program_cache = path_of(from.program_cache);
-  return config;
-}
-
 sl_paged_report report_of(const engine::PagedReport& from) {
   sl_paged_report report SL_PAGED_REPORT_INIT;
   report.complete = from.complete;
@@ -185,7 +166,7 @@ sl_status sl_paged_engine_read_colour(sl_paged_engine handle, uint8_t* rgb, size
 
 sl_status sl_paged_engine_read_ids(sl_paged_engine handle, uint32_t* ids, size_t capacity) {
   return read_image(__func__, handle, [&](auto& object) {
-    require(object.config.ids, "an engine whose sl_paged_config.ids is set");
+    require(object.config.drawing.ids, "an engine whose drawing.ids is set");
     write_image(object.engine->read_ids().ids, ids, capacity);
   });
 }

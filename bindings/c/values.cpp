@@ -1,5 +1,7 @@
 #include "sightline/bindings/c/internal/values.h"
 
+#include <cmath>
+
 #include <glm/gtc/type_ptr.hpp>
 
 namespace sightline::capi {
@@ -44,6 +46,12 @@ void write_affine(const core::Affine& from, double matrix[16]) {
 core::dvec3 vector_of(const double vector[3]) {
   require(vector != nullptr, "three numbers, found null");
   return glm::make_vec3(vector);
+}
+
+core::dvec3 short_vector_of(const double vector[3]) {
+  const core::dvec3 given = vector_of(vector);
+  for (int i = 0; i < 3; ++i) require(std::abs(given[i]) < 1e150, "components of points and rays below 1e150");
+  return given;
 }
 
 core::AabbD box_of(const sl_box& box) {

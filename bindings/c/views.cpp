@@ -135,6 +135,60 @@ sl_status sl_box_culler_visible_in(sl_box_culler culler, const double clip_from_
                       });
 }
 
+sl_status sl_box_culler_in_box(sl_box_culler culler, const sl_box* range, int32_t inside, uint32_t* indices,
+                               size_t capacity, size_t* count) {
+  return list_visible(__func__, culler, indices, capacity, count,
+                      [&](const culling::BoxCuller& boxes, std::vector<std::uint32_t>& found) {
+                        require(range != nullptr, "a box, found null");
+                        boxes.in_box(box_of(*range), inside != 0, found);
+                      });
+}
+
+sl_status sl_box_culler_around(sl_box_culler culler, const double point[3], double radius, uint32_t* indices,
+                               size_t capacity, size_t* count) {
+  return list_visible(__func__, culler, indices, capacity, count,
+                      [&](const culling::BoxCuller& boxes, std::vector<std::uint32_t>& found) {
+                        boxes.around(short_vector_of(point), radius, found);
+                      });
+}
+
+namespace {
+
+template <class Find>
+sl_status list_hits(const char* function, sl_box_culler handle, sl_box_hit* hits, std::size_t capacity,
+                    std::size_t* count, const Find& find_hits) {
+  return call(function, [&] {
+    check_buffer(hits, capacity);
+    check_result(count);
+    const std::shared_ptr<BoxCullerObject> object = find(handle);
+    std::vector<culling::BoxHit> found;
+    find_hits(object->culler, found);
+    write_list(found, hits, capacity, count, [](const culling::BoxHit& hit) {
+      return sl_box_hit{hit.index, 0, hit.distance};
+    });
+  });
+}
+
+}  // namespace
+
+sl_status sl_box_culler_along(sl_box_culler culler, const sl_ray* from, sl_box_hit* hits, size_t capacity,
+                              size_t* count) {
+  return list_hits(__func__, culler, hits, capacity, count,
+                   [&](const culling::BoxCuller& boxes, std::vector<culling::BoxHit>& found) {
+                     const sl_ray ray = read(from, sl_ray SL_RAY_INIT);
+                     boxes.along({short_vector_of(ray.origin), short_vector_of(ray.direction), ray.t_min, ray.t_max},
+                                 std::min(capacity, boxes.size()), found);
+                   });
+}
+
+sl_status sl_box_culler_nearest(sl_box_culler culler, const double point[3], sl_box_hit* hits, size_t capacity,
+                                size_t* count) {
+  return list_hits(__func__, culler, hits, capacity, count,
+                   [&](const culling::BoxCuller& boxes, std::vector<culling::BoxHit>& found) {
+                     boxes.nearest(short_vector_of(point), std::min(capacity, boxes.size()), found);
+                   });
+}
+
 sl_status sl_box_culler_update(sl_box_culler culler, uint32_t index, const sl_box* box) {
   return change_boxes(__func__, culler, [&](culling::BoxCuller& boxes) {
     require(box != nullptr, "a box, found null");

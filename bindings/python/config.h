@@ -1,33 +1,79 @@
-// Settings of engines as keyword arguments: of the constructor, of configure(), and as they are told.
+// Settings of engines as keyword arguments: of constructors, of configure(), and as they are told. All of them are
+// those of engine/internal/settings.inc.
 #pragma once
 
-#include <array>
 #include <span>
+#include <string>
 
 #include "sightline/bindings/python/convert.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/paged/paged_engine.h"
 
 namespace sightline::python {
 
+template <class Config>
 struct Setting {
   const char* name;
-  py::object (*get)(const engine::EngineConfig& config);
+  const char* help;
+  const char* range;  ///< of numbers; may be empty
+  bool changeable;    ///< by configure()
+  bool required;      ///< there is no default
+  bool initial;       ///< signatures show the default; else None
+  py::object (*get)(const Config& config);
   /// Fails, or throws a type_error, on what is no such value.
-  void (*set)(engine::EngineConfig& config, const char* name, py::handle value);
+  void (*set)(Config& config, const char* name, py::handle value);
 };
 
-inline constexpr std::size_t kFixedSettings = 14, kChangeableSettings = 18;
-/// Settings that an engine has from its creation on.
-extern const std::array<Setting, kFixedSettings> kFixed;
-/// Settings that Engine::configure() changes.
-extern const std::array<Setting, kChangeableSettings> kChangeable;
+/// All of an engine::EngineConfig, an engine::PagedConfig or a culling::ControllerConfig.
+template <class Config>
+std::span<const Setting<Config>> settings();
 
-/// The default as signatures show it.
-py::object default_of(const Setting& setting);
-/// Settings whose value is Ellipsis stay as they are.
-void set_all(engine::EngineConfig& config, std::span<const Setting> settings, std::span<const py::object> values);
+/// Sets those that a call has given; Ellipsis leaves a setting as it is. Throws a type_error on other names.
+template <class Config>
+void set_given(Config& config, const char* function, const py::kwargs& given, bool only_changeable = false) {
+  for (const auto& [key, value] : given) {
+    const std::string name = py::str(key);
+    const Setting<Config>* found = nullptr;
+    for (const Setting<Config>& setting : settings<Config>())
+      if (name == setting.name && (setting.changeable || !only_changeable)) found = &setting;
+    if (!found) throw py::type_error(std::string(function) + "() has no argument " + name);
+    if (!value.is(py::ellipsis())) found->set(config, found->name, value);
+  }
+}
+
+/// The settings of a constructor's call.
+template <class Config>
+Config config_of(const char* function, const py::kwargs& given) {
+  for (const Setting<Config>& setting : settings<Config>())
+    if (setting.required && !given.contains(setting.name))
+      throw py::type_error(std::string(function) + "() needs the argument " + setting.name);
+  Config config;
+  set_given(config, function, given);
+  return config;
+}
+
+/// The docstring of a function that takes settings, with the signature that pybind11 does not know, as it would write
+/// it: `before` and `after` are arguments beside them, as "scene: Scene" and "progress: object = None".
+template <class Config>
+std::string doc_of(const std::string& function, const std::string& before, const std::string& after,
+                   const std::string& text, bool only_changeable = false, const std::string& result = "None") {
+  std::string arguments = function + "(self: object, " + before + (before.empty() ? "*" : ", *"), words = text + "\n";
+  const Config defaults;
+  for (const Setting<Config>& setting : settings<Config>()) {
+    if (only_changeable && !setting.changeable) continue;
+    arguments += std::string(", ") + setting.name + ": object";
+    if (only_changeable)
+      arguments += " = Ellipsis";
+    else if (!setting.required)
+      arguments += " = " + std::string(py::repr(setting.initial ? setting.get(defaults) : py::none()));
+    const std::string range = *setting.range ? std::string(" (") + setting.range + ")" : std::string();
+    words += std::string("\n") + setting.name + ": " + setting.help + range + ".";
+  }
+  return arguments + (after.empty() ? "" : ", " + after) + ") -> " + result + "\n\n" + words;
+}
+
 /// All settings by name.
-py::dict settings_of(const engine::EngineConfig& config);
+py::dict to_dict(const engine::EngineConfig& config);
 
 void bind_controller_config(py::module_& m);
 

@@ -1,5 +1,6 @@
 // Boxes in, indices out: culling without a scene, and what hides boxes.
 #include <algorithm>
+#include <optional>
 
 #include "sightline/bindings/python/gate.h"
 #include "sightline/bindings/python/module.h"
@@ -19,8 +20,11 @@ struct GatedCuller {
 };
 
 /// The boxes where they lie.
+std::span<const core::AabbD> boxes_of(const Numbers<double>& numbers, std::size_t count) {
+  return {reinterpret_cast<const core::AabbD*>(numbers.data()), count};
+}
 std::span<const core::AabbD> boxes_of(const Numbers<double>& rows) {
-  return {reinterpret_cast<const core::AabbD*>(rows.data()), std::size_t(rows.shape(0))};
+  return boxes_of(rows, std::size_t(rows.shape(0)));
 }
 
 std::unique_ptr<GatedCuller> make_culler(const py::object& boxes) {
@@ -57,6 +61,48 @@ py::array_t<std::uint32_t> visible_in_matrix(GatedCuller& culler, const py::obje
   }
   unwrap(std::move(done));
   return take(std::move(indices));
+}
+
+py::array_t<std::uint32_t> in_box(GatedCuller& culler, const py::object& box, bool inside) {
+  const auto row = doubles(box, "box", {6});
+  const core::AabbD range = boxes_of(row, 1)[0];
+  std::vector<std::uint32_t> indices;
+  {
+    const LongCall call({culler.gate, Use::kRead});
+    culler.culler.in_box(range, inside, indices);
+  }
+  return take(std::move(indices));
+}
+
+py::array_t<std::uint32_t> around(GatedCuller& culler, const py::object& point, double radius) {
+  const core::dvec3 centre = vector3(point, "point");
+  std::vector<std::uint32_t> indices;
+  {
+    const LongCall call({culler.gate, Use::kRead});
+    culler.culler.around(centre, radius, indices);
+  }
+  return take(std::move(indices));
+}
+
+py::array_t<culling::BoxHit> along(GatedCuller& culler, const py::object& origin, const py::object& direction,
+                                   double t_min, double t_max, std::optional<std::size_t> count) {
+  const core::Ray ray{vector3(origin, "origin"), vector3(direction, "direction"), t_min, t_max};
+  std::vector<culling::BoxHit> hits;
+  {
+    const LongCall call({culler.gate, Use::kRead});
+    culler.culler.along(ray, count.value_or(culler.culler.size()), hits);
+  }
+  return take(std::move(hits));
+}
+
+py::array_t<culling::BoxHit> nearest(GatedCuller& culler, const py::object& point, std::size_t count) {
+  const core::dvec3 from = vector3(point, "point");
+  std::vector<culling::BoxHit> hits;
+  {
+    const LongCall call({culler.gate, Use::kRead});
+    culler.culler.nearest(from, std::min(count, culler.culler.size()), hits);
+  }
+  return take(std::move(hits));
 }
 
 void check_index(const GatedCuller& culler, const char* argument, std::uint32_t index) {
@@ -234,6 +280,7 @@ void bind_raster(py::module_& m) {
 }  // namespace
 
 void bind_culling(py::module_& m) {
+  PYBIND11_NUMPY_DTYPE(culling::BoxHit, index, distance);
   bind_raster(m);
   py::class_<GatedCuller>(m, "BoxCuller",
                           "Finds the boxes that a camera sees. Needs no scene and no GL. Conservative: no box with a "
@@ -251,6 +298,16 @@ void bind_culling(py::module_& m) {
            "The same without boxes that are hidden, or cover no pixel: `occluders` is an OccluderRaster of this view, "
            "or "
            "its depth, (height, width) metres as Engine.read_depth() gives them. The view must know its eye.")
+      .def("in_box", &in_box, py::arg("box"), py::kw_only(), py::arg("inside") = false,
+           "Indices of the boxes that share a point with `box`, (6,), or with `inside` lie in it, uint32, rising.")
+      .def("around", &around, py::arg("point"), py::arg("radius"),
+           "Indices of the boxes within `radius` of a point, uint32, rising.")
+      .def("along", &along, py::arg("origin"), py::arg("direction"), py::kw_only(), py::arg("t_min") = 0.0,
+           py::arg("t_max") = core::kInfiniteFar, py::arg("count") = py::none(),
+           "The boxes that a ray enters, all or the first `count`, front to back: a structured array of `index` and "
+           "`distance` in units of the direction.")
+      .def("nearest", &nearest, py::arg("point"), py::arg("count") = 1,
+           "The `count` boxes nearest to a point, nearest first: a structured array of `index` and `distance`.")
       .def("update", &update_many, py::arg("indices"), py::arg("boxes"),
            "Replaces box indices[i] by boxes[i], (N, 6), for each i, several times faster than one by one. Of a "
            "repeated "

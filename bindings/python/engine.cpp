@@ -41,19 +41,14 @@ void check_size(int width, int height) {
          std::to_string(height));
 }
 
-std::unique_ptr<EngineBox> make_engine(const ScenePtr& scene, std::span<const py::object> fixed,
-                                       std::span<const py::object> changeable, const py::object& get_proc,
-                                       const py::object& progress) {
-  EngineConfig config;
-  set_all(config, kFixed, fixed);
-  set_all(config, kChangeable, changeable);
-  check_size(config.width, config.height);
-  return std::make_unique<EngineBox>(scene, config, get_proc, progress);
+std::unique_ptr<EngineBox> make_engine(const ScenePtr& scene, const py::object& get_proc, const py::object& progress,
+                                       const py::kwargs& given) {
+  return std::make_unique<EngineBox>(scene, config_of<EngineConfig>("Engine", given), get_proc, progress);
 }
 
-void configure(EngineBox& box, std::span<const py::object> changeable) {
+void configure(EngineBox& box, const py::kwargs& given) {
   EngineConfig config = box.call([](engine::Engine& e) { return e.config(); });
-  set_all(config, kChangeable, changeable);
+  set_given(config, "configure", given, true);
   unwrap(box.call([&](engine::Engine& e) {
     // Another thread may have resized the image or changed the context meanwhile.
     config.width = e.config().width, config.height = e.config().height;
@@ -507,65 +502,33 @@ void bind_state(EngineClass& c) {
           "Bytes held, and what for.")
       .def_property_readonly("controller", &controller, "What the hybrid's controller has done; None without one.")
       .def_property_readonly(
-          "config", [](EngineBox& b) { return settings_of(b.call([](engine::Engine& e) { return e.config(); })); },
+          "config", [](EngineBox& b) { return to_dict(b.call([](engine::Engine& e) { return e.config(); })); },
           "All settings as they are now: a dict of the constructor's keyword arguments.")
       .def_property_readonly("width", &EngineBox::width, "Of the image, in pixels.")
       .def_property_readonly("height", &EngineBox::height, "Of the image, in pixels.")
       .def_property_readonly("scene", &EngineBox::scene, "The scene that it shows. The engine keeps it alive.");
 }
 
-template <std::size_t>
-using Any = const py::object&;
-
 constexpr const char* kEngineDoc =
     "Commits the scene and builds what it needs.\n\n"
-    "draw: offscreen, in `width` x `height` pixels; False needs no GL.\n"
-    "ids: an image of item ids beside colour and depth.\n"
-    "samples: per pixel, 1 to 32.\n"
-    "transparency: \"dither\" or \"blended\".\n"
-    "part: (index, count), draws and culls one of `count` parts of the scene alone.\n"
-    "rebuild_share: share of slots out of order that starts a rebuild in the background; 0: never.\n"
-    "gpu_pass: \"geometry\", \"compute\", or None: the faster one, as measured.\n"
-    "context: where it draws: \"auto\", \"egl\", \"egl-surfaceless\", \"egl-device\" or \"osmesa\".\n"
-    "context_later: no context until use_context().\n"
-    "gl_state: what calls leave of what the application has in GL: \"restore\" all, or \"leave\" it changed.\n"
-    "gl_debug: collect the driver's messages.\n"
-    "program_cache: folder of linked programs; None: the user's cache; \"\": none.\n"
-    "culler: \"automatic\", \"linear\", \"cpu\", \"gpu\" or \"hybrid\".\n"
-    "sample_test, occlusion (\"off\", \"on\", \"auto\"): leave out what cannot be seen; no pixel is lost.\n"
-    "min_projected_area: leave out items below so many pixels; contribution_mode: \"drop\", \"points\", "
-    "\"stochastic\".\n"
-    "budget_ms: time for a frame; 0: any.\n"
-    "lod_error: pixels that a mesh may be drawn elsewhere by coarser levels of detail; 0: none.\n"
-    "culled_colour: (r, g, b) of what the tests leave out, in frames with a `cull_view`.\n"
-    "outline_colour: (r, g, b) of outlines.\n"
-    "depth_shading, edge_lines: 0 to 1, darkness of corners and along edges, by depth.\n"
-    "hatching_strength, hatching_spacing: 0 to 1, darkness of lines on what sections cut; pixels between them.\n"
-    "lighting: \"head-light\", \"studio\" or \"sun\"; sun: direction to it in the world.\n"
-    "background_bottom, background_top: (r, g, b), with an even change in between.\n"
-    "controller: of the hybrid, a ControllerConfig.\n"
     "get_proc: draws in the application's context, which is current in this and all later calls. Finds GL's functions: "
     "a function of a name that returns an address or None, one of ctypes, or its address.\n"
     "progress: called with the share done, 0 to 1; False cancels, and so do exceptions and Ctrl-C.";
 
-template <std::size_t... F, std::size_t... C>
-void bind_constructor(EngineClass& c, std::index_sequence<F...>, std::index_sequence<C...>) {
-  c.def(py::init([](const ScenePtr& scene, Any<F>... fixed, Any<C>... changeable, const py::object& get_proc,
-                    const py::object& progress) {
-          return make_engine(scene, std::array{fixed...}, std::array{changeable...}, get_proc, progress);
-        }),
-        "scene"_a.none(false), py::kw_only(), (py::arg(kFixed[F].name) = default_of(kFixed[F]))...,
-        (py::arg(kChangeable[C].name) = default_of(kChangeable[C]))..., "get_proc"_a = py::none(),
-        "progress"_a = py::none(), kEngineDoc)
-      .def(
-          "configure", [](EngineBox& b, Any<C>... changeable) { configure(b, std::array{changeable...}); },
-          py::kw_only(), (py::arg(kChangeable[C].name) = py::ellipsis())...,
-          "Uses other settings from the next frame on; those that are not given stay as they are. See the "
-          "constructor.");
+void bind_settings(EngineClass& c) {
+  const std::string made =
+      doc_of<EngineConfig>("__init__", "scene: Scene", "get_proc: object = None, progress: object = None", kEngineDoc);
+  const std::string changed =
+      doc_of<EngineConfig>("configure", "", "", "Uses other settings from the next frame on; the others stay.", true);
+  py::options options;
+  options.disable_function_signatures();
+  c.def(py::init(&make_engine), "scene"_a.none(false), py::kw_only(), "get_proc"_a = py::none(),
+        "progress"_a = py::none(), made.c_str())
+      .def("configure", &configure, changed.c_str());
 }
 
 void bind_life(EngineClass& c) {
-  bind_constructor(c, std::make_index_sequence<kFixedSettings>(), std::make_index_sequence<kChangeableSettings>());
+  bind_settings(c);
   c.def("close", &EngineBox::close,
         "Frees everything now. Later calls fail; a second close() does nothing. An engine with `get_proc` that ends "
         "without it leaves to the application's context what it has there.")

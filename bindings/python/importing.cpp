@@ -1,16 +1,27 @@
-// Import with progress, cancellation and Ctrl-C; writing RVM files.
+// Import with progress, cancellation and Ctrl-C; writing files.
 #include <array>
-#include <cmath>
-#include <numbers>
+#include <numeric>
 #include <optional>
 #include <span>
 
+#include "sightline/bindings/python/config.h"
 #include "sightline/bindings/python/module.h"
 #include "sightline/bindings/python/progress.h"
 #include "sightline/bindings/python/scene.h"
-#include "sightline/bindings/python/values.h"
+#include "sightline/bindings/python/setting_values.h"
+#include "sightline/engine/internal/settings.h"
 #include "sightline/importers/import.h"
-#include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/importers/internal/settings.h"
+#include "sightline/importers/write_file.h"
+
+namespace sightline::engine {
+
+#define SIGHTLINE_CHOICE(Enum, prefix, ...) \
+  template <>                               \
+  inline constexpr auto kChoices<sightline::Enum> = std::to_array<std::string_view>({__VA_ARGS__});
+#include "sightline/importers/internal/settings.inc"
+
+}  // namespace sightline::engine
 
 namespace sightline::python {
 namespace {
@@ -20,42 +31,51 @@ struct Imported {
   importers::ImportReport report;
 };
 
-/// What options import_file() and import_files() share.
-importers::ImportOptions options_of(bool lenient, double metres_per_unit, const std::string& up,
-                                    const std::string& copies, int threads,
-                                    const std::optional<std::filesystem::path>& cache, bool cached_levels,
-                                    bool recognise, double recognise_tolerance, double crease_angle,
-                                    double chord_tolerance, double chord_angle, bool in_process) {
-  importers::ImportOptions options;
-  options.lenient = lenient;
-  options.metres_per_unit = metres_per_unit;
-  options.up = importers::UpAxis(one_of("up", up, {"y", "z", "auto"}));
-  options.copies = importers::MeshCopies(one_of("copies", copies, {"apart", "exact", "similar"}));
-  if (threads < 0) fail("threads: expected 0 or more, found " + std::to_string(threads));
-  options.threads = threads;
-  options.cache_folder = cache.value_or("");
-  options.cached_levels = cached_levels;
-  options.recognise = recognise;
-  if (!(recognise_tolerance >= 0.0 && std::isfinite(recognise_tolerance)))
-    fail("recognise_tolerance: expected a finite number of at least 0, found " + std::to_string(recognise_tolerance));
-  options.recognise_tolerance = recognise_tolerance;
-  if (!(crease_angle >= 0.0 && crease_angle <= std::numbers::pi))
-    fail("crease_angle: expected 0 to pi, found " + std::to_string(crease_angle));
-  options.crease_angle = crease_angle;
-  if (!(chord_tolerance >= 0.0 && std::isfinite(chord_tolerance)))
-    fail("chord_tolerance: expected a finite number of at least 0, found " + std::to_string(chord_tolerance));
-  options.chord_tolerance = chord_tolerance;
-  if (!(chord_angle > 0.0 && chord_angle <= std::numbers::pi))
-    fail("chord_angle: expected more than 0 and at most pi, found " + std::to_string(chord_angle));
-  options.chord_angle = chord_angle;
-  options.in_process = in_process;
-  return options;
+using importers::ImportOptions, importers::WriteOptions;
+using importers::kAboveZero, importers::kFinite, importers::kMostInt, importers::kPi;
+
+/// A row of settings of imports, or of files that are written.
+#define SIGHTLINE_OPTION(Options, name, type, low, high, range, help)            \
+  {#name,                                                                        \
+   help,                                                                         \
+   range,                                                                        \
+   true,                                                                         \
+   false,                                                                        \
+   std::string_view(#type) != "path",                                            \
+   [](const Options& options) { return get(options.name); },                     \
+   [](Options& options, const char* argument, py::handle value) {                \
+     if (value.is_none() && std::string_view(#type) == "path") return;           \
+     set(options.name, argument, value);                                         \
+     if (!engine::check_range({#name, low, high, range}, options.name))          \
+       fail(#name ": expected " range ", found " + std::string(py::str(value))); \
+   }},
+
+constexpr Setting<ImportOptions> kImportSettings[] = {
+#define SIGHTLINE_SETTING(path, name, type, change, low, high, range, initial, help) \
+  SIGHTLINE_OPTION(ImportOptions, name, type, low, high, range, help)
+#include "sightline/importers/internal/settings.inc"
+};
+constexpr Setting<WriteOptions> kWriteSettings[] = {
+#define SIGHTLINE_WRITE_SETTING(path, name, type, change, low, high, range, initial, help) \
+  SIGHTLINE_OPTION(WriteOptions, name, type, low, high, range, help)
+#include "sightline/importers/internal/settings.inc"
+};
+
+}  // namespace
+
+template <>
+std::span<const Setting<ImportOptions>> settings() {
+  return kImportSettings;
+}
+template <>
+std::span<const Setting<WriteOptions>> settings() {
+  return kWriteSettings;
 }
 
-/// `import`: called with scene, parent and options, without the GIL.
-template <class Import>
+namespace {
+
 Imported run(const ScenePtr& scene, const std::optional<Node>& parent, importers::ImportOptions options,
-             const py::object& callback, const Import& import) {
+             const py::object& callback, const std::vector<std::filesystem::path>& paths) {
   Progress progress(callback);
   options.progress = progress.function();
   const core::NodeId below = node_in(scene, parent, "parent");
@@ -63,24 +83,31 @@ Imported run(const ScenePtr& scene, const std::optional<Node>& parent, importers
   {
     const LongCall call({scene->gate, Use::kWrite});
     if (!scene->scene.contains(below)) fail("parent: it has been removed from its scene");
-    report = import(scene->scene, below, options);
+    report = importers::import_files(paths, scene->scene, below, options);
   }
   progress.rethrow();
   return {scene, unwrap(std::move(report))};
 }
 
-void write_rvm(const ScenePtr& scene, const std::filesystem::path& path, const std::optional<Node>& node,
-               const py::object& callback) {
+py::dict write_scene(const ScenePtr& scene, const std::filesystem::path& path, const std::optional<Node>& node,
+                     const py::object& callback, const py::kwargs& given) {
+  WriteOptions options = config_of<WriteOptions>("write", given);
   Progress progress(callback);
+  options.progress = progress.function();
   const core::NodeId top = node_in(scene, node, "node");
-  core::Expected<void> done;
+  core::Expected<importers::WriteReport> done;
   {
     const LongCall call({scene->gate, Use::kRead});
     if (!scene->scene.contains(top)) fail("node: it has been removed from its scene");
-    done = importers::write_rvm(scene->scene, top, path, progress.function());
+    done = importers::write_file(scene->scene, top, path, options);
   }
   progress.rethrow();
-  unwrap(std::move(done));
+  const importers::WriteReport report = unwrap(std::move(done));
+  const auto triangles = report.triangles.value_or(importers::WriteReport::Tessellated());
+  using namespace py::literals;
+  return py::dict("items"_a = std::accumulate(report.items.begin(), report.items.end(), std::uint64_t(0)),
+                  "left_out"_a = report.left_out, "bytes"_a = report.bytes, "triangles"_a = triangles.triangles,
+                  "largest_chord_error"_a = triangles.largest_chord_error);
 }
 
 /// A dict from names of an enumeration to counts.
@@ -188,64 +215,44 @@ void bind_report(py::module_& m) {
 
 void bind_import(py::module_& m, SceneClass& scene) {
   bind_report(m);
-  constexpr const char* kOptions =
-      " A failed or cancelled import leaves the scene as it was. `lenient`: import what a damaged file holds. "
-      "`metres_per_unit`, `up` (\"y\", \"z\" or \"auto\"): for formats that do not say. `copies` (\"apart\", "
-      "\"exact\", "
-      "\"similar\"): which meshes are kept once. `cache`: a folder of scene caches, so that the next import of the "
-      "same unchanged files is fast. `cached_levels`: these hold levels of detail, too, which engines with `lod_error` "
-      "need not build then. `recognise`: meshes become primitives where they are the triangles of some, whose vertices "
-      "lie within `recognise_tolerance` metres, or, where this is 0, as near as each mesh's own tessellation tells. "
-      "`crease_angle`: radians; meshes without normals look smooth but for edges bent by more; 0: facet by facet. "
-      "`chord_tolerance` (metres; 0: 0.05 % of each part's diagonal) and `chord_angle` (radians): how far triangles "
-      "may "
-      "lie from exact surfaces of STEP, IGES and BREP, which are read in a process of their own unless `in_process`. "
-      "`progress`: called with the share done, 0 to 1; False cancels, and so do exceptions and Ctrl-C.";
-  static const std::string file_doc =
-      std::string("Imports a model file of any known format below `parent`, or the root.") + kOptions;
-  static const std::string files_doc =
-      std::string("Imports several files, a node each, side by side; all or none.") + kOptions;
+  const std::string words =
+      "A failed or cancelled import leaves the scene as it was.\n\n"
+      "progress: called with the share done, 0 to 1; False cancels, and so do exceptions and Ctrl-C.";
+  const auto doc = [&](const char* function, const char* what, const std::string& does) {
+    return doc_of<ImportOptions>(function, std::string(what) + ": object, parent: object = None",
+                                 "progress: object = None", does + words, false, "ImportReport");
+  };
+  const std::string file_doc =
+      doc("import_file", "path", "Imports a model file of any known format below `parent`, or the root. ");
+  const std::string files_doc =
+      doc("import_files", "paths", "Imports several files, a node each, side by side; all or none. ");
   using namespace py::literals;
+  py::options options;
+  options.disable_function_signatures();
   scene.def(
       "import_file",
-      [](const ScenePtr& s, const std::filesystem::path& path, const std::optional<Node>& parent, bool lenient,
-         double metres_per_unit, const std::string& up, const std::string& copies,
-         const std::optional<std::filesystem::path>& cache, bool cached_levels, bool recognise,
-         double recognise_tolerance, double crease_angle, double chord_tolerance, double chord_angle, bool in_process,
-         const py::object& progress) {
-        return run(s, parent,
-                   options_of(lenient, metres_per_unit, up, copies, 0, cache, cached_levels, recognise,
-                              recognise_tolerance, crease_angle, chord_tolerance, chord_angle, in_process),
-                   progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
-                     return importers::import_files(std::span(&path, 1), to, below, options);
-                   });
+      [](const ScenePtr& s, const std::filesystem::path& path, const std::optional<Node>& parent,
+         const py::object& progress, const py::kwargs& given) {
+        return run(s, parent, config_of<ImportOptions>("import_file", given), progress, {path});
       },
-      "path"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "auto",
-      "copies"_a = "similar", "cache"_a = py::none(), "cached_levels"_a = false, "recognise"_a = false,
-      "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "chord_tolerance"_a = 0.0,
-      "chord_angle"_a = importers::ImportOptions().chord_angle, "in_process"_a = false, "progress"_a = py::none(),
-      file_doc.c_str());
+      "path"_a, "parent"_a = py::none(), py::kw_only(), "progress"_a = py::none(), file_doc.c_str());
   scene.def(
       "import_files",
       [](const ScenePtr& s, const std::vector<std::filesystem::path>& paths, const std::optional<Node>& parent,
-         bool lenient, double metres_per_unit, const std::string& up, const std::string& copies, int threads,
-         const std::optional<std::filesystem::path>& cache, bool cached_levels, bool recognise,
-         double recognise_tolerance, double crease_angle, double chord_tolerance, double chord_angle, bool in_process,
-         const py::object& progress) {
-        return run(s, parent,
-                   options_of(lenient, metres_per_unit, up, copies, threads, cache, cached_levels, recognise,
-                              recognise_tolerance, crease_angle, chord_tolerance, chord_angle, in_process),
-                   progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
-                     return importers::import_files(paths, to, below, options);
-                   });
+         const py::object& progress, const py::kwargs& given) {
+        return run(s, parent, config_of<ImportOptions>("import_files", given), progress, paths);
       },
-      "paths"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0,
-      "up"_a = "auto", "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "cached_levels"_a = false,
-      "recognise"_a = false, "recognise_tolerance"_a = 0.0, "crease_angle"_a = 0.0, "chord_tolerance"_a = 0.0,
-      "chord_angle"_a = importers::ImportOptions().chord_angle, "in_process"_a = false, "progress"_a = py::none(),
-      files_doc.c_str());
-  scene.def("write_rvm", &write_rvm, "path"_a, "node"_a = py::none(), py::kw_only(), "progress"_a = py::none(),
-            "Writes what is below a node, or the root, as an RVM file. `progress` as in import_file().");
+      "paths"_a, "parent"_a = py::none(), py::kw_only(), "progress"_a = py::none(), files_doc.c_str());
+  const std::string write_doc = doc_of<WriteOptions>(
+      "write", "path: object, node: object = None", "progress: object = None",
+      "Writes what is below a node, or the root, in the format that the name ends in: .rvm, .obj, .glb, .gltf, or .slc "
+      "for a cache of the whole scene. Returns a dict: items, left_out, bytes, triangles that stand for primitives, "
+      "and "
+      "their largest_chord_error in metres. `progress` as in import_file().",
+      false, "dict");
+  scene.def("write", &write_scene, "path"_a, "node"_a = py::none(), py::kw_only(), "progress"_a = py::none(),
+            write_doc.c_str());
+  options.enable_function_signatures();
   m.def(
       "known_extensions",
       [] {

@@ -1,33 +1,16 @@
-// How many values the enumerations of engines have, and names of those that have none in C++.
+// How many values the enumerations of engines have.
 #pragma once
 
 #include "sightline/bindings/python/values.h"
 #include "sightline/engine/engine.h"
-
-namespace sightline::engine {
-
-constexpr std::string_view name_of(GlState state) {
-  return state == GlState::kRestore ? "restore" : "leave";
-}
-
-}  // namespace sightline::engine
+#include "sightline/engine/internal/choices.h"
 
 namespace sightline::python {
 
-template <>
-inline constexpr int kEnumerators<engine::CullerChoice> = 5;
-template <>
-inline constexpr int kEnumerators<engine::OcclusionChoice> = 3;
-template <>
-inline constexpr int kEnumerators<engine::ContributionMode> = 3;
-template <>
-inline constexpr int kEnumerators<engine::Transparency> = 2;
-template <>
-inline constexpr int kEnumerators<core::Lighting> = 3;
-template <>
-inline constexpr int kEnumerators<engine::GlState> = 2;
-template <>
-inline constexpr int kEnumerators<culling::GpuVariant> = 2;
+#define SIGHTLINE_CHOICE(Enum, prefix, ...) \
+  template <>                               \
+  inline constexpr int kEnumerators<Enum> = int(engine::kChoices<Enum>.size());
+#include "sightline/engine/internal/settings.inc"
 template <>
 inline constexpr int kEnumerators<culling::ControllerState> = 3;
 

@@ -4,13 +4,12 @@
 #include <memory>
 #include <optional>
 
+#include "sightline/bindings/python/config.h"
 #include "sightline/bindings/python/images.h"
 #include "sightline/bindings/python/module.h"
 #include "sightline/bindings/python/progress.h"
 #include "sightline/bindings/python/scene.h"
 #include "sightline/bindings/python/values.h"
-#include "sightline/engine/paged_engine.h"
-#include "sightline/gl/context.h"
 #include "sightline/importers/slc/paged_scene.h"
 
 namespace sightline::python {
@@ -123,43 +122,24 @@ void bind_paged_report(py::module_& m) {
              &PagedReport::failed, &PagedReport::coarse_resident, &PagedReport::coarse_loaded, &PagedReport::memory>(c);
 }
 
-std::unique_ptr<PagedEngineBox> open_pages(const std::filesystem::path& path, std::size_t memory_limit, int width,
-                                           int height, bool ids, double lod_error, double refine_ms, bool loading_bar,
-                                           const std::string& context, bool gl_debug,
-                                           const std::optional<std::filesystem::path>& program_cache,
-                                           const py::object& progress) {
-  if (width < 1 || height < 1)
-    fail("width and height: expected 1 or more pixels, found " + std::to_string(width) + " and " +
-         std::to_string(height));
-  if (std::isnan(refine_ms)) fail("refine_ms: expected a number, found nan");
-  PagedConfig config;
-  config.width = width, config.height = height;
-  config.ids = ids;
-  config.lod_error = lod_error;
-  config.memory_limit = memory_limit;
-  config.refine_ms = refine_ms;
-  config.loading_bar = loading_bar;
-  config.context_platform = unwrap(gl::parse_platform(context));
-  config.gl_debug = gl_debug;
-  config.program_cache = program_cache;
-  return std::make_unique<PagedEngineBox>(path, config, progress);
+std::unique_ptr<PagedEngineBox> open_pages(const std::filesystem::path& path, const py::object& progress,
+                                           const py::kwargs& given) {
+  return std::make_unique<PagedEngineBox>(path, config_of<PagedConfig>("PagedEngine", given), progress);
+}
+
+void bind_paged_settings(PagedEngineClass& c) {
+  using namespace py::literals;
+  const std::string doc = doc_of<PagedConfig>(
+      "__init__", "path: object", "progress: object = None",
+      "Opens a scene cache, or all of a folder as parts of one scene.\n\n"
+      "progress: called with the share that is opened, 0 to 1; False cancels, and so do exceptions and Ctrl-C.");
+  py::options options;
+  options.disable_function_signatures();
+  c.def(py::init(&open_pages), "path"_a, py::kw_only(), "progress"_a = py::none(), doc.c_str());
 }
 
 void bind_paged_life(PagedEngineClass& c) {
-  using namespace py::literals;
-  c.def(py::init(&open_pages), "path"_a, py::kw_only(), "memory_limit"_a, "width"_a = 1280, "height"_a = 720,
-        "ids"_a = false, "lod_error"_a = 0.0, "refine_ms"_a = 100.0, "loading_bar"_a = true, "context"_a = "auto",
-        "gl_debug"_a = false, "program_cache"_a = py::none(), "progress"_a = py::none(),
-        "Opens a scene cache, or all of a folder as parts of one scene.\n\n"
-        "memory_limit: bytes that the whole process may have in memory, Python included, and the buffers of a GPU "
-        "where that is main memory.\n"
-        "ids: an image of item ids beside colour and depth.\n"
-        "lod_error: pixels that a mesh may be drawn elsewhere by levels of detail that the cache holds; 0: none.\n"
-        "refine_ms: milliseconds for which a frame of a view that stays takes in pages before it shows what it has.\n"
-        "loading_bar: in images that are not complete, the share of their leaves that are drawn.\n"
-        "context, gl_debug, program_cache: as of Engine.\n"
-        "progress: called with the share that is opened, 0 to 1; False cancels, and so do exceptions and Ctrl-C.")
-      .def("close", &PagedEngineBox::close, "Frees everything now. Later calls fail; a second close() does nothing.")
+  c.def("close", &PagedEngineBox::close, "Frees everything now. Later calls fail; a second close() does nothing.")
       .def_property_readonly("closed", &PagedEngineBox::closed, "Whether close() has been called.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](PagedEngineBox& b, const py::args&) { b.close(); });
@@ -199,7 +179,7 @@ void bind_paged_frames(PagedEngineClass& c) {
       .def(
           "read_ids",
           [](PagedEngineBox& b) {
-            if (!b.config().ids) fail("image: ids are not drawn without `ids`");
+            if (!b.config().drawing.ids) fail("image: ids are not drawn without `ids`");
             return b.read([](PagedEngine& e) { return e.read_ids(); });
           },
           "Item + 1 of each pixel, (height, width) uint32; 0: background. Needs `ids`. The array owns it.")
@@ -249,6 +229,7 @@ void bind_paged(py::module_& m) {
   PagedEngineClass c(m, "PagedEngine",
                      "Draws scenes that are larger than memory, within a limit. Calls release the GIL; of several "
                      "threads that call one engine, one runs at a time. Usable in a with statement.");
+  bind_paged_settings(c);
   bind_paged_life(c);
   bind_paged_frames(c);
   bind_paged_state(c);

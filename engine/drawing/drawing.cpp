@@ -7,7 +7,7 @@
 #include "sightline/core/internal/clock.h"
 #include "sightline/engine/drawing/internal/left_out.h"
 #include "sightline/engine/drawing/internal/warm_up.h"
-#include "sightline/engine/internal/looks.h"
+#include "sightline/engine/internal/settings.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/program_cache.h"
 #include "sightline/gl/internal/saved_state.h"
@@ -77,7 +77,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const EngineConfig& con
   if (!config.context.application) {
     gl::ContextOptions options;
     options.platform = config.context.platform;
-    options.debug = config.context.debug;
+    options.debug = config.context.gl_debug;
     auto made = gl::Context::create_offscreen(options);
     if (!made) return tl::unexpected(made.error());
     own = std::move(*made);

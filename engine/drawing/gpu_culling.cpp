@@ -11,7 +11,7 @@ bool can_test_occlusion(const DrawContext& context, const culling::GpuCuller& cu
 
 core::Expected<culling::GpuCuller> GpuCulling::make(const DrawContext& context, const core::Snapshot& snapshot,
                                                     const gpuscene::GpuScene& scene) {
-  culling::GpuCullerConfig config = context.config.culling.gpu_culler;
+  culling::GpuCullerConfig config = {context.config.culling.gpu_variant};
   if (variant_) config.variant = variant_;
   auto culler = culling::GpuCuller::create(context.context, snapshot, scene, config);
   if (!culler) return culler;

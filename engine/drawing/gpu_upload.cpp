@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "sightline/core/internal/sort_unique.h"
-#include "sightline/engine/internal/looks.h"
+#include "sightline/engine/internal/settings.h"
 
 namespace sightline::engine {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/engine/internal/looks.h"
+#include "sightline/engine/internal/settings.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {

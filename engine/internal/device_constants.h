@@ -5,7 +5,7 @@
 namespace sightline::engine {
 
 /// Share by which frames of the GPU path are presumed to be more expensive where software draws, until measured frames
-/// show otherwise (FrameCostConfig::presumed_gpu_excess). llvmpipe: 1.15 to 1.2 times the frame of the CPU's path.
+/// show otherwise (ControllerConfig::presumed_gpu_excess). llvmpipe: 1.15 to 1.2 times the frame of the CPU's path.
 inline constexpr double kSoftwareGpuExcess = 0.1;
 
 /// Frames without the occlusion test that follow one another overlap, where software draws by the CPU's own cores, too:

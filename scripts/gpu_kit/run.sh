@@ -110,7 +110,7 @@ choose_context() {
   say "" && say "| context | what it gives |" && say "| --- | --- |"
   for way in egl-device egl egl-surfaceless osmesa; do
     log=$scratch/context_$way
-    if limited 6 "$bin/sightline-bench" context --context "$way" >"$log" 2>&1; then
+    if limited 6 "$bin/sightline-bench" context --context-platform "$way" >"$log" 2>&1; then
       say "| $way | $(sed -n 's/^\(platform\|renderer\|version\|made in\): //p' "$log" | paste -sd';' | sed 's/;/; /g') |"
       if grep -q '^software: false' "$log"; then chosen=${chosen:-$way}; fi
       fallback=${fallback:-$way}
@@ -188,7 +188,7 @@ field() { sed -n "s/.*$1 \([^ ,;]*\).*/\1/p" "$scratch/image.log" | head -n 1; }
 compare_image() {
   local name=$1 model=$2 ref=$kit/refs/$1 code verdict culler
   shift 2
-  culler="$*" && culler=${culler##*--culler } && culler=${culler/ --gpu-pass/,}
+  culler="$*" && culler=${culler##*--culler } && culler=${culler/ --gpu-variant/,}
   cd "$kit" || return 1
   limited 8 "$bin/sightline-render" "$model" "$@" --compare "$ref.png" --max 255 --mean 255 \
     --compare-ids "$ref.ids.png" --compare-depth "$ref.pfm" --out "$scratch/$name.png" --diff "$scratch/$name.diff.png" >"$scratch/image.log" 2>&1
@@ -236,7 +236,7 @@ fly() {
   local share variant
   share=$(awk -v n="$(items "$1")" 'BEGIN { s = n / 691951; printf "%.5f", s < 0.001 ? 0.001 : s }')
   for variant in geometry compute; do
-    show "$2" sightline-bench hybrid --only P-50 --scale "$share" --gpu-pass "$variant" --frames "$frames" --passes 1 \
+    show "$2" sightline-bench hybrid --only P-50 --scale "$share" --gpu-variant "$variant" --frames "$frames" --passes 1 \
       --size "$size"
   done
 }
@@ -248,7 +248,7 @@ step_hybrid_5m() {
   local file rendering culler
   file=$(plant "$(items 5000000)")
   for rendering in --no-render ""; do
-    for culler in cpu "gpu --gpu-pass geometry" "gpu --gpu-pass compute" hybrid; do
+    for culler in cpu "gpu --gpu-variant geometry" "gpu --gpu-variant compute" hybrid; do
       # shellcheck disable=SC2086
       show 7 sightline-replay "$file" --culler $culler $rendering --frames $((frames / 2 + 2)) --size "$size"
     done
@@ -258,7 +258,7 @@ step_hybrid_5m() {
 step_submission() {
   local variant
   for variant in geometry compute; do
-    show 10 sightline-bench hybrid --submission "$(items 100000),$(items 1000000)" --gpu-pass "$variant" --frames "$frames" --size "$size"
+    show 10 sightline-bench hybrid --submission "$(items 100000),$(items 1000000)" --gpu-variant "$variant" --frames "$frames" --size "$size"
   done
 }
 step_occlusion() {

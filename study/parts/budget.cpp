@@ -17,6 +17,7 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/setting_options.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
@@ -59,7 +60,9 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.add("--viewports", o.viewports, "Views that rest in turns, each with an image of its own, evenly spaced")
       .in_range(1, 100)
       .shows_default();
-  apps::add_contribution_mode_option(line, "--mode", "How what is left out is drawn", o.mode);
+  line.add_choice("--mode", o.mode, apps::choices_of<engine::ContributionMode, engine::ContributionMode>(),
+                  "How what is left out is drawn")
+      .shows_default();
   line.add("--lod-error", o.lod_error, "Pixels within which the budget's frames draw meshes by levels of detail")
       .accepted_by(apps::parse_finite)
       .not_negative()

@@ -144,22 +144,22 @@ std::ostream& operator<<(std::ostream& to, const Shot& shot) {
 const Shot kShots[] = {
     {"Solids", "plant", "near", "--culler cpu"},
     {"SolidsOccluded", "plant", "near", "--culler cpu --occlusion on"},
-    {"SolidsByGeometryShaders", "plant", "near", "--culler gpu --gpu-pass geometry --occlusion on"},
-    {"SolidsByComputeShaders", "plant", "above", "--culler gpu --gpu-pass compute --occlusion on"},
+    {"SolidsByGeometryShaders", "plant", "near", "--culler gpu --gpu-variant geometry --occlusion on"},
+    {"SolidsByComputeShaders", "plant", "above", "--culler gpu --gpu-variant compute --occlusion on"},
     {"SolidsByTheHybrid", "plant", "above", "--culler hybrid"},
     {"SolidsCut", "plant", "cut", "--culler cpu"},
-    {"SolidsCutByAUnion", "plant", "union", "--culler gpu --gpu-pass geometry --section-hatch 0.5"},
+    {"SolidsCutByAUnion", "plant", "union", "--culler gpu --gpu-variant geometry --hatching 0.5"},
     {"SolidsShaded", "plant", "near", "--culler cpu --depth-shading 0.5 --edge-lines 0.5"},
     {"SolidsAsGhosts", "plant", "near", "--culler cpu --ghost PIPE --transparency blended"},
     {"SolidsAsPoints", "plant", "near", "--culler cpu --min-projected-area 20 --contribution-mode points"},
     {"MeshesOccluded", "meshes", "near", "--culler cpu --occlusion on"},
-    {"MeshesByGeometryShaders", "meshes", "above", "--culler gpu --gpu-pass geometry --occlusion on"},
-    {"MeshesCut", "meshes", "cut", "--culler gpu --gpu-pass compute"},
-    {"MeshesCutByAUnion", "meshes", "union", "--culler hybrid --section-hatch 0.5"},
+    {"MeshesByGeometryShaders", "meshes", "above", "--culler gpu --gpu-variant geometry --occlusion on"},
+    {"MeshesCut", "meshes", "cut", "--culler gpu --gpu-variant compute"},
+    {"MeshesCutByAUnion", "meshes", "union", "--culler hybrid --hatching 0.5"},
     {"Clusters", "torus", "torus", "--culler cpu --occlusion on"},
-    {"ClustersByGeometryShaders", "torus", "torus", "--culler gpu --gpu-pass geometry --occlusion on"},
+    {"ClustersByGeometryShaders", "torus", "torus", "--culler gpu --gpu-variant geometry --occlusion on"},
     {"Levels", "torus", "torus", "--culler cpu --lod-error 3"},
-    {"LevelsByComputeShaders", "torus", "torus", "--culler gpu --gpu-pass compute --lod-error 3"}};
+    {"LevelsByComputeShaders", "torus", "torus", "--culler gpu --gpu-variant compute --lod-error 3"}};
 
 class ShotsByDrivers : public DriverImages, public ::testing::WithParamInterface<Shot> {
  protected:

@@ -374,7 +374,7 @@ TEST_F(Render, CullersDrawTheSame) {
   render(with({"--view", view, "--culler", "linear", "--out", linear}));
   EXPECT_EQ(differing({"--view", view, "--culler", "cpu"}, linear), 0u);
   for (const char* pass : {"geometry", "compute"})  // equal depths in another order
-    EXPECT_LE(differing({"--view", view, "--culler", "gpu", "--gpu-pass", pass}, linear), kThousandth) << pass;
+    EXPECT_LE(differing({"--view", view, "--culler", "gpu", "--gpu-variant", pass}, linear), kThousandth) << pass;
 }
 
 TEST_F(Render, SectionsCutAway) {

@@ -384,7 +384,7 @@ TEST_F(ViewScript, MotionAtLessQualityEndsInTheSameImage) {
     const std::string file = path("at-rest.png");
     expect_driven(
         "smooth\nexpect /lower = true\ndrag 300 200 380 230\nexpect /response_ms > 0\nscreenshot " + file + "\n",
-        {model, "--size", kSize, "--no-panels", "--budget", budget});
+        {model, "--size", kSize, "--no-panels", "--budget-ms", budget});
     images.push_back(read_png(file));
   }
   const std::string file = path("same.png");
@@ -449,7 +449,7 @@ TEST_F(ViewScript, ShowsTheCompleteImageAfterAMotion) {
   for (const char* budget : {"0", "0.1"}) {
     const std::string file = path("window.png");
     expect_driven("levels\ndrag 300 200 380 230\nmove 590 390\nwait 0.5\nwindow-shot " + file + "\n",
-                  {plant(3000), "--size", kSize, "--no-panels", "--budget", budget, "--depth-shading", "0.5"});
+                  {plant(3000), "--size", kSize, "--no-panels", "--budget-ms", budget, "--depth-shading", "0.5"});
     shots.push_back(read_png(file));
   }
   EXPECT_EQ(shots[0].rgb, shots[1].rgb);
@@ -466,8 +466,8 @@ TEST_F(ViewScript, FramesHaveABudgetUnlessTheGpuCulls) {
   const Json state = state_with("", {"--settings", settings});
   if (state["renderer"].get<std::string>().find("llvmpipe") == std::string::npos) GTEST_SKIP() << "a GPU";
   EXPECT_EQ(state["budget_ms"], 33.0);
-  EXPECT_EQ(state_with("", {"--settings", settings, "--budget", "0"})["budget_ms"], 0.0);
-  EXPECT_EQ(state_with("", {"--settings", settings, "--budget", "50"})["budget_ms"], 50.0);
+  EXPECT_EQ(state_with("", {"--settings", settings, "--budget-ms", "0"})["budget_ms"], 0.0);
+  EXPECT_EQ(state_with("", {"--settings", settings, "--budget-ms", "50"})["budget_ms"], 50.0);
   EXPECT_EQ(state_with("", {"--settings", settings, "--culler", "hybrid"})["budget_ms"], 0.0);
   EXPECT_EQ(state_with("cull-gpu\n", {"--settings", settings})["budget_ms"], 0.0);
   EXPECT_EQ(state_with("cull-cpu\n", {"--settings", settings})["budget_ms"], 33.0);

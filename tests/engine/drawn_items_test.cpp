@@ -115,12 +115,12 @@ View view_of(Random& random, const dvec3& middle, double aspect) {
 /// On the CPU, or on the GPU in one of its variants.
 struct Path {
   CullerChoice culler = CullerChoice::kCpu;
-  culling::GpuCullerConfig gpu = {};
+  std::optional<culling::GpuVariant> gpu = {};
 };
 constexpr Path kPaths[] = {
     {}, {CullerChoice::kGpu, {culling::GpuVariant::kGeometry}}, {CullerChoice::kGpu, {culling::GpuVariant::kCompute}}};
 std::string path_name(const testing::TestParamInfo<Path>& path) {
-  return path.param.gpu.variant ? std::string(name_of(*path.param.gpu.variant)) : "cpu";
+  return path.param.gpu ? std::string(name_of(*path.param.gpu)) : "cpu";
 }
 
 class DrawnItems : public tests::GlTest {
@@ -129,7 +129,7 @@ class DrawnItems : public tests::GlTest {
     EngineConfig made;
     made.draw = made.drawing.ids = true;
     made.culling.culler = path.culler;
-    made.culling.gpu_culler = path.gpu;
+    made.culling.gpu_variant = path.gpu;
     made.width = width, made.height = height;
     made.context.application = &*context;
     return made;

@@ -41,12 +41,12 @@ const Mode kModes[] = {
     {"geometry",
      [](EngineConfig& c) {
        c.culling.culler = CullerChoice::kGpu;
-       c.culling.gpu_culler.variant = culling::GpuVariant::kGeometry;
+       c.culling.gpu_variant = culling::GpuVariant::kGeometry;
      }},
     {"compute",
      [](EngineConfig& c) {
        c.culling.culler = CullerChoice::kGpu;
-       c.culling.gpu_culler.variant = culling::GpuVariant::kCompute;
+       c.culling.gpu_variant = culling::GpuVariant::kCompute;
      }},
     {"gpu_occlusion",
      [](EngineConfig& c) {

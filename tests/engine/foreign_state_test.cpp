@@ -46,7 +46,7 @@ class ForeignState : public DrawnGrid, public testing::WithParamInterface<Mode> 
     engine::EngineConfig c = DrawnGrid::config(GetParam().culler, 97, 61);
     c.drawing.ids = true;
     c.drawing.samples = GetParam().samples;
-    c.culling.gpu_culler.variant = GetParam().variant;
+    c.culling.gpu_variant = GetParam().variant;
     c.culling.occlusion = GetParam().occlusion;
     if (GetParam().overlays) c.drawing.transparency = engine::Transparency::kBlended;
     return c;

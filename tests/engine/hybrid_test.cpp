@@ -326,7 +326,7 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
   core::Scene scene;
   fill(scene, 22);
   EngineConfig any = config(CullerChoice::kGpu), named = any;
-  named.culling.gpu_culler.variant = culling::GpuVariant::kCompute;
+  named.culling.gpu_variant = culling::GpuVariant::kCompute;
   for (const EngineConfig& c : {any, named}) {
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine) << engine.error().message;
@@ -339,8 +339,8 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
     const engine::PlanEntry before = told("GPU culling in compute shaders");
     EXPECT_EQ(before.used, variant == culling::GpuVariant::kCompute);
     EXPECT_EQ(before.used, !told("GPU culling in geometry shaders").used);
-    EXPECT_TRUE(before.why.starts_with(c.culling.gpu_culler.variant ? "asked for" : "measured: ")) << before.why;
-    if (!c.culling.gpu_culler.variant) {
+    EXPECT_TRUE(before.why.starts_with(c.culling.gpu_variant ? "asked for" : "measured: ")) << before.why;
+    if (!c.culling.gpu_variant) {
       double geometry = 0.0, compute = 0.0;
       ASSERT_EQ(std::sscanf(before.why.c_str(), "measured: geometry %lf ms, compute %lf ms", &geometry, &compute), 2);
       EXPECT_TRUE(geometry == compute || before.used == (compute < geometry)) << "the slower one: " << before.why;

@@ -50,7 +50,7 @@ class Images : public GlTest {
                       engine::CullerChoice culler = engine::CullerChoice::kAutomatic) {
     engine::EngineConfig config;
     config.draw = config.drawing.ids = true;
-    config.context.debug = !own_or_null;
+    config.context.gl_debug = !own_or_null;
     config.width = width;
     config.height = height;
     config.context.application = own_or_null;

@@ -57,7 +57,7 @@ class KeptState : public DrawnGrid, public testing::WithParamInterface<Mode> {
     c.drawing.ids = true;
     c.context.gl_state = state;
     c.drawing.samples = GetParam().samples;
-    c.culling.gpu_culler.variant = GetParam().variant;
+    c.culling.gpu_variant = GetParam().variant;
     c.culling.occlusion = GetParam().occlusion;
     c.losses.budget_ms = GetParam().budget_ms;
     if (GetParam().overlays) c.drawing.transparency = engine::Transparency::kBlended;

@@ -43,7 +43,7 @@ class Levels : public DrawnGrid {
   }
   engine::EngineConfig config_of(const How& how, double error) {
     engine::EngineConfig c = config(how.culler, kWidth, kHeight);
-    c.culling.gpu_culler.variant = how.variant;
+    c.culling.gpu_variant = how.variant;
     c.drawing.ids = true;
     c.losses.lod_error = error;
     return c;

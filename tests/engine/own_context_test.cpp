@@ -183,7 +183,7 @@ core::View view() {
   return *core::View::perspective({{-6, -7, 9}, {3, 3, 3}, {0, 0, 1}}, 0.7, 1.0, 0.1);
 }
 engine::EngineConfig config(ContextPlatform platform) {
-  return {.draw = true, .width = 48, .height = 48, .context = {.platform = platform, .debug = true}};
+  return {.draw = true, .width = 48, .height = 48, .context = {.platform = platform, .gl_debug = true}};
 }
 
 class OwnContextBeside : public testing::TestWithParam<Case> {};

@@ -1,5 +1,5 @@
 // Images drawn page by page are those of an engine that has everything in memory.
-#include "sightline/engine/paged_engine.h"
+#include "sightline/engine/paged/paged_engine.h"
 
 #include <algorithm>
 #include <atomic>
@@ -17,7 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/engine.h"
-#include "sightline/engine/internal/page_store.h"
+#include "sightline/engine/paged/internal/page_store.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/slc/paged_scene.h"
@@ -75,7 +75,8 @@ class PagedEngineTest : public tests::GlTest {
     return scene ? std::move(*scene) : core::PagedScene();
   }
   static core::Expected<PagedEngine> engine(const std::string& file, std::size_t limit = kMany) {
-    return PagedEngine::create(open(file), {.width = kWidth, .height = kHeight, .ids = true, .memory_limit = limit});
+    return PagedEngine::create(open(file),
+                               {.width = kWidth, .height = kHeight, .drawing = {.ids = true}, .memory_limit = limit});
   }
   /// With little more room than the largest page takes, so that pages come and go all the time.
   static core::Expected<PagedEngine> tight_engine(const std::string& file) {
@@ -192,9 +193,12 @@ TEST_F(PagedEngineTest, CoarseLevelsStandInForPages) {
     wait.wait();
     return load(page);
   };
-  auto made = PagedEngine::create(
-      std::move(paged),
-      {.width = kWidth, .height = kHeight, .ids = true, .memory_limit = kMany, .refine_ms = 0.0, .loading_bar = false});
+  auto made = PagedEngine::create(std::move(paged), {.width = kWidth,
+                                                     .height = kHeight,
+                                                     .drawing = {.ids = true},
+                                                     .memory_limit = kMany,
+                                                     .refine_ms = 0.0,
+                                                     .loading_bar = false});
   ASSERT_TRUE(made) << made.error().message;
   const View view = overview(*made);
   auto report = made->frame(view);
@@ -251,8 +255,11 @@ TEST_F(PagedEngineTest, LevelsOfDetailAreThoseOfTheWhole) {
   core::Scene scene = tests::scene_of_many_pages(500);
   ASSERT_TRUE(scene.commit());
   const std::string file = write(scene, {.levels = true});
-  auto paged = PagedEngine::create(
-      open(file), {.width = kWidth, .height = kHeight, .ids = true, .lod_error = 1.0, .memory_limit = kMany});
+  auto paged = PagedEngine::create(open(file), {.width = kWidth,
+                                                .height = kHeight,
+                                                .drawing = {.ids = true},
+                                                .losses = {.lod_error = 1.0},
+                                                .memory_limit = kMany});
   ASSERT_TRUE(paged) << paged.error().message;
   auto whole = Engine::create(scene, {.draw = true,
                                       .width = kWidth,
@@ -490,8 +497,8 @@ TEST_F(PagedEngineTest, ALoaderThatThrowsLosesItsPagesAlone) {
     if (page == 2) throw std::runtime_error("no disk");
     return read(page);
   };
-  auto paged =
-      PagedEngine::create(std::move(scene), {.width = kWidth, .height = kHeight, .ids = true, .memory_limit = kMany});
+  auto paged = PagedEngine::create(
+      std::move(scene), {.width = kWidth, .height = kHeight, .drawing = {.ids = true}, .memory_limit = kMany});
   ASSERT_TRUE(paged) << paged.error().message;
   const auto report = paged->settle(overview(*paged));
   ASSERT_TRUE(report) << report.error().message;
@@ -621,7 +628,7 @@ TEST_F(PagedEngineTest, WaitsForEverWhenAsked) {
 /// again. `count`: calls that fail, from a number on.
 void fail_while_pages_come(gl::Context& context, const std::function<core::PagedScene()>& open, int count) {
   const PagedConfig config{
-      .width = kWidth, .height = kHeight, .ids = true, .memory_limit = kMany, .loading_bar = false};
+      .width = kWidth, .height = kHeight, .drawing = {.ids = true}, .memory_limit = kMany, .loading_bar = false};
   tests::FaultyGl faulty(context);
   std::optional<PagedEngine> paged;
   core::Expected<PagedReport> report;

@@ -33,7 +33,7 @@ core::Expected<Pilot> Pilot::create(core::Scene& scene, const HybridMode& mode, 
   engine_config.height = config.height;
   engine_config.context.application = &context;
   engine_config.context.gl_state = engine::GlState::kLeave;  // nobody else draws there
-  engine_config.culling.gpu_culler = config.gpu;
+  engine_config.culling.gpu_variant = config.gpu;
   engine_config.culling.occlusion = config.occlusion;
   auto engine = engine::Engine::create(scene, engine_config);
   if (!engine) return tl::unexpected(engine.error());

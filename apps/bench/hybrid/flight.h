@@ -52,7 +52,7 @@ struct FlightConfig {
   int width = 1280, height = 720;
   int warm_up = 10;  ///< frames of the first view before the first counted one
   int block = 10;    ///< frames that one engine flies in a row
-  culling::GpuCullerConfig gpu = {};
+  std::optional<culling::GpuVariant> gpu = {};
   engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
 };
 

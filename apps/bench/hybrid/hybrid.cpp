@@ -32,7 +32,7 @@ struct Options {
   apps::ModelOptions model;
   std::vector<std::string> only;
   std::vector<std::uint64_t> submission;
-  culling::GpuCullerConfig gpu;
+  std::optional<culling::GpuVariant> gpu;
   gl::ContextPlatform platform = {};
   double scale = 1.0;
   int frames = 200, passes = 3, block = 10, warm_up = 10;
@@ -57,7 +57,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.add("--rendering", o.rendering, "on: whole frames; off: culling alone; both")
       .one_of({"on", "off", "both"})
       .shows_default();
-  apps::add_gpu_pass_option(line, o.gpu);
+  apps::add_gpu_variant_option(line, o.gpu);
   line.add("--submission", o.submission,
            "Instead: what frames culled by the GPU cost the CPU, with generated plants of so many items")
       .in_range(1000, 10'000'000)

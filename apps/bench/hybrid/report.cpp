@@ -148,7 +148,7 @@ json::Value to_json(const HybridRun& run) {
   json::Value out = {{"model", run.model},
                      {"items", run.items},
                      {"rendering", run.rendering ? "on" : "off"},
-                     {"gpu_pass", run.flights[1].front().gpu_variant},
+                     {"gpu_variant", run.flights[1].front().gpu_variant},
                      {"frames", run.frames()},
                      {"passes", run.flights[0].size()},
                      {"better_path", kHybridModes[run.better_path()].name}};

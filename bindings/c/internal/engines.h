@@ -23,8 +23,9 @@ void check_size(std::int32_t width, std::int32_t height);
 /// Refuses a call that needs GL, where this library has none.
 void check_drawing(bool needed);
 
-/// All but the context and the controller, which is that of `controller` unless the struct names one.
-engine::EngineConfig config_of(const sl_engine_config& from, const culling::ControllerConfig& controller);
+/// Settings in C++: all but the application's context.
+engine::EngineConfig config_of(const sl_engine_config& from);
+engine::PagedConfig config_of(const sl_paged_config& from);
 sl_frame_report report_of(const engine::FrameReport& from);
 gl::ExternalTarget target_of(const sl_external_target* from);
 std::span<const core::ItemId> items_of(const sl_item* items, std::size_t count);

@@ -14,7 +14,7 @@
 #include "sightline/culling/box_culler.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 #include "sightline/engine/engine.h"
-#include "sightline/engine/paged_engine.h"
+#include "sightline/engine/paged/paged_engine.h"
 #include "sightline/sightline.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"

@@ -22,11 +22,7 @@ namespace sightline::capi {
 template <class T>
 inline constexpr std::size_t kFirstSize = sizeof(T);
 template <>
-inline constexpr std::size_t kFirstSize<sl_import_options> = offsetof(sl_import_options, cache_folder);
-template <>
 inline constexpr std::size_t kFirstSize<sl_import_report> = offsetof(sl_import_report, from_cache);
-template <>
-inline constexpr std::size_t kFirstSize<sl_engine_config> = offsetof(sl_engine_config, transparency);
 template <>
 inline constexpr std::size_t kFirstSize<sl_engine_info> = offsetof(sl_engine_info, scratch_bytes);
 template <>
@@ -35,6 +31,11 @@ template <>
 inline constexpr std::size_t kFirstSize<sl_loss_report> = offsetof(sl_loss_report, lod_error);
 template <>
 inline constexpr std::size_t kFirstSize<sl_ray> = offsetof(sl_ray, hit_ghosts);
+
+/// Whether programs of other versions may have another size. Settings may not: a new one may come among others.
+template <class T>
+inline constexpr bool kGrows = !std::is_same_v<T, sl_engine_config> && !std::is_same_v<T, sl_paged_config> &&
+                               !std::is_same_v<T, sl_import_options> && !std::is_same_v<T, sl_write_options>;
 
 /// No version will have a larger struct: a larger size was never set.
 inline constexpr std::size_t kMostSize = 4096;
@@ -46,6 +47,8 @@ std::size_t checked_size(const T* from) {
   if (from->size < kFirstSize<T> || from->size > kMostSize)
     refuse(SL_ERROR_ARGUMENT, "a struct's size is " + std::to_string(from->size) + ", expected " +
                                   std::to_string(sizeof(T)) + ": initialise it with its SL_..._INIT");
+  if (!kGrows<T> && from->size > sizeof(T))
+    refuse(SL_ERROR_UNSUPPORTED, "settings are those of another version of the library");
   return from->size;
 }
 
@@ -136,6 +139,8 @@ core::Affine affine_of(const double* matrix);
 void write_affine(const core::Affine& from, double matrix[16]);
 
 core::dvec3 vector_of(const double vector[3]);
+/// Refuses components beyond 1e150, which rays and queries do not take.
+core::dvec3 short_vector_of(const double vector[3]);
 core::AabbD box_of(const sl_box& box);
 sl_box box_of(const core::AabbD& box);
 core::Plane plane_of(const sl_plane& plane);

@@ -80,6 +80,53 @@ TEST(CapiBoxCuller, FindsTheBoxesThatCppFinds) {
   EXPECT_OK(sl_box_culler_destroy(culler));
 }
 
+TEST(CapiBoxCuller, AnswersQueriesAsCppDoes) {
+  const Boxes boxes(5000);
+  sl_box_culler culler = {0};
+  ASSERT_OK(sl_box_culler_create(boxes.c.data(), boxes.c.size(), &culler));
+  auto twin = culling::BoxCuller::create(boxes.cpp);
+  ASSERT_TRUE(twin);
+  std::vector<std::uint32_t> found(boxes.c.size()), expected;
+  std::vector<sl_box_hit> hits(10);
+  std::vector<culling::BoxHit> expected_hits;
+  std::size_t count = 0;
+  const auto compare = [&] {
+    ASSERT_EQ(count, expected.size());
+    EXPECT_GT(count, 0u);
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), found.begin()));
+  };
+  const auto compare_hits = [&] {
+    ASSERT_EQ(count, expected_hits.size());
+    EXPECT_GT(count, 0u);
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_EQ(hits[i].index, expected_hits[i].index);
+      EXPECT_EQ(hits[i].distance, expected_hits[i].distance);
+    }
+  };
+  const sl_box range = {{-30, -30, -30}, {40, 50, 60}};
+  for (const bool inside : {false, true}) {
+    ASSERT_OK(sl_box_culler_in_box(culler, &range, inside, found.data(), found.size(), &count));
+    twin->in_box({{-30, -30, -30}, {40, 50, 60}}, inside, expected);
+    compare();
+  }
+  const double place[3] = {1, 2, 3};
+  ASSERT_OK(sl_box_culler_around(culler, place, 20.0, found.data(), found.size(), &count));
+  twin->around({1, 2, 3}, 20.0, expected);
+  compare();
+  ASSERT_OK(sl_box_culler_nearest(culler, place, hits.data(), hits.size(), &count));
+  twin->nearest({1, 2, 3}, hits.size(), expected_hits);
+  compare_hits();
+  sl_ray ray = SL_RAY_INIT;
+  for (int axis = 0; axis < 3; ++axis) ray.origin[axis] = boxes.c[7].min[axis];
+  ASSERT_OK(sl_box_culler_along(culler, &ray, hits.data(), hits.size(), &count));
+  twin->along({boxes.cpp[7].min, {0, 1, 0}}, hits.size(), expected_hits);
+  compare_hits();
+  const double far[3] = {1e200, 0, 0};
+  EXPECT_EQ(sl_box_culler_nearest(culler, far, hits.data(), hits.size(), &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_in_box(culler, nullptr, 0, found.data(), found.size(), &count), SL_ERROR_ARGUMENT);
+  EXPECT_OK(sl_box_culler_destroy(culler));
+}
+
 TEST(CapiBoxCuller, ChangesManyBoxesAsCppDoes) {
   Boxes boxes(5000);
   sl_box_culler culler = {0};

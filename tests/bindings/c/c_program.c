@@ -51,7 +51,6 @@ static void build_and_pick(void) {
   sl_pick pick = SL_PICK_INIT;
   sl_frame_report report = SL_FRAME_REPORT_INIT;
   sl_view view = SL_VIEW_INIT;
-  sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
   sl_controller_info controller_info = SL_CONTROLLER_INFO_INIT;
   sl_loss_report loss = SL_LOSS_REPORT_INIT;
   sl_cull_states states = SL_CULL_STATES_INIT;
@@ -90,9 +89,8 @@ static void build_and_pick(void) {
   expect(sl_engine_cull_states(engine, &view, &states) == SL_OK && states.item_count == 2, "two states");
   expect(of_item[item] != SL_CULL_OUTSIDE && of_item[other] != SL_CULL_OUTSIDE, "the view to hold both");
   expect(sl_engine_loss(engine, &view, &loss) == SL_OK && loss.items == 0, "nothing to be left out");
-  expect(sl_engine_get_config(engine, &config, &controller) == SL_OK && config.width == 320, "the settings");
-  config.controller = &controller;
-  config.budget_ms = 5.0;
+  expect(sl_engine_get_config(engine, &config) == SL_OK && config.width == 320, "the settings");
+  config.losses.budget_ms = 5.0;
   expect(sl_engine_configure(engine, &config) == SL_OK, "another budget");
   expect(sl_engine_get_controller(engine, &controller_info) == SL_OK && !controller_info.there, "no hybrid");
   if (sl_features() & SL_FEATURE_PICKING) {

@@ -43,10 +43,10 @@ class CapiDrawing : public GlTest {
 
   sl_engine_config config() {
     sl_engine_config made = SL_ENGINE_CONFIG_INIT;
-    made.draw = made.ids = 1;
+    made.draw = made.drawing.ids = 1;
     made.width = kWidth, made.height = kHeight;
     made.get_proc = find_proc, made.get_proc_user = &procs_asked;
-    made.program_cache = "";
+    made.context.program_cache = "";
     return made;
   }
   sl_engine make_engine(const sl_engine_config& with) {
@@ -201,7 +201,7 @@ TEST_F(CapiDrawing, SeveralViewsLookAsInCpp) {
   EXPECT_NE(mine[0].pixels(), mine[1].pixels());
   sl_engine_config now = SL_ENGINE_CONFIG_INIT;
   ASSERT_OK(sl_engine_use_image(engine, 1));
-  ASSERT_OK(sl_engine_get_config(engine, &now, nullptr));
+  ASSERT_OK(sl_engine_get_config(engine, &now));
   EXPECT_EQ(now.width, kWidth - 10);
   EXPECT_EQ(sl_engine_forget_image(engine, 1), SL_ERROR_FAILED) << "it is in use";
   EXPECT_OK(sl_engine_forget_image(engine, 0));
@@ -252,27 +252,34 @@ struct Setting {
 
 TEST_F(CapiDrawing, SettingsLookAsInCpp) {
   const Setting settings[] = {
-      {"depth_shading", [](sl_engine_config& k) { k.depth_shading = 0.8f, k.edge_lines = 0.6f; },
+      {"depth_shading",
+       [](sl_engine_config& k) {
+         k.drawing.looks.depth_shading.strength = 0.8f, k.drawing.looks.depth_shading.edge_lines = 0.6f;
+       },
        [](engine::EngineConfig& k) {
          k.drawing.looks.depth_shading = {0.8f, 0.6f};
        }},
-      {"shading alone", [](sl_engine_config& k) { k.depth_shading = 0.8f; },
+      {"shading alone", [](sl_engine_config& k) { k.drawing.looks.depth_shading.strength = 0.8f; },
        [](engine::EngineConfig& k) { k.drawing.looks.depth_shading.strength = 0.8f; }},
-      {"hatching", [](sl_engine_config& k) { k.hatching_strength = 0.9f, k.hatching_spacing = 4.0f; },
+      {"hatching",
+       [](sl_engine_config& k) { k.drawing.looks.hatching.strength = 0.9f, k.drawing.looks.hatching.spacing = 4.0f; },
        [](engine::EngineConfig& k) {
          k.drawing.looks.hatching = {0.9f, 4.0f};
        }},
-      {"studio", [](sl_engine_config& k) { k.lighting = SL_LIGHTING_STUDIO; },
+      {"studio", [](sl_engine_config& k) { k.drawing.looks.lighting = SL_LIGHTING_STUDIO; },
        [](engine::EngineConfig& k) { k.drawing.looks.lighting = core::Lighting::kStudio; }},
-      {"sun", [](sl_engine_config& k) { k.lighting = SL_LIGHTING_SUN, k.sun[0] = 2.0; },
+      {"sun", [](sl_engine_config& k) { k.drawing.looks.lighting = SL_LIGHTING_SUN, k.drawing.looks.sun[0] = 2.0; },
        [](engine::EngineConfig& k) { k.drawing.looks.lighting = core::Lighting::kSun, k.drawing.looks.sun.x = 2.0; }},
-      {"background", [](sl_engine_config& k) { k.background_bottom[0] = 0.5f, k.background_top[2] = 0.25f; },
+      {"background",
+       [](sl_engine_config& k) {
+         k.drawing.looks.background.bottom[0] = 0.5f, k.drawing.looks.background.top[2] = 0.25f;
+       },
        [](engine::EngineConfig& k) {
          k.drawing.looks.background.bottom.x = 0.5f, k.drawing.looks.background.top.z = 0.25f;
        }},
-      {"outline colour", [](sl_engine_config& k) { k.outline_colour[2] = 1.0f; },
+      {"outline colour", [](sl_engine_config& k) { k.drawing.outline_colour[2] = 1.0f; },
        [](engine::EngineConfig& k) { k.drawing.outline_colour.z = 1.0f; }},
-      {"transparency", [](sl_engine_config& k) { k.transparency = SL_TRANSPARENCY_BLENDED; },
+      {"transparency", [](sl_engine_config& k) { k.drawing.transparency = SL_TRANSPARENCY_BLENDED; },
        [](engine::EngineConfig& k) { k.drawing.transparency = engine::Transparency::kBlended; }, false},
   };
   BothViews cut = view;
@@ -307,7 +314,7 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
     EXPECT_NE(found, plain);
     EXPECT_OK(sl_engine_destroy(engine));
     sl_engine_config now = SL_ENGINE_CONFIG_INIT;
-    ASSERT_OK(sl_engine_get_config(living, &now, nullptr));
+    ASSERT_OK(sl_engine_get_config(living, &now));
     setting.c(now);
     ASSERT_EQ(sl_engine_configure(living, &now), setting.later ? SL_OK : SL_ERROR_FAILED);
     EXPECT_EQ(image(living), setting.later ? found : plain);
@@ -377,7 +384,7 @@ TEST_F(CapiDrawing, TilesAreTheWholeImage) {
 
 TEST_F(CapiDrawing, LossIsThatOfCpp) {
   sl_engine_config with = config();
-  with.min_projected_area = 40.0f;
+  with.losses.min_projected_area = 40.0f;
   engine::EngineConfig same = twin_config();
   same.losses.min_projected_area = 40.0f;
   auto twin = engine::Engine::create(scene, same);
@@ -396,8 +403,8 @@ TEST_F(CapiDrawing, LossIsThatOfCpp) {
   EXPECT_EQ(loss.coarser_share, expected->coarser_share);
   EXPECT_GT(loss.items, 5);
   sl_engine_config now = SL_ENGINE_CONFIG_INIT;
-  ASSERT_OK(sl_engine_get_config(engine, &now, nullptr));
-  now.min_projected_area = 0.0f;
+  ASSERT_OK(sl_engine_get_config(engine, &now));
+  now.losses.min_projected_area = 0.0f;
   ASSERT_OK(sl_engine_configure(engine, &now));
   ASSERT_OK(sl_engine_frame(engine, &view.c, nullptr, nullptr));
   ASSERT_OK(sl_engine_loss(engine, &view.c, &loss));
@@ -456,7 +463,7 @@ TEST_F(CapiDrawing, TheImageIsInAFramebuffer) {
 
 TEST_F(CapiDrawing, ErrorsOfGlAreToldOnce) {
   sl_engine_config with = config();
-  with.gl_state = SL_GL_STATE_LEAVE;
+  with.context.gl_state = SL_GL_STATE_LEAVE;
   const sl_engine engine = make_engine(with);
   ASSERT_OK(sl_engine_frame(engine, &view.c, nullptr, nullptr));
   char lines[512];
@@ -482,7 +489,7 @@ TEST_F(CapiDrawing, AContextIsTakenInPortions) {
   engine::Engine twin = make_twin();
   ASSERT_TRUE(twin.frame(view.cpp));
   sl_engine_config with = config();
-  with.context_later = 1;
+  with.context.later = 1;
   sl_engine engine = {0};
   EXPECT_EQ(sl_engine_create(c.scene, &with, &engine), SL_ERROR_FAILED) << "there is one";
   with.get_proc = nullptr;
@@ -526,9 +533,9 @@ TEST_F(CapiDrawing, HybridsAreTold) {
   fill_grid(c, scene, 22);  // a hybrid is made from ten thousand items on
   for (const std::int32_t variant : {SL_GPU_VARIANT_GEOMETRY, SL_GPU_VARIANT_COMPUTE}) {
     sl_engine_config with = config();
-    with.culler = SL_CULLER_HYBRID;
-    with.gpu_variant = variant;
-    with.budget_ms = 0.0;
+    with.culling.culler = SL_CULLER_HYBRID;
+    with.culling.gpu_variant = variant;
+    with.losses.budget_ms = 0.0;
     const sl_engine engine = make_engine(with);
     sl_controller_info info = SL_CONTROLLER_INFO_INIT;
     sl_frame_report report = SL_FRAME_REPORT_INIT;

@@ -8,7 +8,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "c_scene.h"
+#include "each_setting.h"
 #if __has_include("sightline/raytrace/tracer.h")
 #include "sightline/engine/pick.h"
 #endif
@@ -106,7 +106,7 @@ TEST_F(CapiEngine, ShowsEditsAfterCommit) {
 TEST_F(CapiEngine, CullersAreChosen) {
   const BothViews view({7, -20, 7}, {7, 7, 7});
   sl_engine_info info = SL_ENGINE_INFO_INIT;
-  for (const sl_culler culler : {SL_CULLER_LINEAR, SL_CULLER_CPU, SL_CULLER_AUTOMATIC}) {
+  for (const sl_culler culler : {SL_CULLER_LINEAR, SL_CULLER_CPU, SL_CULLER_AUTO}) {
     ASSERT_OK(sl_engine_set_culler(engine, culler));
     ASSERT_TRUE(twin->set_culler(engine::CullerChoice(culler)));
     ASSERT_OK(sl_engine_get(engine, &info));
@@ -146,10 +146,10 @@ TEST_F(CapiEngine, BadArgumentsAreErrors) {
   EXPECT_NE(sl_engine_read_colour(engine, nullptr, 0), SL_OK);
   sl_engine_config config = SL_ENGINE_CONFIG_INIT;
   sl_engine other = {5};
-  config.min_projected_area = -1;
+  config.losses.min_projected_area = -1;
   EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_FAILED);
   config = SL_ENGINE_CONFIG_INIT;
-  config.occlusion = 3;
+  config.culling.occlusion = 3;
   EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_ARGUMENT);
   config = SL_ENGINE_CONFIG_INIT;
   config.width = -5;
@@ -446,99 +446,55 @@ TEST_F(CapiEngine, SaysWhatItUses) {
 // --- settings --------------------------------------------------------------------------------------------------------
 
 /// Settings of which none is the default, where that needs no GL.
-sl_engine_config other_settings(const sl_controller_config* controller) {
+sl_engine_config other_settings() {
   sl_engine_config c = SL_ENGINE_CONFIG_INIT;
-  c.culler = SL_CULLER_LINEAR;
   c.width = 300, c.height = 200;
-  c.ids = 1, c.sample_test = 0, c.occlusion = SL_OCCLUSION_OFF;
-  c.contribution_mode = SL_CONTRIBUTION_POINTS, c.min_projected_area = 2.5f, c.budget_ms = 7.0;
-  c.samples = 4, c.use_culled_colour = 1, c.culled_colour[2] = 0.75f;
-  c.rebuild_share = 0.25f, c.gl_state = SL_GL_STATE_LEAVE, c.context_platform = SL_CONTEXT_OSMESA;
-  c.transparency = SL_TRANSPARENCY_BLENDED, c.outline_colour[1] = 0.125f;
-  c.depth_shading = 0.5f, c.edge_lines = 0.25f, c.hatching_strength = 0.75f, c.hatching_spacing = 9.0f;
-  c.lighting = SL_LIGHTING_SUN, c.sun[0] = 0.5, c.background_bottom[1] = 0.25f, c.background_top[2] = 1.0f;
-  c.part_index = 1, c.part_count = 3;
-  c.gl_debug = 1, c.context_later = 1, c.gpu_variant = SL_GPU_VARIANT_COMPUTE;
-  c.controller = controller;
+  c.culling.culler = SL_CULLER_LINEAR, c.culling.gpu_variant = SL_GPU_VARIANT_COMPUTE;
+  c.culling.sample_test = 0, c.culling.occlusion = SL_OCCLUSION_OFF;
+  c.culling.part = {1, 3}, c.culling.rebuild_share = 0.25;
+  c.culling.controller = {0.5, 0.25, 0.75, 9, 0.125, 3, 0.0625, 201, 17, 0.375};
+  c.drawing.ids = 1, c.drawing.samples = 4, c.drawing.transparency = SL_TRANSPARENCY_BLENDED;
+  c.drawing.outline_colour[1] = 0.125f, c.drawing.culled_colour = {1, {0.0f, 0.0f, 0.75f}};
+  sl_looks& looks = c.drawing.looks;
+  looks.depth_shading = {0.5f, 0.25f}, looks.hatching = {0.75f, 9.0f};
+  looks.lighting = SL_LIGHTING_SUN, looks.sun[0] = 0.5;
+  looks.background.bottom[1] = 0.25f, looks.background.top[2] = 1.0f;
+  c.losses = {2.5f, SL_CONTRIBUTION_POINTS, 7.0, 1.5};
+  c.context.later = 1, c.context.gl_state = SL_GL_STATE_LEAVE, c.context.platform = SL_CONTEXT_OSMESA;
+  c.context.gl_debug = 1;
   return c;
 }
 
-sl_controller_config other_controller() {
-  return {sizeof(sl_controller_config), 9, 0.5, 0.25, 0.75, 0.125, 0.0625, 0.375, 3, 201, 17, 0};
-}
-
-/// Equal byte by byte: neither has padding that is not zero.
-template <class T>
-bool same_bytes(const T& a, const T& b) {
-  return std::memcmp(&a, &b, sizeof(T)) == 0;
-}
-
 TEST_F(CapiEngine, SettingsComeBack) {
-  sl_engine_config config, expected;
-  sl_controller_config controller;
-  for (const bool defaults : {true, false}) {
-    const sl_controller_config chosen_controller =
-        defaults ? sl_controller_config SL_CONTROLLER_CONFIG_INIT : other_controller();
-    std::memset(&expected, 0, sizeof expected);
-    const sl_engine_config chosen =
-        defaults ? sl_engine_config SL_ENGINE_CONFIG_INIT : other_settings(&chosen_controller);
+  const sl_engine_config others = other_settings(), defaults = SL_ENGINE_CONFIG_INIT;
+  for_each_setting(others, defaults, [](const std::string& name, const auto& one, const auto& other) {
+    EXPECT_EQ(same_setting(one, other), name == "draw" || name == "program_cache") << name;
+  });
+  for (const sl_engine_config* chosen : {&others, &defaults}) {
     sl_engine other = {0};
-    ASSERT_OK(sl_engine_create(c.scene, defaults ? nullptr : &chosen, &other));
-    expected = chosen;
-    expected.controller = nullptr;
-    std::memset(&config, 0, sizeof config), std::memset(&controller, 0, sizeof controller);
-    config.size = sizeof config, controller.size = sizeof controller;
-    ASSERT_OK(sl_engine_get_config(other, &config, &controller));
-    EXPECT_TRUE(same_bytes(config, expected)) << defaults;
-    EXPECT_TRUE(same_bytes(controller, chosen_controller)) << defaults;
-    ASSERT_OK(sl_engine_get_config(other, &config, nullptr));
+    ASSERT_OK(sl_engine_create(c.scene, chosen, &other));
+    sl_engine_config config = SL_ENGINE_CONFIG_INIT;
+    ASSERT_OK(sl_engine_get_config(other, &config));
+    compare_settings(config, *chosen);
     EXPECT_OK(sl_engine_configure(other, &config)) << "they are as they are";
     EXPECT_OK(sl_engine_destroy(other));
   }
 }
 
 TEST_F(CapiEngine, DefaultsAreThoseOfCpp) {
-  sl_engine other = {0};
-  ASSERT_OK(sl_engine_create(c.scene, nullptr, &other));
-  sl_engine_config of_cpp = SL_ENGINE_CONFIG_INIT, of_c = SL_ENGINE_CONFIG_INIT;
-  sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
-  const engine::EngineConfig d;
-  ASSERT_OK(sl_engine_get_config(other, &of_c, &controller));
-  of_cpp.min_projected_area = d.losses.min_projected_area, of_cpp.budget_ms = d.losses.budget_ms,
-  of_cpp.samples = d.drawing.samples;
-  of_cpp.rebuild_share = float(d.culling.rebuild_share), of_cpp.transparency = std::int32_t(d.drawing.transparency);
-  for (int i = 0; i < 3; ++i) of_cpp.outline_colour[i] = d.drawing.outline_colour[i];
-  of_cpp.depth_shading = d.drawing.looks.depth_shading.strength,
-  of_cpp.edge_lines = d.drawing.looks.depth_shading.edge_lines;
-  of_cpp.hatching_strength = d.drawing.looks.hatching.strength,
-  of_cpp.hatching_spacing = d.drawing.looks.hatching.spacing;
-  of_cpp.lighting = std::int32_t(d.drawing.looks.lighting);
-  for (int i = 0; i < 3; ++i) {
-    of_cpp.sun[i] = d.drawing.looks.sun[i];
-    of_cpp.background_bottom[i] = d.drawing.looks.background.bottom[i];
-    of_cpp.background_top[i] = d.drawing.looks.background.top[i];
-  }
-  of_cpp.part_index = d.culling.part.index, of_cpp.part_count = d.culling.part.count;
-  EXPECT_TRUE(same_bytes(of_c, of_cpp));
-  const culling::ControllerConfig cost;
-  EXPECT_EQ(controller.margin, cost.margin);
-  EXPECT_EQ(controller.probe_interval, cost.probe_interval);
-  EXPECT_EQ(controller.presumed_gpu_excess, cost.presumed_gpu_excess);
-  EXPECT_EQ(controller.dwell_frames, cost.dwell_frames);
-  EXPECT_EQ(controller.silent_frames, cost.silent_frames);
-  EXPECT_OK(sl_engine_destroy(other));
+  compare_settings(sl_engine_config SL_ENGINE_CONFIG_INIT, engine::EngineConfig());
 }
 
 TEST_F(CapiEngine, SettingsChangeWhileItLives) {
   const BothViews view({7, -20, 7}, {7, 7, 7});
   sl_engine_config config = SL_ENGINE_CONFIG_INIT;
-  ASSERT_OK(sl_engine_get_config(engine, &config, nullptr));
-  config.budget_ms = 12.0;
-  config.culler = SL_CULLER_LINEAR;
+  ASSERT_OK(sl_engine_get_config(engine, &config));
+  config.losses.budget_ms = 12.0;
+  config.culling.culler = SL_CULLER_LINEAR;
   ASSERT_OK(sl_engine_configure(engine, &config));
   sl_engine_config now = SL_ENGINE_CONFIG_INIT;
-  ASSERT_OK(sl_engine_get_config(engine, &now, nullptr));
-  EXPECT_EQ(now.budget_ms, 12.0);
+  ASSERT_OK(sl_engine_get_config(engine, &now));
+  EXPECT_EQ(now.losses.budget_ms, 12.0);
   ASSERT_TRUE(twin->set_culler(engine::CullerChoice::kLinear));
   compare_frame(view);
   const auto refused = [&](const char* why, auto change) {
@@ -547,37 +503,37 @@ TEST_F(CapiEngine, SettingsChangeWhileItLives) {
     EXPECT_EQ(sl_engine_configure(engine, &changed), SL_ERROR_FAILED) << why;
     EXPECT_NE(std::strstr(sl_last_error(), why), nullptr) << sl_last_error();
     sl_engine_config after = SL_ENGINE_CONFIG_INIT;
-    EXPECT_OK(sl_engine_get_config(engine, &after, nullptr));
-    EXPECT_TRUE(same_bytes(after, now)) << why;
+    EXPECT_OK(sl_engine_get_config(engine, &after));
+    compare_settings(after, now);
   };
   refused("size", [](sl_engine_config& bad) { ++bad.width; });
-  refused("ids", [](sl_engine_config& bad) { bad.ids = 1; });
-  refused("part", [](sl_engine_config& bad) { bad.part_count = 2; });
-  refused("transparency", [](sl_engine_config& bad) { bad.transparency = SL_TRANSPARENCY_BLENDED; });
-  refused("strength and edge_lines of depth_shading", [](sl_engine_config& bad) { bad.edge_lines = 1.5f; });
-  refused("sun must be", [](sl_engine_config& bad) { bad.sun[2] = 0.0; });
-  refused("colours of background", [](sl_engine_config& bad) { bad.background_top[0] = 1.5f; });
-  refused("spacing of hatching", [](sl_engine_config& bad) { bad.hatching_spacing = 1.0f; });
-  config.transparency = 2;
+  refused("ids", [](sl_engine_config& bad) { bad.drawing.ids = 1; });
+  refused("part", [](sl_engine_config& bad) { bad.culling.part.count = 2; });
+  refused("transparency", [](sl_engine_config& bad) { bad.drawing.transparency = SL_TRANSPARENCY_BLENDED; });
+  refused("edge_lines must be 0 to 1",
+          [](sl_engine_config& bad) { bad.drawing.looks.depth_shading.edge_lines = 1.5f; });
+  refused("sun must be", [](sl_engine_config& bad) { bad.drawing.looks.sun[2] = 0.0; });
+  refused("background_top must be", [](sl_engine_config& bad) { bad.drawing.looks.background.top[0] = 1.5f; });
+  refused("hatching_spacing must be 2 or more pixels",
+          [](sl_engine_config& bad) { bad.drawing.looks.hatching.spacing = 1.0f; });
+  config.drawing.transparency = 2;
   EXPECT_EQ(sl_engine_configure(engine, &config), SL_ERROR_ARGUMENT);
   EXPECT_EQ(sl_engine_configure(engine, nullptr), SL_ERROR_ARGUMENT);
-  EXPECT_EQ(sl_engine_get_config(engine, nullptr, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_engine_get_config(engine, nullptr), SL_ERROR_ARGUMENT);
 }
 
 TEST_F(CapiEngine, ControllersAreChecked) {
   const auto refused = [&](const char* why, auto change) {
-    sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
-    change(controller);
     sl_engine_config config = SL_ENGINE_CONFIG_INIT;
-    config.controller = &controller;
+    change(config.culling.controller);
     sl_engine other = {5};
-    EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_ARGUMENT) << why;
+    EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_FAILED) << why;
     EXPECT_NE(std::strstr(sl_last_error(), why), nullptr) << sl_last_error();
     EXPECT_EQ(other.id, 5u);
   };
-  refused("finite numbers", [](sl_controller_config& k) { k.margin = std::nan(""); });
-  refused("finite numbers", [](sl_controller_config& k) { k.presumed_gpu_excess = -1.0; });
-  refused("size", [](sl_controller_config& k) { k.size = 8; });
+  refused("margin must be 0 or more", [](sl_controller_config& k) { k.margin = std::nan(""); });
+  refused("probe_cost must be 0 or more", [](sl_controller_config& k) { k.probe_cost = HUGE_VAL; });
+  refused("probe_share must be 0 or more", [](sl_controller_config& k) { k.probe_share = -1.0; });
   sl_controller_info info = SL_CONTROLLER_INFO_INIT;
   ASSERT_OK(sl_engine_get_controller(engine, &info));
   EXPECT_EQ(info.there, 0) << "no hybrid";
@@ -636,7 +592,7 @@ TEST_F(CapiEngine, PartsAreTogetherTheScene) {
   std::vector<sl_item> all;
   for (int part = 0; part < 3; ++part) {
     sl_engine_config config = SL_ENGINE_CONFIG_INIT;
-    config.part_index = part, config.part_count = 3;
+    config.culling.part.index = part, config.culling.part.count = 3;
     sl_engine one = {0};
     ASSERT_OK(sl_engine_create(c.scene, &config, &one));
     ASSERT_OK(sl_engine_frame(one, &view.c, nullptr, nullptr));

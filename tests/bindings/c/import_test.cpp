@@ -7,13 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "c_scene.h"
+#include <unistd.h>
+
+#include "each_setting.h"
 #include "sightline/tests/support/test_data.h"
 #if __has_include("sightline/importers/import.h")
 #include "sightline/core/mesh_extras.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/obj/obj_writer.h"
 #include "sightline/importers/slc/slc_writer.h"
+#include "sightline/importers/write_file.h"
 #include "sightline/lod/stored_levels.h"
 #include "sightline/tests/lod/mesh_samples.h"
 
@@ -181,16 +184,16 @@ TEST_F(CapiImport, FilesThatStandOnYAreTurned) {
   const auto file = std::filesystem::path(::testing::TempDir()) / "capi_standing.obj";
   std::ofstream(file)
       << "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 2 0.5\nf 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n";
-  for (const auto& [up, height] : {std::pair(SL_UP_AUTOMATIC, 2.0), {SL_UP_Y, 2.0}, {SL_UP_Z, 1.0}}) {
+  for (const auto& [up, height] : {std::pair(SL_UP_AUTO, 2.0), {SL_UP_Y, 2.0}, {SL_UP_Z, 1.0}}) {
     const CScene c;
     Heard heard;
     sl_import_options options = listening(heard);
-    if (up != SL_UP_AUTOMATIC) options.up = up;  // which is the default
+    if (up != SL_UP_AUTO) options.up = up;  // which is the default
     ASSERT_OK(import(c, {file.string()}, &options));
     sl_box bounds;
     ASSERT_OK(sl_scene_bounds(c.scene, c.root, ~0u, &bounds));
     EXPECT_NEAR(bounds.max[2] - bounds.min[2], height, 1e-6);
-    EXPECT_EQ(heard.warnings.size(), up == SL_UP_AUTOMATIC ? 1u : 0u);
+    EXPECT_EQ(heard.warnings.size(), up == SL_UP_AUTO ? 1u : 0u);
   }
   std::filesystem::remove(file);
 }
@@ -240,9 +243,6 @@ TEST_F(CapiImport, CachesHoldLevelsWhereThatIsAskedFor) {
   };
   EXPECT_FALSE(cached_with_levels());
   options.cached_levels = 1;
-  options.size = std::uint32_t(offsetof(sl_import_options, cached_levels));
-  EXPECT_FALSE(cached_with_levels());
-  options.size = std::uint32_t(sizeof options);
   EXPECT_TRUE(cached_with_levels());
   std::filesystem::remove_all(folder);
   std::filesystem::remove(model);
@@ -278,17 +278,26 @@ TEST_F(CapiImport, FacesOfMeshesHaveTheirSurfaces) {
   EXPECT_EQ(sl_mesh_get_surface(c.scene, item.mesh, 0, nullptr), SL_ERROR_ARGUMENT);
 }
 
-/// Options of a program that was made before there were caches.
-TEST_F(CapiImport, OptionsWithoutACacheFolderHaveNone) {
+/// A program that was made before there were caches knows less of reports; its settings are others.
+TEST_F(CapiImport, ReportsGrowAndSettingsAreOfOneVersion) {
   const CScene c;
-  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
-  options.size = std::uint32_t(offsetof(sl_import_options, cache_folder));
-  options.cache_folder = reinterpret_cast<const char*>(1);  // no memory of theirs
   sl_import_report report = SL_IMPORT_REPORT_INIT;
   report.size = std::uint32_t(offsetof(sl_import_report, from_cache));
   report.from_cache = 42;
-  EXPECT_OK(import(c, {plant}, &options, nullptr, &report));
+  EXPECT_OK(import(c, {plant}, nullptr, nullptr, &report));
   EXPECT_EQ(report.from_cache, 42);
+  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
+  options.size -= 8;
+  EXPECT_EQ(import(c, {plant}, &options), SL_ERROR_ARGUMENT);
+  options.size += 16;
+  EXPECT_EQ(import(c, {plant}, &options), SL_ERROR_UNSUPPORTED);
+}
+
+TEST_F(CapiImport, DefaultsAreThoseOfCpp) {
+  const sl_import_options c = SL_IMPORT_OPTIONS_INIT;
+  const importers::ImportOptions cpp;
+#define SIGHTLINE_SETTING(path, name, ...) EXPECT_TRUE(same_setting(c.path, cpp.path)) << #name;
+#include "sightline/importers/internal/settings.inc"
 }
 
 /// A box of 2 x 4 x 6 m, an open square, and nothing else.
@@ -333,18 +342,44 @@ TEST_F(CapiImport, PrimitivesAreRecognised) {
   std::filesystem::remove(file);
 }
 
-/// Options of a program that was made when there were caches but no recognition.
-TEST_F(CapiImport, OptionsWithoutRecognitionHaveNone) {
+TEST_F(CapiImport, EveryFormatIsWritten) {
   const CScene c;
+  sl_node top = {0};
   sl_import_options options = SL_IMPORT_OPTIONS_INIT;
-  options.size = std::uint32_t(offsetof(sl_import_options, recognise));
-  options.recognise = 1;
-  options.recognise_tolerance = -1.0;  // no memory of theirs
-  sl_import_report report = SL_IMPORT_REPORT_INIT;
-  report.size = std::uint32_t(offsetof(sl_import_report, recognised));
-  report.meshes_examined = 42;
-  EXPECT_OK(import(c, {plant}, &options, nullptr, &report));
-  EXPECT_EQ(report.meshes_examined, 42u);
+  ASSERT_OK(import(c, {plant}, &options, &top));
+  core::Scene scene;
+  ASSERT_TRUE(importers::import_file(plant, scene, scene.root()));
+  const auto folder = std::filesystem::path(::testing::TempDir()) / ("capi_written_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  sl_write_options writing = SL_WRITE_OPTIONS_INIT;
+  writing.tolerance = 0.01;
+  for (const char* name : {"a.rvm", "a.obj", "a.glb", "a.gltf", "a.slc", "tiles"}) {
+    SCOPED_TRACE(name);
+    writing.tiles = std::string(name) == "tiles";
+    const std::string path = (folder / name).string(), twin = (folder / ("cpp_" + std::string(name))).string();
+    sl_write_report report = SL_WRITE_REPORT_INIT;
+    ASSERT_OK(sl_scene_write(c.scene, top, path.c_str(), &writing, &report));
+    const auto expected = importers::write_file(scene, scene.first_child(scene.root()), twin,
+                                                {.tolerance = 0.01, .tiles = writing.tiles != 0});
+    ASSERT_TRUE(expected) << expected.error().message;
+    std::uint64_t items = 0;
+    for (const std::uint64_t of_kind : expected->items) items += of_kind;
+    EXPECT_GT(items, 0u);
+    EXPECT_EQ(report.items, items);
+    EXPECT_EQ(report.left_out, expected->left_out);
+    EXPECT_EQ(report.bytes, expected->bytes);
+    EXPECT_EQ(report.triangles, expected->triangles ? expected->triangles->triangles : 0);
+    EXPECT_TRUE(std::filesystem::exists(path));
+  }
+  const std::string nameless = (folder / "a.xyz").string(), good = (folder / "b.obj").string();
+  EXPECT_EQ(sl_scene_write(c.scene, top, nameless.c_str(), nullptr, nullptr), SL_ERROR_FAILED);
+  writing.tolerance = 0.0;
+  EXPECT_EQ(sl_scene_write(c.scene, top, good.c_str(), &writing, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_NE(std::string(sl_last_error()).find("tolerance to be above 0"), std::string::npos) << sl_last_error();
+  writing = SL_WRITE_OPTIONS_INIT;
+  writing.progress = [](double, void*) -> std::int32_t { return 0; };
+  EXPECT_EQ(sl_scene_write(c.scene, top, good.c_str(), &writing, nullptr), SL_ERROR_CANCELLED);
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(CapiImport, ExtensionsAreListed) {

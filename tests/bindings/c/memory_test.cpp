@@ -110,7 +110,7 @@ TEST(CapiMemory, RunsOutInEngines) {
     });
   run_out("sl_engine_configure", [&](Filled& f) {
     sl_engine_config config = SL_ENGINE_CONFIG_INIT;
-    config.culler = SL_CULLER_CPU;
+    config.culling.culler = SL_CULLER_CPU;
     return sl_engine_configure(f.engine, &config);
   });
   run_out("sl_engine_cull_states", [&](Filled& f) {

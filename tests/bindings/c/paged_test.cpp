@@ -8,8 +8,8 @@
 
 #include <unistd.h>
 
-#include "c_scene.h"
-#include "sightline/engine/paged_engine.h"
+#include "each_setting.h"
+#include "sightline/engine/paged/paged_engine.h"
 #include "sightline/importers/slc/paged_scene.h"
 #include "sightline/importers/slc/slc_writer.h"
 #include "sightline/lod/stored_levels.h"
@@ -57,10 +57,10 @@ class CapiPaged : public GlTest {
   static sl_paged_config config(double lod_error = 0.0) {
     sl_paged_config made = SL_PAGED_CONFIG_INIT;
     made.width = kWidth, made.height = kHeight;
-    made.ids = 1;
-    made.lod_error = lod_error;
+    made.drawing.ids = 1;
+    made.losses.lod_error = lod_error;
     made.memory_limit = kMany;
-    made.program_cache = "";
+    made.context.program_cache = "";
     return made;
   }
   void make_engine(const sl_paged_config& with) {
@@ -70,9 +70,12 @@ class CapiPaged : public GlTest {
     ASSERT_OK(sl_paged_engine_create(file.c_str(), &with, &engine));
   }
   engine::PagedEngine make_twin(double lod_error = 0.0) const {
-    return std::move(*engine::PagedEngine::create(
-        std::move(*importers::open_paged_scene(file)),
-        {.width = kWidth, .height = kHeight, .ids = true, .lod_error = lod_error, .memory_limit = kMany}));
+    return std::move(
+        *engine::PagedEngine::create(std::move(*importers::open_paged_scene(file)), {.width = kWidth,
+                                                                                     .height = kHeight,
+                                                                                     .drawing = {.ids = true},
+                                                                                     .losses = {.lod_error = lod_error},
+                                                                                     .memory_limit = kMany}));
   }
 
   std::string file;
@@ -244,15 +247,17 @@ TEST_F(CapiPaged, BadArgumentsAreErrors) {
   };
   EXPECT_EQ(refused([](sl_paged_config& c) { c.memory_limit = 0; }), SL_ERROR_ARGUMENT);
   EXPECT_EQ(refused([](sl_paged_config& c) { c.width = 0; }), SL_ERROR_ARGUMENT);
-  EXPECT_EQ(refused([](sl_paged_config& c) { c.refine_ms = std::nan(""); }), SL_ERROR_ARGUMENT);
-  EXPECT_EQ(refused([](sl_paged_config& c) { c.context_platform = 5; }), SL_ERROR_ARGUMENT);
-  EXPECT_EQ(refused([](sl_paged_config& c) { c.lod_error = -1.0; }), SL_ERROR_FAILED);
+  EXPECT_EQ(refused([](sl_paged_config& c) { c.refine_ms = std::nan(""); }), SL_ERROR_FAILED);
+  EXPECT_EQ(refused([](sl_paged_config& c) { c.context.platform = 5; }), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(refused([](sl_paged_config& c) { c.losses.lod_error = -1.0; }), SL_ERROR_FAILED);
+  EXPECT_EQ(refused([](sl_paged_config& c) { c.drawing.samples = 4; }), SL_ERROR_FAILED);
+  EXPECT_NE(std::string(sl_last_error()).find("a paged engine has no samples"), std::string::npos) << sl_last_error();
   EXPECT_EQ(refused([](sl_paged_config& c) { c.memory_limit = 1; }), SL_ERROR_FAILED);
   EXPECT_NE(std::string(sl_last_error()).find("memory limit"), std::string::npos) << sl_last_error();
   EXPECT_EQ(engine.id, 0u);
 
   sl_paged_config without_ids = config();
-  without_ids.ids = 0;
+  without_ids.drawing.ids = 0;
   make_engine(without_ids);
   std::vector<std::uint32_t> ids(std::size_t(kWidth) * kHeight);
   std::vector<float> metres(ids.size());
@@ -278,17 +283,27 @@ TEST_F(CapiPaged, BadArgumentsAreErrors) {
 }
 
 TEST_F(CapiPaged, DefaultsAreThoseOfCpp) {
-  const sl_paged_config c = SL_PAGED_CONFIG_INIT;
-  const engine::PagedConfig cpp;
-  EXPECT_EQ(c.width, cpp.width);
-  EXPECT_EQ(c.height, cpp.height);
-  EXPECT_EQ(c.ids != 0, cpp.ids);
-  EXPECT_EQ(c.lod_error, cpp.lod_error);
-  EXPECT_EQ(c.memory_limit, cpp.memory_limit);
-  EXPECT_EQ(c.refine_ms, cpp.refine_ms);
-  EXPECT_EQ(c.loading_bar != 0, cpp.loading_bar);
-  EXPECT_EQ(c.context_platform, std::int32_t(cpp.context_platform));
-  EXPECT_EQ(c.gl_debug != 0, cpp.gl_debug);
+  compare_settings(sl_paged_config SL_PAGED_CONFIG_INIT, engine::PagedConfig());
+}
+
+TEST_F(CapiPaged, LooksAreThoseOfCpp) {
+  sl_paged_config with = config();
+  with.drawing.looks.lighting = SL_LIGHTING_STUDIO;
+  with.drawing.looks.background.top[2] = 0.25f;
+  with.drawing.looks.depth_shading.strength = 0.5f;
+  make_engine(with);
+  engine::PagedConfig cpp{.width = kWidth, .height = kHeight, .memory_limit = kMany};
+  cpp.drawing.looks.lighting = core::Lighting::kStudio;
+  cpp.drawing.looks.background.top.b = 0.25f;
+  cpp.drawing.looks.depth_shading.strength = 0.5f;
+  auto twin = engine::PagedEngine::create(std::move(*importers::open_paged_scene(file)), cpp);
+  ASSERT_TRUE(twin) << twin.error().message;
+  const View view(twin->scene().fitted.bounds.centre(), 60.0);
+  ASSERT_OK(sl_paged_engine_settle(engine, &view.c, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(twin->settle(view.cpp));
+  std::vector<std::uint8_t> pixels(std::size_t(kWidth) * kHeight * 3);
+  ASSERT_OK(sl_paged_engine_read_colour(engine, pixels.data(), pixels.size()));
+  EXPECT_EQ(pixels, twin->read_colour().pixels);
 }
 
 }  // namespace

@@ -205,30 +205,32 @@ class Sequence {
 
   void create_engine() {
     sl_engine_config config = SL_ENGINE_CONFIG_INIT;
-    config.culler = in_.one_in(8) ? in_.integer() : std::int32_t(in_.below(3));
-    if (!draws_ && config.culler > SL_CULLER_CPU) config.culler = in_.one_in(2) ? 5 : SL_CULLER_CPU;
+    config.culling.culler = in_.one_in(8) ? in_.integer() : std::int32_t(in_.below(3));
+    if (!draws_ && config.culling.culler > SL_CULLER_CPU) config.culling.culler = in_.one_in(2) ? 5 : SL_CULLER_CPU;
     config.width = std::int32_t(1 + in_.below(64)), config.height = std::int32_t(1 + in_.below(64));
     if (in_.one_in(16)) config.width = -config.width;
     if (draws_) {
       config.draw = !in_.one_in(4);
-      config.ids = in_.one_in(2);
-      config.samples = in_.integer();
-      config.gl_state = in_.integer();
-      config.program_cache = "";
+      config.drawing.ids = in_.one_in(2);
+      config.drawing.samples = in_.integer();
+      config.context.gl_state = in_.integer();
+      config.context.program_cache = "";
     }
-    if (in_.one_in(8)) config.min_projected_area = in_.small();
-    if (in_.one_in(8)) config.budget_ms = in_.number();
-    if (in_.one_in(8)) config.rebuild_share = in_.small();
-    if (in_.one_in(16)) config.occlusion = in_.integer();
-    if (in_.one_in(16)) config.contribution_mode = in_.integer();
-    if (in_.one_in(16)) config.transparency = in_.integer();
-    if (in_.one_in(16)) config.gpu_variant = in_.integer();
-    if (in_.one_in(16)) config.part_index = in_.integer(), config.part_count = in_.integer();
-    if (in_.one_in(8)) config.depth_shading = in_.small(), config.edge_lines = in_.small();
-    if (in_.one_in(8)) config.hatching_strength = in_.small(), config.hatching_spacing = float(in_.number());
-    sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
-    controller.margin = in_.number(), controller.dwell_frames = in_.below(4);
-    if (in_.one_in(8)) config.controller = sized(controller);
+    if (in_.one_in(8)) config.losses.min_projected_area = in_.small();
+    if (in_.one_in(8)) config.losses.budget_ms = in_.number();
+    if (in_.one_in(8)) config.culling.rebuild_share = in_.small();
+    if (in_.one_in(16)) config.culling.occlusion = in_.integer();
+    if (in_.one_in(16)) config.losses.contribution_mode = in_.integer();
+    if (in_.one_in(16)) config.drawing.transparency = in_.integer();
+    if (in_.one_in(16)) config.culling.gpu_variant = in_.integer();
+    if (in_.one_in(16)) config.culling.part.index = in_.integer(), config.culling.part.count = in_.integer();
+    if (in_.one_in(8))
+      config.drawing.looks.depth_shading.strength = in_.small(),
+      config.drawing.looks.depth_shading.edge_lines = in_.small();
+    if (in_.one_in(8))
+      config.drawing.looks.hatching.strength = in_.small(), config.drawing.looks.hatching.spacing = float(in_.number());
+    if (in_.one_in(8)) config.culling.controller.margin = in_.number();
+    if (in_.one_in(8)) config.culling.controller.dwell_frames = in_.below(4);
     const sl_scene of = scene();
     importing_ = of;
     const bool told = in_.one_in(4);
@@ -268,6 +270,17 @@ class Sequence {
   }
 
   /// A raster of occluders, from begin to end.
+  void ask_boxes(sl_box_culler of, const sl_box& box) {
+    std::uint32_t indices[kRoom];
+    sl_box_hit hits[kRoom];
+    std::size_t count = 0;
+    sl_ray ray = SL_RAY_INIT;
+    ray.origin[0] = in_.number(), ray.direction[2] = in_.number(), ray.t_max = in_.number();
+    check(sl_box_culler_in_box(of, &box, in_.integer(), indices, in_.below(kRoom), &count), of);
+    check(sl_box_culler_around(of, box.min, in_.number(), indices, in_.below(kRoom), &count), of);
+    check(sl_box_culler_nearest(of, box.max, hits, in_.below(kRoom), &count), of);
+    check(sl_box_culler_along(of, sized(ray), hits, in_.below(kRoom), &count), of);
+  }
   void look_behind(sl_box_culler of, const sl_box* solids, std::size_t used) {
     sl_occluder_raster raster = {0};
     expect(sl_occluder_raster_create(&raster) == SL_OK, "a raster");
@@ -495,6 +508,7 @@ class Sequence {
         const sl_box box = {{in_.number(), in_.number(), in_.number()}, {in_.number(), in_.number(), in_.number()}};
         const sl_box_culler boxes = culler();
         if (in_.one_in(2)) return change_boxes(boxes, box);
+        if (in_.one_in(2)) return ask_boxes(boxes, box);
         check(sl_box_culler_update(boxes, in_.below(70), &box), boxes);
         return;
       }
@@ -585,13 +599,13 @@ class Sequence {
     switch (in_.below(36)) {
       case 28: {
         sl_engine_config config = SL_ENGINE_CONFIG_INIT;
-        sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
-        check(sl_engine_get_config(by, sized(config), in_.one_in(2) ? nullptr : sized(controller)), by);
-        config.controller = in_.one_in(4) ? sized(controller) : nullptr;
-        if (in_.one_in(2)) config.culler = draws_ ? in_.integer() : std::int32_t(in_.below(3));
-        if (in_.one_in(2)) config.min_projected_area = in_.small(), config.budget_ms = in_.number();
-        if (in_.one_in(2)) config.depth_shading = in_.small(), config.hatching_strength = in_.small();
-        if (in_.one_in(8)) config.ids = in_.integer(), config.samples = in_.integer();
+        check(sl_engine_get_config(by, sized(config)), by);
+        if (in_.one_in(2)) config.culling.culler = draws_ ? in_.integer() : std::int32_t(in_.below(3));
+        if (in_.one_in(2)) config.losses.min_projected_area = in_.small(), config.losses.budget_ms = in_.number();
+        if (in_.one_in(2))
+          config.drawing.looks.depth_shading.strength = in_.small(),
+          config.drawing.looks.hatching.strength = in_.small();
+        if (in_.one_in(8)) config.drawing.ids = in_.integer(), config.drawing.samples = in_.integer();
         check(sl_engine_configure(by, sized(config)), by);
         return;
       }

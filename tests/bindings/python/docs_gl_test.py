@@ -30,7 +30,7 @@ class Docs(GlCase):
         block = re.search(r"^```python\n(.*?)^```", (SOURCE / "README.md").read_text(), re.MULTILINE | re.DOTALL)
         os.chdir(self.folder)
         self.addCleanup(os.chdir, SOURCE)
-        plant(1000).write_rvm("plant.rvm")
+        plant(1000).write("plant.rvm")
         exec(compile(block.group(1), "README.md", "exec"), {})
         self.assertEqual(sightline.read_png("plant.png").shape, (720, 1280, 3))
 
@@ -42,7 +42,7 @@ class Docs(GlCase):
         self.assertRegex(done.stdout, r"max +0 .*  ok")
         page = (self.folder / "report.html").read_text()
         self.assertEqual(page.count("<img "), 12)
-        plant(20000, 1).write_rvm(self.folder / "plant.rvm")
+        plant(20000, 1).write(self.folder / "plant.rvm")
         self.tool("render", self.folder / "plant.rvm", "--plain", "--size", "480x320", "--out", self.folder / "tool.png")
         difference = sightline.compare(sightline.read_png(self.folder / "overview.png"),
                                        sightline.read_png(self.folder / "tool.png"))

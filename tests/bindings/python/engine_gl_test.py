@@ -80,12 +80,12 @@ class Drawing(GlCase):
     def test_every_culler_draws_the_same(self):
         engine = self.engine()
         images = []
-        for culler in ("automatic", "linear", "cpu", "gpu", "hybrid"):
+        for culler in ("auto", "linear", "cpu", "gpu", "hybrid"):
             engine.set_culler(culler)
             engine.frame(self.view)
             images.append(engine.read_colour())
             np.testing.assert_array_equal(images[-1], images[0])
-        with self.engine(culler="gpu", gpu_pass="compute") as gpu:
+        with self.engine(culler="gpu", gpu_variant="compute") as gpu:
             report = gpu.frame(self.view)
             gpu.finish()
             self.assertEqual((report.visible, gpu.take_late_report().visible, gpu.take_late_report()), (-1, 3000, None))
@@ -173,14 +173,14 @@ class Drawing(GlCase):
                 faces = np.array([pick.face if pick else "" for pick in picks]).reshape(25, 40)
                 return engine.read_colour(), faces
         plain, faces = image(cut)
-        hatched, _ = image(cut, hatching_strength=0.9, hatching_spacing=4)
+        hatched, _ = image(cut, hatching=0.9, hatching_spacing=4)
         changed = (hatched != plain).any(axis=2)
         self.assertGreater(changed.sum(), 1000)
         self.assertTrue(changed[::8, ::8].any())
         self.assertEqual(set(faces[changed[::8, ::8]]), {"cut"})
         self.assertIn("cut", faces[~changed[::8, ::8]], "lines, and what lies between them")
         np.testing.assert_array_equal(image(cut, hatching_spacing=4)[0], plain)
-        np.testing.assert_array_equal(image(whole, hatching_strength=0.9)[0], image(whole)[0])
+        np.testing.assert_array_equal(image(whole, hatching=0.9)[0], image(whole)[0])
 
     def test_tiles_are_the_whole_image(self):
         engine = self.engine(ids=True)
@@ -294,10 +294,10 @@ class Drawing(GlCase):
 
     def test_other_ways_to_a_context(self):
         expected = sightline.render(self.scene, self.view, **SIZE)
-        np.testing.assert_array_equal(sightline.render(self.scene, self.view, context="egl", **SIZE), expected)
-        self.assert_error("osmesa", sightline.render, self.scene, self.view, context="x", **SIZE)
+        np.testing.assert_array_equal(sightline.render(self.scene, self.view, context_platform="egl", **SIZE), expected)
+        self.assert_error("osmesa", sightline.render, self.scene, self.view, context_platform="x", **SIZE)
         try:
-            image = sightline.render(self.scene, self.view, context="osmesa", **SIZE)
+            image = sightline.render(self.scene, self.view, context_platform="osmesa", **SIZE)
         except sightline.Error as error:
             self.skipTest(str(error))
         np.testing.assert_array_equal(image, expected)

@@ -69,16 +69,16 @@ class Engines(Case):
         self.assertIsNone(engine.pick(view, 640, 360))
 
     def test_the_configuration_is_checked(self):
-        for text, config in (("culler: expected automatic, linear, cpu, gpu or hybrid, found \"x\"", dict(culler="x")),
+        for text, config in (("culler: expected auto, linear, cpu, gpu or hybrid, found \"x\"", dict(culler="x")),
                              ("occlusion: expected off, on or auto", dict(occlusion="x")),
-                             ("contribution_mode", dict(contribution_mode="x")), ("gpu_pass", dict(gpu_pass="x")),
+                             ("contribution_mode", dict(contribution_mode="x")), ("gpu_variant", dict(gpu_variant="x")),
                              ("min_projected_area must be", dict(min_projected_area=-1)), ("transparency", dict(transparency="x")),
                              ("part must have", dict(part=(2, 2))), ("outline_colour", dict(outline_colour=(1, 2))),
-                             ("edge_lines", dict(depth_shading=1.5)), ("spacing", dict(hatching_spacing=1)),
-                             ("strength of hatching", dict(hatching_strength=-1)), ("gl_state", dict(gl_state="x")),
+                             ("depth_shading must be 0 to 1", dict(depth_shading=1.5)), ("hatching_spacing must be 2", dict(hatching_spacing=1)),
+                             ("hatching must be 0 to 1", dict(hatching=-1)), ("gl_state", dict(gl_state="x")),
                              ("budget_ms must be", dict(budget_ms=float("nan"))),
                              ("lod_error must be", dict(lod_error=-1.0)),
-                             ("1 or more pixels", dict(width=0)), ("1 or more pixels", dict(draw=True, height=-5)),
+                             ("width must be 1 to 65536 pixels", dict(width=0)), ("height must be", dict(draw=True, height=-5)),
                              ("culled_colour", dict(culled_colour=(1, 2)))):
             self.assert_error(text, sightline.Engine, self.scene, **config)
         with self.assertRaises(TypeError):
@@ -96,24 +96,28 @@ class Engines(Case):
                 sightline.Engine(self.scene, **config)
 
     def test_controllers_are_checked(self):
-        for text, config in (("finite numbers from 0 on, found nan", dict(margin=float("nan"))),
-                             ("finite numbers from 0 on, found -1.0", dict(dwell_margin=-1))):
+        for text, config in (("margin must be 0 or more", dict(margin=float("nan"))),
+                             ("probe_share must be 0 or more", dict(probe_share=-1))):
             self.assert_error(text, sightline.ControllerConfig, **config)
+        with self.assertRaisesRegex(TypeError, "ControllerConfig\\(\\) has no argument policy"):
+            sightline.ControllerConfig(policy="2009")
         controller = sightline.ControllerConfig()
-        self.assert_error("finite numbers", setattr, controller, "probe_cost", float("inf"))
+        self.assert_error("probe_cost must be", setattr, controller, "probe_cost", float("inf"))
+        with self.assertRaisesRegex(TypeError, "dwell_frames: expected a whole number"):
+            controller.dwell_frames = "x"
         self.assertEqual(controller, sightline.ControllerConfig())
-        controller.probe_cost, controller.dwell_frames = 0.5, 7
-        self.assertEqual(controller, sightline.ControllerConfig(probe_cost=0.5, dwell_frames=7))
+        controller.probe_cost, controller.dwell_frames = 0.5, 9
+        self.assertEqual(controller, sightline.ControllerConfig(probe_cost=0.5, dwell_frames=9))
         self.assertIsNone(self.engine.controller, "no hybrid")
 
     def test_settings_come_back(self):
         chosen = dict(width=30, height=20, ids=True, samples=4, transparency="blended", part=(1, 3), rebuild_share=0.25,
-                      gpu_pass="compute", context="osmesa", context_later=True, gl_state="leave", gl_debug=True,
+                      gpu_variant="compute", context_platform="osmesa", context_later=True, gl_state="leave", gl_debug=True,
                       program_cache=self.folder, culler="linear", sample_test=False, occlusion="off", min_projected_area=2.5,
                       contribution_mode="points", budget_ms=7.0, lod_error=1.5, culled_colour=(0, 0.25, 1), outline_colour=(1, 0, 0.5),
-                      depth_shading=0.5, edge_lines=0.25, hatching_strength=0.75, hatching_spacing=9.0,
+                      depth_shading=0.5, edge_lines=0.25, hatching=0.75, hatching_spacing=9.0,
                       lighting="sun", sun=(1, 2, 3), background_bottom=(0, 0.5, 1), background_top=(1, 0.5, 0),
-                      controller=sightline.ControllerConfig(dwell_frames=9))
+                      controller=sightline.ControllerConfig(margin=0.25, silent_frames=9))
         engine = sightline.Engine(self.scene, **chosen)
         self.assertEqual(engine.config, {"draw": False, **chosen})
         defaults = sightline.Engine(self.scene).config
@@ -141,7 +145,7 @@ class Engines(Case):
         engine.configure(culled_colour=None, controller=None)
         self.assertEqual((engine.config["culled_colour"], engine.config["width"]), (None, 30))
         self.assertEqual(engine.config["controller"], before["controller"])
-        self.assert_error("strength and edge_lines of depth_shading", engine.configure, edge_lines=2, budget_ms=1)
+        self.assert_error("edge_lines must be 0 to 1", engine.configure, edge_lines=2, budget_ms=1)
         self.assertEqual(engine.config["budget_ms"], 12)
         self.assert_error("culler: expected", engine.configure, culler="x")
         with self.assertRaises(TypeError):

@@ -32,8 +32,8 @@ class Import(Case):
         if ".slc" not in sightline.known_extensions():
             self.skipTest("built without caches")
         caches = self.folder / "caches"
-        for files in (lambda scene: scene.import_file(SMALL_PLANT, cache=caches),
-                      lambda scene: scene.import_files([SMALL_PLANT, SMALL_PLANT], cache=str(caches))):
+        for files in (lambda scene: scene.import_file(SMALL_PLANT, cache_folder=caches),
+                      lambda scene: scene.import_files([SMALL_PLANT, SMALL_PLANT], cache_folder=str(caches))):
             scenes = [sightline.Scene(), sightline.Scene()]
             reports = [files(scene) for scene in scenes]
             self.assertEqual([r.from_cache for r in reports], [False, True])
@@ -41,7 +41,7 @@ class Import(Case):
             self.assertEqual(reports[0].items, reports[1].items)
             written = []
             for scene in scenes:
-                scene.write_rvm(self.folder / "again.rvm")
+                scene.write(self.folder / "again.rvm")
                 written.append((self.folder / "again.rvm").read_bytes())
             self.assertEqual(*written)
         self.assertEqual(len(list(caches.iterdir())), 2)
@@ -64,10 +64,10 @@ class Import(Case):
                             ("several", lambda scene, **options: scene.import_files([file], **options))):
             sizes = []
             for asked in ({}, {"cached_levels": True}):
-                files(sightline.Scene(), cache=self.folder / name, **asked)
+                files(sightline.Scene(), cache_folder=self.folder / name, **asked)
                 sizes.append(sum(cache.stat().st_size for cache in (self.folder / name).iterdir()))
             self.assertEqual(sizes[1] - sizes[0], of_levels)
-            self.assertTrue(files(sightline.Scene(), cache=self.folder / name).from_cache)
+            self.assertTrue(files(sightline.Scene(), cache_folder=self.folder / name).from_cache)
 
     def test_primitives_are_recognised(self):
         if ".obj" not in sightline.known_extensions():
@@ -106,14 +106,31 @@ class Import(Case):
 
     def test_what_is_written_is_read_again(self):
         scene = plant(2000)
-        scene.write_rvm(self.folder / "plant.rvm")
+        scene.write(self.folder / "plant.rvm")
         again = sightline.Scene()
         again.import_file(self.folder / "plant.rvm")
-        again.write_rvm(self.folder / "again.rvm", again.root.children[0])
+        again.write(self.folder / "again.rvm", again.root.children[0])
         self.assertEqual((self.folder / "plant.rvm").read_bytes(), (self.folder / "again.rvm").read_bytes())
 
+    def test_every_format_is_written(self):
+        scene = plant(500)
+        for name in ("a.rvm", "a.obj", "a.glb", "a.gltf", "a.slc"):
+            written = scene.write(self.folder / name, tolerance=0.01)
+            self.assertEqual(written["items"] + written["left_out"], 500, name)
+            self.assertEqual(written["triangles"] > 0, name not in ("a.rvm", "a.slc"), name)
+            self.assertLessEqual(written["largest_chord_error"], 0.01)
+            again = sightline.Scene()
+            again.import_file(self.folder / name)
+            self.assertEqual(again.item_count, written["items"], name)
+        scene.write(self.folder / "tiles", tiles=True, compress=False)
+        self.assertTrue((self.folder / "tiles" / "tileset.json").exists())
+        self.assert_error("a.xyz", scene.write, self.folder / "a.xyz")
+        self.assert_error("tolerance: expected above 0", scene.write, self.folder / "b.obj", tolerance=0)
+        with self.assertRaises(TypeError):
+            scene.write(self.folder / "b.obj", colour=3)
+
     def test_the_generator_is_the_tools(self):
-        plant(2000, 3).write_rvm(self.folder / "python.rvm")
+        plant(2000, 3).write(self.folder / "python.rvm")
         self.tool("generate", "--items", 2000, "--seed", 3, self.folder / "tool.rvm")
         self.assertEqual((self.folder / "python.rvm").read_bytes(), (self.folder / "tool.rvm").read_bytes())
 
@@ -128,7 +145,7 @@ class Import(Case):
         self.assert_error("up: expected y, z or auto", scene.import_file, broken, up="x")
         triangle = self.folder / "triangle.obj"
         triangle.write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n")
-        self.assert_error("metres_per_unit: expected", scene.import_file, triangle, metres_per_unit=-1.0)
+        self.assert_error("metres_per_unit: expected above 0", scene.import_file, triangle, metres_per_unit=-1.0)
         self.assert_error("threads", scene.import_files, [SMALL_PLANT], threads=-1)
 
 
@@ -149,7 +166,7 @@ class Cancel(Case):
             scene.import_file(SMALL_PLANT, progress=stop)
         self.check_untouched(scene)
         with self.assertRaises(KeyError):
-            plant(20000).write_rvm(self.folder / "out.rvm", progress=stop)
+            plant(20000).write(self.folder / "out.rvm", progress=stop)
         self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_the_scene_cannot_be_used_meanwhile(self):
@@ -164,7 +181,7 @@ class Cancel(Case):
 
     def test_ctrl_c_cancels(self):
         # Enough files that the signal comes first; without a callback, which would be stopped anyway.
-        plant(20000).write_rvm(self.folder / "plant.rvm")
+        plant(20000).write(self.folder / "plant.rvm")
         program = """if True:
             import os, signal, sys, threading, sightline
             scene = sightline.Scene()

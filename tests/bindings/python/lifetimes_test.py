@@ -225,7 +225,7 @@ class Threads(Case):
             engine.frame(view)
             self.assert_error("in use by the call that called back", scene.root.add_node, "m")
 
-        scene.write_rvm(self.folder / "plant.rvm", progress=progress)
+        scene.write(self.folder / "plant.rvm", progress=progress)
         for thread in waiting:
             thread.join()
         self.assertEqual(set(counts), {20_000})

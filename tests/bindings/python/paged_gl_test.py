@@ -23,11 +23,11 @@ class Paged(GlCase):
     def cache(self, file, **options):
         """A scene cache of a model file."""
         folder = self.folder / f"{file.name} {len(options)}"
-        sightline.Scene().import_file(file, cache=folder, **options)
+        sightline.Scene().import_file(file, cache_folder=folder, **options)
         return next(folder.iterdir())
 
     def plant_cache(self):
-        plant(40_000).write_rvm(self.folder / "plant.rvm")
+        plant(40_000).write(self.folder / "plant.rvm")
         return self.cache(self.folder / "plant.rvm")
 
     def engine(self, path, **config):
@@ -86,7 +86,7 @@ class Paged(GlCase):
     def test_levels_save_reading_pages(self):
         if ".obj" not in sightline.known_extensions():
             self.skipTest("built without OBJ")
-        plant(3000).write_rvm(self.folder / "plant.rvm")
+        plant(3000).write(self.folder / "plant.rvm")
         file = self.folder / "plant.obj"
         self.tool("convert", self.folder / "plant.rvm", file, "--tolerance", 0.001)
         plain, levels = self.cache(file), self.cache(file, cached_levels=True)
@@ -118,8 +118,8 @@ class Paged(GlCase):
     def test_what_is_refused(self):
         path = self.plant_cache()
         for text, config in {"memory limit of 1 MiB": dict(memory_limit=1), "lod_error": dict(lod_error=-1.0),
-                             "width and height": dict(width=0), "refine_ms": dict(refine_ms=math.nan),
-                             "osmesa": dict(context="window")}.items():
+                             "width must be": dict(width=0), "refine_ms": dict(refine_ms=math.nan),
+                             "osmesa": dict(context_platform="window")}.items():
             with self.assertRaises(sightline.Error) as caught:
                 sightline.PagedEngine(path, **{"memory_limit": MANY, **SIZE, **config})
             self.assertIn(text, str(caught.exception))

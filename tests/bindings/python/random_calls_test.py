@@ -37,7 +37,7 @@ class RandomCalls(Case):
                   engine.pick(view, 32, 24), sightline.Cylinder(1, 2), sightline.Snout(*[1] * 9), scene.commit(),
                   engine.frame(view), scene.import_file(SMALL_PLANT), engine.cull_states(view),
                   sightline.image_tiles(64, 48, 80), sightline.ImageTile(64, 48, 0, 0),
-                  sightline.ExternalTarget(width=8, height=8), sightline.ControllerConfig(),
+                  sightline.ExternalTarget(width=8, height=8), sightline.ControllerConfig(margin=0.5),
                   sightline.OccluderRaster()]
         return [thing for thing in things if thing is not None]
 

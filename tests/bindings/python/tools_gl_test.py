@@ -12,7 +12,7 @@ class Tools(GlCase):
     def setUp(self):
         super().setUp()
         self.model = self.folder / "plant.rvm"
-        plant(5000, 2).write_rvm(self.model)
+        plant(5000, 2).write(self.model)
         self.scene = sightline.Scene()
         self.scene.import_file(self.model)
 

@@ -17,10 +17,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,11 +26,10 @@
 #include "sightline/core/error.h"
 #include "sightline/core/paged_scene.h"
 #include "sightline/core/view.h"
-#include "sightline/engine/looks.h"
+#include "sightline/engine/engine_config.h"
 
 namespace sightline::gl {
 class Context;
-enum class ContextPlatform : std::uint8_t;
 }  // namespace sightline::gl
 namespace sightline::image {
 struct DepthImage;
@@ -42,12 +39,14 @@ struct Image;
 
 namespace sightline::engine {
 
+/// The groups are those of EngineConfig. create() fails where a setting is not its default that a paged engine lacks:
+/// it draws drawing.ids and drawing.looks, with losses.lod_error by levels of detail that the scene cache has, and
+/// makes its own context. Pages that the coarsest levels show well enough are read in these alone.
 struct PagedConfig {
   int width = 1280, height = 720;  ///< pixels
-  bool ids = false;                ///< item-id image beside colour and depth
-  /// As LossConfig::lod_error, 0 or more pixels: meshes are drawn by levels of detail that the scene cache has. Pages
-  /// that the coarsest levels show well enough are read in these alone. 0: in full.
-  double lod_error = 0.0;
+  DrawingConfig drawing = {};
+  LossConfig losses = {};
+  ContextConfig context = {};
   /// Bytes that the whole process may have in memory, and its buffers on a GPU where that is main memory. Pages get
   /// what the program, its drivers and the boxes of all leaves leave of it, less room to read each image once (11 bytes
   /// a pixel, 15 with ids), less a tenth, and 32 MiB at least, for what changes while frames are drawn. Where more than
@@ -56,14 +55,10 @@ struct PagedConfig {
   /// take there, but images and drivers are not seen. The files that pages are read from do not count: they stay with
   /// the system, which takes their memory back when it is needed.
   std::size_t memory_limit = 0;
-  Looks looks = {};
   /// Milliseconds for which a frame of a view that stays takes in pages as they arrive, before it shows what it has.
   double refine_ms = 100.0;
   /// A bar at the lower left of images that are not complete: the share of their leaves that are drawn.
   bool loading_bar = true;
-  gl::ContextPlatform context_platform = {};                ///< of the offscreen context (gl/context.h)
-  bool gl_debug = false;                                    ///< collect driver messages; slower
-  std::optional<std::filesystem::path> program_cache = {};  ///< as EngineConfig::context.program_cache
 };
 
 struct PagedReport {
@@ -120,7 +115,7 @@ class SIGHTLINE_API PagedEngine {
   /// Reads the last frame, which there must have been; waits for the GPU. Splats have the id of the background, and no
   /// depth.
   image::Image read_colour() const;
-  image::IdImage read_ids() const;  ///< only with PagedConfig::ids
+  image::IdImage read_ids() const;  ///< only with PagedConfig::drawing.ids
   image::DepthImage read_depth() const;
 
   const core::PagedScene& scene() const;

@@ -1,4 +1,4 @@
-#include "sightline/engine/paged_engine.h"
+#include "sightline/engine/paged/paged_engine.h"
 
 #include <algorithm>
 #include <new>
@@ -7,9 +7,9 @@
 
 #include "sightline/core/internal/clock.h"
 #include "sightline/culling/occlusion/contribution.h"
-#include "sightline/engine/internal/looks.h"
-#include "sightline/engine/internal/page_store.h"
-#include "sightline/engine/internal/paged_image.h"
+#include "sightline/engine/internal/settings.h"
+#include "sightline/engine/paged/internal/page_store.h"
+#include "sightline/engine/paged/internal/paged_image.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/program_cache.h"
 #include "sightline/render/image/image.h"
@@ -41,7 +41,7 @@ std::size_t reserve_of(std::size_t limit) {
 /// What it takes to read an image and keep it: three bytes a pixel of colours, four each of depths and ids, and four
 /// more while one of these is turned upside down.
 std::size_t bytes_to_read(const PagedConfig& config) {
-  return std::size_t(config.width) * std::size_t(config.height) * std::size_t(3 + 4 + 4 + (config.ids ? 4 : 0));
+  return std::size_t(config.width) * std::size_t(config.height) * std::size_t(3 + 4 + 4 + (config.drawing.ids ? 4 : 0));
 }
 
 /// More than drivers are known to take when they draw for the first time.
@@ -97,7 +97,7 @@ class PagedEngine::Impl {
  private:
   Impl(core::PagedScene scene, const PagedConfig& config, gl::Context context)
       : context_(std::move(context)), scene_(std::move(scene)), config_(config) {
-    if (config_.lod_error == 0.0)
+    if (config_.losses.lod_error == 0.0)
       for (core::PagedScene::PageInfo& page : scene_.pages) page.level_indices = 0;  // nobody reads them
   }
   core::Expected<void> prepare();
@@ -110,6 +110,7 @@ class PagedEngine::Impl {
   void keep_within_limit();
 
   core::Expected<void> take_context();
+  OpenLeaves& leaves() { return image_->leaves(); }
   core::Expected<void> begin(const core::View& view);
   PagesInMemory pages() const { return {*store_, coarse_.get(), report_.frame}; }
   core::Expected<void> refine(double until, bool stays);
@@ -144,9 +145,8 @@ core::Expected<std::unique_ptr<PagedEngine::Impl>> PagedEngine::Impl::create(gl:
 }
 
 core::Expected<void> PagedEngine::Impl::prepare() {
-  if (auto good = check(config_.looks); !good) return good;
   if (auto current = context_.make_current(); !current) return current;
-  context_.cache_programs(config_.program_cache.value_or(gl::ProgramCache::default_folder()));
+  context_.cache_programs(config_.context.program_cache.value_or(gl::ProgramCache::default_folder()));
   context_.test_driver();
   auto image = PagedImage::create(context_, scene_, config_);
   if (!image) return tl::unexpected(image.error());
@@ -170,7 +170,7 @@ core::Expected<void> PagedEngine::Impl::draw_trial() {
   if (largest == scene_.pages.end()) return {};
   const PageStore::Wanted first{std::uint32_t(largest - scene_.pages.begin()), 1.0f, true};
   core::AabbD place;
-  if (const core::Aabb& box = image_->page_box(first.page); !box.empty())
+  if (const core::Aabb& box = leaves().page_box(first.page); !box.empty())
     place = {core::dvec3(box.min) + scene_.leaves.origin, core::dvec3(box.max) + scene_.leaves.origin};
   const auto view =
       core::View::fit(place, core::kOverviewDirection, 0.8, double(config_.width) / double(config_.height));
@@ -291,7 +291,7 @@ core::Expected<void> PagedEngine::Impl::begin(const core::View& view) {
   before_ = image_->view();
   if (auto done = image_->begin(view); !done) return done;
   report_ = {};
-  report_.leaves = image_->leaves();
+  report_.leaves = leaves().in_view();
   return {};
 }
 
@@ -307,7 +307,7 @@ core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
     const double left = until - core::now_seconds();
     if (!stays || report_.complete || left <= 0.0 || !wait(left)) break;
   }
-  report_.pending = image_->open_leaves();
+  report_.pending = leaves().count();
   report_.items_drawn = image_->items_drawn();
   const PageStore::Counts& counts = store_->counts();
   report_.resident = counts.resident;
@@ -337,19 +337,19 @@ bool PagedEngine::Impl::lacks_coarse(std::uint32_t page) const {
 
 void PagedEngine::Impl::ask_for_pages(bool stays) {
   std::vector<PageStore::Wanted> wanted, coarse;
-  for (const std::uint32_t page : image_->list_open_pages()) {
+  for (const std::uint32_t page : leaves().list_pages()) {
     if (store_->failed(page)) continue;
     // Where the coarse form may be enough, it comes first; else it comes to be looked at meanwhile.
-    const bool may_do = config_.lod_error > 0.0 && !image_->coarse_drawn(page);
+    const bool may_do = config_.losses.lod_error > 0.0 && !image_->coarse_drawn(page);
     const bool of_use = (may_do || !settling_) && lacks_coarse(page);
     if (may_do && of_use ? coarse.size() >= PageStore::kMostAsked : wanted.size() >= PageStore::kMostAsked) continue;
     image_->close_hidden(page);
-    if (!image_->is_open(page)) continue;
-    if (of_use) coarse.push_back({page, image_->area(page), true});
-    if (!may_do || !of_use) wanted.push_back({page, image_->area(page), true});
+    if (leaves().of_page(page) == 0) continue;
+    if (of_use) coarse.push_back({page, leaves().area(page), true});
+    if (!may_do || !of_use) wanted.push_back({page, leaves().area(page), true});
   }
   report_.complete =
-      std::ranges::none_of(image_->list_open_pages(), [&](std::uint32_t page) { return !store_->failed(page); });
+      std::ranges::none_of(leaves().list_pages(), [&](std::uint32_t page) { return !store_->failed(page); });
   if (!stays && before_) foresee(wanted, coarse);
   store_->ask_for(wanted, report_.frame, stays);
   if (coarse_) coarse_->ask_for(coarse, report_.frame, stays);
@@ -360,7 +360,7 @@ void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted, std::vec
   const auto view = foreseen(*before_, *image_->view());
   if (!view) return;
   core::VisibleSet ahead;
-  image_->find_leaves(*view, ahead);
+  leaves().find(*view, ahead);
   const culling::ContributionTest test(*view, scene_.leaves.origin, config_.width, config_.height);
   std::vector<std::uint64_t> bits(culling::bit_words(scene_.leaves.size()));
   culling::set_bits(ahead, bits);
@@ -371,10 +371,10 @@ void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted, std::vec
     bool any = false;
     for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < end && !any; ++leaf)
       any = culling::contains(bits, leaf);
-    if (any) later.push_back({page, test.area(image_->page_box(page)), false});
+    if (any) later.push_back({page, test.area(leaves().page_box(page)), false});
   }
   std::sort(later.begin(), later.end(), [](const auto& a, const auto& b) { return a.area > b.area; });
-  if (config_.lod_error == 0.0) wanted.insert(wanted.end(), later.begin(), later.end());
+  if (config_.losses.lod_error == 0.0) wanted.insert(wanted.end(), later.begin(), later.end());
   std::copy_if(later.begin(), later.end(), std::back_inserter(coarse),
                [&](const auto& w) { return lacks_coarse(w.page); });
 }
@@ -394,11 +394,11 @@ PagedEngine::~PagedEngine() {
 }
 
 core::Expected<PagedEngine> PagedEngine::create(core::PagedScene scene, const PagedConfig& config) {
-  if (!(config.lod_error >= 0.0)) return core::fail("engine: lod_error must be 0 or more pixels");
+  if (auto good = check_ranges(config); !good) return tl::unexpected(good.error());
   const gl::CurrentContext kept;
   gl::ContextOptions options;
-  options.platform = config.context_platform;
-  options.debug = config.gl_debug;
+  options.platform = config.context.platform;
+  options.debug = config.context.gl_debug;
   auto context = gl::Context::create_offscreen(options);
   if (!context) return tl::unexpected(context.error());
   return create_in(std::move(*context), std::move(scene), config);

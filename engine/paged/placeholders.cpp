@@ -1,4 +1,4 @@
-#include "sightline/engine/internal/placeholders.h"
+#include "sightline/engine/paged/internal/placeholders.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "sightline/engine/internal/page_store.h"
+#include "sightline/engine/paged/internal/page_store.h"
 
 #include <algorithm>
 #include <array>

@@ -1,12 +1,11 @@
-#include "sightline/engine/internal/paged_image.h"
+#include "sightline/engine/paged/internal/paged_image.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <numeric>
 #include <utility>
 
-#include "sightline/engine/internal/looks.h"
+#include "sightline/engine/internal/settings.h"
 #include "sightline/gl/internal/pipeline_state.h"
 
 namespace sightline::engine {
@@ -52,26 +51,31 @@ bool is_fine_enough(const core::Page& page, core::Slot slot, const lod::ImageErr
 
 }  // namespace
 
+PagedImage::PagedImage(const gl::Context& context, const core::PagedScene& scene, const PagedConfig& config)
+    : context_(context),
+      scene_(scene),
+      config_(config),
+      leaves_(scene, {config.width,
+                      config.height,
+                      {{0.0f, 0.0f}},
+                      culling::rasteriser_snap(context.capabilities().subpixel_bits, config.width, config.height)}),
+      coarse_drawn_(scene.pages.size()) {}
+
 core::Expected<std::unique_ptr<PagedImage>> PagedImage::create(const gl::Context& context,
                                                                const core::PagedScene& scene,
                                                                const PagedConfig& config) {
   std::unique_ptr<PagedImage> image(new PagedImage(context, scene, config));
   if (auto done = image->make_targets(); !done) return tl::unexpected(done.error());
-  image->list_leaves();
   return image;
 }
 
 core::Expected<void> PagedImage::make_targets() {
-  const render::TargetFormat format{.ids = config_.ids};
+  const render::TargetFormat format{.ids = config_.drawing.ids};
   for (render::RenderTarget* made : {&target_, &canvas_}) {
     auto target = render::RenderTarget::create(context_, config_.width, config_.height, format);
     if (!target) return tl::unexpected(target.error());
     *made = std::move(*target);
   }
-  samples_ = {config_.width,
-              config_.height,
-              {{0.0f, 0.0f}},
-              culling::rasteriser_snap(context_.capabilities().subpixel_bits, config_.width, config_.height)};
   std::array<bool, gpuscene::kBatchKindCount> has{};
   for (const auto& page : scene_.pages)
     for (int kind = 0; kind < core::kKindCount; ++kind)
@@ -82,26 +86,11 @@ core::Expected<void> PagedImage::make_targets() {
   auto renderer = render::Renderer::create(context_, kinds, format);
   if (!renderer) return tl::unexpected(renderer.error());
   renderer_.emplace(std::move(*renderer));
-  give_looks(config_.looks, *renderer_);
+  give_looks(config_.drawing.looks, *renderer_);
   auto placeholders = Placeholders::create(context_, format);
   if (!placeholders) return tl::unexpected(placeholders.error());
   placeholders_.emplace(std::move(*placeholders));
   return {};
-}
-
-void PagedImage::list_leaves() {
-  page_boxes_.resize(scene_.pages.size());
-  line_leaves_.resize(culling::bit_words(scene_.leaves.size()));
-  for (std::uint32_t page = 0; page < page_boxes_.size(); ++page)
-    for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf) {
-      page_boxes_[page].grow(scene_.leaves.box(leaf));
-      if ((scene_.colours[leaf] & core::PagedScene::kHasLines) != 0)
-        line_leaves_[leaf / 64] |= std::uint64_t(1) << leaf % 64;
-    }
-  visible_leaves_.resize(culling::bit_words(scene_.leaves.size()));
-  open_count_.resize(scene_.pages.size());
-  area_.resize(scene_.pages.size());
-  coarse_drawn_.resize(scene_.pages.size());
 }
 
 core::Expected<void> PagedImage::warm_up() {
@@ -114,82 +103,31 @@ core::Expected<void> PagedImage::warm_up() {
   return {};
 }
 
-// --- leaves ----------------------------------------------------------------------------------------------------------
+// --- views -----------------------------------------------------------------------------------------------------------
 
 core::Expected<void> PagedImage::begin(const core::View& view) {
   view_ = view;
-  error_.emplace(view, config_.width, config_.height, config_.lod_error);
+  error_.emplace(view, config_.width, config_.height, config_.losses.lod_error);
   if (auto done = renderer_->clear(canvas_); !done) return done;
   pyramid_.clear(config_.width, config_.height);
   coarse_drawn_.assign(coarse_drawn_.size(), false);
-  find_leaves(view, candidates_);
-  visible_leaves_.assign(visible_leaves_.size(), 0);
-  culling::set_bits(candidates_, visible_leaves_);
-  leaves_ = std::int64_t(candidates_.count());
+  leaves_.begin(view);
   items_drawn_ = coarse_items_ = splats_ = 0;
-  measure_pages();
   return {};
 }
 
-void PagedImage::find_leaves(const core::View& view, core::VisibleSet& leaves) {
-  core::View any_layer = view;
-  any_layer.layers = ~0u;
-  culler_.cull(any_layer, in_view_);
-  culling::SampleTest(view, scene_.leaves.origin, samples_).filter(scene_.leaves, in_view_, leaves, line_leaves_);
-}
-
-/// Counts the leaves of each page, and sums up their areas.
-void PagedImage::measure_pages() {
-  constexpr std::uint32_t kPart = 1 << 15;  // leaves at a time
-  const culling::ContributionTest test(*view_, scene_.leaves.origin, config_.width, config_.height);
-  const float whole = float(config_.width) * float(config_.height);
-  std::fill(open_count_.begin(), open_count_.end(), 0);
-  std::fill(area_.begin(), area_.end(), 0.0f);
-  parts_.split(candidates_, kPart);
-  for (std::uint32_t part = 0; part < parts_.count(); ++part) {
-    test.areas(scene_.leaves, parts_[part], areas_);
-    std::uint32_t page = 0;  // leaves of a part rise
-    for (const auto& [leaf, area] : areas_) {
-      while (leaf >= scene_.leaf_end(page)) ++page;
-      ++open_count_[page];
-      area_[page] += std::min(area, whole);
-    }
-  }
-  by_area_.clear();
-  for (std::uint32_t page = 0; page < scene_.pages.size(); ++page)
-    if (open_count_[page] > 0) by_area_.push_back(page);
-  std::sort(by_area_.begin(), by_area_.end(), [&](auto a, auto b) { return area_[a] > area_[b]; });
-}
-
-std::int64_t PagedImage::open_leaves() const {
-  return std::accumulate(open_count_.begin(), open_count_.end(), std::int64_t(0));
-}
-
-std::span<const std::uint32_t> PagedImage::list_open_pages() {
-  std::erase_if(by_area_, [&](std::uint32_t page) { return !is_open(page); });
-  return by_area_;
-}
-
 culling::OcclusionTest PagedImage::occlusion_test(const core::dvec3& origin) const {
-  return {*view_,         origin,   config_.width,
-          config_.height, pyramid_, render::RenderTarget::orthographic_error(*view_),
-          samples_.snap};
+  return {*view_,
+          origin,
+          config_.width,
+          config_.height,
+          pyramid_,
+          render::RenderTarget::orthographic_error(*view_),
+          leaves_.samples().snap};
 }
 
 void PagedImage::close_hidden(std::uint32_t page) {
-  core::VisibleSet leaves, open;
-  for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
-    if (culling::contains(visible_leaves_, leaf)) culling::append_range(leaf, leaf + 1, leaves.ranges);
-  occlusion_test(scene_.leaves.origin).filter(scene_.leaves, leaves, open, line_leaves_);
-  close(page, open);
-}
-
-/// Closes all leaves of a page, but for these.
-void PagedImage::close(std::uint32_t page, const core::VisibleSet& but) {
-  for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
-    visible_leaves_[leaf / 64] &= ~(std::uint64_t(1) << leaf % 64);
-  culling::set_bits(but, visible_leaves_);
-  open_count_[page] = std::uint32_t(but.count());
+  leaves_.close_hidden(page, occlusion_test(scene_.leaves.origin));
 }
 
 // --- drawing ---------------------------------------------------------------------------------------------------------
@@ -203,8 +141,8 @@ std::vector<std::uint32_t> PagedImage::drawable(const PagesInMemory& pages) cons
     for (const std::uint32_t page : pages.coarse->resident())
       if (!coarse_drawn_[page] && !pages.full.find(page)) resident.push_back(page);
   for (const std::uint32_t page : resident) {
-    if (open_count_[page] == 0) continue;
-    const core::Aabb& box = page_boxes_[page];
+    if (leaves_.of_page(page) == 0) continue;
+    const core::Aabb& box = leaves_.page_box(page);
     double nearest = depth.w;
     for (int axis = 0; axis < 3; ++axis)
       nearest += depth[axis] * (scene_.leaves.origin[axis] + double((depth[axis] > 0.0 ? box.max : box.min)[axis]));
@@ -242,7 +180,7 @@ core::VisibleSet PagedImage::slots_of_page(std::uint32_t page, const ResidentPag
   core::VisibleSet set;
   set.generation = resident.content->snapshot.generation();
   for (std::uint32_t leaf = info.first_leaf; leaf < scene_.leaf_end(page); ++leaf) {
-    if (!culling::contains(visible_leaves_, leaf)) continue;
+    if (!leaves_.is_open(leaf)) continue;
     const core::Slot first = (leaf - info.first_leaf) * core::kBlockSlots;
     const core::Slot end = std::min<core::Slot>(info.slot_count, first + core::kBlockSlots);
     if (bounds.uses_layers()) {
@@ -259,7 +197,7 @@ core::VisibleSet PagedImage::slots_of_page(std::uint32_t page, const ResidentPag
 core::VisibleSet PagedImage::shown_slots(std::uint32_t page, const ResidentPage& resident) const {
   const core::ItemBounds& bounds = resident.content->snapshot.bounds();
   core::VisibleSet open = slots_of_page(page, resident), shown;
-  culling::SampleTest(*view_, bounds.origin, samples_).filter(bounds, open, shown, resident.lines);
+  culling::SampleTest(*view_, bounds.origin, leaves_.samples()).filter(bounds, open, shown, resident.lines);
   occlusion_test(bounds.origin).filter(bounds, shown, open, resident.lines);
   return open;
 }
@@ -281,7 +219,7 @@ core::Expected<std::uint64_t> PagedImage::draw(ResidentPage& resident, const cor
 ResidentPage& PagedImage::use(PageStore& store, std::uint32_t page, std::uint64_t frame) const {
   ResidentPage& resident = *store.find(page);
   resident.used = frame;
-  resident.area = area_[page];
+  resident.area = leaves_.area(page);
   return resident;
 }
 
@@ -291,7 +229,7 @@ core::Expected<std::uint64_t> PagedImage::draw_page(const PagesInMemory& pages, 
   const auto drawn = draw(resident, shown_slots(page, resident), canvas_);
   if (!drawn) return drawn;
   pages.full.count_again(page);
-  close(page, {});
+  leaves_.close(page);
   return drawn;
 }
 
@@ -311,7 +249,7 @@ core::Expected<std::uint64_t> PagedImage::draw_coarse_page(const PagesInMemory& 
   core::VisibleSet set, open;
   const std::uint32_t first = scene_.pages[page].first_leaf;
   for (std::uint32_t leaf = first; leaf < scene_.leaf_end(page); ++leaf)
-    if (culling::contains(visible_leaves_, leaf) && culling::contains(rough, (leaf - first) * core::kBlockSlots))
+    if (leaves_.is_open(leaf) && culling::contains(rough, (leaf - first) * core::kBlockSlots))
       culling::append_range(leaf, leaf + 1, open.ranges);
   for (std::size_t word = 0; word < fine.size(); ++word) fine[word] &= ~rough[word];
   to_set(fine, set);
@@ -319,7 +257,7 @@ core::Expected<std::uint64_t> PagedImage::draw_coarse_page(const PagesInMemory& 
   const auto drawn = draw(resident, set, canvas_);
   if (!drawn) return drawn;
   pages.coarse->count_again(page);
-  close(page, open);
+  leaves_.close(page, open);
   return drawn;
 }
 
@@ -327,13 +265,13 @@ core::Expected<void> PagedImage::show(const PagesInMemory& pages, std::int64_t p
   canvas_.copy_to(target_);
   coarse_items_ = splats_ = 0;
   if (pending > 0) {
-    to_set(visible_leaves_, candidates_);
+    to_set(leaves_.bits(), lacking_);
     if (pages.coarse)
       if (auto done = show_coarse_pages(pages); !done) return done;
-    if (auto done = placeholders_->draw(scene_, *view_, candidates_, target_); !done) return done;
+    if (auto done = placeholders_->draw(scene_, *view_, lacking_, target_); !done) return done;
     splats_ = std::int64_t(placeholders_->drawn());
   }
-  const DepthShading& shading = config_.looks.depth_shading;
+  const DepthShading& shading = config_.drawing.looks.depth_shading;
   if (shading.any()) {
     if (!depth_shading_) depth_shading_.emplace(context_.functions());
     if (auto done = depth_shading_->draw(target_, *view_, shading.strength, shading.edge_lines); !done) return done;
@@ -343,11 +281,12 @@ core::Expected<void> PagedImage::show(const PagesInMemory& pages, std::int64_t p
   return {};
 }
 
-/// Draws open leaves by the coarsest levels of their meshes, and leaves the others as candidates.
+/// Draws open leaves by the coarsest levels of their meshes, and leaves the others to splats.
 core::Expected<void> PagedImage::show_coarse_pages(const PagesInMemory& pages) {
-  std::vector<std::uint64_t> rest = visible_leaves_;
+  const culling::SlotBits open = leaves_.bits();
+  std::vector<std::uint64_t> rest(open.begin(), open.end());
   for (const std::uint32_t page : pages.coarse->resident()) {
-    if (open_count_[page] == 0) continue;
+    if (leaves_.of_page(page) == 0) continue;
     ResidentPage& resident = use(*pages.coarse, page, pages.frame);
     const auto drawn = draw(resident, shown_slots(page, resident), target_);
     if (!drawn) return tl::unexpected(drawn.error());
@@ -356,7 +295,7 @@ core::Expected<void> PagedImage::show_coarse_pages(const PagesInMemory& pages) {
     for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
       rest[leaf / 64] &= ~(std::uint64_t(1) << leaf % 64);
   }
-  to_set(rest, candidates_);
+  to_set(rest, lacking_);
   return {};
 }
 
@@ -365,7 +304,7 @@ void PagedImage::draw_loading_bar(std::int64_t pending) const {
   gl::reset_pipeline_state(gl);
   gl.Enable(GL_SCISSOR_TEST);
   const int width = std::max(8, int(kBarShare * float(config_.width))), height = std::max(3, config_.height / 120);
-  const float share = 1.0f - float(pending) / float(std::max<std::int64_t>(1, leaves_));
+  const float share = 1.0f - float(pending) / float(std::max<std::int64_t>(1, leaves_.in_view()));
   const float ground[4] = {0.15f, 0.15f, 0.17f, 1.0f}, done[4] = {1.0f, 0.6f, 0.1f, 1.0f};
   const GLuint framebuffer = target_.framebuffer().id();
   gl.Scissor(height, height, width, height);

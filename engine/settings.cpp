@@ -1,0 +1,51 @@
+#include "sightline/engine/internal/settings.h"
+
+#include "sightline/core/affine.h"
+#include "sightline/engine/paged/paged_engine.h"
+
+namespace sightline::engine {
+namespace {
+
+core::Expected<void> check_sun(const core::dvec3& sun) {
+  if (core::is_finite(sun) && sun != core::dvec3(0.0)) return {};
+  return core::fail("engine: sun must be a finite direction, and not zero");
+}
+
+}  // namespace
+
+#define SIGHTLINE_SETTING(path, name, type, change, low, high, range, ...) \
+  if (auto good = check_range({#name, low, high, range}, config.path); !good) return good;
+
+core::Expected<void> check_ranges(const EngineConfig& config) {
+#define SIGHTLINE_ENGINE_SETTING SIGHTLINE_SETTING
+#define SIGHTLINE_UNPAGED_SETTING SIGHTLINE_SETTING
+#include "sightline/engine/internal/settings.inc"
+  return check_sun(config.drawing.looks.sun);
+}
+
+#define SIGHTLINE_SETTING(path, name, type, change, low, high, range, ...) \
+  if (auto good = check_range({#name, low, high, range}, config.path); !good) return good;
+
+core::Expected<void> check_ranges(const PagedConfig& config) {
+  const PagedConfig defaults;
+#define SIGHTLINE_PAGED_SETTING SIGHTLINE_SETTING
+#define SIGHTLINE_UNPAGED_SETTING(path, name, ...) \
+  if (!(config.path == defaults.path)) return core::fail("engine: a paged engine has no " #name);
+#include "sightline/engine/internal/settings.inc"
+  if (config.context.application) return core::fail("engine: a paged engine makes its own context");
+  return check_sun(config.drawing.looks.sun);
+}
+
+const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b) {
+  if (a.context.application != b.context.application) return "context";
+#define SIGHTLINE_DIFFERS_FIXED(path, name) \
+  if (!(a.path == b.path)) return #name;
+#define SIGHTLINE_DIFFERS_CHANGEABLE(path, name)
+#define SIGHTLINE_SETTING(path, name, type, change, ...) SIGHTLINE_DIFFERS_##change(path, name)
+#define SIGHTLINE_ENGINE_SETTING SIGHTLINE_SETTING
+#define SIGHTLINE_UNPAGED_SETTING SIGHTLINE_SETTING
+#include "sightline/engine/internal/settings.inc"
+  return nullptr;
+}
+
+}  // namespace sightline::engine
