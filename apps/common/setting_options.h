@@ -41,7 +41,8 @@ Option add_setting(CommandLine line, const std::string& name, T& value) {
     return line.add_choice(words.option, value, choices_of<T, typename T::value_type>(), words.help);
   } else {
     const Option option = line.add(words.option, value, words.help).shows_default();
-    return std::isinf(words.high) ? option.not_negative() : option.in_range(T(words.low), T(words.high));
+    if (std::isinf(words.high)) return option.not_negative();
+    return words.low < words.high ? option.in_range(T(words.low), T(words.high)) : option;
   }
 }
 
