@@ -72,6 +72,7 @@ void ItemBounds::resize_for_overwrite(std::size_t count, bool with_layers) {
   size_ = 0;
   for (auto& c : coordinates_) c.resize_for_overwrite(count);
   resize(count);
+  for (auto& c : coordinates_) c.spare_room();
   uses_layers_ = with_layers;
   if (with_layers) layers_.resize_for_overwrite(count);
 }

@@ -50,6 +50,7 @@ template <class T>
 void resize(LargeArray<T>& array, std::size_t count) {
   array.reserve(with_headroom(count));
   array.resize_for_overwrite(count);
+  array.spare_room();
 }
 
 std::uint64_t next_generation() {

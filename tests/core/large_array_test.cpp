@@ -62,6 +62,21 @@ TEST(LargeArray, KeepsItsValuesWhenItGrowsWithoutNewOnes) {
   EXPECT_EQ(std::vector<int>(array.begin(), array.end()), std::vector<int>(2, 7));
 }
 
+/// Grows from the heap into pages and from pages to more pages, with and without spare room.
+TEST(LargeArray, MovesItsPagesWhenItGrows) {
+  for (const bool spare : {false, true}) {
+    LargeArray<std::uint32_t> array;
+    std::uint32_t next = 0;
+    for (const std::size_t count : {100'000u, 600'000u, 700'000u, 3'000'000u, 9'000'000u}) {
+      array.reserve(count);
+      if (spare) array.spare_room();
+      while (next < count) array.push_back(next++);
+      array.push_back(next++);
+    }
+    for (std::uint32_t i = 0; i < next; ++i) ASSERT_EQ(array[i], i);
+  }
+}
+
 TEST(LargeArray, DoesAsStdVectorDoes) {
   std::mt19937 random(3);
   LargeArray<int> array;
