@@ -320,7 +320,7 @@ TEST(BoxCuller, ADepthImageThatWasNeverMadeHidesNothing) {
   EXPECT_EQ(found, all);
 }
 
-/// Integer corners, so that answers are exact, and a loop over all boxes.
+/// Against a loop over all boxes with integer corners, so that their rounding outwards changes no answer.
 TEST(BoxCuller, AnswersQueriesLikeALoop) {
   Random random(3);
   std::vector<AabbD> boxes;
@@ -330,7 +330,7 @@ TEST(BoxCuller, AnswersQueriesLikeALoop) {
   }
   const auto culler = BoxCuller::create(boxes);
   ASSERT_TRUE(culler);
-  const AabbD range{dvec3(-10, -5, 0), dvec3(12, 9, 20)};
+  const AabbD range{dvec3(-10.5, -5.5, -0.5), dvec3(12.5, 9.5, 20.5)};
   const dvec3 place(3, -4, 5);
   const auto distance = [&](std::uint32_t i) {
     return glm::length(glm::clamp(place, boxes[i].min, boxes[i].max) - place);
@@ -359,8 +359,8 @@ TEST(BoxCuller, AnswersQueriesLikeALoop) {
   for (std::uint32_t i = 0; i < boxes.size(); ++i) distances.push_back(distance(i));
   std::sort(distances.begin(), distances.end());
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    EXPECT_NEAR(hits[i].distance, distances[i], 1e-12);
-    EXPECT_NEAR(hits[i].distance, distance(hits[i].index), 1e-12);
+    EXPECT_NEAR(hits[i].distance, distances[i], 1e-4);
+    EXPECT_NEAR(hits[i].distance, distance(hits[i].index), 1e-4);
   }
   const core::Ray ray{.origin = {-100, 1.5, 2.5}, .direction = {1, 0, 0}};
   Indices along;
@@ -371,7 +371,7 @@ TEST(BoxCuller, AnswersQueriesLikeALoop) {
   found.clear();
   for (std::size_t i = 0; i < hits.size(); ++i) {
     found.push_back(hits[i].index);
-    EXPECT_NEAR(hits[i].distance, boxes[hits[i].index].min.x + 100, 1e-9);
+    EXPECT_NEAR(hits[i].distance, boxes[hits[i].index].min.x + 100, 1e-4);
     EXPECT_GE(hits[i].distance, hits[i > 0 ? i - 1 : 0].distance);
   }
   std::sort(found.begin(), found.end());
