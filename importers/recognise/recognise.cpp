@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
 
+#include "sightline/core/mesh_extras.h"
 #include "sightline/importers/recognise/internal/ring_chain.h"
 #include "sightline/importers/recognise/internal/shape_fit.h"
 #include "sightline/importers/recognise/internal/solids.h"
@@ -99,7 +102,21 @@ class Recogniser {
   RingChain chain_;
 };
 
-/// The triangles that are not taken, with the vertices that they use.
+/// The surfaces of faces that have triangles left, or null.
+std::shared_ptr<const std::vector<core::MeshSurface>> surfaces_of_rest(const core::Mesh& mesh,
+                                                                       const std::vector<bool>& taken) {
+  auto left = std::make_shared<std::vector<core::MeshSurface>>();
+  std::uint32_t triangle = 0, count = 0;
+  for (core::MeshSurface surface : core::surfaces_stored_with(mesh)) {
+    const std::uint32_t before = count;
+    for (; triangle < surface.end_triangle && triangle < taken.size(); ++triangle) count += taken[triangle] ? 0 : 1;
+    surface.end_triangle = count;
+    if (count > before) left->push_back(surface);
+  }
+  return left->empty() ? nullptr : left;
+}
+
+/// The triangles that are not taken, with the vertices that they use and the surfaces of their faces.
 core::Mesh rest_of(const core::Mesh& mesh, const std::vector<bool>& taken) {
   core::Mesh rest;
   rest.name = mesh.name;
@@ -114,6 +131,7 @@ core::Mesh rest_of(const core::Mesh& mesh, const std::vector<bool>& taken) {
     }
     rest.indices.push_back(at);
   }
+  if (auto surfaces = surfaces_of_rest(mesh, taken)) rest.extras = core::MeshExtrasSlot({nullptr, std::move(surfaces)});
   return rest;
 }
 

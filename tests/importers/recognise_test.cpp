@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/core/mesh_extras.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/importers/obj/obj_writer.h"
 #include "sightline/importers/plant/plant_generator.h"
@@ -442,6 +443,32 @@ TEST(Recognise, MixedMeshesAreSplit) {
   EXPECT_EQ(found.refused[std::size_t(Refusal::kNoStructure)] + found.refused[std::size_t(Refusal::kOffSurface)], 1u);
   for (std::size_t i = 0; i < found.rest.indices.size(); ++i)
     ASSERT_EQ(found.rest.positions[found.rest.indices[i]], bumpy.positions[bumpy.indices[i]]);
+}
+
+/// Faces keep the surfaces that came with them, as far as their triangles stay.
+TEST(Recognise, TheRestKeepsItsSurfaces) {
+  Random random(3);
+  const core::Mesh bumpy =
+      lathe(30, 15, [&](double u, double v) { return random.between(0.9, 1.1) * on_sphere(u, v); });
+  core::Mesh mesh = placed(tessellated(core::Box{1, 2, 3}, 8), dmat3(1.0), {5, 0, 0});
+  const auto box = std::uint32_t(mesh.indices.size() / 3);
+  append(mesh, bumpy);
+  const auto all = std::uint32_t(mesh.indices.size() / 3);
+  std::vector<core::MeshSurface> surfaces(4);
+  const std::uint32_t ends[] = {box / 2, box + 10, box + 30, all};
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    surfaces[i].end_triangle = ends[i];
+    surfaces[i].radius = double(i);
+  }
+  mesh.extras = core::MeshExtrasSlot({nullptr, std::make_shared<const std::vector<core::MeshSurface>>(surfaces)});
+  const RecognisedMesh found = recognise(mesh);
+  ASSERT_EQ(found.primitives.size(), 1u);
+  const auto left = core::surfaces_stored_with(found.rest);
+  ASSERT_EQ(left.size(), 3u);
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    EXPECT_EQ(left[i].radius, double(i + 1));
+    EXPECT_EQ(left[i].end_triangle, ends[i + 1] - box);
+  }
 }
 
 /// Pipes whose solids have no ends where they meet, in one piece: rings along a path.
