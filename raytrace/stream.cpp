@@ -227,7 +227,7 @@ class Tracer::Impl::Packet {
     }
   }
 
-  /// What was found for a ray. Only what its hit has is set.
+  /// The nearest hit of a ray so far, with those numbers set that its kind has.
   Found found(int ray) const {
     const Slot slot = best_.slot[ray];
     if (slot == kNoSlot) return {best_.t[ray], slot};

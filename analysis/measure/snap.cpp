@@ -19,7 +19,8 @@ struct Interval {
 };
 using Intervals = std::vector<Interval>;
 
-/// What section planes keep, of features also what lies in a plane up to the rounding of items: where they are drawn.
+/// The part of features that section planes keep, also where it lies in a plane up to the rounding of items, which are
+/// drawn there.
 class Sections {
  public:
   /// `origin`: the item's.

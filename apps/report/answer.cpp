@@ -55,7 +55,7 @@ std::string off_words(const AnswerResults& results) {
   return ", which lie up to " + length_words(results.mesh_deviation) + " off the surfaces of their file,";
 }
 
-/// What the model is drawn as, how long that takes, and how near it is.
+/// A sentence on how the model is drawn, how long that takes, and how near it is.
 std::string drawn_words(const AnswerResults& results) {
   const SurfaceCost& exact = results.exact;
   const double error = exact.error + (results.solid_deviation < kLeastLength ? 0.0 : results.solid_deviation);

@@ -202,7 +202,7 @@ std::string surface_plot(const Results& all) {
   return svg_panels(plot);
 }
 
-/// What stands for the true surface where the model is triangles.
+/// A sentence on the surface that errors are measured from where the model is triangles.
 std::string truth_words(const Report& report, const Plan& plan) {
   if (plan.meshes == 0) return "";
   const double off = report.model().report.surfaces.deviation;

@@ -94,7 +94,7 @@ class Report {
   core::Expected<void> load();
   core::Expected<void> make_tour();
   core::Expected<void> find_views();
-  /// What sightline-render shows by default.
+  /// The default view of sightline-render.
   core::Expected<core::View> overview() const;
 
   ReportOptions options_;

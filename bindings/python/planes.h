@@ -1,4 +1,4 @@
-// What callers give of views: section planes as rows of numbers, and the name of a depth range.
+// Arguments of views: section planes as rows of numbers, and the name of a depth range.
 #pragma once
 
 #include "sightline/bindings/python/convert.h"

@@ -1,4 +1,4 @@
-// What is drawn over an image that is complete: transparent surfaces in any order, ghosts, and outlines.
+// Overlays of a complete image: transparent surfaces in any order, ghosts, and outlines.
 #pragma once
 
 #include <array>
