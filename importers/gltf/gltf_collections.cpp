@@ -365,18 +365,16 @@ core::MaterialId GltfCollections::material(const double* colour, const GltfAcces
   return known = job_.scene().add_material(std::move(material));
 }
 
-core::Expected<void> GltfCollections::add(std::string_view kind_name, const Json& attributes, core::NodeId node,
-                                          const core::Affine& file_from_node, const std::string& where,
-                                          const Progress& progress) {
+void GltfCollections::add(std::string_view kind_name, const Json& attributes, core::NodeId node,
+                          const core::Affine& file_from_node, const std::string& where, const Progress& progress) {
   const Kind& kind = *kind_named(kind_name);
   constexpr std::size_t kTree = 0, kColour = 1, kFirst = 2;
   std::vector<GltfTable::Column> columns = {{"_treeIndex", 1}, {"_color", 4}};
   columns.insert(columns.end(), kind.columns.begin(), kind.columns.end());
   GltfTable table;
-  if (auto opened = table.open(document_, attributes, columns, where); !opened) return opened;
+  table.open(document_, attributes, columns, where);
   if (!document_.take_items(table.count()))
-    return core::fail(
-        fmt::format("{}: more instances than a file of {} bytes may hold", where, document_.bytes_read()));
+    gltf_fail("{}: more instances than a file of {} bytes may hold", where, document_.bytes_read());
 
   std::uint64_t shapeless = 0;
   Gathered gathered;
@@ -387,7 +385,7 @@ core::Expected<void> GltfCollections::add(std::string_view kind_name, const Json
     job_.add_mesh(gathered_node, mesh, kind_name, gathered_from, gathered_material);
   };
   for (std::uint64_t first = 0; first < table.count(); first += GltfTable::kBlock) {
-    if (auto asked = progress(double(first) / double(table.count())); !asked) return asked;
+    progress(double(first) / double(table.count()));
     const std::uint64_t n = table.load(first);
     for (std::uint64_t i = 0; i < n; ++i) {
       Row row{};
@@ -422,18 +420,16 @@ core::Expected<void> GltfCollections::add(std::string_view kind_name, const Json
   if (shapeless > 0)
     job_.warn(0, fmt::format("{}: {} of {} instances dropped: no axis, no arc or no height", where, shapeless,
                              table.count()));
-  return {};
 }
 
-core::Expected<void> GltfCollections::add_triangles(const GltfSources& sources, const Json& attributes,
-                                                    core::NodeId node, const core::Affine& file_from_node,
-                                                    const std::string& where, const Progress& progress) {
+void GltfCollections::add_triangles(const GltfSources& sources, const Json& attributes, core::NodeId node,
+                                    const core::Affine& file_from_node, const std::string& where,
+                                    const Progress& progress) {
   // Positions are a column, so that their length is checked against the others.
   constexpr GltfTable::Column kColumns[] = {{"_treeIndex", 1, true}, {"COLOR_0", 4}, {"POSITION", 3, true}};
   GltfTable table;
-  if (auto opened = table.open(document_, attributes, kColumns, where + "/attributes"); !opened) return opened;
-  const auto corners = gltf_triangles(job_, document_, sources, where);
-  if (!corners) return tl::unexpected(corners.error());
+  table.open(document_, attributes, kColumns, where + "/attributes");
+  const std::vector<std::uint32_t> corners = gltf_triangles(job_, document_, sources, where);
   const GltfAccessor& trees = table.accessor(0);
   const GltfAccessor* colours = table.has(1) ? &table.accessor(1) : nullptr;
 
@@ -444,27 +440,25 @@ core::Expected<void> GltfCollections::add_triangles(const GltfSources& sources, 
   /// A triangle takes part and colour of its first corner.
   const auto of = [&](std::size_t corner) {
     Of found;
-    trees.read((*corners)[corner], 1, &found.tree);
-    if (colours) colours->read((*corners)[corner], 1, found.colour);
+    trees.read(corners[corner], 1, &found.tree);
+    if (colours) colours->read(corners[corner], 1, found.colour);
     found.colour[3] = 1.0;  // alpha is ignored
     return found;
   };
-  for (std::size_t begin = 0; begin < corners->size();) {
-    if (auto asked = progress(double(begin) / double(corners->size())); !asked) return asked;
+  for (std::size_t begin = 0; begin < corners.size();) {
+    progress(double(begin) / double(corners.size()));
     if (!document_.take_items(1))
-      return core::fail(fmt::format("{}: more parts than a file of {} bytes may hold", where, document_.bytes_read()));
+      gltf_fail("{}: more parts than a file of {} bytes may hold", where, document_.bytes_read());
     const Of run = of(begin);
     std::size_t end = begin + 3;
-    while (end < corners->size() && of(end) == run) end += 3;
-    const auto mesh =
+    while (end < corners.size() && of(end) == run) end += 3;
+    const PolygonMesh mesh =
         gltf_mesh(job_, document_, sources,
-                  {corners->begin() + std::ptrdiff_t(begin), corners->begin() + std::ptrdiff_t(end)}, where);
-    if (!mesh) return tl::unexpected(mesh.error());
+                  {corners.begin() + std::ptrdiff_t(begin), corners.begin() + std::ptrdiff_t(end)}, where);
     const Place at = place(&run.tree, node, file_from_node, {});
-    job_.add_mesh(at.node, *mesh, "part", at.from_item, material(colours ? run.colour : nullptr, colours));
+    job_.add_mesh(at.node, mesh, "part", at.from_item, material(colours ? run.colour : nullptr, colours));
     begin = end;
   }
-  return {};
 }
 
 }  // namespace sightline::importers

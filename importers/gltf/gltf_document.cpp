@@ -77,7 +77,7 @@ bool fits(std::uint64_t offset, std::uint64_t count, std::uint64_t stride, std::
   return (count - 1) <= (available - offset - size) / stride;
 }
 
-core::Expected<std::vector<std::byte>> base64_decoded(std::string_view text) {
+std::vector<std::byte> base64_decoded(std::string_view text) {
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
   std::vector<std::byte> bytes;
   bytes.reserve(text.size() / 4 * 3 + 3);
@@ -85,7 +85,7 @@ core::Expected<std::vector<std::byte>> base64_decoded(std::string_view text) {
   int held = 0;
   for (const char c : text) {
     const int digit = kBase64Values[static_cast<unsigned char>(c)];
-    if (digit < 0) return core::fail("a data URI: expected base64");
+    if (digit < 0) gltf_fail("a data URI: expected base64");
     bits = bits << 6 | std::uint32_t(digit);
     held += 6;
     if (held < 8) continue;
@@ -115,38 +115,33 @@ std::optional<std::uint64_t> gltf_whole(const Json& value) {
   return std::uint64_t(number);
 }
 
-core::Expected<std::uint64_t> gltf_index(const Json& object, std::string_view key, const std::string& where,
-                                         std::optional<std::uint64_t> fallback) {
+std::uint64_t gltf_index(const Json& object, std::string_view key, const std::string& where,
+                         std::optional<std::uint64_t> fallback) {
   const Json* value = gltf_find(object, key);
   if (!value && fallback) return *fallback;
-  if (!value) return core::fail(fmt::format("{}/{}: expected a whole number, which is missing", where, key));
+  if (!value) gltf_fail("{}/{}: expected a whole number, which is missing", where, key);
   const auto whole = gltf_whole(*value);
-  if (!whole)
-    return core::fail(fmt::format("{}/{}: expected a whole number from 0, found {}", where, key, describe(*value)));
+  if (!whole) gltf_fail("{}/{}: expected a whole number from 0, found {}", where, key, describe(*value));
   return *whole;
 }
 
-core::Expected<std::uint64_t> gltf_indices(const Json& primitive, const std::string& where) {
+std::uint64_t gltf_indices(const Json& primitive, const std::string& where) {
   const Json* extensions = gltf_find(primitive, "extensions");
   const Json* draco = extensions ? gltf_find(*extensions, kDraco) : nullptr;
   if (!draco || gltf_find(primitive, "indices")) return gltf_index(primitive, "indices", where, core::kNone);
-  return gltf_index(*draco, "bufferView", where).map([](std::uint64_t view) { return kImpliedIndices + view; });
+  return kImpliedIndices + gltf_index(*draco, "bufferView", where);
 }
 
-core::Expected<void> gltf_numbers(const Json& object, std::string_view key, const std::string& where, double* to,
-                                  std::size_t n) {
+void gltf_numbers(const Json& object, std::string_view key, const std::string& where, double* to, std::size_t n) {
   const Json* value = gltf_find(object, key);
-  if (!value) return {};
+  if (!value) return;
   bool good = value->is_array() && value->size() == n;
   for (std::size_t i = 0; good && i < n; ++i) {
     const Json& number = (*value)[i];
     good = number.is_number() && std::isfinite(number.get<double>());
     if (good) to[i] = number.get<double>();
   }
-  if (!good)
-    return core::fail(
-        fmt::format("{}/{}: expected an array of {} finite numbers, found {}", where, key, n, describe(*value)));
-  return {};
+  if (!good) gltf_fail("{}/{}: expected an array of {} finite numbers, found {}", where, key, n, describe(*value));
 }
 
 std::string gltf_text(const Json& object, std::string_view key) {
@@ -157,9 +152,9 @@ std::string gltf_text(const Json& object, std::string_view key) {
 namespace {
 
 /// What a data URI holds: base64, or bytes of which some are escaped (RFC 2397).
-core::Expected<std::vector<std::byte>> data_of(std::string_view uri) {
+std::vector<std::byte> data_of(std::string_view uri) {
   const std::size_t comma = uri.find(',');
-  if (comma == std::string_view::npos) return core::fail("a data URI: expected a comma and what follows");
+  if (comma == std::string_view::npos) gltf_fail("a data URI: expected a comma and what follows");
   const std::string_view data = uri.substr(comma + 1);
   if (uri.substr(0, comma).ends_with(";base64")) return base64_decoded(data);
   const std::string bytes = percent_decoded(data);
@@ -188,65 +183,56 @@ void GltfAccessor::read(std::uint64_t first, std::uint64_t n, double* out) const
 
 // --- the document --------------------------------------------------------------------------------------------------
 
-core::Expected<void> GltfDocument::open(Bytes bytes) {
+void GltfDocument::open(Bytes bytes) {
   bytes_read_ = bytes.size();
   std::string_view text = as_text(bytes);
-  if (text.starts_with("glTF"))
-    if (auto done = open_binary(bytes, text); !done) return done;
+  if (text.starts_with("glTF")) open_binary(bytes, text);
   std::string decoded;
   if (text.data() == as_text(bytes).data()) text = as_text(without_utf16(job_, bytes, decoded));
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   text = as_utf8(job_, text, "the JSON", decoded);
-  auto parsed = parse_json(text, job_.file(), kMaxGltfDepth);
-  if (!parsed) return tl::unexpected(std::move(parsed.error()));
-  root_ = std::move(*parsed);
-  auto done = check_asset();
-  if (!done) done.error().message.insert(0, job_.file() + ": ");
-  return done;
+  root_ = value_or_throw(parse_json(text, job_.file(), kMaxGltfDepth));
+  with_place(job_.file(), [&] { check_asset(); });
 }
 
-core::Expected<void> GltfDocument::open_binary(Bytes bytes, std::string_view& text) {
+void GltfDocument::open_binary(Bytes bytes, std::string_view& text) {
   constexpr std::size_t kHeader = 12, kChunkHeader = 8;
   constexpr std::uint32_t kJson = 0x4E4F534A, kBinary = 0x004E4942;
-  const auto bad = [&](std::string_view message) { return core::fail(fmt::format("{}: {}", job_.file(), message)); };
-  if (bytes.size() < kHeader + kChunkHeader) return bad("byte 0: expected a GLB header, found the end of the file");
-  if (word_at(bytes, 4) != 2) return bad(fmt::format("byte 4: expected GLB version 2, found {}", word_at(bytes, 4)));
+  const auto need = [&](bool good, std::string_view message) {
+    if (!good) gltf_fail("{}: {}", job_.file(), message);
+  };
+  need(bytes.size() >= kHeader + kChunkHeader, "byte 0: expected a GLB header, found the end of the file");
+  need(word_at(bytes, 4) == 2, fmt::format("byte 4: expected GLB version 2, found {}", word_at(bytes, 4)));
   if (word_at(bytes, 8) > bytes.size())
-    if (auto asked = job_.damage(
-            8, fmt::format("byte 8: expected a file of {} bytes, found {}", word_at(bytes, 8), bytes.size()));
-        !asked)
-      return asked;
+    value_or_throw(
+        job_.damage(8, fmt::format("byte 8: expected a file of {} bytes, found {}", word_at(bytes, 8), bytes.size())));
   bytes = bytes.first(std::min<std::size_t>(bytes.size(), word_at(bytes, 8)));
-  if (bytes.size() < kHeader + kChunkHeader) return bad("byte 8: expected a length beyond the header");
-  if (word_at(bytes, 16) != kJson) return bad("byte 16: expected a JSON chunk");
+  need(bytes.size() >= kHeader + kChunkHeader, "byte 8: expected a length beyond the header");
+  need(word_at(bytes, 16) == kJson, "byte 16: expected a JSON chunk");
   std::size_t at = kHeader;
   for (bool first = true; at + kChunkHeader <= bytes.size(); first = false) {
     const std::uint64_t size = word_at(bytes, at), left = bytes.size() - at - kChunkHeader;
     const std::uint32_t kind = word_at(bytes, at + 4);
     if (size > left)
-      if (auto asked = job_.damage(at, fmt::format("byte {}: expected a chunk of {} bytes, found {}", at, size, left));
-          !asked)
-        return asked;
+      value_or_throw(job_.damage(at, fmt::format("byte {}: expected a chunk of {} bytes, found {}", at, size, left)));
     const Bytes chunk = bytes.subspan(at + kChunkHeader, std::min(size, left));
     if (first) text = as_text(chunk);
     if (!first && kind == kBinary && binary_.empty()) binary_ = chunk;
     at += kChunkHeader + chunk.size();
   }
-  return {};
 }
 
-core::Expected<void> GltfDocument::check_asset() const {
+void GltfDocument::check_asset() const {
   const Json* asset = gltf_find(root_, "asset");
   const std::string version = asset ? gltf_text(*asset, "version") : std::string();
   const std::string least = asset ? gltf_text(*asset, "minVersion") : std::string();
   if (!version.starts_with("2.") || (!least.empty() && least != "2.0"))
-    return core::fail(fmt::format("/asset/version: expected glTF \"2.0\", found \"{}\"{}", version,
-                                  least.empty() ? "" : fmt::format(" that needs \"{}\"", least)));
+    gltf_fail("/asset/version: expected glTF \"2.0\", found \"{}\"{}", version,
+              least.empty() ? "" : fmt::format(" that needs \"{}\"", least));
   for (const std::string_view array :
        {"accessors", "buffers", "bufferViews", "images", "materials", "meshes", "nodes", "scenes", "textures"})
     if (const Json* value = gltf_find(root_, array); value && !value->is_array())
-      return core::fail(fmt::format("/{}: expected an array, found {}", array, describe(*value)));
-  return {};
+      gltf_fail("/{}: expected an array, found {}", array, describe(*value));
 }
 
 std::size_t GltfDocument::count(std::string_view array) const {
@@ -254,40 +240,29 @@ std::size_t GltfDocument::count(std::string_view array) const {
   return elements ? elements->size() : 0;
 }
 
-core::Expected<GltfElement> GltfDocument::element(std::string_view array, std::uint64_t index,
-                                                  std::string_view from) const {
+GltfElement GltfDocument::element(std::string_view array, std::uint64_t index, std::string_view from) const {
   const Json* elements = gltf_find(root_, array);
   const std::size_t size = elements ? elements->size() : 0;
-  if (index >= size)
-    return core::fail(fmt::format("{}: expected one of the {} {}, found {}", from, size, array, index));
+  if (index >= size) gltf_fail("{}: expected one of the {} {}, found {}", from, size, array, index);
   const GltfElement found{&(*elements)[index], array, std::size_t(index)};
-  if (!found.json->is_object())
-    return core::fail(fmt::format("{}: expected an object, found {}", found.where(), describe(*found.json)));
+  if (!found.json->is_object()) gltf_fail("{}: expected an object, found {}", found.where(), describe(*found.json));
   return found;
 }
 
-core::Expected<Bytes> GltfDocument::uri_bytes(std::string_view uri) {
-  if (uri.starts_with("data:")) {
-    auto decoded = data_of(uri);
-    if (!decoded) return tl::unexpected(decoded.error());
-    held_.push_back(std::move(*decoded));
-    return Bytes(held_.back());
-  }
-  if (uri.find("://") != std::string_view::npos)
-    return core::fail(fmt::format("'{}' refused: only files beside the model are read", uri));
+Bytes GltfDocument::uri_bytes(std::string_view uri) {
+  if (uri.starts_with("data:")) return held_.emplace_back(data_of(uri));
+  if (uri.find("://") != std::string_view::npos) gltf_fail("'{}' refused: only files beside the model are read", uri);
   auto path = find_named_file(path_, uri);
   if (!path)
     if (auto similar = find_similar_file(path_, percent_decoded(uri))) {
       job_.warn(0, fmt::format("'{}' not found: '{}' is read instead", uri, similar->filename().string()));
       path = std::move(similar);
     }
-  if (!path) return tl::unexpected(path.error());
-  if (const auto known_file = files_.find(path->string()); known_file != files_.end()) return known_file->second;
-  auto read = read_side_file(path_, path->string());
-  if (!read) return tl::unexpected(read.error());
-  bytes_read_ += read->size();
-  held_.push_back(std::move(*read));
-  return files_[path->string()] = Bytes(held_.back());
+  const std::string name = value_or_throw(std::move(path)).string();
+  if (const auto known_file = files_.find(name); known_file != files_.end()) return known_file->second;
+  const auto& read = held_.emplace_back(value_or_throw(read_side_file(path_, name)));
+  bytes_read_ += read.size();
+  return files_[name] = read;
 }
 
 bool GltfDocument::take_corners(std::uint64_t corners) {
@@ -308,171 +283,136 @@ void GltfDocument::release(std::size_t held) {
   held_.resize(held);
 }
 
-core::Expected<Bytes> GltfDocument::buffer(std::uint64_t index, std::string_view from) {
+Bytes GltfDocument::buffer(std::uint64_t index, std::string_view from) {
   if (const auto known_buffer = buffers_.find(index); known_buffer != buffers_.end()) return known_buffer->second;
-  const auto found = element("buffers", index, from);
-  if (!found) return tl::unexpected(found.error());
-  const std::string where = found->where();
-  const auto length = gltf_index(*found->json, "byteLength", where);
-  if (!length) return tl::unexpected(length.error());
+  const GltfElement found = element("buffers", index, from);
+  const std::string where = found.where();
+  const std::uint64_t length = gltf_index(*found.json, "byteLength", where);
   Bytes bytes;
-  if (const Json* uri = gltf_find(*found->json, "uri"); uri && uri->is_string()) {
-    const auto read = uri_bytes(uri->string());
-    if (!read) return core::fail(fmt::format("{}/uri: {}", where, read.error().message));
-    bytes = *read;
-  } else if (index == 0) {
+  if (const Json* uri = gltf_find(*found.json, "uri"); uri && uri->is_string())
+    with_place(where + "/uri", [&] { bytes = uri_bytes(uri->string()); });
+  else if (index == 0)
     bytes = binary_;
-  }
-  if (*length > bytes.size()) {
-    const std::string message = fmt::format("{}: expected {} bytes, found {}", where, *length, bytes.size());
-    if (!job_.options().lenient) return core::fail(message);
-    job_.warn(0, message);
-  }
-  return buffers_[index] = bytes.first(std::min<std::uint64_t>(*length, bytes.size()));
+  if (length > bytes.size())
+    refuse_or_warn(job_, fmt::format("{}: expected {} bytes, found {}", where, length, bytes.size()));
+  return buffers_[index] = bytes.first(std::min<std::uint64_t>(length, bytes.size()));
 }
 
-core::Expected<Bytes> GltfDocument::part_of_buffer(const Json& json, const std::string& where) {
-  const auto of = gltf_index(json, "buffer", where);
-  const auto offset = gltf_index(json, "byteOffset", where, 0);
-  const auto length = gltf_index(json, "byteLength", where);
-  for (const auto* value : {&of, &offset, &length})
-    if (!*value) return tl::unexpected(value->error());
-  const auto bytes = buffer(*of, where + "/buffer");
-  if (!bytes) return tl::unexpected(bytes.error());
-  if (!fits(*offset, *length, 1, 1, bytes->size()))
-    return core::fail(fmt::format("{}: expected {} bytes from {} within the {} of buffer {}", where, *length, *offset,
-                                  bytes->size(), *of));
-  return bytes->subspan(*offset, *length);
+Bytes GltfDocument::part_of_buffer(const Json& json, const std::string& where) {
+  const std::uint64_t of = gltf_index(json, "buffer", where);
+  const std::uint64_t offset = gltf_index(json, "byteOffset", where, 0);
+  const std::uint64_t length = gltf_index(json, "byteLength", where);
+  const Bytes bytes = buffer(of, where + "/buffer");
+  if (!fits(offset, length, 1, 1, bytes.size()))
+    gltf_fail("{}: expected {} bytes from {} within the {} of buffer {}", where, length, offset, bytes.size(), of);
+  return bytes.subspan(offset, length);
 }
 
-core::Expected<GltfDocument::View> GltfDocument::view(std::uint64_t index, std::string_view from) {
-  const auto found = element("bufferViews", index, from);
-  if (!found) return tl::unexpected(found.error());
-  const std::string where = found->where();
-  const auto stride = gltf_index(*found->json, "byteStride", where, 0);
-  if (!stride) return tl::unexpected(stride.error());
-  const Json* extensions = gltf_find(*found->json, "extensions");
+GltfDocument::View GltfDocument::view(std::uint64_t index, std::string_view from) {
+  const GltfElement found = element("bufferViews", index, from);
+  const std::string where = found.where();
+  const std::uint64_t stride = gltf_index(*found.json, "byteStride", where, 0);
+  const Json* extensions = gltf_find(*found.json, "extensions");
   const Json* meshopt = extensions ? gltf_find(*extensions, kMeshopt) : nullptr;
-  if (!meshopt || (!can_decompress(kMeshopt) && !is_fallback(*found->json))) {
-    const auto bytes = part_of_buffer(*found->json, where);
-    if (!bytes) return tl::unexpected(bytes.error());
-    return View{*bytes, *stride};
-  }
-  const auto known_view = meshopt_views_.find(index);
-  if (known_view != meshopt_views_.end()) return View{known_view->second, *stride};
-  const auto length = gltf_index(*found->json, "byteLength", where);
-  if (!length) return tl::unexpected(length.error());
-  auto bytes = inflated_view(*meshopt, *length, fmt::format("{}/extensions/{}", where, kMeshopt));
-  if (!bytes) return tl::unexpected(bytes.error());
-  return View{meshopt_views_[index] = std::move(*bytes), *stride};
+  if (!meshopt || (!can_decompress(kMeshopt) && !is_fallback(*found.json)))
+    return {part_of_buffer(*found.json, where), stride};
+  if (const auto known = meshopt_views_.find(index); known != meshopt_views_.end()) return {known->second, stride};
+  const std::uint64_t length = gltf_index(*found.json, "byteLength", where);
+  auto bytes = inflated_view(*meshopt, length, fmt::format("{}/extensions/{}", where, kMeshopt));
+  return {meshopt_views_[index] = std::move(bytes), stride};
 }
 
 bool GltfDocument::is_fallback(const Json& view) const {
   const Json* index = gltf_find(view, "buffer");
-  if (!index || !index->is_number_unsigned()) return false;
-  const auto found = element("buffers", index->get<std::uint64_t>(), "");
-  const Json* extensions = found ? gltf_find(*found->json, "extensions") : nullptr;
+  if (!index || !index->is_number_unsigned() || index->get<std::uint64_t>() >= count("buffers")) return false;
+  const Json& of = (*gltf_find(root_, "buffers"))[index->get<std::uint64_t>()];
+  const Json* extensions = gltf_find(of, "extensions");
   const Json* meshopt = extensions ? gltf_find(*extensions, kMeshopt) : nullptr;
   const Json* fallback = meshopt ? gltf_find(*meshopt, "fallback") : nullptr;
-  return fallback && *fallback == true && !gltf_find(*found->json, "uri");
+  return fallback && *fallback == true && !gltf_find(of, "uri");
 }
 
-core::Expected<std::vector<std::byte>> GltfDocument::inflated_view(const Json& extension, std::uint64_t length,
-                                                                   const std::string& where) {
-  const auto count_of = gltf_index(extension, "count", where), stride = gltf_index(extension, "byteStride", where);
-  for (const auto* value : {&count_of, &stride})
-    if (!*value) return tl::unexpected(value->error());
-  if (*stride > 256 || *count_of >= core::kNone || *count_of * *stride != length)
-    return core::fail(fmt::format("{}: expected {} elements of {} bytes to be the view's {} bytes", where, *count_of,
-                                  *stride, length));
-  const auto bytes = part_of_buffer(extension, where);
-  if (!bytes) return tl::unexpected(bytes.error());
-  if (auto taken = take_inflated(length, where); !taken) return tl::unexpected(taken.error());
-  auto inflated =
-      decompress_meshopt(*bytes, {*count_of, *stride, gltf_text(extension, "mode"), gltf_text(extension, "filter")});
-  if (!inflated) inflated.error().message.insert(0, where + ": ");
+std::vector<std::byte> GltfDocument::inflated_view(const Json& extension, std::uint64_t length,
+                                                   const std::string& where) {
+  const std::uint64_t count_of = gltf_index(extension, "count", where);
+  const std::uint64_t stride = gltf_index(extension, "byteStride", where);
+  if (stride > 256 || count_of >= core::kNone || count_of * stride != length)
+    gltf_fail("{}: expected {} elements of {} bytes to be the view's {} bytes", where, count_of, stride, length);
+  const Bytes bytes = part_of_buffer(extension, where);
+  take_inflated(length, where);
+  std::vector<std::byte> inflated;
+  with_place(where, [&] {
+    inflated = value_or_throw(
+        decompress_meshopt(bytes, {count_of, stride, gltf_text(extension, "mode"), gltf_text(extension, "filter")}));
+  });
   return inflated;
 }
 
-core::Expected<void> GltfDocument::take_inflated(std::uint64_t bytes, const std::string& where) {
+void GltfDocument::take_inflated(std::uint64_t bytes, const std::string& where) {
   const std::uint64_t most = kInflatedPerByte * bytes_read_ + kSpareInflated;
   if (bytes > most - std::min(most, inflated_))
-    return core::fail(
-        fmt::format("{}: holds more than {} times the {} bytes of the file", where, kInflatedPerByte, bytes_read_));
+    gltf_fail("{}: holds more than {} times the {} bytes of the file", where, kInflatedPerByte, bytes_read_);
   inflated_ += bytes;
-  return {};
 }
 
-core::Expected<void> GltfDocument::decompress(const Json& primitive, const std::string& where) {
+void GltfDocument::decompress(const Json& primitive, const std::string& where) {
   const Json* extensions = gltf_find(primitive, "extensions");
   const Json* draco = extensions ? gltf_find(*extensions, kDraco) : nullptr;
   const Json* attributes = gltf_find(primitive, "attributes");
-  if (!draco || !attributes || !gltf_find(*attributes, "POSITION")) return {};
+  if (!draco || !attributes || !gltf_find(*attributes, "POSITION")) return;
   const std::string here = fmt::format("{}/extensions/{}", where, kDraco);
-  const auto positions = gltf_index(*attributes, "POSITION", where + "/attributes");
-  if (!positions) return tl::unexpected(positions.error());
+  const std::uint64_t positions = gltf_index(*attributes, "POSITION", where + "/attributes");
   if (auto can = can_decompress(kDraco); !can) {
-    const auto found = element("accessors", *positions, where + "/attributes/POSITION");
-    if (found && gltf_find(*found->json, "bufferView")) return {};
-    return core::fail(fmt::format("{}: {}", here, can.error().message));
+    const bool known = positions < count("accessors");
+    if (known && gltf_find((*gltf_find(root_, "accessors"))[positions], "bufferView")) return;
+    gltf_fail("{}: {}", here, can.error().message);
   }
-  const auto mode = gltf_index(primitive, "mode", where, 4);
-  const auto view_of = gltf_index(*draco, "bufferView", here), indices = gltf_indices(primitive, where);
-  for (const auto* value : {&mode, &indices, &view_of})
-    if (!*value) return tl::unexpected(value->error());
-  if (*mode != 4) return core::fail(fmt::format("{}: expected triangles (mode 4), found mode {}", here, *mode));
+  const std::uint64_t mode = gltf_index(primitive, "mode", where, 4), indices = gltf_indices(primitive, where);
+  const std::uint64_t view_of = gltf_index(*draco, "bufferView", here);
+  if (mode != 4) gltf_fail("{}: expected triangles (mode 4), found mode {}", here, mode);
   const Json* ids = gltf_find(*draco, "attributes");
-  if (!ids || !ids->is_object()) return core::fail(here + "/attributes: expected an object");
+  if (!ids || !ids->is_object()) gltf_fail("{}/attributes: expected an object", here);
 
   // Accessors that get their numbers, those of the attributes first.
   std::vector<std::uint64_t> targets;
   std::vector<GltfAccessor> made;
   std::vector<DracoAttribute> wanted;
   bool all_known = true;
-  const auto want = [&](std::uint64_t accessor, const std::string& from) -> core::Expected<void> {
-    const auto found = element("accessors", accessor, from);
-    if (!found) return tl::unexpected(found.error());
-    auto plain = make_accessor(*found);
-    if (!plain) return tl::unexpected(plain.error());
+  const auto want = [&](std::uint64_t accessor, const std::string& from) {
+    GltfAccessor plain = make_accessor(element("accessors", accessor, from));
     const auto known_view = draco_views_.find(accessor);
-    if (known_view != draco_views_.end() && known_view->second != *view_of)
-      return core::fail(fmt::format("{}: expected accessor {} to be that of one compressed mesh", from, accessor));
+    if (known_view != draco_views_.end() && known_view->second != view_of)
+      gltf_fail("{}: expected accessor {} to be that of one compressed mesh", from, accessor);
     all_known = all_known && known_view != draco_views_.end();
     targets.push_back(accessor);
-    made.push_back(std::move(*plain));
-    return {};
+    made.push_back(std::move(plain));
   };
   for (const auto& [name, id] : ids->items()) {
     if (!gltf_find(*attributes, name)) continue;
-    const auto number = gltf_index(*ids, name, here + "/attributes");
-    const auto accessor = gltf_index(*attributes, name, where + "/attributes");
-    for (const auto* value : {&number, &accessor})
-      if (!*value) return tl::unexpected(value->error());
-    if (auto done = want(*accessor, where + "/attributes/" + name); !done) return done;
-    wanted.push_back({std::uint32_t(*number), made.back().type, made.back().components});
+    const std::uint64_t number = gltf_index(*ids, name, here + "/attributes");
+    want(gltf_index(*attributes, name, where + "/attributes"), where + "/attributes/" + name);
+    wanted.push_back({std::uint32_t(number), made.back().type, made.back().components});
   }
-  if (*indices < kImpliedIndices) {
-    if (auto done = want(*indices, where + "/indices"); !done) return done;
+  if (indices < kImpliedIndices) {
+    want(indices, where + "/indices");
   } else {
-    all_known = all_known && draco_views_.contains(*indices);
-    targets.push_back(*indices);
+    all_known = all_known && draco_views_.contains(indices);
+    targets.push_back(indices);
     made.emplace_back();
   }
-  if (all_known) return {};
+  if (all_known) return;
 
-  const auto bytes = view_bytes(*view_of, here + "/bufferView");
-  if (!bytes) return tl::unexpected(bytes.error());
-  const auto counts = draco_counts(*bytes);
-  if (!counts) return core::fail(fmt::format("{}: {}", here, counts.error().message));
+  const Bytes bytes = view(view_of, here + "/bufferView").bytes;
+  const auto counts = draco_counts(bytes);
+  if (!counts) gltf_fail("{}: {}", here, counts.error().message);
   constexpr std::uint64_t kBytesPerFace = 12;
   std::uint64_t bytes_per_vertex = 0;
   for (const GltfAccessor& accessor : made) bytes_per_vertex += accessor.element_bytes();
   if (counts->faces >= core::kNone || counts->vertices >= core::kNone)
-    return core::fail(fmt::format("{}: expected counts below {}", here, core::kNone));
-  if (auto taken = take_inflated(kBytesPerFace * counts->faces + bytes_per_vertex * counts->vertices, here); !taken)
-    return taken;
-  auto mesh = decompress_draco(*bytes, wanted);
-  if (!mesh) return core::fail(fmt::format("{}: {}", here, mesh.error().message));
+    gltf_fail("{}: expected counts below {}", here, core::kNone);
+  take_inflated(kBytesPerFace * counts->faces + bytes_per_vertex * counts->vertices, here);
+  auto mesh = decompress_draco(bytes, wanted);
+  if (!mesh) gltf_fail("{}: {}", here, mesh.error().message);
   std::vector<std::byte> corners(mesh->corners.size() * sizeof(std::uint32_t));
   if (!corners.empty()) std::memcpy(corners.data(), mesh->corners.data(), corners.size());
   mesh->attributes.push_back(std::move(corners));
@@ -485,113 +425,78 @@ core::Expected<void> GltfDocument::decompress(const Json& primitive, const std::
     accessor.stride = accessor.element_bytes();
     accessor.count = i + 1 < targets.size() ? mesh->vertices : mesh->corners.size();
     accessor.sparse.reset();
-    draco_views_[targets[i]] = *view_of;
+    draco_views_[targets[i]] = view_of;
     accessors_[targets[i]] = accessor;
   }
-  return {};
 }
 
-core::Expected<Bytes> GltfDocument::view_bytes(std::uint64_t index, std::string_view from) {
-  const auto found = view(index, from);
-  if (!found) return tl::unexpected(found.error());
-  return found->bytes;
+const GltfAccessor& GltfDocument::accessor(std::uint64_t index, std::string_view from) {
+  if (const auto known = accessors_.find(index); known != accessors_.end()) return known->second;
+  return accessors_.emplace(index, make_accessor(element("accessors", index, from))).first->second;
 }
 
-core::Expected<const GltfAccessor*> GltfDocument::accessor(std::uint64_t index, std::string_view from) {
-  if (const auto known_accessor = accessors_.find(index); known_accessor != accessors_.end())
-    return &known_accessor->second;
-  const auto found = element("accessors", index, from);
-  if (!found) return tl::unexpected(found.error());
-  auto made = make_accessor(*found);
-  if (!made) return tl::unexpected(made.error());
-  return &accessors_.emplace(index, std::move(*made)).first->second;
-}
-
-core::Expected<GltfAccessor> GltfDocument::make_accessor(const GltfElement& of) {
+GltfAccessor GltfDocument::make_accessor(const GltfElement& of) {
   const std::string where = of.where();
   const Json& json = *of.json;
   GltfAccessor made;
-  const auto type = gltf_index(json, "componentType", where);
-  if (!type) return tl::unexpected(type.error());
-  const auto known_type = component_type(*type);
-  if (!known_type) return core::fail(fmt::format("{}/componentType: expected 5120 … 5126, found {}", where, *type));
+  const std::uint64_t type = gltf_index(json, "componentType", where);
+  const auto known_type = component_type(type);
+  if (!known_type) gltf_fail("{}/componentType: expected 5120 … 5126, found {}", where, type);
   made.type = *known_type;
   made.components = components_of(gltf_text(json, "type"));
   if (made.components == 0)
-    return core::fail(
-        fmt::format("{}/type: expected SCALAR, VEC2 … MAT4, found \"{}\"", where, gltf_text(json, "type")));
-  const auto count_of = gltf_index(json, "count", where);
-  if (!count_of) return tl::unexpected(count_of.error());
-  if (*count_of >= core::kNone)
-    return core::fail(fmt::format("{}/count: expected less than {}, found {}", where, core::kNone, *count_of));
-  made.count = *count_of;
+    gltf_fail("{}/type: expected SCALAR, VEC2 … MAT4, found \"{}\"", where, gltf_text(json, "type"));
+  made.count = gltf_index(json, "count", where);
+  if (made.count >= core::kNone) gltf_fail("{}/count: expected less than {}, found {}", where, core::kNone, made.count);
   const Json* normalized = gltf_find(json, "normalized");
   made.normalized = normalized && normalized->is_boolean() && normalized->get<bool>();
   const std::uint64_t size = made.element_bytes();
   made.stride = size;
   if (gltf_find(json, "bufferView")) {
-    const auto index = gltf_index(json, "bufferView", where);
-    if (!index) return tl::unexpected(index.error());
-    const auto offset = gltf_index(json, "byteOffset", where, 0);
-    if (!offset) return tl::unexpected(offset.error());
-    const auto in = view(*index, where + "/bufferView");
-    if (!in) return tl::unexpected(in.error());
-    if (in->stride != 0) made.stride = in->stride;
-    if (made.stride < size || !fits(*offset, made.count, made.stride, size, in->bytes.size()))
-      return core::fail(
-          fmt::format("{}: expected {} elements of {} bytes, {} apart from {}, within the {} of buffer "
-                      "view {}",
-                      where, made.count, size, made.stride, *offset, in->bytes.size(), *index));
-    made.data = in->bytes.data() + *offset;
+    const std::uint64_t index = gltf_index(json, "bufferView", where);
+    const std::uint64_t offset = gltf_index(json, "byteOffset", where, 0);
+    const View in = view(index, where + "/bufferView");
+    if (in.stride != 0) made.stride = in.stride;
+    if (made.stride < size || !fits(offset, made.count, made.stride, size, in.bytes.size()))
+      gltf_fail("{}: expected {} elements of {} bytes, {} apart from {}, within the {} of buffer view {}", where,
+                made.count, size, made.stride, offset, in.bytes.size(), index);
+    made.data = in.bytes.data() + offset;
   }
-  if (const Json* sparse = gltf_find(json, "sparse")) {
-    auto read = read_sparse(*sparse, made, where + "/sparse");
-    if (!read) return tl::unexpected(read.error());
-    made.sparse = std::move(*read);
-  }
+  if (const Json* sparse = gltf_find(json, "sparse")) made.sparse = read_sparse(*sparse, made, where + "/sparse");
   return made;
 }
 
-core::Expected<GltfAccessor::Sparse> GltfDocument::read_sparse(const Json& json, const GltfAccessor& of,
-                                                               const std::string& where) {
+GltfAccessor::Sparse GltfDocument::read_sparse(const Json& json, const GltfAccessor& of, const std::string& where) {
   const Json* indices = gltf_find(json, "indices");
   const Json* values = gltf_find(json, "values");
-  if (!indices || !values) return core::fail(fmt::format("{}: expected indices and values", where));
-  const auto changed = gltf_index(json, "count", where);
-  if (!changed) return tl::unexpected(changed.error());
+  if (!indices || !values) gltf_fail("{}: expected indices and values", where);
+  const std::uint64_t changed = gltf_index(json, "count", where);
   /// The packed elements that "indices" or "values" names.
-  const auto part = [&](const Json& named, std::uint64_t size, const std::string& at) -> core::Expected<Bytes> {
-    const auto index = gltf_index(named, "bufferView", at);
-    if (!index) return tl::unexpected(index.error());
-    const auto offset = gltf_index(named, "byteOffset", at, 0);
-    if (!offset) return tl::unexpected(offset.error());
-    const auto in = view(*index, at + "/bufferView");
-    if (!in) return tl::unexpected(in.error());
-    if (!fits(*offset, *changed, size, size, in->bytes.size()))
-      return core::fail(fmt::format("{}: expected {} elements of {} bytes from {} within the {} of buffer view {}", at,
-                                    *changed, size, *offset, in->bytes.size(), *index));
-    return in->bytes.subspan(*offset);
+  const auto part = [&](const Json& named, std::uint64_t size, const std::string& at) {
+    const std::uint64_t index = gltf_index(named, "bufferView", at);
+    const std::uint64_t offset = gltf_index(named, "byteOffset", at, 0);
+    const Bytes in = view(index, at + "/bufferView").bytes;
+    if (!fits(offset, changed, size, size, in.size()))
+      gltf_fail("{}: expected {} elements of {} bytes from {} within the {} of buffer view {}", at, changed, size,
+                offset, in.size(), index);
+    return in.data() + offset;
   };
-  const auto type = gltf_index(*indices, "componentType", where + "/indices");
-  if (!type) return tl::unexpected(type.error());
-  if (*type != 5121 && *type != 5123 && *type != 5125)
-    return core::fail(fmt::format("{}/indices/componentType: expected an unsigned integer (5121, 5123, 5125), found {}",
-                                  where, *type));
-  const std::uint64_t index_size = size_of(*component_type(*type));
-  const auto index_bytes = part(*indices, index_size, where + "/indices");
-  if (!index_bytes) return tl::unexpected(index_bytes.error());
-  const auto value_bytes = part(*values, of.element_bytes(), where + "/values");
-  if (!value_bytes) return tl::unexpected(value_bytes.error());
+  const std::uint64_t type = gltf_index(*indices, "componentType", where + "/indices");
+  if (type != 5121 && type != 5123 && type != 5125)
+    gltf_fail("{}/indices/componentType: expected an unsigned integer (5121, 5123, 5125), found {}", where, type);
+  const std::uint64_t index_size = size_of(*component_type(type));
+  const std::byte* index_bytes = part(*indices, index_size, where + "/indices");
+  const std::byte* value_bytes = part(*values, of.element_bytes(), where + "/values");
 
-  sparse_ += *changed;
+  sparse_ += changed;
   if (sparse_ > kNumbersPerByte * allowance() + kSpareNumbers)
-    return core::fail(fmt::format("{}: more sparse values than a file of {} bytes may hold", where, bytes_read_));
-  GltfAccessor::Sparse sparse{std::vector<std::uint32_t>(*changed), value_bytes->data()};
-  for (std::uint64_t i = 0; i < *changed; ++i) {
-    std::memcpy(&sparse.indices[i], index_bytes->data() + i * index_size, index_size);
+    gltf_fail("{}: more sparse values than a file of {} bytes may hold", where, bytes_read_);
+  GltfAccessor::Sparse sparse{std::vector<std::uint32_t>(changed), value_bytes};
+  for (std::uint64_t i = 0; i < changed; ++i) {
+    std::memcpy(&sparse.indices[i], index_bytes + i * index_size, index_size);
     if (sparse.indices[i] >= of.count || (i > 0 && sparse.indices[i] <= sparse.indices[i - 1]))
-      return core::fail(fmt::format("{}/indices: expected rising indices below {}, found {} at place {}", where,
-                                    of.count, sparse.indices[i], i));
+      gltf_fail("{}/indices: expected rising indices below {}, found {} at place {}", where, of.count,
+                sparse.indices[i], i);
   }
   return sparse;
 }

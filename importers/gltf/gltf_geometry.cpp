@@ -13,20 +13,16 @@ namespace {
 
 constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
 
-core::Expected<std::vector<std::uint32_t>> vertex_order(GltfDocument& document, const GltfSources& sources,
-                                                        std::uint64_t vertices, const std::string& where) {
-  const GltfAccessor* indices = nullptr;
-  if (sources.indices != core::kNone) {
-    const auto found = document.accessor(sources.indices, where + "/indices");
-    if (!found) return tl::unexpected(found.error());
-    indices = *found;
-    if (indices->components != 1 || indices->type == NumberType::kFloat)
-      return core::fail(fmt::format("{}/indices: expected whole numbers, found another type", where));
-  }
+std::vector<std::uint32_t> vertex_order(GltfDocument& document, const GltfSources& sources, std::uint64_t vertices,
+                                        const std::string& where) {
+  const GltfAccessor* indices =
+      sources.indices == core::kNone ? nullptr : &document.accessor(sources.indices, where + "/indices");
+  if (indices && (indices->components != 1 || indices->type == NumberType::kFloat))
+    gltf_fail("{}/indices: expected whole numbers, found another type", where);
   const std::uint64_t count = indices ? indices->count : vertices;
   const std::uint64_t corners = sources.mode == kTriangles ? count : count < 3 ? 0 : 3 * (count - 2);
   if (!document.take_corners(corners))
-    return core::fail(fmt::format("{}: more triangles than a file of {} bytes may hold", where, document.bytes_read()));
+    gltf_fail("{}: more triangles than a file of {} bytes may hold", where, document.bytes_read());
   std::vector<std::uint32_t> order(count);
   if (!indices) {
     for (std::uint64_t i = 0; i < count; ++i) order[i] = std::uint32_t(i);
@@ -55,9 +51,9 @@ void for_each_triangle(const std::vector<std::uint32_t>& order, std::uint64_t mo
     for (std::size_t i = 0; i + 2 < n; ++i) visit(order[i + 1], order[i + 2], order[0]);
 }
 
-core::Expected<const GltfAccessor*> vectors(GltfDocument& document, std::uint64_t index, const std::string& where) {
-  const auto found = document.accessor(index, where);
-  if (found && (*found)->components != 3) return core::fail(where + ": expected VEC3, found another type");
+const GltfAccessor& vectors(GltfDocument& document, std::uint64_t index, const std::string& where) {
+  const GltfAccessor& found = document.accessor(index, where);
+  if (found.components != 3) gltf_fail("{}: expected VEC3, found another type", where);
   return found;
 }
 
@@ -83,48 +79,41 @@ std::vector<std::uint32_t> compact(std::vector<std::uint32_t>& corners, std::uin
 
 }  // namespace
 
-core::Expected<GltfSources> gltf_sources(const Json& primitive, const std::string& where) {
+GltfSources gltf_sources(const Json& primitive, const std::string& where) {
   GltfSources sources;
-  const auto mode = gltf_index(primitive, "mode", where, kTriangles);
-  if (!mode) return tl::unexpected(mode.error());
-  if (*mode > kFan) return core::fail(fmt::format("{}/mode: expected 0 … 6, found {}", where, *mode));
-  sources.mode = *mode;
+  sources.mode = gltf_index(primitive, "mode", where, kTriangles);
+  if (sources.mode > kFan) gltf_fail("{}/mode: expected 0 … 6, found {}", where, sources.mode);
   if (!sources.draws_triangles()) return sources;
   const Json* attributes = gltf_find(primitive, "attributes");
   sources.positions = core::kNone;
   if (!attributes || !gltf_find(*attributes, "POSITION")) return sources;  // nothing to be drawn (glTF 2.0, 3.7.2.1)
-  const auto positions = gltf_index(*attributes, "POSITION", where + "/attributes");
-  const auto normals = gltf_index(*attributes, "NORMAL", where + "/attributes", core::kNone);
-  const auto colours = gltf_index(*attributes, "COLOR_0", where + "/attributes", core::kNone);
-  const auto indices = gltf_indices(primitive, where);
-  for (const auto* value : {&positions, &normals, &colours, &indices})
-    if (!*value) return tl::unexpected(value->error());
-  return GltfSources{*positions, *normals, *colours, *indices, *mode};
+  const std::string at = where + "/attributes";
+  sources.positions = gltf_index(*attributes, "POSITION", at);
+  sources.normals = gltf_index(*attributes, "NORMAL", at, core::kNone);
+  sources.colours = gltf_index(*attributes, "COLOR_0", at, core::kNone);
+  sources.indices = gltf_indices(primitive, where);
+  return sources;
 }
 
-core::Expected<std::vector<std::uint32_t>> gltf_triangles(ImportJob& job, GltfDocument& document,
-                                                          const GltfSources& sources, const std::string& where) {
-  const auto positions = vectors(document, sources.positions, where + "/attributes/POSITION");
-  if (!positions) return tl::unexpected(positions.error());
-  const auto order = vertex_order(document, sources, (*positions)->count, where);
-  if (!order) return tl::unexpected(order.error());
+std::vector<std::uint32_t> gltf_triangles(ImportJob& job, GltfDocument& document, const GltfSources& sources,
+                                          const std::string& where) {
+  const std::uint64_t vertices = vectors(document, sources.positions, where + "/attributes/POSITION").count;
+  const std::vector<std::uint32_t> order = vertex_order(document, sources, vertices, where);
   std::vector<std::uint32_t> corners;
-  corners.reserve(sources.mode == kTriangles ? order->size() : 3 * order->size());
+  corners.reserve(sources.mode == kTriangles ? order.size() : 3 * order.size());
   std::uint64_t beyond = 0;
-  for_each_triangle(*order, sources.mode, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    if (std::max({a, b, c}) >= (*positions)->count)
+  for_each_triangle(order, sources.mode, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    if (std::max({a, b, c}) >= vertices)
       ++beyond;
     else if (sources.mode == kTriangles || (a != b && b != c && c != a))  // strips are stitched with empty triangles
       corners.insert(corners.end(), {a, b, c});
   });
-  std::string message;
   if (beyond > 0)
-    message = fmt::format("{}/indices: expected indices below the {} vertices, found {} triangles beyond", where,
-                          (*positions)->count, beyond);
-  else if (sources.mode == kTriangles && order->size() % 3 != 0)
-    message = fmt::format("{}: expected three corners for each triangle, found {} corners", where, order->size());
-  if (!message.empty() && !job.options().lenient) return core::fail(message);
-  if (!message.empty()) job.warn(0, message);
+    refuse_or_warn(job, fmt::format("{}/indices: expected indices below the {} vertices, found {} triangles beyond",
+                                    where, vertices, beyond));
+  else if (sources.mode == kTriangles && order.size() % 3 != 0)
+    refuse_or_warn(job,
+                   fmt::format("{}: expected three corners for each triangle, found {} corners", where, order.size()));
   return corners;
 }
 
@@ -135,21 +124,16 @@ double gltf_colour_channel(double value, const GltfAccessor& of) {
   return std::clamp(std::isfinite(value) ? value / most : 1.0, 0.0, 1.0);
 }
 
-core::Expected<std::vector<PackedColour>> gltf_face_colours(GltfDocument& document, const GltfSources& sources,
-                                                            const std::vector<std::uint32_t>& corners,
-                                                            const std::string& where) {
+std::vector<PackedColour> gltf_face_colours(GltfDocument& document, const GltfSources& sources,
+                                            const std::vector<std::uint32_t>& corners, const std::string& where) {
   std::vector<PackedColour> colours;
   if (sources.colours == core::kNone) return colours;
   const std::string here = where + "/attributes/COLOR_0";
-  const auto found = document.accessor(sources.colours, here);
-  const auto positions = document.accessor(sources.positions, where + "/attributes/POSITION");
-  for (const auto* accessor : {&found, &positions})
-    if (!*accessor) return tl::unexpected(accessor->error());
-  const GltfAccessor& accessor = **found;
+  const GltfAccessor& accessor = document.accessor(sources.colours, here);
+  const std::uint64_t vertices = document.accessor(sources.positions, where + "/attributes/POSITION").count;
   if (accessor.components != 3 && accessor.components != 4)
-    return core::fail(here + ": expected VEC3 or VEC4, found another type");
-  if (accessor.count != (*positions)->count)
-    return core::fail(fmt::format("{}: expected {} colours, found {}", here, (*positions)->count, accessor.count));
+    gltf_fail("{}: expected VEC3 or VEC4, found another type", here);
+  if (accessor.count != vertices) gltf_fail("{}: expected {} colours, found {}", here, vertices, accessor.count);
   colours.reserve(corners.size() / 3);
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
     double sum[4] = {0.0, 0.0, 0.0, 0.0};
@@ -174,30 +158,29 @@ namespace {
 const GltfAccessor* usable_normals(ImportJob& job, GltfDocument& document, const GltfSources& sources,
                                    std::uint64_t vertices, const std::string& where) {
   if (sources.normals == core::kNone) return nullptr;
-  const std::string here = where + "/attributes/NORMAL";
-  const auto found = vectors(document, sources.normals, here);
-  if (found && (*found)->count == vertices) return *found;
-  job.warn(0, (found ? fmt::format("{}: expected {} normals, found {}", here, vertices, (*found)->count)
-                     : found.error().message) +
-                  "; normals left out");
-  return nullptr;
+  const GltfAccessor* found = nullptr;
+  const bool usable = or_warn(job, "normals left out", [&] {
+    const std::string here = where + "/attributes/NORMAL";
+    found = &vectors(document, sources.normals, here);
+    if (found->count != vertices) gltf_fail("{}: expected {} normals, found {}", here, vertices, found->count);
+  });
+  return usable ? found : nullptr;
 }
 
 }  // namespace
 
-core::Expected<PolygonMesh> gltf_mesh(ImportJob& job, GltfDocument& document, const GltfSources& sources,
-                                      std::vector<std::uint32_t> corners, const std::string& where) {
+PolygonMesh gltf_mesh(ImportJob& job, GltfDocument& document, const GltfSources& sources,
+                      std::vector<std::uint32_t> corners, const std::string& where) {
   PolygonMesh mesh;
   if (corners.empty()) return mesh;
-  const auto positions = vectors(document, sources.positions, where + "/attributes/POSITION");
-  if (!positions) return tl::unexpected(positions.error());
-  const GltfAccessor* normals = usable_normals(job, document, sources, (*positions)->count, where);
+  const GltfAccessor& positions = vectors(document, sources.positions, where + "/attributes/POSITION");
+  const GltfAccessor* normals = usable_normals(job, document, sources, positions.count, where);
   std::uint32_t first = 0, count = 0;
   const std::vector<std::uint32_t> used = compact(corners, first, count);
   static_assert(sizeof(core::dvec3) == 3 * sizeof(double));
   mesh.positions.resize(count);
-  if (used.empty()) (*positions)->read(first, count, &mesh.positions[0].x);
-  for (std::size_t i = 0; i < used.size(); ++i) (*positions)->read(used[i], 1, &mesh.positions[i].x);
+  if (used.empty()) positions.read(first, count, &mesh.positions[0].x);
+  for (std::size_t i = 0; i < used.size(); ++i) positions.read(used[i], 1, &mesh.positions[i].x);
   if (normals) mesh.normals.reserve(count);
   for (std::uint32_t i = 0; normals && i < count; ++i) {
     core::dvec3 normal(0.0);
@@ -208,8 +191,8 @@ core::Expected<PolygonMesh> gltf_mesh(ImportJob& job, GltfDocument& document, co
   return mesh;
 }
 
-core::Expected<void> GltfTable::open(GltfDocument& document, const Json& attributes, std::span<const Column> columns,
-                                     const std::string& where) {
+void GltfTable::open(GltfDocument& document, const Json& attributes, std::span<const Column> columns,
+                     const std::string& where) {
   accessors_.assign(columns.size(), nullptr);
   blocks_.assign(columns.size(), {});
   bool any = false;
@@ -217,21 +200,15 @@ core::Expected<void> GltfTable::open(GltfDocument& document, const Json& attribu
     const Column& column = columns[i];
     if (!gltf_find(attributes, column.name) && !column.required) continue;
     const std::string here = fmt::format("{}/{}", where, column.name);
-    const auto index = gltf_index(attributes, column.name, where);
-    if (!index) return tl::unexpected(index.error());
-    const auto found = document.accessor(*index, here);
-    if (!found) return tl::unexpected(found.error());
-    if ((*found)->components != column.components)
-      return core::fail(fmt::format("{}: expected {} numbers for each instance, found {}", here, column.components,
-                                    (*found)->components));
-    if (any && (*found)->count != count_)
-      return core::fail(fmt::format("{}: expected {} instances as the attributes before it, found {}", here, count_,
-                                    (*found)->count));
-    accessors_[i] = *found;
-    count_ = (*found)->count;
+    const GltfAccessor& found = document.accessor(gltf_index(attributes, column.name, where), here);
+    if (found.components != column.components)
+      gltf_fail("{}: expected {} numbers for each instance, found {}", here, column.components, found.components);
+    if (any && found.count != count_)
+      gltf_fail("{}: expected {} instances as the attributes before it, found {}", here, count_, found.count);
+    accessors_[i] = &found;
+    count_ = found.count;
     any = true;
   }
-  return {};
 }
 
 std::uint64_t GltfTable::load(std::uint64_t first) {

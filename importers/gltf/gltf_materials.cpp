@@ -45,10 +45,8 @@ void GltfMaterials::warn_of_left_out() {
 core::MaterialId GltfMaterials::material(std::uint64_t index, PackedColour tint, const std::string& from) {
   if (const auto known = made_.find({index, tint}); known != made_.end()) return known->second;
   if (index != core::kNone && !looks_.contains(index)) {
-    const auto element = document_.element("materials", index, from);
-    auto look = element ? make(*element) : core::Expected<Look>(tl::unexpected(element.error()));
-    if (!look) job_.warn(0, look.error().message + "; the default material instead");
-    looks_[index] = look ? std::optional(std::move(*look)) : std::nullopt;
+    std::optional<Look>& look = looks_[index];
+    or_warn(job_, "the default material instead", [&] { look = make(document_.element("materials", index, from)); });
   }
   std::optional<Look> look = index != core::kNone ? looks_[index] : std::nullopt;
   if (!look && tint == kNoColour) return made_[{index, tint}] = {};
@@ -56,17 +54,21 @@ core::MaterialId GltfMaterials::material(std::uint64_t index, PackedColour tint,
   return made_[{index, tint}] = job_.scene().add_material(tinted(std::move(*look), tint));
 }
 
-core::Expected<GltfMaterials::Look> GltfMaterials::make(const GltfElement& element) {
+GltfMaterials::Look GltfMaterials::make(const GltfElement& element) {
   const Json empty = Json::object();
   const BaseColour names = base_colour_of(*element.json);
   const std::string where = element.where() + names.where;
   const Json* pbr = names.object ? names.object : &empty;
   double factor[4] = {1.0, 1.0, 1.0, 1.0};
-  if (auto read = gltf_numbers(*pbr, names.factor, where, factor, 4); !read) return tl::unexpected(read.error());
+  gltf_numbers(*pbr, names.factor, where, factor, 4);
   // Writers of both models state how much shows through in either.
   if (const Json* newer = gltf_find(*element.json, "pbrMetallicRoughness"); newer && newer != pbr) {
     double other[4] = {1.0, 1.0, 1.0, 1.0};
-    if (gltf_numbers(*newer, "baseColorFactor", where, other, 4)) factor[3] = std::min(factor[3], other[3]);
+    try {
+      gltf_numbers(*newer, "baseColorFactor", where, other, 4);
+      factor[3] = std::min(factor[3], other[3]);
+    } catch (const ImportFault&) {  // the older model's stands
+    }
   }
   note_left_out(*element.json);
   const std::string mode = gltf_text(*element.json, "alphaMode");
@@ -74,13 +76,8 @@ core::Expected<GltfMaterials::Look> GltfMaterials::make(const GltfElement& eleme
   ImageMean mean;
   if (const Json* texture = gltf_find(*pbr, names.texture)) {
     const std::string at = fmt::format("{}/{}", where, names.texture);
-    const auto index = gltf_index(*texture, "index", at);
-    const auto found =
-        index ? texture_mean(*index, at + "/index", !opaque) : core::Expected<ImageMean>(tl::unexpected(index.error()));
-    if (found)
-      mean = *found;
-    else
-      job_.warn(0, found.error().message + "; texture left out");
+    or_warn(job_, "texture left out",
+            [&] { mean = texture_mean(gltf_index(*texture, "index", at), at + "/index", !opaque); });
   }
   Look look{{}, mode == "BLEND"};
   core::Material& material = look.material;
@@ -91,37 +88,34 @@ core::Expected<GltfMaterials::Look> GltfMaterials::make(const GltfElement& eleme
   return look;
 }
 
-core::Expected<ImageMean> GltfMaterials::texture_mean(std::uint64_t texture, const std::string& from, bool weigh) {
-  const auto found = document_.element("textures", texture, from);
-  if (!found) return tl::unexpected(found.error());
-  const auto source = gltf_index(*found->json, "source", found->where());
-  if (!source) return tl::unexpected(source.error());
-  const auto image = document_.element("images", *source, found->where() + "/source");
-  if (!image) return tl::unexpected(image.error());
-  const std::string where = image->where();
-  const Json* uri = gltf_find(*image->json, "uri");
+ImageMean GltfMaterials::texture_mean(std::uint64_t texture, const std::string& from, bool weigh) {
+  const GltfElement found = document_.element("textures", texture, from);
+  const std::uint64_t source = gltf_index(*found.json, "source", found.where());
+  const GltfElement image = document_.element("images", source, found.where() + "/source");
+  const std::string where = image.where();
+  const Json* uri = gltf_find(*image.json, "uri");
   const bool embedded = !uri || !uri->is_string();
-  const auto view = embedded ? gltf_index(*image->json, "bufferView", where) : 0;
-  if (!view) return tl::unexpected(view.error());
+  const std::uint64_t view = embedded ? gltf_index(*image.json, "bufferView", where) : 0;
 
   // Images are recognised by their source: a file may name one image many times.
-  const std::string name = embedded ? fmt::format("view {}", *view) : uri->get<std::string>();
+  const std::string name = embedded ? fmt::format("view {}", view) : uri->get<std::string>();
   const bool inside = name.starts_with("data:");
   const std::string key = fmt::format("{} {}", weigh, inside ? where : name);
-  if (const auto known = means_.find(key); known != means_.end()) return known->second;
+  if (const auto known = means_.find(key); known != means_.end()) return value_or_throw(known->second);
 
   const std::size_t held = document_.held();
-  const auto bytes = embedded ? document_.view_bytes(*view, where) : document_.uri_bytes(name);
-  if (!bytes)
-    return embedded ? tl::unexpected(bytes.error())
-                    : tl::unexpected(core::Error{fmt::format("{}/uri: {}", where, bytes.error().message)});
+  std::span<const std::byte> bytes;
+  if (embedded)
+    bytes = document_.view_bytes(view, where);
+  else
+    with_place(where + "/uri", [&] { bytes = document_.uri_bytes(name); });
   const std::uint64_t most = kMostPixels + kPixelsPerByte * document_.bytes_read();
   std::uint64_t left = most - std::min(most, pixels_taken_);
-  auto mean = image_mean(*bytes, weigh, left);
+  auto mean = image_mean(bytes, weigh, left);
   pixels_taken_ = most - left;
   if (!embedded) document_.release(held);
   if (!mean) mean.error().message.insert(0, where + ": ");
-  return means_.emplace(key, std::move(mean)).first->second;
+  return value_or_throw(means_.emplace(key, std::move(mean)).first->second);
 }
 
 core::Material GltfMaterials::tinted(Look look, PackedColour tint) {

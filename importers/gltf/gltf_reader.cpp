@@ -21,7 +21,6 @@ namespace sightline::importers {
 namespace {
 
 using core::Affine;
-using core::Expected;
 using core::NodeId;
 
 constexpr std::string_view kKnownExtensions[] = {
@@ -35,11 +34,9 @@ class Reading {
   Reading(ImportJob& job, const std::filesystem::path& path)
       : job_(job), document_(job, path), materials_(job, document_), collections_(job, document_) {}
 
-  Expected<void> run(std::span<const std::byte> bytes) {
-    if (auto opened = document_.open(bytes); !opened) return opened;
-    auto done = read();
-    if (!done && done.error().message != kCancelled) done.error().message.insert(0, job_.file() + ": ");
-    return done;
+  void run(std::span<const std::byte> bytes) {
+    document_.open(bytes);
+    with_place(job_.file(), [&] { read(); });
   }
 
  private:
@@ -67,92 +64,87 @@ class Reading {
 
   // Errors from here on say where in the file, but not which file.
 
-  Expected<void> read() {
-    if (auto checked = check_extensions(); !checked) return checked;
-    if (auto checked = find_parents(); !checked) return checked;
+  void read() {
+    check_extensions();
+    find_parents();
     // The convention has z up, whatever glTF says.
     follows_convention_ = GltfCollections::follows_convention(document_);
     if (follows_convention_) job_.scene().set_transform(job_.file_node(), {});
-    auto done = walk();
+    walk();
     job_.report().bytes = document_.bytes_read();
-    if (done && !not_triangles_.empty())
+    if (!not_triangles_.empty())
       job_.warn(0, fmt::format("{} primitives left out: points or lines, expected triangles", not_triangles_.size()));
-    if (done && !without_positions_.empty())
+    if (!without_positions_.empty())
       job_.warn(0, fmt::format("{} primitives left out: they have no POSITION", without_positions_.size()));
-    if (done) materials_.warn_of_left_out();
-    return done;
+    materials_.warn_of_left_out();
   }
 
   /// Handles a part that cannot be read: fails when strict, else leaves it out. Always fails when the caller cancels,
   /// and for files that ask for more than is in proportion to their bytes.
-  Expected<void> left_out(core::Error error) {
+  void left_out(core::Error error) {
     if (!job_.options().lenient || error.message == kCancelled || document_.overdrawn())
-      return tl::unexpected(std::move(error));
+      throw ImportFault{std::move(error)};
     job_.warn(0, std::move(error.message));
-    return {};
+  }
+  template <class Read>
+  bool or_left_out(Read&& read) {
+    try {
+      read();
+      return true;
+    } catch (ImportFault& fault) {
+      left_out(std::move(fault.error));
+      return false;
+    }
   }
 
-  Expected<void> check_extensions() {
+  void check_extensions() {
     const Json* required = gltf_find(document_.root(), "extensionsRequired");
-    if (!required || !required->is_array()) return {};
+    if (!required || !required->is_array()) return;
     for (const Json& extension : *required) {
       const std::string name = extension.is_string() ? extension.get<std::string>() : describe(extension);
       if (is_gltf_compression(name)) {
-        if (auto can = can_decompress(name); !can)
-          if (auto asked = left_out({"/extensionsRequired: " + can.error().message}); !asked) return asked;
+        if (auto can = can_decompress(name); !can) left_out({"/extensionsRequired: " + can.error().message});
         continue;
       }
       const bool look = name.starts_with("KHR_materials_") || name.find("texture") != std::string::npos;
       if (look ||
           std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) != std::end(kKnownExtensions))
         continue;
-      if (auto asked =
-              left_out({fmt::format("/extensionsRequired: expected extensions that can be read, found {}", name)});
-          !asked)
-        return asked;
+      left_out({fmt::format("/extensionsRequired: expected extensions that can be read, found {}", name)});
     }
-    return {};
   }
 
   // --- the tree ----------------------------------------------------------------------------------------------------
 
   /// Finds each node's only parent. Leaves out links that would make the file more than a forest.
-  Expected<void> find_parents() {
+  void find_parents() {
     parents_.assign(document_.count("nodes"), core::kNone);
     for (std::size_t i = 0; i < parents_.size(); ++i) {
       const Json& node = (*gltf_find(document_.root(), "nodes"))[i];
       const Json* children = gltf_find(node, "children");
-      for (std::size_t c = 0; children && c < children->size(); ++c) {
-        const auto child = child_of(*children, c, i);
-        if (child)
-          parents_[*child] = std::uint32_t(i);
-        else if (auto asked = left_out(child.error()); !asked)
-          return asked;
-      }
+      for (std::size_t c = 0; children && c < children->size(); ++c)
+        or_left_out([&] { parents_[child_of(*children, c, i)] = std::uint32_t(i); });
     }
-    return cut_cycles();
+    cut_cycles();
   }
 
-  Expected<std::uint64_t> child_of(const Json& children, std::size_t place, std::size_t parent) {
+  std::uint64_t child_of(const Json& children, std::size_t place, std::size_t parent) {
     const std::string where = fmt::format("/nodes/{}/children", parent);
-    if (!children.is_array())
-      return core::fail(fmt::format("{}: expected an array, found {}", where, describe(children)));
-    const auto child = index_at(children[place], where);
-    if (!child) return child;
-    if (const auto found = document_.element("nodes", *child, where); !found) return tl::unexpected(found.error());
-    if (parents_[*child] != core::kNone)
-      return core::fail(
-          fmt::format("/nodes/{}: expected one parent, found nodes {} and {}", *child, parents_[*child], parent));
+    if (!children.is_array()) gltf_fail("{}: expected an array, found {}", where, describe(children));
+    const std::uint64_t child = index_at(children[place], where);
+    document_.element("nodes", child, where);
+    if (parents_[child] != core::kNone)
+      gltf_fail("/nodes/{}: expected one parent, found nodes {} and {}", child, parents_[child], parent);
     return child;
   }
 
-  static Expected<std::uint64_t> index_at(const Json& value, const std::string& where) {
+  static std::uint64_t index_at(const Json& value, const std::string& where) {
     if (const auto whole = gltf_whole(value)) return *whole;
-    return core::fail(fmt::format("{}: expected whole numbers, found {}", where, describe(value)));
+    gltf_fail("{}: expected whole numbers, found {}", where, describe(value));
   }
 
   /// A node whose ancestors lead back to it cannot be reached from a root: cuts the cycle above it.
-  Expected<void> cut_cycles() {
+  void cut_cycles() {
     std::vector<std::uint32_t> seen_from(parents_.size(), core::kNone);
     for (std::uint32_t start = 0; start < parents_.size(); ++start) {
       std::uint32_t node = start;
@@ -161,139 +153,122 @@ class Reading {
         node = parents_[node];
       }
       if (node == core::kNone || seen_from[node] != start) continue;
-      if (auto asked = left_out({fmt::format("/nodes/{}: expected a tree, found it among its own ancestors", node)});
-          !asked)
-        return asked;
+      left_out({fmt::format("/nodes/{}: expected a tree, found it among its own ancestors", node)});
       parents_[node] = core::kNone;
     }
-    return {};
   }
 
-  Expected<std::vector<std::uint64_t>> roots() {
+  std::vector<std::uint64_t> roots() {
     std::vector<std::uint64_t> found;
-    const auto wanted = gltf_index(document_.root(), "scene", "", 0);
-    if (!wanted) return tl::unexpected(wanted.error());
+    const std::uint64_t wanted = gltf_index(document_.root(), "scene", "", 0);
     if (document_.count("scenes") == 0) {
       for (std::uint64_t i = 0; i < parents_.size(); ++i)
         if (parents_[i] == core::kNone) found.push_back(i);
       return found;
     }
     if (document_.count("scenes") > 1)
-      job_.warn(0, fmt::format("/scenes: only scene {} of {} is read", *wanted, document_.count("scenes")));
-    const auto scene = document_.element("scenes", *wanted, "/scene");
-    if (!scene) return tl::unexpected(scene.error());
-    const Json* nodes = gltf_find(*scene->json, "nodes");
+      job_.warn(0, fmt::format("/scenes: only scene {} of {} is read", wanted, document_.count("scenes")));
+    const GltfElement scene = document_.element("scenes", wanted, "/scene");
+    const Json* nodes = gltf_find(*scene.json, "nodes");
     if (!nodes) return found;
-    const std::string where = scene->where() + "/nodes";
+    const std::string where = scene.where() + "/nodes";
     std::vector<bool> taken(parents_.size());
-    for (std::size_t i = 0; i < nodes->size(); ++i) {
-      auto node = nodes->is_array()
-                      ? index_at((*nodes)[i], where)
-                      : core::fail(fmt::format("{}: expected an array, found {}", where, describe(*nodes)));
-      if (node && *node >= parents_.size())
-        node = core::fail(fmt::format("{}: expected one of the {} nodes, found {}", where, parents_.size(), *node));
-      else if (node && (parents_[*node] != core::kNone || taken[*node]))
-        node = core::fail(fmt::format("{}: expected nodes without a parent, each once, found {}", where, *node));
-      if (node) {
-        taken[*node] = true;
-        found.push_back(*node);
-      } else if (auto asked = left_out(node.error()); !asked) {
-        return tl::unexpected(asked.error());
-      }
-    }
+    for (std::size_t i = 0; i < nodes->size(); ++i)
+      or_left_out([&] {
+        if (!nodes->is_array()) gltf_fail("{}: expected an array, found {}", where, describe(*nodes));
+        const std::uint64_t node = index_at((*nodes)[i], where);
+        if (node >= parents_.size())
+          gltf_fail("{}: expected one of the {} nodes, found {}", where, parents_.size(), node);
+        if (parents_[node] != core::kNone || taken[node])
+          gltf_fail("{}: expected nodes without a parent, each once, found {}", where, node);
+        taken[node] = true;
+        found.push_back(node);
+      });
     return found;
   }
 
-  Expected<void> walk() {
-    const auto tops = roots();
-    if (!tops) return left_out(tops.error());
+  void walk() {
+    std::vector<std::uint64_t> tops;
+    or_left_out([&] { tops = roots(); });
     std::vector<Visit> stack;
-    for (auto top = tops->rbegin(); top != tops->rend(); ++top) stack.push_back({*top, job_.file_node(), {}});
+    for (auto top = tops.rbegin(); top != tops.rend(); ++top) stack.push_back({*top, job_.file_node(), {}});
     for (; !stack.empty(); ++visited_) {
-      if (auto asked = progress(0.0); !asked) return asked;
+      progress(0.0);
       const Visit visit = stack.back();
       stack.pop_back();
-      const auto element = document_.element("nodes", visit.node, "/nodes");
-      if (!element) {
-        if (auto asked = left_out(element.error()); !asked) return asked;
-        continue;
-      }
-      auto node = add_node(*element, visit);
-      if (!node) return tl::unexpected(node.error());
-      if (auto shown = add_items(*element, *node); !shown)
-        if (auto asked = left_out(shown.error()); !asked) return asked;
-      const Json* children = gltf_find(*element->json, "children");
+      GltfElement element;
+      if (!or_left_out([&] { element = document_.element("nodes", visit.node, "/nodes"); })) continue;
+      const Node node = add_node(element, visit);
+      or_left_out([&] { add_items(element, node); });
+      const Json* children = gltf_find(*element.json, "children");
       for (std::size_t c = children && children->is_array() ? children->size() : 0; c-- > 0;) {
         const auto child = gltf_whole((*children)[c]);
         if (!child || *child >= parents_.size() || parents_[*child] != visit.node) continue;
-        stack.push_back({*child, node->id, node->file_from_node});
+        stack.push_back({*child, node.id, node.file_from_node});
         parents_[*child] = core::kNone;  // a node listed twice is still one child
       }
     }
-    return {};
   }
 
   /// `share` of the node being visited.
-  Expected<void> progress(double share) {
-    return job_.progress(0.2 + 0.8 * (double(visited_) + share) / double(std::max<std::size_t>(parents_.size(), 1)));
+  void progress(double share) {
+    value_or_throw(
+        job_.progress(0.2 + 0.8 * (double(visited_) + share) / double(std::max<std::size_t>(parents_.size(), 1))));
   }
 
   // --- a node ------------------------------------------------------------------------------------------------------
 
-  Expected<Affine> transform_of(const GltfElement& element) {
+  Affine transform_of(const GltfElement& element) {
     const Json& json = *element.json;
     const std::string where = element.where();
     if (gltf_find(json, "matrix")) {
       double m[16] = {};
-      if (auto read = gltf_numbers(json, "matrix", where, m, 16); !read) return tl::unexpected(read.error());
+      gltf_numbers(json, "matrix", where, m, 16);
       return affine_of(m, where);
     }
     double translation[3] = {}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
-    auto read = gltf_numbers(json, "translation", where, translation, 3);
-    if (read) read = gltf_numbers(json, "rotation", where, rotation, 4);
-    if (read) read = gltf_numbers(json, "scale", where, scale, 3);
-    if (!read) return tl::unexpected(read.error());
+    gltf_numbers(json, "translation", where, translation, 3);
+    gltf_numbers(json, "rotation", where, rotation, 4);
+    gltf_numbers(json, "scale", where, scale, 3);
     return gltf_affine(translation, rotation, scale);
   }
 
   /// The map of a matrix whose last row need not be 0 0 0 1: 0 0 0 w divides by w, and rows that differ by rounding are
   /// taken for that. Fails on perspective, which a lenient import leaves out of the map.
-  Expected<Affine> affine_of(double (&m)[16], const std::string& where) {
+  Affine affine_of(double (&m)[16], const std::string& where) {
     constexpr double kRounding = 1e-5;
     const double w = m[15], perspective = std::max({std::abs(m[3]), std::abs(m[7]), std::abs(m[11])});
     if (perspective == 0.0 && w == 1.0) return gltf_affine(m);
     const std::string message = fmt::format("{}/matrix: expected 0 0 0 1 as its last row, found {:g} {:g} {:g} {:g}",
                                             where, m[3], m[7], m[11], w);
-    if (w == 0.0) return core::fail(message);
-    if (perspective > kRounding * std::abs(w) && !job_.options().lenient) return core::fail(message);
-    job_.warn(0, message);
+    if (w == 0.0) gltf_fail("{}", message);
+    if (perspective > kRounding * std::abs(w))
+      refuse_or_warn(job_, message);
+    else
+      job_.warn(0, message);
     if (std::abs(w - 1.0) > kRounding)
       for (double& value : m) value /= w;
     return gltf_affine(m);
   }
 
-  Expected<Node> add_node(const GltfElement& element, const Visit& visit) {
+  Node add_node(const GltfElement& element, const Visit& visit) {
     Affine parent_from_node;
-    if (const auto found = transform_of(element)) {
-      parent_from_node = *found;
-    } else if (auto asked = left_out(found.error()); !asked) {
-      return tl::unexpected(asked.error());
-    }
+    or_left_out([&] { parent_from_node = transform_of(element); });
     const NodeId id = job_.scene().add_node(visit.parent, name_of(element), parent_from_node);
     const Affine file_from_node = visit.file_from_parent * parent_from_node;
     add_attributes(*element.json, id);
     if (const Json* tree = follows_convention_ ? extra(*element.json, kTreeIndex) : nullptr)
       if (const auto part = gltf_whole(*tree); part && *part < core::kNone)
         collections_.name_part(std::uint32_t(*part), id, file_from_node);
-    return Node{id, file_from_node, element.where()};
+    return {id, file_from_node, element.where()};
   }
 
   std::string name_of(const GltfElement& element) const {
     std::string name = gltf_text(*element.json, "name");
-    const auto index = gltf_index(*element.json, "mesh", "");
-    if (!name.empty() || !index) return name;
-    const auto mesh = document_.element("meshes", *index, "");
-    return mesh ? gltf_text(*mesh->json, "name") : name;
+    const Json* mesh = gltf_find(*element.json, "mesh");
+    const auto index = mesh ? gltf_whole(*mesh) : std::nullopt;
+    if (!name.empty() || !index || *index >= document_.count("meshes")) return name;
+    return gltf_text((*gltf_find(document_.root(), "meshes"))[*index], "name");
   }
 
   void add_attributes(const Json& node, NodeId id) {
@@ -315,83 +290,71 @@ class Reading {
     return extras ? gltf_find(*extras, key) : nullptr;
   }
 
-  Expected<void> add_items(const GltfElement& element, const Node& node) {
+  void add_items(const GltfElement& element, const Node& node) {
     const Json& json = *element.json;
     const Json* extensions = gltf_find(json, "extensions");
     const Json* instancing = extensions ? gltf_find(*extensions, "EXT_mesh_gpu_instancing") : nullptr;
     const Json* attributes = instancing ? gltf_find(*instancing, "attributes") : nullptr;
     const std::string where = node.where + "/extensions/EXT_mesh_gpu_instancing/attributes";
-    if (instancing && !attributes) return core::fail(where + ": expected an object, which is missing");
+    if (instancing && !attributes) gltf_fail("{}: expected an object, which is missing", where);
     const std::string name = gltf_text(json, "name");
     const bool collection = attributes && follows_convention_ && GltfCollections::is_collection(name);
-    if (const Json* caps = collection ? extra(json, "caps") : nullptr; caps && *caps == true) return {};
+    if (const Json* caps = collection ? extra(json, "caps") : nullptr; caps && *caps == true) return;
     if (collection)
       return collections_.add(name, *attributes, node.id, node.file_from_node, where,
-                              [this](double share) { return progress(share); });
-    if (!gltf_find(json, "mesh")) return {};
-    const auto index = gltf_index(json, "mesh", node.where);
-    if (!index) return tl::unexpected(index.error());
-    const auto mesh = document_.element("meshes", *index, node.where + "/mesh");
-    if (!mesh) return tl::unexpected(mesh.error());
-    return attributes ? add_instances(*mesh, *attributes, node, where) : add_mesh(*mesh, node);
+                              [this](double share) { progress(share); });
+    if (!gltf_find(json, "mesh")) return;
+    const GltfElement mesh = document_.element("meshes", gltf_index(json, "mesh", node.where), node.where + "/mesh");
+    attributes ? add_instances(mesh, *attributes, node, where) : add_mesh(mesh, node);
   }
 
   // --- meshes ------------------------------------------------------------------------------------------------------
 
   /// Calls visit(primitive, where) for each primitive of a mesh. Leaves out what cannot be read.
   template <class VisitPrimitive>
-  Expected<void> for_each_primitive(const GltfElement& mesh, VisitPrimitive&& visit) {
+  void for_each_primitive(const GltfElement& mesh, VisitPrimitive&& visit) {
     const Json* primitives = gltf_find(*mesh.json, "primitives");
     if (!primitives || !primitives->is_array())
-      return core::fail(mesh.where() + "/primitives: expected an array of mesh primitives");
+      gltf_fail("{}/primitives: expected an array of mesh primitives", mesh.where());
     for (std::size_t i = 0; i < primitives->size(); ++i) {
       const std::string where = fmt::format("{}/primitives/{}", mesh.where(), i);
-      auto done = take_items(1, where);  // even a primitive that draws nothing takes time under each node
-      if (done) done = document_.decompress((*primitives)[i], where);
-      if (done) done = visit((*primitives)[i], where);
-      if (done) continue;
-      if (auto asked = left_out(done.error()); !asked) return tl::unexpected(asked.error());
+      or_left_out([&] {
+        take_items(1, where);  // even a primitive that draws nothing takes time under each node
+        document_.decompress((*primitives)[i], where);
+        visit((*primitives)[i], where);
+      });
     }
-    return {};
   }
 
-  Expected<void> add_mesh(const GltfElement& mesh, const Node& node) {
-    return for_each_primitive(mesh, [&](const Json& primitive, const std::string& where) -> Expected<void> {
-      const auto sources = gltf_sources(primitive, where);
-      if (!sources) return tl::unexpected(sources.error());
+  void add_mesh(const GltfElement& mesh, const Node& node) {
+    for_each_primitive(mesh, [&](const Json& primitive, const std::string& where) {
+      const GltfSources sources = gltf_sources(primitive, where);
       const Json* attributes = gltf_find(primitive, "attributes");
-      if (sources->draws_triangles() && attributes && gltf_find(*attributes, "_treeIndex"))
-        return collections_.add_triangles(*sources, *attributes, node.id, node.file_from_node, where,
-                                          [this](double share) { return progress(share); });
-      const auto shared = shared_mesh(*sources, mesh, where);
-      if (!shared) return tl::unexpected(shared.error());
-      if (auto taken = take_parts(**shared, 1, where); !taken) return taken;
-      for (SharedPart& part : (*shared)->parts) {
-        add_item(part, (*shared)->name, node.id, {}, material_of(primitive, part.colour, where));
-      }
-      return {};
+      if (sources.draws_triangles() && attributes && gltf_find(*attributes, "_treeIndex"))
+        return collections_.add_triangles(sources, *attributes, node.id, node.file_from_node, where,
+                                          [this](double share) { progress(share); });
+      SharedMesh& shared = shared_mesh(sources, mesh, where);
+      take_parts(shared, 1, where);
+      for (SharedPart& part : shared.parts)
+        add_item(part, shared.name, node.id, {}, material_of(primitive, part.colour, where));
     });
   }
 
-  Expected<void> add_instances(const GltfElement& mesh, const Json& attributes, const Node& node,
-                               const std::string& where) {
+  void add_instances(const GltfElement& mesh, const Json& attributes, const Node& node, const std::string& where) {
     enum { kTranslation, kRotation, kScale, kMatrix, kTree, kColour };
     constexpr GltfTable::Column kColumns[] = {{"TRANSLATION", 3},      {"ROTATION", 4},   {"SCALE", 3},
                                               {"_instanceMatrix", 16}, {"_treeIndex", 1}, {"_color", 4}};
     GltfTable table;
-    if (auto opened = table.open(document_, attributes, kColumns, where); !opened) return opened;
-    return for_each_primitive(mesh, [&](const Json& primitive, const std::string& at) -> Expected<void> {
-      const auto sources = gltf_sources(primitive, at);
-      if (!sources) return tl::unexpected(sources.error());
-      const auto shared = shared_mesh(*sources, mesh, at);
-      if (!shared) return tl::unexpected(shared.error());
-      if ((*shared)->parts.empty()) return {};
-      if (auto taken = take_items(table.count(), at); !taken) return taken;
-      if (auto taken = take_parts(**shared, table.count(), at); !taken) return taken;
+    table.open(document_, attributes, kColumns, where);
+    for_each_primitive(mesh, [&](const Json& primitive, const std::string& at) {
+      SharedMesh& shared = shared_mesh(gltf_sources(primitive, at), mesh, at);
+      if (shared.parts.empty()) return;
+      take_items(table.count(), at);
+      take_parts(shared, table.count(), at);
       std::vector<core::MaterialId> materials;
-      for (const SharedPart& part : (*shared)->parts) materials.push_back(material_of(primitive, part.colour, at));
+      for (const SharedPart& part : shared.parts) materials.push_back(material_of(primitive, part.colour, at));
       for (std::uint64_t first = 0; first < table.count(); first += GltfTable::kBlock) {
-        if (auto asked = progress(double(first) / double(table.count())); !asked) return asked;
+        progress(double(first) / double(table.count()));
         const std::uint64_t n = table.load(first);
         for (std::uint64_t i = 0; i < n; ++i) {
           const double* matrix = table.row(kMatrix, i);
@@ -403,28 +366,28 @@ class Reading {
           for (std::size_t p = 0; p < materials.size(); ++p) {
             const core::MaterialId colour =
                 coloured ? collections_.material(table.row(kColour, i), &table.accessor(kColour)) : materials[p];
-            add_item((*shared)->parts[p], (*shared)->name, place.node, place.from_item, colour);
+            add_item(shared.parts[p], shared.name, place.node, place.from_item, colour);
           }
         }
       }
-      return {};
     });
   }
 
   core::MaterialId material_of(const Json& primitive, PackedColour tint, const std::string& where) {
-    const auto index = gltf_index(primitive, "material", where, core::kNone);
-    if (!index) job_.warn(0, index.error().message + "; the default material instead");
-    return materials_.material(index.value_or(core::kNone), tint, where + "/material");
+    std::uint64_t index = core::kNone;
+    or_warn(job_, "the default material instead",
+            [&] { index = gltf_index(primitive, "material", where, core::kNone); });
+    return materials_.material(index, tint, where + "/material");
   }
 
   /// Counts the items of a mesh's parts beyond the first one, which are items that the file does not list.
-  Expected<void> take_parts(const SharedMesh& shared, std::uint64_t copies, const std::string& where) {
-    return shared.parts.size() < 2 ? Expected<void>{} : take_items(copies * (shared.parts.size() - 1), where);
+  void take_parts(const SharedMesh& shared, std::uint64_t copies, const std::string& where) {
+    if (shared.parts.size() > 1) take_items(copies * (shared.parts.size() - 1), where);
   }
 
-  Expected<void> take_items(std::uint64_t count, const std::string& where) {
-    if (document_.take_items(count)) return {};
-    return core::fail(fmt::format("{}: more items than a file of {} bytes may hold", where, document_.bytes_read()));
+  void take_items(std::uint64_t count, const std::string& where) {
+    if (!document_.take_items(count))
+      gltf_fail("{}: more items than a file of {} bytes may hold", where, document_.bytes_read());
   }
 
   void add_item(SharedPart& shared, const std::string& name, NodeId node, const Affine& node_from_copy,
@@ -441,32 +404,27 @@ class Reading {
   }
 
   /// The mesh of a primitive, read when it is first asked for. One mesh for each colour of its vertices.
-  Expected<SharedMesh*> shared_mesh(const GltfSources& sources, const GltfElement& mesh, const std::string& where) {
+  SharedMesh& shared_mesh(const GltfSources& sources, const GltfElement& mesh, const std::string& where) {
     if (!sources.draws_triangles()) (sources.mode < 4 ? not_triangles_ : without_positions_).insert(where);
     const auto [known, added] = meshes_.try_emplace(sources);
     SharedMesh& shared = known->second;
-    if (!added) return &shared;
-    if (!sources.draws_triangles()) return &shared;
-    auto corners = gltf_triangles(job_, document_, sources, where);
-    if (!corners) return tl::unexpected(corners.error());
-    auto colours = gltf_face_colours(document_, sources, *corners, where);
-    if (!colours) {
-      job_.warn(0, colours.error().message + "; colours of vertices left out");
-      colours = std::vector<PackedColour>();
-    }
-    auto polygons = gltf_mesh(job_, document_, sources, std::move(*corners), where);
-    if (!polygons) return tl::unexpected(polygons.error());
+    if (!added || !sources.draws_triangles()) return shared;
+    std::vector<std::uint32_t> corners = gltf_triangles(job_, document_, sources, where);
+    std::vector<PackedColour> colours;
+    or_warn(job_, "colours of vertices left out",
+            [&] { colours = gltf_face_colours(document_, sources, corners, where); });
+    PolygonMesh polygons = gltf_mesh(job_, document_, sources, std::move(corners), where);
     shared.name = gltf_text(*mesh.json, "name");
-    if (colours->empty())
-      shared.parts.push_back({kNoColour, std::move(*polygons), {}, {}});
+    if (colours.empty())
+      shared.parts.push_back({kNoColour, std::move(polygons), {}, {}});
     else
-      for_each_colour(job_, *polygons, *colours, [&](const PolygonMesh& part, PackedColour colour) {
+      for_each_colour(job_, polygons, colours, [&](const PolygonMesh& part, PackedColour colour) {
         shared.parts.push_back({colour, part, {}, {}});
       });
     // A mesh takes as much memory as several items.
     constexpr std::uint64_t kItemsPerMesh = 16;
-    if (auto taken = take_parts(shared, kItemsPerMesh, where); !taken) return tl::unexpected(taken.error());
-    return &shared;
+    take_parts(shared, kItemsPerMesh, where);
+    return shared;
   }
 
   ImportJob& job_;
@@ -485,7 +443,10 @@ class Reading {
 core::Expected<ImportReport> read_gltf(std::span<const std::byte> bytes, const std::filesystem::path& path,
                                        core::Scene& scene, core::NodeId parent, const ImportOptions& options) {
   return run_import(path.filename().string(), scene, parent, options, {1.0, UpAxis::kY},
-                    [&](ImportJob& job) { return Reading(job, path).run(bytes); });
+                    [&](ImportJob& job) -> core::Expected<void> {
+                      Reading(job, path).run(bytes);
+                      return {};
+                    });
 }
 
 }  // namespace sightline::importers

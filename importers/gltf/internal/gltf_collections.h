@@ -57,14 +57,13 @@ class GltfCollections {
   /// Makes `node`, at `file_from_node`, the node of a part. Nothing changes when the map has no inverse.
   void name_part(std::uint32_t tree_index, core::NodeId node, const core::Affine& file_from_node);
 
-  using Progress = std::function<core::Expected<void>(double)>;  ///< receives the share of one node that is done
+  using Progress = std::function<void(double)>;  ///< receives the share of one node that is done
   /// Adds the primitives of a node. `node` holds those that belong to no part.
-  core::Expected<void> add(std::string_view kind, const Json& attributes, core::NodeId node,
-                           const core::Affine& file_from_node, const std::string& where, const Progress& progress);
+  void add(std::string_view kind, const Json& attributes, core::NodeId node, const core::Affine& file_from_node,
+           const std::string& where, const Progress& progress);
   /// Adds a mesh of many parts: one item for each run of triangles of one part and colour.
-  core::Expected<void> add_triangles(const GltfSources& sources, const Json& attributes, core::NodeId node,
-                                     const core::Affine& file_from_node, const std::string& where,
-                                     const Progress& progress);
+  void add_triangles(const GltfSources& sources, const Json& attributes, core::NodeId node,
+                     const core::Affine& file_from_node, const std::string& where, const Progress& progress);
 
   /// The node that an item of a part hangs on, and the item's placement there. `tree_index` null: `fallback`.
   struct Place {

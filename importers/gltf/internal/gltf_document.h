@@ -1,5 +1,5 @@
 // Internal to the glTF reader: the file's JSON with checked access, its buffers, and accessors that cannot be read
-// beyond their ends.
+// beyond their ends. What the file has wrong is thrown as an ImportFault.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,41 @@
 #include <unordered_map>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "sightline/core/affine.h"
 #include "sightline/importers/internal/byte_order.h"
 #include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/json_text.h"
 
 namespace sightline::importers {
+
+template <class... Args>
+[[noreturn]] void gltf_fail(fmt::format_string<Args...> format, Args&&... args) {
+  throw ImportFault{{fmt::format(format, std::forward<Args>(args)...)}};
+}
+/// Throws the message, or where the import is lenient, warns.
+inline void refuse_or_warn(ImportJob& job, std::string message) {
+  if (!job.options().lenient) throw ImportFault{{std::move(message)}};
+  job.warn(0, std::move(message));
+}
+/// Runs `read`, and puts the place before the message that it throws.
+template <class Read>
+void with_place(std::string_view place, Read&& read) try {
+  read();
+} catch (ImportFault& fault) {
+  if (fault.error.message != kCancelled) fault.error.message.insert(0, fmt::format("{}: ", place));
+  throw;
+}
+/// Runs `read`. What it throws becomes a warning, with `instead` behind it, and the answer false.
+template <class Read>
+bool or_warn(ImportJob& job, std::string_view instead, Read&& read) try {
+  read();
+  return true;
+} catch (const ImportFault& fault) {
+  job.warn(0, fmt::format("{}; {}", fault.error.message, instead));
+  return false;
+}
 
 /// One object of the file, with its place: "/nodes/12".
 struct GltfElement {
@@ -58,22 +87,22 @@ class GltfDocument {
  public:
   explicit GltfDocument(ImportJob& job, const std::filesystem::path& path) : job_(job), path_(path) {}
   /// `bytes` must outlive the document. Fails on what cannot be a glTF 2.0 file; other damage goes to the job.
-  core::Expected<void> open(std::span<const std::byte> bytes);
+  void open(std::span<const std::byte> bytes);
 
   const Json& root() const { return root_; }
   /// Elements of a top-level array: 0 when it is missing.
   std::size_t count(std::string_view array) const;
   /// Fails when there is no such element. `from` names the place that refers to it, for messages.
-  core::Expected<GltfElement> element(std::string_view array, std::uint64_t index, std::string_view from) const;
+  GltfElement element(std::string_view array, std::uint64_t index, std::string_view from) const;
 
-  core::Expected<const GltfAccessor*> accessor(std::uint64_t index, std::string_view from);
+  const GltfAccessor& accessor(std::uint64_t index, std::string_view from);
   /// Gives the accessors of a primitive with KHR_draco_mesh_compression their numbers. Nothing to do for others, and
   /// for those that this build cannot decompress but that hold the same uncompressed. `where` is the primitive's place.
-  core::Expected<void> decompress(const Json& primitive, const std::string& where);
+  void decompress(const Json& primitive, const std::string& where);
   /// The bytes of a buffer view, of an image say.
-  core::Expected<std::span<const std::byte>> view_bytes(std::uint64_t index, std::string_view from);
+  std::span<const std::byte> view_bytes(std::uint64_t index, std::string_view from) { return view(index, from).bytes; }
   /// The bytes behind a URI, from the text itself or from a file beside the model, held by the document.
-  core::Expected<std::span<const std::byte>> uri_bytes(std::string_view uri);
+  std::span<const std::byte> uri_bytes(std::string_view uri);
   /// Releases the bytes of data URIs and files that uri_bytes() brought since held() was `held`.
   std::size_t held() const { return held_.size(); }
   void release(std::size_t held);
@@ -91,18 +120,17 @@ class GltfDocument {
     std::span<const std::byte> bytes;
     std::uint64_t stride = 0;  ///< 0: elements are packed
   };
-  core::Expected<void> open_binary(std::span<const std::byte> bytes, std::string_view& text);
-  core::Expected<void> check_asset() const;
-  core::Expected<std::span<const std::byte>> buffer(std::uint64_t index, std::string_view from);
-  core::Expected<View> view(std::uint64_t index, std::string_view from);
-  core::Expected<std::vector<std::byte>> inflated_view(const Json& extension, std::uint64_t length,
-                                                       const std::string& where);
+  void open_binary(std::span<const std::byte> bytes, std::string_view& text);
+  void check_asset() const;
+  std::span<const std::byte> buffer(std::uint64_t index, std::string_view from);
+  View view(std::uint64_t index, std::string_view from);
+  std::vector<std::byte> inflated_view(const Json& extension, std::uint64_t length, const std::string& where);
   bool is_fallback(const Json& view) const;  ///< of a buffer that stands for compressed data and holds nothing
-  core::Expected<std::span<const std::byte>> part_of_buffer(const Json& json, const std::string& where);
-  core::Expected<void> take_inflated(std::uint64_t bytes, const std::string& where);
+  std::span<const std::byte> part_of_buffer(const Json& json, const std::string& where);
+  void take_inflated(std::uint64_t bytes, const std::string& where);
   std::uint64_t allowance() const { return bytes_read_ + inflated_; }
-  core::Expected<GltfAccessor> make_accessor(const GltfElement& element);
-  core::Expected<GltfAccessor::Sparse> read_sparse(const Json& json, const GltfAccessor& of, const std::string& where);
+  GltfAccessor make_accessor(const GltfElement& element);
+  GltfAccessor::Sparse read_sparse(const Json& json, const GltfAccessor& of, const std::string& where);
 
   ImportJob& job_;
   const std::filesystem::path& path_;
@@ -125,15 +153,14 @@ const Json* gltf_find(const Json& object, std::string_view key);
 /// A whole number from 0 to 2^53, which some writers give as 3.0; none for anything else.
 std::optional<std::uint64_t> gltf_whole(const Json& value);
 /// A whole number from 0 to 2^53. Missing: the fallback, or an error when there is none.
-core::Expected<std::uint64_t> gltf_index(const Json& object, std::string_view key, const std::string& where,
-                                         std::optional<std::uint64_t> fallback = {});
+std::uint64_t gltf_index(const Json& object, std::string_view key, const std::string& where,
+                         std::optional<std::uint64_t> fallback = {});
 /// The accessor of a primitive's indices; kNone: it has none. Some writers leave it out where the corners are
 /// compressed by Draco: then kImpliedIndices and the number of the compressed view.
-core::Expected<std::uint64_t> gltf_indices(const Json& primitive, const std::string& where);
+std::uint64_t gltf_indices(const Json& primitive, const std::string& where);
 inline constexpr std::uint64_t kImpliedIndices = std::uint64_t{1} << 54;  // beyond what gltf_index() gives
 /// `n` finite numbers into `to`, left alone when the key is missing.
-core::Expected<void> gltf_numbers(const Json& object, std::string_view key, const std::string& where, double* to,
-                                  std::size_t n);
+void gltf_numbers(const Json& object, std::string_view key, const std::string& where, double* to, std::size_t n);
 std::string gltf_text(const Json& object, std::string_view key);  ///< empty when it is missing or no string
 
 }  // namespace sightline::importers

@@ -19,26 +19,25 @@ struct GltfSources {
 };
 
 /// `primitive` stands at `where`. Positions are kNone where it names none, as glTF allows.
-core::Expected<GltfSources> gltf_sources(const Json& primitive, const std::string& where);
+GltfSources gltf_sources(const Json& primitive, const std::string& where);
 
 /// Corners of the primitive's triangles, three each, all within its positions.
-core::Expected<std::vector<std::uint32_t>> gltf_triangles(ImportJob& job, GltfDocument& document,
-                                                          const GltfSources& sources, const std::string& where);
+std::vector<std::uint32_t> gltf_triangles(ImportJob& job, GltfDocument& document, const GltfSources& sources,
+                                          const std::string& where);
 
 /// The colour of each triangle, the mean of its corners' COLOR_0, as sRGB; none when the primitive has no such
 /// attribute. COLOR_0 is in linear light; integers without `normalized` count as normalised, since older writers leave
 /// it out. `corners` as gltf_triangles() gave them.
-core::Expected<std::vector<PackedColour>> gltf_face_colours(GltfDocument& document, const GltfSources& sources,
-                                                            const std::vector<std::uint32_t>& corners,
-                                                            const std::string& where);
+std::vector<PackedColour> gltf_face_colours(GltfDocument& document, const GltfSources& sources,
+                                            const std::vector<std::uint32_t>& corners, const std::string& where);
 
 /// What one number of a colour counts as: 1 for all that is not finite.
 double gltf_colour_channel(double value, const GltfAccessor& of);
 
 /// A mesh of the vertices that `corners` refer to, in order of their indices. Normals that cannot be read become a
 /// warning.
-core::Expected<PolygonMesh> gltf_mesh(ImportJob& job, GltfDocument& document, const GltfSources& sources,
-                                      std::vector<std::uint32_t> corners, const std::string& where);
+PolygonMesh gltf_mesh(ImportJob& job, GltfDocument& document, const GltfSources& sources,
+                      std::vector<std::uint32_t> corners, const std::string& where);
 
 /// Numbers for each instance, read a block of rows at a time.
 class GltfTable {
@@ -49,8 +48,7 @@ class GltfTable {
     bool required = false;
   };
   /// Finds the columns among `attributes` (name -> accessor). All columns present must have the same length.
-  core::Expected<void> open(GltfDocument& document, const Json& attributes, std::span<const Column> columns,
-                            const std::string& where);
+  void open(GltfDocument& document, const Json& attributes, std::span<const Column> columns, const std::string& where);
   std::uint64_t count() const { return count_; }
   bool has(std::size_t column) const { return accessors_[column] != nullptr; }
   const GltfAccessor& accessor(std::size_t column) const { return *accessors_[column]; }

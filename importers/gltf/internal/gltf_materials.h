@@ -31,10 +31,10 @@ class GltfMaterials {
     core::Material material;
     bool blended = false;
   };
-  core::Expected<Look> make(const GltfElement& element);
+  Look make(const GltfElement& element);
   void note_left_out(const Json& material);
   static core::Material tinted(Look look, PackedColour tint);
-  core::Expected<ImageMean> texture_mean(std::uint64_t texture, const std::string& from, bool weigh);
+  ImageMean texture_mean(std::uint64_t texture, const std::string& from, bool weigh);
 
   ImportJob& job_;
   GltfDocument& document_;
