@@ -18,7 +18,7 @@
 namespace sightline::study {
 
 /// Texture units and uniform blocks, apart from those that render's shaders use (0 to 3, and block 0).
-enum GpuUnit : GLuint { kBoxUnit = 4, kMaskUnit, kNodeUnit, kCutUnit };
+enum GpuUnit : GLuint { kBoxUnit = 4, kNodeUnit = 6, kCutUnit };
 inline constexpr GLuint kPlaneBinding = 1;
 
 /// The uniform block StudyPlanes of shaders/box_test.glsl.

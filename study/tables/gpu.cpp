@@ -61,8 +61,9 @@ constexpr const char* kFrontier = "GPU frontier";
 
 Results run_culling(const gl::Context& context, const Model& model, const SessionOptions& options) {
   Bench bench(model, options);
-  for (const FlatForm& form : flat_forms())
-    bench.add(name(form), Origin::kStudy, [&] { return make_flat(context, form, model.boxes); });
+  for (const bool signed_answers : {false, true})
+    bench.add(flat_name(signed_answers), Origin::kStudy,
+              [&] { return make_flat(context, signed_answers, model.boxes); });
   bench.add(kFrontier, Origin::kStudy, [&] { return Frontier::create(context, model.sah, model.boxes); });
   const auto forms = production_forms();
   for (const ProductionForm& form : {forms[0], forms[1], kLinear})

@@ -35,13 +35,6 @@ TEST_F(Parts, EachHasHelpWithExamples) {
   }
 }
 
-TEST_F(Parts, MeasuresViews) {
-  const Json json = run_json("study", {"views", "--generate", "2000", "--views", view_file()});
-  EXPECT_EQ(json["items"], 2000);
-  ASSERT_EQ(json["rows"].size(), 13u);
-  EXPECT_GT(json["rows"][0]["mean_visible"], 0.0);
-}
-
 TEST_F(Parts, MeasuresRecognition) {
   const Json json = run_json("study", {"recognise", "--items", "1000", "--passes", "1", "--segments", "12", "--chords",
                                        "0.02", "--tolerances", "0,0.001", "--plot", path("recognise.svg")});
@@ -72,36 +65,6 @@ TEST_F(Parts, MeasuresRecognition) {
   expect_usage_error("study", {"recognise", "--tolerances", "-1"}, "--tolerances");
 }
 
-TEST_F(Parts, MeasuresComparisons) {
-  const Json json = run_json("study", {"compare", "--items", "1000", "--rounds", "1"});
-  ASSERT_EQ(json["rows"].size(), 5u);
-  EXPECT_EQ(json["rows"][0]["unchanged"], 1000);
-  EXPECT_EQ(json["rows"][2]["unchanged"], 1000);
-  EXPECT_EQ(json["rows"][3]["moved"], 1000);
-  EXPECT_EQ(json["rows"][4]["removed"], 1000);
-}
-
-TEST_F(Parts, MeasuresTreeAndSearch) {
-  const std::vector<std::string> known = parts();
-  if (std::find(known.begin(), known.end(), "tree") == known.end()) GTEST_SKIP() << "without PCRE2";
-  const Json json = run_json("study", {"tree", plant(1000), "--repeats", "1", "--text", "pipe", "no such text"});
-  EXPECT_FALSE(json["tree"]["rows"].empty());
-  EXPECT_GT(json["search"]["rows"][0]["found"], 0);
-  EXPECT_EQ(json["search"]["rows"][1]["found"], 0);
-  EXPECT_EQ(run_json("study", {"tree", "--nodes", "2000", "--repeats", "1"})["nodes"], 2000);
-}
-
-TEST_F(Parts, MeasuresCallsThroughC) {
-  const std::vector<std::string> known = parts();
-  if (std::find(known.begin(), known.end(), "capi") == known.end()) GTEST_SKIP() << "without the C API";
-  const Json json = run_json("study", {"capi", "--rounds", "1"});
-  EXPECT_GE(json["rows"].size(), 7u);
-  for (const Json& row : json["rows"]) {
-    EXPECT_GT(row["cpp_ns"], 0.0) << row;
-    EXPECT_GT(row["c_ns"], 0.0) << row;
-  }
-}
-
 TEST_F(Parts, MeasuresTheController) {
   const Json json = run_json("study", {"controller", "--seeds", "1", "--plot", path("regret.svg")});
   ASSERT_GT(json["traces"].size(), 5u);
@@ -110,34 +73,6 @@ TEST_F(Parts, MeasuresTheController) {
   const std::string views = view_file(), recorded = path("recorded.csv");
   EXPECT_EQ(run("study", {"controller", "--record", recorded, "--items", "2000", "--views", views}).code, 0);
   EXPECT_EQ(run("study", {"controller", recorded, "--seeds", "1"}).code, 0);
-}
-
-TEST_F(Parts, MeasuresOcclusion) {
-  const Json json = run_json("study", {"occlusion", "--generate", "20000", "--walls", "500", "--occluders", "200",
-                                       "--views", "6", "--passes", "1", "--size", "97x55"});
-  EXPECT_EQ(json["box_ns"].size(), 3u);
-  EXPECT_EQ(json["triangle_ns"].size(), 3u);
-  ASSERT_EQ(json["scenes"].size(), 2u);
-  for (const Json& scene : json["scenes"]) {
-    EXPECT_EQ(scene["owning_but_culled"], 0) << scene;
-    EXPECT_GT(scene["owning_a_pixel"], 10.0) << scene;
-    EXPECT_GE(scene["left"], scene["left_with_exact_depth"]) << scene;
-    EXPECT_GT(scene["culled_of_hidden"], 0.5) << scene;
-  }
-  expect_usage_error("study", {"occlusion", "--size", "97"}, "--size");
-}
-
-TEST_F(Parts, MeasuresRaysAgainstPrimitives) {
-  const std::vector<std::string> known = parts();
-  if (std::find(known.begin(), known.end(), "intersect") == known.end()) GTEST_SKIP() << "without Google Benchmark";
-  const Json rays = run_json("study", {"intersect", "--rays", "1000", "--filter", "^box", "--min-time", "0.001"});
-  ASSERT_EQ(rays["benchmarks"].size(), 1u);
-  for (const Json& run : rays["benchmarks"]) {
-    EXPECT_EQ(run["name"], "box/double");
-    EXPECT_GT(run["hit"], 0.1) << run;
-    const double rays_ms = 1e3 * 1e3 * run["per ray"].get<double>(), ms = run["cpu_time"].get<double>();
-    EXPECT_NEAR(rays_ms, ms, 1e-3 * ms) << run;
-  }
 }
 
 }  // namespace

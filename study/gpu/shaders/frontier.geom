@@ -49,8 +49,7 @@ bool add(uint first, uint end) {
 bool add_items(uint first, uint end) {
   for (uint i = first; i < end; ++i) {
     vec3 low = texelFetch(boxes, int(2u * i)).xyz, high = texelFetch(boxes, int(2u * i + 1u)).xyz;
-    uint mask = all_planes(), ignored = 0u;
-    if (!is_empty(low, high) && !outside(low, high, mask, ignored) && !add(i, i + 1u)) return false;
+    if (!is_empty(low, high) && !outside(low, high) && !add(i, i + 1u)) return false;
   }
   return true;
 }
@@ -60,10 +59,10 @@ void main() {
   subtree_end = first_of(stop);
   for (uint i = node[0]; i < stop;) {
     Node n = fetch_node(i);
-    uint mask = all_planes(), ignored = 0u, next = n.escape;
-    if (!outside(n.low, n.high, mask, ignored)) {
+    uint next = n.escape;
+    if (!outside(n.low, n.high)) {
       bool room = true;
-      if (remaining(n.low, n.high, mask) == 0u) room = add(n.first, first_of(n.escape));
+      if (inside(n.low, n.high)) room = add(n.first, first_of(n.escape));
       else if (n.escape == i + 1u) room = add_items(n.first, first_of(n.escape));
       else next = i + 1u;
       if (!room) return;
