@@ -1,29 +1,48 @@
 #include "sightline/apps/common/drawn_variant.h"
 
-#include <chrono>
 #include <cmath>
 
 #include "sightline/apps/common/statistics.h"
+#include "sightline/core/internal/clock.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 
 namespace sightline::apps {
-namespace {
 
-double milliseconds() {
-  using Clock = std::chrono::steady_clock;
-  return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
+core::Expected<DrawnImage> read_image(engine::Engine& engine, const core::View& view) {
+  auto colour = engine.read_colour();
+  if (!colour) return tl::unexpected(colour.error());
+  auto ids = engine.read_ids();
+  if (!ids) return tl::unexpected(ids.error());
+  auto depth = engine.read_depth(view);
+  if (!depth) return tl::unexpected(depth.error());
+  return DrawnImage{{std::move(*ids), std::move(*depth)}, std::move(*colour)};
 }
 
-}  // namespace
-
-std::uint64_t count_ties(const DrawnImage& a, const DrawnImage& b) {
+core::Expected<WrongItems> wrong_items(const image::ItemDepths& reference, const image::ItemDepths& image) {
   constexpr double kSameDepth = 1e-5;  // relative; float depths of touching faces differ by some 1e-7
-  std::uint64_t ties = 0;
-  for (std::size_t i = 0; i < a.ids.ids.size(); ++i) {
-    const double za = a.depth.metres[i], zb = b.depth.metres[i];
-    ties += a.ids.ids[i] != b.ids.ids[i] && std::abs(za - zb) <= kSameDepth * za;
+  const auto wrong = image::wrong_ids(reference.ids, image.ids);
+  if (!wrong) return tl::unexpected(wrong.error());
+  WrongItems found{*wrong};
+  for (std::size_t i = 0; i < reference.ids.ids.size(); ++i) {
+    const double depth = reference.depth.metres[i], other = image.depth.metres[i];
+    found.ties += reference.ids.ids[i] != image.ids.ids[i] && std::abs(depth - other) <= kSameDepth * depth;
   }
-  return ties;
+  return found;
+}
+
+core::Expected<ImageErrors> image_errors(const DrawnImage& reference, const DrawnImage& image) {
+  const auto metrics = image::image_metrics(reference.colour, image.colour);
+  if (!metrics) return tl::unexpected(metrics.error());
+  const auto wrong = wrong_items(reference, image);
+  if (!wrong) return tl::unexpected(wrong.error());
+  return ImageErrors{*metrics, *wrong, double(wrong->wrong_ids) / double(reference.ids.ids.size())};
+}
+
+core::Expected<std::vector<double>> medians(core::Expected<std::vector<std::vector<double>>> samples) {
+  if (!samples) return tl::unexpected(samples.error());
+  std::vector<double> medians;
+  for (auto& of_one : *samples) medians.push_back(median(std::move(of_one)));
+  return medians;
 }
 
 core::Expected<DrawnVariant> DrawnVariant::create(std::shared_ptr<core::Scene> scene, engine::EngineConfig config) {
@@ -40,41 +59,21 @@ core::Expected<DrawnVariant> DrawnVariant::create(std::shared_ptr<core::Scene> s
 
 core::Expected<double> DrawnVariant::draw(const core::View& view) {
   engine_->finish();
-  const double begin = milliseconds();
+  const double begin = core::now_seconds();
   const auto frame = engine_->frame(view);
   if (!frame) return tl::unexpected(frame.error());
   engine_->finish();
   items_drawn_ = frame->items_drawn;
-  return milliseconds() - begin;
-}
-
-core::Expected<DrawnImage> DrawnVariant::image(const core::View& view) {
-  auto colour = engine_->read_colour();
-  if (!colour) return tl::unexpected(colour.error());
-  auto ids = engine_->read_ids();
-  if (!ids) return tl::unexpected(ids.error());
-  auto depth = engine_->read_depth(view);
-  if (!depth) return tl::unexpected(depth.error());
-  return DrawnImage{std::move(*colour), std::move(*ids), std::move(*depth)};
+  return 1e3 * (core::now_seconds() - begin);
 }
 
 std::size_t DrawnVariant::gpu_bytes() {
   return engine_->memory().gpu - engine_->drawing()->target().memory_bytes();
 }
 
-core::Expected<std::vector<double>> time_in_turns(std::span<DrawnVariant> variants, const core::View& view,
+core::Expected<std::vector<double>> time_in_turns(std::vector<DrawnVariant>& variants, const core::View& view,
                                                   int passes) {
-  std::vector<std::vector<double>> times(variants.size());
-  for (int pass = -1; pass < passes; ++pass)
-    for (std::size_t i = 0; i < variants.size(); ++i) {
-      auto ms = variants[i].draw(view);
-      if (!ms) return tl::unexpected(ms.error());
-      if (pass >= 0) times[i].push_back(*ms);
-    }
-  std::vector<double> medians;
-  medians.reserve(times.size());
-  for (auto& of_variant : times) medians.push_back(median(std::move(of_variant)));
-  return medians;
+  return medians(in_turns(variants.size(), passes, 1, [&](std::size_t i) { return variants[i].draw(view); }));
 }
 
 }  // namespace sightline::apps

@@ -185,11 +185,11 @@ struct Differences {
 
 core::Expected<void> compare(const DrawnImage& reference, const DrawnImage& image, const std::string& label,
                              Differences& differences) {
-  const auto wrong = image::wrong_ids(reference.ids, image.ids);
+  const auto wrong = wrong_items(reference, image);
   if (!wrong) return tl::unexpected(wrong.error());
   differences.pixels += reference.ids.ids.size();
-  differences.wrong += *wrong;
-  differences.ties += count_ties(reference, image);
+  differences.wrong += wrong->wrong_ids;
+  differences.ties += wrong->ties;
   const auto colours = image::compare(reference.colour, image.colour);
   if (!colours) return tl::unexpected(colours.error());
   if (colours->pixels <= differences.worst) return {};

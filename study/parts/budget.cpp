@@ -14,6 +14,7 @@
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/drawn_variant.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
@@ -21,7 +22,6 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
-#include "sightline/render/image/image_metrics.h"
 #include "sightline/study/parts/parts.h"
 
 namespace sightline::bench::budget_bench {
@@ -76,18 +76,8 @@ void add_options(apps::CommandLine& line, Options& o) {
       "  sightline-study budget plant.rvm --budget 16.7 --frames 400 --json budget.json");
 }
 
-/// How far an image is from the full one.
-struct Error {
-  double flip_mean = 0.0, flip_p99 = 0.0, wrong_ids = 0.0;  // wrong_ids: a share of all pixels
-};
-
-struct Image {
-  image::Image colour;
-  image::IdImage ids;
-};
-
 struct Compared {
-  Error budget, contribution;
+  apps::ImageErrors budget, contribution;  // against the full image
   double budget_ms = 0.0, contribution_ms = 0.0, full_ms = 0.0, threshold = 0.0;
 };
 
@@ -103,22 +93,6 @@ struct Figures {
   std::vector<Rest> rests;
   Rest together;  // of all viewports
 };
-
-core::Expected<Image> read(Engine& engine) {
-  auto colour = engine.read_colour();
-  if (!colour) return tl::unexpected(colour.error());
-  auto ids = engine.read_ids();
-  if (!ids) return tl::unexpected(ids.error());
-  return Image{std::move(*colour), std::move(*ids)};
-}
-
-core::Expected<Error> error_of(const Image& image, const Image& full) {
-  const auto metrics = image::image_metrics(full.colour, image.colour);
-  if (!metrics) return tl::unexpected(metrics.error());
-  const auto wrong = image::wrong_ids(full.ids, image.ids);
-  if (!wrong) return tl::unexpected(wrong.error());
-  return Error{metrics->flip_mean, metrics->flip_p99, double(*wrong) / double(full.ids.ids.size())};
-}
 
 /// Milliseconds until the image of a view is complete, or its budget spent.
 core::Expected<double> timed_frame(Engine& engine, const core::View& view, engine::FrameReport* report = nullptr) {
@@ -169,28 +143,28 @@ class Bench {
   }
 
   core::Expected<void> compare(std::size_t i, double ms) {
-    const auto image = read(hurried_);
+    const auto image = apps::read_image(hurried_, views_[i]);
     if (!image) return tl::unexpected(image.error());
     Compared figures;
     figures.budget_ms = ms;
-    Image full;
+    apps::DrawnImage full;
     for (const float threshold : kThresholds) {
       const auto took = draw_with(threshold, i);
       if (!took) return tl::unexpected(took.error());
       if (threshold == 0.0f) figures.full_ms = *took;
       if (threshold > 0.0f && *took > options_.budget_ms && threshold < std::end(kThresholds)[-1]) continue;
-      auto image_of = read(full_);
+      auto image_of = apps::read_image(full_, views_[i]);
       if (!image_of) return tl::unexpected(image_of.error());
       if (threshold == 0.0f) full = *image_of;
       if (threshold == 0.0f && *took > options_.budget_ms) continue;
-      const auto error = error_of(*image_of, full);
+      const auto error = apps::image_errors(full, *image_of);
       if (!error) return tl::unexpected(error.error());
       figures.contribution = *error;
       figures.contribution_ms = *took;
       figures.threshold = threshold;
       break;
     }
-    const auto error = error_of(*image, full);
+    const auto error = apps::image_errors(full, *image);
     if (!error) return tl::unexpected(error.error());
     figures.budget = *error;
     figures_.compared.push_back(figures);
@@ -260,12 +234,12 @@ std::vector<double> all(const std::vector<Item>& items, const Get& get) {
   return values;
 }
 
-Json to_json(const std::vector<Compared>& compared, const Error Compared::*of, const double Compared::*ms) {
-  const auto mean = [&](const double Error::*figure) {
+Json to_json(const std::vector<Compared>& compared, const apps::ImageErrors Compared::*of, const double Compared::*ms) {
+  const auto mean = [&](const double apps::ImageErrors::*figure) {
     return apps::summarise(all(compared, [&](const Compared& c) { return c.*of.*figure; })).mean;
   };
-  return {{"flip", {{"mean", mean(&Error::flip_mean)}, {"p99", mean(&Error::flip_p99)}}},
-          {"wrong_ids", mean(&Error::wrong_ids)},
+  return {{"flip", {{"mean", mean(&apps::ImageErrors::flip_mean)}, {"p99", mean(&apps::ImageErrors::flip_p99)}}},
+          {"wrong_ids", mean(&apps::ImageErrors::wrong_share)},
           {"ms", apps::to_json(apps::summarise(all(compared, [&](const Compared& c) { return c.*ms; })))}};
 }
 

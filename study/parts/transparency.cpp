@@ -15,11 +15,11 @@
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/drawn_variant.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/core/scene.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
-#include "sightline/render/image/image.h"
 #include "sightline/study/parts/parts.h"
 
 namespace sightline::bench::transparency_bench {
@@ -80,15 +80,11 @@ core::Expected<Image> draw(Engine& engine, const core::View& view, int frames) {
     const double ms = milliseconds() - start;
     image.ms = i == 0 ? ms : std::min(image.ms, ms);
   }
-  const auto colour = engine.read_colour();
-  const auto ids = engine.read_ids();
-  const auto depth = engine.read_depth(view);
-  if (!colour) return tl::unexpected(colour.error());
-  if (!ids) return tl::unexpected(ids.error());
-  if (!depth) return tl::unexpected(depth.error());
-  image.colour.assign(colour->pixels.begin(), colour->pixels.end());
-  image.ids = ids->ids;
-  image.depth = depth->metres;
+  const auto read = apps::read_image(engine, view);
+  if (!read) return tl::unexpected(read.error());
+  image.colour.assign(read->colour.pixels.begin(), read->colour.pixels.end());
+  image.ids = read->ids.ids;
+  image.depth = read->depth.metres;
   return image;
 }
 

@@ -13,12 +13,12 @@
 namespace sightline::tests::losses_test {
 namespace {
 
-using bench::ShownSurface;
 using core::dvec3;
+using image::ItemDepths;
 
 constexpr int kFiner = 4, kWidth = 16, kHeight = 12;
 
-ShownSurface blank(int width, int height) {
+ItemDepths blank(int width, int height) {
   const std::size_t pixels = std::size_t(width) * std::size_t(height);
   return {{width, height, std::vector<std::uint32_t>(pixels, 0)},
           {width, height, std::vector<float>(pixels, std::numeric_limits<float>::infinity())}};
@@ -29,11 +29,11 @@ core::View view() {
 }
 
 /// Two items, of which the nearer covers a part of the image, with depths that vary.
-ShownSurface scene(int finer, double farther, std::uint64_t seed) {
+ItemDepths scene(int finer, double farther, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const double slope = std::uniform_real_distribution(-0.3, 0.3)(random),
                edge = std::uniform_real_distribution(4.0, 12.0)(random);
-  ShownSurface surface = blank(finer * kWidth, finer * kHeight);
+  ItemDepths surface = blank(finer * kWidth, finer * kHeight);
   for (int y = 0; y < finer * kHeight; ++y)
     for (int x = 0; x < finer * kWidth; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(finer * kWidth) + std::size_t(x);
@@ -47,7 +47,7 @@ ShownSurface scene(int finer, double farther, std::uint64_t seed) {
 }
 
 /// The distance of a pixel's point through all cells of the reference.
-double searched(const ShownSurface& reference, const ShownSurface& image, int x, int y) {
+double searched(const ItemDepths& reference, const ItemDepths& image, int x, int y) {
   const double focal = 0.5 * kWidth * view().clip_from_eye()[0][0];
   const std::size_t pixel = std::size_t(y) * kWidth + std::size_t(x);
   const double depth = image.depth.metres[pixel];
@@ -82,7 +82,7 @@ double searched(const ShownSurface& reference, const ShownSurface& image, int x,
 TEST(SurfaceErrors, AreThoseOfASearchThroughAll) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(seed);
-    const ShownSurface reference = scene(kFiner, 0.0, seed), image = scene(1, 0.1 * double(seed), seed + seed % 2);
+    const ItemDepths reference = scene(kFiner, 0.0, seed), image = scene(1, 0.1 * double(seed), seed + seed % 2);
     const std::vector<double> errors = bench::surface_errors(view(), reference, kFiner, image, 4.0);
     std::vector<double> expected;
     for (int y = 0; y < kHeight; ++y)

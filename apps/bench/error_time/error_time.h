@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "sightline/apps/bench/error_time/samples.h"
+#include "sightline/apps/common/drawn_variant.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/view.h"
 #include "sightline/gl/context.h"
-#include "sightline/render/image/image_metrics.h"
 
 namespace sightline::bench {
 
@@ -88,9 +88,7 @@ struct ModelFigures {
   double ms = 0.0;            ///< per frame, culling included
   std::size_t gpu_bytes = 0;  ///< without the image
   /// Against the triangles of the reference, and against the ray-cast image.
-  image::ImageMetrics to_triangles, to_ray_cast;
-  std::uint64_t wrong_ids = 0, wrong_ids_to_ray_cast = 0;  ///< pixels
-  std::uint64_t ties = 0;  ///< of wrong_ids, those where both show the same depth: faces of several items in one place
+  apps::ImageErrors to_triangles, to_ray_cast;
 };
 
 struct ModelResult {

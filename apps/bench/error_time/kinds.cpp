@@ -191,20 +191,15 @@ class KindMeasurement {
 
   core::Expected<std::vector<double>> time_in_turns(std::vector<Stage>& stages, const core::View& view) {
     const gl::Functions& gl = context_.functions();
-    std::vector<std::vector<double>> times(stages.size());
-    for (int pass = -1; pass < config_.passes; ++pass) {  // the first pass compiles
-      for (std::size_t i = 0; i < stages.size(); ++i) {
-        gl.Finish();
-        const double begin = milliseconds();
-        if (auto done = stages[i].draw(view, timed_); !done) return tl::unexpected(done.error());
-        gl.Finish();
-        if (pass >= 0) times[i].push_back(milliseconds() - begin);
-      }
-    }
-    std::vector<double> medians;
-    medians.reserve(times.size());
-    for (auto& of_stage : times) medians.push_back(apps::median(std::move(of_stage)));
-    return medians;
+    constexpr int kWarmUps = 1;  // it compiles
+    return apps::medians(
+        apps::in_turns(stages.size(), config_.passes, kWarmUps, [&](std::size_t i) -> core::Expected<double> {
+          gl.Finish();
+          const double begin = milliseconds();
+          if (auto done = stages[i].draw(view, timed_); !done) return tl::unexpected(done.error());
+          gl.Finish();
+          return milliseconds() - begin;
+        }));
   }
 
   void measure_casts() {

@@ -1,7 +1,6 @@
 #include <memory>
 
 #include "sightline/apps/bench/error_time/error_time.h"
-#include "sightline/apps/common/drawn_variant.h"
 #include "sightline/apps/common/tessellated_scene.h"
 
 namespace sightline::bench {
@@ -48,15 +47,10 @@ core::Expected<Reference> draw_reference(gl::Context& context, const core::Scene
 
 core::Expected<void> compare(const DrawnImage& triangles, const DrawnImage& ray_cast, const DrawnImage& image,
                              ModelFigures& figures) {
-  auto metrics = image::image_metrics(triangles.colour, image.colour);
-  if (!metrics) return tl::unexpected(metrics.error());
-  figures.to_triangles = *metrics;
-  metrics = image::image_metrics(ray_cast.colour, image.colour);
-  if (!metrics) return tl::unexpected(metrics.error());
-  figures.to_ray_cast = *metrics;
-  figures.wrong_ids = *image::wrong_ids(triangles.ids, image.ids);
-  figures.ties = apps::count_ties(triangles, image);
-  figures.wrong_ids_to_ray_cast = *image::wrong_ids(ray_cast.ids, image.ids);
+  const auto to_triangles = apps::image_errors(triangles, image), to_ray_cast = apps::image_errors(ray_cast, image);
+  if (!to_triangles || !to_ray_cast) return tl::unexpected((to_triangles ? to_ray_cast : to_triangles).error());
+  figures.to_triangles = *to_triangles;
+  figures.to_ray_cast = *to_ray_cast;
   return {};
 }
 

@@ -152,8 +152,9 @@ void print(const NamedModel& model, std::FILE* out) {
       const image::ImageMetrics& m = f.to_triangles;
       std::fprintf(out, "| %-12s | %8s | %7.0f | %5.2f | %.5f | %10.5f | %6.4f | %9llu | %7llu | %12.5f | %11llu |\n",
                    name_of(f.form).c_str(), short_text(f.ms).c_str(), double(f.gpu_bytes) / 1024.0, m.psnr, m.ssim,
-                   m.flip_mean, m.flip_p99, (unsigned long long)f.wrong_ids, (unsigned long long)f.ties,
-                   f.to_ray_cast.flip_mean, (unsigned long long)f.wrong_ids_to_ray_cast);
+                   m.flip_mean, m.flip_p99, (unsigned long long)f.to_triangles.wrong_ids,
+                   (unsigned long long)f.to_triangles.ties, f.to_ray_cast.flip_mean,
+                   (unsigned long long)f.to_ray_cast.wrong_ids);
     }
   }
 }
@@ -195,7 +196,7 @@ void print_summary(const std::vector<NamedModel>& models, std::FILE* out) {
     for (const ModelResult& view : model.views) {
       const std::vector<ModelFigures> forms(view.forms.begin(), view.forms.end() - 1);  // without the reference
       const auto [triangles, glsl] = compared(forms);
-      const image::ImageMetrics &g = glsl->to_triangles, &t = triangles->to_triangles;
+      const apps::ImageErrors &g = glsl->to_triangles, &t = triangles->to_triangles;
       std::fprintf(out,
                    "| %s, %s | %s | %s / %s | %.2f | %.0f / %.0f | %.2f | %.1f / %.1f | %.5f / %.5f | %.5f / %.5f | "
                    "%.4f / %.4f | %llu / %llu |\n",
@@ -203,8 +204,8 @@ void print_summary(const std::vector<NamedModel>& models, std::FILE* out) {
                    short_text(glsl->ms).c_str(), short_text(triangles->ms).c_str(), glsl->ms / triangles->ms,
                    double(glsl->gpu_bytes) / 1024.0, double(triangles->gpu_bytes) / 1024.0,
                    double(glsl->gpu_bytes) / double(triangles->gpu_bytes), g.psnr, t.psnr, g.ssim, t.ssim, g.flip_mean,
-                   t.flip_mean, g.flip_p99, t.flip_p99, (unsigned long long)(glsl->wrong_ids - glsl->ties),
-                   (unsigned long long)(triangles->wrong_ids - triangles->ties));
+                   t.flip_mean, g.flip_p99, t.flip_p99, (unsigned long long)(g.wrong_ids - g.ties),
+                   (unsigned long long)(t.wrong_ids - t.ties));
     }
 }
 
@@ -244,9 +245,9 @@ Json to_json(const NamedModel& model) {
                        {"segments", f.form.segments},
                        {"ms", f.ms},
                        {"gpu_bytes", f.gpu_bytes},
-                       {"ties", f.ties},
-                       {"to_triangles", image_json(f.to_triangles, f.wrong_ids)},
-                       {"to_ray_cast", image_json(f.to_ray_cast, f.wrong_ids_to_ray_cast)}});
+                       {"ties", f.to_triangles.ties},
+                       {"to_triangles", image_json(f.to_triangles, f.to_triangles.wrong_ids)},
+                       {"to_ray_cast", image_json(f.to_ray_cast, f.to_ray_cast.wrong_ids)}});
     views.push_back({{"view", view.view}, {"forms", std::move(forms)}});
   }
   return {{"model", model.name}, {"items", model.items}, {"views", std::move(views)}};
@@ -280,9 +281,9 @@ std::string to_csv(const std::vector<NamedModel>& models) {
         const auto add = [&](const image::ImageMetrics& m, std::uint64_t wrong) {
           csv << ',' << m.psnr << ',' << m.ssim << ',' << m.flip_mean << ',' << m.flip_p99 << ',' << wrong;
         };
-        add(f.to_triangles, f.wrong_ids);
-        csv << ',' << f.ties;
-        add(f.to_ray_cast, f.wrong_ids_to_ray_cast);
+        add(f.to_triangles, f.to_triangles.wrong_ids);
+        csv << ',' << f.to_triangles.ties;
+        add(f.to_ray_cast, f.to_ray_cast.wrong_ids);
         csv << '\n';
       }
   return csv.str();

@@ -31,7 +31,6 @@
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/recognise/internal/recognise.h"
-#include "sightline/render/image/image_metrics.h"
 
 namespace sightline::bench::losses_bench {
 namespace {
@@ -209,8 +208,8 @@ struct Figures {
 /// The full image with 64 samples a pixel, and what the full image with one shows.
 struct Reference {
   std::array<image::Image, 2> images;
-  ShownSurface surface;  // of the first view
-  image::IdImage full_ids;
+  image::ItemDepths surface;  // of the first view
+  apps::DrawnImage full;      // the first of the images, with the items and depths of the full image
 };
 
 core::Expected<std::vector<ViewPair>> views_of(const core::Scene& scene, const Options& o, double aspect) {
@@ -231,19 +230,17 @@ core::Expected<Reference> draw_reference(Subject& subject, const ViewPair& views
   if (auto done = subject.engine().resize(kFiner * width, kFiner * height); !done) return tl::unexpected(done.error());
   for (std::size_t i = 2; i-- > 0;) {
     if (auto ms = subject.draw({}, views[i]); !ms) return tl::unexpected(ms.error());
-    auto fine = subject.engine().read_colour();
+    auto fine = subject.image(views[i], {});
     if (!fine) return tl::unexpected(fine.error());
-    reference.images[i] = reduced(*fine);
+    reference.images[i] = reduced(fine->colour);
+    reference.surface = std::move(*fine);
   }
-  auto surface = subject.shown(views[0], {});
-  if (!surface) return tl::unexpected(surface.error());
-  reference.surface = std::move(*surface);
   if (auto done = subject.engine().resize(width, height); !done) return tl::unexpected(done.error());
   return reference;
 }
 
 /// Adds how far what the last image shows lies from the reference, and what is proved of that.
-core::Expected<void> compare_surfaces(Subject& subject, const core::View& view, const ShownSurface& shown,
+core::Expected<void> compare_surfaces(Subject& subject, const core::View& view, const image::ItemDepths& shown,
                                       const Reference& reference, Figures& figures) {
   const auto loss = subject.engine().loss(view);
   if (!loss) return tl::unexpected(loss.error());
@@ -261,52 +258,43 @@ core::Expected<void> compare_surfaces(Subject& subject, const core::View& view, 
   return {};
 }
 
-/// Adds the errors of one frame. The full image's own rule comes first and sets Reference::full_ids.
+/// Adds the errors of one frame. The full image's own rule comes first and sets Reference::full.
 core::Expected<void> compare(Forms& forms, const ViewPair& views, bool surfaces, Reference& reference,
                              Figures& figures) {
   Subject& subject = forms.of(figures.rule);
-  std::array<image::Image, 2> images;
-  ShownSurface shown;
+  std::array<apps::DrawnImage, 2> images;
   for (std::size_t i = 0; i < 2; ++i) {
     if (auto ms = subject.draw_again(figures.rule, views[i]); !ms) return tl::unexpected(ms.error());
-    auto colour = subject.engine().read_colour();
-    if (!colour) return tl::unexpected(colour.error());
-    images[i] = std::move(*colour);
+    auto image = subject.image(views[i], forms.originals(figures.rule));
+    if (!image) return tl::unexpected(image.error());
+    images[i] = std::move(*image);
     if (i > 0) continue;
-    auto read = subject.shown(views[0], forms.originals(figures.rule));
-    if (!read) return tl::unexpected(read.error());
-    shown = std::move(*read);
     figures.items.push_back(double(subject.counts().items_drawn));
     figures.splats.push_back(double(subject.counts().splats));
     figures.triangles.push_back(double(subject.counts().triangles));
     if (surfaces)
-      if (auto done = compare_surfaces(subject, views[0], shown, reference, figures); !done) return done;
+      if (auto done = compare_surfaces(subject, views[0], images[0], reference, figures); !done) return done;
   }
-  if (figures.rule.measure == Rule::Measure::kNone) reference.full_ids = shown.ids;
-  const auto metrics = image::image_metrics(reference.images[0], images[0]);
-  if (!metrics) return tl::unexpected(metrics.error());
-  const auto wrong = image::wrong_ids(reference.full_ids, shown.ids);
-  if (!wrong) return tl::unexpected(wrong.error());
-  figures.flip_mean.push_back(metrics->flip_mean);
-  figures.flip_p99.push_back(metrics->flip_p99);
-  figures.wrong_ids.push_back(double(*wrong) / double(shown.ids.ids.size()));
-  figures.flicker.push_back(flicker(images, reference.images));
+  if (figures.rule.measure == Rule::Measure::kNone) reference.full = {images[0], reference.images[0]};
+  const auto errors = apps::image_errors(reference.full, images[0]);
+  if (!errors) return tl::unexpected(errors.error());
+  figures.flip_mean.push_back(errors->flip_mean);
+  figures.flip_p99.push_back(errors->flip_p99);
+  figures.wrong_ids.push_back(errors->wrong_share);
+  figures.flicker.push_back(flicker({images[0].colour, images[1].colour}, reference.images));
   return {};
 }
 
-/// Times all rules in turns, so that other load of the machine affects all equally. Adds the median of the passes.
+/// Adds the median of the passes in turns.
 core::Expected<void> time_in_turns(Forms& forms, const core::View& view, int passes, std::vector<Figures>& all) {
-  std::vector<std::vector<double>> ms(all.size()), processor(all.size());
-  for (int pass = 0; pass < passes; ++pass)
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const auto took = forms.of(all[i].rule).draw_again(all[i].rule, view);
-      if (!took) return tl::unexpected(took.error());
-      ms[i].push_back(took->ms);
-      processor[i].push_back(took->processor_ms);
-    }
+  const auto samples = apps::in_turns(
+      all.size(), passes, 0, [&](std::size_t i) { return forms.of(all[i].rule).draw_again(all[i].rule, view); });
+  if (!samples) return tl::unexpected(samples.error());
   for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].ms.push_back(apps::median(ms[i]));
-    all[i].processor_ms.push_back(apps::median(processor[i]));
+    std::vector<double> ms, processor;
+    for (const Took& took : (*samples)[i]) ms.push_back(took.ms), processor.push_back(took.processor_ms);
+    all[i].ms.push_back(apps::median(std::move(ms)));
+    all[i].processor_ms.push_back(apps::median(std::move(processor)));
   }
   return {};
 }

@@ -73,14 +73,12 @@ core::Expected<Took> Subject::draw_again(const Rule& rule, const core::View& vie
   return draw(rule, view);
 }
 
-core::Expected<ShownSurface> Subject::shown(const core::View& view, const std::vector<core::ItemId>& original) {
-  auto ids = engine_.read_ids();
-  if (!ids) return tl::unexpected(ids.error());
-  auto depth = engine_.read_depth(view);
-  if (!depth) return tl::unexpected(depth.error());
-  for (std::uint32_t& id : ids->ids)
+core::Expected<apps::DrawnImage> Subject::image(const core::View& view, const std::vector<core::ItemId>& original) {
+  auto image = apps::read_image(engine_, view);
+  if (!image) return image;
+  for (std::uint32_t& id : image->ids.ids)
     if (id > 0 && id <= original.size()) id = to_index(original[id - 1]) + 1;
-  return ShownSurface{std::move(*ids), std::move(*depth)};
+  return image;
 }
 
 }  // namespace sightline::bench

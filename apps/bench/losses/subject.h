@@ -8,6 +8,7 @@
 #include "sightline/apps/bench/losses/level_chain.h"
 #include "sightline/apps/bench/losses/rules.h"
 #include "sightline/apps/bench/losses/surface_error.h"
+#include "sightline/apps/common/drawn_variant.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/engine/drawing/internal/culled.h"
 #include "sightline/engine/engine.h"
@@ -40,8 +41,8 @@ class Subject {
   core::Expected<Took> draw(const Rule& rule, const core::View& view);
   /// Draws again after a frame that does not count, which tells the occlusion passes what was visible.
   core::Expected<Took> draw_again(const Rule& rule, const core::View& view);
-  /// Reads what the last image shows. `original`: the model's item of each item, by id; empty: itself.
-  core::Expected<ShownSurface> shown(const core::View& view, const std::vector<core::ItemId>& original);
+  /// Reads the last image. `original`: the model's item of each item, by id; empty: itself.
+  core::Expected<apps::DrawnImage> image(const core::View& view, const std::vector<core::ItemId>& original);
 
  private:
   Subject(engine::Engine&& engine, const LevelChain* chain);

@@ -16,7 +16,7 @@ using core::dvec3;
 /// Finds the nearest point of the reference's surfaces. Lengths are pixels at the depth of the point asked for.
 class Nearest {
  public:
-  Nearest(const core::View& view, const ShownSurface& reference, int finer, int width, int height)
+  Nearest(const core::View& view, const image::ItemDepths& reference, int finer, int width, int height)
       : reference_(reference),
         finer_(finer),
         width_(width),
@@ -65,15 +65,15 @@ class Nearest {
     return best;
   }
 
-  const ShownSurface& reference_;
+  const image::ItemDepths& reference_;
   int finer_, width_, height_;
   double focal_;  // pixels
 };
 
 }  // namespace
 
-std::vector<double> surface_errors(const core::View& view, const ShownSurface& reference, int finer,
-                                   const ShownSurface& image, double radius) {
+std::vector<double> surface_errors(const core::View& view, const image::ItemDepths& reference, int finer,
+                                   const image::ItemDepths& image, double radius) {
   const int width = image.ids.width, height = image.ids.height;
   const Nearest nearest(view, reference, finer, width, height);
   std::vector<double> errors;

@@ -8,7 +8,6 @@
 #include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/engine/drawing/internal/drawing.h"
-#include "sightline/render/image/image_metrics.h"
 
 namespace sightline::bench {
 namespace {
@@ -66,42 +65,38 @@ core::Expected<Images> Images::create(core::Scene& scene, std::span<const Origin
   return made;
 }
 
-core::Expected<std::vector<Images::Image>> Images::draw(core::Scene& scene) const {
+core::Expected<std::vector<apps::DrawnImage>> Images::draw(core::Scene& scene) const {
   auto engine = engine::Engine::create(scene, drawing_config(kWidth, kHeight, platform_));
   if (!engine) return tl::unexpected(engine.error());
-  std::vector<Image> images;
+  std::vector<apps::DrawnImage> images;
   for (const core::View& view : views_) {
     if (auto report = engine->frame(view); !report) return tl::unexpected(report.error());
-    auto colour = engine->read_colour();
-    if (!colour) return tl::unexpected(colour.error());
-    auto ids = engine->read_ids();
-    if (!ids) return tl::unexpected(ids.error());
-    images.push_back({std::move(*colour), std::move(*ids)});
+    auto image = apps::read_image(*engine, view);
+    if (!image) return tl::unexpected(image.error());
+    images.push_back(std::move(*image));
   }
   return images;
 }
 
-core::Expected<ImageErrors> Images::errors(std::span<const core::Mesh> meshes,
-                                           std::span<const importers::RecognisedMesh> found) const {
+core::Expected<MeanErrors> Images::errors(std::span<const core::Mesh> meshes,
+                                          std::span<const importers::RecognisedMesh> found) const {
   Placeholder made = placeholder(scene_, originals_, meshes, found);
   if (auto done = made.scene.commit(); !done) return tl::unexpected(done.error());
   auto images = draw(made.scene);
   if (!images) return tl::unexpected(images.error());
-  ImageErrors errors;
+  MeanErrors means;
   for (std::size_t i = 0; i < views_.size(); ++i) {
-    Image& image = (*images)[i];
+    apps::DrawnImage& image = (*images)[i];
     for (std::uint32_t& id : image.ids.ids)  // the item + 1
       if (const auto at = id > 0 ? made.item_of.find(core::ItemId{id - 1}) : made.item_of.end();
           at != made.item_of.end())
         id = to_index(at->second) + 1;
-    const auto metrics = image::image_metrics(reference_[i].colour, image.colour);
-    if (!metrics) return tl::unexpected(metrics.error());
-    const auto wrong = image::wrong_ids(reference_[i].ids, image.ids);
-    if (!wrong) return tl::unexpected(wrong.error());
-    errors.flip += metrics->flip_mean / double(views_.size());
-    errors.wrong_ids += double(*wrong) / double(image.ids.ids.size()) / double(views_.size());
+    const auto errors = apps::image_errors(reference_[i], image);
+    if (!errors) return tl::unexpected(errors.error());
+    means.flip += errors->flip_mean / double(views_.size());
+    means.wrong_ids += errors->wrong_share / double(views_.size());
   }
-  return errors;
+  return means;
 }
 
 }  // namespace sightline::bench

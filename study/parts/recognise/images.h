@@ -4,14 +4,13 @@
 #include <span>
 #include <vector>
 
-#include "sightline/engine/engine.h"
-#include "sightline/render/image/image.h"
+#include "sightline/apps/common/drawn_variant.h"
 #include "sightline/study/parts/recognise/subjects.h"
 
 namespace sightline::bench {
 
 /// Errors of images against those of the primitives, means over the views.
-struct ImageErrors {
+struct MeanErrors {
   double flip = 0.0;       ///< mean over all pixels
   double wrong_ids = 0.0;  ///< share of pixels that show another item, or an item in just one of the images
 };
@@ -24,23 +23,19 @@ class Images {
                                        gl::ContextPlatform platform);
 
   /// With triangles for the originals, a mesh each, and where `found` is not empty with what was recognised in them.
-  core::Expected<ImageErrors> errors(std::span<const core::Mesh> meshes,
-                                     std::span<const importers::RecognisedMesh> found) const;
+  core::Expected<MeanErrors> errors(std::span<const core::Mesh> meshes,
+                                    std::span<const importers::RecognisedMesh> found) const;
 
  private:
-  struct Image {
-    image::Image colour;
-    image::IdImage ids;
-  };
   Images(const core::Scene& scene, std::span<const Original> originals, gl::ContextPlatform platform)
       : scene_(scene), originals_(originals), platform_(platform) {}
-  core::Expected<std::vector<Image>> draw(core::Scene& scene) const;
+  core::Expected<std::vector<apps::DrawnImage>> draw(core::Scene& scene) const;
 
   const core::Scene& scene_;
   std::span<const Original> originals_;
   gl::ContextPlatform platform_;
   std::vector<core::View> views_;
-  std::vector<Image> reference_;
+  std::vector<apps::DrawnImage> reference_;
 };
 
 }  // namespace sightline::bench
