@@ -174,12 +174,6 @@ if(SIGHTLINE_TESTS)
   sightline_need(SIGHTLINE_TESTS GTest_FOUND "GoogleTest not found")
 endif()
 
-if(SIGHTLINE_BENCH AND SIGHTLINE_APPS)
-  find_package(benchmark QUIET)
-  if(NOT benchmark_FOUND)
-    sightline_lack("sightline-bench is without queries: Google Benchmark not found (libbenchmark-dev)")
-  endif()
-  if(SIGHTLINE_RAYTRACE)
-    find_package(embree 3 QUIET)  # a peer to measure beside: nothing is missing without it
-  endif()
+if(SIGHTLINE_BENCH AND SIGHTLINE_APPS AND SIGHTLINE_RAYTRACE)
+  find_package(embree 3 QUIET)  # a peer to measure beside: nothing is missing without it
 endif()

@@ -14,7 +14,7 @@ preset=${1:-release}
 [ $# -gt 0 ] && shift
 
 packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev
-  libstb-dev libmeshoptimizer-dev libdraco-dev libxxhash-dev libpng-dev libbenchmark-dev libegl-dev libgl-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
+  libstb-dev libmeshoptimizer-dev libdraco-dev libxxhash-dev libpng-dev libegl-dev libgl-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
 if [[ $preset == wasm* ]]; then
   packages=(emscripten cmake ninja-build libglm-dev libexpected-dev libfmt-dev nlohmann-json3-dev libxxhash-dev)
   # A node that is not Debian's has an npm of its own, which Debian's cannot be installed beside.

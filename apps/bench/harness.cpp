@@ -100,6 +100,12 @@ core::Expected<std::vector<core::View>> tour_views(const core::Snapshot& snapsho
   return views;
 }
 
+double thread_milliseconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
+}
+
 core::ItemBounds in_production_order(std::span<const core::Aabb> boxes) {
   core::ItemBounds bounds;
   fill(bounds, boxes, core::block_order(boxes, {.smallest_block = culling::kLeafSize}));

@@ -65,6 +65,9 @@ inline double processor_milliseconds() {
   return 1e3 * double(std::clock()) / CLOCKS_PER_SEC;
 }
 
+/// Time that the calling thread has run.
+double thread_milliseconds();
+
 /// Boxes in the order in which production culls them.
 core::ItemBounds in_production_order(std::span<const core::Aabb> boxes);
 

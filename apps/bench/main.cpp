@@ -13,17 +13,14 @@ constexpr bench::Subcommand kSubcommands[] = {
     {"cull", "frustum culling alone, on boxes and views from files", bench::add_cull},
     {"edit", "what edits cost, and what they leave of culling speed", bench::add_edit},
     {"import", "how fast model files are imported", bench::add_import},
+    {"queries", "spatial queries through the hierarchy against a loop over all boxes", bench::add_queries},
     {"start", "how long from a model file to the first cull or image, and the memory then", bench::add_start},
 #if SIGHTLINE_HAS_RAYTRACE
     {"scaling", "how stages that use several threads scale, and what more processors would bring", bench::add_scaling},
     {"trace", "rays of an image through the ray tracer, beside Embree where there is one", bench::add_trace},
 #endif
-#if SIGHTLINE_HAS_GOOGLE_BENCHMARK
-    {"queries", "spatial queries through the hierarchy against a loop over all boxes", bench::add_queries},
-#endif
 #if SIGHTLINE_HAS_GL
     {"context", "what a context without a window offers: driver, limits, extensions", bench::add_context},
-    {"gpu-cull", "the forms of the GPU culler against each other", bench::add_gpu_cull},
     {"frames", "frames of a tour in several modes beside drawing nothing but what is visible", bench::add_frames},
     {"hybrid", "frames culled by the CPU, the GPU and the hybrid, in turns: rendering off and on", bench::add_hybrid},
     {"error-time", "error of tessellated and ray-cast primitives against their run time", bench::add_error_time},

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <vector>
 
 #include "sightline/apps/bench/harness.h"
@@ -12,12 +11,6 @@ namespace sightline::bench {
 namespace {
 
 constexpr double kSeconds = 0.004;  // of a commit
-
-double thread_milliseconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
-}
 
 /// Hills of 2 cells² triangles.
 core::Mesh hills(std::uint32_t cells) {

@@ -1,15 +1,13 @@
 // sightline-bench queries: compares spatial queries through the hierarchy with a loop over all boxes.
 //
-// A time is the mean over random queries of a kind. The answers are compared first.
+// A time is the median over random queries of a kind. Every tenth answer is compared.
 #include <cstdint>
+#include <cstdio>
 #include <random>
 #include <string>
 #include <vector>
 
-#include <benchmark/benchmark.h>
-
 #include "sightline/apps/bench/harness.h"
-#include "sightline/apps/bench/microbenchmarks.h"
 #include "sightline/apps/bench/models/plant_boxes.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
@@ -26,7 +24,7 @@ using Hits = std::vector<culling::SlotDistance>;
 
 struct Options {
   std::size_t count = 713'000;
-  MicrobenchmarkOptions microbenchmarks;
+  std::string json;
 };
 
 /// Places of random queries, the same for every kind.
@@ -60,7 +58,7 @@ class Suite {
   /// `place(places)` makes a query's argument, and ask(queries, argument, answer) runs the query. Fails when the
   /// hierarchy's answer differs from that of the loop over all boxes.
   template <class Answer, class Place, class Ask>
-  void add(const std::string& name, const Place& place, const Ask& ask) {
+  core::Expected<void> add(const char* name, const Place& place, const Ask& ask) {
     constexpr std::size_t kQueries = 400, kComparedEvery = 10;
     Places places(1);
     std::vector<decltype(place(places))> arguments;
@@ -72,32 +70,35 @@ class Suite {
       found += double(answer.size()) / double(kQueries);
       if (i % kComparedEvery != 0) continue;
       ask(linear_, arguments[i], expected);
-      if (answer != expected) different_ = name;
+      if (answer != expected) return core::fail(std::string(name) + ": the loop over all boxes gives another answer");
     }
-    for (const SpatialQueries* queries : {&queries_, &linear_}) {
-      const auto run = [queries, arguments, ask, found](benchmark::State& state) {
-        Answer out;
-        std::size_t i = 0;
-        for ([[maybe_unused]] auto _ : state) {
-          ask(*queries, arguments[i++ % arguments.size()], out);
-          benchmark::DoNotOptimize(out.data());
-        }
-        state.counters["found"] = found;
-      };
-      benchmark::RegisterBenchmark((name + (queries == &queries_ ? "/hierarchy" : "/linear")).c_str(), run)
-          ->Unit(benchmark::kMicrosecond);
-    }
+    const auto median_us = [&](const SpatialQueries& queries) {
+      return 1e3 * apps::median(time_path(kQueries, [&](std::size_t i) { ask(queries, arguments[i], answer); }));
+    };
+    rows_.push_back(
+        {{"query", name}, {"found", found}, {"hierarchy_us", median_us(queries_)}, {"linear_us", median_us(linear_)}});
+    return {};
   }
 
-  /// Name of the query whose answers differ, or empty.
-  const std::string& different() const { return different_; }
+  const json::Value& rows() const { return rows_; }
 
  private:
   culling::Hierarchy hierarchy_;
   const culling::Hierarchy none_;
   SpatialQueries queries_, linear_;
-  std::string different_;
+  json::Value rows_ = json::Value::array();
 };
+
+/// A table that is also Markdown.
+void print_table(const json::Value& json, std::FILE* out) {
+  std::fprintf(out, "| %-26s | found, mean | hierarchy, us | linear, us |  ratio |\n", "query");
+  std::fprintf(out, "| -------------------------- | ----------: | ------------: | ---------: | -----: |\n");
+  for (const json::Value& row : json["queries"]) {
+    const double hierarchy = row["hierarchy_us"].get<double>(), linear = row["linear_us"].get<double>();
+    std::fprintf(out, "| %-26s | %11.1f | %13.2f | %10.1f | %6.0f |\n", row["query"].get<std::string>().c_str(),
+                 row["found"].get<double>(), hierarchy, linear, linear / hierarchy);
+  }
+}
 
 core::Expected<int> run(const Options& options) {
   const core::ItemBounds bounds = in_production_order(PlantBoxes(1).make(options.count));
@@ -119,26 +120,23 @@ core::Expected<int> run(const Options& options) {
   };
 
   Suite suite(bounds);
-  suite.add<Slots>("intersecting a box of 2 m", box(2.0), intersecting);
-  suite.add<Slots>("intersecting a box of 20 m", box(20.0), intersecting);
-  suite.add<Slots>("inside a box of 20 m", box(20.0), inside);
-  suite.add<Slots>("within 1 m of a point", point, around);
-  suite.add<Hits>("along a ray, all", ray, along);
-  suite.add<Hits>("along a ray, first", ray, first(1));
-  suite.add<Hits>("along a ray, first 16", ray, first(16));
-  suite.add<Hits>("nearest", point, nearest(1));
-  suite.add<Hits>("nearest 16", point, nearest(16));
-  if (!suite.different().empty())
-    return core::fail(suite.different() + ": an answer differs from that of the loop over all boxes");
-  return run_microbenchmarks(options.microbenchmarks);
+  auto done = suite.add<Slots>("intersecting a box of 2 m", box(2.0), intersecting);
+  if (done) done = suite.add<Slots>("intersecting a box of 20 m", box(20.0), intersecting);
+  if (done) done = suite.add<Slots>("inside a box of 20 m", box(20.0), inside);
+  if (done) done = suite.add<Slots>("within 1 m of a point", point, around);
+  if (done) done = suite.add<Hits>("along a ray, all", ray, along);
+  if (done) done = suite.add<Hits>("along a ray, first", ray, first(1));
+  if (done) done = suite.add<Hits>("along a ray, first 16", ray, first(16));
+  if (done) done = suite.add<Hits>("nearest", point, nearest(1));
+  if (done) done = suite.add<Hits>("nearest 16", point, nearest(16));
+  if (!done) return tl::unexpected(done.error());
+  return finish(options.json, {{"boxes", options.count}, {"queries", suite.rows()}}, print_table);
 }
 
 void add_options(apps::CommandLine& line, Options& options) {
   add_generate_option(line, options.count).shows_default();
-  add_microbenchmark_options(line, options.microbenchmarks);
-  line.examples(
-      "  sightline-bench queries --generate 713000\n"
-      "  sightline-bench queries --filter nearest --repetitions 5 --json queries.json");
+  apps::add_json_option(line, options.json);
+  line.examples("  sightline-bench queries --generate 713000 --json queries.json");
 }
 
 }  // namespace

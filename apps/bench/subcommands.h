@@ -8,21 +8,18 @@ namespace sightline::bench {
 Run add_cull(apps::CommandLine& line);
 Run add_edit(apps::CommandLine& line);
 Run add_import(apps::CommandLine& line);
+Run add_queries(apps::CommandLine& line);
 Run add_start(apps::CommandLine& line);
 
 // Built if the ray tracer is.
 Run add_scaling(apps::CommandLine& line);
 Run add_trace(apps::CommandLine& line);
 
-// Built if Google Benchmark is found.
-Run add_queries(apps::CommandLine& line);
-
 // Built if GL is.
 Run add_context(apps::CommandLine& line);
 Run add_contribution(apps::CommandLine& line);
 Run add_error_time(apps::CommandLine& line);
 Run add_frames(apps::CommandLine& line);
-Run add_gpu_cull(apps::CommandLine& line);
 Run add_hybrid(apps::CommandLine& line);
 Run add_lod(apps::CommandLine& line);
 

@@ -1,7 +1,6 @@
 #include "sightline/apps/bench/hybrid/flight.h"
 
 #include <algorithm>
-#include <ctime>
 #include <numeric>
 #include <string_view>
 
@@ -10,12 +9,6 @@
 
 namespace sightline::bench {
 namespace {
-
-double thread_milliseconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
-}
 
 double sum(const std::vector<HybridFrame>& frames, bool rendering) {
   return std::accumulate(frames.begin(), frames.end(), 0.0,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightline/apps/bench/gl_call_count.h"
+#include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/hybrid/report.h"
 #include "sightline/apps/bench/hybrid/scenes.h"
 #include "sightline/apps/bench/models/aircraft.h"
@@ -80,16 +81,8 @@ FlightConfig config_of(const Options& o, bool rendering) {
 /// The automatic tour, as sightline-replay flies it.
 core::Expected<std::vector<core::View>> tour(core::Scene& scene, const Options& o) {
   if (auto done = scene.commit(); !done) return tl::unexpected(done.error());
-  const core::Snapshot snapshot(scene);
-  const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
   const std::array<int, 2> size = *apps::parse_size(o.size);
-  std::vector<core::View> views;
-  for (int i = 0; i < o.frames; ++i) {
-    auto view = path.view(path.time_of(i, o.frames), double(size[0]) / size[1]);
-    if (!view) return tl::unexpected(view.error());
-    views.push_back(std::move(*view));
-  }
-  return views;
+  return tour_views(core::Snapshot(scene), o.frames, double(size[0]) / size[1]);
 }
 
 void print_machine(const Options& o, const gl::Context& context, std::FILE* out) {
