@@ -13,8 +13,8 @@
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/scratch.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/culling/frustum/cpu_culler.h"
-#include "sightline/culling/frustum/cull_threads.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
 #include "sightline/culling/frustum/internal/slot_list.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
@@ -82,7 +82,7 @@ std::size_t job_count(std::size_t boxes) {
 
 /// Calls job(number, begin, end) for ranges that cover 0 … count - 1.
 template <class Job>
-void for_ranges(std::size_t count, CullThreads& threads, const Job& job) {
+void for_ranges(std::size_t count, core::ThreadPool& threads, const Job& job) {
   threads.run(std::uint32_t(job_count(count)), [&](std::uint32_t i) {
     const std::size_t begin = i * kJobBoxes;
     job(i, begin, std::min(count, begin + kJobBoxes));
@@ -90,7 +90,7 @@ void for_ranges(std::size_t count, CullThreads& threads, const Job& job) {
 }
 
 /// Fails with the first box that is not acceptable.
-core::Expected<core::AabbD> union_of(std::span<const core::AabbD> boxes, CullThreads& threads) {
+core::Expected<core::AabbD> union_of(std::span<const core::AabbD> boxes, core::ThreadPool& threads) {
   std::vector<core::AabbD> unions(job_count(boxes.size()));
   std::vector<std::size_t> refused(unions.size(), boxes.size());
   for_ranges(boxes.size(), threads, [&](std::uint32_t job, std::size_t begin, std::size_t end) {
@@ -118,7 +118,7 @@ struct BoxCuller::Impl {
   std::optional<CpuCuller> culler;      // borrows bounds
   std::size_t empty_boxes = 0;          // which ranges of slots may hold
   std::vector<core::Slot> changed;      // scratch of update()
-  CullThreads threads;                  // for the occlusion test and large changes
+  core::ThreadPool threads;             // for the occlusion test and large changes
   QueryMutex mutex;
 
   /// The middle of the boxes, to which coordinates in float are relative.

@@ -63,8 +63,8 @@ class SIGHTLINE_API BoxCuller {
 
   /// Visible boxes without those that are occluded in a depth image of this view (OcclusionTest says when) or that
   /// cover none of its pixel centres. The view must know its eye: one made from a combined matrix does not. Large sets
-  /// are tested on several threads (CullThreads), which start with the first set that is worth them. A pyramid that was
-  /// never built hides nothing.
+  /// are tested on several threads (core::ThreadPool), which start with the first set that is worth them. A pyramid
+  /// that was never built hides nothing.
   void visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const;
 
   /// Boxes that share a point with `range`, or with `inside` lie in it, in rising order of their indices. Queries take

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "sightline/culling/frustum/internal/run_jobs.h"
-
 namespace sightline::gpuscene {
 namespace {
 
@@ -37,9 +35,9 @@ void TriangleStream::divide() {
 }
 
 void TriangleStream::test(const core::Snapshot& snapshot, const culling::TriangleTest& test,
-                          culling::CullThreads* threads) {
+                          core::ThreadPool* threads) {
   divide();
-  culling::run_jobs(threads, std::uint32_t(job_count_), [&](std::uint32_t i) { run(jobs_[i], snapshot, test); });
+  core::ThreadPool::run_on(threads, std::uint32_t(job_count_), [&](std::uint32_t i) { run(jobs_[i], snapshot, test); });
   for (std::size_t i = 0; i < job_count_; ++i) size_ += jobs_[i].count;
 }
 

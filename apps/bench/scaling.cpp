@@ -45,7 +45,7 @@ void add_options(apps::CommandLine& line, Options& o) {
       .in_range(std::uint64_t(1'000), std::uint64_t(100'000'000))
       .shows_default();
   line.add("--threads", o.threads, "The most threads; 0: one per processor")
-      .in_range(0, culling::CullThreads::kMost)
+      .in_range(0, core::ThreadPool::kMost)
       .shows_default();
   line.add("--passes", o.passes, "Of each stage with each number of threads; the least counts")
       .in_range(1, 1000)
@@ -144,7 +144,7 @@ core::Expected<int> run(const Options& options) {
                       return core::Expected<void>();
                     }});
   std::vector<core::VisibleSet> sets(views->size());
-  std::map<int, culling::CullThreads> helpers;
+  std::map<int, core::ThreadPool> helpers;
   stages.push_back({"cull " + std::to_string(kViews) + " views", [&](int threads) {
                       culler.cull(*views, sets, &helpers.try_emplace(threads, threads).first->second);
                       return core::Expected<void>();

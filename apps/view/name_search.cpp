@@ -11,6 +11,7 @@
 #include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/view/regular_expression.h"
 #include "sightline/core/internal/ascii_case.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/importers/import.h"
 
 namespace sightline::apps {
@@ -248,11 +249,7 @@ core::Expected<BitSet> NameIndex::scan_all(const Target& target, const std::stop
       if (!worker.result) next = target.last_chunk;  // ends the others
     }
   };
-  {
-    std::vector<std::jthread> helpers;
-    for (std::size_t i = 1; i < threads; ++i) helpers.emplace_back([&work, &worker = workers[i]] { work(worker); });
-    work(workers[0]);
-  }
+  core::ThreadPool(int(threads)).run_at_once(std::uint32_t(threads), [&](std::uint32_t i) { work(workers[i]); });
   if (stop.stop_requested()) return core::fail(std::string(importers::kCancelled));
   for (Worker& worker : workers) {
     if (!worker.result) return tl::unexpected(worker.result.error());

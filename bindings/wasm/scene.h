@@ -33,7 +33,7 @@ struct Model {
   std::optional<raytrace::Tracer> tracer = {};
   std::optional<gpuprims::Joints> joints = {};
 
-  culling::CullThreads threads{};
+  core::ThreadPool threads{};
   culling::SolidOccluders solids = {};
   core::VisibleSet set = {};
 

@@ -15,7 +15,7 @@ struct Leaves {
 }  // namespace
 
 void find_visible(const core::ItemBounds& bounds, const culling::CpuCuller& culler, const ViewObject& view,
-                  const Limits& limits, culling::CullThreads* threads, core::VisibleSet& set) {
+                  const Limits& limits, core::ThreadPool* threads, core::VisibleSet& set) {
   culler.cull(view.view, set);
   if (limits.pyramid != nullptr && limits.pyramid->level_count() > 0) {
     const culling::OcclusionTest test(view.view, bounds.origin, limits.pyramid->width(), limits.pyramid->height(),

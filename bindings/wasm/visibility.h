@@ -17,6 +17,6 @@ struct Limits {
 
 /// Replaces `set`. `threads` may be null.
 void find_visible(const core::ItemBounds& bounds, const culling::CpuCuller& culler, const ViewObject& view,
-                  const Limits& limits, culling::CullThreads* threads, core::VisibleSet& set);
+                  const Limits& limits, core::ThreadPool* threads, core::VisibleSet& set);
 
 }  // namespace sightline::wasm

@@ -9,7 +9,6 @@
 #include "sightline/core/internal/scratch.h"
 #include "sightline/culling/frustum/frustum_test.h"
 #include "sightline/culling/frustum/internal/kernels.h"
-#include "sightline/culling/frustum/internal/run_jobs.h"
 
 namespace sightline::culling {
 namespace {
@@ -124,9 +123,10 @@ void CpuCuller::cull(const core::View& view, core::VisibleSet& set) const {
   cull_tree(*bounds_, hierarchy_, planes, view.layers, set);
 }
 
-void CpuCuller::cull(std::span<const core::View> views, std::span<core::VisibleSet> sets, CullThreads* threads) const {
+void CpuCuller::cull(std::span<const core::View> views, std::span<core::VisibleSet> sets,
+                     core::ThreadPool* threads) const {
   assert(sets.size() >= views.size());
-  run_jobs(threads, std::uint32_t(views.size()), [&](std::uint32_t i) { cull(views[i], sets[i]); });
+  core::ThreadPool::run_on(threads, std::uint32_t(views.size()), [&](std::uint32_t i) { cull(views[i], sets[i]); });
 }
 
 /// A node, except the root, is walked into because its box crosses the view volume's surface; so is a leaf.

@@ -10,9 +10,9 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/frustum/cull_threads.h"
 #include "sightline/culling/frustum/hierarchy.h"
 
 namespace sightline::culling {
@@ -31,15 +31,16 @@ class SIGHTLINE_API CpuCuller {
 
   /// Several views in one query: the eyes of a headset, shadow cascades, section views. sets[i] becomes the result of
   /// cull(views[i]). With `threads`, views are distributed among them where that is faster.
-  void cull(std::span<const core::View> views, std::span<core::VisibleSet> sets, CullThreads* threads = nullptr) const;
+  void cull(std::span<const core::View> views, std::span<core::VisibleSet> sets,
+            core::ThreadPool* threads = nullptr) const;
 
   /// Call this before the next cull when boxes or layers of `changed` slots have changed or slots were appended: see
   /// Hierarchy::update.
-  void update(std::span<const core::Slot> changed, CullThreads* threads = nullptr) {
+  void update(std::span<const core::Slot> changed, core::ThreadPool* threads = nullptr) {
     hierarchy_.update(*bounds_, changed, threads);
   }
   /// Follows any change. Linear in the number of slots.
-  void refit(CullThreads* threads = nullptr) { hierarchy_.refit(*bounds_, threads); }
+  void refit(core::ThreadPool* threads = nullptr) { hierarchy_.refit(*bounds_, threads); }
 
   const Hierarchy& hierarchy() const { return hierarchy_; }
   std::size_t memory_bytes() const { return hierarchy_.memory_bytes(); }  ///< without the bounds

@@ -198,7 +198,7 @@ void Hierarchy::refit_marked(const ItemBounds& bounds, int level, std::uint32_t 
 }
 
 /// Subtrees of a level with some dozens of nodes are jobs for threads; the few nodes above them are refitted at last.
-void Hierarchy::refit_marked(const ItemBounds& bounds, CullThreads* threads) {
+void Hierarchy::refit_marked(const ItemBounds& bounds, core::ThreadPool* threads) {
   constexpr std::size_t kMostJobs = 256;
   if (empty()) return;
   int level = 0;
@@ -209,14 +209,14 @@ void Hierarchy::refit_marked(const ItemBounds& bounds, CullThreads* threads) {
   refit_marked(bounds, level_count() - 1, 0);
 }
 
-void Hierarchy::refit(const ItemBounds& bounds, CullThreads* threads) {
+void Hierarchy::refit(const ItemBounds& bounds, core::ThreadPool* threads) {
   if (bounds.size() < slot_count_) nodes_.clear(), layers_.clear(), marks_.clear();
   resize(bounds);
   for (int level = 0; level < level_count(); ++level) mark_all(level);
   refit_marked(bounds, threads);
 }
 
-void Hierarchy::update(const ItemBounds& bounds, std::span<const core::Slot> changed, CullThreads* threads) {
+void Hierarchy::update(const ItemBounds& bounds, std::span<const core::Slot> changed, core::ThreadPool* threads) {
   const std::uint32_t old_slots = slot_count_;
   const int old_levels = level_count();
   const bool layers_are_new = bounds.uses_layers() && layers_.empty();

@@ -11,7 +11,7 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
-#include "sightline/culling/frustum/cull_threads.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/culling/frustum/frustum_test.h"
 
 namespace sightline::culling {
@@ -42,12 +42,12 @@ class SIGHTLINE_API Hierarchy {
 
   /// Refits all boxes, after any change of the bounds. Linear time. With `threads`, subtrees are distributed among them
   /// where that is faster.
-  void refit(const core::ItemBounds& bounds, CullThreads* threads = nullptr);
+  void refit(const core::ItemBounds& bounds, core::ThreadPool* threads = nullptr);
   /// Follows changes of boxes or layers of `changed` slots alone (in any order, repeated or not) and slots were
   /// appended. Refits only their blocks and the nodes above them. Boxes around slots that became vacant keep their
   /// sizes, so a walk may go further than needed. Each changed block and each node above is refitted once. Linear in
   /// the number of changes; does not depend on the number of slots unless slots were appended.
-  void update(const core::ItemBounds& bounds, std::span<const core::Slot> changed, CullThreads* threads = nullptr);
+  void update(const core::ItemBounds& bounds, std::span<const core::Slot> changed, core::ThreadPool* threads = nullptr);
 
   bool empty() const { return slot_count_ == 0; }
   std::uint32_t slot_count() const { return slot_count_; }
@@ -78,7 +78,7 @@ class SIGHTLINE_API Hierarchy {
   void mark_all(int level);
   void refit_lane(const core::ItemBounds& bounds, int level, std::uint32_t lane);
   void refit_marked(const core::ItemBounds& bounds, int level, std::uint32_t node);
-  void refit_marked(const core::ItemBounds& bounds, CullThreads* threads);
+  void refit_marked(const core::ItemBounds& bounds, core::ThreadPool* threads);
 
   std::vector<core::LargeArray<HierarchyNode>> nodes_;  // per level
   std::vector<core::LargeArray<LayerNode>> layers_;     // per level; none without layers

@@ -173,7 +173,7 @@ bool OcclusionTest::occluded(const core::Aabb& box) const {
 }
 
 void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& unoccluded,
-                           SlotBits exempt, CullThreads* threads, const Hierarchy* hierarchy) const {
+                           SlotBits exempt, core::ThreadPool* threads, const Hierarchy* hierarchy) const {
   if (!depth_.fits()) {
     unoccluded = in;
     return;
@@ -185,7 +185,7 @@ void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSe
   if (!threads) return filter_part(in, unoccluded);
   const core::Scratch<FilterBuffers> scratch;
   SetParts& parts = scratch->parts;
-  parts.split(in, part_size(in.count(), threads->count()));
+  parts.split(in, part_size(in.count(), threads->size()));
   parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) { filter_part(part, part); });
   parts.join(unoccluded);
 }
@@ -201,7 +201,7 @@ void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::Visibl
 }
 
 void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy* hierarchy, const core::VisibleSet& in,
-                                core::VisibleSet& front, core::VisibleSet& behind, CullThreads* threads) const {
+                                core::VisibleSet& front, core::VisibleSet& behind, core::ThreadPool* threads) const {
   if (!depth_.fits()) {
     front = in;
     behind.clear();

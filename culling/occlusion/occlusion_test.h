@@ -23,9 +23,9 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/frustum/cull_threads.h"
 #include "sightline/culling/frustum/hierarchy.h"
 #include "sightline/culling/occlusion/depth_pyramid.h"
 #include "sightline/culling/occlusion/internal/depth_test.h"
@@ -54,7 +54,7 @@ class SIGHTLINE_API OcclusionTest {
   /// slots are left out. Large sets are shared out among `threads`, if there are any. filter_leaves() comes first where
   /// there is a `hierarchy`.
   void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& unoccluded,
-              SlotBits exempt = {}, CullThreads* threads = nullptr, const Hierarchy* hierarchy = nullptr) const;
+              SlotBits exempt = {}, core::ThreadPool* threads = nullptr, const Hierarchy* hierarchy = nullptr) const;
   /// A first, coarse step for large sets: leaves out those leaves of the hierarchy that lie within ranges of `in` and
   /// whose boxes, or those of nodes above, are hidden. `hierarchy`: over the bounds that `in` belongs to.
   void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& unoccluded,
@@ -65,7 +65,7 @@ class SIGHTLINE_API OcclusionTest {
   /// Where boxes are entered at the same distance, the one with the lower slot is first. `hierarchy`: as for
   /// filter_leaves(), or null. `threads`: as for filter().
   void split_front(const core::ItemBounds& bounds, const Hierarchy* hierarchy, const core::VisibleSet& in,
-                   core::VisibleSet& front, core::VisibleSet& behind, CullThreads* threads = nullptr) const;
+                   core::VisibleSet& front, core::VisibleSet& behind, core::ThreadPool* threads = nullptr) const;
 
  private:
   DepthTest depth_;

@@ -6,7 +6,6 @@
 
 #include "sightline/core/internal/scratch.h"
 #include "sightline/core/internal/snapshot_prefetch.h"
-#include "sightline/culling/frustum/internal/run_jobs.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
 #include "sightline/culling/occlusion/internal/inner_occluders.h"
 
@@ -72,7 +71,7 @@ void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& vie
   of_threads_.begin();
 }
 
-void SolidOccluders::add(const core::VisibleSet& items, CullThreads* threads) {
+void SolidOccluders::add(const core::VisibleSet& items, core::ThreadPool* threads) {
   const core::Scratch<AddedParts> scratch;
   SetParts& parts = scratch->parts;
   parts.split(items, kItemsOfPart);
@@ -167,13 +166,13 @@ void SolidOccluders::leave_out_occluded(core::VisibleSet& items, const DepthPyra
     if (hidden[i] == 0) items.single_slots.push_back(slots[i]);
 }
 
-void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn, CullThreads* threads) {
+void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn, core::ThreadPool* threads) {
   rasters_.clear();
   for (const auto& raster : of_threads_.used()) rasters_.push_back(raster.get());
   if (rasters_.empty()) rasters_.push_back(&empty_);
   const std::span<float> distances = pyramid.begin(width_, height_);
   assert(drawn.empty() || drawn.size() == distances.size());
-  run_jobs(threads, std::uint32_t(pyramid.band_count()), [&](std::uint32_t band) {
+  core::ThreadPool::run_on(threads, std::uint32_t(pyramid.band_count()), [&](std::uint32_t band) {
     const int first = int(band) * DepthPyramid::kBandRows, end = std::min(height_, first + DepthPyramid::kBandRows);
     rasters_[0]->distances_of_rows(first, end, distances, std::span(rasters_).subspan(1));
     if (!drawn.empty())

@@ -26,7 +26,7 @@
 #pragma once
 
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/frustum/cull_threads.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/culling/occlusion/internal/object_pool.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 
@@ -44,11 +44,11 @@ class SIGHTLINE_API SolidOccluders {
   /// OccluderRaster::begin().
   void begin(const core::Snapshot& snapshot, const core::View& view, int width, int height, float snap = kCoarsestSnap);
   /// Adds items of the snapshot. Large sets are shared out among `threads`, if there are any.
-  void add(const core::VisibleSet& items, CullThreads* threads = nullptr);
+  void add(const core::VisibleSet& items, core::ThreadPool* threads = nullptr);
   /// Hands the image to the pyramid, which has its size then. `drawn`: distances of what is drawn already, as
   /// DepthPyramid::build() takes them, or none; where they are nearer, they count. More items may follow. `threads`
   /// share in it, if there are any.
-  void build(DepthPyramid& pyramid, std::span<const float> drawn = {}, CullThreads* threads = nullptr);
+  void build(DepthPyramid& pyramid, std::span<const float> drawn = {}, core::ThreadPool* threads = nullptr);
   /// Leaves out cylinders, straight snouts and circular tori that are hidden by what a pyramid holds, of an image of
   /// this view and size. Other items stay: their boxes should have been tested (OcclusionTest). `error`: as there.
   /// Several threads may call it at once.

@@ -145,7 +145,7 @@ double BudgetPasses::pending_ms() const {
 }
 
 void BudgetPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds,
-                            culling::CullThreads* threads) {
+                            core::ThreadPool* threads) {
   test.filter(bounds, drawn_, unoccluded_piece_, lines_, threads);
   unoccluded_.assign(culling::bit_words(bounds.size()), 0);
   culling::set_bits(unoccluded_piece_, unoccluded_);

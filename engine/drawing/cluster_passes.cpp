@@ -15,8 +15,7 @@ void insert(std::vector<std::uint64_t>& bits, std::uint32_t i) {
 
 }  // namespace
 
-void ClusterPasses::begin(const culling::OcclusionTest& test, const core::dvec3& origin,
-                          culling::CullThreads& threads) {
+void ClusterPasses::begin(const culling::OcclusionTest& test, const core::dvec3& origin, core::ThreadPool& threads) {
   test_ = &test;
   threads_ = &threads;
   boxes_.origin = origin;

@@ -29,7 +29,7 @@ void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& of_ranges) {
 }  // namespace
 
 void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBits lines,
-                            const culling::Hierarchy* hierarchy, culling::CullThreads& threads, Next next) {
+                            const culling::Hierarchy* hierarchy, core::ThreadPool& threads, Next next) {
   lines_ = lines;
   hierarchy_ = hierarchy;
   threads_ = &threads;

@@ -130,7 +130,7 @@ core::Expected<DrawCounts> OcclusionPrepass::draw_visible(DrawContext& context, 
   return drawn.map([](std::int64_t count) { return DrawCounts{-1, count}; });
 }
 
-/// Leaves out of a set the items that the depth pyramid occludes. `beside`: see CullThreads::run().
+/// Leaves out of a set the items that the depth pyramid occludes. `beside`: see core::ThreadPool::run_at_once().
 void OcclusionPrepass::leave_out_occluded(DrawContext& context, const Culled& culled,
                                           const culling::OcclusionTest& test, core::VisibleSet& set,
                                           const std::function<void()>& beside) {
@@ -141,7 +141,7 @@ void OcclusionPrepass::leave_out_occluded(DrawContext& context, const Culled& cu
     test.filter(bounds, part, part, culled.lines);
     solids_.leave_out_occluded(part, context.image->pyramid, error);
   };
-  parts_.for_each(&context.threads, leave_out, beside);
+  parts_.for_each(context.threads, leave_out, beside);
   parts_.join(set);
 }
 

@@ -49,7 +49,7 @@ struct DrawnIn {
   const lod::ImageError* error = nullptr;            ///< meshes that have levels are drawn by a cut of them
   ClusterFilter* clusters = nullptr;                 ///< of such cuts
   const culling::TriangleTest* triangles = nullptr;  ///< of meshes, only triangles are drawn that may colour the image
-  culling::CullThreads* threads = nullptr;           ///< that share in the test
+  core::ThreadPool* threads = nullptr;               ///< that share in the test
 };
 
 /// What is drawn of items with meshes.

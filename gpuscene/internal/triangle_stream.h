@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/culling/frustum/cull_threads.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/culling/occlusion/internal/triangle_test.h"
 #include "sightline/gpuscene/internal/mesh_pool.h"
 
@@ -20,7 +20,7 @@ class TriangleStream {
   /// Some triangles of an item's mesh; `indices` are borrowed until test(). `command` draws the whole mesh.
   void add(core::Slot slot, std::span<const std::uint32_t> indices, const ElementsCommand& command, bool fronts_alone);
   /// Tests what was added, on any of the threads; null: on this one.
-  void test(const core::Snapshot& snapshot, const culling::TriangleTest& test, culling::CullThreads* threads);
+  void test(const core::Snapshot& snapshot, const culling::TriangleTest& test, core::ThreadPool* threads);
 
   /// Number of indices that are left. A multiple of three.
   std::size_t size() const { return size_; }

@@ -17,6 +17,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "sightline/core/thread_pool.h"
 #include "sightline/importers/slc/internal/storage.h"
 
 namespace sightline::importers {
@@ -320,22 +321,12 @@ SlcExpected<void> SlcFile::verify(std::span<const Verified> what) const {
                         checksums_[std::size_t(section->first_block + b)],
                         section->number});
   }
-  std::atomic<std::size_t> next{0};
   std::atomic<std::uint64_t> wrong{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < blocks.size() && wrong == 0; i = next++)
-      if (slc_checksum(blocks[i].bytes) != blocks[i].checksum) wrong = blocks[i].number;
+  const auto check = [&](std::uint32_t i) {
+    if (wrong == 0 && slc_checksum(blocks[i].bytes) != blocks[i].checksum) wrong = blocks[i].number;
   };
-  {
-    std::vector<std::jthread> helpers;
-    try {
-      const std::size_t processors = std::max(1u, std::thread::hardware_concurrency());
-      for (std::size_t i = 1; i < std::min(processors, blocks.size()); ++i) helpers.emplace_back(work);
-    } catch (const std::system_error&) {
-      // This thread does it all.
-    }
-    work();
-  }
+  const std::size_t processors = std::max(1u, std::thread::hardware_concurrency());
+  core::ThreadPool(int(std::min(processors, blocks.size()))).run_at_once(std::uint32_t(blocks.size()), check);
   if (wrong != 0) return damaged(fmt::format("array {} does not match its checksum", wrong.load()));
   return {};
 }

@@ -293,5 +293,27 @@ TEST(CpuCuller, SeveralThreadsAtOnce) {
   }
 }
 
+TEST(CpuCuller, SeveralViewsAreTheViewsOneByOne) {
+  constexpr std::uint64_t kSeed = 7;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  Random random(kSeed);
+  const Scene scene(random_boxes(random, 30'000, 50.0), core::dvec3(0.0));
+  core::ThreadPool threads(3);
+  for (int round = 0; round < 40; ++round) {
+    std::vector<core::View> views;
+    for (int i = whole(random, 0, 8); i > 0; --i) views.push_back(random_view(random, core::dvec3(0.0), 50.0));
+    std::vector<core::VisibleSet> sets(views.size());
+    for (core::ThreadPool* with : {static_cast<core::ThreadPool*>(nullptr), &threads}) {
+      scene.culler->cull(views, sets, with);
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        core::VisibleSet alone;
+        scene.culler->cull(views[i], alone);
+        ASSERT_EQ(sets[i].ranges, alone.ranges);
+        ASSERT_EQ(sets[i].single_slots, alone.single_slots);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sightline::tests::cpu_culler_test

@@ -110,7 +110,7 @@ void expect_around(const Hierarchy& wide, const Hierarchy& exact) {
 }
 
 TEST(Hierarchy, UpdatesLikeANewOne) {
-  culling::CullThreads threads(3);
+  core::ThreadPool threads(3);
   for (std::uint64_t seed = 1; seed <= 80; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);

@@ -308,7 +308,7 @@ TEST(OcclusionTest, FiltersSets) {
       if (spared || !test.occluded(bounds.box(s))) open.push_back(s);
     }
     std::vector<core::Slot> first_front, first_behind;
-    culling::CullThreads threads(3);
+    core::ThreadPool threads(3);
     core::VisibleSet leaves;
     for_each_instruction_set([&] {
       core::VisibleSet opens, both;

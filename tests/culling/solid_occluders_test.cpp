@@ -102,8 +102,8 @@ core::VisibleSet all_of(const core::Snapshot& snapshot) {
   return all;
 }
 
-std::vector<float> distances_of(const core::Snapshot& snapshot, const View& view,
-                                culling::CullThreads* threads = nullptr, std::span<const float> drawn = {}) {
+std::vector<float> distances_of(const core::Snapshot& snapshot, const View& view, core::ThreadPool* threads = nullptr,
+                                std::span<const float> drawn = {}) {
   SolidOccluders solids;
   culling::DepthPyramid pyramid;
   solids.begin(snapshot, view, kWidth, kHeight);
@@ -545,7 +545,7 @@ TEST(SolidOccluders, AreTheSameOnThreadsAndJoinWhatIsDrawn) {
                         {0.2 * random_linear(random), point(random, 3.0)});
   const core::Snapshot snapshot(scene);
   const std::vector<float> expected = distances_of(snapshot, kFront);
-  culling::CullThreads threads(4);
+  core::ThreadPool threads(4);
   EXPECT_EQ(distances_of(snapshot, kFront, &threads), expected);
   EXPECT_GT(covered(expected), expected.size() / 3);
   std::vector<float> drawn(expected.size()), nearer = expected;

@@ -16,6 +16,7 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/importers/json/internal/json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/apps/bench/stability/fuzz.h"
@@ -73,18 +74,14 @@ void add_options(apps::CommandLine& line, Options& options) {
 template <class Work>
 void for_all(const char* label, std::size_t count, const Work& work) {
   apps::Progress progress(label, count);
-  std::atomic<std::size_t> next = 0, done = 0;
-  const auto take = [&](bool tell) {
-    for (std::size_t i = next++; i < count; i = next++) {
-      work(i);
-      ++done;
-      if (tell) progress.advance(done);
-    }
+  std::atomic<std::size_t> done = 0;
+  const auto own = std::this_thread::get_id();
+  const auto job = [&](std::uint32_t i) {
+    work(i);
+    ++done;
+    if (std::this_thread::get_id() == own) progress.advance(done);
   };
-  std::vector<std::thread> others(std::max(1u, std::thread::hardware_concurrency()) - 1);
-  for (std::thread& thread : others) thread = std::thread(take, false);
-  take(true);
-  for (std::thread& thread : others) thread.join();
+  core::ThreadPool(int(std::thread::hardware_concurrency())).run_at_once(std::uint32_t(count), job);
 }
 
 /// Data of one case, for every path.

@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "sightline/core/internal/scratch.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum/internal/append_range.h"
-#include "sightline/culling/frustum/internal/run_jobs.h"
 
 namespace sightline::culling {
 
@@ -40,12 +39,16 @@ class SetParts {
   }
 
   std::uint32_t count() const { return std::uint32_t(count_); }
-  /// Calls job(part, number of the part) for each part, on any of the threads; null: on this one. `beside`: see
-  /// CullThreads::run().
+  /// Calls job(part, number of the part) for each part, on any of the threads; null: on this one.
   template <class Job>
-  void for_each(CullThreads* threads, const Job& job, const std::function<void()>& beside = {}) {
-    run_jobs(
-        threads, count(), [&](std::uint32_t i) { job(parts_[i], i); }, beside);
+  void for_each(core::ThreadPool* threads, const Job& job) {
+    core::ThreadPool::run_on(threads, count(), [&](std::uint32_t i) { job(parts_[i], i); });
+  }
+  /// `beside`: see ThreadPool::run_at_once().
+  template <class Job, class Beside>
+  void for_each(core::ThreadPool& threads, const Job& job, const Beside& beside) {
+    const auto of_part = [&](std::uint32_t i) { job(parts_[i], i); };
+    threads.run_at_once(count(), of_part, beside);
   }
   core::VisibleSet& operator[](std::uint32_t part) { return parts_[part]; }
 

@@ -46,7 +46,7 @@ class BudgetPasses {
   void took(double ms) { costs_.took(counts_, ms); }
   /// Remembers what of the drawn items is open. The threads share the test; null: this one alone.
   void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds,
-                culling::CullThreads* threads = nullptr);
+                core::ThreadPool* threads = nullptr);
 
   const core::VisibleSet& pass() const { return pass_; }  ///< slots in rising order
   std::size_t drawn() const { return drawn_.single_slots.size(); }

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/frustum/cull_threads.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 
@@ -18,7 +18,7 @@ namespace sightline::engine {
 class ClusterPasses : public gpuscene::ClusterFilter {
  public:
   /// Begins a frame. `test`: against the depth of all passes so far; borrowed until the frame is remembered.
-  void begin(const culling::OcclusionTest& test, const core::dvec3& origin, culling::CullThreads& threads);
+  void begin(const culling::OcclusionTest& test, const core::dvec3& origin, core::ThreadPool& threads);
   bool filter(core::Slot slot, const lod::MeshLevels& levels, const core::Affine& world_from_mesh,
               std::vector<std::uint32_t>& clusters) override;
   /// Ends the first pass. Returns the items of which clusters were left out, which later passes must draw again, in
@@ -40,7 +40,7 @@ class ClusterPasses : public gpuscene::ClusterFilter {
   void leave_out_hidden(const Item& item, std::vector<std::uint32_t>& clusters);
 
   const culling::OcclusionTest* test_ = nullptr;
-  culling::CullThreads* threads_ = nullptr;
+  core::ThreadPool* threads_ = nullptr;
   std::unordered_map<core::Slot, Item> items_;
   std::vector<core::Slot> again_;
   std::uint64_t frame_ = 0;

@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 
-#include "sightline/culling/frustum/cull_threads.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/culling/occlusion/contribution.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/culling/occlusion/sample_test.h"
@@ -37,7 +37,7 @@ struct DrawContext {
   MeshDetails mesh_details;
   double coarsened = 0.0;  // pixels within which meshes are drawn, where that is more than LossConfig::lod_error
   ClusterPasses* clusters = nullptr;  // of the image, in passes that test occlusion
-  culling::CullThreads threads;       // for tests of large sets; none starts before the first of them
+  core::ThreadPool threads;           // for tests of large sets; none starts before the first of them
   std::optional<gl::ExternalTarget> external;
   std::optional<render::Compositor> compositor;  // created with the first external target
   std::optional<double> measured_round_trip_ms;

@@ -25,7 +25,7 @@ class OcclusionPasses {
   /// Begins a frame with its candidates. Slots of `lines` are not tested. `hierarchy`: that of the candidates, or null;
   /// it makes large sets fast. `threads` share in the tests of the frame.
   void begin(const core::VisibleSet& candidates, culling::SlotBits lines, const culling::Hierarchy* hierarchy,
-             culling::CullThreads& threads, Next next = Next::kFront);
+             core::ThreadPool& threads, Next next = Next::kFront);
   /// Finds the next pass. `test`: against the depth of all passes so far, at first of none. False when all that may be
   /// seen is drawn; then the frame should be remembered.
   bool next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
@@ -58,7 +58,7 @@ class OcclusionPasses {
   std::vector<core::VisibleSet> passes_;                   // the first count_ of them; the others keep memory
   culling::SlotBits lines_;
   const culling::Hierarchy* hierarchy_ = nullptr;
-  culling::CullThreads* threads_ = nullptr;
+  core::ThreadPool* threads_ = nullptr;
   core::VisibleSet pass_, pending_, found_, others_;  // pass_: the one to come
   culling::NearFirst near_first_;                     // of pending_
   std::size_t near_parts_ = 0;                        // of these, tested

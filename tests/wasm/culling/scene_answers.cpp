@@ -192,7 +192,7 @@ class BothScenes {
                      {double(core::to_index(hit.item)), double(number_of_.at(scene_->node_of(hit.item).index)),
                       hit.triangle == core::kNone ? -1.0 : double(hit.triangle), hit.t, hit.point.x, hit.point.y,
                       hit.point.z, hit.normal.x, hit.normal.y, hit.normal.z});
-      faces.append(raytrace::name_of(hit.face)).push_back('\0');
+      faces.append(core::name_of(hit.face)).push_back('\0');
     }
     out_->text("pick");
     out_->numbers({ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z,
@@ -244,7 +244,7 @@ class BothScenes {
   std::unique_ptr<core::Snapshot> snapshot_;
   std::optional<culling::CpuCuller> culler_;
   std::optional<raytrace::Tracer> tracer_;
-  culling::CullThreads threads_;
+  core::ThreadPool threads_;
   culling::SolidOccluders solids_;
   culling::DepthPyramid pyramid_;
   std::optional<wasm::ViewObject> view_;

@@ -1,20 +1,20 @@
-// Views shared out among threads: every job once, and the sets of one view at a time.
-#include "sightline/culling/frustum/cull_threads.h"
+// Jobs shared out among threads: each once, by no more threads than allowed.
+#include "sightline/core/thread_pool.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <thread>
-#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "scenes.h"
-
-namespace sightline::tests::cull_threads_test {
+namespace sightline::tests::thread_pool_test {
 namespace {
 
-using culling::CullThreads;
+using core::ThreadPool;
 
 void work_for(std::chrono::microseconds time) {
   const auto end = std::chrono::steady_clock::now() + time;
@@ -23,7 +23,7 @@ void work_for(std::chrono::microseconds time) {
 }
 
 /// Counts how often each job runs. Long jobs are worth a helper, short ones are not.
-void expect_each_once(CullThreads& threads, std::uint32_t jobs, std::chrono::microseconds time) {
+void expect_each_once(ThreadPool& threads, std::uint32_t jobs, std::chrono::microseconds time) {
   const std::unique_ptr<std::atomic<int>[]> runs(new std::atomic<int>[jobs + 1]);
   for (std::uint32_t i = 0; i <= jobs; ++i) runs[i] = 0;
   threads.run(jobs, [&](std::uint32_t i) {
@@ -34,11 +34,11 @@ void expect_each_once(CullThreads& threads, std::uint32_t jobs, std::chrono::mic
   ASSERT_EQ(runs[jobs], 0);
 }
 
-TEST(CullThreads, EveryJobRunsOnce) {
+TEST(ThreadPool, EveryJobRunsOnce) {
   for (int count = 1; count <= 4; ++count) {
     SCOPED_TRACE(count);
-    CullThreads threads(count);
-    EXPECT_EQ(threads.count(), count);
+    ThreadPool threads(count);
+    EXPECT_EQ(threads.size(), count);
     for (std::uint32_t round = 0; round < 300; ++round) {
       ASSERT_NO_FATAL_FAILURE(expect_each_once(threads, round % 8, std::chrono::microseconds(round % 3 * 40)));
       if (round % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // helpers fall asleep
@@ -47,10 +47,10 @@ TEST(CullThreads, EveryJobRunsOnce) {
 }
 
 /// On the calling thread, once, and with helpers at the same time as jobs.
-TEST(CullThreads, SomethingElseBesideTheJobs) {
+TEST(ThreadPool, SomethingElseBesideTheJobs) {
   for (int count = 1; count <= 3; ++count) {
     SCOPED_TRACE(count);
-    CullThreads threads(count);
+    ThreadPool threads(count);
     const auto own_thread = std::this_thread::get_id();
     for (std::uint32_t jobs = 0; jobs < 20; ++jobs) {
       std::atomic<std::uint32_t> done{0};
@@ -60,7 +60,7 @@ TEST(CullThreads, SomethingElseBesideTheJobs) {
         ++calls;
         while (count > 1 && jobs > 0 && done == 0) std::this_thread::yield();  // a helper begins meanwhile
       };
-      threads.run(
+      threads.run_at_once(
           jobs, [&](std::uint32_t) { ++done; }, beside);
       ASSERT_EQ(done, jobs);
       ASSERT_EQ(calls, 1);
@@ -68,8 +68,8 @@ TEST(CullThreads, SomethingElseBesideTheJobs) {
   }
 }
 
-TEST(CullThreads, LongJobsReachHelpers) {
-  CullThreads threads(2);
+TEST(ThreadPool, LongJobsReachHelpers) {
+  ThreadPool threads(2);
   std::atomic<bool> other{false};
   const auto own = std::this_thread::get_id();
   for (int round = 0; round < 1000 && !other; ++round)
@@ -80,16 +80,16 @@ TEST(CullThreads, LongJobsReachHelpers) {
   EXPECT_TRUE(other);
 }
 
-TEST(CullThreads, EndsAwakeAndAsleep) {
+TEST(ThreadPool, EndsAwakeAndAsleep) {
   for (int round = 0; round < 20; ++round) {
-    CullThreads threads(3);
+    ThreadPool threads(3);
     for (int i = 0; i < 3; ++i) threads.run(4, [](std::uint32_t) { work_for(std::chrono::microseconds(50)); });
     if (round % 2 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
 
-TEST(CullThreads, TwoCallersAtOnce) {
-  CullThreads threads(2);
+TEST(ThreadPool, TwoCallersAtOnce) {
+  ThreadPool threads(2);
   const auto call = [&] {
     for (int round = 0; round < 100; ++round) expect_each_once(threads, 5, std::chrono::microseconds(20));
   };
@@ -98,27 +98,34 @@ TEST(CullThreads, TwoCallersAtOnce) {
   other.join();
 }
 
-TEST(CullThreads, SeveralViewsAreTheViewsOneByOne) {
-  constexpr std::uint64_t kSeed = 7;
-  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  Random random(kSeed);
-  const Scene scene(random_boxes(random, 30'000, 50.0), core::dvec3(0.0));
-  CullThreads threads(3);
-  for (int round = 0; round < 40; ++round) {
-    std::vector<core::View> views;
-    for (int i = whole(random, 0, 8); i > 0; --i) views.push_back(random_view(random, core::dvec3(0.0), 50.0));
-    std::vector<core::VisibleSet> sets(views.size());
-    for (CullThreads* with : {static_cast<CullThreads*>(nullptr), &threads}) {
-      scene.culler->cull(views, sets, with);
-      for (std::size_t i = 0; i < views.size(); ++i) {
-        core::VisibleSet alone;
-        scene.culler->cull(views[i], alone);
-        ASSERT_EQ(sets[i].ranges, alone.ranges);
-        ASSERT_EQ(sets[i].single_slots, alone.single_slots);
-      }
-    }
+/// Counts the threads that take part; jobs are long enough that all would like to.
+TEST(ThreadPool, NoMoreThreadsThanTheCallAllows) {
+  ThreadPool threads(4);
+  for (const int most : {1, 2, 3, 4, 0, 9}) {
+    SCOPED_TRACE(most);
+    std::mutex mutex;
+    std::set<std::thread::id> seen;
+    std::atomic<std::uint32_t> done{0};
+    const auto job = [&](std::uint32_t) {
+      work_for(std::chrono::microseconds(300));
+      ++done;
+      const std::lock_guard lock(mutex);
+      seen.insert(std::this_thread::get_id());
+    };
+    threads.run_at_once(
+        40, job, [] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }, most);
+    EXPECT_EQ(done, 40u);
+    EXPECT_LE(seen.size(), std::size_t(most > 0 ? std::min(most, 4) : 4));
+    EXPECT_GE(seen.size(), most == 1 ? 1u : 2u);
   }
 }
 
+TEST(ThreadPool, JobsMayHaveJobs) {
+  ThreadPool threads(3);
+  std::atomic<int> done{0};
+  threads.run_at_once(5, [&](std::uint32_t) { threads.run(7, [&](std::uint32_t) { ++done; }); });
+  EXPECT_EQ(done, 35);
+}
+
 }  // namespace
-}  // namespace sightline::tests::cull_threads_test
+}  // namespace sightline::tests::thread_pool_test

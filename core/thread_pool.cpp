@@ -1,0 +1,115 @@
+#include "sightline/core/thread_pool.h"
+
+#include <algorithm>
+#include <exception>
+
+#include "sightline/core/internal/intrinsics.h"
+
+namespace sightline::core {
+namespace {
+
+// Nanoseconds until a helper has begun, when it spins and when it sleeps. Less work is done sooner without it.
+constexpr double kCallNs = 3'000.0, kWakeNs = 60'000.0;
+constexpr auto kSpin = std::chrono::microseconds(60);
+constexpr double kSmoothing = 0.2;
+
+std::chrono::steady_clock::time_point now() {
+  return std::chrono::steady_clock::now();
+}
+
+int usual_size() {
+  return std::min(int(std::thread::hardware_concurrency()), ThreadPool::kUsual);
+}
+
+}  // namespace
+
+ThreadPool::ThreadPool(int size) : size_(std::clamp(size > 0 ? size : usual_size(), 1, kMost)) {}
+
+ThreadPool::~ThreadPool() {
+  for (std::jthread& helper : helpers_) helper.request_stop();
+  ++calls_;
+  calls_.notify_all();
+}
+
+void ThreadPool::run(const Call& call) {
+  const auto begin = now();
+  std::uint32_t own = call.jobs;
+  const std::uint32_t helpers = std::uint32_t((call.most > 0 ? std::min(call.most, size_) : size_) - 1);
+  const bool helps = helpers > 0 && (call.beside ? call.jobs > 0 : call.jobs > 1 && pays(call.jobs, begin));
+  if (helps && !busy_.test_and_set(std::memory_order_acquire)) {
+    own = share(call, helpers);
+    busy_.clear(std::memory_order_release);
+  } else {
+    if (call.beside) call.beside(call.beside_context);
+    for (std::uint32_t i = 0; i < call.jobs; ++i) call.job(call.context, i);
+  }
+  const auto end = now();
+  last_end_.store(end.time_since_epoch().count(), std::memory_order_relaxed);
+  if (own == 0 || call.beside) return;
+  const double each = std::chrono::duration<double, std::nano>(end - begin).count() / own;
+  const double known = job_ns_.load(std::memory_order_relaxed);
+  job_ns_.store(known == 0.0 ? each : known + kSmoothing * (each - known), std::memory_order_relaxed);
+}
+
+/// Sleeping helpers are woken even for a short call when calls follow each other closely: later calls then find them
+/// awake.
+bool ThreadPool::pays(std::uint32_t jobs, Clock::time_point begin) const {
+  const Clock::duration pause = begin.time_since_epoch() - Clock::duration(last_end_.load(std::memory_order_relaxed));
+  const double left_to_helpers = job_ns_.load(std::memory_order_relaxed) * (jobs - 1);
+  return left_to_helpers > (pause < kSpin ? kCallNs : kWakeNs);
+}
+
+std::uint32_t ThreadPool::share(const Call& call, std::uint32_t helpers) {
+  if (helpers_.empty()) start();
+  call_ = call;
+  finished_.store(0, std::memory_order_relaxed);
+  state_.store(std::uint64_t(helpers) << 32 | call.jobs);
+  ++calls_;
+  if (sleeping_.load() > 0) calls_.notify_all();
+  if (call.beside) call.beside(call.beside_context);
+  std::uint32_t own = 0;
+  while (work_one([](std::uint64_t) { return true; })) ++own;
+  while (finished_.load(std::memory_order_acquire) != call.jobs) pause();
+  return own;
+}
+
+/// Where a thread cannot be made, for want of memory or by a limit, those that there are do the work.
+void ThreadPool::start() {
+  try {
+    for (std::uint32_t i = 0; i + 1 < std::uint32_t(size_); ++i)
+      helpers_.emplace_back([this, i](const std::stop_token& stop) { help(i, stop); });
+  } catch (const std::exception&) {
+  }
+}
+
+/// Claims a job and does it; false when none is left, or none for this thread: admitted(the number of helpers).
+template <class Admitted>
+bool ThreadPool::work_one(const Admitted& admitted) {
+  std::uint64_t state = state_.load(std::memory_order_acquire);
+  do {
+    if (std::uint32_t(state) == 0 || !admitted(state >> 32)) return false;
+  } while (!state_.compare_exchange_weak(state, state - 1, std::memory_order_acquire));
+  call_.job(call_.context, call_.jobs - std::uint32_t(state));
+  finished_.fetch_add(1, std::memory_order_release);
+  return true;
+}
+
+void ThreadPool::help(std::uint32_t helper, const std::stop_token& stop) {
+  auto worked = now();
+  for (;;) {
+    const std::uint32_t seen = calls_.load();
+    if (stop.stop_requested()) return;  // asked before the destructor's call, which wakes whoever has not seen it
+    if (work_one([helper](std::uint64_t helpers) { return helper < helpers; })) {
+      worked = now();
+    } else if (now() - worked < kSpin) {
+      pause();
+    } else {
+      ++sleeping_;
+      calls_.wait(seen);
+      --sleeping_;
+      worked = now();
+    }
+  }
+}
+
+}  // namespace sightline::core
