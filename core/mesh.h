@@ -11,10 +11,6 @@
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
 
-namespace sightline::lod {
-class StoredLevels;
-}
-
 namespace sightline::core {
 
 struct MeshExtras;

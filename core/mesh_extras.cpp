@@ -70,11 +70,11 @@ std::uint32_t surface_of(const Mesh& mesh, std::uint32_t triangle) {
 }
 
 MeshExtrasSlot::MeshExtrasSlot(MeshExtras extras) {
-  if (extras.levels || extras.surfaces) extras_ = std::make_shared<const MeshExtras>(std::move(extras));
+  if (extras.stored || extras.surfaces) extras_ = std::make_shared<const MeshExtras>(std::move(extras));
 }
 
 MeshExtrasSlot::MeshExtrasSlot(const MeshExtrasSlot& other) : extras_(other.extras_) {
-  if (extras_ && extras_->levels) *this = MeshExtrasSlot(MeshExtras{nullptr, extras_->surfaces});
+  if (extras_ && extras_->stored) *this = MeshExtrasSlot(MeshExtras{nullptr, extras_->surfaces});
 }
 
 MeshExtrasSlot& MeshExtrasSlot::operator=(const MeshExtrasSlot& other) {

@@ -1,6 +1,7 @@
 // What importers and scene caches keep with a mesh beside its triangles.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -31,15 +32,25 @@ SIGHTLINE_API std::string_view name_of(MeshSurface::Kind kind);
 /// The point of the whole surface nearest to `p`; `p` itself for other kinds. Of several, as on an axis, any.
 SIGHTLINE_API dvec3 nearest_point(const MeshSurface& surface, const dvec3& p);
 
+/// Bytes that lie in a file, and of which nothing is in memory.
+class SIGHTLINE_API StoredBytes {
+ public:
+  virtual ~StoredBytes() = default;
+  /// Verified. Any thread may call it, several at once. Fails where the file cannot be read or is damaged.
+  virtual Expected<std::vector<std::byte>> bytes() const = 0;
+};
+
 /// A mesh in memory has these as Mesh::extras.
 struct MeshExtras {
-  std::shared_ptr<const lod::StoredLevels> levels;  ///< of exactly these triangles (lod/stored_levels.h); may be null
+  /// What is stored of exactly these triangles, in the form of the room that made it: levels of detail
+  /// (lod/stored_levels.h). May be null.
+  std::shared_ptr<const StoredBytes> stored;
   std::shared_ptr<const std::vector<MeshSurface>> surfaces;  ///< of all triangles, in their order; may be null
 };
 
-/// Levels of detail that came with a mesh, or null.
-inline const lod::StoredLevels* levels_stored_with(const Mesh& mesh) {
-  return mesh.extras ? mesh.extras->levels.get() : nullptr;
+/// MeshExtras::stored, or null.
+inline const StoredBytes* bytes_stored_with(const Mesh& mesh) {
+  return mesh.extras ? mesh.extras->stored.get() : nullptr;
 }
 
 /// Surfaces that came with a mesh. Of a mesh that was changed afterwards they may be wrong: surface_of() tells.

@@ -89,14 +89,14 @@ void Snapshot::Table::move_override_rows() {
 // --- overrides -------------------------------------------------------------------------------------------------------
 
 void Snapshot::hide(std::span<const Slot> slots) {
-  if (!slots.empty()) stored_joints_.reset();
+  if (!slots.empty()) stored_.reset();
   for (const Slot s : slots) show(s, {}, 0);
   count_vacant();
 }
 
 void Snapshot::show(std::span<const Slot> slots, std::span<const Shown> as) {
   assert(slots.size() == as.size());
-  if (!slots.empty()) stored_joints_.reset();
+  if (!slots.empty()) stored_.reset();
   for (std::size_t i = 0; i < slots.size(); ++i) show(slots[i], as[i].box, as[i].layers);
   count_vacant();
 }

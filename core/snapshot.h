@@ -22,8 +22,6 @@
 
 namespace sightline::core {
 
-struct StoredJoints;
-
 /// Where an item stands: p_chunk = linear * p_item + origin, relative to the origin of its chunk. So float precision
 /// follows the item and not the site.
 struct Placement {
@@ -83,7 +81,7 @@ class SIGHTLINE_API Snapshot {
   void show(std::span<const Slot> slots, std::span<const Shown> as);
   /// `material`: of the scene, kNone, or first_override_row() + the number of an override.
   void set_material(Slot slot, std::uint32_t material) {
-    stored_joints_.reset();
+    stored_.reset();
     materials_[slot] = material;
   }
   /// Sets an override's colour and alpha beside the scene's materials. Numbers should be small: lower ones take memory,
@@ -199,7 +197,7 @@ class SIGHTLINE_API Snapshot {
   LargeArray<std::uint64_t> vacant_;                         // a bit per slot; empty while no slot is vacant
   LargeArray<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
-  std::shared_ptr<const StoredJoints> stored_joints_;         // of a scene cache; null once the snapshot is changed
+  std::shared_ptr<const void> stored_;                        // with it in a scene cache; null once it is changed
   std::shared_ptr<Table> table_ = std::make_shared<Table>();  // shared with Items: not changed while it is
   MeshList meshes_;
 };

@@ -56,7 +56,7 @@ std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
 }
 
 std::vector<Slot> Snapshot::apply(const Items& items) {
-  stored_joints_.reset();
+  stored_.reset();
   if (items.materials) table_ = items.materials;
   if (items.meshes.size() >= meshes_.size()) meshes_ = items.meshes;
   std::vector<Slot> touched;

@@ -362,8 +362,12 @@ class JointSearch {
 
 // --- answers ---------------------------------------------------------------------------------------------------------
 
+const StoredJoints* stored_joints(const Snapshot& snapshot) {
+  return static_cast<const StoredJoints*>(core::Access::of(snapshot).stored().get());
+}
+
 Joints::Joints(const Snapshot& snapshot) {
-  const core::StoredJoints* stored = core::Access::of(snapshot).stored_joints().get();
+  const StoredJoints* stored = stored_joints(snapshot);
   std::vector<bool> opaque = opaque_materials(snapshot);
   if (stored && std::equal(opaque.begin(), opaque.end(), stored->opaque.begin(), stored->opaque.end(),
                            [](bool a, std::uint8_t b) { return a == (b != 0); })) {
@@ -385,7 +389,7 @@ Joints Joints::of_slots(std::vector<std::uint64_t> bits) {
   return joints;
 }
 
-core::StoredJoints Joints::stored(const Snapshot& snapshot) const {
+StoredJoints Joints::stored(const Snapshot& snapshot) const {
   const std::vector<bool> opaque = opaque_materials(snapshot);
   return {{bits_.begin(), bits_.end()},
           {covers_.begin(), covers_.end()},

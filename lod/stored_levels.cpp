@@ -280,7 +280,7 @@ core::Expected<MeshLevels> decode(std::span<const std::byte> bytes, const core::
 }
 
 MeshLevels stored_levels_of(const core::Mesh& mesh, LevelRange range) {
-  if (const StoredLevels* stored = core::levels_stored_with(mesh))
+  if (const core::StoredBytes* stored = core::bytes_stored_with(mesh))
     if (const auto bytes = stored->bytes())
       if (auto levels = decode(*bytes, mesh, range)) return std::move(*levels);
   return {};

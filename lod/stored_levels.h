@@ -1,5 +1,5 @@
-// Levels of a mesh as bytes, which scene caches keep (docs/reference/scene-cache-format.md), and as they come with a
-// mesh.
+// Levels of a mesh as bytes, which scene caches keep (docs/reference/scene-cache-format.md) and which come with a mesh
+// (core::MeshExtras::stored).
 #pragma once
 
 #include <cstddef>
@@ -14,15 +14,6 @@ namespace sightline::lod {
 
 /// Raised when build_levels() makes something else of a mesh, and when encode() writes it otherwise.
 inline constexpr std::uint32_t kLevelsVersion = 1;
-
-/// Levels that lie in a file, beside the mesh that they are of (core::MeshExtras). Nothing of them is in memory.
-class SIGHTLINE_API StoredLevels {
- public:
-  virtual ~StoredLevels() = default;
-  /// What encode() of this version made, verified. Any thread may call it, several at once. Fails where the file cannot
-  /// be read or is damaged.
-  virtual core::Expected<std::vector<std::byte>> bytes() const = 0;
-};
 
 /// How much of a mesh's levels.
 enum class LevelRange : std::uint8_t {

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/core/internal/stored_joints.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
@@ -76,8 +75,9 @@ class Access {
     auto& vacant() const { return snapshot.vacant_; }
     auto& vacant_before() const { return snapshot.vacant_before_; }
     auto& chunks() const { return snapshot.chunks_; }
-    /// Null: unknown, or the snapshot was changed since it came from a scene cache.
-    auto& stored_joints() const { return snapshot.stored_joints_; }
+    /// gpuprims::StoredJoints, of which core knows nothing. Null: unknown, or the snapshot was changed since it came
+    /// from a scene cache.
+    auto& stored() const { return snapshot.stored_; }
     auto& table() const { return snapshot.table_; }
     auto& meshes() const { return snapshot.meshes_; }
     void count_vacant() const { snapshot.count_vacant(); }

@@ -21,6 +21,7 @@
 
 #include "sightline/core/affine.h"
 #include "sightline/core/conventions.h"
+#include "sightline/core/internal/large_array.h"
 #include "sightline/core/primitive.h"
 #include "sightline/core/snapshot.h"
 
@@ -49,6 +50,16 @@ std::optional<EndFace> end_face(const core::Primitive& primitive, const core::Af
 /// True when `face` is covered by `other`, as said above. Constant time.
 bool covers(const EndFace& other, const EndFace& face);
 
+/// Which ends are covered, as a scene cache stores it with a snapshot.
+struct StoredJoints {
+  core::LargeArray<std::uint64_t> bits;    ///< two per item
+  core::LargeArray<std::uint64_t> covers;  ///< rising: covering item << 32 | covered item << 1 | its end is the top
+  core::LargeArray<std::uint32_t> first;   ///< per 32 items: index of the first entry in `covers`
+  core::LargeArray<std::uint8_t> opaque;   ///< by material, as it was when joints were looked for
+};
+/// The joints that a snapshot came with; null where it had none or was changed since.
+const StoredJoints* stored_joints(const core::Snapshot& snapshot);
+
 /// The covered ends of a snapshot's items.
 class Joints {
  public:
@@ -61,7 +72,7 @@ class Joints {
   /// Joints of the slots of a core::Page, two bits each. They know no items and cannot follow edits.
   static Joints of_slots(std::vector<std::uint64_t> bits);
   /// For a scene cache, as made from `snapshot`.
-  core::StoredJoints stored(const core::Snapshot& snapshot) const;
+  StoredJoints stored(const core::Snapshot& snapshot) const;
 
   /// Covered ends of an item.
   Ends covered(core::ItemId item) const;

@@ -71,7 +71,7 @@ class PageSums {
 /// Lays out the pages of one scene.
 class TableMaker {
  public:
-  TableMaker(const core::Scene& scene, const core::Snapshot& snapshot, const core::StoredJoints& joints,
+  TableMaker(const core::Scene& scene, const core::Snapshot& snapshot, const gpuprims::StoredJoints& joints,
              std::span<const SlcMesh> meshes)
       : scene_(scene), snapshot_(snapshot), joints_(joints), meshes_(meshes), last_page_(meshes.size()) {}
 
@@ -152,7 +152,7 @@ class TableMaker {
 
   const core::Scene& scene_;
   const core::Snapshot& snapshot_;
-  const core::StoredJoints& joints_;
+  const gpuprims::StoredJoints& joints_;
   std::span<const SlcMesh> meshes_;
   std::vector<std::uint32_t> last_page_;  // by mesh: one more than the last page that uses it
   PageTable table_;
@@ -192,8 +192,8 @@ std::vector<SlcSlice> slices(const SlcPage& page, bool layers) {
   return all;
 }
 
-PageTable make_page_table(const core::Scene& scene, const core::Snapshot& snapshot, const core::StoredJoints& joints,
-                          std::span<const SlcMesh> meshes) {
+PageTable make_page_table(const core::Scene& scene, const core::Snapshot& snapshot,
+                          const gpuprims::StoredJoints& joints, std::span<const SlcMesh> meshes) {
   return TableMaker(scene, snapshot, joints, meshes).run();
 }
 

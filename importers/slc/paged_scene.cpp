@@ -397,7 +397,7 @@ class PagedPart {
   }
 
   /// Null where it has none that can be used.
-  std::shared_ptr<const lod::StoredLevels> levels_of(std::uint32_t number) const {
+  std::shared_ptr<const core::StoredBytes> levels_of(std::uint32_t number) const {
     const SlcFile::Section *rows = file_->find(kSlcLevels), *values = file_->find(kSlcLevelValues);
     SlcLevels row;
     if (!rows || !values || rows->element_size != sizeof row || number >= rows->count ||

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kTrianglesAtOnce = 1 << 20;  // of meshes whose levels are in memory together
 
 /// Levels of one mesh, which stay in the file.
-class LevelsInFile : public lod::StoredLevels {
+class LevelsInFile : public core::StoredBytes {
  public:
   LevelsInFile(std::shared_ptr<const SlcFile> file, std::uint64_t offset, const SlcLevels& row)
       : file_(std::move(file)), offset_(offset), row_(row) {}
@@ -38,7 +38,7 @@ struct Written {
 };
 
 Written levels_of(const core::Mesh& mesh, bool build, int threads) {
-  if (const lod::StoredLevels* stored = core::levels_stored_with(mesh))
+  if (const core::StoredBytes* stored = core::bytes_stored_with(mesh))
     if (auto bytes = stored->bytes())
       if (const auto levels = lod::decode(*bytes, mesh))
         return {std::move(*bytes), levels->indices.size(), lod::coarsest(mesh, *levels)};
@@ -71,7 +71,7 @@ bool write_levels(const core::Scene& scene, std::span<const std::uint32_t> meshe
     const core::MeshId id = scene.mesh_at(number);
     if (!id.valid()) continue;
     const core::Mesh& mesh = scene.mesh(id);
-    if (!core::levels_stored_with(mesh) && !(build && lod::needs_levels(mesh))) continue;
+    if (!core::bytes_stored_with(mesh) && !(build && lod::needs_levels(mesh))) continue;
     wanted.push_back(&mesh);
     numbers.push_back(number);
     triangles += wanted.back()->indices.size() / 3;
@@ -110,9 +110,9 @@ bool has_levels(const SlcFile& file, const SlcFile::Mapping& mapping) {
   return file.adopt(mapping, kSlcLevelsVersion, version) && version.size() == 1 && version[0] == lod::kLevelsVersion;
 }
 
-SlcExpected<std::vector<std::shared_ptr<const lod::StoredLevels>>> read_levels(
+SlcExpected<std::vector<std::shared_ptr<const core::StoredBytes>>> read_levels(
     const std::shared_ptr<const SlcFile>& file, const SlcFile::Mapping& mapping, std::size_t mesh_count) {
-  std::vector<std::shared_ptr<const lod::StoredLevels>> levels;
+  std::vector<std::shared_ptr<const core::StoredBytes>> levels;
   if (!has_levels(*file, mapping)) return levels;
   core::LargeArray<SlcLevels> rows;
   const SlcFile::Section* values = file->find(kSlcLevelValues);
@@ -132,7 +132,7 @@ SlcExpected<std::vector<std::shared_ptr<const lod::StoredLevels>>> read_levels(
   return levels;
 }
 
-std::shared_ptr<const lod::StoredLevels> levels_in_file(std::shared_ptr<const SlcFile> file,
+std::shared_ptr<const core::StoredBytes> levels_in_file(std::shared_ptr<const SlcFile> file,
                                                         const SlcFile::Section& values, const SlcLevels& row) {
   return std::make_shared<LevelsInFile>(std::move(file), values.offset, row);
 }

@@ -107,7 +107,7 @@ class StoredSnapshot {
     LargeArray<SlcSnapshotState> rows;
     LargeArray<core::dvec3> origins;
     good = good && file.adopt(mapping, kSlcSnapshotState, rows) && file.adopt(mapping, kSlcChunkOrigins, origins);
-    const auto joints = std::make_shared<core::StoredJoints>();
+    const auto joints = std::make_shared<gpuprims::StoredJoints>();
     good = good && file.adopt(mapping, kSlcJointBits, joints->bits) &&
            file.adopt(mapping, kSlcJointCovers, joints->covers) && file.adopt(mapping, kSlcJointFirst, joints->first) &&
            file.adopt(mapping, kSlcJointOpaque, joints->opaque);

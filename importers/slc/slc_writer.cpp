@@ -181,7 +181,7 @@ class SceneWriter {
   }
 
   void joints_and_pages() {
-    const core::StoredJoints all = gpuprims::Joints(snapshot_).stored(snapshot_);
+    const gpuprims::StoredJoints all = gpuprims::Joints(snapshot_).stored(snapshot_);
     out_.add(kSlcJointBits, all.bits);
     out_.add(kSlcJointCovers, all.covers);
     out_.add(kSlcJointFirst, all.first);

@@ -29,7 +29,7 @@ using core::Placement;
 using core::Scene;
 using core::Slot;
 using core::Snapshot;
-using core::StoredJoints;
+using gpuprims::StoredJoints;
 
 namespace {
 
@@ -164,7 +164,7 @@ Expected<void> check_kinds(const Snapshot& snapshot) {
 Expected<void> check(const Scene& scene, const Snapshot& snapshot) {
   const auto in = Access::of(snapshot);
   if (!has_right_sizes(scene, snapshot)) return fail("the arrays of its snapshot have different sizes");
-  if (in.stored_joints() && !are_safe(*in.stored_joints(), scene.item_slots()))
+  if (const StoredJoints* joints = gpuprims::stored_joints(snapshot); joints && !are_safe(*joints, scene.item_slots()))
     return fail("the joints of its snapshot are inconsistent");
   for (const dvec3& origin : in.chunks().origins())
     if (!core::is_finite(origin)) return fail("the chunks of its snapshot are not finite");
@@ -242,7 +242,7 @@ SnapshotState state(const Snapshot& snapshot) {
 void set_state(Snapshot& snapshot, SnapshotState state, std::shared_ptr<const StoredJoints> joints) {
   const auto in = Access::of(snapshot);
   const auto bounds = Access::of(in.bounds());
-  in.stored_joints() = std::move(joints);
+  in.stored() = std::move(joints);
   in.bounds().origin = state.origin;
   bounds.extent() = state.extent;
   bounds.size() = in.kinds().size();

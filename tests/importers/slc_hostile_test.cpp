@@ -35,8 +35,8 @@ TEST(SlcHostile, EveryByteChangedInTurnIsFound) {
 /// Levels are read later than the rest.
 bool has_whole_levels(const core::Scene& scene) {
   for (std::uint32_t i = 0; i < scene.mesh_slots(); ++i)
-    if (const core::MeshId id = scene.mesh_at(i); id.valid() && core::levels_stored_with(scene.mesh(id)))
-      if (!core::levels_stored_with(scene.mesh(id))->bytes()) return false;
+    if (const core::MeshId id = scene.mesh_at(i); id.valid() && core::bytes_stored_with(scene.mesh(id)))
+      if (!core::bytes_stored_with(scene.mesh(id))->bytes()) return false;
   return true;
 }
 

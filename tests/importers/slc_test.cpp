@@ -112,7 +112,7 @@ class SlcTest : public ::testing::Test {
   /// A plant as a file.
   fs::path plant(std::uint64_t items = 1500, const char* name = "plant.rvm", std::uint64_t seed = 1) const {
     Scene scene;
-    PlantConfig config;
+    PlantOptions config;
     config.items = items;
     config.seed = seed;
     const auto made = generate_plant(config, scene);
@@ -248,14 +248,14 @@ TEST_F(SlcTest, InternalEndCapsAreThoseThatWouldBeFound) {
       ASSERT_EQ(joints.covered(item), found.covered(item)) << to_index(item);
   };
   Snapshot snapshot(cached);
-  ASSERT_NE(core::Access::of(snapshot).stored_joints(), nullptr);
+  ASSERT_NE(gpuprims::stored_joints(snapshot), nullptr);
   const gpuprims::Joints found{Snapshot(source)};
   EXPECT_GT(found.count(), 100u);
   expect_same_ends(snapshot, found);
   // Not those of a snapshot that was changed since, or of materials that were.
   const core::Slot slots[] = {0, 1, 2};
   snapshot.hide(slots);
-  EXPECT_EQ(core::Access::of(snapshot).stored_joints(), nullptr);
+  EXPECT_EQ(gpuprims::stored_joints(snapshot), nullptr);
   for (std::size_t i = 0; i < cached.material_slots(); ++i) {
     core::Material glass = cached.material(cached.material_at(i));
     glass.alpha = 0.5f;
@@ -302,8 +302,8 @@ std::vector<std::vector<std::byte>> levels_of(const Scene& scene) {
   for (std::uint32_t i = 0; i < scene.mesh_slots(); ++i) {
     all.emplace_back();
     const core::MeshId id = scene.mesh_at(i);
-    if (!id.valid() || !core::levels_stored_with(scene.mesh(id))) continue;
-    auto bytes = core::levels_stored_with(scene.mesh(id))->bytes();
+    if (!id.valid() || !core::bytes_stored_with(scene.mesh(id))) continue;
+    auto bytes = core::bytes_stored_with(scene.mesh(id))->bytes();
     EXPECT_TRUE(bytes) << bytes.error().message;
     if (bytes) all.back() = std::move(*bytes);
   }
@@ -343,7 +343,7 @@ TEST_F(SlcTest, LevelsComeWithTheirMeshes) {
   const Snapshot snapshot(both);
   std::size_t with = 0;
   for (const core::Slot slot : snapshot.of_kind(core::Kind::kMesh).members)
-    with += core::levels_stored_with(snapshot.mesh(slot)) != nullptr;
+    with += core::bytes_stored_with(snapshot.mesh(slot)) != nullptr;
   EXPECT_EQ(with, 6u);
 }
 

@@ -136,7 +136,7 @@ TEST(StoredLevels, EachRuleIsKept) {
   EXPECT_TRUE(refuses([&](MeshLevels& l) { l.solid_indices = std::uint32_t(mesh.indices.size()) + 3; }));
 }
 
-class InMemory : public lod::StoredLevels {
+class InMemory : public core::StoredBytes {
  public:
   explicit InMemory(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
   core::Expected<std::vector<std::byte>> bytes() const override { return bytes_; }
@@ -152,12 +152,12 @@ TEST(StoredLevels, ComeWithTheirMeshAndNotWithItsCopies) {
   const auto bytes = lod::encode(marked);
   mesh.extras = core::MeshExtrasSlot({std::make_shared<InMemory>(bytes), nullptr});
   const core::Mesh copy = mesh;
-  EXPECT_EQ(core::levels_stored_with(copy), nullptr);
+  EXPECT_EQ(core::bytes_stored_with(copy), nullptr);
   core::Mesh assigned = mesh;
   assigned = copy;
-  EXPECT_EQ(core::levels_stored_with(assigned), nullptr);
+  EXPECT_EQ(core::bytes_stored_with(assigned), nullptr);
   const core::Mesh moved = std::move(mesh);
-  EXPECT_NE(core::levels_stored_with(moved), nullptr);
+  EXPECT_NE(core::bytes_stored_with(moved), nullptr);
   expect_same(lod::levels_of(moved, LevelRange::kAll), marked);
   expect_same(lod::levels_of(copy, LevelRange::kAll), lod::build_levels(copy));
   core::Mesh damaged = copy;

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sightline/core/internal/stored_joints.h"
 #include "sightline/core/snapshot.h"
+#include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/slc/internal/slc_levels.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 
@@ -21,8 +21,8 @@ struct PageTable {
 };
 
 /// `meshes`: the rows of the scene's meshes as they are written.
-PageTable make_page_table(const core::Scene& scene, const core::Snapshot& snapshot, const core::StoredJoints& joints,
-                          std::span<const SlcMesh> meshes);
+PageTable make_page_table(const core::Scene& scene, const core::Snapshot& snapshot,
+                          const gpuprims::StoredJoints& joints, std::span<const SlcMesh> meshes);
 
 /// Coarse forms of the pages, in which each mesh is the coarsest of its levels, as far as that halves the bytes of
 /// their meshes. `meshes`: as above.

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/mesh_extras.h"
 #include "sightline/core/scene.h"
 #include "sightline/importers/slc/internal/slc_file.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
@@ -36,11 +37,11 @@ bool has_levels(const SlcFile& file, const SlcFile::Mapping& mapping);
 
 /// By number of a mesh, below `mesh_count`: its levels, or null. They are read and compared with their checksums when
 /// somebody asks for their bytes. Empty where the file has none that this build can use.
-SlcExpected<std::vector<std::shared_ptr<const lod::StoredLevels>>> read_levels(
+SlcExpected<std::vector<std::shared_ptr<const core::StoredBytes>>> read_levels(
     const std::shared_ptr<const SlcFile>& file, const SlcFile::Mapping& mapping, std::size_t mesh_count);
 
 /// The levels of a mesh whose row says that it has some. `values`: the section in which they lie.
-std::shared_ptr<const lod::StoredLevels> levels_in_file(std::shared_ptr<const SlcFile> file,
+std::shared_ptr<const core::StoredBytes> levels_in_file(std::shared_ptr<const SlcFile> file,
                                                         const SlcFile::Section& values, const SlcLevels& row);
 
 }  // namespace sightline::importers

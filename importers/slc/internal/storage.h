@@ -16,6 +16,7 @@
 #include "sightline/core/error.h"
 #include "sightline/core/internal/access.h"
 #include "sightline/core/paged_scene.h"
+#include "sightline/gpuprims/internal/joints.h"
 
 namespace sightline::importers::storage {
 
@@ -91,7 +92,7 @@ struct SnapshotState {
 };
 SnapshotState state(const core::Snapshot& snapshot);
 /// `snapshot` must have its arrays. No `joints`: they are unknown.
-void set_state(core::Snapshot& snapshot, SnapshotState state, std::shared_ptr<const core::StoredJoints> joints);
+void set_state(core::Snapshot& snapshot, SnapshotState state, std::shared_ptr<const gpuprims::StoredJoints> joints);
 
 /// Appends the place of a mesh or material that was removed.
 void add_removed_mesh(core::Scene& scene);

@@ -239,7 +239,7 @@ TEST_F(CapiImport, CachesHoldLevelsWhereThatIsAskedFor) {
     EXPECT_OK(import(CScene(), {model.string()}, &options));
     core::Scene read;
     EXPECT_TRUE(importers::import_file(std::filesystem::directory_iterator(folder)->path(), read, read.root()));
-    return core::levels_stored_with(read.mesh(read.mesh_at(0))) != nullptr;
+    return core::bytes_stored_with(read.mesh(read.mesh_at(0))) != nullptr;
   };
   EXPECT_FALSE(cached_with_levels());
   options.cached_levels = 1;
