@@ -12,6 +12,7 @@
 #include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
+#include "sightline/engine/tour.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
 #include "sightline/render/image/image.h"
@@ -34,7 +35,7 @@ double seconds() {
 core::Expected<core::CameraPath> choose_path(const PagedReplayOptions& o, const core::PagedScene& scene) {
   if (!o.path.empty()) return importers::read_path(o.path);
   if (!o.model.quiet) warn_of_outliers(scene.fitted);
-  return core::make_tour(scene.leaves, scene.fitted);
+  return engine::make_tour(scene.leaves, scene.fitted);
 }
 
 core::Expected<void> save_image(const PagedReplayOptions& o, const engine::PagedEngine& engine, std::size_t frame) {

@@ -15,6 +15,7 @@
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/mpi/session.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/tour.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
 #if SIGHTLINE_HAS_GL
@@ -109,7 +110,7 @@ core::Expected<core::CameraPath> choose_path(const Options& o, const apps::Model
   if (o.path.empty()) {
     const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
     if (!o.model.quiet) apps::warn_of_outliers(fitted);
-    return core::make_tour(snapshot.bounds(), fitted);  // of the model where --translate put it
+    return engine::make_tour(snapshot.bounds(), fitted);  // of the model where --translate put it
   }
   auto path = importers::read_path(o.path);
   return path ? importers::translated(*path, model.offset) : path;

@@ -151,7 +151,7 @@ core::Expected<int> trace_model(Options& o) {
   if (!view) return tl::unexpected(view.error());
   o.whitted.studio = o.suns.empty() && !o.plain;
   if (o.whitted.studio)
-    for (const core::DistantLight& light : core::distant_lights(*view, core::Lighting::kStudio, {}))
+    for (const gpuprims::DistantLight& light : gpuprims::distant_lights(*view, gpuprims::Lighting::kStudio, {}))
       o.whitted.lights.push_back({light.towards, true, core::vec3(float(light.strength))});
 
   const double start = seconds();

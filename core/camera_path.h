@@ -4,15 +4,11 @@
 #include <array>
 #include <vector>
 
-#include "sightline/core/aabb.h"
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/view.h"
 
 namespace sightline::core {
-
-class ItemBounds;
-struct FittedBounds;
 
 struct CameraKey {
   double time = 0.0;  ///< seconds, rising from key to key
@@ -55,14 +51,5 @@ class SIGHTLINE_API CameraPath {
   std::vector<CameraKey> keys_;
   std::vector<std::array<double, kChannels>> second_derivatives_;
 };
-
-/// A flight for any model, from its bounds and item centres alone: overview from several sides, dive-ins to dense
-/// places, a walkthrough along the longest horizontal axis at eye height, fast turns, and back to the overview.
-/// Deterministic; works for empty and flat bounds. `places` are points worth visiting (item centres, say); it may be
-/// empty.
-SIGHTLINE_API CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, double duration = 60.0);
-/// Overload for a snapshot's items without their outliers. `fitted` is what items.fitted_bounds() returned. The places
-/// are the centres of at most about 8,000 items.
-SIGHTLINE_API CameraPath make_tour(const ItemBounds& items, const FittedBounds& fitted, double duration = 60.0);
 
 }  // namespace sightline::core

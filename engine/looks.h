@@ -1,7 +1,7 @@
 // How images look: shading, lines, light and background. Nothing here changes which items an image shows.
 #pragma once
 
-#include "sightline/core/surroundings.h"
+#include "sightline/gpuprims/surroundings.h"
 
 namespace sightline::engine {
 
@@ -28,15 +28,16 @@ struct Hatching {
 struct Looks {
   DepthShading depth_shading = {};
   Hatching hatching = {};
-  core::Lighting lighting = core::Lighting::kHeadLight;
-  core::dvec3 sun{0.0, 0.0, 1.0};    ///< direction to the light of core::Lighting::kSun, in the world; any length but 0
-  core::Background background = {};  ///< colours from 0 to 1
+  gpuprims::Lighting lighting = gpuprims::Lighting::kHeadLight;
+  core::dvec3 sun{0.0, 0.0,
+                  1.0};  ///< direction to the light of gpuprims::Lighting::kSun, in the world; any length but 0
+  gpuprims::Background background = {};  ///< colours from 0 to 1
 
   /// What images for people have: a studio's light, a quiet background, depth shading and light edge lines. The others
   /// are as above.
   static Looks standard() {
     return {.depth_shading = {.strength = 0.4f, .edge_lines = 0.4f},
-            .lighting = core::Lighting::kStudio,
+            .lighting = gpuprims::Lighting::kStudio,
             .background = {.bottom = {0.91f, 0.92f, 0.93f}, .top = {0.73f, 0.78f, 0.85f}}};
   }
 };

@@ -10,7 +10,7 @@
 #endif
 
 #include "sightline/core/image_rays.h"
-#include "sightline/core/internal/studio_black.h"
+#include "sightline/gpuprims/internal/studio_black.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/internal/supersampling.h"
 
@@ -179,7 +179,7 @@ class Shader {
 
   /// `hidden`: whether each light is, where that is known.
   dvec3 lit(const Surface& s, const dvec3& point, const dvec3& to_viewer, const bool* hidden) const {
-    const dvec3 colour(core::lit_colour(core::vec3(s.material), options_.studio ? core::kStudioBlack : 0.0f));
+    const dvec3 colour(gpuprims::lit_colour(core::vec3(s.material), options_.studio ? gpuprims::kStudioBlack : 0.0f));
     dvec3 sum = colour * (0.30 + 0.25 * (0.5 + 0.5 * s.shading.z));
     for (std::size_t i = 0; i < lights_.size(); ++i) {
       const Light& light = lights_[i];

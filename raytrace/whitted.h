@@ -20,7 +20,7 @@ struct Light {
   bool sun = false;         ///< infinitely far away
   core::vec3 colour{1.0f};  ///< at least 0; 1 is as bright as the head-light
 };
-/// The renderer's light of core::Lighting::kHeadLight: at the eye, or behind it in orthographic views.
+/// The renderer's light of gpuprims::Lighting::kHeadLight: at the eye, or behind it in orthographic views.
 SIGHTLINE_API Light head_light(const core::View& view);
 
 /// How surfaces reflect and refract. Their colour and alpha are the material's.
@@ -49,7 +49,7 @@ struct WhittedOptions {
   std::optional<double> edge_threshold = {};
 
   std::vector<Light> lights = {};            ///< any number; none: head_light()
-  bool studio = false;                       ///< black shows shapes as with core::Lighting::kStudio
+  bool studio = false;                       ///< black shows shapes as with gpuprims::Lighting::kStudio
   bool shadows = false;                      ///< transparent items let their share of the light through
   Optics optics = {};                        ///< of all materials
   std::vector<Optics> material_optics = {};  ///< by material index, instead; materials beyond its end have `optics`

@@ -22,7 +22,7 @@ void BackgroundPass::fill_evenly(const core::vec3& colour, const gl::ExternalTar
   gl_->Disable(GL_SCISSOR_TEST);
 }
 
-core::Expected<void> BackgroundPass::fill(const core::Background& background, const gl::ExternalTarget& to) {
+core::Expected<void> BackgroundPass::fill(const gpuprims::Background& background, const gl::ExternalTarget& to) {
   if (background.top == background.bottom) return fill_evenly(background.top, to), core::Expected<void>();
   const auto program = pass_.program(program_, kBackground, 1);
   if (!program) return tl::unexpected(program.error());

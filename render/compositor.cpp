@@ -42,7 +42,7 @@ core::Expected<void> check_target(const gl::Functions& gl, const gl::ExternalTar
   return {};
 }
 
-core::Expected<void> Compositor::clear(const gl::ExternalTarget& to, const core::Background& background) {
+core::Expected<void> Compositor::clear(const gl::ExternalTarget& to, const gpuprims::Background& background) {
   if (to.clear_colour) {
     if (!background_pass_) background_pass_.emplace(*gl_);
     if (auto done = background_pass_->fill(background, to); !done) return done;
@@ -58,7 +58,7 @@ core::Expected<void> Compositor::clear(const gl::ExternalTarget& to, const core:
 }
 
 core::Expected<void> Compositor::draw(const RenderTarget& from, const gl::ExternalTarget& to,
-                                      const core::Background& background) {
+                                      const gpuprims::Background& background) {
   assert(to.width == from.width() && to.height == from.height());
   if (auto good = check_target(*gl_, to); !good) return good;
   if (auto done = clear(to, background); !done) return done;

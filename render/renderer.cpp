@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "sightline/core/internal/studio_black.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/shaders.h"
+#include "sightline/gpuprims/internal/studio_black.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/gpuscene/internal/record_commands.h"
 #include "sightline/render/internal/shaders.h"
@@ -194,10 +194,10 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
   auto block = gpuprims::make_view_block(view, target.width(), target.height());
   if (!block) return tl::unexpected(block.error());
   block->hatching = {hatching, std::max(1.0f, hatching.y / 6.0f), 0.0f};
-  const std::vector<core::DistantLight> lights = core::distant_lights(view, lighting, sun);
+  const std::vector<gpuprims::DistantLight> lights = gpuprims::distant_lights(view, lighting, sun);
   for (std::size_t i = 0; i < lights.size(); ++i)
     block->lights[i] = {glm::normalize(core::dmat3(view.eye_from_world()) * lights[i].towards), lights[i].strength};
-  if (lighting == core::Lighting::kStudio) block->up.w = core::kStudioBlack;
+  if (lighting == gpuprims::Lighting::kStudio) block->up.w = gpuprims::kStudioBlack;
   view_block_.write(0, sizeof(*block), &*block);
 
   std::vector<glm::vec4> rows = gpuprims::eye_relative_origins(view, snapshot.chunk_origins());

@@ -12,6 +12,7 @@
 #include "sightline/core/block_order.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/culling/frustum/hierarchy.h"
+#include "sightline/engine/tour.h"
 #include "sightline/importers/plant/plant_generator.h"
 
 static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
@@ -90,7 +91,7 @@ apps::Option add_frames_option(apps::CommandLine& line, int& frames, int least) 
 }
 
 core::Expected<std::vector<core::View>> tour_views(const core::Snapshot& snapshot, int frames, double aspect) {
-  const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
+  const core::CameraPath path = engine::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
   std::vector<core::View> views;
   for (int i = 0; i < frames; ++i) {
     auto view = path.view(path.time_of(i, std::max(2, frames)), aspect);

@@ -285,7 +285,7 @@ engine::Looks DrawnOptions::all_looks() const {
   if (edge_lines) all.depth_shading.edge_lines = float(*edge_lines);
   if (hatching) all.hatching.strength = float(*hatching);
   if (sun) {
-    all.lighting = core::Lighting::kSun;
+    all.lighting = gpuprims::Lighting::kSun;
     all.sun = *sun;
   }
   return all;

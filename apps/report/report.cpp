@@ -12,6 +12,7 @@
 #include "sightline/culling/frustum/cpu_culler.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/apps/report/tour.h"
+#include "sightline/engine/tour.h"
 #endif
 
 namespace sightline::apps {
@@ -102,7 +103,7 @@ core::Expected<void> Report::make_tour() {
   if (!tour) return tl::unexpected(tour.error());
   tour_ = std::move(*tour);
 #else
-  tour_ = core::make_tour(snapshot().bounds(), fitted_);
+  tour_ = engine::make_tour(snapshot().bounds(), fitted_);
 #endif
   return {};
 }

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "sightline/core/image_rays.h"
+#include "sightline/engine/tour.h"
 
 namespace sightline::apps {
 namespace {
@@ -176,7 +177,7 @@ core::Expected<double> covered_share(const raytrace::Tracer& tracer, const core:
 core::Expected<core::CameraPath> tour_in_sight(const raytrace::Tracer& tracer, const core::FittedBounds& fitted,
                                                double aspect) {
   const core::ItemBounds& items = tracer.snapshot().bounds();
-  const core::CameraPath path = core::make_tour(items, fitted);
+  const core::CameraPath path = engine::make_tour(items, fitted);
   return Turning(tracer, path, aspect, fitted.bounds).run();
 }
 

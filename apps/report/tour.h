@@ -11,7 +11,7 @@ namespace sightline::apps {
 /// is then inside of it or against it. `aspect`: width / height.
 core::Expected<double> covered_share(const raytrace::Tracer& tracer, const core::View& view, double aspect);
 
-/// core::make_tour() for the tracer's items, except where they would cover less of the image than half of what they
+/// engine::make_tour() for the tracer's items, except where they would cover less of the image than half of what they
 /// cover in the first view (at least 0.2 %, at most 5 %), by covered_share(): there the camera turns towards items, and
 /// rises where that does not help. It moves smoothly between. Where nothing helps, it stays. `fitted`: of the same
 /// items.

@@ -18,6 +18,7 @@
 #include "sightline/bindings/python/planes.h"
 #include "sightline/bindings/python/reports.h"
 #include "sightline/core/camera_path.h"
+#include "sightline/engine/tour.h"
 #include "sightline/core/fitting.h"
 #include "sightline/engine/item_style.h"
 #include "sightline/engine/pick.h"
@@ -152,7 +153,7 @@ core::View fit(EngineBox& box, const py::object& direction, double fovy, std::op
 core::CameraPath tour(EngineBox& box, double duration) {
   if (!(duration > 0.0 && duration < core::kInfiniteFar)) fail("duration: expected more than 0 seconds");
   return box.call([&](engine::Engine& e) {
-    return core::make_tour(e.snapshot().bounds(), e.snapshot().bounds().fitted_bounds(), duration);
+    return engine::make_tour(e.snapshot().bounds(), e.snapshot().bounds().fitted_bounds(), duration);
   });
 }
 

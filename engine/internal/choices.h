@@ -24,6 +24,6 @@ consteval bool names_agree() {
 }
 static_assert(names_agree<CullerChoice>() && names_agree<OcclusionChoice>() && names_agree<Transparency>() &&
               names_agree<ContributionMode>() && names_agree<GlState>() && names_agree<culling::GpuVariant>() &&
-              names_agree<core::Lighting>());
+              names_agree<gpuprims::Lighting>());
 
 }  // namespace sightline::engine

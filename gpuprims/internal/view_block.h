@@ -7,9 +7,9 @@
 
 #include <glm/glm.hpp>
 
-#include "sightline/core/surroundings.h"
 #include "sightline/core/view.h"
 #include "sightline/gpuprims/internal/packing.h"
+#include "sightline/gpuprims/surroundings.h"
 
 namespace sightline::gpuprims {
 
@@ -29,7 +29,7 @@ struct ViewBlock {
   glm::vec4 hatching;  ///< for the renderer to fill; 0: none
   glm::vec4 hatch_across[2 * kMaxSections];
   glm::vec4 hatch_whole[kMaxSections];
-  glm::vec4 lights[core::kMostDistantLights];  ///< for the renderer to fill; 0: the head-light
+  glm::vec4 lights[kMostDistantLights];  ///< for the renderer to fill; 0: the head-light
   glm::vec4 sections_rest[kMaxSections];
 };
 static_assert(offsetof(ViewBlock, pixel_ray) == 144);
@@ -38,7 +38,7 @@ static_assert(offsetof(ViewBlock, flags) == 304);
 static_assert(offsetof(ViewBlock, sections) == 320);
 static_assert(offsetof(ViewBlock, hatching) == 320 + 16 * kMaxSections);
 static_assert(offsetof(ViewBlock, lights) == 336 + 64 * kMaxSections);
-static_assert(sizeof(ViewBlock) == 336 + 80 * kMaxSections + 16 * core::kMostDistantLights);
+static_assert(sizeof(ViewBlock) == 336 + 80 * kMaxSections + 16 * kMostDistantLights);
 
 /// Clip matrix with reversed zero-to-one depth, whatever convention the view was made for.
 core::dmat4 reversed_clip_from_eye(const core::View& view);

@@ -1,7 +1,7 @@
 // What is behind everything in an image.
 #pragma once
 
-#include "sightline/core/surroundings.h"
+#include "sightline/gpuprims/surroundings.h"
 #include "sightline/render/internal/pixel_pass.h"
 
 namespace sightline::render {
@@ -12,7 +12,7 @@ class BackgroundPass {
   explicit BackgroundPass(const gl::Functions& gl) : gl_(&gl), pass_(gl) {}
 
   /// Sets GL state and leaves it set. Fails with the driver's log.
-  core::Expected<void> fill(const core::Background& background, const gl::ExternalTarget& to);
+  core::Expected<void> fill(const gpuprims::Background& background, const gl::ExternalTarget& to);
 
  private:
   void fill_evenly(const core::vec3& colour, const gl::ExternalTarget& to) const;

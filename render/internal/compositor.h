@@ -32,12 +32,13 @@ class Compositor {
 
   /// As put(), into a framebuffer of the application's, which is cleared first where it says so. `to` must have the
   /// size of `from`. `background`: to clear with. Fails as check_target() does.
-  core::Expected<void> draw(const RenderTarget& from, const gl::ExternalTarget& to, const core::Background& background);
+  core::Expected<void> draw(const RenderTarget& from, const gl::ExternalTarget& to,
+                            const gpuprims::Background& background);
   /// Sets GL state and leaves it set, with the framebuffer bound for drawing. Fails with the driver's log.
   core::Expected<void> put(const RenderTarget& from, const gl::ExternalTarget& to);
 
  private:
-  core::Expected<void> clear(const gl::ExternalTarget& to, const core::Background& background);
+  core::Expected<void> clear(const gl::ExternalTarget& to, const gpuprims::Background& background);
 
   const gl::Functions* gl_;
   PixelPass pass_;

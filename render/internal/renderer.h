@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "sightline/core/internal/deadline.h"
-#include "sightline/core/surroundings.h"
 #include "sightline/core/view.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/program_pipeline.h"
 #include "sightline/gl/internal/vertex_array.h"
+#include "sightline/gpuprims/surroundings.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/render/internal/background_pass.h"
 #include "sightline/render/internal/overlays.h"
@@ -68,9 +68,9 @@ class Renderer {
                                     const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                     const RenderTarget& image, const BlendedSums& sums, const glm::vec2& range);
 
-  core::Background background = {};
-  core::Lighting lighting = core::Lighting::kHeadLight;
-  core::dvec3 sun{0.0, 0.0, 1.0};  ///< as core::distant_lights() has it
+  gpuprims::Background background = {};
+  gpuprims::Lighting lighting = gpuprims::Lighting::kHeadLight;
+  core::dvec3 sun{0.0, 0.0, 1.0};  ///< as gpuprims::distant_lights() has it
   /// Lines on cut faces: their strength, 0 … 1, and their least distance in pixels; a sixth of that, or one pixel, is
   /// their width. 0: none.
   glm::vec2 hatching{0.0f, 6.0f};

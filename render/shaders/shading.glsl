@@ -1,4 +1,4 @@
-// Colour and id of a surface point. Light: a head-light or lights far away (core/surroundings.h), and a hemisphere of sky.
+// Colour and id of a surface point. Light: a head-light or lights far away (gpuprims/surroundings.h), and a hemisphere of sky.
 
 layout(binding = 2) uniform samplerBuffer materials;  // rgb: sRGB colour, a: alpha
 
@@ -85,7 +85,7 @@ void write_lit(vec3 n, float head, vec2 lights, float sky, float hatch, uint wor
   float light = 0.30 + 0.50 * lights.x + 0.25 * sky;
   vec4 material = material_of(word);
   float dark = 1.0 - max(max(material.r, material.g), material.b), square = dark * dark;
-  vec3 colour = material.rgb + view.up.w * square * square;  // twin: core/internal/studio_black.h
+  vec3 colour = material.rgb + view.up.w * square * square;  // twin: gpuprims/internal/studio_black.h
   vec3 lit = min(colour * light + 0.12 * lights.y, vec3(1.0));
 #ifdef HATCHING
   lit = mix(lit, vec3(dot(lit, kLuma) < kDarkFace ? 1.0 : 0.0), hatch);

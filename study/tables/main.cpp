@@ -22,6 +22,7 @@
 #include "sightline/apps/bench/models/aircraft.h"
 #include "sightline/apps/bench/models/platforms.h"
 #include "sightline/core/camera_path.h"
+#include "sightline/engine/tour.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/plant/plant_generator.h"
@@ -92,7 +93,7 @@ study::Model from_boxes(std::string name, std::vector<core::Aabb> boxes, std::ve
     bounds.grow(core::AabbD{core::dvec3(b.min), core::dvec3(b.max)});
     centres.push_back(0.5 * (core::dvec3(b.min) + core::dvec3(b.max)));
   }
-  model.paths.push_back(tour(core::make_tour(bounds, centres, seconds), bounds, frames, seconds));
+  model.paths.push_back(tour(engine::make_tour(bounds, centres, seconds), bounds, frames, seconds));
   const int others = std::min(frames, kOtherFrames);
   model.paths.push_back(round("orbit", glm::length(bounds.size()), 0.8, bounds, others));
   model.paths.push_back(round("turn", 0.0, 0.8, bounds, others));

@@ -10,6 +10,7 @@
 
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
+#include "sightline/engine/tour.h"
 
 namespace sightline::apps::tour_test {
 namespace {
@@ -43,7 +44,7 @@ struct Stage {
     EXPECT_TRUE(created);
     if (created) tracer.emplace(std::move(*created));
   }
-  core::CameraPath plain_tour() const { return core::make_tour(snapshot->bounds(), fitted); }
+  core::CameraPath plain_tour() const { return engine::make_tour(snapshot->bounds(), fitted); }
 
   core::Scene scene;
   std::optional<core::Snapshot> snapshot;

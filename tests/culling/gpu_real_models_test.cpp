@@ -8,6 +8,7 @@
 #include "scenes.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/engine/tour.h"
 #include "sightline/tests/support/gl_test.h"
 #include "sightline/tests/support/test_data.h"
 
@@ -66,7 +67,7 @@ std::vector<Flight> flights_of(const core::Snapshot& snapshot, Random& random) {
     look(dive, place + 0.8 * size * around(3 * i, 0.6), place);
     look(dive, place + 0.02 * size * around(3 * i + 1, 0.3), place, 0.05);
   }
-  std::vector<Flight> flights{{"tour", core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds())}};
+  std::vector<Flight> flights{{"tour", engine::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds())}};
   flights.push_back(through("orbit", std::move(orbit), size, 3.0 * size));
   flights.push_back(through("turn", std::move(turn), size));
   flights.push_back(through("fly-over", std::move(over), size));

@@ -123,7 +123,7 @@ SETTINGS = {
 GROUPS = {"culling": "CullingConfig", "drawing": "DrawingConfig", "looks": "Looks", "losses": "LossConfig",
           "context": "ContextConfig", "depth_shading": "DepthShading", "hatching": "Hatching",
           "background": "Background", "controller": "ControllerConfig"}
-SETTING_HEADERS = ["engine/engine_config.h", "engine/looks.h", "engine/paged/paged_engine.h", "core/surroundings.h",
+SETTING_HEADERS = ["engine/engine_config.h", "engine/looks.h", "engine/paged/paged_engine.h", "gpuprims/surroundings.h",
                    "culling/hybrid/controller.h", "importers/import.h", "importers/write_file.h"]
 NO_SETTINGS = {"context.application": "what finds GL's functions is an argument in C and Python",
                "culling.controller.rendering": "follows draw", "progress": "an argument in C and Python",

@@ -224,10 +224,14 @@ TEST(PathJson, ErrorsNameFilePlaceAndWhatWasExpected) {
 }
 
 TEST(PathJson, RoundTrip) {
-  core::AabbD box;
-  box.grow(dvec3(1e7, 0, 0));
-  box.grow(dvec3(1e7 + 400, 100, 60));
-  const core::CameraPath tour = core::make_tour(box, {});
+  std::vector<core::CameraKey> keys;
+  for (int i = 0; i < 30; ++i) {
+    const dvec3 from(std::cos(0.7 * i), std::sin(0.7 * i), 0.1 * i);
+    keys.push_back(
+        {1.0 / 3.0 * i, {dvec3(1e7 + 200, 50, 30) + 400.0 * from, dvec3(1e7, 1.0 / 7.0 * i, 0)}, 0.3 + 0.07 * i});
+  }
+  core::CameraPath tour = *core::CameraPath::create(std::move(keys));
+  tour.near = 0.04;
   const TemporaryFile file("");
   ASSERT_TRUE(write_path(file.path(), tour));
   const auto back = read_path(file.path());

@@ -27,7 +27,7 @@ dvec3 towards_eye(const View& view, const PixelRay& ray) {
 /// A light of half the strength, a sky that lights what looks up, and a highlight around the direction halfway between
 /// light and eye, in 0 to 255; without lights the one at the eye. sRGB colours are lit as they are.
 dvec3 shade(const dvec3& material, const dvec3& normal, const dvec3& to_eye, const View& view,
-            const std::vector<core::DistantLight>& lights = {}) {
+            const std::vector<gpuprims::DistantLight>& lights = {}) {
   // The studio, which alone has several lights, shows black as a grey of 0.25.
   const double dark = 1.0 - std::max({material.r, material.g, material.b}), black = lights.size() > 1 ? 0.25 : 0.0;
   const dvec3 colour = material + black * std::pow(dark, 4.0);
@@ -40,7 +40,8 @@ dvec3 shade(const dvec3& material, const dvec3& normal, const dvec3& to_eye, con
     const double gloss = std::max(0.0, glm::dot(normal, glm::normalize(towards + to_eye)));
     lit += strength * (0.5 * cosine * colour + 0.12 * std::pow(gloss, 24.0));
   };
-  for (const core::DistantLight& light : lights) add(glm::normalize(eye_from_world * light.towards), light.strength);
+  for (const gpuprims::DistantLight& light : lights)
+    add(glm::normalize(eye_from_world * light.towards), light.strength);
   if (lights.empty()) add(to_eye, 1.0);
   return 255.0 * glm::min(lit, dvec3(1.0));
 }
@@ -113,7 +114,7 @@ class Shading : public GlTest {
   }
 
   Range colours_around(const PixelHits& around, const View& view, const dvec3& to_eye, const dvec3& background,
-                       const std::vector<core::DistantLight>& lights) const {
+                       const std::vector<gpuprims::DistantLight>& lights) const {
     Range range;
     for (const RayHit& seen_hit : around.hits_around)
       range.add(seen_hit.hit()
@@ -139,9 +140,10 @@ class Shading : public GlTest {
   std::vector<dvec3> colours_;
 };
 
-class ShadingByLights : public Shading, public testing::WithParamInterface<core::Lighting> {};
+class ShadingByLights : public Shading, public testing::WithParamInterface<gpuprims::Lighting> {};
 INSTANTIATE_TEST_SUITE_P(, ShadingByLights,
-                         testing::Values(core::Lighting::kHeadLight, core::Lighting::kStudio, core::Lighting::kSun),
+                         testing::Values(gpuprims::Lighting::kHeadLight, gpuprims::Lighting::kStudio,
+                                         gpuprims::Lighting::kSun),
                          [](const auto& tried) { return std::string(name_of(tried.param), 0, 4); });
 
 TEST_P(ShadingByLights, IsThatOfTheTwin) {
@@ -160,7 +162,7 @@ TEST_P(ShadingByLights, IsThatOfTheTwin) {
     const std::vector<PixelHits> seen = look_at(shapes_, view, kWidth, kHeight);
     const Compared compared = compare(image, seen, {1e-5, 0.1});
     EXPECT_GT(compared.clear, kWidth * kHeight / 16);
-    const std::vector<core::DistantLight> lights = core::distant_lights(view, GetParam(), sun);
+    const std::vector<gpuprims::DistantLight> lights = gpuprims::distant_lights(view, GetParam(), sun);
     std::vector<int> shown(shapes_.size());
     for (std::size_t pixel = 0; pixel < seen.size(); ++pixel) {
       const int x = int(pixel) % kWidth, y = int(pixel) / kWidth;

@@ -19,6 +19,7 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/core/snapshot.h"
+#include "sightline/engine/tour.h"
 #include "sightline/importers/view_json.h"
 
 namespace sightline::bench::error_time_bench {
@@ -149,7 +150,7 @@ core::Expected<std::vector<NamedView>> views_of(const Options& o, const std::str
   auto whole = core::View::fit(fitted.bounds, core::kOverviewDirection, apps::kFovy, aspect);
   if (!whole) return tl::unexpected(whole.error());
   views.push_back({"whole", *whole});
-  const core::CameraPath tour = core::make_tour(snapshot.bounds(), fitted);
+  const core::CameraPath tour = engine::make_tour(snapshot.bounds(), fitted);
   for (const int percent : {40, 70}) {
     auto view = tour.view(tour.time_of(percent, 101), aspect);
     if (!view) return tl::unexpected(view.error());

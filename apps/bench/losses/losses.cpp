@@ -29,6 +29,7 @@
 #include "sightline/core/camera_path.h"
 #include "sightline/core/internal/srgb.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/tour.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/recognise/internal/recognise.h"
 
@@ -214,7 +215,7 @@ struct Reference {
 
 core::Expected<std::vector<ViewPair>> views_of(const core::Scene& scene, const Options& o, double aspect) {
   const core::Snapshot snapshot(scene);
-  const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
+  const core::CameraPath path = engine::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
   std::vector<ViewPair> views;
   for (int i = 0; i < o.frames; ++i) {
     const double time = std::min(path.time_of(i, std::max(2, o.frames)), path.end() - o.step);

@@ -267,9 +267,9 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
          k.drawing.looks.hatching = {0.9f, 4.0f};
        }},
       {"studio", [](sl_engine_config& k) { k.drawing.looks.lighting = SL_LIGHTING_STUDIO; },
-       [](engine::EngineConfig& k) { k.drawing.looks.lighting = core::Lighting::kStudio; }},
+       [](engine::EngineConfig& k) { k.drawing.looks.lighting = gpuprims::Lighting::kStudio; }},
       {"sun", [](sl_engine_config& k) { k.drawing.looks.lighting = SL_LIGHTING_SUN, k.drawing.looks.sun[0] = 2.0; },
-       [](engine::EngineConfig& k) { k.drawing.looks.lighting = core::Lighting::kSun, k.drawing.looks.sun.x = 2.0; }},
+       [](engine::EngineConfig& k) { k.drawing.looks.lighting = gpuprims::Lighting::kSun, k.drawing.looks.sun.x = 2.0; }},
       {"background",
        [](sl_engine_config& k) {
          k.drawing.looks.background.bottom[0] = 0.5f, k.drawing.looks.background.top[2] = 0.25f;

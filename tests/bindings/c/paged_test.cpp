@@ -293,7 +293,7 @@ TEST_F(CapiPaged, LooksAreThoseOfCpp) {
   with.drawing.looks.depth_shading.strength = 0.5f;
   make_engine(with);
   engine::PagedConfig cpp{.width = kWidth, .height = kHeight, .memory_limit = kMany};
-  cpp.drawing.looks.lighting = core::Lighting::kStudio;
+  cpp.drawing.looks.lighting = gpuprims::Lighting::kStudio;
   cpp.drawing.looks.background.top.b = 0.25f;
   cpp.drawing.looks.depth_shading.strength = 0.5f;
   auto twin = engine::PagedEngine::create(std::move(*importers::open_paged_scene(file)), cpp);

@@ -1,10 +1,10 @@
-#include "sightline/core/surroundings.h"
+#include "sightline/gpuprims/surroundings.h"
 
 #include <array>
 
 #include <glm/glm.hpp>
 
-namespace sightline::core {
+namespace sightline::gpuprims {
 namespace {
 
 /// A light of Lighting::kStudio, in eye space: x right, y up, z towards the viewer.
@@ -17,15 +17,15 @@ constexpr std::array<StudioLight, kMostDistantLights> kStudio{
 
 }  // namespace
 
-std::vector<DistantLight> distant_lights(const View& view, Lighting lighting, const dvec3& sun) {
+std::vector<DistantLight> distant_lights(const core::View& view, Lighting lighting, const dvec3& sun) {
   std::vector<DistantLight> lights;
   if (lighting == Lighting::kSun) lights.push_back({glm::normalize(sun), 1.0});
   if (lighting == Lighting::kStudio) {
-    const dmat3 world_from_eye = glm::inverse(dmat3(view.eye_from_world()));
+    const core::dmat3 world_from_eye = glm::inverse(core::dmat3(view.eye_from_world()));
     for (const StudioLight& light : kStudio)
       lights.push_back({glm::normalize(world_from_eye * light.towards), light.strength});
   }
   return lights;
 }
 
-}  // namespace sightline::core
+}  // namespace sightline::gpuprims

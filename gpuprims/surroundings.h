@@ -11,7 +11,10 @@
 #include "sightline/core/conventions.h"
 #include "sightline/core/view.h"
 
-namespace sightline::core {
+namespace sightline::gpuprims {
+
+using core::dvec3;
+using core::vec3;
 
 /// All of them have a share of the sky beside: more on what faces up.
 enum class Lighting : std::uint8_t {
@@ -37,7 +40,7 @@ inline constexpr std::size_t kMostDistantLights = 2;
 
 /// The lights of an image of `view`, none where it has the head-light alone. `sun`: the direction to it in the world,
 /// finite and of any length but 0; for Lighting::kSun alone.
-SIGHTLINE_API std::vector<DistantLight> distant_lights(const View& view, Lighting lighting, const dvec3& sun);
+SIGHTLINE_API std::vector<DistantLight> distant_lights(const core::View& view, Lighting lighting, const dvec3& sun);
 
 /// What is behind everything in an image: two colours, sRGB, and an even change between them from border to border.
 struct Background {
@@ -45,4 +48,4 @@ struct Background {
   friend bool operator==(const Background&, const Background&) = default;
 };
 
-}  // namespace sightline::core
+}  // namespace sightline::gpuprims
