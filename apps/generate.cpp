@@ -34,7 +34,7 @@ core::Expected<std::uint64_t> parse_seed(const std::string& text) {
 constexpr std::uint64_t kFewestItems = 1000, kMostItems = 10'000'000, kMostParts = 99'999;  // items of each part
 
 struct Options {
-  importers::PlantConfig config;
+  importers::PlantOptions config;
   int parts = 1;
   std::string output, json_file;
 };
@@ -46,7 +46,7 @@ core::dvec3 place_of_part(int part, int parts) {
   return {kPitchX * (part % columns), kPitchY * (part / columns), 0.0};
 }
 
-core::Expected<std::size_t> write_plant(const importers::PlantConfig& config, const core::dvec3& place,
+core::Expected<std::size_t> write_plant(const importers::PlantOptions& config, const core::dvec3& place,
                                         const std::string& output) {
   core::Scene scene;
   if (auto done = importers::generate_plant(config, scene); !done) return tl::unexpected(done.error());
@@ -84,7 +84,7 @@ core::Expected<std::size_t> write_parts(const Options& o) {
   apps::Progress progress("generating", std::size_t(o.parts));
   std::size_t items = 0;
   for (int part = 0; part < o.parts; ++part) {
-    importers::PlantConfig config = o.config;
+    importers::PlantOptions config = o.config;
     config.items = o.config.items / std::uint64_t(o.parts) +
                    (std::uint64_t(part) < o.config.items % std::uint64_t(o.parts) ? 1 : 0);
     config.seed = o.config.seed + std::uint64_t(part);

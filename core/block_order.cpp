@@ -38,7 +38,7 @@ std::uint32_t block_size(std::uint32_t count) {
 /// moving, so neither threads nor chunks change the result.
 class BlockOrder {
  public:
-  BlockOrder(std::span<const Aabb> boxes, const BlockOrderConfig& config)
+  BlockOrder(std::span<const Aabb> boxes, const BlockOrderOptions& config)
       : boxes_(boxes), config_(config), order_(boxes.size()) {
     for (auto& points : points_) points.resize_for_overwrite(boxes.size());
   }
@@ -210,14 +210,14 @@ class BlockOrder {
   }
 
   std::span<const Aabb> boxes_;
-  BlockOrderConfig config_;
+  BlockOrderOptions config_;
   LargeArray<Point> points_[2];
   std::vector<std::uint32_t> order_;
 };
 
 }  // namespace
 
-std::vector<std::uint32_t> block_order(std::span<const Aabb> boxes, const BlockOrderConfig& config) {
+std::vector<std::uint32_t> block_order(std::span<const Aabb> boxes, const BlockOrderOptions& config) {
   assert(config.smallest_block > 0 && boxes.size() < kNone / 2);
 #ifndef NDEBUG
   for (const Aabb& b : boxes)

@@ -12,7 +12,7 @@
 
 namespace sightline::core {
 
-struct BlockOrderConfig {
+struct BlockOrderOptions {
   std::uint32_t smallest_block = 8;  ///< boxes of a block of this size or smaller are in no particular order; > 0
   int threads = 0;                   ///< 0: all that OpenMP offers, of few boxes one. The order does not depend on it
 };
@@ -21,6 +21,6 @@ struct BlockOrderConfig {
 /// the largest power of two that leaves something, and the rest; both parts are split in the same way. The left part
 /// holds the boxes with the smaller centroids, ties by index. Deterministic; time O(n log n) on any input. Empty boxes
 /// are allowed and gather with the others at the origin. No box may hold a NaN (asserted).
-SIGHTLINE_API std::vector<std::uint32_t> block_order(std::span<const Aabb> boxes, const BlockOrderConfig& config = {});
+SIGHTLINE_API std::vector<std::uint32_t> block_order(std::span<const Aabb> boxes, const BlockOrderOptions& config = {});
 
 }  // namespace sightline::core

@@ -115,7 +115,7 @@ std::vector<Area> lay_out(std::uint64_t items, Random& random) {
 
 class Generator {
  public:
-  Generator(const PlantConfig& config, core::Scene& scene)
+  Generator(const PlantOptions& config, core::Scene& scene)
       : scene_(scene),
         random_(config.seed),
         stage_(scene, config.items),
@@ -374,7 +374,7 @@ class Generator {
 
 }  // namespace
 
-core::Expected<void> generate_plant(const PlantConfig& config, core::Scene& scene) {
+core::Expected<void> generate_plant(const PlantOptions& config, core::Scene& scene) {
   if (config.items < kFewest || config.items > kMost)
     return core::fail("plant generator: expected 1000 to 10000000 items, got " + std::to_string(config.items));
   Generator(config, scene).run();

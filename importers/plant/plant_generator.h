@@ -9,7 +9,7 @@
 
 namespace sightline::importers {
 
-struct PlantConfig {
+struct PlantOptions {
   std::uint64_t items = 100'000;  ///< exactly so many items come out; 1 000 … 10 000 000
   std::uint64_t seed = 1;
 };
@@ -26,6 +26,6 @@ struct PlantConfig {
 ///
 /// The scene's content depends on `config` alone, on every platform with IEEE arithmetic. Nothing is committed. Fails
 /// when `items` is out of range; the scene is then unchanged.
-SIGHTLINE_API core::Expected<void> generate_plant(const PlantConfig& config, core::Scene& scene);
+SIGHTLINE_API core::Expected<void> generate_plant(const PlantOptions& config, core::Scene& scene);
 
 }  // namespace sightline::importers

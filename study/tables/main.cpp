@@ -16,13 +16,13 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #ifdef SIGHTLINE_STUDY_HAS_GPU
+#include "sightline/engine/tour.h"
 #include "sightline/study/tables/gpu.h"
 #include "sightline/study/tables/rays_gpu.h"
 #endif
 #include "sightline/apps/bench/models/aircraft.h"
 #include "sightline/apps/bench/models/platforms.h"
 #include "sightline/core/camera_path.h"
-#include "sightline/engine/tour.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/plant/plant_generator.h"
@@ -125,7 +125,7 @@ study::Model from_scene(const std::string& name, const core::Scene& scene, int f
 
 core::Expected<study::Model> make_platform(const bench::Platform& platform, const Options& options) {
   core::Scene scene;
-  importers::PlantConfig config;
+  importers::PlantOptions config;
   config.items = bench::scaled(platform.objects(), options.scale);
   config.seed = platform.objects();
   if (auto made = importers::generate_plant(config, scene); !made) return tl::unexpected(made.error());

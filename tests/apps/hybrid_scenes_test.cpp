@@ -43,7 +43,7 @@ TEST(HybridScenes, AnotherKindKeepsItsPlace) {
   const std::uint64_t items = platform.primitives();
   core::Scene plant, scene;
   ASSERT_TRUE(bench::make_platform_scene(platform, 0.02, scene));
-  importers::PlantConfig config;
+  importers::PlantOptions config;
   config.items = std::uint64_t(double(items) * 0.02);
   config.seed = items;
   ASSERT_TRUE(importers::generate_plant(config, plant));

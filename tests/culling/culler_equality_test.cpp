@@ -65,7 +65,7 @@ TEST(CullerEquality, RandomScenesAndViews) {
     const core::dvec3 origin = chance(random, 0.5) ? core::dvec3(0.0) : point(random, 1e7);
     auto boxes = random_boxes(random, std::size_t(magnitude(random, 1.0, 4000.0)), half);
     if (chance(random, 0.4)) spoil(random, boxes);
-    const core::BlockOrderConfig config{std::uint32_t(whole(random, 1, 40))};
+    const core::BlockOrderOptions config{std::uint32_t(whole(random, 1, 40))};
     Scene scene(boxes, origin, chance(random, 0.5) ? boxes.size() / 7 : 0, config);
     if (chance(random, 0.5)) set_random_layers(random, scene.bounds);
     scene.culler->refit();

@@ -154,7 +154,7 @@ struct Scene {
   std::unique_ptr<culling::CpuCuller> culler;
 
   Scene(std::span<const core::Aabb> boxes, const core::dvec3& origin, std::size_t unsorted = 0,
-        const core::BlockOrderConfig& config = {}) {
+        const core::BlockOrderOptions& config = {}) {
     const std::size_t sorted = boxes.size() - unsorted;
     bounds.origin = origin;
     bounds.resize(boxes.size());

@@ -83,7 +83,7 @@ core::Mesh prism(int sides) {
 core::Expected<void> make_platform_scene(const Platform& platform, double scale, core::Scene& scene) {
   Platform primitives = platform;
   primitives.counts[kMeshes] = 0;
-  importers::PlantConfig config;
+  importers::PlantOptions config;
   config.items = scaled(platform.primitives(), scale);
   config.seed = platform.primitives();
   if (auto made = importers::generate_plant(config, scene); !made) return made;
