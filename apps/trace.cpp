@@ -130,7 +130,7 @@ core::Expected<Json> pick(const Options& o, const raytrace::Tracer& tracer, cons
   Json out = {{"item", to_index(h.item)},
               {"node", scene.path(scene.node_of(h.item))},
               {"kind", std::string(core::name_of(scene.kind(h.item)))},
-              {"face", std::string(raytrace::name_of(h.face))},
+              {"face", std::string(core::name_of(h.face))},
               {"point", array_of(h.point)},
               {"normal", array_of(h.normal)},
               {"distance", h.t}};

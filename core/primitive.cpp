@@ -145,6 +145,12 @@ std::string_view name_of(Kind kind) {
   return kKindNames[std::size_t(kind)];
 }
 
+std::string_view faces::name_of(Face face) {
+  constexpr std::string_view kNames[] = {"side",  "bottom", "top",   "bottom_level", "top_level", "inner",    "below",
+                                         "above", "min_x",  "max_x", "min_y",        "max_y",     "triangle", "cut"};
+  return kNames[face];
+}
+
 int parameter_count(Kind kind) {
   assert(int(kind) < kPrimitiveKindCount);
   return kParameterCounts[std::size_t(kind)];

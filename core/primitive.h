@@ -42,6 +42,31 @@ inline constexpr int kKindCount = 12;
 /// "cylinder", "circular_torus", …: the names used in every file and message.
 SIGHTLINE_API std::string_view name_of(Kind kind);
 
+namespace faces {
+/// Faces of items. A flat item, such as a cylinder of height 0, has those that are left of it. They convert to numbers,
+/// which intersectors and shaders compute with; their names are Face::kSide and so on.
+enum Face : std::uint8_t {
+  kSide,         ///< round or conical: of cylinders and snouts, spheres, domes of dishes, tubes, outer walls of tori
+  kBottom,       ///< at z = -height / 2; the base of a dish; the end of a torus at angle 0
+  kTop,          ///< at z = height / 2; the other end of a torus
+  kBottomLevel,  ///< of a snout: the level cut in place of an end plane that does not close it
+  kTopLevel,
+  kInner,  ///< of a rectangular torus: its inner wall, its level sides
+  kBelow,
+  kAbove,
+  kMinX,  ///< the four sides of a box or pyramid
+  kMaxX,
+  kMinY,
+  kMaxY,
+  kTriangle,  ///< of a mesh
+  kCut,       ///< where a section plane cuts the item open
+};
+/// "side", "bottom", "min_x", …
+SIGHTLINE_API std::string_view name_of(Face face);
+}  // namespace faces
+using faces::Face;
+using faces::name_of;
+
 /// Frustum of a rectangular pyramid. The bottom lies at z = -height/2 around -offset/2, the top at +height/2 around
 /// +offset/2.
 struct Pyramid {

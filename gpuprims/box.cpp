@@ -1,7 +1,6 @@
-#include "sightline/gpuprims/internal/box.h"
-
 #include "sightline/gpuprims/internal/local_ray.h"
 #include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims {
 

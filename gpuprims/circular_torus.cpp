@@ -1,5 +1,3 @@
-#include "sightline/gpuprims/internal/circular_torus.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/gpuprims/internal/wedge.h"
 
 namespace sightline::gpuprims {
@@ -199,13 +198,13 @@ Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   if (crossing_count == 0) return hits;
   const Wedge wedge(angle);
   const auto normal = [&](int face, const dvec3& p) {
-    if (face != kLateral) return wedge.normal(face);
+    if (face != kSide) return wedge.normal(face);
     const double rho = std::sqrt(p.x * p.x + p.y * p.y), factor = rho > 0 ? (rho - tube.major) / rho : 0;
     return dvec3(factor * p.x, factor * p.y, p.z);
   };
   for (int i = 0; i < crossing_count; i += 2) {
     Span pieces[2];
-    const int count = wedge.cut(tube.o, tube.u, {crossings[i], crossings[i + 1], kLateral, kLateral}, pieces);
+    const int count = wedge.cut(tube.o, tube.u, {crossings[i], crossings[i + 1], kSide, kSide}, pieces);
     for (int j = 0; j < count; ++j) add_hits(hits, local, pieces[j], internal_faces(caps), normal);
   }
   return hits;

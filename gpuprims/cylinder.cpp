@@ -1,11 +1,10 @@
-#include "sightline/gpuprims/internal/cylinder.h"
-
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "sightline/gpuprims/internal/local_ray.h"
 #include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims {
 Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps) {
@@ -15,7 +14,7 @@ Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps) {
   const auto local = closest_approach(ray, {1.0, 1.0, weight(radius, half)}, radius);
   if (!local.valid) return hits;
   const double per_unit = inverse_power_of_two(radius);
-  auto span = cylinder_span(local.origin, local.direction, radius * per_unit, kLateral);
+  auto span = cylinder_span(local.origin, local.direction, radius * per_unit, kSide);
   span.clip_slab(local.origin.z, local.direction.z, half * per_unit, kBottom, kTop);
   add_hits(hits, local, span, internal_faces(caps), [](int face, const dvec3& p) {
     constexpr double kAcross[] = {1, 0, 0}, kAlong[] = {0, -1, 1};  // indexed by face
@@ -34,15 +33,8 @@ core::Mesh tessellate(const core::Cylinder& cylinder, const Tessellation& config
   builder.add_grid(1, segments, [&](int row, int column) {
     return Vertex{dvec3(radius * circle[column], row == 0 ? -half : half), dvec3(circle[column], 0.0)};
   });
-  std::vector<dvec3> rim(segments);
-  if (caps.top) {
-    for (int i = 0; i < segments; ++i) rim[i] = dvec3(radius * circle[i], half);
-    builder.add_flat_polygon(rim, {0.0, 0.0, 1.0});
-  }
-  if (caps.bottom) {
-    for (int i = 0; i < segments; ++i) rim[i] = dvec3(radius * circle[segments - i], -half);
-    builder.add_flat_polygon(rim, {0.0, 0.0, -1.0});
-  }
+  if (caps.top) builder.add_disc(circle, radius, half, 1.0);
+  if (caps.bottom) builder.add_disc(circle, radius, -half, -1.0);
   return builder.finish();
 }
 

@@ -18,11 +18,11 @@ struct Dome {
     if (!(discriminant >= 0)) return Span::nothing();
     const double q = -(b + std::copysign(std::sqrt(discriminant), b));
     const double near_root = q == 0 ? 0 : c / q, far_root = q / a;
-    return {std::min(near_root, far_root), std::max(near_root, far_root), kLateral, kLateral};
+    return {std::min(near_root, far_root), std::max(near_root, far_root), kSide, kSide};
   }
 
   dvec3 normal(int face, const dvec3& p) const {
-    if (face != kLateral) return {0, 0, -1};
+    if (face != kSide) return {0, 0, -1};
     return {p.x, p.y, stretch * ((base - bulge) / 2 + bulge * stretch * p.z)};
   }
 };

@@ -1,13 +1,11 @@
-#include "sightline/gpuprims/internal/elliptical_dish.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/internal/cylinder.h"
 #include "sightline/gpuprims/internal/dome.h"
 #include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims {
 
@@ -35,11 +33,7 @@ core::Mesh tessellate(const core::EllipticalDish& dish, const Tessellation& conf
     return Vertex{dvec3(radius * m.x * around[column], height * m.y),
                   dvec3(height * m.x * around[column], radius * m.y)};
   });
-  if (caps.bottom) {
-    std::vector<dvec3> rim;
-    for (int i = columns; i > 0; --i) rim.emplace_back(radius * around[i], 0.0);
-    builder.add_flat_polygon(rim, {0.0, 0.0, -1.0});
-  }
+  if (caps.bottom) builder.add_disc(around, radius, 0.0, -1.0);
   return builder.finish();
 }
 

@@ -2,16 +2,6 @@
 
 #include <type_traits>
 
-#include "sightline/gpuprims/internal/box.h"
-#include "sightline/gpuprims/internal/circular_torus.h"
-#include "sightline/gpuprims/internal/cylinder.h"
-#include "sightline/gpuprims/internal/elliptical_dish.h"
-#include "sightline/gpuprims/internal/pyramid.h"
-#include "sightline/gpuprims/internal/rectangular_torus.h"
-#include "sightline/gpuprims/internal/snout.h"
-#include "sightline/gpuprims/internal/sphere.h"
-#include "sightline/gpuprims/internal/spherical_dish.h"
-
 namespace sightline::gpuprims {
 
 Hits intersect(const core::Primitive& primitive, const Ray& ray, Caps caps) {

@@ -1,9 +1,8 @@
-#include "sightline/gpuprims/internal/pyramid.h"
-
 #include <cmath>
 
 #include "sightline/gpuprims/internal/local_ray.h"
 #include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims {
 namespace {

@@ -1,10 +1,9 @@
-#include "sightline/gpuprims/internal/rectangular_torus.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/gpuprims/internal/wedge.h"
 
 namespace sightline::gpuprims {
@@ -19,7 +18,7 @@ Hits intersect(const core::RectangularTorus& torus, const Ray& ray, Caps caps) {
 
   const dvec3 &o = local.origin, &u = local.direction;
   const double scale = inverse_power_of_two(outer);
-  Span disc = cylinder_span(o, u, scale * outer, kLateral);
+  Span disc = cylinder_span(o, u, scale * outer, kSide);
   disc.clip_slab(o.z, u.z, scale * half, kBelow, kAbove);
   if (disc.empty()) return hits;
   const auto hole = inner > 0.0 ? cylinder_span(o, u, scale * inner, kInner) : Span::nothing();

@@ -1,14 +1,12 @@
-#include "sightline/gpuprims/internal/snout.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/internal/cylinder.h"
 #include "sightline/gpuprims/internal/local_ray.h"
 #include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims {
 namespace {
@@ -43,8 +41,8 @@ struct Solid {
   }
   /// Has no branch on the face: see choose() in local_ray.h.
   dvec3 normal(int face, const dvec3& p) const {
-    constexpr double kLateralShare[] = {1, 0, 0, 0, 0}, kUp[] = {0, -1, 1, -1, 1};
-    dvec3 n = kLateralShare[face] * lateral_normal(p);
+    constexpr double kSideShare[] = {1, 0, 0, 0, 0}, kUp[] = {0, -1, 1, -1, 1};
+    dvec3 n = kSideShare[face] * lateral_normal(p);
     n.z += kUp[face];
     if (slanted && face == kBottom) n += dvec3(bottom.tangent, 0);
     if (slanted && face == kTop) n -= dvec3(top.tangent, 0);
@@ -158,9 +156,9 @@ Span nappe_span(const Solid& solid, const dvec3& o, const dvec3& u) {
   Span span;
   if (a == 0) {  // parallel to a generator: one crossing, on the nappe towards which r grows
     if (q > 0 && r1 > 0)
-      span.enter(near_root, kLateral);
+      span.enter(near_root, kSide);
     else if (q < 0 && r1 < 0)
-      span.leave(near_root, kLateral);
+      span.leave(near_root, kSide);
     else
       return nothing;
     return span;
@@ -168,13 +166,13 @@ Span nappe_span(const Solid& solid, const dvec3& o, const dvec3& u) {
   const double far_root = q / a, low = std::min(near_root, far_root), high = std::max(near_root, far_root);
   if (a > 0) {
     if (!(r0 * a - b * r1 >= 0)) return nothing;  // both crossings on the other nappe
-    return {low, high, kLateral, kLateral};
+    return {low, high, kSide, kSide};
   }
   const bool grows = r1 > 0;  // one crossing on each nappe: inside from or up to the one on this nappe
   span.from = grows ? high : -Span::kInfinity;
   span.to = grows ? Span::kInfinity : low;
-  span.from_face = choose(grows, kLateral, Span::kNoFace);
-  span.to_face = choose(grows, Span::kNoFace, kLateral);
+  span.from_face = choose(grows, kSide, Span::kNoFace);
+  span.to_face = choose(grows, Span::kNoFace, kSide);
   return span;
 }
 
@@ -234,8 +232,8 @@ Span generator_span(const Solid& solid, const dvec2& e) {
   Span span;
   span.enter(solid.lowest, kBottomLevel);
   span.leave(solid.highest, kTopLevel);
-  if (solid.widening > 0.0) span.enter(-solid.radius / solid.widening, kLateral);
-  if (solid.widening < 0.0) span.leave(-solid.radius / solid.widening, kLateral);
+  if (solid.widening > 0.0) span.enter(-solid.radius / solid.widening, kSide);
+  if (solid.widening < 0.0) span.leave(-solid.radius / solid.widening, kSide);
   const dvec3 direction(solid.lean + solid.widening * e, 1.0), start(solid.radius * e, 0.0);
   const double low = span.from, high = span.to;
   span.clip(solid.bottom.above(start), solid.bottom.slope(direction), kBottom);

@@ -1,5 +1,3 @@
-#include "sightline/gpuprims/internal/sphere.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,6 +5,7 @@
 
 #include "sightline/gpuprims/internal/dome.h"
 #include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims {
 

@@ -1,12 +1,10 @@
-#include "sightline/gpuprims/internal/spherical_dish.h"
-
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/internal/cylinder.h"
 #include "sightline/gpuprims/internal/dome.h"
 #include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims {
 
@@ -36,11 +34,7 @@ core::Mesh tessellate(const core::SphericalDish& dish, const Tessellation& confi
     if (row == 0) return Vertex{dvec3(base * around[column], 0.0), normal};
     return Vertex{dvec3(radius * across * around[column], height - 2.0 * radius * half * half), normal};
   });
-  if (caps.bottom) {
-    std::vector<dvec3> rim;
-    for (int i = columns; i > 0; --i) rim.emplace_back(base * around[i], 0.0);
-    builder.add_flat_polygon(rim, {0.0, 0.0, -1.0});
-  }
+  if (caps.bottom) builder.add_disc(around, base, 0.0, -1.0);
   return builder.finish();
 }
 

@@ -79,6 +79,13 @@ void MeshBuilder::add_flat_polygon(std::span<const dvec3> points, const dvec3& n
   }
 }
 
+void MeshBuilder::add_disc(std::span<const dvec2> circle, double radius, double z, double up) {
+  std::vector<dvec3> rim;
+  for (std::size_t i = 0; i + 1 < circle.size(); ++i)
+    rim.emplace_back(radius * circle[up > 0.0 ? i : circle.size() - 1 - i], z);
+  add_flat_polygon(rim, {0.0, 0.0, up});
+}
+
 core::Mesh MeshBuilder::finish() {
   constexpr std::uint32_t kUnused = core::kNone;
   std::vector<std::uint32_t> place(mesh_.positions.size(), kUnused);

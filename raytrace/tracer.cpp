@@ -10,15 +10,7 @@
 #include <omp.h>
 #endif
 
-#include "sightline/gpuprims/internal/box.h"
-#include "sightline/gpuprims/internal/circular_torus.h"
-#include "sightline/gpuprims/internal/cylinder.h"
-#include "sightline/gpuprims/internal/elliptical_dish.h"
-#include "sightline/gpuprims/internal/pyramid.h"
-#include "sightline/gpuprims/internal/rectangular_torus.h"
-#include "sightline/gpuprims/internal/snout.h"
-#include "sightline/gpuprims/internal/sphere.h"
-#include "sightline/gpuprims/internal/spherical_dish.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/raytrace/internal/kernels.h"
 #include "sightline/raytrace/internal/tracer_impl.h"
 
@@ -101,7 +93,7 @@ bool passes_hole(const float* parameters, const ItemRay& ray) {
 }
 
 template <class Solid>
-gpuprims::Hits hits_of(const float* parameters, const gpuprims::Ray& ray) {
+gpuprims::Hits hits_of(const float* parameters, const core::Ray& ray) {
   Solid solid;
   std::memcpy(&solid, parameters, sizeof(Solid));
   return gpuprims::intersect(solid, ray);
@@ -109,7 +101,7 @@ gpuprims::Hits hits_of(const float* parameters, const gpuprims::Ray& ray) {
 
 }  // namespace
 
-gpuprims::Hits solid_hits(Kind kind, const float* parameters, const gpuprims::Ray& ray) {
+gpuprims::Hits solid_hits(Kind kind, const float* parameters, const core::Ray& ray) {
   switch (kind) {
     case Kind::kPyramid:
       return hits_of<core::Pyramid>(parameters, ray);
@@ -132,14 +124,6 @@ gpuprims::Hits solid_hits(Kind kind, const float* parameters, const gpuprims::Ra
     default:
       return {};
   }
-}
-
-static_assert(int(Face::kTop) == gpuprims::kTop && int(Face::kTopLevel) == gpuprims::kTopLevel &&
-              int(Face::kAbove) == gpuprims::kAbove && int(Face::kMaxY) == gpuprims::kMaxY);
-std::string_view name_of(Face face) {
-  constexpr std::string_view kNames[] = {"side",  "bottom", "top",   "bottom_level", "top_level", "inner",    "below",
-                                         "above", "min_x",  "max_x", "min_y",        "max_y",     "triangle", "cut"};
-  return kNames[int(face)];
 }
 
 RayFilter filter_of(const core::View& view) {

@@ -30,6 +30,7 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
+#include "sightline/core/primitive.h"
 #include "sightline/core/ray.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
@@ -51,25 +52,7 @@ struct RayFilter {
 /// The filter of a view's layers and sections, with cuts.
 SIGHTLINE_API RayFilter filter_of(const core::View& view);
 
-/// Faces of items. A flat item, such as a cylinder of height 0, has those that are left of it.
-enum class Face : std::uint8_t {
-  kSide,         ///< round or conical: of cylinders and snouts, spheres, domes of dishes, tubes, outer walls of tori
-  kBottom,       ///< at z = -height / 2; the base of a dish; the end of a torus at angle 0
-  kTop,          ///< at z = height / 2; the other end of a torus
-  kBottomLevel,  ///< of a snout: the level cut in place of an end plane that does not close it
-  kTopLevel,
-  kInner,  ///< of a rectangular torus: its inner wall, its level sides
-  kBelow,
-  kAbove,
-  kMinX,  ///< the four sides of a box or pyramid
-  kMaxX,
-  kMinY,
-  kMaxY,
-  kTriangle,  ///< of a mesh: Hit::triangle
-  kCut,       ///< where a section plane cuts the item open
-};
-/// "side", "bottom", "min_x", …
-SIGHTLINE_API std::string_view name_of(Face face);
+using core::Face;
 
 /// A crossing of a ray with a surface.
 struct Hit {

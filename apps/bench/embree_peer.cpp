@@ -40,8 +40,8 @@ void intersect_solid(const RTCIntersectFunctionNArguments* arguments) {
     if (arguments->valid[i] == 0) continue;
     const core::dvec3 origin(RTCRayN_org_x(ray, n, i), RTCRayN_org_y(ray, n, i), RTCRayN_org_z(ray, n, i));
     const core::dvec3 direction(RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i), RTCRayN_dir_z(ray, n, i));
-    const gpuprims::Hits hits = gpuprims::intersect(
-        s.solid, gpuprims::Ray{s.item_from_world * (origin - s.origin), s.item_from_world * direction});
+    const gpuprims::Hits hits =
+        gpuprims::intersect(s.solid, core::Ray{s.item_from_world * (origin - s.origin), s.item_from_world * direction});
     for (int k = 0; k < hits.count; ++k) {
       const auto t = float(hits.hit[k].t);
       if (t < RTCRayN_tnear(ray, n, i)) continue;

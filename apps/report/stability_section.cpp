@@ -139,7 +139,7 @@ struct DepthErrors {
 };
 
 /// The ray through a pixel's centre: the parameter is the distance along the view axis. For perspective views.
-gpuprims::Ray pixel_ray(const core::View& view, std::size_t x, std::size_t y, int width, int height) {
+core::Ray pixel_ray(const core::View& view, std::size_t x, std::size_t y, int width, int height) {
   const core::dmat4& clip = view.clip_from_eye();
   const double u = 2.0 * (double(x) + 0.5) / width - 1.0, v = 1.0 - 2.0 * (double(y) + 0.5) / height;
   const dvec3 eye((u + clip[2][0]) / clip[0][0], (v + clip[2][1]) / clip[1][1], -1.0);
@@ -147,10 +147,10 @@ gpuprims::Ray pixel_ray(const core::View& view, std::size_t x, std::size_t y, in
 }
 
 /// The first crossing in front of the eye, in double. Ends that a neighbour covers are open, as in the image.
-std::optional<double> reference_depth(const Report& report, core::ItemId item, const gpuprims::Ray& ray) {
+std::optional<double> reference_depth(const Report& report, core::ItemId item, const core::Ray& ray) {
   const core::Affine world_from_item = report.scene().state(item).world_from_item;
   const dmat3 item_from_world = glm::inverse(world_from_item.linear);
-  const gpuprims::Ray local{item_from_world * (ray.origin - world_from_item.origin), item_from_world * ray.direction};
+  const core::Ray local{item_from_world * (ray.origin - world_from_item.origin), item_from_world * ray.direction};
   const gpuprims::Ends covered = report.engine().joints().covered(item);
   const gpuprims::Hits hits =
       gpuprims::intersect(report.scene().primitive(item), local,

@@ -18,10 +18,10 @@
 #include "sightline/bindings/python/planes.h"
 #include "sightline/bindings/python/reports.h"
 #include "sightline/core/camera_path.h"
-#include "sightline/engine/tour.h"
 #include "sightline/core/fitting.h"
 #include "sightline/engine/item_style.h"
 #include "sightline/engine/pick.h"
+#include "sightline/engine/tour.h"
 #include "sightline/gl/external_target.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/render/image/image.h"
@@ -244,7 +244,7 @@ void bind_pick(py::module_& m) {
           "t", [](const Picked& p) { return p.pick.t; },
           "Along the ray; in metres where its direction has unit length, as a view's rays have.")
       .def_property_readonly(
-          "face", [](const Picked& p) { return std::string(raytrace::name_of(p.pick.face)); },
+          "face", [](const Picked& p) { return std::string(core::name_of(p.pick.face)); },
           "\"side\", \"top\", \"triangle\", \"cut\", …")
       .def_property_readonly(
           "triangle",

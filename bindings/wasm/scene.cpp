@@ -398,8 +398,7 @@ SIGHTLINE_EXPORT bool sl_scene_hits(Model* model, const double* ray, const ViewO
 }
 SIGHTLINE_EXPORT void sl_scene_face_names(Model* model) {
   model->text.clear();
-  for (int face = 0; face <= int(raytrace::Face::kCut); ++face)
-    append(model->text, raytrace::name_of(raytrace::Face(face)));
+  for (int face = 0; face <= int(core::Face::kCut); ++face) append(model->text, core::name_of(core::Face(face)));
   answer_text(model->text);
 }
 

@@ -39,6 +39,9 @@ class MeshBuilder {
   /// inner vertex.
   void add_flat_polygon(std::span<const dvec3> points, const dvec3& normal);
 
+  /// A level disc at `z` whose rim is arc_points() of a full circle. `up`: 1 or -1, the z of its normal.
+  void add_disc(std::span<const dvec2> circle, double radius, double z, double up);
+
   /// (rows + 1) x (columns + 1) vertices at(row, column); column direction x row direction points outwards.
   template <class At>
   void add_grid(int rows, int columns, const At& at) {

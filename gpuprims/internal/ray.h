@@ -6,41 +6,21 @@
 
 #include <array>
 
-#include "sightline/core/conventions.h"
+#include "sightline/core/primitive.h"
+#include "sightline/core/ray.h"
 
 namespace sightline::gpuprims {
 
 using core::dvec3;
-
-/// origin + t * direction, in a primitive's local units. The direction need not have unit length: an affine map of a
-/// ray keeps its t, so t may be metres, eye depth, or anything the caller chose.
-struct Ray {
-  dvec3 origin{0.0};
-  dvec3 direction{0.0, 0.0, 1.0};
-};
-
-/// Faces by number; the first three as in the shaders.
-enum Face : int {
-  kLateral,      ///< round or conical; the dome of a dish, the tube of a torus, the outer wall of a rectangular one
-  kBottom,       ///< at z = -height/2, the base of a dish, or the start of a sweep
-  kTop,          ///< at z = +height/2, or the end of a sweep
-  kBottomLevel,  ///< of a snout: replaces an end plane that does not close it
-  kTopLevel,
-  kInner,  ///< of a rectangular torus: its inner wall, and its level sides
-  kBelow,
-  kAbove,
-  kMinX,  ///< sides of boxes and pyramids
-  kMaxX,
-  kMinY,
-  kMaxY,
-};
+using core::Ray;  // in a primitive's local units; its ends are ignored
+using enum core::Face;
 
 /// One crossing of a surface. The normal points out of the solid, in local space, not normalised; it is a gradient, so
 /// it transforms by the inverse transpose.
 struct Hit {
   double t;
   dvec3 normal;
-  int face;
+  int face;  ///< core::Face
 };
 
 /// All crossings of a ray with one primitive over -inf < t < inf, in rising t. The caller picks the first one that its

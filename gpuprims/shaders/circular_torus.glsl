@@ -92,7 +92,7 @@ void intersect_primitive(inout Search search, vec3 o, vec3 direction) {
     if (low_outside != high_outside) {
       float t = bracketed_root(o, d, low, high, low_outside);
       if (low_outside) entered = t;
-      else offer_swept(search, Span(entered * inv_length, t * inv_length, kLateral, kLateral), wedges, wedge_count);
+      else offer_swept(search, Span(entered * inv_length, t * inv_length, kSide, kSide), wedges, wedge_count);
     }
     low = high;
     low_outside = high_outside;
@@ -100,7 +100,7 @@ void intersect_primitive(inout Search search, vec3 o, vec3 direction) {
 }
 
 vec3 face_normal(vec3 p, int face) {
-  if (face != kLateral) return sweep_end_normal(shape.half_angle, face);
+  if (face != kSide) return sweep_end_normal(shape.half_angle, face);
   float rho = length(p.xy);
   return vec3(rho > 0.0 ? p.xy * (1.0 - shape.major / rho) : vec2(0.0), p.z);
 }

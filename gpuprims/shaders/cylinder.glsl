@@ -11,12 +11,12 @@ vec3 shape_reach() { return vec3(1.0, 1.0, 0.5 * (shape.high - shape.low)); }
 
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
-  if (!cylinder_span(o, d, 1.0, kLateral, span)) return;
+  if (!cylinder_span(o, d, 1.0, kSide, span)) return;
   clip(span, o.z - shape.low + internal_cap_overlap(search, kBottom), d.z, kBottom);
   clip(span, shape.high - o.z + internal_cap_overlap(search, kTop), -d.z, kTop);
   offer_span(search, span);
 }
 
 vec3 face_normal(vec3 p, int face) {
-  return face == kLateral ? vec3(p.xy, 0.0) : vec3(0.0, 0.0, face == kBottom ? -1.0 : 1.0);
+  return face == kSide ? vec3(p.xy, 0.0) : vec3(0.0, 0.0, face == kBottom ? -1.0 : 1.0);
 }

@@ -21,7 +21,7 @@ vec3 shape_reach() { return vec3(1.0, 1.0, 0.5 * (shape.high - shape.low)); }
 
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span outer = whole_line();
-  if (!cylinder_span(o, d, 1.0, kLateral, outer)) return;
+  if (!cylinder_span(o, d, 1.0, kSide, outer)) return;
   clip(outer, o.z - shape.low, d.z, kLow);
   clip(outer, shape.high - o.z, -d.z, kHigh);
   if (is_empty(outer)) return;

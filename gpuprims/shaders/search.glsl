@@ -5,7 +5,7 @@
 const float kNoHit = 3.0e38;
 
 // Faces of a solid. Some kinds have more, above these.
-const int kLateral = 0, kBottom = 1, kTop = 2, kCut = 3;
+const int kSide = 0, kBottom = 1, kTop = 2, kCut = 3;
 const int kBottomLevel = 8, kTopLevel = 9;  // replace an end plane that does not close the solid
 
 struct Search {
@@ -17,7 +17,7 @@ struct Search {
 };
 
 Search search_within(vec2 kept, uint hidden) {
-  return Search(kept, vec2(1.0, -1.0), false, false, hidden, kNoHit, kLateral);
+  return Search(kept, vec2(1.0, -1.0), false, false, hidden, kNoHit, kSide);
 }
 
 Search search_all() { return search_within(vec2(-kNoHit, kNoHit), 0u); }
@@ -64,7 +64,7 @@ struct Span {
   int from_face, to_face;
 };
 
-Span whole_line() { return Span(-kNoHit, kNoHit, kLateral, kLateral); }
+Span whole_line() { return Span(-kNoHit, kNoHit, kSide, kSide); }
 
 bool is_empty(Span s) { return !(s.from <= s.to); }
 

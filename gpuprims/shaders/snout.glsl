@@ -62,20 +62,20 @@ bool nappe(vec3 o, vec3 d, inout Span span) {
   float root = sqrt(rest), q = b >= 0.0 ? -(b + root) : root - b;
   float near_root = q == 0.0 ? 0.0 : c / q;
   if (a == 0.0) {  // parallel to a generator: one crossing, on the nappe towards which r grows
-    if (b < 0.0 && r1 > 0.0) enter(span, near_root, kLateral);
-    else if (b > 0.0 && r1 < 0.0) leave(span, near_root, kLateral);
+    if (b < 0.0 && r1 > 0.0) enter(span, near_root, kSide);
+    else if (b > 0.0 && r1 < 0.0) leave(span, near_root, kSide);
     else return false;
     return true;
   }
   float far_root = q / a, first = min(near_root, far_root), last = max(near_root, far_root);
   if (a > 0.0) {
     if (!(r0 - b / a * r1 >= 0.0)) return false;  // both crossings on the other nappe
-    enter(span, first, kLateral);
-    leave(span, last, kLateral);
+    enter(span, first, kSide);
+    leave(span, last, kSide);
   } else if (r1 > 0.0) {
-    enter(span, last, kLateral);
+    enter(span, last, kSide);
   } else {
-    leave(span, first, kLateral);
+    leave(span, first, kSide);
   }
   return true;
 }

@@ -23,8 +23,8 @@ bool ball(vec3 o, vec3 d, inout Span span) {
   }
   if (!(rest >= 0.0)) return false;
   float middle = -dot(o, d) / a, half_chord = sqrt(rest) / a;
-  enter(span, middle - half_chord, kLateral);
-  leave(span, middle + half_chord, kLateral);
+  enter(span, middle - half_chord, kSide);
+  leave(span, middle + half_chord, kSide);
   return true;
 }
 
@@ -38,8 +38,8 @@ bool flat_ball(vec3 o, vec3 d, inout Span span) {
   if (!(rest >= 0.0)) return false;
   float root = sqrt(rest), q = b >= 0.0 ? -(b + root) : root - b;
   float t0 = a > 0.0 ? q / a : (q >= 0.0 ? kNoHit : -kNoHit), t1 = q != 0.0 ? f / q : t0;
-  enter(span, min(t0, t1), kLateral);
-  leave(span, max(t0, t1), kLateral);
+  enter(span, min(t0, t1), kSide);
+  leave(span, max(t0, t1), kSide);
   return true;
 }
 

@@ -91,7 +91,7 @@ inline bool to_item(const core::Snapshot& snapshot, const core::Placement& place
 }
 
 /// Crossings with a solid, in rising t.
-gpuprims::Hits solid_hits(Kind kind, const float* parameters, const gpuprims::Ray& ray);
+gpuprims::Hits solid_hits(Kind kind, const float* parameters, const core::Ray& ray);
 
 inline bool is_mesh(Kind kind) {
   return int(kind) >= core::kPrimitiveKindCount;

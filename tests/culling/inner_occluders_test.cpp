@@ -177,7 +177,7 @@ struct Seen {
   }
   dvec3 in_item(const dvec3& p) const { return inverse * (p - place.origin); }
   /// The line of sight through a point, in the solid's coordinates, from in front of it.
-  gpuprims::Ray ray(const dvec3& through) const {
+  core::Ray ray(const dvec3& through) const {
     if (projection.perspective) return {in_item(dvec3(0.0)), inverse * through};
     return {in_item(through - 100.0 * projection.forward), 100.0 * inverse * projection.forward};
   }
@@ -365,7 +365,7 @@ struct Tube {
   double radius;
 
   /// Where a line enters it, as a multiple of the direction; kNever: it passes by, by more than a billionth or so.
-  double entry(const gpuprims::Ray& ray) const {
+  double entry(const core::Ray& ray) const {
     const dvec3 axis = (b - a) / glm::length(b - a), to = ray.origin - a;
     const double at = glm::dot(to, axis), rate = glm::dot(ray.direction, axis), length = glm::length(b - a);
     double first = std::min(-at / rate, (length - at) / rate), last = std::max(-at / rate, (length - at) / rate);

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "sightline/gl/internal/program_cache.h"
-#include "sightline/gpuprims/internal/box.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
 namespace sightline::tests::drawing_test {

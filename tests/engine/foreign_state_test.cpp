@@ -2,7 +2,7 @@
 // those of a clean context, bit for bit.
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/internal/box.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/engine/hostile_states.h"
 #include "sightline/tests/support/effort.h"

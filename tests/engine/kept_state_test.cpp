@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/gl/external_target.h"
-#include "sightline/gpuprims/internal/box.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/application.h"
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/engine/hostile_states.h"

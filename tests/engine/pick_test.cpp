@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/engine.h"
-#include "sightline/gpuprims/internal/sphere.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::engine::pick_test {
 namespace {
@@ -58,7 +58,7 @@ TEST(Pick, FindsWhatTheViewShows) {
   const auto inside = engine->pick(cut, 150.0, 450.0);
   ASSERT_TRUE(inside && *inside);
   EXPECT_NEAR((*inside)->point.z, 0.0, 1e-7);
-  EXPECT_EQ((*inside)->face, raytrace::Face::kCut);
+  EXPECT_EQ((*inside)->face, core::Face::kCut);
   cut.layers = core::kLayerInsulation;
   EXPECT_FALSE(*engine->pick(cut, 150.0, 450.0));
 
@@ -165,12 +165,12 @@ TEST(Pick, TellsNodeAndFace) {
   const auto ball = engine->pick(balls.view, 50.0, 50.0);
   ASSERT_TRUE(ball && *ball);
   EXPECT_EQ((*ball)->node, balls.scene.root());
-  EXPECT_EQ((*ball)->face, raytrace::Face::kSide);
+  EXPECT_EQ((*ball)->face, core::Face::kSide);
   const auto shelf = engine->pick(balls.view, 2.0, 2.0);  // beside the ball
   ASSERT_TRUE(shelf && *shelf);
   EXPECT_EQ((*shelf)->item, box);
   EXPECT_EQ((*shelf)->node, node);
-  EXPECT_EQ((*shelf)->face, raytrace::Face::kTop);
+  EXPECT_EQ((*shelf)->face, core::Face::kTop);
   balls.scene.remove_item(box);  // the engine shows it until it commits
   const auto removed = engine->pick(balls.view, 2.0, 2.0);
   ASSERT_TRUE(removed && *removed);

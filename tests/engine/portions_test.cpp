@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/internal/box.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/drawing_modes.h"
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/engine/state_dump.h"

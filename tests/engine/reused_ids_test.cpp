@@ -7,7 +7,7 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/engine/pick.h"
-#include "sightline/gpuprims/internal/sphere.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/support/effort.h"
 
 namespace sightline::tests::reused_ids_test {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/internal/sphere.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
 namespace sightline::tests::streaming_test {

@@ -20,7 +20,7 @@
 #include <glm/glm.hpp>
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/internal/ray.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims::twin {
 

@@ -5,9 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/internal/box.h"
-#include "sightline/gpuprims/internal/circular_torus.h"
-
 namespace sightline::gpuprims::primitives_test {
 namespace {
 

@@ -1,10 +1,9 @@
-#include "sightline/gpuprims/internal/rectangular_torus.h"
-
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "intersection_twin.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims::rectangular_torus_test {
 namespace {

@@ -1,9 +1,7 @@
-#include "sightline/gpuprims/internal/snout.h"
-
 #include <gtest/gtest.h>
 
 #include "intersection_twin.h"
-#include "sightline/gpuprims/internal/cylinder.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims::snout_test {
 namespace {

@@ -1,8 +1,7 @@
-#include "sightline/gpuprims/internal/sphere.h"
-
 #include <gtest/gtest.h>
 
 #include "intersection_twin.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims::sphere_test {
 namespace {

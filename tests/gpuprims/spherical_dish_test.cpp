@@ -1,9 +1,8 @@
-#include "sightline/gpuprims/internal/spherical_dish.h"
-
 #include <gtest/gtest.h>
 
 #include "dish_checks.h"
 #include "intersection_twin.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims::spherical_dish_test {
 namespace {

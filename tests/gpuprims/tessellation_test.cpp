@@ -8,10 +8,7 @@
 
 #include "intersection_twin.h"
 #include "mesh_checks.h"
-#include "sightline/gpuprims/internal/circular_torus.h"
-#include "sightline/gpuprims/internal/cylinder.h"
 #include "sightline/gpuprims/internal/primitives.h"
-#include "sightline/gpuprims/internal/snout.h"
 
 namespace sightline::gpuprims::tessellation_test {
 namespace {

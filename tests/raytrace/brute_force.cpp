@@ -44,7 +44,7 @@ void solid_crossings(const Snapshot& snapshot, Slot slot, const Ray& ray, std::v
   const double length = glm::length(ray.direction);
   const auto cast = [&](const dvec3& beside) {
     return gpuprims::intersect(solid,
-                               gpuprims::Ray{inverse * (ray.origin + beside - world.origin), inverse * ray.direction});
+                               core::Ray{inverse * (ray.origin + beside - world.origin), inverse * ray.direction});
   };
   const dvec3 along = ray.direction / length;
   const dvec3 u = glm::normalize(glm::cross(along, std::abs(along.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));

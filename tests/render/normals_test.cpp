@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/gpuprims/internal/sphere.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/render/internal/renderer.h"
 #include "sightline/tests/support/gl_test.h"
 

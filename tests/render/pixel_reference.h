@@ -101,7 +101,7 @@ inline std::vector<gpuprims::Hit> intersect(const core::Mesh& mesh, const dvec3&
     if (!mesh.normals.empty())
       normal =
           (1.0 - p - q) * dvec3(mesh.normals[at[0]]) + p * dvec3(mesh.normals[at[1]]) + q * dvec3(mesh.normals[at[2]]);
-    hits.push_back({glm::dot(from_a, across) / volume, normal, gpuprims::kLateral});
+    hits.push_back({glm::dot(from_a, across) / volume, normal, core::Face::kSide});
   }
   std::sort(hits.begin(), hits.end(), [](const gpuprims::Hit& a, const gpuprims::Hit& b) { return a.t < b.t; });
   return hits;

@@ -17,7 +17,7 @@ namespace {
 using core::dmat3;
 using core::dvec3;
 using core::Primitive;
-using gpuprims::Ray;
+using core::Ray;
 
 constexpr float kWhole = 6.2831855f;
 
@@ -99,7 +99,7 @@ TEST(Reference, TorusRingHornSpindleAndSlice) {
   EXPECT_EQ(double(ends[0].t), 1.0);
   EXPECT_EQ(ends[0].face, kBottom);
   EXPECT_NEAR(double(ends[1].t), 1.0 + 1.5, 1e-12);
-  EXPECT_EQ(ends[1].face, kLateral);
+  EXPECT_EQ(ends[1].face, kSide);
   EXPECT_TRUE(cross_at(quarter, {{-2.0, -5.0, 0.0}, {0.0, 1.0, 0.0}}).empty()) << "not swept";
 }
 

@@ -143,7 +143,7 @@ void cast(const Field& field, const std::vector<ItemRays>& rays, int first_row, 
     const dmat3 eye_from_gradient =
         eye_from_world * glm::transpose(glm::inverse(field.items[item].world_from_item.linear));
     for (std::size_t i = 0; i < rays[item].rays.size(); ++i) {
-      const gpuprims::Ray& ray = rays[item].rays[i];
+      const core::Ray& ray = rays[item].rays[i];
       const gpuprims::Hits hits = gpuprims::intersect(field.items[item].primitive, ray);
       const auto* end = hits.hit.begin() + hits.count;
       const auto* hit = std::find_if(hits.hit.begin(), end, [](const gpuprims::Hit& h) { return h.t >= kNear; });

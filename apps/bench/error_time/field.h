@@ -29,7 +29,7 @@ Field make_field(core::Kind kind, const FieldSize& size, int width, int height, 
 
 /// Rays through the centres of samples, in an item's own coordinates; t is the distance along the view axis.
 struct ItemRays {
-  std::vector<gpuprims::Ray> rays;
+  std::vector<core::Ray> rays;
   std::vector<std::uint32_t> samples;  ///< of each ray: y * width + x
 };
 

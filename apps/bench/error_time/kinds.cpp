@@ -225,7 +225,7 @@ class KindMeasurement {
     const double begin = milliseconds();
     for (std::size_t f = 0; f < fields_.size(); ++f)
       for (std::size_t item = 0; item < fields_[f].items.size(); ++item)
-        for (const gpuprims::Ray& ray : rays[f][item].rays)
+        for (const core::Ray& ray : rays[f][item].rays)
           crossings_ += std::size_t(gpuprims::intersect(fields_[f].items[item].primitive, ray).count);
     return milliseconds() - begin;
   }

@@ -53,7 +53,7 @@ void allow_reach(Limits& wide, Limits& single, double reach) {
 // --- rays ------------------------------------------------------------------------------------------------------------
 
 /// A ray through `target` from `distance` away, with a direction of any common length.
-gpuprims::Ray ray_through(const dvec3& target, const dvec3& direction, double distance, Random& random) {
+core::Ray ray_through(const dvec3& target, const dvec3& direction, double distance, Random& random) {
   return {target - distance * direction, random.log_uniform(-1.0, 1.0) * direction};
 }
 

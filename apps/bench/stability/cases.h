@@ -15,7 +15,7 @@ namespace sightline::bench {
 struct Sample {
   core::Primitive primitive;
   core::Affine world_from_item;  ///< linear part representable in float, as records hold it
-  gpuprims::Ray ray;             ///< in the world
+  core::Ray ray;                 ///< in the world
   double radius = 1.0;           ///< unit of errors, in the item's units
 };
 

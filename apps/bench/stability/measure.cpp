@@ -141,8 +141,8 @@ Truth find_truth(const Sample& sample) {
 
 Answer intersect_on_cpu(const Sample& sample) {
   const core::dmat3 item_from_world = glm::inverse(sample.world_from_item.linear);
-  const gpuprims::Ray ray{item_from_world * (sample.ray.origin - sample.world_from_item.origin),
-                          item_from_world * sample.ray.direction};
+  const core::Ray ray{item_from_world * (sample.ray.origin - sample.world_from_item.origin),
+                      item_from_world * sample.ray.direction};
   Answer answer;
   answer.hits = gpuprims::intersect(sample.primitive, ray);
   return answer;

@@ -66,7 +66,7 @@ Surface above_z(Quad z) {
   return {[z](const Coordinates& p) { return z - p.z; }, kBottom};
 }
 Surface within_circle(Quad radius) {
-  return {[radius](const Coordinates& p) { return p.x * p.x + p.y * p.y - radius * radius; }, kLateral};
+  return {[radius](const Coordinates& p) { return p.x * p.x + p.y * p.y - radius * radius; }, kSide};
 }
 
 Solid solid_of(const core::Cylinder& c) {
@@ -105,7 +105,7 @@ Solid solid_of(const core::Snout& s) {
                                  const Polynomial x = p.x - side * half_x, y = p.y - side * half_y;
                                  return x * x + y * y - radius * radius;
                                },
-                               kLateral}});
+                               kSide}});
   }
   const auto radius = [=](const Coordinates& p) { return (bottom + top) / 2 + (top - bottom) / h * p.z; };
   std::vector<Surface> surfaces{
@@ -113,8 +113,8 @@ Solid solid_of(const core::Snout& s) {
          const Polynomial x = p.x - s.offset_x / h * p.z, y = p.y - s.offset_y / h * p.z, r = radius(p);
          return x * x + y * y - r * r;
        },
-       kLateral},
-      {[=](const Coordinates& p) { return Polynomial(-1) * radius(p); }, kLateral},  // only one nappe
+       kSide},
+      {[=](const Coordinates& p) { return Polynomial(-1) * radius(p); }, kSide},  // only one nappe
       slanted_end(-half_x, -half_y, -h / 2, s.bottom_shear_x, s.bottom_shear_y, -1),
       slanted_end(half_x, half_y, h / 2, s.top_shear_x, s.top_shear_y, 1)};
   if (cut_level(s, s.bottom_shear_x, s.bottom_shear_y)) surfaces.push_back(above_z(-h / 2 - h));
@@ -125,8 +125,7 @@ Solid solid_of(const core::Snout& s) {
 Solid solid_of(const core::Sphere& s) {
   const Quad radius = length(s.diameter) / 2;
   if (radius == 0) return {};
-  return convex(
-      {{[=](const Coordinates& p) { return p.x * p.x + p.y * p.y + p.z * p.z - radius * radius; }, kLateral}});
+  return convex({{[=](const Coordinates& p) { return p.x * p.x + p.y * p.y + p.z * p.z - radius * radius; }, kSide}});
 }
 
 Solid solid_of(const core::EllipticalDish& d) {
@@ -135,7 +134,7 @@ Solid solid_of(const core::EllipticalDish& d) {
   if (h == 0) return sheet(below_z(0), {within_circle(r)});
   return convex(
       {{[=](const Coordinates& p) { return (p.x * p.x + p.y * p.y) * (1 / (r * r)) + p.z * p.z * (1 / (h * h)) - 1; },
-        kLateral},
+        kSide},
        above_z(0)});
 }
 
@@ -144,8 +143,7 @@ Solid solid_of(const core::SphericalDish& d) {
   if (h == 0) return r == 0 ? Solid{} : sheet(below_z(0), {within_circle(r)});
   // |p - (0, 0, h - R)|^2 = R^2 with 2 h R = r^2 + h^2.
   return convex(
-      {{[=](const Coordinates& p) { return p.x * p.x + p.y * p.y + p.z * p.z + (r * r / h - h) * p.z - r * r; },
-        kLateral},
+      {{[=](const Coordinates& p) { return p.x * p.x + p.y * p.y + p.z * p.z + (r * r / h - h) * p.z - r * r; }, kSide},
        above_z(0)});
 }
 
@@ -154,7 +152,7 @@ Surface side(Quad sign, bool x_axis, Quad bottom, Quad top, Quad offset, Quad he
             const Polynomial part = p.z * (1 / height);  // -1/2 ... 1/2
             return sign * ((x_axis ? p.x : p.y) - offset * part) - ((bottom + top) / 4 + (top - bottom) / 2 * part);
           },
-          kLateral};
+          kSide};
 }
 
 /// A pyramid of height 0: the hull of both ends. A point lies in it if it lies in one of the rectangles between them.
@@ -201,7 +199,7 @@ Surface slab(int axis, int sign, Quad half) {
   return {[=](const Coordinates& p) {
             return Polynomial(sign) * (axis == 0 ? p.x : axis == 1 ? p.y : p.z) - half;
           },
-          axis < 2   ? kLateral
+          axis < 2   ? kSide
           : sign < 0 ? kBottom
                      : kTop};
 }
@@ -261,7 +259,7 @@ Solid solid_of(const core::CircularTorus& t) {
                               const Polynomial k = across + p.z * p.z + (major - tube) * (major + tube);
                               return k * k - 4 * major * major * across;
                             },
-                            kLateral});
+                            kSide});
   sweep.add_ends(solid.surfaces);
   solid.inside = [=](const QuadVec& p) { return in_disc(p) && sweep.holds(p); };
   return solid;
@@ -291,7 +289,7 @@ Solid solid_of(const core::RectangularTorus& t) {
     solid.inside = [=](const QuadVec& p) { return p.x >= inner && p.x <= outer && fabsq(p.z) <= half; };
   } else {
     solid.surfaces = {within_circle(outer),
-                      {[=](const Coordinates& p) { return inner * inner - p.x * p.x - p.y * p.y; }, kLateral},
+                      {[=](const Coordinates& p) { return inner * inner - p.x * p.x - p.y * p.y; }, kSide},
                       above_z(-half),
                       below_z(half)};
     sweep.add_ends(solid.surfaces);
@@ -348,7 +346,7 @@ std::vector<Candidate> candidates(const Solid& solid, const QuadRay& local, Quad
 
 }  // namespace
 
-QuadRay in_item_frame(const core::Affine& world_from_item, const gpuprims::Ray& ray) {
+QuadRay in_item_frame(const core::Affine& world_from_item, const core::Ray& ray) {
   const QuadVec x(world_from_item.linear[0]), y(world_from_item.linear[1]), z(world_from_item.linear[2]);
   const QuadVec rows[3] = {cross(y, z), cross(z, x), cross(x, y)};
   const Quad determinant = dot(x, rows[0]);

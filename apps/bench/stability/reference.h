@@ -18,14 +18,13 @@
 
 namespace sightline::bench {
 
-/// Faces by number, as in the shaders: round or lateral faces, bottom or start, top or end. The four sides of boxes and
-/// pyramids count as lateral.
-enum Face : int { kLateral, kBottom, kTop };
+// Faces are kSide, kBottom and kTop alone: the four sides of boxes and pyramids count as kSide.
+using enum core::Face;
 
 struct Crossing {
   Quad t = 0;               ///< of the given ray
   core::dvec3 normal{0.0};  ///< outward, unit length, in the item's frame; zero where undefined (an apex)
-  int face = kLateral;
+  int face = kSide;
 };
 
 /// A ray in an item's frame.
@@ -34,7 +33,7 @@ struct QuadRay {
 };
 
 /// `ray` is in the world; its parameter stays the same. A singular frame gives a zero direction, which crosses nothing.
-QuadRay in_item_frame(const core::Affine& world_from_item, const gpuprims::Ray& ray);
+QuadRay in_item_frame(const core::Affine& world_from_item, const core::Ray& ray);
 
 /// All crossings in rising t: an even number. None for numbers that are not finite, for a ray without direction, and
 /// for a solid without volume. The exceptions are flat forms that gpuprims gives two sides: they have two crossings at

@@ -158,16 +158,16 @@ class AnswerJudge {
   static bool same_face(const TracedItem& item, const Hit& hit, const Crossing& crossing) {
     if (has_apex(*item.solid)) return true;
     switch (hit.face) {
-      case raytrace::Face::kBottom:
-      case raytrace::Face::kBottomLevel:
-      case raytrace::Face::kBelow:
+      case core::Face::kBottom:
+      case core::Face::kBottomLevel:
+      case core::Face::kBelow:
         return crossing.face == kBottom;
-      case raytrace::Face::kTop:
-      case raytrace::Face::kTopLevel:
-      case raytrace::Face::kAbove:
+      case core::Face::kTop:
+      case core::Face::kTopLevel:
+      case core::Face::kAbove:
         return crossing.face == kTop;
       default:
-        return crossing.face == kLateral;
+        return crossing.face == kSide;
     }
   }
 
@@ -275,7 +275,7 @@ class AnswerJudge {
         fail(name(item) + " is crossed at " + digits(found_[i].t) + ", not from " + digits(expected.low) + " to " +
              digits(expected.high) + "; " + described(item));
       if (i < found_.size() && !same_face(item, found_[i], base[i]))
-        fail(name(item) + " shows its " + std::string(raytrace::name_of(found_[i].face)) + "; " + described(item));
+        fail(name(item) + " shows its " + std::string(core::name_of(found_[i].face)) + "; " + described(item));
     }
     if (found_.size() != base.size())
       fail(name(item) + " is crossed " + std::to_string(found_.size()) + " times, not " + std::to_string(base.size()) +

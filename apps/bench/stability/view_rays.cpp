@@ -45,7 +45,7 @@ ViewCase make_case(Kind kind, const char* family, double magnitude, const dvec3&
   return c;
 }
 
-gpuprims::Ray pixel_ray(const Image& p, const dmat3& world_from_eye, int x, int y) {
+core::Ray pixel_ray(const Image& p, const dmat3& world_from_eye, int x, int y) {
   const double up = std::tan(0.5 * p.fovy), across = up * kWidth / kHeight;
   const dvec3 eye((2.0 * (x + 0.5) / kWidth - 1.0) * across, (1.0 - 2.0 * (y + 0.5) / kHeight) * up, -1.0);
   return {p.pose.eye, world_from_eye * eye};

@@ -274,7 +274,7 @@ TEST_F(CapiEngine, SectionsCutWhatRaysHit) {
     ASSERT_OK(sl_engine_pick_ray(engine, &ray, &pick));
     expect_same(pick, *twin->pick(core::Ray{{2, -10, 0.1}, {0, 1, 0}}, filter));
     EXPECT_GE(pick.point[1], 4.1 - 1e-9);
-    EXPECT_EQ(pick.face == std::int32_t(raytrace::Face::kCut), cuts);
+    EXPECT_EQ(pick.face == std::int32_t(core::Face::kCut), cuts);
     distances.push_back(pick.t);
   }
   EXPECT_LT(distances[0], distances[1]);
