@@ -48,6 +48,8 @@ add_library(sightline_flags INTERFACE)
 # -ffp-contract=off: the cullers promise one answer for every instruction set, and a fused multiply-add rounds differently.
 target_compile_options(sightline_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU,Clang>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off>
+  # Without OpenMP its pragmas mean nothing.
+  $<$<AND:$<NOT:$<BOOL:${SIGHTLINE_OPENMP}>>,$<CXX_COMPILER_ID:GNU,Clang>>:-Wno-unknown-pragmas>
   # When g++ 12 vectorises straight-line code, it drops the rounding of neighbouring double(float(x)). Outward rounding
   # and chunk-relative placements depend on that rounding. tests/core/conventions_test.cpp holds the case.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-fno-tree-slp-vectorize>

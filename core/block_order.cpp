@@ -8,16 +8,13 @@
 #include <numeric>
 
 #include "sightline/core/internal/large_array.h"
-
-#ifdef _OPENMP
-#include <omp.h>
-#endif
+#include "sightline/core/internal/openmp.h"
 
 namespace sightline::core {
 namespace {
 
-[[maybe_unused]] constexpr std::uint32_t kItemsWorthThreads = 65536;
-[[maybe_unused]] constexpr std::uint32_t kTaskSize = 8192;  // smaller blocks are not worth a task
+constexpr std::uint32_t kItemsWorthThreads = 65536;
+constexpr std::uint32_t kTaskSize = 8192;  // smaller blocks are not worth a task
 
 vec3 centroid(const Aabb& box) {
   return 0.5f * box.min + 0.5f * box.max;
@@ -45,11 +42,10 @@ class BlockOrder {
 
   std::vector<std::uint32_t> run() {
     const std::uint32_t count = std::uint32_t(boxes_.size());
-#ifdef _OPENMP
-    const int threads = config_.threads > 0 ? config_.threads : count < kItemsWorthThreads ? 1 : omp_get_max_threads();
+    [[maybe_unused]] const int threads =
+        config_.threads <= 0 && count < kItemsWorthThreads ? 1 : team_of(config_.threads);
 #pragma omp parallel num_threads(threads) if (threads > 1 && count > kTaskSize)
 #pragma omp single
-#endif
     {
       // The whole of space has no centroid: it gathers at the origin.
       const auto number = [](float x) { return x == x ? x : 0.0f; };
@@ -87,9 +83,7 @@ class BlockOrder {
   static void for_chunks(std::uint32_t count, const Work& work) {
     const std::uint32_t chunks = chunk_count(count);
     if (chunks <= 1) return work(0, 0, count);
-#ifdef _OPENMP
 #pragma omp taskloop grainsize(1) default(none) shared(work) firstprivate(chunks, count)
-#endif
     for (std::size_t c = 0; c < chunks; ++c) {  // clang counts in 64 bits, and would warn of narrowing
       const auto chunk = std::uint32_t(c);
       work(chunk, chunk * kChunk, std::min(count, (chunk + 1) * kChunk));
@@ -105,14 +99,13 @@ class BlockOrder {
     }
     const std::uint32_t left_count = block_size(count), mid = first + left_count;
     if (divide(points, points_[side ^ 1].data() + first, count, left_count)) side ^= 1;
-#ifdef _OPENMP
     if (left_count > kTaskSize) {
       // Only the end of the parallel region waits for it: at a taskwait a thread takes nobody else's tasks.
 #pragma omp task default(none) firstprivate(first, left_count, side)
       sort(first, left_count, side);
-    } else
-#endif
+    } else {
       sort(first, left_count, side);
+    }
     sort(mid, count - left_count, side);
   }
 

@@ -128,9 +128,7 @@ FittedBounds ItemBounds::fitted_bounds(std::uint32_t mask) const {
   std::array<Selection, 3> centres{Selection(extent_.min.x, extent_.max.x), Selection(extent_.min.y, extent_.max.y),
                                    Selection(extent_.min.z, extent_.max.z)};
   const auto for_each_centre = [&](const auto& visit) {
-#ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) if (size() > 65536)
-#endif
     for (int axis = 0; axis < 3; ++axis) {
       const float *low = coordinate(axis), *high = coordinate(axis + 3);
       Selection& selection = centres[std::size_t(axis)];

@@ -36,9 +36,7 @@ std::uint32_t record_word(const Snapshot& snapshot, const gpuprims::Joints& join
 void pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchKind kind, std::span<const Slot> slots,
                 Texel* records) {
   const std::size_t stride = std::size_t(texels_per_record(kind));
-#ifdef _OPENMP
 #pragma omp parallel for schedule(static) if (slots.size() >= kPiece)
-#endif
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (i + kPrefetchAhead < slots.size()) prefetch_record(snapshot, slots[i + kPrefetchAhead]);
     GpuScene::pack(snapshot, joints, slots[i], {records + i * stride, stride});

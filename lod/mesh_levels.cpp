@@ -5,13 +5,10 @@
 #include <limits>
 #include <numbers>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include "sightline/core/affine.h"
 #include "sightline/core/block_order.h"
 #include "sightline/core/internal/hash.h"
+#include "sightline/core/internal/openmp.h"
 #include "sightline/lod/internal/cluster_groups.h"
 #include "sightline/lod/internal/cluster_tree.h"
 #include "sightline/lod/internal/normal_cone.h"
@@ -241,17 +238,12 @@ class Builder {
   std::vector<Simplified> simplify_all(const std::vector<std::vector<std::uint32_t>>& members,
                                        std::uint32_t first) const {
     std::vector<Simplified> simplified(members.size());
-#ifdef _OPENMP
-    const int threads = members.size() < 4 ? 1 : threads_ > 0 ? threads_ : omp_get_max_threads();
-#pragma omp parallel num_threads(threads)
-#endif
+#pragma omp parallel num_threads(members.size() < 4 ? 1 : core::team_of(threads_))
     {
       GroupSimplifier simplifier(mesh_, welded_);
       Corners corners;
       TriangleErrors errors;
-#ifdef _OPENMP
 #pragma omp for schedule(dynamic, 4)
-#endif
       for (std::size_t i = 0; i < members.size(); ++i) {
         corners.clear(), errors.clear();
         for (const std::uint32_t member : members[i]) {

@@ -8,11 +8,8 @@
 #include <span>
 #include <utility>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include "sightline/core/image_rays.h"
+#include "sightline/core/internal/openmp.h"
 
 namespace sightline::raytrace {
 namespace {
@@ -87,16 +84,11 @@ core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::Vi
   std::vector<std::uint64_t> total(snapshot.size());
   std::optional<core::Error> failed;
   std::mutex mutex;  // guards both
-#ifdef _OPENMP
-  if (threads <= 0) threads = omp_get_max_threads();
-#pragma omp parallel num_threads(threads)
-#endif
+#pragma omp parallel num_threads(core::team_of(threads))
   {
     std::vector<std::uint64_t> counts(snapshot.size());
     std::optional<core::Error> error;
-#ifdef _OPENMP
 #pragma omp for schedule(dynamic, 1)
-#endif
     for (int row = 0; row < height; row += kTile)
       if (!error) error = count_rows(*tracer_, *pixels, filter, width, height, positions, row, ignored, counts);
     const std::lock_guard held(mutex);

@@ -7,78 +7,67 @@ namespace {
 
 /// Two registers.
 struct Wide {
-  __m256 a, b;
-  static Wide load(const float* p) { return {_mm256_load_ps(p), _mm256_load_ps(p + 8)}; }
-  static Wide spread(float x) { return {_mm256_set1_ps(x), _mm256_set1_ps(x)}; }
-  void store(float* p) const { _mm256_store_ps(p, a), _mm256_store_ps(p + 8, b); }
+  Float8 a, b;
+  static Wide load(const float* p) { return {Float8::load(p), Float8::load(p + 8)}; }
+  static Wide spread(float x) { return {Float8::spread(x), Float8::spread(x)}; }
+  void store(float* p) const { a.store(p), b.store(p + 8); }
 };
 inline Wide operator+(const Wide& x, const Wide& y) {
-  return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b)};
+  return {x.a + y.a, x.b + y.b};
 }
 inline Wide operator-(const Wide& x, const Wide& y) {
-  return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)};
+  return {x.a - y.a, x.b - y.b};
 }
 inline Wide operator*(const Wide& x, const Wide& y) {
-  return {_mm256_mul_ps(x.a, y.a), _mm256_mul_ps(x.b, y.b)};
+  return {x.a * y.a, x.b * y.b};
 }
 inline Wide operator/(const Wide& x, const Wide& y) {
-  return {_mm256_div_ps(x.a, y.a), _mm256_div_ps(x.b, y.b)};
+  return {x.a / y.a, x.b / y.b};
 }
 inline Wide most(const Wide& x, const Wide& y) {
-  return {_mm256_max_ps(x.a, y.a), _mm256_max_ps(x.b, y.b)};
+  return {most(x.a, y.a), most(x.b, y.b)};
 }
 inline Wide least(const Wide& x, const Wide& y) {
-  return {_mm256_min_ps(x.a, y.a), _mm256_min_ps(x.b, y.b)};
-}
-template <int kRelation>
-unsigned compare(const Wide& x, const Wide& y) {
-  return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(x.a, y.a, kRelation))) |
-         unsigned(_mm256_movemask_ps(_mm256_cmp_ps(x.b, y.b, kRelation))) << 8;
+  return {least(x.a, y.a), least(x.b, y.b)};
 }
 inline unsigned at_most(const Wide& x, const Wide& y) {
-  return compare<_CMP_LE_OQ>(x, y);
+  return at_most(x.a, y.a) | at_most(x.b, y.b) << 8;
 }
 inline unsigned less(const Wide& x, const Wide& y) {
-  return compare<_CMP_LT_OQ>(x, y);
+  return less(x.a, y.a) | less(x.b, y.b) << 8;
 }
 inline unsigned equal(const Wide& x, const Wide& y) {
-  return compare<_CMP_EQ_OQ>(x, y);
+  return equal(x.a, y.a) | equal(x.b, y.b) << 8;
 }
-
 inline Wide magnitude(const Wide& x) {
-  const __m256 sign = _mm256_set1_ps(-0.0f);
-  return {_mm256_andnot_ps(sign, x.a), _mm256_andnot_ps(sign, x.b)};
+  return {magnitude(x.a), magnitude(x.b)};
 }
 /// Magnitudes of x with the signs of y; x must not have any.
 inline Wide with_signs(const Wide& x, const Wide& y) {
   const __m256 sign = _mm256_set1_ps(-0.0f);
-  return {_mm256_or_ps(x.a, _mm256_and_ps(sign, y.a)), _mm256_or_ps(x.b, _mm256_and_ps(sign, y.b))};
+  return {{_mm256_or_ps(x.a.v, _mm256_and_ps(sign, y.a.v))}, {_mm256_or_ps(x.b.v, _mm256_and_ps(sign, y.b.v))}};
 }
 /// A bit per sign.
 inline unsigned signs(const Wide& x) {
-  return unsigned(_mm256_movemask_ps(x.a)) | unsigned(_mm256_movemask_ps(x.b)) << 8;
+  return unsigned(_mm256_movemask_ps(x.a.v)) | unsigned(_mm256_movemask_ps(x.b.v)) << 8;
 }
 
-/// The lowest value of some rays, at least one.
-inline float lowest_of(const Wide& x, unsigned rays) {
-  alignas(32) float lanes[kPacket];
+/// The first value of some rays in an order, at least one. `start`: after all.
+template <class Before>
+float first_of(const Wide& x, unsigned rays, float start, const Before& before) {
+  float lanes[kPacket];
   x.store(lanes);
-  float result = std::numeric_limits<float>::infinity();
   for (; rays != 0; rays &= rays - 1) {
     const float lane = lanes[core::lowest_bit(rays)];
-    result = lane < result ? lane : result;
+    start = before(lane, start) ? lane : start;
   }
-  return result;
+  return start;
+}
+inline float lowest_of(const Wide& x, unsigned rays) {
+  return first_of(x, rays, std::numeric_limits<float>::infinity(), [](float a, float b) { return a < b; });
 }
 inline float highest(const Wide& x, unsigned rays) {
-  alignas(32) float lanes[kPacket];
-  x.store(lanes);
-  float result = -std::numeric_limits<float>::infinity();
-  for (; rays != 0; rays &= rays - 1) {
-    const float lane = lanes[core::lowest_bit(rays)];
-    result = lane > result ? lane : result;
-  }
-  return result;
+  return first_of(x, rays, -std::numeric_limits<float>::infinity(), [](float a, float b) { return a > b; });
 }
 
 struct Mask {

@@ -1,14 +1,10 @@
 #include "sightline/raytrace/internal/mesh_tree.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
+#include "sightline/core/internal/openmp.h"
 #include "sightline/raytrace/internal/wide_tree.h"
 
 namespace sightline::raytrace {
@@ -23,7 +19,7 @@ bool finite(const vec3& v) {
 /// 1 over the power of two in (x / 2, x], within what floats hold.
 double per_unit_of(double x) {
   const double limited = std::clamp(x, 0x1p-100, 0x1p127);
-  return std::bit_cast<double>(0x7fe0000000000000u - (std::bit_cast<std::uint64_t>(limited) & 0x7ff0000000000000u));
+  return inverse_power_of_two(limited);
 }
 
 void fill(TriangleBlock& block, const core::Mesh& mesh, float per_unit, const BoxRef* refs, std::uint32_t count) {
@@ -84,10 +80,7 @@ MeshTree build_mesh_tree(const core::Mesh& mesh, [[maybe_unused]] int threads, c
   result.root = tree.nodes.empty() ? kLeafBit : 0;
   result.nodes = std::move(tree.nodes);
   result.blocks.resize(tree.leaves.size());
-#ifdef _OPENMP
-  if (threads <= 0) threads = omp_get_max_threads();
-#pragma omp parallel for schedule(static) num_threads(threads) if (tree.leaves.size() > 4096)
-#endif
+#pragma omp parallel for schedule(static) num_threads(core::team_of(threads)) if (tree.leaves.size() > 4096)
   for (std::size_t i = 0; i < tree.leaves.size(); ++i)
     fill(result.blocks[i], mesh, per_unit, &refs[tree.leaves[i].first], tree.leaves[i].count);
   return result;

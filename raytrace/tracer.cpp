@@ -6,10 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
+#include "sightline/core/internal/openmp.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/raytrace/internal/kernels.h"
 #include "sightline/raytrace/internal/tracer_impl.h"
@@ -99,31 +96,16 @@ gpuprims::Hits hits_of(const float* parameters, const core::Ray& ray) {
   return gpuprims::intersect(solid, ray);
 }
 
+template <std::size_t... kKinds>
+constexpr auto table_of_hits(std::index_sequence<kKinds...>) {
+  return std::array{hits_of<std::variant_alternative_t<kKinds, core::Primitive>>...};
+}
+
 }  // namespace
 
 gpuprims::Hits solid_hits(Kind kind, const float* parameters, const core::Ray& ray) {
-  switch (kind) {
-    case Kind::kPyramid:
-      return hits_of<core::Pyramid>(parameters, ray);
-    case Kind::kBox:
-      return hits_of<core::Box>(parameters, ray);
-    case Kind::kRectangularTorus:
-      return hits_of<core::RectangularTorus>(parameters, ray);
-    case Kind::kCircularTorus:
-      return hits_of<core::CircularTorus>(parameters, ray);
-    case Kind::kEllipticalDish:
-      return hits_of<core::EllipticalDish>(parameters, ray);
-    case Kind::kSphericalDish:
-      return hits_of<core::SphericalDish>(parameters, ray);
-    case Kind::kSnout:
-      return hits_of<core::Snout>(parameters, ray);
-    case Kind::kCylinder:
-      return hits_of<core::Cylinder>(parameters, ray);
-    case Kind::kSphere:
-      return hits_of<core::Sphere>(parameters, ray);
-    default:
-      return {};
-  }
+  static constexpr auto kHitsOf = table_of_hits(std::make_index_sequence<core::kPrimitiveKindCount>());
+  return is_mesh(kind) ? gpuprims::Hits() : kHitsOf[std::size_t(kind)](parameters, ray);
 }
 
 RayFilter filter_of(const core::View& view) {
@@ -167,10 +149,7 @@ core::Expected<void> Tracer::Impl::add_meshes(std::span<const Slot> slots, [[may
                                     [&](Slot slot) { return snapshot_->mesh(slot).indices.size() / 3 < kLargeMesh; });
   for (auto slot = large; slot != firsts.end(); ++slot) build_one(*slot, threads);
   const std::ptrdiff_t small = large - firsts.begin();
-#ifdef _OPENMP
-  const int team = threads > 0 ? threads : omp_get_max_threads();
-#pragma omp parallel for schedule(dynamic, 8) num_threads(team) if (small > 16)
-#endif
+#pragma omp parallel for schedule(dynamic, 8) num_threads(core::team_of(threads)) if (small > 16)
   for (std::ptrdiff_t i = 0; i < small; ++i) build_one(firsts[std::size_t(i)], 1);
   return {};
 }

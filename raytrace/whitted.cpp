@@ -5,11 +5,8 @@
 #include <cmath>
 #include <memory>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include "sightline/core/image_rays.h"
+#include "sightline/core/internal/openmp.h"
 #include "sightline/gpuprims/internal/studio_black.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/internal/supersampling.h"
@@ -271,17 +268,12 @@ class Renderer {
               rows = (image_.height + kTilePixels - 1) / kTilePixels;
     std::atomic<int> tiles_done = 0;
     std::atomic<bool> cancelled = false;
-#ifdef _OPENMP
-    const int team = options_.threads > 0 ? options_.threads : omp_get_max_threads();
-#pragma omp parallel for schedule(dynamic, 1) num_threads(team)
-#endif
+#pragma omp parallel for schedule(dynamic, 1) num_threads(core::team_of(options_.threads))
     for (int tile = 0; tile < columns * rows; ++tile) {
       if (cancelled) continue;
       trace_tile(tile % columns * kTilePixels, tile / columns * kTilePixels, at, marks);
       const int tiles = ++tiles_done;
-#ifdef _OPENMP
-      if (omp_get_thread_num() != 0) continue;
-#endif
+      if (!core::leads_team()) continue;
       const double share = (done + double(tiles) / (columns * rows)) / passes;
       if (options_.progress && !options_.progress(share)) cancelled = true;
     }

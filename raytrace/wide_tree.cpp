@@ -4,10 +4,7 @@
 #include <cassert>
 #include <utility>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
+#include "sightline/core/internal/openmp.h"
 #include "sightline/raytrace/internal/float4.h"
 
 namespace sightline::raytrace {
@@ -276,10 +273,7 @@ BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, [[
   std::vector<Builder::Job> jobs;
   builder.build(whole, core::kNone, 0, tree, job_size, &jobs);
   std::vector<BuiltTree> parts(jobs.size());
-#ifdef _OPENMP
-  if (threads <= 0) threads = omp_get_max_threads();
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (jobs.size() > 1)
-#endif
+#pragma omp parallel for schedule(dynamic, 1) num_threads(core::team_of(threads)) if (jobs.size() > 1)
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     builder.build(jobs[i].part, core::kNone, jobs[i].level, parts[i]);
   }

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "sightline/apps/common/arguments.h"
+#include "sightline/core/internal/hash.h"
 #include "sightline/importers/internal/json_text.h"
 #include "sightline/importers/view_json.h"
 
@@ -33,10 +34,8 @@ core::Expected<std::string> read_text(const fs::path& file) {
 
 /// FNV-1a of 64 bits, as 16 hexadecimal digits: keys tell tasks apart, they keep nobody out.
 std::string hash_of(std::string_view text) {
-  std::uint64_t hash = 14695981039346656037ull;
-  for (const char c : text) hash = (hash ^ std::uint8_t(c)) * 1099511628211ull;
   char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", (unsigned long long)hash);
+  std::snprintf(digits, sizeof digits, "%016llx", (unsigned long long)core::fnv1a(text));
   return digits;
 }
 

@@ -210,9 +210,7 @@ void mark_fit(Scene& scene) {
   in.item_states().resize(count);
   in.dirty_items().reserve(count);
   in.dirty_items().clear();
-#ifdef _OPENMP
 #pragma omp parallel for schedule(static) if (count > 65536)
-#endif
   for (std::size_t i = 0; i < count; ++i) {
     const Access::Item& item = in.items()[i];
     if (item.alive) in.item_states()[i] = std::uint8_t(Access::kDirty | (fit(item) ? Access::kFit : 0));

@@ -1,7 +1,8 @@
-// Internal: the kernels' common part. Form is one of the instruction sets: lanes of a node or of a block at a time.
+// Internal: the kernels' common part. Form is that of an instruction set: a BlockForm.
 // Static and in each file once: see kernels.h.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -96,6 +97,110 @@ inline bool is_nearer(TriangleHit& hit, TriangleHit& best, float t_sure, float l
   }
   return hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
 }
+
+/// The largest magnitude of three, and how far they are apart.
+template <class Floats>
+inline Floats extent(const Floats (&place)[3]) {
+  return most(magnitude(place[0]), most(magnitude(place[1]), magnitude(place[2])));
+}
+template <class Floats>
+inline Floats range(const Floats (&place)[3]) {
+  return most(place[0], most(place[1], place[2])) - least(place[0], least(place[1], place[2]));
+}
+
+/// A ray against a node's boxes and a block's triangles. Floats: kLanes of them.
+template <class Floats>
+struct BlockForm {
+  struct Ray {
+    Floats near_origin[3], far_origin[3], near_scale[3], far_scale[3];
+    std::ptrdiff_t near_plane[3], far_plane[3];  // in bytes from the node's start
+
+    explicit Ray(const BoxRay& r) {
+      for (int axis = 0; axis < 3; ++axis) {
+        near_origin[axis] = Floats::spread(r.near_origin[axis]);
+        far_origin[axis] = Floats::spread(r.far_origin[axis]);
+        near_scale[axis] = Floats::spread(r.near_scale[axis]);
+        far_scale[axis] = Floats::spread(r.far_scale[axis]);
+        near_plane[axis] = std::ptrdiff_t(sizeof(WideNode::bounds[0])) * r.near_plane[axis];
+        far_plane[axis] = std::ptrdiff_t(sizeof(WideNode::bounds[0])) * r.far_plane[axis];
+      }
+    }
+    /// A row of WideNode::bounds, without a multiplication in the chain of each node.
+    static Floats plane_at(const WideNode& node, std::ptrdiff_t offset) {
+      return Floats::load(reinterpret_cast<const float*>(reinterpret_cast<const char*>(&node) + offset));
+    }
+    Floats enter(const WideNode& node, int axis) const {
+      return (plane_at(node, near_plane[axis]) - near_origin[axis]) * near_scale[axis];
+    }
+    Floats leave(const WideNode& node, int axis) const {
+      return (plane_at(node, far_plane[axis]) - far_origin[axis]) * far_scale[axis];
+    }
+  };
+
+  static unsigned meet(const WideNode& node, const Ray& ray, float t_max, float* t) {
+    core::prefetch_line<core::CacheLevel::kL1>(node.children);
+    const Floats enter =
+        most(most(ray.enter(node, 0), ray.enter(node, 1)), most(ray.enter(node, 2), Floats::spread(0.0f)));
+    const Floats leave =
+        least(least(ray.leave(node, 0), ray.leave(node, 1)), least(ray.leave(node, 2), Floats::spread(t_max)));
+    enter.store(t);
+    return at_most(enter, leave);
+  }
+
+  /// Children whose boxes any of the rays may meet, and where the first of them may enter.
+  static unsigned meet_hull(const WideNode& node, const Hull& hull, float* t) {
+    Floats enter = Floats::spread(0.0f), leave = Floats::spread(hull.limit);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Floats near = Floats::load(node.bounds[hull.near_plane[axis]]) - Floats::spread(hull.near_origin[axis]);
+      const Floats far = Floats::load(node.bounds[hull.far_plane[axis]]) - Floats::spread(hull.far_origin[axis]);
+      enter = most(enter, least(near * Floats::spread(hull.near_scale[0][axis]),
+                                near * Floats::spread(hull.near_scale[1][axis])));
+      leave = least(leave,
+                    most(far * Floats::spread(hull.far_scale[0][axis]), far * Floats::spread(hull.far_scale[1][axis])));
+    }
+    enter.store(t);
+    return at_most(enter, leave);
+  }
+
+  struct Areas {
+    Floats x[3], y[3], z[3], u, v, w;
+  };
+  static void shear(const TriangleRay& ray, const TriangleBlock& block, Areas& a, unsigned& hit, unsigned& unsure) {
+    const Floats ox = Floats::spread(ray.origin[0]), oy = Floats::spread(ray.origin[1]);
+    const Floats oz = Floats::spread(ray.origin[2]);
+    const Floats sx = Floats::spread(ray.shear[0]), sy = Floats::spread(ray.shear[1]);
+    const Floats sz = Floats::spread(ray.shear[2]), zero = Floats::spread(0.0f);
+    for (int corner = 0; corner < 3; ++corner) {
+      const float(*place)[kLanes] = block.corners[corner];
+      const Floats z = Floats::load(place[ray.axes[2]]) - oz;
+      a.x[corner] = (Floats::load(place[ray.axes[0]]) - ox) - sx * z;
+      a.y[corner] = (Floats::load(place[ray.axes[1]]) - oy) - sy * z;
+      a.z[corner] = sz * z;
+    }
+    a.u = a.x[2] * a.y[1] - a.y[2] * a.x[1];
+    a.v = a.x[0] * a.y[2] - a.y[0] * a.x[2];
+    a.w = a.x[1] * a.y[0] - a.y[1] * a.x[0];
+    const Floats low = least(least(a.u, a.v), a.w), high = most(most(a.u, a.v), a.w);
+    hit = less(zero, low) | less(high, zero);
+    unsure = equal(low, zero) | equal(high, zero);
+  }
+  /// Returns the slim ones. `lost`: what t may be off by; infinite or NaN where float does not know.
+  static unsigned distances(const Areas& a, float across, float* t, float* lost) {
+    const Floats sum = (a.u + a.v) + a.w, twice = magnitude(sum), off = Floats::spread(across);
+    (((a.u * a.z[0] + a.v * a.z[1]) + a.w * a.z[2]) / sum).store(t);
+    const Floats wide = extent(a.x), high = extent(a.y), size = wide + high;
+    const Floats area = most(twice - Floats::spread(kAreaLost * across) * size, Floats::spread(0.0f));
+    (off + off * ((Floats::spread(kSlope) * range(a.z)) * size / area)).store(lost);
+    return less(twice, Floats::spread(kSlim) * (wide * high));
+  }
+  static void corners(const Areas& a, unsigned lane, Sheared& out) {
+    float lanes[3][kLanes];
+    for (int corner = 0; corner < 3; ++corner) {
+      a.x[corner].store(lanes[0]), a.y[corner].store(lanes[1]), a.z[corner].store(lanes[2]);
+      out.x[corner] = lanes[0][lane], out.y[corner] = lanes[1][lane], out.z[corner] = lanes[2][lane];
+    }
+  }
+};
 
 template <class Form>
 struct Tracing {

@@ -573,13 +573,6 @@ struct Packets {
     if (best.t + best.lost < f.limit[ray]) f.limit[ray] = best.t + best.lost;
   }
 
-  static Wide extent(const Wide (&place)[3]) {
-    return most(magnitude(place[0]), most(magnitude(place[1]), magnitude(place[2])));
-  }
-  static Wide range(const Wide (&place)[3]) {
-    return most(place[0], most(place[1], place[2])) - least(place[0], least(place[1], place[2]));
-  }
-
   /// One ray and all triangles of a block.
   static void meet_block(const PacketQuery& query, PacketFrame& f, const Shears& shears, PacketHits& hits,
                          std::uint32_t index, int ray) {

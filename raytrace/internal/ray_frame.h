@@ -3,19 +3,21 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
 #include "sightline/core/aabb.h"
 #include "sightline/core/affine.h"
+#include "sightline/gpuprims/internal/local_ray.h"
 #include "sightline/raytrace/internal/float4.h"
 #include "sightline/raytrace/internal/kernels.h"
 
 namespace sightline::raytrace {
 
 using core::dvec3;
+using gpuprims::inverse_power_of_two;
+using gpuprims::power_of_two;
 
 /// Without the branches of glm::abs().
 inline dvec3 magnitude(const dvec3& v) {
@@ -49,14 +51,6 @@ struct RayFrame {
   /// A limit in s for what lies up to `t`.
   float limit(double t) const { return frame_limit(t * per_factor, begin, margin); }
 };
-
-/// The power of two in (x / 2, x], and 1 / that.
-inline double power_of_two(double x) {
-  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & 0x7ff0000000000000u);
-}
-inline double inverse_power_of_two(double x) {
-  return std::bit_cast<double>(0x7fe0000000000000u - (std::bit_cast<std::uint64_t>(x) & 0x7ff0000000000000u));
-}
 
 inline void set_box_ray(const dvec3& origin, const dvec3& direction, float error, BoxRay& ray) {
   const Float4 o = Float4::of(origin.x, origin.y, origin.z), d = Float4::of(direction.x, direction.y, direction.z);

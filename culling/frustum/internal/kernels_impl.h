@@ -71,7 +71,7 @@ class ItemTester {
   unsigned items_shown(std::size_t first) const {
     unsigned empty = 0;
     for (int axis = 0; axis < 3; ++axis)
-      empty |= Simd::less(test_.coordinates[axis + 3] + first, test_.coordinates[axis] + first);
+      empty |= Simd::less(Simd::load(test_.coordinates[axis + 3] + first), Simd::load(test_.coordinates[axis] + first));
     unsigned shown = ~empty & kAllLanes;
     // Layers are not padded: the last few are tested one by one.
     if (test_.layers != nullptr) shown &= layers_shared(first);
@@ -508,8 +508,8 @@ constexpr FrustumKernels make_frustum_kernels() {
     unsigned numbers = 0xffff;  // x <= x fails for a NaN
     for (int axis = 0; axis < 3; ++axis) {
       const float *low = c[axis] + first, *high = c[axis + 3] + first;
-      numbers &= Simd::at_most(low, low) & Simd::at_most(low + kLanes, low + kLanes);
-      numbers &= Simd::at_most(high, high) & Simd::at_most(high + kLanes, high + kLanes);
+      for (const float* half : {low, low + kLanes, high, high + kLanes})
+        numbers &= Simd::at_most(Simd::load(half), Simd::load(half));
       box[axis] = Simd::least(low);
       box[axis + 3] = Simd::most(high);
     }

@@ -17,9 +17,11 @@ struct Avx2 {
   struct Plane {
     __m256 x, y, z, d, band, minus_band;
   };
-  struct Values {
+  // Sixteen floats, for screen_boxes.h.
+  struct Lanes {
     __m256 low, high;
   };
+  using Values = Lanes;
 
   static Plane spread(const FloatPlane& p) {
     return {_mm256_set1_ps(p.normal[0]), _mm256_set1_ps(p.normal[1]), _mm256_set1_ps(p.normal[2]),
@@ -41,18 +43,6 @@ struct Avx2 {
   static unsigned above(const Values& s, const Plane& p) {
     return join(_mm256_cmp_ps(s.low, p.band, _CMP_GE_OQ), _mm256_cmp_ps(s.high, p.band, _CMP_GE_OQ));
   }
-  static unsigned less(const float* a, const float* b) {
-    return join(_mm256_cmp_ps(_mm256_loadu_ps(a), _mm256_loadu_ps(b), _CMP_LT_OQ),
-                _mm256_cmp_ps(_mm256_loadu_ps(a + 8), _mm256_loadu_ps(b + 8), _CMP_LT_OQ));
-  }
-  static unsigned at_most(const float* a, const float* b) {
-    return join(_mm256_cmp_ps(_mm256_loadu_ps(a), _mm256_loadu_ps(b), _CMP_LE_OQ),
-                _mm256_cmp_ps(_mm256_loadu_ps(a + 8), _mm256_loadu_ps(b + 8), _CMP_LE_OQ));
-  }
-  // Sixteen floats, for screen_boxes.h.
-  struct Lanes {
-    __m256 low, high;
-  };
   static Lanes load(const float* a) { return {_mm256_loadu_ps(a), _mm256_loadu_ps(a + 8)}; }
   static void store(float* out, const Lanes& a) {
     _mm256_storeu_ps(out, a.low);

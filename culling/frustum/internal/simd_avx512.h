@@ -28,12 +28,6 @@ struct Avx512 {
   }
   static unsigned below(Values s, const Plane& p) { return _mm512_cmp_ps_mask(s, p.minus_band, _CMP_LT_OQ); }
   static unsigned above(Values s, const Plane& p) { return _mm512_cmp_ps_mask(s, p.band, _CMP_GE_OQ); }
-  static unsigned less(const float* a, const float* b) {
-    return _mm512_cmp_ps_mask(_mm512_loadu_ps(a), _mm512_loadu_ps(b), _CMP_LT_OQ);
-  }
-  static unsigned at_most(const float* a, const float* b) {
-    return _mm512_cmp_ps_mask(_mm512_loadu_ps(a), _mm512_loadu_ps(b), _CMP_LE_OQ);
-  }
   static float least(const float* a) { return least_of_leaf(a); }
   static float most(const float* a) { return most_of_leaf(a); }
   static unsigned share(const std::uint32_t* layers, std::uint32_t mask) {

@@ -16,37 +16,35 @@ struct Scalar {
   struct Plane {
     float x, y, z, d, band, minus_band;
   };
-  struct Values {
+  // Sixteen floats, for screen_boxes.h.
+  struct Lanes {
     float v[kLanes];
   };
+  using Values = Lanes;
+  template <class Result = Lanes, class Of>
+  static Result each(const Of& of) {
+    Result r;
+    for (int i = 0; i < kLanes; ++i) r.v[i] = of(i);
+    return r;
+  }
+  template <class Of>
+  static unsigned bits(const Of& of) {
+    unsigned r = 0;
+    for (int i = 0; i < kLanes; ++i) r |= unsigned(of(i)) << i;
+    return r;
+  }
 
   static Plane spread(const FloatPlane& p) {
     return {p.normal[0], p.normal[1], p.normal[2], p.offset, p.band, -p.band};
   }
   static Values evaluate(const Plane& p, const float* x, const float* y, const float* z) {
-    Values s;
-    for (int i = 0; i < kLanes; ++i) s.v[i] = ((p.x * x[i] + p.y * y[i]) + p.z * z[i]) + p.d;
-    return s;
+    return each([&](int i) { return ((p.x * x[i] + p.y * y[i]) + p.z * z[i]) + p.d; });
   }
   static unsigned below(const Values& s, const Plane& p) {
-    unsigned bits = 0;
-    for (int i = 0; i < kLanes; ++i) bits |= unsigned(s.v[i] < p.minus_band) << i;
-    return bits;
+    return bits([&](int i) { return s.v[i] < p.minus_band; });
   }
   static unsigned above(const Values& s, const Plane& p) {
-    unsigned bits = 0;
-    for (int i = 0; i < kLanes; ++i) bits |= unsigned(s.v[i] >= p.band) << i;
-    return bits;
-  }
-  static unsigned less(const float* a, const float* b) {
-    unsigned bits = 0;
-    for (int i = 0; i < kLanes; ++i) bits |= unsigned(a[i] < b[i]) << i;
-    return bits;
-  }
-  static unsigned at_most(const float* a, const float* b) {
-    unsigned bits = 0;
-    for (int i = 0; i < kLanes; ++i) bits |= unsigned(a[i] <= b[i]) << i;
-    return bits;
+    return bits([&](int i) { return s.v[i] >= p.band; });
   }
   /// Minimum of a whole leaf, none of it NaN.
   static float least(const float* a) {
@@ -57,22 +55,6 @@ struct Scalar {
   static float most(const float* a) {
     float r = a[0];
     for (std::uint32_t i = 1; i < kLeafSize; ++i) r = a[i] > r ? a[i] : r;
-    return r;
-  }
-  // Sixteen floats, for screen_boxes.h.
-  struct Lanes {
-    float v[kLanes];
-  };
-  template <class Of>
-  static Lanes each(const Of& of) {
-    Lanes r;
-    for (int i = 0; i < kLanes; ++i) r.v[i] = of(i);
-    return r;
-  }
-  template <class Of>
-  static unsigned bits(const Of& of) {
-    unsigned r = 0;
-    for (int i = 0; i < kLanes; ++i) r |= unsigned(of(i)) << i;
     return r;
   }
   static Lanes load(const float* a) {
@@ -138,46 +120,40 @@ struct Scalar {
   struct Places {
     std::int32_t v[kLanes];
   };
-  template <class Of>
-  static Places each_place(const Of& of) {
-    Places r;
-    for (int i = 0; i < kLanes; ++i) r.v[i] = std::int32_t(of(i));
-    return r;
-  }
   /// Places whose a is at least 0.
   static Places place_above(const Lanes& a) {
-    return each_place([&](int i) { return int(a.v[i]) + int(float(int(a.v[i])) < a.v[i]); });
+    return each<Places>([&](int i) { return int(a.v[i]) + int(float(int(a.v[i])) < a.v[i]); });
   }
   static Places place_below(const Lanes& a) {
-    return each_place([&](int i) { return int(a.v[i]); });
+    return each<Places>([&](int i) { return int(a.v[i]); });
   }
   static Places spread_place(int a) {
-    return each_place([&](int) { return a; });
+    return each<Places>([&](int) { return a; });
   }
   static Places plus(const Places& a, const Places& b) {
-    return each_place([&](int i) { return a.v[i] + b.v[i]; });
+    return each<Places>([&](int i) { return a.v[i] + b.v[i]; });
   }
   static Places minus(const Places& a, const Places& b) {
-    return each_place([&](int i) { return a.v[i] - b.v[i]; });
+    return each<Places>([&](int i) { return a.v[i] - b.v[i]; });
   }
   static Places times(const Places& a, const Places& b) {
-    return each_place([&](int i) { return a.v[i] * b.v[i]; });
+    return each<Places>([&](int i) { return a.v[i] * b.v[i]; });
   }
   static Places smaller(const Places& a, const Places& b) {
-    return each_place([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
+    return each<Places>([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
   }
   static Places larger(const Places& a, const Places& b) {
-    return each_place([&](int i) { return a.v[i] < b.v[i] ? b.v[i] : a.v[i]; });
+    return each<Places>([&](int i) { return a.v[i] < b.v[i] ? b.v[i] : a.v[i]; });
   }
   static Places shifted(const Places& a, const Places& count) {
-    return each_place([&](int i) { return a.v[i] >> count.v[i]; });
+    return each<Places>([&](int i) { return a.v[i] >> count.v[i]; });
   }
   static unsigned equal(const Places& a, const Places& b) {
     return bits([&](int i) { return a.v[i] == b.v[i]; });
   }
   /// Bits that a number takes, 0 for one that is not positive; anything for one below 0 in the other forms.
   static Places bit_width(const Places& a) {
-    return each_place([&](int i) {
+    return each<Places>([&](int i) {
       int width = 0;
       for (std::int32_t rest = a.v[i]; rest > 0; rest >>= 1) ++width;
       return width;
@@ -185,7 +161,7 @@ struct Scalar {
   }
   /// Entries of sixteen.
   static Places pick(const std::int32_t* table, const Places& at) {
-    return each_place([&](int i) { return table[at.v[i]]; });
+    return each<Places>([&](int i) { return table[at.v[i]]; });
   }
   static Lanes look_up(const float* table, const Places& at) {
     return each([&](int i) { return table[at.v[i]]; });
@@ -196,9 +172,7 @@ struct Scalar {
   }
 
   static unsigned share(const std::uint32_t* layers, std::uint32_t mask) {
-    unsigned bits = 0;
-    for (int i = 0; i < kLanes; ++i) bits |= unsigned((layers[i] & mask) != 0) << i;
-    return bits;
+    return bits([&](int i) { return (layers[i] & mask) != 0; });
   }
   static void store_places(std::uint32_t* out, std::uint32_t base) {
     for (unsigned i = 0; i < unsigned(kLanes); ++i) out[i] = base + i;

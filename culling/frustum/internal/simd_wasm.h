@@ -64,12 +64,6 @@ struct Simd128 {
   static unsigned above(const Values& s, const Plane& p) {
     return bits([&](int i) { return wasm_f32x4_ge(s.q[i], p.band); });
   }
-  static unsigned less(const float* a, const float* b) {
-    return bits([&](int i) { return wasm_f32x4_lt(wasm_v128_load(a + 4 * i), wasm_v128_load(b + 4 * i)); });
-  }
-  static unsigned at_most(const float* a, const float* b) {
-    return bits([&](int i) { return wasm_f32x4_le(wasm_v128_load(a + 4 * i), wasm_v128_load(b + 4 * i)); });
-  }
 
   // Sixteen floats, for screen_boxes.h.
   static Lanes load(const float* a) {
