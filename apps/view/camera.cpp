@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "sightline/core/fitting.h"
 
@@ -10,13 +11,12 @@ namespace sightline::apps {
 namespace {
 
 constexpr double kSteepest = 0.995 * std::numbers::pi / 2;  // looking straight up or down, right and left are undefined
-constexpr double kSizesPerSecond = 0.125;                   // initial speed, in sizes of the model
-constexpr double kSlowest = 1e-6, kFastest = 10.0;          // in sizes per second
-constexpr double kSpeedPerNotch = 1.25, kZoomPerNotch = 0.8;
+constexpr double kZoomPerNotch = 0.8;
 constexpr double kNearest = 1e-6, kFarthest = 1e3;  // distance of what is zoomed to, in sizes
 constexpr double kNearShare = 1e-4;         // of the size; reverse-Z float depth stays precise with a small share
 constexpr double kOrthographicReach = 4.0;  // sizes before and behind the target
 constexpr double kKeyInterval = 0.25;       // seconds between recorded keys
+constexpr std::size_t kMostPlaces = 200;
 
 double size_of(const core::AabbD& bounds) {
   const double diagonal = bounds.empty() ? 0.0 : glm::length(bounds.size());
@@ -32,8 +32,7 @@ Camera::Camera(const core::AabbD& bounds, double fovy, double aspect)
     : size_(size_of(bounds)),
       fovy_(fovy),
       near_(kNearShare * std::max(1.0, size_)),
-      pose_(core::fitting_pose(bounds, core::kOverviewDirection, fovy, aspect, core::kOverviewFilled)),
-      speed_(kSizesPerSecond * size_) {}
+      pose_(core::fitting_pose(bounds, core::kOverviewDirection, fovy, aspect, core::kOverviewFilled)) {}
 
 core::Expected<core::View> Camera::view(double aspect, const core::dvec2& shift) const {
   const double half_height = std::tan(0.5 * fovy_);
@@ -74,7 +73,7 @@ void Camera::fly(const core::dvec3& held, double seconds) {
   const core::dvec3 ahead = forward(), aside = glm::cross(ahead, kUp);
   const double sideways = glm::length(aside);
   const core::dvec3 right = sideways > 0.0 ? aside / sideways : core::dvec3(1.0, 0.0, 0.0);
-  const core::dvec3 step = speed_ * seconds * (held.x * right + held.y * ahead + held.z * kUp);
+  const core::dvec3 step = speed() * seconds * (held.x * right + held.y * ahead + held.z * kUp);
   pose_.eye += step;
   pose_.target += step;
 }
@@ -128,8 +127,18 @@ void Camera::zoom(double notches, const core::dvec3& at) {
   pose_.target = at + scale * (pose_.target - at);
 }
 
-void Camera::change_speed(double notches) {
-  speed_ = std::clamp(speed_ * std::pow(kSpeedPerNotch, notches), kSlowest * size_, kFastest * size_);
+void Camera::remember() {
+  if (!places_.empty() && places_.back().first.eye == pose_.eye && places_.back().first.target == pose_.target) return;
+  places_.emplace_back(pose_, orthographic_);
+  if (places_.size() > kMostPlaces) places_.erase(places_.begin());
+}
+
+void Camera::back() {
+  const core::dvec3 eye = pose_.eye;
+  while (!places_.empty() && places_.back().first.eye == eye && places_.size() > 1) places_.pop_back();
+  if (places_.empty()) return;
+  std::tie(pose_, orthographic_) = places_.back();
+  places_.pop_back();
 }
 
 void PathRecorder::add(double time, const core::CameraSample& camera) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sightline/core/aabb.h"
@@ -42,8 +43,9 @@ class Camera {
   void pan(const core::dvec2& by, const core::dvec3& at);
   /// Moves towards a point, or away from it; the point stays where it is in the image.
   void zoom(double notches, const core::dvec3& at);
-  /// Makes flying faster or slower.
-  void change_speed(double notches);
+  /// Puts the camera back to where it was before its last motions, each of which begins with remember().
+  void back();
+  void remember();
 
   bool orthographic() const { return orthographic_; }
   /// The image keeps its size where the target is.
@@ -58,17 +60,19 @@ class Camera {
   double far() const { return far_; }
   /// Sets the planes of perspective views, 0 < near < far.
   void set_planes(double near, double far);
-  double speed() const { return speed_; }  ///< metres per second
+  double speed() const { return kSizesPerSecond * size_; }  ///< metres per second
 
  private:
+  static constexpr double kSizesPerSecond = 0.125;  // of the model
+
   core::dvec3 forward() const;
   void turn(const core::dvec2& by, const core::dvec3& about);
 
   double size_;  // diagonal of the model, metres
   double fovy_, near_, far_ = core::kInfiniteFar;
   core::Pose pose_;
-  double speed_;
   bool orthographic_ = false;
+  std::vector<std::pair<core::Pose, bool>> places_;  // pose, orthographic
 };
 
 /// Makes a path from the places of a camera.

@@ -2,165 +2,192 @@
 
 #include <vector>
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
-
 #include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/tree_walk.h"
+#include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/commands.h"
-#include "sightline/apps/view/comparing.h"
-#include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/icons.h"
-#include "sightline/apps/view/model_exporting.h"
-#include "sightline/apps/view/obstacles.h"
-#include "sightline/apps/view/section_commands.h"
-#include "sightline/apps/view/views.h"
 
 namespace sightline::apps {
 namespace {
 
 using engine::CullerChoice;
-using Done = core::Expected<void>;
 
-constexpr int kCtrl = GLFW_MOD_CONTROL, kShift = GLFW_MOD_SHIFT, kAlt = GLFW_MOD_ALT;
-
-template <class Work>
-Done move_camera(Viewer& viewer, const Work& work) {
-  viewer.session()->remember();
-  work(viewer.session()->camera());
+template <class Move>
+Done move_camera(Session& session, const Move& move) {
+  session.camera.remember();
+  move(session.camera);
   return {};
 }
 
-Done look_along(Viewer& viewer, const core::dvec3& direction) {
-  Session& session = *viewer.session();
-  session.remember();
-  session.show_all(direction);
+/// Looks along a direction at the whole model.
+template <int kX, int kY, int kZ>
+Done look(const std::string&, Session& session) {
+  session.camera.remember();
+  session.show_all(core::dvec3(kX, kY, kZ));
   return {};
 }
 
-Done focus(Viewer& viewer, const std::string&) {
-  Session& session = *viewer.session();
-  const auto selection = session.document().selection();
-  if (selection.empty()) return session.remember(), session.show_all(), Done();
-  const core::AabbD bounds = session.document().bounds(selection);
-  return move_camera(viewer, [&](Camera& camera) { camera.fit(bounds, session.aspect()); });
+Done fit(const std::string&, Session& session) {
+  session.camera.remember();
+  session.show_all(core::kOverviewDirection);
+  return {};
+}
+
+Done focus(const std::string&, Session& session) {
+  const auto selection = session.document.selection();
+  if (selection.empty()) return session.camera.remember(), session.show_all(), Done();
+  const core::AabbD bounds = session.document.bounds(selection);
+  return move_camera(session, [&](Camera& camera) { camera.fit(bounds, session.image.aspect()); });
 }
 
 template <int kNotches>
-Done zoom(Viewer& viewer, const std::string&) {
-  return move_camera(viewer, [](Camera& camera) { camera.zoom(kNotches, camera.pose().target); });
+Done zoom(const std::string&, Session& session) {
+  return move_camera(session, [](Camera& camera) { camera.zoom(kNotches, camera.pose().target); });
 }
 
 template <CullerChoice kChoice>
-Done cull(Viewer& viewer, const std::string&) {
-  return viewer.session()->set_culler(kChoice);
+Done cull(const std::string&, Session& session) {
+  return session.set_culler(kChoice);
+}
+template <CullerChoice kChoice>
+bool culls(Workspace& work) {
+  return work.session->engine.plan().culler == kChoice;
+}
+
+template <Done (Document::*kFunction)()>
+Done of_document(const std::string&, Session& session) {
+  return (session.document.*kFunction)();
 }
 
 /// A function of the document that takes the parts that are named, or the selection, which must not be empty.
 template <Done (Document::*kFunction)(std::span<const core::ItemId>)>
-Done with_selection(Viewer& viewer, const std::string& part) {
-  Document& document = viewer.session()->document();
+Done with_selection(Workspace& work, const std::string& part) {
+  Document& document = work.session->document;
   if (!part.empty()) {
-    const auto named = viewer.items_named(part);
+    const auto named = items_named(part, *work.session, work.messages);
     return named ? (document.*kFunction)(*named) : Done(tl::unexpected(named.error()));
   }
-  if (const char* why = without_selection(viewer)) return core::fail(why);
+  if (const char* why = missing(needs::kSelection, work)) return core::fail(why);
   const std::vector<core::ItemId> items(document.selection().begin(), document.selection().end());
   return (document.*kFunction)(items);
 }
 
-Done select_all(Viewer& viewer, const std::string&) {
-  Document& document = viewer.session()->document();
-  return document.select(document.items_below(viewer.session()->scene().root()));
+Done select_all(const std::string&, Session& session) {
+  return session.document.select(items_below(session.scene(), session.scene().root()));
 }
 
-Done measure_selected(Viewer& viewer, const std::string&) {
-  Session& session = *viewer.session();
-  const auto selection = session.document().selection();
-  if (const char* why = without_two_items(viewer)) return core::fail(why);
-  viewer.shown.tab = "Measure";
-  return session.measuring().between(session.scene(), selection[0], selection[1]);
+Done select_none(const std::string&, Session& session) {
+  return session.document.select({});
+}
+
+Done measure_selected(Workspace& work, const std::string&) {
+  Session& session = *work.session;
+  const auto selection = session.document.selection();
+  if (const char* why = missing(needs::kTwoItems, work)) return core::fail(why);
+  work.shown.tab = "Measure";
+  return session.measuring.between(session.scene(), selection[0], selection[1]);
 }
 
 /// A switch of a dialog.
 template <Dialog kDialog>
-Done toggle(Viewer& viewer, const std::string&) {
-  viewer.shown.dialog = viewer.shown.dialog == kDialog ? Dialog::kNone : kDialog;
+Done toggle(const std::string&, Shown& shown) {
+  shown.dialog = shown.dialog == kDialog ? Dialog::kNone : kDialog;
   return {};
 }
 template <Dialog kDialog>
-bool shows(Viewer& viewer) {
-  return viewer.shown.dialog == kDialog;
+bool shows(Workspace& work) {
+  return work.shown.dialog == kDialog;
+}
+
+/// A switch of panels or images.
+template <auto kSwitch>
+Done flip(const std::string&, Shown& shown) {
+  shown.*kSwitch = !(shown.*kSwitch);
+  return {};
+}
+template <auto kSwitch>
+bool is_on(Workspace& work) {
+  return work.shown.*kSwitch;
+}
+template <auto kSwitch>
+Done flip_style(Workspace& work, const std::string& none) {
+  return flip<kSwitch>(none, work.shown), work.apply_styles();
 }
 
 template <Tool kTool>
-Done take_tool(Viewer& viewer, const std::string&) {
-  viewer.shown.tool = viewer.shown.tool == kTool ? Tool::kSelect : kTool;
-  if (viewer.shown.tool == Tool::kMeasure) viewer.shown.tab = "Measure";
-  if (viewer.shown.tool == Tool::kSection) viewer.tell("click on a face: what lies in front of it is cut away");
+Done take_tool(const std::string&, Shown& shown, Messages& messages) {
+  shown.tool = shown.tool == kTool ? Tool::kSelect : kTool;
+  if (shown.tool == Tool::kMeasure) shown.tab = "Measure";
+  if (shown.tool == Tool::kSection) messages.tell("click on a face: what lies in front of it is cut away");
   return {};
 }
 template <Tool kTool>
-bool has_tool(Viewer& viewer) {
-  return viewer.shown.tool == kTool;
+bool has_tool(Workspace& work) {
+  return work.shown.tool == kTool;
 }
 
 template <Units kUnits>
-Done set_units(Viewer& viewer, const std::string&) {
-  viewer.shown.units = kUnits;
+Done set_units(const std::string&, Shown& shown) {
+  shown.units = kUnits;
   return {};
 }
 template <Units kUnits>
-bool has_units(Viewer& viewer) {
-  return viewer.shown.units == kUnits;
+bool has_units(Workspace& work) {
+  return work.shown.units == kUnits;
 }
 
-Done section_here(Viewer& viewer, const std::string&) {
-  return cut_at(viewer, viewer.under_cursor());
+Done section_here(const std::string&, Session& session, Shown& shown, Gestures& gestures) {
+  return cut_at(gestures.under_cursor(), session, shown);
+}
+
+Done section_at(const std::string&, Session& session, Shown& shown, const Gestures& gestures) {
+  return cut_at(gestures.context_face(), session, shown);
 }
 
 template <int kAxis>
-Done cut_across(Viewer& viewer, const std::string&) {
-  return cut_middle(viewer, kAxis);
+Done cut_across(const std::string&, Session& session, Shown& shown) {
+  return cut_middle(kAxis, session, shown);
 }
 
-Done copy_measurements(Viewer& viewer, const std::string&) {
-  const Session& session = *viewer.session();
-  const std::vector<Measurement>& list = session.measuring().list();
-  viewer.set_clipboard(measurement_table(list, session.offset(), viewer.lengths()));
-  viewer.tell("copied: " + std::to_string(list.size()) + " measurements");
+Done section_box(const std::string&, Session& session, Shown& shown) {
+  const auto selection = session.document.selection();
+  const core::AabbD bounds = selection.empty() ? session.bounds().bounds : session.document.bounds(selection);
+  if (!bounds.empty()) session.sections.box(bounds);
+  shown.tab = "Sections";
   return {};
 }
 
-Done remove_measurement(Viewer& viewer, const std::string& number) {
-  Measuring& measuring = viewer.session()->measuring();
-  for (std::size_t i = 0; i < measuring.list().size(); ++i)
-    if (number == std::to_string(i + 1)) return measuring.remove(i), Done();
-  return core::fail("there is no measurement " + number + ": there are " + std::to_string(measuring.list().size()));
-}
-
-Done select_finding(Viewer& viewer, const std::string& number) {
-  const std::vector<Finding>& all = viewer.session()->findings();
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (number == std::to_string(i + 1)) return viewer.session()->document().select(all[i].items);
-  return core::fail("there is no finding " + number + ": there are " + std::to_string(all.size()));
-}
-
-Done section_at(Viewer& viewer, const std::string&) {
-  return cut_at(viewer, viewer.context_face());
-}
-
-Done section_box(Viewer& viewer, const std::string&) {
-  Session& session = *viewer.session();
-  const auto selection = session.document().selection();
-  const core::AabbD bounds = selection.empty() ? session.bounds().bounds : session.document().bounds(selection);
-  if (!bounds.empty()) session.sections().box(bounds);
-  viewer.shown.tab = "Sections";
+Done copy_measurements(Workspace& work, const std::string&) {
+  const Session& session = *work.session;
+  const std::vector<Measurement>& list = session.measuring.list();
+  work.window.set_clipboard(measurement_table(list, session.offset(), work.lengths()));
+  work.messages.tell("copied: " + std::to_string(list.size()) + " measurements");
   return {};
+}
+
+/// The index of what a number from 1 on names in a list.
+core::Expected<std::size_t> numbered(const char* what, const std::string& number, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (number == std::to_string(i + 1)) return i;
+  return core::fail(std::string("there is no ") + what + " " + number + ": there are " + std::to_string(count));
+}
+
+Done remove_measurement(const std::string& number, Session& session) {
+  Measuring& measuring = session.measuring;
+  return numbered("measurement", number, measuring.list().size()).map([&](std::size_t i) { measuring.remove(i); });
+}
+
+Done select_finding(const std::string& number, Session& session) {
+  const std::vector<Finding>& all = session.findings();
+  return numbered("finding", number, all.size()).and_then([&](std::size_t i) {
+    return session.document.select(all[i].items);
+  });
 }
 
 /// Toggles the boxes of all states, or of the one that is named.
-Done toggle_boxes(Viewer& viewer, const std::string& state) {
-  CullingSwitches& switches = viewer.culling().switches;
+Done toggle_boxes(const std::string& state, CullingOverlay& culling) {
+  CullingSwitches& switches = culling.switches;
   if (state.empty()) return switches.boxes = !switches.boxes, Done();
   for (int i = 0; i < culling::kCullStateCount; ++i) {
     if (name_of(culling::CullState(i)) != state) continue;
@@ -170,316 +197,291 @@ Done toggle_boxes(Viewer& viewer, const std::string& state) {
   return core::fail("boxes: expected inside, intersecting, outside, occluded or too_small, found \"" + state + "\"");
 }
 
-/// A setting of the engine, by a script.
-Done set_number(Viewer& viewer, const std::string& text, void (*set)(engine::EngineConfig&, double)) {
-  const auto number = parse_finite(text);
-  if (!number) return tl::unexpected(number.error());
-  return viewer.session()->configure([&](engine::EngineConfig& config) { set(config, *number); });
+Done set_budget(const std::string& text, Session& session) {
+  const auto ms = parse_finite(text);
+  if (!ms) return tl::unexpected(ms.error());
+  return session.image.configure([&](engine::EngineConfig& config) { config.losses.budget_ms = *ms; });
+}
+
+Done set_min_projected_area(const std::string& text, Session& session) {
+  const auto pixels = parse_finite(text);
+  if (!pixels) return tl::unexpected(pixels.error());
+  return session.image.configure(
+      [&](engine::EngineConfig& config) { config.losses.min_projected_area = float(*pixels); });
+}
+
+Done set_lod_error(Workspace& work, const std::string& text) {
+  const auto pixels = parse_finite(text);
+  return pixels ? work.set_motion_error(*pixels) : Done(tl::unexpected(pixels.error()));
+}
+
+Done toggle_levels(Workspace& work, const std::string&) {
+  work.shown.levels = !work.shown.levels;
+  return work.session ? work.session->image.set_motion_error(work.shown.levels ? work.image.motion_error : 0.0)
+                      : Done();
+}
+
+Done toggle_theme(Workspace& work, const std::string&) {
+  work.shown.light = !work.shown.light;
+  work.gui.set_theme(work.shown.light ? Theme::kLight : Theme::kDark);
+  return {};
+}
+
+Done toggle_diagnostics(const std::string&, Shown& shown) {
+  shown.diagnostics = !shown.diagnostics;
+  if (shown.diagnostics) shown.tab = "Diagnostics";
+  return {};
+}
+
+Done open_or_ask(Workspace& work, const std::string& file) {
+  if (file.empty()) return work.shown.dialog = Dialog::kOpen, Done();
+  return work.open({file}), Done();
+}
+
+Done toggle_up(Workspace& work, const std::string&) {
+  work.opening.toggle_up(work.session.get());
+  if (work.session) work.open(work.files());
+  return {};
+}
+
+Done find_or_ask(const std::string& text, Session& session, Shown& shown, Messages& messages) {
+  if (!text.empty()) return find_parts(text, session, messages);
+  shown.find = shown.panels = true;  // what was searched for last stays, to be changed
+  return {};
 }
 
 const Command kFile[] = {
-    {"open", "File", "Open…", GLFW_KEY_O, kCtrl, "Ctrl+O", "open files, instead of what is open: FILE",
-     [](Viewer& v, const std::string& file) -> Done {
-       if (file.empty())
-         v.shown.dialog = Dialog::kOpen;
-       else
-         v.open({file});
-       return {};
-     },
-     nullptr, nullptr, icons::kOpen},
-    {"recognise", "File", "Recognise primitives", 0, 0, "",
+    {"open", "File", "Open…", "Ctrl+O", "open files, instead of what is open: FILE", open_or_ask, nullptr, nullptr,
+     icons::kOpen},
+    {"recognise", "File", "Recognise primitives", "",
      "switch whether cylinders, boxes and their like are taken out of the meshes of files that are opened "
      "from now on",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.recognise = !v.shown.recognise, Done(); },
-     [](Viewer& v) { return v.shown.recognise; }, nullptr},
-    {"y-up", "File", "Y is up", 0, 0, "",
+     with<flip<&Shown::recognise>>, is_on<&Shown::recognise>, nullptr},
+    {"y-up", "File", "Y is up", "",
      "switch which axis points up in files that do not say (OBJ, PLY, STL, VTK), and read those that are open again",
-     [](Viewer& v, const std::string&) -> Done { return v.toggle_up(), Done(); }, [](Viewer& v) { return v.y_is_up(); },
-     nullptr},
-    {"screenshot", "|File", "Save image", GLFW_KEY_F12, 0, "F12",
-     "write the image that is shown, PNG: FILE [WxH], up to 16384x16384", write_image, nullptr, without_model,
-     icons::kCamera},
-    {"large-image", "File", "Save image as…", GLFW_KEY_F12, kShift, "Shift+F12",
-     "ask for a size and a file, and write the image", toggle<Dialog::kImage>, shows<Dialog::kImage>},
-    {"save-view", "|File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write what is seen and shown, JSON: FILE",
-     [](Viewer& v, const std::string& file) { return v.save_view(file); }},
-    {"load-view", nullptr, "", 0, 0, "", "see what a view file shows; or drop it on the window: FILE",
-     [](Viewer& v, const std::string& file) { return v.load_view(file); }},
-    {"export-model", "|File", "Export model…", 0, 0, "",
-     "write all of the model, RVM, OBJ, glTF or a scene cache: FILE", export_model, shows<Dialog::kExportModel>},
-    {"export-selection", "File", "Export selection…", 0, 0, "", "write what is selected, in the same formats: FILE",
-     export_selection, shows<Dialog::kExportSelection>, without_selection},
-    {"record", "|File/Camera path", "Record camera path", GLFW_KEY_R, 0, "R",
-     "begin to record a camera path; end and write it",
-     [](Viewer& v, const std::string&) { return v.toggle_recording(); }, [](Viewer& v) { return v.recording(); }},
-    {"play-path", "File/Camera path", "Play camera path", 0, 0, "",
-     "play a camera path, or that played or recorded last; or stop: FILE", play_path,
-     [](Viewer& v) { return v.player().playing(); }, without_path},
-    {"save-path", "File/Camera path", "Save camera path…", 0, 0, "",
-     "write the camera path that was played or recorded last: FILE", save_path, nullptr, without_path},
-    {"path-loop", nullptr, "", 0, 0, "", "play camera paths again and again, or once",
-     [](Viewer& v, const std::string&) -> Done { return v.player().loop = !v.player().loop, Done(); }},
-    {"path-speed", nullptr, "", 0, 0, "", "how fast camera paths play, times their own speed: FACTOR", set_path_speed},
-    {"camera-path", "File/Camera path", "Camera path and video…", 0, 0, "",
-     "ask for a camera path to play, and write its frames", toggle<Dialog::kPath>, shows<Dialog::kPath>},
-    {"write-frames", nullptr, "", 0, 0, "",
-     "write that path as images for a video, 25 a second unless told otherwise: FOLDER [FPS] [WxH]", write_frames},
-    {"quit", "|File", "Quit", GLFW_KEY_Q, kCtrl, "Ctrl+Q", "end the program",
-     [](Viewer& v, const std::string&) -> Done { return v.quit(), Done(); }, nullptr, nullptr},
-    {"lose-context", nullptr, "", 0, 0, "", "make window and graphics context anew, as after a reset of the driver",
-     [](Viewer& v, const std::string&) -> Done { return v.lose_context(), Done(); }, nullptr, nullptr},
+     toggle_up, [](Workspace& w) { return w.opening.y_is_up(w.session.get()); }, nullptr},
+    {"screenshot", "|File", "Save image", "F12", "write the image that is shown, PNG: FILE [WxH], up to 16384x16384",
+     with<write_image>, nullptr, &needs::kModel, icons::kCamera},
+    {"large-image", "File", "Save image as…", "Shift+F12", "ask for a size and a file, and write the image",
+     with<toggle<Dialog::kImage>>, shows<Dialog::kImage>},
+    {"save-view", "|File", "Save view", "Ctrl+S", "write what is seen and shown, JSON: FILE", with<save_view>},
+    {"load-view", nullptr, "", "", "see what a view file shows; or drop it on the window: FILE", with<load_view>},
+    {"export-model", "|File", "Export model…", "", "write all of the model, RVM, OBJ, glTF or a scene cache: FILE",
+     export_model, shows<Dialog::kExportModel>},
+    {"export-selection", "File", "Export selection…", "", "write what is selected, in the same formats: FILE",
+     export_selection, shows<Dialog::kExportSelection>, &needs::kSelection},
+    {"record", "|File/Camera path", "Record camera path", "R", "begin to record a camera path; end and write it",
+     toggle_recording, [](Workspace& w) { return w.recorder.has_value(); }},
+    {"play-path", "File/Camera path", "Play camera path", "",
+     "play a camera path, or that played or recorded last; or stop: FILE", with<play_path>,
+     [](Workspace& w) { return w.player.playing(); }, &needs::kPath},
+    {"save-path", "File/Camera path", "Save camera path…", "",
+     "write the camera path that was played or recorded last: FILE", with<save_path>, nullptr, &needs::kPath},
+    {"path-loop", nullptr, "", "", "play camera paths again and again, or once",
+     [](Workspace& w, const std::string&) -> Done { return w.player.loop = !w.player.loop, Done(); }},
+    {"path-speed", nullptr, "", "", "how fast camera paths play, times their own speed: FACTOR", with<set_path_speed>},
+    {"camera-path", "File/Camera path", "Camera path and video…", "",
+     "ask for a camera path to play, and write its frames", with<toggle<Dialog::kPath>>, shows<Dialog::kPath>},
+    {"write-frames", nullptr, "", "",
+     "write that path as images for a video, 25 a second unless told otherwise: FOLDER [FPS] [WxH]",
+     with<write_frames>},
+    {"quit", "|File", "Quit", "Ctrl+Q", "end the program",
+     [](Workspace& w, const std::string&) -> Done { return w.window.close(), Done(); }, nullptr, nullptr},
+    {"lose-context", nullptr, "", "", "make window and graphics context anew, as after a reset of the driver",
+     [](Workspace& w, const std::string&) -> Done { return w.pace.context_lost = true, Done(); }, nullptr, nullptr},
 };
 
 const Command kEdit[] = {
-    {"undo", "Edit", "Undo", GLFW_KEY_Z, kCtrl, "Ctrl+Z", "undo the last change of selection and visibility",
-     [](Viewer& v, const std::string&) { return v.session()->document().undo(); }, nullptr, without_undo},
-    {"redo", "Edit", "Redo", GLFW_KEY_Z, kCtrl | kShift, "Ctrl+Shift+Z", "do again what was undone",
-     [](Viewer& v, const std::string&) { return v.session()->document().redo(); }, nullptr, without_redo},
-    {"find", "|Edit", "Find", GLFW_KEY_F, kCtrl, "Ctrl+F", "show the parts that a text names: PART",
-     [](Viewer& v, const std::string& text) -> Done {
-       if (!text.empty()) return v.find(text);
-       v.shown.find = v.shown.panels = true;  // what was searched for last stays, to be changed
-       return {};
-     }},
-    {"select-found", "Edit", "Select what was found", 0, 0, "", "select what is below the parts that a search names",
-     [](Viewer& v, const std::string&) { return v.select_found(); }, nullptr, without_found},
-    {"select", "|Edit", "Select", 0, 0, "", "clicks select items again, and no longer measure or cut",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.tool = Tool::kSelect, Done(); },
-     has_tool<Tool::kSelect>, without_model, icons::kCursor},
-    {"select-all", "Edit", "Select all", GLFW_KEY_A, kCtrl, "Ctrl+A", "select all that is not hidden", select_all},
-    {"select-part", "Edit", "Select the whole part", GLFW_KEY_UP, kCtrl, "Ctrl+Up",
+    {"undo", "Edit", "Undo", "Ctrl+Z", "undo the last change of selection and visibility",
+     with<of_document<&Document::undo>>, nullptr, &needs::kUndo},
+    {"redo", "Edit", "Redo", "Ctrl+Shift+Z", "do again what was undone", with<of_document<&Document::redo>>, nullptr,
+     &needs::kRedo},
+    {"find", "|Edit", "Find", "Ctrl+F", "show the parts that a text names: PART", with<find_or_ask>},
+    {"select-found", "Edit", "Select what was found", "", "select what is below the parts that a search names",
+     with<select_found>, nullptr, &needs::kFound},
+    {"select", "|Edit", "Select", "", "clicks select items again, and no longer measure or cut",
+     [](Workspace& w, const std::string&) -> Done { return w.shown.tool = Tool::kSelect, Done(); },
+     has_tool<Tool::kSelect>, &needs::kModel, icons::kCursor},
+    {"select-all", "Edit", "Select all", "Ctrl+A", "select all that is not hidden", with<select_all>},
+    {"select-part", "Edit", "Select the whole part", "Ctrl+Up",
      "select all of the part that the selection belongs to; again: of the one above",
-     [](Viewer& v, const std::string&) { return v.session()->document().select_part(); }, nullptr, without_selection},
-    {"select-none", "Edit", "Select nothing", 0, 0, "", "select nothing",
-     [](Viewer& v, const std::string&) { return v.session()->document().select({}); }, nullptr, without_selection},
-    {"escape", nullptr, "", GLFW_KEY_ESCAPE, 0, "Esc",
+     with<of_document<&Document::select_part>>, nullptr, &needs::kSelection},
+    {"select-none", "Edit", "Select nothing", "", "select nothing", with<select_none>, nullptr, &needs::kSelection},
+    {"escape", nullptr, "", "Esc",
      "close the topmost menu or dialog; else end what clicks or keys do otherwise; else select nothing",
-     [](Viewer& v, const std::string&) -> Done { return v.escape(), Done(); }, nullptr, nullptr},
-    {"hide", "|Edit", "Hide", GLFW_KEY_H, 0, "H", "hide what is selected, or a part: PART",
-     with_selection<&Document::hide>, nullptr, without_selection, icons::kEyeCrossed},
-    {"isolate", "Edit", "Isolate", GLFW_KEY_I, 0, "I", "hide all but what is selected, or a part: PART",
-     with_selection<&Document::isolate>, nullptr, without_selection, icons::kIsolate},
-    {"ghost-others", "Edit", "Make the rest faint", GLFW_KEY_G, 0, "G",
-     "make all but what is selected faint, or a part: PART", with_selection<&Document::ghost_others>, nullptr,
-     without_selection},
-    {"toggle-part", nullptr, "", 0, 0, "", "hide what lies below a part, or show it if it is hidden: PART",
-     [](Viewer& v, const std::string& path) { return v.toggle_part(path); }},
-    {"select-finding", nullptr, "", 0, 0, "", "select the items of what the tab Item says is odd about the model: N",
-     select_finding},
-    {"show-all", "Edit", "Show all", GLFW_KEY_U, 0, "U", "show what is hidden or faint",
-     [](Viewer& v, const std::string&) { return v.session()->document().show_all(); }, nullptr, without_hidden,
-     icons::kEye},
+     [](Workspace& w, const std::string&) -> Done { return w.gestures.escape(), Done(); }, nullptr, nullptr},
+    {"hide", "|Edit", "Hide", "H", "hide what is selected, or a part: PART", with_selection<&Document::hide>, nullptr,
+     &needs::kSelection, icons::kEyeCrossed},
+    {"isolate", "Edit", "Isolate", "I", "hide all but what is selected, or a part: PART",
+     with_selection<&Document::isolate>, nullptr, &needs::kSelection, icons::kIsolate},
+    {"ghost-others", "Edit", "Make the rest faint", "G", "make all but what is selected faint, or a part: PART",
+     with_selection<&Document::ghost_others>, nullptr, &needs::kSelection},
+    {"toggle-part", nullptr, "", "", "hide what lies below a part, or show it if it is hidden: PART",
+     with<toggle_part>},
+    {"select-finding", nullptr, "", "", "select the items of what the tab Item says is odd about the model: N",
+     with<select_finding>},
+    {"show-all", "Edit", "Show all", "U", "show what is hidden or faint", with<of_document<&Document::show_all>>,
+     nullptr, &needs::kHidden, icons::kEye},
 };
 
 const Command kView[] = {
-    {"fit", "View", "Fit all", GLFW_KEY_HOME, 0, "Home", "see the whole model from above",
-     [](Viewer& v, const std::string&) { return look_along(v, core::kOverviewDirection); }, nullptr, without_model,
+    {"fit", "View", "Fit all", "Home", "see the whole model from above", with<fit>, nullptr, &needs::kModel,
      icons::kFit},
-    {"focus", "View", "Focus on selection", GLFW_KEY_F, 0, "F", "fit what is selected, or the whole model", focus,
-     nullptr, without_model, icons::kFocus},
-    {"front", "View/Look from", "Front", GLFW_KEY_1, 0, "1", "look north",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {0, 1, 0});
+    {"focus", "View", "Focus on selection", "F", "fit what is selected, or the whole model", with<focus>, nullptr,
+     &needs::kModel, icons::kFocus},
+    {"front", "View/Look from", "Front", "1", "look north", with<look<0, 1, 0>>, nullptr, &needs::kModel,
+     icons::kFront},
+    {"back", "View/Look from", "Back", "2", "look south", with<look<0, -1, 0>>, nullptr, &needs::kModel, icons::kBack},
+    {"left", "View/Look from", "Left", "3", "look east", with<look<1, 0, 0>>, nullptr, &needs::kModel, icons::kLeft},
+    {"right", "View/Look from", "Right", "4", "look west", with<look<-1, 0, 0>>, nullptr, &needs::kModel,
+     icons::kRight},
+    {"top", "View/Look from", "Top", "5", "look down", with<look<0, 0, -1>>, nullptr, &needs::kModel, icons::kTop},
+    {"bottom", "View/Look from", "Bottom", "6", "look up", with<look<0, 0, 1>>, nullptr, &needs::kModel,
+     icons::kBottom},
+    {"zoom-in", nullptr, "", "Keypad +", "come nearer to the middle", with<zoom<1>>},
+    {"zoom-out", nullptr, "", "Keypad -", "go away from it", with<zoom<-1>>},
+    {"camera-back", "View", "Camera back", "Backspace", "put the camera back to where it was",
+     [](Workspace& w, const std::string&) -> Done { return w.session->camera.back(), Done(); }},
+    {"orthographic", "|View", "Parallel projection", "P", "switch between parallel and perspective projection",
+     [](Workspace& w, const std::string&) {
+       return move_camera(*w.session, [](Camera& camera) { camera.set_orthographic(!camera.orthographic()); });
      },
-     nullptr, without_model, icons::kFront},
-    {"back", "View/Look from", "Back", GLFW_KEY_2, 0, "2", "look south",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {0, -1, 0});
-     },
-     nullptr, without_model, icons::kBack},
-    {"left", "View/Look from", "Left", GLFW_KEY_3, 0, "3", "look east",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {1, 0, 0});
-     },
-     nullptr, without_model, icons::kLeft},
-    {"right", "View/Look from", "Right", GLFW_KEY_4, 0, "4", "look west",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {-1, 0, 0});
-     },
-     nullptr, without_model, icons::kRight},
-    {"top", "View/Look from", "Top", GLFW_KEY_5, 0, "5", "look down",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {0, 0, -1});
-     },
-     nullptr, without_model, icons::kTop},
-    {"bottom", "View/Look from", "Bottom", GLFW_KEY_6, 0, "6", "look up",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {0, 0, 1});
-     },
-     nullptr, without_model, icons::kBottom},
-    {"zoom-in", nullptr, "", GLFW_KEY_KP_ADD, 0, "Keypad +", "come nearer to the middle", zoom<1>},
-    {"zoom-out", nullptr, "", GLFW_KEY_KP_SUBTRACT, 0, "Keypad -", "go away from it", zoom<-1>},
-    {"camera-back", "View", "Camera back", GLFW_KEY_BACKSPACE, 0, "Backspace", "put the camera back to where it was",
-     [](Viewer& v, const std::string&) -> Done { return v.session()->camera_back(), Done(); }},
-    {"orthographic", "|View", "Parallel projection", GLFW_KEY_P, 0, "P",
-     "switch between parallel and perspective projection",
-     [](Viewer& v, const std::string&) {
-       return move_camera(v, [](Camera& camera) { camera.set_orthographic(!camera.orthographic()); });
-     },
-     [](Viewer& v) { return v.session()->camera().orthographic(); }, without_model, icons::kPerspective},
-    {"walk", "View", "Walk", GLFW_KEY_K, 0, "K", "walk on floors and up stairs, and be stopped by walls; or fly again",
-     [](Viewer& v, const std::string&) -> Done { return v.set_walking(!v.walking()), Done(); },
-     [](Viewer& v) { return v.walking(); }, without_model, icons::kWalk},
-    {"view-add", "|View", "Add to the views", GLFW_KEY_V, 0, "V", "keep what is seen as a view of the list: NAME",
-     add_view},
-    {"view-show", nullptr, "", 0, 0, "", "show a view of the list: NAME or number", show_view},
-    {"view-update", nullptr, "", 0, 0, "", "make the current view what is seen now", update_view},
-    {"view-rename", nullptr, "", 0, 0, "", "name the current view: NAME", rename_view},
-    {"view-comment", nullptr, "", 0, 0, "", "comment the current view: TEXT", comment_view},
-    {"view-delete", nullptr, "", 0, 0, "", "take a view from the list: NAME or number, or the current one",
-     delete_view},
-    {"views-save", "View", "Save all views…", 0, 0, "", "write all views, BCF 2.1 (.bcfzip, .bcf) or JSON: FILE",
-     save_views},
-    {"views-load", "View", "Load views…", 0, 0, "", "add the views of a file, or drop it on the window: FILE",
-     load_views},
-    {"depth-shading", "|View/Shapes", "Depth shading and edge lines", GLFW_KEY_L, 0, "L",
+     [](Workspace& w) { return w.session->camera.orthographic(); }, &needs::kModel, icons::kPerspective},
+    {"walk", "View", "Walk", "K", "walk on floors and up stairs, and be stopped by walls; or fly again",
+     [](Workspace& w, const std::string&) -> Done { return w.gestures.set_walking(!w.gestures.walking()), Done(); },
+     [](Workspace& w) { return w.gestures.walking(); }, &needs::kModel, icons::kWalk},
+    {"view-add", "|View", "Add to the views", "V", "keep what is seen as a view of the list: NAME", with<add_view>},
+    {"view-show", nullptr, "", "", "show a view of the list: NAME or number", with<show_view>},
+    {"view-update", nullptr, "", "", "make the current view what is seen now", with<update_view>},
+    {"view-rename", nullptr, "", "", "name the current view: NAME", with<rename_view>},
+    {"view-comment", nullptr, "", "", "comment the current view: TEXT", with<comment_view>},
+    {"view-delete", nullptr, "", "", "take a view from the list: NAME or number, or the current one",
+     with<delete_view>},
+    {"views-save", "View", "Save all views…", "", "write all views, BCF 2.1 (.bcfzip, .bcf) or JSON: FILE",
+     with<save_views>},
+    {"views-load", "View", "Load views…", "", "add the views of a file, or drop it on the window: FILE",
+     with<load_views>},
+    {"depth-shading", "|View/Shapes", "Depth shading and edge lines", "L",
      "switch the shading and the lines that make shapes of one colour legible on or off",
-     [](Viewer& v, const std::string&) { return v.toggle_depth_shading(); },
-     [](Viewer& v) { return v.shown.depth_shading; }, nullptr},
-    {"smooth", "View/Shapes", "Smooth edges at rest", 0, 0, "",
-     "switch smooth edges, which come when nothing moves, on or off",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.smooth = !v.shown.smooth, Done(); },
-     [](Viewer& v) { return v.shown.smooth; }, nullptr},
-    {"hatch", "View/Shapes", "Hatching of cut faces", 0, 0, "", "switch the lines across what sections cut on or off",
-     [](Viewer& v, const std::string&) { return v.toggle_hatching(); }, [](Viewer& v) { return v.shown.hatching; },
+     flip_style<&Shown::depth_shading>, is_on<&Shown::depth_shading>, nullptr},
+    {"smooth", "View/Shapes", "Smooth edges at rest", "",
+     "switch smooth edges, which come when nothing moves, on or off", with<flip<&Shown::smooth>>, is_on<&Shown::smooth>,
      nullptr},
-    {"lower-resolution", "View/Shapes", "Lower resolution in motion", 0, 0, "",
-     "switch whether images have fewer pixels while the view moves and frames come late",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.lower = !v.shown.lower, Done(); },
-     [](Viewer& v) { return v.shown.lower; }, nullptr},
-    {"levels", "View/Shapes", "Coarser meshes in motion", 0, 0, "",
-     "switch whether meshes are drawn by levels of detail while the view moves",
-     [](Viewer& v, const std::string&) { return v.toggle_levels(); }, [](Viewer& v) { return v.shown.levels; },
+    {"hatch", "View/Shapes", "Hatching of cut faces", "", "switch the lines across what sections cut on or off",
+     flip_style<&Shown::hatching>, is_on<&Shown::hatching>, nullptr},
+    {"lower-resolution", "View/Shapes", "Lower resolution in motion", "",
+     "switch whether images have fewer pixels while the view moves and frames come late", with<flip<&Shown::lower>>,
+     is_on<&Shown::lower>, nullptr},
+    {"levels", "View/Shapes", "Coarser meshes in motion", "",
+     "switch whether meshes are drawn by levels of detail while the view moves", toggle_levels, is_on<&Shown::levels>,
      nullptr},
-    {"lod-error", nullptr, "", 0, 0, "", "pixels by which meshes may lie elsewhere while the view moves: PX",
-     [](Viewer& v, const std::string& text) -> Done {
-       const auto pixels = parse_finite(text);
-       if (!pixels) return tl::unexpected(pixels.error());
-       return v.set_motion_error(*pixels);
-     }},
-    {"units-auto", "|View/Units", "As the model suggests", 0, 0, "",
-     "lengths in millimetres, of plants without decimals", set_units<Units::kAutomatic>, has_units<Units::kAutomatic>,
-     nullptr},
-    {"units-mm", "View/Units", "Millimetres", 0, 0, "", "lengths in millimetres", set_units<Units::kMillimetres>,
+    {"lod-error", nullptr, "", "", "pixels by which meshes may lie elsewhere while the view moves: PX", set_lod_error},
+    {"units-auto", "|View/Units", "As the model suggests", "", "lengths in millimetres, of plants without decimals",
+     with<set_units<Units::kAutomatic>>, has_units<Units::kAutomatic>, nullptr},
+    {"units-mm", "View/Units", "Millimetres", "", "lengths in millimetres", with<set_units<Units::kMillimetres>>,
      has_units<Units::kMillimetres>, nullptr},
-    {"units-m", "View/Units", "Metres", 0, 0, "", "lengths in metres", set_units<Units::kMetres>,
+    {"units-m", "View/Units", "Metres", "", "lengths in metres", with<set_units<Units::kMetres>>,
      has_units<Units::kMetres>, nullptr},
-    {"units-ft", "View/Units", "Feet", 0, 0, "", "lengths in feet", set_units<Units::kFeet>, has_units<Units::kFeet>,
+    {"units-ft", "View/Units", "Feet", "", "lengths in feet", with<set_units<Units::kFeet>>, has_units<Units::kFeet>,
      nullptr},
-    {"theme", "View", "Light colours", 0, 0, "", "switch between light and dark",
-     [](Viewer& v, const std::string&) -> Done {
-       return v.gui().set_theme(v.gui().theme() == Theme::kDark ? Theme::kLight : Theme::kDark), Done();
-     },
-     [](Viewer& v) { return v.gui().theme() == Theme::kLight; }, nullptr},
-    {"panels", "|View", "Panels", GLFW_KEY_TAB, 0, "Tab", "show or hide the panels",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.panels = !v.shown.panels, Done(); },
-     [](Viewer& v) { return v.shown.panels; }, nullptr},
-    {"triad", "View", "Axes", 0, 0, "", "show or hide the axes beside the panels; a click on an end looks from there",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.triad = !v.shown.triad, Done(); },
-     [](Viewer& v) { return v.shown.triad; }, nullptr},
-    {"diagnostics", "|View/Diagnostics", "Diagnostics", 0, 0, "", "show or hide the tab that says what the culler does",
-     [](Viewer& v, const std::string&) -> Done {
-       v.shown.diagnostics = !v.shown.diagnostics;
-       if (v.shown.diagnostics) v.shown.tab = "Diagnostics";
-       return {};
-     },
-     [](Viewer& v) { return v.shown.diagnostics; }, nullptr},
-    {"freeze", "|View/Diagnostics", "Freeze the culling camera", GLFW_KEY_C, 0, "C",
+    {"theme", "View", "Light colours", "", "switch between light and dark", toggle_theme, is_on<&Shown::light>,
+     nullptr},
+    {"panels", "|View", "Panels", "Tab", "show or hide the panels", with<flip<&Shown::panels>>, is_on<&Shown::panels>,
+     nullptr},
+    {"triad", "View", "Axes", "", "show or hide the axes beside the panels; a click on an end looks from there",
+     with<flip<&Shown::triad>>, is_on<&Shown::triad>, nullptr},
+    {"diagnostics", "|View/Diagnostics", "Diagnostics", "", "show or hide the tab that says what the culler does",
+     with<toggle_diagnostics>, is_on<&Shown::diagnostics>, nullptr},
+    {"freeze", "|View/Diagnostics", "Freeze the culling camera", "C",
      "cull for this view from now on, and look from elsewhere: what it sees nothing of is magenta",
-     [](Viewer& v, const std::string&) -> Done { return v.session()->set_frozen(!v.session()->frozen()), Done(); },
-     [](Viewer& v) { return v.session()->frozen() != nullptr; }},
-    {"boxes", "View/Diagnostics", "Boxes of the frozen camera", GLFW_KEY_C, kShift, "Shift+C",
-     "show or hide the frozen camera's view and boxes of what it culls: STATE", toggle_boxes,
-     [](Viewer& v) { return v.culling().switches.boxes; }, nullptr},
-    {"cull-auto", "|View/Diagnostics", "As the scene's size suggests", GLFW_KEY_0, kAlt, "Alt+0",
-     "cull as the scene's size suggests", cull<CullerChoice::kAutomatic>},
-    {"cull-cpu", "View/Diagnostics", "On the CPU", GLFW_KEY_1, kAlt, "Alt+1", "cull on the CPU",
-     cull<CullerChoice::kCpu>, [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kCpu; }},
-    {"cull-gpu", "View/Diagnostics", "On the GPU", GLFW_KEY_2, kAlt, "Alt+2", "cull on the GPU",
-     cull<CullerChoice::kGpu>, [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kGpu; }},
-    {"cull-hybrid", "View/Diagnostics", "Where it costs less", GLFW_KEY_3, kAlt, "Alt+3",
-     "cull where it costs less (hybrid)", cull<CullerChoice::kHybrid>,
-     [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kHybrid; }},
-    {"budget", nullptr, "", 0, 0, "", "milliseconds that a frame may take while the view moves; 0: any: MS",
-     [](Viewer& v, const std::string& text) {
-       return set_number(v, text, [](engine::EngineConfig& c, double ms) { c.losses.budget_ms = ms; });
-     }},
-    {"min-projected-area", nullptr, "", 0, 0, "", "leave out what covers fewer pixels; 0: nothing: PX",
-     [](Viewer& v, const std::string& text) {
-       return set_number(v, text,
-                         [](engine::EngineConfig& c, double pixels) { c.losses.min_projected_area = float(pixels); });
-     }},
+     [](Workspace& w, const std::string&) -> Done {
+       return w.session->image.set_frozen(!w.session->image.frozen()), Done();
+     },
+     [](Workspace& w) { return w.session->image.frozen() != nullptr; }},
+    {"boxes", "View/Diagnostics", "Boxes of the frozen camera", "Shift+C",
+     "show or hide the frozen camera's view and boxes of what it culls: STATE", with<toggle_boxes>,
+     [](Workspace& w) { return w.culling.switches.boxes; }, nullptr},
+    {"cull-auto", "|View/Diagnostics", "As the scene's size suggests", "Alt+0", "cull as the scene's size suggests",
+     with<cull<CullerChoice::kAutomatic>>},
+    {"cull-cpu", "View/Diagnostics", "On the CPU", "Alt+1", "cull on the CPU", with<cull<CullerChoice::kCpu>>,
+     culls<CullerChoice::kCpu>},
+    {"cull-gpu", "View/Diagnostics", "On the GPU", "Alt+2", "cull on the GPU", with<cull<CullerChoice::kGpu>>,
+     culls<CullerChoice::kGpu>},
+    {"cull-hybrid", "View/Diagnostics", "Where it costs less", "Alt+3", "cull where it costs less (hybrid)",
+     with<cull<CullerChoice::kHybrid>>, culls<CullerChoice::kHybrid>},
+    {"budget", nullptr, "", "", "milliseconds that a frame may take while the view moves; 0: any: MS",
+     with<set_budget>},
+    {"min-projected-area", nullptr, "", "", "leave out what covers fewer pixels; 0: nothing: PX",
+     with<set_min_projected_area>},
 };
 
 const Command kSection[] = {
-    {"section-face", "Section", "Pick a face…", 0, 0, "",
+    {"section-face", "Section", "Pick a face…", "",
      "cut away what lies in front of the face that is clicked on next (X: of the face under the cursor)",
-     take_tool<Tool::kSection>, has_tool<Tool::kSection>, without_model, icons::kSection},
-    {"section-at", nullptr, "Cut at this face", 0, 0, "",
-     "cut away what lies in front of the face that was clicked on with the right button", section_at, nullptr,
-     without_face},
-    {"section-here", nullptr, "", GLFW_KEY_X, 0, "X", "cut away what lies in front of the face under the cursor",
-     section_here},
-    {"section-z", "Section/Through the middle", "Horizontal", 0, 0, "", "cut away the upper half of the model",
-     cut_across<2>},
-    {"section-x", "Section/Through the middle", "Across X", 0, 0, "",
-     "cut away the eastern half of the model, where X is larger", cut_across<0>},
-    {"section-y", "Section/Through the middle", "Across Y", 0, 0, "",
-     "cut away the northern half of the model, where Y is larger", cut_across<1>},
-    {"section-box", "Section", "Box around the selection", GLFW_KEY_B, 0, "B",
-     "cut away what lies outside the box around what is selected, or around the model", section_box, nullptr,
-     without_model, icons::kBox},
-    {"section-flip", "|Section", "Flip the selected section", 0, 0, "",
-     "keep the other side of a section: N, or the selected one", flip_section, nullptr, without_section},
-    {"section-remove", "Section", "Remove the selected section", 0, 0, "",
-     "take a section away: N, or the selected one", remove_section, nullptr, without_section},
-    {"section-clear", "Section", "No sections", GLFW_KEY_X, kShift, "Shift+X", "take all sections away",
-     [](Viewer& v, const std::string&) -> Done { return v.session()->sections().clear(), Done(); }, nullptr,
-     without_sections},
-    {"section-handles", "|Section", "Handles", 0, 0, "", "show or hide the handles of sections beside the panels",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.section_handles = !v.shown.section_handles, Done(); },
-     [](Viewer& v) { return v.shown.section_handles; }, nullptr},
-    {"section-select", nullptr, "", 0, 0, "", "show all handles of a section: N, 0: of none", select_section},
-    {"section-move", nullptr, "", 0, 0, "", "move a section out of what it keeps: N METRES, or the selected one",
-     move_section},
+     with<take_tool<Tool::kSection>>, has_tool<Tool::kSection>, &needs::kModel, icons::kSection},
+    {"section-at", nullptr, "Cut at this face", "",
+     "cut away what lies in front of the face that was clicked on with the right button", with<section_at>, nullptr,
+     &needs::kFace},
+    {"section-here", nullptr, "", "X", "cut away what lies in front of the face under the cursor", with<section_here>},
+    {"section-z", "Section/Through the middle", "Horizontal", "", "cut away the upper half of the model",
+     with<cut_across<2>>},
+    {"section-x", "Section/Through the middle", "Across X", "",
+     "cut away the eastern half of the model, where X is larger", with<cut_across<0>>},
+    {"section-y", "Section/Through the middle", "Across Y", "",
+     "cut away the northern half of the model, where Y is larger", with<cut_across<1>>},
+    {"section-box", "Section", "Box around the selection", "B",
+     "cut away what lies outside the box around what is selected, or around the model", with<section_box>, nullptr,
+     &needs::kModel, icons::kBox},
+    {"section-flip", "|Section", "Flip the selected section", "",
+     "keep the other side of a section: N, or the selected one", with<flip_section>, nullptr, &needs::kSection},
+    {"section-remove", "Section", "Remove the selected section", "", "take a section away: N, or the selected one",
+     with<remove_section>, nullptr, &needs::kSection},
+    {"section-clear", "Section", "No sections", "Shift+X", "take all sections away",
+     [](Workspace& w, const std::string&) -> Done { return w.session->sections.clear(), Done(); }, nullptr,
+     &needs::kSections},
+    {"section-handles", "|Section", "Handles", "", "show or hide the handles of sections beside the panels",
+     with<flip<&Shown::section_handles>>, is_on<&Shown::section_handles>, nullptr},
+    {"section-select", nullptr, "", "", "show all handles of a section: N, 0: of none", with<select_section>},
+    {"section-move", nullptr, "", "", "move a section out of what it keeps: N METRES, or the selected one",
+     with<move_section>},
 };
 
 const Command kMeasure[] = {
-    {"measure", "Measure", "Set marks", GLFW_KEY_M, 0, "M", "clicks set marks, which snap, and measure between them",
-     take_tool<Tool::kMeasure>, has_tool<Tool::kMeasure>, without_model, icons::kMeasure},
-    {"measure-selected", "Measure", "Distance of two selected items", 0, 0, "",
-     "the shortest distance of two selected items", measure_selected, nullptr, without_two_items},
-    {"measure-copy", "|Measure", "Copy the list", 0, 0, "",
+    {"measure", "Measure", "Set marks", "M", "clicks set marks, which snap, and measure between them",
+     with<take_tool<Tool::kMeasure>>, has_tool<Tool::kMeasure>, &needs::kModel, icons::kMeasure},
+    {"measure-selected", "Measure", "Distance of two selected items", "", "the shortest distance of two selected items",
+     measure_selected, nullptr, &needs::kTwoItems},
+    {"measure-copy", "|Measure", "Copy the list", "",
      "copy all measurements, a line each, with columns that spreadsheets take apart", copy_measurements, nullptr,
-     without_marks},
-    {"measure-remove", nullptr, "", 0, 0, "", "take a measurement from the list: N", remove_measurement},
-    {"measure-clear", "Measure", "Clear", 0, 0, "", "take marks and distances away",
-     [](Viewer& v, const std::string&) -> Done { return v.session()->measuring().clear(), Done(); }, nullptr,
-     without_marks},
+     &needs::kMarks},
+    {"measure-remove", nullptr, "", "", "take a measurement from the list: N", with<remove_measurement>},
+    {"measure-clear", "Measure", "Clear", "", "take marks and distances away",
+     [](Workspace& w, const std::string&) -> Done { return w.session->measuring.clear(), Done(); }, nullptr,
+     &needs::kMarks},
 };
 
 const Command kCompare[] = {
-    {"compare", "Compare", "Compare with…", 0, 0, "",
-     "show what has changed since an older revision of what is open: FILE", compare_with},
-    {"compare-next", "Compare", "Next change", GLFW_KEY_N, 0, "N",
-     "select the next change since the older revision, and go there", next_change, nullptr, without_comparison},
-    {"compare-previous", "Compare", "Previous change", GLFW_KEY_N, kShift, "Shift+N", "the change before",
-     previous_change, nullptr, without_comparison},
-    {"compare-slider", "Compare", "Slider", 0, 0, "",
+    {"compare", "Compare", "Compare with…", "", "show what has changed since an older revision of what is open: FILE",
+     compare_with},
+    {"compare-next", "Compare", "Next change", "N", "select the next change since the older revision, and go there",
+     with<next_change>, nullptr, &needs::kComparison},
+    {"compare-previous", "Compare", "Previous change", "Shift+N", "the change before", with<previous_change>, nullptr,
+     &needs::kComparison},
+    {"compare-slider", "Compare", "Slider", "",
      "split the image by a line that can be dragged: left of it the older revision as it was, right of it the newer "
      "one; or end that: 0…1 or off",
-     set_slider, [](Viewer& v) { return v.session()->slider().has_value(); }, without_comparison},
-    {"compare-end", "|Compare", "End the comparison", 0, 0, "", "show the model alone again", end_comparison, nullptr,
-     without_comparison},
-    {"compare-toggle", nullptr, "", 0, 0, "",
-     "show or hide items that are added, removed, moved, changed or unchanged: WHICH", toggle_changes},
+     set_slider, [](Workspace& w) { return w.session->slider.at().has_value(); }, &needs::kComparison},
+    {"compare-end", "|Compare", "End the comparison", "", "show the model alone again", end_comparison, nullptr,
+     &needs::kComparison},
+    {"compare-toggle", nullptr, "", "",
+     "show or hide items that are added, removed, moved, changed or unchanged: WHICH", with<toggle_changes>},
 };
 
 const Command kHelp[] = {
-    {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse", toggle<Dialog::kHelp>,
-     shows<Dialog::kHelp>, nullptr},
-    {"driver", "Help", "Graphics driver", 0, 0, "", "show what the graphics driver offers, to copy into a report",
-     toggle<Dialog::kDriver>, shows<Dialog::kDriver>, nullptr},
+    {"help", "Help", "Keys and mouse", "F1", "show keys and mouse", with<toggle<Dialog::kHelp>>, shows<Dialog::kHelp>,
+     nullptr},
+    {"driver", "Help", "Graphics driver", "", "show what the graphics driver offers, to copy into a report",
+     with<toggle<Dialog::kDriver>>, shows<Dialog::kDriver>, nullptr},
 };
 
 }  // namespace
@@ -490,6 +492,7 @@ std::span<const Command> commands() {
     for (const std::span<const Command> menu :
          {std::span<const Command>(kFile), {kEdit}, {kView}, {kSection}, {kMeasure}, {kCompare}, {kHelp}})
       menus.insert(menus.end(), menu.begin(), menu.end());
+    for (Command& command : menus) command.bind();
     return menus;
   }();
   return all;

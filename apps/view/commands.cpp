@@ -2,9 +2,13 @@
 
 #include <cctype>
 #include <cstdio>
+#include <tuple>
+#include <utility>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
+
+#include "sightline/apps/view/script.h"
 
 namespace sightline::apps {
 namespace {
@@ -35,6 +39,15 @@ MenuPlace::MenuPlace(const Command& command) {
   const std::size_t slash = text.find('/');
   menu = text.substr(0, slash);
   if (slash != std::string_view::npos) submenu = text.substr(slash + 1);
+}
+
+void Command::bind() {
+  std::string text = keys;
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  if (text.starts_with("keypad"))
+    key = text.ends_with('+') ? GLFW_KEY_KP_ADD : GLFW_KEY_KP_SUBTRACT;
+  else if (const auto events = events_of({0, "press", text}); events && !text.empty())
+    std::tie(key, mods) = std::pair(events->front().key, events->front().mods);
 }
 
 std::string help_of(const Command& command) {

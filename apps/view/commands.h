@@ -5,26 +5,28 @@
 #include <string>
 #include <string_view>
 
-#include "sightline/apps/view/obstacles.h"
-#include "sightline/apps/view/viewer.h"
+#include "sightline/apps/view/needs.h"
+#include "sightline/apps/view/workspace.h"
 
 namespace sightline::apps {
 
 struct Command {
-  const char* name;       ///< for scripts
-  const char* menu;       ///< "View", or "View/Shapes" for a submenu; "|View" begins a block; null: in no menu
-  const char* title;      ///< in the menu
-  int key = 0, mods = 0;  ///< GLFW's numbers; 0: none
-  const char* keys = "";  ///< as the user reads them
+  const char* name;   ///< for scripts
+  const char* menu;   ///< "View", or "View/Shapes" for a submenu; "|View" begins a block; null: in no menu
+  const char* title;  ///< in the menu
+  const char* keys;   ///< as the user reads them: "Ctrl+O"; empty: none
   const char* help;
-  core::Expected<void> (*run)(Viewer& viewer, const std::string& argument);
-  bool (*on)(Viewer& viewer) = nullptr;  ///< of a switch: whether it is on
-  /// What keeps it from having an effect, for the user; null: nothing. Null as a function: it is always possible.
-  const char* (*obstacle)(Viewer& viewer) = &without_model;
+  Done (*run)(Workspace& work, const std::string& argument);
+  bool (*on)(Workspace& work) = nullptr;  ///< of a switch: whether it is on
+  /// Null: it is always possible.
+  const Need* need = &needs::kModel;
   const char* icon = nullptr;  ///< in the toolbar (icons.h); null: not there
+  int key = 0, mods = 0;       ///< GLFW's numbers of `keys`, by bind()
 
-  bool needs_model() const { return obstacle != nullptr; }
-  const char* obstacle_now(Viewer& viewer) const { return obstacle ? obstacle(viewer) : nullptr; }
+  void bind();
+  bool needs_model() const { return need != nullptr; }
+  /// What keeps it from having an effect, for the user; null: nothing.
+  const char* obstacle_now(Workspace& work) const { return need ? missing(*need, work) : nullptr; }
 };
 
 std::span<const Command> commands();

@@ -6,7 +6,7 @@
 #include <imgui.h>
 
 #include "sightline/apps/common/change_colours.h"
-#include "sightline/apps/view/comparing.h"
+#include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
 
@@ -27,7 +27,7 @@ void swatch(State state) {
 }
 
 /// The states with their colours, counts and switches.
-void legend(Viewer& viewer, const ChangeList& changes) {
+void legend(Workspace& work, const ChangeList& changes) {
   if (!ImGui::BeginTable("##legend", 3)) return;
   ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
   ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
@@ -37,7 +37,7 @@ void legend(Viewer& viewer, const ChangeList& changes) {
     bool on = changes.shown(state);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    if (ImGui::Checkbox(name.c_str(), &on)) viewer.tell_outcome(toggle_changes(viewer, name));
+    if (ImGui::Checkbox(name.c_str(), &on)) run(work, "compare-toggle", name);
     ImGui::TableNextColumn();
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() + ImGui::GetStyle().FramePadding.y);
     swatch(state);
@@ -54,12 +54,12 @@ void legend(Viewer& viewer, const ChangeList& changes) {
 }
 
 /// Two lines: name, and what has become of it.
-void change_row(Viewer& viewer, const ChangeList& changes, std::size_t row, float height) {
-  const core::Scene& scene = viewer.session()->scene();
+void change_row(Workspace& work, const ChangeList& changes, std::size_t row, float height) {
+  const core::Scene& scene = work.session->scene();
   const ImVec2 at = ImGui::GetCursorPos();
   ImGui::PushID(int(row));
   if (ImGui::Selectable("##row", changes.current() == row, 0, {0.0f, height}))
-    viewer.tell_outcome(viewer.session()->go_to_change(row));
+    work.messages.tell_outcome(work.session->go_to_change(row));
   if (ImGui::IsItemHovered()) {
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(25.0f * ImGui::GetFontSize());
@@ -79,7 +79,7 @@ void change_row(Viewer& viewer, const ChangeList& changes, std::size_t row, floa
   ImGui::PopID();
 }
 
-void list(Viewer& viewer, const ChangeList& changes) {
+void list(Workspace& work, const ChangeList& changes) {
   static std::optional<std::size_t> scrolled_to;
   const float height = 2.0f * ImGui::GetTextLineHeight(), pitch = height + ImGui::GetStyle().ItemSpacing.y;
   ImGui::BeginChild("##changes", {0.0f, 0.0f}, true);
@@ -91,22 +91,22 @@ void list(Viewer& viewer, const ChangeList& changes) {
   ImGuiListClipper clipper;
   clipper.Begin(int(changes.row_count()), pitch);
   while (clipper.Step())
-    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) change_row(viewer, changes, std::size_t(i), height);
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) change_row(work, changes, std::size_t(i), height);
   clipper.End();
   ImGui::EndChild();
 }
 
 }  // namespace
 
-void compare_tab(Viewer& viewer) {
-  const ChangeList& changes = *viewer.session()->changes();
+void compare_tab(Workspace& work) {
+  const ChangeList& changes = *work.session->changes();
   ImGui::TextWrapped("What is open is the newer revision. The older one: %s",
                      std::filesystem::path(changes.file()).filename().string().c_str());
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", changes.file().c_str());
-  legend(viewer, changes);
-  if (ImGui::Button("Previous")) viewer.tell_outcome(previous_change(viewer, ""));
+  legend(work, changes);
+  if (ImGui::Button("Previous")) run(work, "compare-previous");
   ImGui::SameLine();
-  if (ImGui::Button("Next")) viewer.tell_outcome(next_change(viewer, ""));
+  if (ImGui::Button("Next")) run(work, "compare-next");
   ImGui::SameLine();
   const std::string all = grouped(std::int64_t(changes.row_count()));
   if (changes.current())
@@ -114,10 +114,10 @@ void compare_tab(Viewer& viewer) {
   else
     ImGui::TextUnformatted(all.c_str());
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-  command_button(viewer, *find_command("compare-slider"), right);
+  command_button(work, "compare-slider", right);
   const bool ends = ImGui::Button("End the comparison");
-  list(viewer, changes);
-  if (ends) viewer.tell_outcome(end_comparison(viewer, ""));  // last: the list is gone then
+  list(work, changes);
+  if (ends) run(work, "compare-end");  // last: the list is gone then
 }
 
 }  // namespace sightline::apps

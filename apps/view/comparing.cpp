@@ -1,11 +1,9 @@
-#include "sightline/apps/view/comparing.h"
-
 #include <filesystem>
 #include <optional>
 #include <utility>
 
 #include "sightline/apps/common/arguments.h"
-#include "sightline/importers/json/internal/json.h"
+#include "sightline/apps/view/actions.h"
 
 namespace sightline::apps {
 namespace {
@@ -13,18 +11,20 @@ namespace {
 using compare::State;
 using Json = json::Value;
 
-core::Expected<ChangeList*> changes_of(Viewer& viewer) {
-  ChangeList* changes = viewer.session()->changes();
+core::Expected<ChangeList*> changes_of(Session& session) {
+  ChangeList* changes = session.changes();
   return changes ? core::Expected<ChangeList*>(changes) : core::fail("compare with an older revision first");
 }
 
-core::Expected<void> step(Viewer& viewer, int by) {
-  const auto changes = changes_of(viewer);
+Done step(Session& session, int by) {
+  const auto changes = changes_of(session);
   if (!changes) return tl::unexpected(changes.error());
   const auto row = (*changes)->step(by);
   if (!row) return core::fail("there are no changes to go to");
-  return viewer.session()->go_to_change(*row);
+  return session.go_to_change(*row);
 }
+
+}  // namespace
 
 std::string summary(const ChangeList& changes) {
   const std::string file = std::filesystem::path(changes.file()).filename().string();
@@ -36,85 +36,51 @@ std::string summary(const ChangeList& changes) {
   return text;
 }
 
-}  // namespace
-
-void Viewer::compare(const std::string& file) {
-  ModelOptions older = options_.model;
-  older.files = older_files(file, files_);
-  older.import.recognise = recognised_;
-  older.import.copies = importers::MeshCopies::kExact;  // similar copies may be moved by a little
-  auto found = std::make_shared<compare::Comparison>();
-  const auto work = [found, open = &session_->model()](Model& model, const std::function<bool(double)>& progress) {
-    auto comparison = compare_models(model, *open, progress);
-    if (!comparison) return core::Expected<void>(tl::unexpected(comparison.error()));
-    *found = std::move(*comparison);
-    return core::Expected<void>();
-  };
-  drop_loading();
-  opening_ = {};
-  opening_.enter(OpeningStep::kReading);
-  engine_portions_ = 0;
-  loader_ = std::make_unique<Loader>(older, &Window::wake, work);
-  found_ = std::move(found);
-  if (shown.dialog == Dialog::kCompare) shown.dialog = Dialog::kNone;
-  tell("comparing with " + std::filesystem::path(file).filename().string());
-}
-
-/// What is open, and a former comparison, stay where the file cannot be read.
-void Viewer::land_comparison(core::Expected<Model> before, const std::string& file) {
-  auto found = std::exchange(found_, nullptr);
-  if (!before) return tell(before.error().message, true);
-  auto changes = std::make_unique<ChangeList>(file, std::move(*before), std::move(*found));
-  if (auto done = session_->begin_comparison(std::move(changes)); !done) return tell(done.error().message, true);
-  tell(summary(*session_->changes()));
-}
-
-core::Expected<void> compare_with(Viewer& viewer, const std::string& file) {
-  if (file.empty())
-    viewer.shown.dialog = Dialog::kCompare;
-  else
-    viewer.compare(file);
+Done compare_with(Workspace& work, const std::string& file) {
+  if (file.empty()) return work.shown.dialog = Dialog::kCompare, Done();
+  work.opening.compare(file, *work.session);
+  if (work.shown.dialog == Dialog::kCompare) work.shown.dialog = Dialog::kNone;
+  work.messages.tell("comparing with " + std::filesystem::path(file).filename().string());
   return {};
 }
 
-core::Expected<void> end_comparison(Viewer& viewer, const std::string&) {
-  if (auto free = viewer.scene_is_free(); !free) return free;
-  if (const auto changes = changes_of(viewer); !changes) return tl::unexpected(changes.error());
-  return viewer.session()->end_comparison();
+Done end_comparison(Workspace& work, const std::string&) {
+  if (auto free = work.scene_is_free(); !free) return free;
+  if (const auto changes = changes_of(*work.session); !changes) return tl::unexpected(changes.error());
+  return work.session->end_comparison();
 }
 
-core::Expected<void> toggle_changes(Viewer& viewer, const std::string& name) {
-  const auto changes = changes_of(viewer);
+Done toggle_changes(const std::string& name, Session& session) {
+  const auto changes = changes_of(session);
   if (!changes) return tl::unexpected(changes.error());
   for (std::size_t i = 0; i < compare::kStateCount; ++i)
-    if (compare::name_of(State(i)) == name)
-      return viewer.session()->show_changes(State(i), !(*changes)->shown(State(i)));
+    if (compare::name_of(State(i)) == name) return session.show_changes(State(i), !(*changes)->shown(State(i)));
   return core::fail("expected added, removed, moved, changed or unchanged, found \"" + name + "\"");
 }
 
-core::Expected<void> next_change(Viewer& viewer, const std::string&) {
-  return step(viewer, 1);
+Done next_change(const std::string&, Session& session) {
+  return step(session, 1);
 }
 
-core::Expected<void> previous_change(Viewer& viewer, const std::string&) {
-  return step(viewer, -1);
+Done previous_change(const std::string&, Session& session) {
+  return step(session, -1);
 }
 
-core::Expected<void> set_slider(Viewer& viewer, const std::string& argument) {
+Done set_slider(Workspace& work, const std::string& argument) {
   constexpr double kMiddle = 0.5;
-  if (const auto changes = changes_of(viewer); !changes) return tl::unexpected(changes.error());
-  Session& session = *viewer.session();
+  Session& session = *work.session;
+  if (const auto changes = changes_of(session); !changes) return tl::unexpected(changes.error());
   std::optional<double> at;
   if (argument.empty()) {
-    if (!session.slider()) at = kMiddle;
+    if (!session.slider.at()) at = kMiddle;
   } else if (argument != "off") {
     const auto number = parse_finite(argument);
     if (!number || *number < 0.0 || *number > 1.0)
       return core::fail("compare-slider: expected a number between 0 and 1, or off, found \"" + argument + "\"");
     at = *number;
   }
-  if (at.has_value() != session.slider().has_value())
-    if (auto free = viewer.scene_is_free(); !free) return free;
+  if (at.has_value() != session.slider.at().has_value())
+    if (auto free = work.scene_is_free(); !free) return free;
   return session.set_slider(at);
 }
 
@@ -129,7 +95,7 @@ Json compare_json(const Session& session) {
                {"groups", found.nodes.size()},
                {"rows", changes->row_count()},
                {"current", changes->current() ? *changes->current() + 1 : 0},
-               {"slider", session.slider() ? Json(*session.slider()) : Json()}});
+               {"slider", session.slider.at() ? Json(*session.slider.at()) : Json()}});
   for (std::size_t i = 0; i < compare::kStateCount; ++i)
     json["shown"][std::string(compare::name_of(State(i)))] = changes->shown(State(i));
   return json;

@@ -27,17 +27,17 @@ ImVec4 CullingOverlay::colour(culling::CullState state) {
 }
 
 void CullingOverlay::draw(Session& session, const Part& part) {
-  const FrozenCamera* frozen = session.frozen();
-  if (!frozen || !frozen->states() || !switches.boxes || !session.drawn()) {
+  const FrozenCamera* frozen = session.image.frozen();
+  if (!frozen || !frozen->states() || !switches.boxes || !session.image.drawn()) {
     boxes_ = {};
     made_.reset();
     return;
   }
-  const Made now{session.report().frame, frozen->version(), switches};
+  const Made now{session.image.report().frame, frozen->version(), switches};
   if (made_ != now) {
-    const auto depth = session.engine().read_depth(*session.drawn());
+    const auto depth = session.engine.read_depth(*session.image.drawn());
     if (!depth) return;  // the context was lost: another frame follows
-    boxes_.update(*session.drawn(), *depth, *frozen, session.engine().snapshot().bounds().origin,
+    boxes_.update(*session.image.drawn(), *depth, *frozen, session.engine.snapshot().bounds().origin,
                   session.bounds().bounds, switches);
     made_ = now;
   }

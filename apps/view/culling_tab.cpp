@@ -16,17 +16,17 @@ namespace {
 
 /// What the sliders cost, beside them.
 void error_figures(Session& session) {
-  const engine::EngineConfig& now = session.engine().config();
+  const engine::EngineConfig& now = session.engine.config();
   const bool leaves_out = now.losses.budget_ms > 0.0 || now.losses.min_projected_area > 0.0f;
   if (!leaves_out && now.losses.lod_error <= 0.0) return;
-  const auto loss = session.loss();
+  const auto loss = session.image.loss();
   if (!loss) return ImGui::TextDisabled("error: known when nothing moves");
   if (now.losses.lod_error > 0.0) {
     ImGui::TextWrapped("surfaces: within %.2f px; %s of %s triangles", loss->lod_error,
                        grouped(loss->triangles).c_str(), grouped(loss->full_triangles).c_str());
   }
   if (!leaves_out) return;
-  const double share = 100.0 * loss->pixels / (double(session.size()[0]) * session.size()[1]);
+  const double share = 100.0 * loss->pixels / (double(session.image.size()[0]) * session.image.size()[1]);
   ImGui::TextWrapped("error: %s items, %s px, %.2f %%", grouped(loss->items).c_str(),
                      grouped(std::int64_t(std::ceil(loss->pixels))).c_str(), share);
   if (ImGui::IsItemHovered())
@@ -36,8 +36,8 @@ void error_figures(Session& session) {
 }
 
 /// What the engine leaves out or puts off while the view moves, and when its hybrid changes the path.
-void settings_sliders(Viewer& viewer, Session& session) {
-  const engine::EngineConfig& now = session.engine().config();
+void settings_sliders(Workspace& work, Session& session) {
+  const engine::EngineConfig& now = session.engine.config();
   const auto slide = [](const char* name, const char* tip, double value, double most,
                         const char* format) -> std::optional<float> {
     float shown = float(value);
@@ -48,18 +48,18 @@ void settings_sliders(Viewer& viewer, Session& session) {
   };
   const auto slider = [&](const char* name, const char* tip, double value, double most, const char* format, auto set) {
     if (const auto shown = slide(name, tip, value, most, format))
-      viewer.tell_outcome(session.configure([&](engine::EngineConfig& config) { set(config, *shown); }));
+      work.messages.tell_outcome(session.image.configure([&](engine::EngineConfig& config) { set(config, *shown); }));
   };
   slider("budget, ms", "what a frame may take while the view moves; 0: any time", now.losses.budget_ms, 200.0, "%.0f",
          [](auto& config, float ms) { config.losses.budget_ms = std::round(ms); });
   slider("min area, px", "items that cover fewer pixels are left out; 0: none", now.losses.min_projected_area, 16.0,
          "%.1f", [](auto& config, float pixels) { config.losses.min_projected_area = pixels; });
-  if (session.has_levels())
+  if (session.image.has_levels())
     if (const auto pixels = slide("levels, px", "how far meshes may lie elsewhere while the view moves; 0: not at all",
-                                  session.motion_error(), 16.0, "%.2f"))
-      viewer.tell_outcome(viewer.set_motion_error(double(*pixels)));
+                                  session.image.motion_error(), 16.0, "%.2f"))
+      work.messages.tell_outcome(work.set_motion_error(double(*pixels)));
   error_figures(session);
-  if (session.engine().plan().culler != engine::CullerChoice::kHybrid) return;
+  if (session.engine.plan().culler != engine::CullerChoice::kHybrid) return;
   const culling::ControllerConfig& hybrid = now.culling.controller;
   slider("margin, %", "the hybrid changes the path where the other one is cheaper by this share", 1e2 * hybrid.margin,
          50.0, "%.0f", [](auto& config, float share) { config.culling.controller.margin = 1e-2 * double(share); });
@@ -70,10 +70,10 @@ void settings_sliders(Viewer& viewer, Session& session) {
 }
 
 /// Legend, switches and counts of a frozen camera's items.
-void frozen_states(Viewer& viewer, const FrozenCamera& frozen) {
+void frozen_states(Workspace& work, const FrozenCamera& frozen) {
   if (!frozen.states()) return;
   constexpr const char* kWords[] = {"inside", "across its border", "outside", "hidden by others", "too small"};
-  CullingSwitches& switches = viewer.culling().switches;
+  CullingSwitches& switches = work.culling.switches;
   ImGui::Separator();
   ImGui::TextUnformatted("Items of the frozen camera");
   ImGui::BeginDisabled(!switches.boxes);
@@ -90,7 +90,7 @@ void frozen_states(Viewer& viewer, const FrozenCamera& frozen) {
     ImGui::PopID();
   }
   ImGui::EndDisabled();
-  const CullingBoxes& boxes = viewer.culling().boxes();
+  const CullingBoxes& boxes = work.culling.boxes();
   if (switches.boxes)
     ImGui::Text("%s of %s boxes shown", grouped(std::int64_t(boxes.drawn())).c_str(),
                 grouped(std::int64_t(boxes.wanted())).c_str());
@@ -120,28 +120,28 @@ void plots(const std::vector<FrameFigures>& frames) {
 
 }  // namespace
 
-void culling_tab(Viewer& viewer) {
-  Session& session = *viewer.session();
+void culling_tab(Workspace& work) {
+  Session& session = *work.session;
   for (const Command& command : commands()) {
     if (!command.on || !std::string_view(command.menu ? command.menu : "").ends_with("/Diagnostics") ||
         command.name == std::string_view("diagnostics"))
       continue;
-    bool on = command.on(viewer);
-    if (ImGui::Checkbox(command.title, &on)) run(viewer, command);
+    bool on = command.on(work);
+    if (ImGui::Checkbox(command.title, &on)) run(work, command);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", command.help);
   }
-  settings_sliders(viewer, session);
-  if (session.frozen()) frozen_states(viewer, *session.frozen());
+  settings_sliders(work, session);
+  if (session.image.frozen()) frozen_states(work, *session.image.frozen());
   ImGui::Separator();
-  plots(viewer.history().frames());
-  const engine::FrameReport& report = session.report();
+  plots(work.image.history());
+  const engine::FrameReport& report = session.image.report();
   const auto known = [](std::int64_t count) { return count < 0 ? std::string("known to the GPU") : grouped(count); };
   ImGui::Separator();
   if (begin_rows("counters")) {
     row("culled by", std::string(name_of(report.culler)));
     row("state", std::string(state_name(report)));
     row("items", grouped(std::int64_t(session.scene().item_count())));
-    row("in the view", grouped(session.visible()));
+    row("in the view", grouped(session.image.visible()));
     row("boxes tested", known(report.tested));
     row("with a sample", known(report.sampled));
     row("drawn", known(report.items_drawn));
@@ -152,7 +152,7 @@ void culling_tab(Viewer& viewer) {
     row("drawing", milliseconds<1>(report.draw_ms));
     ImGui::EndTable();
   }
-  const engine::MemoryReport memory = session.engine().memory();
+  const engine::MemoryReport memory = session.engine.memory();
   if (begin_rows("memory")) {
     const auto mib = [](std::size_t bytes) {
       char text[40];

@@ -30,14 +30,23 @@ engine::ItemStyle style_of(std::uint8_t flags, const BaseStyle* base_style) {
   return style;
 }
 
+bool unseen(core::ItemId item, std::uint8_t flags, const BaseStyles& base_styles) {
+  const BaseStyle* base_style = base_styles.of(item);
+  return (flags & Document::kHidden) != 0 || (base_style && !base_style->shown);
+}
+
+/// Whether each of `count` items is among these.
+std::vector<bool> marked(std::span<const core::ItemId> items, std::size_t count) {
+  std::vector<bool> marks(count);
+  for (const core::ItemId item : items)
+    if (to_index(item) < marks.size()) marks[to_index(item)] = true;
+  return marks;
+}
+
 }  // namespace
 
 Document::Document(const core::Scene& scene, engine::Engine& engine)
     : scene_(&scene), engine_(&engine), flags_(scene.item_slots()) {}
-
-std::vector<core::ItemId> Document::items_below(core::NodeId node) const {
-  return apps::items_below(*scene_, node);
-}
 
 core::NodeId Document::node_of_selection() const {
   if (selection_.empty()) return {};
@@ -56,7 +65,7 @@ core::NodeId Document::node_of_selection() const {
 core::NodeId Document::selected_part() const {
   if (!part_) {
     const core::NodeId node = node_of_selection();
-    part_ = node.valid() && items_below(node).size() == selection_.size() ? node : core::NodeId{};
+    part_ = node.valid() && items_below(*scene_, node).size() == selection_.size() ? node : core::NodeId{};
   }
   return *part_;
 }
@@ -64,10 +73,10 @@ core::NodeId Document::selected_part() const {
 core::Expected<void> Document::select_part() {
   core::NodeId node = node_of_selection();
   if (!node.valid()) return {};
-  std::vector<core::ItemId> items = items_below(node);
+  std::vector<core::ItemId> items = items_below(*scene_, node);
   while (items.size() <= selection_.size() && scene_->parent(node).valid()) {
     node = scene_->parent(node);
-    items = items_below(node);
+    items = items_below(*scene_, node);
   }
   return select(items);
 }
@@ -85,13 +94,6 @@ core::AabbD Document::bounds(std::span<const core::ItemId> items) const {
   return all;
 }
 
-std::vector<bool> Document::marked(std::span<const core::ItemId> items) const {
-  std::vector<bool> marks(flags_.size());
-  for (const core::ItemId item : items)
-    if (to_index(item) < marks.size()) marks[to_index(item)] = true;
-  return marks;
-}
-
 template <class FlagsOf>
 Document::Changes Document::changes(const FlagsOf& flags_of) const {
   Changes list;
@@ -104,7 +106,7 @@ Document::Changes Document::changes(const FlagsOf& flags_of) const {
 }
 
 core::Expected<void> Document::select(std::span<const core::ItemId> items, SelectMode mode) {
-  const std::vector<bool> named = marked(items);
+  const std::vector<bool> named = marked(items, flags_.size());
   return step(changes([&](core::ItemId item) {
     const std::uint8_t flags = flags_[to_index(item)], without = flags & std::uint8_t(~kSelected);
     if (!named[to_index(item)]) return mode == SelectMode::kReplace ? without : flags;
@@ -114,41 +116,38 @@ core::Expected<void> Document::select(std::span<const core::ItemId> items, Selec
   }));
 }
 
-core::Expected<void> Document::hide(std::span<const core::ItemId> items) {
-  const std::vector<bool> named = marked(items);
+core::Expected<void> Document::mark(std::span<const core::ItemId> items, Marks of_these, Marks of_others) {
+  const std::vector<bool> named = marked(items, flags_.size());
   return step(changes([&](core::ItemId item) {
-    return named[to_index(item)] ? std::uint8_t((flags_[to_index(item)] | kHidden) & ~kSelected)
-                                 : flags_[to_index(item)];
+    const Marks& marks = named[to_index(item)] ? of_these : of_others;
+    return std::uint8_t((flags_[to_index(item)] | marks.set) & ~marks.clear);
   }));
+}
+
+core::Expected<void> Document::hide(std::span<const core::ItemId> items) {
+  return mark(items, {kHidden, kSelected}, {});
 }
 
 core::Expected<void> Document::show(std::span<const core::ItemId> items) {
-  const std::vector<bool> named = marked(items);
-  return step(changes([&](core::ItemId item) {
-    const std::uint8_t flags = flags_[to_index(item)];
-    return named[to_index(item)] ? std::uint8_t(flags & ~(kHidden | kGhost)) : flags;
-  }));
+  return mark(items, {0, kHidden | kGhost}, {});
 }
 
 core::Expected<void> Document::isolate(std::span<const core::ItemId> items) {
-  const std::vector<bool> named = marked(items);
-  return step(changes([&](core::ItemId item) {
-    return std::uint8_t(named[to_index(item)] ? flags_[to_index(item)] & ~(kHidden | kGhost)
-                                              : (flags_[to_index(item)] | kHidden) & ~kSelected);
-  }));
+  return mark(items, {0, kHidden | kGhost}, {kHidden, kSelected});
 }
 
 core::Expected<void> Document::ghost_others(std::span<const core::ItemId> items) {
-  const std::vector<bool> named = marked(items);
-  return step(changes([&](core::ItemId item) {
-    return std::uint8_t(named[to_index(item)] ? flags_[to_index(item)] & ~kGhost
-                                              : (flags_[to_index(item)] | kGhost) & ~kSelected);
-  }));
+  return mark(items, {0, kGhost}, {kGhost, kSelected});
+}
+
+core::Expected<void> Document::show_all() {
+  return mark({}, {}, {0, kHidden | kGhost});
 }
 
 core::Expected<void> Document::set(std::span<const core::ItemId> hidden, std::span<const core::ItemId> ghosts,
                                    std::span<const core::ItemId> selected) {
-  const std::vector<bool> hide = marked(hidden), faint = marked(ghosts), select = marked(selected);
+  const std::vector<bool> hide = marked(hidden, flags_.size()), faint = marked(ghosts, flags_.size()),
+                          select = marked(selected, flags_.size());
   return step(changes([&](core::ItemId item) {
     int flags = flags_[to_index(item)] & ~(kHidden | kGhost | kSelected);
     if (hide[to_index(item)]) flags |= kHidden;
@@ -156,10 +155,6 @@ core::Expected<void> Document::set(std::span<const core::ItemId> hidden, std::sp
     if (select[to_index(item)] && !hide[to_index(item)]) flags |= kSelected;
     return std::uint8_t(flags);
   }));
-}
-
-core::Expected<void> Document::show_all() {
-  return step(changes([&](core::ItemId item) { return std::uint8_t(flags_[to_index(item)] & ~(kHidden | kGhost)); }));
 }
 
 core::Expected<void> Document::step(Changes changes) {
@@ -189,9 +184,8 @@ core::Expected<void> Document::take(std::vector<Changes>& from, std::vector<Chan
   return {};
 }
 
-bool Document::unseen(core::ItemId item, std::uint8_t flags, const BaseStyles& base_styles) {
-  const BaseStyle* base_style = base_styles.of(item);
-  return (flags & kHidden) != 0 || (base_style && !base_style->shown);
+bool Document::shown(core::ItemId item) const {
+  return to_index(item) < flags_.size() && !unseen(item, flags_[to_index(item)], base_styles_);
 }
 
 bool Document::left_out(core::ItemId item) const {
@@ -290,7 +284,7 @@ void Document::follow_scene() {
     std::erase_if(*steps, [](const Changes& step) { return step.empty(); });
   }
   std::erase_if(left_out_, gone);
-  if (hovered_ && gone(*hovered_)) hovered_.reset();
+  if (hovered && gone(*hovered)) hovered.reset();
   list_selection();
   ++version_;
   ++solid_version_;

@@ -44,15 +44,11 @@ class Document {
     return to_index(item) < flags_.size() && (flags_[to_index(item)] & flag) != 0;
   }
   /// Neither hidden nor without a base style that shows.
-  bool shown(core::ItemId item) const {
-    return to_index(item) < flags_.size() && !unseen(item, flags_[to_index(item)], base_styles_);
-  }
+  bool shown(core::ItemId item) const;
   std::span<const core::ItemId> selection() const { return selection_; }  ///< in rising order
   std::size_t hidden() const { return hidden_; }                          ///< number of hidden items
   std::size_t ghosts() const { return ghosts_; }                          ///< number of faint items
   std::vector<core::ItemId> items_with(Flag flag) const;                  ///< in rising order
-  /// Items of a subtree, in rising order.
-  std::vector<core::ItemId> items_below(core::NodeId node) const;
   /// The lowest node that all selected items lie below; invalid without a selection.
   core::NodeId node_of_selection() const;
   /// That node, if nothing else lies below it; else invalid. Found once for a selection.
@@ -80,8 +76,7 @@ class Document {
   std::size_t redo_steps() const { return undone_.size(); }
 
   /// The item under the cursor. Neither a step of undo() nor part of the image, which need not be drawn anew for it.
-  void hover(std::optional<core::ItemId> item) { hovered_ = item; }
-  std::optional<core::ItemId> hovered() const { return hovered_; }
+  std::optional<core::ItemId> hovered;
 
   /// Shows items in these base styles, and no others. A selected item keeps the colour that its base style gives it and
   /// has a line around it. No step of undo().
@@ -110,13 +105,15 @@ class Document {
   /// Flags of all items as `flags_of` says.
   template <class FlagsOf>
   Changes changes(const FlagsOf& flags_of) const;
-  static bool unseen(core::ItemId item, std::uint8_t flags, const BaseStyles& base_styles);
   core::Expected<void> show(const Changes& changes, const BaseStyles& base_styles);
   void list_selection();
+  struct Marks {
+    int set = 0, clear = 0;  // flags
+  };
+  core::Expected<void> mark(std::span<const core::ItemId> items, Marks of_these, Marks of_others);
   core::Expected<void> step(Changes changes);
   core::Expected<Changes> apply(const Changes& changes);
   core::Expected<void> take(std::vector<Changes>& from, std::vector<Changes>& to);
-  std::vector<bool> marked(std::span<const core::ItemId> items) const;
 
   const core::Scene* scene_;
   engine::Engine* engine_;
@@ -125,7 +122,6 @@ class Document {
   std::vector<core::ItemId> left_out_;
   std::vector<core::ItemId> selection_;
   mutable std::optional<core::NodeId> part_;  // selected_part(), once it was asked for
-  std::optional<core::ItemId> hovered_;
   std::size_t hidden_ = 0, ghosts_ = 0;
   std::vector<Changes> done_, undone_;  // what brings back the state before, the last one last
   std::uint64_t version_ = 0, solid_version_ = 0;

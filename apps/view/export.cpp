@@ -17,26 +17,26 @@ Export::Export(Session& session, const Options& options, std::string target)
     : session_(&session),
       options_(options),
       target_(std::move(target)),
-      budget_ms_(session.engine().config().losses.budget_ms) {
-  if (options.smooth && session.engine().config().drawing.samples == 1)
-    shifts_ = RestingImage::shifts();
+      budget_ms_(session.engine.config().losses.budget_ms) {
+  if (options.smooth && session.engine.config().drawing.samples == 1)
+    shifts_ = SessionImage::shifts();
   else
     shifts_ = {core::dvec2(0.0)};
 }
 
 /// The engine still is as it was.
 core::Expected<std::unique_ptr<Export>> Export::create(Session& session, const Options& options, std::string target) {
-  const auto seen = session.view();
+  const auto seen = session.image.view();
   if (!seen) return tl::unexpected(seen.error());
-  if (auto kept = check_sections(*seen, session.engine().snapshot().bounds(), session.offset()); !kept)
+  if (auto kept = check_sections(*seen, session.engine.snapshot().bounds(), session.offset()); !kept)
     return tl::unexpected(kept.error());
   std::unique_ptr<Export> made(new Export(session, options, std::move(target)));
   const int side = std::max(options.size[0], options.size[1]) > kLargestWhole ? kTileSide : kLargestWhole;
-  auto tiles = tiles_for(options.size, side, session.engine().config());
+  auto tiles = tiles_for(options.size, side, session.engine.config());
   if (!tiles) return tl::unexpected(tiles.error());
   made->tiles_ = std::move(*tiles);
-  if (auto drawn = session.draw(); !drawn) return tl::unexpected(drawn.error());
-  auto before = session.image(options.smooth);
+  if (auto drawn = session.image.draw(); !drawn) return tl::unexpected(drawn.error());
+  auto before = session.image.read(options.smooth);
   if (!before) return tl::unexpected(before.error());
   made->before_ = std::move(*before);
   return made;
@@ -67,12 +67,12 @@ core::Expected<std::unique_ptr<Export>> Export::frames(Session& session, const O
 
 Export::~Export() {
   file_.reset();
-  (void)session_->configure([this](engine::EngineConfig& config) { config.losses.budget_ms = budget_ms_; });
-  (void)session_->engine().resize(session_->drawn_size()[0], session_->drawn_size()[1]);
+  (void)session_->image.configure([this](engine::EngineConfig& config) { config.losses.budget_ms = budget_ms_; });
+  (void)session_->engine.resize(session_->image.drawn_size()[0], session_->image.drawn_size()[1]);
 }
 
 core::Expected<void> Export::begin_frame() {
-  Camera camera = session_->camera();
+  Camera camera = session_->camera;
   std::filesystem::path file = target_;
   if (path_) {
     const core::CameraSample sample = path_->sample(frames_.time(frame_));
@@ -82,15 +82,16 @@ core::Expected<void> Export::begin_frame() {
     camera.set_orthographic(false);
     file /= PathFrames::file_name(frame_);
   }
-  const auto view = session_->view_of(camera, double(options_.size[0]) / options_.size[1]);
+  const auto view = session_->image.view_of(camera, double(options_.size[0]) / options_.size[1]);
   if (!view) return tl::unexpected(view.error());
   auto opened = image::PngWriter::create(file, options_.size[0], options_.size[1]);
   if (!opened) return tl::unexpected(opened.error());
-  engine::Engine& engine = session_->engine();
+  engine::Engine& engine = session_->engine;
   if (engine.config().width != tiles_.width || engine.config().height != tiles_.height)
     if (auto done = engine.resize(tiles_.width, tiles_.height); !done) return done;
   if (engine.config().losses.budget_ms > 0.0)
-    if (auto done = session_->configure([](engine::EngineConfig& config) { config.losses.budget_ms = 0.0; }); !done)
+    if (auto done = session_->image.configure([](engine::EngineConfig& config) { config.losses.budget_ms = 0.0; });
+        !done)
       return done;
   file_ = std::move(*opened);
   image_.emplace(*view, tiles_, TiledImage::Wanted{.shifts = shifts_});
@@ -98,7 +99,7 @@ core::Expected<void> Export::begin_frame() {
 }
 
 core::Expected<void> Export::step() {
-  const auto more = image_->step(session_->engine());
+  const auto more = image_->step(session_->engine);
   if (!more) return tl::unexpected(more.error());
   if (*more)
     if (auto done = file_->write_rows(image_->rows().colours); !done) return done;

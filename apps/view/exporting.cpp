@@ -1,5 +1,3 @@
-#include "sightline/apps/view/exporting.h"
-
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -8,14 +6,18 @@
 #include <imgui.h>
 
 #include "sightline/apps/common/arguments.h"
-#include "sightline/apps/view/obstacles.h"
+#include "sightline/apps/common/blank.h"
+#include "sightline/apps/common/view_options.h"
+#include "sightline/apps/common/write_model.h"
+#include "sightline/apps/view/actions.h"
+#include "sightline/apps/view/needs.h"
 #include "sightline/apps/view/widgets.h"
+#include "sightline/importers/internal/extension.h"
 #include "sightline/importers/view_json.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 namespace {
-
-using Done = core::Expected<void>;
 
 constexpr double kFps = 25.0;
 constexpr std::array kSizes{std::pair{"4K", std::array{3840, 2160}}, std::pair{"8K", std::array{7680, 4320}},
@@ -42,19 +44,15 @@ bool looks_like_number(const std::string& word) {
   return parse_finite(word).has_value();
 }
 
-Export::Options options_of(const Viewer& viewer, const std::array<int, 2>& size) {
-  return {size, viewer.shown.smooth};
-}
-
 /// Tiles and frames are of one revision.
-Done without_slider(Viewer& viewer) {
-  if (!viewer.session()->slider()) return {};
+Done without_slider(const Session& session) {
+  if (!session.slider.at()) return {};
   return core::fail("end the slider of the comparison first: Esc");
 }
 
-Done begin(Viewer& viewer, core::Expected<std::unique_ptr<Export>> made) {
+Done begin_export(core::Expected<std::unique_ptr<Export>> made, Exports& exports) {
   if (!made) return tl::unexpected(made.error());
-  viewer.begin_export(std::move(*made));
+  exports.begin(std::move(*made));
   return {};
 }
 
@@ -65,8 +63,8 @@ struct Asked {
 };
 Asked asked;
 
-void size_fields(Viewer& viewer, std::array<int, 2>& size) {
-  if (ImGui::Button("Window")) size = viewer.session()->size();
+void size_fields(const Session& session, std::array<int, 2>& size) {
+  if (ImGui::Button("Window")) size = session.image.size();
   ImGui::SameLine();
   for (const auto& [name, preset] : kSizes) {
     if (ImGui::Button(name)) size = preset;
@@ -80,99 +78,149 @@ std::string size_text(const std::array<int, 2>& size) {
   return std::to_string(size[0]) + "x" + std::to_string(size[1]);
 }
 
-}  // namespace
-
-Done write_image(Viewer& viewer, const std::string& argument) {
-  std::string file = argument;
-  const auto word = take_last_word(file, looks_like_size);
-  if (!word) return viewer.write_screenshot(file);
-  const auto size = parse_size(*word);
-  if (!size) return tl::unexpected(size.error());
-  if (auto good = without_slider(viewer); !good) return good;
-  if (file.empty()) file = free_name("screenshot", ".png");
-  return begin(viewer, Export::image(*viewer.session(), options_of(viewer, *size), file));
+/// Writes a path in the model's own frame.
+Done write_path(const std::string& file, const Session& session, const core::CameraPath& seen, Messages& messages) {
+  const auto path = importers::translated(seen, -session.offset());
+  if (!path) return tl::unexpected(path.error());
+  if (auto done = importers::write_path(file, *path); !done) return done;
+  messages.tell("path: " + file);
+  return {};
 }
 
-Done play_path(Viewer& viewer, const std::string& file) {
-  PathPlayer& player = viewer.player();
+Done begin_model_export(Workspace& work, core::Expected<ModelExport::Job> job) {
+  if (!job) return tl::unexpected(job.error());
+  if (auto free = work.scene_is_free(); !free) return free;
+  work.exports.begin(std::move(*job), work.messages);
+  return {};
+}
+
+void tell_of_export(const std::string& what) {
+  wrapped_text(what);
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  wrapped_text(
+      ".rvm and .slc keep primitives and all layers; .obj, .glb and .gltf get triangles, without obstruction and "
+      "insulation volumes.");
+  ImGui::PopStyleColor();
+}
+
+}  // namespace
+
+Done write_image(const std::string& argument, Session& session, const Shown& shown, Exports& exports,
+                 Messages& messages) {
+  std::string file = argument;
+  const auto word = take_last_word(file, looks_like_size);
+  if (!word) return write_screenshot(file, session, shown, messages);
+  const auto size = parse_size(*word);
+  if (!size) return tl::unexpected(size.error());
+  if (auto good = without_slider(session); !good) return good;
+  if (file.empty()) file = free_name("screenshot", ".png");
+  return begin_export(Export::image(session, {*size, shown.smooth}, file), exports);
+}
+
+Done write_screenshot(const std::string& file, Session& session, const Shown& shown, Messages& messages) {
+  const std::string name = file.empty() ? free_name("screenshot", ".png") : file;
+  if (const auto good = parse_png_name(name); !good) return tl::unexpected(good.error());
+  const auto view = session.image.view();
+  if (!view) return tl::unexpected(view.error());
+  if (auto kept = check_sections(*view, session.engine.snapshot().bounds(), session.offset()); !kept) return kept;
+  const auto image = session.image.read(shown.smooth);
+  if (!image) return tl::unexpected(image.error());
+  if (auto done = image::write_png(*image, name); !done) return done;
+  warn_if_blank(session.engine, session.image.visible(), name);
+  messages.tell("image: " + name);
+  return {};
+}
+
+Done toggle_recording(Workspace& work, const std::string&) {
+  Session& session = *work.session;
+  if (!work.recorder) {
+    work.recorder.emplace();
+    session.image.changed();  // its first place
+    return {};
+  }
+  const auto seen = work.recorder->path(session.camera.near(), session.camera.far());
+  work.recorder.reset();
+  if (!seen) return tl::unexpected(seen.error());
+  work.player.set_path(*seen);
+  return write_path(work.options.save_path, session, *seen, work.messages);
+}
+
+Done play_path(const std::string& file, Session& session, PathPlayer& player, Gestures& gestures, Messages& messages) {
   if (!file.empty()) {
     auto path = importers::read_path(file);
-    if (path) path = importers::translated(*path, viewer.session()->offset());
+    if (path) path = importers::translated(*path, session.offset());
     if (!path) return tl::unexpected(path.error());
     player.set_path(std::move(*path));
   } else if (player.playing()) {
     return player.stop(), Done();
   }
-  if (!player.path()) return core::fail("record a camera path first, or name a file of one");
-  Session& session = *viewer.session();
-  viewer.set_walking(false);
-  session.remember();
-  session.camera().set_orthographic(false);
-  session.camera().set_planes(player.path()->near, player.path()->far);
+  if (!player.path()) return core::fail(needs::kPath.missing);
+  gestures.set_walking(false);
+  session.camera.remember();
+  session.camera.set_orthographic(false);
+  session.camera.set_planes(player.path()->near, player.path()->far);
   player.play();
-  viewer.tell("playing; Esc or any motion stops");
+  messages.tell("playing; Esc or any motion stops");
   return {};
 }
 
-Done save_path(Viewer& viewer, const std::string& file) {
-  if (const char* why = without_path(viewer)) return core::fail(why);
-  if (file.empty()) return viewer.shown.dialog = Dialog::kSavePath, Done();
-  const auto path = importers::translated(*viewer.player().path(), -viewer.session()->offset());
-  if (!path) return tl::unexpected(path.error());
-  if (auto done = importers::write_path(file, *path); !done) return done;
-  viewer.tell("path: " + file);
-  return {};
+Done save_path(const std::string& file, Session& session, PathPlayer& player, Shown& shown, Messages& messages) {
+  if (!player.path()) return core::fail(needs::kPath.missing);
+  if (file.empty()) return shown.dialog = Dialog::kSavePath, Done();
+  return write_path(file, session, *player.path(), messages);
 }
 
-Done set_path_speed(Viewer& viewer, const std::string& factor) {
+Done set_path_speed(const std::string& factor, PathPlayer& player) {
   const auto speed = parse_finite(factor);
   if (!speed) return tl::unexpected(speed.error());
   if (!(*speed >= PathPlayer::kSlowest && *speed <= PathPlayer::kFastest))
     return core::fail("path-speed: expected a number between 0.01 and 100, found \"" + factor + "\"");
-  viewer.player().speed = *speed;
+  player.speed = *speed;
   return {};
 }
 
-Done write_frames(Viewer& viewer, const std::string& argument) {
+Done write_frames(const std::string& argument, Session& session, PathPlayer& player, const Shown& shown,
+                  Exports& exports) {
   std::string folder = argument;
   const auto size_word = take_last_word(folder, looks_like_size), fps_word = take_last_word(folder, looks_like_number);
-  const auto size = size_word ? parse_size(*size_word) : core::Expected<std::array<int, 2>>(viewer.session()->size());
+  const auto size = size_word ? parse_size(*size_word) : core::Expected<std::array<int, 2>>(session.image.size());
   if (!size) return tl::unexpected(size.error());
   if (folder.empty()) return core::fail("write-frames: expected FOLDER [FPS] [WIDTHxHEIGHT]");
-  const auto& path = viewer.player().path();
+  const auto& path = player.path();
   if (!path) return core::fail("record or play a camera path first");
-  if (auto good = without_slider(viewer); !good) return good;
-  viewer.player().stop();
-  return begin(viewer, Export::frames(*viewer.session(), options_of(viewer, *size), *path,
-                                      fps_word ? *parse_finite(*fps_word) : kFps, folder));
+  if (auto good = without_slider(session); !good) return good;
+  player.stop();
+  return begin_export(
+      Export::frames(session, {*size, shown.smooth}, *path, fps_word ? *parse_finite(*fps_word) : kFps, folder),
+      exports);
 }
 
-void image_options(Viewer& viewer) {
-  size_fields(viewer, asked.image_size);
+void image_options(Workspace& work) {
+  size_fields(*work.session, asked.image_size);
   wrapped_text("up to 16384x16384, drawn in tiles");
 }
 
-Done write_sized_image(Viewer& viewer, const std::string& file) {
-  return write_image(viewer, file + " " + size_text(asked.image_size));
+Done write_sized_image(Workspace& work, const std::string& file) {
+  return with<write_image>(work, file + " " + size_text(asked.image_size));
 }
 
-Done write_sized_frames(Viewer& viewer, const std::string& folder) {
-  return write_frames(viewer, folder + " " + std::to_string(asked.fps) + " " + size_text(asked.video_size));
+Done write_sized_frames(Workspace& work, const std::string& folder) {
+  return with<write_frames>(work, folder + " " + std::to_string(asked.fps) + " " + size_text(asked.video_size));
 }
 
-void path_window(Viewer& viewer) {
-  PathPlayer& player = viewer.player();
+void path_window(Workspace& work) {
+  PathPlayer& player = work.player;
   const bool has_path = player.path().has_value();
-  begin_dialog(viewer, "Camera path", 34.0f);
+  begin_dialog(work, "Camera path", 34.0f);
   wrapped_text(has_path ? "The path that was played or recorded last:"
                         : "There is no path yet: record one (R), or play one of a file.");
   ImGui::BeginDisabled(!has_path);
-  if (ImGui::Button(player.playing() ? "Stop" : "Play")) viewer.tell_outcome(play_path(viewer, ""));
+  if (ImGui::Button(player.playing() ? "Stop" : "Play")) work.messages.tell_outcome(with<play_path>(work, ""));
   ImGui::SameLine();
-  if (ImGui::Button("Save…")) viewer.shown.dialog = Dialog::kSavePath;
+  if (ImGui::Button("Save…")) work.shown.dialog = Dialog::kSavePath;
   ImGui::EndDisabled();
   ImGui::SameLine();
-  if (ImGui::Button("Play a file…")) viewer.shown.dialog = Dialog::kReadPath;
+  if (ImGui::Button("Play a file…")) work.shown.dialog = Dialog::kReadPath;
   ImGui::Checkbox("again and again", &player.loop);
   ImGui::SameLine();
   ImGui::SetNextItemWidth(6.0f * ImGui::GetFontSize());
@@ -181,19 +229,19 @@ void path_window(Viewer& viewer) {
   ImGui::Separator();
   ImGui::BeginDisabled(!has_path);
   ImGui::TextUnformatted("Frames of a video, in a folder:");
-  size_fields(viewer, asked.video_size);
+  size_fields(*work.session, asked.video_size);
   ImGui::SetNextItemWidth(6.0f * ImGui::GetFontSize());
   ImGui::InputDouble("frames per second", &asked.fps, 0.0, 0.0, "%g");
   ImGui::SameLine();
-  if (ImGui::Button("Write frames…")) viewer.shown.dialog = Dialog::kFrames;
+  if (ImGui::Button("Write frames…")) work.shown.dialog = Dialog::kFrames;
   ImGui::EndDisabled();
   ImGui::End();
 }
 
-void exporting_window(Viewer& viewer) {
+void exporting_window(Exports& exports) {
   constexpr const char* kName = "Writing";
-  if (!viewer.exporting()) return;
-  const Export& running = *viewer.exporting();
+  if (!exports.image()) return;
+  const Export& running = *exports.image();
   if (!ImGui::IsPopupOpen(kName)) ImGui::OpenPopup(kName);  // nothing else takes clicks and keys meanwhile
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.5f * screen.x, 0.5f * screen.y}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -204,8 +252,34 @@ void exporting_window(Viewer& viewer) {
     words += ", frame " + std::to_string(running.frame() + 1) + " of " + std::to_string(running.count());
   ImGui::TextWrapped("%s", words.c_str());
   ImGui::ProgressBar(float(running.progress()));
-  if (ImGui::Button("Cancel")) viewer.cancel_export();
+  if (ImGui::Button("Cancel")) exports.cancel_image();
   ImGui::EndPopup();
+}
+
+Done export_model(Workspace& work, const std::string& file) {
+  if (file.empty()) return work.shown.dialog = Dialog::kExportModel, Done();
+  return begin_model_export(work, ModelExport::model(*work.session, file));
+}
+
+Done export_selection(Workspace& work, const std::string& file) {
+  if (const char* why = missing(needs::kSelection, work)) return core::fail(why);
+  if (file.empty()) return work.shown.dialog = Dialog::kExportSelection, Done();
+  return begin_model_export(work, ModelExport::selection(*work.session, file));
+}
+
+void export_model_options(Workspace&) {
+  tell_of_export("All of the model is written, with what is hidden.");
+}
+
+void export_selection_options(Workspace& work) {
+  const std::size_t count = work.session ? work.session->document.selection().size() : 0;
+  tell_of_export(grouped(std::int64_t(count)) + (count == 1 ? " selected item is" : " selected items are") +
+                 " written, with the groups above.");
+}
+
+std::string export_name(const Workspace& work, const char* stem) {
+  const std::string extension = work.files().empty() ? "" : importers::lower_case_extension(work.files().front());
+  return std::string(stem) + (check_output("x" + extension, {}) ? extension : ".glb");
 }
 
 }  // namespace sightline::apps

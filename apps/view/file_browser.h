@@ -63,7 +63,6 @@ class FileBrowser {
 
   /// Asks anew, in that folder, or the nearest one above it that is there.
   void begin(FileRequest request, const std::filesystem::path& folder);
-  const FileRequest& request() const { return request_; }
 
   const std::filesystem::path& folder() const { return folder_; }
   void enter(const std::filesystem::path& folder);

@@ -54,21 +54,21 @@ fs::path& FileDialog::last_folder() {
   return last_folders_[question_->models ? 0 : 1];
 }
 
-void FileDialog::begin(Viewer& viewer) {
-  places_ = places(viewer.files(), viewer.recent());
+void FileDialog::begin(Workspace& work) {
+  places_ = places(work.files(), work.shown.recent);
   fs::path folder = last_folder();
-  for (const auto& files : {viewer.files(), viewer.recent()})
+  for (const auto& files : {work.files(), work.shown.recent})
     if (folder.empty() && !files.empty()) folder = fs::path(files.front()).parent_path();
-  browser_.begin(question_->request(viewer), folder.empty() ? "." : folder);
+  browser_.begin(question_->request(work), folder.empty() ? "." : folder);
   field_.clear();
   refresh_at_ = ImGui::GetTime() + kRefresh;
 }
 
-void FileDialog::draw(Viewer& viewer) {
-  const FileQuestion* question = file_question(viewer.shown.dialog);
+void FileDialog::draw(Workspace& work) {
+  const FileQuestion* question = file_question(work.shown.dialog);
   if (question != std::exchange(question_, question)) {
     browser_ = {};
-    if (question) begin(viewer);
+    if (question) begin(work);
   }
   if (!question) return;
   if (ImGui::GetTime() > refresh_at_) {
@@ -76,7 +76,7 @@ void FileDialog::draw(Viewer& viewer) {
     refresh_at_ = ImGui::GetTime() + kRefresh;
   }
   const float font = ImGui::GetFontSize(), gap = ImGui::GetStyle().ItemSpacing.x;
-  begin_dialog(viewer, question->title, kWidth);
+  begin_dialog(work, question->title, kWidth);
   accepts_ = false;
   keys();
   breadcrumb();
@@ -94,12 +94,12 @@ void FileDialog::draw(Viewer& viewer) {
     wrapped_text(browser_.error());
     ImGui::PopStyleColor();
   }
-  if (question->options) question->options(viewer);
+  if (question->options) question->options(work);
   accepts_ |= ImGui::Button(question->button, {kButton * font, 0.0f});
   ImGui::SameLine();
-  if (ImGui::Button("Cancel", {kButton * font, 0.0f})) viewer.shown.dialog = question->then;
-  if (accepts_) accept(viewer);
-  replace_question(viewer);
+  if (ImGui::Button("Cancel", {kButton * font, 0.0f})) work.shown.dialog = question->then;
+  if (accepts_) accept(work);
+  replace_question(work);
   ImGui::End();
 }
 
@@ -286,7 +286,7 @@ void FileDialog::name_field() {
   ImGui::EndCombo();
 }
 
-void FileDialog::replace_question(Viewer& viewer) {
+void FileDialog::replace_question(Workspace& work) {
   constexpr const char* kName = "Replace";
   if (!browser_.asks_to_replace()) return;
   if (accepts_) ImGui::OpenPopup(kName);
@@ -302,23 +302,23 @@ void FileDialog::replace_question(Viewer& viewer) {
   if (replaces || keeps) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
   if (replaces)
-    answer(viewer, browser_.replace());
+    answer(work, browser_.replace());
   else if (keeps)
     browser_.keep();
 }
 
-void FileDialog::accept(Viewer& viewer) {
+void FileDialog::accept(Workspace& work) {
   scrolls_ = true;
-  if (const auto files = browser_.accept()) answer(viewer, *files);
+  if (const auto files = browser_.accept()) answer(work, *files);
 }
 
 /// The dialog stays where that fails.
-void FileDialog::answer(Viewer& viewer, const std::vector<fs::path>& files) {
+void FileDialog::answer(Workspace& work, const std::vector<fs::path>& files) {
   std::vector<std::string> names;
   for (const fs::path& file : files) names.push_back(file.string());
-  if (const auto done = question_->answer(viewer, names); !done) return browser_.say(done.error().message);
+  if (const auto done = question_->answer(work, names); !done) return browser_.say(done.error().message);
   last_folder() = files.front().parent_path();
-  if (viewer.shown.dialog == question_->dialog) viewer.shown.dialog = question_->then;
+  if (work.shown.dialog == question_->dialog) work.shown.dialog = question_->then;
 }
 
 json::Value FileDialog::state() const {

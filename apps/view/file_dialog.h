@@ -12,18 +12,18 @@ struct ImGuiInputTextCallbackData;
 
 namespace sightline::apps {
 
-class Viewer;
+struct Workspace;
 struct FileQuestion;
 
 class FileDialog {
  public:
   /// Draws it, if the viewer's dialog is one that asks for files.
-  void draw(Viewer& viewer);
+  void draw(Workspace& work);
   /// The part of the viewer's state about the dialog; null while nothing is asked.
   json::Value state() const;
 
  private:
-  void begin(Viewer& viewer);
+  void begin(Workspace& work);
   void breadcrumb();
   void place_list(float width, float height);
   void list(float height);
@@ -31,9 +31,9 @@ class FileDialog {
   void name_field();
   void keys();
   void take_name(ImGuiInputTextCallbackData& field);
-  void replace_question(Viewer& viewer);
-  void accept(Viewer& viewer);
-  void answer(Viewer& viewer, const std::vector<std::filesystem::path>& files);
+  void replace_question(Workspace& work);
+  void accept(Workspace& work);
+  void answer(Workspace& work, const std::vector<std::filesystem::path>& files);
   std::filesystem::path& last_folder();
 
   const FileQuestion* question_ = nullptr;  // null: the dialog is closed

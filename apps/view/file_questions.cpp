@@ -4,97 +4,91 @@
 
 #include <imgui.h>
 
-#include "sightline/apps/view/exporting.h"
-#include "sightline/apps/view/model_exporting.h"
+#include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/view_list.h"
-#include "sightline/apps/view/views.h"
 
 namespace sightline::apps {
 namespace {
 
-using Done = core::Expected<void>;
 using Purpose = FileRequest::Purpose;
 
-template <Done (*kWork)(Viewer&, const std::string&)>
-Done with_one(Viewer& viewer, const std::vector<std::string>& files) {
-  return kWork(viewer, files.front());
+template <Done (*kWork)(Workspace&, const std::string&)>
+Done with_one(Workspace& work, const std::vector<std::string>& files) {
+  return kWork(work, files.front());
 }
 
-Done open(Viewer& viewer, const std::vector<std::string>& files) {
-  return viewer.open(files), Done();
+Done open(Workspace& work, const std::vector<std::string>& files) {
+  return work.open(files), Done();
 }
 
-Done compare(Viewer& viewer, const std::string& file) {
-  return viewer.compare(file), Done();
-}
-
-Done save_and_quit(Viewer& viewer, const std::string& file) {
-  auto done = save_views(viewer, file);
-  if (done) viewer.quit();
+Done save_and_quit(Workspace& work, const std::string& file) {
+  auto done = with<save_views>(work, file);
+  if (done) work.window.close();
   return done;
 }
 
-void open_options(Viewer& viewer) {
-  ImGui::Checkbox("Recognise primitives in meshes", &viewer.shown.recognise);
+void open_options(Workspace& work) {
+  ImGui::Checkbox("Recognise primitives in meshes", &work.shown.recognise);
 }
 
-void compare_options(Viewer&) {
+void compare_options(Workspace&) {
   ImGui::TextUnformatted("What is open counts as the newer revision.");
 }
 
-FileRequest models(Viewer&) {
+FileRequest models(Workspace&) {
   return {Purpose::kOpenSeveral, "All models", model_formats()};
 }
 
-FileRequest older_model(Viewer&) {
+FileRequest older_model(Workspace&) {
   return {Purpose::kOpen, "All models", model_formats()};
 }
 
 /// Named after the model.
-FileRequest new_image(Viewer& viewer) {
-  const std::string stem = std::filesystem::path(viewer.files().front()).stem().string();
+FileRequest new_image(Workspace& work) {
+  const std::string stem = std::filesystem::path(work.files().front()).stem().string();
   return {Purpose::kSave, "", {png_format()}, stem + ".png"};
 }
 
-FileRequest path(Viewer&) {
+FileRequest path(Workspace&) {
   return {Purpose::kOpen, "", {json_format()}};
 }
 
-FileRequest new_path(Viewer&) {
+FileRequest new_path(Workspace&) {
   return {Purpose::kSave, "", {json_format()}, "path.json"};
 }
 
-FileRequest frames_folder(Viewer&) {
+FileRequest frames_folder(Workspace&) {
   return {Purpose::kFolder, "", {}, "frames"};
 }
 
-FileRequest views(Viewer&) {
+FileRequest views(Workspace&) {
   return {Purpose::kOpen, "All views", view_formats()};
 }
 
-FileRequest new_views(Viewer&) {
+FileRequest new_views(Workspace&) {
   const std::vector<FileFormat> formats = view_formats();
   return {Purpose::kSave, "", formats, "views" + formats.front().extensions.front()};
 }
 
-FileRequest new_model(Viewer& viewer) {
-  return {Purpose::kSave, "", written_formats(), export_name(viewer, "model")};
+FileRequest new_model(Workspace& work) {
+  return {Purpose::kSave, "", written_formats(), export_name(work, "model")};
 }
 
-FileRequest new_selection(Viewer& viewer) {
-  return {Purpose::kSave, "", written_formats(), export_name(viewer, "selection")};
+FileRequest new_selection(Workspace& work) {
+  return {Purpose::kSave, "", written_formats(), export_name(work, "selection")};
 }
 
 constexpr FileQuestion kQuestions[] = {
     {Dialog::kOpen, "Open", "Open", true, models, open, open_options},
-    {Dialog::kCompare, "Compare with an older revision", "Compare", true, older_model, with_one<compare>,
+    {Dialog::kCompare, "Compare with an older revision", "Compare", true, older_model, with_one<compare_with>,
      compare_options},
     {Dialog::kImage, "Save image", "Save", false, new_image, with_one<write_sized_image>, image_options},
-    {Dialog::kReadPath, "Play a camera path", "Play", false, path, with_one<play_path>, nullptr, Dialog::kPath},
-    {Dialog::kSavePath, "Save the camera path", "Save", false, new_path, with_one<save_path>, nullptr, Dialog::kPath},
+    {Dialog::kReadPath, "Play a camera path", "Play", false, path, with_one<with<play_path>>, nullptr, Dialog::kPath},
+    {Dialog::kSavePath, "Save the camera path", "Save", false, new_path, with_one<with<save_path>>, nullptr,
+     Dialog::kPath},
     {Dialog::kFrames, "Folder for the frames", "Write frames", false, frames_folder, with_one<write_sized_frames>},
-    {Dialog::kReadViews, "Load views", "Load", false, views, with_one<load_views>},
-    {Dialog::kSaveViews, "Save all views", "Save", false, new_views, with_one<save_views>},
+    {Dialog::kReadViews, "Load views", "Load", false, views, with_one<with<load_views>>},
+    {Dialog::kSaveViews, "Save all views", "Save", false, new_views, with_one<with<save_views>>},
     {Dialog::kExportModel, "Export the model", "Export", true, new_model, with_one<export_model>, export_model_options},
     {Dialog::kExportSelection, "Export the selection", "Export", true, new_selection, with_one<export_selection>,
      export_selection_options},

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sightline/apps/view/file_browser.h"
-#include "sightline/apps/view/viewer.h"
+#include "sightline/apps/view/workspace.h"
 
 namespace sightline::apps {
 
@@ -13,10 +13,10 @@ struct FileQuestion {
   Dialog dialog;
   const char *title, *button;
   bool models;  ///< begins in the folder of the last model, else of the last other file
-  FileRequest (*request)(Viewer& viewer);
-  core::Expected<void> (*answer)(Viewer& viewer, const std::vector<std::string>& files);
-  void (*options)(Viewer& viewer) = nullptr;  ///< draws what else is asked
-  Dialog then = Dialog::kNone;                ///< shown afterwards
+  FileRequest (*request)(Workspace& work);
+  Done (*answer)(Workspace& work, const std::vector<std::string>& files);
+  void (*options)(Workspace& work) = nullptr;  ///< draws what else is asked
+  Dialog then = Dialog::kNone;                 ///< shown afterwards
 };
 
 /// Null where the dialog asks for no file.

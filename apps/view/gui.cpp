@@ -145,12 +145,7 @@ void Gui::load_font() {
 }
 
 void Gui::set_theme(Theme theme) {
-  theme_ = theme;
   set_style(theme, scale_);
-}
-
-float Gui::line() const {
-  return ImGui::GetTextLineHeightWithSpacing();
 }
 
 void Gui::push(std::vector<Event> events) {

@@ -21,10 +21,7 @@ class Gui {
   ~Gui();
 
   void set_theme(Theme theme);
-  Theme theme() const { return theme_; }
   double scale() const { return scale_; }
-  /// Height of a line of text with its distance from the next, pixels.
-  float line() const;
 
   void push(std::vector<Event> events);
   /// The next frame's events, among which no key or button changes twice, and the cursor is where a button changed:
@@ -54,7 +51,6 @@ class Gui {
   void load_font();
 
   std::unique_ptr<ImGuiContext, Destroy> context_;
-  Theme theme_ = Theme::kDark;
   double scale_ = 1.0;
   std::deque<Event> waiting_;
 };

@@ -33,16 +33,16 @@ void measurement_list(Measuring& measuring, const LengthFormat& lengths) {
 
 }  // namespace
 
-void measure_tab(Viewer& viewer) {
-  Measuring& measuring = viewer.session()->measuring();
+void measure_tab(Workspace& work) {
+  Measuring& measuring = work.session->measuring;
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
   for (const char* name : {"measure", "measure-selected", "measure-copy", "measure-clear"})
-    command_button(viewer, *find_command(name), right);
+    command_button(work, name, right);
   ImGui::NewLine();
   if (measuring.list().empty() && measuring.marks().empty())
     wrapped_text("Click on two things. Marks snap to corners, edges, centres and axes.");
-  measurement_list(measuring, viewer.lengths());
-  const auto rows = measuring.rows(viewer.lengths());
+  measurement_list(measuring, work.lengths());
+  const auto rows = measuring.rows(work.lengths());
   if (rows.empty()) return;
   ImGui::Separator();
   if (!begin_rows("measured")) return;

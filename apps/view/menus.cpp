@@ -12,17 +12,17 @@
 namespace sightline::apps {
 namespace {
 
-void recent_files(Viewer& viewer) {
-  if (!ImGui::BeginMenu("Open recent", !viewer.recent().empty())) return;
-  for (const std::string& file : viewer.recent()) {
-    if (ImGui::MenuItem(std::filesystem::path(file).filename().string().c_str())) viewer.open({file});
+void recent_files(Workspace& work) {
+  if (!ImGui::BeginMenu("Open recent", !work.shown.recent.empty())) return;
+  for (const std::string& file : work.shown.recent) {
+    if (ImGui::MenuItem(std::filesystem::path(file).filename().string().c_str())) work.open({file});
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", file.c_str());
   }
   ImGui::EndMenu();
 }
 
 /// The commands of one menu. Those of a submenu stand beside each other in the table.
-void menu_items(Viewer& viewer, std::string_view menu) {
+void menu_items(Workspace& work, std::string_view menu) {
   std::string_view submenu;
   bool open = true, first = true;
   for (const Command& command : commands()) {
@@ -38,14 +38,14 @@ void menu_items(Viewer& viewer, std::string_view menu) {
     }
     first = false;
     if (!open) continue;
-    command_item(viewer, command);
-    if (command.name == std::string_view("open")) recent_files(viewer);
+    command_item(work, command);
+    if (command.name == std::string_view("open")) recent_files(work);
   }
   if (!submenu.empty() && open) ImGui::EndMenu();
 }
 
 std::string name_of_selection(const Session& session) {
-  const auto selection = session.document().selection();
+  const auto selection = session.document.selection();
   if (selection.empty()) return "nothing selected";
   if (selection.size() > 1) return grouped(std::int64_t(selection.size())) + " items selected";
   return shortened(item_name(session.scene(), selection[0]), 24.0f * ImGui::GetFontSize());
@@ -59,7 +59,7 @@ std::string item_name(const core::Scene& scene, core::ItemId item) {
   return named.valid() ? std::string(scene.name(named)) : std::string(core::name_of(scene.kind(item)));
 }
 
-void menu_bar(Viewer& viewer) {
+void menu_bar(Workspace& work) {
   if (!ImGui::BeginMainMenuBar()) return;
   std::string_view last;
   for (const Command& command : commands()) {
@@ -67,18 +67,18 @@ void menu_bar(Viewer& viewer) {
     if (menu.empty() || menu == last) continue;
     last = menu;
     if (!ImGui::BeginMenu(std::string(menu).c_str())) continue;
-    menu_items(viewer, menu);
+    menu_items(work, menu);
     ImGui::EndMenu();
   }
   ImGui::EndMainMenuBar();
 }
 
-void context_menu(Viewer& viewer) {
+void context_menu(Workspace& work) {
   constexpr const char* kName = "##context";
-  if (viewer.shown.context) ImGui::OpenPopup(kName);
-  viewer.shown.context = false;
-  if (!viewer.session() || !ImGui::BeginPopup(kName)) return;
-  ImGui::TextDisabled("%s", name_of_selection(*viewer.session()).c_str());
+  if (work.shown.context) ImGui::OpenPopup(kName);
+  work.shown.context = false;
+  if (!work.session || !ImGui::BeginPopup(kName)) return;
+  ImGui::TextDisabled("%s", name_of_selection(*work.session).c_str());
   ImGui::Separator();
   for (const char* name :
        {"select-part", "hide", "isolate", "ghost-others", "show-all", "", "focus", "fit", "camera-back", "",
@@ -86,7 +86,7 @@ void context_menu(Viewer& viewer) {
     if (name[0] == '\0')
       ImGui::Separator();
     else
-      command_item(viewer, *find_command(name));
+      command_item(work, *find_command(name));
   }
   ImGui::EndPopup();
 }

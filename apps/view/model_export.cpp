@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kShareOfCopy = 0.3;  // of the progress, where there is a copy
 
-std::vector<std::string> files_to_keep(const Session& session, const std::vector<std::string>& files) {
-  std::vector<std::string> all = files_read(files, session.model().report);
+std::vector<std::string> files_to_keep(const Session& session) {
+  std::vector<std::string> all = files_read(session.files, session.model().report);
   if (session.changes()) all.push_back(session.changes()->file());
   return all;
 }
@@ -28,19 +28,17 @@ bool is_all(const ModelExport::Job& job) {
 
 }  // namespace
 
-core::Expected<ModelExport::Job> ModelExport::model(const Session& session, const std::vector<std::string>& files,
-                                                    const std::string& file) {
-  if (auto done = check_output(file, files_to_keep(session, files)); !done) return tl::unexpected(done.error());
+core::Expected<ModelExport::Job> ModelExport::model(const Session& session, const std::string& file) {
+  if (auto done = check_output(file, files_to_keep(session)); !done) return tl::unexpected(done.error());
   const importers::ImportReport& report = session.model().report;
   return Job{.scene = &session.scene(), .tops = report.nodes, .report = &report, .file = file};
 }
 
-core::Expected<ModelExport::Job> ModelExport::selection(const Session& session, const std::vector<std::string>& files,
-                                                        const std::string& file) {
-  auto job = model(session, files, file);
+core::Expected<ModelExport::Job> ModelExport::selection(const Session& session, const std::string& file) {
+  auto job = model(session, file);
   if (!job) return job;
   job->items.emplace(session.scene().item_slots());
-  for (const core::ItemId item : session.document().selection()) (*job->items)[to_index(item)] = true;
+  for (const core::ItemId item : session.document.selection()) (*job->items)[to_index(item)] = true;
   return job;
 }
 

@@ -23,11 +23,9 @@ class ModelExport {
     std::string file;
   };
   /// Fails where the name is not one of a model file, or that of a file that the session has read.
-  static core::Expected<Job> model(const Session& session, const std::vector<std::string>& files,
-                                   const std::string& file);
+  static core::Expected<Job> model(const Session& session, const std::string& file);
   /// Exports the selected items that the model has; removed ones of a comparison it has not.
-  static core::Expected<Job> selection(const Session& session, const std::vector<std::string>& files,
-                                       const std::string& file);
+  static core::Expected<Job> selection(const Session& session, const std::string& file);
 
   /// Begins to write. The scene must outlive this, and nobody may edit it meanwhile. Calls `ready` from its thread when
   /// it is done. The file appears whole or not at all.

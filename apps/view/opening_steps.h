@@ -8,6 +8,9 @@
 
 namespace sightline::apps {
 
+/// Seconds that the window's thread may work on something before it looks at its events again.
+constexpr double kPortion = 0.016;
+
 enum class OpeningStep : unsigned char { kNone, kReading, kBuilding, kUploading, kDrawing };
 inline constexpr std::array<std::string_view, 5> kOpeningStepNames{"", "reading", "building", "uploading", "drawing"};
 

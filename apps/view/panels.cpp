@@ -48,15 +48,15 @@ float drag_edge(const char* name, float x, float y, float height, bool panel_lef
 
 struct Tab {
   const char* name;
-  void (*draw)(Viewer&);
+  void (*draw)(Workspace&);
 };
 
 /// The names of all, in as many rows as they need, where ImGui's tab bar would cut them off. Returns the one in front.
-const Tab& tab_rows(Viewer& viewer, const std::vector<Tab>& all) {
+const Tab& tab_rows(Workspace& work, const std::vector<Tab>& all) {
   const ImGuiStyle& style = ImGui::GetStyle();
   const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
-  const auto in_front = [&](const Tab& tab) { return std::string_view(viewer.shown.tab) == tab.name; };
-  if (std::none_of(all.begin(), all.end(), in_front)) viewer.shown.tab = all.front().name;
+  const auto in_front = [&](const Tab& tab) { return std::string_view(work.shown.tab) == tab.name; };
+  if (std::none_of(all.begin(), all.end(), in_front)) work.shown.tab = all.front().name;
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, style.ItemInnerSpacing);
   for (const Tab& tab : all) {
     if (&tab != &all.front()) {
@@ -66,7 +66,7 @@ const Tab& tab_rows(Viewer& viewer, const std::vector<Tab>& all) {
     }
     ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(in_front(tab) ? ImGuiCol_TabActive : ImGuiCol_Tab));
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImGui::GetStyleColorVec4(ImGuiCol_TabHovered));
-    if (ImGui::Button(tab.name)) viewer.shown.tab = tab.name;
+    if (ImGui::Button(tab.name)) work.shown.tab = tab.name;
     ImGui::PopStyleColor(2);
   }
   ImGui::PopStyleVar();
@@ -74,49 +74,48 @@ const Tab& tab_rows(Viewer& viewer, const std::vector<Tab>& all) {
   return *std::find_if(all.begin(), all.end(), in_front);
 }
 
-void tabs(Viewer& viewer) {
+void tabs(Workspace& work) {
   static const ChangeList* known = nullptr;
-  const ChangeList* changes = viewer.session()->changes();
-  if (std::exchange(known, changes) != changes && changes) viewer.shown.tab = "Compare";
+  const ChangeList* changes = work.session->changes();
+  if (std::exchange(known, changes) != changes && changes) work.shown.tab = "Compare";
   std::vector<Tab> all{
       {"Item", properties_tab}, {"Measure", measure_tab}, {"Sections", sections_tab}, {"Views", views_tab}};
-  if (viewer.shown.diagnostics) all.push_back({"Diagnostics", culling_tab});
+  if (work.shown.diagnostics) all.push_back({"Diagnostics", culling_tab});
   if (changes) all.insert(all.begin(), {"Compare", compare_tab});
-  const Tab& front = tab_rows(viewer, all);
+  const Tab& front = tab_rows(work, all);
   ImGui::PushID(front.name);
-  front.draw(viewer);
+  front.draw(work);
   ImGui::PopID();
 }
 
 }  // namespace
 
-Margins margins(const Viewer& viewer) {
+Margins margins(const Shown& shown) {
   const float bar = bar_height();
-  return {int(panel_width(viewer.shown.tree_width, kTreeWidth, kTreeShare)),
-          int(panel_width(viewer.shown.side_width, kSideWidth, kSideShare)), int(bar + toolbar_height()), int(bar)};
+  return {int(panel_width(shown.tree_width, kTreeWidth, kTreeShare)),
+          int(panel_width(shown.side_width, kSideWidth, kSideShare)), int(bar + toolbar_height()), int(bar)};
 }
 
-void splitters(Viewer& viewer) {
+void splitters(Shown& shown) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  const Margins m = margins(viewer);
+  const Margins m = margins(shown);
   const float height = size.y - float(m.top + m.bottom), font = ImGui::GetFontSize();
   const float tree = drag_edge("##tree-edge", float(m.left), float(m.top), height, true),
               side = drag_edge("##side-edge", size.x - float(m.right), float(m.top), height, false);
-  if (tree != 0.0f) viewer.shown.tree_width = std::max(kLeastWidth, (float(m.left) + tree) / font);
-  if (side != 0.0f) viewer.shown.side_width = std::max(kLeastWidth, (float(m.right) - side) / font);
+  if (tree != 0.0f) shown.tree_width = std::max(kLeastWidth, (float(m.left) + tree) / font);
+  if (side != 0.0f) shown.side_width = std::max(kLeastWidth, (float(m.right) - side) / font);
 }
 
-void side_panel(Viewer& viewer) {
+void side_panel(Workspace& work) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  const Margins m = margins(viewer);
+  const Margins m = margins(work.shown);
   begin_fixed("##side", size.x - float(m.right), float(m.top), float(m.right), size.y - float(m.top + m.bottom),
               ImGuiWindowFlags_NoTitleBar);
-  if (viewer.session()) tabs(viewer);
+  if (work.session) tabs(work);
   ImGui::End();
 }
 
-void item_tip(Viewer& viewer, core::ItemId item) {
-  const core::Scene& scene = viewer.session()->scene();
+void item_tip(const core::Scene& scene, core::ItemId item) {
   const std::string name = item_name(scene, item), kind(core::name_of(scene.kind(item)));
   ImGui::SetTooltip("%s%s%s", name.c_str(), name == kind ? "" : "\n", name == kind ? "" : kind.c_str());
 }

@@ -1,7 +1,7 @@
 // The viewer's panels, drawn anew each frame by Dear ImGui.
 #pragma once
 
-#include "sightline/apps/view/viewer.h"
+#include "sightline/apps/view/workspace.h"
 
 namespace sightline::apps {
 
@@ -9,30 +9,30 @@ namespace sightline::apps {
 struct Margins {
   int left = 0, right = 0, top = 0, bottom = 0;
 };
-Margins margins(const Viewer& viewer);
+Margins margins(const Shown& shown);
 
-void menu_bar(Viewer& viewer);
-void toolbar(Viewer& viewer);
-float toolbar_height();             ///< pixels
-void context_menu(Viewer& viewer);  ///< of the right mouse button, once Viewer::Shown::context says so
-void tree_panel(Viewer& viewer);    ///< search and tree
-void side_panel(Viewer& viewer);    ///< has the tabs
-void splitters(Viewer& viewer);     ///< the panels' inner edges, which can be dragged
-void properties_tab(Viewer& viewer);
-void measure_tab(Viewer& viewer);
-void sections_tab(Viewer& viewer);
-void views_tab(Viewer& viewer);
-void culling_tab(Viewer& viewer);
-void compare_tab(Viewer& viewer);  ///< while something is compared
-void measure_overlay(Viewer& viewer, const Part& part);
-void section_overlay(Viewer& viewer, const Part& part);
-void triad_overlay(Viewer& viewer);
-void slider_overlay(Viewer& viewer, const Part& part);  ///< the line, and the files' names
-void status_bar(Viewer& viewer);
-void start_page(Viewer& viewer, const Part& part);  ///< in place of the image while no model is open or read
-void dialog_window(Viewer& viewer);
-void loading_window(Viewer& viewer);  ///< progress, and a button that cancels
-void item_tip(Viewer& viewer, core::ItemId item);
+void menu_bar(Workspace& work);
+void toolbar(Workspace& work);
+float toolbar_height();              ///< pixels
+void context_menu(Workspace& work);  ///< of the right mouse button, once Viewer::Shown::context says so
+void tree_panel(Workspace& work);    ///< search and tree
+void side_panel(Workspace& work);    ///< has the tabs
+void splitters(Shown& shown);        ///< the panels' inner edges, which can be dragged
+void properties_tab(Workspace& work);
+void measure_tab(Workspace& work);
+void sections_tab(Workspace& work);
+void views_tab(Workspace& work);
+void culling_tab(Workspace& work);
+void compare_tab(Workspace& work);  ///< while something is compared
+void measure_overlay(Workspace& work, const Part& part);
+void section_overlay(Workspace& work, const Part& part);
+void triad_overlay(Workspace& work);
+void slider_overlay(Workspace& work, const Part& part);  ///< the line, and the files' names
+void status_bar(Workspace& work);
+void start_page(Workspace& work, const Part& part);  ///< in place of the image while no model is open or read
+void dialog_window(Workspace& work);
+void loading_window(Opening& opening, const Messages& messages);  ///< progress, and a button that cancels
+void item_tip(const core::Scene& scene, core::ItemId item);
 /// The name of the item's node, or of the nearest one above it that has a name; without one the item's kind.
 std::string item_name(const core::Scene& scene, core::ItemId item);
 

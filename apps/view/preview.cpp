@@ -7,7 +7,7 @@
 
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/camera.h"
-#include "sightline/apps/view/portion.h"
+#include "sightline/apps/view/opening_steps.h"
 
 namespace sightline::apps {
 namespace {

@@ -62,8 +62,8 @@ void selection_properties(const core::Scene& scene, const Document& document) {
 }
 
 /// What is odd, and what readers noticed.
-void model_warnings(Viewer& viewer) {
-  Session& session = *viewer.session();
+void model_warnings(Workspace& work) {
+  Session& session = *work.session;
   const std::vector<Finding>& found = session.findings();
   const auto& warnings = session.model().report.warnings;
   if (found.empty() && warnings.empty()) return;
@@ -74,8 +74,8 @@ void model_warnings(Viewer& viewer) {
     ImGui::PushID(int(i));
     wrapped_text(found[i].words);
     if (ImGui::SmallButton("Select them")) {
-      viewer.tell_outcome(find_command("select-finding")->run(viewer, std::to_string(i + 1)));
-      viewer.tell_outcome(find_command("focus")->run(viewer, ""));
+      run(work, "select-finding", std::to_string(i + 1));
+      run(work, "focus");
     }
     ImGui::PopID();
   }
@@ -86,40 +86,39 @@ void model_warnings(Viewer& viewer) {
   if (warnings.size() > kMostWarnings) ImGui::TextDisabled("and more; sightline-info lists all");
 }
 
-void model_properties(Viewer& viewer) {
-  Session& session = *viewer.session();
+void model_properties(Workspace& work) {
+  Session& session = *work.session;
   if (begin_rows("model")) {
     for (const Fact& fact :
-         model_facts(viewer.files(), viewer.file_states(), session.scene(), session.bounds().bounds, viewer.lengths()))
+         model_facts(work.files(), work.file_states, session.scene(), session.bounds().bounds, work.lengths()))
       row(fact.name.c_str(), fact.value);
     ImGui::EndTable();
   }
   if (const auto& recognition = session.model().report.recognition; recognition.meshes > 0)
     wrapped_text(recognition_words(recognition) + ".");
-  model_warnings(viewer);
+  model_warnings(work);
   ImGui::Separator();
   wrapped_text("Nothing is selected. Click on something, or press F1 for keys and mouse.");
 }
 
 }  // namespace
 
-void properties_tab(Viewer& viewer) {
-  Session& session = *viewer.session();
-  const auto selection = session.document().selection();
+void properties_tab(Workspace& work) {
+  Session& session = *work.session;
+  const auto selection = session.document.selection();
   if (selection.empty()) {
-    return model_properties(viewer);
+    return model_properties(work);
   }
   ImGui::Text("%s item%s selected", grouped(std::int64_t(selection.size())).c_str(), selection.size() == 1 ? "" : "s");
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-  for (const char* name : {"hide", "isolate", "ghost-others", "focus"})
-    command_button(viewer, *find_command(name), right);
+  for (const char* name : {"hide", "isolate", "ghost-others", "focus"}) command_button(work, name, right);
   ImGui::NewLine();
   ImGui::Separator();
   if (selection.size() == 1) {
     if (session.changes()) item_changes(*session.changes(), session.scene(), selection[0]);
-    item_properties(session.scene(), selection[0], viewer.lengths());
+    item_properties(session.scene(), selection[0], work.lengths());
   } else {
-    selection_properties(session.scene(), session.document());
+    selection_properties(session.scene(), session.document);
   }
 }
 

@@ -17,31 +17,18 @@ namespace {
 
 using core::dvec2;
 
-const std::map<std::string, int>& modifiers() {
-  static const std::map<std::string, int> names{
-      {"shift", GLFW_MOD_SHIFT}, {"ctrl", GLFW_MOD_CONTROL}, {"alt", GLFW_MOD_ALT}};
-  return names;
-}
-
-const std::map<std::string, int>& buttons() {
-  static const std::map<std::string, int> names{
-      {"left", GLFW_MOUSE_BUTTON_LEFT}, {"right", GLFW_MOUSE_BUTTON_RIGHT}, {"middle", GLFW_MOUSE_BUTTON_MIDDLE}};
-  return names;
-}
+const std::map<std::string, int> kModifiers{
+    {"shift", GLFW_MOD_SHIFT}, {"ctrl", GLFW_MOD_CONTROL}, {"alt", GLFW_MOD_ALT}};
+const std::map<std::string, int> kButtons{
+    {"left", GLFW_MOUSE_BUTTON_LEFT}, {"right", GLFW_MOUSE_BUTTON_RIGHT}, {"middle", GLFW_MOUSE_BUTTON_MIDDLE}};
 
 std::optional<int> key_of(const std::string& name) {
-  static const std::map<std::string, int> names{{"escape", GLFW_KEY_ESCAPE},
-                                                {"enter", GLFW_KEY_ENTER},
-                                                {"tab", GLFW_KEY_TAB},
-                                                {"space", GLFW_KEY_SPACE},
-                                                {"backspace", GLFW_KEY_BACKSPACE},
-                                                {"delete", GLFW_KEY_DELETE},
-                                                {"home", GLFW_KEY_HOME},
-                                                {"end", GLFW_KEY_END},
-                                                {"left", GLFW_KEY_LEFT},
-                                                {"right", GLFW_KEY_RIGHT},
-                                                {"up", GLFW_KEY_UP},
-                                                {"down", GLFW_KEY_DOWN}};
+  static const std::map<std::string, int> names{
+      {"escape", GLFW_KEY_ESCAPE}, {"esc", GLFW_KEY_ESCAPE},  {"enter", GLFW_KEY_ENTER},
+      {"tab", GLFW_KEY_TAB},       {"space", GLFW_KEY_SPACE}, {"backspace", GLFW_KEY_BACKSPACE},
+      {"delete", GLFW_KEY_DELETE}, {"home", GLFW_KEY_HOME},   {"end", GLFW_KEY_END},
+      {"left", GLFW_KEY_LEFT},     {"right", GLFW_KEY_RIGHT}, {"up", GLFW_KEY_UP},
+      {"down", GLFW_KEY_DOWN}};
   if (const auto at = names.find(name); at != names.end()) return at->second;
   if (name.size() == 1) {
     const char c = name[0];
@@ -67,15 +54,20 @@ core::Error expected(const std::string& what, const ScriptStep& step) {
   return {step.name + ": expected " + what + ", found \"" + step.argument + "\""};
 }
 
+std::optional<double> number_of(std::string_view text) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
+}
+
 /// The first words as numbers; the others stay.
 std::optional<std::vector<double>> take_numbers(std::vector<std::string>& words, std::size_t count) {
   std::vector<double> numbers;
   if (words.size() < count) return std::nullopt;
   for (std::size_t i = 0; i < count; ++i) {
-    double number = 0.0;
-    const char* end = words[i].data() + words[i].size();
-    if (std::from_chars(words[i].data(), end, number).ptr != end) return std::nullopt;
-    numbers.push_back(number);
+    const auto number = number_of(words[i]);
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
   }
   words.erase(words.begin(), words.begin() + std::ptrdiff_t(count));
   return numbers;
@@ -87,9 +79,9 @@ struct Press {
 std::optional<Press> press_of(const std::vector<std::string>& words) {
   Press press;
   for (const std::string& word : words) {
-    if (const auto button = buttons().find(word); button != buttons().end())
+    if (const auto button = kButtons.find(word); button != kButtons.end())
       press.button = button->second;
-    else if (const auto mod = modifiers().find(word); mod != modifiers().end())
+    else if (const auto mod = kModifiers.find(word); mod != kModifiers.end())
       press.mods |= mod->second;
     else
       return std::nullopt;
@@ -122,8 +114,8 @@ core::Expected<std::vector<Event>> key(const ScriptStep& step) {
   Event event{.type = Event::Type::kKey, .down = true};
   std::string rest = step.argument;
   for (std::size_t plus; (plus = rest.find('+')) != std::string::npos && plus > 0; rest = rest.substr(plus + 1)) {
-    const auto mod = modifiers().find(rest.substr(0, plus));
-    if (mod == modifiers().end()) return tl::unexpected(expected("a key such as f, f1, escape or ctrl+z", step));
+    const auto mod = kModifiers.find(rest.substr(0, plus));
+    if (mod == kModifiers.end()) return tl::unexpected(expected("a key such as f, f1, escape or ctrl+z", step));
     event.mods |= mod->second;
   }
   const auto code = key_of(rest);
@@ -147,10 +139,13 @@ std::vector<Event> text(const std::string& typed) {
   return events;
 }
 
-std::optional<double> number_of(std::string_view text) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
+/// A script ends early where it would write an image under another format's name, not after half of its work.
+core::Expected<void> check_image_name(const ScriptStep& step) {
+  if (step.name != "screenshot" && step.name != "window-shot") return {};
+  const std::size_t space = step.argument.rfind(' ');  // a size may follow
+  auto good = parse_png_name(step.argument);
+  if (!good && space != std::string::npos) good = parse_png_name(step.argument.substr(0, space));
+  return good.map([](const std::string&) {});
 }
 
 }  // namespace
@@ -170,19 +165,6 @@ std::vector<ScriptStep> parse_script(std::string_view text) {
   }
   return steps;
 }
-
-namespace {
-
-/// A script ends early where it would write an image under another format's name, not after half of its work.
-core::Expected<void> check_image_name(const ScriptStep& step) {
-  if (step.name != "screenshot" && step.name != "window-shot") return {};
-  const std::size_t space = step.argument.rfind(' ');  // a size may follow
-  auto good = parse_png_name(step.argument);
-  if (!good && space != std::string::npos) good = parse_png_name(step.argument.substr(0, space));
-  return good.map([](const std::string&) {});
-}
-
-}  // namespace
 
 core::Expected<std::vector<ScriptStep>> read_script(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -1,7 +1,5 @@
-#include "sightline/apps/view/section_commands.h"
-
 #include "sightline/apps/common/arguments.h"
-#include "sightline/apps/view/viewer.h"
+#include "sightline/apps/view/actions.h"
 
 namespace sightline::apps {
 namespace {
@@ -17,50 +15,49 @@ core::Expected<std::size_t> section_named(const Sections& sections, const std::s
   return core::fail("there is no section " + number + ": there are " + std::to_string(count));
 }
 
+/// Shows and selects the section that was added last.
+Done added(bool done, Sections& sections, Shown& shown) {
+  if (!done) return core::fail("there are eight sections: take one away first");
+  sections.select(sections.all().size() - 1);
+  shown.tab = "Sections";
+  return {};
+}
+
 }  // namespace
 
-core::Expected<void> cut_at(Viewer& viewer, const core::Expected<std::optional<engine::Pick>>& face) {
+Done cut_at(const core::Expected<std::optional<engine::Pick>>& face, Session& session, Shown& shown) {
   if (!face) return tl::unexpected(face.error());
   if (!*face) return core::fail("there is no face under the cursor");
-  Sections& sections = viewer.session()->sections();
-  if (!sections.add((*face)->point, (*face)->normal))
-    return core::fail("there are eight sections: take one away first");
-  sections.select(sections.all().size() - 1);
-  viewer.shown.tab = "Sections";
-  return {};
+  return added(session.sections.add((*face)->point, (*face)->normal), session.sections, shown);
 }
 
-core::Expected<void> cut_middle(Viewer& viewer, int axis) {
-  Sections& sections = viewer.session()->sections();
-  const core::AabbD& bounds = viewer.session()->bounds().bounds;
+Done cut_middle(int axis, Session& session, Shown& shown) {
+  const core::AabbD& bounds = session.bounds().bounds;
   if (bounds.empty()) return core::fail("the model is empty");
-  if (!sections.add_middle(axis, bounds)) return core::fail("there are eight sections: take one away first");
-  sections.select(sections.all().size() - 1);
-  viewer.shown.tab = "Sections";
-  return {};
+  return added(session.sections.add_middle(axis, bounds), session.sections, shown);
 }
 
-core::Expected<void> select_section(Viewer& viewer, const std::string& number) {
-  Sections& sections = viewer.session()->sections();
-  if (number == "0") return sections.select(std::nullopt), core::Expected<void>();
+Done select_section(const std::string& number, Session& session) {
+  Sections& sections = session.sections;
+  if (number == "0") return sections.select(std::nullopt), Done();
   const auto index = section_named(sections, number);
   if (!index) return tl::unexpected(index.error());
   sections.select(*index);
   return {};
 }
 
-core::Expected<void> flip_section(Viewer& viewer, const std::string& number) {
-  Sections& sections = viewer.session()->sections();
+Done flip_section(const std::string& number, Session& session) {
+  Sections& sections = session.sections;
   const auto index = section_named(sections, number);
   if (!index) return tl::unexpected(index.error());
   Sections::flip(sections.all()[*index]);
   return {};
 }
 
-core::Expected<void> move_section(Viewer& viewer, const std::string& number_and_metres) {
+Done move_section(const std::string& number_and_metres, Session& session) {
   const std::size_t space = number_and_metres.find(' ');
   const bool named = space != std::string::npos;
-  Sections& sections = viewer.session()->sections();
+  Sections& sections = session.sections;
   const auto index = section_named(sections, named ? number_and_metres.substr(0, space) : "");
   const auto metres = parse_finite(named ? number_and_metres.substr(space + 1) : number_and_metres);
   if (!metres) return core::fail("expected N METRES or METRES, found \"" + number_and_metres + "\"");
@@ -69,8 +66,8 @@ core::Expected<void> move_section(Viewer& viewer, const std::string& number_and_
   return {};
 }
 
-core::Expected<void> remove_section(Viewer& viewer, const std::string& number) {
-  Sections& sections = viewer.session()->sections();
+Done remove_section(const std::string& number, Session& session) {
+  Sections& sections = session.sections;
   const auto index = section_named(sections, number);
   if (!index) return tl::unexpected(index.error());
   sections.remove(*index);

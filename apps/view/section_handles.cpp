@@ -33,11 +33,11 @@ std::optional<std::pair<SectionHandles::Shown, SectionGizmo::Part>> felt(const s
 
 std::vector<SectionHandles::Shown> SectionHandles::shown(const Session& session, double scale) {
   std::vector<Shown> all;
-  const auto view = session.view();
+  const auto view = session.image.view();
   if (!view) return all;
-  const auto frame = ImageFrame::create(*view, session.size()[0], session.size()[1]);
+  const auto frame = ImageFrame::create(*view, session.image.size()[0], session.image.size()[1]);
   if (!frame) return all;
-  const Sections& sections = session.sections();
+  const Sections& sections = session.sections;
   for (std::size_t i = 0; i < sections.all().size(); ++i) {
     if (!sections.all()[i].on) continue;
     if (auto gizmo = SectionGizmo::create(*frame, sections.all()[i], sections.selected() == i, scale))
@@ -55,7 +55,7 @@ std::optional<SectionHandles::Target> SectionHandles::at(const Session& session,
 }
 
 Sections::Section* SectionHandles::section(Session& session) const {
-  std::vector<Sections::Section>& all = session.sections().all();
+  std::vector<Sections::Section>& all = session.sections.all();
   return drag_ && drag_->target.section < all.size() ? &all[drag_->target.section] : nullptr;
 }
 
@@ -63,7 +63,7 @@ bool SectionHandles::press(Session& session, const core::dvec2& at, double scale
   const auto found = felt(shown(session, scale), at);
   if (!found) return false;
   const auto& [one, part] = *found;
-  Sections& sections = session.sections();
+  Sections& sections = session.sections;
   const Sections::Section& section = sections.all()[one.section];
   drag_ = Drag{{one.section, part},
                one.gizmo,

@@ -29,9 +29,9 @@ void place_field(Sections::Section& section, const core::dvec3& origin, const Le
 }
 
 /// All six sides as one.
-void box_entry(Viewer& viewer, Sections& sections, const std::array<std::size_t, 6>& sides, double step) {
+void box_entry(Workspace& work, Sections& sections, const std::array<std::size_t, 6>& sides, double step) {
   std::vector<Sections::Section>& all = sections.all();
-  const LengthFormat lengths = viewer.lengths();
+  const LengthFormat lengths = work.lengths();
   const std::array<core::dvec3, 8> corners = box_corners(sections, sides);
   ImGui::PushID("box");
   bool on = std::all_of(sides.begin(), sides.end(), [&](std::size_t side) { return all[side].on; });
@@ -52,7 +52,7 @@ void box_entry(Viewer& viewer, Sections& sections, const std::array<std::size_t,
     for (const std::size_t side : {sides[2 * pair + 1], sides[2 * pair]}) {
       if (side == sides[2 * pair]) ImGui::SameLine();
       ImGui::PushID(int(side));
-      place_field(all[side], viewer.session()->offset(), lengths, step, wide);
+      place_field(all[side], work.session->offset(), lengths, step, wide);
       ImGui::PopID();
     }
     ImGui::PopID();
@@ -66,19 +66,19 @@ void box_entry(Viewer& viewer, Sections& sections, const std::array<std::size_t,
 }
 
 /// Returns whether it is to be removed.
-bool section_entry(Viewer& viewer, Sections& sections, std::size_t index, double step) {
+bool section_entry(Workspace& work, Sections& sections, std::size_t index, double step) {
   Sections::Section& section = sections.all()[index];
-  const core::dvec3& origin = viewer.session()->offset();
+  const core::dvec3& origin = work.session->offset();
   const bool selected = sections.selected() == index;
   ImGui::PushID(int(index));
   ImGui::Checkbox("##on", &section.on);
   ImGui::SameLine();
   const std::string title =
-      std::to_string(index + 1) + "  " + unbroken(section_words(section, origin, viewer.lengths())) + "###title";
+      std::to_string(index + 1) + "  " + unbroken(section_words(section, origin, work.lengths())) + "###title";
   if (ImGui::Selectable(title.c_str(), selected))
     sections.select(selected ? std::nullopt : std::optional<std::size_t>(index));
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("what is kept; a click shows the handles that turn it");
-  place_field(section, origin, viewer.lengths(), step,
+  place_field(section, origin, work.lengths(), step,
               std::min(7.5f * ImGui::GetFontSize(), 0.5f * ImGui::GetContentRegionAvail().x));
   ImGui::SameLine();
   if (ImGui::SmallButton("Flip")) Sections::flip(section);
@@ -90,22 +90,22 @@ bool section_entry(Viewer& viewer, Sections& sections, std::size_t index, double
 
 }  // namespace
 
-void sections_tab(Viewer& viewer) {
-  Session& session = *viewer.session();
+void sections_tab(Workspace& work) {
+  Session& session = *work.session;
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
   for (const char* name : {"section-face", "section-box", "section-z", "section-x", "section-y", "section-clear"})
-    command_button(viewer, *find_command(name), right);
+    command_button(work, name, right);
   ImGui::NewLine();
   ImGui::TextWrapped("X cuts at the face under the cursor. Drag the arrows in the image, or a number here.");
   ImGui::Separator();
   const core::AabbD& bounds = session.bounds().bounds;
   const double step = 1e-3 * (bounds.empty() ? 1.0 : glm::length(bounds.size()));
-  Sections& sections = session.sections();
+  Sections& sections = session.sections;
   const auto box = sections.box();
-  if (box) box_entry(viewer, sections, *box, step);
+  if (box) box_entry(work, sections, *box, step);
   const auto of_box = [&](std::size_t index) { return box && std::count(box->begin(), box->end(), index) > 0; };
   for (std::size_t i = 0; i < sections.all().size(); ++i)
-    if (!of_box(i) && section_entry(viewer, sections, i, step)) return sections.remove(i);
+    if (!of_box(i) && section_entry(work, sections, i, step)) return sections.remove(i);
 }
 
 }  // namespace sightline::apps

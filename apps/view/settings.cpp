@@ -20,6 +20,18 @@ constexpr std::uintmax_t kMostSettingsBytes = 1u << 20;
 constexpr int kDeepestNesting = 64;  // writing JSON takes stack for each level
 constexpr int kSmallestWindow = 100, kLargestWindow = 1 << 14;
 
+constexpr std::pair<const char*, bool Settings::*> kSwitches[] = {
+    {"smooth", &Settings::smooth},
+    {"panels", &Settings::panels},
+    {"triad", &Settings::triad},
+    {"depth_shading", &Settings::depth_shading},
+    {"hatching", &Settings::hatching},
+    {"lower-resolution", &Settings::lower},
+    {"levels", &Settings::levels},
+    {"recognise", &Settings::recognise},
+    {"diagnostics", &Settings::diagnostics},
+};
+
 /// The object in a file; empty where there is no file.
 core::Expected<Json> read_object(const fs::path& file) {
   std::error_code none;
@@ -44,9 +56,9 @@ std::optional<bool> light_of(const Json& json) {
   return json == "dark" ? std::optional(false) : std::nullopt;
 }
 
-std::optional<std::string> units_of(const Json& json) {
-  for (const char* name : {"auto", "mm", "m", "ft"})
-    if (json == name) return name;
+std::optional<Units> units_of(const Json& json) {
+  for (std::size_t i = 0; i < std::size(kUnitsNames); ++i)
+    if (json == kUnitsNames[i]) return Units(i);
   return std::nullopt;
 }
 
@@ -90,21 +102,13 @@ Settings settings_of(const Json& json, std::string& bad) {
     else
       bad += (bad.empty() ? "" : ", ") + std::string(key);
   };
+  for (const auto& [key, flag] : kSwitches) take(key, settings.*flag, flag_of);
   take("theme", settings.light, light_of);
-  take("smooth", settings.smooth, flag_of);
-  take("panels", settings.panels, flag_of);
-  take("triad", settings.triad, flag_of);
-  take("depth_shading", settings.depth_shading, flag_of);
-  take("hatching", settings.hatching, flag_of);
-  take("lower-resolution", settings.lower, flag_of);
-  take("levels", settings.levels, flag_of);
   take("tree-width", settings.tree_width, lines_of);
   take("side-width", settings.side_width, lines_of);
   take("recent", settings.recent, files_of);
   take("window", settings.window, window_size_of);
   take("cache", settings.cache, folder_of);
-  take("recognise", settings.recognise, flag_of);
-  take("diagnostics", settings.diagnostics, flag_of);
   take("units", settings.units, units_of);
   return settings;
 }
@@ -119,22 +123,15 @@ std::vector<std::string> merged(std::vector<std::string> ours, const std::vector
 
 void put_changes(const Settings& before, const Settings& now, Json& json) {
   std::string bad;
+  for (const auto& [key, flag] : kSwitches)
+    if (now.*flag != before.*flag) json[key] = now.*flag;
   if (now.light != before.light) json["theme"] = now.light ? "light" : "dark";
-  if (now.smooth != before.smooth) json["smooth"] = now.smooth;
-  if (now.panels != before.panels) json["panels"] = now.panels;
-  if (now.triad != before.triad) json["triad"] = now.triad;
-  if (now.depth_shading != before.depth_shading) json["depth_shading"] = now.depth_shading;
-  if (now.hatching != before.hatching) json["hatching"] = now.hatching;
-  if (now.lower != before.lower) json["lower-resolution"] = now.lower;
-  if (now.levels != before.levels) json["levels"] = now.levels;
   if (now.tree_width != before.tree_width) json["tree-width"] = now.tree_width;
   if (now.side_width != before.side_width) json["side-width"] = now.side_width;
   if (now.recent != before.recent) json["recent"] = merged(now.recent, settings_of(json, bad).recent);
   if (now.window != before.window && window_size_of(now.window)) json["window"] = now.window;
   if (now.cache != before.cache) json["cache"] = now.cache;
-  if (now.recognise != before.recognise) json["recognise"] = now.recognise;
-  if (now.diagnostics != before.diagnostics) json["diagnostics"] = now.diagnostics;
-  if (now.units != before.units) json["units"] = now.units;
+  if (now.units != before.units) json["units"] = kUnitsNames[int(now.units)];
 }
 
 }  // namespace

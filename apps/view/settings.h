@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/apps/common/numbers.h"
 #include "sightline/core/error.h"
 
 namespace sightline::apps {
@@ -26,7 +27,7 @@ struct Settings {
   std::vector<std::string> recent;          ///< files opened, the last one first, with absolute paths
   std::array<int, 2> window = {1280, 720};  ///< screen units
   std::string cache;                        ///< folder of scene caches, with an absolute path; empty: none
-  std::string units = "auto";               ///< of lengths: auto, mm, m or ft
+  Units units = Units::kAutomatic;          ///< of lengths
   bool diagnostics = false;                 ///< the tab is shown
   bool recognise = false;                   ///< primitives, in meshes of files that are opened
 

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// An area that looks as if something could be put there: files can be dropped anywhere, but somebody has to know.
-void drop_area(Viewer& viewer, float wide) {
+void drop_area(Workspace& work, float wide) {
   const float font = ImGui::GetFontSize(), high = 5.5f * font, dash = 0.6f * font;
   const ImVec2 at = ImGui::GetCursorScreenPos(), end(at.x + wide, at.y + high);
   ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -34,7 +34,7 @@ void drop_area(Viewer& viewer, float wide) {
   const bool beside = both < wide - 2.0f * font;
   const float x = ImGui::GetCursorPosX(), y = ImGui::GetCursorPosY(), left = 0.5f * (wide - (beside ? both : button.x));
   ImGui::SetCursorPos({x + left, y + (beside ? 0.5f * (high - button.y) : 0.7f * font)});
-  if (ImGui::Button(title.c_str(), button)) run(viewer, open);
+  if (ImGui::Button(title.c_str(), button)) run(work, open);
   if (beside) {
     ImGui::SameLine(0.0f, font);
     ImGui::SetCursorPosY(y + 0.5f * (high - font) - ImGui::GetStyle().FramePadding.y);  // the button's line adds that
@@ -47,9 +47,9 @@ void drop_area(Viewer& viewer, float wide) {
 }
 
 /// Image, name and folder. True where it is clicked.
-bool recent_model(Viewer& viewer, const std::string& file, const ImVec2& image, const ImVec2& cell) {
+bool recent_model(Workspace& work, const std::string& file, const ImVec2& image, const ImVec2& cell) {
   const fs::path path(file);
-  const bool there = viewer.file_states().of(file).there;
+  const bool there = work.file_states.of(file).there;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float line = ImGui::GetTextLineHeight(), inset = 0.5f * (cell.x - image.x);
   ImGui::BeginDisabled(!there);
@@ -61,7 +61,7 @@ bool recent_model(Viewer& viewer, const std::string& file, const ImVec2& image, 
         at, {at.x + cell.x, at.y + cell.y}, ImGui::GetColorU32(there ? ImGuiCol_HeaderHovered : ImGuiCol_FrameBg, 0.6f),
         inset);
   }
-  framed_image(viewer.textures().get(viewer.context(), file, [&] { return viewer.thumbnails().read(file); }),
+  framed_image(work.textures.get(work.window.context(), file, [&] { return work.thumbnails.read(file); }),
                {at.x + inset, at.y + inset}, image, !there);
   const auto text = [&](const std::string& words, float y, ImGuiCol colour) {
     ImGui::GetWindowDrawList()->AddText({at.x + inset, y}, ImGui::GetColorU32(colour),
@@ -74,9 +74,9 @@ bool recent_model(Viewer& viewer, const std::string& file, const ImVec2& image, 
 }
 
 /// Files opened before, side by side as many as there is room for; a click opens one again.
-void recent_models(Viewer& viewer, float wide) {
+void recent_models(Workspace& work, float wide) {
   constexpr float kLeastLines = 9.0f, kMostColumns = 5.0f;
-  if (viewer.recent().empty()) return;
+  if (work.shown.recent.empty()) return;
   ImGui::TextDisabled("Recent models");
   const float font = ImGui::GetFontSize(), inset = 0.3f * font;
   const auto columns = std::size_t(std::clamp(std::floor(wide / (kLeastLines * font)), 1.0f, kMostColumns));
@@ -84,16 +84,16 @@ void recent_models(Viewer& viewer, float wide) {
   const ImVec2 image(across - 2.0f * inset, 0.75f * (across - 2.0f * inset)),
       cell(across, image.y + 2.0f * inset + 2.4f * ImGui::GetTextLineHeight());
   std::string chosen;
-  for (std::size_t i = 0; i < viewer.recent().size(); ++i) {
+  for (std::size_t i = 0; i < work.shown.recent.size(); ++i) {
     if (i % columns != 0)
       ImGui::SameLine(0.0f, 0.0f);
     else
       ImGui::SetCursorPosX(ImGui::GetCursorPosX() - inset);
     ImGui::PushID(int(i));
-    if (recent_model(viewer, viewer.recent()[i], image, cell)) chosen = viewer.recent()[i];
+    if (recent_model(work, work.shown.recent[i], image, cell)) chosen = work.shown.recent[i];
     ImGui::PopID();
   }
-  if (!chosen.empty()) viewer.open({chosen});
+  if (!chosen.empty()) work.open({chosen});
 }
 
 void first_gestures() {
@@ -107,9 +107,9 @@ void first_gestures() {
 
 }  // namespace
 
-void start_page(Viewer& viewer, const apps::Part& part) {
+void start_page(Workspace& work, const apps::Part& part) {
   constexpr float kMostLines = 64.0f;
-  if (viewer.session() || viewer.loader()) return;
+  if (work.session || work.opening.active()) return;
   const float font = ImGui::GetFontSize(), top = ImGui::GetIO().DisplaySize.y - float(part.y + part.height),
               wide = std::min(float(part.width), kMostLines * font);
   ImGui::PushStyleColor(ImGuiCol_Border, {0.0f, 0.0f, 0.0f, 0.0f});
@@ -117,9 +117,9 @@ void start_page(Viewer& viewer, const apps::Part& part) {
               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoBackground);
   const float room = ImGui::GetContentRegionAvail().x;
   ImGui::Dummy({0.0f, 0.02f * float(part.height)});
-  drop_area(viewer, room);
+  drop_area(work, room);
   ImGui::Dummy({0.0f, 0.5f * font});
-  recent_models(viewer, room);
+  recent_models(work, room);
   ImGui::Dummy({0.0f, 0.5f * font});
   first_gestures();
   ImGui::End();

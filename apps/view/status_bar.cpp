@@ -19,11 +19,11 @@ struct Field {
   std::string text, tip;
 };
 
-Field cursor_field(Viewer& viewer) {
-  auto at = viewer.cursor_point();
+Field cursor_field(Workspace& work) {
+  auto at = work.gestures.cursor_point();
   if (!at) return {};
-  const LengthFormat lengths = viewer.lengths();
-  *at -= viewer.session()->offset();
+  const LengthFormat lengths = work.lengths();
+  *at -= work.session->offset();
   std::string text;
   for (int axis = 0; axis < 3; ++axis)
     text += std::string(axis > 0 ? "  " : "") + "XYZ"[axis] + " " + lengths.number((*at)[axis]);
@@ -31,7 +31,7 @@ Field cursor_field(Viewer& viewer) {
 }
 
 Field selection_field(const Session& session) {
-  const Document& document = session.document();
+  const Document& document = session.document;
   const auto selection = document.selection();
   const std::string hidden =
       document.hidden() == 0 ? "" : grouped(std::int64_t(document.hidden())) + " hidden; U shows all";
@@ -43,14 +43,14 @@ Field selection_field(const Session& session) {
   return {hidden.empty() ? text : text + ", " + grouped(std::int64_t(document.hidden())) + " hidden", std::move(tip)};
 }
 
-Field mode_field(Viewer& viewer) {
+Field mode_field(Workspace& work) {
   constexpr const char* kTools[] = {"Select", "Measure", "Pick a face"};
-  std::string text = kTools[int(viewer.shown.tool)];
-  if (viewer.walking()) text += ", walk";
-  if (viewer.recording()) text += ", recording";
-  if (viewer.player().playing()) text += ", playing";
-  if (viewer.session()->slider()) text += ", slider";
-  if (viewer.session()->frozen()) text += ", culling camera frozen";
+  std::string text = kTools[int(work.shown.tool)];
+  if (work.gestures.walking()) text += ", walk";
+  if (work.recorder.has_value()) text += ", recording";
+  if (work.player.playing()) text += ", playing";
+  if (work.session->slider.at()) text += ", slider";
+  if (work.session->image.frozen()) text += ", culling camera frozen";
   return {text, "what clicks do"};
 }
 
@@ -69,15 +69,15 @@ float fields(const std::vector<Field>& all) {
   return x;
 }
 
-void message(const Viewer& viewer, float wide) {
-  const std::string& text = viewer.message();
+void message(const Workspace& work, float wide) {
+  const std::string& text = work.messages.text();
   const bool fits = ImGui::CalcTextSize(text.c_str()).x <= wide;
-  if (viewer.message_is_error()) ImGui::PushStyleColor(ImGuiCol_Text, kErrorColour);
+  if (work.messages.is_error()) ImGui::PushStyleColor(ImGuiCol_Text, kErrorColour);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::PushClipRect(at, {at.x + wide, at.y + ImGui::GetFrameHeight()}, true);
   ImGui::TextUnformatted(text.c_str());
   ImGui::PopClipRect();
-  if (viewer.message_is_error()) ImGui::PopStyleColor();
+  if (work.messages.is_error()) ImGui::PopStyleColor();
   if (!fits && ImGui::IsItemHovered() && ImGui::GetMousePos().x < at.x + wide) ImGui::SetTooltip("%s", text.c_str());
 }
 
@@ -99,7 +99,7 @@ void writing(ModelExport& running, float wide) {
 
 }  // namespace
 
-void status_bar(Viewer& viewer) {
+void status_bar(Workspace& work) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const float bar = ImGui::GetFrameHeight(), padding = ImGui::GetStyle().WindowPadding.x;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {padding, ImGui::GetStyle().FramePadding.y});
@@ -107,19 +107,19 @@ void status_bar(Viewer& viewer) {
   begin_fixed("##status", 0.0f, size.y - bar, size.x, bar, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
   const ImVec2 begin = ImGui::GetCursorPos();
   float wide = size.x - 2.0f * padding;
-  if (viewer.session()) {
+  if (work.session) {
     ImGui::Dummy({0.0f, 0.0f});
-    wide = fields({cursor_field(viewer),
-                   selection_field(*viewer.session()),
-                   mode_field(viewer),
-                   {viewer.lengths().unit(), "units: View, Units"}}) -
+    wide = fields({cursor_field(work),
+                   selection_field(*work.session),
+                   mode_field(work),
+                   {work.lengths().unit(), "units: View, Units"}}) -
            padding;
   }
   ImGui::SetCursorPos(begin);
-  if (viewer.model_export())
-    writing(*viewer.model_export(), wide);
+  if (work.exports.model())
+    writing(*work.exports.model(), wide);
   else
-    message(viewer, std::max(0.0f, wide));
+    message(work, std::max(0.0f, wide));
   ImGui::End();
   ImGui::PopStyleVar(2);
 }

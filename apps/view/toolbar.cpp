@@ -17,13 +17,13 @@ float button_side() {
 }
 
 /// Grey where the command is impossible, pressed where it is on. The tooltip says what it does, or what it lacks.
-void button(Viewer& viewer, const Command& command) {
+void button(Workspace& work, const Command& command) {
   const float side = button_side(), padding = kPaddingLines * ImGui::GetFontSize();
-  const char* obstacle = command.obstacle_now(viewer);
-  const bool on = !obstacle && command.on && command.on(viewer);
+  const char* obstacle = command.obstacle_now(work);
+  const bool on = !obstacle && command.on && command.on(work);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::BeginDisabled(obstacle != nullptr);
-  if (ImGui::InvisibleButton(command.name, {side, side})) run(viewer, command);
+  if (ImGui::InvisibleButton(command.name, {side, side})) run(work, command);
   ImGui::EndDisabled();
   const bool hovered = ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
   ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -35,15 +35,15 @@ void button(Viewer& viewer, const Command& command) {
   }
   draw_icon(list, command.icon, {at.x + padding, at.y + padding}, kIconLines * ImGui::GetFontSize(),
             ImGui::GetColorU32(obstacle ? ImGuiCol_TextDisabled : ImGuiCol_Text, obstacle ? 0.6f : 1.0f));
-  if (hovered) command_tip(viewer, command, true);
+  if (hovered) command_tip(work, command, true);
 }
 
 /// What has no room in a narrow window.
-void overflow(Viewer& viewer, std::span<const Command> left) {
+void overflow(Workspace& work, std::span<const Command> left) {
   if (ImGui::Button("»", {0.0f, button_side()})) ImGui::OpenPopup("##more");
   if (!ImGui::BeginPopup("##more")) return;
   for (const Command& command : left)
-    if (command.icon) command_item(viewer, command);
+    if (command.icon) command_item(work, command);
   ImGui::EndPopup();
 }
 
@@ -53,7 +53,7 @@ float toolbar_height() {
   return button_side() + 2.0f * ImGui::GetStyle().FramePadding.y;
 }
 
-void toolbar(Viewer& viewer) {
+void toolbar(Workspace& work) {
   const ImGuiStyle& style = ImGui::GetStyle();
   const float wide = ImGui::GetIO().DisplaySize.x, more = 2.0f * ImGui::GetFontSize();
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {style.WindowPadding.x, style.FramePadding.y});
@@ -71,10 +71,10 @@ void toolbar(Viewer& viewer) {
     first = false;
     menu = its;
     if (ImGui::GetCursorPosX() + button_side() + more > wide) {
-      overflow(viewer, all.subspan(i));
+      overflow(work, all.subspan(i));
       break;
     }
-    button(viewer, all[i]);
+    button(work, all[i]);
   }
   ImGui::End();
   ImGui::PopStyleVar(3);

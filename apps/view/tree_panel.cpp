@@ -4,6 +4,8 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "sightline/apps/common/tree_walk.h"
+#include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/icons.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
@@ -11,20 +13,21 @@
 namespace sightline::apps {
 namespace {
 
-void select_below(Viewer& viewer, core::NodeId node) {
-  Document& document = viewer.session()->document();
+void select_below(Workspace& work, core::NodeId node) {
+  Document& document = work.session->document;
   const ImGuiIO& io = ImGui::GetIO();
-  viewer.tell_outcome(document.select(document.items_below(node), io.KeyCtrl    ? SelectMode::kToggle
-                                                                  : io.KeyShift ? SelectMode::kAdd
-                                                                                : SelectMode::kReplace));
+  work.messages.tell_outcome(document.select(items_below(work.session->scene(), node), io.KeyCtrl ? SelectMode::kToggle
+                                                                                       : io.KeyShift
+                                                                                           ? SelectMode::kAdd
+                                                                                           : SelectMode::kReplace));
 }
 
-void search_field(Viewer& viewer, ModelTree& tree) {
+void search_field(Workspace& work, ModelTree& tree) {
   NameQuery query = tree.query();
   const float button = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize(".*").x;
   ImGui::SetNextItemWidth(-button - ImGui::GetStyle().ItemSpacing.x);
-  if (viewer.shown.find) ImGui::SetKeyboardFocusHere();
-  viewer.shown.find = false;
+  if (work.shown.find) ImGui::SetKeyboardFocusHere();
+  work.shown.find = false;
   bool changed = ImGui::InputTextWithHint("##find", "find: text, or attribute:text", &query.text);
   if (ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) {
     changed |= !query.text.empty();  // Dear ImGui would bring back what was searched for before
@@ -42,32 +45,33 @@ void search_field(Viewer& viewer, ModelTree& tree) {
   }
   ImGui::Text("%s found", grouped(std::int64_t(tree.match_count())).c_str());
   ImGui::SameLine();
-  if (ImGui::SmallButton("Select") || entered) viewer.tell_outcome(viewer.select_found());
+  if (ImGui::SmallButton("Select") || entered)
+    work.messages.tell_outcome(select_found("", *work.session, work.messages));
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("What has exactly this name, or else these words; *text* takes all");
 }
 
-void node_menu(Viewer& viewer, core::NodeId node, ModelTree& tree) {
+void node_menu(Workspace& work, core::NodeId node, ModelTree& tree) {
   if (!ImGui::BeginPopupContextItem()) return;
-  const std::vector<core::ItemId> items = viewer.session()->document().items_below(node);
-  Document& document = viewer.session()->document();
-  if (ImGui::MenuItem("Select")) viewer.tell_outcome(document.select(items));
-  if (ImGui::MenuItem("Hide")) viewer.tell_outcome(document.hide(items));
-  if (ImGui::MenuItem("Isolate")) viewer.tell_outcome(document.isolate(items));
-  if (ImGui::MenuItem("Make the rest faint")) viewer.tell_outcome(document.ghost_others(items));
+  const std::vector<core::ItemId> items = items_below(work.session->scene(), node);
+  Document& document = work.session->document;
+  if (ImGui::MenuItem("Select")) work.messages.tell_outcome(document.select(items));
+  if (ImGui::MenuItem("Hide")) work.messages.tell_outcome(document.hide(items));
+  if (ImGui::MenuItem("Isolate")) work.messages.tell_outcome(document.isolate(items));
+  if (ImGui::MenuItem("Make the rest faint")) work.messages.tell_outcome(document.ghost_others(items));
   ImGui::Separator();
   if (ImGui::MenuItem("Expand all below")) tree.rows().expand_all_below(node);
-  if (ImGui::MenuItem("Copy name")) ImGui::SetClipboardText(label(viewer.session()->scene(), node).c_str());
+  if (ImGui::MenuItem("Copy name")) ImGui::SetClipboardText(label(work.session->scene(), node).c_str());
   ImGui::EndPopup();
 }
 
 /// At the right end of a row: shows and hides what is below.
-void eye(Viewer& viewer, const TreeRow& row, const TreeStates::Below& below, float x) {
+void eye(Workspace& work, const TreeRow& row, const TreeStates::Below& below, float x) {
   const float side = ImGui::GetTextLineHeight();
   ImGui::SameLine(x);
   if (ImGui::InvisibleButton("##eye", {side, side})) {
-    Document& document = viewer.session()->document();
-    const std::vector<core::ItemId> items = document.items_below(row.node);
-    viewer.tell_outcome(below.hidden() ? document.show(items) : document.hide(items));
+    Document& document = work.session->document;
+    const std::vector<core::ItemId> items = items_below(work.session->scene(), row.node);
+    work.messages.tell_outcome(below.hidden() ? document.show(items) : document.hide(items));
   }
   const bool hovered = ImGui::IsItemHovered();
   const char* icon = below.hidden() ? icons::kEyeClosed : below.partly_hidden() ? icons::kEyeHalf : icons::kEye;
@@ -96,8 +100,8 @@ void row_text(const TreeRow& row, const std::string& name, const TreeStates::Bel
 }
 
 /// Returns whether the row was opened or closed, after which the rows are others.
-bool node_row(Viewer& viewer, const TreeRow& row, ModelTree& tree) {
-  Session& session = *viewer.session();
+bool node_row(Workspace& work, const TreeRow& row, ModelTree& tree) {
+  Session& session = *work.session;
   const core::ItemId first = session.scene().first_item(row.node);
   const TreeStates::Below below = session.tree_states().below(tree.rows(), row.node);
   const float font = ImGui::GetFontSize(), indent = 0.7f * font * float(row.depth),
@@ -106,29 +110,29 @@ bool node_row(Viewer& viewer, const TreeRow& row, ModelTree& tree) {
   ImGuiTreeNodeFlags flags = ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_OpenOnArrow |
                              ImGuiTreeNodeFlags_SpanFullWidth | ImGuiTreeNodeFlags_AllowItemOverlap;
   if (!row.has_children) flags |= ImGuiTreeNodeFlags_Leaf;
-  if (first != core::kNoItem && session.document().is(first, Document::kSelected)) flags |= ImGuiTreeNodeFlags_Selected;
+  if (first != core::kNoItem && session.document.is(first, Document::kSelected)) flags |= ImGuiTreeNodeFlags_Selected;
   ImGui::SetNextItemOpen(row.expanded);
   ImGui::Indent(indent + 0.001f);
   const float x = ImGui::GetCursorPosX() + ImGui::GetTreeNodeToLabelSpacing();
   const bool open = ImGui::TreeNodeEx("##node", flags), toggled = ImGui::IsItemToggledOpen();
   ImGui::Unindent(indent + 0.001f);
   if (ImGui::IsItemClicked() && !toggled) {
-    select_below(viewer, row.node);
-    if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) viewer.tell_outcome(find_command("focus")->run(viewer, {}));
+    select_below(work, row.node);
+    if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) run(work, "focus");
   }
   const std::string name = label(session.scene(), row.node);
   const float name_end = end - 1.4f * font;
   if (ImGui::IsItemHovered() && ImGui::CalcTextSize(name.c_str()).x > name_end - x - 2.0f * font)
     ImGui::SetTooltip("%s", name.c_str());
-  node_menu(viewer, row.node, tree);
+  node_menu(work, row.node, tree);
   row_text(row, name, below, x, name_end);
-  if (below.items > 0) eye(viewer, row, below, end - 1.1f * font);
+  if (below.items > 0) eye(work, row, below, end - 1.1f * font);
   ImGui::PopID();
   if (toggled) open ? tree.rows().expand(row.node) : tree.rows().collapse(row.node);
   return toggled;
 }
 
-void rows(Viewer& viewer, ModelTree& tree) {
+void rows(Workspace& work, ModelTree& tree) {
   ImGui::BeginChild("##rows");
   if (const auto revealed = tree.take_revealed()) {
     const float at = float(*revealed) * ImGui::GetTextLineHeightWithSpacing(), height = ImGui::GetWindowHeight();
@@ -140,20 +144,20 @@ void rows(Viewer& viewer, ModelTree& tree) {
   bool changed = false;
   while (clipper.Step() && !changed)
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd && !changed; ++i)
-      changed = node_row(viewer, tree.rows().row(std::size_t(i)), tree);
+      changed = node_row(work, tree.rows().row(std::size_t(i)), tree);
   clipper.End();
   ImGui::EndChild();
 }
 
 }  // namespace
 
-void tree_panel(Viewer& viewer) {
-  const Margins m = margins(viewer);
+void tree_panel(Workspace& work) {
+  const Margins m = margins(work.shown);
   begin_fixed("##tree", 0.0f, float(m.top), float(m.left), ImGui::GetIO().DisplaySize.y - float(m.top + m.bottom),
               ImGuiWindowFlags_NoTitleBar);
-  if (Session* session = viewer.session()) {
-    search_field(viewer, session->tree());
-    rows(viewer, session->tree());
+  if (Session* session = work.session.get()) {
+    search_field(work, session->tree);
+    rows(work, session->tree);
   }
   ImGui::End();
 }

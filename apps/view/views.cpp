@@ -1,7 +1,8 @@
-#include "sightline/apps/view/views.h"
-
+#include <filesystem>
 #include <utility>
 
+#include "sightline/apps/common/output.h"
+#include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/small_image.h"
 #include "sightline/render/image/image.h"
 
@@ -12,16 +13,13 @@ std::string count_of_views(std::size_t count) {
   return std::to_string(count) + (count == 1 ? " view" : " views");
 }
 
-using Done = core::Expected<void>;
-
 constexpr int kSnapshotWidth = 320;
 
 /// What is seen and shown now, with an image of it.
-core::Expected<Viewpoint> seen_now(Viewer& viewer) {
-  Session& session = *viewer.session();
+core::Expected<Viewpoint> seen_now(Session& session) {
   Viewpoint seen = session.viewpoint();
-  if (auto drawn = session.draw(); !drawn) return tl::unexpected(drawn.error());
-  const auto image = session.image(true);
+  if (auto drawn = session.image.draw(); !drawn) return tl::unexpected(drawn.error());
+  const auto image = session.image.read(true);
   if (!image) return tl::unexpected(image.error());
   const image::Image small = shrunk(*image, kSnapshotWidth);
   if (small.width > 0 && small.height > 0)
@@ -29,83 +27,103 @@ core::Expected<Viewpoint> seen_now(Viewer& viewer) {
   return seen;
 }
 
-core::Expected<Viewpoint*> current(Viewer& viewer) {
-  Viewpoint* view = viewer.views().current();
+core::Expected<Viewpoint*> current(ViewList& views) {
+  Viewpoint* view = views.current();
   return view ? core::Expected<Viewpoint*>(view) : core::fail("show a view first");
 }
 
 }  // namespace
 
-core::Expected<void> add_view(Viewer& viewer, const std::string& name) {
-  auto seen = seen_now(viewer);
+Done add_view(const std::string& name, Session& session, ViewList& views, Shown& shown) {
+  auto seen = seen_now(session);
   if (!seen) return tl::unexpected(seen.error());
-  viewer.views().add(std::move(*seen), name);
-  viewer.shown.tab = "Views";
+  views.add(std::move(*seen), name);
+  shown.tab = "Views";
   return {};
 }
 
-core::Expected<void> show_view(Viewer& viewer, const std::string& which) {
-  const auto index = viewer.views().find(which);
+Done show_view(const std::string& which, Session& session, ViewList& views, Messages& messages) {
+  const auto index = views.find(which);
   if (!index) return tl::unexpected(index.error());
-  const Viewpoint& view = viewer.views().all()[*index];
-  const auto missing = viewer.session()->show(view);
+  const Viewpoint& view = views.all()[*index];
+  const auto missing = session.show(view);
   if (!missing) return tl::unexpected(missing.error());
-  viewer.views().set_current(*index);
+  views.set_current(*index);
   if (*missing > 0)
-    viewer.tell(std::to_string(*missing) + " parts of this view are not in the model", true);
+    messages.tell(std::to_string(*missing) + " parts of this view are not in the model", true);
   else
-    viewer.tell(view.name);
+    messages.tell(view.name);
   return {};
 }
 
-core::Expected<void> update_view(Viewer& viewer, const std::string&) {
-  if (auto view = current(viewer); !view) return tl::unexpected(view.error());
-  auto seen = seen_now(viewer);
+Done update_view(const std::string&, Session& session, ViewList& views) {
+  if (auto view = current(views); !view) return tl::unexpected(view.error());
+  auto seen = seen_now(session);
   if (!seen) return tl::unexpected(seen.error());
-  viewer.views().update_current(std::move(*seen));
+  views.update_current(std::move(*seen));
   return {};
 }
 
-core::Expected<void> rename_view(Viewer& viewer, const std::string& name) {
-  const auto view = current(viewer);
+Done rename_view(const std::string& name, ViewList& views) {
+  const auto view = current(views);
   if (!view) return tl::unexpected(view.error());
   if (name.empty()) return core::fail("a view needs a name");
   (*view)->name = name;
   return {};
 }
 
-core::Expected<void> comment_view(Viewer& viewer, const std::string& text) {
-  const auto view = current(viewer);
+Done comment_view(const std::string& text, ViewList& views) {
+  const auto view = current(views);
   if (!view) return tl::unexpected(view.error());
   (*view)->comment = text;
   return {};
 }
 
-core::Expected<void> delete_view(Viewer& viewer, const std::string& which) {
-  const auto index = viewer.views().find(which);
+Done delete_view(const std::string& which, ViewList& views) {
+  const auto index = views.find(which);
   if (!index) return tl::unexpected(index.error());
-  viewer.views().remove(*index);
+  views.remove(*index);
   return {};
 }
 
-core::Expected<void> save_views(Viewer& viewer, const std::string& file) {
-  if (file.empty()) return viewer.shown.dialog = Dialog::kSaveViews, Done();
-  auto done = write_views(file, viewer.views().all());
+Done save_views(const std::string& file, ViewList& views, Shown& shown, Messages& messages) {
+  if (file.empty()) return shown.dialog = Dialog::kSaveViews, Done();
+  auto done = write_views(file, views.all());
   if (!done) return done;
-  viewer.views().mark_saved();
-  viewer.tell(count_of_views(viewer.views().size()) + " saved in " + file);
+  views.mark_saved();
+  messages.tell(count_of_views(views.size()) + " saved in " + file);
   return {};
 }
 
-core::Expected<void> load_views(Viewer& viewer, const std::string& file) {
-  if (file.empty()) return viewer.shown.dialog = Dialog::kReadViews, Done();
+Done load_views(const std::string& file, ViewList& views, Shown& shown, Messages& messages) {
+  if (file.empty()) return shown.dialog = Dialog::kReadViews, Done();
   auto read = read_views(file);
   if (!read) return tl::unexpected(read.error());
-  viewer.tell(count_of_views(read->views.size()) + " read from " + file +
-              (read->left_out > 0 ? ", " + std::to_string(read->left_out) + " without a camera left out" : ""));
-  viewer.views().merge(std::move(read->views));
-  viewer.shown.tab = "Views";
+  messages.tell(count_of_views(read->views.size()) + " read from " + file +
+                (read->left_out > 0 ? ", " + std::to_string(read->left_out) + " without a camera left out" : ""));
+  views.merge(std::move(read->views));
+  shown.tab = "Views";
   return {};
+}
+
+Done save_view(const std::string& file, Session& session, Messages& messages) {
+  const std::string name = file.empty() ? free_name("view", ".json") : file;
+  auto done = write_text(name, format_viewpoint(session.viewpoint()));
+  if (done) messages.tell("view: " + name);
+  return done;
+}
+
+Done load_view(const std::string& file, Session& session, ViewList& views, Shown& shown, Messages& messages) {
+  const auto read = read_views(file);
+  if (!read) return tl::unexpected(read.error());
+  if (is_bcf(file) || read->views.size() != 1) return load_views(file, views, shown, messages);
+  const auto missing = session.show(read->views.front());
+  return missing ? Done() : tl::unexpected(missing.error());
+}
+
+std::string free_name(const std::string& stem, const std::string& extension) {
+  for (int i = 1;; ++i)
+    if (std::string name = stem + "-" + std::to_string(i) + extension; !std::filesystem::exists(name)) return name;
 }
 
 }  // namespace sightline::apps

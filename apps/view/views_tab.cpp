@@ -5,9 +5,9 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/small_image.h"
-#include "sightline/apps/view/views.h"
 #include "sightline/apps/view/widgets.h"
 #include "sightline/render/image/image.h"
 
@@ -22,19 +22,19 @@ std::optional<image::Image> small_image(const Viewpoint& view) {
 }
 
 /// Image, number and name, and the beginning of the comment.
-void view_row(Viewer& viewer, std::size_t index, float height) {
-  const Viewpoint& view = viewer.views().all()[index];
+void view_row(Workspace& work, std::size_t index, float height) {
+  const Viewpoint& view = work.views.all()[index];
   const ImVec2 at = ImGui::GetCursorPos(), corner = ImGui::GetCursorScreenPos();
   const float line = ImGui::GetTextLineHeight(), wide = 1.4f * height, pad = 0.1f * line;
   const std::string number = std::to_string(index + 1);
   ImGui::PushID(int(index));
-  if (ImGui::Selectable("##view", int(index) == viewer.views().current_index(), 0, {0.0f, height}))
-    viewer.tell_outcome(show_view(viewer, number));
+  if (ImGui::Selectable("##view", int(index) == work.views.current_index(), 0, {0.0f, height}))
+    run(work, "view-show", number);
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%s%s%s", view.name.c_str(), view.comment.empty() ? "" : "\n", view.comment.c_str());
   // The snapshot of a view that is updated lies elsewhere in memory.
   const std::string key = view.guid + " " + std::to_string(reinterpret_cast<std::uintptr_t>(view.snapshot.data()));
-  framed_image(viewer.textures().get(viewer.context(), key, [&] { return small_image(view); }),
+  framed_image(work.textures.get(work.window.context(), key, [&] { return small_image(view); }),
                {corner.x + pad, corner.y + pad}, {wide - 2.0f * pad, height - 2.0f * pad});
   const float left = at.x + wide + 0.4f * line;
   ImGui::SetCursorPos({left, at.y + 0.5f * height - line});
@@ -46,40 +46,40 @@ void view_row(Viewer& viewer, std::size_t index, float height) {
 }
 
 /// What can be done with the current view, below the list.
-void current_view(Viewer& viewer, Viewpoint& view) {
+void current_view(Workspace& work, Viewpoint& view) {
   ImGui::Separator();
   ImGui::SetNextItemWidth(-1.0f);
   ImGui::InputText("##name", &view.name);
   ImGui::InputTextMultiline("##comment", &view.comment, {-1.0f, 5.0f * ImGui::GetTextLineHeight()});
-  if (ImGui::Button("Update")) viewer.tell_outcome(update_view(viewer, ""));
+  if (ImGui::Button("Update")) run(work, "view-update");
   ImGui::SameLine();
-  if (ImGui::Button("Up")) viewer.views().move_current(-1);
+  if (ImGui::Button("Up")) work.views.move_current(-1);
   ImGui::SameLine();
-  if (ImGui::Button("Down")) viewer.views().move_current(1);
+  if (ImGui::Button("Down")) work.views.move_current(1);
   ImGui::SameLine();
-  if (ImGui::Button("Delete")) viewer.tell_outcome(delete_view(viewer, ""));
+  if (ImGui::Button("Delete")) run(work, "view-delete");
 }
 
 }  // namespace
 
-void views_tab(Viewer& viewer) {
-  ViewList& views = viewer.views();
-  if (ImGui::Button("Add what is seen now")) viewer.tell_outcome(add_view(viewer, ""));
+void views_tab(Workspace& work) {
+  ViewList& views = work.views;
+  if (ImGui::Button("Add what is seen now")) run(work, "view-add");
   const float line = ImGui::GetTextLineHeightWithSpacing(), below = 13.0f * line, row = 3.6f * line;
   const float high = std::max(row, ImGui::GetContentRegionAvail().y - below);
   if (ImGui::BeginChild("##list", {0.0f, high}, true)) {
     ImGuiListClipper clipper;
     clipper.Begin(int(views.size()), row + ImGui::GetStyle().ItemSpacing.y);
     while (clipper.Step())
-      for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) view_row(viewer, std::size_t(i), row);
+      for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) view_row(work, std::size_t(i), row);
     clipper.End();
   }
   ImGui::EndChild();
-  if (Viewpoint* view = views.current()) current_view(viewer, *view);
+  if (Viewpoint* view = views.current()) current_view(work, *view);
   ImGui::Separator();
-  if (ImGui::Button("Save all…")) viewer.tell_outcome(save_views(viewer, ""));
+  if (ImGui::Button("Save all…")) run(work, "views-save");
   ImGui::SameLine();
-  if (ImGui::Button("Load…")) viewer.tell_outcome(load_views(viewer, ""));
+  if (ImGui::Button("Load…")) run(work, "views-load");
 }
 
 }  // namespace sightline::apps

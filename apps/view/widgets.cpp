@@ -20,10 +20,10 @@ void begin_centred(const char* name, bool* open, float lines_wide, float at_heig
   ImGui::Begin(name, open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
 }
 
-void begin_dialog(Viewer& viewer, const char* name, float lines_wide) {
+void begin_dialog(Workspace& work, const char* name, float lines_wide) {
   bool open = true;
   begin_centred(name, &open, lines_wide);
-  if (!open) viewer.shown.dialog = Dialog::kNone;
+  if (!open) work.shown.dialog = Dialog::kNone;
 }
 
 void wrapped_text(const std::string& text) {
@@ -94,42 +94,47 @@ std::string shortened(const std::string& text, float width) {
   return "…" + text.substr(beyond);
 }
 
-void command_tip(Viewer& viewer, const Command& command, bool titled) {
+void command_tip(Workspace& work, const Command& command, bool titled) {
   ImGui::BeginTooltip();
   if (titled && command.keys[0] != '\0')
     ImGui::Text("%s (%s)", command.title, command.keys);
   else if (titled)
     ImGui::TextUnformatted(command.title);
-  const char* obstacle = command.obstacle_now(viewer);
+  const char* obstacle = command.obstacle_now(work);
   ImGui::PushTextWrapPos(25.0f * ImGui::GetFontSize());
   ImGui::TextUnformatted(obstacle ? obstacle : help_of(command).c_str());
   ImGui::PopTextWrapPos();
   ImGui::EndTooltip();
 }
 
-void command_item(Viewer& viewer, const Command& command) {
-  const bool possible = !command.obstacle_now(viewer), on = possible && command.on && command.on(viewer);
-  if (ImGui::MenuItem(command.title, command.keys, on, possible)) run(viewer, command);
-  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) command_tip(viewer, command, false);
+void command_item(Workspace& work, const Command& command) {
+  const bool possible = !command.obstacle_now(work), on = possible && command.on && command.on(work);
+  if (ImGui::MenuItem(command.title, command.keys, on, possible)) run(work, command);
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) command_tip(work, command, false);
 }
 
-void command_button(Viewer& viewer, const Command& command, float right) {
+void command_button(Workspace& work, const char* name, float right) {
+  const Command& command = *find_command(name);
   const ImGuiStyle& style = ImGui::GetStyle();
   const float wide = ImGui::CalcTextSize(command.title).x + 2.0f * style.FramePadding.x;
-  const bool possible = !command.obstacle_now(viewer), on = possible && command.on && command.on(viewer);
+  const bool possible = !command.obstacle_now(work), on = possible && command.on && command.on(work);
   if (ImGui::GetCursorScreenPos().x + wide > right) ImGui::NewLine();
   ImGui::BeginDisabled(!possible);
   if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-  if (ImGui::Button(command.title)) run(viewer, command);
+  if (ImGui::Button(command.title)) run(work, command);
   if (on) ImGui::PopStyleColor();
   ImGui::EndDisabled();
-  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) command_tip(viewer, command, true);
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) command_tip(work, command, true);
   ImGui::SameLine();
 }
 
-void run(Viewer& viewer, const Command& command) {
-  if (const char* obstacle = command.obstacle_now(viewer)) return viewer.tell(obstacle, true);
-  viewer.tell_outcome(command.run(viewer, {}));
+void run(Workspace& work, const Command& command, const std::string& argument) {
+  if (const char* obstacle = command.obstacle_now(work)) return work.messages.tell(obstacle, true);
+  work.messages.tell_outcome(command.run(work, argument));
+}
+
+void run(Workspace& work, const std::string& command, const std::string& argument) {
+  run(work, *find_command(command), argument);
 }
 
 }  // namespace sightline::apps

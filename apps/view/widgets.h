@@ -19,7 +19,7 @@ inline const ImVec4 kErrorColour{0.95f, 0.45f, 0.25f, 1.0f};
 void begin_fixed(const char* name, float x, float y, float width, float height, ImGuiWindowFlags flags = 0);
 void begin_centred(const char* name, bool* open, float lines_wide, float at_height = 0.5f);
 
-void begin_dialog(Viewer& viewer, const char* name, float lines_wide);
+void begin_dialog(Workspace& work, const char* name, float lines_wide);
 
 /// A text that is wrapped between words alone. ImGui's TextWrapped() ends lines within numbers, too, after points and
 /// commas.
@@ -30,13 +30,14 @@ bool begin_rows(const char* name);
 void row(const char* name, const std::string& value);
 
 /// Runs a command, and tells its error or what keeps it from having an effect.
-void run(Viewer& viewer, const Command& command);
+void run(Workspace& work, const Command& command, const std::string& argument = {});
+void run(Workspace& work, const std::string& command, const std::string& argument = {});
 /// The command as an entry of a menu, grey where it is impossible, with its tooltip.
-void command_item(Viewer& viewer, const Command& command);
+void command_item(Workspace& work, const Command& command);
 /// The command as a button, on the same line as the one before if it ends before `right`, a place of the screen.
-void command_button(Viewer& viewer, const Command& command, float right);
+void command_button(Workspace& work, const char* name, float right);
 /// What the command does, or what keeps it from it; with its title and key where these are not beside it.
-void command_tip(Viewer& viewer, const Command& command, bool titled);
+void command_tip(Workspace& work, const Command& command, bool titled);
 
 /// An image within a rectangle of the screen, as large as fits, or a plain rectangle where there is none (null).
 void framed_image(const gl::Texture2D* image, const ImVec2& corner, const ImVec2& size, bool faint = false);

@@ -253,10 +253,6 @@ void Window::wake() {
   glfwPostEmptyEvent();
 }
 
-bool Window::held(int key) const {
-  return glfwGetKey(state_->window, key) == GLFW_PRESS;
-}
-
 void Window::copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to, int begin, int end) {
   const gl::Functions& gl = context().functions();
   const bool same = size == std::array{to.width, to.height};

@@ -53,7 +53,6 @@ class Window {
   std::vector<Event> poll(double wait);
   /// Makes poll() return at once; from any thread.
   static void wake();
-  bool held(int key) const;  ///< GLFW's number
 
   /// Copies a framebuffer object of that size into the back buffer; stretched where the part has another size.
   void copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to) {

@@ -10,7 +10,7 @@
 #include <imgui_stdlib.h>
 
 #include "sightline/apps/common/gl_page.h"
-#include "sightline/apps/view/exporting.h"
+#include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
 
@@ -52,11 +52,11 @@ void help_column(std::span<const HelpGroup> groups) {
   }
 }
 
-void help_window(Viewer& viewer) {
+void help_window(Workspace& work) {
   constexpr float kColumnLines = 34.0f;
   const float font = ImGui::GetFontSize();
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  begin_dialog(viewer, "Keys and mouse", 2.0f * kColumnLines + 4.0f);
+  begin_dialog(work, "Keys and mouse", 2.0f * kColumnLines + 4.0f);
   const std::vector<HelpGroup> groups = help_groups();
   const bool two = ImGui::GetContentRegionAvail().x > 1.6f * kColumnLines * font;
   std::size_t left = groups.size(), lines = 0, all = 0;
@@ -89,10 +89,10 @@ void gl_page_lines(const std::string& text) {
   }
 }
 
-void driver_window(Viewer& viewer) {
+void driver_window(Workspace& work) {
   static std::string text;  // of when it was opened: asking for extensions takes a while
-  begin_dialog(viewer, "Graphics driver", 64.0f);
-  if (ImGui::IsWindowAppearing()) text = gl_page_text(gl_page(viewer.context()));
+  begin_dialog(work, "Graphics driver", 64.0f);
+  if (ImGui::IsWindowAppearing()) text = gl_page_text(gl_page(work.window.context()));
   if (ImGui::Button("Copy")) ImGui::SetClipboardText(text.c_str());
   ImGui::BeginChild("##driver", {0.0f, std::min(0.7f * ImGui::GetIO().DisplaySize.y, 40.0f * ImGui::GetFontSize())},
                     true);
@@ -101,46 +101,46 @@ void driver_window(Viewer& viewer) {
   ImGui::End();
 }
 
-void quit_window(Viewer& viewer) {
-  begin_dialog(viewer, "Quit", 34.0f);
-  const std::size_t unsaved = viewer.views().unsaved();
+void quit_window(Workspace& work) {
+  begin_dialog(work, "Quit", 34.0f);
+  const std::size_t unsaved = work.views.unsaved();
   ImGui::TextWrapped("%zu view%s of the list %s in no file, and would be lost.", unsaved, unsaved == 1 ? "" : "s",
                      unsaved == 1 ? "is" : "are");
-  if (ImGui::Button("Save and quit…")) viewer.shown.dialog = Dialog::kSaveAndQuit;
+  if (ImGui::Button("Save and quit…")) work.shown.dialog = Dialog::kSaveAndQuit;
   ImGui::SameLine();
-  if (ImGui::Button("Quit without them")) viewer.quit();
+  if (ImGui::Button("Quit without them")) work.window.close();
   ImGui::SameLine();
-  if (ImGui::Button("Stay")) viewer.shown.dialog = Dialog::kNone;
+  if (ImGui::Button("Stay")) work.shown.dialog = Dialog::kNone;
   ImGui::End();
 }
 
 }  // namespace
 
-void dialog_window(Viewer& viewer) {
-  viewer.file_dialog().draw(viewer);
-  switch (viewer.shown.dialog) {
+void dialog_window(Workspace& work) {
+  work.file_dialog.draw(work);
+  switch (work.shown.dialog) {
     case Dialog::kHelp:
-      return help_window(viewer);
+      return help_window(work);
     case Dialog::kDriver:
-      return driver_window(viewer);
+      return driver_window(work);
     case Dialog::kQuit:
-      return quit_window(viewer);
+      return quit_window(work);
     case Dialog::kPath:
-      return path_window(viewer);
+      return path_window(work);
     default:
       return;
   }
 }
 
-void loading_window(Viewer& viewer) {
-  const std::size_t seen = viewer.preview() ? viewer.preview()->items() : 0;
+void loading_window(Opening& opening, const Messages& messages) {
+  const std::size_t seen = opening.preview() ? opening.preview()->items() : 0;
   begin_centred("Reading", nullptr, 30.0f, seen > 0 ? 0.85f : 0.5f);
-  ImGui::TextWrapped("%s", viewer.message().c_str());
+  ImGui::TextWrapped("%s", messages.text().c_str());
   if (seen > 0) ImGui::TextWrapped("Shown: the largest %s items so far", grouped(std::int64_t(seen)).c_str());
-  const double progress = viewer.loader()->progress();
-  const std::string step = std::string(viewer.opening().name()) + ", " + std::to_string(int(100.0 * progress)) + " %";
+  const double progress = opening.progress();
+  const std::string step = std::string(opening.steps().name()) + ", " + std::to_string(int(100.0 * progress)) + " %";
   ImGui::ProgressBar(float(progress), {-FLT_MIN, 0.0f}, step.c_str());
-  if (ImGui::Button("Cancel")) viewer.cancel_loading();
+  if (ImGui::Button("Cancel")) opening.cancel();
   ImGui::End();
 }
 

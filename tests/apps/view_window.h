@@ -1,6 +1,7 @@
 // sightline-view in a window of a virtual display: its images, and scripts that drive it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -38,6 +39,16 @@ inline Image read_png(const std::string& file) {
   image.width = int(header.width);
   image.height = int(header.height);
   return image;
+}
+
+/// Pixels in which surfaces that coincide may change places when items are drawn in another order.
+inline constexpr std::size_t kTies = 5;
+
+inline std::size_t differing(const Image& a, const Image& b) {
+  if (a.rgb.size() != b.rgb.size()) return a.rgb.size() + b.rgb.size();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.rgb.size(); i += 3) count += !std::equal(&a.rgb[i], &a.rgb[i] + 3, &b.rgb[i]);
+  return count;
 }
 
 /// The upper left corner of a screen that Xvfb keeps as a file: an X window dump (XWDFile.h, version 7) of 32 bits per

@@ -89,8 +89,6 @@ TEST_F(CameraTest, FliesAtTheSpeedOfTheModelsSize) {
     expect_near(camera.pose().eye, before.eye + 2.5 * direction);
     expect_near(camera.pose().target, before.target + 2.5 * direction);
   }
-  camera.change_speed(3.0);
-  EXPECT_NEAR(camera.speed(), 12.5 * 1.25 * 1.25 * 1.25, 1e-9);
 }
 
 TEST_F(CameraTest, LookingTurnsTheHead) {
@@ -141,10 +139,7 @@ TEST_F(CameraTest, PanningAndZoomingFollowThePoint) {
     EXPECT_NEAR(distance(camera.pose()), far_away, 1e-6);
     for (const double wheel : {1e6, -1e6}) {  // has ends, both ways
       camera.zoom(wheel, point);
-      camera.change_speed(wheel);
       EXPECT_TRUE(camera.view(1.5));
-      EXPECT_GT(camera.speed(), 0.0);
-      EXPECT_LE(camera.speed(), 1000.0 + 1e-9);
     }
   }
 }

@@ -327,26 +327,26 @@ class ComparingSession : public ::testing::Test {
   }
   bool found(ItemId item) {
     const dvec3 at = session->scene().state(item).world_from_item.origin;
-    const auto hit = session->engine().pick(core::Ray{{at.x, -5.0, at.z}, {0.0, 1.0, 0.0}});
+    const auto hit = session->engine.pick(core::Ray{{at.x, -5.0, at.z}, {0.0, 1.0, 0.0}});
     return *hit && (*hit)->item == item;
   }
   /// Rays find what is neither hidden nor faint; with the slider, what is in the revision on that side.
   void expect_picks() {
-    if (!session->slider()) return expect_picks({});
-    ASSERT_TRUE(session->pick({0.4 * session->size()[0], 5.0}));
+    if (!session->slider.at()) return expect_picks({});
+    ASSERT_TRUE(session->pick({0.4 * session->image.size()[0], 5.0}));
     expect_picks(session->changes()->only_in(Revision::kNewer));
-    ASSERT_TRUE(session->pick({0.6 * session->size()[0], 5.0}));
+    ASSERT_TRUE(session->pick({0.6 * session->image.size()[0], 5.0}));
     expect_picks(session->changes()->only_in(Revision::kOlder));
   }
   void expect_picks(const std::vector<ItemId>& elsewhere) {
-    const Document& document = session->document();
+    const Document& document = session->document;
     for (ItemId item{0}; to_index(item) < session->scene().item_slots(); ++item) {
       if (!session->scene().contains_item(item)) continue;
       bool seen = !document.is(item, Document::kHidden), ghost = document.is(item, Document::kGhost);
       if (const ChangeList* changes = session->changes()) {
         const State state = changes->of(item)->state;
         seen &= changes->shown(state);
-        ghost |= state == State::kUnchanged && !session->slider();
+        ghost |= state == State::kUnchanged && !session->slider.at();
       }
       ASSERT_EQ(document.shown(item), seen) << to_index(item);
       const bool here = !std::binary_search(elsewhere.begin(), elsewhere.end(), item);
@@ -357,14 +357,14 @@ class ComparingSession : public ::testing::Test {
     std::vector<int> all;
     for (ItemId item{0}; item < originals; ++item)
       for (const auto flag : {Document::kSelected, Document::kHidden, Document::kGhost})
-        all.push_back(session->document().is(item, flag) ? 1 : 0);
+        all.push_back(session->document.is(item, flag) ? 1 : 0);
     return all;
   }
   void random_step(Random& random) {
     std::vector<ItemId> some;
     for (ItemId item{0}; to_index(item) < session->scene().item_slots(); ++item)
       if (random() % 4 == 0 && session->scene().contains_item(item)) some.push_back(item);
-    Document& document = session->document();
+    Document& document = session->document;
     switch (random() % 8) {
       case 0:
         ASSERT_TRUE(document.hide(some));
@@ -380,13 +380,13 @@ class ComparingSession : public ::testing::Test {
         break;
       case 4:
         if (!some.empty()) {
-          document.hover(some[0]);
+          document.hovered = some[0];
         }
         break;
       case 5:
         if (ChangeList* changes = session->changes()) {
           if (random() % 2) {
-            ASSERT_TRUE(session->set_slider(session->slider() ? std::nullopt : std::optional(0.5)));
+            ASSERT_TRUE(session->set_slider(session->slider.at() ? std::nullopt : std::optional(0.5)));
             break;
           }
           const State state = kStates[random() % 5];
@@ -416,20 +416,20 @@ TEST_F(ComparingSession, ShowsWhatChangedAndGoesThere) {
   for (std::size_t row = 0; row < changes.row_count(); ++row) {
     ASSERT_TRUE(session->go_to_change(row));
     const ItemId item = changes.items(session->scene(), row)[0];
-    ASSERT_EQ(session->document().selection().size(), 1u);
-    EXPECT_EQ(session->document().selection()[0], item);
+    ASSERT_EQ(session->document.selection().size(), 1u);
+    EXPECT_EQ(session->document.selection()[0], item);
     const dvec3 at = session->scene().state(item).world_from_item.origin;
-    EXPECT_LT(glm::distance(session->camera().pose().target, at), 1.0);
+    EXPECT_LT(glm::distance(session->camera.pose().target, at), 1.0);
   }
-  session->tree().find({"part1"});
-  EXPECT_EQ(session->tree().match_count(), 11u) << "three of them removed";
+  session->tree.find({"part1"});
+  EXPECT_EQ(session->tree.match_count(), 11u) << "three of them removed";
   ASSERT_TRUE(session->end_comparison());
-  EXPECT_EQ(session->tree().match_count(), 8u);
+  EXPECT_EQ(session->tree.match_count(), 8u);
   EXPECT_EQ(session->scene().item_count(), to_index(originals));
   EXPECT_LT(session->bounds().bounds.max.y, 5.0);
-  EXPECT_TRUE(session->document().selection().empty()) << "the last row was of a removed item";
+  EXPECT_TRUE(session->document.selection().empty()) << "the last row was of a removed item";
   expect_picks();
-  EXPECT_EQ(session->document().items_below(session->scene().root()).size(), to_index(originals));
+  EXPECT_EQ(apps::items_below(session->scene(), session->scene().root()).size(), to_index(originals));
 }
 
 /// Left of the slider lies the older revision as it was.
@@ -462,15 +462,15 @@ TEST_F(ComparingSession, TheSliderHasBothRevisions) {
     for (const ItemId item : others) EXPECT_NE(changes.of(item), nullptr);
   }
   expect_picks();
-  ASSERT_TRUE(session->document().select(changes.only_in(Revision::kOlder)));
-  EXPECT_EQ(session->document().selection().size(), changes.only_in(Revision::kOlder).size()) << "whatever is drawn";
-  ASSERT_TRUE(session->document().hide(changes.only_in(Revision::kOlder)));
+  ASSERT_TRUE(session->document.select(changes.only_in(Revision::kOlder)));
+  EXPECT_EQ(session->document.selection().size(), changes.only_in(Revision::kOlder).size()) << "whatever is drawn";
+  ASSERT_TRUE(session->document.hide(changes.only_in(Revision::kOlder)));
   expect_picks();
-  EXPECT_FALSE(session->parts().empty());
+  EXPECT_FALSE(session->slider.parts(session->image.drawn_size()[0]).empty());
   ASSERT_TRUE(session->set_slider({}));
   EXPECT_EQ(scene.item_count(), items);
   expect_picks();
-  ASSERT_TRUE(session->document().undo());
+  ASSERT_TRUE(session->document.undo());
   expect_picks();
 }
 
@@ -484,7 +484,7 @@ TEST_F(ComparingSession, UndoGoesThroughIt) {
     const auto steps = [&](int count) {
       for (int i = 0; i < count; ++i) {
         random_step(random);
-        for (const ItemId item : session->document().selection()) ASSERT_TRUE(session->document().shown(item));
+        for (const ItemId item : session->document.selection()) ASSERT_TRUE(session->document.shown(item));
         if (flags() != states.back()) states.push_back(flags());
       }
       expect_picks();
@@ -507,13 +507,13 @@ TEST_F(ComparingSession, UndoGoesThroughIt) {
     }
     std::size_t hidden = 0, selected = 0;
     for (ItemId item{0}; item < originals; ++item) {
-      hidden += session->document().is(item, Document::kHidden);
-      selected += session->document().is(item, Document::kSelected);
+      hidden += session->document.is(item, Document::kHidden);
+      selected += session->document.is(item, Document::kSelected);
     }
-    EXPECT_EQ(session->document().hidden(), hidden);
-    EXPECT_EQ(session->document().selection().size(), selected);
-    while (session->document().undo_steps() > 0) {
-      ASSERT_TRUE(session->document().undo());
+    EXPECT_EQ(session->document.hidden(), hidden);
+    EXPECT_EQ(session->document.selection().size(), selected);
+    while (session->document.undo_steps() > 0) {
+      ASSERT_TRUE(session->document.undo());
       states.pop_back();
       ASSERT_FALSE(states.empty());
       ASSERT_EQ(flags(), states.back());

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/apps/common/tree_walk.h"
 #include "sightline/engine/pick.h"
 #include "sightline/raytrace/tracer.h"
 
@@ -53,7 +54,7 @@ TEST_F(DocumentTest, SelectsWholeParts) {
   EXPECT_FALSE(document->selected_part().valid());
   for (const core::NodeId part : {nodes[1], above, scene.root()}) {
     ASSERT_TRUE(document->select_part());
-    EXPECT_EQ(selection(), document->items_below(part));
+    EXPECT_EQ(selection(), items_below(scene, part));
     EXPECT_EQ(document->selected_part(), part);
   }
   const ItemId apart[] = {ItemId{1}, ItemId{6}};
@@ -72,9 +73,8 @@ TEST_F(DocumentTest, SelectsInThreeWays) {
   EXPECT_EQ(selection(), (std::vector<ItemId>{ItemId{1}, ItemId{3}, ItemId{7}}));
   ASSERT_TRUE(document->select(second));
   EXPECT_EQ(selection(), (std::vector<ItemId>{ItemId{1}, ItemId{7}}));
-  EXPECT_EQ(document->items_below(nodes[1]),
-            (std::vector<ItemId>{ItemId{5}, ItemId{6}, ItemId{7}, ItemId{8}, ItemId{9}}));
-  EXPECT_EQ(document->items_below(scene.root()).size(), std::size_t(kItems));
+  EXPECT_EQ(items_below(scene, nodes[1]), (std::vector<ItemId>{ItemId{5}, ItemId{6}, ItemId{7}, ItemId{8}, ItemId{9}}));
+  EXPECT_EQ(items_below(scene, scene.root()).size(), std::size_t(kItems));
   const core::AabbD box = document->bounds(second);
   EXPECT_NEAR(box.min.x, 0.6, 1e-6);
   EXPECT_NEAR(box.max.x, 7.4, 1e-6);
@@ -101,8 +101,8 @@ TEST_F(DocumentTest, HiddenItemsAreNotFoundAndNotSelected) {
 
 TEST_F(DocumentTest, HoveringIsNoStepAndLeavesTheImage) {
   const std::uint64_t version = document->version();
-  document->hover(ItemId{3});
-  EXPECT_EQ(document->hovered(), std::optional<ItemId>(ItemId{3}));
+  document->hovered = ItemId{3};
+  EXPECT_EQ(document->hovered, std::optional<ItemId>(ItemId{3}));
   EXPECT_EQ(document->version(), version);
   EXPECT_EQ(document->undo_steps(), 0u);
   ASSERT_TRUE(document->undo() && document->redo()) << "nothing to undo";
@@ -153,7 +153,7 @@ TEST_F(DocumentTest, UndoBringsBackEveryState) {
     std::vector<ItemId> some;
     for (ItemId item{0}; item < kItems; ++item)
       if (random() % 4 == 0) some.push_back(item);
-    if (random() % 3 == 0) document->hover(ItemId(random() % to_index(kItems)));
+    if (random() % 3 == 0) document->hovered = ItemId(random() % to_index(kItems));
     const auto what = unsigned(random() % 9);
     if (what == 0 && now > 0) {
       ASSERT_TRUE(document->undo());

@@ -54,7 +54,7 @@ class ModelExportTest : public ::testing::Test {
       items.push_back(core::ItemId(2 * part));
       items.push_back(core::ItemId(2 * part + 1));
     }
-    ASSERT_TRUE(session->document().select(items));
+    ASSERT_TRUE(session->document.select(items));
   }
   static core::Expected<std::string> written(core::Expected<ModelExport::Job> job) {
     if (!job) return tl::unexpected(job.error());
@@ -66,11 +66,9 @@ class ModelExportTest : public ::testing::Test {
     EXPECT_FALSE(running.take()) << "only once";
     return std::move(*done);
   }
-  core::Expected<ModelExport::Job> model(const std::string& file) const {
-    return ModelExport::model(*session, files, file);
-  }
+  core::Expected<ModelExport::Job> model(const std::string& file) const { return ModelExport::model(*session, file); }
   core::Expected<ModelExport::Job> selection(const std::string& file) const {
-    return ModelExport::selection(*session, files, file);
+    return ModelExport::selection(*session, file);
   }
   /// Names of nodes with items, and the bounds of all.
   static std::pair<std::vector<std::string>, core::AabbD> read(const std::string& file) {
@@ -84,14 +82,13 @@ class ModelExportTest : public ::testing::Test {
   }
 
   fs::path folder;
-  std::vector<std::string> files;
   std::unique_ptr<Session> session;
 };
 
 TEST_F(ModelExportTest, HiddenItemsAreWrittenAndOthersThanTheSelectedAreNot) {
   open(row_of_parts(5, "row.rvm"));
   select({0});
-  ASSERT_TRUE(session->document().hide(session->document().selection()));
+  ASSERT_TRUE(session->document.hide(session->document.selection()));
   select({1, 3});
   for (const std::string extension : {".rvm", ".obj"}) {
     EXPECT_TRUE(written(model(path("all" + extension))));
@@ -127,8 +124,8 @@ TEST_F(ModelExportTest, RemovedItemsOfAComparisonAreNotWritten) {
   ASSERT_TRUE(
       session->begin_comparison(std::make_unique<ChangeList>(path("old.rvm"), std::move(before), std::move(*found))));
   ASSERT_EQ(session->scene().item_count(), 8u);
-  ASSERT_TRUE(session->document().select(session->document().items_below(session->scene().root())));
-  ASSERT_EQ(session->document().selection().size(), 8u);
+  ASSERT_TRUE(session->document.select(apps::items_below(session->scene(), session->scene().root())));
+  ASSERT_EQ(session->document.selection().size(), 8u);
   for (const auto& job : {model(path("all.rvm")), selection(path("all.rvm"))}) {
     ASSERT_TRUE(written(job));
     EXPECT_EQ(read(path("all.rvm")).first, (std::vector<std::string>{"part2", "part3"}));
@@ -141,7 +138,7 @@ TEST_F(ModelExportTest, NoFileThatWasReadIsWrittenOver) {
   Model named = row_of_parts(2, "row.obj");
   named.report.side_files = {path("row.mtl")};
   open(std::move(named));
-  files = {path("row.obj")};
+  session->files = {path("row.obj")};
   std::ofstream(path("row.obj")) << "model";
   std::ofstream(path("row.mtl")) << "materials";
   fs::create_symlink(path("row.obj"), path("link.obj"));

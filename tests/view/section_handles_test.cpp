@@ -26,10 +26,10 @@ class SectionHandlesTest : public testing::Test {
     auto opened = Session::open(std::move(model), config);
     ASSERT_TRUE(opened) << opened.error().message;
     session = std::move(*opened);
-    session->camera().set_pose({place(dvec3(20, 0, 10)), place(dvec3(0, 0, 10)), {0, 0, 1}});
-    ASSERT_TRUE(session->sections().add(place(dvec3(0, 1, 10)), {0, -1, 0}));
-    ASSERT_TRUE(session->sections().add(place(dvec3(0, 0, 11)), {0, 0, 1}));
-    session->sections().select(0);
+    session->camera.set_pose({place(dvec3(20, 0, 10)), place(dvec3(0, 0, 10)), {0, 0, 1}});
+    ASSERT_TRUE(session->sections.add(place(dvec3(0, 1, 10)), {0, -1, 0}));
+    ASSERT_TRUE(session->sections.add(place(dvec3(0, 0, 11)), {0, 0, 1}));
+    session->sections.select(0);
   }
   dvec3 place(const dvec3& in_model) const { return in_model + dvec3(1e6, 0.25, 0.0); }
   dvec2 handle(SectionGizmo::Part part) const {
@@ -40,9 +40,9 @@ class SectionHandlesTest : public testing::Test {
     return {};
   }
   dvec2 pixel_of(const dvec3& in_model) const {
-    return *ImageFrame::create(*session->view(), 800, 600)->project(place(in_model));
+    return *ImageFrame::create(*session->image.view(), 800, 600)->project(place(in_model));
   }
-  const Sections::Section& section(std::size_t index = 0) const { return session->sections().all()[index]; }
+  const Sections::Section& section(std::size_t index = 0) const { return session->sections.all()[index]; }
 
   std::unique_ptr<Session> session;
   SectionHandles handles;
@@ -90,30 +90,30 @@ TEST_F(SectionHandlesTest, StopAtRoundPlacesAndAtTheModel) {
 }
 
 TEST_F(SectionHandlesTest, ClicksSelectAndFlip) {
-  session->sections().select(1);
+  session->sections.select(1);
   const dvec2 first = SectionHandles::shown(*session, kScale).front().gizmo.middle();
   const auto click = [&] {
     ASSERT_TRUE(handles.press(*session, first, kScale));
     handles.release(*session, true);
   };
   click();
-  EXPECT_EQ(session->sections().selected(), 0u);
+  EXPECT_EQ(session->sections.selected(), 0u);
   EXPECT_EQ(section().normal, dvec3(0, -1, 0));
   click();
   EXPECT_EQ(section().normal, dvec3(0, 1, 0));
-  session->sections().all()[0].on = false;
+  session->sections.all()[0].on = false;
   EXPECT_EQ(SectionHandles::shown(*session, kScale).size(), 1u);
-  session->sections().clear();
+  session->sections.clear();
   EXPECT_FALSE(SectionHandles::at(*session, first, kScale));
 }
 
 /// Its section may vanish while it is dragged, by a script.
 TEST_F(SectionHandlesTest, SurviveTheirSection) {
   ASSERT_TRUE(handles.press(*session, handle(SectionGizmo::Part::kOut), kScale));
-  session->sections().clear();
+  session->sections.clear();
   handles.drag(*session, {100, 100}, {.round = true, .model = true});
   handles.cancel(*session);
-  EXPECT_TRUE(session->sections().all().empty());
+  EXPECT_TRUE(session->sections.all().empty());
 }
 
 }  // namespace

@@ -45,9 +45,22 @@ TEST_F(SettingsTest, ComeBack) {
   EXPECT_EQ(file.damage(), "");
   ASSERT_TRUE(file.keep(Settings()));
   EXPECT_FALSE(fs::exists(file_)) << "nothing has changed";
-  const Settings wanted{
-      true,       false,     false, false, false, false, false, false, 12.5f, 30.0f, {"/a/b.rvm", "/ü \"c\".obj"},
-      {800, 601}, "/caches", "ft",  true,  true};
+  const Settings wanted{true,
+                        false,
+                        false,
+                        false,
+                        false,
+                        false,
+                        false,
+                        false,
+                        12.5f,
+                        30.0f,
+                        {"/a/b.rvm", "/ü \"c\".obj"},
+                        {800, 601},
+                        "/caches",
+                        Units::kFeet,
+                        true,
+                        true};
   ASSERT_TRUE(file.keep(wanted));
   const SettingsFile again(file_);
   EXPECT_EQ(again.settings(), wanted);

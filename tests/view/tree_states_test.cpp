@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/apps/common/tree_walk.h"
 #include "sightline/tests/view/random_scene.h"
 
 namespace sightline::apps::tree_states_test {
@@ -50,7 +51,7 @@ TEST(TreeStates, CountWhatShowsBelowEachNode) {
     check("half of them shown again");
     ASSERT_TRUE(document.undo());
     check("undone");
-    ASSERT_TRUE(document.hide(document.items_below(scene.root())));
+    ASSERT_TRUE(document.hide(apps::items_below(scene, scene.root())));
     check("all hidden");
     EXPECT_TRUE(states.below(rows, scene.root()).hidden());
   }

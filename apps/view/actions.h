@@ -1,0 +1,114 @@
+// What the viewer's commands, dialogs and panels do. All need an open model.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/apps/view/workspace.h"
+#include "sightline/importers/json/internal/json.h"
+
+namespace sightline::apps {
+
+// Parts of the model that are named.
+
+/// Shows in the tree the parts that a text names; fails where it names none.
+Done find_parts(const std::string& text, Session& session, Messages& messages);
+/// Selects the items of the parts that the search names.
+Done select_found(const std::string&, Session& session, Messages& messages);
+/// The items of the parts that a text names, in rising order; fails where there are none.
+core::Expected<std::vector<core::ItemId>> items_named(const std::string& text, Session& session, Messages& messages);
+/// Hides the items of a part, or shows them if all are hidden. A text that ends in "?nth=…" or "?item=…" is a name as
+/// views have it.
+Done toggle_part(const std::string& text, Session& session, Messages& messages);
+
+// Single sections. N: the number that the tab shows, from 1; without it the selected one.
+
+/// Cuts away what lies in front of a face. Fails where there is none, or no room for another section.
+Done cut_at(const core::Expected<std::optional<engine::Pick>>& face, Session& session, Shown& shown);
+/// Cuts the model in halves across an axis.
+Done cut_middle(int axis, Session& session, Shown& shown);
+Done select_section(const std::string& number, Session& session);  ///< 0: none
+Done flip_section(const std::string& number, Session& session);
+Done move_section(const std::string& number_and_metres, Session& session);
+Done remove_section(const std::string& number, Session& session);
+
+// The list of viewpoints. An empty name or number stands for the current view.
+
+Done add_view(const std::string& name, Session& session, ViewList& views, Shown& shown);
+Done show_view(const std::string& which, Session& session, ViewList& views, Messages& messages);
+Done update_view(const std::string&, Session& session, ViewList& views);
+Done rename_view(const std::string& name, ViewList& views);
+Done comment_view(const std::string& text, ViewList& views);
+Done delete_view(const std::string& which, ViewList& views);
+/// Without a name, these two ask for one.
+Done save_views(const std::string& file, ViewList& views, Shown& shown, Messages& messages);
+/// Adds the views of a file to the list, which stays as it is where that fails.
+Done load_views(const std::string& file, ViewList& views, Shown& shown, Messages& messages);
+
+/// What is seen and shown, as a file for --view of other tools; without a name the next free one.
+Done save_view(const std::string& file, Session& session, Messages& messages);
+/// Shows the view of a file, or adds its views to the list.
+Done load_view(const std::string& file, Session& session, ViewList& views, Shown& shown, Messages& messages);
+
+/// For example "screenshot-1.png", or the next number that no file has.
+std::string free_name(const std::string& stem, const std::string& extension);
+
+// The comparison with an older revision.
+
+/// Without a name, asks for a file.
+Done compare_with(Workspace& work, const std::string& file);
+Done end_comparison(Workspace& work, const std::string&);
+/// Shows or hides items that are "added", "removed", …
+Done toggle_changes(const std::string& state, Session& session);
+Done next_change(const std::string&, Session& session);
+Done previous_change(const std::string&, Session& session);
+
+/// "0.3", of the image's width, or "off"; without an argument the other of both. Fails while somebody reads the scene.
+Done set_slider(Workspace& work, const std::string& argument);
+
+/// For state_json(); null while nothing is compared.
+json::Value compare_json(const Session& session);
+
+/// What has changed, in words.
+std::string summary(const ChangeList& changes);
+
+// Images, camera paths and frames of videos.
+
+/// "FILE [WxH]", both optional: in the window's size at once, or in any size in steps.
+Done write_image(const std::string& argument, Session& session, const Shown& shown, Exports& exports,
+                 Messages& messages);
+/// Writes the image at once, in the window's size; without a name the next free one.
+Done write_screenshot(const std::string& file, Session& session, const Shown& shown, Messages& messages);
+/// Begins to record a camera path, or ends that and writes it.
+Done toggle_recording(Workspace& work, const std::string&);
+/// "FILE", or nothing for the path that was played or recorded last.
+Done play_path(const std::string& file, Session& session, PathPlayer& player, Gestures& gestures, Messages& messages);
+Done set_path_speed(const std::string& factor, PathPlayer& player);
+/// "FOLDER [FPS] [WxH]": frames of the path that was played or recorded last.
+Done write_frames(const std::string& argument, Session& session, PathPlayer& player, const Shown& shown,
+                  Exports& exports);
+
+/// The path that was played or recorded last, in the model's own frame. Without a name the dialog asks for one.
+Done save_path(const std::string& file, Session& session, PathPlayer& player, Shown& shown, Messages& messages);
+
+void image_options(Workspace& work);  ///< size of the image
+/// In the sizes that dialogs have asked for.
+Done write_sized_image(Workspace& work, const std::string& file);
+Done write_sized_frames(Workspace& work, const std::string& folder);
+void path_window(Workspace& work);        ///< plays a path, and writes its frames
+void exporting_window(Exports& exports);  ///< progress, and a button that cancels
+
+// Export of the model and of the selection.
+
+/// Without a name, asks for a file.
+Done export_model(Workspace& work, const std::string& file);
+Done export_selection(Workspace& work, const std::string& file);
+
+/// What the dialogs say beside the file.
+void export_model_options(Workspace& work);
+void export_selection_options(Workspace& work);
+/// "plant" or "selection" in the format of what is open where that can be written.
+std::string export_name(const Workspace& work, const char* stem);
+
+}  // namespace sightline::apps

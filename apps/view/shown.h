@@ -1,0 +1,65 @@
+// What the command line says, and what the viewer shows beside the model: switches of panels and of images.
+#pragma once
+
+#include <string>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/view/settings.h"
+
+namespace sightline::apps {
+
+struct ViewerOptions {
+  ModelOptions model;
+  std::string size = "1280x720", path, save_path = "path.json", screenshot, json_file, script, settings, theme = "dark";
+  engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
+  culling::GpuCullerConfig gpu_culler;
+  int samples = 1;
+  DrawnOptions shown;
+  int frames = 0;
+  double default_budget_ms = 0.0;  ///< Session::set_default_budget() where a software rasteriser draws
+  double scale = 0.0;              ///< of text and panels; 0: as the screen suggests
+  bool panels = true, smooth = true;
+
+  /// Whether there are settings to keep: scripts and --frames must do the same for everybody.
+  bool remembers() const { return !settings.empty() || (script.empty() && frames == 0); }
+};
+
+/// A window in the middle that asks or tells something; there is one at a time.
+enum class Dialog {
+  kNone,
+  kHelp,
+  kDriver,
+  kOpen,
+  kCompare,
+  kQuit,
+  kImage,
+  kPath,
+  kReadPath,
+  kSavePath,
+  kFrames,
+  kReadViews,
+  kSaveViews,
+  kSaveAndQuit,
+  kExportModel,
+  kExportSelection,
+};
+const char* name_of(Dialog dialog);
+
+/// What a click in the image does.
+enum class Tool {
+  kSelect,
+  kMeasure,  ///< sets marks
+  kSection,  ///< cuts at a face, once
+};
+const char* name_of(Tool tool);
+
+struct Shown : Settings {
+  Dialog dialog = Dialog::kNone;
+  Tool tool = Tool::kSelect;
+  bool context = false;  ///< the context menu opens next
+  bool section_handles = true;
+  bool find = false;         ///< the search field gets the keyboard next
+  const char* tab = "Item";  ///< of the right panel, in front; the first where it has no such tab
+};
+
+}  // namespace sightline::apps

@@ -1,0 +1,100 @@
+#include "sightline/apps/view/workspace.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "sightline/apps/view/panels.h"
+
+namespace sightline::apps {
+namespace {
+
+/// What the settings and the command line say.
+Shown shown_at_first(const ViewerOptions& options, const Settings& settings) {
+  Shown shown{settings};
+  const engine::Looks looks = options.shown.all_looks();
+  const bool asked = options.shown.depth_shading || options.shown.edge_lines || !options.remembers();
+  shown.light = options.theme == "light";
+  shown.panels = options.panels && options.frames == 0;
+  shown.smooth = options.smooth && (options.script.empty() || !options.settings.empty());
+  shown.depth_shading = looks.depth_shading.any() && (settings.depth_shading || asked);
+  shown.hatching = looks.hatching.any() || (settings.hatching && options.remembers());
+  shown.levels = options.shown.lod_error > 0.0 || (settings.levels && options.remembers());
+  shown.recognise = options.model.import.recognise;
+  return shown;
+}
+
+}  // namespace
+
+const char* name_of(Dialog dialog) {
+  constexpr const char* kNames[] = {"none",       "help",          "driver",       "open",
+                                    "compare",    "quit",          "image",        "path",
+                                    "read-path",  "save-path",     "frames",       "views-load",
+                                    "views-save", "save-and-quit", "export-model", "export-selection"};
+  return kNames[int(dialog)];
+}
+
+const char* name_of(Tool tool) {
+  constexpr const char* kNames[] = {"select", "measure", "section"};
+  return kNames[int(tool)];
+}
+
+Workspace::Workspace(const ViewerOptions& asked_for, Window& in, Gui widgets, const Settings& settings)
+    : options(asked_for),
+      window(in),
+      gui(std::move(widgets)),
+      shown(shown_at_first(options, settings)),
+      opening(options.model, window.context().capabilities().software ? options.default_budget_ms : 0.0),
+      image(options, window, gui.scale()),
+      gestures(*this),
+      file_states(&glfwGetTime) {
+  shown.window = window.screen_size();
+  if (options.remembers()) thumbnails = Thumbnails(Thumbnails::default_place());
+}
+
+Part Workspace::viewport() const {
+  const std::array<int, 2> size = window.size();
+  if (!shown.panels) return {0, 0, size[0], size[1]};
+  const Margins m = margins(shown);
+  return {m.left, m.bottom, std::max(1, size[0] - m.left - m.right), std::max(1, size[1] - m.top - m.bottom)};
+}
+
+/// RVM files are of plants, however small the part is.
+LengthFormat Workspace::lengths() const {
+  if (!session) return length_format(shown.units, 1.0, false);
+  const core::AabbD& bounds = session->bounds().bounds;
+  const core::dvec3 size = bounds.empty() ? core::dvec3(1.0) : bounds.size();
+  const bool plant = std::any_of(session->files.begin(), session->files.end(), [](const std::string& file) {
+    const std::string extension = std::filesystem::path(file).extension().string();
+    return extension == ".rvm" || extension == ".RVM";
+  });
+  return length_format(shown.units, std::max({size.x, size.y, size.z}), plant);
+}
+
+void Workspace::open(const std::vector<std::string>& files) {
+  opening.open(files, image.config(shown), shown.recognise, !session);
+  if (shown.dialog == Dialog::kOpen) shown.dialog = Dialog::kNone;
+  messages.tell("reading " + name_of_files(files));
+}
+
+Done Workspace::apply_styles() {
+  pace.redraw();
+  return session ? image.apply_styles(*session, shown) : Done();
+}
+
+Done Workspace::set_motion_error(double pixels) {
+  if (!(pixels >= 0.0)) return core::fail("lod-error: expected 0 or more pixels");
+  shown.levels = pixels > 0.0;
+  if (shown.levels) image.motion_error = pixels;
+  return session ? session->image.set_motion_error(pixels) : Done();
+}
+
+Done Workspace::scene_is_free() const {
+  if (opening.comparing()) return core::fail("wait until the older revision is read, or cancel that");
+  if (exports.model()) return core::fail("wait until the model is written, or cancel that");
+  return {};
+}
+
+}  // namespace sightline::apps
