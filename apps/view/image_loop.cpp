@@ -29,7 +29,7 @@ engine::EngineConfig ImageLoop::config(const Shown& shown) const {
   engine::EngineConfig config;
   config.draw = true;
   config.culling.culler = options_.culler;
-  config.culling.gpu_culler = options_.gpu_culler;
+  config.culling.gpu_variant = options_.gpu_variant;
   config.drawing.samples = options_.samples;
   options_.shown.apply(config);
   config.losses.lod_error = shown.levels ? motion_error : 0.0;

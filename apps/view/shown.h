@@ -12,7 +12,7 @@ struct ViewerOptions {
   ModelOptions model;
   std::string size = "1280x720", path, save_path = "path.json", screenshot, json_file, script, settings, theme = "dark";
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
-  culling::GpuCullerConfig gpu_culler;
+  std::optional<culling::GpuVariant> gpu_variant;
   int samples = 1;
   DrawnOptions shown;
   int frames = 0;
