@@ -30,14 +30,9 @@ struct Watch {
     COUNT(GetError);
     COUNT(IsEnabled);
     COUNT(GetNamedBufferSubData);
-    COUNT(GetNamedBufferParameteriv);
-    COUNT(MapNamedBuffer);
     COUNT(GetTextureImage);
-    COUNT(GetTextureSubImage);
     COUNT(ReadPixels);
-    COUNT(ReadnPixels);
     COUNT(GetQueryiv);
-    COUNT(GetQueryObjecti64v);
     COUNT(GetQueryObjectiv);
     COUNT(GetSynciv);
     COUNT(GetUniformLocation);
