@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sightline/core/internal/clock.h"
+#include "sightline/core/internal/store.h"
 #include "sightline/engine/internal/engine_state.h"
 
 namespace sightline::engine {
@@ -41,9 +42,8 @@ core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version) {
       done = unless_lost(s, s.backend->add_culler(*s.live.snapshot));
     }
   } else if (s.next_try < 0.0) {
-    auto made = make_complete_backend(s);
-    if (!made) return tl::unexpected(made.error());
-    s.backend = std::move(*made);
+    done = core::store(make_complete_backend(s), s.backend);
+    if (!done) return done;
   }
   if (done) done = unless_lost(s, s.backend->use_image(s.image, s.config.width, s.config.height));
   note_context(s);
@@ -80,10 +80,10 @@ void drop_context(EngineState& s) {
 
 void note_context(EngineState& s) {
   if (!s.backend->ready()) return;
-  add_context(s.live.plan, !s.config.context.application, s.backend->platform());
+  const BackendReport report = s.backend->report();
+  add_context(s.live.plan, !s.config.context.application, report.platform);
   if (!s.live.plan.gpu_culls()) return;
-  if (const auto variant = s.backend->gpu_variant())
-    add_gpu_variant(s.live.plan, *variant, s.backend->why_gpu_variant());
+  if (report.gpu_variant) add_gpu_variant(s.live.plan, *report.gpu_variant, report.why_gpu_variant);
 }
 
 namespace {
@@ -117,7 +117,6 @@ core::Expected<void> begin_next_backend(EngineState& s, gl::Context& context) {
   if (!begun) return tl::unexpected(begun.error());
   if ((*begun)->lost()) return core::fail("engine: the context is lost");
   s.next_backend = std::move(*begun);
-  s.next_context = &context;
   return {};
 }
 
@@ -137,7 +136,8 @@ core::Expected<bool> Engine::use_context(gl::Context& context, double seconds) {
   EngineState& s = *state_;
   if (s.backend->lost()) drop_context();
   assert(!s.backend->ready() && "the other context is still in use: drop_context()");
-  if (s.next_backend && (s.next_context != &context || s.next_backend->lost())) s.next_backend.reset();
+  if (s.next_backend && (s.next_backend->report().application != &context || s.next_backend->lost()))
+    s.next_backend.reset();
   const auto taken = [] { return true; };
   if (!s.needs_gl()) return take_context(s, context, nullptr).map(taken);
   const core::Deadline deadline = core::deadline_in(seconds);

@@ -187,7 +187,7 @@ core::Expected<void> Engine::forget_image(std::uint32_t number) {
 
 std::string Engine::renderer() {
   const auto kept = state_->keep_state();
-  return state_->backend->drawing() ? state_->backend->renderer() : std::string();
+  return state_->backend->drawing() ? state_->backend->report().renderer : std::string();
 }
 
 std::vector<std::string> Engine::take_gl_errors() {
@@ -207,8 +207,9 @@ MemoryReport Engine::memory() const {
       report.bvh += culler->memory_bytes();
     report.tracer += tracer_bytes(*version);
   }
-  report.gpu = s.backend->memory_bytes();
-  report.levels = s.backend->levels_bytes();
+  const BackendReport drawn = s.backend->report();
+  report.gpu = drawn.gpu_bytes;
+  report.levels = drawn.levels_bytes;
   report.scratch = core::scratch_bytes();
   return report;
 }

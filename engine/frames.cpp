@@ -9,16 +9,6 @@
 namespace sightline::engine {
 namespace {
 
-/// A frame as its callers ask for it.
-struct FrameTask {
-  FrameInput input;
-  double budget_began;  // when the time of a budget began to run, seconds on the steady clock
-  std::optional<glm::vec2> blend_range = {};
-  std::array<double, 2> rows{0.0, 1.0};  // as DrawRequest::rows
-
-  const core::View& cull_view() const { return input.cull_view ? *input.cull_view : input.view; }
-};
-
 core::Expected<void> fit_target(EngineState& s, const gl::ExternalTarget& target) {
   if (!s.config.draw || !s.config.context.application)
     return core::fail(
@@ -38,9 +28,9 @@ void cull_on_cpu(EngineState& s, const core::View& view, FrameReport& report) {
 }
 
 /// Returns false where the CPU must cull instead.
-core::Expected<bool> cull_on_gpu(EngineState& s, const FrameTask& task, FrameReport& report) {
+core::Expected<bool> cull_on_gpu(EngineState& s, const Frame& frame, FrameReport& report) {
   const double begin = core::now_seconds();
-  const auto done = s.backend->cull(task.cull_view(), task.input.view, *s.live.snapshot, report.frame);
+  const auto done = s.backend->cull(frame);
   if (done) {
     report.culler = CullerChoice::kGpu;
     report.cull_ms = 1e3 * (core::now_seconds() - begin);
@@ -65,14 +55,14 @@ void gather_late_reports(EngineState& s) {
   }
 }
 
-/// Returns whether the GPU has culled: then the result stays there, and Engine::visible() is empty. `on_cpu`: the CPU
-/// must cull; a hybrid does not learn from that.
-core::Expected<bool> cull(EngineState& s, const FrameTask& task, bool on_cpu, FrameReport& report) {
+/// Returns whether the GPU has culled: then the result stays there, and Engine::visible() is empty. The CPU
+/// must cull where items are shown that are not seen; a hybrid does not learn from that.
+core::Expected<bool> cull(EngineState& s, const Frame& frame, FrameReport& report) {
   s.visible.clear();
   s.visible.generation = s.live.snapshot->generation();
-  bool on_gpu = s.backend->ready() && s.live.plan.culler == CullerChoice::kGpu && !on_cpu;
+  bool on_gpu = s.backend->ready() && s.live.plan.culler == CullerChoice::kGpu && !frame.shows_unseen;
   gather_late_reports(s);
-  if (s.hybrid && on_cpu) {
+  if (s.hybrid && frame.shows_unseen) {
     s.hybrid->paused();
     report.state = s.hybrid->controller().state();
   } else if (s.hybrid) {
@@ -80,35 +70,16 @@ core::Expected<bool> cull(EngineState& s, const FrameTask& task, bool on_cpu, Fr
     report.state = s.hybrid->controller().state();
   }
   if (on_gpu)
-    if (const auto done = cull_on_gpu(s, task, report); !done || *done) return done;
-  cull_on_cpu(s, task.cull_view(), report);
+    if (const auto done = cull_on_gpu(s, frame, report); !done || *done) return done;
+  cull_on_cpu(s, frame.cull_view, report);
   return false;
 }
 
-core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, bool shows_unseen, FrameReport& report) {
-  if (!s.backend->ready()) return {};
-  const double begin = core::now_seconds();
-  if (on_gpu) {
-    s.overlaid.clear();
-    if (s.backend->has_overlays())
-      std::visit([&](const auto& culler) { culler.cull(task.cull_view(), s.overlaid); }, *s.live.culler);
-  }
-  const Culled culled = s.culled(task.cull_view(), on_gpu ? s.overlaid : s.visible);
-  const auto result = s.backend->draw({.view = task.input.view,
-                                       .culled = culled,
-                                       .on_gpu = on_gpu,
-                                       .shows_unseen = shows_unseen,
-                                       .frame = report.frame,
-                                       .budget_began = task.budget_began,
-                                       .target = task.input.target,
-                                       .blend_range = task.blend_range,
-                                       .rows = task.rows});
+/// Ignores a failure that comes from losing the context.
+core::Expected<void> note_drawn(EngineState& s, const core::Expected<DrawResult>& result, bool on_gpu,
+                                FrameReport& report) {
   report.drawn = s.config.draw && result;
-  if (!result) {
-    if (auto done = unless_lost(s, tl::unexpected(result.error())); !done) return done;
-  }
-  report.draw_ms = 1e3 * (core::now_seconds() - begin);
-  if (!result) return {};
+  if (!result) return unless_lost(s, tl::unexpected(result.error()));
   report.wait_ms = result->wait_ms;
   if (!report.drawn || on_gpu) return {};
   report.sampled = result->counts.sampled;
@@ -120,44 +91,72 @@ core::Expected<void> draw(EngineState& s, const FrameTask& task, bool on_gpu, bo
   return {};
 }
 
-core::Expected<FrameReport> run_frame(EngineState& s, const FrameTask& task) {
-  const auto kept = s.keep_state();
-  if (task.input.target)
-    if (auto fits = fit_target(s, *task.input.target); !fits) return tl::unexpected(fits.error());
+/// Begins the report of a frame, for which the engine brings in what has become ready.
+core::Expected<void> begin_frame(EngineState& s, FrameReport& report) {
   auto ready = land(s);
-  FrameReport report;
   report.frame = s.frames++;
   const double begin = core::now_seconds();
   if (s.last_frame_began >= 0.0) report.frame_ms = 1e3 * (begin - s.last_frame_began);
   s.last_frame_began = begin;
   s.frame_seconds = 1e-3 * report.frame_ms;
   look_after_context(s);
-  if (ready) ready = make_gpu_follow(s);
+  return ready ? make_gpu_follow(s) : ready;
+}
+
+/// What the caller of a frame may know besides its views.
+struct FramePart {
+  double budget_began = core::now_seconds();  // when the time of a budget began to run, on the steady clock
+  std::optional<glm::vec2> blend_range = {};  // as Frame has them
+  std::array<double, 2> rows{0.0, 1.0};
+};
+
+core::Expected<FrameReport> run_frame(EngineState& s, const FrameInput& input, const FramePart& part = {}) {
+  const auto kept = s.keep_state();
+  if (input.target)
+    if (auto fits = fit_target(s, *input.target); !fits) return tl::unexpected(fits.error());
+  FrameReport report;
+  const core::View& cull_view = input.cull_view ? *input.cull_view : input.view;
   const auto failed = [&](const core::Error& error) {
-    cull_on_cpu(s, task.cull_view(), report);  // Engine::visible() has the result all the same
+    cull_on_cpu(s, cull_view, report);  // Engine::visible() has the result all the same
     return tl::unexpected(error);
   };
-  if (!ready) return failed(ready.error());
-  const bool shows_unseen = s.shows_unseen(task.input.view, task.cull_view());
-  const auto on_gpu = cull(s, task, shows_unseen, report);
+  if (auto ready = begin_frame(s, report); !ready) return failed(ready.error());
+  Frame frame = s.frame(input.view, cull_view);
+  frame.number = report.frame;
+  frame.budget_began = part.budget_began;
+  frame.overlaid = s.backend->has_overlays();
+  frame.shows_unseen = s.shows_unseen(input.view, cull_view);
+  frame.target = input.target;
+  frame.blend_range = part.blend_range;
+  frame.rows = part.rows;
+  const auto on_gpu = cull(s, frame, report);
   if (!on_gpu) return failed(on_gpu.error());
-  if (auto done = draw(s, task, *on_gpu, shows_unseen, report); !done) return failed(done.error());
-  if (s.hybrid && !shows_unseen) s.hybrid->measured(report);
+  if (s.backend->ready()) {
+    const double begin = core::now_seconds();
+    if (*on_gpu) {
+      s.overlaid.clear();
+      if (frame.overlaid) std::visit([&](const auto& culler) { culler.cull(cull_view, s.overlaid); }, *s.live.culler);
+    }
+    const auto drawn = s.backend->draw(frame, *on_gpu ? s.overlaid : s.visible, *on_gpu);
+    if (auto done = note_drawn(s, drawn, *on_gpu, report); !done) return failed(done.error());
+    report.draw_ms = 1e3 * (core::now_seconds() - begin);
+  }
+  if (s.hybrid && !frame.shows_unseen) s.hybrid->measured(report);
   return report;
 }
 
 }  // namespace
 
 core::Expected<FrameReport> Engine::frame(const core::View& view) {
-  return frame(FrameInput{view});
+  return run_frame(*state_, {view});
 }
 
 core::Expected<FrameReport> Engine::frame(const core::View& view, const gl::ExternalTarget& target) {
-  return frame(FrameInput{.view = view, .target = &target});
+  return run_frame(*state_, {.view = view, .target = &target});
 }
 
 core::Expected<FrameReport> Engine::frame(const FrameInput& input) {
-  return run_frame(*state_, {input, core::now_seconds()});
+  return run_frame(*state_, input);
 }
 
 core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::View> views,
@@ -177,7 +176,7 @@ core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::Vie
     if (!done) break;
     // The budget of the last view ends with that of all, and each view may use what those before it have left.
     const double budget_began = began - share * double(views.size() - 1 - i);
-    auto report = run_frame(s, {{.view = views[i], .target = &targets[i]}, budget_began});
+    auto report = run_frame(s, {.view = views[i], .target = &targets[i]}, {budget_began});
     if (report)
       reports.push_back(*report);
     else
@@ -195,15 +194,14 @@ core::Expected<FrameReport> Engine::frame_tile(const core::View& whole, const Im
   if (!view) return tl::unexpected(view.error());
   const auto kept = s.keep_state();
   if (auto landed = land(s); !landed) return tl::unexpected(landed.error());
-  FrameTask task{{*view}, core::now_seconds()};
-  task.rows = {tile.y / tile.height, (tile.y + s.config.height) / tile.height};
+  FramePart part{.rows = {tile.y / tile.height, (tile.y + s.config.height) / tile.height}};
   if (s.backend->blends()) {
     // Near surfaces weigh more than those behind them, by the depths of the whole image.
     std::visit([&](const auto& culler) { culler.cull(whole, s.overlaid); }, *s.live.culler);
-    task.blend_range = s.backend->blend_range(whole, *s.live.snapshot, s.overlaid);
-    task.budget_began = core::now_seconds();
+    part.blend_range = s.backend->blend_range(whole, *s.live.snapshot, s.overlaid);
+    part.budget_began = core::now_seconds();
   }
-  return run_frame(s, task);
+  return run_frame(s, {*view}, part);
 }
 
 std::optional<LateReport> Engine::take_late_report() {

@@ -26,20 +26,23 @@ glm::vec4 row_of(const Snapshot& snapshot, const ItemStyle& style, std::uint32_t
   return row;
 }
 
-/// Calls visit(item, slot) for each of the items once, in the order of their slots, so that neighbours meet in caches,
-/// and prefetch(item, slot) ahead of it. Items of a delta may have no slot.
-template <class Prefetch, class Visit>
-void for_each_slot(const Snapshot& snapshot, std::span<const ItemId> items, const Prefetch& prefetch,
-                   const Visit& visit) {
+/// Calls visit(item, slot) for each of the items once, in the order of their slots, so that neighbours meet in caches.
+/// Ahead of that it prefetches their entries of `known` and what `prefetch` does of their slots. Items of a delta may
+/// have no slot.
+template <class Known, class Prefetch, class Visit>
+void for_each_slot(const Snapshot& snapshot, std::span<const ItemId> items, const Known& known,
+                   const Prefetch& prefetch, const Visit& visit) {
   std::vector<std::uint64_t> places;  // slot << 32 | item
   places.reserve(items.size());
   for (const ItemId item : items) places.push_back(std::uint64_t(snapshot.slot(item)) << 32 | to_index(item));
   core::radix_sort<32>(places);
   places.erase(std::unique(places.begin(), places.end()), places.end());
-  const auto call = [&](const auto& function, std::size_t i) { function(ItemId(places[i]), Slot(places[i] >> 32)); };
   for (std::size_t i = 0; i < places.size(); ++i) {
-    if (i + core::kPrefetchAhead < places.size()) call(prefetch, i + core::kPrefetchAhead);
-    call(visit, i);
+    if (const std::size_t ahead = i + core::kPrefetchAhead; ahead < places.size()) {
+      known.prefetch(ItemId(places[ahead]));
+      prefetch(snapshot, Slot(places[ahead] >> 32));
+    }
+    visit(ItemId(places[i]), Slot(places[i] >> 32));
   }
 }
 
@@ -91,6 +94,13 @@ std::uint32_t Overrides::take_override(Snapshot& snapshot, const ItemStyle& styl
   return at->second;
 }
 
+/// Gives an item the override of a style. The one that it had is released last, since it may be the same.
+void Overrides::change_override(Snapshot& snapshot, Styled& styled, const ItemStyle& style, Change& change) {
+  const std::uint32_t before = styled.material_override;
+  styled.material_override = take_override(snapshot, style, styled.material, change);
+  if (before != kNone) release_override(before);
+}
+
 void Overrides::release_override(std::uint32_t number) {
   MaterialOverride& material_override = material_overrides_[number];
   if (--material_override.items > 0) return;
@@ -111,23 +121,17 @@ Overrides::Change Overrides::set(Snapshot& snapshot, std::span<const ItemId> ite
   if (style == ItemStyle()) return clear(snapshot, items);
   Change change;
   change.touched.reserve(items.size());
-  const auto prefetch = [&](ItemId item, Slot slot) {
-    styled_.prefetch(item);
-    core::prefetch_slot(snapshot, slot);
-  };
-  for_each_slot(snapshot, items, prefetch, [&](ItemId item, Slot slot) {
+  for_each_slot(snapshot, items, styled_, core::prefetch_slot, [&](ItemId item, Slot slot) {
     Styled* styled = styled_.find(item);
     if (styled && material_overrides_[styled->material_override].style == style) return;
     const bool was_opaque = snapshot.opaque(slot);
-    const std::uint32_t material = styled ? styled->material : snapshot.material(slot);
-    const std::uint32_t material_override = take_override(snapshot, style, material, change);
-    if (styled) {
-      release_override(styled->material_override);
-      styled->material_override = material_override;
-    } else {
-      styled_.insert(item, {material_override, material});
-    }
-    snapshot.set_material(slot, snapshot.first_override_row() + material_override);
+    Styled now = styled ? *styled : Styled{kNone, snapshot.material(slot)};
+    change_override(snapshot, now, style, change);
+    if (styled)
+      *styled = now;
+    else
+      styled_.insert(item, now);
+    snapshot.set_material(slot, snapshot.first_override_row() + now.material_override);
     mark(slot, style);
     change.touched.push_back(slot);
     if (was_opaque && !snapshot.opaque(slot)) change.uncovered.push_back(item);
@@ -138,11 +142,7 @@ Overrides::Change Overrides::set(Snapshot& snapshot, std::span<const ItemId> ite
 
 Overrides::Change Overrides::clear(Snapshot& snapshot, std::span<const ItemId> items) {
   Change change;
-  const auto prefetch = [&](ItemId item, Slot slot) {
-    styled_.prefetch(item);
-    core::prefetch_slot(snapshot, slot);
-  };
-  for_each_slot(snapshot, items, prefetch, [&](ItemId item, Slot slot) {
+  for_each_slot(snapshot, items, styled_, core::prefetch_slot, [&](ItemId item, Slot slot) {
     const Styled* styled = styled_.find(item);
     if (!styled) return;
     const bool was_opaque = snapshot.opaque(slot);
@@ -168,11 +168,7 @@ Overrides::Change Overrides::clear_all(Snapshot& snapshot) {
 Overrides::Change Overrides::hide(Snapshot& snapshot, std::span<const ItemId> items) {
   Change change;
   change.boxes = true;
-  const auto prefetch = [&](ItemId item, Slot slot) {
-    hidden_.prefetch(item);
-    core::prefetch_box(snapshot, slot);
-  };
-  for_each_slot(snapshot, items, prefetch, [&](ItemId item, Slot slot) {
+  for_each_slot(snapshot, items, hidden_, core::prefetch_box, [&](ItemId item, Slot slot) {
     if (hidden_.find(item)) return;
     hidden_.insert(item, snapshot.shown(slot));
     change.touched.push_back(slot);
@@ -186,11 +182,7 @@ Overrides::Change Overrides::show(Snapshot& snapshot, std::span<const ItemId> it
   Change change;
   change.boxes = true;
   std::vector<Snapshot::Shown> as;
-  const auto prefetch = [&](ItemId item, Slot slot) {
-    hidden_.prefetch(item);
-    core::prefetch_box(snapshot, slot);
-  };
-  for_each_slot(snapshot, items, prefetch, [&](ItemId item, Slot slot) {
+  for_each_slot(snapshot, items, hidden_, core::prefetch_box, [&](ItemId item, Slot slot) {
     const Snapshot::Shown* shown = hidden_.find(item);
     if (!shown) return;
     as.push_back(*shown);
@@ -208,8 +200,7 @@ Overrides::Change Overrides::show_all(Snapshot& snapshot) {
   return show(snapshot, items);
 }
 
-// --- edits and new scene versions
-// --------------------------------------------------------------------------------------------
+// --- edits and new scene versions ------------------------------------------------------------------------------------
 
 void Overrides::forget(ItemId item) {
   if (const Styled* styled = styled_.find(item)) {
@@ -228,15 +219,13 @@ Overrides::Change Overrides::follow(Snapshot& snapshot, const core::SceneDelta& 
   std::vector<Slot> vacated;
   for (const auto* list : {&delta.changed, &delta.inserted})
     for_each_slot(
-        snapshot, *list, [](ItemId, Slot) {},
+        snapshot, *list, hidden_, [](const Snapshot&, Slot) {},
         [&](ItemId item, Slot slot) {
           if (Styled* styled = styled_.find(item)) {
             const ItemStyle style = material_overrides_[styled->material_override].style;
             styled->material = snapshot.material(slot);
-            const std::uint32_t material_override = take_override(snapshot, style, styled->material, change);
-            release_override(styled->material_override);
-            styled->material_override = material_override;
-            snapshot.set_material(slot, snapshot.first_override_row() + material_override);
+            change_override(snapshot, *styled, style, change);
+            snapshot.set_material(slot, snapshot.first_override_row() + styled->material_override);
             mark(slot, style);
           }
           if (Snapshot::Shown* shown = hidden_.find(item)) {
@@ -289,10 +278,7 @@ void Overrides::restore(Snapshot& snapshot) {
   for (auto& [item, styled] : styled_.entries()) {
     const Slot slot = snapshot.slot(item);
     styled.material = snapshot.material(slot);
-    const std::uint32_t material_override =
-        take_override(snapshot, material_overrides_[styled.material_override].style, styled.material, change);
-    release_override(styled.material_override);
-    styled.material_override = material_override;
+    change_override(snapshot, styled, ItemStyle(material_overrides_[styled.material_override].style), change);
   }
   for (std::uint32_t number = 0; number < material_overrides_.size(); ++number)
     if (material_overrides_[number].items > 0) set_row(snapshot, number, change);

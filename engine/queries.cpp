@@ -16,7 +16,7 @@ namespace sightline::engine {
 core::Expected<LossReport> Engine::loss(const core::View& view) {
   const auto kept = state_->keep_state();
   if (state_->backend->lost()) return LossReport();
-  return state_->backend->loss(state_->culled(view, state_->visible));
+  return state_->backend->loss(state_->frame(view, view), state_->visible);
 }
 
 core::Expected<culling::CullStates> Engine::cull_states(const core::View& view) {
@@ -32,7 +32,7 @@ core::Expected<culling::CullStates> Engine::cull_states(const core::View& view) 
   if (s.backend->ready() && !s.backend->lost()) {
     core::VisibleSet visible;
     std::visit([&](const auto& culler) { culler.cull(view, visible); }, *s.live.culler);
-    auto found = s.backend->left_out({view, snapshot, visible, s.live.lines, hierarchy});
+    auto found = s.backend->left_out({view, view, snapshot, s.live.lines, hierarchy}, visible);
     if (found)
       out = std::move(*found);
     else if (!s.backend->lost())

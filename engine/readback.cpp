@@ -64,7 +64,7 @@ core::Expected<void> Engine::draw_outline(const core::View& view, std::span<cons
   const auto kept = state_->keep_state();
   Drawing* drawing = state_->backend->drawing();
   if (shown.single_slots.empty() || !drawing || drawing->lost()) return {};
-  return drawing->put_outline({view, snapshot(), shown}, target);
+  return drawing->put_outline({view, view, snapshot()}, shown, target);
 }
 
 }  // namespace sightline::engine

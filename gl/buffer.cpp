@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sightline/core/internal/large_array.h"
+#include "sightline/core/internal/store.h"
 
 namespace sightline::gl {
 namespace {
@@ -192,6 +193,15 @@ core::Expected<TextureBuffer> TextureBuffer::create(const Functions& gl, const B
   view.texels_ = static_cast<std::int64_t>(texels);
   label(gl, GL_TEXTURE, name, what);
   return view;
+}
+
+core::Expected<TexelArray> TexelArray::create(const Functions& gl, std::size_t bytes, const void* data, GLenum format,
+                                              std::string_view what, GLbitfield flags) {
+  TexelArray made;
+  auto done = core::store(Buffer::create(gl, bytes, data, flags, what), made.buffer);
+  if (done) done = core::store(TextureBuffer::create(gl, made.buffer, format, what), made.texels);
+  if (!done) return tl::unexpected(done.error());
+  return made;
 }
 
 }  // namespace sightline::gl

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/store.h"
+
 namespace sightline::gl {
 namespace {
 
@@ -59,9 +61,7 @@ core::Expected<void> check_complete(const Functions& gl, GLuint name, std::strin
 core::Expected<Framebuffer> Framebuffer::create(const Functions& gl, std::span<const Attachment> attachments,
                                                 std::string_view what) {
   Framebuffer framebuffer;
-  auto made = make(gl, what);
-  if (!made) return tl::unexpected(made.error());
-  framebuffer.handle_ = std::move(*made);
+  if (auto done = core::store(make(gl, what), framebuffer.handle_); !done) return tl::unexpected(done.error());
   std::array<GLenum, kMaxColors> outputs{};
   outputs.fill(GL_NONE);
   GLsizei output_count = 0;
@@ -84,9 +84,7 @@ core::Expected<Framebuffer> Framebuffer::create(const Functions& gl, std::span<c
 core::Expected<Framebuffer> Framebuffer::create_attachmentless(const Functions& gl, int width, int height,
                                                                std::string_view what) {
   Framebuffer framebuffer;
-  auto made = make(gl, what);
-  if (!made) return tl::unexpected(made.error());
-  framebuffer.handle_ = std::move(*made);
+  if (auto done = core::store(make(gl, what), framebuffer.handle_); !done) return tl::unexpected(done.error());
   gl.NamedFramebufferParameteri(framebuffer.id(), GL_FRAMEBUFFER_DEFAULT_WIDTH, width);
   gl.NamedFramebufferParameteri(framebuffer.id(), GL_FRAMEBUFFER_DEFAULT_HEIGHT, height);
   gl.NamedFramebufferDrawBuffer(framebuffer.id(), GL_NONE);

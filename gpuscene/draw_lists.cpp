@@ -1,70 +1,13 @@
 #include "sightline/gpuscene/internal/draw_lists.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
+#include "sightline/core/internal/store.h"
 #include "sightline/gpuscene/internal/record_commands.h"
 
 namespace sightline::gpuscene {
 namespace {
-
-using core::Slot;
-using core::Snapshot;
-
-/// Decides by their boxes which faces of meshes a view shows.
-class ShownMeshes {
- public:
-  ShownMeshes(const Snapshot& snapshot, const core::View* drawn) : snapshot_(snapshot) {
-    if (!drawn) return;
-    const core::View& view = *drawn;
-    near_ = relative(core::frustum_planes(view.clip_from_world(), view.clip_depth())[core::kNear]);
-    const double norm = glm::length(near_.normal);
-    near_.normal /= norm;
-    near_.offset /= norm;
-    can_face_ = norm > 0.0 && view.sections.empty() && !mirrors(view);
-  }
-
-  /// True when an item shows the eye only front faces of its solid shells (solid_shells.h): it is not mirrored, and it
-  /// lies wholly beyond the near plane, so the eye is outside and the plane cuts no shell open. Never with sections.
-  bool shows_fronts_alone(Slot slot) const { return can_face_ && beyond_near_plane(slot) && !mirrored(slot); }
-
- private:
-  struct Span {
-    double low, high;
-  };
-  core::Plane relative(core::Plane plane) const {
-    plane.offset += glm::dot(plane.normal, snapshot_.bounds().origin);
-    return plane;
-  }
-  /// Range of a linear form over an item's box.
-  Span span(const core::Plane& form, Slot slot) const {
-    const core::Aabb box = snapshot_.bounds().box(slot);
-    const core::dvec3 low(box.min), high(box.max);
-    const double middle = core::evaluate(form, 0.5 * (low + high));
-    const double reach = glm::dot(glm::abs(form.normal), 0.5 * (high - low));
-    return {middle - reach, middle + reach};
-  }
-  /// True when the view exchanges clockwise and counter-clockwise triangles.
-  static bool mirrors(const core::View& view) {
-    const core::dmat4& clip = view.clip_from_eye();
-    return !(glm::determinant(core::dmat3(view.eye_from_world())) * clip[0][0] * clip[1][1] > 0.0);
-  }
-  bool mirrored(Slot slot) const {
-    const core::KindItems& items = snapshot_.of_kind(snapshot_.kind(slot));
-    return !(glm::determinant(items.placements[snapshot_.index_in_kind(slot)].linear) > 0.0f);
-  }
-  /// True when an item lies beyond the near plane by more than the GPU rounds vertices.
-  bool beyond_near_plane(Slot slot) const {
-    const core::Aabb box = snapshot_.bounds().box(slot);
-    const Span depth = span(near_, slot);
-    return depth.low > 1e-5 * (depth.high + glm::length(core::dvec3(box.max) - core::dvec3(box.min)));
-  }
-
-  const Snapshot& snapshot_;
-  core::Plane near_;  // relative to the origin of the bounds
-  bool can_face_ = false;
-};
 
 /// 0, 1, 2, … for points and lines, then the triangles of proxies if they are drawn so.
 std::vector<std::uint16_t> list_indices(gl::Workarounds workarounds) {
@@ -88,35 +31,29 @@ core::Expected<DrawLists> DrawLists::create(const gl::Context& context, const Gp
   if (meshes) {
     std::vector<std::uint32_t> identity(meshes->capacity);
     std::iota(identity.begin(), identity.end(), 0u);
-    auto buffer = gl::Buffer::create(gl, std::span(identity), 0, "mesh instances");
-    if (!buffer) return tl::unexpected(buffer.error());
-    lists.mesh_instances_ = std::move(*buffer);
+    if (auto done =
+            core::store(gl::Buffer::create(gl, std::span(identity), 0, "mesh instances"), lists.mesh_instances_);
+        !done)
+      return tl::unexpected(done.error());
   }
   if (scene.batches().size() > (meshes ? 1u : 0u)) {
     const std::vector<std::uint16_t> indices = list_indices(gl.workarounds);
-    auto buffer = gl::Buffer::create(gl, std::span(indices), 0, "record indices");
-    if (!buffer) return tl::unexpected(buffer.error());
-    lists.record_indices_ = std::move(*buffer);
+    if (auto done = core::store(gl::Buffer::create(gl, std::span(indices), 0, "record indices"), lists.record_indices_);
+        !done)
+      return tl::unexpected(done.error());
   }
   return lists;
-}
-
-void DrawLists::append(const ElementsCommand* commands, std::size_t count) {
-  command_list_.insert(command_list_.end(), commands, commands + count);
 }
 
 void DrawLists::append_records(BatchKind kind, std::uint32_t first, std::uint32_t count) {
   const RecordForm form = record_form(kind, gl_->workarounds);
   for (std::uint32_t done = 0; done < count; done += kRecordsPerCommand) {
     const std::uint32_t n = std::min(kRecordsPerCommand, count - done);
-    const ElementsCommand command{n * form.indices, 1, form.first_index, std::int32_t((first + done) * form.vertices),
-                                  0};
-    append(&command, 1);
+    command_list_.push_back({n * form.indices, 1, form.first_index, std::int32_t((first + done) * form.vertices), 0});
   }
 }
 
-void DrawLists::list_records(const Batch& batch) {
-  const VisibleRecords::OfBatch& found = visible_.batches[std::size_t(batch.kind)];
+void DrawLists::list_records(const Batch& batch, const VisibleRecords::OfBatch& found) {
   const std::size_t begin = command_list_.size();
   for (const VisibleRecords::Run& run : found.runs) append_records(batch.kind, run.first, run.count);
   const std::size_t place = singles_.begin() + single_list_.size();
@@ -125,102 +62,47 @@ void DrawLists::list_records(const Batch& batch) {
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
-/// Lists a cut of a mesh with levels. The first `solid` of its indices show only front faces. A mesh of solids alone
-/// remains solid in every cut; of others that is known of their own triangles.
-void DrawLists::list_mesh(const Snapshot& snapshot, MeshTriangles mesh, const lod::MeshLevels* levels,
-                          std::uint32_t solid, const DrawnIn& in) {
-  if (mesh.whole.instance_count == 0 || mesh.whole.count == 0) return;
-  if (in.triangles) mesh.indices = levels ? levels->indices : snapshot.mesh(mesh.slot).indices;
-  // Triangles of the mesh itself are in another order there.
-  if (in.triangles && !levels && solid < mesh.whole.count) solid = 0;
-  bool first = true;
-  if (levels && in.error) {
-    if (solid == mesh.whole.count) solid = std::uint32_t(levels->indices.size());
-    first = list_cut(snapshot, mesh.slot, *levels, in);
-  } else {
-    ranges_.assign(1, {0, mesh.whole.count});
+/// Indices of the image's own come to the region of the ring that this image uses.
+core::Expected<void> DrawLists::list_meshes(const MeshDraws& meshes) {
+  std::size_t indices = 0;
+  for (const auto& run : meshes.indices) indices += run.size();
+  if (auto made = picked_indices_.reserve(*gl_, indices); !made) return tl::unexpected(made.error());
+  indices = 0;
+  for (const auto& run : meshes.indices) {
+    picked_indices_.write(indices, run);
+    indices += run.size();
   }
-  count_mesh(mesh.whole.count, levels && in.error ? cuts_.error() : 0.0, first);
-  for (const lod::IndexRange& range : ranges_) {
-    const std::uint32_t end = range.first + range.count;
-    list_triangles(mesh, range.first, std::min(end, solid), true);
-    list_triangles(mesh, std::max(range.first, solid), end, false);
-  }
-}
-
-/// Sets ranges_. Returns whether nothing of the item is drawn yet.
-bool DrawLists::list_cut(const Snapshot& snapshot, Slot slot, const lod::MeshLevels& levels, const DrawnIn& in) {
-  const core::Affine world_from_mesh = snapshot.world_from_item(slot);
-  std::vector<std::uint32_t>& clusters = cuts_.choose(levels, {*in.error, world_from_mesh});
-  const bool first = !in.clusters || in.clusters->filter(slot, levels, world_from_mesh, clusters);
-  lod::CutChooser::merge(levels, clusters, ranges_);
-  return first;
-}
-
-/// Counts what ranges_ draws of a mesh, and the mesh itself if it is the first of it.
-void DrawLists::count_mesh(std::uint32_t own_indices, double error, bool first) {
-  if (ranges_.empty()) return;
-  MeshCounts counts{0, 0, 0, 0, error};
-  if (first) counts = {1, ranges_.back().first + ranges_.back().count > own_indices, 0, own_indices / 3, error};
-  for (const lod::IndexRange& range : ranges_) counts.triangles += range.count / 3;
-  mesh_counts_ += counts;
-}
-
-/// Indices first … end - 1 of a mesh, for the test if there is one.
-void DrawLists::list_triangles(const MeshTriangles& mesh, std::uint32_t first, std::uint32_t end, bool fronts_alone) {
-  if (first >= end) return;
-  if (!mesh.indices.empty())
-    return picked_.add(mesh.slot, mesh.indices.subspan(first, end - first), mesh.whole, fronts_alone);
-  ElementsCommand command = mesh.whole;
-  command.first_index += first;
-  command.count = end - first;
-  (fronts_alone ? command_list_ : both_faces_).push_back(command);
-}
-
-/// Commands that show only front faces come first.
-core::Expected<void> DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const DrawnIn& in) {
   const std::size_t begin = command_list_.size();
-  const ShownMeshes shown(snapshot, in.view);
-  both_faces_.clear();
-  picked_.clear();
-  for (const Slot slot : visible_.meshes) {
-    const std::uint32_t record = GpuScene::record_of(snapshot, slot), solid = pool.solid_indices(record);
-    const bool fronts_alone = solid > 0 && shown.shows_fronts_alone(slot);
-    list_mesh(snapshot, {slot, pool.command(record), {}}, pool.levels(record), fronts_alone ? solid : 0, in);
-  }
-  if (in.triangles) {
-    picked_.test(snapshot, *in.triangles, in.threads);
-    if (auto done = upload_picked(); !done) return done;
-    const auto first = std::uint32_t(picked_indices_.begin());
-    picked_.for_each_command(first, [&](const ElementsCommand& command, bool fronts) {
-      (fronts ? command_list_ : both_faces_).push_back(command);
-    });
-  }
-  const int front_only = int(command_list_.size() - begin);
-  append(both_faces_.data(), both_faces_.size());
-  sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin), false, front_only};
+  command_list_.insert(command_list_.end(), meshes.fronts.begin(), meshes.fronts.end());
+  command_list_.insert(command_list_.end(), meshes.both_faces.begin(), meshes.both_faces.end());
+  for (std::size_t i = begin; picks_ && i < command_list_.size(); ++i)
+    command_list_[i].first_index += std::uint32_t(picked_indices_.begin());
+  sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin), false,
+                                              int(meshes.fronts.size())};
   return {};
 }
 
-core::Expected<void> DrawLists::upload_picked() {
-  if (auto done = picked_indices_.reserve(*gl_, picked_.size()); !done) return tl::unexpected(done.error());
-  picked_.for_each_run(
-      [&](std::span<const std::uint32_t> indices, std::size_t first) { picked_indices_.write(first, indices); });
-  return {};
+core::Expected<void> DrawLists::update(const core::Snapshot& snapshot, const GpuScene& scene,
+                                       const core::VisibleSet& visible) {
+  VisibleRecords records;
+  records.assign(snapshot, visible);
+  std::vector<ElementsCommand> whole;
+  for (const core::Slot slot : records.meshes) {
+    const ElementsCommand command = scene.meshes().command(GpuScene::record_of(snapshot, slot));
+    if (command.instance_count > 0 && command.count > 0) whole.push_back(command);
+  }
+  return update(scene, records, {.both_faces = whole});
 }
 
-core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                                       const DrawnIn& in) {
+core::Expected<void> DrawLists::update(const GpuScene& scene, const VisibleRecords& records, const MeshDraws& meshes) {
   sections_ = {};
-  mesh_counts_ = {};
   from_gpu_ = false;
-  picks_ = in.triangles != nullptr;
+  picks_ = !meshes.indices.empty();
   commands_.advance();
   singles_.advance();
   picked_indices_.advance();
-  visible_.assign(snapshot, visible);
   std::size_t singles = 0;
-  for (const VisibleRecords::OfBatch& found : visible_.batches) singles += found.singles.size();
+  for (const VisibleRecords::OfBatch& found : records.batches) singles += found.singles.size();
   // The lists hold the places of single records in the buffer, so it must be large enough before.
   if (auto done = reserve_singles(singles); !done) return done;
   command_list_.clear();
@@ -228,9 +110,9 @@ core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene&
   core::Expected<void> done;
   for (const Batch& b : scene.batches()) {
     if (b.kind == BatchKind::kMesh) {
-      done = list_meshes(snapshot, scene.meshes(), in);
+      done = list_meshes(meshes);
     } else {
-      list_records(b);
+      list_records(b, records.batches[std::size_t(b.kind)]);
     }
   }
   if (done) done = upload();
@@ -244,10 +126,7 @@ core::Expected<void> DrawLists::reserve_singles(std::size_t count) {
   if (!anew) return tl::unexpected(anew.error());
   if (*anew) single_texels_ = {};
   if (single_texels_.id() != 0) return {};
-  auto texels = gl::TextureBuffer::create(*gl_, singles_.buffer(), GL_R32UI, "visible records");
-  if (!texels) return tl::unexpected(texels.error());
-  single_texels_ = std::move(*texels);
-  return {};
+  return core::store(gl::TextureBuffer::create(*gl_, singles_.buffer(), GL_R32UI, "visible records"), single_texels_);
 }
 
 core::Expected<void> DrawLists::upload() {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sightline/core/internal/store.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/record_commands.h"
@@ -45,10 +46,7 @@ gl::ProgramDescription describe_write() {
 
 core::Expected<void> make_view(const gl::Functions& gl, const gl::Buffer& buffer, const char* what,
                                gl::TextureBuffer& out) {
-  auto texels = gl::TextureBuffer::create(gl, buffer, GL_R32UI, what);
-  if (!texels) return tl::unexpected(texels.error());
-  out = std::move(*texels);
-  return {};
+  return core::store(gl::TextureBuffer::create(gl, buffer, GL_R32UI, what), out);
 }
 
 }  // namespace
@@ -83,10 +81,7 @@ core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene, std::size_
   if (const Batch* meshes = scene.batch(BatchKind::kMesh)) place(*meshes);
 
   const auto make = [&](gl::Buffer& out, std::size_t bytes, const char* what) -> core::Expected<void> {
-    auto buffer = gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, what);
-    if (!buffer) return tl::unexpected(buffer.error());
-    out = std::move(*buffer);
-    return {};
+    return core::store(gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, what), out);
   };
   auto done = make(lists.commands, std::max<std::size_t>(1, commands) * sizeof(ElementsCommand), "GPU's draw commands");
   if (done)

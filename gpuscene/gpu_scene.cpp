@@ -8,6 +8,7 @@
 
 #include "sightline/core/internal/radix_sort.h"
 #include "sightline/core/internal/snapshot_prefetch.h"
+#include "sightline/core/internal/store.h"
 
 namespace sightline::gpuscene {
 namespace {
@@ -118,50 +119,47 @@ GpuScene GpuScene::begin(const gl::Context& context, const Snapshot& snapshot) {
 
 core::Expected<bool> GpuScene::advance(const Snapshot& snapshot, const gpuprims::Joints& joints, Deadline deadline) {
   for (; upload_->kind < std::size_t(kBatchKindCount); ++upload_->kind) {
-    const auto done = advance_batch(snapshot, joints, deadline);
-    if (!done || !*done) return done;
+    const auto kind = BatchKind(upload_->kind);
+    if (!upload_->batch_made)
+      if (auto done = begin_batch(snapshot, kind); !done) return tl::unexpected(done.error());
+    const std::span<const Slot> slots = upload_->slots;
+    while (upload_->next < slots.size()) {
+      const std::size_t first = upload_->next, count = std::min(kPiece, slots.size() - first);
+      const gl::Buffer& records = batches_.back().records;
+      if (records.memory()) {
+        pack_slots(snapshot, joints, kind, slots.subspan(first, count),
+                   static_cast<Texel*>(records.memory()) + first * std::size_t(texels_per_record(kind)));
+      } else {
+        const std::vector<Texel> texels = pack_slots(snapshot, joints, kind, slots.subspan(first, count));
+        records.write(first * record_bytes(kind), texels.size() * sizeof(Texel), texels.data());
+      }
+      upload_->next += count;
+      if (over(deadline)) return false;
+    }
+    if (kind == BatchKind::kMesh && !slots.empty()) {
+      while (meshes_.records() < slots.size()) {
+        meshes_.add(snapshot, slots[meshes_.records()]);
+        if (over(deadline)) return false;
+      }
+      if (const auto done = upload_meshes(deadline); !done || !*done) return done;
+    }
+    upload_->batch_made = false;
   }
   if (auto done = make_materials(snapshot); !done) return tl::unexpected(done.error());
   upload_.reset();
   return true;
 }
 
-/// Uploads the records of the next batch, and with them its meshes.
-core::Expected<bool> GpuScene::advance_batch(const Snapshot& snapshot, const gpuprims::Joints& joints,
-                                             Deadline deadline) {
-  const auto kind = BatchKind(upload_->kind);
-  if (!upload_->batch_made) {
-    upload_->slots = slots_of(snapshot, kind, slot_count_);
-    if (upload_->slots.empty()) return true;
-    auto batch = make_batch(*gl_, kind, upload_->slots.size());
-    if (!batch) return tl::unexpected(batch.error());
-    batches_.push_back(std::move(*batch));
-    upload_->batch_made = true;
-    upload_->next = 0;
-  }
-  while (upload_->next < upload_->slots.size()) {
-    const std::size_t first = upload_->next, count = std::min(kPiece, upload_->slots.size() - first);
-    const auto piece = std::span<const Slot>(upload_->slots).subspan(first, count);
-    const gl::Buffer& records = batches_.back().records;
-    if (records.memory()) {
-      pack_slots(snapshot, joints, kind, piece,
-                 static_cast<Texel*>(records.memory()) + first * std::size_t(texels_per_record(kind)));
-    } else {
-      const std::vector<Texel> texels = pack_slots(snapshot, joints, kind, piece);
-      records.write(first * record_bytes(kind), texels.size() * sizeof(Texel), texels.data());
-    }
-    upload_->next += count;
-    if (over(deadline)) return false;
-  }
-  if (kind == BatchKind::kMesh) {
-    while (meshes_.records() < upload_->slots.size()) {
-      meshes_.add(snapshot, upload_->slots[meshes_.records()]);
-      if (over(deadline)) return false;
-    }
-    if (const auto done = upload_meshes(deadline); !done || !*done) return done;
-  }
-  upload_->batch_made = false;
-  return true;
+/// Finds the items of the next batch, and makes it unless there are none.
+core::Expected<void> GpuScene::begin_batch(const Snapshot& snapshot, BatchKind kind) {
+  upload_->slots = slots_of(snapshot, kind, slot_count_);
+  upload_->next = 0;
+  if (upload_->slots.empty()) return {};
+  auto batch = make_batch(*gl_, kind, upload_->slots.size());
+  if (!batch) return tl::unexpected(batch.error());
+  batches_.push_back(std::move(*batch));
+  upload_->batch_made = true;
+  return {};
 }
 
 std::vector<Slot> GpuScene::slots_of(const Snapshot& snapshot, BatchKind kind, Slot end) {
@@ -182,22 +180,17 @@ core::Expected<void> GpuScene::make_materials(const Snapshot& snapshot) {
   std::vector<glm::vec4> rows{{unnamed.colour, unnamed.alpha}};
   rows.insert(rows.end(), snapshot.materials().begin(), snapshot.materials().end());
   rows.resize(rows.size() + rows.size() / 8 + kHeadroom);
-  auto buffer = gl::Buffer::create(*gl_, std::span(rows), GL_DYNAMIC_STORAGE_BIT, "material table");
-  if (!buffer) return tl::unexpected(buffer.error());
-  auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_RGBA32F, "material table");
-  if (!texels) return tl::unexpected(texels.error());
-  material_texels_ = std::move(*texels);
-  material_rows_ = std::move(*buffer);
-  return {};
+  const std::size_t bytes = rows.size() * sizeof(rows[0]);
+  return core::store(gl::TexelArray::create(*gl_, bytes, rows.data(), GL_RGBA32F, "material table"), materials_);
 }
 
 core::Expected<void> GpuScene::update_materials(const Snapshot& snapshot, std::span<const std::uint32_t> edited) {
   if (edited.empty()) return {};
   const core::MaterialTable& rows = snapshot.materials();
   constexpr std::size_t kRow = sizeof(glm::vec4);
-  if ((rows.size() + 1) * kRow > material_rows_.size()) return make_materials(snapshot);
+  if ((rows.size() + 1) * kRow > materials_.buffer.size()) return make_materials(snapshot);
   const std::size_t first = edited.front(), count = edited.back() - first + 1;
-  material_rows_.write((first + 1) * kRow, count * kRow, rows.data() + first);
+  materials_.buffer.write((first + 1) * kRow, count * kRow, rows.data() + first);
   return {};
 }
 
@@ -221,6 +214,16 @@ core::Expected<bool> GpuScene::append(const Snapshot& snapshot, const gpuprims::
   }
   for (const Slot slot : slots[std::size_t(BatchKind::kMesh)]) meshes_.add(snapshot, slot);
   return larger;
+}
+
+core::Expected<bool> GpuScene::follow(const Snapshot& snapshot, const gpuprims::Joints& joints,
+                                      std::span<const Slot> touched, Deadline deadline) {
+  const auto prepared = deadline == kNoDeadline ? core::Expected<bool>(false) : prepare_room();
+  if (!prepared) return prepared;
+  const auto larger = append(snapshot, joints);
+  if (!larger) return larger;
+  update(snapshot, touched, joints);
+  return upload_meshes(deadline).map([&](bool) { return *prepared || *larger; });
 }
 
 /// For so many more records. Whether there was too little.
@@ -254,10 +257,9 @@ core::Expected<bool> GpuScene::prepare_room() {
 core::Expected<bool> GpuScene::enlarge(Batch& batch, std::size_t records, std::uint32_t most) {
   const std::size_t stride = record_bytes(batch.kind);
   if (batch.larger.size() < records * stride) {
-    auto made = gl::Buffer::create(*gl_, (records + records / 2) * stride, nullptr, GL_DYNAMIC_STORAGE_BIT,
-                                   records_of(batch.kind));
-    if (!made) return tl::unexpected(made.error());
-    batch.larger = std::move(*made);
+    const std::size_t bytes = (records + records / 2) * stride;
+    auto made = gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, records_of(batch.kind));
+    if (auto done = core::store(std::move(made), batch.larger); !done) return tl::unexpected(done.error());
     batch.copied = 0;
   }
   const std::uint32_t count = std::min(most, batch.count - batch.copied);
@@ -267,8 +269,7 @@ core::Expected<bool> GpuScene::enlarge(Batch& batch, std::size_t records, std::u
   batch.copied += count;
   if (batch.copied < batch.count) return false;
   auto view = gl::TextureBuffer::create(*gl_, batch.larger, GL_RGBA32UI, records_of(batch.kind));
-  if (!view) return tl::unexpected(view.error());
-  batch.texels = std::move(*view);
+  if (auto done = core::store(std::move(view), batch.texels); !done) return tl::unexpected(done.error());
   batch.capacity = std::uint32_t(batch.larger.size() / stride);
   batch.records = std::exchange(batch.larger, {});
   batch.copied = 0;
@@ -333,7 +334,7 @@ const Batch* GpuScene::batch(BatchKind kind) const {
 }
 
 std::size_t GpuScene::memory_bytes() const {
-  std::size_t bytes = meshes_.memory_bytes() + material_rows_.size();
+  std::size_t bytes = meshes_.memory_bytes() + materials_.buffer.size();
   for (const Batch& b : batches_) bytes += b.records.size() + b.larger.size();
   return bytes;
 }

@@ -103,7 +103,7 @@ std::uint32_t MeshPool::shape_of(std::shared_ptr<const core::Mesh> mesh) {
 
 void MeshPool::release(std::uint32_t index) {
   Shape& shape = shapes_[index];
-  if (is_current(shape)) give_back_current();
+  if (current_.shape != kNone && current_.serial == shape.serial) give_back_current();
   if (shape.drawn) {
     vertices_.give_back(shape.first_vertex, shape.vertex_count);
     indices_.give_back(shape.first_index, index_room(shape));
@@ -171,7 +171,22 @@ core::Expected<bool> MeshPool::step(const gl::Functions& gl, bool levels, bool f
   auto room = make_room(gl, vertices_, waiting_vertices_);
   if (room) room = make_room(gl, indices_, waiting_indices_);
   if (!room) return tl::unexpected(room.error());
-  if (!vertices_.moving() && !indices_.moving()) stage_piece();
+  if (vertices_.moving() || indices_.moving()) return true;
+  Current& c = current_;
+  const core::Mesh& mesh = *shapes_[c.shape].mesh;
+  const std::size_t vertices = std::min(kVertexPiece, c.vertex_count - c.vertices);
+  for (Vertex& vertex : vertices_.stage(c.first_vertex + std::uint32_t(c.vertices), vertices)) {
+    const std::size_t i = c.vertices++;
+    vertex = {mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])};
+  }
+  const std::vector<std::uint32_t>& from = c.levels ? c.levels->indices : c.ordered.empty() ? mesh.indices : c.ordered;
+  const std::size_t indices = std::min(kIndexPiece, c.index_count - c.indices);
+  const auto to = indices_.stage(c.first_index + std::uint32_t(c.indices), indices);
+  std::copy_n(from.begin() + std::ptrdiff_t(c.indices), indices, to.begin());
+  c.indices += indices;
+  elements_done_ += vertices + indices;
+  if (c.vertices == c.vertex_count && c.indices == c.index_count) end_current();
+  if (vertices_.staged() >= kVertexPiece || indices_.staged() >= kIndexPiece) write_staged();
   return true;
 }
 
@@ -206,24 +221,6 @@ void MeshPool::give_back_current() {
   vertices_.give_back(current_.first_vertex, std::uint32_t(current_.vertex_count));
   indices_.give_back(current_.first_index, std::uint32_t(current_.index_count));
   current_ = {};
-}
-
-void MeshPool::stage_piece() {
-  Current& c = current_;
-  const core::Mesh& mesh = *shapes_[c.shape].mesh;
-  const std::size_t vertices = std::min(kVertexPiece, c.vertex_count - c.vertices);
-  for (Vertex& vertex : vertices_.stage(c.first_vertex + std::uint32_t(c.vertices), vertices)) {
-    const std::size_t i = c.vertices++;
-    vertex = {mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])};
-  }
-  const std::vector<std::uint32_t>& from = c.levels ? c.levels->indices : c.ordered.empty() ? mesh.indices : c.ordered;
-  const std::size_t indices = std::min(kIndexPiece, c.index_count - c.indices);
-  const auto to = indices_.stage(c.first_index + std::uint32_t(c.indices), indices);
-  std::copy_n(from.begin() + std::ptrdiff_t(c.indices), indices, to.begin());
-  c.indices += indices;
-  elements_done_ += vertices + indices;
-  if (c.vertices == c.vertex_count && c.indices == c.index_count) end_current();
-  if (vertices_.staged() >= kVertexPiece || indices_.staged() >= kIndexPiece) write_staged();
 }
 
 /// Draws it from now on. What is staged is written before anything draws.

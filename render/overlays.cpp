@@ -1,5 +1,6 @@
 #include "sightline/render/internal/overlays.h"
 
+#include "sightline/core/internal/store.h"
 #include "sightline/gl/internal/pipeline_state.h"
 
 namespace sightline::render {
@@ -15,22 +16,19 @@ core::Expected<BlendedSums> BlendedSums::create(const gl::Functions& gl, const R
   BlendedSums made;
   made.gl_ = &gl;
   const auto make = [&](gl::Texture2D& texture, GLenum format, const char* what) -> core::Expected<void> {
-    auto created = gl::Texture2D::create(gl, image.width(), image.height(), format, what, image.format().samples);
-    if (!created) return tl::unexpected(created.error());
-    texture = std::move(*created);
-    return {};
+    return core::store(gl::Texture2D::create(gl, image.width(), image.height(), format, what, image.format().samples),
+                       texture);
   };
   auto done = make(made.sums_, GL_RGBA16F, "sums of transparent surfaces");
   if (done) done = make(made.let_pass_, GL_R32F, "light that transparent surfaces let pass");
   if (done) done = make(made.nearest_, GL_R32F, "depth of transparent surfaces");
-  if (!done) return tl::unexpected(done.error());
   const gl::Attachment attachments[] = {{GL_COLOR_ATTACHMENT0, &made.sums_},
                                         {GL_COLOR_ATTACHMENT1, &made.let_pass_},
                                         {GL_COLOR_ATTACHMENT2, &made.nearest_},
                                         {GL_DEPTH_ATTACHMENT, &image.depth()}};
-  auto framebuffer = gl::Framebuffer::create(gl, attachments, "sums of transparent surfaces");
-  if (!framebuffer) return tl::unexpected(framebuffer.error());
-  made.framebuffer_ = std::move(*framebuffer);
+  if (done)
+    done = core::store(gl::Framebuffer::create(gl, attachments, "sums of transparent surfaces"), made.framebuffer_);
+  if (!done) return tl::unexpected(done.error());
   return made;
 }
 
@@ -71,10 +69,7 @@ core::Expected<void> Overlays::make_layer(const gl::Context& context, const Rend
   if (layer_ && layer_->width() == image.width() && layer_->height() == image.height() &&
       layer_->format().samples == samples)
     return {};
-  auto made = RenderTarget::create(context, image.width(), image.height(), {.samples = samples});
-  if (!made) return tl::unexpected(made.error());
-  layer_ = std::move(*made);
-  return {};
+  return core::store(RenderTarget::create(context, image.width(), image.height(), {.samples = samples}), layer_);
 }
 
 core::Expected<const RenderTarget*> Overlays::begin_layer(const gl::Context& context, const RenderTarget& image,
@@ -97,9 +92,7 @@ core::Expected<const RenderTarget*> Overlays::begin_layer(const gl::Context& con
 core::Expected<const BlendedSums*> Overlays::begin_sums(const RenderTarget& image) {
   if (!sums_ || sums_depth_ != image.depth().id()) {
     sums_.reset();
-    auto made = BlendedSums::create(*gl_, image);
-    if (!made) return tl::unexpected(made.error());
-    sums_ = std::move(*made);
+    if (auto done = core::store(BlendedSums::create(*gl_, image), sums_); !done) return tl::unexpected(done.error());
     sums_depth_ = image.depth().id();
   }
   sums_->clear();

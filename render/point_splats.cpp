@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstddef>
 
+#include "sightline/core/internal/store.h"
 #include "sightline/gpuprims/internal/shaders.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/render/internal/shaders.h"
@@ -41,12 +42,10 @@ core::Expected<PointSplats> PointSplats::create(const gl::Context& context, cons
   const gl::Functions& gl = context.functions();
   PointSplats splats;
   splats.gl_ = &gl;
-  auto program = gl::Program::create(gl, describe(format));
-  if (!program) return tl::unexpected(program.error());
-  splats.program_ = std::move(*program);
   auto block = gl::Buffer::create(gl, sizeof(gpuprims::ViewBlock), nullptr, GL_DYNAMIC_STORAGE_BIT, "view block");
-  if (!block) return tl::unexpected(block.error());
-  splats.view_block_ = std::move(*block);
+  auto done = core::store(std::move(block), splats.view_block_);
+  if (done) done = core::store(gl::Program::create(gl, describe(format)), splats.program_);
+  if (!done) return tl::unexpected(done.error());
   splats.array_ = gl::VertexArray(gl);
   const GLuint array = splats.array_.id();
   if (auto made = gl::check_names(gl, {array}, "vertex array of splats"); !made) return tl::unexpected(made.error());
@@ -68,10 +67,9 @@ core::Expected<void> PointSplats::upload(const core::View& view, std::span<const
   if (!block) return tl::unexpected(block.error());
   view_block_.write(0, sizeof(*block), &*block);
   if (splats.size_bytes() > vertices_.size()) {
-    auto buffer = gl::Buffer::create(*gl_, std::bit_ceil(splats.size()) * sizeof(PointSplat), nullptr,
-                                     GL_DYNAMIC_STORAGE_BIT, "point splats");
-    if (!buffer) return tl::unexpected(buffer.error());
-    vertices_ = std::move(*buffer);
+    const std::size_t bytes = std::bit_ceil(splats.size()) * sizeof(PointSplat);
+    auto made = gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, "point splats");
+    if (auto done = core::store(std::move(made), vertices_); !done) return done;
   }
   vertices_.write(0, splats.size_bytes(), splats.data());
   return {};

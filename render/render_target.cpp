@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 
+#include "sightline/core/internal/store.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/view_block.h"
 
@@ -33,9 +34,8 @@ core::Expected<RenderTarget::Attachments> RenderTarget::make_attachments(const g
   std::vector<gl::Attachment> list;
   const auto attach = [&](gl::Texture2D& texture, GLenum point, GLenum texels,
                           const char* what) -> core::Expected<void> {
-    auto created = gl::Texture2D::create(gl, width, height, texels, what, format.samples);
-    if (!created) return tl::unexpected(created.error());
-    texture = std::move(*created);
+    if (auto done = core::store(gl::Texture2D::create(gl, width, height, texels, what, format.samples), texture); !done)
+      return done;
     list.push_back({point, &texture});
     return {};
   };
@@ -43,10 +43,8 @@ core::Expected<RenderTarget::Attachments> RenderTarget::make_attachments(const g
   if (done && format.ids) done = attach(made.ids, GL_COLOR_ATTACHMENT1, GL_R32UI, "id target");
   if (done && format.normals) done = attach(made.normals, GL_COLOR_ATTACHMENT2, GL_RGBA32F, "normal target");
   if (done) done = attach(made.depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, "depth target");
+  if (done) done = core::store(gl::Framebuffer::create(gl, list, "render target"), made.framebuffer);
   if (!done) return tl::unexpected(done.error());
-  auto framebuffer = gl::Framebuffer::create(gl, list, "render target");
-  if (!framebuffer) return tl::unexpected(framebuffer.error());
-  made.framebuffer = std::move(*framebuffer);
   return made;
 }
 
@@ -59,9 +57,8 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
   RenderTarget target;
   target.gl_ = &gl;
   target.format_ = format;
-  auto drawn = make_attachments(gl, width, height, format);
-  if (!drawn) return tl::unexpected(drawn.error());
-  target.drawn_ = std::move(*drawn);
+  if (auto done = core::store(make_attachments(gl, width, height, format), target.drawn_); !done)
+    return tl::unexpected(done.error());
   const int samples = target.format_.samples = target.drawn_.colour.samples();
   target.sample_offsets_.assign(std::size_t(samples), glm::vec2(0.0f));
   if (samples > kMostSamples)
@@ -75,9 +72,9 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
     gl.GetMultisamplefv(GL_SAMPLE_POSITION, GLuint(i), place);
     target.sample_offsets_[std::size_t(i)] = {place[0] - 0.5f, place[1] - 0.5f};
   }
-  auto single = make_attachments(gl, width, height, {format.ids, format.normals, 1});
-  if (!single) return tl::unexpected(single.error());
-  target.single_ = std::move(*single);
+  if (auto done = core::store(make_attachments(gl, width, height, {format.ids, format.normals, 1}), target.single_);
+      !done)
+    return tl::unexpected(done.error());
   target.pass_.emplace(gl);
   const auto program = target.pass_->program(target.one_sample_, kOneSample, samples, {format.ids, format.normals});
   if (!program) return tl::unexpected(program.error());

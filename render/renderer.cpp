@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "sightline/core/internal/store.h"
+#include "sightline/gpuprims/internal/studio_black.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/shaders.h"
 #include "sightline/gpuprims/internal/studio_black.h"
@@ -128,9 +130,7 @@ core::Expected<Renderer> Renderer::begin(const gl::Context& context) {
   if (!made) return tl::unexpected(made.error());
   describe_mesh(gl, renderer.mesh_array_.id());
   auto block = gl::Buffer::create(gl, sizeof(gpuprims::ViewBlock), nullptr, GL_DYNAMIC_STORAGE_BIT, "view block");
-  if (!block) return tl::unexpected(block.error());
-  renderer.view_block_ = std::move(*block);
-  return renderer;
+  return core::store(std::move(block), renderer.view_block_).map([&] { return std::move(renderer); });
 }
 
 bool Renderer::has_cached(const gl::Functions& gl, BatchKind kind, const TargetFormat& format) {
@@ -202,19 +202,12 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
 
   std::vector<glm::vec4> rows = gpuprims::eye_relative_origins(view, snapshot.chunk_origins());
   rows.resize(std::max<std::size_t>(2, rows.size()));
-  if (rows.size() > chunk_capacity_) {
-    const std::size_t capacity = 2 * rows.size();
-    auto buffer =
-        gl::Buffer::create(*gl_, capacity * sizeof(glm::vec4), nullptr, GL_DYNAMIC_STORAGE_BIT, "chunk origins");
-    if (!buffer) return tl::unexpected(buffer.error());
-    auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_RGBA32F, "chunk origins");
-    if (!texels) return tl::unexpected(texels.error());
-    chunk_texels_ = std::move(*texels);
-    chunk_rows_ = std::move(*buffer);
-    chunk_capacity_ = capacity;
-  }
-  chunk_rows_.write(0, rows.size() * sizeof(glm::vec4), rows.data());
-  return {};
+  const std::size_t bytes = rows.size() * sizeof(rows[0]);
+  core::Expected<void> done;
+  if (bytes > chunk_rows_.buffer.size())
+    done = core::store(gl::TexelArray::create(*gl_, 2 * bytes, nullptr, GL_RGBA32F, "chunk origins"), chunk_rows_);
+  if (done) chunk_rows_.buffer.write(0, bytes, rows.data());
+  return done;
 }
 
 core::Expected<void> Renderer::clear(const RenderTarget& target) {
@@ -230,98 +223,69 @@ core::Expected<void> Renderer::clear(const RenderTarget& target) {
   return background_pass_->fill(background, {framebuffer, 0, 0, target.width(), target.height()});
 }
 
-core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot& snapshot,
-                                    const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                    const RenderTarget& target) {
-  if (auto done = clear(target); !done) return done;
-  return draw_more(view, snapshot, scene, lists, target);
-}
-
-core::Expected<void> Renderer::draw_more(const core::View& view, const core::Snapshot& snapshot,
-                                         const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                         const RenderTarget& target, const gl::TextureBuffer* materials) {
-  return draw_surfaces(view, snapshot, scene, lists, target, Surface::kSolid,
-                       materials ? *materials : scene.materials());
-}
-
-core::Expected<void> Renderer::draw_ghosts(const core::View& view, const core::Snapshot& snapshot,
-                                           const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                           const RenderTarget& layer) {
-  return draw_surfaces(view, snapshot, scene, lists, layer, Surface::kGhost, scene.materials());
-}
-
-core::Expected<void> Renderer::draw_blended(const core::View& view, const core::Snapshot& snapshot,
-                                            const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                            const RenderTarget& image, const BlendedSums& sums,
-                                            const glm::vec2& range) {
-  return draw_surfaces(view, snapshot, scene, lists, image, Surface::kBlended, scene.materials(), &sums, range);
-}
-
-core::Expected<void> Renderer::draw_surfaces(const core::View& view, const core::Snapshot& snapshot,
-                                             const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                             const RenderTarget& target, Surface surface,
-                                             const gl::TextureBuffer& materials, const BlendedSums* sums,
-                                             const glm::vec2& range) {
-  if (auto done = upload_view(view, snapshot, target); !done) return done;
-  const gl::Functions& gl = *gl_;
-  const bool sections = !view.sections.empty();
-  SurfacePrograms& all = programs_[std::size_t(surface)];
+/// The programs that a pass is drawn with. They are compiled where it is the first of its kind.
+core::Expected<const Renderer::BatchPrograms*> Renderer::programs_of(const DrawPass& pass) {
+  const bool sections = !pass.view.sections.empty();
+  SurfacePrograms& all = programs_[std::size_t(pass.surface)];
   const Cut cut = !sections ? Cut::kNone : hatching.x > 0.0f ? Cut::kHatched : Cut::kPlain;
   if (sections && std::exchange(all.cut, cut) != cut) {
     all.sections.reset();
     all.caps.reset();
   }
   std::optional<BatchPrograms>& programs = sections ? all.sections : all.plain;
-  if (!programs) {
-    BatchPrograms made;
-    if (auto done = make_programs(kinds_, target.format(), cut, surface, made); !done) return done;
-    programs = std::move(made);
-  }
-  sums ? sums->begin_drawing() : target.begin_drawing();
+  if (programs) return &*programs;
+  BatchPrograms made;
+  if (auto done = make_programs(kinds_, pass.target.format(), cut, pass.surface, made); !done)
+    return tl::unexpected(done.error());
+  return &programs.emplace(std::move(made));
+}
 
+core::Expected<void> Renderer::draw(const DrawPass& pass) {
+  const auto& [view, snapshot, scene, lists, target, surface, materials, sums, range] = pass;
+  if (auto done = upload_view(view, snapshot, target); !done) return done;
+  const auto programs = programs_of(pass);
+  if (!programs) return tl::unexpected(programs.error());
+  const gl::Functions& gl = *gl_;
+  sums ? sums->begin_drawing() : target.begin_drawing();
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, view_block_.id());
-  gl.BindTextureUnit(kChunkUnit, chunk_texels_.id());
-  gl.BindTextureUnit(kMaterialUnit, materials.id());
+  gl.BindTextureUnit(kChunkUnit, chunk_rows_.texels.id());
+  gl.BindTextureUnit(kMaterialUnit, materials ? materials->id() : scene.materials().id());
   gl.BindTextureUnit(kSinglesUnit, lists.singles().id());
   gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, lists.commands().id());
   for (const gpuscene::Batch& batch : scene.batches()) {
     if (lists.section(batch.kind).count == 0) continue;
-    const BatchProgram& program = (*programs)[std::size_t(batch.kind)];
+    const BatchProgram& program = (**programs)[std::size_t(batch.kind)];
     if (sums) gl.ProgramUniform2f(program.program.id(), kBlendRangeUniform, range.x, range.y);
-    draw_batch(batch, program, scene, lists);
+    draw_batch(pass, batch, program);
   }
   // The order matters: Mesa never frees a pipeline that is unbound while the program that replaced it is in use.
   gl.UseProgram(0);
   gl.BindProgramPipeline(0);
   const gpuscene::Batch* meshes = scene.batch(BatchKind::kMesh);
-  if (meshes && sections && lists.section(BatchKind::kMesh).count > 0)
-    return draw_section_caps(snapshot, *meshes, scene, lists, target, sums ? sums->framebuffer() : target.framebuffer(),
-                             surface, range);
-  return {};
+  const bool caps = meshes && !view.sections.empty() && lists.section(BatchKind::kMesh).count > 0;
+  return caps ? draw_section_caps(pass, *meshes) : core::Expected<void>();
 }
 
-core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
-                                                 const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                                 const RenderTarget& target, const gl::Framebuffer& drawn,
-                                                 Surface surface, const glm::vec2& range) {
-  SurfacePrograms& programs = programs_[std::size_t(surface)];
+core::Expected<void> Renderer::draw_section_caps(const DrawPass& pass, const gpuscene::Batch& meshes) {
+  const RenderTarget& target = pass.target;
+  SurfacePrograms& programs = programs_[std::size_t(pass.surface)];
   std::optional<SectionCaps>& section_caps = programs.caps;
   if (!section_caps) {
-    auto caps = SectionCaps::create(*gl_, shader_context(target.format(), programs.cut, surface));
-    if (!caps) return tl::unexpected(caps.error());
-    section_caps = std::move(*caps);
+    if (auto done = core::store(SectionCaps::create(*gl_, shader_context(target.format(), programs.cut, pass.surface)),
+                                section_caps);
+        !done)
+      return done;
   }
-  if (surface == Surface::kBlended)
-    gl_->ProgramUniform2f(section_caps->caps().id(), kBlendRangeUniform, range.x, range.y);
-  if (auto done = section_caps->prepare(snapshot, scene, target.width(), target.height()); !done) return done;
+  if (pass.sums) gl_->ProgramUniform2f(section_caps->caps().id(), kBlendRangeUniform, pass.range.x, pass.range.y);
+  if (auto done = section_caps->prepare(pass.snapshot, pass.scene, target.width(), target.height()); !done) return done;
   gl_->BindTextureUnit(kPayloadUnit, meshes.texels.id());
   gl_->Disable(GL_CULL_FACE);
-  section_caps->draw(drawn, [&] { submit_batch(meshes, scene, lists, 0, lists.section(BatchKind::kMesh).count); });
+  section_caps->draw(pass.sums ? pass.sums->framebuffer() : target.framebuffer(),
+                     [&] { submit_batch(pass, meshes, 0, pass.lists.section(BatchKind::kMesh).count); });
   return {};
 }
 
-void Renderer::draw_batch(const gpuscene::Batch& batch, const BatchProgram& program, const gpuscene::GpuScene& scene,
-                          const gpuscene::DrawLists& lists) const {
+void Renderer::draw_batch(const DrawPass& pass, const gpuscene::Batch& batch, const BatchProgram& program) const {
   const gl::Functions& gl = *gl_;
   const bool ray_cast = gpuscene::is_ray_cast(batch.kind);
   if (ray_cast) {
@@ -337,22 +301,23 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const BatchProgram& prog
   const auto toggle = ray_cast ? gl.Enable : gl.Disable;
   toggle(GL_DEPTH_CLAMP);
   toggle(GL_CULL_FACE);
-  const gpuscene::DrawLists::Section& section = lists.section(batch.kind);
+  const gpuscene::DrawLists::Section& section = pass.lists.section(batch.kind);
   if (batch.kind != BatchKind::kMesh)
     gl.ProgramUniform1ui(ray_cast ? proxy_program_.id() : program.program.id(), kRecordCountUniform, batch.count);
   if (section.front_only > 0) {
     gl.Enable(GL_CULL_FACE);
-    submit_batch(batch, scene, lists, 0, section.front_only);
+    submit_batch(pass, batch, 0, section.front_only);
     gl.Disable(GL_CULL_FACE);
   }
   if (section.count > section.front_only)
-    submit_batch(batch, scene, lists, section.front_only, section.count - section.front_only);
+    submit_batch(pass, batch, section.front_only, section.count - section.front_only);
 }
 
 /// Draws `count` commands of a batch from `first` on, with the program in use.
-void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
-                            const gpuscene::DrawLists& lists, int first, int count) const {
+void Renderer::submit_batch(const DrawPass& pass, const gpuscene::Batch& batch, int first, int count) const {
   const gl::Functions& gl = *gl_;
+  const gpuscene::GpuScene& scene = pass.scene;
+  const gpuscene::DrawLists& lists = pass.lists;
   constexpr GLsizei kStride = sizeof(gpuscene::ElementsCommand);
   const gpuscene::DrawLists::Section& section = lists.section(batch.kind);
   const std::size_t begin = section.offset + std::size_t(first) * kStride;
@@ -384,7 +349,7 @@ void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuSce
 }
 
 std::size_t Renderer::memory_bytes() const {
-  std::size_t bytes = view_block_.size() + chunk_rows_.size();
+  std::size_t bytes = view_block_.size() + chunk_rows_.buffer.size();
   for (const SurfacePrograms& programs : programs_) bytes += programs.caps ? programs.caps->memory_bytes() : 0;
   return bytes;
 }

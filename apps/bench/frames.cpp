@@ -178,8 +178,9 @@ class Bench {
       if (id != 0) visible_in_ids.single_slots.push_back(snapshot.slot(core::ItemId{id - 1}));
     core::sort_unique(visible_in_ids.single_slots);
     return timed(engine, [&]() -> core::Expected<std::int64_t> {
-      const engine::Culled culled{view, snapshot, visible_in_ids};
-      const auto drawn = engine.drawing()->draw({.view = view, .culled = culled, .all = false});
+      engine::Frame frame{view, view, snapshot};
+      frame.all = false;
+      const auto drawn = engine.drawing()->draw(frame, visible_in_ids);
       if (!drawn) return tl::unexpected(drawn.error());
       return std::int64_t(visible_in_ids.single_slots.size());
     });

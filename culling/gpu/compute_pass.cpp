@@ -9,6 +9,7 @@
 // that is polled without waiting.
 #include <algorithm>
 
+#include "sightline/core/internal/store.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 
 namespace sightline::culling {
@@ -65,21 +66,13 @@ class ComputePass : public GpuPass {
     if (done) done = write_.make(*gl_, batches, describe_write);
     for (const CullBatch& batch : batches) {
       gl::Program& test = test_of(batch, selection);
-      if (!done) return done;
-      if (test.id() != 0) continue;
-      auto program = gl::Program::create(*gl_, describe_test(batch.parts != nullptr, selection));
-      if (!program) return tl::unexpected(program.error());
-      test = std::move(*program);
+      if (done && test.id() == 0)
+        done = core::store(gl::Program::create(*gl_, describe_test(batch.parts != nullptr, selection)), test);
     }
     return done;
   }
 
-  core::Expected<void> make_sum() {
-    auto program = gl::Program::create(*gl_, describe_sum());
-    if (!program) return tl::unexpected(program.error());
-    sum_ = std::move(*program);
-    return {};
-  }
+  core::Expected<void> make_sum() { return core::store(gl::Program::create(*gl_, describe_sum()), sum_); }
 
   core::Expected<void> make_results() {
     constexpr GLbitfield kAccess = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
@@ -107,10 +100,7 @@ class ComputePass : public GpuPass {
                         " bytes, and the context's limit is " + std::to_string(largest_block_) +
                         "; the geometry variant does without");
     const auto make = [&](gl::Buffer& out, std::size_t count, const char* what) -> core::Expected<void> {
-      auto buffer = gl::Buffer::create(*gl_, count * sizeof(std::uint32_t), nullptr, 0, what);
-      if (!buffer) return tl::unexpected(buffer.error());
-      out = std::move(*buffer);
-      return {};
+      return core::store(gl::Buffer::create(*gl_, count * sizeof(std::uint32_t), nullptr, 0, what), out);
     };
     auto done = make(masks_, std::max<std::size_t>(1, words), "visible masks");
     if (done) done = make(places_, words + 1, "visible places");

@@ -3,6 +3,7 @@
 // instances of each; vertex stages test boxes, geometry stages write what is kept through transform feedback. Parts of
 // meshes, where there are any, go through both passes after their records, and are written behind these: by the same
 // program, since feedback may go on only with that.
+#include "sightline/core/internal/store.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/gl/internal/framebuffer.h"
 #include "sightline/gl/internal/query.h"
@@ -65,18 +66,12 @@ class GeometryPass : public GpuPass {
   }
 
   core::Expected<void> make_framebuffer() {
-    auto framebuffer = gl::Framebuffer::create_attachmentless(*gl_, 1, 1, "cull");
-    if (!framebuffer) return tl::unexpected(framebuffer.error());
-    framebuffer_ = std::move(*framebuffer);
-    return {};
+    return core::store(gl::Framebuffer::create_attachmentless(*gl_, 1, 1, "cull"), framebuffer_);
   }
 
   core::Expected<void> make_cluster_pass(const CullBatch& batch, Selection selection) {
-    auto program =
-        gl::Program::create(*gl_, describe_clusters(batch.parts != nullptr, selection == Selection::kUnoccludedNow));
-    if (!program) return tl::unexpected(program.error());
-    cluster_pass(batch, selection) = std::move(*program);
-    return {};
+    const auto description = describe_clusters(batch.parts != nullptr, selection == Selection::kUnoccludedNow);
+    return core::store(gl::Program::create(*gl_, description), cluster_pass(batch, selection));
   }
 
   core::Expected<void> fit(std::span<const CullBatch> batches) {

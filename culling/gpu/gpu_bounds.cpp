@@ -5,20 +5,13 @@
 #include <numeric>
 
 #include "sightline/core/internal/snapshot_prefetch.h"
+#include "sightline/core/internal/store.h"
 
 namespace sightline::culling {
 namespace {
 
 using core::Aabb;
 using gpuscene::ElementWriter;
-
-core::Expected<void> make_array(const gl::Functions& gl, std::size_t bytes, GLenum format, const char* what,
-                                TexelArray& out) {
-  auto made = TexelArray::create(gl, bytes, nullptr, format, what);
-  if (!made) return tl::unexpected(made.error());
-  out = std::move(*made);
-  return {};
-}
 
 /// The record at a place among those of `clusters`, kItemsPerCluster each.
 std::size_t record_at(std::span<const std::uint32_t> clusters, std::size_t place) {
@@ -37,15 +30,6 @@ std::vector<std::uint32_t> clusters_of(std::span<const std::uint32_t> records) {
 
 static_assert(sizeof(Aabb) == 6 * sizeof(float));
 
-core::Expected<TexelArray> TexelArray::create(const gl::Functions& gl, std::size_t bytes, const void* data,
-                                              GLenum format, const char* what) {
-  auto buffer = gl::Buffer::create(gl, bytes, data, GL_DYNAMIC_STORAGE_BIT, what);
-  if (!buffer) return tl::unexpected(buffer.error());
-  auto texels = gl::TextureBuffer::create(gl, *buffer, format, what);
-  if (!texels) return tl::unexpected(texels.error());
-  return TexelArray{std::move(*buffer), std::move(*texels)};
-}
-
 core::Expected<GpuBounds> GpuBounds::create(const gl::Functions& gl, const core::Snapshot& snapshot,
                                             const gpuscene::Batch& batch, std::vector<core::Slot> slots) {
   assert(slots.size() == batch.count);
@@ -53,11 +37,14 @@ core::Expected<GpuBounds> GpuBounds::create(const gl::Functions& gl, const core:
   made.slots_ = std::move(slots);
   made.cluster_capacity_ = (batch.capacity + kItemsPerCluster - 1) / kItemsPerCluster;
   const std::size_t clusters = made.cluster_capacity_, items = clusters * kItemsPerCluster;
-  auto done = make_array(gl, items * sizeof(Aabb), GL_RGB32F, "item boxes", made.item_boxes_);
-  if (done) done = make_array(gl, clusters * sizeof(Aabb), GL_RGB32F, "cluster boxes", made.cluster_boxes_);
+  const auto make = [&](gl::TexelArray& out, std::size_t bytes, GLenum format, const char* what) {
+    return core::store(gl::TexelArray::create(gl, bytes, nullptr, format, what), out);
+  };
+  auto done = make(made.item_boxes_, items * sizeof(Aabb), GL_RGB32F, "item boxes");
+  if (done) done = make(made.cluster_boxes_, clusters * sizeof(Aabb), GL_RGB32F, "cluster boxes");
   if (snapshot.bounds().uses_layers()) {
-    if (done) done = make_array(gl, items * sizeof(std::uint32_t), GL_R32UI, "item layers", made.item_layers_);
-    if (done) done = make_array(gl, clusters * sizeof(std::uint32_t), GL_R32UI, "cluster layers", made.cluster_layers_);
+    if (done) done = make(made.item_layers_, items * sizeof(std::uint32_t), GL_R32UI, "item layers");
+    if (done) done = make(made.cluster_layers_, clusters * sizeof(std::uint32_t), GL_R32UI, "cluster layers");
   }
   if (!done) return tl::unexpected(done.error());
   made.around_.resize(clusters);

@@ -7,6 +7,7 @@
 
 #include "sightline/core/internal/radix_sort.h"
 #include "sightline/core/internal/snapshot_prefetch.h"
+#include "sightline/core/internal/store.h"
 #include "sightline/culling/gpu/internal/gpu_band.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/culling/gpu/internal/gpu_screen.h"
@@ -86,9 +87,8 @@ core::Expected<GpuCuller> GpuCuller::create(const gl::Context& context, const Sn
       sizeof(gpuscene::ElementsCommand) * 31 / 32;  // the rest is for other batches
   if (auto done = culler.make_batches(snapshot, scene); !done) return tl::unexpected(done.error());
   if (config.variant) {
-    auto pass = make_pass(*config.variant, context, culler.batches_);
-    if (!pass) return tl::unexpected(pass.error());
-    culler.pass_ = std::move(*pass);
+    if (auto done = core::store(make_pass(*config.variant, context, culler.batches_), culler.pass_); !done)
+      return tl::unexpected(done.error());
   } else if (auto done = culler.choose_variant(context, snapshot, scene); !done) {
     return tl::unexpected(done.error());
   }
@@ -132,10 +132,9 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
     for (std::uint32_t record = 0; record < scene.meshes().records(); ++record)
       commands.push_back(scene.meshes().command(record));
     commands.resize(batch.capacity);
-    auto array = TexelArray::create(*gl_, commands.size() * sizeof(commands[0]), commands.data(), GL_R32UI,
-                                    "commands of all meshes");
-    if (!array) return tl::unexpected(array.error());
-    added.commands = std::move(*array);
+    const std::size_t bytes = commands.size() * sizeof(commands[0]);
+    auto array = gl::TexelArray::create(*gl_, bytes, commands.data(), GL_R32UI, "commands of all meshes");
+    if (auto done = core::store(std::move(array), added.commands); !done) return done;
   }
   batches_.push_back(std::move(added));
   return {};
@@ -229,19 +228,15 @@ core::Expected<void> GpuCuller::prepare_occlusion() {
   for (const Selection selection : {Selection::kUnoccludedBefore, Selection::kUnoccludedNow})
     if (auto done = pass_->prepare(batches_, selection); !done) return done;
   if (!pyramid_) {
-    auto made = GpuDepthPyramid::create(*gl_);
-    if (!made) return tl::unexpected(made.error());
-    pyramid_ = std::move(*made);
+    if (auto done = core::store(GpuDepthPyramid::create(*gl_), pyramid_); !done) return done;
     if (timer_) others_timer_.emplace(*gl_);
   }
   const auto make_room = [&](gl::Buffer& frames, std::size_t clusters) -> core::Expected<void> {
     const std::size_t bytes = clusters * kItemsPerCluster * sizeof(std::uint32_t);
     if (frames.size() >= bytes) return {};
-    auto made = gl::Buffer::create(*gl_, bytes, nullptr, 0, "last frames of open items");
-    if (!made) return tl::unexpected(made.error());
-    frames = std::move(*made);
-    frames.fill(0, frames.size(), 0);
-    return {};
+    auto made = core::store(gl::Buffer::create(*gl_, bytes, nullptr, 0, "last frames of open items"), frames);
+    if (made) frames.fill(0, frames.size(), 0);
+    return made;
   };
   core::Expected<void> done;
   for (CullBatch& batch : batches_) {
@@ -256,8 +251,8 @@ bool GpuCuller::can_test_occlusion() const {
 }
 
 core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                                     gpuscene::DrawLists& lists, std::uint64_t frame, const Image* image,
-                                     const lod::ImageError* error) {
+                                     gpuscene::DrawLists& lists, const For& what) {
+  const Image* const image = what.image;
   const bool sampled = image && image->samples.offsets.size() <= std::size_t(kMaxSamples);
   const bool occlusion = sampled && image->occlusion;
   auto done = follow_levels(snapshot, scene);
@@ -268,7 +263,7 @@ core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& sna
   if (done) done = lists.begin_gpu_update(scene, pass_->counting(), of_meshes ? of_meshes->capacity() : 0);
   if (!done) return done;
   if (of_meshes) of_meshes->exempt = !view.sections.empty() || (image && !image->view.sections.empty());
-  last_probe_ = next_probe(frame);
+  last_probe_ = next_probe(what.frame);
   Probe& probe = probes_[last_probe_];
   const CullPlanes planes(view, snapshot.bounds());
   // Without layers every item is on the model layer alone.
@@ -278,7 +273,7 @@ core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& sna
     return {};
   }
   probe.timed = timer_ && last_probe_ != kTakenProbes && timer_->begin();
-  upload_planes(view, planes, snapshot.bounds(), error);
+  upload_planes(view, planes, snapshot.bounds(), what.error);
   gl::reset_pipeline_state(*gl_);
   gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, plane_block_.id());
   pass_->run(batches_, lists,
@@ -363,8 +358,7 @@ core::Expected<void> GpuCuller::write_block(gl::Buffer& block, std::size_t bytes
                                             GLuint binding) const {
   if (block.id() == 0) {
     auto made = gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, "culled image");
-    if (!made) return tl::unexpected(made.error());
-    block = std::move(*made);
+    if (auto done = core::store(std::move(made), block); !done) return done;
   }
   block.write(0, bytes, data);
   gl_->BindBufferBase(GL_UNIFORM_BUFFER, binding, block.id());

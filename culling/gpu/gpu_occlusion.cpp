@@ -1,5 +1,6 @@
 #include "sightline/culling/gpu/internal/gpu_occlusion.h"
 
+#include "sightline/core/internal/store.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/view_block.h"
@@ -40,13 +41,8 @@ core::Expected<void> GpuDepthPyramid::resize(int width, int height) {
   if (!levels_.empty() && levels_[0].width == width && levels_[0].height == height) return {};
   levels_ = DepthPyramid::levels_of(width, height);
   if (levels_.size() > std::size_t(kMaxLevels)) return core::fail("depth pyramid: the image is too large");
-  auto buffer = gl::Buffer::create(*gl_, levels_.back().end() * sizeof(float), nullptr, 0, "depth pyramid");
-  if (!buffer) return tl::unexpected(buffer.error());
-  auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_R32F, "depth pyramid");
-  if (!texels) return tl::unexpected(texels.error());
-  buffer_ = std::move(*buffer);
-  texels_ = std::move(*texels);
-  return {};
+  return core::store(
+      gl::TexelArray::create(*gl_, levels_.back().end() * sizeof(float), nullptr, GL_R32F, "depth pyramid", 0), array_);
 }
 
 core::Expected<void> GpuDepthPyramid::build(const gl::Texture2D& depth, const core::View& view) {
@@ -58,7 +54,7 @@ core::Expected<void> GpuDepthPyramid::build(const gl::Texture2D& depth, const co
   const GLdouble eye_from_depth[] = {clip[3][2], clip[3][3], clip[2][2], clip[2][3]};  // gpuprims::eye_depth()
   gl_->ProgramUniform4dv(pixels_.id(), kEyeFromDepthUniform, 1, eye_from_depth);
   gl_->BindTextureUnit(kDepthUnit, depth.id());
-  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kFarthestBinding, buffer_.id());
+  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kFarthestBinding, array_.buffer.id());
   const auto set_level = [&](const gl::Program& program, GLint uniform, const DepthPyramid::Level& level) {
     gl_->ProgramUniform3ui(program.id(), uniform, GLuint(level.first), GLuint(level.width), GLuint(level.height));
   };

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "sightline/core/internal/clock.h"
+#include "sightline/core/internal/store.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/gl/internal/framebuffer.h"
@@ -22,13 +23,11 @@ class EarlierDrawing {
   static core::Expected<EarlierDrawing> create(const gl::Functions& gl) {
     EarlierDrawing made;
     made.gl_ = &gl;
-    auto texture = gl::Texture2D::create(gl, kSide, kSide, GL_RGBA8, "drawing before a cull");
-    if (!texture) return tl::unexpected(texture.error());
-    made.texture_ = std::move(*texture);
+    constexpr const char* kWhat = "drawing before a cull";
     const gl::Attachment attachment{GL_COLOR_ATTACHMENT0, &made.texture_};
-    auto framebuffer = gl::Framebuffer::create(gl, std::span(&attachment, 1), "drawing before a cull");
-    if (!framebuffer) return tl::unexpected(framebuffer.error());
-    made.framebuffer_ = std::move(*framebuffer);
+    auto done = core::store(gl::Texture2D::create(gl, kSide, kSide, GL_RGBA8, kWhat), made.texture_);
+    if (done) done = core::store(gl::Framebuffer::create(gl, std::span(&attachment, 1), kWhat), made.framebuffer_);
+    if (!done) return tl::unexpected(done.error());
     return made;
   }
 

@@ -36,7 +36,7 @@ double stretch(const core::dmat3& m) {
 }
 
 /// Makes room for so many bytes, and for some more, up to `most`.
-core::Expected<void> make_room(const gl::Functions& gl, TexelArray& array, std::size_t bytes, std::size_t step,
+core::Expected<void> make_room(const gl::Functions& gl, gl::TexelArray& array, std::size_t bytes, std::size_t step,
                                std::size_t most, const char* what) {
   if (bytes <= array.buffer.size()) return {};
   const std::size_t more = std::min(most, (bytes + bytes / 4) / step * step);

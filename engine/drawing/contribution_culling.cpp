@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/core/internal/store.h"
+
 namespace sightline::engine {
 namespace {
 
@@ -119,36 +121,39 @@ bool in_share(core::ItemId item, float share) {
 }
 
 /// Squares hide each other, too. What is nearest in each pixel does not depend on the order in which threads add them.
-void ContributionCulling::find(DrawContext& context, const Culled& culled, culling::SlotBits large, float least_area,
-                               const Known& known) {
+void ContributionCulling::find(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                               const Splats& wanted) {
   using SplatRule = culling::ContributionTest::SplatRule;
-  const core::Snapshot& snapshot = culled.snapshot;
+  const core::Snapshot& snapshot = frame.snapshot;
+  const float least_area = wanted.least_area;
   const render::RenderTarget& target = context.target();
-  const culling::ContributionTest test = context.contribution_test(culled.view, snapshot);
+  const culling::ContributionTest test = context.contribution_test(frame);
+  const culling::OcclusionTest occlusion = context.occlusion_test(frame);
   const bool one_sample = target.format().samples == 1;
   const float largest_side = points_->largest_side();
-  nearest_.assign(known.distances.begin(), known.distances.end());
+  nearest_.clear();
+  if (wanted.depth_known) nearest_ = context.image->distances;
   nearest_.resize(std::size_t(target.width()) * std::size_t(target.height()), std::numeric_limits<float>::infinity());
   const NearestDrawn nearest(nearest_, target.width(), target.height(),
-                             float(render::RenderTarget::orthographic_error(culled.view)));
-  const NearAndFar range(culled.view);
-  const Unprojection unprojection(culled.view, target.width(), target.height());
+                             float(render::RenderTarget::orthographic_error(frame.view)));
+  const NearAndFar range(frame.view);
+  const Unprojection unprojection(frame.view, target.width(), target.height());
   const auto side = [&](const Splat& square) { return side_of(square, least_area); };
   const auto hidden = [&](const Splat& square) { return !nearest.shows(square, side(square)); };
   const auto hides = [&](const Splat& square) {
-    return culled.view.sections.empty() && snapshot.opaque(square.slot) && range.contain(square.distance);
+    return frame.view.sections.empty() && snapshot.opaque(square.slot) && range.contain(square.distance);
   };
-  parts_.split(culled.visible);
+  parts_.split(visible);
   if (of_part_.size() < parts_.count()) of_part_.resize(parts_.count());
   parts_.for_each(&context.threads, [&](core::VisibleSet& part, std::uint32_t i) {
     core::VisibleSet& open = of_part_[i].open;
-    std::vector<Splat>& candidates = of_part_[i].candidates;
-    if (known.occlusion && culled.hierarchy) {
-      known.occlusion->filter_leaves(*culled.hierarchy, part, open);
+    std::vector<Splat>& squares = of_part_[i].squares;
+    if (wanted.depth_known && frame.hierarchy) {
+      occlusion.filter_leaves(*frame.hierarchy, part, open);
       std::swap(part, open);
     }
-    test.splats(snapshot.bounds(), part, large, least_area, one_sample ? SplatRule::kOnPixelCentres : SplatRule::kAll,
-                candidates);
+    test.splats(snapshot.bounds(), part, wanted.large, least_area,
+                 one_sample ? SplatRule::kOnPixelCentres : SplatRule::kAll, squares);
     if (least_area > 0.0f)
       std::erase_if(candidates, [&](const Splat& square) {
         return !in_share(snapshot.item(square.slot), square.area / least_area);
@@ -171,33 +176,28 @@ void ContributionCulling::find(DrawContext& context, const Culled& culled, culli
     splats_.insert(splats_.end(), of_part_[i].splats.begin(), of_part_[i].splats.end());
 }
 
-const core::VisibleSet& ContributionCulling::leave_out(DrawContext& context, const Culled& culled, float threshold) {
-  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
-  if (threshold <= 0.0f) return visible;
-  const core::ItemBounds& bounds = snapshot.bounds();
-  const culling::ContributionTest test = context.contribution_test(view, snapshot);
-  const core::VisibleSet* candidates = &visible;
-  if (hierarchy) {
-    test.filter_leaves(*hierarchy, visible, threshold, large_leaves_, lines);
-    candidates = &large_leaves_;
-  }
+const core::VisibleSet& ContributionCulling::leave_out(DrawContext& context, const Frame& frame,
+                                                       const core::VisibleSet& candidates, float threshold) {
+  if (threshold <= 0.0f) return candidates;
+  const core::ItemBounds& bounds = frame.snapshot.bounds();
+  const culling::ContributionTest test = context.contribution_test(frame);
+  if (frame.hierarchy) test.filter_leaves(*frame.hierarchy, candidates, threshold, large_leaves_, frame.lines);
   std::vector<std::uint64_t>& was_large = context.image->was_large;
-  test.filter(bounds, *candidates, threshold, large_, was_large, lines);
+  test.filter(bounds, frame.hierarchy ? large_leaves_ : candidates, threshold, large_, was_large, frame.lines);
   was_large.assign(culling::bit_words(bounds.size()), 0);
   culling::set_bits(large_, was_large);
   return large_;
 }
 
-core::Expected<std::int64_t> ContributionCulling::draw(DrawContext& context, const Culled& culled,
-                                                       culling::SlotBits large, float least_area, bool depth_known) {
+core::Expected<std::int64_t> ContributionCulling::draw(DrawContext& context, const Frame& frame,
+                                                       const core::VisibleSet& visible, const Splats& splats) {
   if (!points_) {
-    auto points = render::PointSplats::create(context.context, context.target().format());
-    if (!points) return tl::unexpected(points.error());
-    points_ = std::move(*points);
+    if (auto done = core::store(render::PointSplats::create(context.context, context.target().format()), points_);
+        !done)
+      return tl::unexpected(done.error());
   }
-  const culling::OcclusionTest occlusion = context.occlusion_test(culled.view, culled.snapshot.bounds());
-  find(context, culled, large, least_area, depth_known ? Known{context.image->distances, &occlusion} : Known{});
-  auto done = points_->draw(culled.view, splats_, *context.scene, context.target());
+  find(context, frame, visible, splats);
+  auto done = points_->draw(frame.view, splats_, *context.scene, context.target());
   return done.map([&] { return std::int64_t(splats_.size()); });
 }
 

@@ -34,18 +34,19 @@ culling::ImageSamples DrawContext::samples() const {
   return samples;
 }
 
-culling::OcclusionTest DrawContext::occlusion_test(const core::View& view, const core::ItemBounds& bounds) const {
-  return {view,
-          bounds.origin,
+culling::OcclusionTest DrawContext::occlusion_test(const Frame& frame, const culling::DepthPyramid& pyramid) const {
+  return {frame.view,
+          frame.snapshot.bounds().origin,
           target().width(),
           target().height(),
-          image->pyramid,
-          render::RenderTarget::orthographic_error(view),
+          pyramid,
+          render::RenderTarget::orthographic_error(frame.view),
           snap()};
 }
 
-culling::ContributionTest DrawContext::contribution_test(const core::View& view, const core::Snapshot& snapshot) {
-  return {view, snapshot.bounds().origin, target().width(), target().height(), solid_areas.of(snapshot)};
+culling::ContributionTest DrawContext::contribution_test(const Frame& frame) {
+  return {frame.view, frame.snapshot.bounds().origin, target().width(), target().height(),
+          solid_areas.of(frame.snapshot)};
 }
 
 core::Expected<void> DrawContext::clear(const render::RenderTarget& canvas) {
@@ -53,36 +54,27 @@ core::Expected<void> DrawContext::clear(const render::RenderTarget& canvas) {
   return renderer->clear(canvas);
 }
 
-std::optional<lod::ImageError> DrawContext::mesh_error(const core::View& view) const {
+std::optional<lod::ImageError> DrawContext::mesh_error(const core::View& view, double coarsened) const {
   if (!mesh_details.any()) return std::nullopt;
   return lod::ImageError(view, target().width(), target().height(), std::max(config.losses.lod_error, coarsened));
 }
 
-core::Expected<void> DrawContext::list(const core::View& view, const core::Snapshot& snapshot,
-                                       const core::VisibleSet& set) {
-  gpuscene::DrawnIn in{&view};
-  const std::optional<lod::ImageError> error = mesh_error(view);
-  if (error) in.error = &*error;
-  in.clusters = clusters;
+core::Expected<void> DrawContext::draw(const Frame& frame, const DrawRequest& request) {
+  const core::View& view = frame.view;
+  MeshRules rules{.view = view, .clusters = request.clusters, .threads = &threads};
+  const std::optional<lod::ImageError> error = mesh_error(view, request.coarsened);
+  if (error) rules.error = &*error;
   std::optional<culling::TriangleTest> triangles;
-  if (software() && config.culling.sample_test) in.triangles = &triangles.emplace(view, samples());
-  in.threads = &threads;
-  auto done = lists->update(snapshot, *scene, set, in);
-  image->meshes += lists->mesh_counts();
-  return done;
-}
-
-core::Expected<void> DrawContext::draw(const core::View& view, const core::Snapshot& snapshot,
-                                       const core::VisibleSet& set) {
-  if (auto done = clear(target()); !done) return done;
-  return draw_more(view, snapshot, set, target());
-}
-
-core::Expected<void> DrawContext::draw_more(const core::View& view, const core::Snapshot& snapshot,
-                                            const core::VisibleSet& set, const render::RenderTarget& onto,
-                                            const gl::TextureBuffer* materials) {
-  if (auto done = list(view, snapshot, set); !done) return done;
-  return renderer->draw_more(view, snapshot, *scene, *lists, onto, materials);
+  if (software() && config.culling.sample_test) rules.triangles = &triangles.emplace(view, samples());
+  auto done = choice.update(*lists, *scene, frame.snapshot, request.set, rules);
+  image->meshes += choice.counts();
+  if (!done) return done;
+  return renderer->draw({.view = view,
+                         .snapshot = frame.snapshot,
+                         .scene = *scene,
+                         .lists = *lists,
+                         .target = request.onto,
+                         .materials = request.materials});
 }
 
 core::Expected<void> DrawContext::read_back_depth(const core::View& view, const render::RenderTarget& from) {
@@ -91,9 +83,9 @@ core::Expected<void> DrawContext::read_back_depth(const core::View& view, const 
   return {};
 }
 
-core::Expected<void> DrawContext::compose() {
+core::Expected<void> DrawContext::compose(const Frame& frame) {
   if (!compositor) compositor.emplace(gl());
-  return compositor->draw(target(), *external, renderer->background);
+  return compositor->draw(target(), *frame.target, renderer->background);
 }
 
 }  // namespace sightline::engine

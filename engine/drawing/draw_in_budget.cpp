@@ -2,11 +2,13 @@
 #include <utility>
 
 #include "sightline/core/internal/clock.h"
+#include "sightline/core/internal/store.h"
 #include "sightline/engine/drawing/internal/draw_strategy.h"
 
 namespace sightline::engine {
 namespace {
 
+constexpr double kBudgetShare = 0.93;   // of a frame's budget, to draw in
 constexpr double kPassShare = 0.5;      // of the time left, for the next pass: it may take longer than expected
 constexpr double kLeastPasses = 2.0;    // passes for which the time left must suffice
 constexpr double kLeastShare = 0.1;     // of the time, for the first pass at least, though waits alone exceed it
@@ -27,14 +29,15 @@ double next_coarsened(const ImageState& image, double asked_for, bool sufficed) 
 
 }  // namespace
 
-core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawInput& input) {
+core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const Frame& frame,
+                                              const core::VisibleSet& candidates) {
   const double began = core::now_seconds();
-  const Culled& culled = input.candidates;
+  const double frame_ends = frame.budget_began + kBudgetShare * 1e-3 * context.config.losses.budget_ms;
   ImageState& image = *context.image;
-  const bool stays = image.budget_view && core::same_image(*image.budget_view, culled.view);
+  const bool stays = image.budget_view && core::same_image(*image.budget_view, frame.view);
   const bool goes_on = stays && image.refines;
   const bool splats = context.config.losses.contribution_mode != ContributionMode::kDrop;
-  const bool beside = stays && (splats || input.overlaid);
+  const bool beside = stays && (splats || frame.overlaid);
   DrawCounts& counts = image.budget_counts;
   if (goes_on && image.budget.complete()) {
     image.unchanged = true;
@@ -42,34 +45,31 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
     return counts;
   }
   if (beside && !image.refined) {
-    auto made = render::RenderTarget::create(context.context, image.target.width(), image.target.height(),
-                                             image.target.format());
-    if (!made) return tl::unexpected(made.error());
-    image.refined = std::move(*made);
+    const render::RenderTarget& like = image.target;
+    auto made = render::RenderTarget::create(context.context, like.width(), like.height(), like.format());
+    if (auto done = core::store(std::move(made), image.refined); !done) return tl::unexpected(done.error());
   }
   const render::RenderTarget& canvas = beside ? *image.refined : image.target;
   if (!goes_on) {
-    begin(context, culled, stays);
+    begin(context, frame, candidates, stays);
     image.beside = beside;
     if (auto done = context.clear(canvas); !done) return tl::unexpected(done.error());
   }
   // Reading the depth of a large image back may take longer than the budget. A still image would then hardly go on.
-  const double deadline =
-      stays ? std::max(input.deadline, began + 1e-3 * kStillShare * image.overhead_ms) : input.deadline;
-  const auto drawn_ms = draw_passes(context, culled, canvas, deadline);
+  const double deadline = stays ? std::max(frame_ends, began + 1e-3 * kStillShare * image.overhead_ms) : frame_ends;
+  const auto drawn_ms = draw_passes(context, frame, canvas, deadline);
   if (!drawn_ms) return tl::unexpected(drawn_ms.error());
   if (context.may_test_occlusion() && !goes_on)
-    image.budget.remember(context.occlusion_test(culled.view, culled.snapshot.bounds()), culled.snapshot.bounds(),
-                          &context.threads);
+    image.budget.remember(context.occlusion_test(frame), frame.snapshot.bounds(), &context.threads);
   counts = {-1, std::int64_t(image.budget.drawn()), counts.below_min_area,
             std::int64_t(image.budget.pending()) + image.unmeasured};
   if (image.coarsened > 0.0) counts.pending += image.meshes.coarser;
-  const bool sufficed = image.budget.complete() && image.unmeasured == 0 && core::now_seconds() <= input.deadline;
+  const bool sufficed = image.budget.complete() && image.unmeasured == 0 && core::now_seconds() <= frame_ends;
   image.coarsened = stays ? 0.0 : next_coarsened(image, context.config.losses.lod_error, sufficed);
   const double begin = core::now_seconds();
   if (beside) image.refined->copy_to(image.target);
   if (splats) {
-    auto done = draw_splats(context, culled);
+    auto done = draw_splats(context, frame, candidates);
     context.gl().Finish();
     splats_ms_ = std::max(1e3 * (core::now_seconds() - begin), kSlower * splats_ms_);
     if (!done) return tl::unexpected(done.error());
@@ -79,36 +79,33 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const DrawIn
 }
 
 /// Begins the image anew.
-void DrawInBudget::begin(DrawContext& context, const Culled& culled, bool stays) {
+void DrawInBudget::begin(DrawContext& context, const Frame& frame, const core::VisibleSet& visible, bool stays) {
   ImageState& image = *context.image;
   if (stays) image.coarsened = 0.0;
   const float least = context.config.losses.min_projected_area;
   const float threshold = stays ? least : std::max(least, kUnmeasured * image.budget.largest_pending());
   context.clear_pyramid();
-  const core::VisibleSet& candidates = contribution_culling_.leave_out(context, culled, threshold);
-  const auto left_out = std::int64_t(culled.snapshot.count(culled.visible) - culled.snapshot.count(candidates));
+  const core::VisibleSet& candidates = contribution_culling_.leave_out(context, frame, visible, threshold);
+  const auto left_out = std::int64_t(frame.snapshot.count(visible) - frame.snapshot.count(candidates));
   image.unmeasured = threshold > least ? left_out : 0;
   image.budget_counts.below_min_area = left_out - image.unmeasured;
-  image.budget.begin(context.contribution_test(culled.view, culled.snapshot), culled.snapshot.bounds(), candidates,
-                     culled.lines);
+  image.budget.begin(context.contribution_test(frame), frame.snapshot.bounds(), candidates, frame.lines);
   image.refines = stays;
-  image.budget_view = culled.view;
+  image.budget_view = frame.view;
 }
 
 /// Draws a pass and learns what it takes, which it returns in milliseconds. `read_back`: later passes are tested
 /// against its depth; the time for that is learnt apart, since it is the same whatever is drawn.
-core::Expected<double> DrawInBudget::draw_pass(DrawContext& context, const Culled& culled,
+core::Expected<double> DrawInBudget::draw_pass(DrawContext& context, const Frame& frame,
                                                const render::RenderTarget& canvas, bool read_back) {
-  BudgetPasses& budget = context.image->budget;
+  culling::BudgetPasses& budget = context.image->budget;
   const double begin = core::now_seconds();
-  context.coarsened = context.image->coarsened;
-  auto done = context.draw_more(culled.view, culled.snapshot, budget.pass(), canvas);
-  context.coarsened = 0.0;
+  auto done = context.draw(frame, {budget.pass(), canvas, nullptr, context.image->coarsened});
   if (!done) return tl::unexpected(done.error());
   context.gl().Finish();
   const double drawn = core::now_seconds(), ms = 1e3 * (drawn - begin);
   if (read_back) {
-    if (done = context.read_back_depth(culled.view, canvas); !done) return tl::unexpected(done.error());
+    if (done = context.read_back_depth(frame.view, canvas); !done) return tl::unexpected(done.error());
     readback_ms_ = 1e3 * (core::now_seconds() - drawn);
   }
   budget.took(std::max(0.0, ms - (context.software() ? 0.0 : context.round_trip_ms())));
@@ -118,13 +115,13 @@ core::Expected<double> DrawInBudget::draw_pass(DrawContext& context, const Culle
 /// Testing occlusion takes a read-back a pass, and saves no more than drawing all that is pending takes. So where that
 /// is less, it is drawn untested. On a software rasteriser a read-back is a copy. Returns the milliseconds that drawing
 /// alone took.
-core::Expected<double> DrawInBudget::draw_passes(DrawContext& context, const Culled& culled,
+core::Expected<double> DrawInBudget::draw_passes(DrawContext& context, const Frame& frame,
                                                  const render::RenderTarget& canvas, double deadline) {
   double drawn_ms = 0.0;
-  const core::ItemBounds& bounds = culled.snapshot.bounds();
-  BudgetPasses& budget = context.image->budget;
+  const core::ItemBounds& bounds = frame.snapshot.bounds();
+  culling::BudgetPasses& budget = context.image->budget;
   const bool always = context.software() || context.config.culling.occlusion == OcclusionChoice::kOn;
-  const culling::OcclusionTest test = context.occlusion_test(culled.view, bounds);
+  const culling::OcclusionTest test = context.occlusion_test(frame);
   distances_known_ = false;
   if (const int pixels = canvas.width() * canvas.height(); std::exchange(readback_pixels_, pixels) != pixels)
     readback_ms_ = 0.0;  // not known
@@ -137,7 +134,7 @@ core::Expected<double> DrawInBudget::draw_passes(DrawContext& context, const Cul
     if (passes > 0 && left < kLeastPasses * (budget.least_ms() + waits)) break;
     const double least = passes == 0 && waits > 0.0 ? kLeastShare * left : 0.0;
     if (!budget.next(tests ? &test : nullptr, bounds, std::max(least, kPassShare * left - waits))) break;
-    const auto ms = draw_pass(context, culled, canvas, tests);
+    const auto ms = draw_pass(context, frame, canvas, tests);
     if (!ms) return ms;
     drawn_ms += *ms;
     distances_known_ = tests;
@@ -146,11 +143,12 @@ core::Expected<double> DrawInBudget::draw_passes(DrawContext& context, const Cul
 }
 
 /// Draws a splat for each item that is small or pending.
-core::Expected<void> DrawInBudget::draw_splats(DrawContext& context, const Culled& culled) {
+core::Expected<void> DrawInBudget::draw_splats(DrawContext& context, const Frame& frame,
+                                               const core::VisibleSet& visible) {
   ImageState& image = *context.image;
   if (image.budget_counts.pending + image.budget_counts.below_min_area == 0) return {};
-  image.budget.looked_at(culled.snapshot.size(), without_splats_);
-  const auto drawn = contribution_culling_.draw(context, culled, without_splats_, 0.0f, distances_known_);
+  image.budget.looked_at(frame.snapshot.size(), without_splats_);
+  const auto drawn = contribution_culling_.draw(context, frame, visible, {without_splats_, 0.0f, distances_known_});
   if (!drawn) return tl::unexpected(drawn.error());
   image.budget_counts.splats = *drawn;
   return {};

@@ -43,30 +43,26 @@ bool GpuCulling::tests_occlusion(const DrawContext& context, std::size_t items) 
   return context.config.culling.occlusion == OcclusionChoice::kOn || items >= kGpuOcclusionScene;
 }
 
-core::Expected<void> GpuCulling::cull(DrawContext& context, const core::View& cull_view, const core::View& view,
-                                      const core::Snapshot& snapshot, std::uint64_t frame) {
+core::Expected<void> GpuCulling::cull(DrawContext& context, const Frame& frame) {
   image_.reset();
-  const bool occlusion = tests_occlusion(context, snapshot.size());
+  const bool occlusion = tests_occlusion(context, frame.snapshot.size());
   if (context.renderer && (context.config.culling.sample_test || occlusion))
-    image_ = {view, context.samples(), occlusion};
-  const std::optional<lod::ImageError> error = context.mesh_error(view);
-  return culler_->cull(cull_view, snapshot, *context.scene, *context.lists, frame, image_ ? &*image_ : nullptr,
-                       error ? &*error : nullptr);
+    image_ = {frame.view, context.samples(), occlusion};
+  const std::optional<lod::ImageError> error = context.mesh_error(frame.view);
+  return culler_->cull(frame.cull_view, frame.snapshot, *context.scene, *context.lists,
+                       {frame.number, image_ ? &*image_ : nullptr, error ? &*error : nullptr});
 }
 
-core::Expected<void> GpuCulling::draw(DrawContext& context, const core::View& view, const core::Snapshot& snapshot) {
-  auto done = context.renderer->draw(view, snapshot, *context.scene, *context.lists, context.target());
-  if (done && image_ && image_->occlusion) done = draw_second_pass(context, snapshot);
-  return done;
-}
-
-/// Draws the items that the first pass has neither drawn nor occludes.
-core::Expected<void> GpuCulling::draw_second_pass(DrawContext& context, const core::Snapshot& snapshot) {
-  const core::View& view = image_->view;
-  const double error = render::RenderTarget::orthographic_error(view);
-  if (auto done = culler_->cull_others(*image_, *context.scene, *context.lists, context.target().depth(), error); !done)
-    return done;
-  return context.renderer->draw_more(view, snapshot, *context.scene, *context.lists, context.target());
+/// With the occlusion test, the items follow that the first pass has neither drawn nor occludes.
+core::Expected<void> GpuCulling::draw(DrawContext& context, const Frame& frame) {
+  const render::RenderTarget& target = context.target();
+  const render::DrawPass pass{frame.view, frame.snapshot, *context.scene, *context.lists, target};
+  auto done = context.renderer->clear(target);
+  if (done) done = context.renderer->draw(pass);
+  if (!done || !image_ || !image_->occlusion) return done;
+  const double error = render::RenderTarget::orthographic_error(frame.view);
+  done = culler_->cull_others(*image_, *context.scene, *context.lists, target.depth(), error);
+  return done ? context.renderer->draw(pass) : done;
 }
 
 }  // namespace sightline::engine

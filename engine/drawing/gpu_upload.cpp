@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sightline/core/internal/sort_unique.h"
+#include "sightline/core/internal/store.h"
 #include "sightline/engine/internal/settings.h"
 
 namespace sightline::engine {
@@ -47,10 +48,18 @@ GpuContent GpuUpload::take() {
   return content;
 }
 
+/// The scene comes first, and then everything that was edited meanwhile.
 core::Expected<bool> GpuUpload::advance(const DrawContext& context, GpuCulling& culling, const core::Snapshot& snapshot,
                                         const gpuprims::Joints& joints, bool gpu_culls, core::Deadline deadline) {
+  if (!content_->scene) content_->scene = gpuscene::GpuScene::begin(context.context, snapshot);
+  if (!uploaded_) {
+    const auto done = content_->scene->advance(snapshot, joints, deadline);
+    if (!done || !*done) return done;
+    uploaded_ = true;
+    slots_ = core::Slot(snapshot.size());
+  }
   if (!content_->lists) {
-    if (const auto done = advance_scene(context, snapshot, joints, deadline); !done || !*done) return done;
+    if (const auto done = follow_edits(snapshot, joints, deadline); !done || !*done) return done;
     if (auto done = complete(context, culling, snapshot, gpu_culls); !done) return tl::unexpected(done.error());
     if (core::over(deadline)) return false;
   }
@@ -62,19 +71,6 @@ core::Expected<bool> GpuUpload::advance(const DrawContext& context, GpuCulling& 
     give_looks(context.config.drawing.looks, *content_->renderer);
   }
   return content_->renderer->advance(*content_->scene, context.target().format(), deadline);
-}
-
-/// Uploads the scene, and then everything that was edited meanwhile.
-core::Expected<bool> GpuUpload::advance_scene(const DrawContext& context, const core::Snapshot& snapshot,
-                                              const gpuprims::Joints& joints, core::Deadline deadline) {
-  if (!content_->scene) content_->scene = gpuscene::GpuScene::begin(context.context, snapshot);
-  if (!uploaded_) {
-    const auto done = content_->scene->advance(snapshot, joints, deadline);
-    if (!done || !*done) return done;
-    uploaded_ = true;
-    slots_ = core::Slot(snapshot.size());
-  }
-  return follow_edits(snapshot, joints, deadline);
 }
 
 /// True once the scene has followed all edits since it was begun. Each call follows more edits than have come since the
@@ -106,14 +102,10 @@ core::Expected<void> GpuUpload::complete(const DrawContext& context, GpuCulling&
                                          const core::Snapshot& snapshot, bool gpu_culls) {
   const GpuEdits edits = take_edits();
   if (auto kept = content_->scene->update_materials(snapshot, edits.materials); !kept) return kept;
-  auto lists = gpuscene::DrawLists::create(context.context, *content_->scene);
-  if (!lists) return tl::unexpected(lists.error());
-  content_->lists = std::move(*lists);
+  if (auto done = core::store(gpuscene::DrawLists::create(context.context, *content_->scene), content_->lists); !done)
+    return done;
   if (!gpu_culls) return {};
-  auto culler = culling.make(context, snapshot, *content_->scene);
-  if (!culler) return tl::unexpected(culler.error());
-  content_->culler = std::move(*culler);
-  return {};
+  return core::store(culling.make(context, snapshot, *content_->scene), content_->culler);
 }
 
 }  // namespace sightline::engine

@@ -82,22 +82,19 @@ glm::vec2 ImageOverlays::blend_range(const core::View& view, const core::Snapsho
   return depth_range(view, snapshot.bounds(), blended_);
 }
 
-core::Expected<void> ImageOverlays::finish(DrawContext& context, const Culled& culled,
-                                           const std::optional<glm::vec2>& range, DrawCounts& counts) {
+core::Expected<void> ImageOverlays::finish(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                                           DrawCounts& counts) {
   ImageState& image = *context.image;
-  const bool finished = image.unchanged && !context.external;
+  const bool finished = image.unchanged && !frame.target, overlaid = any(context);
   if (!finished) image.meshes_over = {};
-  if (finished || !change_image(context)) return {};
-  if (image.unchanged && image.beside) image.refined->copy_to(image.target);
-  if (shades(context, counts))
-    if (auto done = draw_depth_shading(context, culled.view); !done) return done;
-  if (!any(context)) return {};
-  if (context.external) {
-    if (auto done = context.compose(); !done) return done;
-    image.composed = true;
+  if (!finished && change_image(context)) {
+    if (image.unchanged && image.beside) image.refined->copy_to(image.target);
+    if (shades(context, counts))
+      if (auto done = draw_depth_shading(context, frame.view); !done) return done;
   }
-  if (auto done = draw_translucent(context, culled.with(over_), range, counts); !done) return done;
-  return draw_outline(context, culled);
+  if (frame.target)
+    if (auto done = context.compose(frame); !done) return done;
+  return finished || !overlaid ? core::Expected<void>() : draw_over(context, frame, visible, counts);
 }
 
 /// With a budget, depth shading waits until the image is complete: it takes time in proportion to the image, and more
@@ -118,20 +115,19 @@ core::Expected<void> ImageOverlays::draw_depth_shading(const DrawContext& contex
 }
 
 /// The items to be drawn over the image that are large enough and cover a sample, as far as the tests know.
-const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context, const Culled& culled) {
-  const core::ItemBounds& bounds = culled.snapshot.bounds();
+const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context, const Frame& frame) {
+  const core::ItemBounds& bounds = frame.snapshot.bounds();
   const float least = context.config.losses.min_projected_area;
-  const core::VisibleSet* left = &culled.visible;
+  const core::VisibleSet* left = &over_;
   if (least > 0.0f) {
-    context.contribution_test(culled.view, culled.snapshot).filter(bounds, *left, least, tested_, {}, culled.lines);
-    std::swap(tested_, unused_);
+    context.contribution_test(frame).filter(bounds, *left, least, unused_, {}, frame.lines);
     left = &unused_;
   }
   if (context.image->pyramid_valid) {
-    context.occlusion_test(culled.view, bounds).filter(bounds, *left, tested_, culled.lines);
+    context.occlusion_test(frame).filter(bounds, *left, tested_, frame.lines);
     left = &tested_;
   } else if (context.config.culling.sample_test) {
-    context.sample_test(culled.view, bounds).filter(bounds, *left, tested_, culled.lines);
+    context.sample_test(frame).filter(bounds, *left, tested_, frame.lines);
     left = &tested_;
   }
   return *left;
@@ -139,87 +135,104 @@ const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context,
 
 namespace {
 
+/// Sets the draw lists for a set, in the full detail of its meshes, and returns a pass that draws them.
+core::Expected<render::DrawPass> list_in_full(DrawContext& context, const Frame& frame, const core::VisibleSet& set,
+                                              const render::RenderTarget& onto) {
+  auto done = context.choice.update(*context.lists, *context.scene, frame.snapshot, set, {frame.view});
+  return done.map([&] {
+    return render::DrawPass{frame.view, frame.snapshot, *context.scene, *context.lists, onto, render::Surface::kGhost};
+  });
+}
+
 /// Puts a layer over the image, and over the application's framebuffer, if there is one.
 template <class Put>
-core::Expected<void> put_over(const DrawContext& context, const Put& put) {
+core::Expected<void> put_over(const DrawContext& context, const Frame& frame, const Put& put) {
   const render::RenderTarget& target = context.target();
   gl::ExternalTarget image{target.framebuffer().id(), 0, 0, target.width(), target.height()};
   image.near_depth = 1.0;
   image.far_depth = 0.0;
-  if (auto done = put(image); !done || !context.external) return done;
-  return put(*context.external);
+  if (auto done = put(image); !done || !frame.target) return done;
+  return put(*frame.target);
 }
 
 }  // namespace
 
-core::Expected<void> ImageOverlays::draw_translucent(DrawContext& context, const Culled& culled,
-                                                     const std::optional<glm::vec2>& range, DrawCounts& counts) {
-  if (empty(culled.visible)) return {};
-  part(culled.visible, translucent_.ghosts(), ghosts_, blended_);
-  const glm::vec2 depths = range ? *range : depth_range(culled.view, culled.snapshot.bounds(), blended_);
-  const core::VisibleSet& drawn = leave_out_invisible(context, culled);
-  const auto count = std::int64_t(culled.snapshot.count(drawn));
+core::Expected<void> ImageOverlays::draw_over(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                                              DrawCounts& counts) {
+  if (auto done = draw_translucent(context, frame, counts); !done) return done;
+  return draw_outline(context, frame, visible);
+}
+
+core::Expected<void> ImageOverlays::draw_translucent(DrawContext& context, const Frame& frame, DrawCounts& counts) {
+  if (empty(over_)) return {};
+  part(over_, translucent_.ghosts(), ghosts_, blended_);
+  const glm::vec2 depths =
+      frame.blend_range ? *frame.blend_range : depth_range(frame.view, frame.snapshot.bounds(), blended_);
+  const core::VisibleSet& drawn = leave_out_invisible(context, frame);
+  const auto count = std::int64_t(frame.snapshot.count(drawn));
   counts.items_drawn += count;
   if (counts.sampled >= 0) counts.sampled += count;
   part(drawn, translucent_.ghosts(), ghosts_, blended_);
-  if (auto done = draw_blended(context, culled.with(blended_), depths); !done) return done;
-  return draw_ghosts(context, culled.with(ghosts_));
+  if (auto done = draw_blended(context, frame, depths); !done) return done;
+  return draw_ghosts(context, frame);
 }
 
-core::Expected<void> ImageOverlays::draw_blended(DrawContext& context, const Culled& culled, const glm::vec2& range) {
-  if (empty(culled.visible)) return {};
-  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+core::Expected<void> ImageOverlays::draw_blended(DrawContext& context, const Frame& frame, const glm::vec2& range) {
+  if (empty(blended_)) return {};
   render::Overlays& over = overlays(context);
   const auto sums = over.begin_sums(context.target());
   if (!sums) return tl::unexpected(sums.error());
-  auto done = context.lists->update(snapshot, *context.scene, visible, {&view});
-  context.image->meshes_over += context.lists->mesh_counts();
-  if (done)
-    done =
-        context.renderer->draw_blended(view, snapshot, *context.scene, *context.lists, context.target(), **sums, range);
+  auto pass = list_in_full(context, frame, blended_, context.target());
+  if (!pass) return tl::unexpected(pass.error());
+  context.image->meshes_over += context.choice.counts();
+  pass->surface = render::Surface::kBlended;
+  pass->sums = *sums;
+  pass->range = range;
+  auto done = context.renderer->draw(*pass);
   if (done) done = over.resolve_sums(context.context, context.target());
   if (!done) return done;
-  return put_over(context, [&](const gl::ExternalTarget& target) { return over.put_layer(target); });
+  return put_over(context, frame, [&](const gl::ExternalTarget& target) { return over.put_layer(target); });
 }
 
-core::Expected<void> ImageOverlays::draw_ghosts(DrawContext& context, const Culled& culled) {
-  if (empty(culled.visible)) return {};
-  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+core::Expected<void> ImageOverlays::draw_ghosts(DrawContext& context, const Frame& frame) {
+  if (empty(ghosts_)) return {};
   render::Overlays& over = overlays(context);
   const auto layer = over.begin_layer(context.context, context.target(), true);
   if (!layer) return tl::unexpected(layer.error());
-  if (auto done = context.lists->update(snapshot, *context.scene, visible, {&view}); !done) return done;
-  context.image->meshes_over += context.lists->mesh_counts();
-  if (auto done = context.renderer->draw_ghosts(view, snapshot, *context.scene, *context.lists, **layer); !done)
-    return done;
-  return put_over(context, [&](const gl::ExternalTarget& target) { return over.put_layer(target); });
+  const auto pass = list_in_full(context, frame, ghosts_, **layer);
+  if (!pass) return tl::unexpected(pass.error());
+  context.image->meshes_over += context.choice.counts();
+  if (auto done = context.renderer->draw(*pass); !done) return done;
+  return put_over(context, frame, [&](const gl::ExternalTarget& target) { return over.put_layer(target); });
 }
 
 /// Draws an outline around all outlined items, occluded ones included.
-core::Expected<void> ImageOverlays::draw_outline(DrawContext& context, const Culled& culled) {
+core::Expected<void> ImageOverlays::draw_outline(DrawContext& context, const Frame& frame,
+                                                 const core::VisibleSet& visible) {
   if (translucent_.outlined().empty()) return {};
-  part(culled.visible, translucent_.outlined(), outlined_, unused_);
+  part(visible, translucent_.outlined(), outlined_, unused_);
   if (empty(outlined_)) return {};
-  const auto within = draw_outlined(context, culled.with(outlined_));
+  const auto within = draw_outlined(context, frame, outlined_);
   if (!within) return tl::unexpected(within.error());
-  return put_over(context, [&](const gl::ExternalTarget& target) {
+  return put_over(context, frame, [&](const gl::ExternalTarget& target) {
     return overlays_->put_outline(context.target(), context.config.drawing.outline_colour, *within, target);
   });
 }
 
 /// Draws items into the layer, as Overlays::put_outline() needs it. Returns the pixels in which the outline may lie.
-core::Expected<render::PixelBox> ImageOverlays::draw_outlined(DrawContext& context, const Culled& items) {
+core::Expected<render::PixelBox> ImageOverlays::draw_outlined(DrawContext& context, const Frame& frame,
+                                                              const core::VisibleSet& items) {
   const auto layer = overlays(context).begin_layer(context.context, context.target(), false);
   if (!layer) return tl::unexpected(layer.error());
-  auto done = context.lists->update(items.snapshot, *context.scene, items.visible, {&items.view});
-  if (done) done = context.renderer->draw_ghosts(items.view, items.snapshot, *context.scene, *context.lists, **layer);
-  if (!done) return tl::unexpected(done.error());
-  return pixels_around(items.view, items.snapshot, items.visible, context.target().width(), context.target().height());
+  const auto pass = list_in_full(context, frame, items, **layer);
+  if (!pass) return tl::unexpected(pass.error());
+  if (auto done = context.renderer->draw(*pass); !done) return tl::unexpected(done.error());
+  return pixels_around(frame.view, frame.snapshot, items, context.target().width(), context.target().height());
 }
 
-core::Expected<void> ImageOverlays::put_outline(DrawContext& context, const Culled& items,
+core::Expected<void> ImageOverlays::put_outline(DrawContext& context, const Frame& frame, const core::VisibleSet& items,
                                                 const gl::ExternalTarget& over) {
-  const auto within = draw_outlined(context, items);
+  const auto within = draw_outlined(context, frame, items);
   if (!within) return tl::unexpected(within.error());
   return overlays_->put_outline(context.target(), context.config.drawing.outline_colour, *within, over);
 }

@@ -16,26 +16,26 @@ std::vector<std::uint64_t> without(const core::VisibleSet& all, const core::Visi
 
 }  // namespace
 
-core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overlays, const Culled& culled) {
-  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
-  const core::ItemBounds& bounds = snapshot.bounds();
+core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overlays, const Frame& frame,
+                                      const core::VisibleSet& visible) {
+  const core::ItemBounds& bounds = frame.snapshot.bounds();
   const float least = context.config.losses.min_projected_area;
   LeftOut out;
   core::VisibleSet large, sampled, shown;
   const core::VisibleSet* left = &visible;
   if (least > 0.0f) {
-    context.contribution_test(view, snapshot).filter(bounds, *left, least, large, {}, lines);
+    context.contribution_test(frame).filter(bounds, *left, least, large, {}, frame.lines);
     left = &large;
   }
   if (context.config.culling.sample_test || context.may_test_occlusion()) {
-    context.sample_test(view, bounds).filter(bounds, *left, sampled, lines);
+    context.sample_test(frame).filter(bounds, *left, sampled, frame.lines);
     left = &sampled;
   }
   if (left != &visible) out.small = without(visible, *left, bounds.size());
   if (!context.may_test_occlusion()) return out;
   const core::VisibleSet& opaque = overlays.split(context, *left);
-  if (auto done = DrawInPasses().draw(context, {culled.with(opaque)}); !done) return tl::unexpected(done.error());
-  context.occlusion_test(view, bounds).filter(bounds, *left, shown, lines);
+  if (auto done = DrawInPasses().draw(context, frame, opaque); !done) return tl::unexpected(done.error());
+  context.occlusion_test(frame).filter(bounds, *left, shown, frame.lines);
   out.occluded = without(*left, shown, bounds.size());
   return out;
 }
@@ -43,13 +43,13 @@ core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overl
 namespace {
 
 /// Visible items that the last frame has not drawn, in rising order.
-core::VisibleSet missing_items(const DrawContext& context, const Culled& culled) {
-  const core::ItemBounds& bounds = culled.snapshot.bounds();
+core::VisibleSet missing_items(const DrawContext& context, const core::ItemBounds& bounds,
+                               const core::VisibleSet& visible) {
   const ImageState& image = *context.image;
   std::vector<std::uint64_t> drawn = image.was_large;
   if (context.config.losses.budget_ms > 0.0) image.budget.looked_at(bounds.size(), drawn);
   core::VisibleSet missing;
-  culled.visible.for_each_slot([&](core::Slot slot) {
+  visible.for_each_slot([&](core::Slot slot) {
     if (!bounds.vacant(slot) && !culling::contains(drawn, slot)) missing.single_slots.push_back(slot);
   });
   std::sort(missing.single_slots.begin(), missing.single_slots.end());
@@ -58,7 +58,7 @@ core::VisibleSet missing_items(const DrawContext& context, const Culled& culled)
 
 /// What levels of detail cost the image as it is now.
 LossReport loss_by_levels(const ImageState& image) {
-  gpuscene::MeshCounts meshes = image.meshes;
+  MeshCounts meshes = image.meshes;
   meshes += image.meshes_over;
   return {.lod_error = meshes.error,
           .triangles = meshes.triangles,
@@ -69,27 +69,24 @@ LossReport loss_by_levels(const ImageState& image) {
 }  // namespace
 
 /// Tests against the image as it is now, with a depth pyramid beside the image's: what a budget goes on with must stay.
-core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& culled) {
+core::Expected<LossReport> measure_loss(DrawContext& context, const Frame& frame, const core::VisibleSet& visible) {
   LossReport report = loss_by_levels(*context.image);
   if (context.config.losses.min_projected_area <= 0.0f && context.config.losses.budget_ms <= 0.0) return report;
-  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
-  const core::ItemBounds& bounds = snapshot.bounds();
+  const core::ItemBounds& bounds = frame.snapshot.bounds();
   const render::RenderTarget& target = context.target();
   core::VisibleSet sampled, unoccluded;
-  context.sample_test(view, bounds).filter(bounds, missing_items(context, culled), sampled);
+  context.sample_test(frame).filter(bounds, missing_items(context, bounds, visible), sampled);
   const core::VisibleSet* left = &sampled;
   if (target.format().samples == 1 && !sampled.single_slots.empty()) {
     std::vector<float> distances;
     culling::DepthPyramid pyramid;
-    if (auto read = target.read_distances(view, distances); !read) return tl::unexpected(read.error());
+    if (auto read = target.read_distances(frame.view, distances); !read) return tl::unexpected(read.error());
     pyramid.build(distances, target.width(), target.height());
-    culling::OcclusionTest(view, bounds.origin, target.width(), target.height(), pyramid,
-                           render::RenderTarget::orthographic_error(view), context.snap())
-        .filter(bounds, sampled, unoccluded);
+    context.occlusion_test(frame, pyramid).filter(bounds, sampled, unoccluded);
     left = &unoccluded;
   }
   std::vector<culling::ContributionTest::SlotArea> areas;
-  context.contribution_test(view, snapshot).areas(bounds, *left, areas);
+  context.contribution_test(frame).areas(bounds, *left, areas);
   report.items = std::int64_t(areas.size());
   for (const auto& area : areas) report.pixels += double(area.area);
   report.pixels = std::min(report.pixels, double(target.width()) * target.height());

@@ -22,16 +22,16 @@ MeshDetails::~MeshDetails() {
 void MeshDetails::follow(gpuscene::GpuScene& scene, bool levels) {
   if (levels) want_levels(scene);
   levels_wanted_ = levels;
-  for (const auto& mesh : scene.take_gone_meshes()) forget(*mesh);
+  for (const auto& mesh : scene.meshes().take_gone_meshes()) forget(*mesh);
   drop_cancelled();
-  want(scene, scene.take_new_meshes(kFollowed));
+  want(scene, scene.meshes().take_new_meshes(kFollowed));
   give_built(scene);
 }
 
 core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline) {
   do follow(scene, levels);
   while (scene.meshes().has_new_meshes() && !core::over(deadline));
-  if (auto done = scene.upload_levels(deadline); !done) return tl::unexpected(done.error());
+  if (auto done = scene.upload_meshes(deadline, true); !done) return tl::unexpected(done.error());
   return {};
 }
 
@@ -54,7 +54,7 @@ void MeshDetails::want(gpuscene::GpuScene& scene, Meshes meshes) {
     if (!(levels_wanted_ ? lod::needs_levels(*mesh) : lod::is_large(*mesh))) continue;
     const auto [place, is_new] = known_.try_emplace(mesh.get());
     Wanted& known = place->second;
-    if (known.of.levels) scene.add_levels({&known.of, 1});
+    if (known.of.levels) scene.meshes().add_levels({&known.of, 1});
     if (!is_new && known.levels >= levels_wanted_) continue;
     known.stop.request_stop();
     known.stop = {};
@@ -96,7 +96,7 @@ void MeshDetails::give_built(gpuscene::GpuScene& scene) {
     const auto known = known_.find(made.of.mesh.get());
     if (known == known_.end() || made.stop != known->second.stop) continue;  // gone, or better ones are to come
     known->second.of = std::move(made.of);
-    scene.add_levels({&known->second.of, 1});
+    scene.meshes().add_levels({&known->second.of, 1});
   }
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sightline/core/internal/deadline.h"
-#include "sightline/engine/drawing/internal/culled.h"
+#include "sightline/engine/drawing/internal/frame.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/overrides.h"
 
@@ -24,24 +24,18 @@ struct KeptState {
   virtual ~KeptState() = default;
 };
 
-/// A frame to draw. Borrows everything.
-struct DrawRequest {
-  const core::View& view;  ///< that the image shows
-  const Culled& culled;    ///< visible items of the view that was culled for
-  bool on_gpu = false;     ///< Backend::cull() has the visible items, and `culled` those to draw over the image
-  bool all = true;         ///< `culled` has all visible items of its view
-  /// Items that the image of the view that was culled for would not show are drawn, in DrawingConfig::culled_colour.
-  bool shows_unseen = false;
-  std::uint64_t frame = 0;                     ///< take_drawn() returns it
-  double budget_began = 0.0;                   ///< when the frame's budget began to run, seconds on the steady clock
-  const gl::ExternalTarget* target = nullptr;  ///< gets the image, too, and has its size
-  std::optional<glm::vec2> blend_range = {};   ///< eye depths by which blended items are weighed
-  /// Where the image reaches in that of which it is a part: 0 at its upper border, 1 at its lower.
-  std::array<double, 2> rows{0.0, 1.0};
-};
 struct DrawResult {
   DrawCounts counts;     ///< 0 where the GPU has culled
   double wait_ms = 0.0;  ///< until the frame before the last was drawn
+};
+
+/// Describes a backend.
+struct BackendReport {
+  std::string platform = {}, renderer = {};             ///< as gl::Context has them
+  const gl::Context* application = nullptr;             ///< the application's context, if it draws there
+  std::optional<culling::GpuVariant> gpu_variant = {};  ///< of the GPU culler
+  std::string why_gpu_variant = {};
+  std::size_t gpu_bytes = 0, levels_bytes = 0;  ///< of the GPU; of main memory, for clusters and levels of detail
 };
 
 /// A frame that is drawn, with the time that the GPU spent on it alone. That time runs from the end of the frame
@@ -132,15 +126,14 @@ class Backend {
   virtual bool blends() const { return false; }
   /// Eye depths between which the blended items of a set lie.
   virtual glm::vec2 blend_range(const core::View&, const core::Snapshot&, const core::VisibleSet&) { return {}; }
-  /// Culls by `cull_view` on the GPU for an image of `view`; the next draw() draws the result. Needs the GPU culler.
-  /// take_late_report() tells `frame`.
-  virtual core::Expected<void> cull(const core::View& /*cull_view*/, const core::View& /*view*/, const core::Snapshot&,
-                                    std::uint64_t /*frame*/) {
-    return {};
+  /// Culls on the GPU; draw() draws the result. Needs the GPU culler. take_late_report() tells more.
+  virtual core::Expected<void> cull(const Frame&) { return {}; }
+  /// Submits a frame with the visible items of its culling view, or, if `on_gpu`, with those that cull() has found, and
+  /// of `visible` what is drawn over the image. Waits first until at most one earlier frame is still being drawn.
+  /// Leaves out items that cover no sample of the image, or that others occlude, as configured.
+  virtual core::Expected<DrawResult> draw(const Frame&, const core::VisibleSet& /*visible*/, bool /*on_gpu*/ = false) {
+    return DrawResult();
   }
-  /// Submits a frame. Waits first until at most one earlier frame is still being drawn. Leaves out items that cover no
-  /// sample of the image, or that others occlude, as configured.
-  virtual core::Expected<DrawResult> draw(const DrawRequest&) { return DrawResult(); }
   /// The oldest drawn frame that was not yet taken.
   virtual std::optional<DrawnFrame> take_drawn() { return std::nullopt; }
   /// The oldest result of the GPU culler that was not yet taken.
@@ -152,17 +145,12 @@ class Backend {
   // --- queries ---
 
   /// What an image of the view would leave out of the visible items. The last image is then gone.
-  virtual core::Expected<LeftOut> left_out(const Culled&) { return LeftOut(); }
-  /// Error of the last draw() by EngineConfig::losses; it must have drawn `culled`.
-  virtual core::Expected<LossReport> loss(const Culled&) { return LossReport(); }
-  virtual std::size_t memory_bytes() const { return 0; }  ///< of the GPU
-  virtual std::size_t levels_bytes() const { return 0; }  ///< of main memory, for clusters and levels of detail
-  virtual std::string platform() const { return {}; }
-  virtual std::string renderer() const { return {}; }
+  virtual core::Expected<LeftOut> left_out(const Frame&, const core::VisibleSet& /*visible*/) { return LeftOut(); }
+  /// Error of the last draw() by EngineConfig::losses; it must have drawn `visible`.
+  virtual core::Expected<LossReport> loss(const Frame&, const core::VisibleSet& /*visible*/) { return LossReport(); }
+  virtual BackendReport report() const { return {}; }
   virtual bool software() const { return false; }
   virtual std::vector<std::string> take_gl_errors() { return {}; }
-  virtual std::optional<culling::GpuVariant> gpu_variant() const { return std::nullopt; }  ///< of the GPU culler
-  virtual std::string why_gpu_variant() const { return {}; }
 };
 
 // Builds without GL have their own version of each of these (no_gl.cpp).

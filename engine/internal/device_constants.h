@@ -13,8 +13,4 @@ inline constexpr double kSoftwareGpuExcess = 0.1;
 /// a GPU the parts of the CPU and of the GPU are measured.
 inline constexpr double kSoftwareOverlap = 0.75;
 
-/// First guess of what drawing takes, an item and a pixel, in milliseconds: llvmpipe's. A guess that is too large makes
-/// the first frames of a budget draw less, one that is too small makes them late.
-inline constexpr double kPresumedItemMs = 1e-2, kPresumedPixelMs = 5e-6;
-
 }  // namespace sightline::engine

@@ -39,8 +39,7 @@ struct EngineState {
   std::map<std::uint32_t, std::pair<int, int>> image_sizes;        // of the other images
   std::unique_ptr<Backend> backend = std::make_unique<Backend>();  // never null
   std::unique_ptr<Backend> next_backend;  // that use_context() makes in portions, while `backend` is not ready; or null
-  const gl::Context* next_context = nullptr;  // the context of `next_backend`
-  bool meshes_left = false;                   // a commit in portions may have left meshes to be uploaded
+  bool meshes_left = false;               // a commit in portions may have left meshes to be uploaded
   bool gpu_behind = false;  // an update of the backend has failed: it shows the snapshot only once it is made anew
   double next_try = -1.0;   // when to try to make a context, in seconds; below 0: none is missing
   double last_frame_began = -1.0;  // seconds on the steady clock
@@ -63,9 +62,9 @@ struct EngineState {
   std::unique_ptr<KeptState> keep_state() const;
   /// Whether a frame shows, in a colour of their own, the items that the image of its culling view would not show.
   bool shows_unseen(const core::View& view, const core::View& cull_view) const;
-  /// The visible items of a set, as drawing takes them.
-  Culled culled(const core::View& view, const core::VisibleSet& set) const {
-    return {view, *live.snapshot, set, live.lines, live.hierarchy()};
+  /// A frame of the live scene.
+  Frame frame(const core::View& view, const core::View& cull_view) const {
+    return {view, cull_view, *live.snapshot, live.lines, live.hierarchy()};
   }
 };
 

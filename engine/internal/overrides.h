@@ -148,6 +148,7 @@ class Overrides {
     std::size_t operator()(const MaterialOverride& material_override) const;
   };
   std::uint32_t take_override(core::Snapshot& snapshot, const ItemStyle& style, std::uint32_t material, Change& change);
+  void change_override(core::Snapshot& snapshot, Styled& styled, const ItemStyle& style, Change& change);
   void release_override(std::uint32_t number);
   void set_row(core::Snapshot& snapshot, std::uint32_t number, Change& change);
   void follow_table(core::Snapshot& snapshot, std::span<const std::uint32_t> materials, bool moved, Change& change);

@@ -202,8 +202,8 @@ core::Expected<void> PageStore::upload(const gl::Context& context, PageLoader::L
   const core::Snapshot& snapshot = content->snapshot;
   auto scene = gpuscene::GpuScene::create(context, snapshot, joints);
   if (!scene) return tl::unexpected(scene.error());
-  scene->add_levels(loaded.levels);
-  if (auto done = scene->upload_levels(core::kNoDeadline); !done) return tl::unexpected(done.error());
+  scene->meshes().add_levels(loaded.levels);
+  if (auto done = scene->upload_meshes(core::kNoDeadline, true); !done) return tl::unexpected(done.error());
   std::size_t level_bytes = 0;
   for (const auto& of : loaded.levels) level_bytes += of.levels->memory_bytes();
   auto lists = gpuscene::DrawLists::create(context, *scene);

@@ -207,11 +207,11 @@ core::Expected<std::uint64_t> PagedImage::draw(ResidentPage& resident, const cor
                                                const render::RenderTarget& onto) {
   if (set.count() == 0) return 0;
   const core::Snapshot& snapshot = resident.content->snapshot;
-  gpuscene::DrawnIn in{&*view_};
-  if (resident.level_bytes > 0) in.error = &*error_;
-  if (auto done = resident.lists.update(snapshot, resident.scene, set, in); !done) return tl::unexpected(done.error());
-  if (auto done = renderer_->draw_more(*view_, snapshot, resident.scene, resident.lists, onto); !done)
-    return tl::unexpected(done.error());
+  MeshRules rules{*view_};
+  if (resident.level_bytes > 0) rules.error = &*error_;
+  auto done = choice_.update(resident.lists, resident.scene, snapshot, set, rules);
+  if (done) done = renderer_->draw({*view_, snapshot, resident.scene, resident.lists, onto});
+  if (!done) return tl::unexpected(done.error());
   return snapshot.count(set);
 }
 

@@ -98,4 +98,14 @@ class TextureBuffer {
   std::int64_t texels_ = 0;
 };
 
+/// A buffer that shaders read as texels.
+struct TexelArray {
+  Buffer buffer;
+  TextureBuffer texels;
+
+  /// See Buffer::create() and TextureBuffer::create().
+  static core::Expected<TexelArray> create(const Functions& gl, std::size_t bytes, const void* data, GLenum format,
+                                           std::string_view what, GLbitfield flags = GL_DYNAMIC_STORAGE_BIT);
+};
+
 }  // namespace sightline::gl

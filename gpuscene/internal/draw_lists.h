@@ -13,13 +13,12 @@
 // number from counts(); without it the unused commands draw nothing.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/shader_source.h"
@@ -27,45 +26,16 @@
 #include "sightline/gl/internal/vertex_array.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/gpuscene/internal/ring_buffer.h"
-#include "sightline/gpuscene/internal/triangle_stream.h"
 #include "sightline/gpuscene/internal/visible_records.h"
-#include "sightline/lod/internal/cut.h"
 
 namespace sightline::gpuscene {
 
-/// Leaves out clusters of a mesh that are not to be drawn now.
-class ClusterFilter {
- public:
-  virtual ~ClusterFilter() = default;
-  /// `clusters` rise. Returns whether this is the first that is drawn of the item in this image.
-  virtual bool filter(core::Slot slot, const lod::MeshLevels& levels, const core::Affine& world_from_mesh,
-                      std::vector<std::uint32_t>& clusters) = 0;
-};
-
-/// What the lists may depend on besides the set. Borrowed during DrawLists::update().
-struct DrawnIn {
-  const core::View* view = nullptr;  ///< that will draw the lists: sets Section::front_only
-  // The others are of the same view.
-  const lod::ImageError* error = nullptr;            ///< meshes that have levels are drawn by a cut of them
-  ClusterFilter* clusters = nullptr;                 ///< of such cuts
-  const culling::TriangleTest* triangles = nullptr;  ///< of meshes, only triangles are drawn that may colour the image
-  core::ThreadPool* threads = nullptr;               ///< that share in the test
-};
-
-/// What is drawn of items with meshes.
-struct MeshCounts {
-  std::int64_t items = 0, coarser = 0;             ///< coarser: by fewer triangles than their own
-  std::int64_t triangles = 0, full_triangles = 0;  ///< in the detail drawn, whether they show or not; of the same items
-  double error = 0.0;                              ///< pixels, the largest: as lod::CutChooser::error() has it
-
-  MeshCounts& operator+=(const MeshCounts& more) {
-    items += more.items;
-    coarser += more.coarser;
-    triangles += more.triangles;
-    full_triangles += more.full_triangles;
-    error = std::max(error, more.error);
-    return *this;
-  }
+/// What is drawn of the meshes of a visible set, chosen by the caller. Borrowed during DrawLists::update().
+struct MeshDraws {
+  std::span<const ElementsCommand> fronts = {};      ///< of these, only front faces are drawn
+  std::span<const ElementsCommand> both_faces = {};  ///< these come after them
+  /// Indices that the commands count in, one run behind another, uploaded for this image. None: those of the scene.
+  std::span<const std::span<const std::uint32_t>> indices = {};
 };
 
 class DrawLists {
@@ -75,7 +45,7 @@ class DrawLists {
     std::size_t offset = 0;  ///< bytes
     int count = 0;           ///< commands, used or not; 0: nothing to draw
     bool counted = false;    ///< counts() holds the number in use, at command_count_offset()
-    int front_only = 0;      ///< meshes: number of first commands that show front faces only, see update()
+    int front_only = 0;      ///< meshes: number of first commands that show front faces only
   };
   /// Where a culler on the GPU writes its result for a batch, from the start and without gaps.
   struct Target {
@@ -91,10 +61,11 @@ class DrawLists {
 
   static core::Expected<DrawLists> create(const gl::Context& context, const GpuScene& scene);
 
-  /// Translates and uploads a visible set of `snapshot`, the one that `scene` was made from. Fails when the GPU has not
-  /// enough memory; then the lists are empty.
-  core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                              const DrawnIn& in = {});
+  /// Uploads what draws the records, and the meshes as given. Fails when the GPU has not enough memory; then the lists
+  /// are empty.
+  core::Expected<void> update(const GpuScene& scene, const VisibleRecords& records, const MeshDraws& meshes);
+  /// Does so for a visible set of `snapshot`, the one that `scene` was made from, with all triangles of its meshes.
+  core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible);
 
   /// Marks all places of the targets as unused. With Counting::kCuller it marks only those that draws would read:
   /// commands of meshes without ARB_indirect_parameters. The first call allocates room for all of `scene`, and the
@@ -125,8 +96,6 @@ class DrawLists {
   /// Makes the lists empty.
   void clear() { sections_ = {}; }
 
-  /// The counts of the last update().
-  const MeshCounts& mesh_counts() const { return mesh_counts_; }
   const Section& section(BatchKind kind) const { return sections_[std::size_t(kind)]; }
   const gl::Buffer& commands() const { return from_gpu_ ? gpu_.commands : commands_.buffer(); }
   /// Single records, R32UI. Record number batch.count + i names place i.
@@ -150,22 +119,9 @@ class DrawLists {
   }
 
  private:
-  /// An item's mesh: the command that draws it from its first index on, and its indices, if these are to be tested.
-  struct MeshTriangles {
-    core::Slot slot;
-    ElementsCommand whole;
-    std::span<const std::uint32_t> indices;
-  };
-  void list_records(const Batch& batch);
-  core::Expected<void> list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const DrawnIn& in);
-  void list_mesh(const core::Snapshot& snapshot, MeshTriangles mesh, const lod::MeshLevels* levels, std::uint32_t solid,
-                 const DrawnIn& in);
-  bool list_cut(const core::Snapshot& snapshot, core::Slot slot, const lod::MeshLevels& levels, const DrawnIn& in);
-  void count_mesh(std::uint32_t own_indices, double error, bool first);
-  void list_triangles(const MeshTriangles& mesh, std::uint32_t first, std::uint32_t end, bool fronts_alone);
-  core::Expected<void> upload_picked();
+  void list_records(const Batch& batch, const VisibleRecords::OfBatch& found);
+  core::Expected<void> list_meshes(const MeshDraws& meshes);
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
-  void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();
   core::Expected<void> reserve_singles(std::size_t count);
   core::Expected<void> make_gpu_lists(const GpuScene& scene, std::size_t parts);
@@ -182,15 +138,10 @@ class DrawLists {
   RingBuffer<std::uint32_t> singles_{"visible records", kLeastSingles, 3};
   gl::TextureBuffer single_texels_;
   std::array<Section, kBatchKindCount> sections_;
-  VisibleRecords visible_;
-  std::vector<ElementsCommand> command_list_, both_faces_;
+  std::vector<ElementsCommand> command_list_;
   std::vector<std::uint32_t> single_list_;
-  lod::CutChooser cuts_;
-  std::vector<lod::IndexRange> ranges_;
-  bool picks_ = false;  // triangles that show, into picked_indices_
-  TriangleStream picked_;
+  bool picks_ = false;  // meshes are drawn by picked_indices_
   RingBuffer<std::uint32_t> picked_indices_{"triangles that show", 0, 3};
-  MeshCounts mesh_counts_;
 
   /// Buffers that the GPU fills. One copy is enough: the GPU works in order.
   struct GpuLists {

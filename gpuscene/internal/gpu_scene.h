@@ -71,20 +71,21 @@ class GpuScene {
   /// when added ones do not fit. Fails when the GPU has not enough memory; then nothing has changed.
   core::Expected<void> update_materials(const core::Snapshot& snapshot, std::span<const std::uint32_t> edited);
 
-  // --- meshes: see MeshPool ---
-  core::Expected<bool> upload_meshes(core::Deadline deadline) { return meshes_.upload_meshes(*gl_, deadline); }
-  void add_levels(std::span<const MeshPool::LevelsOfMesh> levels) { meshes_.add_levels(levels); }
-  core::Expected<bool> upload_levels(core::Deadline deadline) { return meshes_.upload_levels(*gl_, deadline); }
-  std::vector<std::shared_ptr<const core::Mesh>> take_new_meshes(std::size_t most) {
-    return meshes_.take_new_meshes(most);
+  /// See MeshPool::upload().
+  core::Expected<bool> upload_meshes(core::Deadline deadline, bool levels = false) {
+    return meshes_.upload(*gl_, deadline, levels);
   }
-  std::vector<std::shared_ptr<const core::Mesh>> take_gone_meshes() { return meshes_.take_gone_meshes(); }
+  /// Follows an edit of `touched` slots at once, as prepare_room() where there is a deadline, append(), update() and
+  /// upload_meshes() do. Result and failure as those of append().
+  core::Expected<bool> follow(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                              std::span<const core::Slot> touched, core::Deadline deadline);
 
   const std::vector<Batch>& batches() const { return batches_; }
   const Batch* batch(BatchKind kind) const;  ///< null when the scene has none
+  MeshPool& meshes() { return meshes_; }
   const MeshPool& meshes() const { return meshes_; }
   /// By gpuprims::material_row().
-  const gl::TextureBuffer& materials() const { return material_texels_; }
+  const gl::TextureBuffer& materials() const { return materials_.texels; }
   std::size_t memory_bytes() const;
 
   /// Writes a slot's record to `out`, texels_per_record() of its batch.
@@ -107,8 +108,7 @@ class GpuScene {
   };
   template <class Visit>
   void for_each_batch(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const Visit& visit);
-  core::Expected<bool> advance_batch(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
-                                     core::Deadline deadline);
+  core::Expected<void> begin_batch(const core::Snapshot& snapshot, BatchKind kind);
   core::Expected<bool> make_room(BatchKind kind, std::size_t records);
   core::Expected<bool> enlarge(Batch& batch, std::size_t records, std::uint32_t most);
   void write(const Batch& batch, std::size_t bytes, std::span<const std::uint32_t> places, const void* data);
@@ -117,8 +117,7 @@ class GpuScene {
   const gl::Functions* gl_ = nullptr;
   std::vector<Batch> batches_;  // by kind
   MeshPool meshes_;
-  gl::Buffer material_rows_;
-  gl::TextureBuffer material_texels_;
+  gl::TexelArray materials_;
   ElementWriter writer_;
   core::Slot slot_count_ = 0;
   std::unique_ptr<Upload> upload_;  // until everything is uploaded

@@ -55,18 +55,12 @@ class MeshPool {
   /// triangles of the mesh, which command() draws from then on.
   void add_levels(std::span<const LevelsOfMesh> levels);
 
-  /// Uploads the meshes that were added, until the deadline but at least a few. Returns true once all are drawn. The
-  /// first buffer has just the memory that they need, since most scenes never get more. Later ones have half as much
-  /// again (with levels an eighth), and little more than what is used where that has become less than half. Without a
-  /// deadline, solid shells of all meshes are found at once; else those of large meshes are known with their clusters.
-  /// Fails when the GPU has not enough memory; then the pool is of no use.
-  core::Expected<bool> upload_meshes(const gl::Functions& gl, core::Deadline deadline) {
-    return upload(gl, deadline, false);
-  }
-  /// Uploads the levels, too.
-  core::Expected<bool> upload_levels(const gl::Functions& gl, core::Deadline deadline) {
-    return upload(gl, deadline, true);
-  }
+  /// Uploads the meshes that were added, until the deadline but at least a few, and then `levels`, if these are wanted.
+  /// Returns true once all are drawn. The first buffer has just the memory that they need, since most scenes never get
+  /// more. Later ones have half as much again (with levels an eighth), and little more than what is used where that has
+  /// become less than half. Without a deadline, solid shells of all meshes are found at once; else those of large
+  /// meshes are known with their clusters. Fails when the GPU has not enough memory; then the pool is of no use.
+  core::Expected<bool> upload(const gl::Functions& gl, core::Deadline deadline, bool levels = false);
   /// How often buffers have become smaller, since less than half of them was in use.
   int packs() const { return packs_; }
   /// Number of elements that were written or moved, ever: what a portion does, for tests.
@@ -80,8 +74,8 @@ class MeshPool {
   std::vector<std::shared_ptr<const core::Mesh>> meshes() const;  ///< all
   bool has(const core::Mesh& mesh) const { return shape_of_mesh_.contains(&mesh); }
   /// Levels with which a record is drawn, or null. Their indices begin at the first one of the record's command.
-  const lod::MeshLevels* levels(std::uint32_t record) const;
   std::shared_ptr<const lod::MeshLevels> share_levels(std::uint32_t record) const;
+  const lod::MeshLevels* levels(std::uint32_t record) const;
   /// Rises whenever commands of records that were there before draw from other places, or by levels.
   std::uint64_t version() const { return version_; }
 
@@ -145,12 +139,9 @@ class MeshPool {
   const Shape* drawn_shape(std::uint32_t record) const;
   void release(std::uint32_t shape);
   void queue(std::deque<Upload>& uploads, Upload upload);
-  bool is_current(const Shape& shape) const { return current_.shape != core::kNone && current_.serial == shape.serial; }
   void give_back_current();
-  core::Expected<bool> upload(const gl::Functions& gl, core::Deadline deadline, bool levels);
   core::Expected<bool> step(const gl::Functions& gl, bool levels, bool find_solids);
   bool begin_next(bool levels, bool find_solids);
-  void stage_piece();
   void end_current();
   void write_staged();
   template <class Element>

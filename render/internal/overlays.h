@@ -23,7 +23,7 @@ class BlendedSums {
   static core::Expected<BlendedSums> create(const gl::Functions& gl, const RenderTarget& image);
 
   void clear() const;
-  /// Makes draws of Renderer::draw_blended() add to the sums, where the image's depth does not hide them.
+  /// Makes draws of Surface::kBlended add to the sums, where the image's depth does not hide them.
   void begin_drawing() const;
   const gl::Framebuffer& framebuffer() const { return framebuffer_; }
   std::array<GLuint, 3> textures() const { return {sums_.id(), let_pass_.id(), nearest_.id()}; }
@@ -41,10 +41,10 @@ class Overlays {
  public:
   explicit Overlays(const gl::Functions& gl) : gl_(&gl), pass_(gl), layers_(gl, Compositor::Source::kLayer) {}
 
-  /// An empty layer of the size and samples of the image, for Renderer::draw_ghosts(). `behind`: surfaces that the
+  /// An empty layer of the size and samples of the image, for Surface::kGhost. `behind`: surfaces that the
   /// image hides are not drawn to it.
   core::Expected<const RenderTarget*> begin_layer(const gl::Context& context, const RenderTarget& image, bool behind);
-  /// Empty sums over the image, for Renderer::draw_blended().
+  /// Empty sums over the image, for Surface::kBlended.
   core::Expected<const BlendedSums*> begin_sums(const RenderTarget& image);
 
   /// Makes a layer of the sums.

@@ -21,6 +21,24 @@
 
 namespace sightline::render {
 
+/// What surfaces become: pixels, pixels of a ghost, or sums of transparent surfaces of the scene's alpha (Overlays).
+enum class Surface { kSolid, kGhost, kBlended };
+
+/// What is drawn, and onto what. Borrows everything.
+struct DrawPass {
+  const core::View& view;
+  const core::Snapshot& snapshot;
+  const gpuscene::GpuScene& scene;
+  const gpuscene::DrawLists& lists;
+  const RenderTarget& target;  ///< the image, or for ghosts the layer
+  Surface surface = Surface::kSolid;
+  /// A table to use instead of the scene's, with as many rows as the scene has materials and one more
+  /// (gpuprims::material_row); null: the scene's.
+  const gl::TextureBuffer* materials = nullptr;
+  const BlendedSums* sums = nullptr;  ///< gets blended surfaces
+  glm::vec2 range{0.0f};              ///< eye depths between which blended surfaces lie
+};
+
 class Renderer {
  public:
   /// Compiles the programs of the batches that `scene` has and no others, for targets of one format. Fails with the
@@ -41,32 +59,21 @@ class Renderer {
   /// Compiles the programs of kinds of batches that came into the scene since.
   core::Expected<void> follow(const gpuscene::GpuScene& scene, const TargetFormat& format);
 
-  /// Clears the target and draws the records in the lists. All analytic primitives are ray-cast and exact up to float
-  /// arithmetic. With several samples per pixel, a primitive covers the samples whose rays hit it, with the colour and
-  /// depth of one of them. Depth is reverse-Z whatever the view's own convention. Sets the GL state that it needs,
-  /// except for what gl::reset_pipeline_state names, and leaves it set. Does not wait for the GPU.
-  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                            const gpuscene::DrawLists& lists, const RenderTarget& target);
-
   /// Makes the target show nothing but the background. Fails with the driver's log.
   core::Expected<void> clear(const RenderTarget& target);
-
   /// Draws the records in the lists beside what the target holds of the same view. Where two items have the same depth,
-  /// the pixel keeps what it has. `materials`: a table to use instead of the scene's, with as many rows as the scene
-  /// has materials and one more (gpuprims::material_row); null: the scene's.
-  core::Expected<void> draw_more(const core::View& view, const core::Snapshot& snapshot,
-                                 const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                 const RenderTarget& target, const gl::TextureBuffer* materials = nullptr);
-
-  /// Draw the records in the lists as ghosts, or as transparent surfaces of the scene's alpha, over an image of the
-  /// same view: see Overlays. `range`: eye depths between which the surfaces lie. Both compile programs of their own
-  /// when they are first used.
-  core::Expected<void> draw_ghosts(const core::View& view, const core::Snapshot& snapshot,
-                                   const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                   const RenderTarget& layer);
-  core::Expected<void> draw_blended(const core::View& view, const core::Snapshot& snapshot,
-                                    const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                    const RenderTarget& image, const BlendedSums& sums, const glm::vec2& range);
+  /// the pixel keeps what it has. All analytic primitives are ray-cast and exact up to float arithmetic. With several
+  /// samples per pixel, a primitive covers the samples whose rays hit it, with the colour and depth of one of them.
+  /// Depth is reverse-Z whatever the view's own convention. Sets the GL state that it needs, except for what
+  /// gl::reset_pipeline_state names, and leaves it set. Does not wait for the GPU. Programs of surfaces that are not
+  /// solid are compiled when they are first used.
+  core::Expected<void> draw(const DrawPass& pass);
+  /// Clears the target first.
+  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                            const gpuscene::DrawLists& lists, const RenderTarget& target) {
+    auto done = clear(target);
+    return done ? draw({view, snapshot, scene, lists, target}) : done;
+  }
 
   gpuprims::Background background = {};
   gpuprims::Lighting lighting = gpuprims::Lighting::kHeadLight;
@@ -85,8 +92,6 @@ class Renderer {
     gl::ProgramPipeline pipeline;
   };
   using BatchPrograms = std::array<BatchProgram, gpuscene::kBatchKindCount>;
-  /// What a program makes of surfaces: pixels, pixels of a ghost, sums.
-  enum class Surface { kSolid, kGhost, kBlended };
   static constexpr std::size_t kSurfaces = 3;
   /// What views have that programs are compiled for.
   enum class Cut { kNone, kPlain, kHatched };
@@ -102,19 +107,10 @@ class Renderer {
   };
 
   core::Expected<void> upload_view(const core::View& view, const core::Snapshot& snapshot, const RenderTarget& target);
-  void draw_batch(const gpuscene::Batch& batch, const BatchProgram& program, const gpuscene::GpuScene& scene,
-                  const gpuscene::DrawLists& lists) const;
-  void submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                    int first, int count) const;
-  core::Expected<void> draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
-                                         const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                         const RenderTarget& target, const gl::Framebuffer& drawn, Surface surface,
-                                         const glm::vec2& range);
-  core::Expected<void> draw_surfaces(const core::View& view, const core::Snapshot& snapshot,
-                                     const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                     const RenderTarget& target, Surface surface, const gl::TextureBuffer& materials,
-                                     const BlendedSums* sums = nullptr, const glm::vec2& range = {});
-
+  core::Expected<const BatchPrograms*> programs_of(const DrawPass& pass);
+  void draw_batch(const DrawPass& pass, const gpuscene::Batch& batch, const BatchProgram& program) const;
+  void submit_batch(const DrawPass& pass, const gpuscene::Batch& batch, int first, int count) const;
+  core::Expected<void> draw_section_caps(const DrawPass& pass, const gpuscene::Batch& meshes);
   core::Expected<void> make_programs(std::span<const gpuscene::BatchKind> kinds, const TargetFormat& format, Cut cut,
                                      Surface surface, BatchPrograms& made);
 
@@ -125,9 +121,8 @@ class Renderer {
   std::size_t compiled_ = 0;                // of these, whose first programs are made
   std::optional<BackgroundPass> background_pass_;
   gl::VertexArray record_array_, mesh_array_;
-  gl::Buffer view_block_, chunk_rows_;
-  gl::TextureBuffer chunk_texels_;
-  std::size_t chunk_capacity_ = 0;
+  gl::Buffer view_block_;
+  gl::TexelArray chunk_rows_;
 };
 
 }  // namespace sightline::render

@@ -349,7 +349,7 @@ TEST_P(GpuCullerTest, FeedbackWaitsToBeTaken) {
   }
   for (const std::uint64_t first : {0u, 100u}) {
     for (std::uint64_t frame = first; frame < first + 20; ++frame)
-      ASSERT_TRUE(rig.culler.cull(views[frame % 2], rig.snapshot, rig.gpu, rig.lists, frame));
+      ASSERT_TRUE(rig.culler.cull(views[frame % 2], rig.snapshot, rig.gpu, rig.lists, {frame}));
     gl().Finish();
     std::uint64_t frame = first;
     for (; const auto feedback = rig.culler.take_feedback(); ++frame) {
@@ -431,10 +431,10 @@ TEST_P(GpuCullerImages, NothingIsReadBackFromCullToDraw) {
       ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists));
       ASSERT_TRUE(renderer->draw(view, rig.snapshot, rig.gpu, rig.lists, *target));
       const GpuCuller::Image image{view, {target->width(), target->height(), {{0, 0}}}, true};
-      ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 0, &image));
+      ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, {0, &image}));
       ASSERT_TRUE(renderer->draw(view, rig.snapshot, rig.gpu, rig.lists, *target));
       ASSERT_TRUE(rig.culler.cull_others(image, rig.gpu, rig.lists, target->depth(), 0.0));
-      ASSERT_TRUE(renderer->draw_more(view, rig.snapshot, rig.gpu, rig.lists, *target));
+      ASSERT_TRUE(renderer->draw({view, rig.snapshot, rig.gpu, rig.lists, *target}));
       while (rig.culler.take_feedback()) {
       }
     }

@@ -47,7 +47,7 @@ struct Answer {
     rig.context->functions().Finish();
     (void)rig.culler.take_feedback();
     const GpuCuller::Image image{view, samples};
-    EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 7, &image));
+    EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, {7, &image}));
     selected = rig.culler.read_back(rig.lists).single_slots;
     rig.context->functions().Finish();
     const auto feedback = rig.culler.take_feedback();
@@ -222,7 +222,7 @@ struct OcclusionFrame {
 
   OcclusionFrame(Rig& rig, const View& view, const DepthTexture& depth, std::size_t in_view) {
     const GpuCuller::Image image{view, {depth.texture.width(), depth.texture.height(), {{0, 0}}}, true};
-    EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 3, &image));
+    EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, {3, &image}));
     first = rig.culler.read_back(rig.lists).single_slots;
     const double error = render::RenderTarget::orthographic_error(view);
     EXPECT_TRUE(rig.culler.cull_others(image, rig.gpu, rig.lists, depth.texture, error));

@@ -46,16 +46,16 @@ class MeshParts : public GlTest, public testing::WithParamInterface<culling::Gpu
   /// Gives levels to all meshes that lack them.
   static void give_levels(Rig& rig) {
     std::vector<gpuscene::MeshPool::LevelsOfMesh> given;
-    for (const auto& mesh : rig.gpu.take_new_meshes(1000))
+    for (const auto& mesh : rig.gpu.meshes().take_new_meshes(1000))
       given.push_back({mesh, std::make_shared<const lod::MeshLevels>(lod::build_levels(*mesh, 1))});
-    rig.gpu.add_levels(given);
-    ASSERT_TRUE(rig.gpu.upload_levels(core::kNoDeadline));
+    rig.gpu.meshes().add_levels(given);
+    ASSERT_TRUE(rig.gpu.upload_meshes(core::kNoDeadline, true));
   }
 
   /// By record, which clusters are drawn. Every command names a cluster, or a mesh without parts.
   using Drawn = std::map<std::uint32_t, std::vector<bool>>;
   Drawn cull(Rig& rig, const View& view, const lod::ImageError* error) {
-    EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 0, nullptr, error));
+    EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, {0, nullptr, error}));
     const auto target = rig.lists.target(gpuscene::BatchKind::kMesh);
     std::uint32_t count = 0;
     if (rig.lists.section(gpuscene::BatchKind::kMesh).count > 0)
@@ -289,7 +289,7 @@ TEST_P(MeshParts, WithoutRoomMeshesAreWhole) {
   give_levels(rig);
   const View view = from_outside(dvec3(0.0));
   const lod::ImageError error(view, kWidth, kHeight, 1.0);
-  ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 0, nullptr, &error));
+  ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, {0, nullptr, &error}));
   const core::VisibleSet set = rig.culler.read_back(rig.lists);
   std::map<core::Slot, int> times;
   for (const core::Slot slot : set.single_slots) ++times[slot];
@@ -310,7 +310,7 @@ TEST_P(MeshParts, CountAsTheirItems) {
   const View view = *View::perspective({{0, -40, 0}, {0, 0, 0}, {0, 0, 1}}, 0.7, 1.5, 0.1);
   const culling::GpuCuller::Image image{view, {kWidth, kHeight, {{0, 0}}}, false};
   const auto feedback = [&](const culling::GpuCuller::Image* of) {
-    EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 0, of));
+    EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, {0, of}));
     gl().Finish();
     const auto taken = rig.culler.take_feedback();
     EXPECT_TRUE(taken);
@@ -335,7 +335,7 @@ TEST_P(MeshParts, CostNothingWhereThereAreNone) {
   const lod::ImageError error(view, kWidth, kHeight, 1.0);
   ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists));
   const std::size_t memory = rig.culler.memory_bytes() + rig.lists.memory_bytes();
-  ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 0, nullptr, &error));
+  ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, {0, nullptr, &error}));
   EXPECT_EQ(rig.culler.memory_bytes() + rig.lists.memory_bytes(), memory);
 }
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/culling/occlusion/internal/solid_areas.h"
 #include "sightline/engine/drawing/internal/drawing.h"
-#include "sightline/engine/drawing/internal/solid_areas.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/gl_test.h"
@@ -325,7 +325,7 @@ TEST(ContributionCulling, AreaIsAQuarterOfTheSurface) {
     const ItemId triangles = scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh).value(), place);
     const core::Snapshot snapshot(scene);
     for (const ItemId i : {item, triangles})
-      EXPECT_NEAR(mean_projected_area(snapshot, snapshot.slot(i)), 0.25 * 0.25 * sum, 0.015 * 0.0625 * sum)
+      EXPECT_NEAR(culling::mean_projected_area(snapshot, snapshot.slot(i)), 0.25 * 0.25 * sum, 0.015 * 0.0625 * sum)
           << core::name_of(core::kind_of(primitive));
   }
 }

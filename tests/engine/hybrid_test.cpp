@@ -353,10 +353,11 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
   core::Scene growing;
   auto engine = Engine::create(growing, any);
   ASSERT_TRUE(engine) << engine.error().message;
-  EXPECT_TRUE(engine->drawing()->why_gpu_variant().starts_with("not measured: "));
+  EXPECT_TRUE(engine->drawing()->report().why_gpu_variant.starts_with("not measured: "));
   fill(growing, 5);
   ASSERT_TRUE(engine->commit());
-  EXPECT_TRUE(engine->drawing()->why_gpu_variant().starts_with("measured: ")) << engine->drawing()->why_gpu_variant();
+  EXPECT_TRUE(engine->drawing()->report().why_gpu_variant.starts_with("measured: "))
+      << engine->drawing()->report().why_gpu_variant;
 }
 
 /// A GPU that is the slower of the two is waited for two frames later, when another path may have been taken: the frame

@@ -269,7 +269,7 @@ TEST(OwnContext, ThePlanTellsWhichContextThereIs) {
       if (entry.feature != "offscreen context") continue;
       ++found;
       EXPECT_TRUE(entry.used);
-      EXPECT_EQ(entry.why, engine->drawing()->platform());
+      EXPECT_EQ(entry.why, engine->drawing()->report().platform);
     }
     EXPECT_EQ(found, 1);
   }

@@ -1,22 +1,17 @@
-// Draw lists, by the images they give: every record that a set names is drawn, however many commands that takes; and
-// faces that are left out are those that do not show.
+// Draw lists, by the images they give: every record that a set names is drawn, however many commands that takes.
 #include "sightline/gpuscene/internal/draw_lists.h"
 
 #include <algorithm>
-#include <cmath>
-#include <random>
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/render/internal/renderer.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::draw_lists_test {
 namespace {
 
-using core::dvec3;
 using core::View;
 using core::VisibleSet;
 
@@ -131,106 +126,6 @@ TEST_F(BoxPerPixel, ListsOfThreeFramesLieApart) {
   }
   EXPECT_EQ(std::set(offsets.begin(), offsets.end()).size(), 3u);
   for (std::size_t frame = 0; frame < 3; ++frame) EXPECT_EQ(offsets[frame], offsets[frame + 3]);
-}
-
-/// Solids as meshes, some mirrored, some open, some bent.
-class FrontFaces : public tests::GlTest {
- protected:
-  static constexpr int kWidth = 160, kHeight = 120;
-
-  core::MeshId mesh_of(const core::Primitive& primitive, gpuprims::Caps caps = {}) {
-    return scene.add_mesh(gpuprims::tessellate(primitive, {.fixed_segments = 24}, caps)).value();
-  }
-
-  void SetUp() override {
-    tests::GlTest::SetUp();
-    const core::MeshId box = mesh_of(core::Box{1.0f, 1.4f, 0.8f}), ball = mesh_of(core::Sphere{1.2f}),
-                       ring = mesh_of(core::CircularTorus{0.5f, 0.2f, 6.2831853f}),
-                       pipe = mesh_of(core::Cylinder{0.4f, 1.0f}, {.bottom = false, .top = false});
-    core::dmat3 turned(glm::normalize(dvec3(1, 2, 0)), glm::normalize(dvec3(-2, 1, 0)), dvec3(0, 0, 1));
-    core::dmat3 mirrored = turned;
-    mirrored[0] = -mirrored[0];
-    int i = 0;
-    for (const core::MeshId mesh : {box, ball, ring, pipe})
-      for (const core::dmat3& linear : {core::dmat3(1.0), turned, mirrored}) {
-        core::Affine place = core::translation(kCentre + dvec3(1.7 * (i % 4), 1.9 * (i / 4), 0.3 * (i % 3)));
-        place.linear = linear;
-        scene.add_mesh_instance(scene.root(), mesh, place);
-        ++i;
-      }
-    EXPECT_TRUE(scene.commit());
-  }
-
-  /// With and without the faces that are thought not to show; returns how many commands had them left out.
-  int expect_same(Stage& stage, const View& view) {
-    EXPECT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, stage.all()));
-    EXPECT_EQ(stage.lists.section(gpuscene::BatchKind::kMesh).front_only, 0);
-    const std::vector<std::uint32_t> all = stage.ids(view);
-    const auto all_colours = stage.target.read_colour().pixels;
-    EXPECT_GT(std::count_if(all.begin(), all.end(), [](std::uint32_t id) { return id != 0; }), 500);
-    EXPECT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, stage.all(), {&view}));
-    EXPECT_EQ(stage.ids(view), all);
-    EXPECT_EQ(stage.target.read_colour().pixels, all_colours);
-    return stage.lists.section(gpuscene::BatchKind::kMesh).front_only;
-  }
-
-  static constexpr dvec3 kCentre{4000.0, -300.0, 20.0};
-  static constexpr int kSolids = 4;  // boxes and balls that are not mirrored
-  core::Scene scene;
-};
-
-TEST_F(FrontFaces, ShowAsMuchAsBoth) {
-  Stage stage(*context, scene, kWidth, kHeight);
-  const dvec3 middle = kCentre + dvec3(2.5, 2.0, 0.3);
-  for (const dvec3& eye : {dvec3(0.3, -6, 3), dvec3(5, 5, 4), dvec3(-6, 1, -4), dvec3(0.5, 0.2, 9)}) {
-    EXPECT_EQ(expect_same(stage, *View::perspective({middle + eye, middle, {0, 0, 1}}, 0.9, 4.0 / 3.0, 0.1)), kSolids);
-    EXPECT_EQ(expect_same(stage, *View::orthographic({middle + eye, middle, {0, 0, 1}}, 8.0, 4.0 / 3.0, 0.0, 30.0)),
-              kSolids);
-  }
-}
-
-TEST_F(FrontFaces, OpenForAnEyeWithinAndForNearPlanesThatCut) {
-  Stage stage(*context, scene, kWidth, kHeight);
-  const dvec3 within = kCentre + dvec3(0.1, 0.2, 0.1);  // of the first box
-  EXPECT_LT(expect_same(stage, *View::perspective({within, within + dvec3(1, 1, 0), {0, 0, 1}}, 0.9, 4.0 / 3.0, 0.01)),
-            kSolids);
-  const dvec3 middle = kCentre + dvec3(2.5, 2.0, 0.3), eye = middle + dvec3(0.3, -6, 3);
-  for (const double near : {5.5, 6.0, 6.5})
-    EXPECT_LT(expect_same(stage, *View::perspective({eye, middle, {0, 0, 1}}, 0.9, 4.0 / 3.0, near)), kSolids);
-}
-
-TEST_F(FrontFaces, AreAllThatCountsNeitherWithSectionsNorInMirroredViews) {
-  Stage stage(*context, scene, kWidth, kHeight);
-  const dvec3 middle = kCentre + dvec3(2.5, 2.0, 0.3), eye = middle + dvec3(0.3, -6, 3);
-  View cut = *View::perspective({eye, middle, {0, 0, 1}}, 0.9, 4.0 / 3.0, 0.1);
-  core::dmat4 mirror(1.0);
-  mirror[0][0] = -1.0;
-  const View mirrored = *View::from_matrices(mirror * cut.eye_from_world(), cut.clip_from_eye(), cut.clip_depth());
-  const View flipped = *View::from_matrices(cut.eye_from_world(), cut.clip_from_eye() * mirror, cut.clip_depth());
-  EXPECT_EQ(expect_same(stage, mirrored), 0);
-  EXPECT_EQ(expect_same(stage, flipped), 0);
-  cut.sections = {{{1, 0, 0}, -middle.x}};
-  EXPECT_EQ(expect_same(stage, cut), 0);
-}
-
-/// A mesh with a solid and an open shell takes two commands.
-TEST_F(FrontFaces, OfAMeshThatIsSolidInPart) {
-  core::Mesh mesh = gpuprims::tessellate(core::Primitive(core::Cylinder{0.4f, 1.0f}), {.fixed_segments = 24},
-                                         {.bottom = false, .top = false});
-  const core::Mesh box = gpuprims::tessellate(core::Primitive(core::Box{0.3f, 0.3f, 0.9f}));
-  const auto first = std::uint32_t(mesh.positions.size());
-  for (std::size_t i = 0; i < box.positions.size(); ++i) {
-    mesh.positions.push_back(box.positions[i] + core::vec3(1.0f, 0.0f, 0.0f));
-    mesh.normals.push_back(box.normals[i]);
-  }
-  for (const std::uint32_t i : box.indices) mesh.indices.push_back(first + i);
-  core::Scene parts;
-  parts.add_mesh_instance(parts.root(), parts.add_mesh(mesh).value());
-  ASSERT_TRUE(parts.commit());
-  Stage stage(*context, parts, kWidth, kHeight);
-  const View view = *View::perspective({{0.5, -3, 1.5}, {0.5, 0, 0}, {0, 0, 1}}, 0.8, 4.0 / 3.0, 0.1);
-  EXPECT_EQ(expect_same(stage, view), 1);
-  EXPECT_EQ(stage.lists.section(gpuscene::BatchKind::kMesh).count, 2);
 }
 
 }  // namespace

@@ -14,8 +14,9 @@ namespace {
 
 /// Draws a set without culling.
 bool draw_all(engine::Engine& engine, const core::View& view, const core::VisibleSet& all) {
-  const engine::Culled culled{view, engine.snapshot(), all};
-  return engine.drawing()->draw({.view = view, .culled = culled, .all = false}).has_value();
+  engine::Frame frame{view, view, engine.snapshot()};
+  frame.all = false;
+  return engine.drawing()->draw(frame, all).has_value();
 }
 
 using core::Affine;

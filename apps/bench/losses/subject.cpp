@@ -60,8 +60,9 @@ core::Expected<Took> Subject::draw(const Rule& rule, const core::View& view) {
     default:
       shown = &visible_;
   }
-  const engine::Culled culled{view, snapshot, *shown, lines_, of_chain_ ? of_chain_.get() : &culler_.hierarchy()};
-  const auto drawn = drawing.draw({.view = view, .culled = culled, .all = false});
+  engine::Frame frame{view, view, snapshot, lines_, of_chain_ ? of_chain_.get() : &culler_.hierarchy()};
+  frame.all = false;
+  const auto drawn = drawing.draw(frame, *shown);
   if (!drawn) return tl::unexpected(drawn.error());
   counts_ = drawn->counts;
   drawing.finish();

@@ -10,7 +10,7 @@
 #include "sightline/apps/bench/losses/surface_error.h"
 #include "sightline/apps/common/drawn_variant.h"
 #include "sightline/culling/frustum/cpu_culler.h"
-#include "sightline/engine/drawing/internal/culled.h"
+#include "sightline/engine/drawing/internal/frame.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
 

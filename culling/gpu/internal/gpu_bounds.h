@@ -16,16 +16,6 @@ using uint = std::uint32_t;  // as GLSL has it
 #include "sightline/culling/gpu/shaders/cull_limits.glsl"
 static_assert(kMaxPlanes == kMaxCullPlanes && kMaxSections == int(core::kMaxSectionPlanes));
 
-/// A buffer that shaders read through a buffer texture and the CPU may write.
-struct TexelArray {
-  gl::Buffer buffer;
-  gl::TextureBuffer texels;
-
-  /// `data`: copied, or null for undefined contents.
-  static core::Expected<TexelArray> create(const gl::Functions& gl, std::size_t bytes, const void* data, GLenum format,
-                                           const char* what);
-};
-
 /// Boxes of the records of a gpuscene::Batch: box k is that of record k. Entries without a record and vacant slots are
 /// never visible.
 class GpuBounds {
@@ -51,11 +41,11 @@ class GpuBounds {
   std::uint32_t cluster_capacity() const { return cluster_capacity_; }
   const std::vector<core::Slot>& slots() const { return slots_; }  ///< by record
   /// Two RGB32F texels per box: its least and its greatest corner. Entries without an item hold the inverted box.
-  const TexelArray& cluster_boxes() const { return cluster_boxes_; }
-  const TexelArray& item_boxes() const { return item_boxes_; }
+  const gl::TexelArray& cluster_boxes() const { return cluster_boxes_; }
+  const gl::TexelArray& item_boxes() const { return item_boxes_; }
   /// R32UI; none when the scene uses no layers.
-  const TexelArray& cluster_layers() const { return cluster_layers_; }
-  const TexelArray& item_layers() const { return item_layers_; }
+  const gl::TexelArray& cluster_layers() const { return cluster_layers_; }
+  const gl::TexelArray& item_layers() const { return item_layers_; }
   std::size_t memory_bytes() const {
     return item_boxes_.buffer.size() + item_layers_.buffer.size() + cluster_boxes_.buffer.size() +
            cluster_layers_.buffer.size();
@@ -72,7 +62,7 @@ class GpuBounds {
   std::vector<core::Aabb> around_;            // by cluster, as on the GPU
   std::vector<std::uint32_t> layers_around_;  // by cluster; empty when the scene uses no layers
   std::uint32_t cluster_capacity_ = 0;
-  TexelArray item_boxes_, item_layers_, cluster_boxes_, cluster_layers_;
+  gl::TexelArray item_boxes_, item_layers_, cluster_boxes_, cluster_layers_;
 };
 
 }  // namespace sightline::culling

@@ -26,6 +26,7 @@
 #include "sightline/gl/internal/timer.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
+#include "sightline/lod/internal/cut.h"
 
 namespace sightline::culling {
 
@@ -97,14 +98,18 @@ class GpuCuller {
   /// False where the variant would need storage blocks in vertex stages and the context has none.
   bool can_test_occlusion() const;
 
-  /// Fills `lists` with what `view` can see. With `image` it leaves out items that cover none of its samples, except
+  /// What a cull is for.
+  struct For {
+    std::uint64_t frame = 0;                 ///< comes back with the feedback
+    const Image* image = nullptr;            ///< the image that shows what is culled, if there is one
+    const lod::ImageError* error = nullptr;  ///< of the view that is drawn; without one, meshes are drawn in full
+  };
+  /// Fills `lists` with what `view` can see. With an image it leaves out items that cover none of its samples, except
   /// lines. With Image::occlusion it leaves out what was not found open in the frame before, and cull_others() must
-  /// follow. `error`: of the view that is drawn; without one, meshes are drawn in full. The first call after meshes
-  /// have got levels takes these in, which does what update() does. Submits the work and returns; `frame` comes back
-  /// with the feedback. Fails when the GPU has too little memory for the lists.
+  /// follow. The first call after meshes have got levels takes these in, which does what update() does. Submits the
+  /// work and returns. Fails when the GPU has too little memory for the lists.
   core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                            gpuscene::DrawLists& lists, std::uint64_t frame = 0, const Image* image = nullptr,
-                            const lod::ImageError* error = nullptr);
+                            gpuscene::DrawLists& lists, const For& what = {0, nullptr, nullptr});
 
   /// Goes on with the frame of the last cull(), which had the same `image`, once its lists are drawn. Fills `lists`
   /// with the items that are not in them and that `depth` does not hide. `depth`: reverse-Z, of the image's size.
@@ -115,7 +120,7 @@ class GpuCuller {
 
   /// What became known of an earlier cull(), and of cull_others() after it.
   struct Feedback {
-    std::uint64_t frame = 0;        ///< as given to cull()
+    std::uint64_t frame = 0;        ///< For::frame of cull()
     std::uint64_t visible = 0;      ///< items in the view volume
     std::uint64_t items_drawn = 0;  ///< of these, items in the lists
     std::optional<double> time_ms;  ///< on the GPU; none on software rasterisers, whose timer queries mean nothing

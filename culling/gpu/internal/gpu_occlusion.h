@@ -33,18 +33,17 @@ class GpuDepthPyramid {
   core::Expected<void> build(const gl::Texture2D& depth, const core::View& view);
 
   /// R32F; the levels say where in it each begins. 3.4e38 where nothing is drawn.
-  const gl::TextureBuffer& texels() const { return texels_; }
-  const gl::Buffer& buffer() const { return buffer_; }
+  const gl::TextureBuffer& texels() const { return array_.texels; }
+  const gl::Buffer& buffer() const { return array_.buffer; }
   std::span<const DepthPyramid::Level> levels() const { return levels_; }
-  std::size_t memory_bytes() const { return buffer_.size(); }
+  std::size_t memory_bytes() const { return array_.buffer.size(); }
 
  private:
   core::Expected<void> resize(int width, int height);
 
   const gl::Functions* gl_ = nullptr;
   gl::Program pixels_, blocks_;  // the first level, and each other one
-  gl::Buffer buffer_;
-  gl::TextureBuffer texels_;
+  gl::TexelArray array_;
   std::vector<DepthPyramid::Level> levels_;
 };
 

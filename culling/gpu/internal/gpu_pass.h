@@ -23,7 +23,7 @@ namespace sightline::culling {
 struct CullBatch {
   gpuscene::BatchKind kind;
   GpuBounds bounds;
-  TexelArray commands;                             ///< of all meshes; none of other batches
+  gl::TexelArray commands;                         ///< of all meshes; none of other batches
   std::vector<gpuscene::ElementsCommand> written;  ///< by record: what `commands` follow, as long as these
   gl::Buffer unoccluded_frames;                    ///< see occlusion_test.glsl; made with the first test of occlusion
   /// Parts of meshes that have levels; null where none has. Commands of records that are drawn by parts have no

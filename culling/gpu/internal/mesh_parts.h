@@ -40,8 +40,8 @@ class MeshParts {
   std::uint32_t cluster_count() const { return (space_.end() + kItemsPerCluster - 1) / kItemsPerCluster; }
   std::uint32_t cluster_capacity() const { return std::uint32_t(clusters_.buffer.size() / sizeof(Cluster)); }
   std::size_t capacity() const { return std::size_t(cluster_capacity()) * kItemsPerCluster; }  ///< parts
-  const TexelArray& clusters() const { return clusters_; }
-  const TexelArray& details() const { return details_; }
+  const gl::TexelArray& clusters() const { return clusters_; }
+  const gl::TexelArray& details() const { return details_; }
   std::size_t memory_bytes() const {
     return clusters_.buffer.size() + details_.buffer.size() + unoccluded_frames.size();
   }
@@ -99,7 +99,7 @@ class MeshParts {
   std::unordered_map<const lod::MeshLevels*, std::uint32_t> mesh_of_levels_;
   std::vector<Part> parts_;
   gpuscene::FreeSpace space_, detail_space_;  // of parts; of texels
-  TexelArray clusters_, details_;
+  gl::TexelArray clusters_, details_;
   std::vector<std::uint32_t> changed_;                          // clusters
   std::vector<std::pair<std::uint32_t, Texel>> detail_writes_;  // place, texel
 };

@@ -9,18 +9,20 @@
 #include "sightline/core/thread_pool.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
-#include "sightline/gpuscene/internal/draw_lists.h"
+#include "sightline/lod/internal/cut.h"
 
 namespace sightline::engine {
 
 /// What OcclusionPasses does with items, done with the clusters of items that have many: first what the frame before
 /// has found open, then, in later passes, what the depth of the passes before does not hide. So nothing pops.
-class ClusterPasses : public gpuscene::ClusterFilter {
+class ClusterPasses {
  public:
   /// Begins a frame. `test`: against the depth of all passes so far; borrowed until the frame is remembered.
   void begin(const culling::OcclusionTest& test, const core::dvec3& origin, core::ThreadPool& threads);
+  /// Leaves out clusters of an item that the present pass does not draw. `clusters` rise. Returns whether these are the
+  /// first that are drawn of the item in this frame.
   bool filter(core::Slot slot, const lod::MeshLevels& levels, const core::Affine& world_from_mesh,
-              std::vector<std::uint32_t>& clusters) override;
+              std::vector<std::uint32_t>& clusters);
   /// Ends the first pass. Returns the items of which clusters were left out, which later passes must draw again, in
   /// rising order.
   const std::vector<core::Slot>& begin_later_passes();

@@ -23,25 +23,25 @@ class ContributionCulling {
  public:
   /// The subset of the candidates that project to `threshold` pixels or more, with the image's hysteresis; all of them
   /// where it is 0. Valid until the next call.
-  const core::VisibleSet& leave_out(DrawContext& context, const Culled& culled, float threshold);
+  const core::VisibleSet& leave_out(DrawContext& context, const Frame& frame, const core::VisibleSet& candidates,
+                                    float threshold);
 
-  /// Draws the visible slots without a bit in `large` beside what the image holds of the same view. Of items smaller
-  /// than `least_area`, in pixels, a share area / least_area is drawn, with that area; 0: all. `depth_known`: the
-  /// image's distances and depth pyramid are valid. With one sample per pixel, splats that cover no pixel centre, or
-  /// that the image or other splats occlude, are left out. Returns the number of splats.
-  core::Expected<std::int64_t> draw(DrawContext& context, const Culled& culled, culling::SlotBits large,
-                                    float least_area, bool depth_known);
+  /// Which items are drawn as splats.
+  struct Splats {
+    culling::SlotBits large;   ///< those without a bit
+    float least_area = 0.0f;   ///< of items smaller than so many pixels, a share area / least_area, with that area
+    bool depth_known = false;  ///< the image's distances and depth pyramid are valid
+  };
+  /// Draws splats beside what the image holds of the same view. With one sample per pixel, splats that cover no pixel
+  /// centre, or that the image or other splats occlude, are left out. Returns the number of splats.
+  core::Expected<std::int64_t> draw(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                                    const Splats& splats);
 
   std::size_t memory_bytes() const { return points_ ? points_->memory_bytes() : 0; }  ///< of the GPU
 
  private:
   using Splat = culling::ContributionTest::Splat;
-  /// Distances that the image is known to hold.
-  struct Known {
-    std::span<const float> distances = {};              // RenderTarget::read_distances(); empty: not known
-    const culling::OcclusionTest* occlusion = nullptr;  // against these
-  };
-  void find(DrawContext& context, const Culled& culled, culling::SlotBits large, float least_area, const Known& known);
+  void find(DrawContext& context, const Frame& frame, const core::VisibleSet& visible, const Splats& wanted);
 
   core::VisibleSet large_, large_leaves_;
   culling::SetParts parts_;

@@ -7,19 +7,28 @@
 
 #include "sightline/core/thread_pool.h"
 #include "sightline/culling/occlusion/contribution.h"
+#include "sightline/culling/occlusion/internal/solid_areas.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/culling/occlusion/sample_test.h"
+#include "sightline/engine/drawing/internal/draw_choice.h"
 #include "sightline/engine/drawing/internal/image_state.h"
 #include "sightline/engine/drawing/internal/mesh_details.h"
-#include "sightline/engine/drawing/internal/solid_areas.h"
 #include "sightline/engine/engine.h"
-#include "sightline/gl/external_target.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/render/internal/compositor.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
+
+/// What of a frame is drawn at once. Borrows everything.
+struct DrawRequest {
+  const core::VisibleSet& set;
+  const render::RenderTarget& onto;
+  ClusterPasses* clusters = nullptr;  ///< leaves out clusters of meshes
+  double coarsened = 0.0;             ///< pixels within which meshes are drawn, if more than LossConfig::lod_error
+  const gl::TextureBuffer* materials = nullptr;  ///< see render::DrawPass
+};
 
 /// Plain state: its owner (Drawing) fills it, and each strategy draws with it. `scene` and `lists` are empty until the
 /// first upload is complete, and `renderer` is so where the engine only culls.
@@ -33,12 +42,10 @@ struct DrawContext {
   std::optional<render::Renderer> renderer;
   std::map<std::uint32_t, ImageState> images;
   ImageState* image = &images[0];  // the one in use
-  SolidAreas solid_areas;
+  culling::SolidAreas solid_areas;
   MeshDetails mesh_details;
-  double coarsened = 0.0;  // pixels within which meshes are drawn, where that is more than LossConfig::lod_error
-  ClusterPasses* clusters = nullptr;  // of the image, in passes that test occlusion
-  core::ThreadPool threads;           // for tests of large sets; none starts before the first of them
-  std::optional<gl::ExternalTarget> external;
+  DrawChoice choice;
+  core::ThreadPool threads;                  // for tests of large sets; none starts before the first of them
   std::optional<render::Compositor> compositor;  // created with the first external target
   std::optional<double> measured_round_trip_ms;
 
@@ -51,13 +58,14 @@ struct DrawContext {
   /// Pixels by which the rasteriser may move corners.
   float snap() const;
   culling::ImageSamples samples() const;
-  culling::SampleTest sample_test(const core::View& view, const core::ItemBounds& bounds) const {
-    return {view, bounds.origin, samples()};
+  culling::SampleTest sample_test(const Frame& frame) const {
+    return {frame.view, frame.snapshot.bounds().origin, samples()};
   }
   /// The test against the image's depth pyramid.
-  culling::OcclusionTest occlusion_test(const core::View& view, const core::ItemBounds& bounds) const;
+  culling::OcclusionTest occlusion_test(const Frame& frame) const { return occlusion_test(frame, image->pyramid); }
+  culling::OcclusionTest occlusion_test(const Frame& frame, const culling::DepthPyramid& pyramid) const;
   /// Measures the projected areas of all items of the snapshot on first use.
-  culling::ContributionTest contribution_test(const core::View& view, const core::Snapshot& snapshot);
+  culling::ContributionTest contribution_test(const Frame& frame);
   /// Whether the setting and the image allow it. One sample per pixel alone has one depth to test against.
   bool may_test_occlusion() const {
     return config.culling.occlusion != OcclusionChoice::kOff && target().format().samples == 1;
@@ -66,19 +74,14 @@ struct DrawContext {
   /// Begins an image: clears it, or what is drawn in its place.
   core::Expected<void> clear(const render::RenderTarget& canvas);
   /// By how much meshes drawn in a view may be off; none where no mesh has levels.
-  std::optional<lod::ImageError> mesh_error(const core::View& view) const;
-  /// Sets the draw lists for a set, with meshes in the detail that the view needs, and counts these.
-  core::Expected<void> list(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set);
-  /// Clears the image and draws a set.
-  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set);
-  /// Draws a set beside what `onto` holds of the same view. `materials`: see Renderer::draw_more().
-  core::Expected<void> draw_more(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& set,
-                                 const render::RenderTarget& onto, const gl::TextureBuffer* materials = nullptr);
+  std::optional<lod::ImageError> mesh_error(const core::View& view, double coarsened = 0.0) const;
+  /// Draws a set beside what the target holds of the same view, with meshes in the detail that the view needs.
+  core::Expected<void> draw(const Frame& frame, const DrawRequest& request);
   /// Builds the image's depth pyramid from the depth of `from`.
   core::Expected<void> read_back_depth(const core::View& view, const render::RenderTarget& from);
   void clear_pyramid() { image->pyramid.clear(target().width(), target().height()); }
-  /// Puts the image into the external target.
-  core::Expected<void> compose();
+  /// Puts the image into a frame's external target.
+  core::Expected<void> compose(const Frame& frame);
 };
 
 }  // namespace sightline::engine

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <vector>
 
 #include "sightline/culling/frustum/internal/set_parts.h"
@@ -12,35 +11,31 @@
 
 namespace sightline::engine {
 
-struct DrawInput {
-  Culled candidates;
-  double deadline = std::numeric_limits<double>::infinity();  ///< of a budget, seconds on the steady clock
-  bool all_visible = false;                                   ///< the candidates are all visible items of their view
-  bool overlaid = false;  ///< something will be drawn over the image, so that nothing more can be drawn to it
-};
-
 /// Clears the image of a context and draws candidates into it. A strategy owns the sets that it needs, and keeps their
 /// memory from frame to frame; what it learns of one image lies in ImageState.
 class DrawStrategy {
  public:
   virtual ~DrawStrategy() = default;
-  virtual core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) = 0;
+  virtual core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame,
+                                          const core::VisibleSet& candidates) = 0;
 };
 
 /// Draws all candidates that cover a sample of the image in one pass.
 class DrawAtOnce : public DrawStrategy {
  public:
-  core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
+  core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame,
+                                  const core::VisibleSet& candidates) override;
 
  private:
   core::VisibleSet sampled_;
 };
 
-/// Tests occlusion in several passes, each against the depth of those before: see OcclusionPasses, and ClusterPasses,
-/// whose second pass has one of its own. The depth is read back between passes.
+/// Tests occlusion in several passes, each against the depth of those before: see culling::OcclusionPasses, and
+/// ClusterPasses, whose second pass has one of its own. The depth is read back between passes.
 class DrawInPasses : public DrawStrategy {
  public:
-  core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
+  core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame,
+                                  const core::VisibleSet& candidates) override;
 
  private:
   core::VisibleSet again_;  // items of the first pass of which clusters were left out
@@ -51,18 +46,20 @@ class DrawInPasses : public DrawStrategy {
 /// they do not occlude are drawn in the end.
 class OcclusionPrepass : public DrawStrategy {
  public:
-  /// Whether the image is the same as by DrawInPasses, and most of the items are solids.
-  bool suits(const DrawInput& input);
-  core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
+  /// Whether the image is the same as by DrawInPasses, and most of the items are solids. The candidates must be all
+  /// visible items of the view.
+  bool suits(const Frame& frame);
+  core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame,
+                                  const core::VisibleSet& candidates) override;
 
  private:
-  core::Expected<void> rasterise(DrawContext& context, const Culled& culled, const culling::OcclusionTest& test);
-  core::Expected<void> draw_meshes(DrawContext& context, const Culled& culled);
-  core::Expected<DrawCounts> draw_visible(DrawContext& context, const Culled& culled,
-                                          const culling::OcclusionTest& test);
-  void leave_out_occluded(DrawContext& context, const Culled& culled, const culling::OcclusionTest& test,
+  core::Expected<void> rasterise(DrawContext& context, const Frame& frame, const core::VisibleSet& candidates,
+                                 const culling::OcclusionTest& test);
+  core::Expected<void> draw_meshes(DrawContext& context, const Frame& frame, std::uint64_t generation);
+  core::Expected<DrawCounts> draw_visible(DrawContext& context, const Frame& frame, const culling::OcclusionTest& test);
+  void leave_out_occluded(DrawContext& context, const Frame& frame, const culling::OcclusionTest& test,
                           core::VisibleSet& set, const std::function<void()>& beside);
-  core::Expected<std::int64_t> draw_solids(DrawContext& context, const Culled& culled, const core::VisibleSet& set);
+  core::Expected<std::int64_t> draw_solids(DrawContext& context, const Frame& frame, const core::VisibleSet& set);
 
   culling::SolidOccluders solids_;
   core::VisibleSet meshes_;           // items of the first pass that are no solids; they are drawn before the prepass
@@ -71,22 +68,23 @@ class OcclusionPrepass : public DrawStrategy {
   culling::SetParts halves_, parts_;
 };
 
-/// Draws the largest items first until the deadline: see BudgetPasses. While the view moves, candidates far smaller
-/// than the smallest of the last frame are not even measured. The first frame of a view that stays begins anew with all
-/// of them, and the next ones go on. They do so beside the image where the image has more in it (splats, depth
+/// Draws the largest items first until the deadline: see culling::BudgetPasses. While the view moves, candidates far
+/// smaller than the smallest of the last frame are not even measured. The first frame of a view that stays begins anew
+/// with all of them, and the next ones go on. They do so beside the image where the image has more in it (splats, depth
 /// shading, overlays): it then gets a copy.
 class DrawInBudget : public DrawStrategy {
  public:
   explicit DrawInBudget(ContributionCulling& contribution_culling) : contribution_culling_(contribution_culling) {}
-  core::Expected<DrawCounts> draw(DrawContext& context, const DrawInput& input) override;
+  core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame,
+                                  const core::VisibleSet& candidates) override;
 
  private:
-  void begin(DrawContext& context, const Culled& culled, bool stays);
-  core::Expected<double> draw_passes(DrawContext& context, const Culled& culled, const render::RenderTarget& canvas,
+  void begin(DrawContext& context, const Frame& frame, const core::VisibleSet& visible, bool stays);
+  core::Expected<double> draw_passes(DrawContext& context, const Frame& frame, const render::RenderTarget& canvas,
                                      double deadline);
-  core::Expected<double> draw_pass(DrawContext& context, const Culled& culled, const render::RenderTarget& canvas,
+  core::Expected<double> draw_pass(DrawContext& context, const Frame& frame, const render::RenderTarget& canvas,
                                    bool read_back);
-  core::Expected<void> draw_splats(DrawContext& context, const Culled& culled);
+  core::Expected<void> draw_splats(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
 
   ContributionCulling& contribution_culling_;
   std::vector<std::uint64_t> without_splats_;  // a bit per slot

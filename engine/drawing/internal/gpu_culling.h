@@ -29,18 +29,16 @@ class GpuCulling {
   core::Expected<void> update(const DrawContext& context, const core::Snapshot& snapshot,
                               std::span<const core::Slot> touched, culling::SlotBits left_out, bool moved);
 
-  /// Culls by `cull_view` for an image of `view`. take_feedback() tells `frame` with the result, some frames later.
-  core::Expected<void> cull(DrawContext& context, const core::View& cull_view, const core::View& view,
-                            const core::Snapshot& snapshot, std::uint64_t frame);
+  /// Culls for a frame. take_feedback() tells its number with the result, some frames later.
+  core::Expected<void> cull(DrawContext& context, const Frame& frame);
   /// Draws what the last cull() has found.
-  core::Expected<void> draw(DrawContext& context, const core::View& view, const core::Snapshot& snapshot);
+  core::Expected<void> draw(DrawContext& context, const Frame& frame);
   std::optional<culling::GpuCuller::Feedback> take_feedback() {
     return culler_ ? culler_->take_feedback() : std::nullopt;
   }
 
  private:
   bool tests_occlusion(const DrawContext& context, std::size_t items) const;
-  core::Expected<void> draw_second_pass(DrawContext& context, const core::Snapshot& snapshot);
 
   std::optional<culling::GpuCuller> culler_;
   std::optional<culling::GpuVariant> variant_;  // once it is settled

@@ -50,8 +50,6 @@ class GpuUpload {
   std::size_t memory_bytes() const { return content_ ? content_->memory_bytes() : 0; }
 
  private:
-  core::Expected<bool> advance_scene(const DrawContext& context, const core::Snapshot& snapshot,
-                                     const gpuprims::Joints& joints, core::Deadline deadline);
   core::Expected<bool> follow_edits(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                     core::Deadline deadline);
   core::Expected<void> complete(const DrawContext& context, GpuCulling& culling, const core::Snapshot& snapshot,

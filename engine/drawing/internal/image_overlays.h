@@ -34,25 +34,29 @@ class ImageOverlays {
   const core::VisibleSet& split(const DrawContext& context, const core::VisibleSet& visible);
   /// Eye depths between which the blended items of a set lie.
   glm::vec2 blend_range(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible);
-  /// Completes the image. `culled`: all visible items, of which split() was called last. `range`: eye depths by which
-  /// blended items are weighed; none: those of these items. Adds to `counts` the items that it draws.
-  core::Expected<void> finish(DrawContext& context, const Culled& culled, const std::optional<glm::vec2>& range,
+  /// Completes the image, and puts it into the frame's external target. `visible`: all visible items, of which split()
+  /// was called last. Blended items are weighed by the frame's range of eye depths, or else by their own. Adds to
+  /// `counts` the items that it draws.
+  core::Expected<void> finish(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
                               DrawCounts& counts);
-  /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The image stays.
-  core::Expected<void> put_outline(DrawContext& context, const Culled& items, const gl::ExternalTarget& over);
+  /// Draws an outline of visible items over a framebuffer: Engine::draw_outline(). The image stays.
+  core::Expected<void> put_outline(DrawContext& context, const Frame& frame, const core::VisibleSet& items,
+                                   const gl::ExternalTarget& over);
   core::Expected<void> draw_depth_shading(const DrawContext& context, const core::View& view);
   std::size_t memory_bytes() const { return overlays_ ? overlays_->memory_bytes() : 0; }  ///< of the GPU
 
  private:
   render::Overlays& overlays(const DrawContext& context);
   bool shades(const DrawContext& context, const DrawCounts& counts) const;
-  core::Expected<void> draw_translucent(DrawContext& context, const Culled& culled,
-                                        const std::optional<glm::vec2>& range, DrawCounts& counts);
-  core::Expected<void> draw_blended(DrawContext& context, const Culled& culled, const glm::vec2& range);
-  core::Expected<void> draw_ghosts(DrawContext& context, const Culled& culled);
-  core::Expected<void> draw_outline(DrawContext& context, const Culled& culled);
-  core::Expected<render::PixelBox> draw_outlined(DrawContext& context, const Culled& items);
-  const core::VisibleSet& leave_out_invisible(DrawContext& context, const Culled& culled);
+  core::Expected<void> draw_over(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                                 DrawCounts& counts);
+  core::Expected<void> draw_translucent(DrawContext& context, const Frame& frame, DrawCounts& counts);
+  core::Expected<void> draw_blended(DrawContext& context, const Frame& frame, const glm::vec2& range);
+  core::Expected<void> draw_ghosts(DrawContext& context, const Frame& frame);
+  core::Expected<void> draw_outline(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
+  core::Expected<render::PixelBox> draw_outlined(DrawContext& context, const Frame& frame,
+                                                 const core::VisibleSet& items);
+  const core::VisibleSet& leave_out_invisible(DrawContext& context, const Frame& frame);
 
   TranslucentSlots translucent_;
   std::optional<render::Overlays> overlays_;                    // created with the first overlay

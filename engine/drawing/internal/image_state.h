@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "sightline/core/view.h"
+#include "sightline/culling/occlusion/internal/budget_passes.h"
+#include "sightline/culling/occlusion/internal/occlusion_passes.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
-#include "sightline/engine/drawing/internal/budget_passes.h"
-#include "sightline/engine/drawing/internal/cluster_passes.h"
-#include "sightline/engine/drawing/internal/culled.h"
-#include "sightline/engine/drawing/internal/occlusion_passes.h"
-#include "sightline/gpuscene/internal/draw_lists.h"
+#include "sightline/engine/drawing/internal/draw_choice.h"
+#include "sightline/engine/drawing/internal/frame.h"
 #include "sightline/render/internal/render_target.h"
 
 namespace sightline::engine {
@@ -22,18 +21,17 @@ namespace sightline::engine {
 struct ImageState {
   render::RenderTarget target;
   bool unchanged = false;  // the last frame drew nothing, because the image was complete
-  bool composed = false;   // the application's framebuffer holds the image already
 
   std::vector<std::uint64_t> was_large;  // contribution's hysteresis: a bit per slot, of the last frame
-  OcclusionPasses passes;
+  culling::OcclusionPasses passes;
   ClusterPasses clusters;
   culling::DepthPyramid pyramid;
   bool pyramid_valid = false;  // the pyramid is never nearer than the image's depth in the present frame
   std::vector<float> distances;
-  gpuscene::MeshCounts meshes, meshes_over;  // of the items in the image; of those drawn over it
+  MeshCounts meshes, meshes_over;  // of the items in the image; of those drawn over it
 
   // Used with EngineConfig::losses.budget_ms alone.
-  BudgetPasses budget;
+  culling::BudgetPasses budget;
   std::optional<core::View> budget_view;        // view of the image that the target holds, complete or not
   std::int64_t unmeasured = 0;                  // items that were left out unmeasured because the view moves
   double coarsened = 0.0;                       // pixels within which the budget draws meshes; 0: LossConfig::lod_error

@@ -8,9 +8,10 @@ namespace sightline::engine {
 
 /// The visible items that an image of the view would leave out. Draws that image for its depth, so that the last one is
 /// gone. Uses no history: contribution's threshold has no hysteresis.
-core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overlays, const Culled& culled);
+core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overlays, const Frame& frame,
+                                      const core::VisibleSet& visible);
 
-/// Error of the last frame by EngineConfig::losses: Engine::loss(). `culled` must be what that frame was drawn from.
-core::Expected<LossReport> measure_loss(DrawContext& context, const Culled& culled);
+/// Error of the last frame by EngineConfig::losses: Engine::loss(). `visible` must be what that frame was drawn from.
+core::Expected<LossReport> measure_loss(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
 
 }  // namespace sightline::engine

@@ -10,6 +10,7 @@
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
+#include "sightline/engine/drawing/internal/draw_choice.h"
 #include "sightline/engine/paged/internal/open_leaves.h"
 #include "sightline/engine/paged/internal/page_store.h"
 #include "sightline/engine/paged/internal/placeholders.h"
@@ -78,6 +79,7 @@ class PagedImage {
   OpenLeaves leaves_;
   render::RenderTarget target_, canvas_;
   std::optional<render::Renderer> renderer_;
+  DrawChoice choice_;
   std::optional<Placeholders> placeholders_;
   std::optional<render::DepthShadingPass> depth_shading_;  // made with the first image that has some
 

@@ -1,8 +1,10 @@
-#include "sightline/gpuscene/internal/triangle_stream.h"
+#include "sightline/culling/occlusion/internal/triangle_stream.h"
 
 #include <algorithm>
 
-namespace sightline::gpuscene {
+#include "sightline/core/thread_pool.h"
+
+namespace sightline::culling {
 namespace {
 
 constexpr std::size_t kIndicesOfJob = 3 * 8192;
@@ -11,14 +13,14 @@ constexpr std::size_t kIndicesOfJob = 3 * 8192;
 
 void TriangleStream::clear() {
   parts_.clear();
-  job_count_ = size_ = 0;
+  job_count_ = 0;
 }
 
 /// In parts that are not more than a job.
-void TriangleStream::add(core::Slot slot, std::span<const std::uint32_t> indices, const ElementsCommand& command,
+void TriangleStream::add(core::Slot slot, std::uint32_t tag, std::span<const std::uint32_t> indices,
                          bool fronts_alone) {
   for (; !indices.empty(); indices = indices.subspan(std::min(indices.size(), kIndicesOfJob)))
-    parts_.push_back({slot, 0, indices.first(std::min(indices.size(), kIndicesOfJob)), command, fronts_alone});
+    parts_.push_back({slot, tag, indices.first(std::min(indices.size(), kIndicesOfJob)), 0, fronts_alone});
 }
 
 void TriangleStream::divide() {
@@ -34,26 +36,24 @@ void TriangleStream::divide() {
   }
 }
 
-void TriangleStream::test(const core::Snapshot& snapshot, const culling::TriangleTest& test,
-                          core::ThreadPool* threads) {
+void TriangleStream::test(const core::Snapshot& snapshot, const TriangleTest& test, core::ThreadPool* threads) {
   divide();
   core::ThreadPool::run_on(threads, std::uint32_t(job_count_), [&](std::uint32_t i) { run(jobs_[i], snapshot, test); });
-  for (std::size_t i = 0; i < job_count_; ++i) size_ += jobs_[i].count;
 }
 
-void TriangleStream::run(Job& job, const core::Snapshot& snapshot, const culling::TriangleTest& test) {
+void TriangleStream::run(Job& job, const core::Snapshot& snapshot, const TriangleTest& test) {
   job.shown.resize(std::max(job.shown.size(), kIndicesOfJob));
   job.count = 0;
-  culling::TriangleView view{};
+  TriangleView view{};
   for (std::size_t i = job.first_part; i < job.end_part; ++i) {
     Part& part = parts_[i];
     if (i == job.first_part || !part.continues(parts_[i - 1]))
       view = test.of(snapshot.world_from_item(part.slot), part.fronts_alone);
-    const std::size_t shown = culling::TriangleTest::filter(view, snapshot.mesh(part.slot).positions, part.indices,
-                                                            job.shown.data() + job.count);
+    const std::size_t shown =
+        TriangleTest::filter(view, snapshot.mesh(part.slot).positions, part.indices, job.shown.data() + job.count);
     part.shown = std::uint32_t(shown);
     job.count += shown;
   }
 }
 
-}  // namespace sightline::gpuscene
+}  // namespace sightline::culling

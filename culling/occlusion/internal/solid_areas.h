@@ -1,4 +1,5 @@
-// Mean areas that items show, by slot: what contribution is measured by beside bounding boxes. Internal to engine.
+// Mean areas that items show, by slot: what contribution is measured by beside bounding boxes. Internal to culling and
+// engine.
 #pragma once
 
 #include <span>
@@ -7,7 +8,7 @@
 #include "sightline/core/internal/deadline.h"
 #include "sightline/core/snapshot.h"
 
-namespace sightline::engine {
+namespace sightline::culling {
 
 /// Mean area that an item shows over all directions, square metres: of a convex solid a quarter of its surface (A.
 /// Cauchy, 1832). That of tori and meshes is too large, as they are not convex, and that of an open mesh, both of whose
@@ -31,4 +32,4 @@ class SolidAreas {
   std::vector<float> areas_;
 };
 
-}  // namespace sightline::engine
+}  // namespace sightline::culling

@@ -1,5 +1,5 @@
 // When the engine tests occlusion, from made-up costs.
-#include "sightline/engine/drawing/internal/occlusion_switch.h"
+#include "sightline/culling/hybrid/internal/occlusion_switch.h"
 
 #include <array>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::engine::occlusion_switch_test {
+namespace sightline::culling::occlusion_switch_test {
 namespace {
 
 /// What a part takes of what the frame would without the test.
@@ -140,4 +140,4 @@ TEST(OcclusionTrial, TriesWhereThereIsSomethingToGain) {
 }
 
 }  // namespace
-}  // namespace sightline::engine::occlusion_switch_test
+}  // namespace sightline::culling::occlusion_switch_test

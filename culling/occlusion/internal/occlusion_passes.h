@@ -1,4 +1,4 @@
-// Which items a frame draws first, and which after them. Internal to engine.
+// Which items a frame draws first, and which after them. Internal to culling and engine.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 #include "sightline/culling/occlusion/internal/near_first.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 
-namespace sightline::engine {
+namespace sightline::culling {
 
 /// Several passes a frame, so that nothing pops: first what the frame before has found open, then, of all others, what
 /// the depth of the passes before does not hide. When that is much, its nearest part comes next, and the rest is tested
@@ -24,11 +24,11 @@ class OcclusionPasses {
 
   /// Begins a frame with its candidates. Slots of `lines` are not tested. `hierarchy`: that of the candidates, or null;
   /// it makes large sets fast. `threads` share in the tests of the frame.
-  void begin(const core::VisibleSet& candidates, culling::SlotBits lines, const culling::Hierarchy* hierarchy,
-             core::ThreadPool& threads, Next next = Next::kFront);
+  void begin(const core::VisibleSet& candidates, SlotBits lines, const Hierarchy* hierarchy, core::ThreadPool& threads,
+             Next next = Next::kFront);
   /// Finds the next pass. `test`: against the depth of all passes so far, at first of none. False when all that may be
   /// seen is drawn; then the frame should be remembered.
-  bool next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+  bool next(const OcclusionTest& test, const core::ItemBounds& bounds);
   /// What to draw now; may be empty.
   const core::VisibleSet& pass() const { return passes_[std::size_t(count_ - 1)]; }
   /// Slots that were drawn in this frame.
@@ -38,7 +38,7 @@ class OcclusionPasses {
 
   /// After next() has returned false: what the next frame draws first. Of what was drawn, what the depth of all passes
   /// does not hide, and lines.
-  void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+  void remember(const OcclusionTest& test, const core::ItemBounds& bounds);
   /// Overload for callers that already computed the set.
   void remember(const core::VisibleSet& unoccluded, const core::ItemBounds& bounds);
 
@@ -48,23 +48,23 @@ class OcclusionPasses {
   void follow(const core::Snapshot& former, const core::Snapshot& snapshot);
 
  private:
-  void find_first(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
-  void find_nearest(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
-  void find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+  void find_first(const OcclusionTest& test, const core::ItemBounds& bounds);
+  void find_nearest(const OcclusionTest& test, const core::ItemBounds& bounds);
+  void find_next(const OcclusionTest& test, const core::ItemBounds& bounds);
 
   std::vector<std::uint64_t> unoccluded_;                  // a bit per slot, of the last frame
   std::vector<std::uint64_t> drawn_bits_;                  // a bit per slot, of list_drawn()
   std::vector<core::Slot> first_singles_, other_singles_;  // of ranges that begin() divides
   std::vector<core::VisibleSet> passes_;                   // the first count_ of them; the others keep memory
-  culling::SlotBits lines_;
-  const culling::Hierarchy* hierarchy_ = nullptr;
+  SlotBits lines_;
+  const Hierarchy* hierarchy_ = nullptr;
   core::ThreadPool* threads_ = nullptr;
   core::VisibleSet pass_, pending_, found_, others_;  // pass_: the one to come
-  culling::NearFirst near_first_;                     // of pending_
+  NearFirst near_first_;                              // of pending_
   std::size_t near_parts_ = 0;                        // of these, tested
   Next next_ = Next::kFront;
   int count_ = 0;
   std::size_t drawn_count_ = 0;
 };
 
-}  // namespace sightline::engine
+}  // namespace sightline::culling

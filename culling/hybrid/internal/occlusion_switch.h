@@ -1,10 +1,11 @@
-// Whether the next frame tests occlusion, learnt from what frames cost with it and without. Internal to engine.
+// Whether the next frame tests occlusion, learnt from what frames cost with it and without. Internal to culling and
+// engine.
 #pragma once
 
 #include <array>
 #include <cstddef>
 
-namespace sightline::engine {
+namespace sightline::culling {
 
 /// How a frame is drawn.
 enum class OcclusionMode : unsigned char {
@@ -136,4 +137,4 @@ class OcclusionTrial {
   int plain_frames_ = 0, untimed_ = kFirst;                // the first frames compile and upload
 };
 
-}  // namespace sightline::engine
+}  // namespace sightline::culling

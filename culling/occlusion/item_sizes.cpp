@@ -1,10 +1,10 @@
-#include "sightline/engine/drawing/internal/item_sizes.h"
+#include "sightline/culling/occlusion/internal/item_sizes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
-namespace sightline::engine {
+namespace sightline::culling {
 namespace {
 
 constexpr std::uint64_t kLookedAt = 128;
@@ -40,4 +40,4 @@ double mean_area(const core::View& view, const core::ItemBounds& bounds, const c
   return count > 0 ? sum / double(count) : 0.0;
 }
 
-}  // namespace sightline::engine
+}  // namespace sightline::culling

@@ -1,4 +1,4 @@
-// Which items a frame draws within a given time, and which when the camera rests. Internal to engine.
+// Which items a frame draws within a given time, and which when the camera rests. Internal to culling and engine.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 #include "sightline/culling/occlusion/contribution.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 
-namespace sightline::engine {
+namespace sightline::culling {
 
 /// What drawing an item costs, by the size of its area: learnt from passes.
 class DrawCosts {
@@ -37,16 +37,15 @@ class DrawCosts {
 class BudgetPasses {
  public:
   /// Begins a frame with its candidates. Slots of `lines` are neither measured nor tested: they come first.
-  void begin(const culling::ContributionTest& measure, const core::ItemBounds& bounds,
-             const core::VisibleSet& candidates, culling::SlotBits lines);
+  void begin(const ContributionTest& measure, const core::ItemBounds& bounds, const core::VisibleSet& candidates,
+             SlotBits lines);
   /// Finds the next pass, worth `ms` of drawing or less. `test`: against the depth of all passes so far; null: nothing
   /// is tested. False when nothing is pending.
-  bool next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms);
+  bool next(const OcclusionTest* test, const core::ItemBounds& bounds, double ms);
   /// The pass has taken that long, beside finding it and waiting for a GPU.
   void took(double ms) { costs_.took(counts_, ms); }
   /// Remembers what of the drawn items is open. The threads share the test; null: this one alone.
-  void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds,
-                core::ThreadPool* threads = nullptr);
+  void remember(const OcclusionTest& test, const core::ItemBounds& bounds, core::ThreadPool* threads = nullptr);
 
   const core::VisibleSet& pass() const { return pass_; }  ///< slots in rising order
   std::size_t drawn() const { return drawn_.single_slots.size(); }
@@ -67,9 +66,9 @@ class BudgetPasses {
   void reset();
 
  private:
-  using SlotArea = culling::ContributionTest::SlotArea;
+  using SlotArea = ContributionTest::SlotArea;
   std::size_t affordable(double ms) const;
-  double take(std::size_t end, const culling::OcclusionTest* test, const core::ItemBounds& bounds);
+  double take(std::size_t end, const OcclusionTest* test, const core::ItemBounds& bounds);
 
   DrawCosts costs_;
   std::vector<SlotArea> areas_, order_;                      // order_: the largest first, in classes
@@ -79,7 +78,7 @@ class BudgetPasses {
   std::array<std::uint32_t, DrawCosts::kClasses> left_{};    // pending, of each class
   double drawn_ms_ = 0.0, looked_at_ms_ = 0.0;               // what was drawn cost, and would with what is hidden
   core::VisibleSet pass_, piece_, unoccluded_piece_, drawn_;
-  culling::SlotBits lines_;
+  SlotBits lines_;
 };
 
-}  // namespace sightline::engine
+}  // namespace sightline::culling

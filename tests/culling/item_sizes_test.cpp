@@ -1,11 +1,11 @@
 // The estimate of how large items look, against all items and against sizes that are plain to see.
-#include "sightline/engine/drawing/internal/item_sizes.h"
+#include "sightline/culling/occlusion/internal/item_sizes.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-namespace sightline::engine::item_sizes_test {
+namespace sightline::culling::item_sizes_test {
 namespace {
 
 using core::View;
@@ -63,4 +63,4 @@ TEST(ItemSizes, VacantSlotsAreNone) {
 }
 
 }  // namespace
-}  // namespace sightline::engine::item_sizes_test
+}  // namespace sightline::culling::item_sizes_test

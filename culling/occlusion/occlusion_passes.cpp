@@ -1,9 +1,9 @@
-#include "sightline/engine/drawing/internal/occlusion_passes.h"
+#include "sightline/culling/occlusion/internal/occlusion_passes.h"
 
 #include <algorithm>
 #include <bit>
 
-namespace sightline::engine {
+namespace sightline::culling {
 namespace {
 
 constexpr std::uint32_t kShortestRange = 16;  // slots; fewer neighbours are single slots
@@ -28,8 +28,8 @@ void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& of_ranges) {
 
 }  // namespace
 
-void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBits lines,
-                            const culling::Hierarchy* hierarchy, core::ThreadPool& threads, Next next) {
+void OcclusionPasses::begin(const core::VisibleSet& candidates, SlotBits lines, const Hierarchy* hierarchy,
+                            core::ThreadPool& threads, Next next) {
   lines_ = lines;
   hierarchy_ = hierarchy;
   threads_ = &threads;
@@ -39,7 +39,7 @@ void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBit
   pass_.clear();
   pending_.clear();
   pass_.generation = pending_.generation = candidates.generation;
-  const auto word_of = [](culling::SlotBits bits, std::size_t word) { return word < bits.size() ? bits[word] : 0; };
+  const auto word_of = [](SlotBits bits, std::size_t word) { return word < bits.size() ? bits[word] : 0; };
   const auto firsts_of = [&](std::size_t word) { return word_of(unoccluded_, word) | word_of(lines, word); };
   const auto is_first = [&](core::Slot s) { return (firsts_of(s / 64) >> s % 64 & 1u) != 0; };
   for (const core::Slot s : candidates.single_slots) (is_first(s) ? pass_ : pending_).single_slots.push_back(s);
@@ -59,7 +59,7 @@ void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBit
   merge_singles(pending_, other_singles_);
 }
 
-bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+bool OcclusionPasses::next(const OcclusionTest& test, const core::ItemBounds& bounds) {
   if (count_ == 0)
     find_first(test, bounds);
   else
@@ -72,13 +72,13 @@ bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemB
 }
 
 /// What was open in the frame before and covers a pixel centre in this one.
-void OcclusionPasses::find_first(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+void OcclusionPasses::find_first(const OcclusionTest& test, const core::ItemBounds& bounds) {
   test.filter(bounds, pass_, found_, lines_, threads_);
   std::swap(pass_, found_);
 }
 
 /// The next part of which anything is open.
-void OcclusionPasses::find_nearest(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+void OcclusionPasses::find_nearest(const OcclusionTest& test, const core::ItemBounds& bounds) {
   if (count_ == 1) {
     near_first_.split(pending_, *hierarchy_, test);
     near_parts_ = 0;
@@ -91,7 +91,7 @@ void OcclusionPasses::find_nearest(const culling::OcclusionTest& test, const cor
 }
 
 /// Where much is open, only what is in front of the rest.
-void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+void OcclusionPasses::find_next(const OcclusionTest& test, const core::ItemBounds& bounds) {
   test.split_front(bounds, hierarchy_, pending_, found_, others_, threads_);
   std::swap(pending_, others_);
   if (found_.count() + pending_.count() <= kFew || count_ == kMostPasses - 1) {
@@ -101,16 +101,16 @@ void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::
 }
 
 void OcclusionPasses::list_drawn(const core::ItemBounds& bounds, core::VisibleSet& drawn) {
-  drawn_bits_.assign(culling::bit_words(bounds.size()), 0);
-  for (int i = 0; i < count_; ++i) culling::set_bits(passes_[std::size_t(i)], drawn_bits_);
+  drawn_bits_.assign(bit_words(bounds.size()), 0);
+  for (int i = 0; i < count_; ++i) set_bits(passes_[std::size_t(i)], drawn_bits_);
   drawn.clear();
   drawn.generation = pass_.generation;
-  drawn.single_slots = culling::slots_of(drawn_bits_);
+  drawn.single_slots = slots_of(drawn_bits_);
 }
 
 void OcclusionPasses::follow(const core::Snapshot& former, const core::Snapshot& snapshot) {
   core::VisibleSet unoccluded;
-  for (const core::Slot before : culling::slots_of(unoccluded_)) {
+  for (const core::Slot before : slots_of(unoccluded_)) {
     if (before >= former.size() || former.item(before) == core::kNoItem) continue;
     const core::Slot slot = snapshot.slot(former.item(before));
     if (slot != core::kNone) unoccluded.single_slots.push_back(slot);
@@ -119,16 +119,16 @@ void OcclusionPasses::follow(const core::Snapshot& former, const core::Snapshot&
 }
 
 void OcclusionPasses::remember(const core::VisibleSet& unoccluded, const core::ItemBounds& bounds) {
-  unoccluded_.assign(culling::bit_words(bounds.size()), 0);
-  culling::set_bits(unoccluded, unoccluded_);
+  unoccluded_.assign(bit_words(bounds.size()), 0);
+  set_bits(unoccluded, unoccluded_);
 }
 
-void OcclusionPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
-  unoccluded_.assign(culling::bit_words(bounds.size()), 0);
+void OcclusionPasses::remember(const OcclusionTest& test, const core::ItemBounds& bounds) {
+  unoccluded_.assign(bit_words(bounds.size()), 0);
   for (int i = 0; i < count_; ++i) {
     test.filter(bounds, passes_[std::size_t(i)], found_, lines_, threads_);
-    culling::set_bits(found_, unoccluded_);
+    set_bits(found_, unoccluded_);
   }
 }
 
-}  // namespace sightline::engine
+}  // namespace sightline::culling

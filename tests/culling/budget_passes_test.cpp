@@ -1,12 +1,12 @@
 // What items are drawn in which order within a time, without drawing.
-#include "sightline/engine/drawing/internal/budget_passes.h"
+#include "sightline/culling/occlusion/internal/budget_passes.h"
 
 #include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>
 
-namespace sightline::engine::budget_passes_test {
+namespace sightline::culling::budget_passes_test {
 namespace {
 
 using core::View;
@@ -131,4 +131,4 @@ TEST(BudgetPasses, ForeseeWhatIsPending) {
 }
 
 }  // namespace
-}  // namespace sightline::engine::budget_passes_test
+}  // namespace sightline::culling::budget_passes_test

@@ -1,11 +1,9 @@
-#include "sightline/engine/drawing/internal/budget_passes.h"
+#include "sightline/culling/occlusion/internal/budget_passes.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/engine/internal/device_constants.h"
-
-namespace sightline::engine {
+namespace sightline::culling {
 namespace {
 
 constexpr int kLeastExponent = -8;          // of the area of the smallest class
@@ -16,6 +14,9 @@ constexpr double kSteady = 0.25;            // of a pass's own cost, which hardl
 constexpr double kGainUp = 1.0, kGainDown = 0.5;  // of an error: time that was too short does more harm
 constexpr double kLeastMs = 1e-5;                 // of an item
 constexpr double kGreatestChange = 4.0;           // of an estimate, by one pass
+// First guess of what drawing takes, an item and a pixel, in milliseconds: llvmpipe's. A guess that is too large makes
+// the first frames of a budget draw less, one that is too small makes them late.
+constexpr double kPresumedItemMs = 1e-2, kPresumedPixelMs = 5e-6;
 
 }  // namespace
 
@@ -51,8 +52,8 @@ void DrawCosts::took(const std::array<std::uint32_t, kClasses>& counts, double m
   pass_ms_ *= std::pow(ratio, gain * of_pass / squares);
 }
 
-void BudgetPasses::begin(const culling::ContributionTest& measure, const core::ItemBounds& bounds,
-                         const core::VisibleSet& candidates, culling::SlotBits lines) {
+void BudgetPasses::begin(const ContributionTest& measure, const core::ItemBounds& bounds,
+                         const core::VisibleSet& candidates, SlotBits lines) {
   lines_ = lines;
   drawn_.clear();
   drawn_.generation = pass_.generation = piece_.generation = candidates.generation;
@@ -60,8 +61,8 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
   measure.areas(bounds, candidates, areas_);
   constexpr int kRanks = DrawCosts::kClasses + kUnoccludedFirst;
   const auto rank_of = [&](const SlotArea& a) {  // 0 comes first
-    if (culling::contains(lines, a.slot)) return 0;
-    return kRanks - 1 - (DrawCosts::class_of(a.area) + (culling::contains(unoccluded_, a.slot) ? kUnoccludedFirst : 0));
+    if (contains(lines, a.slot)) return 0;
+    return kRanks - 1 - (DrawCosts::class_of(a.area) + (contains(unoccluded_, a.slot) ? kUnoccludedFirst : 0));
   };
   std::array<std::size_t, kRanks + 1> begins{};
   left_.fill(0);
@@ -75,7 +76,7 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
   for (const SlotArea& a : areas_) order_[begins[std::size_t(rank_of(a))]++] = a;
 }
 
-bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms) {
+bool BudgetPasses::next(const OcclusionTest* test, const core::ItemBounds& bounds, double ms) {
   pass_.single_slots.clear();
   counts_.fill(0);
   double left = ms - costs_.pass_ms();
@@ -102,7 +103,7 @@ std::size_t BudgetPasses::affordable(double ms) const {
 }
 
 /// Adds what is open of the candidates up to `end` to the pass; returns what drawing it costs.
-double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, const core::ItemBounds& bounds) {
+double BudgetPasses::take(std::size_t end, const OcclusionTest* test, const core::ItemBounds& bounds) {
   piece_.single_slots.clear();
   for (std::size_t i = at_; i < end; ++i) piece_.single_slots.push_back(order_[i].slot);
   if (test)
@@ -129,7 +130,7 @@ double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, c
 
 void BudgetPasses::looked_at(std::size_t slots, std::vector<std::uint64_t>& bits) const {
   bits.assign(lines_.begin(), lines_.end());
-  bits.resize(culling::bit_words(slots));
+  bits.resize(bit_words(slots));
   for (std::size_t i = 0; i < at_; ++i) bits[order_[i].slot / 64] |= std::uint64_t(1) << order_[i].slot % 64;
 }
 
@@ -144,11 +145,10 @@ double BudgetPasses::pending_ms() const {
   return looked_at_ms_ > 0.0 ? ms * drawn_ms_ / looked_at_ms_ : ms;
 }
 
-void BudgetPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds,
-                            core::ThreadPool* threads) {
+void BudgetPasses::remember(const OcclusionTest& test, const core::ItemBounds& bounds, core::ThreadPool* threads) {
   test.filter(bounds, drawn_, unoccluded_piece_, lines_, threads);
-  unoccluded_.assign(culling::bit_words(bounds.size()), 0);
-  culling::set_bits(unoccluded_piece_, unoccluded_);
+  unoccluded_.assign(bit_words(bounds.size()), 0);
+  set_bits(unoccluded_piece_, unoccluded_);
 }
 
 void BudgetPasses::reset() {
@@ -158,4 +158,4 @@ void BudgetPasses::reset() {
   at_ = 0;
 }
 
-}  // namespace sightline::engine
+}  // namespace sightline::culling

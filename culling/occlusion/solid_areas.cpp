@@ -1,4 +1,4 @@
-#include "sightline/engine/drawing/internal/solid_areas.h"
+#include "sightline/culling/occlusion/internal/solid_areas.h"
 
 #include <cmath>
 #include <limits>
@@ -6,7 +6,7 @@
 
 #include "sightline/core/surface_area.h"
 
-namespace sightline::engine {
+namespace sightline::culling {
 namespace {
 
 constexpr std::size_t kTimedPiece = 4096;  // slots between looks at the clock
@@ -70,4 +70,4 @@ void SolidAreas::update(const core::Snapshot& snapshot, std::span<const core::Sl
     if (slot < areas_.size()) areas_[slot] = measure(slot);
 }
 
-}  // namespace sightline::engine
+}  // namespace sightline::culling
