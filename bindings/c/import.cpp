@@ -28,7 +28,7 @@ namespace sightline::engine {
 
 namespace {
 
-using importers::kAboveZero, importers::kFinite, importers::kMostInt, importers::kPi;
+using importers::kAboveZero, importers::kAnyFinite, importers::kMostInt, importers::kPi;
 
 importers::ImportOptions options_of(const sl_import_options& from) {
   importers::ImportOptions to;

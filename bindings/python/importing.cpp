@@ -32,7 +32,7 @@ struct Imported {
 };
 
 using importers::ImportOptions, importers::WriteOptions;
-using importers::kAboveZero, importers::kFinite, importers::kMostInt, importers::kPi;
+using importers::kAboveZero, importers::kAnyFinite, importers::kMostInt, importers::kPi;
 
 /// A row of settings of imports, or of files that are written.
 #define SIGHTLINE_OPTION(Options, name, type, low, high, range, help)            \
