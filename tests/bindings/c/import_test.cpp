@@ -350,13 +350,13 @@ TEST_F(CapiImport, EveryFormatIsWritten) {
   core::Scene scene;
   ASSERT_TRUE(importers::import_file(plant, scene, scene.root()));
   const auto folder = std::filesystem::path(::testing::TempDir()) / ("capi_written_" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
+  std::filesystem::create_directories(folder / "cpp");
   sl_write_options writing = SL_WRITE_OPTIONS_INIT;
   writing.tolerance = 0.01;
   for (const char* name : {"a.rvm", "a.obj", "a.glb", "a.gltf", "a.slc", "tiles"}) {
     SCOPED_TRACE(name);
     writing.tiles = std::string(name) == "tiles";
-    const std::string path = (folder / name).string(), twin = (folder / ("cpp_" + std::string(name))).string();
+    const std::string path = (folder / name).string(), twin = (folder / "cpp" / name).string();
     sl_write_report report = SL_WRITE_REPORT_INIT;
     ASSERT_OK(sl_scene_write(c.scene, top, path.c_str(), &writing, &report));
     const auto expected = importers::write_file(scene, scene.first_child(scene.root()), twin,
