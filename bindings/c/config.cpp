@@ -18,7 +18,7 @@ engine::EngineConfig config_of(const sl_engine_config& from) {
 #define SIGHTLINE_ENGINE_SETTING SIGHTLINE_SETTING
 #define SIGHTLINE_CONTROLLER_SETTING(path, name, type, change, low, high, range, ...) \
   take(#name, from.path, to.path);                                                    \
-  value_of(engine::check_range({#name, low, high, range}, to.path));
+  require(engine::check_range({#name, low, high, range}, to.path).has_value(), #name " to be " range);
 #include "sightline/engine/internal/settings.inc"
   check_drawing(to.draw || from.get_proc || to.culling.culler == engine::CullerChoice::kGpu ||
                 to.culling.culler == engine::CullerChoice::kHybrid);

@@ -527,13 +527,13 @@ TEST_F(CapiEngine, ControllersAreChecked) {
     sl_engine_config config = SL_ENGINE_CONFIG_INIT;
     change(config.culling.controller);
     sl_engine other = {5};
-    EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_FAILED) << why;
+    EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_ARGUMENT) << why;
     EXPECT_NE(std::strstr(sl_last_error(), why), nullptr) << sl_last_error();
     EXPECT_EQ(other.id, 5u);
   };
-  refused("margin must be 0 or more", [](sl_controller_config& k) { k.margin = std::nan(""); });
-  refused("probe_cost must be 0 or more", [](sl_controller_config& k) { k.probe_cost = HUGE_VAL; });
-  refused("probe_share must be 0 or more", [](sl_controller_config& k) { k.probe_share = -1.0; });
+  refused("margin to be 0 or more", [](sl_controller_config& k) { k.margin = std::nan(""); });
+  refused("probe_cost to be 0 or more", [](sl_controller_config& k) { k.probe_cost = HUGE_VAL; });
+  refused("probe_share to be 0 or more", [](sl_controller_config& k) { k.probe_share = -1.0; });
   sl_controller_info info = SL_CONTROLLER_INFO_INIT;
   ASSERT_OK(sl_engine_get_controller(engine, &info));
   EXPECT_EQ(info.there, 0) << "no hybrid";
