@@ -147,13 +147,13 @@ void ContributionCulling::find(DrawContext& context, const Frame& frame, const c
   if (of_part_.size() < parts_.count()) of_part_.resize(parts_.count());
   parts_.for_each(&context.threads, [&](core::VisibleSet& part, std::uint32_t i) {
     core::VisibleSet& open = of_part_[i].open;
-    std::vector<Splat>& squares = of_part_[i].squares;
+    std::vector<Splat>& candidates = of_part_[i].candidates;
     if (wanted.depth_known && frame.hierarchy) {
       occlusion.filter_leaves(*frame.hierarchy, part, open);
       std::swap(part, open);
     }
     test.splats(snapshot.bounds(), part, wanted.large, least_area,
-                 one_sample ? SplatRule::kOnPixelCentres : SplatRule::kAll, squares);
+                one_sample ? SplatRule::kOnPixelCentres : SplatRule::kAll, candidates);
     if (least_area > 0.0f)
       std::erase_if(candidates, [&](const Splat& square) {
         return !in_share(snapshot.item(square.slot), square.area / least_area);

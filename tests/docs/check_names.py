@@ -67,14 +67,15 @@ def stale_paths(tree, page, text):
         names_file = re.search(rf"\.({SOURCE})$", path)
         if not path.startswith(MADE) and (names_file or ("/" in name and path.split("/")[0] in tree.top)):
             pattern = PLACEHOLDER.sub("*", path)
-            if not tree.has(pattern):
+            if not tree.has(pattern) and not tree.has(pattern.removeprefix("sightline/") + ".in"):
                 yield f"{page}: nothing in the tree is {name}"
 
 
 def known_options(tree, tool):
     name = tool.removeprefix("sightline-")
     text = tree.text(f"apps/{name}.cpp", f"apps/{name}", *SHARED, *ELSEWHERE.get(tool, []))
-    return set(re.findall(r'"(--[a-z][a-z0-9-]+)', text)) | {"--help", "--help-all", "--version"}
+    settings = re.findall(r"^SIGHTLINE_\w*SETTING\([\w.]+, (\w+),", tree.text("engine/internal/settings.inc"), re.M)
+    return set(re.findall(r'"(--[a-z][a-z0-9-]+)', text)) | {"--" + setting.replace("_", "-") for setting in settings} | {"--help", "--help-all", "--version"}
 
 
 class Names:
