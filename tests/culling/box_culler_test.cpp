@@ -324,7 +324,7 @@ TEST(BoxCuller, ADepthImageThatWasNeverMadeHidesNothing) {
 TEST(BoxCuller, AnswersQueriesLikeALoop) {
   Random random(3);
   std::vector<AabbD> boxes;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 20000; ++i) {
     const dvec3 low(whole(random, -40, 40), whole(random, -40, 40), whole(random, -40, 40));
     boxes.push_back({low, low + dvec3(whole(random, 0, 3), whole(random, 0, 3), whole(random, 0, 3))});
   }

@@ -279,7 +279,7 @@ TEST_F(DepthShadingTest, ConfigureChangesWhatItSays) {
   refused([](EngineConfig& c) { c.width += 1; }, "size");
   refused([](EngineConfig& c) { c.drawing.samples = 4; }, "samples");
   refused([](EngineConfig& c) { c.context.application = nullptr; }, "context");
-  refused([](EngineConfig& c) { c.drawing.looks.depth_shading.edge_lines = 1.5f; }, "depth_shading");
+  refused([](EngineConfig& c) { c.drawing.looks.depth_shading.edge_lines = 1.5f; }, "edge_lines");
   refused([](EngineConfig& c) { c.drawing.looks.depth_shading.strength = std::nanf(""); }, "depth_shading");
   refused([](EngineConfig& c) { c.culling.culler = CullerChoice::kGpu; }, "culler");  // with a budget
   EXPECT_EQ(image::compare(image(*engine, *view), full)->max, 0);
