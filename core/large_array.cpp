@@ -27,11 +27,6 @@ std::size_t in_pages(std::size_t bytes) {
   return (bytes + kHugePage - 1) / kHugePage * kHugePage;
 }
 
-/// A refusal changes nothing but speed.
-void prefer_huge_pages(void* memory, std::size_t bytes) {
-  (void)madvise(memory, bytes, MADV_HUGEPAGE);
-}
-
 /// Memory of whole huge pages, which takes none before it is touched.
 void* map_pages(std::size_t bytes) {
   const std::size_t whole = in_pages(bytes), wide = whole + kHugePage;
@@ -42,7 +37,7 @@ void* map_pages(std::size_t bytes) {
   auto* const first = static_cast<std::byte*>(memory) + before;
   if (before > 0) munmap(memory, before);
   munmap(first + whole, kHugePage - before);
-  prefer_huge_pages(first, whole);
+  (void)madvise(first, whole, MADV_HUGEPAGE);  // a refusal changes nothing but speed
   return first;
 }
 
@@ -71,8 +66,10 @@ void* grow_lines(void* memory, std::size_t bytes, std::size_t used, std::size_t 
   void* const larger = allocate_lines(more);
 #ifdef SIGHTLINE_MAPS_LARGE_ARRAYS
   if (mapped(bytes)) {
-    prefer_huge_pages(memory, in_pages(bytes));  // pages of one kind are one mapping, which alone can be moved
-    if (mremap(memory, in_pages(bytes), in_pages(more), MREMAP_MAYMOVE | MREMAP_FIXED, larger) == larger) return larger;
+    // Where this fails, some kernels have unmapped `larger` and others have not, so that it must not be touched again.
+    if (mremap(memory, in_pages(bytes), in_pages(more), MREMAP_MAYMOVE | MREMAP_FIXED, larger) == MAP_FAILED)
+      throw std::bad_alloc();
+    return larger;
   }
 #endif
   if (used > 0) std::memcpy(larger, memory, used);

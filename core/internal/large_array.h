@@ -18,13 +18,14 @@ namespace sightline::core {
 /// of them costs another miss. Throws std::bad_alloc.
 SIGHTLINE_API void* allocate_lines(std::size_t bytes);
 SIGHTLINE_API void release_lines(void* memory, std::size_t bytes);
-/// Replaces `bytes` of memory from allocate_lines(), or null, by `more`, which begin with the first `used` of them. On
-/// Linux pages are moved instead of copied from 2 MiB on, in some microseconds: an edit must not wait for a copy of a
-/// million items because there is one too many.
+/// Replaces `bytes` of memory from allocate_lines(), or null, by `more`, which begin with the first `used` of them;
+/// never memory that spare_lines() has been called for. On Linux pages are moved instead of copied from 2 MiB on, in
+/// some microseconds: an edit must not wait for a copy of a million items because there is one too many. Throws
+/// std::bad_alloc, and then nothing has changed.
 SIGHTLINE_API void* grow_lines(void* memory, std::size_t bytes, std::size_t used, std::size_t more);
-/// Asks for small pages beyond the first `used` of `bytes` of memory from allocate_lines(). The first touch of a huge
-/// page clears two megabytes, which takes 0.1 ms, or 5 ms in a virtual machine, and a dozen arrays with a value per
-/// item come to their next page with the same item.
+/// Asks for small pages beyond the first `used` of `bytes` of memory from allocate_lines(). Linux then keeps it as two
+/// mappings, which it cannot move as one. The first touch of a huge page clears two megabytes, which takes 0.1 ms, or 5
+/// ms in a virtual machine, and a dozen arrays with a value per item come to their next page with the same item.
 SIGHTLINE_API void spare_lines(void* memory, std::size_t used, std::size_t bytes);
 
 /// A vector of values that may be copied byte by byte, with the interface of std::vector as far as it is used. Its
@@ -58,7 +59,7 @@ class LargeArray {
   ~LargeArray() { release(); }
   void swap(LargeArray& other) noexcept {
     std::swap(data_, other.data_), std::swap(size_, other.size_), std::swap(capacity_, other.capacity_);
-    std::swap(keeper_, other.keeper_);
+    std::swap(keeper_, other.keeper_), std::swap(spared_, other.spared_);
   }
 
   /// An array of the `count` values at `values`, which `keeper` keeps there. They may be written to.
@@ -92,7 +93,9 @@ class LargeArray {
   }
   /// Room beyond the values is for single ones that come later (spare_lines()).
   void spare_room() {
-    if (!keeper_) spare_lines(data_, size_ * sizeof(T), capacity_ * sizeof(T));
+    if (keeper_) return;
+    spare_lines(data_, size_ * sizeof(T), capacity_ * sizeof(T));
+    spared_ = true;
   }
   void shrink_to_fit() {
     if (size_ < capacity_ && !keeper_) *this = LargeArray(begin(), end());
@@ -164,10 +167,10 @@ class LargeArray {
   void grow(std::size_t capacity) {
     const std::size_t bytes = capacity * sizeof(T), used = size_ * sizeof(T);
     void* larger = nullptr;
-    if (keeper_) {
+    if (keeper_ || spared_) {
       larger = allocate_lines(bytes);
       if (used > 0) std::memcpy(larger, data_, used);
-      keeper_.reset();
+      release();
     } else {
       larger = grow_lines(data_, capacity_ * sizeof(T), used, bytes);
     }
@@ -176,12 +179,13 @@ class LargeArray {
   void release() {
     if (!keeper_ && data_ != nullptr) release_lines(data_, capacity_ * sizeof(T));
     keeper_.reset();
-    data_ = nullptr, capacity_ = 0;
+    data_ = nullptr, capacity_ = 0, spared_ = false;
   }
 
   T* data_ = nullptr;
   std::size_t size_ = 0, capacity_ = 0;
   std::shared_ptr<const void> keeper_;  // null: the memory is the array's own
+  bool spared_ = false;                 // spare_lines() has been called for it
 };
 
 }  // namespace sightline::core
