@@ -161,14 +161,8 @@ int main(int argc, char** argv) {
   line.add_flag("!--uncompressed", writing.compress, "Tiles for viewers without a decoder for EXT_meshopt_compression");
   line.add_flag("--levels", writing.levels,
                 "Build levels of detail into a scene cache, so that --lod-error starts fast from it");
-  const auto add_parts = [&line](const char* name, std::vector<std::string>& parts, const char* help) {
-    line.add(name, parts, help).metavar("PART").one_value_each().accepted_by(apps::parse_part);
-  };
-  add_parts(
-      "--only", chosen.only,
-      "Write parts alone: a path, a name, the value of an attribute or KEY=VALUE, whole words, or a pattern with * "
-      "or ?, or re:EXPRESSION");
-  add_parts("--except", chosen.except, "Write all but these parts, or of --only all but these");
+  apps::add_part_option(line, "--only", chosen.only, "Write parts alone: " + apps::kPartForms);
+  apps::add_part_option(line, "--except", chosen.except, "Write all but these parts, or of --only all but these");
   line.add("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
   return line.run(argc, argv, [&]() -> core::Expected<int> {
     auto model = apps::load_model(options);

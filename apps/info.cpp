@@ -193,13 +193,8 @@ int main(int argc, char** argv) {
   std::string json_file;
   std::vector<std::string> find;
   apps::add_model_options(line, options);
-  line.add("--list", find,
-           "List parts instead: a path, a name, the value of an attribute or KEY=VALUE, whole words, or a pattern with "
-           "* or "
-           "?, or re:EXPRESSION; given several times, all hold")
-      .metavar("PART")
-      .one_value_each()
-      .accepted_by(apps::parse_part);
+  apps::add_part_option(line, "--list", find,
+                        "List parts instead: " + apps::kPartForms + "; given several times, all hold");
   line.add("--json", json_file, "Write the facts as JSON to FILE, or - for stdout");
 #if SIGHTLINE_HAS_GL
   bool gl_page = false;

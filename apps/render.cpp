@@ -7,6 +7,7 @@
 #include <set>
 
 #include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/paged_model.h"
@@ -140,13 +141,10 @@ void add_engine_options(apps::CommandLine& line, Options& o) {
   apps::add_context_option(line, o.platform);
 }
 
-/// Refuses to draw an image for nobody.
 core::Expected<void> check_outputs(const Options& o) {
   if (o.model.explain) return {};
-  for (const std::string* file :
-       {&o.out, &o.ids, &o.ids_json, &o.depth, &o.reference, &o.reference_ids, &o.json_file, &o.frames_folder})
-    if (!file->empty()) return {};
-  return core::fail("--out is required: expected the name of the image, such as --out image.png");
+  return apps::expect_output(
+      {&o.out, &o.ids, &o.ids_json, &o.depth, &o.reference, &o.reference_ids, &o.json_file, &o.frames_folder});
 }
 
 void add_options(apps::CommandLine& line, Options& o) {
@@ -328,12 +326,10 @@ core::Expected<void> draw(engine::Engine& engine, apps::TiledImage& image, Outpu
 
 void warn_if_blank(const apps::TiledImage& image, const std::string& name) {
   if (image.covered()) return;
-  if (!image.found()) {
-    std::fprintf(stderr, "warning: %s shows nothing: no item lies in the view\n", name.c_str());
-    return;
-  }
-  const std::string count = image.in_one_tile() ? std::to_string(image.report().visible) + " " : "";
-  std::fprintf(stderr, "warning: %s: no pixel shows any of the %svisible items\n", name.c_str(), count.c_str());
+  if (image.found() && !image.in_one_tile())
+    apps::warn_of_blank({}, name);
+  else
+    apps::warn_of_blank(image.found() ? image.report().visible : 0, name);
 }
 
 /// The model and the engine that draws images of it.

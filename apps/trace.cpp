@@ -30,12 +30,9 @@ struct Options {
   raytrace::WhittedOptions whitted;
 };
 
-/// Refuses to trace an image for nobody.
 core::Expected<void> check_outputs(const Options& o) {
   if (o.model.explain || !o.pick.empty()) return {};
-  for (const std::string* file : {&o.out, &o.ids, &o.depth, &o.visible, &o.json_file})
-    if (!file->empty()) return {};
-  return core::fail("--out is required: expected the name of the image, such as --out image.png");
+  return apps::expect_output({&o.out, &o.ids, &o.depth, &o.visible, &o.json_file});
 }
 
 void add_options(apps::CommandLine& line, Options& o) {

@@ -93,9 +93,9 @@ class SIGHTLINE_API BoxCuller {
   /// several threads. Fails as create() does and on any other number of boxes than size(), and then changes nothing.
   core::Expected<void> refit(std::span<const core::AabbD> boxes);
 
-  /// What ContributionTest takes: the boxes in an order of the culler's own, by slot, and the culler
-  /// over them. indices()[slot] is the index of a box. All belong to this object, and follow its updates, which do not
-  /// wait for their use.
+  /// What ContributionTest takes: the boxes in an order of the culler's own, by slot, and the culler over them.
+  /// indices()[slot] is the index of a box. All belong to this object, and follow its updates, which do not wait for
+  /// their use.
   const core::ItemBounds& bounds() const;
   const CpuCuller& culler() const;
   std::span<const std::uint32_t> indices() const;

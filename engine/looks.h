@@ -29,8 +29,8 @@ struct Looks {
   DepthShading depth_shading = {};
   Hatching hatching = {};
   gpuprims::Lighting lighting = gpuprims::Lighting::kHeadLight;
-  core::dvec3 sun{0.0, 0.0,
-                  1.0};  ///< direction to the light of gpuprims::Lighting::kSun, in the world; any length but 0
+  /// Direction to the light of gpuprims::Lighting::kSun, in the world; any length but 0.
+  core::dvec3 sun{0.0, 0.0, 1.0};
   gpuprims::Background background = {};  ///< colours from 0 to 1
 
   /// What images for people have: a studio's light, a quiet background, depth shading and light edge lines. The others

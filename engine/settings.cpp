@@ -13,22 +13,21 @@ core::Expected<void> check_sun(const core::dvec3& sun) {
 
 }  // namespace
 
-#define SIGHTLINE_SETTING(path, name, type, change, low, high, range, ...) \
+#define SIGHTLINE_CHECK(path, name, type, change, low, high, range, ...) \
   if (auto good = check_range({#name, low, high, range}, config.path); !good) return good;
 
 core::Expected<void> check_ranges(const EngineConfig& config) {
-#define SIGHTLINE_ENGINE_SETTING SIGHTLINE_SETTING
-#define SIGHTLINE_UNPAGED_SETTING SIGHTLINE_SETTING
+#define SIGHTLINE_SETTING SIGHTLINE_CHECK
+#define SIGHTLINE_ENGINE_SETTING SIGHTLINE_CHECK
+#define SIGHTLINE_UNPAGED_SETTING SIGHTLINE_CHECK
 #include "sightline/engine/internal/settings.inc"
   return check_sun(config.drawing.looks.sun);
 }
 
-#define SIGHTLINE_SETTING(path, name, type, change, low, high, range, ...) \
-  if (auto good = check_range({#name, low, high, range}, config.path); !good) return good;
-
 core::Expected<void> check_ranges(const PagedConfig& config) {
   const PagedConfig defaults;
-#define SIGHTLINE_PAGED_SETTING SIGHTLINE_SETTING
+#define SIGHTLINE_SETTING SIGHTLINE_CHECK
+#define SIGHTLINE_PAGED_SETTING SIGHTLINE_CHECK
 #define SIGHTLINE_UNPAGED_SETTING(path, name, ...) \
   if (!(config.path == defaults.path)) return core::fail("engine: a paged engine has no " #name);
 #include "sightline/engine/internal/settings.inc"

@@ -4,7 +4,6 @@
 #include <array>
 #include <cassert>
 #include <string>
-#include <utility>
 
 #include <fmt/format.h>
 

@@ -58,12 +58,10 @@ std::string records_of(BatchKind kind) {
 /// A batch with room for some more than `count` records.
 core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, std::size_t count) {
   const std::size_t capacity = count + count / 8 + kHeadroom;
-  auto buffer =
-      gl::Buffer::create(gl, capacity * record_bytes(kind), nullptr, GL_DYNAMIC_STORAGE_BIT, records_of(kind));
-  if (!buffer) return tl::unexpected(buffer.error());
-  auto view = gl::TextureBuffer::create(gl, *buffer, GL_RGBA32UI, records_of(kind));
-  if (!view) return tl::unexpected(view.error());
-  return Batch{kind, std::uint32_t(count), std::uint32_t(capacity), std::move(*buffer), std::move(*view), {}, 0};
+  auto made = gl::TexelArray::create(gl, capacity * record_bytes(kind), nullptr, GL_RGBA32UI, records_of(kind));
+  if (!made) return tl::unexpected(made.error());
+  return Batch{
+      kind, std::uint32_t(count), std::uint32_t(capacity), std::move(made->buffer), std::move(made->texels), {}, 0};
 }
 
 }  // namespace

@@ -15,9 +15,8 @@
 //   draw            GL_TRIANGLES with the indices of ray_cast_indices(), no vertex attributes, no base vertex
 //   state           GL_CULL_FACE, GL_DEPTH_CLAMP, glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE), GL_DEPTH_TEST with
 //                   GL_GREATER; depth is reversed, should be GL_DEPTH_COMPONENT32F, and is cleared to 0
-//   writes          output 0: sRGB colour; output 1 (R32UI): id + 1; output 2 with RayCastFormat::normals: normal in
-//   eye
-//                   space, towards the eye
+//   writes          output 0: sRGB colour; output 1 (R32UI): id + 1; output 2 with RayCastFormat::normals: normal
+//                   in eye space, towards the eye
 //
 // A record is whole RGBA32UI texels. Words 0 to 8 are the columns of its frame's linear map to its chunk, 9 to 11 the
 // frame's origin from that of the chunk, 12 the chunk, 13 the id, 14 the material, 15 and what follows the shape. Views

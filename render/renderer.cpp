@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "sightline/core/internal/store.h"
-#include "sightline/gpuprims/internal/studio_black.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/shaders.h"
 #include "sightline/gpuprims/internal/studio_black.h"

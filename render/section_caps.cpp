@@ -2,6 +2,8 @@
 
 #include <unordered_map>
 
+#include "sightline/core/internal/store.h"
+
 namespace sightline::render {
 namespace {
 
@@ -79,12 +81,8 @@ core::Expected<void> SectionCaps::prepare(const core::Snapshot& snapshot, const 
   const gpuscene::Batch& meshes = *scene.batch(gpuscene::BatchKind::kMesh);
   if (known.records == meshes.count) return {};
   const std::vector<std::uint8_t> of_record = enclosures(snapshot);
-  auto buffer = gl::Buffer::create(*gl_, std::span(of_record), 0, "what meshes enclose");
-  if (!buffer) return tl::unexpected(buffer.error());
-  auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_R8UI, "what meshes enclose");
-  if (!texels) return tl::unexpected(texels.error());
-  known.texels = std::move(*texels);
-  known.bytes = std::move(*buffer);
+  auto made = gl::TexelArray::create(*gl_, of_record.size(), of_record.data(), GL_R8UI, "what meshes enclose", 0);
+  if (auto done = core::store(std::move(made), known.bytes); !done) return done;
   known.records = meshes.count;
   return {};
 }
@@ -97,7 +95,7 @@ void SectionCaps::begin_counting() const {
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kCellBinding, cells_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNodeBinding, nodes_.id());
-  gl.BindTextureUnit(kEnclosureUnit, enclosures_->texels.id());
+  gl.BindTextureUnit(kEnclosureUnit, enclosures_->bytes.texels.id());
   for (const gl::Program* program : {&count_, &list_, &caps_})
     gl.ProgramUniform1i(program->id(), kWidthUniform, width_);
   // Every crossing counts, even if it is hidden or lies behind the far plane. With more samples than one, neighbouring

@@ -27,14 +27,6 @@ const std::map<std::string, double>& lengths() {
   return metres;
 }
 
-/// Choices under the names that the library gives them.
-template <class T>
-std::map<std::string, T> by_name(std::initializer_list<T> choices) {
-  std::map<std::string, T> named;
-  for (const T choice : choices) named.emplace(name_of(choice), choice);
-  return named;
-}
-
 }  // namespace
 
 core::Expected<double> parse_tolerance(const std::string& text) {

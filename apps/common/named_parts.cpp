@@ -38,6 +38,11 @@ core::Expected<std::string> parse_part(const std::string& text) {
   return text;
 }
 
+Option add_part_option(CommandLine& line, const std::string& name, std::vector<std::string>& texts,
+                       const std::string& help) {
+  return line.add(name, texts, help).metavar("PART").one_value_each().accepted_by(parse_part);
+}
+
 core::Expected<core::FoundNodes> find_parts(const core::Scene& scene, const std::vector<core::NodeCondition>& wanted) {
   auto found = core::find_nodes(scene, scene.root(), wanted);
   if (found && found->nodes.empty()) return tl::unexpected(nothing_found(scene, wanted));

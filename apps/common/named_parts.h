@@ -4,12 +4,21 @@
 #include <string>
 #include <vector>
 
+#include "sightline/apps/common/command_line.h"
 #include "sightline/core/find_nodes.h"
 
 namespace sightline::apps {
 
 /// A text that may name parts: not empty, and no regular expression that is none. For options, before a model is read.
 core::Expected<std::string> parse_part(const std::string& text);
+
+/// How a text names parts, for the help of options.
+inline const std::string kPartForms =
+    "a path, a name, the value of an attribute or KEY=VALUE, whole words, or a pattern with * or ?, or re:EXPRESSION";
+
+/// An option that takes one text that names parts, each time it is given.
+Option add_part_option(CommandLine& line, const std::string& name, std::vector<std::string>& texts,
+                       const std::string& help);
 
 /// The nodes that fulfil all conditions. Fails where there are none, with names that are like the text.
 core::Expected<core::FoundNodes> find_parts(const core::Scene& scene, const std::vector<core::NodeCondition>& wanted);

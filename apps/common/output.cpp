@@ -13,6 +13,12 @@ std::string to_text(const json::Value& json) {
   return json.dump(1) + "\n";
 }
 
+core::Expected<void> expect_output(std::initializer_list<const std::string*> files) {
+  for (const std::string* file : files)
+    if (!file->empty()) return {};
+  return core::fail("--out is required: expected the name of the image, such as --out image.png");
+}
+
 core::Expected<void> make_directory(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

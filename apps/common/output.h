@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdio>
+#include <initializer_list>
 #include <string>
 
 #include "sightline/core/error.h"
@@ -11,6 +12,9 @@ namespace sightline::apps {
 
 /// Indented JSON text with a line end. File and node names may hold any bytes: invalid UTF-8 is replaced.
 std::string to_text(const json::Value& json);
+
+/// Refuses to make an image for nobody: fails where all of these names of files are empty.
+core::Expected<void> expect_output(std::initializer_list<const std::string*> files);
 
 /// Makes a directory and its parents where they are missing.
 core::Expected<void> make_directory(const std::string& path);

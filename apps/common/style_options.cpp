@@ -28,12 +28,10 @@ core::Expected<std::vector<ItemId>> items_of(const core::Scene& scene, const std
 }  // namespace
 
 void add_style_options(CommandLine& line, StyleOptions& options) {
-  const auto add = [&](const char* name, std::vector<std::string>& texts, const char* help) {
-    return line.add(name, texts, help).metavar("PART").one_value_each().accepted_by(parse_part);
+  const auto add = [&](const char* name, std::vector<std::string>& texts, const std::string& help) {
+    return add_part_option(line, name, texts, help);
   };
-  add("--isolate", options.isolate,
-      "Show parts alone: a path, a name, the value of an attribute or KEY=VALUE, whole words, or a pattern with * or "
-      "?, or re:EXPRESSION");
+  add("--isolate", options.isolate, "Show parts alone: " + kPartForms);
   add("--hide", options.hide, "Hide parts");
   add("--highlight", options.highlight, "Show parts in orange, outlined");
   add("--ghost-others", options.ghost_others, "Show all but these parts as faint shells").advanced();

@@ -202,12 +202,16 @@ std::string surface_plot(const Results& all) {
   return svg_panels(plot);
 }
 
-/// A sentence on the surface that errors are measured from where the model is triangles.
-std::string truth_words(const Report& report, const Plan& plan) {
-  if (plan.meshes == 0) return "";
-  const double off = report.model().report.surfaces.deviation;
-  return "The true surface of a mesh is its triangles" +
-         (off > 0.0 ? ", which lie up to " + length_words(off) + " off the surfaces of their file. " : ". ");
+/// Sentences on the surface that errors are measured from, how they are measured, and what is left out.
+std::string measure_words(const Report& report, const Plan& plan) {
+  std::string words;
+  if (plan.meshes > 0) {
+    const double off = report.model().report.surfaces.deviation;
+    words = "The true surface of a mesh is its triangles" +
+            (off > 0.0 ? ", which lie up to " + length_words(off) + " off the surfaces of their file. " : ". ");
+  }
+  words += measured_words(report);
+  return plan.triangles_left_out.empty() ? words : words + " " + plan.triangles_left_out;
 }
 
 void open_page(const Report& report, const Results& all, const Plan& plan, Section& section) {
@@ -218,8 +222,7 @@ void open_page(const Report& report, const Results& all, const Plan& plan, Secti
       surface_plot(all),
       {"Down and left is better. Names beside the points are tolerances. The true surface is what a ray through the "
        "pixel's centre hits first in double precision; distances of 99 % of the pixels are below the figure. " +
-           truth_words(report, plan) + measured_words(report) +
-           (plan.triangles_left_out.empty() ? "" : " " + plan.triangles_left_out),
+           measure_words(report, plan),
        report.section_command("error")});
 }
 
@@ -253,8 +256,7 @@ core::Expected<void> show_surfaces(const Report& report, const std::vector<Refer
        "where the pixel shows the same item as the ray through its centre in double precision "
        "(raytrace/tracer.h); another item at the same depth counts as the same. Rays do not see lines, "
        "nor what is behind transparent items. " +
-           truth_words(report, plan) + measured_words(report) +
-           (plan.triangles_left_out.empty() ? "" : " " + plan.triangles_left_out),
+           measure_words(report, plan),
        report.section_command("error")});
   const auto view = std::size_t(std::max_element(pictured->differences.begin(), pictured->differences.end()) -
                                 pictured->differences.begin());

@@ -10,9 +10,9 @@
 #include "sightline/apps/common/view_options.h"
 #include "sightline/core/internal/sort_unique.h"
 #include "sightline/culling/frustum/cpu_culler.h"
+#include "sightline/engine/tour.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/apps/report/tour.h"
-#include "sightline/engine/tour.h"
 #endif
 
 namespace sightline::apps {

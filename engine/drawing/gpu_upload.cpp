@@ -65,9 +65,8 @@ core::Expected<bool> GpuUpload::advance(const DrawContext& context, GpuCulling& 
   }
   if (!context.config.draw || context.renderer) return true;
   if (!content_->renderer) {
-    auto renderer = render::Renderer::begin(context.context);
-    if (!renderer) return tl::unexpected(renderer.error());
-    content_->renderer = std::move(*renderer);
+    if (auto done = core::store(render::Renderer::begin(context.context), content_->renderer); !done)
+      return tl::unexpected(done.error());
     give_looks(context.config.drawing.looks, *content_->renderer);
   }
   return content_->renderer->advance(*content_->scene, context.target().format(), deadline);

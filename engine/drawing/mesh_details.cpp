@@ -29,8 +29,7 @@ void MeshDetails::follow(gpuscene::GpuScene& scene, bool levels) {
 }
 
 core::Expected<void> MeshDetails::advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline) {
-  do follow(scene, levels);
-  while (scene.meshes().has_new_meshes() && !core::over(deadline));
+  while (scene.meshes().has_new_meshes() && !core::over(deadline)) follow(scene, levels);
   if (auto done = scene.upload_meshes(deadline, true); !done) return tl::unexpected(done.error());
   return {};
 }

@@ -2,7 +2,6 @@
 // builds without GL. Internal to engine.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>

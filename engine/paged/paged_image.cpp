@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "sightline/core/internal/store.h"
 #include "sightline/engine/internal/settings.h"
 #include "sightline/gl/internal/pipeline_state.h"
 
@@ -73,8 +74,7 @@ core::Expected<void> PagedImage::make_targets() {
   const render::TargetFormat format{.ids = config_.drawing.ids};
   for (render::RenderTarget* made : {&target_, &canvas_}) {
     auto target = render::RenderTarget::create(context_, config_.width, config_.height, format);
-    if (!target) return tl::unexpected(target.error());
-    *made = std::move(*target);
+    if (auto done = core::store(std::move(target), *made); !done) return done;
   }
   std::array<bool, gpuscene::kBatchKindCount> has{};
   for (const auto& page : scene_.pages)
@@ -83,14 +83,9 @@ core::Expected<void> PagedImage::make_targets() {
   std::vector<gpuscene::BatchKind> kinds;
   for (int kind = 0; kind < gpuscene::kBatchKindCount; ++kind)
     if (has[std::size_t(kind)]) kinds.push_back(gpuscene::BatchKind(kind));
-  auto renderer = render::Renderer::create(context_, kinds, format);
-  if (!renderer) return tl::unexpected(renderer.error());
-  renderer_.emplace(std::move(*renderer));
+  if (auto done = core::store(render::Renderer::create(context_, kinds, format), renderer_); !done) return done;
   give_looks(config_.drawing.looks, *renderer_);
-  auto placeholders = Placeholders::create(context_, format);
-  if (!placeholders) return tl::unexpected(placeholders.error());
-  placeholders_.emplace(std::move(*placeholders));
-  return {};
+  return core::store(Placeholders::create(context_, format), placeholders_);
 }
 
 core::Expected<void> PagedImage::warm_up() {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/core/internal/store.h"
 #include "sightline/gl/internal/buffer.h"
 #include "sightline/gpuscene/internal/free_space.h"
 
@@ -123,11 +124,8 @@ class ElementStore {
   };
   core::Expected<void> begin_move(const gl::Functions& gl, std::size_t capacity) {
     const std::size_t bytes = std::max<std::size_t>(capacity, 1) * sizeof(Element);
-    auto made = gl::Buffer::create(gl, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, what_);
-    if (!made) return tl::unexpected(made.error());
-    next_ = std::move(*made);
     next_copy_ = copied_ = 0;
-    return {};
+    return core::store(gl::Buffer::create(gl, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, what_), next_);
   }
 
   const char* what_;

@@ -62,9 +62,6 @@ class GpuScene {
   /// it anew. Fails when the GPU has not enough memory; then the scene is of no use.
   core::Expected<bool> append(const core::Snapshot& snapshot, const gpuprims::Joints& joints = {},
                               core::Slot most = core::kNone);
-  /// Enlarges batches that have little room left, some of it in each call: whoever calls it before each append() of a
-  /// few hundred slots never waits until a whole batch is copied. Result and failure as those of append().
-  core::Expected<bool> prepare_room();
   /// Whether all slots of the snapshot have records.
   bool has_all(const core::Snapshot& snapshot) const { return slot_count_ == snapshot.size(); }
   /// Writes all edited or added materials at once; `edited` holds their indices in rising order. Makes a larger table
@@ -75,8 +72,8 @@ class GpuScene {
   core::Expected<bool> upload_meshes(core::Deadline deadline, bool levels = false) {
     return meshes_.upload(*gl_, deadline, levels);
   }
-  /// Follows an edit of `touched` slots at once, as prepare_room() where there is a deadline, append(), update() and
-  /// upload_meshes() do. Result and failure as those of append().
+  /// Follows an edit of `touched` slots at once, as append(), update() and upload_meshes() do. With a deadline, batches
+  /// grow some at a time before they are full. Result and failure as those of append().
   core::Expected<bool> follow(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                               std::span<const core::Slot> touched, core::Deadline deadline);
 
@@ -109,6 +106,9 @@ class GpuScene {
   template <class Visit>
   void for_each_batch(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const Visit& visit);
   core::Expected<void> begin_batch(const core::Snapshot& snapshot, BatchKind kind);
+  /// Enlarges batches that have little room left, some of it in each call: before each append() of a few hundred slots,
+  /// nobody waits until a whole batch is copied. Result and failure as those of append().
+  core::Expected<bool> prepare_room();
   core::Expected<bool> make_room(BatchKind kind, std::size_t records);
   core::Expected<bool> enlarge(Batch& batch, std::size_t records, std::uint32_t most);
   void write(const Batch& batch, std::size_t bytes, std::span<const std::uint32_t> places, const void* data);

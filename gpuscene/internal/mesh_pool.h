@@ -89,14 +89,13 @@ class MeshPool {
   const gl::Buffer& vertices() const { return vertices_.buffer(); }
   const gl::Buffer& indices() const { return indices_.buffer(); }  ///< uint32
   std::size_t memory_bytes() const {
-    return vertices_.memory_bytes() + indices_.memory_bytes() + enclosures->bytes.size();
+    return vertices_.memory_bytes() + indices_.memory_bytes() + enclosures->bytes.buffer.size();
   }
 
   /// What the meshes of records enclose (core::Enclosure), a byte each. Created on first use.
   struct Enclosures {
     std::size_t records = 0;
-    gl::Buffer bytes;
-    gl::TextureBuffer texels;
+    gl::TexelArray bytes;
   };
   std::shared_ptr<Enclosures> enclosures = std::make_shared<Enclosures>();
 

@@ -13,10 +13,8 @@
 #include <GProp_GProps.hxx>
 #include <Quantity_ColorRGBA.hxx>
 #include <TDF_LabelSequence.hxx>
-#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_DataMapOfShapeInteger.hxx>
-#include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
 #include <XCAFDoc_ColorTool.hxx>

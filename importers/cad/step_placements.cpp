@@ -38,8 +38,7 @@ using core::dvec3;
 
 constexpr double kParallel = 1e-9;  // sine of an angle
 
-// --- axes as ISO 10303-42 builds them, from unit vectors
-// --------------------------------------------------------------
+// --- axes as ISO 10303-42 builds them, from unit vectors -------------------------------------------------------------
 
 /// The component of `v` across `axes`, or zero where there is none.
 dvec3 across(dvec3 v, std::initializer_list<dvec3> axes) {
@@ -65,8 +64,7 @@ core::dmat3 base_axis(const std::optional<dvec3>& x, const std::optional<dvec3>&
   return {first, second == dvec3(0.0) ? glm::cross(third, first) : second, third};
 }
 
-// --- operators
-// --------------------------------------------------------------------------------------------------------
+// --- operators -------------------------------------------------------------------------------------------------------
 
 /// Three coordinates, or two in a plane, of a point or a direction; nothing where there is none.
 std::optional<dvec3> coordinates(const StepText& text, std::string_view parameter) {
@@ -131,8 +129,7 @@ std::optional<Operator> operator_of(const StepText& text, std::uint64_t id) {
   return made;
 }
 
-// --- in Open CASCADE's model
-// ------------------------------------------------------------------------------------------
+// --- in Open CASCADE's model -----------------------------------------------------------------------------------------
 
 Handle(StepGeom_Axis2Placement3d) step_placement(const Affine& at) {
   const Handle(TCollection_HAsciiString) no_name = new TCollection_HAsciiString("");

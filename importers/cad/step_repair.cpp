@@ -20,7 +20,7 @@ bool is_ascii(std::string_view text) {
 /// Takes the first character off a text of valid UTF-8.
 char32_t take_character(std::string_view& text) {
   const auto first = static_cast<unsigned char>(text[0]);
-  const std::size_t length = first < 0x80 ? 1 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+  const std::size_t length = utf8_length(text);
   char32_t c = length == 1 ? first : first & (0x7fu >> length);
   for (std::size_t i = 1; i < length; ++i) c = c << 6 | (static_cast<unsigned char>(text[i]) & 0x3f);
   text.remove_prefix(length);

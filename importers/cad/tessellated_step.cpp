@@ -13,7 +13,6 @@
 #include <TCollection_HAsciiString.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Face.hxx>
-#include <TopoDS_Iterator.hxx>
 #include <TopoDS_Shell.hxx>
 #include <TransferBRep.hxx>
 #include <TransferBRep_ShapeBinder.hxx>
@@ -22,6 +21,7 @@
 #include <XSControl_WorkSession.hxx>
 #include <fmt/format.h>
 
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/importers/cad/internal/occt_maths.h"
 #include "sightline/importers/cad/internal/step_placements.h"
 #include "sightline/importers/cad/internal/step_text.h"
@@ -126,8 +126,7 @@ Handle(Poly_Triangulation) triangulation(const FacePoints& points, const Triangl
     used.insert(used.end(), {a, b, c});
   }
   if (sound.empty()) return {};
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
+  core::sort_unique(used);
   const bool has_normals =
       std::all_of(used.begin(), used.end(), [&](std::uint64_t own) { return points.normal(own) != dvec3(0.0); });
   const Handle(Poly_Triangulation) made =

@@ -18,9 +18,7 @@ void for_each_mesh(std::span<const core::Mesh* const> meshes, const Work& work) 
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   const auto is_small = [&](std::size_t i) { return !is_large(*meshes[i]); };
   const auto small = std::stable_partition(order.begin(), order.end(), is_small) - order.begin();
-#ifdef _OPENMP
 #pragma omp parallel for schedule(dynamic)
-#endif
   for (std::ptrdiff_t k = 0; k < small; ++k) work(order[std::size_t(k)], 1);
   for (std::size_t k = std::size_t(small); k < order.size(); ++k) work(order[k], 0);
 }

@@ -20,9 +20,7 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/core/camera_path.h"
 #include "sightline/core/snapshot.h"
-#include "sightline/engine/tour.h"
 #include "sightline/importers/plant/plant_generator.h"
 
 namespace sightline::bench::hybrid_bench {

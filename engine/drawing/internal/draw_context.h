@@ -45,7 +45,7 @@ struct DrawContext {
   culling::SolidAreas solid_areas;
   MeshDetails mesh_details;
   DrawChoice choice;
-  core::ThreadPool threads;                  // for tests of large sets; none starts before the first of them
+  core::ThreadPool threads;                      // for tests of large sets; none starts before the first of them
   std::optional<render::Compositor> compositor;  // created with the first external target
   std::optional<double> measured_round_trip_ms;
 

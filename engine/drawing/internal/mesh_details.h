@@ -23,7 +23,8 @@ class MeshDetails {
   ~MeshDetails();
   /// Follows which meshes the scene has got and given up. `levels`: they are asked for.
   void follow(gpuscene::GpuScene& scene, bool levels);
-  /// Follows the scene, gives it what is ready, and uploads that until the deadline but at least a little.
+  /// After follow(): follows the new meshes that are left, and uploads what is ready, until the deadline but at least a
+  /// little.
   core::Expected<void> advance(gpuscene::GpuScene& scene, bool levels, core::Deadline deadline);
   /// Begins to build levels before the first advance() that asks for them. The scene is that of the next one.
   void want_levels(gpuscene::GpuScene& scene);
