@@ -48,6 +48,7 @@ class Setting:
         self.engines = engines
         path, self.name, self.type, self.change, _, _, self.range, self.default, self.help = arguments
         self.path = path.split(".")
+        self.choice = self.type.removeprefix("optional_")  # where the type is one
 
 
 def split(text):
@@ -93,14 +94,12 @@ class Writer:
         return TYPES[setting.type][0] if setting.type in TYPES else "int32_t {}"
 
     def c_default(self, setting):
-        prefix = setting.type.removeprefix("optional_")
-        if prefix in self.choices:
-            return self.enumerator(prefix, setting.default)
+        if setting.choice in self.choices:
+            return self.enumerator(setting.choice, setting.default)
         return setting.default or "0"
 
     def c_comment(self, setting):
-        prefix = setting.type.removeprefix("optional_")
-        values = [f"SL_{prefix.upper()}_..."] if prefix in self.choices else [setting.range] if setting.range else []
+        values = [f"SL_{setting.choice.upper()}_..."] if setting.choice in self.choices else [setting.range] if setting.range else []
         return setting.help + "".join(f" ({value})" for value in values)
 
     def tree(self, settings):
@@ -154,15 +153,14 @@ class Writer:
     # --- Python
 
     def python_type(self, setting):
-        prefix = setting.type.removeprefix("optional_")
-        if prefix not in self.choices:
+        if setting.choice not in self.choices:
             return TYPES[setting.type][1]
-        names = "Literal[" + ", ".join(f'"{name}"' for name in self.choices[prefix]) + "]"
-        return f"Optional[{names}]" if setting.type != prefix else names
+        names = "Literal[" + ", ".join(f'"{name}"' for name in self.choices[setting.choice]) + "]"
+        return f"Optional[{names}]" if setting.type != setting.choice else names
 
-    def python_arguments(self, settings, indent="        "):
+    def python_arguments(self, settings):
         for s in settings:
-            yield f"{indent}{s.name}: {self.python_type(s)}" + (" = ...," if s.default else ",")
+            yield f"        {s.name}: {self.python_type(s)}" + (" = ...," if s.default else ",")
 
     def python_changeable(self, settings):
         return self.python_arguments([s for s in settings if s.change == "CHANGEABLE"])
@@ -183,13 +181,15 @@ class Writer:
         for s in self.settings:
             if s.engines in (IMPORT, WRITE, CONTROLLER):
                 continue
-            prefix = s.type.removeprefix("optional_")
-            values = ", ".join(self.choices.get(prefix, [])) or s.range or {
+            values = ", ".join(self.choices.get(s.choice, [])) or s.range or {
                 "flag": "on or off", "path": "a path", "part": "index, count"}.get(s.type, "a number")
-            default = {"0": "off", "1": "on"}.get(s.default, s.default) if s.type == "flag" else s.default
-            default = {"NULL": "none", "optional_colour": "none"}.get(default, default)
-            default = "none" if s.type == "optional_colour" else default.replace("f", "") if s.type in (
-                "float", "colour") else default
+            default = s.default
+            if s.type == "flag":
+                default = {"0": "off", "1": "on"}[default]
+            elif s.type in ("path", "optional_colour"):
+                default = "none"
+            elif s.type in ("float", "colour"):
+                default = default.replace("f", "")
             other = {UNPAGED: " Not paged.", PAGED: " Paged."}.get(s.engines, "")
             yield f"| `{s.name}` | `{'.'.join(s.path)}` | {values} | {default or 'must be given'} | {s.help}.{other} |"
 

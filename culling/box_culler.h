@@ -34,9 +34,9 @@ struct BoxHit {
 /// for each box of the largest batch). Box i is the i-th of those given to create(). Promise: conservative, with the
 /// same answer as CpuCuller.
 ///
-/// Several threads may call visible() at once. Changes wait for those that run, and keep new ones waiting, so each
-/// answer is that of the boxes before or after a change. Movable, while no other thread uses it; what was moved from
-/// has no boxes, and all its functions that can fail do so.
+/// Several threads may call visible() and the queries at once. Changes wait for those that run, and keep new ones
+/// waiting, so each answer is that of the boxes before or after a change. Movable, while no other thread uses it; what
+/// was moved from has no boxes, and all its functions that can fail do so.
 class SIGHTLINE_API BoxCuller {
  public:
   /// Boxes in world coordinates, in any unit. Empty boxes (min > max) are never visible. Fails on a box with a NaN or

@@ -1,7 +1,6 @@
 // Settings of engines: those of a new one, what they are, and other ones. The structs of C have the members of C++.
 #include "sightline/bindings/c/internal/engines.h"
 #include "sightline/bindings/c/internal/settings.h"
-#include "sightline/engine/internal/settings.h"
 
 using namespace sightline;
 using namespace sightline::capi;
@@ -17,8 +16,7 @@ engine::EngineConfig config_of(const sl_engine_config& from) {
 #define SIGHTLINE_UNPAGED_SETTING SIGHTLINE_SETTING
 #define SIGHTLINE_ENGINE_SETTING SIGHTLINE_SETTING
 #define SIGHTLINE_CONTROLLER_SETTING(path, name, type, change, low, high, range, ...) \
-  take(#name, from.path, to.path);                                                    \
-  require(engine::check_range({#name, low, high, range}, to.path).has_value(), #name " to be " range);
+  take({#name, low, high, range}, from.path, to.path);
 #include "sightline/engine/internal/settings.inc"
   check_drawing(to.draw || from.get_proc || to.culling.culler == engine::CullerChoice::kGpu ||
                 to.culling.culler == engine::CullerChoice::kHybrid);

@@ -6,6 +6,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "sightline/bindings/c/internal/engines.h"
+#include "sightline/engine/internal/choices.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/engine/pick.h"
 #endif
@@ -18,7 +19,7 @@ using namespace sightline::capi;
 
 namespace {
 
-constexpr std::int32_t kCullerChoices = 5, kLargestImage = 65'536;
+constexpr std::int32_t kLargestImage = 65'536;
 
 }  // namespace
 
@@ -207,7 +208,8 @@ sl_status sl_engine_rebuild(sl_engine handle) {
 
 sl_status sl_engine_set_culler(sl_engine handle, sl_culler culler) {
   return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
-    const auto choice = enum_of<engine::CullerChoice>(culler, kCullerChoices, "culler");
+    const auto choice =
+        enum_of<engine::CullerChoice>(culler, std::int32_t(engine::kChoices<engine::CullerChoice>.size()), "culler");
     check_drawing(choice == engine::CullerChoice::kGpu || choice == engine::CullerChoice::kHybrid);
     value_of(engine->set_culler(choice));
   });

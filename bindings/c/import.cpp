@@ -1,12 +1,10 @@
 // Reading and writing files.
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "sightline/bindings/c/internal/objects.h"
 #include "sightline/bindings/c/internal/settings.h"
 #include "sightline/bindings/c/internal/values.h"
-#include "sightline/engine/internal/settings.h"
 #if SIGHTLINE_HAS_IMPORTERS
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/settings.h"
@@ -19,9 +17,7 @@ using namespace sightline::capi;
 #if SIGHTLINE_HAS_IMPORTERS
 namespace sightline::engine {
 
-#define SIGHTLINE_CHOICE(Enum, prefix, ...) \
-  template <>                               \
-  inline constexpr auto kChoices<sightline::Enum> = std::to_array<std::string_view>({__VA_ARGS__});
+#define SIGHTLINE_CHOICE SIGHTLINE_NAME_CHOICE
 #include "sightline/importers/internal/settings.inc"
 
 }  // namespace sightline::engine
@@ -33,8 +29,7 @@ using importers::kAboveZero, importers::kAnyFinite, importers::kMostInt, importe
 importers::ImportOptions options_of(const sl_import_options& from) {
   importers::ImportOptions to;
 #define SIGHTLINE_SETTING(path, name, type, change, low, high, range, ...) \
-  take(#name, from.path, to.path);                                         \
-  require(engine::check_range({#name, low, high, range}, to.path).has_value(), #name " to be " range);
+  take({#name, low, high, range}, from.path, to.path);
 #include "sightline/importers/internal/settings.inc"
   to.progress = progress_of(from.progress, from.user);
   return to;
@@ -43,11 +38,18 @@ importers::ImportOptions options_of(const sl_import_options& from) {
 importers::WriteOptions options_of(const sl_write_options& from) {
   importers::WriteOptions to;
 #define SIGHTLINE_WRITE_SETTING(path, name, type, change, low, high, range, ...) \
-  take(#name, from.path, to.path);                                               \
-  require(engine::check_range({#name, low, high, range}, to.path).has_value(), #name " to be " range);
+  take({#name, low, high, range}, from.path, to.path);
 #include "sightline/importers/internal/settings.inc"
   to.progress = progress_of(from.progress, from.user);
   return to;
+}
+
+/// The value, or a Failure that tells cancelling from other errors.
+template <class T>
+T finished(core::Expected<T> done) {
+  if (!done && done.error().message == importers::kCancelled)
+    throw Failure{SL_ERROR_CANCELLED, std::move(done.error().message)};
+  return value_of(std::move(done));
 }
 
 sl_write_report report_of(const importers::WriteReport& from) {
@@ -113,10 +115,7 @@ sl_status sl_import(sl_scene handle, sl_node parent, const char* const* paths, s
     for (std::size_t i = 0; i < path_count; ++i) files.push_back(path_of(paths[i]));
     const importers::ImportReport done = [&] {
       const SceneUse scene(handle, Access::kEdit);
-      auto imported = importers::import_files(files, *scene, scene.id(parent), translated);
-      if (!imported && imported.error().message == importers::kCancelled)
-        throw Failure{SL_ERROR_CANCELLED, std::move(imported.error().message)};
-      return value_of(std::move(imported));
+      return finished(importers::import_files(files, *scene, scene.id(parent), translated));
     }();
     if (nodes)
       std::transform(done.nodes.begin(), done.nodes.end(), nodes, [](core::NodeId id) { return handle_of(id); });
@@ -137,10 +136,7 @@ sl_status sl_scene_write(sl_scene handle, sl_node node, const char* path, const 
     const importers::WriteOptions translated = options_of(read(options ? options : &defaults, defaults));
     if (report) check_result(report);
     const SceneUse scene(handle, Access::kRead);
-    auto written = importers::write_file(*scene, scene.id(node), path_of(path), translated);
-    if (!written && written.error().message == importers::kCancelled)
-      throw Failure{SL_ERROR_CANCELLED, std::move(written.error().message)};
-    const importers::WriteReport done = value_of(std::move(written));
+    const auto done = finished(importers::write_file(*scene, scene.id(node), path_of(path), translated));
     if (report) write(report, report_of(done));
 #else
     (void)handle, (void)node, (void)path, (void)options, (void)report;

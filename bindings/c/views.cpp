@@ -177,7 +177,7 @@ sl_status sl_box_culler_along(sl_box_culler culler, const sl_ray* from, sl_box_h
                    [&](const culling::BoxCuller& boxes, std::vector<culling::BoxHit>& found) {
                      const sl_ray ray = read(from, sl_ray SL_RAY_INIT);
                      boxes.along({short_vector_of(ray.origin), short_vector_of(ray.direction), ray.t_min, ray.t_max},
-                                 std::min(capacity, boxes.size()), found);
+                                 capacity, found);
                    });
 }
 
@@ -185,7 +185,7 @@ sl_status sl_box_culler_nearest(sl_box_culler culler, const double point[3], sl_
                                 size_t* count) {
   return list_hits(__func__, culler, hits, capacity, count,
                    [&](const culling::BoxCuller& boxes, std::vector<culling::BoxHit>& found) {
-                     boxes.nearest(short_vector_of(point), std::min(capacity, boxes.size()), found);
+                     boxes.nearest(short_vector_of(point), capacity, found);
                    });
 }
 

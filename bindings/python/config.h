@@ -1,5 +1,5 @@
-// Settings of engines as keyword arguments: of constructors, of configure(), and as they are told. All of them are
-// those of engine/internal/settings.inc.
+// Settings of engines, imports and written files as keyword arguments, and as they are told: those of
+// internal/settings.inc of engine and importers.
 #pragma once
 
 #include <span>
@@ -24,7 +24,8 @@ struct Setting {
   void (*set)(Config& config, const char* name, py::handle value);
 };
 
-/// All of an engine::EngineConfig, an engine::PagedConfig or a culling::ControllerConfig.
+/// All of an engine::EngineConfig, an engine::PagedConfig, a culling::ControllerConfig, an importers::ImportOptions or
+/// an importers::WriteOptions.
 template <class Config>
 std::span<const Setting<Config>> settings();
 

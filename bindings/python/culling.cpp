@@ -100,7 +100,7 @@ py::array_t<culling::BoxHit> nearest(GatedCuller& culler, const py::object& poin
   std::vector<culling::BoxHit> hits;
   {
     const LongCall call({culler.gate, Use::kRead});
-    culler.culler.nearest(from, std::min(count, culler.culler.size()), hits);
+    culler.culler.nearest(from, count, hits);
   }
   return take(std::move(hits));
 }

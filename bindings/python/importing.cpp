@@ -16,9 +16,7 @@
 
 namespace sightline::engine {
 
-#define SIGHTLINE_CHOICE(Enum, prefix, ...) \
-  template <>                               \
-  inline constexpr auto kChoices<sightline::Enum> = std::to_array<std::string_view>({__VA_ARGS__});
+#define SIGHTLINE_CHOICE SIGHTLINE_NAME_CHOICE
 #include "sightline/importers/internal/settings.inc"
 
 }  // namespace sightline::engine

@@ -11,9 +11,10 @@ namespace sightline::engine {
 /// The name of each enumerator, from 0 on; empty for other enumerations.
 template <class Enum>
 inline constexpr std::array<std::string_view, 0> kChoices{};
-#define SIGHTLINE_CHOICE(Enum, prefix, ...) \
-  template <>                               \
+#define SIGHTLINE_NAME_CHOICE(Enum, prefix, ...) \
+  template <>                                    \
   inline constexpr auto kChoices<sightline::Enum> = std::to_array<std::string_view>({__VA_ARGS__});
+#define SIGHTLINE_CHOICE SIGHTLINE_NAME_CHOICE
 #include "sightline/engine/internal/settings.inc"
 
 template <class Enum>

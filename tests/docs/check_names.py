@@ -16,6 +16,9 @@ import pathlib
 import re
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "cmake"))
+import settings  # noqa: E402
+
 SKIPPED = {".git", "build", "out", "node_modules", "__pycache__"}
 MADE = ("build/", "gpu-kit/")
 SOURCE = r"h|cpp|inc|glsl|vert|geom|frag|comp|py|pyi|sh|js|mjs|cmake|slurm"
@@ -74,8 +77,8 @@ def stale_paths(tree, page, text):
 def known_options(tree, tool):
     name = tool.removeprefix("sightline-")
     text = tree.text(f"apps/{name}.cpp", f"apps/{name}", *SHARED, *ELSEWHERE.get(tool, []))
-    settings = re.findall(r"^SIGHTLINE_\w*SETTING\([\w.]+, (\w+),", tree.text("engine/internal/settings.inc"), re.M)
-    return set(re.findall(r'"(--[a-z][a-z0-9-]+)', text)) | {"--" + setting.replace("_", "-") for setting in settings} | {"--help", "--help-all", "--version"}
+    listed = {"--" + setting.name.replace("_", "-") for setting in settings.read(tree.root / "engine/internal/settings.inc")[1]}
+    return set(re.findall(r'"(--[a-z][a-z0-9-]+)', text)) | listed | {"--help", "--help-all", "--version"}
 
 
 class Names:

@@ -14,6 +14,9 @@ import pathlib
 import re
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "cmake"))
+import settings  # noqa: E402
+
 # Names in C and Python of all members, "{}" being the member's.
 RULES = {
     "engine/engine.h": {
@@ -250,8 +253,6 @@ def of_python(root):
 # --- names -----------------------------------------------------------------------------------------------------------
 
 def filled(root, template):
-    sys.path.insert(0, str(root / "cmake"))
-    import settings
     return "\n".join(settings.fill(settings.Writer(root), (root / template).read_text()))
 
 
@@ -288,14 +289,13 @@ def unlisted_settings(root):
             yield from paths(GROUPS[field], f"{before}{field}.") if field in GROUPS else [before + field]
 
     for file, structs in SETTINGS.items():
-        listed = re.findall(r"^SIGHTLINE_\w*SETTING\(([\w.]+),", (root / file).read_text(), flags=re.M)
+        listed = [".".join(setting.path) for setting in settings.read(root / file)[1]]
         for path in {path: 0 for struct in structs for path in paths(struct)}:
             if path not in NO_SETTINGS and listed.count(path) != 1:
                 yield f"{path}: expected once in {file}, found {listed.count(path)} times"
 
 
 def old_tables(root):
-    import settings
     page = root / "docs/reference/options.md"
     if settings.with_table(settings.Writer(root), page.read_text()) != page.read_text():
         yield "docs/reference/options.md: run cmake/settings.py page . docs/reference/options.md --write"

@@ -7,6 +7,7 @@
 
 #include "sightline/bindings/c/internal/values.h"
 #include "sightline/engine/internal/choices.h"
+#include "sightline/engine/internal/settings.h"
 
 namespace sightline::capi {
 
@@ -38,6 +39,14 @@ void take(const char* name, const From& from, To& to) {
   } else {
     to = To(from);
   }
+}
+
+/// A setting that is refused where it is a number out of range.
+template <class From, class To>
+void take(const engine::SettingRange& range, const From& from, To& to) {
+  take(range.name, from, to);
+  if (!engine::check_range(range, to))
+    refuse(SL_ERROR_ARGUMENT, std::string("expected ") + range.name + " to be " + range.words);
 }
 
 /// A setting of C++ in C. Paths are left out.

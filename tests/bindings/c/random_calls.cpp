@@ -269,7 +269,7 @@ class Sequence {
       check(sl_box_culler_update_many(of, in_.one_in(16) ? nullptr : indices, from, used), of);
   }
 
-  /// A raster of occluders, from begin to end.
+  /// Queries of a culler.
   void ask_boxes(sl_box_culler of, const sl_box& box) {
     std::uint32_t indices[kRoom];
     sl_box_hit hits[kRoom];
@@ -281,6 +281,7 @@ class Sequence {
     check(sl_box_culler_nearest(of, box.max, hits, in_.below(kRoom), &count), of);
     check(sl_box_culler_along(of, sized(ray), hits, in_.below(kRoom), &count), of);
   }
+  /// A raster of occluders, from begin to end.
   void look_behind(sl_box_culler of, const sl_box* solids, std::size_t used) {
     sl_occluder_raster raster = {0};
     expect(sl_occluder_raster_create(&raster) == SL_OK, "a raster");
