@@ -1,4 +1,5 @@
-// What the viewer's commands, dialogs and panels do. All need an open model.
+// Declares what the viewer's commands, dialogs and panels do. Functions that take a session or the workspace are called
+// while a model is open, unless they check for it.
 #pragma once
 
 #include <optional>
@@ -24,6 +25,8 @@ Done toggle_part(const std::string& text, Session& session, Messages& messages);
 
 // Single sections. N: the number that the tab shows, from 1; without it the selected one.
 
+/// The index of what a number from 1 on names in a list.
+core::Expected<std::size_t> numbered(const char* what, const std::string& number, std::size_t count);
 /// Cuts away what lies in front of a face. Fails where there is none, or no room for another section.
 Done cut_at(const core::Expected<std::optional<engine::Pick>>& face, Session& session, Shown& shown);
 /// Cuts the model in halves across an axis.
@@ -46,7 +49,7 @@ Done save_views(const std::string& file, ViewList& views, Shown& shown, Messages
 /// Adds the views of a file to the list, which stays as it is where that fails.
 Done load_views(const std::string& file, ViewList& views, Shown& shown, Messages& messages);
 
-/// What is seen and shown, as a file for --view of other tools; without a name the next free one.
+/// Writes what is seen and shown to a file that --view of other tools reads; without a name, to the next free one.
 Done save_view(const std::string& file, Session& session, Messages& messages);
 /// Shows the view of a file, or adds its views to the list.
 Done load_view(const std::string& file, Session& session, ViewList& views, Shown& shown, Messages& messages);
@@ -70,7 +73,7 @@ Done set_slider(Workspace& work, const std::string& argument);
 /// For state_json(); null while nothing is compared.
 json::Value compare_json(const Session& session);
 
-/// What has changed, in words.
+/// Says in words what has changed.
 std::string summary(const ChangeList& changes);
 
 // Images, camera paths and frames of videos.
@@ -105,7 +108,7 @@ void exporting_window(Exports& exports);  ///< progress, and a button that cance
 Done export_model(Workspace& work, const std::string& file);
 Done export_selection(Workspace& work, const std::string& file);
 
-/// What the dialogs say beside the file.
+/// These two say, below the file's name in their dialogs, what will be written.
 void export_model_options(Workspace& work);
 void export_selection_options(Workspace& work);
 /// "plant" or "selection" in the format of what is open where that can be written.

@@ -1,5 +1,6 @@
 // The table of commands, in the order of menus and toolbar, and what they do.
 
+#include <type_traits>
 #include <vector>
 
 #include "sightline/apps/common/arguments.h"
@@ -166,13 +167,6 @@ Done copy_measurements(Workspace& work, const std::string&) {
   return {};
 }
 
-/// The index of what a number from 1 on names in a list.
-core::Expected<std::size_t> numbered(const char* what, const std::string& number, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i)
-    if (number == std::to_string(i + 1)) return i;
-  return core::fail(std::string("there is no ") + what + " " + number + ": there are " + std::to_string(count));
-}
-
 Done remove_measurement(const std::string& number, Session& session) {
   Measuring& measuring = session.measuring;
   return numbered("measurement", number, measuring.list().size()).map([&](std::size_t i) { measuring.remove(i); });
@@ -197,28 +191,23 @@ Done toggle_boxes(const std::string& state, CullingOverlay& culling) {
   return core::fail("boxes: expected inside, intersecting, outside, occluded or too_small, found \"" + state + "\"");
 }
 
-Done set_budget(const std::string& text, Session& session) {
-  const auto ms = parse_finite(text);
-  if (!ms) return tl::unexpected(ms.error());
-  return session.image.configure([&](engine::EngineConfig& config) { config.losses.budget_ms = *ms; });
-}
-
-Done set_min_projected_area(const std::string& text, Session& session) {
-  const auto pixels = parse_finite(text);
-  if (!pixels) return tl::unexpected(pixels.error());
-  return session.image.configure(
-      [&](engine::EngineConfig& config) { config.losses.min_projected_area = float(*pixels); });
+/// Sets one of EngineConfig::losses.
+template <auto kLoss>
+Done set_loss(const std::string& text, Session& session) {
+  return parse_finite(text).and_then([&](double number) {
+    return session.image.configure([&](engine::EngineConfig& config) {
+      auto& loss = config.losses.*kLoss;
+      loss = std::remove_reference_t<decltype(loss)>(number);
+    });
+  });
 }
 
 Done set_lod_error(Workspace& work, const std::string& text) {
-  const auto pixels = parse_finite(text);
-  return pixels ? work.set_motion_error(*pixels) : Done(tl::unexpected(pixels.error()));
+  return parse_finite(text).and_then([&](double pixels) { return work.set_motion_error(pixels); });
 }
 
 Done toggle_levels(Workspace& work, const std::string&) {
-  work.shown.levels = !work.shown.levels;
-  return work.session ? work.session->image.set_motion_error(work.shown.levels ? work.image.motion_error : 0.0)
-                      : Done();
+  return work.set_motion_error(work.shown.levels ? 0.0 : work.image.motion_error);
 }
 
 Done toggle_theme(Workspace& work, const std::string&) {
@@ -410,9 +399,9 @@ const Command kView[] = {
     {"cull-hybrid", "View/Diagnostics", "Where it costs less", "Alt+3", "cull where it costs less (hybrid)",
      with<cull<CullerChoice::kHybrid>>, culls<CullerChoice::kHybrid>},
     {"budget", nullptr, "", "", "milliseconds that a frame may take while the view moves; 0: any: MS",
-     with<set_budget>},
+     with<set_loss<&engine::LossConfig::budget_ms>>},
     {"min-projected-area", nullptr, "", "", "leave out what covers fewer pixels; 0: nothing: PX",
-     with<set_min_projected_area>},
+     with<set_loss<&engine::LossConfig::min_projected_area>>},
 };
 
 const Command kSection[] = {

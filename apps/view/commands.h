@@ -25,7 +25,7 @@ struct Command {
 
   void bind();
   bool needs_model() const { return need != nullptr; }
-  /// What keeps it from having an effect, for the user; null: nothing.
+  /// Returns what keeps it from having an effect, in words for the user; null where nothing does.
   const char* obstacle_now(Workspace& work) const { return need ? missing(*need, work) : nullptr; }
 };
 

@@ -1,9 +1,9 @@
 #include <filesystem>
 #include <optional>
-#include <utility>
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/view/actions.h"
+#include "sightline/apps/view/needs.h"
 
 namespace sightline::apps {
 namespace {
@@ -13,7 +13,7 @@ using Json = json::Value;
 
 core::Expected<ChangeList*> changes_of(Session& session) {
   ChangeList* changes = session.changes();
-  return changes ? core::Expected<ChangeList*>(changes) : core::fail("compare with an older revision first");
+  return changes ? core::Expected<ChangeList*>(changes) : core::fail(needs::kComparison.missing);
 }
 
 Done step(Session& session, int by) {

@@ -1,7 +1,6 @@
 // Images that take a while: drawn in short steps, so that the window stays alive.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>

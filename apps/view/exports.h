@@ -1,4 +1,4 @@
-// What the viewer writes beside its window: images and frames in short steps, models in the background.
+// Writes files while the viewer's window goes on: images and frames in short steps, models in the background.
 #pragma once
 
 #include <memory>

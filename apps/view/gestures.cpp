@@ -89,7 +89,7 @@ void Gestures::handle(const Event& event) {
 void Gestures::drop(const std::vector<std::string>& files) {
   const bool view = files.size() == 1 && (files[0].ends_with(".json") || is_bcf(files[0]));
   if (!view) return work_.open(files);
-  if (!work_.session) return work_.messages.tell("open a model first", true);
+  if (const char* why = missing(needs::kModel, work_)) return work_.messages.tell(why, true);
   work_.messages.tell_outcome(load_view(files[0], *work_.session, work_.views, work_.shown, work_.messages));
 }
 

@@ -25,6 +25,13 @@ ImageLoop::ImageLoop(const ViewerOptions& options, Window& window, double scale)
   looks_.hatching.spacing = float(kHatching.spacing * std::max(1.0, scale));
 }
 
+engine::Looks ImageLoop::looks(const Shown& shown) const {
+  engine::Looks looks = looks_;
+  if (!shown.depth_shading) looks.depth_shading = {};
+  if (!shown.hatching) looks.hatching = {};
+  return looks;
+}
+
 engine::EngineConfig ImageLoop::config(const Shown& shown) const {
   engine::EngineConfig config;
   config.draw = true;
@@ -32,20 +39,15 @@ engine::EngineConfig ImageLoop::config(const Shown& shown) const {
   config.culling.gpu_variant = options_.gpu_variant;
   config.drawing.samples = options_.samples;
   options_.shown.apply(config);
-  config.losses.lod_error = shown.levels ? motion_error : 0.0;
-  config.drawing.looks = looks_;
-  if (!shown.depth_shading) config.drawing.looks.depth_shading = {};
-  if (!shown.hatching) config.drawing.looks.hatching = {};
+  config.losses.lod_error = error_in_motion(shown);
+  config.drawing.looks = looks(shown);
   config.drawing.culled_colour = kCulledColour;
   config.context.later = true;
   return config;
 }
 
 Done ImageLoop::apply_styles(Session& session, const Shown& shown) const {
-  return session.image.configure([&](engine::EngineConfig& config) {
-    config.drawing.looks.depth_shading = shown.depth_shading ? looks_.depth_shading : engine::DepthShading();
-    config.drawing.looks.hatching = shown.hatching ? looks_.hatching : engine::Hatching();
-  });
+  return session.image.configure([&](engine::EngineConfig& config) { config.drawing.looks = looks(shown); });
 }
 
 Done ImageLoop::begin(Session& session, const Shown& shown) {
@@ -55,7 +57,7 @@ Done ImageLoop::begin(Session& session, const Shown& shown) {
       shown.depth_shading != config.drawing.looks.depth_shading.any() ||
       shown.hatching != config.drawing.looks.hatching.any())  // switched meanwhile
     if (auto done = apply_styles(session, shown); !done) return done;
-  const double error = shown.levels ? motion_error : 0.0;
+  const double error = error_in_motion(shown);
   return error == session.image.motion_error() ? Done() : session.image.set_motion_error(error);
 }
 

@@ -1,7 +1,6 @@
 // Brings the session's images into the window: at less quality while the view moves, and smooth at rest.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -22,7 +21,7 @@ struct FrameFigures {
 
 class ImageLoop {
  public:
-  /// `scale`: of text and lines in the window, which must outlive this.
+  /// Options and window must outlive this. `scale`: of text and lines in the window.
   ImageLoop(const ViewerOptions& options, Window& window, double scale);
 
   /// The configuration of the images; their context and size come later.
@@ -49,11 +48,13 @@ class ImageLoop {
   double motion_error;  ///< pixels, of meshes while the view moves and Settings::levels is on
 
  private:
+  engine::Looks looks(const Shown& shown) const;
+  double error_in_motion(const Shown& shown) const { return shown.levels ? motion_error : 0.0; }
   Done adapt_to_motion(Session& session, const Shown& shown, double frame_seconds);
   Done show(Session& session, const Shown& shown);
   void note_image(const Session& session);
 
-  ViewerOptions options_;
+  const ViewerOptions& options_;
   Window& window_;
   engine::Looks looks_;              // with shading and hatching also while these are off
   bool keeps_moving_image_ = false;  // the window shows it until the image at rest is complete

@@ -1,6 +1,5 @@
 #include "sightline/apps/view/model_export.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "sightline/apps/common/item_copier.h"

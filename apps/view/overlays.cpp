@@ -6,9 +6,10 @@
 #include <imgui.h>
 
 #include "sightline/apps/common/label_placement.h"
-#include "sightline/apps/view/overlay.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
+#include "sightline/apps/view/window.h"
+#include "sightline/core/view.h"
 
 namespace sightline::apps {
 namespace {
@@ -18,6 +19,31 @@ constexpr float kMarkRadius = 5.0f, kPadding = 3.0f, kWide = 2.0f;  // pixels of
 constexpr float kLinePixels = 2.5f, kRimPixels = 1.5f;
 const ImVec4 kColour{1.0f, 0.62f, 0.1f, 1.0f}, kAimed{1.0f, 0.95f, 0.55f, 1.0f}, kRim{0.05f, 0.05f, 0.05f, 0.9f};
 const ImVec4 kArea{1.0f, 0.62f, 0.1f, 0.14f}, kShade{0.0f, 0.0f, 0.0f, 0.75f}, kWhite{1.0f, 1.0f, 1.0f, 1.0f};
+
+/// Points and lines of the model over the image, in pixels of the window. Draws below panels, menus and dialogs, and
+/// within the image.
+class Overlay {
+ public:
+  /// `part`: where the image is. Until the destructor, drawing is clipped to it.
+  Overlay(const core::View& view, const Part& part);
+  ~Overlay();
+  Overlay(const Overlay&) = delete;
+  Overlay& operator=(const Overlay&) = delete;
+
+  ImDrawList& list() { return list_; }
+  /// None behind the eye.
+  std::optional<ImVec2> at(const core::dvec3& point) const;
+  /// The part of a line that lies before the eye.
+  void line(const core::dvec3& a, const core::dvec3& b, ImU32 colour, float pixels);
+
+ private:
+  ImVec2 pixels(const core::dvec4& clip) const;
+
+  core::dmat4 clip_from_world_;
+  Part part_;
+  double window_height_;
+  ImDrawList& list_;
+};
 
 /// Draws one section's handles. Every part has a dark rim, so that it shows on any image.
 class Pen {
@@ -105,8 +131,8 @@ void name(ImDrawList& list, const char* which, const std::string& file, float be
   const float x = at_end ? std::max(begin + margin, end - margin - size.x) : begin + margin, y = top + margin;
   list.PushClipRect({begin, top}, {end, y + size.y + margin}, true);
   list.AddRectFilled({x - padding, y - padding}, {x + size.x + padding, y + size.y + padding},
-                     ImGui::GetColorU32({0, 0, 0, 0.75f}), padding);
-  list.AddText({x, y}, ImGui::GetColorU32({1, 1, 1, 1}), text.c_str());
+                     ImGui::GetColorU32(kShade), padding);
+  list.AddText({x, y}, ImGui::GetColorU32(kWhite), text.c_str());
   list.PopClipRect();
 }
 
@@ -167,7 +193,7 @@ void measure_overlay(Workspace& work, const Part& part) {
   ImDrawList& list = overlay.list();
   const float scale = float(work.gui.scale()), radius = scale * kMarkRadius, padding = scale * kPadding,
               wide = scale * kWide;
-  const ImU32 colour = ImGui::GetColorU32({0.95f, 0.45f, 0.05f, 1.0f}), shade = ImGui::GetColorU32({0, 0, 0, 0.75f});
+  const ImU32 colour = ImGui::GetColorU32({0.95f, 0.45f, 0.05f, 1.0f}), shade = ImGui::GetColorU32(kShade);
   const auto screen = [&](const core::dvec3& point) { return overlay.at(point); };
   const Measuring& measuring = session->measuring;
   const double left = part.x, top = double(ImGui::GetIO().DisplaySize.y) - part.y - part.height;
@@ -181,7 +207,7 @@ void measure_overlay(Workspace& work, const Part& part) {
         labels.place(double(at.x), double(at.y), double(size.x + 2.0f * padding), double(size.y + 2.0f * padding));
     const ImVec2 from(float(place.left), float(place.top)), to(float(place.right), float(place.bottom));
     list.AddRectFilled(from, to, shade);
-    list.AddText({from.x + padding, from.y + padding}, ImGui::GetColorU32({1, 1, 1, 1}), words.c_str());
+    list.AddText({from.x + padding, from.y + padding}, ImGui::GetColorU32(kWhite), words.c_str());
   };
   for (const Measuring::Mark& one : measuring.marks())
     if (const auto at = screen(one.snap.point)) {
@@ -202,7 +228,7 @@ void measure_overlay(Workspace& work, const Part& part) {
   if (aimed) text(*aimed, work.gestures.aimed()->words);
 }
 
-void section_overlay(Workspace& work, const apps::Part& part) {
+void section_overlay(Workspace& work, const Part& part) {
   if (!work.gestures.shows_section_handles()) return;
   box_edges(*work.session, part);
   const core::dvec2 corner(part.x, double(ImGui::GetIO().DisplaySize.y) - part.y - part.height);
@@ -238,7 +264,7 @@ void slider_overlay(Workspace& work, const Part& part) {
               middle = top + 0.5f * float(part.height), grip = kGripLines * font;
   const bool held = work.gestures.over_slider();
   const ImU32 shade = ImGui::GetColorU32({0, 0, 0, 0.6f}),
-              colour = held ? ImGui::GetColorU32({1.0f, 0.6f, 0.1f, 1.0f}) : ImGui::GetColorU32({1, 1, 1, 1});
+              colour = held ? ImGui::GetColorU32({1.0f, 0.6f, 0.1f, 1.0f}) : ImGui::GetColorU32(kWhite);
   const float wide = std::max(1.0f, kLineLines * font);
   list.AddLine({x, top}, {x, top + float(part.height)}, shade, wide + 2.0f);
   list.AddLine({x, top}, {x, top + float(part.height)}, colour, wide);

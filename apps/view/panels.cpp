@@ -1,7 +1,6 @@
 #include "sightline/apps/view/panels.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -14,7 +14,7 @@ Margins margins(const Shown& shown);
 void menu_bar(Workspace& work);
 void toolbar(Workspace& work);
 float toolbar_height();              ///< pixels
-void context_menu(Workspace& work);  ///< of the right mouse button, once Viewer::Shown::context says so
+void context_menu(Workspace& work);  ///< of the right mouse button, once Shown::context says so
 void tree_panel(Workspace& work);    ///< search and tree
 void side_panel(Workspace& work);    ///< has the tabs
 void splitters(Shown& shown);        ///< the panels' inner edges, which can be dragged

@@ -11,7 +11,7 @@ namespace {
 std::vector<core::ItemId> items_below_all(const std::vector<core::NodeId>& nodes, const core::Scene& scene) {
   std::vector<core::ItemId> items;
   for (const core::NodeId node : nodes) {
-    const std::vector<core::ItemId> below = apps::items_below(scene, node);
+    const std::vector<core::ItemId> below = items_below(scene, node);
     items.insert(items.end(), below.begin(), below.end());
   }
   core::sort_unique(items);

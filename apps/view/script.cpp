@@ -1,6 +1,5 @@
 #include "sightline/apps/view/script.h"
 
-#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <map>

@@ -1,18 +1,15 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/view/actions.h"
+#include "sightline/apps/view/needs.h"
 
 namespace sightline::apps {
 namespace {
 
 core::Expected<std::size_t> section_named(const Sections& sections, const std::string& number) {
   const std::size_t count = sections.all().size();
-  if (number.empty()) {
-    if (sections.selected() && *sections.selected() < count) return *sections.selected();
-    return core::fail("select a section first, in the tab Sections or by its handle");
-  }
-  for (std::size_t i = 0; i < count; ++i)
-    if (number == std::to_string(i + 1)) return i;
-  return core::fail("there is no section " + number + ": there are " + std::to_string(count));
+  if (!number.empty()) return numbered("section", number, count);
+  if (sections.selected() && *sections.selected() < count) return *sections.selected();
+  return core::fail(needs::kSection.missing);
 }
 
 /// Shows and selects the section that was added last.
@@ -24,6 +21,12 @@ Done added(bool done, Sections& sections, Shown& shown) {
 }
 
 }  // namespace
+
+core::Expected<std::size_t> numbered(const char* what, const std::string& number, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (number == std::to_string(i + 1)) return i;
+  return core::fail(std::string("there is no ") + what + " " + number + ": there are " + std::to_string(count));
+}
 
 Done cut_at(const core::Expected<std::optional<engine::Pick>>& face, Session& session, Shown& shown) {
   if (!face) return tl::unexpected(face.error());

@@ -1,6 +1,5 @@
 #include "sightline/apps/view/session_image.h"
 
-#include <algorithm>
 #include <tuple>
 #include <utility>
 

@@ -62,7 +62,6 @@ TEST_F(ViewScript, WhatIsUnderTheCursorFollowsTheCamera) {
       {boxes(), "--size", kSize, "--no-panels"});
 }
 
-/// Nor is a tooltip left of an item that was hidden.
 /// In two rows where the panel is narrow. A tab that goes leaves the first one in front.
 TEST_F(ViewScript, AllTabsAreReached) {
   const std::string model = boxes();
