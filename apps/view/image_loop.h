@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "sightline/apps/view/messages.h"
 #include "sightline/apps/view/motion_resolution.h"
 #include "sightline/apps/view/session.h"
 #include "sightline/apps/view/shown.h"

@@ -132,7 +132,8 @@ TEST_F(MpiRender, AnErrorIsToldOnceAndEndsAll) {
                          [&](const std::string& line) { return line.rfind("sightline-" + tool + ": ", 0) == 0; });
   };
   for (const char* tool : {"render", "replay"}) {
-    const Outcome outcome = mpirun(3, tool, {path("missing.rvm")});
+    const Args output = {tool == std::string("render") ? "--out" : "--images", path("a.png")};
+    const Outcome outcome = mpirun(3, tool, joined({path("missing.rvm")}, output));
     EXPECT_NE(outcome.code, 0) << outcome;
     EXPECT_EQ(lines(outcome, tool), 1) << outcome;
     EXPECT_NE(outcome.err.find("missing.rvm"), std::string::npos) << outcome;
