@@ -12,12 +12,14 @@ namespace sightline::importers {
 namespace {
 
 /// All items below the node, and the size of the file.
-core::Expected<WriteReport> whole(const core::Expected<void>& done, const core::Scene& scene,
+core::Expected<WriteReport> whole(const core::Expected<void>& done, const core::Scene& scene, core::NodeId top,
                                   const std::filesystem::path& path) {
   if (!done) return tl::unexpected(done.error());
   WriteReport written;
-  for (core::ItemId item{0}; to_index(item) < scene.item_slots(); ++item)
-    if (scene.contains_item(item)) ++written.items[std::size_t(scene.kind(item))];
+  scene.for_each_node(top, [&](core::NodeId node, const auto&...) {
+    for (core::ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item))
+      ++written.items[std::size_t(scene.kind(item))];
+  });
   std::error_code ignored;
   written.bytes = std::filesystem::file_size(path, ignored);
   return written;
@@ -53,9 +55,10 @@ core::Expected<WriteReport> write_file(const core::Scene& scene, core::NodeId no
   if (options.tiles) return write_tiles_of(scene, node, path, options);
   const auto& [tolerance, collections, tiles, compress, levels, report, progress] = options;
   const std::string extension = lower_case_extension(path);
-  if (extension == ".rvm") return whole(write_rvm(scene, node, path, progress), scene, path);
+  if (extension == ".rvm") return whole(write_rvm(scene, node, path, progress), scene, node, path);
   if (extension == ".slc")
-    return whole(write_slc(scene, path, {.report = report, .levels = levels, .progress = progress}), scene, path);
+    return whole(write_slc(scene, path, {.report = report, .levels = levels, .progress = progress}), scene,
+                 scene.root(), path);
   if (extension == ".obj")
     return tessellated(write_obj(scene, node, path, {.tolerance = tolerance, .progress = progress}));
   if (extension == ".glb" || extension == ".gltf")

@@ -10,6 +10,7 @@
 
 #include "sightline/importers/rvm/internal/rvm_output.h"
 #include "sightline/importers/rvm/internal/rvm_reader.h"
+#include "sightline/importers/write_file.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/support/test_data.h"
@@ -213,6 +214,21 @@ TEST(RvmWriter, FilesAreReplacedWholeOrNotAtAll) {
   EXPECT_FALSE(write_rvm(scene, group, folder));
   EXPECT_FALSE(write_rvm(scene, group, folder / "nowhere" / "out.rvm"));
   std::filesystem::remove_all(folder);
+}
+
+/// The report of a part speaks of the part, not of the scene around it.
+TEST(RvmWriter, ReportsCountWhatIsBelowTheNode) {
+  Scene scene;
+  const NodeId part = scene.add_node(scene.root()), below = scene.add_node(part);
+  const core::Cylinder cylinder{0.5f, 2.0f};
+  for (const NodeId node : {part, below, scene.add_node(scene.root())}) scene.add_primitive(node, cylinder);
+  const auto path = std::filesystem::path(testing::TempDir()) / "part.rvm";
+  const auto written = write_file(scene, part, path);
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_EQ(written->items[std::size_t(core::Kind::kCylinder)], 2u);
+  const auto all = write_file(scene, part, path.string() + ".slc");
+  ASSERT_TRUE(all) << all.error().message;
+  EXPECT_EQ(all->items[std::size_t(core::Kind::kCylinder)], 3u);
 }
 
 TEST(RvmWriter, OffsetsEndAt4GiB) {
