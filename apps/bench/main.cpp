@@ -28,6 +28,7 @@ constexpr bench::Subcommand kSubcommands[] = {
      bench::add_contribution},
     {"lod", "error of meshes drawn by levels of detail against the time of a frame, beside other ways to draw less",
      bench::add_lod},
+    {"motion", "images of a moving camera within a time: error and gaps against what they take", bench::add_motion},
 #endif
 };
 

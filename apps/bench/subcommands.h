@@ -22,5 +22,6 @@ Run add_error_time(apps::CommandLine& line);
 Run add_frames(apps::CommandLine& line);
 Run add_hybrid(apps::CommandLine& line);
 Run add_lod(apps::CommandLine& line);
+Run add_motion(apps::CommandLine& line);
 
 }  // namespace sightline::bench

@@ -1,0 +1,371 @@
+// sightline-bench motion: what the images of a moving camera lack, and what they take. The camera walks at 1.5 m/s,
+// flies at 15 m/s, and orbits the model in four seconds; a frame shows where it is a 30th of a second later, whatever
+// the frame before took. Some frames are compared with the complete image of their view, and so is the next one, since
+// an error that changes between them flickers.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sightline/apps/bench/harness.h"
+#include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/bench/subcommands.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/drawn_variant.h"
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
+#include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/svg_plot.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/engine.h"
+#include "sightline/engine/tour.h"
+#include "sightline/importers/json/internal/json.h"
+#include "sightline/render/image/image_metrics.h"
+
+namespace sightline::bench::motion_bench {
+namespace {
+
+using Json = json::Value;
+using apps::DrawnImage;
+using engine::Engine;
+
+constexpr double kFrameSeconds = 1.0 / 30.0;
+constexpr double kOrbitSeconds = 4.0;
+constexpr int kStretches = 4;  // of the tour, evenly spaced, that a flight along it consists of
+constexpr int kNear = 2;       // pixels within which an item counts as shown
+
+struct Options {
+  apps::ModelOptions model;
+  std::uint64_t items = 0;
+  int frames = 40, every = 10;
+  double budget_ms = 33.0, lod_error = 0.0;
+  gl::ContextPlatform platform = {};
+  std::string size = "1280x720", json, plot, images;
+  std::vector<std::string> ways{"budget", "points", "complete"};
+};
+
+/// A way to draw a moving image.
+struct Way {
+  const char *name, *title;
+  bool budget = true;
+  engine::ContributionMode mode = engine::ContributionMode::kDrop;
+};
+constexpr Way kWays[] = {
+    {"budget", "within the budget"},
+    {"points", "within the budget, with points", true, engine::ContributionMode::kPoints},
+    {"complete", "complete", false},
+};
+
+std::vector<std::string> way_names() {
+  std::vector<std::string> names;
+  for (const Way& way : kWays) names.emplace_back(way.name);
+  return names;
+}
+
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  line.add("--items", o.items, "Items of a generated plant, in place of a model").in_range(1000, 10000000);
+  add_frames_option(line, o.frames, kStretches);
+  line.add("--every", o.every, "Compare every so-manieth frame and the next with the complete image")
+      .in_range(2, 1000)
+      .shows_default();
+  line.add("--budget", o.budget_ms, "Milliseconds for a frame").shows_default().positive();
+  line.add("--lod-error", o.lod_error, "Pixels within which meshes are drawn by levels of detail")
+      .accepted_by(apps::parse_finite)
+      .in_range(0.0, 64.0);
+  line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
+  line.add("--ways", o.ways, "Ways to draw moving images, beside each other")
+      .separated_by(',')
+      .one_value_each()
+      .one_of(way_names())
+      .shows_default();
+  line.add("--images", o.images, "Write compared frames and their complete images to this folder").metavar("FOLDER");
+  line.add("--plot", o.plot, "Write a plot of error against time to FILE.svg").metavar("FILE");
+  apps::add_context_option(line, o.platform);
+  apps::add_json_option(line, o.json);
+  line.check([&o]() -> core::Expected<void> {
+    if (o.model.files.empty() && o.items == 0) return core::fail("MODEL or --items is required");
+    return {};
+  });
+  line.examples(
+      "  sightline-bench motion plant.rvm --plot motion.svg\n"
+      "  sightline-bench motion --items 1000000 --budget 33 --ways budget,complete --images frames");
+}
+
+// --- flights ---------------------------------------------------------------------------------------------------------
+
+struct Flight {
+  std::string name;
+  std::vector<core::View> views;
+  std::vector<bool> begins;  // a stretch of the flight: the view jumps
+};
+
+class Flights {
+ public:
+  Flights(const core::Snapshot& snapshot, double aspect, int frames)
+      : fitted_(snapshot.bounds().fitted_bounds()),
+        path_(engine::make_tour(snapshot.bounds(), fitted_)),
+        aspect_(aspect),
+        frames_(frames) {}
+
+  core::Expected<Flight> along_tour(const std::string& name, double metres_per_second) const {
+    Flight flight{name, {}, {}};
+    const int each = std::max(1, frames_ / kStretches);
+    for (int stretch = 0; stretch < kStretches; ++stretch) {
+      double time = path_.time_of(stretch, kStretches);
+      for (int i = 0; i < each; ++i) {
+        if (auto done = add(flight, path_.sample(time), i == 0); !done) return tl::unexpected(done.error());
+        time += std::min(kFrameSeconds, kFrameSeconds * metres_per_second / std::max(speed(time), 1e-3));
+      }
+    }
+    return flight;
+  }
+
+  /// Round the model, in so many frames as the four seconds have, from one place on.
+  core::Expected<Flight> orbit() const {
+    Flight flight{"orbit in 4 s", {}, {}};
+    const core::CameraSample first = path_.sample(path_.begin());
+    const core::dvec3 centre = fitted_.bounds.centre(), arm = first.pose.eye - centre;
+    for (int i = 0; i < frames_; ++i) {
+      const double angle = 2.0 * 3.14159265358979324 * double(i) * kFrameSeconds / kOrbitSeconds;
+      const double c = std::cos(angle), s = std::sin(angle);
+      core::CameraSample sample = first;
+      sample.pose.eye = centre + core::dvec3(c * arm.x - s * arm.y, s * arm.x + c * arm.y, arm.z);
+      sample.pose.target = centre;
+      if (auto done = add(flight, sample, i == 0); !done) return tl::unexpected(done.error());
+    }
+    return flight;
+  }
+
+ private:
+  /// Of the eye on the tour, metres a second.
+  double speed(double time) const {
+    constexpr double kStep = 1e-3;
+    return glm::length(path_.sample(time + kStep).pose.eye - path_.sample(time).pose.eye) / kStep;
+  }
+  core::Expected<void> add(Flight& flight, const core::CameraSample& at, bool begins) const {
+    auto view = core::View::perspective(at.pose, at.fovy, aspect_, path_.near);
+    if (!view) return tl::unexpected(view.error());
+    flight.views.push_back(*view);
+    flight.begins.push_back(begins);
+    return {};
+  }
+
+  core::FittedBounds fitted_;
+  core::CameraPath path_;
+  double aspect_;
+  int frames_;
+};
+
+// --- errors ----------------------------------------------------------------------------------------------------------
+
+/// Of a moving image against the complete one.
+struct Errors {
+  double covered = 1.0;     // share of the pixels with an item that show any
+  double right_item = 1.0;  // share of them whose item the moving image shows within kNear pixels
+  double flip = 0.0;        // mean
+};
+
+bool shows_near(const image::IdImage& ids, std::uint32_t id, int x, int y) {
+  for (int v = std::max(0, y - kNear); v <= std::min(ids.height - 1, y + kNear); ++v)
+    for (int u = std::max(0, x - kNear); u <= std::min(ids.width - 1, x + kNear); ++u)
+      if (ids.ids[std::size_t(v) * std::size_t(ids.width) + std::size_t(u)] == id) return true;
+  return false;
+}
+
+Errors errors_of(const DrawnImage& complete, const DrawnImage& moving) {
+  std::uint64_t pixels = 0, covered = 0, right = 0;
+  for (int y = 0; y < complete.ids.height; ++y)
+    for (int x = 0; x < complete.ids.width; ++x) {
+      const std::size_t at = std::size_t(y) * std::size_t(complete.ids.width) + std::size_t(x);
+      const std::uint32_t id = complete.ids.ids[at];
+      if (id == 0) continue;
+      ++pixels;
+      covered += std::uint64_t(moving.ids.ids[at] != 0);
+      right += std::uint64_t(moving.ids.ids[at] == id || shows_near(moving.ids, id, x, y));
+    }
+  Errors errors;
+  if (pixels > 0) errors = {double(covered) / double(pixels), double(right) / double(pixels), 0.0};
+  const std::vector<float> map = image::flip(complete.colour, moving.colour);
+  for (const float error : map) errors.flip += double(error) / double(map.size());
+  return errors;
+}
+
+/// By how much the error of a channel changes from one frame to the next, mean, in 255ths.
+double flicker(const std::array<DrawnImage, 2>& complete, const std::array<DrawnImage, 2>& moving) {
+  double sum = 0.0;
+  const std::size_t channels = complete[0].colour.pixels.size();
+  for (std::size_t i = 0; i < channels; ++i) {
+    const auto error = [&](std::size_t which) {
+      return int(moving[which].colour.pixels[i]) - int(complete[which].colour.pixels[i]);
+    };
+    sum += std::abs(error(1) - error(0));
+  }
+  return sum / double(channels);
+}
+
+// --- measuring -------------------------------------------------------------------------------------------------------
+
+struct Measured {
+  std::vector<double> ms, pending, covered, right_item, flip, flicker;
+};
+
+class Bench {
+ public:
+  Bench(core::Scene& scene, const Options& o, Engine complete)
+      : scene_(scene), options_(o), complete_(std::move(complete)) {}
+
+  /// Flies with an engine of its own, so that it knows nothing of other flights.
+  core::Expected<Measured> fly(const Flight& flight, const Way& way) {
+    auto moving = make_engine(scene_, options_, &way);
+    if (!moving) return tl::unexpected(moving.error());
+    // A first frame, of another view, compiles programs.
+    if (auto warm = moving->frame(flight.views.back()); !warm) return tl::unexpected(warm.error());
+    moving->finish();
+    Measured measured;
+    std::array<DrawnImage, 2> images, complete;
+    for (std::size_t i = 0; i < flight.views.size(); ++i) {
+      const double begin = milliseconds();
+      const auto report = moving->frame(flight.views[i]);
+      if (!report) return tl::unexpected(report.error());
+      if (!report->drawn) return core::fail("the GL context was lost");
+      moving->finish();
+      measured.ms.push_back(milliseconds() - begin);
+      measured.pending.push_back(double(report->pending));
+      const std::size_t phase = i % std::size_t(options_.every);
+      if (phase > 1 || (phase == 0 && i + 1 == flight.views.size())) continue;
+      if (auto done = compare(*moving, flight, i, way, images[phase], complete[phase], measured); !done)
+        return tl::unexpected(done.error());
+      if (phase == 1 && !flight.begins[i]) measured.flicker.push_back(flicker(complete, images));
+    }
+    return measured;
+  }
+
+  static core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, const Way* way) {
+    const auto [width, height] = *apps::parse_size(o.size);
+    engine::EngineConfig config = drawing_config(width, height, o.platform);
+    if (way && way->budget) {
+      config.losses = {.contribution_mode = way->mode, .budget_ms = o.budget_ms, .lod_error = o.lod_error};
+    }
+    return Engine::create(scene, config);
+  }
+
+ private:
+  core::Expected<void> compare(Engine& moving, const Flight& flight, std::size_t i, const Way& way, DrawnImage& image,
+                               DrawnImage& complete, Measured& measured) {
+    const core::View& view = flight.views[i];
+    if (auto drawn = complete_.frame(view); !drawn) return tl::unexpected(drawn.error());
+    for (auto [engine, into] : {std::pair(&moving, &image), std::pair(&complete_, &complete)}) {
+      auto read = apps::read_image(*engine, view);
+      if (!read) return tl::unexpected(read.error());
+      *into = std::move(*read);
+    }
+    const Errors errors = errors_of(complete, image);
+    measured.covered.push_back(errors.covered);
+    measured.right_item.push_back(errors.right_item);
+    measured.flip.push_back(errors.flip);
+    if (options_.images.empty()) return {};
+    if (auto made = apps::make_directory(options_.images); !made) return made;
+    const std::string stem =
+        options_.images + "/" + flight.name.substr(0, flight.name.find(' ')) + "-" + std::to_string(i) + "-";
+    if (auto done = image::write_png(image.colour, stem + way.name + ".png"); !done) return done;
+    return image::write_png(complete.colour, stem + "whole.png");
+  }
+
+  core::Scene& scene_;
+  const Options& options_;
+  Engine complete_;
+};
+
+double least(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : *std::min_element(values.begin(), values.end());
+}
+
+Json to_json(const Flight& flight, const Way& way, const Measured& m) {
+  return {{"flight", flight.name},
+          {"way", way.name},
+          {"title", way.title},
+          {"ms", apps::to_json(apps::summarise(m.ms))},
+          {"first_ms", m.ms.front()},
+          {"covered", apps::summarise(m.covered).mean},
+          {"covered_least", least(m.covered)},
+          {"right_item", apps::summarise(m.right_item).mean},
+          {"flip", apps::summarise(m.flip).mean},
+          {"flicker", apps::summarise(m.flicker).mean},
+          {"pending", apps::summarise(m.pending).mean}};
+}
+
+/// A table that is also Markdown.
+void print(const Json& json, std::FILE* out) {
+  std::fprintf(out,
+               "| flight | way | ms, median | 99 %% | first | covered, mean | least | right item | FLIP | flicker | "
+               "pending |\n| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n");
+  for (const Json& row : json["rows"]) {
+    const auto number = [&](const char* of) { return row[of].get<double>(); };
+    std::fprintf(out, "| %s | %s | %.1f | %.1f | %.1f | %.4f | %.4f | %.3f | %.3f | %.2f | %.0f |\n",
+                 row["flight"].get<std::string>().c_str(), row["way"].get<std::string>().c_str(),
+                 row["ms"]["median"].get<double>(), row["ms"]["p99"].get<double>(), number("first_ms"),
+                 number("covered"), number("covered_least"), number("right_item"), number("flip"), number("flicker"),
+                 number("pending"));
+  }
+}
+
+core::Expected<void> plot(const std::string& file, const Json& rows) {
+  apps::PanelPlot plot{.title = "Moving images",
+                       .x_label = "milliseconds a frame, median",
+                       .y_label = "mean FLIP against the complete image"};
+  for (const Json& row : rows) {
+    const std::string flight = row["flight"].get<std::string>();
+    if (plot.panels.empty() || plot.panels.back().title != flight) plot.panels.push_back({flight, {}});
+    plot.panels.back().series.push_back(
+        {row["title"].get<std::string>(),
+         {{row["ms"]["median"].get<double>(), row["flip"].get<double>(), row["way"].get<std::string>()}}});
+  }
+  return apps::write_text(file, apps::svg_panels(plot));
+}
+
+core::Expected<int> run(const Options& o) {
+  auto model = model_or_plant(o.model, o.items);
+  if (!model) return tl::unexpected(model.error());
+  auto complete = Bench::make_engine(**model, o, nullptr);
+  if (!complete) return tl::unexpected(complete.error());
+  const core::Snapshot& snapshot = complete->snapshot();
+  const auto [width, height] = *apps::parse_size(o.size);
+  const Flights from(snapshot, double(width) / height, o.frames);
+  std::vector<Flight> flights;
+  for (auto flight : {from.along_tour("tour at 1.5 m/s", 1.5), from.along_tour("tour at 15 m/s", 15.0), from.orbit()}) {
+    if (!flight) return tl::unexpected(flight.error());
+    flights.push_back(std::move(*flight));
+  }
+  const gl::Context& context = complete->drawing()->context();
+  Json json = renderer_json(context);
+  json.update({{"items", snapshot.size()}, {"size", o.size}, {"budget_ms", o.budget_ms}, {"rows", Json::array()}});
+  std::fprintf(apps::table_stream(o.json), "%s, %s, budget %g ms, %s\n\n", engine::count_text(snapshot.size()).c_str(),
+               o.size.c_str(), o.budget_ms, renderer_line(context).c_str());
+  Bench bench(**model, o, std::move(*complete));
+  apps::Progress progress("measuring", flights.size() * o.ways.size());
+  for (const Flight& flight : flights)
+    for (const Way& way : kWays) {
+      if (std::ranges::count(o.ways, way.name) == 0) continue;
+      const auto measured = bench.fly(flight, way);
+      if (!measured) return tl::unexpected(measured.error());
+      json["rows"].push_back(to_json(flight, way, *measured));
+      progress.advance(json["rows"].size());
+    }
+  if (!o.plot.empty())
+    if (auto done = plot(o.plot, json["rows"]); !done) return tl::unexpected(done.error());
+  return finish(o.json, json, print);
+}
+
+}  // namespace
+}  // namespace sightline::bench::motion_bench
+
+sightline::bench::Run sightline::bench::add_motion(apps::CommandLine& line) {
+  using namespace motion_bench;
+  return add_subcommand<Options>(line, add_options, run);
+}
