@@ -176,6 +176,7 @@ Json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                              {"below_min_area", f.report.below_min_area},
                              {"pending", f.report.pending},
                              {"splats", f.report.splats},
+                             {"coarseness", f.report.coarseness},
                              {"tested", f.report.tested}});
   out["summary"] = {{"cull_ms", summary_json(flight.cull())},
                     {"draw_ms", summary_json(flight.draw())},

@@ -78,6 +78,9 @@ struct FrameReport {
   /// Items in the view volume for which EngineConfig::losses.budget_ms did not suffice: some of them may be hidden, and
   /// some drawn by coarser levels than lod_error asks for. 0: the image is complete.
   std::int64_t pending = 0;
+  /// Pixels of the image along either axis for one that was drawn: above 1 where a moving image within a budget shows
+  /// everything, but coarser. Colours lie between those of the drawn pixels; ids and depths are those of the nearest.
+  double coarseness = 1.0;
 };
 
 /// What the GPU culler found in an earlier frame. It is not asked for translucent items (docs/guide/transparency.md).
@@ -98,6 +101,7 @@ struct LossReport {
   double lod_error = 0.0;
   std::int64_t triangles = 0;       ///< FrameReport::triangles; 0 where the GPU culled
   std::int64_t full_triangles = 0;  ///< of the same items, drawn whole and by their own triangles
+  double coarseness = 1.0;          ///< FrameReport::coarseness: then `items` and `pixels` are 0
   double coarser_share = 0.0;       ///< 0 … 1: of the items with a mesh that are drawn, those by coarser levels
 };
 

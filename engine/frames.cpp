@@ -88,6 +88,7 @@ core::Expected<void> note_drawn(EngineState& s, const core::Expected<DrawResult>
   report.below_min_area = result->counts.below_min_area;
   report.pending = result->counts.pending;
   report.splats = result->counts.splats;
+  report.coarseness = result->counts.coarseness;
   return {};
 }
 

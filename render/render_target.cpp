@@ -116,6 +116,11 @@ const gl::Framebuffer& RenderTarget::resolved() const {
   return resolved_attachments().framebuffer;
 }
 
+std::array<GLuint, 3> RenderTarget::resolved_textures() const {
+  const Attachments& from = resolved_attachments();
+  return {from.colour.id(), from.depth.id(), from.ids.id()};
+}
+
 void RenderTarget::copy_to(const RenderTarget& to) const {
   assert(to.width() == width() && to.height() == height() && to.format_.samples == format_.samples);
   for (const auto texture : {&Attachments::colour, &Attachments::depth, &Attachments::ids, &Attachments::normals})

@@ -98,14 +98,16 @@ Done ImageLoop::show(Session& session, const Shown& shown) {
   return copied;
 }
 
-/// Coarser meshes while the view moves, and fewer pixels where frames then come late. With a budget the image at rest
-/// takes several frames, and begins with fewer items than that of the motion, which therefore stays until then.
+/// Coarser meshes while the view moves, and fewer pixels where frames then come late, unless a budget sees to that. With
+/// one the image at rest takes several frames, and that of the motion stays until then.
 Done ImageLoop::adapt_to_motion(Session& session, const Shown& shown, double frame_seconds) {
   const auto view = session.image.view();
   const bool moves = view && shown_view_ && !core::same_image(*view, *shown_view_);
   if (view) shown_view_ = *view;
   const bool moved = motion_.moving();
-  const bool coarse = motion_.next(moves, glfwGetTime(), frame_seconds) && shown.lower && options_.frames == 0;
+  const bool late = motion_.next(moves, glfwGetTime(), frame_seconds);
+  const bool paced = session.engine.config().losses.budget_ms > 0.0;
+  const bool coarse = late && !paced && shown.lower && options_.frames == 0;
   if (moved && !motion_.moving() && session.image.report().pending > 0) {
     const auto image = session.engine.read_colour();
     if (!image) return tl::unexpected(image.error());

@@ -73,7 +73,7 @@ sl_status sl_engine_loss(sl_engine handle, const sl_view* view, sl_loss_report* 
     check_result(report);
     const engine::LossReport loss = value_of(engine->loss(view_of(view)));
     write(report,
-          {0, 0, loss.items, loss.pixels, loss.lod_error, loss.triangles, loss.full_triangles, loss.coarser_share});
+          {0, 0, loss.items, loss.pixels, loss.lod_error, loss.triangles, loss.full_triangles, loss.coarser_share, loss.coarseness});
   });
 }
 

@@ -37,6 +37,8 @@ void bind_frame_report(py::module_& m) {
       .def_readonly("below_min_area", &FrameReport::below_min_area, "Items below `min_projected_area`.")
       .def_readonly("splats", &FrameReport::splats, "Items drawn as one splat.")
       .def_readonly("pending", &FrameReport::pending, "Items that `budget_ms` did not suffice for.")
+      .def_readonly("coarseness", &FrameReport::coarseness,
+                    "Above 1: a moving image with a pixel for so many along either axis.")
       .def("__repr__", [](const FrameReport& r) {
         return "<sightline.FrameReport " + std::to_string(r.frame) + ": " + std::to_string(r.visible) + " visible, " +
                std::to_string(r.items_drawn) + " drawn>";
@@ -44,7 +46,8 @@ void bind_frame_report(py::module_& m) {
   bind_value<&FrameReport::frame, &FrameReport::culler, &FrameReport::state, &FrameReport::cull_ms,
              &FrameReport::draw_ms, &FrameReport::wait_ms, &FrameReport::frame_ms, &FrameReport::drawn,
              &FrameReport::visible, &FrameReport::tested, &FrameReport::sampled, &FrameReport::items_drawn,
-             &FrameReport::triangles, &FrameReport::below_min_area, &FrameReport::splats, &FrameReport::pending>(c);
+             &FrameReport::triangles, &FrameReport::below_min_area, &FrameReport::splats, &FrameReport::pending,
+             &FrameReport::coarseness>(c);
 }
 
 void bind_small_reports(py::module_& m) {
@@ -66,9 +69,10 @@ void bind_small_reports(py::module_& m) {
       .def_readonly("triangles", &LossReport::triangles, "Triangles drawn, of meshes.")
       .def_readonly("full_triangles", &LossReport::full_triangles, "Triangles that the same items have in full.")
       .def_readonly("coarser_share", &LossReport::coarser_share,
-                    "Of the items with a mesh that are drawn, those by coarser levels: 0 to 1.");
+                    "Of the items with a mesh that are drawn, those by coarser levels: 0 to 1.")
+      .def_readonly("coarseness", &LossReport::coarseness, "Of the frame; above 1 `items` and `pixels` are 0.");
   bind_value<&LossReport::items, &LossReport::pixels, &LossReport::lod_error, &LossReport::triangles,
-             &LossReport::full_triangles, &LossReport::coarser_share>(loss);
+             &LossReport::full_triangles, &LossReport::coarser_share, &LossReport::coarseness>(loss);
 
   using engine::PlanEntry;
   py::class_<PlanEntry> entry(m, "PlanEntry", "A feature that the engine uses or leaves out.");

@@ -1,9 +1,11 @@
 #include "sightline/engine/drawing/internal/draw_context.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "sightline/core/internal/clock.h"
+#include "sightline/core/internal/store.h"
 
 namespace sightline::engine {
 
@@ -81,6 +83,19 @@ core::Expected<void> DrawContext::read_back_depth(const core::View& view, const 
   if (auto done = from.read_distances(view, image->distances); !done) return done;
   image->pyramid.build(image->distances, target().width(), target().height());
   return {};
+}
+
+core::Expected<void> DrawContext::make_like_image(std::optional<render::RenderTarget>& made, double coarseness) const {
+  if (made) return {};
+  const auto pixels = [&](int side) { return std::max(1, int(std::lround(side / coarseness))); };
+  return core::store(
+      render::RenderTarget::create(context, pixels(target().width()), pixels(target().height()), target().format()),
+      made);
+}
+
+core::Expected<void> DrawContext::enlarge() {
+  if (!enlarge_pass) enlarge_pass.emplace(gl());
+  return enlarge_pass->draw(*image->smaller[image->shown_step], image->target);
 }
 
 core::Expected<void> DrawContext::compose(const Frame& frame) {

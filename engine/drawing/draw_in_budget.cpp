@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "sightline/core/internal/clock.h"
-#include "sightline/core/internal/store.h"
 #include "sightline/engine/drawing/internal/draw_strategy.h"
 
 namespace sightline::engine {
@@ -37,18 +36,15 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const Frame&
   const bool stays = image.budget_view && core::same_image(*image.budget_view, frame.view);
   const bool goes_on = stays && image.refines;
   const bool splats = context.config.losses.contribution_mode != ContributionMode::kDrop;
-  const bool beside = stays && (splats || frame.overlaid);
+  const bool beside = stays && (splats || frame.overlaid || image.shown_step > 0);
   DrawCounts& counts = image.budget_counts;
   if (goes_on && image.budget.complete()) {
     image.unchanged = true;
     counts.items_drawn = std::int64_t(image.budget.drawn());
     return counts;
   }
-  if (beside && !image.refined) {
-    const render::RenderTarget& like = image.target;
-    auto made = render::RenderTarget::create(context.context, like.width(), like.height(), like.format());
-    if (auto done = core::store(std::move(made), image.refined); !done) return tl::unexpected(done.error());
-  }
+  if (beside)
+    if (auto done = context.make_like_image(image.refined, 1.0); !done) return tl::unexpected(done.error());
   const render::RenderTarget& canvas = beside ? *image.refined : image.target;
   if (!goes_on) {
     begin(context, frame, candidates, stays);
@@ -67,8 +63,15 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const Frame&
   const bool sufficed = image.budget.complete() && image.unmeasured == 0 && core::now_seconds() <= frame_ends;
   image.coarsened = stays ? 0.0 : next_coarsened(image, context.config.losses.lod_error, sufficed);
   const double begin = core::now_seconds();
-  if (beside) image.refined->copy_to(image.target);
-  if (splats) {
+  if (image.budget.complete()) image.shown_step = 0;
+  const bool smaller = image.shown_step > 0;  // it has all items, and so is shown until the image is complete
+  counts.coarseness = MovingResolution::kSteps[image.shown_step];
+  if (smaller) {
+    if (auto done = context.enlarge(); !done) return tl::unexpected(done.error());
+  } else if (beside) {
+    image.refined->copy_to(image.target);
+  }
+  if (splats && !smaller) {
     auto done = draw_splats(context, frame, candidates);
     context.gl().Finish();
     splats_ms_ = std::max(1e3 * (core::now_seconds() - begin), kSlower * splats_ms_);

@@ -74,7 +74,7 @@ void Drawing::set_losses(const LossConfig& losses) {
 core::Expected<void> Drawing::resize(int width, int height) {
   if (auto current = make_current(); !current) return current;
   if (auto done = core::store(make_target(width, height), context_.image->target); !done) return done;
-  context_.image->refined.reset();
+  context_.image->resized();
   image_changed();
   return {};
 }

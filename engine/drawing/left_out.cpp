@@ -60,9 +60,11 @@ core::VisibleSet missing_items(const DrawContext& context, const core::ItemBound
 LossReport loss_by_levels(const ImageState& image) {
   MeshCounts meshes = image.meshes;
   meshes += image.meshes_over;
-  return {.lod_error = meshes.error,
+  const double coarseness = MovingResolution::kSteps[image.shown_step];
+  return {.lod_error = meshes.error * coarseness,
           .triangles = meshes.triangles,
           .full_triangles = meshes.full_triangles,
+          .coarseness = coarseness,
           .coarser_share = double(meshes.coarser) / double(std::max<std::int64_t>(meshes.items, 1))};
 }
 
@@ -72,6 +74,7 @@ LossReport loss_by_levels(const ImageState& image) {
 core::Expected<LossReport> measure_loss(DrawContext& context, const Frame& frame, const core::VisibleSet& visible) {
   LossReport report = loss_by_levels(*context.image);
   if (context.config.losses.min_projected_area <= 0.0f && context.config.losses.budget_ms <= 0.0) return report;
+  if (context.image->whole || context.image->shown_step > 0) return report;
   const core::ItemBounds& bounds = frame.snapshot.bounds();
   const render::RenderTarget& target = context.target();
   core::VisibleSet sampled, unoccluded;

@@ -1,6 +1,9 @@
 #include "sightline/engine/drawing/internal/opaque_items.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
 
 #include "sightline/core/internal/clock.h"
 #include "sightline/culling/occlusion/internal/item_sizes.h"
@@ -42,8 +45,75 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const Frame& 
   const LossConfig& losses = context.config.losses;
   ImageState& image = *context.image;
   image.pyramid_valid = image.unchanged = false;
-  if (losses.budget_ms > 0.0) return in_budget_.draw(context, frame, visible);
-  const core::VisibleSet& large = contribution_culling_.leave_out(context, frame, visible, losses.min_projected_area);
+  if (losses.budget_ms <= 0.0) return draw_all(context, frame, visible, losses.min_projected_area);
+  const bool stays = image.budget_view && core::same_image(*image.budget_view, frame.view);
+  if (stays && image.whole) return keep_whole(image);
+  image.whole = false;
+  const bool moving = context.software() && !stays && !frame.shows_unseen && !frame.aside();
+  return moving ? draw_moving(context, frame, visible) : in_budget_.draw(context, frame, visible);
+}
+
+/// The first frame after a motion whose last image has all pixels leaves it as it is but for what is drawn over it,
+/// which may have waited for that: depth shading. Later ones draw nothing.
+DrawCounts OpaqueItems::keep_whole(ImageState& image) {
+  image.unchanged = std::exchange(image.refines, true);
+  if (!image.unchanged && image.beside) image.refined->copy_to(image.target);
+  return image.budget_counts;
+}
+
+/// All of a moving image, with as few pixels as its time asks for. It is not complete before it is drawn with all of
+/// them, so what it shows is pending until then.
+core::Expected<DrawCounts> OpaqueItems::draw_moving(DrawContext& context, const Frame& frame,
+                                                    const core::VisibleSet& visible) {
+  ImageState& image = *context.image;
+  image.budget_view = frame.view;
+  image.refines = false;
+  image.resolution.begin(std::int64_t(frame.snapshot.count(visible)));
+  image.shown_step = image.resolution.step();
+  image.whole = image.shown_step == 0;
+  auto counts = image.whole ? draw_whole(context, frame, visible) : draw_smaller(context, frame, visible);
+  if (!counts) return counts;
+  context.gl().Finish();
+  image.resolution.took(1e3 * (core::now_seconds() - frame.budget_began), context.config.losses.budget_ms);
+  image.budget_counts = *counts;
+  return counts;
+}
+
+/// With all pixels. What is drawn over it later must not be drawn twice: then a copy is kept without that.
+core::Expected<DrawCounts> OpaqueItems::draw_whole(DrawContext& context, const Frame& frame,
+                                                   const core::VisibleSet& visible) {
+  ImageState& image = *context.image;
+  auto counts = draw_all(context, frame, visible, context.config.losses.min_projected_area);
+  image.beside = frame.overlaid || context.config.drawing.looks.depth_shading.any();
+  if (!counts || !image.beside) return counts;
+  if (auto done = context.make_like_image(image.refined, 1.0); !done) return tl::unexpected(done.error());
+  image.target.copy_to(*image.refined);
+  return counts;
+}
+
+core::Expected<DrawCounts> OpaqueItems::draw_smaller(DrawContext& context, const Frame& frame,
+                                                     const core::VisibleSet& visible) {
+  ImageState& image = *context.image;
+  const double coarseness = image.resolution.coarseness();
+  std::optional<render::RenderTarget>& smaller = image.smaller[image.shown_step];
+  if (auto done = context.make_like_image(smaller, coarseness); !done) return tl::unexpected(done.error());
+  const auto pixels = [](const render::RenderTarget& of) { return float(of.width()) * float(of.height()); };
+  const float share = pixels(*smaller) / pixels(image.target);  // areas shrink as the pixels do
+  std::swap(image.target, *smaller);
+  auto counts = draw_all(context, frame, visible, share * context.config.losses.min_projected_area);
+  std::swap(image.target, *smaller);
+  image.pyramid_valid = false;  // it has the smaller image's size
+  if (!counts) return counts;
+  counts->coarseness = coarseness;
+  counts->pending = std::max<std::int64_t>(1, counts->items_drawn);
+  return context.enlarge().map([&] { return *counts; });
+}
+
+core::Expected<DrawCounts> OpaqueItems::draw_all(DrawContext& context, const Frame& frame,
+                                                 const core::VisibleSet& visible, float least_area) {
+  const LossConfig& losses = context.config.losses;
+  ImageState& image = *context.image;
+  const core::VisibleSet& large = contribution_culling_.leave_out(context, frame, visible, least_area);
   const bool all_large = &large == &visible;
   const OcclusionMode mode = occlusion_mode(context, frame, large);
   if (mode == OcclusionMode::kOff) image.passes.reset(), image.clusters.reset();
@@ -64,9 +134,9 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const Frame& 
   if (!all_large)
     counts->below_min_area = std::int64_t(frame.snapshot.count(visible)) - std::int64_t(frame.snapshot.count(large));
   if (counts->below_min_area == 0 || losses.contribution_mode == ContributionMode::kDrop) return counts;
-  const float least_area = losses.contribution_mode == ContributionMode::kStochastic ? losses.min_projected_area : 0.0f;
+  const float least_splat = losses.contribution_mode == ContributionMode::kStochastic ? least_area : 0.0f;
   const auto splats =
-      contribution_culling_.draw(context, frame, visible, {image.was_large, least_area, mode != OcclusionMode::kOff});
+      contribution_culling_.draw(context, frame, visible, {image.was_large, least_splat, mode != OcclusionMode::kOff});
   if (!splats) return tl::unexpected(splats.error());
   counts->splats = *splats;
   return counts;

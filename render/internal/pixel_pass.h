@@ -20,10 +20,11 @@ inline constexpr PixelShader kBackground{"background.frag"};
 inline constexpr PixelShader kBlendResolve{"blend_resolve.frag"};
 inline constexpr PixelShader kComposite{"composite.frag", {{{"IMAGE", "LAYER"}, {"WHOLE_PIXELS", "EACH_SAMPLE"}}}};
 inline constexpr PixelShader kDepthShading{"depth_shading.frag"};
+inline constexpr PixelShader kEnlarge{"enlarge.frag", {{{"IDS 0", "IDS 1"}}}};
 inline constexpr PixelShader kOneSample{"one_sample.frag", {{{"IDS 0", "IDS 1"}, {"NORMALS 0", "NORMALS 1"}}}};
 inline constexpr PixelShader kOutline{"outline.frag"};
-inline constexpr std::array kPixelShaders = {kBackground,   kBlendResolve, kComposite,
-                                             kDepthShading, kOneSample,    kOutline};
+inline constexpr std::array kPixelShaders = {kBackground, kBlendResolve, kComposite, kDepthShading,
+                                             kEnlarge,    kOneSample,    kOutline};
 
 /// What such draws have in common. A draw is begin(), what it needs beyond that, and draw(). All calls set GL state and
 /// leave it set.

@@ -52,6 +52,8 @@ class RenderTarget {
   void begin_drawing() const;
   /// The image with one value per pixel: the average of the colours, and one sample's value of everything else.
   const gl::Framebuffer& resolved() const;
+  /// Textures of its colour, depth and, or else 0, ids.
+  std::array<GLuint, 3> resolved_textures() const;
   /// Copies all that is drawn here to a target of the same size and format.
   void copy_to(const RenderTarget& to) const;
   std::size_t memory_bytes() const;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <random>
 #include <set>
 #include <tuple>
@@ -12,6 +13,7 @@
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/gl_test.h"
+#include "sightline/tests/support/simulated_gpu.h"
 
 namespace sightline::engine::drawn_items_test {
 namespace {
@@ -309,6 +311,8 @@ TEST_P(Budget, IsMadeUpForAtRest) {
   std::tie(with.losses.contribution_mode, with.drawing.samples) = GetParam();
   without.drawing.samples = with.drawing.samples;
   const bool splats = with.losses.contribution_mode != ContributionMode::kDrop;
+  std::optional<tests::SimulatedGpu> gpu;
+  if (splats) gpu.emplace(*context, tests::CardModel());  // software rasterisers draw coarser images instead
   auto hurried = Engine::create(scene, with), all = Engine::create(scene, without);
   ASSERT_TRUE(hurried && all);
   std::int64_t splats_drawn = 0;
@@ -326,7 +330,7 @@ TEST_P(Budget, IsMadeUpForAtRest) {
     int frames = 1;
     auto report = hurried->frame(view);
     ASSERT_TRUE(report);
-    if (report->visible > 500) {
+    if (report->visible > 500 && (i > 0 || splats)) {  // the first frame is not known to be late
       EXPECT_GT(report->pending, 0);
     }
     for (std::int64_t before = report->pending; report->pending > 0; before = report->pending, ++frames) {

@@ -17,6 +17,7 @@
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/render/internal/compositor.h"
+#include "sightline/render/internal/enlarge_pass.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
@@ -45,8 +46,9 @@ struct DrawContext {
   culling::SolidAreas solid_areas;
   MeshDetails mesh_details;
   DrawChoice choice;
-  core::ThreadPool threads;                      // for tests of large sets; none starts before the first of them
-  std::optional<render::Compositor> compositor;  // created with the first external target
+  core::ThreadPool threads;                         // for tests of large sets; none starts before the first of them
+  std::optional<render::Compositor> compositor;     // created with the first external target
+  std::optional<render::EnlargePass> enlarge_pass;  // created with the first smaller image
   std::optional<double> measured_round_trip_ms;
 
   const gl::Functions& gl() const { return context.functions(); }
@@ -80,6 +82,10 @@ struct DrawContext {
   /// Builds the image's depth pyramid from the depth of `from`.
   core::Expected<void> read_back_depth(const core::View& view, const render::RenderTarget& from);
   void clear_pyramid() { image->pyramid.clear(target().width(), target().height()); }
+  /// A target in the image's format, unless it is there, with a pixel for so many along either axis of the image.
+  core::Expected<void> make_like_image(std::optional<render::RenderTarget>& made, double coarseness) const;
+  /// Draws the smaller image of ImageState::shown_step over the image.
+  core::Expected<void> enlarge();
   /// Puts the image into a frame's external target.
   core::Expected<void> compose(const Frame& frame);
 };

@@ -68,10 +68,11 @@ class OcclusionPrepass : public DrawStrategy {
   culling::SetParts halves_, parts_;
 };
 
-/// Draws the largest items first until the deadline: see culling::BudgetPasses. While the view moves, candidates far
-/// smaller than the smallest of the last frame are not even measured. The first frame of a view that stays begins anew
-/// with all of them, and the next ones go on. They do so beside the image where the image has more in it (splats, depth
-/// shading, overlays): it then gets a copy.
+/// Draws the largest items first until the deadline: see culling::BudgetPasses. It refines images at rest, and on GPUs
+/// draws moving ones. While the view moves, candidates far smaller than the smallest of the last frame are not even
+/// measured. The first frame of a view that stays begins anew with all of them, and the next ones go on. They do so
+/// beside the image where the image has more in it (splats, depth shading, overlays), and then it gets a copy; or where
+/// it shows all items with fewer pixels, and then once the copy is complete.
 class DrawInBudget : public DrawStrategy {
  public:
   explicit DrawInBudget(ContributionCulling& contribution_culling) : contribution_culling_(contribution_culling) {}

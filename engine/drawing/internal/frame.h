@@ -50,6 +50,7 @@ struct DrawCounts {
   std::int64_t pending = 0;                   // items for which the budget did not suffice
   std::int64_t splats = 0;                    // of these and pending ones, items drawn as one splat each
   std::int64_t triangles = 0;                 // of meshes
+  double coarseness = 1.0;                    // pixels of the image along either axis for one that is drawn
 };
 
 }  // namespace sightline::engine

@@ -1,6 +1,7 @@
 // State of one image of an engine, kept from frame to frame. Internal to engine.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/engine/drawing/internal/draw_choice.h"
 #include "sightline/engine/drawing/internal/frame.h"
+#include "sightline/engine/drawing/internal/moving_resolution.h"
 #include "sightline/render/internal/render_target.h"
 
 namespace sightline::engine {
@@ -41,8 +43,22 @@ struct ImageState {
   bool shaded = true;                           // Looks::depth_shading: of complete images alone
   double overhead_ms = 0.0;                     // of the last frame, beside drawing its items: grows with the image
   DrawCounts budget_counts;                     // of the last frame
+  MovingResolution resolution;
+  std::array<std::optional<render::RenderTarget>, MovingResolution::kSteps.size()> smaller;  // from step 1 on
+  bool whole = false;          // the moving image has all pixels, and `refined` a copy if it is drawn over
+  std::size_t shown_step = 0;  // of `resolution`: 0, or the moving image lies in `smaller`, and enlarged in `target`
 
-  std::size_t memory_bytes() const { return target.memory_bytes() + (refined ? refined->memory_bytes() : 0); }
+  std::size_t memory_bytes() const {
+    std::size_t bytes = target.memory_bytes() + (refined ? refined->memory_bytes() : 0);
+    for (const auto& one : smaller) bytes += one ? one->memory_bytes() : 0;
+    return bytes;
+  }
+  /// After `target` got another size.
+  void resized() {
+    refined.reset();
+    smaller = {};
+    shown_step = 0;
+  }
   /// Tells that the next frame shows something else, though its view may be that of the last one.
   void changed() { budget_view.reset(); }
   /// Drops all state that is kept by slot. Call it when the items get another order.

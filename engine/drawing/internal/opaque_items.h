@@ -6,14 +6,21 @@
 
 namespace sightline::engine {
 
-/// A budget has its own strategy. Otherwise small items are left out first, if that is asked for. Where testing
-/// occlusion pays, the rest is drawn after an occlusion prepass or in several passes, and elsewhere at once.
+/// Small items are left out first, if that is asked for. Where testing occlusion pays, the rest is drawn after an
+/// occlusion prepass or in several passes, and elsewhere at once. Within a budget a software rasteriser draws all of a
+/// moving image so, with as few pixels as that takes; images at rest, and those of a GPU, have a strategy of their own.
 class OpaqueItems {
  public:
   core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
   std::size_t memory_bytes() const { return contribution_culling_.memory_bytes(); }  ///< of the GPU
 
  private:
+  core::Expected<DrawCounts> draw_all(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                                      float least_area);
+  static DrawCounts keep_whole(ImageState& image);
+  core::Expected<DrawCounts> draw_whole(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
+  core::Expected<DrawCounts> draw_smaller(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
+  core::Expected<DrawCounts> draw_moving(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
   culling::OcclusionMode occlusion_mode(const DrawContext& context, const Frame& frame,
                                         const core::VisibleSet& candidates);
   core::Expected<void> measure(DrawContext& context, const Frame& frame, const core::VisibleSet& candidates,
