@@ -107,7 +107,7 @@ run_shared() {
   ctest_in release -R '^consumers\.(shared_package|c_shared_package|c_shared_pkg_config)$'
 }
 run_study() {
-  SIGHTLINE_CMAKE_ARGS="-DSIGHTLINE_TESTS=ON -DSTUDY_OSG=OFF -DSTUDY_OCCT=OFF ${SIGHTLINE_CMAKE_ARGS:-}" \
+  SIGHTLINE_CMAKE_ARGS="-DSIGHTLINE_TESTS=ON ${SIGHTLINE_CMAKE_ARGS:-}" \
     scripts/setup.sh study sightline-study study_tests study_gl_tests
   ctest_in study -R '^study'
 }

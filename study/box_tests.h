@@ -8,6 +8,7 @@
 // register per distance adds in another order.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -18,6 +19,12 @@
 
 namespace sightline::study {
 
+#ifdef SIGHTLINE_STUDY_SSE
+inline constexpr bool kSse = true;
+#else
+inline constexpr bool kSse = false;
+#endif
+
 enum class Answer : std::uint8_t { kOutside, kIntersecting, kInside };
 
 template <class T>
@@ -25,6 +32,12 @@ struct BoxT {
   T lo[3], hi[3];
 };
 using Box = BoxT<float>;
+
+/// Corner i of eight; bit k of i: high along axis k.
+template <class T>
+std::array<T, 3> corner(const BoxT<T>& b, int i) {
+  return {(i & 1) != 0 ? b.hi[0] : b.lo[0], (i & 2) != 0 ? b.hi[1] : b.lo[1], (i & 4) != 0 ? b.hi[2] : b.lo[2]};
+}
 
 /// Unit normal, and two offsets that enclose the exact one by more than the rounding errors of a test: a box is outside
 /// when its p-vertex is below zero with `out`, inside when its n-vertex is not below zero with `in`.
@@ -40,7 +53,6 @@ template <class T>
 struct RadarT {
   T eye[3], forward[3], right[3], up[3];
   T near, far, slope_x, slope_y;  // slopes: tan(fov / 2)
-  T slack;                        // exceeds every rounding error of beyond()
 };
 using Radar = RadarT<float>;
 
@@ -90,8 +102,7 @@ Answer corners_against_plane(const PlaneT<T>& p, const BoxT<T>& b, float& below)
   int out = 0, in = 0;
   T highest = T(-3.0e38f);
   for (int i = 0; i < 8; ++i) {
-    const T x = (i & 1) != 0 ? b.hi[0] : b.lo[0], y = (i & 2) != 0 ? b.hi[1] : b.lo[1],
-            z = (i & 4) != 0 ? b.hi[2] : b.lo[2];
+    const auto [x, y, z] = corner(b, i);
     T above, inner;
     if constexpr (kSimd) {
       above = packed_height(p, x, y, z, p.out);
@@ -134,15 +145,6 @@ Answer vertices_against_plane(const PlaneT<T>& p, const BoxT<T>& b, float& below
   else
     inner = height(p, near_x, near_y, near_z) + p.in;
   return inner >= T(0.0f) ? Answer::kInside : Answer::kIntersecting;
-}
-
-inline Answer sphere_against_plane(const Plane& p, const Sphere& s, float& below) {
-  const float h = height(p, s.centre[0], s.centre[1], s.centre[2]);
-  if (h + p.out < -s.radius) {
-    below = -(h + p.out) - s.radius;
-    return Answer::kOutside;
-  }
-  return h + p.in >= s.radius ? Answer::kInside : Answer::kIntersecting;
 }
 
 // --- all planes ------------------------------------------------------------------------------------------------------
@@ -202,10 +204,7 @@ Answer split_planes(const SplitPlanes& s, const Box& b, unsigned todo, unsigned&
     }
   }
 #endif
-#ifdef SIGHTLINE_STUDY_SSE
-  if constexpr (!kSimd)
-#endif
-  {
+  if constexpr (!kSimd || !kSse) {
     for (int k = 0; k < kPlanes; ++k) {
       float p = 0.0f, n = 0.0f;
       for (int axis = 0; axis < 3; ++axis) {
@@ -229,23 +228,10 @@ Answer split_planes(const SplitPlanes& s, const Box& b, unsigned todo, unsigned&
 
 // --- radar -----------------------------------------------------------------------------------------------------------
 
-/// Limits that a point surely violates, a bit each: near, far, left, right, bottom, top.
+/// Whether a point is within all limits: near, far, left, right, bottom, top. Gives up at the first that it violates.
 template <class T>
-unsigned beyond(const RadarT<T>& r, T x, T y, T z) {
-  const T v[3] = {x - r.eye[0], y - r.eye[1], z - r.eye[2]};
-  const auto along = [&v](const T(&axis)[3]) { return (axis[0] * v[0] + axis[1] * v[1]) + axis[2] * v[2]; };
-  const T f = along(r.forward);
-  unsigned limits = unsigned(f < r.near - r.slack) | unsigned(r.far + r.slack < f) << 1;
-  const T x_limit = r.slope_x * f + r.slack, right = along(r.right);
-  limits |= unsigned(right < -x_limit) << 2 | unsigned(x_limit < right) << 3;
-  const T y_limit = r.slope_y * f + r.slack, up = along(r.up);
-  return limits | unsigned(up < -y_limit) << 4 | unsigned(y_limit < up) << 5;
-}
-
-/// Whether a point violates none, without slack and giving up at the first: all that counting needs.
-template <class T>
-bool within(const RadarT<T>& r, T x, T y, T z) {
-  const T v[3] = {x - r.eye[0], y - r.eye[1], z - r.eye[2]};
+bool within(const RadarT<T>& r, const std::array<T, 3>& p) {
+  const T v[3] = {p[0] - r.eye[0], p[1] - r.eye[1], p[2] - r.eye[2]};
   const auto along = [&v](const T(&axis)[3]) { return (axis[0] * v[0] + axis[1] * v[1]) + axis[2] * v[2]; };
   const T f = along(r.forward);
   if (f < r.near || r.far < f) return false;
@@ -260,11 +246,7 @@ bool within(const RadarT<T>& r, T x, T y, T z) {
 template <class T>
 Answer radar_counting(const RadarT<T>& r, const BoxT<T>& b) {
   int in = 0;
-  for (int i = 0; i < 8; ++i)
-    in +=
-        within(r, (i & 1) != 0 ? b.hi[0] : b.lo[0], (i & 2) != 0 ? b.hi[1] : b.lo[1], (i & 4) != 0 ? b.hi[2] : b.lo[2])
-            ? 1
-            : 0;
+  for (int i = 0; i < 8; ++i) in += within(r, corner(b, i)) ? 1 : 0;
   return in == 0 ? Answer::kOutside : in == 8 ? Answer::kInside : Answer::kIntersecting;
 }
 
@@ -272,22 +254,8 @@ Answer radar_counting(const RadarT<T>& r, const BoxT<T>& b) {
 template <class T>
 Answer radar_two_answers(const RadarT<T>& r, const BoxT<T>& b) {
   for (int i = 0; i < 8; ++i)
-    if (within(r, (i & 1) != 0 ? b.hi[0] : b.lo[0], (i & 2) != 0 ? b.hi[1] : b.lo[1], (i & 4) != 0 ? b.hi[2] : b.lo[2]))
-      return Answer::kIntersecting;
+    if (within(r, corner(b, i))) return Answer::kIntersecting;
   return Answer::kOutside;
-}
-
-/// Outside only when all corners violate one and the same limit: loses nothing.
-template <class T>
-Answer radar_by_limit(const RadarT<T>& r, const BoxT<T>& b) {
-  unsigned all = kAllPlanes, any = 0;
-  for (int i = 0; i < 8; ++i) {
-    const unsigned limits =
-        beyond(r, (i & 1) != 0 ? b.hi[0] : b.lo[0], (i & 2) != 0 ? b.hi[1] : b.lo[1], (i & 4) != 0 ? b.hi[2] : b.lo[2]);
-    all &= limits;
-    any |= limits;
-  }
-  return all != 0 ? Answer::kOutside : any == 0 ? Answer::kInside : Answer::kIntersecting;
 }
 
 // --- boxes against boxes ---------------------------------------------------------------------------------------------

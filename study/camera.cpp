@@ -41,25 +41,13 @@ void split_by_sign(const std::array<Plane, kPlanes>& planes, SplitPlanes& s) {
   }
 }
 
-}  // namespace
-
-std::optional<SymmetricView> symmetric(const core::View& view) {
-  const core::dmat4 &p = view.clip_from_eye(), &m = view.eye_from_world();
-  if (p[0][3] != 0.0 || p[1][3] != 0.0 || p[2][3] != -1.0 || p[2][0] != 0.0 || p[2][1] != 0.0 || p[3][0] != 0.0 ||
-      p[3][1] != 0.0 || p[1][0] != 0.0 || p[0][1] != 0.0)
-    return std::nullopt;
-  const auto planes = core::frustum_planes(p, view.clip_depth());
-  const core::Plane &near = planes[core::kNear], &far = planes[core::kFar];
-  if (near.normal.z == 0.0 || far.normal.z == 0.0) return std::nullopt;
-  const auto axis = [&m](int row) { return core::dvec3(m[0][row], m[1][row], m[2][row]); };
-  return SymmetricView{view.eye(),
-                       -axis(2),
-                       axis(1),
-                       2.0 * std::atan(1.0 / p[1][1]),
-                       p[1][1] / p[0][0],
-                       near.offset / near.normal.z,
-                       far.offset / far.normal.z};
+/// Whether this is a projection of a perspective view about its axis.
+bool symmetric(const core::dmat4& p) {
+  return p[0][3] == 0.0 && p[1][3] == 0.0 && p[2][3] == -1.0 && p[2][0] == 0.0 && p[2][1] == 0.0 && p[3][0] == 0.0 &&
+         p[3][1] == 0.0 && p[1][0] == 0.0 && p[0][1] == 0.0;
 }
+
+}  // namespace
 
 Camera::Camera(const core::View& view, const core::Aabb& extent) {
   const core::dmat4 clip = view.clip_from_world();
@@ -89,9 +77,12 @@ Camera::Camera(const core::View& view, const core::Aabb& extent) {
     for (int i = 0; i < 3; ++i) middles[pair][i] = a.n[i] - b.n[i];
     middles[pair][3] = a.out - b.out;
   }
+  set_corners(view, complete);
+  set_radar(view);
+}
 
-  // Corners, and what follows from them.
-  const core::dmat4 world = glm::inverse(clip);
+void Camera::set_corners(const core::View& view, bool complete) {
+  const core::dmat4 world = glm::inverse(view.clip_from_world());
   const double near = core::near_depth(view.clip_depth()), far = core::far_depth(view.clip_depth());
   core::AabbD box;
   core::dvec3 centre(0.0);
@@ -113,11 +104,12 @@ Camera::Camera(const core::View& view, const core::Aabb& extent) {
       bounds.hi[i] = core::round_up(box.max[i] + margin);
     }
     octant_radius = core::Aabb::kFar;
-    for (std::size_t k = 0; k < exact.size(); ++k)
+    for (std::size_t k = 0; k < normals.size(); ++k)
       octant_radius = std::min(octant_radius, float(glm::dot(normals[k], centre - eye) + eye_heights[k]));
   }
+}
 
-  // Radar.
+void Camera::set_radar(const core::View& view) {
   const core::dmat4& eye_from_world = view.eye_from_world();
   const auto axis = [&](int row) {
     return core::dvec3(eye_from_world[0][row], eye_from_world[1][row], eye_from_world[2][row]);
@@ -132,10 +124,8 @@ Camera::Camera(const core::View& view, const core::Aabb& extent) {
   radar.far = float(in_eye[core::kFar].offset / in_eye[core::kFar].normal.z);
   radar.slope_x = float(1.0 / projection[0][0]);
   radar.slope_y = float(1.0 / projection[1][1]);
-  radar.slack = float(32.0 * kUnitFloat * (glm::length(largest) + glm::length(eye)) *
-                      (1.0 + std::max(std::abs(1.0 / projection[0][0]), std::abs(1.0 / projection[1][1]))));
   // A view given as one matrix has its camera in there, too: no axes to be had.
-  radar_usable = complete && symmetric(view).has_value();
+  radar_usable = has_corners && symmetric(projection);
 }
 
 }  // namespace sightline::study

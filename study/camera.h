@@ -2,22 +2,12 @@
 #pragma once
 
 #include <array>
-#include <optional>
 
 #include "sightline/core/aabb.h"
 #include "sightline/core/view.h"
 #include "sightline/study/box_tests.h"
 
 namespace sightline::study {
-
-/// A perspective view as other libraries' cameras want it.
-struct SymmetricView {
-  core::dvec3 eye, forward, up;  ///< unit vectors
-  double fovy, aspect;           ///< radians; width / height
-  double near, far;
-};
-/// nullopt: not a perspective view, off-axis, or without a far plane.
-std::optional<SymmetricView> symmetric(const core::View& view);
 
 struct Camera {
   /// `extent`: bounds of every box that will be tested. Sections and layers of the view are not looked at.
@@ -28,8 +18,9 @@ struct Camera {
   Radar radar;
   Box bounds;  ///< of the frustum, rounded outwards
 
-  bool has_corners = false;   ///< all planes exist: `bounds` and octants may be used
-  bool radar_usable = false;  ///< view is symmetric(); radar tests keep everything otherwise
+  bool has_corners = false;  ///< all planes exist: `bounds` and octants may be used
+  /// Whether the view is a perspective one about its axis with a far plane; radar tests keep everything otherwise.
+  bool radar_usable = false;
 
   /// Which plane of each pair (left or right, bottom or top, near or far) is nearer to a point: mask of three planes.
   unsigned octant(const float (&p)[3]) const {
@@ -48,6 +39,11 @@ struct Camera {
   core::dvec3 eye{0.0};
   std::array<core::dvec3, kPlanes> normals;
   std::array<double, kPlanes> eye_heights;  ///< of the planes above the eye, signed
+
+ private:
+  /// `complete`: all planes exist.
+  void set_corners(const core::View& view, bool complete);
+  void set_radar(const core::View& view);
 };
 
 }  // namespace sightline::study

@@ -1,16 +1,13 @@
-// Variants along a path: times, counts and errors.
+// Methods along a path: times, counts and errors.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "sightline/core/aabb.h"
-#include "sightline/core/view.h"
-#include "sightline/study/culler.h"
+#include "sightline/apps/bench/harness.h"
 #include "sightline/study/exact.h"
 #include "sightline/study/method.h"
 #include "sightline/study/tree.h"
@@ -20,29 +17,28 @@ namespace sightline::study {
 
 /// A flight, and the exact sets of some of its frames.
 struct Path {
-  std::string name;
   std::vector<core::View> views;
   double seconds = 60.0;             ///< that it takes
   std::vector<std::size_t> sampled;  ///< frames that errors are counted on
   std::vector<ExactSets> exact;      ///< of those
 };
 
-/// A scene, its trees and its paths, of which the first is flown by everything.
+/// A scene, its trees and its path.
 struct Model {
   std::string name;
   std::vector<core::Aabb> boxes;
   std::vector<std::uint8_t> kinds;  ///< may be empty
-  std::vector<Path> paths;
+  Path path;
 
-  Tree mean, median, sah;
-  double mean_seconds = 0.0, median_seconds = 0.0, sah_seconds = 0.0;  ///< to build them
+  Tree mean, median;
+  double mean_seconds = 0.0, median_seconds = 0.0;  ///< to build them
 
-  /// Builds trees, and exact sets of `samples` frames of each path.
+  /// Builds trees, and exact sets of `samples` frames of the path.
   void prepare(std::size_t samples);
-  const Tree& tree(TreeKind kind) const;
+  const Tree& tree(TreeKind kind) const { return kind == TreeKind::kMean ? mean : median; }
 };
 
-enum class Origin : std::uint8_t { kStudy, kProduction, kPeer, kBaseline };
+enum class Origin : std::uint8_t { kStudy, kProduction, kBaseline };
 
 struct Run {
   std::string variant;
@@ -57,28 +53,34 @@ struct Run {
   Errors errors;               ///< sums over the sampled frames
   std::size_t samples = 0, memory_bytes = 0;
 
-  double false_positives() const { return samples == 0 ? 0.0 : double(errors.false_positives) / double(samples); }
-  double false_negatives() const { return samples == 0 ? 0.0 : double(errors.false_negatives) / double(samples); }
+  double per_sample(std::uint64_t errors_in_all) const {
+    return samples == 0 ? 0.0 : double(errors_in_all) / double(samples);
+  }
+  double false_positives() const { return per_sample(errors.false_positives); }
+  double false_negatives() const { return per_sample(errors.false_negatives); }
 };
-
-/// Flies the path `passes` times (>= 1). Errors are those of the first pass. Below valgrind --tool=callgrind with
-/// --instr-atstart=no --collect-atstart=no, the instructions of the timed calls alone are counted, and dumped with the
-/// variant's name.
-Run measure(const Model& model, const Path& path, const Variant& variant, int passes);
-using MakeMethod = std::function<std::unique_ptr<Method>(std::span<const core::Aabb>)>;
-Run measure(const Model& model, const Path& path, const std::string& name, Origin origin, const MakeMethod& make,
-            int passes);
 
 /// A method, made and named.
 struct Contestant {
   std::string name;
   Origin origin = Origin::kStudy;
+  std::optional<Promise> promise;
   std::unique_ptr<Method> method;
   double build_seconds = 0.0;
-};
-/// All of them pass by pass in turn, so that what else the machine does meanwhile falls on all.
-std::vector<Run> measure(const Path& path, std::span<const Contestant> contestants, int passes);
 
-double median_of(std::vector<double> values);
+  /// Times `make()`, which returns the method or fails.
+  template <class Make>
+  static core::Expected<Contestant> create(const std::string& name, Origin origin, std::optional<Promise> promise,
+                                           const Make& make) {
+    const double start = bench::milliseconds();
+    core::Expected<std::unique_ptr<Method>> made = make();
+    if (!made) return tl::unexpected(made.error());
+    return Contestant{name, origin, promise, std::move(*made), 1e-3 * (bench::milliseconds() - start)};
+  }
+};
+
+/// Flies the path `passes` times (>= 1) with all of them in turn, so that what else the machine does meanwhile falls
+/// on all. Errors are those of the first pass.
+std::vector<Run> measure(const Path& path, std::span<const Contestant> contestants, int passes);
 
 }  // namespace sightline::study

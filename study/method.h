@@ -1,4 +1,4 @@
-// A culler that is no Variant: production, brute force, another library's. Same boxes, same views, same questions.
+// A culler, whatever it is: a variant, production, brute force. Same boxes, same views, same questions.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ class Method {
   Method(const Method&) = delete;
   Method& operator=(const Method&) = delete;
 
-  /// What is timed. The answer stands until the next call.
+  /// Culls; the clock runs during this call alone. The answer stands until the next call.
   virtual void cull(const core::View& view) = 0;
   virtual std::uint64_t count() const = 0;
   /// Indices of the visible boxes, sorted.

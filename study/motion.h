@@ -10,7 +10,7 @@
 
 namespace sightline::study {
 
-/// What a box remembers of its last rejection. Zeros: nothing.
+/// A box remembers its last rejection. Zeros: nothing.
 struct Memory {
   float by = 0.0f;     ///< metres below the plane, at least
   float reach = 0.0f;  ///< largest distance of the box from the eye

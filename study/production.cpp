@@ -3,42 +3,26 @@
 #include <algorithm>
 #include <cstring>
 
+#include "sightline/apps/bench/brute_force.h"
+#include "sightline/apps/bench/harness.h"
 #include "sightline/core/block_order.h"
-#include "sightline/core/item_bounds.h"
 #include "sightline/culling/frustum/cpu_culler.h"
-#include "sightline/culling/frustum/linear_culler.h"
 
 namespace sightline::study {
 namespace {
 
-/// The one place of the study that knows how the culler is set up.
-struct Scene {
-  std::vector<std::uint32_t> order;
-  core::ItemBounds bounds;
-  std::optional<culling::CpuCuller> culler;
-
-  explicit Scene(std::span<const core::Aabb> boxes) {
-    order = core::block_order(boxes, {.smallest_block = culling::kLeafSize, .threads = 1});
-    bounds.resize(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order[i]]);
-    culler.emplace(bounds);
-  }
-};
-
 class Production : public Method {
  public:
-  Production(const ProductionForm& form, std::span<const core::Aabb> boxes) : form_(form), scene_(boxes) {
+  Production(std::span<const core::Aabb> boxes, bool list_ids)
+      : list_ids_(list_ids),
+        order_(core::block_order(boxes, {.smallest_block = culling::kLeafSize, .threads = 1})),
+        culler_(filled(bounds_, boxes, order_)) {
     list_.reserve(boxes.size());
   }
-  ~Production() override { core::force_instruction_set(std::nullopt); }
 
   void cull(const core::View& view) override {
-    core::force_instruction_set(form_.instructions);
-    if (form_.hierarchy)
-      scene_.culler->cull(view, set_);
-    else
-      culling::LinearCuller(scene_.bounds).cull(view, set_);
-    if (form_.list_ids) list(list_);
+    culler_.cull(view, set_);
+    if (list_ids_) list(list_);
   }
   std::uint64_t count() const override { return set_.count(); }
   std::vector<std::uint32_t> ids() const override {
@@ -49,40 +33,55 @@ class Production : public Method {
   }
   core::CullCounters counters() const override { return set_.counters; }
   std::size_t memory_bytes() const override {
-    return scene_.culler->memory_bytes() + scene_.bounds.memory_bytes() + scene_.order.size() * sizeof(std::uint32_t);
+    return culler_.memory_bytes() + bounds_.memory_bytes() + order_.size() * sizeof(std::uint32_t);
   }
 
  private:
+  static const core::ItemBounds& filled(core::ItemBounds& bounds, std::span<const core::Aabb> boxes,
+                                        const std::vector<std::uint32_t>& order) {
+    bench::fill(bounds, boxes, order);
+    return bounds;
+  }
+
   void list(std::vector<std::uint32_t>& ids) const {
     ids.resize(set_.count());
     std::uint32_t* out = ids.data();
     for (const core::SlotRange& r : set_.ranges) {
-      std::memcpy(out, scene_.order.data() + r.first, r.count * sizeof(std::uint32_t));
+      std::memcpy(out, order_.data() + r.first, r.count * sizeof(std::uint32_t));
       out += r.count;
     }
-    std::transform(set_.single_slots.begin(), set_.single_slots.end(), out,
-                   [this](core::Slot s) { return scene_.order[s]; });
+    for (const core::Slot slot : set_.single_slots) *out++ = order_[slot];
   }
 
-  ProductionForm form_;
-  Scene scene_;
+  bool list_ids_;
+  std::vector<std::uint32_t> order_;
+  core::ItemBounds bounds_;
+  culling::CpuCuller culler_;
   core::VisibleSet set_;
   std::vector<std::uint32_t> list_;
 };
 
+class BruteForce : public Method {
+ public:
+  explicit BruteForce(std::span<const core::Aabb> boxes) : culler_(boxes) {}
+  void cull(const core::View& view) override { culler_.cull(view); }
+  std::uint64_t count() const override { return culler_.count(); }
+  std::vector<std::uint32_t> ids() const override { return culler_.ids(); }
+  std::size_t memory_bytes() const override { return culler_.memory_bytes(); }
+  core::CullCounters counters() const override { return {0, culler_.size()}; }
+
+ private:
+  bench::BruteForce culler_;
+};
+
 }  // namespace
 
-std::vector<ProductionForm> production_forms() {
-  using core::InstructionSet;
-  std::vector<ProductionForm> forms{{"production", std::nullopt, false}, {"production ids", std::nullopt, true}};
-  if (core::supported(InstructionSet::kAvx2) && core::instruction_set() != InstructionSet::kAvx2)
-    forms.push_back({"production AVX2", InstructionSet::kAvx2, false});
-  forms.push_back({"production scalar", InstructionSet::kScalar, false});
-  return forms;
+std::unique_ptr<Method> make_production(std::span<const core::Aabb> boxes, bool list_ids) {
+  return std::make_unique<Production>(boxes, list_ids);
 }
 
-std::unique_ptr<Method> make_production(const ProductionForm& form, std::span<const core::Aabb> boxes) {
-  return std::make_unique<Production>(form, boxes);
+std::unique_ptr<Method> make_brute_force(std::span<const core::Aabb> boxes) {
+  return std::make_unique<BruteForce>(boxes);
 }
 
 }  // namespace sightline::study

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "sightline/study/brute_force.h"
-#include "sightline/study/peer.h"
+#include "sightline/apps/bench/brute_force.h"
+#include "sightline/study/culler.h"
 #include "sightline/study/production.h"
 
 namespace sightline::study {
@@ -13,84 +13,64 @@ namespace {
 /// On one thread, with the set that an ideal plane test keeps but for rounding, or tighter.
 bool contends(const Variant& v) {
   const Promise p = promise(v);
-  return (p == Promise::kSame || p == Promise::kTighter) && v.threads == Threads::kOne && v.test_items && !v.octant &&
-         v.max_depth == 0xff && v.test != Test::kSphere;
+  return (p == Promise::kSame || p == Promise::kTighter) && v.threads == Threads::kOne && v.test_items &&
+         !v.has(kOctant);
 }
 
 class Session {
  public:
-  Session(const Model& model, const Path& path, const SessionOptions& options) : options_(options) {
-    results_.model = &model;
-    results_.path = &path;
-  }
+  Session(const Model& model, const SessionOptions& options) : options_(options) { results_.model = &model; }
 
-  Results everything() {
+  Results run() {
     without_tree();
     trees_and_walks();
     flags();
     tests_on_trees();
-    depths();
     threads();
     others();
     return std::move(results_);
   }
 
-  Results contenders(const Results& first, std::size_t count) {
-    std::vector<std::pair<double, Variant>> by_time;
-    for (std::size_t i = 0; i < first.variants.size(); ++i)
-      if (contends(first.variants[i])) by_time.emplace_back(first.runs[i].fastest_ms, first.variants[i]);
-    std::sort(by_time.begin(), by_time.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    if (by_time.size() > count) by_time.resize(count);
-    for (const auto& [ms, variant] : by_time) add(variant);
-    results_.best_tree = first.best_tree;
-    results_.best_flags = first.best_flags;
-    others();
-    return std::move(results_);
-  }
-
  private:
-  bool wanted(const std::string& name) const {
-    return options_.variants.empty() ||
-           std::find(options_.variants.begin(), options_.variants.end(), name) != options_.variants.end();
-  }
-
   /// Null when not wanted; valid until the next one.
   const Run* add(const Variant& v) {
     if (const Run* done = results_.find(v)) return done;
-    if (!wanted(name(v))) return nullptr;
-    options_.progress(name(v));
+    if (!options_.wants(name(v))) return nullptr;
     results_.variants.push_back(v);
-    results_.runs.push_back(measure(*results_.model, *results_.path, v, options_.passes));
+    const Model& model = *results_.model;
+    add(name(v), Origin::kStudy, promise(v),
+        [&] { return std::make_unique<Culler>(v, model.boxes, model.tree(v.tree)); });
     return &results_.runs.back();
   }
 
-  void add(const std::string& name, Origin origin, const MakeMethod& make) {
-    if (!wanted(name) && origin != Origin::kBaseline) return;
+  template <class Make>
+  void add(const std::string& name, Origin origin, std::optional<Promise> promise, const Make& make) {
+    if (!options_.wants(name) && origin != Origin::kBaseline) return;
     options_.progress(name);
-    results_.runs.push_back(measure(*results_.model, *results_.path, name, origin, make, options_.passes));
+    const auto contestant = Contestant::create(name, origin, promise, make);
+    results_.runs.push_back(measure(results_.model->path, std::span(&*contestant, 1), options_.passes).front());
   }
 
   void others() {
-    for (const ProductionForm& form : production_forms())
-      add(form.name, Origin::kProduction, [&form](auto boxes) { return make_production(form, boxes); });
-    for (const Peer& peer : peers()) add(peer.name, Origin::kPeer, peer.make);
-    add(BruteForce::name(), Origin::kBaseline, [](auto boxes) { return std::make_unique<BruteForce>(boxes); });
+    const std::vector<core::Aabb>& boxes = results_.model->boxes;
+    for (const bool ids : {false, true})
+      add(ids ? kProductionIds : kProduction, Origin::kProduction, Promise::kSame,
+          [&] { return make_production(boxes, ids); });
+    add(bench::BruteForce::name(), Origin::kBaseline, std::nullopt, [&] { return make_brute_force(boxes); });
   }
 
   void without_tree() {
-    for (const Test test : {Test::kCorners, Test::kRadar, Test::kRadarTwoAnswers, Test::kRadarByLimit, Test::kVertices,
-                            Test::kSplit, Test::kSphere})
+    for (const Test test : {Test::kCorners, Test::kRadar, Test::kRadarTwoAnswers, Test::kVertices, Test::kSplit})
       add({.test = test});
-    add({.test = Test::kSplit, .simd = Simd::kPerTest});
-    add({.simd = Simd::kPerTest});
-    add({.simd = Simd::kOverBoxes});
-    for (const unsigned f : {1u, 2u, 8u, 16u}) add(with_flags({}, f));
+    add({.test = Test::kSplit, .simd = true});
+    add({.simd = true});
+    for (const unsigned flag : {kPlaneCoherency, kOctant, kMotion, kPreTest}) add({.flags = flag});
   }
 
   void trees_and_walks() {
-    for (const TreeKind tree : {TreeKind::kMean, TreeKind::kMedian, TreeKind::kSah})
+    for (const TreeKind tree : {TreeKind::kMean, TreeKind::kMedian})
       for (const Traversal traversal : {Traversal::kStack, Traversal::kStackless, Traversal::kCompact})
-        add(on_tree(tree, traversal));
+        add(on_tree(tree, 0, traversal));
     const Run* mean = results_.find(on_tree(TreeKind::kMean));
     const Run* median = results_.find(on_tree(TreeKind::kMedian));
     const bool by_median = median != nullptr && (mean == nullptr || median->fastest_ms < mean->fastest_ms);
@@ -99,8 +79,8 @@ class Session {
 
   void flags() {
     double best = std::numeric_limits<double>::infinity();
-    for (unsigned f = 0; f < 32; ++f) {
-      const Run* r = add(with_flags(on_tree(results_.best_tree), f));
+    for (unsigned flags = 0; flags <= kAllFlags; ++flags) {
+      const Run* r = add(on_tree(results_.best_tree, flags));
       if (r == nullptr || r->fastest_ms >= best) continue;
       best = r->fastest_ms;
       results_.best_flags = r->variant;
@@ -108,29 +88,13 @@ class Session {
   }
 
   void tests_on_trees() {
-    for (const TreeKind tree : {results_.best_tree, TreeKind::kSah}) {
-      Variant v{.tree = tree};
-      add(v);
-      v.masking = true;
-      add(v);
-      v.plane_coherency = true;
-      add(v);
-    }
-    for (const Test test : {Test::kCorners, Test::kRadar, Test::kRadarByLimit, Test::kSplit, Test::kSphere})
-      add({.tree = results_.best_tree, .test = test});
-    Variant v{.tree = results_.best_tree, .test = Test::kSplit, .simd = Simd::kPerTest};
-    add(v);
-    v.masking = true;
-    add(v);
-    v.tree = TreeKind::kSah;
-    add(v);
-    add({.tree = results_.best_tree, .simd = Simd::kPerTest});
-  }
-
-  void depths() {
-    for (const std::uint32_t depth : {4u, 6u, 8u, 10u, 12u, 14u, 16u})
-      for (const TreeKind tree : {results_.best_tree, TreeKind::kSah})
-        add({.tree = tree, .masking = true, .test_items = false, .max_depth = depth});
+    const TreeKind tree = results_.best_tree;
+    for (const unsigned flags : {0u, unsigned(kMasking), kMasking | kPlaneCoherency})
+      add({.tree = tree, .flags = flags});
+    for (const Test test : {Test::kCorners, Test::kRadar, Test::kSplit}) add({.tree = tree, .test = test});
+    for (const unsigned flags : {0u, unsigned(kMasking)})
+      add({.tree = tree, .test = Test::kSplit, .simd = true, .flags = flags});
+    add({.tree = tree, .simd = true});
   }
 
   void threads() {
@@ -145,17 +109,12 @@ class Session {
 
 }  // namespace
 
-Variant on_tree(TreeKind tree, Traversal traversal) {
-  return {.tree = tree, .traversal = traversal, .test_items = false};
+Variant on_tree(TreeKind tree, unsigned flags, Traversal traversal) {
+  return {.tree = tree, .traversal = traversal, .flags = flags, .test_items = false};
 }
 
-Variant with_flags(Variant v, unsigned flags) {
-  v.plane_coherency = (flags & 1) != 0;
-  v.octant = (flags & 2) != 0;
-  v.masking = (flags & 4) != 0;
-  v.motion = (flags & 8) != 0;
-  v.pre_test = (flags & 16) != 0;
-  return v;
+bool SessionOptions::wants(const std::string& name) const {
+  return variants.empty() || std::find(variants.begin(), variants.end(), name) != variants.end();
 }
 
 const Run* Results::find(const std::string& variant) const {
@@ -172,11 +131,7 @@ const Run* Results::fastest_exact() const {
 }
 
 Results run_everything(const Model& model, const SessionOptions& options) {
-  return Session(model, model.paths.front(), options).everything();
-}
-
-Results run_contenders(const Results& first, const Path& path, std::size_t count, const SessionOptions& options) {
-  return Session(*first.model, path, options).contenders(first, count);
+  return Session(model, options).run();
 }
 
 }  // namespace sightline::study

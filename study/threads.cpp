@@ -5,24 +5,12 @@
 #include <memory>
 #include <thread>
 
-#ifdef _OPENMP
 #include <omp.h>
-#endif
 
 namespace sightline::study {
 namespace {
 
 constexpr std::uint32_t kTaskItems = 4096;
-
-#ifdef _OPENMP
-int thread_number() {
-  return omp_get_thread_num();
-}
-#else
-int thread_number() {
-  return 0;
-}
-#endif
 
 bool worth_giving(const CompactNode& node) {
   return node.end - node.first >= kTaskItems;
@@ -31,22 +19,18 @@ bool worth_giving(const CompactNode& node) {
 // Recursion is as deep as tasks reach; with trees that only halve now and then that may be far, hence a limit in depth,
 // too.
 void task(const Frame& f, CompactNode* nodes, std::uint32_t index, WalkSubtree walk, OpenNode open_node,
-          std::vector<Visible>& parts) {
-  Visible& out = parts[std::size_t(thread_number())];
+          std::vector<core::VisibleSet>& parts) {
+  core::VisibleSet& out = parts[std::size_t(omp_get_thread_num())];
   if (!worth_giving(nodes[index]) || nodes[index].depth > 64) {
     walk(f, nodes, index, out);
     return;
   }
   if (!open_node(f, nodes, index, out)) return;
   const std::uint32_t left = index + 1, right = nodes[left].escape;
-#ifdef _OPENMP
 #pragma omp task default(none) shared(f, parts) firstprivate(nodes, left, walk, open_node)
-#endif
   task(f, nodes, left, walk, open_node, parts);
   task(f, nodes, right, walk, open_node, parts);
-#ifdef _OPENMP
 #pragma omp taskwait
-#endif
 }
 
 /// One writer, one reader.
@@ -86,7 +70,7 @@ struct Exchange {
 
 /// Walks a subtree and gives parts of it away while others have nothing to do.
 void walk_sharing(const Frame& f, CompactNode* nodes, std::uint32_t root, WalkSubtree walk, OpenNode open_node,
-                  Exchange& exchange, int self, std::vector<std::uint32_t>& own, Visible& out) {
+                  Exchange& exchange, int self, std::vector<std::uint32_t>& own, core::VisibleSet& out) {
   const int next = (self + 1) % exchange.threads;
   own.assign(1, root);
   while (!own.empty()) {
@@ -112,7 +96,7 @@ void walk_sharing(const Frame& f, CompactNode* nodes, std::uint32_t root, WalkSu
 }
 
 void ring_thread(const Frame& f, CompactNode* nodes, WalkSubtree walk, OpenNode open_node, Exchange& exchange, int self,
-                 Visible& out) {
+                 core::VisibleSet& out) {
   std::vector<std::uint32_t> own;
   if (self == 0) walk_sharing(f, nodes, 0, walk, open_node, exchange, self, own, out);
   for (int idle = 0; exchange.unfinished.load(std::memory_order_acquire) > 0; ++idle) {
@@ -129,7 +113,8 @@ void ring_thread(const Frame& f, CompactNode* nodes, WalkSubtree walk, OpenNode 
 
 }  // namespace
 
-void walk_static(const Frame& f, CompactNode* nodes, WalkSubtree walk, int threads, std::vector<Visible>& parts) {
+void walk_static(const Frame& f, CompactNode* nodes, WalkSubtree walk, int threads,
+                 std::vector<core::VisibleSet>& parts) {
   std::vector<std::uint32_t> roots{0}, next;
   while (int(roots.size()) < threads) {
     next.clear();
@@ -146,25 +131,19 @@ void walk_static(const Frame& f, CompactNode* nodes, WalkSubtree walk, int threa
   }
   for (const std::uint32_t i : roots) nodes[i].mask = kAllPlanes;
   const int count = int(roots.size());
-#ifdef _OPENMP
 #pragma omp parallel for schedule(static) num_threads(threads)
-#endif
-  for (int i = 0; i < count; ++i) walk(f, nodes, roots[std::size_t(i)], parts[std::size_t(thread_number())]);
+  for (int i = 0; i < count; ++i) walk(f, nodes, roots[std::size_t(i)], parts[std::size_t(omp_get_thread_num())]);
 }
 
 void walk_tasks(const Frame& f, CompactNode* nodes, WalkSubtree walk, OpenNode open_node, int threads,
-                std::vector<Visible>& parts) {
-  (void)threads;
-#ifdef _OPENMP
+                std::vector<core::VisibleSet>& parts) {
 #pragma omp parallel num_threads(threads)
 #pragma omp single
-#endif
   task(f, nodes, 0, walk, open_node, parts);
 }
 
 void walk_ring(const Frame& f, CompactNode* nodes, WalkSubtree walk, OpenNode open_node, int threads,
-               std::vector<Visible>& parts) {
-#ifdef _OPENMP
+               std::vector<core::VisibleSet>& parts) {
   Exchange exchange(threads);
 #pragma omp parallel num_threads(threads)
   {
@@ -174,11 +153,6 @@ void walk_ring(const Frame& f, CompactNode* nodes, WalkSubtree walk, OpenNode op
     const int self = omp_get_thread_num();
     ring_thread(f, nodes, walk, open_node, exchange, self, parts[std::size_t(self)]);
   }
-#else
-  (void)threads;
-  Exchange exchange(1);
-  ring_thread(f, nodes, walk, open_node, exchange, 0, parts[0]);
-#endif
 }
 
 }  // namespace sightline::study

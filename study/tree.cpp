@@ -4,8 +4,6 @@
 #include <array>
 #include <cassert>
 
-#include "sightline/study/sah.h"
-
 namespace sightline::study {
 namespace {
 
@@ -32,28 +30,6 @@ void complete(std::span<const core::Aabb> boxes, Tree& tree) {
       node.box.grow(tree.nodes[tree.nodes[i + 1].escape].box);
     }
   }
-}
-
-Tree from_sah(std::span<const core::Aabb> boxes, std::uint32_t leaf_size) {
-  SahTree sah = build_sah(boxes, {.max_leaf_size = leaf_size});
-  Tree tree;
-  tree.order = std::move(sah.order);
-  struct Entry {
-    std::uint32_t node, depth;
-  };
-  std::vector<Entry> stack{{0, 0}};
-  tree.nodes.reserve(sah.nodes.size());
-  while (!stack.empty()) {
-    const Entry e = stack.back();
-    stack.pop_back();
-    const SahNode& node = sah.nodes[e.node];
-    tree.nodes.push_back({{}, node.first, node.first + node.count, 0, e.depth});
-    if (node.leaf()) continue;
-    stack.push_back({node.left + 1, e.depth + 1});
-    stack.push_back({node.left, e.depth + 1});
-  }
-  complete(boxes, tree);
-  return tree;
 }
 
 class TreeBuilder {
@@ -126,7 +102,7 @@ Tree build_tree(std::span<const core::Aabb> boxes, std::span<const std::uint8_t>
                 std::uint32_t leaf_size) {
   assert(leaf_size > 0 && (kinds.empty() || kinds.size() == boxes.size()));
   if (boxes.empty()) return {};
-  return split == Split::kSah ? from_sah(boxes, leaf_size) : TreeBuilder(boxes, kinds, split, leaf_size).run();
+  return TreeBuilder(boxes, kinds, split, leaf_size).run();
 }
 
 }  // namespace sightline::study

@@ -9,8 +9,8 @@
 
 namespace sightline::study {
 
-/// Where a node is split along the longest axis of its box, or by the binned surface-area heuristic (sah.h).
-enum class Split : std::uint8_t { kMean, kMedian, kSah };
+/// Where a node is split along the longest axis of its box.
+enum class Split : std::uint8_t { kMean, kMedian };
 
 /// Node i spans places first … end - 1 of the order. Its left child is i + 1, its right child the left one's escape.
 struct TreeNode {
@@ -29,9 +29,9 @@ struct Tree {
   bool leaf(std::uint32_t i) const { return nodes[i].escape == i + 1; }
 };
 
-/// `kinds`: kind of each box (0 … 7), or empty for one kind. A leaf holds at most `leaf_size` boxes of each kind; with
-/// kSah at most leaf_size in all. Where a mean separates nothing the range is halved, hence any input terminates.
-/// Iterative. Boxes must not hold NaN and not be empty.
+/// `kinds`: kind of each box (0 … 7), or empty for one kind. A leaf holds at most `leaf_size` boxes of each kind. Where
+/// a mean separates nothing the range is halved, hence any input terminates. Iterative. Boxes must not hold NaN and not
+/// be empty.
 Tree build_tree(std::span<const core::Aabb> boxes, std::span<const std::uint8_t> kinds, Split split,
                 std::uint32_t leaf_size = 3);
 

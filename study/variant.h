@@ -1,4 +1,4 @@
-// What can be combined.
+// The techniques of CPU culling that can be combined, and the promise of each combination.
 #pragma once
 
 #include <cstdint>
@@ -6,32 +6,36 @@
 
 namespace sightline::study {
 
-enum class TreeKind : std::uint8_t { kNone, kMean, kMedian, kSah };
+enum class TreeKind : std::uint8_t { kNone, kMean, kMedian };
 /// kStack: nodes with pointers and a stack on the heap. kStackless: the same nodes by escape index. kCompact: nodes of
 /// 48 bytes without pointers, by escape index.
 enum class Traversal : std::uint8_t { kStack, kStackless, kCompact };
-enum class Test : std::uint8_t { kCorners, kVertices, kSplit, kRadar, kRadarTwoAnswers, kRadarByLimit, kSphere };
-/// kPerTest: one register packed for each distance (for kSplit: four planes at a time). kOverBoxes: four boxes at a
-/// time from a structure of arrays.
-enum class Simd : std::uint8_t { kNone, kPerTest, kOverBoxes };
+enum class Test : std::uint8_t { kCorners, kVertices, kSplit, kRadar, kRadarTwoAnswers };
 /// kStatic: subtrees of one level handed out in advance. kTasks: OpenMP tasks. kRing: lock-free ring buffers between
 /// the threads.
 enum class Threads : std::uint8_t { kOne, kStatic, kTasks, kRing };
+
+/// Bits of Variant::flags: the dissertation's five optimisations.
+enum Flag : unsigned {
+  kPlaneCoherency = 1,  ///< the plane that rejected a box last time comes first
+  kOctant = 2,          ///< small boxes meet only the three planes next to their centre
+  kMasking = 4,         ///< planes that a node lies inside of are not tested below it
+  kMotion = 8,          ///< translation/rotation coherency: still outside if the camera moved little
+  kPreTest = 16,        ///< box of the frustum first
+};
+inline constexpr unsigned kAllFlags = 31;
 
 struct Variant {
   TreeKind tree = TreeKind::kNone;
   Traversal traversal = Traversal::kCompact;
   Test test = Test::kVertices;
-  Simd simd = Simd::kNone;
-  bool plane_coherency = false;    ///< the plane that rejected a box last time comes first
-  bool octant = false;             ///< small boxes meet only the three planes next to their centre
-  bool masking = false;            ///< planes that a node lies inside of are not tested below it
-  bool motion = false;             ///< translation/rotation coherency: still outside if the camera moved little
-  bool pre_test = false;           ///< box of the frustum first
-  bool test_items = true;          ///< items of a leaf on their own; otherwise a leaf is visible as a whole
-  std::uint32_t max_depth = 0xff;  ///< levels below which everything counts as visible
+  bool simd = false;  ///< one register packed for each distance; for Test::kSplit four planes at a time
+  unsigned flags = 0;
+  bool test_items = true;  ///< items of a leaf on their own; otherwise a leaf is visible as a whole
   Threads threads = Threads::kOne;
   int thread_count = 1;
+
+  bool has(Flag flag) const { return (flags & flag) != 0; }
   friend bool operator==(const Variant&, const Variant&) = default;
 };
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/visible_set.h"
 #include "sightline/study/camera.h"
-#include "sightline/study/culler.h"
 #include "sightline/study/motion.h"
 #include "sightline/study/variant.h"
 
@@ -29,7 +29,7 @@ struct CompactNode {
 };
 static_assert(sizeof(FullNode) == 72 && sizeof(CompactNode) == 48);
 
-/// What all threads of one frame share. Boxes and what belongs to them are numbered: nodes first, then items in the
+/// All threads of one frame share this. Boxes and what belongs to them are numbered: nodes first, then items in the
 /// order of the tree.
 struct Frame {
   const Variant& variant;
@@ -59,22 +59,19 @@ template <Test kTest, bool kSimd>
 Answer run_test(const Frame& f, const Box& box, std::size_t number, unsigned& mask, std::uint8_t* first,
                 Rejection& rejection) {
   const Camera& c = f.camera;
-  if constexpr (kTest == Test::kRadar || kTest == Test::kRadarTwoAnswers || kTest == Test::kRadarByLimit) {
+  if constexpr (kTest == Test::kRadar || kTest == Test::kRadarTwoAnswers) {
     if (!c.radar_usable) return Answer::kIntersecting;
-    if constexpr (kTest == Test::kRadar) return radar_counting(c.radar, box);
-    if constexpr (kTest == Test::kRadarTwoAnswers) return radar_two_answers(c.radar, box);
-    return radar_by_limit(c.radar, box);
+    return kTest == Test::kRadar ? radar_counting(c.radar, box) : radar_two_answers(c.radar, box);
   } else if constexpr (kTest == Test::kSplit) {
     return split_planes<kSimd>(c.split, box, mask, mask, rejection);
   } else {
     unsigned todo = mask;
-    if (f.variant.octant && c.has_corners) {
+    if (f.variant.has(kOctant) && c.has_corners) {
       const Sphere& s = f.spheres[number];
       if (s.radius <= c.octant_radius) todo &= c.octant(s.centre);
     }
     const auto one_plane = [&](int k, float& below) {
       const Plane& p = c.planes[std::size_t(k)];
-      if constexpr (kTest == Test::kSphere) return sphere_against_plane(p, f.spheres[number], below);
       if constexpr (kTest == Test::kCorners) return corners_against_plane<kSimd>(p, box, below);
       return vertices_against_plane<kSimd>(p, box, below);
     };
@@ -86,7 +83,7 @@ Answer run_test(const Frame& f, const Box& box, std::size_t number, unsigned& ma
 template <Test kTest, bool kSimd>
 Answer check(const Frame& f, const Box& box, std::size_t number, unsigned& mask, std::uint8_t* first) {
   if (!f.memories.empty() && f.motion.still_outside(f.memories[number])) return Answer::kOutside;
-  if (f.variant.pre_test && f.camera.has_corners && apart(box, f.camera.bounds)) return Answer::kOutside;
+  if (f.variant.has(kPreTest) && f.camera.has_corners && apart(box, f.camera.bounds)) return Answer::kOutside;
   Rejection rejection;
   const Answer answer = run_test<kTest, kSimd>(f, box, number, mask, first, rejection);
   if (!f.memories.empty() && answer == Answer::kOutside) f.memories[number] = f.motion.remember(rejection, box);
@@ -95,17 +92,17 @@ Answer check(const Frame& f, const Box& box, std::size_t number, unsigned& mask,
 
 /// Items first … end - 1, one by one.
 template <Test kTest, bool kSimd>
-void check_items(const Frame& f, std::uint32_t first, std::uint32_t end, unsigned mask, Visible& out) {
+void check_items(const Frame& f, std::uint32_t first, std::uint32_t end, unsigned mask, core::VisibleSet& out) {
   out.counters.boxes_tested += end - first;
   for (std::uint32_t i = first; i < end; ++i) {
     unsigned item_mask = mask;
-    std::uint8_t* plane = f.variant.plane_coherency ? &f.item_planes[i] : nullptr;
+    std::uint8_t* plane = f.variant.has(kPlaneCoherency) ? &f.item_planes[i] : nullptr;
     if (check<kTest, kSimd>(f, f.items[i], f.node_count + i, item_mask, plane) != Answer::kOutside)
-      out.items.push_back(i);
+      out.single_slots.push_back(i);
   }
 }
 
-inline void emit(std::uint32_t first, std::uint32_t end, Visible& out) {
+inline void emit(std::uint32_t first, std::uint32_t end, core::VisibleSet& out) {
   if (!out.ranges.empty() && out.ranges.back().first + out.ranges.back().count == first)
     out.ranges.back().count += end - first;
   else
@@ -115,37 +112,38 @@ inline void emit(std::uint32_t first, std::uint32_t end, Visible& out) {
 /// Tests a node and settles it when it can be: true when its children must be looked at. Masks of children lie in the
 /// nodes, written by the parent just before.
 template <Test kTest, bool kSimd, class Node>
-bool open(const Frame& f, Node* nodes, std::uint32_t index, Visible& out) {
+bool open(const Frame& f, Node* nodes, std::uint32_t index, core::VisibleSet& out) {
   Node& node = nodes[index];
   const bool leaf = node.escape == index + 1;
-  unsigned mask = f.variant.masking ? node.mask : kAllPlanes;
+  unsigned mask = f.variant.has(kMasking) ? node.mask : kAllPlanes;
   std::uint8_t plane = std::uint8_t(node.plane);
   ++out.counters.nodes_tested;
-  const Answer answer = check<kTest, kSimd>(f, node.box, index, mask, f.variant.plane_coherency ? &plane : nullptr);
-  if (f.variant.plane_coherency) node.plane = plane;
+  const Answer answer =
+      check<kTest, kSimd>(f, node.box, index, mask, f.variant.has(kPlaneCoherency) ? &plane : nullptr);
+  if (f.variant.has(kPlaneCoherency)) node.plane = plane;
   if (answer == Answer::kOutside) return false;
-  if (answer == Answer::kInside || node.depth >= f.variant.max_depth || (leaf && !f.variant.test_items)) {
+  if (answer == Answer::kInside || (leaf && !f.variant.test_items)) {
     emit(node.first, node.end, out);
     return false;
   }
   if (leaf) {
-    check_items<kTest, kSimd>(f, node.first, node.end, f.variant.masking ? mask : kAllPlanes, out);
+    check_items<kTest, kSimd>(f, node.first, node.end, f.variant.has(kMasking) ? mask : kAllPlanes, out);
     return false;
   }
-  if (f.variant.masking) nodes[index + 1].mask = nodes[nodes[index + 1].escape].mask = mask;
+  if (f.variant.has(kMasking)) nodes[index + 1].mask = nodes[nodes[index + 1].escape].mask = mask;
   return true;
 }
 
 /// The subtree of `root`, by escape index.
 template <Test kTest, bool kSimd, class Node>
-void walk_stackless(const Frame& f, Node* nodes, std::uint32_t root, Visible& out) {
+void walk_stackless(const Frame& f, Node* nodes, std::uint32_t root, core::VisibleSet& out) {
   const std::uint32_t end = nodes[root].escape;
   for (std::uint32_t i = root; i < end;) i = open<kTest, kSimd>(f, nodes, i, out) ? i + 1 : nodes[i].escape;
 }
 
 /// A walk with a stack of pointers.
 template <Test kTest, bool kSimd>
-void walk_with_stack(const Frame& f, FullNode* nodes, std::vector<FullNode*>& stack, Visible& out) {
+void walk_with_stack(const Frame& f, FullNode* nodes, std::vector<FullNode*>& stack, core::VisibleSet& out) {
   stack.assign(1, nodes);
   while (!stack.empty()) {
     FullNode* node = stack.back();
@@ -157,7 +155,7 @@ void walk_with_stack(const Frame& f, FullNode* nodes, std::vector<FullNode*>& st
 }
 
 /// One subtree of compact nodes on the calling thread, and one node alone: what the schemes of threads.h hand out.
-using WalkSubtree = void (*)(const Frame&, CompactNode*, std::uint32_t, Visible&);
-using OpenNode = bool (*)(const Frame&, CompactNode*, std::uint32_t, Visible&);
+using WalkSubtree = void (*)(const Frame&, CompactNode*, std::uint32_t, core::VisibleSet&);
+using OpenNode = bool (*)(const Frame&, CompactNode*, std::uint32_t, core::VisibleSet&);
 
 }  // namespace sightline::study

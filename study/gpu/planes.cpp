@@ -1,6 +1,7 @@
 #include "sightline/study/gpu/planes.h"
 
 #include <algorithm>
+#include <array>
 
 #include "sightline/culling/gpu/internal/gpu_band.h"
 
@@ -9,13 +10,9 @@ namespace {
 
 /// StudyPlanes (std140).
 struct PlaneBlock {
-  struct Row {
-    float normal[3], out, in, unused[3];
-  };
-  Row planes[culling::kMaxCullPlanes];
+  std::array<float, 4> planes[culling::kMaxCullPlanes];
   std::int32_t count, unused[3];
 };
-static_assert(sizeof(PlaneBlock) == 32 * culling::kMaxCullPlanes + 16);
 
 float within_range(double x) {
   return core::round_up(std::min(x, double(core::Aabb::kFar)));
@@ -38,10 +35,7 @@ void GpuPlanes::upload(const culling::CullPlanes& planes, const core::ItemBounds
   for (int k = 0; k < block.count; ++k) {
     const culling::FloatPlane& p = planes.planes()[k];
     const double band = culling::gpu_band(p.band, bounds);
-    block.planes[k] = {{p.normal[0], p.normal[1], p.normal[2]},
-                       within_range(double(p.offset) + band),
-                       -within_range(band - double(p.offset)),
-                       {}};
+    block.planes[k] = {p.normal[0], p.normal[1], p.normal[2], within_range(double(p.offset) + band)};
   }
   block_.write(0, sizeof(block), &block);
   gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, block_.id());

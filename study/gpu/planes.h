@@ -1,9 +1,9 @@
-// study/gpu: the ways to cull on the GPU that E. T. Carlos describes in "Frustum Culling Híbrido Utilizando CPU e GPU"
-// (2009, chapters 5 and 6), as they were but for the errors, to be compared with production (culling/gpu): the test in
-// the primitive's own draw (in_draw.h), a point per box with its answer read back (flat.h), and the hybrid's frontier
-// of a hierarchy (frontier.h). Uses study, culling, gl, gpuscene, render.
+// study/gpu: two ways to cull on the GPU that E. T. Carlos describes in "Frustum Culling Híbrido Utilizando CPU e GPU"
+// (2009, chapter 5), as they were but for the errors, to be compared with production (culling/gpu): the test in the
+// primitive's own draw (in_draw.h), and a point per box with its answer read back (flat.h). Uses study, culling, gl,
+// gpuscene, render.
 //
-// All of them are conservative: a box that meets the view volume is kept, and one is kept needlessly only within float
+// Both are conservative: a box that meets the view volume is kept, and one is kept needlessly only within float
 // rounding of a plane. Section planes that unite, and layers, are not looked at.
 //
 // This header: the planes of a view as these shaders read them.
@@ -17,9 +17,8 @@
 
 namespace sightline::study {
 
-/// Texture units and uniform blocks, apart from those that render's shaders use (0 to 3, and block 0).
-enum GpuUnit : GLuint { kBoxUnit = 4, kNodeUnit = 6, kCutUnit };
-inline constexpr GLuint kPlaneBinding = 1;
+/// Texture unit and uniform block, apart from those that render's shaders use (0 to 3, and block 0).
+inline constexpr GLuint kBoxUnit = 4, kPlaneBinding = 1;
 
 /// The uniform block StudyPlanes of shaders/box_test.glsl.
 class GpuPlanes {

@@ -158,8 +158,9 @@ const TraversalRun* Benchmark::find(const std::string& traversal) const {
   return nullptr;
 }
 
-Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, const Image& image, int passes,
-                        const std::function<void(const std::string&)>& step, const BenchmarkHook& then) {
+core::Expected<Benchmark> run_benchmark(const std::string& model, const TriangleSet& triangles, const Image& image,
+                                        int passes, const std::function<void(const std::string&)>& step,
+                                        const BenchmarkHook& then) {
   step("building");
   const Structures structures(triangles);
   Benchmark result{model, triangles.size(), {}, 0.0, 0.0, {}, {}};
@@ -195,7 +196,8 @@ Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, 
       }
     }
   }
-  if (then) then(structures, searched, result);
+  if (then)
+    if (auto done = then(structures, searched, result); !done) return tl::unexpected(done.error());
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/core/error.h"
 #include "sightline/study/rays/traversals.h"
 
 namespace sightline::study::rays {
@@ -25,9 +26,6 @@ struct GpuRun {
   /// Primary rays, in groups of 32 x 1 pixels, of 8 x 4, and of 8 x 4 by persistent groups; reflected and shadow rays
   /// in groups of 32 as they come.
   double rows_ns = 0.0, tiles_ns = 0.0, persistent_ns = 0.0, reflected_ns = 0.0, shadow_ns = 0.0;
-  double nodes = 0.0, triangles = 0.0;  ///< a primary ray, mean, as the GPU counts
-  /// Node visits that groups of 32 primary rays pay for, each as many as its slowest ray, over those that rays need.
-  double divergence_rows = 0.0, divergence_tiles = 0.0;
   std::size_t disagreements = 0;  ///< answers to primary rays that differ from the CPU's
 };
 
@@ -63,7 +61,7 @@ struct Benchmark {
   const TraversalRun* find(const std::string& traversal) const;
 };
 
-/// What a benchmark searched for.
+/// The rays that a benchmark searched for.
 struct BenchmarkRays {
   Image image;
   std::array<std::vector<Ray>, kRayKinds> rays;  ///< by RayKind; primary ones row by row
@@ -82,12 +80,13 @@ std::vector<Ray> shadow_rays(const TriangleSet& triangles, const std::vector<Ray
 /// primary ray.
 double lanes_at_work(const std::vector<std::uint32_t>& visits, const Image& image, int width, int height);
 
-/// May add to a result what it finds out about the same rays.
-using BenchmarkHook = std::function<void(const Structures&, const BenchmarkRays&, Benchmark&)>;
+/// May add to a result what it finds out about the same rays. Its error ends the benchmark.
+using BenchmarkHook = std::function<core::Expected<void>(const Structures&, const BenchmarkRays&, Benchmark&)>;
 
 /// Traversals take turns, `passes` times (>= 1) each; `step` is told what comes next. `then`, where given, is called at
 /// the end.
-Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, const Image& image, int passes,
-                        const std::function<void(const std::string&)>& step, const BenchmarkHook& then = {});
+core::Expected<Benchmark> run_benchmark(const std::string& model, const TriangleSet& triangles, const Image& image,
+                                        int passes, const std::function<void(const std::string&)>& step,
+                                        const BenchmarkHook& then = {});
 
 }  // namespace sightline::study::rays

@@ -8,12 +8,6 @@ namespace sightline::study::rays {
 namespace {
 
 using core::Aabb;
-using core::vec3;
-
-int longest_axis(const Aabb& box) {
-  const vec3 d = box.max - box.min;
-  return d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
-}
 
 class BihBuilder {
  public:

@@ -1,4 +1,5 @@
-// Bounding volume hierarchies by the surface-area heuristic (study/sah.h), and their traversal with a stack.
+// Bounding volume hierarchies by the binned surface-area heuristic (I. Wald, "On fast construction of SAH-based
+// bounding volume hierarchies", 2007), and their traversal with a stack.
 #pragma once
 
 #include <algorithm>
@@ -26,6 +27,7 @@ struct Bvh {
   std::size_t bytes() const { return nodes.size() * sizeof(Node) + triangles.size() * sizeof(std::uint32_t); }
 };
 
+/// Deterministic. Where the heuristic finds no split, or sinks too deep, ranges are halved.
 Bvh build_bvh(std::span<const core::Aabb> boxes, std::uint32_t leaf_size = 4);
 
 /// Tests both children's boxes and goes to the nearer one first. The other waits on a stack of 4 bytes an entry.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 #include "sightline/study/rays/kd_tree.h"
 #include "sightline/study/rays/query.h"
@@ -53,45 +54,33 @@ std::uint32_t descend(const KdTree& tree, const UnitRay& ray, std::uint32_t node
 inline constexpr auto kIgnoreOne = [](std::uint32_t) {};
 inline constexpr auto kIgnoreBoth = [](std::uint32_t, const Interval&) {};
 
-/// Standard: the far children wait on a stack of 12 bytes an entry.
+/// Standard: the far children wait on a stack of 12 bytes an entry, or in the dissertation's own form of 8: an entry's
+/// interval begins where the last leaf ended.
+template <bool eight_bytes>
 struct KdStandard {
+  struct ShortEntry {
+    std::uint32_t node;
+    float t_max;
+    ShortEntry() = default;
+    ShortEntry(const Entry& entry) : node(entry.node), t_max(entry.t.max) {}
+  };
+
   template <class Q>
   static void walk(const KdTree& tree, const UnitRay& ray, Q& query) {
-    std::array<Entry, KdTree::kMaxDepth> stack;
+    std::array<std::conditional_t<eight_bytes, ShortEntry, Entry>, KdTree::kMaxDepth> stack;
     std::size_t size = 0;
     Entry at{0, {0.0f, ray.exit}};
     for (;;) {
       const std::uint32_t leaf =
           descend(tree, ray, at.node, at.t, query, kIgnoreOne, [&](std::uint32_t far, const Interval& t) {
-            stack[size++] = {far, t};
+            stack[size++] = Entry{far, t};
           });
       if (query.test(tree.triangles_of(tree.nodes[leaf]), at.t.max) || size == 0) return;
-      at = stack[--size];
-    }
-  }
-};
-
-/// The dissertation's own: 8 bytes an entry. An entry's interval begins where the last leaf ended.
-struct KdStandard8 {
-  template <class Q>
-  static void walk(const KdTree& tree, const UnitRay& ray, Q& query) {
-    struct ShortEntry {
-      std::uint32_t node;
-      float t_max;
-    };
-    std::array<ShortEntry, KdTree::kMaxDepth> stack;
-    std::size_t size = 0;
-    std::uint32_t node = 0;
-    Interval t{0.0f, ray.exit};
-    for (;;) {
-      const std::uint32_t leaf =
-          descend(tree, ray, node, t, query, kIgnoreOne, [&](std::uint32_t far, const Interval& i) {
-            stack[size++] = {far, i.max};
-          });
-      if (query.test(tree.triangles_of(tree.nodes[leaf]), t.max) || size == 0) return;
-      --size;
-      node = stack[size].node;
-      t = {t.max, stack[size].t_max};
+      const auto& next = stack[--size];
+      if constexpr (eight_bytes)
+        at = {next.node, {at.t.max, next.t_max}};
+      else
+        at = next;
     }
   }
 };

@@ -1,7 +1,6 @@
 #include "sightline/study/rays/kd_tree.h"
 
 #include <algorithm>
-#include <cassert>
 #include <limits>
 
 namespace sightline::study::rays {
@@ -12,17 +11,7 @@ using core::vec3;
 
 constexpr std::uint32_t kMaxBins = 32;
 
-/// The part of a triangle's box in a node.
-struct Reference {
-  Aabb box;
-  std::uint32_t triangle;
-};
 using References = std::vector<Reference>;
-
-float half_area(const Aabb& box) {
-  const vec3 d = box.max - box.min;
-  return d.x * d.y + d.y * d.z + d.z * d.x;
-}
 
 struct Split {
   float cost = std::numeric_limits<float>::infinity();

@@ -11,6 +11,7 @@
 
 #include "sightline/core/aabb.h"
 #include "sightline/study/rays/grid_lines.h"
+#include "sightline/study/rays/triangle_set.h"
 
 namespace sightline::study::rays {
 

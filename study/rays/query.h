@@ -1,4 +1,4 @@
-// What a traversal is asked: the nearest hit of a ray or any hit, with or without counters.
+// A traversal is asked for the nearest hit of a ray or for any hit, with or without counters.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct Interval {
   float min, max;
 };
 
-/// What most stacks hold: a node, and the part of the ray in it.
+/// An entry of most stacks: a node, and the part of the ray in it.
 struct Entry {
   std::uint32_t node;
   Interval t;

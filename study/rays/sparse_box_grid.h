@@ -30,19 +30,10 @@ struct SparseBoxGrid {
 
 /// The boxes are the leaves of a kd-tree whose splits lie on the grid's lines. `cells_per_box`: of the grid, roughly,
 /// to each of `boxes`; more allow splits closer to the best.
-SparseBoxGrid build_sbg_from_kd_tree(std::span<const core::Aabb> boxes, const core::Aabb& bounds,
-                                     double cells_per_box = 8.0);
-
-/// A builder of the grid's own, which places faces as no tree can: a box ends where it ends, not across the whole of
-/// some larger box. Boxes grow from cells, a layer at a time on each side in turn. Those of empty space grow first, as
-/// far as there is space. The others take a layer where one box is cheaper than the layer's cells apart, by the
-/// surface-area heuristic. `cells_per_box` as above.
-SparseBoxGrid build_sbg_by_growth(std::span<const core::Aabb> boxes, const core::Aabb& bounds,
-                                  double cells_per_box = 8.0);
+SparseBoxGrid build_sbg(std::span<const core::Aabb> boxes, const core::Aabb& bounds, double cells_per_box = 8.0);
 
 /// Goes from box to box. A face lies on a line of the grid, so the next cell's number across it is exact. On the other
-/// axes it stays within the box that the ray leaves, and never goes back: three boxes around a corner, which no tree
-/// has, would else send a ray round and round.
+/// axes it stays within the box that the ray leaves, and never goes back.
 struct SbgWalk {
   template <class Q>
   static void walk(const SparseBoxGrid& grid, const UnitRay& ray, Q& query) {

@@ -38,7 +38,7 @@ constexpr std::array kTraversals = {
     traversal<OctreeRevelles, &Structures::octree>("octree", Structure::kOctree),
     traversal<GridDda, &Structures::grid>("grid 3D-DDA", Structure::kGrid),
     traversal<KdSequential, &Structures::kd_ropes>("kd sequential", Structure::kKdTreeWithRopes),
-    traversal<KdStandard, &Structures::kd>("kd standard", Structure::kKdTree),
+    traversal<KdStandard<false>, &Structures::kd>("kd standard", Structure::kKdTree),
     traversal<KdHavran, &Structures::kd>("kd Havran", Structure::kKdTree),
     traversal<KdRestart, &Structures::kd>("kd restart", Structure::kKdTree),
     traversal<KdBacktrack, &Structures::kd_parents>("kd backtrack", Structure::kKdTreeWithParents),
@@ -47,11 +47,10 @@ constexpr std::array kTraversals = {
     traversal<KdShortStack<true>, &Structures::kd>("kd PD & SS", Structure::kKdTree),
     traversal<KdRopes<true>, &Structures::kd_ropes>("kd ropes", Structure::kKdTreeWithRopes),
     traversal<KdRopes<false>, &Structures::kd_ropes>("kd ropes++", Structure::kKdTreeWithRopes),
-    traversal<KdStandard8, &Structures::kd>("kd 8-byte standard", Structure::kKdTree),
+    traversal<KdStandard<true>, &Structures::kd>("kd 8-byte standard", Structure::kKdTree),
     traversal<BvhStack, &Structures::bvh>("BVH", Structure::kBvh),
     traversal<BihStack, &Structures::bih>("BIH", Structure::kBih),
     traversal<SbgWalk, &Structures::sbg>("SBG", Structure::kSbg),
-    traversal<SbgWalk, &Structures::grown_sbg>("SBG, grown", Structure::kGrownSbg),
 };
 
 /// Builders need some bounds; no ray meets an empty set.
@@ -63,7 +62,7 @@ core::Aabb bounds_or_unit_cube(const core::Aabb& bounds) {
 
 const char* name_of(Structure structure) {
   constexpr std::array<const char*, kStructures> kNames = {
-      "octree", "grid", "kd-tree", "kd-tree with parents", "kd-tree with ropes", "BVH", "BIH", "SBG", "SBG, grown"};
+      "octree", "grid", "kd-tree", "kd-tree with parents", "kd-tree with ropes", "BVH", "BIH", "SBG"};
   return kNames[std::size_t(structure)];
 }
 
@@ -81,24 +80,21 @@ Structures::Structures(const TriangleSet& set)
 Structures::Structures(const TriangleSet& set, const std::vector<core::Aabb>& boxes, const core::Aabb& bounds)
     : triangles(set),
       octree(timed(Structure::kOctree, [&] { return build_octree(boxes, bounds); })),
-      grid(timed(Structure::kGrid,
-                 [&] { return build_grid_per_object(boxes, bounds, automatic_resolution(boxes, bounds)); })),
+      grid(timed(Structure::kGrid, [&] { return build_grid(boxes, bounds, automatic_resolution(boxes, bounds)); })),
       kd(timed(Structure::kKdTree, [&] { return build_kd_tree(boxes, bounds); })),
       kd_parents(timed(Structure::kKdTreeWithParents, [&] { return KdTreeWithParents(kd); })),
       kd_ropes(timed(Structure::kKdTreeWithRopes, [&] { return KdTreeWithRopes(kd); })),
       bvh(timed(Structure::kBvh, [&] { return build_bvh(boxes); })),
       bih(timed(Structure::kBih, [&] { return build_bih(boxes, bounds); })),
-      sbg(timed(Structure::kSbg, [&] { return build_sbg_from_kd_tree(boxes, bounds); })),
-      grown_sbg(timed(Structure::kGrownSbg, [&] { return build_sbg_by_growth(boxes, bounds); })) {
+      sbg(timed(Structure::kSbg, [&] { return build_sbg(boxes, bounds); })) {
   const double bare = build_seconds[std::size_t(Structure::kKdTree)];
   build_seconds[std::size_t(Structure::kKdTreeWithParents)] += bare;
   build_seconds[std::size_t(Structure::kKdTreeWithRopes)] += bare;
 }
 
 std::size_t Structures::bytes(Structure structure) const {
-  const std::array<std::size_t, kStructures> bytes_of{octree.bytes(),     grid.bytes(),     kd.bytes(),
-                                                      kd_parents.bytes(), kd_ropes.bytes(), bvh.bytes(),
-                                                      bih.bytes(),        sbg.bytes(),      grown_sbg.bytes()};
+  const std::array<std::size_t, kStructures> bytes_of{octree.bytes(),   grid.bytes(), kd.bytes(),  kd_parents.bytes(),
+                                                      kd_ropes.bytes(), bvh.bytes(),  bih.bytes(), sbg.bytes()};
   return bytes_of[std::size_t(structure)];
 }
 

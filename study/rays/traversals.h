@@ -17,18 +17,8 @@
 
 namespace sightline::study::rays {
 
-enum class Structure : std::uint8_t {
-  kOctree,
-  kGrid,
-  kKdTree,
-  kKdTreeWithParents,
-  kKdTreeWithRopes,
-  kBvh,
-  kBih,
-  kSbg,
-  kGrownSbg
-};
-inline constexpr std::size_t kStructures = 9;
+enum class Structure : std::uint8_t { kOctree, kGrid, kKdTree, kKdTreeWithParents, kKdTreeWithRopes, kBvh, kBih, kSbg };
+inline constexpr std::size_t kStructures = 8;
 const char* name_of(Structure structure);
 
 /// All structures of a set of triangles, which they borrow.
@@ -49,7 +39,7 @@ struct Structures {
   KdTreeWithRopes kd_ropes;
   Bvh bvh;
   Bih bih;
-  SparseBoxGrid sbg, grown_sbg;
+  SparseBoxGrid sbg;
 
  private:
   Structures(const TriangleSet& set, const std::vector<core::Aabb>& boxes, const core::Aabb& bounds);
@@ -68,7 +58,7 @@ struct Traversal {
   Hit (*count)(const Structures& structures, const Ray& ray, Counters& counters);
 };
 
-/// All sixteen, in the dissertation's order, and the last once more on boxes that grew.
+/// All sixteen, in the dissertation's order.
 std::span<const Traversal> traversals();
 
 }  // namespace sightline::study::rays

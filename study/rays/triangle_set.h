@@ -101,4 +101,22 @@ class TriangleSet {
   UnitSpace space_;
 };
 
+// --- shared by the builders of structures ----------------------------------------------------------------------------
+
+/// A triangle's box, or the part of it in a node.
+struct Reference {
+  core::Aabb box;
+  std::uint32_t triangle;
+};
+
+inline float half_area(const core::Aabb& box) {
+  const core::vec3 d = box.max - box.min;
+  return d.x * d.y + d.y * d.z + d.z * d.x;
+}
+
+inline int longest_axis(const core::Aabb& box) {
+  const core::vec3 d = box.max - box.min;
+  return d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
+}
+
 }  // namespace sightline::study::rays

@@ -65,7 +65,7 @@ Cell automatic_resolution(std::span<const Aabb> boxes, const Aabb& bounds) {
   return best;
 }
 
-UniformGrid build_grid_per_object(std::span<const Aabb> boxes, const Aabb& bounds, const Cell& cells) {
+UniformGrid build_grid(std::span<const Aabb> boxes, const Aabb& bounds, const Cell& cells) {
   UniformGrid grid;
   grid.lines = GridLines(bounds, cells);
   grid.begins.assign(grid.lines.count() + 1, 0);
@@ -77,23 +77,6 @@ UniformGrid build_grid_per_object(std::span<const Aabb> boxes, const Aabb& bound
   for (std::uint32_t i = 0; i < boxes.size(); ++i)
     for_each_cell(range_of(grid.lines, boxes[i]),
                   [&](const Cell& c) { grid.triangles[ends[grid.lines.index(c)]++] = i; });
-  return grid;
-}
-
-UniformGrid build_grid_brute_force(std::span<const Aabb> boxes, const Aabb& bounds, const Cell& cells) {
-  UniformGrid grid;
-  grid.lines = GridLines(bounds, cells);
-  const CellRange all{{0, 0, 0}, {cells[0] - 1, cells[1] - 1, cells[2] - 1}};
-  for_each_cell(all, [&](const Cell& c) {
-    grid.begins.push_back(std::uint32_t(grid.triangles.size()));
-    for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-      const CellRange range = range_of(grid.lines, boxes[i]);
-      bool inside = true;
-      for (std::size_t a = 0; a < 3; ++a) inside = inside && range.first[a] <= c[a] && c[a] <= range.last[a];
-      if (inside) grid.triangles.push_back(i);
-    }
-  });
-  grid.begins.push_back(std::uint32_t(grid.triangles.size()));
   return grid;
 }
 

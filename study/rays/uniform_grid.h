@@ -28,9 +28,7 @@ Cell grid_resolution(const core::Aabb& bounds, std::size_t boxes, double factor)
 Cell automatic_resolution(std::span<const core::Aabb> boxes, const core::Aabb& bounds);
 
 /// Builds by walking the cells of each box: a pass that counts, and one that fills.
-UniformGrid build_grid_per_object(std::span<const core::Aabb> boxes, const core::Aabb& bounds, const Cell& cells);
-/// Builds by testing every cell against every box. The same grid.
-UniformGrid build_grid_brute_force(std::span<const core::Aabb> boxes, const core::Aabb& bounds, const Cell& cells);
+UniformGrid build_grid(std::span<const core::Aabb> boxes, const core::Aabb& bounds, const Cell& cells);
 
 /// Parameters at planes are computed from the plane's number: sums of steps would drift.
 struct GridDda {

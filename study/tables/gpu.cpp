@@ -1,42 +1,43 @@
-#include "sightline/study/tables/gpu.h"
-
+// sightline-study cull-gpu: the GPU forms of culling (study/gpu) beside the CPU's, on the paths of the subcommand cull.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
+#include <functional>
+#include <memory>
 
+#include "sightline/apps/bench/brute_force.h"
 #include "sightline/apps/bench/models/platforms.h"
+#include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
+#include "sightline/apps/common/progress.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/gl/internal/query.h"
-#include "sightline/study/brute_force.h"
 #include "sightline/study/gpu/flat.h"
-#include "sightline/study/gpu/frontier.h"
 #include "sightline/study/gpu/in_draw.h"
 #include "sightline/study/production.h"
+#include "sightline/study/tables/cull.h"
+#include "sightline/study/tables/report.h"
+#include "sightline/study/tables/subcommands.h"
 
 namespace sightline::study {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-// --- figure 5.15: culling alone --------------------------------------------------------------------------------------
-
 /// Gathers methods to be run in turn.
-class Bench {
+class Turns {
  public:
-  Bench(const Model& model, const SessionOptions& options) : model_(model), options_(options) {}
+  Turns(const Model& model, const SessionOptions& options) : model_(model), options_(options) {}
 
-  /// `make()` gives a method, or fails: then it is left out.
+  /// `make()` gives a method, or fails: then it is left out, with a line on stderr.
   template <class Make>
   void add(const std::string& name, Origin origin, const Make& make) {
-    const auto& names = options_.variants;
-    if (!names.empty() && std::find(names.begin(), names.end(), name) == names.end()) return;
-    const auto start = std::chrono::steady_clock::now();
-    core::Expected<std::unique_ptr<Method>> made = make();
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    if (!options_.wants(name)) return;
+    auto made = Contestant::create(name, origin, std::nullopt, make);
     if (made)
-      contestants_.push_back({name, origin, std::move(*made), taken.count()});
+      contestants_.push_back(std::move(*made));
     else
       std::fprintf(stderr, "%s: %s is left out: %s\n", model_.name.c_str(), name.c_str(), made.error().message.c_str());
   }
@@ -45,8 +46,8 @@ class Bench {
     options_.progress(std::to_string(contestants_.size()) + " methods in turn");
     Results results;
     results.model = &model_;
-    results.path = &path;
     results.runs = measure(path, contestants_, options_.passes);
+    apps::show_step("");
     return results;
   }
 
@@ -56,23 +57,21 @@ class Bench {
   std::vector<Contestant> contestants_;
 };
 
-const ProductionForm kLinear{"production without hierarchy", std::nullopt, false, false};
-constexpr const char* kFrontier = "GPU frontier";
+// --- figure 5.15: culling alone, with read-back where it is the GPU's ------------------------------------------------
 
 Results run_culling(const gl::Context& context, const Model& model, const SessionOptions& options) {
-  Bench bench(model, options);
+  Turns turns(model, options);
   for (const bool signed_answers : {false, true})
-    bench.add(flat_name(signed_answers), Origin::kStudy,
+    turns.add(flat_name(signed_answers), Origin::kStudy,
               [&] { return make_flat(context, signed_answers, model.boxes); });
-  bench.add(kFrontier, Origin::kStudy, [&] { return Frontier::create(context, model.sah, model.boxes); });
-  const auto forms = production_forms();
-  for (const ProductionForm& form : {forms[0], forms[1], kLinear})
-    bench.add(form.name, Origin::kProduction, [&] { return make_production(form, model.boxes); });
-  bench.add(BruteForce::name(), Origin::kBaseline, [&] { return std::make_unique<BruteForce>(model.boxes); });
-  return bench.run(model.paths.front());
+  for (const bool ids : {false, true})
+    turns.add(ids ? kProductionIds : kProduction, Origin::kProduction,
+              [&] { return make_production(model.boxes, ids); });
+  turns.add(bench::BruteForce::name(), Origin::kBaseline, [&] { return make_brute_force(model.boxes); });
+  return turns.run(model.path);
 }
 
-// --- figure 5.14: whole frames ---------------------------------------------------------------------------------------
+// --- figure 5.14: whole frames of models that have cylinders ---------------------------------------------------------
 
 /// Each box of a cylinder gets one along its longest side.
 core::Expected<core::Scene> cylinders_of(const Model& model) {
@@ -91,7 +90,7 @@ core::Expected<core::Scene> cylinders_of(const Model& model) {
   return scene;
 }
 
-/// What drawing takes.
+/// A scene of cylinders, and what draws it.
 struct Stage {
   const gl::Context& context;
   core::Snapshot snapshot;
@@ -100,8 +99,10 @@ struct Stage {
   render::Renderer renderer;
   render::RenderTarget target;
 
-  static core::Expected<Stage> create(const gl::Context& context, const core::Scene& model) {
-    core::Snapshot snapshot(model);
+  static core::Expected<Stage> create(const gl::Context& context, const Model& model) {
+    const auto cylinders = cylinders_of(model);
+    if (!cylinders) return tl::unexpected(cylinders.error());
+    core::Snapshot snapshot(*cylinders);
     auto scene = gpuscene::GpuScene::create(context, snapshot);
     if (!scene) return tl::unexpected(scene.error());
     auto lists = gpuscene::DrawLists::create(context, *scene);
@@ -114,180 +115,142 @@ struct Stage {
                  std::move(*lists), std::move(*renderer), std::move(*target)};
   }
   core::Expected<void> draw(const core::View& view) { return renderer.draw(view, snapshot, scene, lists, target); }
+  core::Expected<void> draw(const core::View& view, const core::VisibleSet& visible) {
+    if (auto done = lists.update(snapshot, scene, visible); !done) return done;
+    return draw(view);
+  }
 };
 
-/// A frame from cull to the last pixel. Ids are not asked for: the paths that it flies have no sampled frames.
+/// A frame from cull to the last pixel. Ids are not asked for: the path that it flies has no sampled frames.
 class Drawing : public Method {
  public:
-  explicit Drawing(Stage& stage) : stage_(&stage) {}
-  void cull(const core::View& view) final {
-    if (!frame(view)) failed_ = true;
-    stage_->context.functions().Finish();
-  }
-  std::uint64_t count() const final { return failed_ ? 0 : drawn(); }
-  std::vector<std::uint32_t> ids() const final { return {}; }
+  using Frame = std::function<core::Expected<void>(const core::View&)>;
+  using Drawn = std::function<std::uint64_t()>;
 
- protected:
-  virtual core::Expected<void> frame(const core::View& view) = 0;
-  virtual std::uint64_t drawn() const = 0;
-  Stage* stage_;
+  Drawing(Stage& stage, Frame frame, Drawn drawn) : stage_(stage), frame_(std::move(frame)), drawn_(std::move(drawn)) {}
+  void cull(const core::View& view) override {
+    if (!frame_(view)) failed_ = true;
+    stage_.context.functions().Finish();
+  }
+  std::uint64_t count() const override { return failed_ ? 0 : drawn_(); }
+  std::vector<std::uint32_t> ids() const override { return {}; }
 
  private:
+  Stage& stage_;
+  Frame frame_;
+  Drawn drawn_;
   bool failed_ = false;
 };
 
-class DrawAll : public Drawing {
- public:
-  using Drawing::Drawing;
-  core::Expected<void> frame(const core::View& view) override {
-    if (auto done = stage_->lists.update(stage_->snapshot, stage_->scene, all()); !done) return done;
-    return stage_->draw(view);
-  }
-  std::uint64_t drawn() const override { return all().count(); }
+using Made = core::Expected<std::unique_ptr<Method>>;
 
- private:
-  core::VisibleSet all() const {
-    core::VisibleSet set;
-    set.ranges = {{0, std::uint32_t(stage_->snapshot.size())}};
-    return set;
-  }
-};
-
-class DrawCulledByCpu : public Drawing {
- public:
-  explicit DrawCulledByCpu(Stage& stage) : Drawing(stage), culler_(stage.snapshot.bounds()) {}
-  core::Expected<void> frame(const core::View& view) override {
-    culler_.cull(view, set_);
-    if (auto done = stage_->lists.update(stage_->snapshot, stage_->scene, set_); !done) return done;
-    return stage_->draw(view);
-  }
-  std::uint64_t drawn() const override { return set_.count(); }
-  std::size_t memory_bytes() const override { return culler_.memory_bytes(); }
-
- private:
-  culling::CpuCuller culler_;
-  core::VisibleSet set_;
-};
-
-/// Production on the GPU: the separate pass.
-class DrawCulledByGpu : public Drawing {
- public:
-  DrawCulledByGpu(Stage& stage, culling::GpuCuller culler) : Drawing(stage), culler_(std::move(culler)) {}
-  core::Expected<void> frame(const core::View& view) override {
-    if (auto done = culler_.cull(view, stage_->snapshot, stage_->scene, stage_->lists); !done) return done;
-    return stage_->draw(view);
-  }
-  std::uint64_t drawn() const override { return culler_.read_back(stage_->lists).count(); }
-  std::size_t memory_bytes() const override { return culler_.memory_bytes(); }
-
- private:
-  culling::GpuCuller culler_;
-};
-
-class DrawCullingItself : public Drawing {
- public:
-  DrawCullingItself(Stage& stage, InDraw in_draw)
-      : Drawing(stage), in_draw_(std::move(in_draw)), triangles_(stage.context.functions(), GL_PRIMITIVES_GENERATED) {}
-  core::Expected<void> frame(const core::View& view) override {
-    triangles_.begin();
-    auto done = in_draw_.draw(view, stage_->snapshot, stage_->scene, stage_->renderer, stage_->target);
-    triangles_.end();
-    return done;
-  }
-  std::uint64_t drawn() const override { return triangles_.result() / InDraw::kTrianglesPerCylinder; }
-  std::size_t memory_bytes() const override { return in_draw_.memory_bytes(); }
-
- private:
-  InDraw in_draw_;
-  gl::Query triangles_;
-};
-
-/// A method out of what it is made of, which may have failed.
-template <class Draw, class Part>
-core::Expected<std::unique_ptr<Method>> drawing_with(Stage& stage, core::Expected<Part> part) {
-  if (!part) return tl::unexpected(part.error());
-  return std::make_unique<Draw>(stage, std::move(*part));
+Made draw_all(Stage& stage) {
+  core::VisibleSet all;
+  all.ranges = {{0, std::uint32_t(stage.snapshot.size())}};
+  return std::make_unique<Drawing>(
+      stage, [&stage, all](const core::View& view) { return stage.draw(view, all); }, [all] { return all.count(); });
 }
 
-/// `path`: without sampled frames; outlives the results.
-core::Expected<Results> run_drawing(const gl::Context& context, const Model& model, const Path& path,
-                                    const SessionOptions& options) {
-  auto scene = cylinders_of(model);
-  if (!scene) return tl::unexpected(scene.error());
-  auto made = Stage::create(context, *scene);
+Made draw_culled_by_cpu(Stage& stage) {
+  const auto culler = std::make_shared<culling::CpuCuller>(stage.snapshot.bounds());
+  const auto set = std::make_shared<core::VisibleSet>();
+  const auto frame = [&stage, culler, set](const core::View& view) {
+    culler->cull(view, *set);
+    return stage.draw(view, *set);
+  };
+  return std::make_unique<Drawing>(stage, frame, [set] { return set->count(); });
+}
+
+/// Production on the GPU: the separate pass.
+Made draw_culled_by_gpu(Stage& stage, culling::GpuVariant variant) {
+  auto made = culling::GpuCuller::create(stage.context, stage.snapshot, stage.scene, {variant});
+  if (!made) return tl::unexpected(made.error());
+  const auto culler = std::make_shared<culling::GpuCuller>(std::move(*made));
+  const auto frame = [&stage, culler](const core::View& view) -> core::Expected<void> {
+    if (auto done = culler->cull(view, stage.snapshot, stage.scene, stage.lists); !done) return done;
+    return stage.draw(view);
+  };
+  return std::make_unique<Drawing>(stage, frame, [&stage, culler] { return culler->read_back(stage.lists).count(); });
+}
+
+Made draw_culling_itself(Stage& stage) {
+  auto made = InDraw::create(stage.context, stage.snapshot, stage.scene);
+  if (!made) return tl::unexpected(made.error());
+  const auto in_draw = std::make_shared<InDraw>(std::move(*made));
+  const auto triangles = std::make_shared<gl::Query>(stage.context.functions(), GL_PRIMITIVES_GENERATED);
+  const auto frame = [&stage, in_draw, triangles](const core::View& view) {
+    triangles->begin();
+    auto done = in_draw->draw(view, stage.snapshot, stage.scene, stage.renderer, stage.target);
+    triangles->end();
+    return done;
+  };
+  return std::make_unique<Drawing>(stage, frame,
+                                   [triangles] { return triangles->result() / InDraw::kTrianglesPerCylinder; });
+}
+
+core::Expected<Results> run_drawing(const gl::Context& context, const Model& model, const SessionOptions& options) {
+  auto made = Stage::create(context, model);
   if (!made) return tl::unexpected(made.error());
   Stage& stage = *made;
-  Bench bench(model, options);
-  bench.add("no culling", Origin::kBaseline, [&] { return std::make_unique<DrawAll>(stage); });
-  bench.add("GPU in the draw", Origin::kStudy, [&] {
-    return drawing_with<DrawCullingItself>(stage, InDraw::create(context, stage.snapshot, stage.scene));
-  });
-  for (const auto& [name, form] : {std::pair("GPU separate pass (geometry)", culling::GpuVariant::kGeometry),
-                                   std::pair("GPU separate pass (compute)", culling::GpuVariant::kCompute)})
-    bench.add(name, Origin::kProduction, [&, form = form] {
-      return drawing_with<DrawCulledByGpu>(stage,
-                                           culling::GpuCuller::create(context, stage.snapshot, stage.scene, {form}));
-    });
-  bench.add("CPU (production)", Origin::kProduction, [&] { return std::make_unique<DrawCulledByCpu>(stage); });
-  return bench.run(path);
+  Turns turns(model, options);
+  turns.add("no culling", Origin::kBaseline, [&] { return draw_all(stage); });
+  turns.add("GPU in the draw", Origin::kStudy, [&] { return draw_culling_itself(stage); });
+  turns.add("GPU separate pass (geometry)", Origin::kProduction,
+            [&] { return draw_culled_by_gpu(stage, culling::GpuVariant::kGeometry); });
+  turns.add("GPU separate pass (compute)", Origin::kProduction,
+            [&] { return draw_culled_by_gpu(stage, culling::GpuVariant::kCompute); });
+  turns.add("CPU (production)", Origin::kProduction, [&] { return draw_culled_by_cpu(stage); });
+  Path unsampled;
+  unsampled.views = model.path.views;
+  return turns.run(unsampled);
 }
 
 // --- what is printed -------------------------------------------------------------------------------------------------
 
-void print_table(const Results& r, const char* title, bool errors) {
-  if (r.runs.empty()) return;
-  std::printf("\n%s: %s (%zu boxes, %zu frames)\n", title, r.model->name.c_str(), r.model->boxes.size(),
-              r.path->views.size());
-  std::printf("%-32s %10s %10s %10s", "", "mean ms", "fast. ms", "visible");
-  if (errors) std::printf(" %9s %9s %9s %9s", "extra", "missing", "false +", "false -");
-  std::printf(" %12s\n", "bytes");
-  for (const Run& run : r.runs) {
-    const double n = double(std::max<std::size_t>(1, run.samples));
-    std::printf("%-32s %10.4f %10.4f %10.1f", run.variant.c_str(), run.mean_ms, run.fastest_ms, run.mean_visible);
-    if (errors)
-      std::printf(" %9.1f %9.1f %9.1f %9.1f", double(run.errors.extra) / n, double(run.errors.missing) / n,
-                  run.false_positives(), run.false_negatives());
-    std::printf(" %12zu\n", run.memory_bytes);
+void print_table(const Results& r, const char* title, std::FILE* out) {
+  std::fprintf(out, "\n%s: %s (%zu boxes, %zu frames)\n", title, r.model->name.c_str(), r.model->boxes.size(),
+               r.model->path.views.size());
+  std::fprintf(out, "%-32s %10s %10s %10s %9s %9s %12s\n", "", "mean ms", "fast. ms", "visible", "false +", "false -",
+               "bytes");
+  for (const Run& run : r.runs)
+    std::fprintf(out, "%-32s %10.4f %10.4f %10.1f %9.1f %9.1f %12zu\n", run.variant.c_str(), run.mean_ms,
+                 run.fastest_ms, run.mean_visible, run.false_positives(), run.false_negatives(), run.memory_bytes);
+}
+
+core::Expected<int> run_gpu(const CullOptions& options) {
+  auto context = gl::Context::create_offscreen();
+  if (!context) return tl::unexpected(context.error());
+  auto models = make_models(options);
+  if (!models) return tl::unexpected(models.error());
+  std::FILE* out = apps::table_stream(options.json);
+  std::fprintf(out, "%s\n", bench::renderer_line(*context).c_str());
+  json::Value json = json::Value::array();
+  const auto report = [&](const Results& r, const char* figure, const char* title) -> core::Expected<void> {
+    json.push_back(to_json(r));
+    print_table(r, title, out);
+    std::vector<const Run*> runs;
+    for (const Run& run : r.runs) runs.push_back(&run);
+    if (options.plots.empty() || runs.empty()) return {};
+    return write_plot(r, figure, runs, options.plots);
+  };
+  for (const Model& model : *models) {
+    const SessionOptions session = session_of(model, options);
+    auto done = report(run_culling(*context, model, session), "5.15", "Figure 5.15  culling, answer on the CPU");
+    if (!done) return tl::unexpected(done.error());
+    if (std::find(model.kinds.begin(), model.kinds.end(), bench::kCylinders) == model.kinds.end()) continue;
+    const auto drawing = run_drawing(*context, model, session);
+    if (!drawing) return tl::unexpected(drawing.error());
+    done = report(*drawing, "5.14", "Figure 5.14  cylinders drawn, 640x480");
+    if (!done) return tl::unexpected(done.error());
   }
+  return bench::finish(options.json, json);
 }
 
 }  // namespace
 
-core::Expected<GpuResults> run_gpu(const gl::Context& context, const Model& model, const SessionOptions& options) {
-  GpuResults results{run_culling(context, model, options), std::nullopt};
-  if (std::find(model.kinds.begin(), model.kinds.end(), bench::kCylinders) == model.kinds.end()) return results;
-  const Path& path = model.paths.front();
-  const Path unsampled{path.name, path.views, path.seconds, {}, {}};
-  auto drawing = run_drawing(context, model, unsampled, options);
-  if (!drawing) return tl::unexpected(drawing.error());
-  drawing->path = &path;
-  results.drawing = std::move(*drawing);
-  return results;
-}
-
-void print_gpu(const gl::Context& context, const std::vector<GpuResults>& all) {
-  std::printf("%s%s\n", context.renderer().c_str(),
-              context.capabilities().software ? ": the GPU's work is the CPU's here" : "");
-  for (const GpuResults& r : all) {
-    print_table(r.culling, "Figure 5.15  culling, answer on the CPU", true);
-    if (r.drawing) print_table(*r.drawing, "Figure 5.14  cylinders drawn, 640x480", false);
-  }
-}
-
-core::Expected<void> write_gpu_figures(const GpuResults& results, const std::filesystem::path& directory) {
-  const auto all_of = [](const Results& r) {
-    std::vector<const Run*> runs;
-    for (const Run& run : r.runs) runs.push_back(&run);
-    return runs;
-  };
-  std::vector<const Run*> shown;
-  for (const char* name :
-       {"GPU points", "GPU signed answers", kFrontier, "production", kLinear.name.c_str(), BruteForce::name()})
-    if (const Run* run = results.culling.find(name)) shown.push_back(run);
-  if (!shown.empty())
-    if (auto w = write_figure(results.culling, "5.15", shown, directory); !w) return w;
-  if (!results.drawing || results.drawing->runs.empty()) return {};
-  return write_figure(*results.drawing, "5.14", all_of(*results.drawing), directory);
+bench::Run add_cull_gpu(apps::CommandLine& line) {
+  line.examples("  sightline-study cull-gpu --only P-38 --plots figures");
+  return bench::add_subcommand<CullOptions>(line, add_options, run_gpu);
 }
 
 }  // namespace sightline::study

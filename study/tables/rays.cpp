@@ -1,11 +1,12 @@
-// The graphs of A. L. dos Santos, "Estruturas de Aceleração para Ray Tracing em Tempo Real: um Estudo Comparativo"
-// (2011), chapter 6, as tables.
+// sightline-study rays: the graphs of A. L. dos Santos, "Estruturas de Aceleração para Ray Tracing em Tempo Real: um
+// Estudo Comparativo" (2011), chapter 6, as tables.
 #include "sightline/study/tables/rays.h"
 
 #include <cstdio>
 #include <filesystem>
-#include <memory>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sightline/apps/common/arguments.h"
@@ -14,25 +15,22 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
-#include "sightline/importers/json/internal/json.h"
+#include "sightline/apps/common/tessellated_scene.h"
+#include "sightline/core/snapshot.h"
 #include "sightline/study/rays/benchmark.h"
 #include "sightline/study/rays/generated_meshes.h"
-#include "sightline/study/tables/ray_models.h"
-#ifdef SIGHTLINE_STUDY_HAS_GPU
-#include "sightline/study/tables/rays_gpu.h"
-#endif
+#include "sightline/study/tables/subcommands.h"
 
-namespace sightline::study {
+namespace sightline::study::rays {
 namespace {
 
-using namespace rays;
 using Json = json::Value;
 
 constexpr const char* kReference = "kd ropes++";  // the dissertation's fastest
 
-struct Options {
-  bool tables = false, gpu = false;
-  std::string csv, json, size = "1408x768";
+struct RaysOptions {
+  bool gpu = false;
+  std::string plot, json, size = "1408x768";
   int passes = 3;
   std::vector<std::size_t> scans{1000, 10'000, 100'000, 1'080'000, 4'000'000}, scattered{1'080'000};
   apps::ModelOptions files;
@@ -40,12 +38,36 @@ struct Options {
 
 // --- models ----------------------------------------------------------------------------------------------------------
 
+GeneratedMesh triangles_of(const core::Scene& scene) {
+  constexpr int kSegments = 24;
+  const core::Scene whole = apps::tessellated(scene, kSegments);
+  const core::Snapshot snapshot(whole);
+  std::vector<core::dvec3> positions;
+  std::vector<std::uint32_t> indices;
+  core::AabbD bounds;
+  for (core::Slot s = 0; s < snapshot.size(); ++s) {
+    if (snapshot.vacant(s) || snapshot.kind(s) != core::Kind::kMesh) continue;
+    const core::Affine world_from_item = snapshot.world_from_item(s);
+    const core::Mesh& mesh = snapshot.mesh(s);
+    const std::uint32_t first = std::uint32_t(positions.size());
+    for (const core::vec3& p : mesh.positions) {
+      positions.push_back(core::transform_point(world_from_item, core::dvec3(p)));
+      bounds.grow(positions.back());
+    }
+    for (const std::uint32_t i : mesh.indices) indices.push_back(first + i);
+  }
+  std::vector<core::vec3> centred;
+  centred.reserve(positions.size());
+  for (const core::dvec3& p : positions) centred.push_back(core::vec3(p - bounds.centre()));
+  return {std::move(centred), std::move(indices)};
+}
+
 struct NamedModel {
   std::string name;
   std::function<core::Expected<TriangleSet>()> make;
 };
 
-std::vector<NamedModel> models_of(const Options& options) {
+std::vector<NamedModel> models_of(const RaysOptions& options) {
   std::vector<NamedModel> models;
   for (const std::string& file : options.files.files)
     models.push_back({std::filesystem::path(file).stem().string(), [&options, file]() -> core::Expected<TriangleSet> {
@@ -70,35 +92,49 @@ double ratio(double value, double reference) {
   return reference > 0.0 ? value / reference : 0.0;
 }
 
-void print_benchmark(const Benchmark& b) {
-  const TraversalRun& best = *b.find(kReference);
-  std::printf("\n%s, %zu triangles: %zu primary rays, %.1f %% hit; brute force %.0f ns a ray\n", b.model.c_str(),
-              b.triangles, b.rays[0], 100.0 * b.hits, b.brute_force_ns);
-  std::printf("%-20s %8s %8s %9s %8s %8s %9s %6s %6s %6s %6s %6s\n", "graphs 6-1 4 5 8", "ns/ray", "/ropes++",
-              "reflected", "shadow", "nodes", "triangles", "rows", "tiles", "rows", "tiles", "differ");
-  for (const TraversalRun& r : b.traversals)
-    std::printf("%-20s %8.0f %8.2f %9.0f %8.0f %8.1f %9.1f %6.2f %6.2f %6.3f %6.3f %6zu\n", r.traversal->name, r.ns[0],
-                ratio(r.ns[0], best.ns[0]), r.ns[1], r.ns[2], r.nodes, r.triangles, r.lanes_rows, r.lanes_tiles,
-                r.balance_rows, r.balance_tiles, r.disagreements);
-  const double ropes = double(b.structures[std::size_t(best.traversal->structure)].bytes);
-  std::printf("%-20s %12s %8s %10s\n", "graphs 6-2 3", "B/triangle", "/ropes", "build s");
-  for (const StructureRun& s : b.structures)
-    std::printf("%-20s %12.1f %8.2f %10.2f\n", name_of(s.structure), double(s.bytes) / double(b.triangles),
-                double(s.bytes) / ropes, s.build_seconds);
-  std::fflush(stdout);  // the next model takes minutes
+/// Prints nothing where the traversals did not run on a GPU.
+void print_glsl(const Benchmark& b, std::FILE* out) {
+  const char* title = "in GLSL (ns a ray)";
+  for (const TraversalRun& r : b.traversals) {
+    if (!r.gpu) continue;
+    if (title != nullptr)
+      std::fprintf(out, "%-20s %8s %8s %10s %9s %8s %6s\n", std::exchange(title, nullptr), "rows", "tiles",
+                   "persistent", "reflected", "shadow", "differ");
+    std::fprintf(out, "%-20s %8.0f %8.0f %10.0f %9.0f %8.0f %6zu\n", r.traversal->name, r.gpu->rows_ns, r.gpu->tiles_ns,
+                 r.gpu->persistent_ns, r.gpu->reflected_ns, r.gpu->shadow_ns, r.gpu->disagreements);
+  }
 }
 
-void print_growth(const std::vector<Benchmark>& all) {
-  std::printf("\n%-20s", "graph 6-7 (ns a ray)");
+void print_benchmark(const Benchmark& b, std::FILE* out) {
+  const TraversalRun& best = *b.find(kReference);
+  std::fprintf(out, "\n%s, %zu triangles: %zu primary rays, %.1f %% hit; brute force %.0f ns a ray\n", b.model.c_str(),
+               b.triangles, b.rays[0], 100.0 * b.hits, b.brute_force_ns);
+  std::fprintf(out, "%-20s %8s %8s %9s %8s %8s %9s %6s %6s %6s %6s %6s\n", "graphs 6-1 4 5 8", "ns/ray", "/ropes++",
+               "reflected", "shadow", "nodes", "triangles", "rows", "tiles", "rows", "tiles", "differ");
+  for (const TraversalRun& r : b.traversals)
+    std::fprintf(out, "%-20s %8.0f %8.2f %9.0f %8.0f %8.1f %9.1f %6.2f %6.2f %6.3f %6.3f %6zu\n", r.traversal->name,
+                 r.ns[0], ratio(r.ns[0], best.ns[0]), r.ns[1], r.ns[2], r.nodes, r.triangles, r.lanes_rows,
+                 r.lanes_tiles, r.balance_rows, r.balance_tiles, r.disagreements);
+  const double ropes = double(b.structures[std::size_t(best.traversal->structure)].bytes);
+  std::fprintf(out, "%-20s %12s %8s %10s\n", "graphs 6-2 3", "B/triangle", "/ropes", "build s");
+  for (const StructureRun& s : b.structures)
+    std::fprintf(out, "%-20s %12.1f %8.2f %10.2f\n", name_of(s.structure), double(s.bytes) / double(b.triangles),
+                 double(s.bytes) / ropes, s.build_seconds);
+  print_glsl(b, out);
+  std::fflush(out);  // the next model takes minutes
+}
+
+void print_growth(const std::vector<Benchmark>& all, std::FILE* out) {
+  std::fprintf(out, "\n%-20s", "graph 6-7 (ns a ray)");
   for (const Benchmark& b : all)
-    std::printf(" %12s", (b.model.substr(0, 4) + " " + std::to_string(b.triangles)).c_str());
+    std::fprintf(out, " %12s", (b.model.substr(0, 4) + " " + std::to_string(b.triangles)).c_str());
   for (std::size_t i = 0; i < all.front().traversals.size(); ++i) {
-    std::printf("\n%-20s", all.front().traversals[i].traversal->name);
-    for (const Benchmark& b : all) std::printf(" %12.0f", b.traversals[i].ns[0]);
+    std::fprintf(out, "\n%-20s", all.front().traversals[i].traversal->name);
+    for (const Benchmark& b : all) std::fprintf(out, " %12.0f", b.traversals[i].ns[0]);
   }
-  std::printf("\n%-20s", "brute force");
-  for (const Benchmark& b : all) std::printf(" %12.0f", b.brute_force_ns);
-  std::printf("\n");
+  std::fprintf(out, "\n%-20s", "brute force");
+  for (const Benchmark& b : all) std::fprintf(out, " %12.0f", b.brute_force_ns);
+  std::fprintf(out, "\n");
 }
 
 Json to_json(const Benchmark& b) {
@@ -121,10 +157,6 @@ Json to_json(const Benchmark& b) {
                        {"persistent", r.gpu->persistent_ns},
                        {"reflected", r.gpu->reflected_ns},
                        {"shadow", r.gpu->shadow_ns}}},
-                     {"nodes", r.gpu->nodes},
-                     {"triangles", r.gpu->triangles},
-                     {"divergence_rows", r.gpu->divergence_rows},
-                     {"divergence_tiles", r.gpu->divergence_tiles},
                      {"disagreements", r.gpu->disagreements}};
     json["traversals"].push_back(std::move(run));
   }
@@ -134,118 +166,90 @@ Json to_json(const Benchmark& b) {
   return json;
 }
 
-/// One line a traversal, or a structure, of each model.
-core::Expected<void> write_csv(const std::vector<Benchmark>& all, const std::filesystem::path& directory) {
-  std::string traversals =
-      "model,triangles,traversal,primary ns,reflected ns,shadow ns,nodes,triangles tested,lanes rows,lanes tiles,"
-      "balance rows,balance tiles\n";
-  std::string structures = "model,triangles,structure,bytes,build seconds\n";
-  for (const Benchmark& b : all) {
-    const std::string model = b.model + ',' + std::to_string(b.triangles) + ',';
-    for (const TraversalRun& r : b.traversals) {
-      traversals += model + csv_field(r.traversal->name);
-      for (const double v : {r.ns[0], r.ns[1], r.ns[2], r.nodes, r.triangles, r.lanes_rows, r.lanes_tiles,
-                             r.balance_rows, r.balance_tiles})
-        traversals += ',' + std::to_string(v);
-      traversals += '\n';
-    }
-    for (const StructureRun& s : b.structures)
-      structures += model + csv_field(name_of(s.structure)) + ',' + std::to_string(s.bytes) + ',' +
-                    std::to_string(s.build_seconds) + '\n';
-  }
-  if (auto w = apps::write_text((directory / "rays_traversals.csv").string(), traversals); !w) return w;
-  return apps::write_text((directory / "rays_structures.csv").string(), structures);
-}
-
 /// Graph 6-7 of the scans.
-core::Expected<void> write_growth(const std::vector<Benchmark>& all, const std::filesystem::path& directory) {
-  using Look = apps::PanelSeries::Style;
+std::string growth_plot(const std::vector<Benchmark>& all) {
+  using Style = apps::PanelSeries::Style;
   std::vector<apps::PanelSeries> lines;
-  for (std::size_t i = 0; i < all.front().traversals.size(); ++i) {
-    lines.push_back({all.front().traversals[i].traversal->name, {}, Look::kLine});
+  const auto add = [&](const char* name, Style style, const auto& ns_of) {
+    lines.push_back({name, {}, style});
     for (const Benchmark& b : all)
-      if (b.model == "scan") lines.back().points.push_back({double(b.triangles), b.traversals[i].ns[0], {}});
-  }
-  lines.push_back({"brute force", {}, Look::kDashes});
-  for (const Benchmark& b : all)
-    if (b.model == "scan") lines.back().points.push_back({double(b.triangles), b.brute_force_ns, {}});
-  return apps::write_text((directory / "rays_growth.svg").string(),
-                          apps::svg_panels({.title = "Graph 6-7: time against number of triangles",
-                                            .x_label = "triangles",
-                                            .y_label = "ns a primary ray",
-                                            .panels = {{"", std::move(lines)}},
-                                            .large = true}));
+      if (b.model == "scan") lines.back().points.push_back({double(b.triangles), ns_of(b), {}});
+  };
+  for (std::size_t i = 0; i < all.front().traversals.size(); ++i)
+    add(all.front().traversals[i].traversal->name, Style::kLine,
+        [i](const Benchmark& b) { return b.traversals[i].ns[0]; });
+  add("brute force", Style::kDashes, [](const Benchmark& b) { return b.brute_force_ns; });
+  return apps::svg_panels({.title = "Graph 6-7: time against number of triangles",
+                           .x_label = "triangles",
+                           .y_label = "ns a primary ray",
+                           .panels = {{"", std::move(lines)}},
+                           .large = true});
 }
 
-core::Expected<int> run_rays(const Options& options) {
+core::Expected<int> run_rays(const RaysOptions& options) {
   const auto size = apps::parse_size(options.size);
   if (!size) return tl::unexpected(size.error());
-  const bool print = options.tables && options.json != "-";
+  std::FILE* out = apps::table_stream(options.json);
   BenchmarkHook then;
-#ifdef SIGHTLINE_STUDY_HAS_GPU
-  RaysOnGpu gpu(options.passes);
+#if SIGHTLINE_STUDY_HAS_GPU
   if (options.gpu) {
-    if (auto done = gpu.begin(print); !done) return tl::unexpected(done.error());
-    then = [&](const Structures& s, const BenchmarkRays& rays, Benchmark& benchmark) { gpu.run(s, rays, benchmark); };
+    auto made = rays_on_gpu(options.passes, out);
+    if (!made) return tl::unexpected(made.error());
+    then = std::move(*made);
   }
 #endif
   std::vector<Benchmark> all;
+  Json json = Json::array();
   for (const NamedModel& model : models_of(options)) {
     auto triangles = model.make();
     if (!triangles) return tl::unexpected(triangles.error());
     if (triangles->size() == 0) return core::fail(model.name + ": no triangles");
-    all.push_back(run_benchmark(
+    auto benchmark = run_benchmark(
         model.name, *triangles, {(*size)[0], (*size)[1]}, options.passes,
-        [&](const std::string& what) { apps::show_step(model.name + ": " + what); }, then));
+        [&](const std::string& what) { apps::show_step(model.name + ": " + what); }, then);
     apps::show_step("");
-    if (print) print_benchmark(all.back());
-#ifdef SIGHTLINE_STUDY_HAS_GPU
-    if (!gpu.done()) return tl::unexpected(gpu.done().error());
-    if (print && options.gpu) print_gpu(all.back());
-#endif
+    if (!benchmark) return tl::unexpected(benchmark.error());
+    all.push_back(std::move(*benchmark));
+    print_benchmark(all.back(), out);
+    json.push_back(to_json(all.back()));
   }
   if (all.empty()) return core::fail("rays: no models");
-  if (print) print_growth(all);
-  if (!options.csv.empty()) {
-    if (auto made = apps::make_directory(options.csv); !made) return tl::unexpected(made.error());
-    if (auto w = write_csv(all, options.csv); !w) return tl::unexpected(w.error());
-    if (auto w = write_growth(all, options.csv); !w) return tl::unexpected(w.error());
-#ifdef SIGHTLINE_STUDY_HAS_GPU
-    if (options.gpu)
-      if (auto w = write_gpu_csv(all, options.csv); !w) return tl::unexpected(w.error());
+  print_growth(all, out);
+  if (!options.plot.empty())
+    if (auto w = apps::write_text(options.plot, growth_plot(all)); !w) return tl::unexpected(w.error());
+  return bench::finish(options.json, json);
+}
+
+void add_rays_options(apps::CommandLine& line, RaysOptions& options) {
+  line.add("--plot", options.plot, "Time against number of triangles, SVG");
+  apps::add_json_option(line, options.json);
+  line.add("--size", options.size, "Of the image, WxH").accepted_by(apps::parse_size);
+  line.add("--passes", options.passes, "Times each traversal runs; the fastest counts").in_range(1, 1000);
+  constexpr std::size_t kFewest = 12, kMost = 100'000'000;
+  line.add("--scan", options.scans, "Triangles of generated scans; 12 at least")
+      .separated_by(',')
+      .in_range(kFewest, kMost);
+  line.add("--scattered", options.scattered, "Triangles of generated scenes of a hundred scans")
+      .separated_by(',')
+      .in_range(kFewest, kMost);
+  line.add("--model", options.files.files, "Real models besides (RVM, OBJ, PLY …), each on its own");
+#if SIGHTLINE_STUDY_HAS_GPU
+  line.add_flag("--gpu", options.gpu, "The traversals in GLSL besides");
 #endif
-  }
-  Json json = Json::array();
-  for (const Benchmark& b : all) json.push_back(to_json(b));
-  if (auto w = apps::write_json(options.json, json); !w) return tl::unexpected(w.error());
-  return apps::kExitOk;
+  line.examples("  sightline-study rays --scan 100000 --plot growth.svg");
 }
 
 }  // namespace
 
-std::string csv_field(const std::string& text) {
-  return text.find(',') == std::string::npos ? text : '"' + text + '"';
+core::Expected<GeneratedMesh> load_triangles(apps::ModelOptions options, const std::string& file) {
+  options.files = {file};
+  auto loaded = apps::load_model(options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  return triangles_of(*loaded->scene);
 }
 
-std::function<core::Expected<int>()> add_rays(apps::CommandLine& line) {
-  const auto options = std::make_shared<Options>();
-  line.add_flag("--tables", options->tables, "print the tables (not with --json -)");
-  line.add("--csv", options->csv, "write the tables' data and a plot into this directory");
-  apps::add_json_option(line, options->json);
-  line.add("--size", options->size, "of the image, WxH").accepted_by(apps::parse_size);
-  line.add("--passes", options->passes, "times each traversal runs; the fastest counts").in_range(1, 1000);
-  constexpr std::size_t kFewest = 12, kMost = 100'000'000;
-  line.add("--scan", options->scans, "triangles of generated scans; 12 at least")
-      .separated_by(',')
-      .in_range(kFewest, kMost);
-  line.add("--scattered", options->scattered, "triangles of generated scenes of a hundred scans")
-      .separated_by(',')
-      .in_range(kFewest, kMost);
-  line.add("--model", options->files.files, "real models besides (RVM, OBJ, PLY …), each on its own");
-#ifdef SIGHTLINE_STUDY_HAS_GPU
-  line.add_flag("--gpu", options->gpu, "the traversals in GLSL besides");
-#endif
-  return [options] { return run_rays(*options); };
+bench::Run add_rays(apps::CommandLine& line) {
+  return bench::add_subcommand<RaysOptions>(line, add_rays_options, run_rays);
 }
 
-}  // namespace sightline::study
+}  // namespace sightline::study::rays

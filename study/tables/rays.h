@@ -1,21 +1,22 @@
-// Internal to sightline-study: the subcommand `rays`, which compares structures and traversals of ray tracing.
+// Shared by the subcommands rays and grids.
 #pragma once
 
-#include <functional>
+#include <cstdio>
 #include <string>
 
+#include "sightline/apps/common/model.h"
 #include "sightline/core/error.h"
+#include "sightline/study/rays/benchmark.h"
+#include "sightline/study/rays/generated_meshes.h"
 
-namespace sightline::apps {
-class CommandLine;
-}
+namespace sightline::study::rays {
 
-namespace sightline::study {
+/// All triangles of a model file, about the middle of their bounds. Analytic primitives become triangles. `options`:
+/// how to load, without files.
+core::Expected<GeneratedMesh> load_triangles(apps::ModelOptions options, const std::string& file);
 
-/// Adds the options to the subcommand, and returns what runs it.
-std::function<core::Expected<int>()> add_rays(apps::CommandLine& line);
+/// Makes a context and prints its name. The hook adds to a benchmark the times of the traversals in GLSL. A structure
+/// that does not fit the GPU is left out, with a line on stderr.
+core::Expected<BenchmarkHook> rays_on_gpu(int passes, std::FILE* out);
 
-/// In quotes, where the text has a comma.
-std::string csv_field(const std::string& text);
-
-}  // namespace sightline::study
+}  // namespace sightline::study::rays

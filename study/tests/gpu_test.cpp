@@ -1,11 +1,9 @@
 // The GPU forms of the study against the linear culler: nothing lost, what is extra lies within the float planes' band.
 #include <algorithm>
-#include <numeric>
 
 #include "sightline/culling/frustum/linear_culler.h"
 #include "sightline/gl/internal/query.h"
 #include "sightline/study/gpu/flat.h"
-#include "sightline/study/gpu/frontier.h"
 #include "sightline/study/gpu/in_draw.h"
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/gl_test.h"
@@ -33,18 +31,14 @@ Ids cull_linear(const core::ItemBounds& bounds, const View& view) {
   return ids;
 }
 
-void expect_none_lost(const Ids& found, const Ids& wanted) {
-  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "named twice";
-  EXPECT_TRUE(std::includes(found.begin(), found.end(), wanted.begin(), wanted.end()))
-      << "of " << wanted.size() << " some are lost; found " << found.size();
-}
-
 /// Returns how many more there are than the CPU finds.
 std::size_t expect_same(Method& method, const core::ItemBounds& bounds, const View& view) {
   method.cull(view);
   const Ids found = method.ids(), wanted = cull_linear(bounds, view);
   EXPECT_EQ(method.count(), found.size());
-  expect_none_lost(found, wanted);
+  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "named twice";
+  EXPECT_TRUE(std::includes(found.begin(), found.end(), wanted.begin(), wanted.end()))
+      << "of " << wanted.size() << " some are lost; found " << found.size();
   Ids extra;
   std::set_difference(found.begin(), found.end(), wanted.begin(), wanted.end(), std::back_inserter(extra));
   const culling::CullPlanes planes(view, bounds);
@@ -173,150 +167,6 @@ TEST_F(StudyGpuTest, FlatFormsSeeAllAndNothing) {
     ASSERT_TRUE(empty) << empty.error().message;
     (*empty)->cull(view_of_all(10.0));
     EXPECT_EQ((*empty)->count(), 0u);
-  }
-}
-
-// --- frontier --------------------------------------------------------------------------------------------------------
-
-/// The nodes of a cut span all places, one after the other.
-void expect_cut(const Tree& tree, std::span<const std::uint32_t> cut) {
-  std::uint32_t place = 0;
-  for (const std::uint32_t node : cut) {
-    ASSERT_EQ(tree.nodes[node].first, place);
-    place = tree.nodes[node].end;
-  }
-  ASSERT_EQ(place, tree.order.size());
-}
-
-Ids places_to_ids(const Tree& tree, std::span<const core::SlotRange> ranges) {
-  Ids ids;
-  std::uint32_t end = 0;
-  for (const core::SlotRange& range : ranges) {
-    EXPECT_GT(range.count, 0u);
-    EXPECT_GE(range.first, end) << "out of order";
-    end = range.first + range.count;
-    for (std::uint32_t place = range.first; place < end; ++place) ids.push_back(tree.order[place]);
-  }
-  std::sort(ids.begin(), ids.end());
-  return ids;
-}
-
-TEST_F(StudyGpuTest, FrontierFindsWhatTheCpuFinds) {
-  std::size_t extra = 0, found = 0;
-  for_each_case([&](Case c) {
-    std::erase_if(c.boxes, [](const core::Aabb& box) { return box.empty(); });  // trees hold none
-    const core::ItemBounds bounds = bounds_of(c.boxes);
-    const Tree tree = build_tree(c.boxes, {}, Split::kMedian);
-    auto frontier = Frontier::create(*context, tree, c.boxes);
-    ASSERT_TRUE(frontier) << frontier.error().message;
-    for (std::size_t i = 0; i < c.views.size(); ++i) {
-      SCOPED_TRACE("view " + std::to_string(i));
-      (*frontier)->take_over(c.views[i]);  // nothing that ends there can overflow
-      const std::size_t more = expect_same(**frontier, bounds, c.views[i]);
-      EXPECT_EQ((*frontier)->overflowed(), 0u);
-      expect_cut(tree, (*frontier)->cut());
-      if (!c.mild) continue;
-      extra += more;
-      found += (*frontier)->count();
-    }
-  });
-  EXPECT_GT(found, 1000u);
-  EXPECT_LE(extra, found / 1000);
-}
-
-/// Along a path with jumps, a look away, and one at everything. With little room nodes overflow, and add boxes only.
-TEST_F(StudyGpuTest, FrontierLosesNothingAlongAPath) {
-  constexpr double kHalf = 50.0;
-  for (const std::uint32_t room : {1u, 3u, 16u, kRangesPerNode}) {
-    SCOPED_TRACE("ranges per node " + std::to_string(room));
-    Random random(room);
-    const auto boxes = tests::random_boxes(random, 4000, kHalf);
-    const core::ItemBounds bounds = bounds_of(boxes);
-    const Tree tree = build_tree(boxes, {}, Split::kSah);
-    auto frontier = Frontier::create(*context, tree, boxes, room);
-    ASSERT_TRUE(frontier) << frontier.error().message;
-    std::size_t overflows = 0, steady = 0, coarsest = boxes.size(), finest = 0;
-    dvec3 eye = tests::point(random, kHalf);
-    double angle = 0.0;
-    for (int frame = 0; frame < 100; ++frame) {
-      SCOPED_TRACE("frame " + std::to_string(frame));
-      eye += dvec3(0.3, 0.2, 0.0);
-      angle += 0.03;
-      if (frame % 20 == 19) eye = tests::point(random, 1.5 * kHalf), angle += 2.0;
-      View view = towards(eye, eye + dvec3(std::cos(angle), std::sin(angle), 0.1), 0.8, 3.0 * kHalf);
-      if (frame >= 40 && frame < 60) view = view_of_nothing(kHalf);
-      if (frame >= 80) view = view_of_all(kHalf);
-      Method& method = **frontier;
-      method.cull(view);
-      ASSERT_EQ(places_to_ids(tree, (*frontier)->ranges()), method.ids());
-      expect_cut(tree, (*frontier)->cut());
-      const Ids wanted = cull_linear(bounds, view);
-      expect_none_lost(method.ids(), wanted);
-      overflows += (*frontier)->overflowed();
-      if ((*frontier)->overflowed() == 0) {
-        ++steady;
-        EXPECT_LE(method.count(), wanted.size() + 2);
-      }
-      if (frame >= 40 && frame < 60) {
-        EXPECT_EQ(method.count(), 0u);
-      }
-      if (frame >= 80) {
-        EXPECT_EQ(method.count(), boxes.size());
-      }
-      if (room > 2 && (*frontier)->overflowed() > 0) {
-        method.cull(view);
-        EXPECT_EQ((*frontier)->overflowed(), 0u) << "room was made for the same view";
-        EXPECT_LE(method.count(), wanted.size() + 2);
-      }
-      coarsest = std::min(coarsest, (*frontier)->cut().size());
-      finest = std::max(finest, (*frontier)->cut().size());
-      if (HasFailure()) return;
-    }
-    EXPECT_GT(overflows, 0u) << "nothing was tried";
-    EXPECT_GT(steady, 0u) << "never settles";
-    EXPECT_LT(coarsest, finest / 4) << "the cut follows the view";
-  }
-}
-
-TEST_F(StudyGpuTest, FrontierRefusesRoomThatThereIsNot) {
-  const std::vector<core::Aabb> boxes{{core::vec3(0.0f), core::vec3(1.0f)}};
-  const Tree tree = build_tree(boxes, {}, Split::kMedian);
-  EXPECT_FALSE(Frontier::create(*context, tree, boxes, 0));
-  EXPECT_FALSE(Frontier::create(*context, tree, boxes, 100000));
-  auto one = Frontier::create(*context, tree, boxes);
-  ASSERT_TRUE(one) << one.error().message;
-  (*one)->cull(view_of_all(1.0));
-  EXPECT_EQ((*one)->ids(), Ids{0});
-  const Tree empty;
-  auto none = Frontier::create(*context, empty, {});
-  ASSERT_TRUE(none) << none.error().message;
-  (*none)->cull(view_of_all(1.0));
-  EXPECT_EQ((*none)->count(), 0u);
-}
-
-TEST(StudyFrontier, CutsStayCuts) {
-  Random random(7);
-  const auto boxes = tests::random_boxes(random, 500, 10.0);
-  for (const Split split : {Split::kMean, Split::kMedian, Split::kSah}) {
-    const Tree tree = build_tree(boxes, {}, split);
-    Ids cut{0};
-    std::size_t finest = 0;
-    for (int step = 0; step < 400; ++step) {
-      SCOPED_TRACE("step " + std::to_string(step));
-      std::vector<Found> found;
-      const auto few = std::uint32_t(tests::whole(random, 1, 200));
-      const int refining = step < 200 ? 6 : 1;
-      for (std::size_t i = 0; i < cut.size(); ++i)
-        found.push_back(tests::whole(random, 0, 9) < refining ? Found::kTooMuch : Found(tests::whole(random, 0, 2)));
-      cut = next_cut(tree, cut, found, few);
-      expect_cut(tree, cut);
-      finest = std::max(finest, cut.size());
-    }
-    EXPECT_GT(finest, 100u);
-    // All alike: up to the root, a level a frame.
-    for (std::uint32_t level = 0; level < tree.height; ++level)
-      cut = next_cut(tree, cut, std::vector<Found>(cut.size(), Found::kNothing), 1);
-    EXPECT_EQ(cut, Ids{0});
   }
 }
 

@@ -1,11 +1,12 @@
-// What the study's figures are made of: runs, operation counts, the Pareto front.
+// Measured runs, errors, operation counts, and the generated models that they are of.
 #include "sightline/study/measure.h"
 
 #include <gtest/gtest.h>
 
-#include "sightline/study/brute_force.h"
+#include "sightline/apps/bench/brute_force.h"
+#include "sightline/apps/bench/models/aircraft.h"
+#include "sightline/apps/bench/models/platforms.h"
 #include "sightline/study/operations.h"
-#include "sightline/study/pareto.h"
 #include "sightline/study/session.h"
 #include "sightline/tests/culling/scenes.h"
 
@@ -18,10 +19,9 @@ Model small_model() {
   tests::Random random(kSeed);
   Model model;
   model.boxes = tests::random_boxes(random, 300, 50.0);
-  model.paths.resize(1);
   for (int i = 0; i < 8; ++i) {
     const core::Pose pose{{5.0 * i, -40.0, 3.0}, {0, 0, 0}, {0, 0, 1}};
-    model.paths[0].views.push_back(*core::View::perspective(pose, 0.7, 1.3, 0.1, 200.0));
+    model.path.views.push_back(*core::View::perspective(pose, 0.7, 1.3, 0.1, 200.0));
   }
   model.prepare(3);
   return model;
@@ -29,17 +29,17 @@ Model small_model() {
 
 TEST(StudyMeasure, RunsEverythingAndCountsErrors) {
   const Model model = small_model();
-  EXPECT_EQ(model.paths[0].sampled, (std::vector<std::size_t>{1, 4, 6}));
+  EXPECT_EQ(model.path.sampled, (std::vector<std::size_t>{1, 4, 6}));
   int told = 0;
   const Results r = run_everything(model, {2, {}, [&told](const std::string&) { ++told; }});
   EXPECT_EQ(r.runs.size(), std::size_t(told));
-  EXPECT_EQ(r.brute_force().variant, BruteForce::name());
-  ASSERT_NE(r.production(), nullptr);
+  EXPECT_EQ(r.runs.back().variant, bench::BruteForce::name());
+  ASSERT_NE(r.find(kProduction), nullptr);
   ASSERT_NE(r.find(r.best_flags), nullptr);
   for (const study::Run& run : r.runs) {
     SCOPED_TRACE(run.variant);
-    EXPECT_EQ(run.ms.size(), model.paths[0].views.size());
-    EXPECT_EQ(run.visible.size(), model.paths[0].views.size());
+    EXPECT_EQ(run.ms.size(), model.path.views.size());
+    EXPECT_EQ(run.visible.size(), model.path.views.size());
     EXPECT_EQ(run.samples, 3u);
     EXPECT_LE(run.min_ms, run.median_ms);
     EXPECT_LE(run.median_ms, run.max_ms);
@@ -70,7 +70,7 @@ TEST(StudyMeasure, SeparatingAxesFindWhatPlanesDoNot) {
 
 TEST(StudyMeasure, OperationsAreCounted) {
   const Model model = small_model();
-  const OperationTable table = count_operations(model.boxes, model.paths[0].views);
+  const OperationTable table = count_operations(model.boxes, model.path.views);
   ASSERT_EQ(table.size(), 4u);
   for (const Operations& o : table) {
     EXPECT_GT(o.best, 0u);
@@ -82,10 +82,28 @@ TEST(StudyMeasure, OperationsAreCounted) {
   EXPECT_EQ(table[3].best, 10u);
 }
 
-TEST(StudyPareto, FrontHoldsWhatNothingBeats) {
-  const std::vector<std::array<double, 2>> points{{3, 1}, {1, 5}, {2, 5}, {2, 2}, {9, 1}};
-  EXPECT_EQ(pareto_front(points), (std::vector<std::size_t>{1, 3, 0}));
-  EXPECT_TRUE(pareto_front({}).empty());
+TEST(StudyModels, TheAircraftHasTheCountAsked) {
+  const auto boxes = bench::make_aircraft(10'000), again = bench::make_aircraft(10'000);
+  EXPECT_EQ(boxes.size(), 10'000u);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    ASSERT_FALSE(boxes[i].empty());
+    ASSERT_LT(glm::length(boxes[i].max), 80.0f);
+    ASSERT_EQ(boxes[i].min, again[i].min);
+  }
+}
+
+TEST(StudyModels, KindsOfPlatformsAreMixedToTheItem) {
+  for (const bench::Platform& platform : bench::kPlatforms) {
+    for (const std::size_t count : {1000u, 12345u}) {
+      SCOPED_TRACE(platform.name);
+      std::vector<std::uint8_t> kinds;
+      for (std::size_t i = 0; i < count; ++i) kinds.push_back(std::uint8_t(i * 7919 % 20 < 13 ? 0 : i % 4));
+      bench::mix_kinds(platform, kinds);
+      std::array<std::uint64_t, 4> have{};
+      for (const std::uint8_t k : kinds) ++have.at(k);
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(have[k], platform.counts[k] * count / platform.objects());
+    }
+  }
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The controller of the 2009 dissertation, frame by frame, and its traces beside those of the library's controller.
-#include "sightline/study/parts/policy_2009.h"
+#include "sightline/study/policy_2009.h"
 
 #include <cmath>
 #include <string>
@@ -73,7 +73,7 @@ TEST(Policy2009, RunsOverATrace) {
   }
 }
 
-/// What the library's controller is for.
+/// The library's controller chooses better.
 TEST(Policy2009, IsFartherFromTheOracleOnRecordedTraces) {
   double ours = 0.0, theirs = 0.0;
   for (const char* name : {"plant_713k.csv", "plant_5m.csv"}) {

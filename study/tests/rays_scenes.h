@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -139,6 +141,27 @@ inline std::vector<Mesh> scenes(Random& random) {
           moved(sphere(16, 8), "far from the origin", 100.0f, {1e5f, -2e5f, 3e4f}),
           moved(sphere(16, 8), "tiny", 1e-20f, vec3(0.0f)),
           moved(sphere(16, 8), "huge", 1e18f, vec3(0.0f))};
+}
+
+inline std::string describe(const Ray& ray) {
+  char text[400];
+  std::snprintf(text, sizeof text, "origin %a %a %a direction %a %a %a t_max %a", ray.origin.x, ray.origin.y,
+                ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z, ray.t_max);
+  return text;
+}
+
+/// Rays that hit nothing by definition.
+inline std::vector<Ray> bad_rays() {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  std::vector<Ray> rays{
+      {{0, 0, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 1e-310, 0}}, {{0, 0, 0}, {0, 0, 1}, nan}, {{0, 0, 0}, {0, 0, 1}, -1.0}};
+  for (const double bad : {nan, infinity, -infinity})
+    for (int a = 0; a < 3; ++a) {
+      Ray origin{{0, 0, 0}, {0, 0, 1}}, direction = origin;
+      origin.origin[a] = direction.direction[a] = bad;
+      rays.insert(rays.end(), {origin, direction});
+    }
+  return rays;
 }
 
 /// Random rays and adversarial ones: along axes, in split planes and grid lines, through corners of nodes, through

@@ -4,17 +4,15 @@
 #include <vector>
 
 #include "sightline/study/gpu/flat.h"
-#include "sightline/study/gpu/frontier.h"
 #include "sightline/study/gpu/in_draw.h"
-#include "sightline/study/rays/gpu/grid_builder.h"
 #include "sightline/study/rays/gpu/tracer.h"
 
 namespace sightline::tests {
 
 inline std::vector<gl::PipelineDescription> study_programs() {
   std::vector<gl::PipelineDescription> all;
-  for (const auto& list : {study::flat_programs(), study::Frontier::all_programs(), study::InDraw::all_programs(),
-                           study::rays::GridBuilder::all_programs(), study::rays::GpuTracer::all_programs()})
+  for (const auto& list :
+       {study::flat_programs(), study::InDraw::all_programs(), study::rays::GpuTracer::all_programs()})
     all.insert(all.end(), list.begin(), list.end());
   return all;
 }

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/apps/bench/models/aircraft.h"
-#include "sightline/study/sah.h"
 #include "sightline/tests/culling/scenes.h"
 
 namespace sightline::study::tree_test {
@@ -66,10 +64,10 @@ TEST(StudyTree, HoldsItsRules) {
     if (round % 5 == 0) std::fill(boxes.begin() + std::ptrdiff_t(boxes.size() / 2), boxes.end(), boxes[0]);
     std::vector<std::uint8_t> kinds;
     for (std::size_t i = 0; i < boxes.size(); ++i) kinds.push_back(std::uint8_t(tests::whole(random, 0, 3)));
-    for (const Split split : {Split::kMean, Split::kMedian, Split::kSah}) {
+    for (const Split split : {Split::kMean, Split::kMedian}) {
       for (const std::uint32_t leaf_size : {1u, 3u}) {
         check(build_tree(boxes, {}, split, leaf_size), boxes, {}, leaf_size);
-        if (split != Split::kSah) check(build_tree(boxes, kinds, split, leaf_size), boxes, kinds, leaf_size);
+        check(build_tree(boxes, kinds, split, leaf_size), boxes, kinds, leaf_size);
       }
     }
   }
@@ -84,25 +82,6 @@ TEST(StudyTree, MedianHalves) {
   const auto boxes = tests::random_boxes(random, 4096, 50.0);
   EXPECT_EQ(build_tree(boxes, {}, Split::kMedian, 1).height, 13u);
   EXPECT_EQ(build_tree(boxes, {}, Split::kMedian, 2).leaves, 2048u);
-}
-
-/// The cost that a walk must expect: areas of all nodes over that of the root.
-double area_cost(const Tree& tree) {
-  const auto area = [](const core::Aabb& b) {
-    const core::dvec3 d = core::dvec3(b.max) - core::dvec3(b.min);
-    return d.x * d.y + d.y * d.z + d.z * d.x;
-  };
-  double sum = 0.0;
-  for (const TreeNode& node : tree.nodes) sum += area(node.box);
-  return sum / area(tree.nodes[0].box);
-}
-
-TEST(StudyTree, SurfaceAreaHeuristicIsWhatItSays) {
-  const auto boxes = bench::make_aircraft(20'000);
-  const Tree sah = build_tree(boxes, {}, Split::kSah);
-  EXPECT_EQ(sah.order, build_sah(boxes, {.max_leaf_size = 3}).order);
-  EXPECT_NE(sah.order, build_tree(boxes, {}, Split::kMedian).order) << "the test must tell the two apart";
-  EXPECT_LT(area_cost(sah), area_cost(build_tree(boxes, {}, Split::kMedian)));
 }
 
 }  // namespace

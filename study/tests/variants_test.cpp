@@ -16,45 +16,34 @@ constexpr double kHalf = 50.0;
 
 struct Model {
   std::vector<core::Aabb> boxes;
-  Tree mean, median, sah;
-  const Tree& tree(TreeKind kind) const {
-    return kind == TreeKind::kMean ? mean : kind == TreeKind::kMedian ? median : sah;
-  }
-};
+  Tree mean, median;
 
-Model make_model(tests::Random& random, std::size_t count) {
-  Model m;
-  m.boxes = tests::random_boxes(random, count, kHalf);
-  m.mean = build_tree(m.boxes, {}, Split::kMean);
-  m.median = build_tree(m.boxes, {}, Split::kMedian);
-  m.sah = build_tree(m.boxes, {}, Split::kSah);
-  return m;
-}
+  explicit Model(std::vector<core::Aabb> all)
+      : boxes(std::move(all)),
+        mean(build_tree(boxes, {}, Split::kMean)),
+        median(build_tree(boxes, {}, Split::kMedian)) {}
+
+  Culler culler(const Variant& v) const { return {v, boxes, v.tree == TreeKind::kMean ? mean : median}; }
+};
 
 /// All valid combinations on one thread; trees take turns to keep the number down.
 std::vector<Variant> all_variants() {
   std::vector<Variant> all;
   int turn = 0;
-  for (int tree = 0; tree <= int(TreeKind::kSah); ++tree)
+  for (int tree = 0; tree <= int(TreeKind::kMedian); ++tree)
     for (int traversal = 0; traversal < 3; ++traversal)
-      for (int test = 0; test <= int(study::Test::kSphere); ++test)
-        for (int simd = 0; simd < 3; ++simd)
-          for (unsigned flags = 0; flags < 128; ++flags) {
-            Variant v;
-            v.tree = TreeKind(tree);
-            v.traversal = Traversal(traversal);
-            v.test = study::Test(test);
-            v.simd = Simd(simd);
-            v.plane_coherency = (flags & 1) != 0;
-            v.octant = (flags & 2) != 0;
-            v.masking = (flags & 4) != 0;
-            v.motion = (flags & 8) != 0;
-            v.pre_test = (flags & 16) != 0;
-            v.test_items = (flags & 32) == 0;
-            v.max_depth = (flags & 64) == 0 ? 0xff : 5;
-            const bool binary = v.tree != TreeKind::kNone;
-            if (valid(v) && (!binary || ++turn % 3 == tree % 3)) all.push_back(v);
-          }
+      for (int test = 0; test <= int(study::Test::kRadarTwoAnswers); ++test)
+        for (const bool simd : {false, true})
+          for (unsigned flags = 0; flags <= kAllFlags; ++flags)
+            for (const bool test_items : {true, false}) {
+              const Variant v{.tree = TreeKind(tree),
+                              .traversal = Traversal(traversal),
+                              .test = study::Test(test),
+                              .simd = simd,
+                              .flags = flags,
+                              .test_items = test_items};
+              if (valid(v) && (v.tree == TreeKind::kNone || ++turn % 2 == tree % 2)) all.push_back(v);
+            }
   return all;
 }
 
@@ -93,26 +82,37 @@ void expect_promise(const Variant& v, const Errors& e, std::uint64_t& rounding, 
   }
 }
 
-TEST(StudyVariants, KeepTheirPromisesAlongAPath) {
-  tests::Random random(kSeed);
-  const Model model = make_model(random, 700);
-  const auto views = path(random, 24);
+/// Culls each view by a variant; checks its promise in each.
+void expect_promises(const Model& model, const Variant& v, const std::vector<core::View>& views,
+                     const std::vector<ExactSets>& exact, std::uint64_t& rounding, std::uint64_t& lost) {
+  SCOPED_TRACE(name(v));
+  Culler culler = model.culler(v);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    SCOPED_TRACE("view " + std::to_string(i));
+    culler.cull(views[i]);
+    const auto ids = culler.ids();
+    ASSERT_EQ(ids.size(), culler.count());
+    ASSERT_TRUE(std::adjacent_find(ids.begin(), ids.end()) == ids.end());
+    expect_promise(v, compare(ids, exact[i]), rounding, lost);
+  }
+}
+
+std::vector<ExactSets> exact_sets(const Model& model, const std::vector<core::View>& views) {
   std::vector<ExactSets> exact;
   for (const core::View& view : views) exact.emplace_back(model.boxes, view);
+  return exact;
+}
+
+TEST(StudyVariants, KeepTheirPromisesAlongAPath) {
+  tests::Random random(kSeed);
+  const Model model(tests::random_boxes(random, 700, kHalf));
+  const auto views = path(random, 24);
+  const auto exact = exact_sets(model, views);
   std::uint64_t rounding = 0, lost = 0;
   const auto variants = all_variants();
-  EXPECT_GT(variants.size(), 700u);
+  EXPECT_GT(variants.size(), 300u);
   for (const Variant& v : variants) {
-    SCOPED_TRACE("seed " + std::to_string(kSeed) + ": " + name(v));
-    Culler culler(v, model.boxes, model.tree(v.tree));
-    Visible visible;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      culler.cull(views[i], visible);
-      const auto ids = culler.ids(visible);
-      ASSERT_EQ(ids.size(), visible.count());
-      ASSERT_TRUE(std::adjacent_find(ids.begin(), ids.end()) == ids.end());
-      expect_promise(v, compare(ids, exact[i]), rounding, lost);
-    }
+    expect_promises(model, v, views, exact, rounding, lost);
     if (HasFailure()) return;
   }
   EXPECT_LT(rounding, variants.size()) << "boxes within rounding errors of a plane must be rare";
@@ -122,49 +122,32 @@ TEST(StudyVariants, KeepTheirPromisesAlongAPath) {
 TEST(StudyVariants, KeepTheirPromisesInAnyView) {
   tests::Random random(kSeed + 1);
   const auto variants = all_variants();
-  for (int round = 0; round < 40; ++round) {
-    const Model model = make_model(random, 150);
+  std::uint64_t ignored = 0;
+  for (std::size_t round = 0; round < 40; ++round) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed + 1) + ", round " + std::to_string(round));
+    const Model model(tests::random_boxes(random, 150, kHalf));
     std::vector<core::View> views;
-    std::vector<ExactSets> exact;
-    for (int i = 0; i < 10; ++i) {
-      views.push_back(tests::random_view(random, core::dvec3(0.0), kHalf));
-      exact.emplace_back(model.boxes, views.back());
-    }
-    for (std::size_t k = std::size_t(round); k < variants.size(); k += 7) {
-      SCOPED_TRACE("seed " + std::to_string(kSeed + 1) + ", round " + std::to_string(round) + ": " + name(variants[k]));
-      Culler culler(variants[k], model.boxes, model.tree(variants[k].tree));
-      Visible visible;
-      std::uint64_t ignored = 0;
-      for (std::size_t i = 0; i < views.size(); ++i) {
-        culler.cull(views[i], visible);
-        SCOPED_TRACE("view " + std::to_string(i));
-        expect_promise(variants[k], compare(culler.ids(visible), exact[i]), ignored, ignored);
-      }
-      if (HasFailure()) return;
-    }
+    for (int i = 0; i < 10; ++i) views.push_back(tests::random_view(random, core::dvec3(0.0), kHalf));
+    const auto exact = exact_sets(model, views);
+    for (std::size_t k = round; k < variants.size(); k += 7)
+      expect_promises(model, variants[k], views, exact, ignored, ignored);
+    if (HasFailure()) return;
   }
 }
 
 TEST(StudyVariants, PlaneTestsAgreeBitForBit) {
   tests::Random random(kSeed + 2);
-  const Model model = make_model(random, 2000);
+  const Model model(tests::random_boxes(random, 2000, kHalf));
   const auto views = path(random, 20);
-  std::vector<Variant> variants;
-  for (const Variant& v : all_variants())
-    if (promise(v) == Promise::kSame && v.test != study::Test::kRadarByLimit && !v.motion &&
-        !(v.simd == Simd::kPerTest && v.test != study::Test::kSplit))
-      variants.push_back(v);
   std::vector<std::vector<std::uint32_t>> expected(views.size());
-  for (const Variant& v : variants) {
+  for (const Variant& v : all_variants()) {
+    if (promise(v) != Promise::kSame || v.has(kMotion) || (v.simd && v.test != study::Test::kSplit)) continue;
     SCOPED_TRACE("seed " + std::to_string(kSeed + 2) + ": " + name(v));
-    Culler culler(v, model.boxes, model.tree(v.tree));
-    Visible visible;
+    Culler culler = model.culler(v);
     for (std::size_t i = 0; i < views.size(); ++i) {
-      culler.cull(views[i], visible);
-      if (&v == variants.data())
-        expected[i] = culler.ids(visible);
-      else
-        ASSERT_EQ(culler.ids(visible), expected[i]);
+      culler.cull(views[i]);
+      if (expected[i].empty()) expected[i] = culler.ids();
+      ASSERT_EQ(culler.ids(), expected[i]);
     }
   }
 }
@@ -172,11 +155,12 @@ TEST(StudyVariants, PlaneTestsAgreeBitForBit) {
 TEST(StudyVariants, KeepBoxesThatTouchThePlanes) {
   tests::Random random(kSeed + 5);
   const auto variants = all_variants();
-  std::uint64_t close_calls = 0;
-  for (int round = 0; round < 20; ++round) {
+  std::uint64_t close_calls = 0, ignored = 0;
+  for (std::size_t round = 0; round < 20; ++round) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed + 5) + ", round " + std::to_string(round));
     const core::View view = tests::random_view(random, core::dvec3(0.0), kHalf);
     const auto planes = core::frustum_planes(view.clip_from_world(), view.clip_depth());
-    Model model;
+    std::vector<core::Aabb> boxes;
     for (int i = 0; i < 200; ++i) {
       const core::Plane& plane = planes[std::size_t(i % 6)];
       if (!(glm::length(plane.normal) > 0.0)) continue;
@@ -190,51 +174,41 @@ TEST(StudyVariants, KeepBoxesThatTouchThePlanes) {
         box.min[axis] = std::min(near, far);
         box.max[axis] = std::max(near, far);
       }
-      model.boxes.push_back(box);
+      boxes.push_back(box);
     }
-    if (model.boxes.empty()) continue;
-    model.mean = build_tree(model.boxes, {}, Split::kMean);
-    model.median = build_tree(model.boxes, {}, Split::kMedian);
-    model.sah = build_tree(model.boxes, {}, Split::kSah);
-    const ExactSets exact(model.boxes, view);
-    close_calls += exact.p_vertex().size();
-    for (std::size_t k = std::size_t(round); k < variants.size(); k += 5) {
-      SCOPED_TRACE("seed " + std::to_string(kSeed + 5) + ", round " + std::to_string(round) + ": " + name(variants[k]));
-      Culler culler(variants[k], model.boxes, model.tree(variants[k].tree));
-      Visible visible;
-      std::uint64_t ignored = 0;
-      culler.cull(view, visible);
-      expect_promise(variants[k], compare(culler.ids(visible), exact), ignored, ignored);
-      if (HasFailure()) return;
-    }
+    if (boxes.empty()) continue;
+    const Model model(std::move(boxes));
+    const auto exact = exact_sets(model, {view});
+    close_calls += exact[0].p_vertex().size();
+    for (std::size_t k = round; k < variants.size(); k += 5)
+      expect_promises(model, variants[k], {view}, exact, ignored, ignored);
+    if (HasFailure()) return;
   }
   EXPECT_GT(close_calls, 100u);
 }
 
 TEST(StudyVariants, ThreadsChangeNothing) {
-  const auto boxes = bench::make_aircraft(60'000);
-  const Tree tree = build_tree(boxes, {}, Split::kMean);
+  const Model model(bench::make_aircraft(60'000));
   std::vector<core::View> views;
   for (int i = 0; i < 10; ++i) {
     const core::Pose pose{{60.0 - 12.0 * i, 20.0, 5.0}, {0.0, 0.0, 0.0}, {0, 0, 1}};
     views.push_back(*core::View::perspective(pose, 0.5, 1.5, 0.1, 200.0));
   }
-  for (const bool masking : {false, true}) {
-    Variant v{.tree = TreeKind::kMean, .masking = masking};
-    Culler one(v, boxes, tree);
+  for (const unsigned flags : {0u, unsigned(kMasking)}) {
+    Variant v{.tree = TreeKind::kMean, .flags = flags};
+    Culler one = model.culler(v);
     for (const Threads threads : {Threads::kStatic, Threads::kTasks, Threads::kRing}) {
       for (const int count : {1, 2, 3, 4, 7}) {
         v.threads = threads;
         v.thread_count = count;
         SCOPED_TRACE(name(v));
-        Culler many(v, boxes, tree);
-        Visible a, b;
+        Culler many = model.culler(v);
         for (const core::View& view : views) {
-          one.cull(view, a);
-          many.cull(view, b);
-          ASSERT_GT(a.count(), 0u);
-          ASSERT_LT(a.count(), boxes.size());
-          ASSERT_EQ(one.ids(a), many.ids(b));
+          one.cull(view);
+          many.cull(view);
+          ASSERT_GT(one.count(), 0u);
+          ASSERT_LT(one.count(), model.boxes.size());
+          ASSERT_EQ(one.ids(), many.ids());
         }
       }
     }
@@ -243,17 +217,16 @@ TEST(StudyVariants, ThreadsChangeNothing) {
 
 TEST(StudyMotion, StaysConservativeBeyondItsHistory) {
   tests::Random random(kSeed + 4);
-  const Model model = make_model(random, 500);
+  const Model model(tests::random_boxes(random, 500, kHalf));
   core::Pose pose;
   pose.eye = {0, 0, 0};
-  Culler culler({.motion = true}, model.boxes, model.mean);
-  Visible visible;
+  Culler culler = model.culler({.flags = kMotion});
   for (int i = 0; i < 5000; ++i) {
     pose.target = {std::cos(1e-3 * i), std::sin(1e-3 * i), 0.0};
     const auto view = core::View::perspective(pose, 0.8, 1.5, 0.1, 3.0 * kHalf);
-    culler.cull(*view, visible);
+    culler.cull(*view);
     if (i % 250 == 0) {
-      EXPECT_EQ(compare(culler.ids(visible), ExactSets(model.boxes, *view)).missing, 0u) << "frame " << i;
+      EXPECT_EQ(compare(culler.ids(), ExactSets(model.boxes, *view)).missing, 0u) << "frame " << i;
     }
   }
 }
@@ -283,17 +256,6 @@ TEST(StudyMotion, SettlesWhatItMayAndNoMore) {
   EXPECT_TRUE(turning.still_outside(before));
   turning.advance(camera(0.0, 3.0));
   EXPECT_FALSE(turning.still_outside(before));
-}
-
-TEST(StudyAircraft, HasTheCountAsked) {
-  const auto boxes = bench::make_aircraft(10'000);
-  EXPECT_EQ(boxes.size(), 10'000u);
-  for (const core::Aabb& b : boxes) {
-    ASSERT_FALSE(b.empty());
-    ASSERT_LT(glm::length(b.max), 80.0f);
-  }
-  const auto again = bench::make_aircraft(10'000);
-  for (std::size_t i = 0; i < boxes.size(); ++i) ASSERT_EQ(boxes[i].min, again[i].min);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ const uint kRejected = 0xffffffffu;  // what keep.geom drops
 
 void main() {
   vec3 low = texelFetch(boxes, 2 * gl_VertexID).xyz, high = texelFetch(boxes, 2 * gl_VertexID + 1).xyz;
-  bool gone = is_empty(low, high) || outside(low, high);
+  bool gone = outside(low, high);
 #ifdef SIGNED
   answer = gone ? -gl_VertexID - 1 : gl_VertexID + 1;
 #else

@@ -5,7 +5,7 @@
 void main() {
   int place = 2 * int(record_of(1u));
   vec3 low = texelFetch(boxes, place).xyz, high = texelFetch(boxes, place + 1).xyz;
-  bool rejected = is_empty(low, high) || outside(low, high);
+  bool rejected = outside(low, high);
   gl_Position = vec4(0.0);
   setup.proxy = kNothing;
   if (rejected) return;

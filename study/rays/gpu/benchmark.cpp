@@ -44,22 +44,6 @@ class GpuBenchmark {
     return {};
   }
 
-  core::Expected<void> count(const Traversal& traversal, GpuRun& run) {
-    if (auto done = trace(traversal, Ask::kCount, batches_[0], {true}); !done) return done;
-    const std::vector<GpuAnswer> answers = compare(run);
-    std::vector<std::uint32_t> visits;
-    for (const GpuAnswer& answer : answers) {
-      visits.push_back(answer.nodes);
-      run.nodes += answer.nodes;
-      run.triangles += answer.triangles;
-    }
-    run.nodes /= double(answers.size());
-    run.triangles /= double(answers.size());
-    run.divergence_rows = 1.0 / lanes_at_work(visits, searched_.image, 32, 1);
-    run.divergence_tiles = 1.0 / lanes_at_work(visits, searched_.image, 8, 4);
-    return {};
-  }
-
   core::Expected<void> time(const Traversal& traversal, GpuRun& run) {
     constexpr Launch kRows{}, kTiles{true, 0}, kPersistent{true, kPersistentGroups};
     auto done = time(traversal, Ask::kNearest, RayKind::kPrimary, kRows, run.rows_ns);
@@ -72,11 +56,10 @@ class GpuBenchmark {
   }
 
  private:
-  /// The primary rays' last answers, with the CPU's.
-  std::vector<GpuAnswer> compare(GpuRun& run) const {
-    std::vector<GpuAnswer> answers = batches_[0].read();
+  /// Compares the primary rays' last answers with the CPU's.
+  void compare(GpuRun& run) const {
+    const std::vector<GpuAnswer> answers = batches_[0].read();
     for (std::size_t i = 0; i < answers.size(); ++i) run.disagreements += answers[i].hit() != searched_.hits[i];
-    return answers;
   }
 
   core::Expected<void> trace(const Traversal& traversal, Ask ask, const RayBatch& batch, const Launch& launch) {
@@ -125,13 +108,12 @@ core::Expected<std::vector<std::string>> run_on_gpu(const gl::Context& context, 
   GpuBenchmark benchmark(context, structures, searched);
   if (auto done = benchmark.upload_rays(); !done) return tl::unexpected(done.error());
   for (TraversalRun& run : result.traversals) {
-    step(std::string("counting in GLSL, ") + run.traversal->name);
+    step(std::string("uploading for GLSL, ") + run.traversal->name);
     if (auto done = benchmark.upload_structure(run.traversal->structure); !done) {
       left_out.push_back(std::string(run.traversal->name) + ": " + done.error().message);
       continue;
     }
     run.gpu.emplace();
-    if (auto done = benchmark.count(*run.traversal, *run.gpu); !done) return tl::unexpected(done.error());
   }
   for (int pass = 0; pass < passes; ++pass)
     for (TraversalRun& run : result.traversals) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <ctime>
 #include <numbers>
-#include <optional>
 
 #include "sightline/study/rays/gpu/benchmark.h"
 
@@ -130,7 +129,7 @@ struct Searched {
       : triangles(scene.mesh.positions, scene.mesh.indices), boxes(triangles.boxes()) {
     primary = primary_rays(triangles.space(), image);
     const core::Aabb& bounds = triangles.space().bounds;
-    const UniformGrid grid = build_grid_per_object(boxes, bounds, automatic_resolution(boxes, bounds));
+    const UniformGrid grid = build_grid(boxes, bounds, automatic_resolution(boxes, bounds));
     for (const Ray& ray : primary) hits.push_back(search<Find::kNearest>(triangles, grid, ray));
     for (int light = 0; light < scene.lights; ++light) {
       const auto rays = shadow_rays(triangles, primary, hits, light_over(triangles.space(), 2.0 * light));
@@ -139,51 +138,46 @@ struct Searched {
   }
 };
 
-/// The grid in GPU memory.
+/// Triangles and rays in GPU memory.
 struct OnGpu {
   GpuTriangles triangles;
-  gl::Buffer boxes;
   RayBatch primary, shadow;
 
-  static core::Expected<OnGpu> create(const gl::Context& context, const GridBuilder& builder, const Searched& on,
-                                      int width) {
+  static core::Expected<OnGpu> create(const gl::Context& context, const Searched& on, int width) {
     auto triangles = upload(context, on.triangles);
     if (!triangles) return tl::unexpected(triangles.error());
-    auto boxes = builder.upload(on.boxes);
-    if (!boxes) return tl::unexpected(boxes.error());
     auto primary = RayBatch::create(context, on.triangles, on.primary, std::uint32_t(width));
     if (!primary) return tl::unexpected(primary.error());
     auto shadow = RayBatch::create(context, on.triangles, on.shadow);
     if (!shadow) return tl::unexpected(shadow.error());
-    return OnGpu{std::move(*triangles), std::move(*boxes), std::move(*primary), std::move(*shadow)};
+    return OnGpu{std::move(*triangles), std::move(*primary), std::move(*shadow)};
   }
 };
 
-void run_on_cpu(const Searched& on, const GridLines& lines, GridImage& result) {
-  std::optional<UniformGrid> grid;
-  lower(result.cpu_build_ms,
-        processor_ms([&] { grid = build_grid_per_object(on.boxes, on.triangles.space().bounds, lines.cells); }));
-  std::size_t lit = 0;
+UniformGrid run_on_cpu(const Searched& on, const Cell& cells, GridImage& result) {
+  UniformGrid grid;
+  lower(result.build_ms, processor_ms([&] { grid = build_grid(on.boxes, on.triangles.space().bounds, cells); }));
+  result.references = grid.triangles.size();
+  result.lit = 0;
   lower(result.cpu_ms, processor_ms([&] {
           for (std::size_t i = 0; i < on.primary.size(); ++i)
-            result.disagreements += search<Find::kNearest>(on.triangles, *grid, on.primary[i]) != on.hits[i];
-          for (const Ray& ray : on.shadow) lit += !search<Find::kAny>(on.triangles, *grid, ray);
+            result.disagreements += search<Find::kNearest>(on.triangles, grid, on.primary[i]) != on.hits[i];
+          for (const Ray& ray : on.shadow) result.lit += !search<Find::kAny>(on.triangles, grid, ray);
         }));
-  result.lit = lit;
+  return grid;
 }
 
-core::Expected<void> run_on_gpu(const gl::Context& context, const GridBuilder& builder, GpuTracer& tracer,
-                                const Searched& on, const OnGpu& uploaded, const GridLines& lines, GridImage& result) {
-  core::Expected<GridBuilder::Grid> grid;
-  lower(result.gpu_build_ms,
-        1e3 * seconds_on_gpu(context, [&] { grid = builder.build(on.triangles, uploaded.boxes, lines); }));
-  if (!grid) return tl::unexpected(grid.error());
-  result.references = grid->references;
+core::Expected<void> run_on_gpu(const gl::Context& context, GpuTracer& tracer, const Searched& on,
+                                const OnGpu& uploaded, const UniformGrid& grid, GridImage& result) {
+  const auto structure = upload(context, on.triangles, grid);
+  if (!structure) return tl::unexpected(structure.error());
   core::Expected<void> done;
+  const auto trace = [&](Ask ask, const RayBatch& rays, bool tiles) {
+    if (done) done = tracer.trace(grid_traversal(), ask, uploaded.triangles, *structure, rays, {.tiles = tiles});
+  };
   const double seconds = seconds_on_gpu(context, [&] {
-    done = tracer.trace(grid_traversal(), Ask::kNearest, uploaded.triangles, grid->structure, uploaded.primary,
-                        {.tiles = true});
-    if (done) done = tracer.trace(grid_traversal(), Ask::kAny, uploaded.triangles, grid->structure, uploaded.shadow);
+    trace(Ask::kNearest, uploaded.primary, true);
+    trace(Ask::kAny, uploaded.shadow, false);
   });
   if (!done) return done;
   lower(result.gpu_ms, 1e3 * seconds);
@@ -212,25 +206,22 @@ std::vector<GridScene> grid_scenes() {
   return scenes;
 }
 
-core::Expected<GridRun> run_grids(const gl::Context& context, const GridBuilder& builder, GpuTracer& tracer,
-                                  const GridScene& scene, const Image& image, int passes,
-                                  const std::function<void(const std::string&)>& step) {
+core::Expected<GridRun> run_grids(const gl::Context& context, GpuTracer& tracer, const GridScene& scene,
+                                  const Image& image, int passes, const std::function<void(const std::string&)>& step) {
   const Searched on(scene, image);
-  auto uploaded = OnGpu::create(context, builder, on, image.width);
+  auto uploaded = OnGpu::create(context, on, image.width);
   if (!uploaded) return tl::unexpected(uploaded.error());
   GridRun run{&scene, on.triangles.size(), {}};
-  GridImage unmeasured;  // drivers finish a program when it first runs
-  const core::Aabb& bounds = on.triangles.space().bounds;
-  const auto lines_of = [&](int size) { return GridLines(bounds, Cell{size, size, size}); };
-  if (auto done = run_on_gpu(context, builder, tracer, on, *uploaded, lines_of(scene.sizes.back()), unmeasured); !done)
-    return tl::unexpected(done.error());
   for (const int size : scene.sizes) run.images.push_back({.size = size});
   for (int pass = 0; pass < passes; ++pass)
-    for (GridImage& p : run.images) {
-      step(scene.name + ", " + std::to_string(p.size) + " cells along each axis");
-      run_on_cpu(on, lines_of(p.size), p);
-      if (auto done = run_on_gpu(context, builder, tracer, on, *uploaded, lines_of(p.size), p); !done)
-        return tl::unexpected(done.error());
+    for (GridImage& result : run.images) {
+      step(scene.name + ", " + std::to_string(result.size) + " cells along each axis");
+      const UniformGrid grid = run_on_cpu(on, {result.size, result.size, result.size}, result);
+      GridImage unmeasured;  // drivers finish a program when it first runs
+      const bool first = pass == 0 && &result == run.images.data();
+      auto done = first ? run_on_gpu(context, tracer, on, *uploaded, grid, unmeasured) : core::Expected<void>();
+      if (done) done = run_on_gpu(context, tracer, on, *uploaded, grid, result);
+      if (!done) return tl::unexpected(done.error());
     }
   return run;
 }

@@ -1,5 +1,5 @@
 // The tables of G. Ordeix, S. Cioli, "Computación Gráfica sobre GPUs" (2010), chapter 5: images a second against the
-// size of the uniform grid, on the CPU and on the GPU, where the grid is built, too.
+// size of the uniform grid, which the CPU builds, on the CPU and on the GPU.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,6 @@
 
 #include "sightline/study/rays/benchmark.h"
 #include "sightline/study/rays/generated_meshes.h"
-#include "sightline/study/rays/gpu/grid_builder.h"
 #include "sightline/study/rays/gpu/tracer.h"
 
 namespace sightline::study::rays {
@@ -27,7 +26,7 @@ std::vector<GridScene> grid_scenes();
 struct GridImage {
   int size = 0;
   std::size_t references = 0;
-  double cpu_build_ms = 0.0, gpu_build_ms = 0.0;
+  double build_ms = 0.0;
   double cpu_ms = 0.0, gpu_ms = 0.0;  ///< to trace
   std::size_t lit = 0;                ///< shadow rays that reach their light, as the CPU finds
   std::size_t disagreements = 0;      ///< primary rays, and how far the GPU's number of lit ones is off
@@ -40,8 +39,7 @@ struct GridRun {
 };
 
 /// Times are the least of `passes` (>= 1): processor time of one thread, and as seconds_on_gpu() has it.
-core::Expected<GridRun> run_grids(const gl::Context& context, const GridBuilder& builder, GpuTracer& tracer,
-                                  const GridScene& scene, const Image& image, int passes,
-                                  const std::function<void(const std::string&)>& step);
+core::Expected<GridRun> run_grids(const gl::Context& context, GpuTracer& tracer, const GridScene& scene,
+                                  const Image& image, int passes, const std::function<void(const std::string&)>& step);
 
 }  // namespace sightline::study::rays

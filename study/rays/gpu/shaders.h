@@ -1,4 +1,4 @@
-// The GLSL of the traversals and of the grid's build, embedded, and how many groups a dispatch takes.
+// The GLSL of the traversals, embedded, and how many groups a dispatch takes.
 #pragma once
 
 #include <cstdint>

@@ -46,15 +46,11 @@ SpaceBlock space_of(const TriangleSet& triangles, const GridLines& lines) {
   return block;
 }
 
-core::Expected<gl::Buffer> upload_block(const gl::Context& context, const SpaceBlock& block) {
-  return gl::Buffer::create(context.functions(), sizeof block, &block, 0, "space of a structure");
-}
-
 template <class... T>
 core::Expected<GpuStructure> upload_arrays(const gl::Context& context, const SpaceBlock& block,
                                            const std::vector<T>&... arrays) {
   static_assert((std::is_trivially_copyable_v<T> && ...));
-  auto space = upload_block(context, block);
+  auto space = gl::Buffer::create(context.functions(), sizeof block, &block, 0, "space of a structure");
   if (!space) return tl::unexpected(space.error());
   GpuStructure result;
   result.space = std::move(*space);
@@ -95,21 +91,17 @@ core::Expected<GpuTriangles> upload(const gl::Context& context, const TriangleSe
   return GpuTriangles{std::move(*corners)};
 }
 
-core::Expected<gl::Buffer> upload_space(const gl::Context& context, const TriangleSet& triangles,
-                                        const GridLines& lines) {
-  return upload_block(context, space_of(triangles, lines));
+core::Expected<GpuStructure> upload(const gl::Context& context, const TriangleSet& triangles, const UniformGrid& grid) {
+  return upload_arrays(context, space_of(triangles, grid.lines), grid.triangles, grid.begins);
 }
 
 core::Expected<GpuStructure> upload(const gl::Context& context, const Structures& s, Structure structure) {
-  const auto sbg = [&](const SparseBoxGrid& grid) {
-    return upload_arrays(context, space_of(s.triangles, grid.lines), grid.triangles, grid.boxes, grid.box_of_cell);
-  };
   const SpaceBlock plain = space_of(s.triangles);
   switch (structure) {
     case Structure::kOctree:
       return upload_arrays(context, space_of(s.triangles, s.octree.bounds), s.octree.triangles, s.octree.nodes);
     case Structure::kGrid:
-      return upload_arrays(context, space_of(s.triangles, s.grid.lines), s.grid.triangles, s.grid.begins);
+      return upload(context, s.triangles, s.grid);
     case Structure::kKdTree:
       return upload_arrays(context, plain, s.kd.triangles, s.kd.nodes);
     case Structure::kKdTreeWithParents:
@@ -121,9 +113,8 @@ core::Expected<GpuStructure> upload(const gl::Context& context, const Structures
     case Structure::kBih:
       return upload_arrays(context, plain, s.bih.triangles, s.bih.nodes);
     case Structure::kSbg:
-      return sbg(s.sbg);
-    case Structure::kGrownSbg:
-      return sbg(s.grown_sbg);
+      return upload_arrays(context, space_of(s.triangles, s.sbg.lines), s.sbg.triangles, s.sbg.boxes,
+                           s.sbg.box_of_cell);
   }
   return core::fail("no such structure");
 }

@@ -28,10 +28,7 @@ struct GpuStructure {
 /// Uploading fails when the GPU has not the memory, or an array is larger than the context's storage blocks may be.
 core::Expected<GpuTriangles> upload(const gl::Context& context, const TriangleSet& triangles);
 core::Expected<GpuStructure> upload(const gl::Context& context, const Structures& structures, Structure structure);
-
-/// The uniform block of shaders that walk a grid's lines, for binding 0.
-core::Expected<gl::Buffer> upload_space(const gl::Context& context, const TriangleSet& triangles,
-                                        const GridLines& lines);
+core::Expected<GpuStructure> upload(const gl::Context& context, const TriangleSet& triangles, const UniformGrid& grid);
 
 /// A buffer of at least `bytes`, for a storage block; `data` may be null, and `bytes` 0.
 core::Expected<gl::Buffer> make_storage(const gl::Context& context, std::size_t bytes, const void* data,

@@ -30,11 +30,10 @@ constexpr std::array kForms = {
     Form{"kd PD & SS", "kd_short_stack.glsl", "PUSH_DOWN"},
     Form{"kd ropes", "kd_ropes.glsl", "SIX_PLANES"},
     Form{"kd ropes++", "kd_ropes.glsl"},
-    Form{"kd 8-byte standard", "kd_standard8.glsl"},
+    Form{"kd 8-byte standard", "kd_standard.glsl", "EIGHT_BYTES"},
     Form{"BVH", "bvh.glsl"},
     Form{"BIH", "bih.glsl"},
     Form{"SBG", "sbg.glsl"},
-    Form{"SBG, grown", "sbg.glsl"},
 };
 
 const Form* form_of(const Traversal& traversal) {

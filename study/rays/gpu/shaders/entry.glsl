@@ -1,4 +1,4 @@
-// What most stacks hold: a node, and the part of the ray in it.
+// An entry of most stacks: a node, and the part of the ray in it.
 struct Entry {
   uint node;
   vec2 t;

@@ -1,4 +1,4 @@
-// What a traversal asks with (query.h), and the one intersection that all share (triangle_set.cpp): operation by
+// The questions of a traversal (query.h), and the one intersection that all share (triangle_set.cpp): operation by
 // operation as on the CPU. `precise` forbids what would round otherwise. Divisions, which GL does not promise to round
 // correctly, are the CPU's, all but that by the determinant. Defines: ANY, COUNTING.
 #include "space.glsl"

@@ -1,4 +1,4 @@
-// What the CPU knows of a structure besides its arrays.
+// The numbers that describe a structure besides its arrays.
 layout(std140, binding = 0) uniform Space {  // SpaceBlock of structures.cpp
   vec4 low, high;       // of the structure's bounds
   vec4 cell, per_cell;  // GridLines, of those that have some

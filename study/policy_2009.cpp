@@ -1,4 +1,4 @@
-#include "sightline/study/parts/policy_2009.h"
+#include "sightline/study/policy_2009.h"
 
 #include <algorithm>
 

@@ -9,17 +9,14 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/view_options.h"
-#include "sightline/importers/json/internal/json.h"
 #include "sightline/raytrace/whitted.h"
 #include "sightline/render/image/image_metrics.h"
-#include "sightline/study/parts/parts.h"
+#include "sightline/study/tables/subcommands.h"
 
-namespace sightline::bench::supersampling_bench {
+namespace sightline::study {
 namespace {
 
-using Json = json::Value;
-
-struct Options {
+struct SampleOptions {
   apps::ModelOptions model;
   apps::ViewOptions view;
   std::vector<int> samples{4, 9, 16, 25};
@@ -28,7 +25,7 @@ struct Options {
   std::string json;
 };
 
-void add_options(apps::CommandLine& line, Options& o) {
+void add_options(apps::CommandLine& line, SampleOptions& o) {
   apps::add_model_options(line, o.model);
   apps::add_view_options(line, o.view);
   line.add("--samples", o.samples, "Per pixel").in_range(2, 4096).separated_by(',').shows_default();
@@ -44,15 +41,15 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.examples("  sightline-study supersampling plant.rvm --view view.json --size 960x540");
 }
 
-struct Variant {
+struct Sampling {
   int samples;
   std::optional<double> threshold;
   double seconds = std::numeric_limits<double>::infinity();
   raytrace::WhittedImage image = {};
 };
 
-std::vector<Variant> variants_of(const Options& o) {
-  std::vector<Variant> variants{{1, {}}};
+std::vector<Sampling> variants_of(const SampleOptions& o) {
+  std::vector<Sampling> variants{{1, {}}};
   for (const int samples : o.samples) {
     variants.push_back({samples, {}});
     for (const double threshold : o.thresholds) variants.push_back({samples, threshold});
@@ -64,10 +61,10 @@ image::Image image_of(const raytrace::WhittedImage& image) {
   return {image.width, image.height, image.rgb};
 }
 
-void print_table(const Json& json, std::FILE* out) {
+void print_samples(const json::Value& json, std::FILE* out) {
   std::fprintf(out, "%7s %9s %9s %9s %9s %9s %9s\n", "samples", "threshold", "a pixel", "seconds", "speed-up", "FLIP",
                "FLIP p99");
-  for (const Json& row : json["variants"]) {
+  for (const json::Value& row : json["variants"]) {
     const std::string threshold = row["threshold"].is_null() ? "" : row["threshold"].dump();
     std::fprintf(out, "%7d %9s %9.2f %9.3f %9.2f %9.5f %9.4f\n", row["samples"].get<int>(), threshold.c_str(),
                  row["samples_per_pixel"].get<double>(), row["seconds"].get<double>(), row["speed_up"].get<double>(),
@@ -75,7 +72,7 @@ void print_table(const Json& json, std::FILE* out) {
   }
 }
 
-core::Expected<int> run(const Options& o) {
+core::Expected<int> run_samples(const SampleOptions& o) {
   const auto size = apps::parse_size(o.view.size);
   if (!size) return tl::unexpected(size.error());
   const auto [width, height] = *size;
@@ -92,39 +89,40 @@ core::Expected<int> run(const Options& o) {
   whitted.samples = o.reference;
   const auto reference = raytrace::render_whitted(*tracer, *view, width, height, whitted);
   if (!reference) return tl::unexpected(reference.error());
-  std::vector<Variant> variants = variants_of(o);
+  std::vector<Sampling> variants = variants_of(o);
   whitted.threads = 1;
   for (int pass = 0; pass < o.passes; ++pass)  // in turns
-    for (Variant& variant : variants) {
+    for (Sampling& variant : variants) {
       whitted.samples = variant.samples;
       whitted.edge_threshold = variant.threshold;
-      const double start = processor_milliseconds();
+      const double start = bench::processor_milliseconds();
       auto image = raytrace::render_whitted(*tracer, *view, width, height, whitted);
       if (!image) return tl::unexpected(image.error());
-      variant.seconds = std::min(variant.seconds, 1e-3 * (processor_milliseconds() - start));
+      variant.seconds = std::min(variant.seconds, 1e-3 * (bench::processor_milliseconds() - start));
       variant.image = std::move(*image);
     }
 
-  Json json{{"size", {width, height}}, {"items", snapshot.size()}, {"reference", o.reference}, {"passes", o.passes}};
+  json::Value json{
+      {"size", {width, height}}, {"items", snapshot.size()}, {"reference", o.reference}, {"passes", o.passes}};
   double uniform = 0.0;  // seconds for as many samples everywhere, which comes before
-  for (const Variant& variant : variants) {
+  for (const Sampling& variant : variants) {
     if (!variant.threshold) uniform = variant.seconds;
     const auto metrics = image::image_metrics(image_of(*reference), image_of(variant.image));
     if (!metrics) return tl::unexpected(metrics.error());
     json["variants"].push_back({{"samples", variant.samples},
-                                {"threshold", variant.threshold ? Json(*variant.threshold) : Json()},
+                                {"threshold", variant.threshold ? json::Value(*variant.threshold) : json::Value()},
                                 {"samples_per_pixel", double(variant.image.samples) / (double(width) * height)},
                                 {"seconds", variant.seconds},
                                 {"speed_up", uniform / variant.seconds},
                                 {"flip", {{"mean", metrics->flip_mean}, {"p99", metrics->flip_p99}}}});
   }
-  return finish(o.json, json, print_table);
+  return bench::finish(o.json, json, print_samples);
 }
 
 }  // namespace
-}  // namespace sightline::bench::supersampling_bench
 
-sightline::bench::Run sightline::bench::add_supersampling(apps::CommandLine& line) {
-  using namespace supersampling_bench;
-  return add_subcommand<Options>(line, add_options, run);
+bench::Run add_supersampling(apps::CommandLine& line) {
+  return bench::add_subcommand<SampleOptions>(line, add_options, run_samples);
 }
+
+}  // namespace sightline::study
