@@ -6,7 +6,7 @@
 # or newer, and takes libEGL and all below it from the machine's driver.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-tools=(bench generate render replay stability)
+tools=(bench generate info render replay stability)
 tree=build/gpu-kit-build kit=build/gpu-kit
 newest_glibc=2.36 most_mib=40
 

@@ -18,6 +18,7 @@
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/core/block_order.h"
@@ -34,6 +35,7 @@
 namespace sightline::bench::cull_bench {
 namespace {
 
+using apps::need;
 using Json = json::Value;
 
 struct Options {
@@ -115,14 +117,13 @@ Subject::Subject(std::span<const core::Aabb> boxes, const Options& options) {
 
 // --- runs ------------------------------------------------------------------------------------------------------------
 
-core::Expected<void> write_ids(const std::string& directory, std::size_t frame, std::span<const std::uint32_t> ids) {
+void write_ids(const std::string& directory, std::size_t frame, std::span<const std::uint32_t> ids) {
   char name[32];
   std::snprintf(name, sizeof(name), "frame_%05zu.bin", frame);
   const std::filesystem::path path = std::filesystem::path(directory) / name;
   std::ofstream file(path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(ids.data()), std::streamsize(ids.size_bytes()));
-  if (!file.flush()) return core::fail(path.string() + ": cannot be written");
-  return {};
+  if (!file.flush()) apps::fail(path.string() + ": cannot be written");
 }
 
 Json summary(const std::vector<double>& times) {
@@ -144,18 +145,17 @@ double time_refit(Subject& subject) {
   return apps::median(times);
 }
 
-core::Expected<void> choose_instructions(const std::string& name) {
+void choose_instructions(const std::string& name) {
   for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
     if (name != core::name_of(set)) continue;
-    if (!core::supported(set)) return core::fail("--simd " + name + ": this processor or build does not have it");
+    if (!core::supported(set)) apps::fail("--simd " + name + ": this processor or build does not have it");
     core::force_instruction_set(set);
   }
-  return {};
 }
 
 /// Not timed: counts, id files, and the comparison with the linear culler.
-core::Expected<Frames> inspect(const Subject& subject, std::span<const core::Aabb> boxes,
-                               const std::vector<core::View>& views, const Options& options) {
+Frames inspect(const Subject& subject, std::span<const core::Aabb> boxes, const std::vector<core::View>& views,
+               const Options& options) {
   core::ItemBounds plain;
   if (options.verify) fill(plain, boxes, {});
   const culling::LinearCuller linear(plain);
@@ -170,60 +170,53 @@ core::Expected<Frames> inspect(const Subject& subject, std::span<const core::Aab
     if (options.ids_out.empty() && !options.verify) continue;
     subject.list(set, false, ids);
     std::sort(ids.begin(), ids.end());
-    if (!options.ids_out.empty()) {
-      if (auto written = write_ids(options.ids_out, i, ids); !written) return tl::unexpected(written.error());
-    }
+    if (!options.ids_out.empty()) write_ids(options.ids_out, i, ids);
     if (!options.verify) continue;
     linear.cull(views[i], expected);
     if (ids != expected.sorted_slots())
-      return core::fail("frame " + std::to_string(i) + ": " + std::to_string(ids.size()) +
-                        " visible, but the linear culler finds another set of " + std::to_string(expected.count()));
+      apps::fail("frame " + std::to_string(i) + ": " + std::to_string(ids.size()) +
+                 " visible, but the linear culler finds another set of " + std::to_string(expected.count()));
   }
   return frames;
 }
 
-core::Expected<Json> measure(const Options& options) {
-  if (auto chosen = choose_instructions(options.simd); !chosen) return tl::unexpected(chosen.error());
-  const auto boxes = boxes_of(options.input);
-  if (!boxes) return tl::unexpected(boxes.error());
-  const auto views = read_views(options.input.views);
-  if (!views) return tl::unexpected(views.error());
-  if (!options.ids_out.empty())
-    if (auto made = apps::make_directory(options.ids_out); !made) return tl::unexpected(made.error());
-
-  Subject subject(*boxes, options);
-  const auto frames = inspect(subject, *boxes, *views, options);
-  if (!frames) return tl::unexpected(frames.error());
+Json measure(const Options& options) {
+  choose_instructions(options.simd);
+  const auto boxes = need(boxes_of(options.input));
+  const auto views = need(read_views(options.input.views));
+  if (!options.ids_out.empty()) need(apps::make_directory(options.ids_out));
+  Subject subject(boxes, options);
+  const Frames frames = inspect(subject, boxes, views, options);
 
   core::VisibleSet set;
   std::vector<std::uint32_t> ids;
   const double refit_ms = time_refit(subject);
   const bool list_ids = options.output != "ranges", as_slots = options.output == "slots";
-  const std::vector<double> times = time_path(views->size(), [&](std::size_t i) {
-    subject.cull((*views)[i], set);
+  const std::vector<double> times = time_path(views.size(), [&](std::size_t i) {
+    subject.cull(views[i], set);
     if (list_ids) subject.list(set, as_slots, ids);
   });
 
-  const double count = std::max(1.0, double(views->size()));
-  Json json{{"items", boxes->size()},
-            {"culler", options.culler},
-            {"output", options.output},
-            {"instructions", core::name_of(core::instruction_set())},
-            {"build_ms", subject.build_ms},
-            {"refit_ms", refit_ms},
-            {"bytes_per_item", subject.bytes_per_item()},
-            {"mean_visible",
-             double(std::accumulate(frames->visible.begin(), frames->visible.end(), std::uint64_t(0))) / count},
-            {"mean_nodes_tested", double(frames->nodes_tested) / count},
-            {"mean_boxes_tested", double(frames->boxes_tested) / count}};
+  const double count = std::max(1.0, double(views.size()));
+  Json json{
+      {"items", boxes.size()},
+      {"culler", options.culler},
+      {"output", options.output},
+      {"instructions", core::name_of(core::instruction_set())},
+      {"build_ms", subject.build_ms},
+      {"refit_ms", refit_ms},
+      {"bytes_per_item", subject.bytes_per_item()},
+      {"mean_visible", double(std::accumulate(frames.visible.begin(), frames.visible.end(), std::uint64_t(0))) / count},
+      {"mean_nodes_tested", double(frames.nodes_tested) / count},
+      {"mean_boxes_tested", double(frames.boxes_tested) / count}};
   Json& list = json["frames"] = Json::array();
-  for (std::size_t i = 0; i < views->size(); ++i)
-    list.push_back({{"cull_ms", times[i]}, {"visible", frames->visible[i]}});
+  for (std::size_t i = 0; i < views.size(); ++i)
+    list.push_back({{"cull_ms", times[i]}, {"visible", frames.visible[i]}});
   json["summary"] = summary(times);
   if (options.verify) json["verified"] = true;
   if (options.baseline) {
-    BruteForce baseline(*boxes);
-    const Json base = summary(time_path(views->size(), [&](std::size_t i) { baseline.cull((*views)[i]); }));
+    BruteForce baseline(boxes);
+    const Json base = summary(time_path(views.size(), [&](std::size_t i) { baseline.cull(views[i]); }));
     const auto mean = json["summary"]["mean"].get<double>();
     json["baseline"] = {{"method", BruteForce::name()}, {"summary", base}};
     json["baseline_over_culler"] = mean > 0.0 ? base["mean"].get<double>() / mean : 0.0;
@@ -255,9 +248,7 @@ void print_table(const Json& json, std::FILE* out) {
 }
 
 core::Expected<int> run(const Options& options) {
-  const auto json = measure(options);
-  if (!json) return tl::unexpected(json.error());
-  return finish(options.json, *json, print_table);
+  return finish(options.json, measure(options), print_table);
 }
 
 }  // namespace

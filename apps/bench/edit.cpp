@@ -1,15 +1,15 @@
-// sightline-bench edit: the cost of edits, and their effect on culling speed until a new scene version lands.
+// sightline-bench edit: the cost of edits, and their effect on culling speed until a new scene version is drawn.
 //
 // Uses a plant of cylinders and boxes. For each kind of edit, every commit edits a share of all items. Measures the
 // parts of the commit (validation by the scene, snapshot, culler), and culling along a path before, after, and in the
-// new order that the engine would land. Then edits and culls frame by frame with an engine while its rebuild runs.
-// Last the same boxes in a BoxCuller: updates one by one and in batches, refit and a new culler, and culling after
-// each. By itself: what portions of commits take of the calling thread's time (portions.h).
+// order of the scene version that the engine would draw next. Then edits and culls frame by frame with an engine while
+// its rebuild runs. Last the same boxes in a BoxCuller: updates one by one and in batches, refit and a new culler, and
+// culling after each. By itself: what portions of commits take of the calling thread's time (portions.h).
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <numbers>
-#include <numeric>
 #include <random>
 #include <string>
 #include <thread>
@@ -20,6 +20,8 @@
 #include "sightline/apps/bench/portions.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/need.h"
+#include "sightline/apps/common/table.h"
 #include "sightline/core/internal/snapshot_copies.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
@@ -31,6 +33,7 @@
 namespace sightline::bench::edit_bench {
 namespace {
 
+using apps::need;
 using core::ItemId;
 using core::Snapshot;
 using Json = json::Value;
@@ -144,6 +147,22 @@ std::vector<core::View> orbit() {
 
 // --- one kind of edit ------------------------------------------------------------------------------------------------
 
+/// Milliseconds per view of each subject: the median over the passes of the means along the path. All subjects take
+/// turns, so that other load of the machine affects all equally.
+std::vector<double> time_paths(std::size_t subjects, const std::vector<core::View>& views,
+                               const std::function<void(std::size_t subject, const core::View& view)>& cull) {
+  std::vector<std::vector<double>> times(subjects);
+  for (int pass = -1; pass < kPathPasses; ++pass)
+    for (std::size_t i = 0; i < subjects; ++i) {
+      const double start = milliseconds();
+      for (const core::View& view : views) cull(i, view);
+      if (pass >= 0) times[i].push_back((milliseconds() - start) / double(views.size()));
+    }
+  std::vector<double> means;
+  for (auto& of_one : times) means.push_back(apps::median(std::move(of_one)));
+  return means;
+}
+
 struct Subject {
   explicit Subject(Snapshot s) : snapshot(std::move(s)), culler(snapshot.bounds()) {}
   Subject(const Subject&) = delete;
@@ -152,58 +171,46 @@ struct Subject {
   culling::CpuCuller culler;
 };
 
-struct Path {
-  double mean_ms = 0.0, mean_visible = 0.0;
-};
-
-/// Times the paths in turns, so that other load of the machine affects all equally. Returns medians over the passes of
-/// the means along the path.
-std::vector<Path> time_paths(const std::vector<const Subject*>& subjects, const std::vector<core::View>& views) {
-  std::vector<std::vector<double>> times(subjects.size());
-  std::vector<Path> paths(subjects.size());
-  core::VisibleSet set;
-  for (int pass = -1; pass < kPathPasses; ++pass) {
-    for (std::size_t i = 0; i < subjects.size(); ++i) {
-      const double start = milliseconds();
-      for (const core::View& view : views) subjects[i]->culler.cull(view, set);
-      if (pass >= 0) times[i].push_back((milliseconds() - start) / double(views.size()));
-    }
-  }
-  for (std::size_t i = 0; i < subjects.size(); ++i) {
-    paths[i].mean_ms = apps::median(times[i]);
-    for (const core::View& view : views) {
-      subjects[i]->culler.cull(view, set);
-      paths[i].mean_visible += double(subjects[i]->snapshot.count(set)) / double(views.size());
-    }
-  }
-  return paths;
-}
-
 Snapshot in_new_order(const Snapshot& snapshot) {
   core::ItemCopies items;
   core::copy_items(snapshot, 0, core::Slot(snapshot.size()), items);
   return core::reordered(snapshot, std::move(items));
 }
 
-core::Expected<Json> measure(Edit kind, const char* name, const Options& options,
-                             const std::vector<core::View>& views) {
+/// Culling along the path before the edits, after them, and in the new order.
+Json compare_culling(const Subject& before, const Subject& edited, const std::vector<core::View>& views) {
+  const Subject reordered(in_new_order(edited.snapshot));
+  const Subject* subjects[] = {&before, &edited, &reordered};
+  core::VisibleSet set;
+  const std::vector<double> ms =
+      time_paths(3, views, [&](std::size_t i, const core::View& view) { subjects[i]->culler.cull(view, set); });
+  return {{"before_ms", ms[0]},
+          {"after_ms", ms[1]},
+          {"reordered_ms", ms[2]},
+          {"after_over_reordered", ms[1] / ms[2]},
+          {"disorder", edited.snapshot.disorder()}};
+}
+
+std::size_t share_of(const Options& options) {
+  return std::max<std::size_t>(1, std::size_t(double(options.items) * options.share));
+}
+
+Json measure(Edit kind, const char* name, const Options& options, const std::vector<core::View>& views) {
   Plant plant(options.items);
   Editor editor(plant, 1);
-  const std::size_t count = std::max<std::size_t>(1, std::size_t(double(options.items) * options.share));
+  const std::size_t count = share_of(options);
   if (kind == Edit::kShow) editor.edit(Edit::kHide, count * std::size_t(options.commits) * 2);
-  if (auto delta = plant.scene.commit(); !delta) return tl::unexpected(delta.error());
+  need(plant.scene.commit());
   const Subject before{Snapshot(plant.scene)};
   Subject edited{Snapshot(plant.scene)};
-
   std::vector<double> scene_ms, snapshot_ms, culler_ms, total_ms;
-  Json first;
+  Json row{{"edit", name}, {"items_per_commit", count}};
   for (int commit = 0; commit < options.commits; ++commit) {
     editor.edit(kind, count);
     const double start = milliseconds();
-    const auto delta = plant.scene.commit();
-    if (!delta) return tl::unexpected(delta.error());
+    const auto delta = need(plant.scene.commit());
     const double validated = milliseconds();
-    const std::vector<core::Slot> touched = edited.snapshot.apply(*delta);
+    const std::vector<core::Slot> touched = edited.snapshot.apply(delta);
     const double applied = milliseconds();
     edited.culler.update(touched);
     const double end = milliseconds();
@@ -211,76 +218,51 @@ core::Expected<Json> measure(Edit kind, const char* name, const Options& options
     snapshot_ms.push_back(applied - validated);
     culler_ms.push_back(end - applied);
     total_ms.push_back(end - start);
-    if (commit > 0 && commit + 1 < options.commits) continue;
-    const Subject landed(in_new_order(edited.snapshot));
-    const std::vector<Path> paths = time_paths({&before, &edited, &landed}, views);
-    Json culling{{"commits", commit + 1},
-                 {"before_ms", paths[0].mean_ms},
-                 {"after_ms", paths[1].mean_ms},
-                 {"landed_ms", paths[2].mean_ms},
-                 {"after_over_before", paths[1].mean_ms / paths[0].mean_ms},
-                 {"after_over_landed", paths[1].mean_ms / paths[2].mean_ms},
-                 {"visible_before", paths[0].mean_visible},
-                 {"visible_after", paths[1].mean_visible},
-                 {"visible_landed", paths[2].mean_visible},
-                 {"slots", edited.snapshot.size()},
-                 {"disorder", edited.snapshot.disorder()}};
-    if (commit == 0) first = culling;
-    if (commit + 1 < options.commits) continue;
-    return Json{{"edit", name},
-                {"items_per_commit", count},
-                {"commit_ms", apps::median(total_ms)},
-                {"commit_ms_worst", *std::max_element(total_ms.begin(), total_ms.end())},
-                {"scene_ms", apps::median(scene_ms)},
-                {"snapshot_ms", apps::median(snapshot_ms)},
-                {"culler_ms", apps::median(culler_ms)},
-                {"culling_after_one", first},
-                {"culling_after_all", culling}};
+    if (commit == 0) row["after_one"] = compare_culling(before, edited, views);
   }
-  return core::fail("no commits");
+  row["after_all"] = compare_culling(before, edited, views);
+  row.update({{"commit_ms", apps::median(total_ms)},
+              {"commit_ms_worst", *std::ranges::max_element(total_ms)},
+              {"scene_ms", apps::median(scene_ms)},
+              {"snapshot_ms", apps::median(snapshot_ms)},
+              {"culler_ms", apps::median(culler_ms)}});
+  return row;
 }
 
 // --- frames while the engine rebuilds --------------------------------------------------------------------------------
 
-core::Expected<Json> measure_rebuild(const Options& options, const std::vector<core::View>& views) {
+Json measure_rebuild(const Options& options, const std::vector<core::View>& views) {
   Plant plant(options.items);
   Editor editor(plant, 2);
-  const std::size_t count = std::max<std::size_t>(1, std::size_t(double(options.items) * options.share));
-  auto engine = engine::Engine::create(plant.scene);
-  if (!engine) return tl::unexpected(engine.error());
-  struct Longest {
-    double frame = 0.0, commit = 0.0;
-    int frames = 0;
-  } quiet, busy;
-  std::size_t at = 0;
-  double started = 0.0, duration = 0.0;
+  const std::size_t count = share_of(options);
+  auto engine = need(engine::Engine::create(plant.scene));
+  double longest_frame = 0.0, longest_commit = 0.0, started = 0.0, duration = 0.0;
+  int frames = 0;
   for (int round = 0; duration == 0.0 && round < 100'000; ++round) {
-    const bool was = engine->rebuilding();
-    Longest& longest = was ? busy : quiet;
+    const bool was = engine.rebuilding();
     // While the rebuild runs, a tenth of a share is edited per frame, as an application that plays a motion would do.
     editor.edit(Edit::kMoveFar, std::max<std::size_t>(1, was ? count / 10 : count));
-    const std::uint64_t generation = engine->snapshot().generation();
+    const std::uint64_t generation = engine.snapshot().generation();
     const double start = milliseconds();
-    if (auto done = engine->commit(); !done) return tl::unexpected(done.error());
+    need(engine.commit());
     const double committed = milliseconds();
-    if (auto frame = engine->frame(views[at++ % views.size()]); !frame) return tl::unexpected(frame.error());
+    need(engine.frame(views[std::size_t(round) % views.size()]));
     const double end = milliseconds();
-    if (round > 0) {
-      longest.commit = std::max(longest.commit, committed - start);
-      longest.frame = std::max(longest.frame, end - committed);
-      ++longest.frames;
+    if (was) {
+      longest_commit = std::max(longest_commit, committed - start);
+      longest_frame = std::max(longest_frame, end - committed);
+      ++frames;
+    } else if (engine.rebuilding()) {
+      started = end;
     }
-    if (!was && engine->rebuilding()) started = end;
-    if (engine->snapshot().generation() != generation) duration = end - started;
+    if (engine.snapshot().generation() != generation) duration = end - started;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));  // stands for the rest of an application's frame
   }
-  return Json{{"rebuild_ms", duration},
-              {"frames_meanwhile", busy.frames},
-              {"longest_frame_ms", busy.frame},
-              {"longest_commit_ms", busy.commit},
-              {"items_per_commit_meanwhile", count / 10},
-              {"longest_frame_ms_before", quiet.frame},
-              {"longest_commit_ms_before", quiet.commit}};
+  return {{"rebuild_ms", duration},
+          {"frames_meanwhile", frames},
+          {"longest_frame_ms", longest_frame},
+          {"longest_commit_ms", longest_commit},
+          {"items_per_commit_meanwhile", count / 10}};
 }
 
 // --- boxes without a scene -------------------------------------------------------------------------------------------
@@ -319,149 +301,105 @@ class BoxMover {
   std::mt19937_64 random_{3};
 };
 
-/// Milliseconds per view: the median over the passes of the means along the path.
-double path_ms(const culling::BoxCuller& culler, const std::vector<core::View>& views) {
-  std::vector<double> times;
-  std::vector<std::uint32_t> visible;
-  for (int pass = -1; pass < kPathPasses; ++pass) {
-    const double start = milliseconds();
-    for (const core::View& view : views) culler.visible(view, visible);
-    if (pass >= 0) times.push_back((milliseconds() - start) / double(views.size()));
-  }
-  return apps::median(times);
-}
-
-/// Microseconds per box of `count` boxes, the median of the commits.
-template <class Change>
-double per_box_us(int commits, std::size_t count, const Change& change) {
-  std::vector<double> times;
-  for (int i = 0; i < commits; ++i) times.push_back(1e3 * change() / double(count));
-  return apps::median(times);
-}
-
-core::Expected<Json> measure_boxes(const char* name, const core::dvec3& reach, const Options& options,
-                                   const std::vector<core::View>& views) {
+Json measure_boxes(const char* name, const core::dvec3& reach, const Options& options,
+                   const std::vector<core::View>& views) {
   constexpr std::size_t kSingles = 1000;
   std::vector<core::AabbD> boxes;
   for (const core::Aabb& box : PlantBoxes(1).make(options.items))
     boxes.push_back({core::dvec3(box.min), core::dvec3(box.max)});
-  const std::size_t count = std::max<std::size_t>(1, std::size_t(double(options.items) * options.share));
-  auto culler = culling::BoxCuller::create(boxes);
-  if (!culler) return tl::unexpected(culler.error());
+  const std::size_t count = share_of(options);
+  auto culler = need(culling::BoxCuller::create(boxes));
   BoxMover mover(boxes, reach);
-  bool good = true;
-  Json figures{{"move", name}, {"boxes_per_batch", count}, {"before_ms", path_ms(*culler, views)}};
-  figures["single_us"] = per_box_us(options.commits, kSingles, [&] {
-    mover.draw(kSingles);
-    const double start = milliseconds();
-    for (std::size_t i = 0; i < kSingles; ++i) good &= culler->update(mover.indices[i], mover.moved[i]).has_value();
-    return milliseconds() - start;
-  });
-  figures["batch_us"] = per_box_us(options.commits, count, [&] {
-    mover.draw(count);
-    const double start = milliseconds();
-    good &= culler->update(mover.indices, mover.moved).has_value();
-    return milliseconds() - start;
-  });
-  figures["after_batches_ms"] = path_ms(*culler, views);
-  figures["refit_us"] = per_box_us(options.commits, boxes.size(), [&] {
-    mover.move_all();
-    const double start = milliseconds();
-    good &= culler->refit(boxes).has_value();
-    return milliseconds() - start;
-  });
-  figures["after_refits_ms"] = path_ms(*culler, views);
-  figures["create_us"] = per_box_us(1, boxes.size(), [&] {
-    const double start = milliseconds();
-    culler = culling::BoxCuller::create(boxes);
-    return milliseconds() - start;
-  });
-  if (!good || !culler) return core::fail("a box was refused");
-  figures["anew_ms"] = path_ms(*culler, views);
-  return figures;
+  Json row{{"move", name}, {"boxes_per_batch", count}};
+  // Milliseconds per view, with the list of indices.
+  const auto add_culling = [&](const char* when) {
+    std::vector<std::uint32_t> visible;
+    row[when] =
+        time_paths(1, views, [&](std::size_t, const core::View& view) { culler.visible(view, visible); }).front();
+  };
+  // Microseconds per box: the median of the changes. `prepare` is not timed.
+  const auto add_change = [&](const char* change, std::size_t changed, const auto& prepare, const auto& run) {
+    std::vector<double> times;
+    for (int i = 0; i < options.commits; ++i) {
+      prepare();
+      const double start = milliseconds();
+      run();
+      times.push_back(1e3 * (milliseconds() - start) / double(changed));
+    }
+    row[change] = apps::median(times);
+  };
+  add_culling("before_ms");
+  add_change(
+      "single_us", kSingles, [&] { mover.draw(kSingles); },
+      [&] {
+        for (std::size_t i = 0; i < kSingles; ++i) need(culler.update(mover.indices[i], mover.moved[i]));
+      });
+  add_change(
+      "batch_us", count, [&] { mover.draw(count); }, [&] { need(culler.update(mover.indices, mover.moved)); });
+  add_culling("after_batches_ms");
+  add_change(
+      "refit_us", boxes.size(), [&] { mover.move_all(); }, [&] { need(culler.refit(boxes)); });
+  add_culling("after_refits_ms");
+  add_change(
+      "create_us", boxes.size(), [] {}, [&] { culler = need(culling::BoxCuller::create(boxes)); });
+  add_culling("anew_ms");
+  return row;
 }
 
-void print_boxes(const Json& json, std::FILE* out) {
-  std::fprintf(out, "BoxCuller, us a box; culling in ms per view, with the list of indices\n");
-  std::fprintf(out, "%-9s single   batch   refit     new | cull before, after batches, refits, anew\n", "");
-  for (const Json& b : json["boxes"])
-    std::fprintf(out, "%-9s %6.3f  %6.3f  %6.4f  %6.4f |      %6.3f         %6.3f  %6.3f  %6.3f\n",
-                 b["move"].get<std::string>().c_str(), b["single_us"].get<double>(), b["batch_us"].get<double>(),
-                 b["refit_us"].get<double>(), b["create_us"].get<double>(), b["before_ms"].get<double>(),
-                 b["after_batches_ms"].get<double>(), b["after_refits_ms"].get<double>(), b["anew_ms"].get<double>());
-}
+// --- output ----------------------------------------------------------------------------------------------------------
 
-void print_scenes(const Json& json, std::FILE* out) {
-  std::fprintf(out, "%zu items, %zu edited per commit; culling in ms per view, mean over %zu views\n",
-               json["items"].get<std::size_t>(), json["edits"][0]["items_per_commit"].get<std::size_t>(),
-               json["views"].get<std::size_t>());
-  std::fprintf(out, "%-9s %6s = scene + snapshot + culler | cull before   after  ratio  landed | after %d: ratio\n",
-               "edit", "commit", json["commits"].get<int>());
-  for (const Json& e : json["edits"]) {
-    const Json &one = e["culling_after_one"], &all = e["culling_after_all"];
-    std::fprintf(out, "%-9s %6.2f  %6.2f  %9.2f  %7.2f |      %7.4f %7.4f %6.2f %7.4f |    %10.2f\n",
-                 e["edit"].get<std::string>().c_str(), e["commit_ms"].get<double>(), e["scene_ms"].get<double>(),
-                 e["snapshot_ms"].get<double>(), e["culler_ms"].get<double>(), one["before_ms"].get<double>(),
-                 one["after_ms"].get<double>(), one["after_over_landed"].get<double>(), one["landed_ms"].get<double>(),
-                 all["after_over_landed"].get<double>());
+constexpr apps::Column kEditColumns[] = {{"edit", "edit"},
+                                         {"commit ms", "commit_ms", "{:.2f}"},
+                                         {"scene", "scene_ms", "{:.2f}"},
+                                         {"snapshot", "snapshot_ms", "{:.2f}"},
+                                         {"culler", "culler_ms", "{:.2f}"},
+                                         {"cull ms before", "after_one/before_ms", "{:.4f}"},
+                                         {"after one", "after_one/after_ms", "{:.4f}"},
+                                         {"in a new order", "after_one/reordered_ms", "{:.4f}"},
+                                         {"ratio", "after_one/after_over_reordered", "{:.2f}"},
+                                         {"ratio after all", "after_all/after_over_reordered", "{:.2f}"}};
+constexpr apps::Column kBoxColumns[] = {{"us a box of a BoxCuller", "move"},
+                                        {"single", "single_us", "{:.3f}"},
+                                        {"batch", "batch_us", "{:.3f}"},
+                                        {"refit", "refit_us", "{:.4f}"},
+                                        {"new", "create_us", "{:.4f}"},
+                                        {"cull ms before", "before_ms", "{:.3f}"},
+                                        {"after batches", "after_batches_ms", "{:.3f}"},
+                                        {"after refits", "after_refits_ms", "{:.3f}"},
+                                        {"anew", "anew_ms", "{:.3f}"}};
+constexpr apps::Column kPortionColumns[] = {{"portions of 4 ms in a drawn scene", "what"},
+                                            {"portions", "portions", "{:.0f}"},
+                                            {"longest, ms of the thread", "portion_ms_longest", "{:.1f}"},
+                                            {"frame", "frame_ms", "{:.1f}"},
+                                            {"longest", "frame_ms_longest", "{:.1f}"}};
+
+void print_tables(const Json& json, std::FILE* out) {
+  if (json.contains("portions")) apps::print_table(json["portions"], kPortionColumns, out);
+  if (json.contains("edits")) {
+    apps::print_table(json["edits"], kEditColumns, out);
+    const Json& r = json["rebuild"];
+    std::fprintf(
+        out, "rebuild in the background: %.0f ms, %d frames meanwhile, longest frame %.3f ms, longest commit %.2f ms\n",
+        r["rebuild_ms"].get<double>(), r["frames_meanwhile"].get<int>(), r["longest_frame_ms"].get<double>(),
+        r["longest_commit_ms"].get<double>());
   }
-  const Json& r = json["rebuild"];
-  std::fprintf(
-      out, "rebuild in the background: %.0f ms, %d frames meanwhile, longest frame %.3f ms, longest commit %.2f ms\n",
-      r["rebuild_ms"].get<double>(), r["frames_meanwhile"].get<int>(), r["longest_frame_ms"].get<double>(),
-      r["longest_commit_ms"].get<double>());
-}
-
-void print_portions(const Json& json, std::FILE* out) {
-  std::fprintf(out,
-               "portions of 4 ms in a drawn scene, ms of the calling thread\n%-32s portions longest |  frame longest\n",
-               "");
-  for (const Json& p : json["portions"])
-    std::fprintf(out, "%-32s %8d %7.1f | %6.1f %7.1f\n", p["what"].get<std::string>().c_str(), p["portions"].get<int>(),
-                 p.contains("portion_ms_longest") ? p["portion_ms_longest"].get<double>() : 0.0,
-                 p["frame_ms"].get<double>(), p["frame_ms_longest"].get<double>());
-}
-
-void print_table(const Json& json, std::FILE* out) {
-  if (json.contains("portions")) print_portions(json, out);
-  if (json.contains("edits")) print_scenes(json, out);
-  if (json.contains("boxes")) print_boxes(json, out);
-}
-
-core::Expected<void> measure_scenes(const Options& options, const std::vector<core::View>& views, Json& json) {
-  for (const auto& [kind, name] : kEdits) {
-    auto figures = measure(kind, name, options, views);
-    if (!figures) return tl::unexpected(figures.error());
-    json["edits"].push_back(std::move(*figures));
-  }
-  auto rebuild = measure_rebuild(options, views);
-  if (!rebuild) return tl::unexpected(rebuild.error());
-  json["rebuild"] = std::move(*rebuild);
-  return {};
+  if (json.contains("boxes")) apps::print_table(json["boxes"], kBoxColumns, out);
 }
 
 core::Expected<int> run(const Options& options) {
-  auto views = options.views.empty() ? core::Expected<std::vector<core::View>>(orbit()) : read_views(options.views);
-  if (!views) return tl::unexpected(views.error());
-  if (views->empty()) return core::fail(options.views + ": no views");
-  Json json{{"items", options.items}, {"commits", options.commits}, {"views", views->size()}};
-  if (options.subject == "portions") {
-    auto figures = measure_portions(options.items);
-    if (!figures) return tl::unexpected(figures.error());
-    json["portions"] = std::move(*figures);
-    return finish(options.json, json, print_table);
+  const auto views = options.views.empty() ? orbit() : need(read_views(options.views));
+  if (views.empty()) apps::fail(options.views + ": no views");
+  Json json{{"items", options.items}, {"commits", options.commits}, {"views", views.size()}};
+  const std::string& subject = options.subject;
+  if (subject == "portions") json["portions"] = measure_portions(options.items);
+  if (subject == "all" || subject == "scenes") {
+    for (const auto& [kind, name] : kEdits) json["edits"].push_back(measure(kind, name, options, views));
+    json["rebuild"] = measure_rebuild(options, views);
   }
-  if (options.subject != "boxes")
-    if (auto done = measure_scenes(options, *views, json); !done) return tl::unexpected(done.error());
-  if (options.subject != "scenes") {
-    for (const auto& [name, reach] :
-         {std::pair("move 1 m", core::dvec3(1.0)), {"move far", core::dvec3(200, 50, 30)}}) {
-      auto figures = measure_boxes(name, reach, options, *views);
-      if (!figures) return tl::unexpected(figures.error());
-      json["boxes"].push_back(std::move(*figures));
-    }
-  }
-  return finish(options.json, json, print_table);
+  if (subject == "all" || subject == "boxes")
+    for (const auto& [name, reach] : {std::pair("move 1 m", core::dvec3(1.0)), {"move far", core::dvec3(200, 50, 30)}})
+      json["boxes"].push_back(measure_boxes(name, reach, options, views));
+  return finish(options.json, json, print_tables);
 }
 
 void add_options(apps::CommandLine& line, Options& options) {

@@ -8,7 +8,6 @@
 
 #include "sightline/apps/bench/models/plant_boxes.h"
 #include "sightline/apps/common/command_line.h"
-#include "sightline/apps/common/model.h"
 #include "sightline/core/block_order.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/culling/frustum/hierarchy.h"
@@ -116,6 +115,17 @@ core::ItemBounds in_production_order(std::span<const core::Aabb> boxes) {
 void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order) {
   bounds.resize(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order.empty() ? i : order[i]]);
+}
+
+void add_model_or_plant_options(apps::CommandLine& line, ModelOrPlant& subject) {
+  apps::add_model_options(line, subject.model);
+  const apps::Option items = line.add("--items", subject.items, "Instead of models: a generated plant of so many items")
+                                 .in_range(std::uint64_t(1'000), std::uint64_t(10'000'000));
+  line.option("MODEL").required(false).excludes(items);
+  line.check([&subject]() -> core::Expected<void> {
+    if (subject.model.files.empty() && subject.items == 0) return core::fail("MODEL or --items is required");
+    return {};
+  });
 }
 
 core::Expected<std::unique_ptr<core::Scene>> model_or_plant(const apps::ModelOptions& options, std::uint64_t items) {

@@ -1,7 +1,6 @@
 // Shared by the benchmarks: boxes and views from files or generated, the clock, and times of a camera path.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <ctime>
 #include <memory>
@@ -9,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "sightline/apps/common/model.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/core/error.h"
+#include "sightline/core/internal/clock.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
@@ -19,7 +20,6 @@
 namespace sightline::apps {
 class CommandLine;
 class Option;
-struct ModelOptions;
 }  // namespace sightline::apps
 
 namespace sightline::bench {
@@ -46,6 +46,12 @@ core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input);
 /// Boxes in the given order (empty: in their own order).
 void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order);
 
+struct ModelOrPlant {
+  apps::ModelOptions model;
+  std::uint64_t items = 0;
+};
+/// MODEL… or --items, of which one has to be given.
+void add_model_or_plant_options(apps::CommandLine& line, ModelOrPlant& subject);
 /// The model, or without files a generated plant of `items`; committed.
 core::Expected<std::unique_ptr<core::Scene>> model_or_plant(const apps::ModelOptions& model, std::uint64_t items);
 
@@ -56,8 +62,7 @@ core::Expected<std::vector<core::View>> tour_views(const core::Snapshot& snapsho
 
 /// Time since an arbitrary moment.
 inline double milliseconds() {
-  using Clock = std::chrono::steady_clock;
-  return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
+  return 1e3 * core::now_seconds();
 }
 
 /// Time that all threads of the process have run.

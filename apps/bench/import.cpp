@@ -1,7 +1,7 @@
 // sightline-bench import: the speed of importing model files into scenes, on one thread.
 //
 // Equal conditions: the file's bytes are in memory (read once before, from the page cache), every pass makes a new
-// scene, and the commit is timed separately. A figure is the median over the passes.
+// scene, and the commit is timed separately. What counts is the median over the passes.
 
 #include "sightline/importers/import.h"
 
@@ -11,8 +11,8 @@
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
-#include "sightline/apps/common/output.h"
-#include "sightline/apps/common/statistics.h"
+#include "sightline/apps/common/need.h"
+#include "sightline/apps/common/table.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::bench::import_bench {
@@ -26,58 +26,46 @@ struct Options {
   importers::ImportOptions import;
 };
 
-struct Figures {
-  std::string file;
-  std::uint64_t bytes = 0, items = 0, shared = 0, scene_bytes = 0;
-  double import_ms = 0.0, commit_ms = 0.0;
-  double megabytes_per_s() const { return double(bytes) / 1e3 / import_ms; }
-};
+constexpr apps::Column kColumns[] = {{"MB", "mb", "{:.2f}"},
+                                     {"MB/s", "mb_per_s", "{:.1f}"},
+                                     {"import ms", "import_ms", "{:.2f}"},
+                                     {"commit ms", "commit_ms", "{:.2f}"},
+                                     {"items", "items", "{:.0f}"},
+                                     {"shared", "shared_meshes", "{:.0f}"},
+                                     {"scene MB", "scene_mb", "{:.1f}"},
+                                     {"file", "file"}};
 
-core::Expected<Figures> measure(const std::string& file, int passes, const importers::ImportOptions& options) {
-  Figures figures{.file = file};
+json::Value measure(const std::string& file, int passes, const importers::ImportOptions& options) {
+  json::Value row;
   std::vector<double> import_ms, commit_ms;
   for (int pass = 0; pass < passes; ++pass) {
     core::Scene scene;
     const double begin = milliseconds();
-    const auto report = importers::import_file(file, scene, scene.root(), options);
+    const auto report = apps::need(importers::import_file(file, scene, scene.root(), options));
     import_ms.push_back(milliseconds() - begin);
-    if (!report) return tl::unexpected(report.error());
     const double committing = milliseconds();
-    if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
+    apps::need(scene.commit());
     commit_ms.push_back(milliseconds() - committing);
-    figures.bytes = report->bytes;
-    figures.items = scene.item_count();
-    figures.shared = report->shared_meshes;
-    figures.scene_bytes = scene.memory_bytes();
+    row = {{"file", file},
+           {"mb", double(report.bytes) / 1e6},
+           {"items", scene.item_count()},
+           {"shared_meshes", report.shared_meshes},
+           {"scene_mb", double(scene.memory_bytes()) / 1e6}};
   }
-  figures.import_ms = apps::median(import_ms);
-  figures.commit_ms = apps::median(commit_ms);
-  return figures;
+  const double median = apps::median(import_ms);
+  row.update({{"import_ms", median},
+              {"commit_ms", apps::median(commit_ms)},
+              {"mb_per_s", 1e3 * row["mb"].get<double>() / median}});
+  return row;
 }
 
 core::Expected<int> run(const Options& options) {
   importers::ImportOptions import = options.import;
   if (options.no_sharing) import.copies = importers::MeshCopies::kApart;
-  json::Value json = json::Value::array();
-  std::FILE* out = apps::table_stream(options.json);
-  std::fprintf(out, "%9s %9s %10s %9s %9s %9s %9s  file\n", "MB", "MB/s", "import ms", "commit ms", "items", "shared",
-               "scene MB");
-  for (const std::string& file : options.files) {
-    const auto f = measure(file, options.passes, import);
-    if (!f) return tl::unexpected(f.error());
-    std::fprintf(out, "%9.2f %9.1f %10.2f %9.2f %9llu %9llu %9.1f  %s\n", double(f->bytes) / 1e6, f->megabytes_per_s(),
-                 f->import_ms, f->commit_ms, (unsigned long long)f->items, (unsigned long long)f->shared,
-                 double(f->scene_bytes) / 1e6, file.c_str());
-    json.push_back({{"file", file},
-                    {"bytes", f->bytes},
-                    {"mb_per_s", f->megabytes_per_s()},
-                    {"import_ms", f->import_ms},
-                    {"commit_ms", f->commit_ms},
-                    {"items", f->items},
-                    {"shared_meshes", f->shared},
-                    {"scene_bytes", f->scene_bytes}});
-  }
-  return finish(options.json, json::sorted(std::move(json)));
+  json::Value rows = json::Value::array();
+  for (const std::string& file : options.files) rows.push_back(measure(file, options.passes, import));
+  return finish(options.json, json::sorted(rows),
+                [](const json::Value& all, std::FILE* out) { apps::print_table(all, kColumns, out); });
 }
 
 void add_options(apps::CommandLine& line, Options& options) {

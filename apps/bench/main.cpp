@@ -20,8 +20,7 @@ constexpr bench::Subcommand kSubcommands[] = {
     {"trace", "rays of an image through the ray tracer, beside Embree where there is one", bench::add_trace},
 #endif
 #if SIGHTLINE_HAS_GL
-    {"context", "what a context without a window offers: driver, limits, extensions", bench::add_context},
-    {"frames", "frames of a tour in several modes beside drawing nothing but what is visible", bench::add_frames},
+    {"frames", "frames of a tour with and without tests beside drawing nothing but what is visible", bench::add_frames},
     {"hybrid", "frames culled by the CPU, the GPU and the hybrid, in turns: rendering off and on", bench::add_hybrid},
     {"error-time", "error of tessellated and ray-cast primitives against their run time", bench::add_error_time},
     {"contribution", "error of images without small items against the time of a frame, for several rules",

@@ -5,10 +5,13 @@
 #include <vector>
 
 #include "sightline/apps/bench/harness.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/engine/engine.h"
 
 namespace sightline::bench {
 namespace {
+
+using apps::need;
 
 constexpr double kSeconds = 0.004;  // of a commit
 
@@ -54,84 +57,71 @@ core::View overview() {
   return *core::View::perspective({{-60, -60, 90}, {150, 60, 0}, {0, 0, 1}}, 0.9, 16.0 / 9.0, 0.1);
 }
 
-/// Portions of a commit, each with a frame after it.
-core::Expected<json::Value> commit_all(engine::Engine& engine, const char* what) {
-  double longest = 0.0, landing = 0.0, sum = 0.0;
+json::Value row_of(const char* what, int portions, const std::vector<double>& frames) {
+  return {{"what", what},
+          {"portions", portions},
+          {"frame_ms", apps::median(frames)},
+          {"frame_ms_longest", *std::ranges::max_element(frames)}};
+}
+
+/// Portions of a commit, each with a frame after it. The one that swaps in a new scene version counts apart.
+json::Value commit_all(engine::Engine& engine, const char* what) {
+  double longest = 0.0, with_swap = 0.0, sum = 0.0;
   std::vector<double> frames;
-  int portions = 0;
-  for (bool all = false; !all; ++portions) {
+  for (bool all = false; !all;) {
     const std::uint64_t order = engine.snapshot().generation();
     const double start = thread_milliseconds();
-    const auto done = engine.commit(kSeconds);
+    all = need(engine.commit(kSeconds));
     const double took = thread_milliseconds() - start;
-    if (!done) return tl::unexpected(done.error());
-    all = *done;
-    double& most = engine.snapshot().generation() == order ? longest : landing;
+    double& most = engine.snapshot().generation() == order ? longest : with_swap;
     most = std::max(most, took);
     sum += took;
-    if (auto frame = engine.frame(overview()); !frame) return tl::unexpected(frame.error());
+    need(engine.frame(overview()));
     frames.push_back(thread_milliseconds() - start - took);
   }
-  return json::Value{{"what", what},
-                     {"portions", portions},
-                     {"portion_ms_longest", longest},
-                     {"portion_ms_with_landing", landing},
-                     {"portions_ms", sum},
-                     {"frame_ms", apps::median(frames)},
-                     {"frame_ms_longest", *std::ranges::max_element(frames)}};
+  json::Value row = row_of(what, int(frames.size()), frames);
+  row.update({{"portion_ms_longest", longest}, {"portion_ms_with_swap", with_swap}, {"portions_ms", sum}});
+  return row;
 }
 
 /// Frames from when levels are asked for until they are drawn.
-core::Expected<json::Value> land_levels(engine::Engine& engine) {
+json::Value upload_levels(engine::Engine& engine) {
   std::vector<double> frames;
   const std::size_t before = engine.memory().gpu;
   for (int i = 0, after = 0; i < 20'000 && after < 100; ++i) {
     const double start = thread_milliseconds();
-    if (auto frame = engine.frame(overview()); !frame) return tl::unexpected(frame.error());
+    need(engine.frame(overview()));
     frames.push_back(thread_milliseconds() - start);
     after += engine.memory().levels > 0 && engine.memory().gpu > before;
   }
-  return json::Value{{"what", "levels of these"},
-                     {"portions", frames.size()},
-                     {"frame_ms", apps::median(frames)},
-                     {"frame_ms_longest", *std::ranges::max_element(frames)}};
+  return row_of("levels of these", int(frames.size()), frames);
 }
 
 }  // namespace
 
-core::Expected<json::Value> measure_portions(std::size_t items) {
+json::Value measure_portions(std::size_t items) {
   Stage stage(items);
   engine::EngineConfig config{.draw = true, .width = 320, .height = 180};
   config.culling.culler = engine::CullerChoice::kCpu;
-  auto engine = engine::Engine::create(stage.scene, config);
-  if (!engine) return tl::unexpected(engine.error());
-  for (int i = 0; i < 3; ++i)
-    if (auto frame = engine->frame(overview()); !frame) return tl::unexpected(frame.error());
-  json::Value results;
-  core::Expected<void> done;
-  const auto keep = [&](core::Expected<json::Value> result) {
-    if (result)
-      results.push_back(std::move(*result));
-    else if (done)
-      done = tl::unexpected(result.error());
-  };
+  auto engine = need(engine::Engine::create(stage.scene, config));
+  for (int i = 0; i < 3; ++i) need(engine.frame(overview()));
+  json::Value rows;
   stage.add_meshes(1, 10);
-  keep(commit_all(*engine, "the first mesh"));
+  rows.push_back(commit_all(engine, "the first mesh"));
   stage.add_meshes(12, 316);
-  keep(commit_all(*engine, "12 meshes of 200,000 triangles"));
+  rows.push_back(commit_all(engine, "12 meshes of 200,000 triangles"));
   stage.add_meshes(1, 1000);
-  keep(commit_all(*engine, "a mesh of 2,000,000 triangles"));
-  if (done) done = engine->finish_levels();
-  config = engine->config();
+  rows.push_back(commit_all(engine, "a mesh of 2,000,000 triangles"));
+  need(engine.finish_levels());
+  config = engine.config();
   config.losses.lod_error = 1.0;
-  if (done) done = engine->configure(config);
-  keep(land_levels(*engine));
+  need(engine.configure(config));
+  rows.push_back(upload_levels(engine));
   for (std::size_t i = 0; i < 300'000; ++i) stage.add_cylinder(stage.scene.root(), items + i);
-  keep(commit_all(*engine, "300,000 cylinders"));
+  rows.push_back(commit_all(engine, "300,000 cylinders"));
   for (const core::ItemId item : stage.added) stage.scene.remove_item(item);
-  keep(commit_all(*engine, "meshes that go"));
-  if (!done) return tl::unexpected(done.error());
-  return results;
+  rows.push_back(commit_all(engine, "meshes that go"));
+  return rows;
 }
 
 }  // namespace sightline::bench

@@ -3,13 +3,12 @@
 
 #include <cstddef>
 
-#include "sightline/core/error.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::bench {
 
 /// In a scene of so many cylinders, drawn: new meshes and items that come by commit(seconds) with a frame after each,
 /// and levels that frames upload. Times are those of the calling thread alone, so that other programs do not count.
-core::Expected<json::Value> measure_portions(std::size_t items);
+json::Value measure_portions(std::size_t items);
 
 }  // namespace sightline::bench

@@ -11,6 +11,8 @@
 #include "sightline/apps/bench/models/plant_boxes.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/need.h"
+#include "sightline/apps/common/table.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/queries/spatial_queries.h"
 
@@ -58,7 +60,7 @@ class Suite {
   /// `place(places)` makes a query's argument, and ask(queries, argument, answer) runs the query. Fails when the
   /// hierarchy's answer differs from that of the loop over all boxes.
   template <class Answer, class Place, class Ask>
-  core::Expected<void> add(const char* name, const Place& place, const Ask& ask) {
+  void add(const char* name, const Place& place, const Ask& ask) {
     constexpr std::size_t kQueries = 400, kComparedEvery = 10;
     Places places(1);
     std::vector<decltype(place(places))> arguments;
@@ -70,14 +72,17 @@ class Suite {
       found += double(answer.size()) / double(kQueries);
       if (i % kComparedEvery != 0) continue;
       ask(linear_, arguments[i], expected);
-      if (answer != expected) return core::fail(std::string(name) + ": the loop over all boxes gives another answer");
+      if (answer != expected) apps::fail(std::string(name) + ": the loop over all boxes gives another answer");
     }
     const auto median_us = [&](const SpatialQueries& queries) {
       return 1e3 * apps::median(time_path(kQueries, [&](std::size_t i) { ask(queries, arguments[i], answer); }));
     };
-    rows_.push_back(
-        {{"query", name}, {"found", found}, {"hierarchy_us", median_us(queries_)}, {"linear_us", median_us(linear_)}});
-    return {};
+    const double hierarchy = median_us(queries_), linear = median_us(linear_);
+    rows_.push_back({{"query", name},
+                     {"found", found},
+                     {"hierarchy_us", hierarchy},
+                     {"linear_us", linear},
+                     {"ratio", linear / hierarchy}});
   }
 
   const json::Value& rows() const { return rows_; }
@@ -89,16 +94,11 @@ class Suite {
   json::Value rows_ = json::Value::array();
 };
 
-/// A table that is also Markdown.
-void print_table(const json::Value& json, std::FILE* out) {
-  std::fprintf(out, "| %-26s | found, mean | hierarchy, us | linear, us |  ratio |\n", "query");
-  std::fprintf(out, "| -------------------------- | ----------: | ------------: | ---------: | -----: |\n");
-  for (const json::Value& row : json["queries"]) {
-    const double hierarchy = row["hierarchy_us"].get<double>(), linear = row["linear_us"].get<double>();
-    std::fprintf(out, "| %-26s | %11.1f | %13.2f | %10.1f | %6.0f |\n", row["query"].get<std::string>().c_str(),
-                 row["found"].get<double>(), hierarchy, linear, linear / hierarchy);
-  }
-}
+constexpr apps::Column kColumns[] = {{"query", "query"},
+                                     {"found, mean", "found", "{:.1f}"},
+                                     {"hierarchy, us", "hierarchy_us", "{:.2f}"},
+                                     {"linear, us", "linear_us", "{:.1f}"},
+                                     {"ratio", "ratio", "{:.0f}"}};
 
 core::Expected<int> run(const Options& options) {
   const core::ItemBounds bounds = in_production_order(PlantBoxes(1).make(options.count));
@@ -120,17 +120,17 @@ core::Expected<int> run(const Options& options) {
   };
 
   Suite suite(bounds);
-  auto done = suite.add<Slots>("intersecting a box of 2 m", box(2.0), intersecting);
-  if (done) done = suite.add<Slots>("intersecting a box of 20 m", box(20.0), intersecting);
-  if (done) done = suite.add<Slots>("inside a box of 20 m", box(20.0), inside);
-  if (done) done = suite.add<Slots>("within 1 m of a point", point, around);
-  if (done) done = suite.add<Hits>("along a ray, all", ray, along);
-  if (done) done = suite.add<Hits>("along a ray, first", ray, first(1));
-  if (done) done = suite.add<Hits>("along a ray, first 16", ray, first(16));
-  if (done) done = suite.add<Hits>("nearest", point, nearest(1));
-  if (done) done = suite.add<Hits>("nearest 16", point, nearest(16));
-  if (!done) return tl::unexpected(done.error());
-  return finish(options.json, {{"boxes", options.count}, {"queries", suite.rows()}}, print_table);
+  suite.add<Slots>("intersecting a box of 2 m", box(2.0), intersecting);
+  suite.add<Slots>("intersecting a box of 20 m", box(20.0), intersecting);
+  suite.add<Slots>("inside a box of 20 m", box(20.0), inside);
+  suite.add<Slots>("within 1 m of a point", point, around);
+  suite.add<Hits>("along a ray, all", ray, along);
+  suite.add<Hits>("along a ray, first", ray, first(1));
+  suite.add<Hits>("along a ray, first 16", ray, first(16));
+  suite.add<Hits>("nearest", point, nearest(1));
+  suite.add<Hits>("nearest 16", point, nearest(16));
+  return finish(options.json, {{"boxes", options.count}, {"queries", suite.rows()}},
+                [](const json::Value& all, std::FILE* out) { apps::print_table(all["queries"], kColumns, out); });
 }
 
 void add_options(apps::CommandLine& line, Options& options) {

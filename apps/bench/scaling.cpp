@@ -18,7 +18,7 @@
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
-#include "sightline/apps/common/model.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/raytrace/exact_visibility.h"
@@ -26,6 +26,7 @@
 namespace sightline::bench::scaling_bench {
 namespace {
 
+using apps::need;
 using Json = json::Value;
 
 struct Options {
@@ -59,7 +60,7 @@ void add_options(apps::CommandLine& line, Options& o) {
 /// Something that `run` does with a number of threads.
 struct Stage {
   std::string name;
-  std::function<core::Expected<void>(int threads)> run;
+  std::function<void(int threads)> run;
 };
 
 struct Timed {
@@ -78,13 +79,13 @@ double serial_share(const std::vector<Timed>& times) {
   return square > 0.0 ? std::clamp(product / square, 0.0, 1.0) : 1.0;
 }
 
-core::Expected<Json> measure(const Stage& stage, const std::vector<int>& counts, int passes) {
+Json measure(const Stage& stage, const std::vector<int>& counts, int passes) {
   std::vector<Timed> times;
   for (const int threads : counts) times.push_back({.threads = threads});
   for (int pass = 0; pass < passes; ++pass)
     for (Timed& t : times) {
       const double start = milliseconds(), processor = processor_milliseconds();
-      if (auto done = stage.run(t.threads); !done) return tl::unexpected(done.error());
+      stage.run(t.threads);
       const double wall = milliseconds() - start;
       if (wall >= t.wall) continue;
       t.wall = wall;
@@ -116,47 +117,33 @@ void print_table(const Json& json, std::FILE* out) {
 }
 
 Stage reading(const Options& options) {
-  return {"read " + std::to_string(options.model.files.size()) + " files",
-          [&options](int threads) -> core::Expected<void> {
+  return {"read " + std::to_string(options.model.files.size()) + " files", [&options](int threads) {
             importers::ImportOptions import = options.model.import;
             import.threads = threads;
             const std::vector<std::filesystem::path> paths(options.model.files.begin(), options.model.files.end());
             core::Scene scene;
-            const auto report = importers::import_files(paths, scene, scene.root(), import);
-            return report ? core::Expected<void>() : tl::unexpected(report.error());
+            need(importers::import_files(paths, scene, scene.root(), import));
           }};
 }
 
 core::Expected<int> run(const Options& options) {
-  auto scene = model_or_plant(options.model, options.items);
-  if (!scene) return tl::unexpected(scene.error());
-  const core::Snapshot snapshot(**scene);
+  const std::unique_ptr<core::Scene> scene = need(model_or_plant(options.model, options.items));
+  const core::Snapshot snapshot(*scene);
   const culling::CpuCuller culler(snapshot.bounds());
-  const auto views = tour_views(snapshot, kViews, double(kWidth) / kHeight);
-  if (!views) return tl::unexpected(views.error());
-  auto tracer = raytrace::Tracer::create(snapshot);
-  if (!tracer) return tl::unexpected(tracer.error());
+  const auto views = need(tour_views(snapshot, kViews, double(kWidth) / kHeight));
+  const raytrace::Tracer tracer = need(raytrace::Tracer::create(snapshot));
 
   std::vector<Stage> stages;
   if (options.model.files.size() > 1) stages.push_back(reading(options));
-  stages.push_back({"build the snapshot", [&](int threads) {
-                      const core::Snapshot made(**scene, threads);
-                      return core::Expected<void>();
-                    }});
-  std::vector<core::VisibleSet> sets(views->size());
+  stages.push_back({"build the snapshot", [&](int threads) { const core::Snapshot made(*scene, threads); }});
+  std::vector<core::VisibleSet> sets(views.size());
   std::map<int, core::ThreadPool> helpers;
   stages.push_back({"cull " + std::to_string(kViews) + " views", [&](int threads) {
-                      culler.cull(*views, sets, &helpers.try_emplace(threads, threads).first->second);
-                      return core::Expected<void>();
+                      culler.cull(views, sets, &helpers.try_emplace(threads, threads).first->second);
                     }});
-  stages.push_back({"build the ray tracer", [&](int threads) -> core::Expected<void> {
-                      const auto made = raytrace::Tracer::create(snapshot, threads);
-                      return made ? core::Expected<void>() : tl::unexpected(made.error());
-                    }});
-  stages.push_back({"exact visible set", [&](int threads) -> core::Expected<void> {
-                      const auto seen =
-                          raytrace::ExactVisibility(*tracer).compute(views->front(), kWidth, kHeight, 1, threads);
-                      return seen ? core::Expected<void>() : tl::unexpected(seen.error());
+  stages.push_back({"build the ray tracer", [&](int threads) { need(raytrace::Tracer::create(snapshot, threads)); }});
+  stages.push_back({"exact visible set", [&](int threads) {
+                      need(raytrace::ExactVisibility(tracer).compute(views.front(), kWidth, kHeight, 1, threads));
                     }});
 
   const int most = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
@@ -164,11 +151,7 @@ core::Expected<int> run(const Options& options) {
   for (int n = 1; n < most; n *= 2) counts.push_back(n);
   counts.push_back(most);
   Json json{{"items", snapshot.size()}};
-  for (const Stage& stage : stages) {
-    auto row = measure(stage, counts, options.passes);
-    if (!row) return tl::unexpected(row.error());
-    json["stages"].push_back(std::move(*row));
-  }
+  for (const Stage& stage : stages) json["stages"].push_back(measure(stage, counts, options.passes));
   return finish(options.json, json, print_table);
 }
 

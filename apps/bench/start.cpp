@@ -16,6 +16,8 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/need.h"
+#include "sightline/apps/common/table.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/gpuprims/internal/joints.h"
@@ -29,6 +31,8 @@
 
 namespace sightline::bench::start_bench {
 namespace {
+
+using apps::need;
 
 struct Options {
   std::string file, size, memory, json;
@@ -57,16 +61,14 @@ class Steps {
   double at_ = milliseconds(), used_ = processor_milliseconds();
 };
 
+constexpr apps::Column kColumns[] = {
+    {"step", "step"}, {"ms", "ms", "{:.1f}"}, {"ms of processors", "processor_ms", "{:.1f}"}};
 constexpr double kAspect = 1.5;  // where no image is drawn
 
 /// The view of the whole, of `size` where one was given.
-core::Expected<core::View> overview(const core::FittedBounds& fitted, const std::array<int, 2>& size) {
+core::View overview(const core::FittedBounds& fitted, const std::array<int, 2>& size) {
   const double aspect = size[0] > 0 ? double(size[0]) / size[1] : kAspect;
-  return core::View::fit(fitted.bounds, core::kOverviewDirection, apps::kFovy, aspect);
-}
-
-json::Value memory_now() {
-  return {{"own_bytes", status_bytes("RssAnon")}, {"file_bytes", status_bytes("RssFile")}};
+  return need(core::View::fit(fitted.bounds, core::kOverviewDirection, apps::kFovy, aspect));
 }
 
 core::Expected<int> report(const Options& options, json::Value json, const json::Value& steps) {
@@ -75,11 +77,10 @@ core::Expected<int> report(const Options& options, json::Value json, const json:
   double total = 0.0;
   for (const auto& step : steps) total += step["ms"].get<double>();
   json["ms"] = total;
-  json.update(memory_now());
+  json.update({{"own_bytes", status_bytes("RssAnon")}, {"file_bytes", status_bytes("RssFile")}});
   return finish(options.json, json::sorted(std::move(json)), [&](const json::Value& all, std::FILE* out) {
-    for (const auto& step : steps)
-      std::fprintf(out, "%-24s %9.1f ms %9.1f ms of processors\n", step["step"].get<std::string>().c_str(),
-                   step["ms"].get<double>(), step["processor_ms"].get<double>());
+    apps::print_table(steps, kColumns, out);
+    std::fprintf(out, "\n");
     std::fprintf(out, "%-24s %9.1f ms%s\n", "all", total, all.value("from_cache", false) ? ", from the cache" : "");
     const double items = std::max(all["items"].get<double>(), 1.0);
     std::fprintf(out, "%-24s %9.0f, %.0f visible\n", "items", all["items"].get<double>(), all["visible"].get<double>());
@@ -96,38 +97,32 @@ core::Expected<int> run_paged(const Options& options, const std::array<int, 2>& 
   Steps steps;
   apps::ModelOptions model;
   model.files = {options.file};
-  auto engine = apps::open_paged(model, options.memory, {.width = size[0], .height = size[1]});
-  if (!engine) return tl::unexpected(engine.error());
-  const auto view = overview(engine->scene().fitted, size);
-  if (!view) return tl::unexpected(view.error());
+  auto engine = need(apps::open_paged(model, options.memory, {.width = size[0], .height = size[1]}));
+  const core::View view = overview(engine.scene().fitted, size);
   steps.done("opening, engine");
-  const auto first = engine->frame(*view);
-  if (!first) return tl::unexpected(first.error());
-  (void)engine->read_colour();
+  const auto first = need(engine.frame(view));
+  (void)engine.read_colour();
   steps.done("first image");
-  const auto last = engine->settle(*view);
-  if (!last) return tl::unexpected(last.error());
-  (void)engine->read_colour();
+  const auto last = need(engine.settle(view));
+  (void)engine.read_colour();
   steps.done("complete image");
-  if (auto done = apps::page_errors(*engine); !done) return tl::unexpected(done.error());
+  need(apps::page_errors(engine));
   return report(options,
-                {{"items", engine->scene().items},
-                 {"visible", last->items_drawn},
-                 {"first_placeholders", first->placeholders},
-                 {"pages", last->loaded},
+                {{"items", engine.scene().items},
+                 {"visible", last.items_drawn},
+                 {"first_placeholders", first.placeholders},
+                 {"pages", last.loaded},
                  {"peak_bytes", apps::peak_memory()}},
                 steps.json());
 }
 
-core::Expected<void> draw(core::Scene& scene, const core::View& view, const std::array<int, 2>& size, Steps& steps) {
-  auto engine = engine::Engine::create(
-      scene, {.draw = true, .width = size[0], .height = size[1], .culling = {.culler = engine::CullerChoice::kCpu}});
-  if (!engine) return tl::unexpected(engine.error());
+void draw(core::Scene& scene, const core::View& view, const std::array<int, 2>& size, Steps& steps) {
+  auto engine = need(engine::Engine::create(
+      scene, {.draw = true, .width = size[0], .height = size[1], .culling = {.culler = engine::CullerChoice::kCpu}}));
   steps.done("engine");
-  if (auto drawn = engine->frame(view); !drawn) return tl::unexpected(drawn.error());
-  if (auto image = engine->read_colour(); !image) return tl::unexpected(image.error());
+  need(engine.frame(view));
+  need(engine.read_colour());
   steps.done("first image");
-  return {};
 }
 
 #endif
@@ -136,47 +131,38 @@ core::Expected<int> run_in_memory(const Options& options, const std::array<int, 
   Steps steps;
   core::Scene scene;
   const std::filesystem::path file = options.file;
-  const auto imported = importers::import_files(std::span(&file, 1), scene, scene.root(), options.import);
-  if (!imported) return tl::unexpected(imported.error());
-  apps::print_warnings(imported->warnings);
+  const auto imported = need(importers::import_files(std::span(&file, 1), scene, scene.root(), options.import));
+  apps::print_warnings(imported.warnings);
   steps.done("import");
-  if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
+  need(scene.commit());
   steps.done("commit");
   auto snapshot = std::make_unique<core::Snapshot>(scene);
   steps.done("snapshot");
-  const auto view = overview(snapshot->bounds().fitted_bounds(), size);
-  if (!view) return tl::unexpected(view.error());
+  const core::View view = overview(snapshot->bounds().fitted_bounds(), size);
   steps.done("view of the whole");
   const double items = double(std::max<std::size_t>(scene.item_count(), 1));
-  json::Value json = {{"from_cache", imported->from_cache}, {"items", scene.item_count()}};
+  json::Value json = {{"from_cache", imported.from_cache}, {"items", scene.item_count()}};
   {
     const gpuprims::Joints joints(*snapshot);
     steps.done("joints");
     json["covered_ends"] = joints.count();
     culling::CpuCuller culler(snapshot->bounds());
     core::VisibleSet visible;
-    culler.cull(*view, visible);
+    culler.cull(view, visible);
     steps.done("hierarchy, first cull");
     json["visible"] = snapshot->count(visible);
     json["scene_bytes_per_item"] = double(scene.memory_bytes()) / items;
     json["snapshot_bytes_per_item"] = double(snapshot->memory_bytes()) / items;
   }
 #if SIGHTLINE_HAS_GL
-  if (size[0] > 0) {
-    snapshot.reset();  // the engine has its own
-    if (auto drawn = draw(scene, *view, size, steps); !drawn) return tl::unexpected(drawn.error());
-  }
+  snapshot.reset();  // the engine has its own
+  if (size[0] > 0) draw(scene, view, size, steps);
 #endif
   return report(options, json, steps.json());
 }
 
 core::Expected<int> run(const Options& options) {
-  std::array<int, 2> size{};
-  if (!options.size.empty()) {
-    const auto parsed = apps::parse_size(options.size);
-    if (!parsed) return tl::unexpected(parsed.error());
-    size = *parsed;
-  }
+  const auto size = options.size.empty() ? std::array<int, 2>{} : need(apps::parse_size(options.size));
 #if SIGHTLINE_HAS_GL
   if (!options.memory.empty()) return run_paged(options, size);
 #endif

@@ -16,7 +16,6 @@ Run add_scaling(apps::CommandLine& line);
 Run add_trace(apps::CommandLine& line);
 
 // Built if GL is.
-Run add_context(apps::CommandLine& line);
 Run add_contribution(apps::CommandLine& line);
 Run add_error_time(apps::CommandLine& line);
 Run add_frames(apps::CommandLine& line);

@@ -4,7 +4,7 @@
 // user geometry that calls our reference intersectors.
 //
 // The rays exist before the clock runs, by default in the cache, where those of an image are that makes them tile by
-// tile. Figures are the least of interleaved passes, in processor time.
+// tile. The least of interleaved passes counts, in processor time.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +19,8 @@
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
-#include "sightline/apps/common/model.h"
+#include "sightline/apps/common/need.h"
+#include "sightline/apps/common/table.h"
 #include "sightline/core/image_rays.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/raytrace/tracer.h"
@@ -31,6 +32,7 @@
 namespace sightline::bench::trace_bench {
 namespace {
 
+using apps::need;
 using core::dvec3;
 using core::vec3;
 
@@ -65,14 +67,13 @@ core::Mesh bumpy_ball(std::size_t triangles) {
 }
 
 /// All rays of the image, by tiles of 4 x 4 pixels.
-core::Expected<std::vector<core::Ray>> primary_rays(const core::View& view, int width, int height) {
-  const auto pixels = core::ImageRays::create(view, width, height);
-  if (!pixels) return tl::unexpected(pixels.error());
+std::vector<core::Ray> primary_rays(const core::View& view, int width, int height) {
+  const auto pixels = need(core::ImageRays::create(view, width, height));
   std::vector<core::Ray> rays;
   for (int y = 0; y < height; y += 4)
     for (int x = 0; x < width; x += 4)
       for (int j = y; j < std::min(y + 4, height); ++j)
-        for (int i = x; i < std::min(x + 4, width); ++i) rays.push_back(pixels->through(i + 0.5, j + 0.5));
+        for (int i = x; i < std::min(x + 4, width); ++i) rays.push_back(pixels.through(i + 0.5, j + 0.5));
   return rays;
 }
 
@@ -128,25 +129,28 @@ std::vector<PeerSolid> solids_of(const core::Snapshot& snapshot) {
   return solids;
 }
 
+/// Embree's scenes, the rays as it takes them, and what it built.
 struct Peers {
-  std::vector<std::unique_ptr<EmbreePeer>> scenes;
-  std::vector<FloatRay> rays;
-};
+  int threads;
+  std::vector<std::unique_ptr<EmbreePeer>> scenes = {};
+  std::vector<FloatRay> rays = {};
+  std::vector<Variant> variants = {};
+  json::Value builds = json::Value::array();
 
-void add_peer(const std::string& name, const core::Mesh& mesh, std::vector<PeerSolid> solids, bool robust, int threads,
-              Peers& peers, std::vector<Variant>& variants, json::Value& json) {
-  if (mesh.indices.empty() && solids.empty()) return;
-  const EmbreePeer* peer =
-      peers.scenes.emplace_back(std::make_unique<EmbreePeer>(mesh, std::move(solids), robust, threads)).get();
-  json["builds"].push_back(
-      {{"name", name}, {"ms", peer->build_ms()}, {"bytes", peer->bytes()}, {"triangles", mesh.indices.size() / 3}});
-  variants.push_back({.name = name + ", single", .trace = [peer, &peers](std::size_t first, std::span<float> t) {
-                        peer->single(std::span(peers.rays).subspan(first, t.size()), t);
-                      }});
-  variants.push_back({.name = name + ", packets of 16", .trace = [peer, &peers](std::size_t first, std::span<float> t) {
-                        peer->packets(std::span(peers.rays).subspan(first, t.size()), t);
-                      }});
-}
+  void add(const std::string& name, const core::Mesh& mesh, std::vector<PeerSolid> solids, bool robust) {
+    if (mesh.indices.empty() && solids.empty()) return;
+    const EmbreePeer* peer =
+        scenes.emplace_back(std::make_unique<EmbreePeer>(mesh, std::move(solids), robust, threads)).get();
+    builds.push_back(
+        {{"name", name}, {"ms", peer->build_ms()}, {"bytes", peer->bytes()}, {"triangles", mesh.indices.size() / 3}});
+    variants.push_back({.name = name + ", single", .trace = [peer, this](std::size_t first, std::span<float> t) {
+                          peer->single(std::span(rays).subspan(first, t.size()), t);
+                        }});
+    variants.push_back({.name = name + ", packets of 16", .trace = [peer, this](std::size_t first, std::span<float> t) {
+                          peer->packets(std::span(rays).subspan(first, t.size()), t);
+                        }});
+  }
+};
 
 /// A chord tolerance that an image shows as one pixel at the median distance of what it hits; metres.
 double one_pixel(const raytrace::Tracer& tracer, std::span<const core::Ray> rays, int height) {
@@ -160,20 +164,20 @@ double one_pixel(const raytrace::Tracer& tracer, std::span<const core::Ray> rays
 }
 
 void add_peers(const core::Snapshot& snapshot, const raytrace::Tracer& tracer, std::span<const core::Ray> rays,
-               const Options& options, Peers& peers, std::vector<Variant>& variants, json::Value& json) {
+               const Options& options, Peers& peers, json::Value& json) {
   for (const core::Ray& r : rays)
     peers.rays.push_back({vec3(r.origin), vec3(r.direction), float(r.t_min), float(std::min(r.t_max, 1e30))});
   const core::Mesh mesh = joined(snapshot);
   const std::vector<PeerSolid> solids = solids_of(snapshot);
   if (solids.empty()) {
-    add_peer("Embree robust", mesh, {}, true, options.threads, peers, variants, json);
-    add_peer("Embree default", mesh, {}, false, options.threads, peers, variants, json);
+    peers.add("Embree robust", mesh, {}, true);
+    peers.add("Embree default", mesh, {}, false);
     return;
   }
   const double tolerance = options.chord * one_pixel(tracer, rays, options.height);
   json["chord_tolerance_m"] = tolerance;
-  add_peer("Embree robust, tessellated", joined(snapshot, tolerance), {}, true, options.threads, peers, variants, json);
-  add_peer("Embree, our intersectors", mesh, solids, true, options.threads, peers, variants, json);
+  peers.add("Embree robust, tessellated", joined(snapshot, tolerance), {}, true);
+  peers.add("Embree, our intersectors", mesh, solids, true);
 }
 #endif
 
@@ -182,21 +186,21 @@ void print_table(const json::Value& json, std::FILE* out) {
                json["triangles"].get<std::size_t>(), json["rays"].get<std::size_t>());
   if (json.contains("chord_tolerance_m"))
     std::fprintf(out, "tessellated within %.3g m\n", json["chord_tolerance_m"].get<double>());
-  for (const auto& build : json["builds"])
-    std::fprintf(out, "%-32s build %9.1f ms %9.1f MB\n", build["name"].get<std::string>().c_str(),
-                 build["ms"].get<double>(), build["bytes"].get<double>() / 1e6);
-  for (const auto& variant : json["variants"])
-    std::fprintf(out, "%-32s %8.2f Mray/s, %zu hit, %zu differ\n", variant["name"].get<std::string>().c_str(),
-                 variant["mrays_per_s"].get<double>(), variant["hits"].get<std::size_t>(),
-                 variant["different"].get<std::size_t>());
+  static constexpr apps::Column kBuilds[] = {
+      {"tracer", "name"}, {"build, ms", "ms", "{:.1f}"}, {"bytes", "bytes", "{:.0f}"}};
+  static constexpr apps::Column kVariants[] = {{"way", "name"},
+                                               {"Mray/s", "mrays_per_s", "{:.2f}"},
+                                               {"hit", "hits", "{:.0f}"},
+                                               {"differ", "different", "{:.0f}"}};
+  apps::print_table(json["builds"], kBuilds, out);
+  std::fprintf(out, "\n");
+  apps::print_table(json["variants"], kVariants, out);
 }
 
-core::Expected<std::unique_ptr<core::Scene>> ball_of(std::size_t triangles) {
+std::unique_ptr<core::Scene> ball_of(std::size_t triangles) {
   auto scene = std::make_unique<core::Scene>();
-  const auto mesh = scene->add_mesh(bumpy_ball(triangles));
-  if (!mesh) return tl::unexpected(mesh.error());
-  scene->add_mesh_instance(scene->root(), *mesh);
-  if (auto done = scene->commit(); !done) return tl::unexpected(done.error());
+  scene->add_mesh_instance(scene->root(), need(scene->add_mesh(bumpy_ball(triangles))));
+  need(scene->commit());
   return scene;
 }
 
@@ -258,10 +262,8 @@ double pass_ms(const Variant& variant, std::size_t chunk, std::span<float> t,
 
 core::Expected<int> run(const Options& options) {
   const bool ball = options.model.files.empty() && options.items == 0;
-  const auto made = ball ? ball_of(options.triangles) : model_or_plant(options.model, options.items);
-  if (!made) return tl::unexpected(made.error());
-  const core::Scene& scene = **made;
-  const core::Snapshot snapshot(scene);
+  const auto scene = ball ? ball_of(options.triangles) : need(model_or_plant(options.model, options.items));
+  const core::Snapshot snapshot(*scene);
   std::size_t triangles = 0;
   for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
     if (!snapshot.vacant(slot) && int(snapshot.kind(slot)) >= core::kPrimitiveKindCount)
@@ -270,46 +272,44 @@ core::Expected<int> run(const Options& options) {
   core::AabbD shown = snapshot.bounds().fitted_bounds().bounds;
   const dvec3 half = 0.5 / options.zoom * shown.size(), centre = shown.centre();
   shown = {centre - half, centre + half};
-  const auto view =
-      core::View::fit(shown, core::kOverviewDirection, apps::kFovy, double(options.width) / options.height);
-  if (!view) return tl::unexpected(view.error());
-  const auto rays = primary_rays(*view, options.width, options.height);
-  if (!rays) return tl::unexpected(rays.error());
+  const core::View view =
+      need(core::View::fit(shown, core::kOverviewDirection, apps::kFovy, double(options.width) / options.height));
+  const std::vector<core::Ray> rays = primary_rays(view, options.width, options.height);
 
-  json::Value json{{"items", snapshot.size()}, {"triangles", triangles}, {"rays", rays->size()}};
+  json::Value json{{"items", snapshot.size()}, {"triangles", triangles}, {"rays", rays.size()}};
   const double begin = milliseconds();
-  auto tracer = raytrace::Tracer::create(snapshot, options.threads);
-  const double build_ms = milliseconds() - begin;
-  if (!tracer) return tl::unexpected(tracer.error());
-  json["builds"].push_back({{"name", "Sightline"}, {"ms", build_ms}, {"bytes", tracer->memory().total()}});
+  const raytrace::Tracer tracer = need(raytrace::Tracer::create(snapshot, options.threads));
+  json["builds"].push_back({{"name", "Sightline"}, {"ms", milliseconds() - begin}, {"bytes", tracer.memory().total()}});
 
-  std::vector<Variant> variants = own_variants(*tracer, *rays);
+  std::vector<Variant> variants = own_variants(tracer, rays);
 #if SIGHTLINE_HAS_EMBREE
-  Peers peers;
-  if (!options.only.starts_with("Sightline")) add_peers(snapshot, *tracer, *rays, options, peers, variants, json);
+  Peers peers{options.threads};
+  if (!options.only.starts_with("Sightline")) add_peers(snapshot, tracer, rays, options, peers, json);
+  for (const json::Value& build : peers.builds) json["builds"].push_back(build);
+  variants.insert(variants.end(), peers.variants.begin(), peers.variants.end());
 #endif
   if (!options.only.empty())
     std::erase_if(variants,
                   [&](const Variant& variant) { return variant.name.find(options.only) == std::string::npos; });
-  if (variants.empty()) return core::fail("--only " + options.only + ": no tracer has such a name");
-  for (Variant& variant : variants) variant.t.resize(rays->size());
+  if (variants.empty()) apps::fail("--only " + options.only + ": no tracer has such a name");
+  for (Variant& variant : variants) variant.t.resize(rays.size());
   const auto fetch = [&](std::size_t first, std::size_t count) {
-    read(std::as_bytes(std::span(*rays).subspan(first, count)));
+    read(std::as_bytes(std::span(rays).subspan(first, count)));
 #if SIGHTLINE_HAS_EMBREE
     if (!peers.rays.empty()) read(std::as_bytes(std::span(peers.rays).subspan(first, count)));
 #endif
   };
-  const std::size_t chunk = options.chunk > 0 ? options.chunk : rays->size();
+  const std::size_t chunk = options.chunk > 0 ? options.chunk : rays.size();
   for (int pass = 0; pass < options.passes; ++pass)
     for (Variant& variant : variants) variant.ms = std::min(variant.ms, pass_ms(variant, chunk, variant.t, fetch));
   for (const Variant& variant : variants) {
     std::size_t different = 0;
-    for (std::size_t i = 0; i < rays->size(); ++i) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
       const float a = variant.t[i], b = variants.front().t[i];
       different += !(a == b || std::abs(a - b) <= 1e-4f * std::abs(b));
     }
     json["variants"].push_back({{"name", variant.name},
-                                {"mrays_per_s", double(rays->size()) / 1e3 / variant.ms},
+                                {"mrays_per_s", double(rays.size()) / 1e3 / variant.ms},
                                 {"hits", variant.hits()},
                                 {"different", different}});
   }

@@ -110,9 +110,9 @@ choose_context() {
   say "" && say "| context | what it gives |" && say "| --- | --- |"
   for way in egl-device egl egl-surfaceless osmesa; do
     log=$scratch/context_$way
-    if limited 6 "$bin/sightline-bench" context --context-platform "$way" >"$log" 2>&1; then
-      say "| $way | $(sed -n 's/^\(platform\|renderer\|version\|made in\): //p' "$log" | paste -sd';' | sed 's/;/; /g') |"
-      if grep -q '^software: false' "$log"; then chosen=${chosen:-$way}; fi
+    if limited 6 "$bin/sightline-info" --gl --context-platform "$way" >"$log" 2>&1; then
+      say "| $way | $(sed -n 's/^\(platform\|renderer\|version\|made in\)  *//p' "$log" | paste -sd';' | sed 's/;/; /g') |"
+      if grep -q '^  software  *false' "$log"; then chosen=${chosen:-$way}; fi
       fallback=${fallback:-$way}
     else
       say "| $way | none: $(tail -n 1 "$log" | cut -c1-300 | tr '|' '/') |"

@@ -6,6 +6,7 @@
 
 int sightline_bench_main(int argc, char** argv);
 int sightline_generate_main(int argc, char** argv);
+int sightline_info_main(int argc, char** argv);
 int sightline_render_main(int argc, char** argv);
 int sightline_replay_main(int argc, char** argv);
 int sightline_stability_main(int argc, char** argv);
@@ -19,6 +20,7 @@ struct Tool {
 
 constexpr Tool kTools[] = {{"sightline-bench", sightline_bench_main},
                            {"sightline-generate", sightline_generate_main},
+                           {"sightline-info", sightline_info_main},
                            {"sightline-render", sightline_render_main},
                            {"sightline-replay", sightline_replay_main},
                            {"sightline-stability", sightline_stability_main}};

@@ -1,4 +1,4 @@
-// sightline-bench hybrid as a user runs it: every method sees the same, and figures hang together.
+// sightline-bench hybrid as a user runs it: every method sees the same, and what it measures hangs together.
 #include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests::bench_hybrid_test {
@@ -34,8 +34,8 @@ TEST_F(BenchHybrid, FliesGeneratedScenesWithEveryMethod) {
     }
     EXPECT_EQ(run["modes"][0]["to_cpu"], 1.0);
   }
-  for (const char* file : {"P-40_off.csv", "P-40_off_6_1.svg", "P-40_off_6_5.svg", "P-40_on_6_7.svg",
-                           "aircraft_on_trace.csv", "aircraft_off_trace.csv"})
+  for (const char* file :
+       {"P-40_off_6_1.svg", "P-40_off_6_5.svg", "P-40_on_6_7.svg", "aircraft_on_trace.csv", "aircraft_off_trace.csv"})
     EXPECT_GT(read_bytes(fs::path(results) / file).size(), 100u) << file;
   const Outcome controller = run("replay", {"--controller-only", results + "/aircraft_on_trace.csv"});
   EXPECT_EQ(controller.code, 0) << controller;

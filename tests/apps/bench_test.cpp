@@ -1,7 +1,6 @@
 // What every subcommand of sightline-bench promises on its command line, and quick runs of those without tests of their
 // own.
 #include "sightline/tests/apps/tool_test.h"
-#include "sightline/tests/support/no_gl.h"
 
 namespace sightline::tests::bench_test {
 namespace {
@@ -32,7 +31,7 @@ TEST_F(Bench, ListsItsSubcommands) {
   for (const char* name : {"cull", "edit", "import", "queries", "start"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   const auto with_gl = std::count(names.begin(), names.end(), "hybrid");
-  for (const char* name : {"context", "error-time", "frames"})
+  for (const char* name : {"error-time", "frames"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), with_gl) << name;
 }
 
@@ -77,20 +76,6 @@ TEST_F(Bench, MeasuresImports) {
   ASSERT_EQ(json.size(), 1u);
   EXPECT_EQ(json[0]["items"], 1000);
   expect_failure("bench", {"import", path("none.rvm")}, "none.rvm");
-}
-
-TEST_F(Bench, SaysWhatAContextOffers) {
-  const std::vector<std::string> known = subcommands();
-  if (std::find(known.begin(), known.end(), "context") == known.end()) GTEST_SKIP() << "without GL";
-  const Outcome probe = run("bench", {"context"});
-  if (probe.code != 0 && may_skip(probe.err)) GTEST_SKIP() << probe.err;
-  ASSERT_EQ(probe.code, 0) << probe;
-  for (const char* line : {"platform ", "renderer ", "  max_clip_distances ", "\nextensions ", "\nSelf-test"})
-    EXPECT_NE(probe.out.find(line), std::string::npos) << line << probe;
-  const Json json = run_json("bench", {"context"});
-  EXPECT_GE(json["limits"]["max_clip_distances"], 8);
-  EXPECT_GT(json["extensions"].size(), 50u);
-  EXPECT_GT(json["milliseconds"], 0.0);
 }
 
 TEST_F(Bench, MeasuresQueries) {

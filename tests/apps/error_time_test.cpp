@@ -1,7 +1,5 @@
 // What error against time is measured with: sample errors against a twin that tries all pairs, rays of a field, and the
 // tessellated scene.
-#include "sightline/apps/bench/error_time/error_time.h"
-
 #include <cmath>
 #include <numbers>
 #include <random>

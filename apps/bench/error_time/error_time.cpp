@@ -1,40 +1,39 @@
-// sightline-bench error-time: the cost and the errors of the forms of a primitive.
+// sightline-bench error-time: the cost and the errors of triangles and of ray-cast GLSL in place of them.
 //
 // Without a model: measures each kind separately, with random items 1/16 and 6/10 as large as the image's height.
 // Depth, normal and silhouette errors are against the C++ intersections in double. With models: compares whole images
 // with those of triangles so small that no pixel shows them. Everything compared is timed in turns.
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <map>
-#include <string>
-#include <vector>
+#include <memory>
 
-#include "sightline/apps/bench/error_time/report.h"
+#include "sightline/apps/bench/error_time/comparison.h"
+#include "sightline/apps/bench/error_time/kinds.h"
+#include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/renderer.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/arguments.h"
-#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
-#include "sightline/apps/common/output.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/progress.h"
-#include "sightline/core/snapshot.h"
+#include "sightline/apps/common/table.h"
+#include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/engine/tour.h"
 #include "sightline/importers/view_json.h"
 
 namespace sightline::bench::error_time_bench {
 namespace {
 
+using apps::need;
 using Json = json::Value;
 namespace fs = std::filesystem;
-
-constexpr int kSegments[] = {6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256};
 
 struct Options {
   apps::ModelOptions model;
   std::vector<std::string> only;
-  std::vector<int> segments;  // none: kSegments
-  std::string size, views, csv, plot, json;
+  std::vector<int> segments{6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256};
+  std::string size, views, plot, json;
   int samples = 3, passes = 7, images = 4, reference = 512;
   std::uint32_t seed = 1;
   gl::ContextPlatform platform = {};
@@ -59,76 +58,99 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.add("--views", o.views, "Folder with view files NAME_*.json of models NAME.*; without, views are made up")
       .existing_directory();
   line.add("--reference", o.reference, "Segments of the reference of models").in_range(16, 4096).shows_default();
-  line.add("--csv", o.csv, "Write all figures as CSV to FILE, or - for stdout");
   line.add("--plot", o.plot, "Write plots to PREFIX-….svg");
   apps::add_context_option(line, o.platform);
   apps::add_json_option(line, o.json);
   line.examples(
       "  sightline-bench error-time --plot kinds --json kinds.json\n"
       "  sightline-bench error-time --only circular_torus,sphere --segments 12,24,48 --passes 15\n"
-      "  sightline-bench error-time plant.rvm --csv plant.csv --plot plant\n"
+      "  sightline-bench error-time plant.rvm --plot plant\n"
       "  sightline-bench error-time PIPES.RVM STEEL.RVM --views views/ --reference 256");
 }
 
-std::vector<int> segments_of(const Options& o) {
-  return o.segments.empty() ? std::vector<int>(std::begin(kSegments), std::end(kSegments)) : o.segments;
-}
+/// Rows of all that was measured, and the panels of each plot.
+struct Results {
+  std::vector<ErrorPlot> plots;
+  Json rows = Json::array();
+  std::vector<std::vector<apps::Panel>> panels{plots.size()};
 
-template <class Results>
-core::Expected<void> write_results(const Options& o, const Results& results, Json json, const char* key) {
-  for (const auto& result : results) json[key].push_back(to_json(result));
-  core::Expected<void> done;
-  if (!o.csv.empty()) done = apps::write_text(o.csv, to_csv(results));
-  if (done && !o.plot.empty()) done = write_plots(results, o.plot);
-  if (done) done = apps::write_json(o.json, json);
-  return done;
-}
-
-Report shown_on(apps::Progress& progress, std::size_t step, std::size_t steps) {
-  return [&progress, step, steps](double share) {
-    progress.advance(std::size_t(1000.0 * (double(step) + share) / double(steps)));
-  };
-}
-
-core::Expected<int> measure_kinds(const Options& o, gl::Context& context, std::FILE* out) {
-  const std::array<int, 2> size = *apps::parse_size(o.size.empty() ? "640x480" : o.size);
-  const double height = size[1];
-  if (3 * size[0] < 4 * size[1] || size[1] < 64) return core::fail("--size: must be 4:3 or wider, and 64 high");
-  const KindConfig config{size[0], size[1], o.samples, o.passes, o.seed, segments_of(o)};
-  std::vector<core::Kind> kinds;
-  for (const core::Kind kind : measured_kinds())
-    if (o.only.empty() || std::find(o.only.begin(), o.only.end(), core::name_of(kind)) != o.only.end())
-      kinds.push_back(kind);
-  std::fprintf(out, "%s, %dx%d, %d x %d samples per pixel, median of %d passes, seed %u\n",
-               renderer_line(context).c_str(), size[0], size[1], o.samples, o.samples, o.passes, o.seed);
-
-  const FieldSize sizes[] = {{height / 16.0, 8, 8, 1}, {0.6 * height, 2, 1, o.images}};
-  const std::size_t steps = kinds.size() * std::size(sizes);
-  std::vector<KindResult> results;
-  apps::Progress progress("error against time", 1000);
-  for (const core::Kind kind : kinds)
-    for (const FieldSize& field : sizes) {
-      auto result = measure_kind(context, kind, field, config, shown_on(progress, results.size(), steps));
-      if (!result) return tl::unexpected(result.error());
-      results.push_back(std::move(*result));
+  /// `facts`: members that the rows get in front.
+  void add(const std::string& title, const Json& facts, const Json& measured) {
+    for (const Json& row : measured) {
+      rows.push_back(facts);
+      rows[rows.size() - 1].update(row);
     }
-  progress.advance(1000);
-  for (const KindResult& result : results) print(result, out);
-  print_summary(results, out);
-  Json head = renderer_json(context);
-  head.update({{"size", size},
-               {"samples_per_pixel", o.samples},
-               {"passes", o.passes},
-               {"seed", o.seed},
-               {"kinds", Json::array()}});
-  if (auto done = write_results(o, results, head, "kinds"); !done) return tl::unexpected(done.error());
-  return apps::kExitOk;
+    for (std::size_t i = 0; i < plots.size(); ++i) {
+      apps::Panel panel = panel_of(title, measured, plots[i]);
+      auto& all = panels[i];
+      if (all.empty() || all.back().title != title)
+        all.push_back(std::move(panel));
+      else
+        all.back().series.insert(all.back().series.end(), panel.series.begin(), panel.series.end());
+    }
+  }
+};
+
+// --- kinds -----------------------------------------------------------------------------------------------------------
+
+constexpr apps::Column kKindColumns[] = {{"kind", "primitive"},
+                                         {"px", "pixels", "{:.0f}"},
+                                         {"form", "form"},
+                                         {"segments", "threshold", "{:.0f}"},
+                                         {"ms", "ms", "{:.3g}"},
+                                         {"bytes/item", "bytes_per_item", "{:.0f}"},
+                                         {"silhouette, mean px", "silhouette/mean", "{:.3g}"},
+                                         {"max", "silhouette/max", "{:.3g}"},
+                                         {"depth, mean", "depth/mean", "{:.3g}"},
+                                         {"p99", "depth/p99", "{:.3g}"},
+                                         {"normal, mean °", "normal/mean", "{:.3g}"},
+                                         {"p99", "normal/p99", "{:.3g}"},
+                                         {"wrong samples", "wrong", "{:.0f}"},
+                                         {"of", "hits", "{:.0f}"}};
+
+Results measure_kinds(const Options& o, gl::Context& context, const std::array<int, 2>& size) {
+  const double height = size[1];
+  if (3 * size[0] < 4 * size[1] || size[1] < 64) apps::fail("--size: must be 4:3 or wider, and 64 high");
+  const KindConfig config{size[0], size[1], o.samples, o.passes, o.seed, o.segments};
+  const auto plot = [&](const char* name, const char* label) {
+    return ErrorPlot{
+        o.plot + "-" + name + ".svg", "Error against time", "ms", "ms per frame", name + std::string("/mean"), label};
+  };
+  Results results{{plot("silhouette", "silhouette error, mean, pixels"), plot("depth", "relative depth error, mean"),
+                   plot("normal", "normal error, mean, degrees")}};
+  for (const core::Kind kind : measured_kinds())
+    for (const FieldSize& field : {FieldSize{height / 16.0, 8, 8, 1}, {0.6 * height, 2, 1, o.images}}) {
+      const std::string name(core::name_of(kind)), pixels = std::to_string(int(field.pixels)) + " px";
+      if (!o.only.empty() && std::ranges::find(o.only, name) == o.only.end()) continue;
+      apps::show_step(name + ", " + pixels);
+      Json rows = measure_kind(context, kind, field, config);
+      for (Json& row : rows) {
+        row["form"] = row["name"];
+        row["name"] = row["form"].string() + ", " + pixels;
+      }
+      results.add(name, {{"primitive", name}, {"pixels", field.pixels}}, rows);
+    }
+  return results;
 }
+
+// --- models ----------------------------------------------------------------------------------------------------------
+
+constexpr apps::Column kModelColumns[] = {{"model", "model"},
+                                          {"view", "view"},
+                                          {"form", "name"},
+                                          {"segments", "threshold", "{:.0f}"},
+                                          {"ms", "ms/mean", "{:.3g}"},
+                                          {"GPU kB", "gpu_kb/mean", "{:.0f}"},
+                                          {"PSNR", "psnr/mean", "{:.1f}"},
+                                          {"SSIM", "ssim/mean", "{:.5f}"},
+                                          {"FLIP, mean", "flip/mean", "{:.5f}"},
+                                          {"FLIP, p99", "flip_p99/mean", "{:.4f}"},
+                                          {"wrong ids but ties, %", "wrong_ids_but_ties/mean", "{:.4f}"}};
 
 /// The views of --views; without it the whole model, and two places of the tour through it.
-core::Expected<std::vector<NamedView>> views_of(const Options& o, const std::string& name, const apps::Model& model,
-                                                double aspect) {
-  std::vector<NamedView> views;
+std::vector<std::pair<std::string, core::View>> views_of(const Options& o, const std::string& name,
+                                                         const apps::Model& model, double aspect) {
+  std::vector<std::pair<std::string, core::View>> views;
   if (!o.views.empty()) {
     std::map<std::string, fs::path> files;  // sorted by name
     for (const fs::directory_entry& entry : fs::directory_iterator(o.views)) {
@@ -136,64 +158,89 @@ core::Expected<std::vector<NamedView>> views_of(const Options& o, const std::str
       if (entry.path().extension() == ".json" && stem.rfind(name + "_", 0) == 0)
         files.emplace(stem.substr(name.size() + 1), entry.path());
     }
-    for (const auto& [view_name, file] : files) {
-      auto view = importers::read_view(file, aspect);
-      if (view) view = importers::translated(*view, model.offset);
-      if (!view) return tl::unexpected(view.error());
-      views.push_back({view_name, *view});
-    }
-    if (views.empty()) return core::fail(o.views + ": has no view " + name + "_*.json");
+    for (const auto& [view_name, file] : files)
+      views.emplace_back(view_name,
+                         need(importers::translated(need(importers::read_view(file, aspect)), model.offset)));
+    if (views.empty()) apps::fail(o.views + ": has no view " + name + "_*.json");
     return views;
   }
   const core::Snapshot snapshot(*model.scene);
   const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
-  auto whole = core::View::fit(fitted.bounds, core::kOverviewDirection, apps::kFovy, aspect);
-  if (!whole) return tl::unexpected(whole.error());
-  views.push_back({"whole", *whole});
+  views.emplace_back("whole", need(core::View::fit(fitted.bounds, core::kOverviewDirection, apps::kFovy, aspect)));
   const core::CameraPath tour = engine::make_tour(snapshot.bounds(), fitted);
-  for (const int percent : {40, 70}) {
-    auto view = tour.view(tour.time_of(percent, 101), aspect);
-    if (!view) return tl::unexpected(view.error());
-    views.push_back({"tour at " + std::to_string(percent) + " %", *view});
-  }
+  for (const int percent : {40, 70})
+    views.emplace_back("tour at " + std::to_string(percent) + " %",
+                       need(tour.view(tour.time_of(percent, 101), aspect)));
   return views;
 }
 
-core::Expected<int> measure_models(const Options& o, gl::Context& context, std::FILE* out) {
-  const std::array<int, 2> size = *apps::parse_size(o.size.empty() ? "1280x720" : o.size);
-  const ModelConfig config{size[0], size[1], o.passes, o.reference, segments_of(o)};
-  std::fprintf(out, "%s, %dx%d, median of %d passes, reference %d segments\n", renderer_line(context).c_str(), size[0],
-               size[1], o.passes, o.reference);
-  std::vector<NamedModel> results;
-  apps::Progress progress("error against time", 1000);
+/// The model as it is, or as triangles with so many segments.
+std::shared_ptr<apps::DrawnVariant> variant_of(gl::Context& context, const core::Scene& scene, int segments,
+                                               const std::array<int, 2>& size) {
+  auto drawn = std::make_shared<core::Scene>(segments > 0 ? apps::tessellated(scene, segments) : scene);
+  engine::EngineConfig config{.width = size[0], .height = size[1]};
+  config.context.application = &context;
+  return std::make_shared<apps::DrawnVariant>(need(apps::DrawnVariant::create(std::move(drawn), config)));
+}
+
+Way way_of(const std::shared_ptr<apps::DrawnVariant>& variant, int segments) {
+  const auto draw = [variant](const core::View& view) {
+    const double processor = processor_milliseconds();
+    return variant->draw(view).map([&](double ms) { return Took{ms, processor_milliseconds() - processor}; });
+  };
+  const auto image = [variant](const core::View& view, Measures& measures) {
+    measures["gpu_kb"].push_back(double(variant->gpu_bytes()) / 1024.0);
+    return need(variant->image(view));
+  };
+  return {segments > 0 ? "triangles" : "GLSL", double(segments), draw, image};
+}
+
+Results measure_models(const Options& o, gl::Context& context, const std::array<int, 2>& size) {
+  const char* title = "Error of the image against its cost";
+  Results results{{{o.plot + "-time.svg", title, "ms/mean", "ms per frame", "flip/mean", "mean FLIP"},
+                   {o.plot + "-bytes.svg", title, "gpu_kb/mean", "kB of GPU memory", "flip/mean", "mean FLIP"}}};
   for (const std::string& file : o.model.files) {
     apps::ModelOptions one = o.model;
     one.files = {file};
-    auto model = apps::load_model(one);
-    if (!model) return tl::unexpected(model.error());
-    if (auto done = model->scene->commit(); !done) return tl::unexpected(done.error());
+    const apps::Model model = need(apps::load_model(one));
+    need(model.scene->commit());
     const std::string name = fs::path(file).stem().string();
-    auto views = views_of(o, name, *model, double(size[0]) / size[1]);
-    if (!views) return tl::unexpected(views.error());
-    auto figures =
-        measure_model(context, *model->scene, *views, config, shown_on(progress, results.size(), o.model.files.size()));
-    if (!figures) return tl::unexpected(figures.error());
-    results.push_back({name, model->scene->item_count(), std::move(*figures)});
+    const auto views = views_of(o, name, model, double(size[0]) / size[1]);
+    const auto reference = variant_of(context, *model.scene, o.reference, size);
+    std::vector<Way> ways{way_of(variant_of(context, *model.scene, 0, size), 0)};
+    for (const int segments : o.segments)
+      ways.push_back(way_of(variant_of(context, *model.scene, segments, size), segments));
+    const auto reference_of = [&](const core::View& view) {
+      need(reference->draw(view));
+      return need(reference->image(view));
+    };
+    for (const auto& [view_name, view] : views)
+      results.add(name + ", " + view_name, {{"model", name}, {"items", model.scene->item_count()}, {"view", view_name}},
+                  compare(ways, {&view, 1}, o.passes, reference_of));
   }
-  progress.advance(1000);
-  for (const NamedModel& model : results) print(model, out);
-  print_summary(results, out);
-  Json head = renderer_json(context);
-  head.update({{"size", size}, {"passes", o.passes}, {"reference_segments", o.reference}, {"models", Json::array()}});
-  if (auto done = write_results(o, results, head, "models"); !done) return tl::unexpected(done.error());
-  return apps::kExitOk;
+  return results;
 }
 
 core::Expected<int> run(const Options& o) {
-  auto context = gl::Context::create_offscreen({.platform = o.platform});
-  if (!context) return tl::unexpected(context.error());
-  std::FILE* out = apps::table_stream(o.csv == "-" ? o.csv : o.json);
-  return o.model.files.empty() ? measure_kinds(o, *context, out) : measure_models(o, *context, out);
+  gl::Context context = need(gl::Context::create_offscreen({.platform = o.platform}));
+  const bool kinds = o.model.files.empty();
+  const auto size = need(apps::parse_size(!o.size.empty() ? o.size : kinds ? "640x480" : "1280x720"));
+  const Results results = (kinds ? measure_kinds : measure_models)(o, context, size);
+  for (std::size_t i = 0; !o.plot.empty() && i < results.plots.size(); ++i)
+    need(write_plot(results.plots[i], results.panels[i]));
+  Json json = renderer_json(context);
+  json.update({{"size", size}, {"passes", o.passes}, {"rows", results.rows}});
+  if (kinds)
+    json.update({{"samples_per_pixel", o.samples}, {"seed", o.seed}});
+  else
+    json["reference_segments"] = o.reference;
+  return finish(o.json, json, [&](const Json&, std::FILE* out) {
+    std::fprintf(out, "%s, %dx%d, median of %d passes\n\n", renderer_line(context).c_str(), size[0], size[1], o.passes);
+    if (kinds)
+      apps::print_table(results.rows, kKindColumns, out);
+    else
+      apps::print_table(results.rows, kModelColumns, out);
+  });
 }
 
 }  // namespace

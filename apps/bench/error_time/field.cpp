@@ -1,6 +1,7 @@
 #include "sightline/apps/bench/error_time/field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -14,6 +15,10 @@ using core::Affine;
 using core::dmat3;
 using core::dvec3;
 using core::Kind;
+
+constexpr std::array kKinds = {Kind::kCylinder,         Kind::kSnout,  Kind::kCircularTorus,
+                               Kind::kRectangularTorus, Kind::kSphere, Kind::kSphericalDish,
+                               Kind::kEllipticalDish,   Kind::kBox,    Kind::kPyramid};
 
 constexpr double kFovy = std::numbers::pi / 6.0, kNear = 0.1, kBallRadius = 0.5;
 
@@ -103,6 +108,10 @@ ItemRays item_rays(const Field& field, const Directions& to, std::size_t item, i
 }
 
 }  // namespace
+
+std::span<const Kind> measured_kinds() {
+  return kKinds;
+}
 
 core::Scene Field::scene() const {
   core::Scene scene;

@@ -2,12 +2,24 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "sightline/apps/bench/error_time/error_time.h"
+#include "sightline/apps/bench/error_time/samples.h"
+#include "sightline/core/scene.h"
+#include "sightline/core/view.h"
 #include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::bench {
+
+/// Nine kinds: all but lines, facet groups and meshes.
+std::span<const core::Kind> measured_kinds();
+
+/// Items of one size: `columns` x `rows` of them in each of `images` images, none in front of another.
+struct FieldSize {
+  double pixels;  ///< diameter of an item's bounding ball
+  int columns, rows, images;
+};
 
 struct FieldItem {
   core::Primitive primitive;

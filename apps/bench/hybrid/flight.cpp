@@ -5,20 +5,21 @@
 #include <string_view>
 
 #include "sightline/apps/bench/harness.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 
 namespace sightline::bench {
 namespace {
+
+using apps::need;
 
 double sum(const std::vector<HybridFrame>& frames, bool rendering) {
   return std::accumulate(frames.begin(), frames.end(), 0.0,
                          [=](double s, const HybridFrame& f) { return s + f.cost(rendering); });
 }
 
-}  // namespace
-
-core::Expected<Pilot> Pilot::create(core::Scene& scene, const HybridMode& mode, const FlightConfig& config,
-                                    gl::Context& context) {
+engine::Engine make_engine(core::Scene& scene, const HybridMode& mode, const FlightConfig& config,
+                           gl::Context& context) {
   engine::EngineConfig engine_config;
   engine_config.culling.culler = mode.culler;
   engine_config.draw = config.rendering;
@@ -28,23 +29,23 @@ core::Expected<Pilot> Pilot::create(core::Scene& scene, const HybridMode& mode, 
   engine_config.context.gl_state = engine::GlState::kLeave;  // nobody else draws there
   engine_config.culling.gpu_variant = config.gpu;
   engine_config.culling.occlusion = config.occlusion;
-  auto engine = engine::Engine::create(scene, engine_config);
-  if (!engine) return tl::unexpected(engine.error());
-  return Pilot(std::move(*engine));
+  return need(engine::Engine::create(scene, engine_config));
 }
 
-core::Expected<void> Pilot::frame(const core::View& view, bool counts) {
+}  // namespace
+
+Pilot::Pilot(core::Scene& scene, const HybridMode& mode, const FlightConfig& config, gl::Context& context)
+    : engine_(make_engine(scene, mode, config, context)) {}
+
+void Pilot::frame(const core::View& view, bool counts) {
   const double thread = thread_milliseconds();
-  const auto report = engine_.frame(view);
-  if (!report) return tl::unexpected(report.error());
+  const engine::FrameReport report = need(engine_.frame(view));
   const double spent = thread_milliseconds() - thread;
-  if (!place_.empty() && place_.back() != core::kNone) frames_[place_.back()].frame_ms = report->frame_ms;
+  if (!place_.empty() && place_.back() != core::kNone) frames_[place_.back()].frame_ms = report.frame_ms;
   place_.push_back(counts ? frames_.size() : core::kNone);
   if (counts)
-    frames_.push_back(
-        {report->cull_ms, -1.0, 0.0, spent, report->visible, report->culler == engine::CullerChoice::kGpu});
+    frames_.push_back({report.cull_ms, -1.0, 0.0, spent, report.visible, report.culler == engine::CullerChoice::kGpu});
   take_late();
-  return {};
 }
 
 void Pilot::take_late() {
@@ -56,15 +57,13 @@ void Pilot::take_late() {
   }
 }
 
-core::Expected<void> Pilot::fly(std::span<const core::View> views, int lead_in) {
+void Pilot::fly(std::span<const core::View> views, int lead_in) {
   engine_.paused();
-  core::Expected<void> done;
-  for (int i = 0; i < lead_in && done; ++i) done = frame(views.front(), false);
-  for (std::size_t i = 0; i < views.size() && done; ++i) done = frame(views[i], true);
-  if (done) done = frame(views.back(), false);
+  for (int i = 0; i < lead_in; ++i) frame(views.front(), false);
+  for (const core::View& view : views) frame(view, true);
+  frame(views.back(), false);
   engine_.finish();
   take_late();
-  return done;
 }
 
 HybridFlight Pilot::land() && {
@@ -104,9 +103,8 @@ double HybridRun::ratio(std::size_t mode, std::size_t other) const {
   return apps::median(std::move(ratios));
 }
 
-core::Expected<HybridRun> fly_in_turns(core::Scene& scene, const FlightConfig& config, gl::Context& context,
-                                       std::span<const core::View> views, int passes,
-                                       const std::function<void(int)>& progress) {
+HybridRun fly_in_turns(core::Scene& scene, const FlightConfig& config, gl::Context& context,
+                       std::span<const core::View> views, int passes, const std::function<void(int)>& progress) {
   constexpr int kInFlight = 2;
   HybridRun run;
   run.items = scene.item_count();
@@ -115,21 +113,16 @@ core::Expected<HybridRun> fly_in_turns(core::Scene& scene, const FlightConfig& c
   for (int pass = 0; pass < passes; ++pass) {
     progress(pass);
     std::vector<Pilot> pilots;
-    for (const HybridMode& mode : kHybridModes) {
-      auto pilot = Pilot::create(scene, mode, config, context);
-      if (!pilot) return tl::unexpected(pilot.error());
-      pilots.push_back(std::move(*pilot));
-    }
+    for (const HybridMode& mode : kHybridModes) pilots.emplace_back(scene, mode, config, context);
     auto turn = std::size_t(pass);
     for (std::size_t first = 0; first < views.size(); first += std::size_t(config.block), ++turn) {
       const auto block = views.subspan(first, std::min(std::size_t(config.block), views.size() - first));
       for (std::size_t i = 0; i < kModes; ++i)
-        if (auto done = pilots[(i + turn) % kModes].fly(block, first == 0 ? config.warm_up : kInFlight); !done)
-          return tl::unexpected(done.error());
+        pilots[(i + turn) % kModes].fly(block, first == 0 ? config.warm_up : kInFlight);
     }
     for (std::size_t mode = 0; mode < kModes; ++mode) run.flights[mode].push_back(std::move(pilots[mode]).land());
   }
-  for (const std::string& error : context.take_errors()) return core::fail("GL: " + error);
+  for (const std::string& error : context.take_errors()) apps::fail("GL: " + error);
   return run;
 }
 

@@ -60,17 +60,15 @@ struct FlightConfig {
 class Pilot {
  public:
   /// Several pilots may use one context, which must be current and outlive them.
-  static core::Expected<Pilot> create(core::Scene& scene, const HybridMode& mode, const FlightConfig& config,
-                                      gl::Context& context);
+  Pilot(core::Scene& scene, const HybridMode& mode, const FlightConfig& config, gl::Context& context);
 
   /// Flies the frames of `views`, which count. `lead_in` frames of the first view come before, so that as many frames
   /// are in flight as later, and one frame after ends the last. Neither counts. Waits until all is drawn.
-  core::Expected<void> fly(std::span<const core::View> views, int lead_in);
+  void fly(std::span<const core::View> views, int lead_in);
   HybridFlight land() &&;
 
  private:
-  explicit Pilot(engine::Engine engine) : engine_(std::move(engine)) {}
-  core::Expected<void> frame(const core::View& view, bool counts);
+  void frame(const core::View& view, bool counts);
   void take_late();
 
   engine::Engine engine_;
@@ -97,8 +95,7 @@ struct HybridRun {
 
 /// Flies all modes in turns, block by block and in another order each pass, so that other load of the machine affects
 /// all equally. Each pass uses new engines: a hybrid has learnt nothing.
-core::Expected<HybridRun> fly_in_turns(core::Scene& scene, const FlightConfig& config, gl::Context& context,
-                                       std::span<const core::View> views, int passes,
-                                       const std::function<void(int)>& progress);
+HybridRun fly_in_turns(core::Scene& scene, const FlightConfig& config, gl::Context& context,
+                       std::span<const core::View> views, int passes, const std::function<void(int)>& progress);
 
 }  // namespace sightline::bench

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace sightline::bench {
 namespace {
@@ -20,18 +19,16 @@ struct NamedRule {
 const std::vector<NamedRule>& named_rules() {
   static const std::vector<double> kAreas{0.25, 1.0, 4.0, 16.0, 64.0}, kLengths{1.0, 2.0, 4.0, 8.0, 16.0},
       kErrors{0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
-  static const std::vector<NamedRule> kRules{
-      {"drop", Measure::kSolid, ContributionMode::kDrop, kAreas},
-      {"points", Measure::kSolid, ContributionMode::kPoints, kAreas},
-      {"stochastic", Measure::kSolid, ContributionMode::kStochastic, kAreas},
-      {"box", Measure::kBox, ContributionMode::kDrop, kAreas},
-      {"osg", Measure::kOpenSceneGraph, ContributionMode::kDrop, kLengths},
-      {"occt", Measure::kOpenCascade, ContributionMode::kDrop, kLengths},
-      {"sphere", Measure::kSphere, ContributionMode::kDrop, {1.0, 4.0, 16.0, 64.0, 256.0}},
-      {"levels", Measure::kLevels, ContributionMode::kDrop, kErrors},
-      {"both", Measure::kBoth, ContributionMode::kDrop, kAreas},
-      {"chain", Measure::kChain, ContributionMode::kDrop, kErrors},
-      {"primitives", Measure::kPrimitives, ContributionMode::kDrop, {0.0}}};
+  static const std::vector<NamedRule> kRules{{"drop", Measure::kSolid, ContributionMode::kDrop, kAreas},
+                                             {"points", Measure::kSolid, ContributionMode::kPoints, kAreas},
+                                             {"stochastic", Measure::kSolid, ContributionMode::kStochastic, kAreas},
+                                             {"box", Measure::kBox, ContributionMode::kDrop, kAreas},
+                                             {"osg", Measure::kOpenSceneGraph, ContributionMode::kDrop, kLengths},
+                                             {"occt", Measure::kOpenCascade, ContributionMode::kDrop, kLengths},
+                                             {"levels", Measure::kLevels, ContributionMode::kDrop, kErrors},
+                                             {"both", Measure::kBoth, ContributionMode::kDrop, kAreas},
+                                             {"chain", Measure::kChain, ContributionMode::kDrop, kErrors},
+                                             {"primitives", Measure::kPrimitives, ContributionMode::kDrop, {0.0}}};
   return kRules;
 }
 
@@ -39,14 +36,9 @@ const std::vector<NamedRule>& named_rules() {
 double least_diagonal(const Rule& rule, const core::View& view, int width, int height) {
   const double w = 0.5 * width, h = 0.5 * height;
   const double fx = w * view.clip_from_eye()[0][0], fy = h * view.clip_from_eye()[1][1];
-  switch (rule.measure) {
-    case Measure::kOpenSceneGraph:  // with the viewport's part in that function's scale
-      return 2.0 * rule.threshold / std::sqrt(2.0 * (fx * fx + fy * fy + w * w + h * h));
-    case Measure::kOpenCascade:
-      return rule.threshold / fy;
-    default:
-      return 2.0 * std::sqrt(rule.threshold / (std::numbers::pi * fx * fy));
-  }
+  if (rule.measure == Measure::kOpenCascade) return rule.threshold / fy;
+  // OpenSceneGraph's, with the viewport's part in that function's scale.
+  return 2.0 * rule.threshold / std::sqrt(2.0 * (fx * fx + fy * fy + w * w + h * h));
 }
 
 }  // namespace

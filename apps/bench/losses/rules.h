@@ -6,12 +6,11 @@
 //   osg            OpenSceneGraph 3.6, CullingSet::isCulled(BoundingSphere) and computePixelSizeVector(): the sphere's
 //                  size in pixels, by default 2
 //   occt           Open CASCADE 7.6, Graphic3d_CullingTool::IsTooSmall(): the diagonal's length in pixels
-//   sphere         projected area of the bounding sphere
 //   levels         meshes by levels of detail whose proven error is at most so many pixels (lod/mesh_levels.h)
 //   both           levels within half a pixel, and items below so many pixels dropped: what a budget could do
 //   chain          whole meshes by the coarsest of a chain of halvings whose estimated error is (level_chain.h)
 //   primitives     analytic primitives in place of the meshes in which they are recognised; no threshold
-// osg, occt and sphere compare the diagonal with the distance, so they differ only in the scale of their thresholds.
+// osg and occt compare the diagonal with the distance, so they differ only in the scale of their thresholds.
 #pragma once
 
 #include <string>
@@ -25,18 +24,7 @@
 namespace sightline::bench {
 
 struct Rule {
-  enum class Measure {
-    kNone,
-    kSolid,
-    kBox,
-    kOpenSceneGraph,
-    kOpenCascade,
-    kSphere,
-    kLevels,
-    kBoth,
-    kChain,
-    kPrimitives
-  };
+  enum class Measure { kNone, kSolid, kBox, kOpenSceneGraph, kOpenCascade, kLevels, kBoth, kChain, kPrimitives };
   Measure measure = Measure::kNone;  ///< kNone: the full image
   engine::ContributionMode mode = engine::ContributionMode::kDrop;
   double threshold = 0.0;  ///< pixels, of area or of length
@@ -55,7 +43,7 @@ const std::vector<std::string>& rule_names();
 /// The full image, then the rules of these names, each with rising thresholds.
 std::vector<Rule> rules_of(const std::vector<std::string>& names);
 
-/// For osg, occt and sphere: replaces `kept` by the items of `in` that the rule keeps, and by all lines.
+/// For osg and occt: replaces `kept` by the items of `in` that the rule keeps, and by all lines.
 void keep_large(const Rule& rule, const core::View& view, int width, int height, const core::Snapshot& snapshot,
                 const core::VisibleSet& in, core::VisibleSet& kept);
 

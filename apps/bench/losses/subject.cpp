@@ -4,6 +4,7 @@
 
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/bench/renderer.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/culling/occlusion/contribution.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/internal/rebuild.h"
@@ -11,18 +12,21 @@
 
 namespace sightline::bench {
 
-core::Expected<std::unique_ptr<Subject>> Subject::create(core::Scene& scene, const Config& c, const LevelChain* chain) {
+namespace {
+
+engine::Engine make_engine(core::Scene& scene, const Subject::Config& c, bool levels) {
   engine::EngineConfig config = drawing_config(c.width, c.height, c.platform);
   config.culling.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
-  if (!chain) config.losses.lod_error = 1.0;                // so that levels are built
-  auto engine = engine::Engine::create(scene, config);
-  if (!engine) return tl::unexpected(engine.error());
-  if (auto built = engine->finish_levels(); !built) return tl::unexpected(built.error());
-  return std::unique_ptr<Subject>(new Subject(std::move(*engine), chain));
+  if (levels) config.losses.lod_error = 1.0;                // so that they are built
+  engine::Engine engine = apps::need(engine::Engine::create(scene, config));
+  apps::need(engine.finish_levels());
+  return engine;
 }
 
-Subject::Subject(engine::Engine&& engine, const LevelChain* chain)
-    : engine_(std::move(engine)),
+}  // namespace
+
+Subject::Subject(core::Scene& scene, const Config& config, const LevelChain* chain)
+    : engine_(make_engine(scene, config, !chain)),
       chain_(chain),
       culler_((chain ? chain->model() : engine_.snapshot()).bounds()),
       of_chain_(chain ? std::make_unique<culling::Hierarchy>(engine_.snapshot().bounds()) : nullptr),
@@ -51,7 +55,6 @@ core::Expected<Took> Subject::draw(const Rule& rule, const core::View& view) {
       break;
     case Measure::kOpenSceneGraph:
     case Measure::kOpenCascade:
-    case Measure::kSphere:
       keep_large(rule, view, target.width(), target.height(), snapshot, visible_, large_);
       break;
     case Measure::kChain:
@@ -70,14 +73,12 @@ core::Expected<Took> Subject::draw(const Rule& rule, const core::View& view) {
 }
 
 core::Expected<Took> Subject::draw_again(const Rule& rule, const core::View& view) {
-  if (auto ms = draw(rule, view); !ms) return ms;
-  return draw(rule, view);
+  return draw(rule, view).and_then([&](const Took&) { return draw(rule, view); });
 }
 
-core::Expected<apps::DrawnImage> Subject::image(const core::View& view, const std::vector<core::ItemId>& original) {
-  auto image = apps::read_image(engine_, view);
-  if (!image) return image;
-  for (std::uint32_t& id : image->ids.ids)
+apps::DrawnImage Subject::image(const core::View& view, const std::vector<core::ItemId>& original) {
+  apps::DrawnImage image = apps::need(apps::read_image(engine_, view));
+  for (std::uint32_t& id : image.ids.ids)
     if (id > 0 && id <= original.size()) id = to_index(original[id - 1]) + 1;
   return image;
 }

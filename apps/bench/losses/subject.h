@@ -1,10 +1,10 @@
 // An engine that draws a model by rules, one image at a time. Internal to sightline-bench contribution and lod.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <vector>
 
+#include "sightline/apps/bench/error_time/comparison.h"
 #include "sightline/apps/bench/losses/level_chain.h"
 #include "sightline/apps/bench/losses/rules.h"
 #include "sightline/apps/bench/losses/surface_error.h"
@@ -16,11 +16,6 @@
 
 namespace sightline::bench {
 
-/// Milliseconds of wall clock, and of all threads of the process.
-struct Took {
-  double ms, processor_ms;
-};
-
 class Subject {
  public:
   struct Config {
@@ -28,8 +23,9 @@ class Subject {
     gl::ContextPlatform platform;
   };
   /// Commits the scene, which must outlive the subject. With a `chain`, the scene is that of the chain.
-  static core::Expected<std::unique_ptr<Subject>> create(core::Scene& scene, const Config& config,
-                                                         const LevelChain* chain = nullptr);
+  Subject(core::Scene& scene, const Config& config, const LevelChain* chain = nullptr);
+  Subject(const Subject&) = delete;
+  Subject& operator=(const Subject&) = delete;
 
   /// Whether any mesh has levels.
   bool has_levels();
@@ -42,11 +38,9 @@ class Subject {
   /// Draws again after a frame that does not count, which tells the occlusion passes what was visible.
   core::Expected<Took> draw_again(const Rule& rule, const core::View& view);
   /// Reads the last image. `original`: the model's item of each item, by id; empty: itself.
-  core::Expected<apps::DrawnImage> image(const core::View& view, const std::vector<core::ItemId>& original);
+  apps::DrawnImage image(const core::View& view, const std::vector<core::ItemId>& original);
 
  private:
-  Subject(engine::Engine&& engine, const LevelChain* chain);
-
   engine::Engine engine_;
   const LevelChain* chain_;
   culling::CpuCuller culler_;                     // of the model
