@@ -226,7 +226,7 @@ step_images() {
 step_stability() {
   local rays=200
   if [ "$(items 1000000)" -lt 500000 ]; then rays=5; fi
-  unsaid=' ok *$' show 20 sightline-stability --path glsl --rays $rays
+  unsaid=' ok  *|$' show 20 sightline-stability --path glsl --rays $rays
 }
 
 # --- times -----------------------------------------------------------------------------------------------------------

@@ -20,14 +20,14 @@ TEST_P(Fuzz, ShaderAndReferenceAgree) {
     if (!tests::may_skip(shaders.error().message)) FAIL() << shaders.error().message;
     GTEST_SKIP() << shaders.error().message;
   }
-  const auto figures = fuzz(*shaders, GetParam(), 20'000, kSeed);
-  ASSERT_TRUE(figures) << figures.error().message;
-  EXPECT_EQ(figures->not_finite, 0);
-  EXPECT_EQ(figures->outside, 0);
-  EXPECT_EQ(figures->disagree, 0);
-  EXPECT_GT(figures->hits, 4000);
+  const auto counts = fuzz(*shaders, GetParam(), 20'000, kSeed);
+  ASSERT_TRUE(counts) << counts.error().message;
+  EXPECT_EQ(counts->not_finite, 0);
+  EXPECT_EQ(counts->outside, 0);
+  EXPECT_EQ(counts->disagree, 0);
+  EXPECT_GT(counts->hits, 4000);
   if (!HasFailure()) return;
-  for (const std::string& example : figures->examples) ADD_FAILURE() << example;
+  for (const std::string& example : counts->examples) ADD_FAILURE() << example;
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Fuzz,

@@ -277,11 +277,11 @@ struct Exam {
       answers.push_back(answer);
     }
   }
-  Figures judged() const { return judge(samples, truths, answers, limits); }
+  CaseErrors judged() const { return judge(samples, truths, answers, limits); }
 };
 
 TEST(Judge, PassesRightAnswers) {
-  const Figures f = Exam().judged();
+  const CaseErrors f = Exam().judged();
   EXPECT_TRUE(f.ok());
   EXPECT_EQ(f.rays, 4);
   EXPECT_EQ(f.hits, 3);

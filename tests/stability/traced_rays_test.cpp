@@ -19,15 +19,15 @@ class TracedRays : public testing::TestWithParam<Shard> {};
 
 TEST_P(TracedRays, AreRight) {
   const auto [kind, seed] = GetParam();
-  const TracedFigures figures = trace_rays(kind, kRays, seed);
-  EXPECT_EQ(figures.rays, kRays);
-  EXPECT_EQ(figures.wrong, 0);
-  EXPECT_LE(figures.worst, 1.0);
-  EXPECT_GT(figures.hits, kRays / 2);
+  const TracedCounts counts = trace_rays(kind, kRays, seed);
+  EXPECT_EQ(counts.rays, kRays);
+  EXPECT_EQ(counts.wrong, 0);
+  EXPECT_LE(counts.worst, 1.0);
+  EXPECT_GT(counts.hits, kRays / 2);
   // Rays are aimed at edges, too. Bad triangles nearly are edges.
-  EXPECT_LT(figures.grazes, kind == core::Kind::kMesh ? kRays : kRays / 4);
-  EXPECT_LT(figures.ties, kRays / 100);
-  for (const std::string& example : figures.examples) ADD_FAILURE() << example;
+  EXPECT_LT(counts.grazes, kind == core::Kind::kMesh ? kRays : kRays / 4);
+  EXPECT_LT(counts.ties, kRays / 100);
+  for (const std::string& example : counts.examples) ADD_FAILURE() << example;
 }
 
 std::string shard_name(const testing::TestParamInfo<Shard>& info) {

@@ -134,28 +134,28 @@ std::string describe(const char* what, const Sample& sample) {
 
 class Fuzz {
  public:
-  explicit Fuzz(Kind kind) { figures_.kind = kind; }
+  explicit Fuzz(Kind kind) { counts_.kind = kind; }
 
   void judge(const Sample& sample, const Answer& shader) {
-    ++figures_.sets;
-    figures_.hits += shader.hits.count > 0;
+    ++counts_.sets;
+    counts_.hits += shader.hits.count > 0;
     const bool finite = all(sample.primitive, is_finite);
-    figures_.finite += finite;
+    counts_.finite += finite;
     const Answer exact = intersect_on_cpu(sample);
     if (!numbers(shader.hits) || !numbers(exact.hits)) {
-      blame(figures_.not_finite, numbers(shader.hits) ? "not finite in double:" : "not finite:", sample);
+      blame(counts_.not_finite, numbers(shader.hits) ? "not finite in double:" : "not finite:", sample);
       return;
     }
     if (!finite) {
-      if (shader.hits.count > 0) blame(figures_.disagree, "hit without finite parameters:", sample);
+      if (shader.hits.count > 0) blame(counts_.disagree, "hit without finite parameters:", sample);
       return;
     }
     if (!within_bounds(sample, exact.hits) && !within_bounds(sample, true_hits(sample)))
-      blame(figures_.outside, "outside bounds:", sample);
+      blame(counts_.outside, "outside bounds:", sample);
     if (all(sample.primitive, is_sane) && (shader.hits.count > 0) != (exact.hits.count > 0)) disagree(sample, shader);
   }
 
-  FuzzFigures finish() { return std::move(figures_); }
+  FuzzCounts finish() { return std::move(counts_); }
 
  private:
   static bool numbers(const gpuprims::Hits& hits) {
@@ -183,7 +183,7 @@ class Fuzz {
     const Truth truth = find_truth(sample);
     if (truth.crossings.empty() == (shader.hits.count == 0)) return;  // then double was wrong
     if (is_thin(sample.primitive)) {
-      ++figures_.thin;
+      ++counts_.thin;
       return;
     }
     double band = kFuzzBand;
@@ -191,28 +191,28 @@ class Fuzz {
       return near_tie(truth.crossings, neighbours(sample.primitive, truth.ray, band * sample.radius));
     };
     if (tie()) {
-      ++figures_.in_band;
+      ++counts_.in_band;
       return;
     }
     while (!tie() && band < 1.0) band *= 10.0;
     char what[80];
     std::snprintf(what, sizeof(what), "false %s, a tie within %.0e sizes:", truth.crossings.empty() ? "hit" : "miss",
                   band);
-    blame(figures_.disagree, what, sample);
+    blame(counts_.disagree, what, sample);
   }
 
   void blame(std::int64_t& count, const char* what, const Sample& sample) {
     constexpr std::size_t kExamples = 10;
     ++count;
-    if (figures_.examples.size() < kExamples) figures_.examples.push_back(describe(what, sample));
+    if (counts_.examples.size() < kExamples) counts_.examples.push_back(describe(what, sample));
   }
 
-  FuzzFigures figures_;
+  FuzzCounts counts_;
 };
 
 }  // namespace
 
-core::Expected<FuzzFigures> fuzz(GlslRays& shaders, Kind kind, std::int64_t sets, std::uint64_t seed) {
+core::Expected<FuzzCounts> fuzz(GlslRays& shaders, Kind kind, std::int64_t sets, std::uint64_t seed) {
   constexpr std::int64_t kBatch = 20'000;
   Random random(seed + 1000 * std::uint64_t(kind));
   Fuzz judge(kind);

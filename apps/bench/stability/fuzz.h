@@ -6,7 +6,7 @@
 
 namespace sightline::bench {
 
-struct FuzzFigures {
+struct FuzzCounts {
   core::Kind kind = core::Kind::kCylinder;
   std::int64_t sets = 0;              ///< sets of parameters, one ray each
   std::int64_t finite = 0;            ///< sets whose parameters are all finite
@@ -30,6 +30,6 @@ inline constexpr double kFuzzBand = 2e-6, kFuzzThin = 1e-6;
 /// anywhere in that range. A fifth contains zeros, negatives, denormals, huge numbers, infinities and NaN. Agreement is
 /// required for sets whose parameters are all 0 or within 1e-6 ... 1e6: first with gpuprims::intersect, and if
 /// that differs, with the reference in 113 bits.
-core::Expected<FuzzFigures> fuzz(GlslRays& shaders, core::Kind kind, std::int64_t sets, std::uint64_t seed);
+core::Expected<FuzzCounts> fuzz(GlslRays& shaders, core::Kind kind, std::int64_t sets, std::uint64_t seed);
 
 }  // namespace sightline::bench

@@ -13,9 +13,11 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
+#include "sightline/apps/common/table.h"
 #include "sightline/core/thread_pool.h"
 #include "sightline/importers/json/internal/json.h"
 #if SIGHTLINE_HAS_GL
@@ -29,6 +31,7 @@
 namespace {
 
 using namespace sightline;
+using apps::need;
 using bench::Case;
 using bench::Path;
 using bench::Result;
@@ -96,53 +99,47 @@ Result result_of(const Case& c, Path path, const Prepared& p, const std::vector<
 }
 
 /// Without GL nothing is measured; that is an error only if the shaders were requested.
-core::Expected<void> measure_shaders([[maybe_unused]] const std::vector<Case>& cases,
-                                     [[maybe_unused]] const std::vector<Prepared>& prepared, const Options& options,
-                                     [[maybe_unused]] std::vector<std::vector<Result>>& by_case) {
+void measure_shaders([[maybe_unused]] const std::vector<Case>& cases,
+                     [[maybe_unused]] const std::vector<Prepared>& prepared, const Options& options,
+                     [[maybe_unused]] std::vector<std::vector<Result>>& by_case) {
 #if SIGHTLINE_HAS_GL
   auto shaders = bench::GlslRays::create(options.platform);
   if (!shaders && options.paths.empty()) {
     std::fprintf(stderr, "sightline-stability: without the shaders: %s\n", shaders.error().message.c_str());
-    return {};
+    return;
   }
-  if (!shaders) return tl::unexpected(shaders.error());
+  bench::GlslRays glsl = need(std::move(shaders));
   apps::Progress progress("shaders", cases.size());
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const auto answers = shaders->trace(cases[i].kind, prepared[i].samples);
-    if (!answers) return tl::unexpected(answers.error());
-    by_case[i].push_back(result_of(cases[i], Path::kGlsl, prepared[i], *answers));
+    const auto answers = need(glsl.trace(cases[i].kind, prepared[i].samples));
+    by_case[i].push_back(result_of(cases[i], Path::kGlsl, prepared[i], answers));
     progress.advance(i + 1);
   }
 #else
-  if (!options.paths.empty()) return core::fail("--path glsl: this build has no GL");
+  if (!options.paths.empty()) apps::fail("--path glsl: this build has no GL");
 #endif
-  return {};
 }
 
 /// Measures the cases that need a whole image, after those of single rays.
-core::Expected<void> measure_views([[maybe_unused]] const Options& options,
-                                   [[maybe_unused]] std::vector<Result>& results) {
+void measure_views([[maybe_unused]] const Options& options, [[maybe_unused]] std::vector<Result>& results) {
 #if SIGHTLINE_HAS_GL
   std::vector<bench::ViewCase> cases = bench::view_cases(options.seed);
   std::erase_if(cases, [&](const bench::ViewCase& c) {
     return !wanted(options.primitives, core::name_of(c.kind)) || !wanted(options.families, c.family);
   });
-  if (cases.empty() || !wanted(options.paths, "glsl")) return {};
-  auto views = bench::ViewRays::create(options.platform);
-  if (!views && options.paths.empty()) return {};  // already reported
-  if (!views) return tl::unexpected(views.error());
+  if (cases.empty() || !wanted(options.paths, "glsl")) return;
+  auto created = bench::ViewRays::create(options.platform);
+  if (!created && options.paths.empty()) return;  // already reported
+  bench::ViewRays views = need(std::move(created));
   apps::Progress progress("views", cases.size());
   for (const bench::ViewCase& c : cases) {
-    const auto figures = views->judge_image(c, options.rays);
-    if (!figures) return tl::unexpected(figures.error());
-    results.push_back({c.kind, c.family, c.name(), c.magnitude, Path::kGlsl, *figures});
+    results.push_back({c.kind, c.family, c.name(), c.magnitude, Path::kGlsl, need(views.judge_image(c, options.rays))});
     progress.advance(results.size());
   }
 #endif
-  return {};
 }
 
-core::Expected<std::vector<Result>> measure(const std::vector<Case>& cases, const Options& options) {
+std::vector<Result> measure(const std::vector<Case>& cases, const Options& options) {
   std::vector<Prepared> prepared(cases.size());
   std::vector<std::vector<Result>> by_case(cases.size());
   for_all("cases", cases.size(), [&](std::size_t i) {
@@ -155,33 +152,56 @@ core::Expected<std::vector<Result>> measure(const std::vector<Case>& cases, cons
     for (const bench::Sample& sample : p.samples) answers.push_back(bench::intersect_on_cpu(sample));
     by_case[i].push_back(result_of(c, Path::kDouble, p, answers));
   });
-  if (wanted(options.paths, "glsl"))
-    if (auto done = measure_shaders(cases, prepared, options, by_case); !done) return tl::unexpected(done.error());
+  if (wanted(options.paths, "glsl")) measure_shaders(cases, prepared, options, by_case);
   std::vector<Result> results;
   for (const std::vector<Result>& some : by_case) results.insert(results.end(), some.begin(), some.end());
+  measure_views(options, results);
   return results;
 }
 
 // --- reports ---------------------------------------------------------------------------------------------------------
 
-void print_head() {
-  std::printf("%-17s %-20s %-6s %7s %7s %9s %9s %9s %9s %6s %6s %6s  %s\n", "primitive", "case", "path", "rays", "hits",
-              "max t/r", "99.9 %", "bound", "normal", "false+", "false-", "ties", "");
-}
+constexpr apps::Column kCaseColumns[] = {{"primitive", "primitive"},
+                                         {"case", "case"},
+                                         {"path", "path"},
+                                         {"rays", "rays", "{:.0f}"},
+                                         {"hits", "hits", "{:.0f}"},
+                                         {"max t/r", "max_rel_t_error", "{:.1e}"},
+                                         {"99.9 %", "p999_rel_t_error", "{:.1e}"},
+                                         {"bound", "bound", "{:.1e}"},
+                                         {"normal, deg", "max_normal_error_deg", "{:.1e}"},
+                                         {"false+", "false_hits", "{:.0f}"},
+                                         {"false-", "false_misses", "{:.0f}"},
+                                         {"not finite", "not_finite", "{:.0f}"},
+                                         {"ties", "in_band", "{:.0f}"},
+                                         {"", "verdict"}};
+constexpr apps::Column kFuzzColumns[] = {{"primitive", "primitive"},
+                                         {"sets", "sets", "{:.0f}"},
+                                         {"finite", "finite", "{:.0f}"},
+                                         {"hits", "hits", "{:.0f}"},
+                                         {"not finite", "not_finite", "{:.0f}"},
+                                         {"outside", "outside_bounds", "{:.0f}"},
+                                         {"disagree", "disagree", "{:.0f}"},
+                                         {"in band", "in_band", "{:.0f}"},
+                                         {"thin", "thin", "{:.0f}"},
+                                         {"", "verdict"}};
+constexpr apps::Column kTraceColumns[] = {{"scenes", "scenes"},
+                                          {"rays", "rays", "{:.0f}"},
+                                          {"hits", "hits", "{:.0f}"},
+                                          {"crossings", "crossings", "{:.0f}"},
+                                          {"ties", "ties", "{:.0f}"},
+                                          {"grazes", "grazes", "{:.0f}"},
+                                          {"worst", "worst", "{:.1e}"},
+                                          {"wrong", "wrong", "{:.0f}"},
+                                          {"", "verdict"}};
 
-void print(const Result& r) {
-  const bench::Figures& f = r.figures;
-  std::printf("%-17s %-20s %-6s %7d %7d %9.1e %9.1e %9.1e %9.1e %6d %6d %6d  %s\n",
-              std::string(core::name_of(r.kind)).c_str(), r.name.c_str(), std::string(path_name(r.path)).c_str(),
-              f.rays, f.hits, f.max_t, f.p999_t, f.limits.t, f.max_normal, f.false_hits, f.false_misses, f.ties,
-              f.ok()             ? "ok"
-              : f.not_finite > 0 ? "NOT FINITE"
-                                 : "FAILS");
+const char* verdict(bool ok) {
+  return ok ? "ok" : "FAILS";
 }
 
 /// Larger is worse. Failing cases come before all others.
 double badness(const Result& r) {
-  const bench::Figures& f = r.figures;
+  const bench::CaseErrors& f = r.errors;
   const double t = f.max_t / f.limits.t;
   return f.ok() ? t : 1e6 + t + f.false_hits + f.false_misses;
 }
@@ -204,7 +224,7 @@ std::vector<Result> worst_of_families(const std::vector<Result>& results) {
 Json to_json(const std::vector<Result>& results) {
   Json cases = Json::array();
   for (const Result& r : results) {
-    const bench::Figures& f = r.figures;
+    const bench::CaseErrors& f = r.errors;
     cases.push_back({{"primitive", core::name_of(r.kind)},
                      {"case", r.name},
                      {"path", path_name(r.path)},
@@ -214,6 +234,7 @@ Json to_json(const std::vector<Result>& results) {
                      {"false_misses", f.false_misses},
                      {"bound", f.limits.t},
                      {"ok", f.ok()},
+                     {"verdict", verdict(f.ok())},
                      {"family", r.family},
                      {"magnitude", r.magnitude},
                      {"hits", f.hits},
@@ -224,7 +245,7 @@ Json to_json(const std::vector<Result>& results) {
                      {"in_band", f.ties},
                      {"wrong_allowed", f.limits.wrong}});
   }
-  return {{"cases", cases}};
+  return cases;
 }
 
 /// Error against magnitude: a panel for each family, and a line for each path with the worst of all kinds. Magnitude 0
@@ -241,8 +262,8 @@ std::string plot(const std::vector<Result>& results) {
       double& known = worst[{r.family, line, magnitude}];
       known = std::max(known, value);
     };
-    note(std::string(path_name(r.path)), r.figures.max_t);
-    note(wide ? "bound of double" : "bound of glsl", r.figures.limits.t);
+    note(std::string(path_name(r.path)), r.errors.max_t);
+    note(wide ? "bound of double" : "bound of glsl", r.errors.limits.t);
     if (least.try_emplace(r.family, HUGE_VAL).second) panels.push_back({r.family, {}});
     if (magnitude > 0.0) least[r.family] = std::min(least[r.family], magnitude);
   }
@@ -261,23 +282,21 @@ std::string plot(const std::vector<Result>& results) {
                            .own_x = true});
 }
 
+void print_examples(const std::vector<std::string>& examples, std::FILE* out) {
+  for (const std::string& example : examples) std::fprintf(out, "    %s\n", example.c_str());
+}
+
 #if SIGHTLINE_HAS_GL
 core::Expected<int> run_fuzz(const Options& options) {
-  auto shaders = bench::GlslRays::create(options.platform);
-  if (!shaders) return tl::unexpected(shaders.error());
+  bench::GlslRays shaders = need(bench::GlslRays::create(options.platform));
   Json kinds = Json::array();
+  std::vector<std::string> examples;
   bool ok = true;
-  const bool table = options.json != "-";
-  if (table)
-    std::printf("%-17s %9s %9s %9s %10s %9s %9s %9s %9s\n", "primitive", "sets", "finite", "hits", "not finite",
-                "outside", "disagree", "in band", "thin");
-  for (int i = 0; i < core::kPrimitiveKindCount; ++i) {
-    const auto kind = core::Kind(i);
-    if (kind == core::Kind::kLine || !wanted(options.primitives, core::name_of(kind))) continue;
-    const auto done = bench::fuzz(*shaders, kind, options.fuzz, options.seed);
-    if (!done) return tl::unexpected(done.error());
-    const bench::FuzzFigures& f = *done;
+  for (const core::Kind kind : bench::kSolids) {
+    if (!wanted(options.primitives, core::name_of(kind))) continue;
+    const bench::FuzzCounts f = need(bench::fuzz(shaders, kind, options.fuzz, options.seed));
     ok = ok && f.ok();
+    examples.insert(examples.end(), f.examples.begin(), f.examples.end());
     kinds.push_back({{"primitive", core::name_of(kind)},
                      {"sets", f.sets},
                      {"finite", f.finite},
@@ -288,18 +307,13 @@ core::Expected<int> run_fuzz(const Options& options) {
                      {"in_band", f.in_band},
                      {"thin", f.thin},
                      {"band_of_size", bench::kFuzzBand},
-                     {"ok", f.ok()}});
-    if (!table) continue;
-    std::printf("%-17s %9lld %9lld %9lld %10lld %9lld %9lld %9lld %9lld  %s\n",
-                std::string(core::name_of(kind)).c_str(), static_cast<long long>(f.sets),
-                static_cast<long long>(f.finite), static_cast<long long>(f.hits), static_cast<long long>(f.not_finite),
-                static_cast<long long>(f.outside), static_cast<long long>(f.disagree),
-                static_cast<long long>(f.in_band), static_cast<long long>(f.thin), f.ok() ? "ok" : "FAILS");
-    for (const std::string& example : f.examples) std::printf("    %s\n", example.c_str());
-    std::fflush(stdout);
+                     {"ok", f.ok()},
+                     {"verdict", verdict(f.ok())}});
   }
-  if (auto written = apps::write_json(options.json, Json{{"fuzz", kinds}}); !written)
-    return tl::unexpected(written.error());
+  std::FILE* out = apps::table_stream(options.json);
+  apps::print_table(kinds, kFuzzColumns, out);
+  print_examples(examples, out);
+  need(apps::write_json(options.json, Json{{"fuzz", kinds}}));
   return ok ? apps::kExitOk : apps::kExitFailure;
 }
 #else
@@ -323,18 +337,17 @@ core::Expected<int> run_trace(const Options& options) {
   if (kinds.empty()) return core::fail("nothing to trace: no scenes of that kind");
   constexpr std::int64_t kPart = 10'000;
   const std::int64_t parts = (options.trace + kPart - 1) / kPart;
-  std::map<std::string, bench::TracedFigures> figures;
+  std::map<std::string, bench::TracedCounts> counts;
   std::mutex access;
   for_all("rays", std::size_t(parts), [&](std::size_t part) {
     const bench::TracedKind kind = kinds[part % kinds.size()];
     const std::int64_t rays = std::min(kPart, options.trace - std::int64_t(part) * kPart);
     const auto found = bench::trace_rays(kind, rays, options.seed + part);
     const std::lock_guard lock(access);
-    figures[kind ? std::string(core::name_of(*kind)) : "mixed"].add(found);
+    counts[kind ? std::string(core::name_of(*kind)) : "mixed"].add(found);
   });
   Json rows = Json::array();
-  bench::TracedFigures all;
-  const auto tell = [&](const std::string& scenes, const bench::TracedFigures& f) {
+  const auto add = [&](const std::string& scenes, const bench::TracedCounts& f) {
     rows.push_back({{"scenes", scenes},
                     {"rays", f.rays},
                     {"hits", f.hits},
@@ -342,25 +355,16 @@ core::Expected<int> run_trace(const Options& options) {
                     {"ties", f.ties},
                     {"grazes", f.grazes},
                     {"worst", f.worst},
-                    {"wrong", f.wrong}});
-    if (options.json == "-") return;
-    std::printf("%-17s %11lld %11lld %11lld %9lld %10lld %9.1e %7lld  %s\n", scenes.c_str(),
-                static_cast<long long>(f.rays), static_cast<long long>(f.hits), static_cast<long long>(f.crossings),
-                static_cast<long long>(f.ties), static_cast<long long>(f.grazes), f.worst,
-                static_cast<long long>(f.wrong), f.ok() ? "ok" : "FAILS");
-    for (const std::string& example : f.examples) std::printf("    %s\n", example.c_str());
+                    {"wrong", f.wrong},
+                    {"verdict", verdict(f.ok())}});
   };
-  if (options.json != "-")
-    std::printf("%-17s %11s %11s %11s %9s %10s %9s %7s\n", "scenes", "rays", "hits", "crossings", "ties", "grazes",
-                "worst", "wrong");
-  for (auto& [scenes, found] : figures) {
-    tell(scenes, found);
-    found.examples.clear();
-    all.add(found);
-  }
-  tell("all", all);
-  if (auto written = apps::write_json(options.json, Json{{"trace", rows}}); !written)
-    return tl::unexpected(written.error());
+  bench::TracedCounts all;
+  for (const auto& [scenes, found] : counts) add(scenes, found), all.add(found);
+  add("all", all);
+  std::FILE* out = apps::table_stream(options.json);
+  apps::print_table(rows, kTraceColumns, out);
+  print_examples(all.examples, out);
+  need(apps::write_json(options.json, Json{{"trace", rows}}));
   return all.ok() ? apps::kExitOk : apps::kExitFailure;
 }
 #else
@@ -376,21 +380,14 @@ core::Expected<int> run(const Options& options) {
   for (Case& c : bench::stability_cases())
     if (wanted(options.primitives, core::name_of(c.kind)) && wanted(options.families, c.family))
       cases.push_back(std::move(c));
-  auto measured = measure(cases, options);
-  if (!measured) return tl::unexpected(measured.error());
-  if (auto done = measure_views(options, *measured); !done) return tl::unexpected(done.error());
-  const std::vector<Result>& results = *measured;
+  const std::vector<Result> results = measure(cases, options);
   if (results.empty()) return core::fail("nothing to measure: no case of that kind, family and path");
-
-  if (options.json != "-") {
-    print_head();
-    for (const Result& r : options.details ? results : worst_of_families(results)) print(r);
-  }
-  const auto failed = std::count_if(results.begin(), results.end(), [](const Result& r) { return !r.figures.ok(); });
-  if (options.json != "-") std::printf("%zu cases, %zu past a bound\n", results.size(), std::size_t(failed));
-  if (auto done = apps::write_json(options.json, to_json(results)); !done) return tl::unexpected(done.error());
-  if (!options.plot.empty())
-    if (auto done = apps::write_text(options.plot, plot(results)); !done) return tl::unexpected(done.error());
+  const auto failed = std::ranges::count_if(results, [](const Result& r) { return !r.errors.ok(); });
+  std::FILE* out = apps::table_stream(options.json);
+  apps::print_table(to_json(options.details ? results : worst_of_families(results)), kCaseColumns, out);
+  std::fprintf(out, "%zu cases, %zu past a bound\n", results.size(), std::size_t(failed));
+  need(apps::write_json(options.json, Json{{"cases", to_json(results)}}));
+  if (!options.plot.empty()) need(apps::write_text(options.plot, plot(results)));
   return failed == 0 ? apps::kExitOk : apps::kExitFailure;
 }
 
@@ -403,7 +400,7 @@ int main(int argc, char** argv) {
                          "  sightline-stability --primitive cylinder --case slenderness --details\n"
                          "  sightline-stability --fuzz 1000000 --primitive snout\n"
                          "  sightline-stability --trace 1000000 --seed 101\n"
-                         "  sightline-stability --path double --rays 100000 --json figures.json");
+                         "  sightline-stability --path double --rays 100000 --json results.json");
   Options options;
   add_options(line, options);
   return line.run(argc, argv, [&] { return run(options); });

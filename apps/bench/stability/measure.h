@@ -1,4 +1,4 @@
-// Figures of one case on one path: the crossings that the path computes, judged by the reference.
+// CaseErrors of one case on one path: the crossings that the path computes, judged by the reference.
 #pragma once
 
 #include <span>
@@ -21,7 +21,7 @@ struct Answer {
   bool first_only = false;  ///< a shader returns only the nearest crossing
 };
 
-struct Figures {
+struct CaseErrors {
   int rays = 0, hits = 0;                ///< hits: rays on which the reference has crossings
   int false_hits = 0, false_misses = 0;  ///< too many or too few crossings, on rays outside the band
   int ties = 0;                          ///< rays within the band whose result is not counted as an error
@@ -39,7 +39,7 @@ struct Result {
   std::string family, name;  ///< see Case
   double magnitude = 0.0;
   Path path = Path::kDouble;
-  Figures figures;
+  CaseErrors errors;
 };
 
 /// The samples of a case. The same seed gives the same samples.
@@ -56,7 +56,7 @@ Truth find_truth(const Sample& sample);
 Answer intersect_on_cpu(const Sample& sample);
 
 /// Compares answers with the truth, one of each per sample.
-Figures judge(std::span<const Sample> samples, std::span<const Truth> truths, std::span<const Answer> answers,
-              const Limits& limits);
+CaseErrors judge(std::span<const Sample> samples, std::span<const Truth> truths, std::span<const Answer> answers,
+                 const Limits& limits);
 
 }  // namespace sightline::bench

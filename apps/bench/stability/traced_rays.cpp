@@ -44,12 +44,12 @@ struct ManyAnswer {
 
 class AnswerJudge {
  public:
-  AnswerJudge(const TracedScene& world, std::string place, TracedFigures& figures)
-      : world_(world), place_(std::move(place)), figures_(figures) {}
+  AnswerJudge(const TracedScene& world, std::string place, TracedCounts& counts)
+      : world_(world), place_(std::move(place)), counts_(counts) {}
 
   /// `of_many`: nothing if they were refused.
   void add(const Ray& ray, const std::optional<ManyAnswer>& of_many) {
-    ++figures_.rays;
+    ++counts_.rays;
     ray_ = ray;
     length_ = glm::length(ray.direction);
     wrong_ = graze_ = false;
@@ -63,20 +63,20 @@ class AnswerJudge {
     } else {
       fail("all() refused the ray");
     }
-    figures_.grazes += graze_;
-    figures_.wrong += wrong_;
+    counts_.grazes += graze_;
+    counts_.wrong += wrong_;
   }
 
  private:
   void fail(const std::string& what) {
     wrong_ = true;
-    if (figures_.examples.size() >= 10) return;
+    if (counts_.examples.size() >= 10) return;
     char text[400];
     std::snprintf(text, sizeof(text),
                   "%s: %s; from (%.17g %.17g %.17g) along (%.17g %.17g %.17g), t from %.17g to %.17g", place_.c_str(),
                   what.c_str(), ray_.origin.x, ray_.origin.y, ray_.origin.z, ray_.direction.x, ray_.direction.y,
                   ray_.direction.z, ray_.t_min, ray_.t_max);
-    figures_.examples.emplace_back(text);
+    counts_.examples.emplace_back(text);
   }
   std::string name(const TracedItem& item) const {
     return std::string(core::name_of(world_.snapshot->kind(item.slot))) + " in slot " + std::to_string(item.slot);
@@ -119,7 +119,7 @@ class AnswerJudge {
   }
 
   void judge_all() {
-    figures_.crossings += std::int64_t(all_.size());
+    counts_.crossings += std::int64_t(all_.size());
     for (const TracedItem& item : world_.items) {
       found_.clear();
       for (const Hit& hit : all_)
@@ -184,7 +184,7 @@ class AnswerJudge {
       if (!same_face(item, found_[i], base[i])) worst = kInfinity;
     }
     if (right && worst <= 1.0) {
-      figures_.worst = std::max(figures_.worst, worst);
+      counts_.worst = std::max(counts_.worst, worst);
       return;
     }
     expected_.resize(expected_.size() - base.size());
@@ -405,7 +405,7 @@ class AnswerJudge {
     const auto any = world_.tracer->any(ray_);
     if (!hit || !any || !of_many) return fail("nearest() refused the ray");
     judge_answers("", *hit ? &**hit : nullptr, *any);
-    figures_.hits += hit->has_value();
+    counts_.hits += hit->has_value();
     judge_answers(" of many", of_many->hit.slot == core::kNone ? nullptr : &of_many->hit, of_many->any);
   }
 
@@ -433,7 +433,7 @@ class AnswerJudge {
     const std::string found = "nearest()" + how + " finds slot " + std::to_string(hit->slot) + " at " + digits(hit->t);
     if (width < 0.0 || !(hit->t >= ray_.t_min && hit->t <= ray_.t_max)) return fail(found);
     if (hit->t - width - mesh_slack(hit->slot) > last) return fail(found + " behind what ends at " + digits(last));
-    if (how.empty() && nearest && nearest->slot != hit->slot && hit->t >= nearest->low) ++figures_.ties;
+    if (how.empty() && nearest && nearest->slot != hit->slot && hit->t >= nearest->low) ++counts_.ties;
   }
 
   /// Along the ray meshes are known to kMeshError, too.
@@ -446,7 +446,7 @@ class AnswerJudge {
 
   const TracedScene& world_;
   std::string place_;
-  TracedFigures& figures_;
+  TracedCounts& counts_;
   Ray ray_;
   double length_ = 1.0;
   bool wrong_ = false, graze_ = false;
@@ -456,19 +456,19 @@ class AnswerJudge {
 
 /// Traces the rays each by itself and all together.
 void judge_rays(const TracedScene& world, const std::string& place, const std::vector<Ray>& rays,
-                TracedFigures& figures) {
+                TracedCounts& counts) {
   std::vector<Hit> hits(rays.size());
   const auto any = std::make_unique<bool[]>(rays.size());
   const bool traced = world.tracer->nearest(rays, hits) && world.tracer->any(rays, {any.get(), rays.size()});
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    AnswerJudge judge(world, place + ", ray " + std::to_string(i), figures);
+    AnswerJudge judge(world, place + ", ray " + std::to_string(i), counts);
     judge.add(rays[i], traced ? std::optional(ManyAnswer{hits[i], any[i]}) : std::nullopt);
   }
 }
 
 }  // namespace
 
-void TracedFigures::add(const TracedFigures& other) {
+void TracedCounts::add(const TracedCounts& other) {
   rays += other.rays;
   scenes += other.scenes;
   hits += other.hits;
@@ -481,19 +481,19 @@ void TracedFigures::add(const TracedFigures& other) {
     if (examples.size() < 10) examples.push_back(example);
 }
 
-TracedFigures trace_rays(TracedKind kind, std::int64_t rays, std::uint64_t seed) {
-  TracedFigures figures;
+TracedCounts trace_rays(TracedKind kind, std::int64_t rays, std::uint64_t seed) {
+  TracedCounts counts;
   Random seeds(seed);
-  while (figures.rays < rays) {
+  while (counts.rays < rays) {
     Random random(seeds.bits());
     const auto world = make_traced_scene(kind, random);
     if (!world || world->items.empty()) continue;
-    const std::string place = "seed " + std::to_string(seed) + ", scene " + std::to_string(figures.scenes);
-    ++figures.scenes;
-    judge_rays(*world, place, rays_at(*world, std::min<std::int64_t>(kRaysPerScene, rays - figures.rays), random),
-               figures);
+    const std::string place = "seed " + std::to_string(seed) + ", scene " + std::to_string(counts.scenes);
+    ++counts.scenes;
+    judge_rays(*world, place, rays_at(*world, std::min<std::int64_t>(kRaysPerScene, rays - counts.rays), random),
+               counts);
   }
-  return figures;
+  return counts;
 }
 
 }  // namespace sightline::bench

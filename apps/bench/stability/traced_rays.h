@@ -13,7 +13,7 @@ namespace sightline::bench {
 
 /// Counts of rays. An answer is right within raytrace::kSolidError and kMeshError, as raytrace/tracer.h defines them.
 /// Where the bounds of two answers overlap either is right, and such rays are counted:
-struct TracedFigures {
+struct TracedCounts {
   std::int64_t rays = 0, scenes = 0;
   std::int64_t hits = 0;       ///< rays with a nearest hit
   std::int64_t crossings = 0;  ///< of whole lines with all items
@@ -24,13 +24,13 @@ struct TracedFigures {
   std::vector<std::string> examples;  ///< of wrong answers, at most ten
 
   bool ok() const { return wrong == 0; }
-  void add(const TracedFigures& other);
+  void add(const TracedCounts& other);
 };
 
 /// What scenes are made of: one kind of solid, Kind::kMesh for meshes, or everything mixed.
 using TracedKind = std::optional<core::Kind>;
 
 /// Traces `rays` rays, a thousand in each scene. The same seed gives the same scenes and rays.
-TracedFigures trace_rays(TracedKind kind, std::int64_t rays, std::uint64_t seed);
+TracedCounts trace_rays(TracedKind kind, std::int64_t rays, std::uint64_t seed);
 
 }  // namespace sightline::bench

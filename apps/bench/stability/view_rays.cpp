@@ -92,7 +92,7 @@ core::Expected<ViewRays> ViewRays::create(gl::ContextPlatform platform) {
   return ViewRays(std::move(*context));
 }
 
-core::Expected<Figures> ViewRays::judge_image(const ViewCase& c, int rays) {
+core::Expected<CaseErrors> ViewRays::judge_image(const ViewCase& c, int rays) {
   const Image& p = c.image;
   core::Scene scene;
   const core::NodeId node = scene.add_node(scene.root(), "item", p.world_from_item);

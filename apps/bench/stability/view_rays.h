@@ -43,7 +43,7 @@ class ViewRays {
 
   /// Draws the image and judges about `rays` of its pixels, or all of them for very wide fields of view. Does not
   /// read back normals.
-  core::Expected<Figures> judge_image(const ViewCase& c, int rays);
+  core::Expected<CaseErrors> judge_image(const ViewCase& c, int rays);
 
  private:
   explicit ViewRays(gl::Context context) : context_(std::move(context)) {}
