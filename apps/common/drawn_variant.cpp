@@ -62,9 +62,13 @@ core::Expected<double> DrawnVariant::draw(const core::View& view) {
   const double begin = core::now_seconds();
   const auto frame = engine_->frame(view);
   if (!frame) return tl::unexpected(frame.error());
+  if (!frame->drawn) return core::fail("the GL context was lost");
   engine_->finish();
+  const double end = core::now_seconds();
   items_drawn_ = frame->items_drawn;
-  return 1e3 * (core::now_seconds() - begin);
+  while (const auto late = engine_->take_late_report())
+    if (late->frame == frame->frame) items_drawn_ = late->items_drawn;
+  return 1e3 * (end - begin);
 }
 
 std::size_t DrawnVariant::gpu_bytes() {

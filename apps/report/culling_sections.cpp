@@ -15,7 +15,6 @@ namespace {
 using engine::CullerChoice;
 using engine::OcclusionChoice;
 using Style = PanelSeries::Style;
-using Rows = std::vector<std::vector<std::string>>;
 
 Json summary_json(const std::vector<double>& values) {
   return {{"median", median(values)}, {"p95", percentile(values, 0.95)}, {"max", percentile(values, 1.0)}};
@@ -26,55 +25,50 @@ std::vector<std::string> summary_row(std::string name, const std::vector<double>
   return {std::move(name), number(median(values)), number(percentile(values, 0.95)), number(percentile(values, 1.0))};
 }
 
-core::Expected<Flight> fly_tour(const Report& report, const engine::EngineConfig& config,
-                                const std::function<core::Expected<void>(engine::Engine&)>& after_frame = {}) {
-  auto engine = engine::Engine::create(report.scene(), config);
-  if (!engine) return tl::unexpected(engine.error());
-  std::function<core::Expected<void>(Flight&)> after;
-  if (after_frame) after = [&](Flight&) { return after_frame(*engine); };
-  return fly(*engine, report.tour(), {report.options().frames, report.aspect(), true}, after);
+Flight fly_tour(const Report& report, const engine::EngineConfig& config,
+                const std::function<void(engine::Engine&)>& after_frame) {
+  auto engine = need(engine::Engine::create(report.scene(), config));
+  const auto after = [&](Flight&) -> core::Expected<void> {
+    after_frame(engine);
+    return {};
+  };
+  return need(fly(engine, report.tour(), {report.options().frames, report.aspect(), true}, after));
 }
 
 /// Flies views[first] … views[end - 1]. Frames of the first view come before, so that as many frames are in flight as
 /// later, and one after ends the last; neither counts. A frame's time is known when the next one begins.
-core::Expected<void> fly_block(engine::Engine& engine, std::span<const core::View> views, std::size_t first,
-                               std::size_t end, Flight& flight) {
+void fly_block(engine::Engine& engine, std::span<const core::View> views, std::size_t first, std::size_t end,
+               Flight& flight) {
   constexpr std::size_t kInFlight = 2;
   engine.paused();
   for (std::size_t k = 0; k < kInFlight + end - first + 1; ++k) {
     const std::size_t i = std::clamp(first + k, first + kInFlight, end + kInFlight - 1) - kInFlight;
-    const auto frame = engine.frame(views[i]);
-    if (!frame) return tl::unexpected(frame.error());
-    if (!frame->drawn) return core::fail("frame " + std::to_string(i) + ": the GL context was lost");
-    if (k > kInFlight) flight.frames.back().report.frame_ms = frame->frame_ms;
-    if (k >= kInFlight && k < kInFlight + end - first) flight.frames.push_back({0.0, *frame});
+    const auto frame = need(engine.frame(views[i]));
+    if (!frame.drawn) fail("frame " + std::to_string(i) + ": the GL context was lost");
+    if (k > kInFlight) flight.frames.back().report.frame_ms = frame.frame_ms;
+    if (k >= kInFlight && k < kInFlight + end - first) flight.frames.push_back({0.0, frame});
   }
   engine.finish();
-  return {};
 }
 
 /// Flies the tour with an engine for each configuration, block by block in turns, so that other load of the machine
 /// affects all equally.
-core::Expected<std::vector<Flight>> fly_in_turns(const Report& report, const std::vector<engine::EngineConfig>& configs,
-                                                 const SectionProgress& progress) {
+std::vector<Flight> fly_in_turns(const Report& report, const std::vector<engine::EngineConfig>& configs,
+                                 const SectionProgress& progress) {
   constexpr std::size_t kBlock = 20;
   const auto views = report.tour_views(report.options().frames);
-  if (!views) return tl::unexpected(views.error());
   std::vector<engine::Engine> engines;
   for (const engine::EngineConfig& config : configs) {
-    auto engine = engine::Engine::create(report.scene(), config);
-    if (!engine) return tl::unexpected(engine.error());
-    engines.push_back(std::move(*engine));
+    engines.push_back(need(engine::Engine::create(report.scene(), config)));
   }
   std::vector<Flight> flights(engines.size());
-  for (std::size_t first = 0; first < views->size(); first += kBlock) {
-    const std::size_t end = std::min(first + kBlock, views->size());
+  for (std::size_t first = 0; first < views.size(); first += kBlock) {
+    const std::size_t end = std::min(first + kBlock, views.size());
     for (std::size_t k = 0; k < engines.size(); ++k) {
       const std::size_t turn = (k + first / kBlock) % engines.size();
-      if (auto done = fly_block(engines[turn], *views, first, end, flights[turn]); !done)
-        return tl::unexpected(done.error());
+      fly_block(engines[turn], views, first, end, flights[turn]);
     }
-    progress(double(end) / double(views->size()));
+    progress(double(end) / double(views.size()));
   }
   return flights;
 }
@@ -86,14 +80,13 @@ std::vector<double> frame_times(const Flight& flight) {
 // --- what the culler keeps -------------------------------------------------------------------------------------------
 
 /// Milliseconds of each view of the tour, on one thread: the median of some passes.
-core::Expected<std::vector<double>> time_culler(const Report& report) {
+std::vector<double> time_culler(const Report& report) {
   constexpr int kPasses = 7;
   const auto views = report.tour_views(report.options().frames);
-  if (!views) return tl::unexpected(views.error());
   const culling::CpuCuller culler(report.snapshot().bounds());
   core::VisibleSet set;
   std::vector<double> times;
-  for (const core::View& view : *views) {
+  for (const core::View& view : views) {
     std::vector<double> passes;
     for (int pass = 0; pass < kPasses; ++pass) {
       const double begin = now_ms();
@@ -111,28 +104,19 @@ struct Shares {
   std::vector<double> visible, sampled, items_drawn, visible_in_ids;
 };
 
-core::Expected<Shares> measure_shares(const Report& report, const SectionProgress& progress) {
+Shares measure_shares(const Report& report, const SectionProgress& progress) {
   Shares shares;
   engine::EngineConfig config = report.engine_config();
   config.culling.culler = CullerChoice::kCpu;
   config.drawing.ids = true;
-  for (const OcclusionChoice occlusion : {OcclusionChoice::kOff, OcclusionChoice::kOn}) {
-    config.culling.occlusion = occlusion;
-    const bool first = occlusion == OcclusionChoice::kOff;
-    const auto count_visible = [&](engine::Engine& engine) -> core::Expected<void> {
-      const auto ids = engine.read_ids();
-      if (!ids) return tl::unexpected(ids.error());
-      shares.visible_in_ids.push_back(double(visible_in_ids(*ids).size()));
-      progress(0.5 * double(shares.visible_in_ids.size()) / report.options().frames);
-      return {};
-    };
-    const auto flight = first ? fly_tour(report, config, count_visible) : fly_tour(report, config);
-    if (!flight) return tl::unexpected(flight.error());
-    if (first)
-      shares.visible = flight->visible(), shares.sampled = flight->sampled();
-    else
-      shares.items_drawn = flight->items_drawn();
-  }
+  config.culling.occlusion = OcclusionChoice::kOff;
+  const Flight flight = fly_tour(report, config, [&](engine::Engine& engine) {
+    shares.visible_in_ids.push_back(double(visible_in_ids(need(engine.read_ids())).size()));
+    progress(0.5 * double(shares.visible_in_ids.size()) / report.options().frames);
+  });
+  shares.visible = flight.visible(), shares.sampled = flight.sampled();
+  config.culling.occlusion = OcclusionChoice::kOn;
+  shares.items_drawn = fly_tour(report, config, [](engine::Engine&) {}).items_drawn();
   return shares;
 }
 
@@ -183,20 +167,16 @@ struct Differences {
   std::vector<LabelledImage> worst_images;
 };
 
-core::Expected<void> compare(const DrawnImage& reference, const DrawnImage& image, const std::string& label,
-                             Differences& differences) {
-  const auto wrong = wrong_items(reference, image);
-  if (!wrong) return tl::unexpected(wrong.error());
+void compare(const DrawnImage& reference, const DrawnImage& image, const std::string& label, Differences& differences) {
+  const auto wrong = need(wrong_items(reference, image));
   differences.pixels += reference.ids.ids.size();
-  differences.wrong += wrong->wrong_ids;
-  differences.ties += wrong->ties;
-  const auto colours = image::compare(reference.colour, image.colour);
-  if (!colours) return tl::unexpected(colours.error());
-  if (colours->pixels <= differences.worst) return {};
-  differences.worst = colours->pixels;
+  differences.wrong += wrong.wrong_ids;
+  differences.ties += wrong.ties;
+  const auto colours = need(image::compare(reference.colour, image.colour));
+  if (colours.pixels <= differences.worst) return;
+  differences.worst = colours.pixels;
   differences.worst_images = {{"neither test, " + label, reference.colour},
                               {kDifferenceLabel, differences_on_white(reference.colour, image.colour)}};
-  return {};
 }
 
 int compared_frames(const Report& report) {
@@ -204,29 +184,25 @@ int compared_frames(const Report& report) {
 }
 
 /// Draws some frames of the tour with each choice of tests, and compares the images with those of the first.
-core::Expected<std::vector<Differences>> compare_tests(const Report& report, const SectionProgress& progress) {
+std::vector<Differences> compare_tests(const Report& report, const SectionProgress& progress) {
   const auto views = report.tour_views(compared_frames(report));
-  if (!views) return tl::unexpected(views.error());
-  const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it
+  const std::shared_ptr<core::Scene> scene = report.shared_scene();
   std::vector<DrawnVariant> variants;
   for (const Way& way : std::span(kWays).first(kTests)) {
-    auto variant = DrawnVariant::create(scene, config_of(report, way));
-    if (!variant) return tl::unexpected(variant.error());
-    variants.push_back(std::move(*variant));
+    variants.push_back(need(DrawnVariant::create(scene, config_of(report, way))));
   }
   std::vector<Differences> differences(variants.size());
-  for (std::size_t v = 0; v < views->size(); ++v) {
+  for (std::size_t v = 0; v < views.size(); ++v) {
     DrawnImage reference;
     for (std::size_t i = 0; i < variants.size(); ++i) {
-      if (auto ms = variants[i].draw((*views)[v]); !ms) return tl::unexpected(ms.error());
-      auto image = variants[i].image((*views)[v]);
-      if (!image) return tl::unexpected(image.error());
+      need(variants[i].draw(views[v]));
+      auto image = need(variants[i].image(views[v]));
       if (i == 0)
-        reference = std::move(*image);
-      else if (auto done = compare(reference, *image, "frame " + std::to_string(v), differences[i]); !done)
-        return tl::unexpected(done.error());
+        reference = std::move(image);
+      else
+        compare(reference, image, "frame " + std::to_string(v), differences[i]);
     }
-    progress(0.5 + 0.5 * double(v + 1) / double(views->size()));
+    progress(0.5 + 0.5 * double(v + 1) / double(views.size()));
   }
   return differences;
 }
@@ -270,8 +246,8 @@ void show_cullers(const Report& report, const std::vector<Flight>& flights, Sect
 }
 
 /// The tests for items that cannot be seen.
-core::Expected<void> show_tests(const Report& report, const std::vector<Flight>& flights,
-                                const std::vector<Differences>& differences, Section& section) {
+void show_tests(const Report& report, const std::vector<Flight>& flights, const std::vector<Differences>& differences,
+                Section& section) {
   Rows rows;
   std::size_t worst = 1;
   for (std::size_t i = 0; i < kTests; ++i) {
@@ -279,8 +255,8 @@ core::Expected<void> show_tests(const Report& report, const std::vector<Flight>&
     const Differences& d = differences[i];
     std::vector<std::string> row = summary_row(kWays[i].test, frame);
     row.push_back(number(sum(flights[i].items_drawn()) / double(flights[i].frames.size())));
-    row.push_back(i == 0 ? "reference" : count_words(d.wrong - d.ties));
-    row.push_back(i == 0 ? "" : count_words(d.ties));
+    row.push_back(i == 0 ? "reference" : grouped(d.wrong - d.ties));
+    row.push_back(i == 0 ? "" : grouped(d.ties));
     rows.push_back(std::move(row));
     section.results["tests"].push_back({{"label", kWays[i].test},
                                         {"frame_ms", summary_json(frame)},
@@ -295,40 +271,34 @@ core::Expected<void> show_tests(const Report& report, const std::vector<Flight>&
                       "pixels with another item", "ties"},
                      rows,
                      {"The same frames of the tour with what cannot be seen left out of drawing, and " +
-                          count_words(shown.pixels) + " pixels of " + std::to_string(compared_frames(report)) +
+                          grouped(shown.pixels) + " pixels of " + std::to_string(compared_frames(report)) +
                           " frames against drawing everything. A tie: two items at one depth, "
                           "either of which may be drawn.",
                       commands_of(report, [](const Way& way) { return way.test != nullptr; })});
   if (shown.worst == 0) {
     section.html.paragraph("All pixels of these frames have equal colours.");
-    return {};
+    return;
   }
-  return section.html.images(shown.worst_images,
-                             {"The frame with most differences, with the " + std::string(kWays[worst].test) + ": " +
-                                  count_words(shown.worst) + " pixels have another colour.",
-                              report.section_command("frames")});
+  need(section.html.images(shown.worst_images,
+                           {"The frame with most differences, with the " + std::string(kWays[worst].test) + ": " +
+                                grouped(shown.worst) + " pixels have another colour.",
+                            report.section_command("frames")}));
 }
 
 }  // namespace
 
-core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress) {
+Section culling_section(const Report& report, const SectionProgress& progress) {
   Section section;
-  if (report.empty()) {
-    section.left_out = kNothing;
-    return section;
-  }
   const auto times = time_culler(report);
-  if (!times) return tl::unexpected(times.error());
   const std::string along = "along " + std::to_string(report.options().frames) + " frames of the tour";
   const std::string command = report.command("replay", "--culler cpu --no-render " + report.tour_option());
-  section.html.table({"", "median", "95th percentile", "maximum"}, {summary_row("time to cull, ms", *times)},
+  section.html.table({"", "median", "95th percentile", "maximum"}, {summary_row("time to cull, ms", times)},
                      {"The CPU culler " + along + ", one thread; median of seven culls a view.", command});
-  section.results["cull_ms"] = summary_json(*times);
+  section.results["cull_ms"] = summary_json(times);
 
   const auto shares = measure_shares(report, progress);
-  if (!shares) return tl::unexpected(shares.error());
   const double all = double(report.scene().item_count()), frames = double(report.options().frames);
-  const double visible = sum(shares->visible), visible_in_ids = sum(shares->visible_in_ids);
+  const double visible = sum(shares.visible), visible_in_ids = sum(shares.visible_in_ids);
   Rows rows;
   const auto row = [&](const char* name, const char* key, const std::vector<double>& counts) {
     const double total = sum(counts);
@@ -338,10 +308,10 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
     section.results[key] = {{"mean", total / frames},
                             {"false_positives", total > 0.0 ? 1.0 - visible_in_ids / total : 0.0}};
   };
-  row("in the view volume (frustum culling)", "visible", shares->visible);
-  row("and may cover a sample (sample test)", "sampled", shares->sampled);
-  row("and not found hidden (occlusion test): drawn", "items_drawn", shares->items_drawn);
-  row("are visible in the id image", "visible_in_ids", shares->visible_in_ids);
+  row("in the view volume (frustum culling)", "visible", shares.visible);
+  row("and may cover a sample (sample test)", "sampled", shares.sampled);
+  row("and not found hidden (occlusion test): drawn", "items_drawn", shares.items_drawn);
+  row("are visible in the id image", "visible_in_ids", shares.visible_in_ids);
   section.html.table({"items", "mean of a frame", "of all items", "of those in the view volume",
                       "of these, are not visible in the id image"},
                      rows,
@@ -354,38 +324,32 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
       plot_over_frames(
           "Items kept by each step", "items",
           {{"",
-            {line_over_frames("in the view volume", shares->visible, Style::kHeavyLine, colours::kInView),
-             line_over_frames("may cover a sample", shares->sampled, Style::kHeavyLine, colours::kSampled),
-             line_over_frames("drawn with the occlusion test", shares->items_drawn, Style::kLine, colours::kUnoccluded),
-             line_over_frames("are visible in the id image", shares->visible_in_ids, Style::kDashes, colours::kSeen)}}},
+            {line_over_frames("in the view volume", shares.visible, Style::kHeavyLine, colours::kInView),
+             line_over_frames("may cover a sample", shares.sampled, Style::kHeavyLine, colours::kSampled),
+             line_over_frames("drawn with the occlusion test", shares.items_drawn, Style::kLine, colours::kUnoccluded),
+             line_over_frames("are visible in the id image", shares.visible_in_ids, Style::kDashes, colours::kSeen)}}},
           true),
       {"The same frame by frame.", report.section_command("culling")});
-  const double unseen = sum(shares->sampled) - visible_in_ids, found = sum(shares->sampled) - sum(shares->items_drawn);
+  const double unseen = sum(shares.sampled) - visible_in_ids, found = sum(shares.sampled) - sum(shares.items_drawn);
   if (unseen > 0.0)
     section.html.paragraph(
         "Of the items that may cover a sample but are not visible in the id image, the occlusion test leaves out " +
         percent(found / unseen) + ".");
   section.results["occluded_found"] = unseen > 0.0 ? found / unseen : 1.0;
-  section.headline = number(median(*times)) + " ms a view; " +
+  section.headline = number(median(times)) + " ms a view; " +
                      (visible > 0.0 ? percent(visible_in_ids / visible) : std::string("none")) +
                      " of the items in the view volume are visible in the id image.";
   return section;
 }
 
-core::Expected<Section> frames_section(const Report& report, const SectionProgress& progress) {
+Section frames_section(const Report& report, const SectionProgress& progress) {
   Section section;
-  if (report.empty()) {
-    section.left_out = kNothing;
-    return section;
-  }
   std::vector<engine::EngineConfig> configs;
   for (const Way& way : kWays) configs.push_back(config_of(report, way));
   const auto flights = fly_in_turns(report, configs, [&](double share) { progress(0.5 * share); });
-  if (!flights) return tl::unexpected(flights.error());
   const auto differences = compare_tests(report, progress);
-  if (!differences) return tl::unexpected(differences.error());
-  show_cullers(report, *flights, section);
-  if (auto done = show_tests(report, *flights, *differences, section); !done) return tl::unexpected(done.error());
+  show_cullers(report, flights, section);
+  show_tests(report, flights, differences, section);
   return section;
 }
 

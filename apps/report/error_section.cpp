@@ -9,19 +9,15 @@
 #include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/apps/report/answer.h"
 #include "sightline/apps/report/report.h"
-#if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/apps/report/variants.h"
-#endif
 
 namespace sightline::apps {
 
-#if SIGHTLINE_HAS_RAYTRACE
 namespace {
 
 using Group = Variant::Group;
 using Results = std::vector<VariantResults>;
 using Style = PanelSeries::Style;
-using Rows = std::vector<std::vector<std::string>>;
 
 // --- the variants ----------------------------------------------------------------------------------------------------
 
@@ -64,6 +60,14 @@ struct Plan {
   std::string triangles_left_out, levels_left_out;  ///< sentences; empty: nothing is
 };
 
+Variant& add(const Report& report, VariantKind kind, std::shared_ptr<core::Scene> scene, Plan& plan) {
+  Variant& variant = plan.variants.emplace_back();
+  static_cast<VariantKind&>(variant) = std::move(kind);
+  variant.scene = std::move(scene);
+  variant.config = report.engine_config();
+  return variant;
+}
+
 void count_items(const core::Snapshot& snapshot, Plan& plan) {
   for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {
     if (snapshot.vacant(slot) || snapshot.kind(slot) == core::Kind::kLine) continue;
@@ -77,7 +81,7 @@ std::string about(double count) {
 }
 
 /// Tolerances from coarse to fine, until their triangles would take too much time or memory.
-core::Expected<void> add_triangles(const Report& report, const std::shared_ptr<core::Scene>& scene, Plan& plan) {
+void add_triangles(const Report& report, const std::shared_ptr<core::Scene>& scene, Plan& plan) {
   constexpr double kMostDrawn = 2e8;   // of all items and variants together, for time
   constexpr double kMostStored = 3e7;  // of all meshes and variants together, for memory: some 100 bytes each
   double drawn = 0.0, stored = 0.0, stored_share = 1.0;  // the last: of drawn ones in the variant before
@@ -87,54 +91,50 @@ core::Expected<void> add_triangles(const Report& report, const std::shared_ptr<c
       plan.triangles_left_out = "Triangles within " + length_words(tolerance) + (millimetres > 0.1 ? " and less" : "") +
                                 " are left out: " + about(expected) + " of them, in meshes of " +
                                 about(stored_share * expected) + ", would take too much time or memory.";
-      return {};
+      return;
     }
     auto made = std::make_shared<core::Scene>(tessellated_within(*scene, tolerance));
-    if (auto done = made->commit(); !done) return tl::unexpected(done.error());
+    need(made->commit());
     const std::uint64_t triangles = triangles_of(*made), of_meshes = stored_triangles_of(*made);
     drawn += double(triangles);
     stored += double(of_meshes);
     stored_share = triangles > 0 ? double(of_meshes) / double(triangles) : 1.0;
-    plan.variants.push_back({Group::kTriangles, "triangles within " + length_words(tolerance), std::move(made),
-                             report.engine_config(), 1, tolerance, triangles});
+    add(report, {Group::kTriangles, "triangles within " + length_words(tolerance), tolerance, triangles},
+        std::move(made), plan);
   }
-  return {};
 }
 
 void add_levels(const Report& report, const std::shared_ptr<core::Scene>& scene, Plan& plan) {
   constexpr std::uint64_t kFewTriangles = 100'000;
   if (const std::uint64_t triangles = triangles_of(*scene); triangles < kFewTriangles) {
-    plan.levels_left_out = "left out: levels of detail, since the model's meshes have " + count_words(triangles) +
-                           " triangles, fewer than " + count_words(kFewTriangles) + ".";
+    plan.levels_left_out = "left out: levels of detail, since the model's meshes have " + grouped(triangles) +
+                           " triangles, fewer than " + grouped(kFewTriangles) + ".";
     return;
   }
   for (const double pixels : {0.25, 0.5, 1.0, 4.0, 16.0}) {
-    plan.variants.push_back({Group::kLevels, "meshes within " + number(pixels) + " px", scene, report.engine_config()});
-    plan.variants.back().config.losses.lod_error = pixels;
+    add(report, {Group::kLevels, "meshes within " + number(pixels) + " px"}, scene, plan).config.losses.lod_error =
+        pixels;
   }
 }
 
-core::Expected<Plan> make_plan(const Report& report) {
-  const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it
+Plan make_plan(const Report& report) {
+  const std::shared_ptr<core::Scene> scene = report.shared_scene();
   Plan plan;
   count_items(report.snapshot(), plan);
   const std::string drawn = plan.solids == 0   ? "meshes"
                             : plan.meshes == 0 ? "exact surfaces"
                                                : "exact surfaces and meshes";
-  plan.variants.push_back({Group::kExact, drawn + ", as by default", scene, report.engine_config()});
-  if (plan.solids > 0)
-    if (auto done = add_triangles(report, scene, plan); !done) return tl::unexpected(done.error());
-  plan.variants.push_back({Group::kSamples, "half the resolution, enlarged", scene, report.engine_config(), 2});
+  add(report, {Group::kExact, drawn + ", as by default"}, scene, plan);
+  if (plan.solids > 0) add_triangles(report, scene, plan);
+  add(report, {Group::kSamples, "half the resolution, enlarged"}, scene, plan).reduced = 2;
   for (const int samples : {4, 8}) {
     if (samples > report.context().capabilities().max_samples) break;
-    plan.variants.push_back(
-        {Group::kSamples, std::to_string(samples) + " samples a pixel", scene, report.engine_config()});
-    plan.variants.back().config.drawing.samples = samples;
+    add(report, {Group::kSamples, std::to_string(samples) + " samples a pixel"}, scene, plan).config.drawing.samples =
+        samples;
   }
   for (const float pixels : {0.25f, 1.0f, 4.0f, 16.0f}) {
-    plan.variants.push_back(
-        {Group::kContribution, "without items below " + number(pixels) + " px", scene, report.engine_config()});
-    plan.variants.back().config.losses.min_projected_area = pixels;
+    add(report, {Group::kContribution, "without items below " + number(pixels) + " px"}, scene, plan)
+        .config.losses.min_projected_area = pixels;
   }
   add_levels(report, scene, plan);
   return plan;
@@ -226,8 +226,8 @@ void open_page(const Report& report, const Results& all, const Plan& plan, Secti
        report.section_command("error")});
 }
 
-core::Expected<void> show_surfaces(const Report& report, const std::vector<Reference>& references, const Results& all,
-                                   const Plan& plan, Section& section) {
+void show_surfaces(const Report& report, const std::vector<Reference>& references, const Results& all, const Plan& plan,
+                   Section& section) {
   section.html.heading("Surfaces: exact, and as triangles within a tolerance");
   if (plan.solids == 0)
     section.html.paragraph("left out: triangles in place of primitives, since the model has no solid primitives.");
@@ -235,7 +235,7 @@ core::Expected<void> show_surfaces(const Report& report, const std::vector<Refer
   const VariantResults *exact = &all.front(), *pictured = exact;
   for (const VariantResults& v : all) {
     if (v.group == Group::kSamples || v.group == Group::kContribution) continue;
-    rows.push_back({v.label, v.group == Group::kTriangles ? count_words(v.triangles) : "", number(v.ms),
+    rows.push_back({v.label, v.group == Group::kTriangles ? grouped(v.triangles) : "", number(v.ms),
                     number(v.ms / exact->ms), number(1e3 * v.error_median), number(1e3 * v.error_p99),
                     percent(v.wrong_pixels), bytes_words(v.gpu_bytes)});
     section.results["surfaces"].push_back({{"label", v.label},
@@ -267,8 +267,8 @@ core::Expected<void> show_surfaces(const Report& report, const std::vector<Refer
                     differences_on_white(references[view].colour, exact->images[view])},
       LabelledImage{"difference of rays and " + pictured->label + ", likewise",
                     differences_on_white(references[view].colour, pictured->images[view])}};
-  return section.html.images(std::span(images).first(pictured == exact ? 3 : 4),
-                             {"The view in which most pixels differ.", report.section_command("error")});
+  need(section.html.images(std::span(images).first(pictured == exact ? 3 : 4),
+                           {"The view in which most pixels differ.", report.section_command("error")}));
 }
 
 // --- other choices ---------------------------------------------------------------------------------------------------
@@ -324,8 +324,8 @@ std::string choice_plot(const Explanation& words, const Results& variants) {
   return svg_panels(plot);
 }
 
-core::Expected<void> show(const Report& report, const std::vector<Reference>& references, const Results& variants,
-                          const Explanation& words, Section& section) {
+void show(const Report& report, const std::vector<Reference>& references, const Results& variants,
+          const Explanation& words, Section& section) {
   Rows rows;
   for (const VariantResults& v : variants) {
     const bool front = on_front(v, variants);
@@ -352,51 +352,37 @@ core::Expected<void> show(const Report& report, const std::vector<Reference>& re
       LabelledImage{"64 rays a pixel, " + report.views()[view].name, references[view].smooth},
       LabelledImage{pictured.label, pictured.images[view]},
       LabelledImage{kDifferenceLabel, differences_on_white(references[view].smooth, pictured.images[view])}};
-  return section.html.images(images, {"The view in which they differ most.", command});
+  need(section.html.images(images, {"The view in which they differ most.", command}));
 }
 
-core::Expected<void> show_all(const Report& report, const std::vector<Reference>& references, const Results& all,
-                              const Plan& plan, Section& section) {
+void show_all(const Report& report, const std::vector<Reference>& references, const Results& all, const Plan& plan,
+              Section& section) {
   open_page(report, all, plan, section);
-  if (auto done = show_surfaces(report, references, all, plan, section); !done) return done;
+  show_surfaces(report, references, all, plan, section);
   section.html.paragraph(
       "The images of the following variants are compared with the mean of 64 rays a pixel, in a grid of 8 x 8. FLIP is "
       "a measure of the difference that a viewer sees who flips between two images: 0 for equal ones, 1 at most "
       "(render/image/image_metrics.h). A pixel's item is wrong when none of these rays hits it, nor one through the "
       "pixel's centre.");
-  auto done = show(report, references, of_group(all, Group::kSamples), kSamplesWords, section);
-  if (done) done = show(report, references, of_group(all, Group::kContribution), kContributionWords, section);
-  if (!done || plan.levels_left_out.empty())
-    return done ? show(report, references, of_group(all, Group::kLevels), kLevelsWords, section) : done;
-  section.html.paragraph(plan.levels_left_out);
-  return done;
+  show(report, references, of_group(all, Group::kSamples), kSamplesWords, section);
+  show(report, references, of_group(all, Group::kContribution), kContributionWords, section);
+  if (plan.levels_left_out.empty())
+    show(report, references, of_group(all, Group::kLevels), kLevelsWords, section);
+  else
+    section.html.paragraph(plan.levels_left_out);
 }
 
 }  // namespace
 
-core::Expected<Section> error_section(const Report& report, const SectionProgress& progress) {
+Section error_section(const Report& report, const SectionProgress& progress) {
   Section section;
-  if (report.empty()) {
-    section.left_out = kNothing;
-    return section;
-  }
   const auto references = trace_references(report, [&](double share) { progress(0.2 * share); });
-  if (!references) return tl::unexpected(references.error());
   const auto plan = make_plan(report);
-  if (!plan) return tl::unexpected(plan.error());
   const auto all =
-      measure_variants(report, plan->variants, *references, [&](double share) { progress(0.3 + 0.7 * share); });
-  if (!all) return tl::unexpected(all.error());
-  if (auto done = show_all(report, *references, *all, *plan, section); !done) return tl::unexpected(done.error());
-  section.headline = std::to_string(all->size()) + " ways to draw the model, their times and errors.";
+      measure_variants(report, plan.variants, references, [&](double share) { progress(0.3 + 0.7 * share); });
+  show_all(report, references, all, plan, section);
+  section.headline = std::to_string(all.size()) + " ways to draw the model, their times and errors.";
   return section;
 }
-#else
-core::Expected<Section> error_section(const Report&, const SectionProgress&) {
-  Section section;
-  section.left_out = kNoRays;
-  return section;
-}
-#endif
 
 }  // namespace sightline::apps

@@ -17,14 +17,25 @@
 namespace sightline::apps {
 namespace {
 
+#if SIGHTLINE_HAS_RAYTRACE
+constexpr auto kVisibilitySection = visibility_section, kErrorSection = error_section;
+#else
+Section without_rays(const Report&, const SectionProgress&) {
+  Section section;
+  section.left_out = "this build has no ray tracing";
+  return section;
+}
+constexpr auto kVisibilitySection = without_rays, kErrorSection = without_rays;
+#endif
+
 constexpr SectionMaker kMakers[] = {
-    {"model", "What is in the model", model_section},
-    {"plan", "The plan", plan_section},
+    {"model", "What is in the model", model_section, false},
+    {"plan", "The plan", plan_section, false},
     {"images", "Images", images_section},
     {"culling", "Culling", culling_section},
-    {"visibility", "Cullers against exact visibility", visibility_section},
+    {"visibility", "Cullers against exact visibility", kVisibilitySection},
     {"frames", "Frame times along the tour", frames_section},
-    {"error", "Error against frame time", error_section},
+    {"error", "Error against frame time", kErrorSection},
     {"stability", "Stability of the primitives", stability_section},
 };
 
@@ -79,7 +90,20 @@ struct Page {
   Json results = Json::object();  ///< by section
 };
 
-core::Expected<Page> make_sections(const Report& report) {
+Section make_section(const SectionMaker& maker, const Report& report, const SectionProgress& progress) {
+  if (maker.of_images && report.empty()) {
+    Section section;
+    section.left_out = "the scene has nothing to draw";
+    return section;
+  }
+  try {
+    return maker.make(report, progress);
+  } catch (const Failure& failure) {
+    fail(std::string("section ") + maker.id + ": " + failure.what());
+  }
+}
+
+Page make_sections(const Report& report) {
   std::vector<const SectionMaker*> makers;
   for (const SectionMaker& maker : kMakers)
     if (wanted(report.options(), maker)) makers.push_back(&maker);
@@ -92,35 +116,33 @@ core::Expected<Page> make_sections(const Report& report) {
       if (bar) bar->advance(std::size_t(1000.0 * (double(i) + share) / double(makers.size())));
     };
     advance(0.0);
-    auto section = maker.make(report, advance);
-    if (!section) return core::fail(std::string("section ") + maker.id + ": " + section.error().message);
-    page.opening += section->opening.text();
-    if (section->left_out.empty()) {
-      page.sections.push_back({maker.id, maker.title, section->headline, section->html.text()});
-      page.results[maker.id] = std::move(section->results);
+    Section section = make_section(maker, report, advance);
+    page.opening += section.opening.text();
+    if (section.left_out.empty()) {
+      page.sections.push_back({maker.id, maker.title, section.headline, section.html.text()});
+      page.results[maker.id] = std::move(section.results);
     } else {
       HtmlBody body;
-      body.paragraph("left out: " + section->left_out);
-      page.sections.push_back({maker.id, maker.title, "left out: " + section->left_out, body.text()});
-      page.results[maker.id] = {{"left_out", section->left_out}};
+      body.paragraph("left out: " + section.left_out);
+      page.sections.push_back({maker.id, maker.title, "left out: " + section.left_out, body.text()});
+      page.results[maker.id] = {{"left_out", section.left_out}};
     }
   }
   return page;
 }
 
 /// Fails when `file` lies in no folder, before a minute's work rather than after it.
-core::Expected<void> check_folder(const std::string& file) {
+void check_folder(const std::string& file) {
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   std::error_code error;
-  if (file.empty() || folder.empty() || std::filesystem::is_directory(folder, error)) return {};
-  return core::fail(file + ": cannot be written: " + folder.string() + " is no folder");
+  if (file.empty() || folder.empty() || std::filesystem::is_directory(folder, error)) return;
+  fail(file + ": cannot be written: " + folder.string() + " is no folder");
 }
 
-core::Expected<void> save_tour(const Report& report) {
-  if (report.options().save_path.empty()) return {};
-  const auto path = importers::translated(report.tour(), -report.model().offset);  // readers add it again
-  if (!path) return tl::unexpected(path.error());
-  return importers::write_path(report.options().save_path, *path);
+void save_tour(const Report& report) {
+  if (report.options().save_path.empty()) return;
+  const auto path = need(importers::translated(report.tour(), -report.model().offset));  // readers add it again
+  need(importers::write_path(report.options().save_path, path));
 }
 
 std::string command_line(int argc, char** argv) {
@@ -131,33 +153,30 @@ std::string command_line(int argc, char** argv) {
 
 core::Expected<int> write_report(const ReportOptions& options, const std::string& command) {
   const double begin = now_ms();
-  for (const std::string& file : {options.out, options.json, options.save_path})
-    if (auto done = check_folder(file); !done) return tl::unexpected(done.error());
-  auto report = Report::create(options);
-  if (!report) return tl::unexpected(report.error());
-  if (auto done = save_tour(*report); !done) return tl::unexpected(done.error());
-  if (options.model.explain) explain(report->engine().plan());
-  auto page = make_sections(*report);
-  if (!page) return tl::unexpected(page.error());
-  for (const std::string& error : report->context().take_errors()) return core::fail("GL: " + error);
+  for (const std::string& file : {options.out, options.json, options.save_path}) check_folder(file);
+  const Report report(options);
+  save_tour(report);
+  if (options.model.explain) explain(report.engine().plan());
+  auto page = make_sections(report);
+  for (const std::string& error : report.context().take_errors()) fail("GL: " + error);
 
   const std::string version = std::string("sightline ") + SIGHTLINE_VERSION, date = utc_time();
   const Json machine = {{"processor", processor()},
                         {"threads", std::thread::hardware_concurrency()},
-                        {"renderer", report->context().renderer()},
-                        {"gl", report->context().version()}};
+                        {"renderer", report.context().renderer()},
+                        {"gl", report.context().version()}};
   const double seconds = 1e-3 * (now_ms() - begin);
   HtmlBody made;
   made.text_table({"", ""},
                   {{"processor", machine["processor"].get<std::string>() + ", " +
                                      std::to_string(std::thread::hardware_concurrency()) + " threads"},
-                   {"renderer", report->context().renderer()},
-                   {"OpenGL", report->context().version()},
+                   {"renderer", report.context().renderer()},
+                   {"OpenGL", report.context().version()},
                    {"date", date},
                    {"version", version},
                    {"time taken, s", number(seconds)}},
                   {"Where and when these figures were measured.", command});
-  page->sections.push_back({"made", "How this page was made", "", made.text()});
+  page.sections.push_back({"made", "How this page was made", "", made.text()});
 
   std::string names;
   for (const std::string& file : options.model.files)
@@ -166,18 +185,18 @@ core::Expected<int> write_report(const ReportOptions& options, const std::string
       "Made by " + version + " on " + date + ". Images and frames have " + options.size +
       " pixels, times are milliseconds of wall clock unless stated otherwise. Below each figure stands the command "
       "that gives it again."};
-  const std::string html = html_page("Report: " + names, intro, page->sections, page->opening);
-  if (auto done = write_text(options.out, html); !done) return tl::unexpected(done.error());
+  const std::string html = html_page("Report: " + names, intro, page.sections, page.opening);
+  need(write_text(options.out, html));
   const Json results = {{"command", command},
                         {"version", version},
                         {"date", date},
                         {"machine", machine},
                         {"models", options.model.files},
-                        {"size", {report->width(), report->height()}},
+                        {"size", {report.width(), report.height()}},
                         {"frames", options.frames},
                         {"seconds", seconds},
-                        {"sections", page->results}};
-  if (auto done = write_json(options.json, results); !done) return tl::unexpected(done.error());
+                        {"sections", page.results}};
+  need(write_json(options.json, results));
   return kExitOk;
 }
 

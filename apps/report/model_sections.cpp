@@ -10,8 +10,6 @@
 namespace sightline::apps {
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
-
 std::string place_words(const core::dvec3& p) {
   char text[96];
   std::snprintf(text, sizeof text, "%.3f, %.3f, %.3f", p.x, p.y, p.z);
@@ -56,36 +54,33 @@ void add_items(const Report& report, const Content& content, Section& section) {
   for (int k = 0; k < core::kKindCount; ++k) {
     const std::uint64_t count = imported.items[std::size_t(k)];
     if (count == 0) continue;
-    std::string name(core::name_of(core::Kind(k)));
-    std::replace(name.begin(), name.end(), '_', ' ');
-    rows.push_back(
-        {name, count_words(count), percent(double(count) / double(std::max<std::uint64_t>(1, content.items)))});
+    const std::string name = kind_words(core::Kind(k));
+    rows.push_back({name, grouped(count), percent(double(count) / double(std::max<std::uint64_t>(1, content.items)))});
   }
-  rows.push_back({"all", count_words(content.items), ""});
+  rows.push_back({"all", grouped(content.items), ""});
   section.html.table(
       {"kind", "items", "share"}, rows,
-      {"Items by kind; " + count_words(imported.degenerate) + " of them have no volume.", report.command("info", "")});
+      {"Items by kind; " + grouped(imported.degenerate) + " of them have no volume.", report.command("info", "")});
   section.results["items"] = items_json(imported.items);
   section.results["degenerate"] = imported.degenerate;
 }
 
 void add_content(const Report& report, const Content& content, Section& section) {
   const importers::ImportReport& imported = report.model().report;
-  Rows rows = {
-      {"nodes", count_words(report.scene().node_count())},
-      {"mesh items", count_words(content.mesh_items)},
-      {"meshes", count_words(content.meshes)},
-      {"triangles of all meshes", count_words(content.mesh_triangles)},
-      {"triangles of all mesh items", count_words(content.drawn_triangles)},
-      {"materials (transparent)", count_words(content.materials) + " (" + count_words(content.transparent) + ")"},
-      {"hidden items", count_words(content.hidden)},
-      {"bytes read", bytes_words(imported.bytes)},
-      {"length of the files' unit, m", number(imported.metres_per_unit)}};
+  Rows rows = {{"nodes", grouped(report.scene().node_count())},
+               {"mesh items", grouped(content.mesh_items)},
+               {"meshes", grouped(content.meshes)},
+               {"triangles of all meshes", grouped(content.mesh_triangles)},
+               {"triangles of all mesh items", grouped(content.drawn_triangles)},
+               {"materials (transparent)", grouped(content.materials) + " (" + grouped(content.transparent) + ")"},
+               {"hidden items", grouped(content.hidden)},
+               {"bytes read", bytes_words(imported.bytes)},
+               {"length of the files' unit, m", number(imported.metres_per_unit)}};
   if (!content.bounds.empty()) {
     rows.push_back({"least corner, m", place_words(content.bounds.min)});
     rows.push_back({"greatest corner, m", place_words(content.bounds.max)});
     rows.push_back({"size, m", place_words(content.bounds.max - content.bounds.min)});
-    rows.push_back({"items too far out for views of the whole", count_words(report.fitted().outliers)});
+    rows.push_back({"items too far out for views of the whole", grouped(report.fitted().outliers)});
   }
   section.html.table({"", ""}, rows, {"Content of the scene.", report.command("info", "")});
   if (imported.surfaces.parts > 0) {
@@ -145,34 +140,31 @@ void add_warnings(const Report& report, Section& section) {
   }
   Rows rows;
   for (std::size_t i = 0; i < std::min(kShown, warnings.size()); ++i)
-    rows.push_back({warnings[i].file, count_words(warnings[i].offset), warnings[i].message});
+    rows.push_back({warnings[i].file, grouped(warnings[i].offset), warnings[i].message});
   section.html.text_table(
       {"file", "byte", "warning"}, rows,
-      {"Warnings of the import, " + std::to_string(rows.size()) + " of " + count_words(warnings.size()) + ".",
+      {"Warnings of the import, " + std::to_string(rows.size()) + " of " + grouped(warnings.size()) + ".",
        report.command("info", "--json -")});
 }
 
 /// How much of the tour's images shows the model.
-core::Expected<void> add_tour(const Report& report, Section& section) {
+void add_tour(const Report& report, Section& section) {
 #if SIGHTLINE_HAS_RAYTRACE
   const auto views = report.tour_views(report.options().frames);
-  if (!views) return tl::unexpected(views.error());
   double least = 1.0, sum = 0.0;
-  for (const core::View& view : *views) {
-    const auto share = covered_share(*report.tracer(), view, report.aspect());
-    if (!share) return tl::unexpected(share.error());
-    least = std::min(least, *share);
-    sum += *share;
+  for (const core::View& view : views) {
+    const auto share = need(covered_share(*report.tracer(), view, report.aspect()));
+    least = std::min(least, share);
+    sum += share;
   }
-  const double mean = sum / double(views->size());
+  const double mean = sum / double(views.size());
   section.html.paragraph("The model covers " + percent(mean) + " of the image in the mean of " +
-                         std::to_string(views->size()) + " frames of the tour, and " + percent(least) +
+                         std::to_string(views.size()) + " frames of the tour, and " + percent(least) +
                          " where it covers least.");
   section.results["tour"] = {{"covered", {{"least", least}, {"mean", mean}}}};
 #else
   (void)report, (void)section;
 #endif
-  return {};
 }
 
 /// A colour for each item, away from white, which is the background.
@@ -191,7 +183,7 @@ image::Image item_colours(const image::IdImage& ids) {
 
 }  // namespace
 
-core::Expected<Section> model_section(const Report& report, const SectionProgress&) {
+Section model_section(const Report& report, const SectionProgress&) {
   Section section;
   const Content content = content_of(report.scene());
   std::vector<std::string> files;
@@ -202,12 +194,12 @@ core::Expected<Section> model_section(const Report& report, const SectionProgres
   add_times(report, section);
   add_memory(report, section);
   add_warnings(report, section);
-  section.headline = count_words(content.items) + " items, " + count_words(content.drawn_triangles) +
+  section.headline = grouped(content.items) + " items, " + grouped(content.drawn_triangles) +
                      " triangles in meshes; first image after " + number(report.times().first_image()) + " ms.";
   return section;
 }
 
-core::Expected<Section> plan_section(const Report& report, const SectionProgress&) {
+Section plan_section(const Report& report, const SectionProgress&) {
   Section section;
   const engine::Plan& plan = report.engine().plan();
   Rows rows;
@@ -227,34 +219,26 @@ core::Expected<Section> plan_section(const Report& report, const SectionProgress
   return section;
 }
 
-core::Expected<Section> images_section(const Report& report, const SectionProgress& progress) {
+Section images_section(const Report& report, const SectionProgress& progress) {
   Section section;
-  if (report.empty()) {
-    section.left_out = "the scene has nothing to draw";
-    return section;
-  }
   section.html.paragraph(
       "Images at the left show the model as it is drawn, those at the right each item in a colour of its own, in place "
       "of the numbers that --ids writes. The "
       "tour is a camera path made for the model, which keeps it in sight; this command writes it:");
   section.html.commands(
       report.command("report", std::string("--sections plan --out report.html --save-path ") + kTourFile));
-  if (auto done = add_tour(report, section); !done) return tl::unexpected(done.error());
+  add_tour(report, section);
   for (const ReportView& place : report.views()) {
-    const auto frame = report.engine().frame(place.view);
-    if (!frame) return tl::unexpected(frame.error());
-    auto colour = report.engine().read_colour();
-    if (!colour) return tl::unexpected(colour.error());
-    const auto ids = report.engine().read_ids();
-    if (!ids) return tl::unexpected(ids.error());
-    const std::size_t seen = visible_in_ids(*ids).size();
-    const std::array images{LabelledImage{place.name, std::move(*colour)},
-                            LabelledImage{"items, " + place.name, item_colours(*ids)}};
-    auto done = section.html.images(
-        images, {count_words(seen) + (seen == 1 ? " item is" : " items are") + " visible in the id image.",
-                 report.command("render", place.options + " --plain " + report.size_option() +
-                                              " --out image.png --ids items.png")});
-    if (!done) return tl::unexpected(done.error());
+    need(report.engine().frame(place.view));
+    auto colour = need(report.engine().read_colour());
+    const auto ids = need(report.engine().read_ids());
+    const std::size_t seen = visible_in_ids(ids).size();
+    const std::array images{LabelledImage{place.name, std::move(colour)},
+                            LabelledImage{"items, " + place.name, item_colours(ids)}};
+    need(section.html.images(images,
+                             {grouped(seen) + (seen == 1 ? " item is" : " items are") + " visible in the id image.",
+                              report.command("render", place.options + " --plain " + report.size_option() +
+                                                           " --out image.png --ids items.png")}));
     section.results["views"].push_back({{"name", place.name}, {"visible_in_ids", seen}});
     progress(double(section.results["views"].size()) / double(report.views().size()));
   }

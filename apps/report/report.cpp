@@ -1,7 +1,6 @@
 #include "sightline/apps/report/report.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "sightline/apps/common/arguments.h"
@@ -46,28 +45,21 @@ void cut_outliers(PanelPlot& plot) {
 
 }  // namespace
 
-core::Expected<Report> Report::create(const ReportOptions& options) {
-  Report report(options);
-  const auto size = parse_size(options.size);
-  if (!size) return tl::unexpected(size.error());
-  report.size_ = *size;
-  if (auto done = report.load(); !done) return tl::unexpected(done.error());
-  if (auto done = report.make_tour(); !done) return tl::unexpected(done.error());
-  if (auto done = report.find_views(); !done) return tl::unexpected(done.error());
-  return report;
+Report::Report(const ReportOptions& options) : options_(options), size_(need(parse_size(options.size))) {
+  load();
+  make_tour();
+  find_views();
 }
 
-core::Expected<void> Report::load() {
+void Report::load() {
   double begin = now_ms();
   const auto lap = [&begin] {
     const double end = now_ms();
     return end - std::exchange(begin, end);
   };
-  auto model = load_model(options_.model);
-  if (!model) return tl::unexpected(model.error());
-  model_ = std::move(*model);
+  model_ = need(load_model(options_.model));
   times_.read = lap();
-  if (auto delta = scene().commit(); !delta) return tl::unexpected(delta.error());
+  need(scene().commit());
   times_.commit = lap();
   {
     const core::Snapshot snapshot(scene());
@@ -76,49 +68,39 @@ core::Expected<void> Report::load() {
     fitted_ = snapshot.bounds().fitted_bounds();
   }
   lap();
-  auto context = gl::Context::create_offscreen({.platform = options_.platform});
-  if (!context) return tl::unexpected(context.error());
-  context_ = std::make_unique<gl::Context>(std::move(*context));
+  auto context = need(gl::Context::create_offscreen({.platform = options_.platform}));
+  context_ = std::make_unique<gl::Context>(std::move(context));
   times_.context = lap();
   engine::EngineConfig config = engine_config();
   config.drawing.ids = true;
-  auto engine = engine::Engine::create(scene(), config);
-  if (!engine) return tl::unexpected(engine.error());
-  engine_ = std::make_unique<engine::Engine>(std::move(*engine));
+  auto engine = need(engine::Engine::create(scene(), config));
+  engine_ = std::make_unique<engine::Engine>(std::move(engine));
   times_.engine = lap();
   const auto view = overview();
-  if (!view) return tl::unexpected(view.error());
-  if (auto frame = engine_->frame(*view); !frame) return tl::unexpected(frame.error());
+  need(engine_->frame(view));
   engine_->finish();
   times_.first_frame = lap();
-  return {};
 }
 
-core::Expected<void> Report::make_tour() {
+void Report::make_tour() {
 #if SIGHTLINE_HAS_RAYTRACE
-  auto tracer = raytrace::Tracer::create(snapshot());
-  if (!tracer) return tl::unexpected(tracer.error());
-  tracer_ = std::make_shared<const raytrace::Tracer>(std::move(*tracer));
-  auto tour = tour_in_sight(*tracer_, fitted_, aspect());
-  if (!tour) return tl::unexpected(tour.error());
-  tour_ = std::move(*tour);
+  tracer_ = std::make_shared<const raytrace::Tracer>(need(raytrace::Tracer::create(snapshot())));
+  tour_ = need(tour_in_sight(*tracer_, fitted_, aspect()));
 #else
   tour_ = engine::make_tour(snapshot().bounds(), fitted_);
 #endif
-  return {};
 }
 
-core::Expected<core::View> Report::overview() const {
+core::View Report::overview() const {
   ViewOptions options;
   options.quiet = true;
-  return choose_view(options, model_, snapshot(), aspect());
+  return need(choose_view(options, model_, snapshot(), aspect()));
 }
 
-core::Expected<void> Report::find_views() {
+void Report::find_views() {
   const auto whole = overview();
-  if (!whole) return tl::unexpected(whole.error());
-  views_.push_back({"overview", *whole, "--fit"});
-  if (empty()) return {};
+  views_.push_back({"overview", whole, "--fit"});
+  if (empty()) return;
   struct Candidate {
     int frame;
     core::View view;
@@ -127,13 +109,11 @@ core::Expected<void> Report::find_views() {
   constexpr int kStep = 5;
   std::vector<Candidate> candidates;
   for (int frame = kStep; frame < kTourFrames - 1; frame += kStep) {
-    auto view = tour_.view(tour_.time_of(frame, kTourFrames), aspect());
-    if (!view) return tl::unexpected(view.error());
-    if (auto drawn = engine_->frame(*view); !drawn) return tl::unexpected(drawn.error());
-    const auto ids = engine_->read_ids();
-    if (!ids) return tl::unexpected(ids.error());
-    const auto background = std::size_t(std::count(ids->ids.begin(), ids->ids.end(), 0u));
-    candidates.push_back({frame, *view, visible_in_ids(*ids).size(), ids->ids.size() - background});
+    auto view = need(tour_.view(tour_.time_of(frame, kTourFrames), aspect()));
+    need(engine_->frame(view));
+    const auto ids = need(engine_->read_ids());
+    const auto background = std::size_t(std::count(ids.ids.begin(), ids.ids.end(), 0u));
+    candidates.push_back({frame, view, visible_in_ids(ids).size(), ids.ids.size() - background});
   }
   // One place that shows many items, and one where some of them fill the image, but not a single one.
   const auto most = std::max_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
@@ -150,7 +130,6 @@ core::Expected<void> Report::find_views() {
                           std::to_string(frame)});
     std::erase_if(candidates, [&](const Candidate& c) { return std::abs(c.frame - frame) < 3 * kStep; });
   }
-  return {};
 }
 
 engine::EngineConfig Report::engine_config() const {
@@ -162,12 +141,11 @@ engine::EngineConfig Report::engine_config() const {
   return config;
 }
 
-core::Expected<std::vector<core::View>> Report::tour_views(int frames) const {
+std::vector<core::View> Report::tour_views(int frames) const {
   std::vector<core::View> views;
   for (int i = 0; i < frames; ++i) {
-    auto view = tour_.view(tour_.time_of(i, frames), aspect());
-    if (!view) return tl::unexpected(view.error());
-    views.push_back(*view);
+    auto view = need(tour_.view(tour_.time_of(i, frames), aspect()));
+    views.push_back(view);
   }
   return views;
 }
@@ -202,25 +180,12 @@ std::vector<core::ItemId> visible_in_ids(const image::IdImage& image) {
 
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text) {
   auto size = parse_size(text);
-  if (size && ((*size)[0] < 64 || (*size)[1] < 36))
-    return core::fail("expected 64x36 at least, found \"" + text + "\"");
+  if (size && ((*size)[0] < 64 || (*size)[1] < 36)) fail("expected 64x36 at least, found \"" + text + "\"");
   return size;
 }
 
-double now_ms() {
-  using Clock = std::chrono::steady_clock;
-  return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
-}
-
-std::string count_words(std::uint64_t count) {
-  std::string digits = std::to_string(count);
-  for (std::ptrdiff_t at = std::ptrdiff_t(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), ",");
-  return digits;
-}
-
 std::string number(double value) {
-  if (std::abs(value) >= 1000.0 && std::abs(value) < 1e7)
-    return (value < 0.0 ? "-" : "") + count_words(std::uint64_t(std::llround(std::abs(value))));
+  if (std::abs(value) >= 1000.0 && std::abs(value) < 1e7) return grouped(std::llround(value));
   std::string text = short_number(value);
   const std::size_t exponent = text.find('e');
   if (exponent == std::string::npos) return text;
@@ -229,6 +194,12 @@ std::string number(double value) {
   std::string out = text.substr(0, exponent) + "·10" + (power < 0 ? "⁻" : "");
   for (const char digit : std::to_string(std::abs(power))) out += kSuperscripts[digit - '0'];
   return out;
+}
+
+std::string kind_words(core::Kind kind) {
+  std::string name(core::name_of(kind));
+  std::ranges::replace(name, '_', ' ');
+  return name;
 }
 
 std::string percent(double share) {

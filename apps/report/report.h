@@ -1,4 +1,4 @@
-// What the sections of a report share: the loaded model, the views that it is drawn from, and how figures are written.
+// What the sections of a report share: the loaded model, the views that it is drawn from, and how values are written.
 #pragma once
 
 #include <functional>
@@ -8,8 +8,11 @@
 
 #include "sightline/apps/common/html_images.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/need.h"
+#include "sightline/apps/common/numbers.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/core/camera_path.h"
+#include "sightline/core/internal/clock.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
 #include "sightline/importers/json/internal/json.h"
@@ -55,11 +58,15 @@ inline constexpr const char* kTourFile = "tour.json";
 class Report {
  public:
   /// Loads the model and draws a first frame.
-  static core::Expected<Report> create(const ReportOptions& options);
+  explicit Report(const ReportOptions& options);
 
   const ReportOptions& options() const { return options_; }
   const Model& model() const { return model_; }
   core::Scene& scene() const { return *model_.scene; }
+  /// For what keeps its scene alive, which the report does already.
+  std::shared_ptr<core::Scene> shared_scene() const {
+    return {&scene(), [](core::Scene*) {}};
+  }
   const LoadTimes& times() const { return times_; }
   gl::Context& context() const { return *context_; }
   /// With ids, and otherwise as engines are by default.
@@ -79,7 +86,7 @@ class Report {
   /// For an engine of its own in the shared context.
   engine::EngineConfig engine_config() const;
   /// The views of `frames` evenly spaced frames of the tour.
-  core::Expected<std::vector<core::View>> tour_views(int frames) const;
+  std::vector<core::View> tour_views(int frames) const;
   /// A command line of a tool for the same model: "sightline-TOOL MODEL… ARGUMENTS".
   std::string command(const std::string& tool, const std::string& arguments) const;
   /// "--size 640x360"
@@ -90,12 +97,11 @@ class Report {
   std::string section_command(const std::string& section) const;
 
  private:
-  explicit Report(const ReportOptions& options) : options_(options) {}
-  core::Expected<void> load();
-  core::Expected<void> make_tour();
-  core::Expected<void> find_views();
+  void load();
+  void make_tour();
+  void find_views();
   /// The default view of sightline-render.
-  core::Expected<core::View> overview() const;
+  core::View overview() const;
 
   ReportOptions options_;
   std::array<int, 2> size_{};
@@ -120,22 +126,21 @@ struct Section {
 /// Called with the share of the section's work that is done.
 using SectionProgress = std::function<void(double)>;
 
+using Rows = std::vector<std::vector<std::string>>;
+
 struct SectionMaker {
   const char *id, *title;
-  core::Expected<Section> (*make)(const Report& report, const SectionProgress& progress);
+  Section (*make)(const Report& report, const SectionProgress& progress);
+  bool of_images = true;  ///< left out where the scene has nothing to draw
 };
-core::Expected<Section> model_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> plan_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> images_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> visibility_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> frames_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> error_section(const Report& report, const SectionProgress& progress);
-core::Expected<Section> stability_section(const Report& report, const SectionProgress& progress);
-
-/// Why a section is left out.
-inline constexpr const char* kNothing = "the scene has nothing to draw";
-inline constexpr const char* kNoRays = "this build has no ray tracing";
+Section model_section(const Report& report, const SectionProgress& progress);
+Section plan_section(const Report& report, const SectionProgress& progress);
+Section images_section(const Report& report, const SectionProgress& progress);
+Section culling_section(const Report& report, const SectionProgress& progress);
+Section visibility_section(const Report& report, const SectionProgress& progress);
+Section frames_section(const Report& report, const SectionProgress& progress);
+Section error_section(const Report& report, const SectionProgress& progress);
+Section stability_section(const Report& report, const SectionProgress& progress);
 
 /// One colour for one thing in all plots of the page.
 namespace colours {
@@ -145,18 +150,20 @@ inline constexpr const char *kInView = "#7b52ab", *kSampled = "#0097a7", *kUnocc
 inline constexpr const char *kCpu = "#795548", *kGpu = "#689f00", *kHybrid = "#f9a825";
 }  // namespace colours
 
-// --- how figures are written -----------------------------------------------------------------------------------------
+// --- how values are written -----------------------------------------------------------------------------------------
 
 /// Items that are visible in the id image, in rising order.
 std::vector<core::ItemId> visible_in_ids(const image::IdImage& image);
 /// WIDTHxHEIGHT, large enough for the measures of errors.
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text);
 /// Steady clock, milliseconds.
-double now_ms();
-/// "12,345,678"
-std::string count_words(std::uint64_t count);
+inline double now_ms() {
+  return 1e3 * core::now_seconds();
+}
 /// Three significant digits or a whole number: "0.0123", "4.56", "12,345", "2.1·10⁻⁷".
 std::string number(double value);
+/// "circular torus"
+std::string kind_words(core::Kind kind);
 /// "12.3 %" of a share.
 std::string percent(double share);
 /// "1.2 MiB", with the unit that fits.

@@ -16,13 +16,6 @@ namespace {
 using core::dmat3;
 using core::dvec3;
 using core::Kind;
-using Rows = std::vector<std::vector<std::string>>;
-
-std::string kind_words(Kind kind) {
-  std::string name(core::name_of(kind));
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
-}
 
 // --- ranges ----------------------------------------------------------------------------------------------------------
 
@@ -121,10 +114,10 @@ void add_ranges(const Report& report, Section& section) {
       {"quantity", "least", "greatest", "tested range", "greatest / limit", "within"}, rows,
       {"Numbers of the model's primitives beside the ranges in which their intersections are tested "
        "(docs/reference/accuracy.md); values of 0 left out. " +
-           count_words(ranges.flat) +
+           grouped(ranges.flat) +
            " items are thinner than 1e-7 of their longest side: boxes, dishes and pyramids among them are drawn that "
            "thick. " +
-           count_words(ranges.skipped) + " have no size.",
+           grouped(ranges.skipped) + " have no size.",
        "sightline-stability\n" + report.section_command("stability")});
   section.results["flat"] = ranges.flat;
 }
@@ -160,22 +153,20 @@ std::optional<double> reference_depth(const Report& report, core::ItemId item, c
   return std::nullopt;
 }
 
-core::Expected<std::map<Kind, DepthErrors>> measure_depths(const Report& report, const SectionProgress& progress) {
+std::map<Kind, DepthErrors> measure_depths(const Report& report, const SectionProgress& progress) {
   constexpr std::size_t kPixelsPerView = 100'000;
   std::map<Kind, DepthErrors> errors;
   double done = 0.0;
   for (const ReportView& place : report.views()) {
-    if (auto frame = report.engine().frame(place.view); !frame) return tl::unexpected(frame.error());
-    const auto ids = report.engine().read_ids();
-    if (!ids) return tl::unexpected(ids.error());
-    const auto depth = report.engine().read_depth(place.view);
-    if (!depth) return tl::unexpected(depth.error());
+    need(report.engine().frame(place.view));
+    const auto ids = need(report.engine().read_ids());
+    const auto depth = need(report.engine().read_depth(place.view));
     // A step without a common factor with the width, so that pixels of all columns are taken.
-    std::size_t step = std::max<std::size_t>(1, ids->ids.size() / kPixelsPerView);
+    std::size_t step = std::max<std::size_t>(1, ids.ids.size() / kPixelsPerView);
     while (std::gcd(step, std::size_t(report.width())) != 1) ++step;
-    for (std::size_t i = 0; i < ids->ids.size(); i += step) {
-      if (ids->ids[i] == 0) continue;
-      const core::ItemId item{ids->ids[i] - 1};
+    for (std::size_t i = 0; i < ids.ids.size(); i += step) {
+      if (ids.ids[i] == 0) continue;
+      const core::ItemId item{ids.ids[i] - 1};
       const Kind kind = report.scene().kind(item);
       if (int(kind) >= core::kPrimitiveKindCount || kind == Kind::kLine) continue;
       const std::size_t width = std::size_t(report.width());
@@ -186,7 +177,7 @@ core::Expected<std::map<Kind, DepthErrors>> measure_depths(const Report& report,
         ++of_kind.misses;
         continue;
       }
-      const double error = std::abs(double(depth->metres[i]) - *t);
+      const double error = std::abs(double(depth.metres[i]) - *t);
       of_kind.relative.push_back(error / *t);
       of_kind.metres = std::max(of_kind.metres, error);
     }
@@ -195,23 +186,22 @@ core::Expected<std::map<Kind, DepthErrors>> measure_depths(const Report& report,
   return errors;
 }
 
-core::Expected<void> add_depths(const Report& report, const SectionProgress& progress, Section& section) {
+void add_depths(const Report& report, const SectionProgress& progress, Section& section) {
   const auto errors = measure_depths(report, progress);
-  if (!errors) return tl::unexpected(errors.error());
   Rows rows;
   std::vector<double> all;
   const auto add = [&](const std::string& name, const std::vector<double>& relative, double metres,
                        std::uint64_t misses) {
-    rows.push_back({name, count_words(relative.size() + misses), number(median(relative)),
+    rows.push_back({name, grouped(relative.size() + misses), number(median(relative)),
                     number(percentile(relative, 0.99)), number(percentile(relative, 1.0)), number(1e3 * metres),
-                    count_words(misses)});
+                    grouped(misses)});
     section.results["depth"][name] = {
         {"pixels", relative.size() + misses}, {"median", median(relative)}, {"p99", percentile(relative, 0.99)},
         {"max", percentile(relative, 1.0)},   {"max_metres", metres},       {"misses", misses}};
   };
   double metres = 0.0;
   std::uint64_t misses = 0;
-  for (const auto& [kind, of_kind] : *errors) {
+  for (const auto& [kind, of_kind] : errors) {
     add(kind_words(kind), of_kind.relative, of_kind.metres, of_kind.misses);
     all.insert(all.end(), of_kind.relative.begin(), of_kind.relative.end());
     metres = std::max(metres, of_kind.metres);
@@ -219,7 +209,7 @@ core::Expected<void> add_depths(const Report& report, const SectionProgress& pro
   }
   if (rows.empty()) {
     section.html.paragraph("left out: drawn depths, since no sampled pixel shows a primitive.");
-    return {};
+    return;
   }
   add("all", all, metres, misses);
   section.html.table(
@@ -231,23 +221,22 @@ core::Expected<void> add_depths(const Report& report, const SectionProgress& pro
            "where a ray grazes a surface: another crossing of the same item is then the first.",
        report.section_command("stability")});
   section.headline = "depths differ from double precision by " + number(percentile(all, 0.99)) +
-                     " at the 99th percentile of " + count_words(all.size()) + " pixels.";
-  return {};
+                     " at the 99th percentile of " + grouped(all.size()) + " pixels.";
 }
 
 }  // namespace
 
-core::Expected<Section> stability_section(const Report& report, const SectionProgress& progress) {
+Section stability_section(const Report& report, const SectionProgress& progress) {
   Section section;
   const auto& items = report.model().report.items;
   std::uint64_t solids = 0;
   for (int k = 0; k < core::kPrimitiveKindCount; ++k) solids += Kind(k) == Kind::kLine ? 0 : items[std::size_t(k)];
-  if (solids == 0 || report.empty()) {
+  if (solids == 0) {
     section.left_out = "the model has no primitives";
     return section;
   }
   add_ranges(report, section);
-  if (auto done = add_depths(report, progress, section); !done) return tl::unexpected(done.error());
+  add_depths(report, progress, section);
   return section;
 }
 

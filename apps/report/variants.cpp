@@ -48,33 +48,31 @@ image::IdImage enlarged(const image::IdImage& small, int width, int height) {
 }
 
 /// The view whose pixel centres lie (x, y) pixels off.
-core::Expected<core::View> shifted(const core::View& view, double x, double y, int width, int height) {
+core::View shifted(const core::View& view, double x, double y, int width, int height) {
   core::dmat4 clip_from_eye = view.clip_from_eye();
   for (int column = 0; column < 4; ++column) {
     clip_from_eye[column][0] += 2.0 * x / width * clip_from_eye[column][3];
     clip_from_eye[column][1] += 2.0 * y / height * clip_from_eye[column][3];
   }
-  return core::View::from_matrices(view.eye_from_world(), clip_from_eye, view.clip_depth());
+  return need(core::View::from_matrices(view.eye_from_world(), clip_from_eye, view.clip_depth()));
 }
 
 // --- references ------------------------------------------------------------------------------------------------------
 
 constexpr int kGrid = 8;  // rays per pixel and axis
 
-core::Expected<raytrace::WhittedImage> traced(const Report& report, const core::View& view) {
-  return raytrace::render_whitted(*report.tracer(), view, report.width(), report.height());
+raytrace::WhittedImage traced(const Report& report, const core::View& view) {
+  return need(raytrace::render_whitted(*report.tracer(), view, report.width(), report.height()));
 }
 
 /// What the rays through the pixels' centres hit.
-core::Expected<std::vector<Reference::Point>> trace_points(const Report& report, const core::View& view) {
-  const auto rays = core::ImageRays::create(view, report.width(), report.height());
-  if (!rays) return tl::unexpected(rays.error());
+std::vector<Reference::Point> trace_points(const Report& report, const core::View& view) {
+  const auto rays = need(core::ImageRays::create(view, report.width(), report.height()));
   std::vector<core::Ray> all;
   for (int y = 0; y < report.height(); ++y)
-    for (int x = 0; x < report.width(); ++x) all.push_back(rays->through(x + 0.5, y + 0.5));
+    for (int x = 0; x < report.width(); ++x) all.push_back(rays.through(x + 0.5, y + 0.5));
   std::vector<raytrace::Hit> hits(all.size());
-  if (auto done = report.tracer()->nearest(all, hits, raytrace::filter_of(view)); !done)
-    return tl::unexpected(done.error());
+  need(report.tracer()->nearest(all, hits, raytrace::filter_of(view)));
   const core::dvec3 forward = -glm::transpose(core::dmat3(view.eye_from_world()))[2];
   std::vector<Reference::Point> points(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -88,7 +86,7 @@ core::Expected<std::vector<Reference::Point>> trace_points(const Report& report,
 
 /// Means of the stored colours of 8 x 8 images whose rays lie on a regular grid in each pixel, as an engine's own
 /// samples are averaged; and all items that they show.
-core::Expected<void> trace_smooth(const Report& report, const core::View& view, Reference& reference) {
+void trace_smooth(const Report& report, const core::View& view, Reference& reference) {
   const std::size_t pixels = reference.points.size();
   std::vector<std::uint32_t> sums(3 * pixels), last(pixels, ~0u);
   const auto see = [&](std::size_t pixel, std::uint32_t id) {
@@ -98,18 +96,15 @@ core::Expected<void> trace_smooth(const Report& report, const core::View& view, 
   for (int sample = 0; sample < kGrid * kGrid; ++sample) {
     const auto offset = [](int i) { return (i + 0.5) / kGrid - 0.5; };
     const auto moved = shifted(view, offset(sample % kGrid), offset(sample / kGrid), report.width(), report.height());
-    if (!moved) return tl::unexpected(moved.error());
-    const auto image = traced(report, *moved);
-    if (!image) return tl::unexpected(image.error());
-    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += image->rgb[i];
-    for (std::size_t i = 0; i < pixels; ++i) see(i, image->ids[i]);
+    const auto image = traced(report, moved);
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += image.rgb[i];
+    for (std::size_t i = 0; i < pixels; ++i) see(i, image.ids[i]);
   }
   constexpr std::uint32_t kSamples = kGrid * kGrid;
   reference.smooth = {report.width(), report.height(), std::vector<std::uint8_t>(sums.size())};
   for (std::size_t i = 0; i < sums.size(); ++i)
     reference.smooth.pixels[i] = std::uint8_t((sums[i] + kSamples / 2) / kSamples);
   core::sort_unique(reference.seen);
-  return {};
 }
 
 // --- errors ----------------------------------------------------------------------------------------------------------
@@ -168,8 +163,8 @@ class PixelErrors {
 };
 
 /// Adds one view's errors. `share`: of the view, in means.
-core::Expected<void> add_errors(const Variant& variant, const Reference& reference, DrawnImage image, double share,
-                                std::vector<double>& distances, VariantResults& results) {
+void add_errors(const Variant& variant, const Reference& reference, DrawnImage image, double share,
+                std::vector<double>& distances, VariantResults& results) {
   if (variant.reduced > 1) {
     image.colour = enlarged(image.colour, reference.colour.width, reference.colour.height);
     image.ids = enlarged(image.ids, reference.colour.width, reference.colour.height);
@@ -183,15 +178,13 @@ core::Expected<void> add_errors(const Variant& variant, const Reference& referen
     results.differences.push_back(wrong);
   }
   if (variant.group != Variant::Group::kTriangles) {
-    const auto metrics = image::image_metrics(reference.smooth, image.colour);
-    if (!metrics) return tl::unexpected(metrics.error());
-    results.flip_mean += share * metrics->flip_mean;
-    results.flip_p99 += share * metrics->flip_p99;
+    const auto metrics = need(image::image_metrics(reference.smooth, image.colour));
+    results.flip_mean += share * metrics.flip_mean;
+    results.flip_p99 += share * metrics.flip_p99;
     results.wrong_ids += share * double(errors.count_wrong()) / pixels;
-    if (!is_surface_variant(variant.group)) results.differences.push_back(metrics->flip_mean);
+    if (!is_surface_variant(variant.group)) results.differences.push_back(metrics.flip_mean);
   }
   results.images.push_back(std::move(image.colour));
-  return {};
 }
 
 }  // namespace
@@ -200,26 +193,24 @@ bool Reference::shows(std::size_t pixel, std::uint32_t id) const {
   return std::binary_search(seen.begin(), seen.end(), std::uint64_t(pixel) << 32 | id);
 }
 
-core::Expected<std::vector<Reference>> trace_references(const Report& report, const SectionProgress& progress) {
+std::vector<Reference> trace_references(const Report& report, const SectionProgress& progress) {
   std::vector<Reference> references;
   for (const ReportView& place : report.views()) {
     Reference reference;
     auto points = trace_points(report, place.view);
-    if (!points) return tl::unexpected(points.error());
-    reference.points = std::move(*points);
+    reference.points = std::move(points);
     auto image = traced(report, place.view);
-    if (!image) return tl::unexpected(image.error());
-    reference.colour = {image->width, image->height, std::move(image->rgb)};
-    if (auto done = trace_smooth(report, place.view, reference); !done) return tl::unexpected(done.error());
+    reference.colour = {image.width, image.height, std::move(image.rgb)};
+    trace_smooth(report, place.view, reference);
     references.push_back(std::move(reference));
     progress(double(references.size()) / double(report.views().size()));
   }
   return references;
 }
 
-core::Expected<std::vector<VariantResults>> measure_variants(const Report& report, const std::vector<Variant>& variants,
-                                                             const std::vector<Reference>& references,
-                                                             const SectionProgress& progress) {
+std::vector<VariantResults> measure_variants(const Report& report, const std::vector<Variant>& variants,
+                                             const std::vector<Reference>& references,
+                                             const SectionProgress& progress) {
   constexpr int kPasses = 3;
   std::vector<VariantResults> results;
   std::vector<DrawnVariant> drawn;
@@ -227,25 +218,19 @@ core::Expected<std::vector<VariantResults>> measure_variants(const Report& repor
     engine::EngineConfig config = variant.config;
     config.width /= variant.reduced;
     config.height /= variant.reduced;
-    auto made = DrawnVariant::create(variant.scene, config);
-    if (!made) return tl::unexpected(made.error());
-    drawn.push_back(std::move(*made));
-    VariantResults& f = results.emplace_back();
-    f.group = variant.group, f.label = variant.label, f.tolerance = variant.tolerance, f.triangles = variant.triangles;
+    drawn.push_back(need(DrawnVariant::create(variant.scene, config)));
+    static_cast<VariantKind&>(results.emplace_back()) = variant;
     progress(0.5 * double(drawn.size()) / double(variants.size()));
   }
   const double share = 1.0 / double(references.size());
   std::vector<std::vector<double>> distances(variants.size());
   for (std::size_t v = 0; v < references.size(); ++v) {
     const core::View& view = report.views()[v].view;
-    const auto times = time_in_turns(drawn, view, kPasses);
-    if (!times) return tl::unexpected(times.error());
+    const auto times = need(time_in_turns(drawn, view, kPasses));
     for (std::size_t i = 0; i < variants.size(); ++i) {
-      results[i].ms += share * (*times)[i];
-      auto image = drawn[i].image(view);  // of the last pass
-      if (!image) return tl::unexpected(image.error());
-      auto done = add_errors(variants[i], references[v], std::move(*image), share, distances[i], results[i]);
-      if (!done) return tl::unexpected(done.error());
+      results[i].ms += share * times[i];
+      // The image is that of the last pass.
+      add_errors(variants[i], references[v], need(drawn[i].image(view)), share, distances[i], results[i]);
     }
     progress(0.5 + 0.5 * double(v + 1) * share);
   }

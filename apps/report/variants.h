@@ -10,16 +10,19 @@
 
 namespace sightline::apps {
 
-/// A way to draw the model.
-struct Variant {
+/// What a way to draw the model is.
+struct VariantKind {
   enum class Group { kExact, kTriangles, kSamples, kContribution, kLevels };
   Group group = Group::kExact;
   std::string label;
-  std::shared_ptr<core::Scene> scene;
-  engine::EngineConfig config;
-  int reduced = 1;              ///< drawn that many times smaller, and enlarged
   double tolerance = 0.0;       ///< metres, of triangles in place of primitives
   std::uint64_t triangles = 0;  ///< of all items
+};
+
+struct Variant : VariantKind {
+  std::shared_ptr<core::Scene> scene;
+  engine::EngineConfig config;
+  int reduced = 1;  ///< drawn that many times smaller, and enlarged
 };
 
 /// What rays in double precision see from a view.
@@ -39,11 +42,7 @@ struct Reference {
 };
 
 /// Results of all views together.
-struct VariantResults {
-  Variant::Group group = Variant::Group::kExact;
-  std::string label;
-  double tolerance = 0.0;
-  std::uint64_t triangles = 0;
+struct VariantResults : VariantKind {
   std::size_t gpu_bytes = 0;
   double ms = 0.0;  ///< a frame, mean of the views
   // Against one ray through each pixel's centre:
@@ -57,11 +56,10 @@ struct VariantResults {
 };
 
 /// One for each of the report's views. The report must have a tracer.
-core::Expected<std::vector<Reference>> trace_references(const Report& report, const SectionProgress& progress);
+std::vector<Reference> trace_references(const Report& report, const SectionProgress& progress);
 
 /// Draws all variants in turns, so that other load of the machine affects all equally, and compares them.
-core::Expected<std::vector<VariantResults>> measure_variants(const Report& report, const std::vector<Variant>& variants,
-                                                             const std::vector<Reference>& references,
-                                                             const SectionProgress& progress);
+std::vector<VariantResults> measure_variants(const Report& report, const std::vector<Variant>& variants,
+                                             const std::vector<Reference>& references, const SectionProgress& progress);
 
 }  // namespace sightline::apps

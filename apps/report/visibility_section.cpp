@@ -3,15 +3,13 @@
 #include <array>
 #include <optional>
 
+#include "sightline/apps/common/drawn_variant.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/report/report.h"
-#if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/raytrace/exact_visibility.h"
-#endif
 
 namespace sightline::apps {
 
-#if SIGHTLINE_HAS_RAYTRACE
 namespace {
 
 using engine::CullerChoice;
@@ -38,9 +36,7 @@ constexpr CullingVariant kCullingVariants[] = {
     {"gpu, occlusion test", CullerChoice::kGpu, true, OcclusionChoice::kOn},
 };
 
-struct Image {
-  image::IdImage ids;
-  image::DepthImage depth;
+struct Image : DrawnImage {
   Ids visible_in_ids;  ///< items, sorted
 };
 
@@ -51,50 +47,30 @@ struct Drawn {
   std::uint64_t lost = 0, ties = 0;  ///< items of all frames
 };
 
-core::Expected<std::vector<Ids>> exact_sets(const Report& report, const std::vector<core::View>& views) {
+std::vector<Ids> exact_sets(const Report& report, const std::vector<core::View>& views) {
   const raytrace::ExactVisibility exact(*report.tracer());
   std::vector<Ids> sets;
   for (const core::View& view : views) {
-    const auto items = exact.compute(view, report.width(), report.height());
-    if (!items) return tl::unexpected(items.error());
+    const auto items = need(exact.compute(view, report.width(), report.height()));
     sets.emplace_back();
-    for (const raytrace::VisibleItem& item : *items) sets.back().push_back(item.item);
+    for (const raytrace::VisibleItem& item : items) sets.back().push_back(item.item);
   }
   return sets;
 }
 
-/// Items drawn in the frame, which is waited for.
-core::Expected<std::int64_t> draw(engine::Engine& engine, const core::View& view) {
-  const auto frame = engine.frame(view);
-  if (!frame) return tl::unexpected(frame.error());
-  if (!frame->drawn) return core::fail("the GL context was lost");
-  engine.finish();
-  std::int64_t shown = frame->items_drawn;
-  while (const auto late = engine.take_late_report())
-    if (late->frame == frame->frame) shown = late->items_drawn;
-  return shown;
-}
-
-core::Expected<Drawn> draw_all(const Report& report, const CullingVariant& variant,
-                               const std::vector<core::View>& views) {
+Drawn draw_all(const Report& report, const CullingVariant& variant, const std::vector<core::View>& views) {
   engine::EngineConfig config = report.engine_config();
-  config.drawing.ids = true;
   config.culling.culler = variant.culler;
   config.culling.sample_test = variant.sample_test;
   config.culling.occlusion = variant.occlusion;
-  auto engine = engine::Engine::create(report.scene(), config);
-  if (!engine) return tl::unexpected(engine.error());
+  auto drawer = need(DrawnVariant::create(report.shared_scene(), config));
   Drawn drawn;
   for (const core::View& view : views) {
-    const auto items = draw(*engine, view);
-    if (!items) return tl::unexpected(items.error());
-    drawn.items.push_back(double(*items));
-    auto ids = engine->read_ids();
-    if (!ids) return tl::unexpected(ids.error());
-    auto depth = engine->read_depth(view);
-    if (!depth) return tl::unexpected(depth.error());
-    Ids seen_items = visible_in_ids(*ids);
-    drawn.images.push_back({std::move(*ids), std::move(*depth), std::move(seen_items)});
+    need(drawer.draw(view));
+    drawn.items.push_back(double(drawer.items_drawn()));
+    Image image{need(drawer.image(view)), {}};
+    image.visible_in_ids = visible_in_ids(image.ids);
+    drawn.images.push_back(std::move(image));
   }
   return drawn;
 }
@@ -137,20 +113,14 @@ double mean_of(const std::vector<double>& values) {
 
 }  // namespace
 
-core::Expected<Section> visibility_section(const Report& report, const SectionProgress& progress) {
+Section visibility_section(const Report& report, const SectionProgress& progress) {
   Section section;
-  if (report.empty()) {
-    section.left_out = kNothing;
-    return section;
-  }
   const int frames = std::min(kMostFrames, report.options().frames);
   const auto views = report.tour_views(frames);
-  if (!views) return tl::unexpected(views.error());
-  const auto sets = exact_sets(report, *views);
-  if (!sets) return tl::unexpected(sets.error());
+  const auto sets = exact_sets(report, views);
   progress(0.3);
   std::vector<double> exact;
-  for (const Ids& set : *sets) exact.push_back(double(set.size()));
+  for (const Ids& set : sets) exact.push_back(double(set.size()));
   const PanelSeries seen = line_over_frames("seen by rays", exact, PanelSeries::Style::kHeavyLine, colours::kSeen);
   Panel on_cpu{"CPU culler", {seen}}, on_gpu{"GPU culler", {seen}};
   std::vector<std::vector<std::string>> rows{{"seen by rays", number(mean_of(exact)), "1", "", ""}};
@@ -158,33 +128,32 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
   std::optional<Drawn> reference;
   std::uint64_t unlike = 0, lost = 0;
   for (const CullingVariant& variant : kCullingVariants) {
-    auto drawn = draw_all(report, variant, *views);
-    if (!drawn) return tl::unexpected(drawn.error());
-    const std::vector<Image>& all = reference ? reference->images : drawn->images;
+    auto drawn = draw_all(report, variant, views);
+    const std::vector<Image>& all = reference ? reference->images : drawn.images;
     std::vector<double> excess;
-    for (std::size_t i = 0; i < sets->size(); ++i) {
-      count_lost((*sets)[i], all[i], drawn->images[i], *drawn);
-      if (!reference) unlike += count_missing((*sets)[i], all[i].visible_in_ids);
-      if (exact[i] > 0.0) excess.push_back(drawn->items[i] / exact[i]);
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      count_lost(sets[i], all[i], drawn.images[i], drawn);
+      if (!reference) unlike += count_missing(sets[i], all[i].visible_in_ids);
+      if (exact[i] > 0.0) excess.push_back(drawn.items[i] / exact[i]);
     }
     const double ratio = excess.empty() ? 0.0 : median(excess);
-    rows.push_back({variant.label, number(mean_of(drawn->items)), number(ratio), count_words(drawn->lost),
-                    count_words(drawn->ties)});
+    rows.push_back(
+        {variant.label, number(mean_of(drawn.items)), number(ratio), grouped(drawn.lost), grouped(drawn.ties)});
     section.results["variants"].push_back({{"label", variant.label},
-                                           {"drawn", mean_of(drawn->items)},
+                                           {"drawn", mean_of(drawn.items)},
                                            {"per_exact", ratio},
-                                           {"lost", drawn->lost},
-                                           {"ties", drawn->ties}});
-    if (variant.culler == CullerChoice::kCpu) on_cpu.series.push_back(series_of(variant, drawn->items));
-    if (variant.culler == CullerChoice::kGpu) on_gpu.series.push_back(series_of(variant, drawn->items));
+                                           {"lost", drawn.lost},
+                                           {"ties", drawn.ties}});
+    if (variant.culler == CullerChoice::kCpu) on_cpu.series.push_back(series_of(variant, drawn.items));
+    if (variant.culler == CullerChoice::kGpu) on_gpu.series.push_back(series_of(variant, drawn.items));
     if (variant.occlusion == OcclusionChoice::kOn)
       section.headline += (section.headline.empty() ? "items drawn for each that rays see: " : ", ") +
                           (variant.label + (" " + number(ratio)));
-    lost += drawn->lost;
-    if (!reference) reference = std::move(*drawn);
+    lost += drawn.lost;
+    if (!reference) reference = std::move(drawn);
     progress(0.3 + 0.7 * double(&variant - kCullingVariants + 1) / double(std::size(kCullingVariants)));
   }
-  section.headline += "; lost: " + count_words(lost) + ".";
+  section.headline += "; lost: " + grouped(lost) + ".";
   section.results["unlike_raster"] = unlike;
   const std::string command = report.section_command("visibility");
   section.html.table(
@@ -194,19 +163,12 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
            "(raytrace/exact_visibility.h). Lost: seen by rays and in the image of the linear culler, but in no pixel "
            "of this one; ties: the same, where another item has its depth. Rays do not see lines, nor what is behind "
            "transparent items; both are drawn. " +
-           count_words(unlike) + " times the rasteriser itself shows no pixel of an item that rays see.",
+           grouped(unlike) + " times the rasteriser itself shows no pixel of an item that rays see.",
        command});
   section.html.plot(plot_over_frames("Items drawn by each culler, and seen by rays", "items",
                                      {std::move(on_cpu), std::move(on_gpu)}, true),
                     {"The same frame by frame. The linear culler draws what the CPU culler does.", command});
   return section;
 }
-#else
-core::Expected<Section> visibility_section(const Report&, const SectionProgress&) {
-  Section section;
-  section.left_out = kNoRays;
-  return section;
-}
-#endif
 
 }  // namespace sightline::apps
