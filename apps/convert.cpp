@@ -7,6 +7,7 @@
 #include "sightline/apps/common/item_copier.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/named_parts.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/report_json.h"
@@ -18,6 +19,7 @@
 namespace {
 
 using namespace sightline;
+using apps::need, apps::fail;
 using Json = json::Value;
 /// Fails unless the file, or the folder of tiles, can be written without loss of one that is read.
 core::Expected<void> check(const std::string& output, const std::vector<std::string>& read, bool tiles) {
@@ -32,39 +34,37 @@ struct Chosen {
 };
 
 /// Chosen items, with the nodes above them.
-core::Expected<core::Scene> part_of(const apps::Model& model, const Chosen& chosen) {
+core::Scene part_of(const apps::Model& model, const Chosen& chosen) {
   const core::Scene& scene = *model.scene;
-  const auto only = apps::named_nodes(scene, chosen.only, false),
-             except = apps::named_nodes(scene, chosen.except, false);
-  if (!only || !except) return tl::unexpected((only ? except : only).error());
+  const auto only = need(apps::named_nodes(scene, chosen.only, false)),
+             except = need(apps::named_nodes(scene, chosen.except, false));
   std::vector<bool> items =
-      chosen.only.empty() ? std::vector<bool>(scene.item_slots(), true) : apps::items_below(scene, *only);
-  const std::vector<bool> left_out = apps::items_below(scene, *except);
+      chosen.only.empty() ? std::vector<bool>(scene.item_slots(), true) : apps::items_below(scene, only);
+  const std::vector<bool> left_out = apps::items_below(scene, except);
   bool any = false;
   for (std::size_t i = 0; i < items.size(); ++i) {
     items[i] = items[i] && !left_out[i];
     any = any || (items[i] && scene.contains_item(core::ItemId(i)));
   }
-  if (!any) return core::fail("--only and --except leave no item to write");
-  return apps::copy_of_part(scene, model.report.nodes, &items, {});
+  if (!any) fail("--only and --except leave no item to write");
+  return need(apps::copy_of_part(scene, model.report.nodes, &items, {}));
 }
 
 /// Writes the model, or chosen parts of it. `items` becomes the number of items that were to be written.
-core::Expected<importers::WriteReport> write(const apps::Model& model, const Chosen& chosen, const std::string& output,
-                                             importers::WriteOptions options, std::uint64_t& items) {
+importers::WriteReport write(const apps::Model& model, const Chosen& chosen, const std::string& output,
+                             importers::WriteOptions options, std::uint64_t& items) {
   apps::Progress bar("writing");
   options.progress = bar.callback();
   const core::Scene& all = *model.scene;
   if (chosen.all()) {
     options.report = &model.report;
     items = all.item_count();
-    return importers::write_file(all, apps::node_to_write(all, model.report.nodes), output, options);
+    return need(importers::write_file(all, apps::node_to_write(all, model.report.nodes), output, options));
   }
   const auto part = part_of(model, chosen);
-  if (!part) return tl::unexpected(part.error());
-  items = part->item_count();
-  return importers::write_file(*part, apps::node_to_write(*part, apps::children_of(*part, part->root())), output,
-                               options);
+  items = part.item_count();
+  return need(
+      importers::write_file(part, apps::node_to_write(part, apps::children_of(part, part.root())), output, options));
 }
 
 Json tiles_json(const importers::TilesWriteReport& tiles, double tolerance) {
@@ -165,24 +165,17 @@ int main(int argc, char** argv) {
   apps::add_part_option(line, "--except", chosen.except, "Write all but these parts, or of --only all but these");
   line.add("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
   return line.run(argc, argv, [&]() -> core::Expected<int> {
-    auto model = apps::load_model(options);
-    if (!model) return tl::unexpected(model.error());
-    core::Scene& scene = *model->scene;
-    if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
+    auto model = need(apps::load_model(options));
+    core::Scene& scene = *model.scene;
+    need(scene.commit());
     if (options.explain) apps::explain(scene);
-    if (auto done = check(output, apps::files_read(options.files, model->report), writing.tiles); !done)
-      return tl::unexpected(done.error());
+    need(check(output, apps::files_read(options.files, model.report), writing.tiles));
     std::uint64_t items = 0;
-    const auto written = write(*model, chosen, output, writing, items);
-    if (!written) return tl::unexpected(written.error());
-    if (json_file != "-") std::printf("%s\n", apps::words_of(*written, output, items).c_str());
+    const auto written = write(model, chosen, output, writing, items);
+    if (json_file != "-") std::printf("%s\n", apps::words_of(written, output, items).c_str());
     if (json_file != "-" && options.import.recognise)
-      std::printf("%s\n", apps::recognition_words(model->report.recognition).c_str());
-    if (json_file.empty()) return apps::kExitOk;
-    if (auto done = apps::write_text(json_file, apps::to_text(json::sorted(to_json(options, model->report, output,
-                                                                                   writing.tolerance, *written))));
-        !done)
-      return tl::unexpected(done.error());
+      std::printf("%s\n", apps::recognition_words(model.report.recognition).c_str());
+    need(apps::write_json(json_file, json::sorted(to_json(options, model.report, output, writing.tolerance, written))));
     return apps::kExitOk;
   });
 }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/importers/json/internal/json.h"
@@ -20,6 +21,7 @@
 namespace {
 
 using namespace sightline;
+using apps::need, apps::fail;
 
 /// The option alone would wrap negative numbers and clamp large ones, which makes another plant than requested.
 core::Expected<std::uint64_t> parse_seed(const std::string& text) {
@@ -46,16 +48,14 @@ core::dvec3 place_of_part(int part, int parts) {
   return {kPitchX * (part % columns), kPitchY * (part / columns), 0.0};
 }
 
-core::Expected<std::size_t> write_plant(const importers::PlantOptions& config, const core::dvec3& place,
-                                        const std::string& output) {
+std::size_t write_plant(const importers::PlantOptions& config, const core::dvec3& place, const std::string& output) {
   core::Scene scene;
-  if (auto done = importers::generate_plant(config, scene); !done) return tl::unexpected(done.error());
+  need(importers::generate_plant(config, scene));
   core::Affine moved;
   moved.origin = place;
   scene.set_transform(scene.root(), moved);
   const bool cache = std::filesystem::path(output).extension() == ".slc";
-  auto done = cache ? importers::write_slc(scene, output) : importers::write_rvm(scene, scene.root(), output);
-  if (!done) return tl::unexpected(done.error());
+  need(cache ? importers::write_slc(scene, output) : importers::write_rvm(scene, scene.root(), output));
   return scene.item_count();
 }
 
@@ -66,21 +66,20 @@ std::string name_of_part(int part) {
 }
 
 /// All caches of a folder are one model: those of another one must not stay among them.
-core::Expected<void> take_folder(const Options& o) {
-  if (auto made = apps::make_directory(o.output); !made) return made;
+void take_folder(const Options& o) {
+  need(apps::make_directory(o.output));
   std::set<std::string> own;
   for (int part = 0; part < o.parts; ++part) own.insert(name_of_part(part));
   const auto caches = importers::scene_caches_of(o.output);
-  if (!caches) return {};  // there is none
+  if (!caches) return;  // there is none
   for (const std::filesystem::path& cache : *caches)
     if (!own.contains(cache.filename().string()))
-      return core::fail(cache.string() + ": expected a folder without scene caches of another model");
-  return {};
+      fail(cache.string() + ": expected a folder without scene caches of another model");
 }
 
 /// Plant by plant, so that memory holds one of them alone.
-core::Expected<std::size_t> write_parts(const Options& o) {
-  if (auto taken = take_folder(o); !taken) return tl::unexpected(taken.error());
+std::size_t write_parts(const Options& o) {
+  take_folder(o);
   apps::Progress progress("generating", std::size_t(o.parts));
   std::size_t items = 0;
   for (int part = 0; part < o.parts; ++part) {
@@ -88,21 +87,18 @@ core::Expected<std::size_t> write_parts(const Options& o) {
     config.items = o.config.items / std::uint64_t(o.parts) +
                    (std::uint64_t(part) < o.config.items % std::uint64_t(o.parts) ? 1 : 0);
     config.seed = o.config.seed + std::uint64_t(part);
-    const auto written = write_plant(config, place_of_part(part, o.parts),
-                                     (std::filesystem::path(o.output) / name_of_part(part)).string());
-    if (!written) return written;
-    items += *written;
+    items += write_plant(config, place_of_part(part, o.parts),
+                         (std::filesystem::path(o.output) / name_of_part(part)).string());
     progress.advance(std::size_t(part) + 1);
   }
   return items;
 }
 
 core::Expected<int> generate(const Options& o) {
-  const auto items = o.parts > 1 ? write_parts(o) : write_plant(o.config, core::dvec3(0.0), o.output);
-  if (!items) return tl::unexpected(items.error());
-  if (o.json_file != "-") std::printf("%s: %zu items\n", o.output.c_str(), *items);
-  const json::Value facts = {{"file", o.output}, {"items", *items}, {"seed", o.config.seed}, {"parts", o.parts}};
-  if (auto done = apps::write_json(o.json_file, json::sorted(facts)); !done) return tl::unexpected(done.error());
+  const std::size_t items = o.parts > 1 ? write_parts(o) : write_plant(o.config, core::dvec3(0.0), o.output);
+  if (o.json_file != "-") std::printf("%s: %zu items\n", o.output.c_str(), items);
+  const json::Value facts = {{"file", o.output}, {"items", items}, {"seed", o.config.seed}, {"parts", o.parts}};
+  need(apps::write_json(o.json_file, json::sorted(facts)));
   return apps::kExitOk;
 }
 

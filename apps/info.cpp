@@ -1,6 +1,5 @@
 // sightline-info: the content of a model, and its errors; or what OpenGL offers here.
 
-#include <chrono>
 #include <cstdio>
 
 #include "sightline/apps/common/command_line.h"
@@ -9,13 +8,16 @@
 #endif
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/named_parts.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/report_json.h"
+#include "sightline/core/internal/clock.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace {
 
 using namespace sightline;
+using apps::need;
 using Json = json::Value;
 
 struct Facts {
@@ -97,12 +99,6 @@ Json to_json(const importers::ImportReport& report, const Facts& facts) {
   return out;
 }
 
-core::Expected<int> write_json(const std::string& file, Json out) {
-  if (auto done = apps::write_text(file, apps::to_text(json::sorted(std::move(out)))); !done)
-    return tl::unexpected(done.error());
-  return apps::kExitOk;
-}
-
 void print(const importers::ImportReport& report, const Facts& facts) {
   std::uint64_t total = 0;
   for (int k = 0; k < core::kKindCount; ++k) {
@@ -151,33 +147,29 @@ core::Expected<core::FoundNodes> listed_parts(const core::Scene& scene, const st
   return holding;
 }
 
-core::Expected<int> tell_of_model(const apps::ModelOptions& options, const std::string& json_file,
-                                  const std::vector<std::string>& find) {
-  auto model = apps::load_model(options);
-  if (!model) return tl::unexpected(model.error());
-  if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());
-  if (options.explain) apps::explain(*model->scene);
-  const auto found = find.empty() ? core::FoundNodes() : listed_parts(*model->scene, find);
-  if (!found) return tl::unexpected(found.error());
-  const Facts facts = gather(*model->scene);
-  if (json_file != "-" && find.empty()) print(model->report, facts);
-  if (json_file != "-" && !find.empty()) print(*model->scene, *found);
-  if (json_file.empty()) return apps::kExitOk;
-  Json out = to_json(model->report, facts);
-  if (!find.empty()) out["found"] = to_json(*model->scene, found->nodes);
-  return write_json(json_file, std::move(out));
+void tell_of_model(const apps::ModelOptions& options, const std::string& json_file,
+                   const std::vector<std::string>& find) {
+  auto model = need(apps::load_model(options));
+  need(model.scene->commit());
+  if (options.explain) apps::explain(*model.scene);
+  const auto found = find.empty() ? core::FoundNodes() : need(listed_parts(*model.scene, find));
+  const Facts facts = gather(*model.scene);
+  if (json_file != "-" && find.empty()) print(model.report, facts);
+  if (json_file != "-" && !find.empty()) print(*model.scene, found);
+  Json out = to_json(model.report, facts);
+  if (!find.empty()) out["found"] = to_json(*model.scene, found.nodes);
+  need(apps::write_json(json_file, json::sorted(std::move(out))));
 }
 
 #if SIGHTLINE_HAS_GL
-core::Expected<int> tell_of_gl(gl::ContextPlatform platform, const std::string& json_file) {
-  const auto begin = std::chrono::steady_clock::now();
-  auto context = gl::Context::create_offscreen({.platform = platform});
-  if (!context) return tl::unexpected(context.error());
-  const std::chrono::duration<double, std::milli> made = std::chrono::steady_clock::now() - begin;
-  context->test_driver();
-  Json page = apps::gl_page(*context, made.count());
+void tell_of_gl(gl::ContextPlatform platform, const std::string& json_file) {
+  const double begin = core::now_seconds();
+  auto context = need(gl::Context::create_offscreen({.platform = platform}));
+  const double made = 1e3 * (core::now_seconds() - begin);
+  context.test_driver();
+  Json page = apps::gl_page(context, made);
   if (json_file != "-") apps::print_gl_page(page, stdout);
-  return json_file.empty() ? core::Expected<int>(apps::kExitOk) : write_json(json_file, std::move(page));
+  need(apps::write_json(json_file, json::sorted(std::move(page))));
 }
 #endif
 
@@ -210,8 +202,12 @@ int main(int argc, char** argv) {
 #endif
   return line.run(argc, argv, [&]() -> core::Expected<int> {
 #if SIGHTLINE_HAS_GL
-    if (gl_page) return tell_of_gl(platform, json_file);
+    if (gl_page) {
+      tell_of_gl(platform, json_file);
+      return apps::kExitOk;
+    }
 #endif
-    return tell_of_model(options, json_file, find);
+    tell_of_model(options, json_file, find);
+    return apps::kExitOk;
   });
 }

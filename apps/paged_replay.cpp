@@ -1,17 +1,18 @@
 #include "sightline/apps/paged_replay.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <vector>
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
+#include "sightline/core/internal/clock.h"
 #include "sightline/engine/tour.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
@@ -28,42 +29,33 @@ struct Flown {
   engine::PagedReport report;
 };
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-core::Expected<core::CameraPath> choose_path(const PagedReplayOptions& o, const core::PagedScene& scene) {
-  if (!o.path.empty()) return importers::read_path(o.path);
+core::CameraPath choose_path(const PagedReplayOptions& o, const core::PagedScene& scene) {
+  if (!o.path.empty()) return need(importers::read_path(o.path));
   if (!o.model.quiet) warn_of_outliers(scene.fitted);
   return engine::make_tour(scene.leaves, scene.fitted);
 }
 
-core::Expected<void> save_image(const PagedReplayOptions& o, const engine::PagedEngine& engine, std::size_t frame) {
+void save_image(const PagedReplayOptions& o, const engine::PagedEngine& engine, std::size_t frame) {
   char name[32];
   std::snprintf(name, sizeof name, "frame_%05zu.png", frame);
-  return image::write_png(engine.read_colour(), std::filesystem::path(o.images) / name);
+  need(image::write_png(engine.read_colour(), std::filesystem::path(o.images) / name));
 }
 
-core::Expected<Flown> draw(engine::PagedEngine& engine, const core::View& view, double time, bool settle) {
-  const double began = seconds();
-  const auto report = settle ? engine.settle(view) : engine.frame(view);
-  if (!report) return tl::unexpected(report.error());
-  return Flown{time, settle ? 1e3 * (seconds() - began) : 0.0, *report};
+Flown draw(engine::PagedEngine& engine, const core::View& view, double time, bool settle) {
+  const double began = core::now_seconds();
+  const auto report = need(settle ? engine.settle(view) : engine.frame(view));
+  return Flown{time, settle ? 1e3 * (core::now_seconds() - began) : 0.0, report};
 }
 
-core::Expected<std::vector<Flown>> fly(const PagedReplayOptions& o, engine::PagedEngine& engine,
-                                       const core::CameraPath& path, double aspect) {
+std::vector<Flown> fly(const PagedReplayOptions& o, engine::PagedEngine& engine, const core::CameraPath& path,
+                       double aspect) {
   Progress progress("flying", std::size_t(o.frames));
   std::vector<Flown> flight;
   for (int frame = 0; frame < o.frames; ++frame) {
     const double time = path.time_of(frame, o.frames);
-    const auto view = path.view(time, aspect);
-    if (!view) return tl::unexpected(view.error());
-    const auto flown = draw(engine, *view, time, o.settle);
-    if (!flown) return tl::unexpected(flown.error());
-    flight.push_back(*flown);
-    if (!o.images.empty() && frame % o.every == 0)
-      if (auto done = save_image(o, engine, std::size_t(frame)); !done) return tl::unexpected(done.error());
+    const auto view = need(path.view(time, aspect));
+    flight.push_back(draw(engine, view, time, o.settle));
+    if (!o.images.empty() && frame % o.every == 0) save_image(o, engine, std::size_t(frame));
     progress.advance(std::size_t(frame) + 1);
   }
   return flight;
@@ -147,34 +139,24 @@ void print_table(const PagedReplayOptions& o, const engine::PagedEngine& engine,
 }  // namespace
 
 core::Expected<int> replay_paged(const PagedReplayOptions& o) {
-  const auto size = parse_size(o.size);
-  if (!size) return tl::unexpected(size.error());
-  if (!o.images.empty())
-    if (auto made = make_directory(o.images); !made) return tl::unexpected(made.error());
-  auto engine = open_paged(o.model, o.memory,
-                           {.width = (*size)[0],
-                            .height = (*size)[1],
-                            .losses = {.lod_error = o.lod_error},
-                            .context = {.platform = o.platform}});
-  if (!engine) return tl::unexpected(engine.error());
-  const auto path = choose_path(o, engine->scene());
-  if (!path) return tl::unexpected(path.error());
-  if (!o.save_path.empty())
-    if (auto done = importers::write_path(o.save_path, *path); !done) return tl::unexpected(done.error());
-  const double aspect = double((*size)[0]) / (*size)[1];
-  const auto flight = fly(o, *engine, *path, aspect);
-  if (!flight) return tl::unexpected(flight.error());
-  const double last = flight->back().time;
-  const auto view = path->view(last, aspect);
-  if (!view) return tl::unexpected(view.error());
-  const auto rest = draw(*engine, *view, last, true);
-  if (!rest) return tl::unexpected(rest.error());
-  if (!o.images.empty())
-    if (auto done = save_image(o, *engine, flight->size()); !done) return tl::unexpected(done.error());
-  if (auto done = page_errors(*engine); !done) return tl::unexpected(done.error());
-  if (auto done = write_json(o.json_file, json::sorted(to_json(o, *engine, *flight, *rest, *size))); !done)
-    return tl::unexpected(done.error());
-  print_table(o, *engine, *flight, *rest);
+  const auto size = need(parse_size(o.size));
+  if (!o.images.empty()) need(make_directory(o.images));
+  auto engine = need(open_paged(o.model, o.memory,
+                                {.width = size[0],
+                                 .height = size[1],
+                                 .losses = {.lod_error = o.lod_error},
+                                 .context = {.platform = o.platform}}));
+  const auto path = choose_path(o, engine.scene());
+  if (!o.save_path.empty()) need(importers::write_path(o.save_path, path));
+  const double aspect = double(size[0]) / size[1];
+  const auto flight = fly(o, engine, path, aspect);
+  const double last = flight.back().time;
+  const auto view = need(path.view(last, aspect));
+  const auto rest = draw(engine, view, last, true);
+  if (!o.images.empty()) save_image(o, engine, flight.size());
+  need(page_errors(engine));
+  need(write_json(o.json_file, json::sorted(to_json(o, engine, flight, rest, size))));
+  print_table(o, engine, flight, rest);
   return kExitOk;
 }
 

@@ -9,6 +9,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/common/progress.h"
@@ -27,6 +28,7 @@
 namespace {
 
 using namespace sightline;
+using apps::need, apps::fail;
 using apps::OptionGroup;
 using Json = json::Value;
 
@@ -190,36 +192,31 @@ void add_metrics(const Options& o, const image::Image& reference, const image::I
                metrics->ssim, metrics->flip_mean, metrics->flip_p99);
 }
 
-core::Expected<bool> compare(const Options& o, const image::Image& image, Json& results) {
-  auto reference = image::read_png(o.reference);
-  if (!reference) return tl::unexpected(reference.error());
-  auto difference = image::compare(image, *reference);
-  if (!difference) return core::fail(o.reference + ": " + difference.error().message);
-  if (!o.diff.empty())
-    if (auto done = image::write_png(image::difference_image(image, *reference), o.diff); !done)
-      return tl::unexpected(done.error());
+bool compare(const Options& o, const image::Image& image, Json& results) {
+  auto reference = need(image::read_png(o.reference));
+  auto difference = image::compare(image, reference);
+  if (!difference) fail(o.reference + ": " + difference.error().message);
+  if (!o.diff.empty()) need(image::write_png(image::difference_image(image, reference), o.diff));
   const bool only_mean = o.max < 0.0 && o.mean >= 0.0, only_max = o.mean < 0.0 && o.max >= 0.0;
   const bool same =
       (only_mean || difference->max <= std::max(0.0, o.max)) && (only_max || difference->mean <= std::max(0.0, o.mean));
   results["compare"] = {
       {"max", difference->max}, {"mean", difference->mean}, {"pixels", difference->pixels}, {"ok", same}};
-  add_metrics(o, *reference, image, results["compare"]);
+  add_metrics(o, reference, image, results["compare"]);
   std::fprintf(apps::table_stream(o.json_file), "max %d  mean %.4f  differing pixels %llu  %s\n", difference->max,
                difference->mean, (unsigned long long)difference->pixels, same ? "ok" : "DIFFERS");
   return same;
 }
 
-core::Expected<void> compare_ids(const Options& o, const image::IdImage& ids, Json& results) {
-  auto reference = image::read_png(o.reference_ids);
-  if (!reference) return tl::unexpected(reference.error());
-  const auto wrong = image::id_difference(image::ids_of_colours(*reference), ids);
-  if (!wrong) return core::fail(o.reference_ids + ": " + wrong.error().message);
+void compare_ids(const Options& o, const image::IdImage& ids, Json& results) {
+  auto reference = need(image::read_png(o.reference_ids));
+  const auto wrong = image::id_difference(image::ids_of_colours(reference), ids);
+  if (!wrong) fail(o.reference_ids + ": " + wrong.error().message);
   const std::uint64_t all = wrong->silhouettes + wrong->elsewhere;
   results["wrong_ids"] = all;
   results["wrong_ids_elsewhere"] = wrong->elsewhere;
   std::fprintf(apps::table_stream(o.json_file), "pixels of another item %llu, at no silhouette %llu\n",
                (unsigned long long)all, (unsigned long long)wrong->elsewhere);
-  return {};
 }
 
 /// Half the diagonal of an item's box: it stands for the radius of all kinds of items.
@@ -230,13 +227,10 @@ double item_radius(const core::Scene& scene, core::ItemId item) {
 
 /// The depths of two renderers may differ by twice what the stability suite allows each of them in whole images: 1e-4
 /// radii and two units in the last place of the distance.
-core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& drawn, const core::Scene& scene,
-                                   Json& results) {
-  const auto colours = image::read_png(o.reference_ids);
-  if (!colours) return tl::unexpected(colours.error());
-  auto depth = image::read_pfm(o.reference_depth);
-  if (!depth) return tl::unexpected(depth.error());
-  const image::ItemDepths reference{image::ids_of_colours(*colours), std::move(*depth)};
+void compare_depth(const Options& o, const image::ItemDepths& drawn, const core::Scene& scene, Json& results) {
+  const auto colours = need(image::read_png(o.reference_ids));
+  auto depth = need(image::read_pfm(o.reference_depth));
+  const image::ItemDepths reference{image::ids_of_colours(colours), std::move(depth)};
   std::map<std::uint32_t, double> radii;  // boxes of meshes take long
   const auto bound = [&](std::uint32_t id, double metres) {
     const auto [radius, added] = radii.try_emplace(id, 0.0);
@@ -244,7 +238,7 @@ core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& dr
     return 2.0 * (1e-4 * radius->second + 0x1p-22 * metres);
   };
   const auto difference = image::depth_difference(reference, drawn, bound);
-  if (!difference) return core::fail(o.reference_depth + ": " + difference.error().message);
+  if (!difference) fail(o.reference_depth + ": " + difference.error().message);
   results["compare_depth"] = {{"pixels", difference->pixels},
                               {"beyond", difference->beyond},
                               {"max", difference->max},
@@ -254,25 +248,15 @@ core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& dr
                "depth: %llu pixels, largest difference %.3g m, %.3g of its bound at most, beyond it %llu, ties %llu\n",
                (unsigned long long)difference->pixels, difference->max, difference->worst,
                (unsigned long long)difference->beyond, (unsigned long long)difference->ties);
-  return {};
 }
 
 /// Takes the rows of an image: writes them to files, and keeps in memory those that comparisons need whole.
 class Outputs {
  public:
-  static core::Expected<Outputs> open(const Options& o, const std::array<int, 2>& size) {
+  static Outputs open(const Options& o, const std::array<int, 2>& size) {
     Outputs made(o, size);
-    const auto open_png = [&](const std::string& file,
-                              std::optional<image::PngWriter>& writer) -> core::Expected<void> {
-      if (file.empty()) return {};
-      auto opened = image::PngWriter::create(file, size[0], size[1]);
-      if (!opened) return tl::unexpected(opened.error());
-      writer = std::move(*opened);
-      return {};
-    };
-    auto done = open_png(o.out, made.colours_);
-    if (done) done = open_png(o.ids, made.ids_);
-    if (!done) return tl::unexpected(done.error());
+    if (!o.out.empty()) made.colours_ = need(image::PngWriter::create(o.out, size[0], size[1]));
+    if (!o.ids.empty()) made.ids_ = need(image::PngWriter::create(o.ids, size[0], size[1]));
     return made;
   }
 
@@ -346,16 +330,13 @@ struct Begun {
   Outputs outputs;
 };
 
-core::Expected<Begun> begin_image(const Options& o, const Studio& studio) {
+Begun begin_image(const Options& o, const Studio& studio) {
   // A part of a model is fitted as the whole is.
   std::optional<core::Snapshot> whole;
   if (o.mpi) whole.emplace(*studio.model.scene);
-  auto view = apps::choose_view(o.view, studio.model, whole ? *whole : studio.engine->snapshot(),
-                                double(studio.size[0]) / studio.size[1]);
-  if (!view) return tl::unexpected(view.error());
-  auto outputs = Outputs::open(o, studio.size);
-  if (!outputs) return tl::unexpected(outputs.error());
-  return Begun{*view, std::move(*outputs)};
+  auto view = need(apps::choose_view(o.view, studio.model, whole ? *whole : studio.engine->snapshot(),
+                                     double(studio.size[0]) / studio.size[1]));
+  return Begun{view, Outputs::open(o, studio.size)};
 }
 
 Json results_of(Studio& studio) {
@@ -368,18 +349,11 @@ Json results_of(Studio& studio) {
 
 /// Writes and compares what was drawn.
 core::Expected<int> finish_image(const Options& o, const core::Scene& scene, Outputs& outputs, Json results) {
-  if (auto done = outputs.finish(scene); !done) return tl::unexpected(done.error());
-  if (!o.reference_ids.empty())
-    if (auto done = compare_ids(o, outputs.drawn.ids, results); !done) return tl::unexpected(done.error());
-  if (!o.reference_depth.empty())
-    if (auto done = compare_depth(o, outputs.drawn, scene, results); !done) return tl::unexpected(done.error());
-  bool same = true;
-  if (!o.reference.empty()) {
-    auto compared = compare(o, outputs.image, results);
-    if (!compared) return tl::unexpected(compared.error());
-    same = *compared;
-  }
-  if (auto done = apps::write_json(o.json_file, json::sorted(results)); !done) return tl::unexpected(done.error());
+  need(outputs.finish(scene));
+  if (!o.reference_ids.empty()) compare_ids(o, outputs.drawn.ids, results);
+  if (!o.reference_depth.empty()) compare_depth(o, outputs.drawn, scene, results);
+  const bool same = o.reference.empty() || compare(o, outputs.image, results);
+  need(apps::write_json(o.json_file, json::sorted(results)));
   return same ? apps::kExitOk : apps::kExitFailure;
 }
 
@@ -390,11 +364,10 @@ core::Expected<void> draw_with_bar(Studio& studio, apps::TiledImage& image, Outp
 
 core::Expected<int> render_image(const Options& o, Studio& studio) {
   auto begun = begin_image(o, studio);
-  if (!begun) return tl::unexpected(begun.error());
   const bool complete = studio.tiles.tiles.size() > 1;  // a budget shows in an image that is drawn at once
-  apps::TiledImage image(begun->view, studio.tiles,
+  apps::TiledImage image(begun.view, studio.tiles,
                          {.ids = o.wants_ids(), .depth = o.wants_depth(), .complete = complete, .shifts = o.shifts()});
-  if (auto done = draw_with_bar(studio, image, begun->outputs); !done) return tl::unexpected(done.error());
+  need(draw_with_bar(studio, image, begun.outputs));
   warn_if_blank(image, "the image");
   Json results = results_of(studio);
   const engine::FrameReport& report = image.report();
@@ -407,47 +380,40 @@ core::Expected<int> render_image(const Options& o, Studio& studio) {
                     {"pending", report.pending},
                     {"splats", report.splats},
                     {"tested", report.tested}});
-  return finish_image(o, *studio.model.scene, begun->outputs, std::move(results));
+  return finish_image(o, *studio.model.scene, begun.outputs, std::move(results));
 }
 
 core::Expected<int> render_frames(const Options& o, Studio& studio) {
   const apps::Model& model = studio.model;
   engine::Engine& engine = *studio.engine;
   const auto& [width, height] = studio.size;
-  auto path = importers::read_path(o.view.path);
-  if (path) path = importers::translated(*path, model.offset);
-  if (!path) return tl::unexpected(path.error());
-  const auto frames = apps::PathFrames::create(*path, o.fps);
-  if (!frames) return tl::unexpected(frames.error());
-  if (auto done = apps::take_empty_folder(o.frames_folder); !done) return tl::unexpected(done.error());
-  apps::Progress progress("writing frames", std::size_t(frames->count()));
-  for (int frame = 0; frame < frames->count(); ++frame) {
-    auto view = path->view(frames->time(frame), double(width) / height);
-    if (view) view = apps::with_sections(std::move(*view), o.view, model.offset, engine.snapshot().bounds());
-    if (!view) return tl::unexpected(view.error());
+  const auto path = need(importers::translated(need(importers::read_path(o.view.path)), model.offset));
+  const auto frames = need(apps::PathFrames::create(path, o.fps));
+  need(apps::take_empty_folder(o.frames_folder));
+  apps::Progress progress("writing frames", std::size_t(frames.count()));
+  for (int frame = 0; frame < frames.count(); ++frame) {
+    const auto view = need(apps::with_sections(need(path.view(frames.time(frame), double(width) / height)), o.view,
+                                               model.offset, engine.snapshot().bounds()));
     Options file = o;
     file.out = (std::filesystem::path(o.frames_folder) / apps::PathFrames::file_name(frame)).string();
     auto outputs = Outputs::open(file, studio.size);
-    if (!outputs) return tl::unexpected(outputs.error());
-    apps::TiledImage image(*view, studio.tiles, {.shifts = o.shifts()});
-    auto done = draw(engine, image, *outputs, [] {});
-    if (done) done = outputs->finish(*model.scene);
-    if (!done) return tl::unexpected(done.error());
+    apps::TiledImage image(view, studio.tiles, {.shifts = o.shifts()});
+    need(draw(engine, image, outputs, [] {}));
+    need(outputs.finish(*model.scene));
     warn_if_blank(image, apps::PathFrames::file_name(frame));
     progress.advance(std::size_t(frame) + 1);
   }
   const Json results = {{"renderer", engine.renderer()},
                         {"size", studio.size},
                         {"items", engine.snapshot().size()},
-                        {"frames", frames->count()},
+                        {"frames", frames.count()},
                         {"fps", o.fps}};
-  if (auto done = apps::write_json(o.json_file, json::sorted(results)); !done) return tl::unexpected(done.error());
+  need(apps::write_json(o.json_file, json::sorted(results)));
   return apps::kExitOk;
 }
 
-core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& part) {
-  const auto size = apps::parse_size(o.view.size);
-  if (!size) return tl::unexpected(size.error());
+Studio make_studio(const Options& o, const engine::ScenePart& part) {
+  const auto size = need(apps::parse_size(o.view.size));
   engine::EngineConfig config;
   config.draw = true;
   o.shown.apply(config);
@@ -459,24 +425,20 @@ core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& pa
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
   config.culling.culler = o.culler;
   config.culling.gpu_variant = o.gpu_variant;
-  auto tiles = apps::tiles_for(*size, o.tile_side(*size), config);
-  if (!tiles) return tl::unexpected(tiles.error());
-  config.width = tiles->width;
-  config.height = tiles->height;
-  auto model = apps::load_model(o.model, o.shown);
-  if (!model) return tl::unexpected(model.error());
-  auto engine = engine::Engine::create(*model->scene, config);
-  if (!engine) return tl::unexpected(engine.error());
-  if (auto done = engine->finish_levels(); !done) return tl::unexpected(done.error());
-  if (o.model.explain) apps::explain(engine->plan());
-  if (auto done = apps::apply_styles(o.styles, *model->scene, *engine); !done) return tl::unexpected(done.error());
-  return Studio{std::move(*model), std::move(*engine), *size, std::move(*tiles)};
+  auto tiles = need(apps::tiles_for(size, o.tile_side(size), config));
+  config.width = tiles.width;
+  config.height = tiles.height;
+  auto model = need(apps::load_model(o.model, o.shown));
+  auto engine = need(engine::Engine::create(*model.scene, config));
+  need(engine.finish_levels());
+  if (o.model.explain) apps::explain(engine.plan());
+  need(apps::apply_styles(o.styles, *model.scene, engine));
+  return Studio{std::move(model), std::move(engine), size, std::move(tiles)};
 }
 
 core::Expected<int> render_alone(const Options& o) {
   auto studio = make_studio(o, {});
-  if (!studio) return tl::unexpected(studio.error());
-  return (o.frames_folder.empty() ? render_image : render_frames)(o, *studio);
+  return (o.frames_folder.empty() ? render_image : render_frames)(o, studio);
 }
 
 apps::ImageRows rows_of(const Options& o, const engine::PagedEngine& engine) {
@@ -487,12 +449,12 @@ apps::ImageRows rows_of(const Options& o, const engine::PagedEngine& engine) {
   return rows;
 }
 
-core::Expected<engine::PagedReport> settle(engine::PagedEngine& engine, const core::View& view) {
+engine::PagedReport settle(engine::PagedEngine& engine, const core::View& view) {
   apps::Progress progress("drawing", 1000);
-  return engine.settle(view, [&](const engine::PagedReport& report) {
+  return need(engine.settle(view, [&](const engine::PagedReport& report) {
     progress.advance(std::size_t(1000 * (report.leaves - report.pending) / std::max<std::int64_t>(1, report.leaves)));
     return true;
-  });
+  }));
 }
 
 struct PagedImage {
@@ -502,49 +464,43 @@ struct PagedImage {
 };
 
 /// The engine is gone when its image is written and compared: that takes memory, too.
-core::Expected<PagedImage> draw_paged(const Options& o) {
-  const auto size = apps::parse_size(o.view.size);
-  if (!size) return tl::unexpected(size.error());
-  auto engine = apps::open_paged(o.model, o.memory,
-                                 {.width = (*size)[0],
-                                  .height = (*size)[1],
-                                  .drawing = {.ids = o.wants_ids(), .looks = o.shown.all_looks()},
-                                  .losses = {.lod_error = o.shown.lod_error},
-                                  .context = {.platform = o.platform, .gl_debug = o.gl_debug}});
-  if (!engine) return tl::unexpected(engine.error());
-  const auto view = apps::choose_view(o.view, core::dvec3(0.0), engine->scene().leaves, engine->scene().fitted,
-                                      double((*size)[0]) / (*size)[1]);
-  if (!view) return tl::unexpected(view.error());
-  auto outputs = Outputs::open(o, *size);
-  if (!outputs) return tl::unexpected(outputs.error());
-  const auto report = settle(*engine, *view);
-  if (!report) return tl::unexpected(report.error());
-  if (report->items_drawn == 0) std::fprintf(stderr, "warning: the image shows nothing\n");
-  if (auto done = apps::page_errors(*engine); !done) return tl::unexpected(done.error());
-  for (const std::string& error : engine->take_gl_errors()) return core::fail("GL: " + error);
-  Json results = {{"renderer", engine->renderer()},
-                  {"size", *size},
-                  {"items", engine->scene().items},
-                  {"pages", engine->scene().pages.size()},
-                  {"leaves", report->leaves},
-                  {"items_drawn", report->items_drawn},
-                  {"frames", report->frame + 1},
-                  {"loaded", report->loaded},
-                  {"evicted", report->evicted},
+PagedImage draw_paged(const Options& o) {
+  const auto size = need(apps::parse_size(o.view.size));
+  auto engine = need(apps::open_paged(o.model, o.memory,
+                                      {.width = size[0],
+                                       .height = size[1],
+                                       .drawing = {.ids = o.wants_ids(), .looks = o.shown.all_looks()},
+                                       .losses = {.lod_error = o.shown.lod_error},
+                                       .context = {.platform = o.platform, .gl_debug = o.gl_debug}}));
+  const auto view = need(apps::choose_view(o.view, core::dvec3(0.0), engine.scene().leaves, engine.scene().fitted,
+                                           double(size[0]) / size[1]));
+  auto outputs = Outputs::open(o, size);
+  const auto report = settle(engine, view);
+  if (report.items_drawn == 0) std::fprintf(stderr, "warning: the image shows nothing\n");
+  need(apps::page_errors(engine));
+  for (const std::string& error : engine.take_gl_errors()) fail("GL: " + error);
+  Json results = {{"renderer", engine.renderer()},
+                  {"size", size},
+                  {"items", engine.scene().items},
+                  {"pages", engine.scene().pages.size()},
+                  {"leaves", report.leaves},
+                  {"items_drawn", report.items_drawn},
+                  {"frames", report.frame + 1},
+                  {"loaded", report.loaded},
+                  {"evicted", report.evicted},
                   {"memory",
                    {{"limit", *apps::parse_bytes(o.memory)},
-                    {"pages", engine->memory().limit},
-                    {"scene", engine->scene().memory_bytes()}}}};
-  return PagedImage{std::move(*outputs), rows_of(o, *engine), std::move(results)};
+                    {"pages", engine.memory().limit},
+                    {"scene", engine.scene().memory_bytes()}}}};
+  return PagedImage{std::move(outputs), rows_of(o, engine), std::move(results)};
 }
 
 core::Expected<int> render_paged(const Options& o) {
   auto drawn = draw_paged(o);
-  if (!drawn) return tl::unexpected(drawn.error());
-  if (auto done = drawn->outputs.add(drawn->rows); !done) return tl::unexpected(done.error());
-  drawn->rows = {};
-  drawn->results["memory"]["peak"] = apps::peak_memory();
-  return finish_image(o, core::Scene(), drawn->outputs, std::move(drawn->results));
+  need(drawn.outputs.add(drawn.rows));
+  drawn.rows = {};
+  drawn.results["memory"]["peak"] = apps::peak_memory();
+  return finish_image(o, core::Scene(), drawn.outputs, std::move(drawn.results));
 }
 
 /// One of the processes that draw an image together. Rank 0 writes it.
@@ -560,9 +516,9 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
   }
   o.shown.depth_shading = o.shown.edge_lines = 0.0;  // a process knows the depth of its own part alone
   apps::Composer composer(*session);
-  auto studio = session->agreed(make_studio(o, composer.part()));
+  auto studio = session->agreed(apps::attempt([&] { return make_studio(o, composer.part()); }));
   if (!studio) return tl::unexpected(studio.error());
-  auto begun = session->agreed(begin_image(o, *studio));
+  auto begun = session->agreed(apps::attempt([&] { return begin_image(o, *studio); }));
   if (!begun) return tl::unexpected(begun.error());
   const auto read = [&](auto&... drawn) { return composer.read(drawn...); };
   apps::TiledImage image(begun->view, studio->tiles,

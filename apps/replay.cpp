@@ -9,6 +9,7 @@
 #include "sightline/apps/common/flight.h"
 #include "sightline/apps/common/frame_words.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
@@ -31,6 +32,7 @@
 namespace {
 
 using namespace sightline;
+using apps::need;
 using Json = json::Value;
 
 struct Options {
@@ -105,15 +107,13 @@ void add_options(apps::CommandLine& line, Options& o) {
 
 using apps::Flight, apps::FlownFrame;
 
-core::Expected<core::CameraPath> choose_path(const Options& o, const apps::Model& model,
-                                             const core::Snapshot& snapshot) {
+core::CameraPath choose_path(const Options& o, const apps::Model& model, const core::Snapshot& snapshot) {
   if (o.path.empty()) {
     const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
     if (!o.model.quiet) apps::warn_of_outliers(fitted);
     return engine::make_tour(snapshot.bounds(), fitted);  // of the model where --translate put it
   }
-  auto path = importers::read_path(o.path);
-  return path ? importers::translated(*path, model.offset) : path;
+  return need(importers::translated(need(importers::read_path(o.path)), model.offset));
 }
 
 std::string image_name(int frame) {
@@ -148,8 +148,37 @@ core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core:
   return apps::fly(engine, path, {o.frames, aspect, !o.no_render}, after_frame);
 }
 
-Json summary_json(const std::vector<double>& samples) {
-  return apps::to_json(apps::summarise(samples));
+/// A value of each frame.
+struct Row {
+  const char* name;  ///< in the table; null: it is not there
+  const char* key;   ///< in JSON
+  Json (*pick)(const FlownFrame&);
+  int decimals = 0;
+  bool summarised = true;  ///< in JSON
+};
+constexpr Row kRows[] = {
+    {"cull ms", "cull_ms", [](const FlownFrame& f) { return Json(f.report.cull_ms); }, 4},
+    {"GPU cull ms", "gpu_cull_ms", [](const FlownFrame& f) { return Json(f.gpu_cull_ms); }, 4, false},
+    {"draw ms", "draw_ms", [](const FlownFrame& f) { return Json(f.report.draw_ms); }, 3},
+    {"frame ms", "frame_ms", [](const FlownFrame& f) { return Json(f.report.frame_ms); }, 3},
+    {"visible items", "visible", [](const FlownFrame& f) { return Json(f.report.visible); }},
+    {"sampled items", "sampled", [](const FlownFrame& f) { return Json(f.report.sampled); }},
+    {"drawn items", "items_drawn", [](const FlownFrame& f) { return Json(f.report.items_drawn); }},
+    {"mesh triangles", "triangles", [](const FlownFrame& f) { return Json(f.report.triangles); }},
+    {"boxes tested", "tested", [](const FlownFrame& f) { return Json(f.report.tested); }},
+    {nullptr, "below_min_area", [](const FlownFrame& f) { return Json(f.report.below_min_area); }, 0, false},
+    {nullptr, "pending", [](const FlownFrame& f) { return Json(f.report.pending); }, 0, false},
+    {nullptr, "splats", [](const FlownFrame& f) { return Json(f.report.splats); }, 0, false},
+    {nullptr, "coarseness", [](const FlownFrame& f) { return Json(f.report.coarseness); }, 0, false},
+};
+
+/// What was measured of a row: values that are not negative, and frame times from the second frame on, since the first
+/// has no predecessor to measure from.
+std::vector<double> samples_of(const Flight& flight, const Row& row) {
+  std::vector<double> samples;
+  for (std::size_t i = std::string_view(row.key) == "frame_ms" ? 1 : 0; i < flight.frames.size(); ++i)
+    if (const auto value = row.pick(flight.frames[i]).get<double>(); value >= 0.0) samples.push_back(value);
+  return samples;
 }
 
 Json to_json(const Options& o, const engine::Engine& engine, const Flight& flight, const std::array<int, 2>& size) {
@@ -157,36 +186,18 @@ Json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
               {"items", engine.snapshot().size()},
               {"renderer", flight.renderer},
               {"culler", name_of(engine.plan().culler)},
-              {"size", size}};
+              {"size", size},
+              {"frames", Json::array()},
+              {"summary", {{"switches", flight.switches()}}}};
   for (const engine::PlanEntry& e : engine.plan().entries)
     out["plan"].push_back({{"feature", e.feature}, {"used", e.used}, {"why", e.why}});
-  out["frames"] = Json::array();
-  for (const FlownFrame& f : flight.frames)
-    out["frames"].push_back({{"t", f.time},
-                             {"path", name_of(f.report.culler)},
-                             {"state", apps::state_name(f.report)},
-                             {"cull_ms", f.report.cull_ms},
-                             {"gpu_cull_ms", f.gpu_cull_ms},
-                             {"draw_ms", f.report.draw_ms},
-                             {"frame_ms", f.report.frame_ms},
-                             {"visible", f.report.visible},
-                             {"sampled", f.report.sampled},
-                             {"items_drawn", f.report.items_drawn},
-                             {"triangles", f.report.triangles},
-                             {"below_min_area", f.report.below_min_area},
-                             {"pending", f.report.pending},
-                             {"splats", f.report.splats},
-                             {"coarseness", f.report.coarseness},
-                             {"tested", f.report.tested}});
-  out["summary"] = {{"cull_ms", summary_json(flight.cull())},
-                    {"draw_ms", summary_json(flight.draw())},
-                    {"frame_ms", summary_json(flight.frame())},
-                    {"visible", summary_json(flight.visible())},
-                    {"sampled", summary_json(flight.sampled())},
-                    {"items_drawn", summary_json(flight.items_drawn())},
-                    {"triangles", summary_json(flight.triangles())},
-                    {"tested", summary_json(flight.tested())},
-                    {"switches", flight.switches()}};
+  for (const FlownFrame& f : flight.frames) {
+    Json frame = {{"t", f.time}, {"path", name_of(f.report.culler)}, {"state", apps::state_name(f.report)}};
+    for (const Row& row : kRows) frame[row.key] = row.pick(f);
+    out["frames"].push_back(std::move(frame));
+  }
+  for (const Row& row : kRows)
+    if (row.summarised) out["summary"][row.key] = apps::to_json(apps::summarise(samples_of(flight, row)));
   const engine::MemoryReport memory = engine.memory();
   out["memory"] = {{"scene", memory.scene},
                    {"snapshot", memory.snapshot},
@@ -213,27 +224,22 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
   std::fprintf(out, "%zu frames, %zu items, culler %s, renderer %s\n\n", flight.frames.size(), engine.snapshot().size(),
                name_of(engine.plan().culler).data(), flight.renderer.c_str());
   std::fprintf(out, "%-16s %12s %12s %12s %12s\n", "", "mean", "median", "p99", "max");
-  const auto row = [&](const char* name, const std::vector<double>& samples, int decimals) {
-    if (samples.empty()) return;
+  for (const Row& row : kRows) {
+    const std::vector<double> samples = samples_of(flight, row);
+    const std::string_view key = row.key;
+    if (!row.name || samples.empty() || (key == "draw_ms" && flight.renderer == "none") ||
+        (key == "triangles" && engine.snapshot().of_kind(core::Kind::kMesh).size() == 0))
+      continue;
     const apps::Summary s = apps::summarise(samples);
-    std::fprintf(out, "%-16s %12.*f %12.*f %12.*f %12.*f\n", name, decimals, s.mean, decimals, s.median, decimals,
-                 s.p99, decimals, s.max);
-  };
-  row("cull ms", flight.cull(), 4);
-  row("GPU cull ms", flight.gpu_cull(), 4);
-  if (flight.renderer != "none") row("draw ms", flight.draw(), 3);
-  row("frame ms", flight.frame(), 3);
-  row("visible items", flight.visible(), 0);
-  row("sampled items", flight.sampled(), 0);
-  row("drawn items", flight.items_drawn(), 0);
-  if (engine.snapshot().of_kind(core::Kind::kMesh).size() > 0) row("mesh triangles", flight.triangles(), 0);
-  row("boxes tested", flight.tested(), 0);
+    std::fprintf(out, "%-16s %12.*f %12.*f %12.*f %12.*f\n", row.name, row.decimals, s.mean, row.decimals, s.median,
+                 row.decimals, s.p99, row.decimals, s.max);
+  }
   if (const culling::Controller* controller = engine.controller())
     std::fprintf(out, "%-16s %12llu  (%llu probes; %zu of %zu frames on the GPU)\n", "switches",
                  (unsigned long long)controller->switches(), (unsigned long long)controller->probes(), flight.on_gpu(),
                  flight.frames.size());
   double cull_ms = 0.0;
-  for (const double ms : flight.cull()) cull_ms += ms;
+  for (const double ms : samples_of(flight, kRows[0])) cull_ms += ms;
   if (cull_ms > 0.0)
     std::fprintf(out, "%-16s %12.3g  (items culled per second of cull time)\n", "items/s",
                  double(engine.snapshot().size() * flight.frames.size()) / (1e-3 * cull_ms));
@@ -273,76 +279,66 @@ std::string to_svg(const Options& o, const engine::Engine& engine, const Flight&
   return apps::svg_plot(title, cull, visible, engine.controller() ? marks_of(flight) : apps::Marks{});
 }
 
-core::Expected<void> write_reports(const Options& o, const engine::Engine& engine, const Flight& flight,
-                                   const std::array<int, 2>& size) {
-  core::Expected<void> done;
-  if (!o.json_file.empty())
-    done = apps::write_text(o.json_file, apps::to_text(json::sorted(to_json(o, engine, flight, size))));
-  if (done && !o.csv.empty()) done = apps::write_text(o.csv, to_csv(flight));
-  if (done && !o.plot.empty()) done = apps::write_text(o.plot, to_svg(o, engine, flight));
-  return done;
+void write_reports(const Options& o, const engine::Engine& engine, const Flight& flight,
+                   const std::array<int, 2>& size) {
+  need(apps::write_json(o.json_file, json::sorted(to_json(o, engine, flight, size))));
+  if (!o.csv.empty()) need(apps::write_text(o.csv, to_csv(flight)));
+  if (!o.plot.empty()) need(apps::write_text(o.plot, to_svg(o, engine, flight)));
 }
 
 /// Flies twice, with each path fixed once. A frame's interval is known when the next frame begins, so the last frame
 /// has none.
-core::Expected<int> record_both(const Options& o, const apps::Model& model, engine::EngineConfig config) {
+int record_both(const Options& o, const apps::Model& model, engine::EngineConfig config) {
   std::vector<apps::TraceFrame> trace;
   const double not_measured = culling::FrameSample::kNotMeasured;
   for (const auto culler : {engine::CullerChoice::kCpu, engine::CullerChoice::kGpu}) {
     config.culling.culler = culler;
     const bool gpu = culler == engine::CullerChoice::kGpu;
-    auto engine = engine::Engine::create(*model.scene, config);
-    if (!engine) return tl::unexpected(engine.error());
-    const auto path = choose_path(o, model, engine->snapshot());
-    if (!path) return tl::unexpected(path.error());
-    const auto flight = fly(o, *engine, *path, double(config.width) / config.height);
-    if (!flight) return tl::unexpected(flight.error());
-    trace.resize(flight->frames.size(), {not_measured, not_measured, not_measured, not_measured});
+    auto engine = need(engine::Engine::create(*model.scene, config));
+    const auto path = choose_path(o, model, engine.snapshot());
+    const auto flight = need(fly(o, engine, path, double(config.width) / config.height));
+    trace.resize(flight.frames.size(), {not_measured, not_measured, not_measured, not_measured});
     for (std::size_t i = 0; i < trace.size(); ++i) {
-      const FlownFrame& frame = flight->frames[i];
-      const double interval = i + 1 < trace.size() ? flight->frames[i + 1].report.frame_ms : not_measured;
+      const FlownFrame& frame = flight.frames[i];
+      const double interval = i + 1 < trace.size() ? flight.frames[i + 1].report.frame_ms : not_measured;
       const double cull = gpu ? frame.gpu_cull_ms : frame.report.cull_ms;
       (gpu ? trace[i].gpu_cull_ms : trace[i].cpu_cull_ms) = cull > 0.0 ? cull : not_measured;
       (gpu ? trace[i].gpu_frame_ms : trace[i].cpu_frame_ms) = config.draw ? interval : not_measured;
       if (!gpu) trace[i].visible = double(frame.report.visible);
     }
   }
-  if (auto done = apps::write_text(o.record_both, apps::controller_trace_csv(trace)); !done)
-    return tl::unexpected(done.error());
+  need(apps::write_text(o.record_both, apps::controller_trace_csv(trace)));
   return apps::kExitOk;
 }
 
 /// Runs the hybrid's controller over a recorded trace.
 core::Expected<int> replay_controller(const Options& o) {
-  const auto trace = apps::read_controller_trace(o.controller_trace);
-  if (!trace) return tl::unexpected(trace.error());
-  const apps::TraceResult result = apps::run_controller(*trace, o.rendering == "on");
-  if (!o.json_file.empty()) {
-    const Json out = {{"frames", trace->size()},       {"chosen_ms", result.chosen_ms},
-                      {"oracle_ms", result.oracle_ms}, {"best_fixed_ms", result.best_fixed_ms},
-                      {"switches", result.switches},   {"probes", result.probes},
-                      {"choice", result.choice}};
-    if (auto done = apps::write_text(o.json_file, apps::to_text(json::sorted(std::move(out)))); !done)
-      return tl::unexpected(done.error());
-  }
+  const auto trace = need(apps::read_controller_trace(o.controller_trace));
+  const apps::TraceResult result = apps::run_controller(trace, o.rendering == "on");
+  need(apps::write_json(o.json_file, json::sorted({{"frames", trace.size()},
+                                                   {"chosen_ms", result.chosen_ms},
+                                                   {"oracle_ms", result.oracle_ms},
+                                                   {"best_fixed_ms", result.best_fixed_ms},
+                                                   {"switches", result.switches},
+                                                   {"probes", result.probes},
+                                                   {"choice", result.choice}})));
   std::fprintf(apps::table_stream(o.json_file),
                "%zu frames, rendering %s: chosen %.4f ms, oracle %.4f, best fixed path %.4f; "
                "%llu switches, %llu probes\n",
-               trace->size(), o.rendering.c_str(), result.chosen_ms, result.oracle_ms, result.best_fixed_ms,
+               trace.size(), o.rendering.c_str(), result.chosen_ms, result.oracle_ms, result.best_fixed_ms,
                (unsigned long long)result.switches, (unsigned long long)result.probes);
   return apps::kExitOk;
 }
 
-core::Expected<engine::EngineConfig> engine_config(const Options& o) {
-  const auto size = apps::parse_size(o.size);
-  if (!size) return tl::unexpected(size.error());
+engine::EngineConfig engine_config(const Options& o) {
+  const auto size = need(apps::parse_size(o.size));
   engine::EngineConfig config;
   config.draw = !o.no_render;
   config.drawing.ids = o.mpi;
   config.context.platform = o.platform;
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
-  config.width = (*size)[0];
-  config.height = (*size)[1];
+  config.width = size[0];
+  config.height = size[1];
   config.culling.culler = o.culler;
   config.culling.gpu_variant = o.gpu_variant;
   config.drawing.samples = o.samples;
@@ -358,25 +354,19 @@ struct Flown {
   std::array<int, 2> size;
 };
 
-core::Expected<Flown> prepare(const Options& o, const engine::ScenePart& part) {
+Flown prepare(const Options& o, const engine::ScenePart& part) {
   auto config = engine_config(o);
-  if (!config) return tl::unexpected(config.error());
-  config->culling.part = part;
-  if (!o.images.empty())
-    if (auto made = apps::make_directory(o.images); !made) return tl::unexpected(made.error());
-  auto model = apps::load_model(o.model, o.shown);
-  if (!model) return tl::unexpected(model.error());
-  auto engine = engine::Engine::create(*model->scene, *config);
-  if (!engine) return tl::unexpected(engine.error());
-  if (auto done = engine->finish_levels(); !done) return tl::unexpected(done.error());
-  if (o.model.explain) apps::explain(engine->plan());
+  config.culling.part = part;
+  if (!o.images.empty()) need(apps::make_directory(o.images));
+  auto model = need(apps::load_model(o.model, o.shown));
+  auto engine = need(engine::Engine::create(*model.scene, config));
+  need(engine.finish_levels());
+  if (o.model.explain) apps::explain(engine.plan());
   std::optional<core::Snapshot> whole;  // the tour is that of the whole
-  if (part.count > 1) whole.emplace(*model->scene);
-  auto path = choose_path(o, *model, whole ? *whole : engine->snapshot());
-  if (!path) return tl::unexpected(path.error());
-  if (!o.save_path.empty())
-    if (auto done = importers::write_path(o.save_path, *path); !done) return tl::unexpected(done.error());
-  return Flown{std::move(*model), std::move(*engine), std::move(*path), {config->width, config->height}};
+  if (part.count > 1) whole.emplace(*model.scene);
+  auto path = choose_path(o, model, whole ? *whole : engine.snapshot());
+  if (!o.save_path.empty()) need(importers::write_path(o.save_path, path));
+  return Flown{std::move(model), std::move(engine), std::move(path), {config.width, config.height}};
 }
 
 /// One of the processes that draw every frame together. Rank 0 has the images and writes all figures.
@@ -391,7 +381,7 @@ core::Expected<int> replay_parts([[maybe_unused]] Options o) {
     o.model.explain = false;
   }
   apps::Composer composer(*session);
-  auto flown = session->agreed(prepare(o, composer.part()));
+  auto flown = session->agreed(apps::attempt([&] { return prepare(o, composer.part()); }));
   if (!flown) return tl::unexpected(flown.error());
   const double aspect = double(flown->size[0]) / flown->size[1];
   std::optional<apps::Progress> bar;
@@ -417,7 +407,7 @@ core::Expected<int> replay_parts([[maybe_unused]] Options o) {
   if (!flight) return tl::unexpected(flight.error());
   if (!root) return apps::kExitOk;
   if (!saved) return tl::unexpected(saved.error());
-  if (auto done = write_reports(o, *flown->engine, *flight, flown->size); !done) return tl::unexpected(done.error());
+  write_reports(o, *flown->engine, *flight, flown->size);
   std::FILE* out = apps::table_stream(o.json_file);
   std::fprintf(out, "%d processes; figures of rank 0, but for visible items and frame times, which are of all\n",
                session->size());
@@ -445,17 +435,12 @@ core::Expected<int> replay(const Options& o) {
                                .platform = o.platform});
 #endif
   if (!o.record_both.empty()) {
-    const auto config = engine_config(o);
-    if (!config) return tl::unexpected(config.error());
-    const auto model = apps::load_model(o.model);
-    return model ? record_both(o, *model, *config) : tl::unexpected(model.error());
+    return record_both(o, need(apps::load_model(o.model)), engine_config(o));
   }
   auto flown = prepare(o, {});
-  if (!flown) return tl::unexpected(flown.error());
-  const auto flight = fly(o, *flown->engine, flown->path, double(flown->size[0]) / flown->size[1]);
-  if (!flight) return tl::unexpected(flight.error());
-  if (auto done = write_reports(o, *flown->engine, *flight, flown->size); !done) return tl::unexpected(done.error());
-  print_table(*flown->engine, *flight, apps::table_stream(o.json_file));
+  const auto flight = need(fly(o, *flown.engine, flown.path, double(flown.size[0]) / flown.size[1]));
+  write_reports(o, *flown.engine, flight, flown.size);
+  print_table(*flown.engine, flight, apps::table_stream(o.json_file));
   return apps::kExitOk;
 }
 

@@ -1,15 +1,16 @@
 // sightline-trace: one image of a model by rays, exact at every sample, and what of the model it shows.
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/core/image_rays.h"
+#include "sightline/core/internal/clock.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/whitted.h"
@@ -18,6 +19,7 @@
 namespace {
 
 using namespace sightline;
+using apps::need;
 using Json = json::Value;
 
 struct Options {
@@ -78,37 +80,27 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.check([&o] { return check_outputs(o); });
 }
 
-double seconds() {
-  using Clock = std::chrono::steady_clock;
-  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
-}
-
-core::Expected<void> write_images(const Options& o, raytrace::WhittedImage& image) {
+void write_images(const Options& o, raytrace::WhittedImage& image) {
   const int width = image.width, height = image.height;
-  core::Expected<void> done;
-  if (!o.out.empty()) done = image::write_png({width, height, std::move(image.rgb)}, o.out);
-  if (done && !o.depth.empty()) done = image::write_pfm({width, height, std::move(image.depths)}, o.depth);
-  if (!done || o.ids.empty()) return done;
-  const auto colours = image::id_colours({width, height, std::move(image.ids)});
-  if (!colours) return tl::unexpected(colours.error());
-  return image::write_png(*colours, o.ids);
+  if (!o.out.empty()) need(image::write_png({width, height, std::move(image.rgb)}, o.out));
+  if (!o.depth.empty()) need(image::write_pfm({width, height, std::move(image.depths)}, o.depth));
+  if (!o.ids.empty()) need(image::write_png(need(image::id_colours({width, height, std::move(image.ids)})), o.ids));
 }
 
-core::Expected<void> write_visible(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width,
-                                   int height, const core::Scene& scene) {
-  if (o.visible.empty()) return {};
+void write_visible(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width, int height,
+                   const core::Scene& scene) {
+  if (o.visible.empty()) return;
   const auto items =
-      raytrace::ExactVisibility(tracer).compute(view, width, height, o.whitted.samples, o.whitted.threads);
-  if (!items) return tl::unexpected(items.error());
+      need(raytrace::ExactVisibility(tracer).compute(view, width, height, o.whitted.samples, o.whitted.threads));
   Json out = Json::array();
-  for (const auto& [item, samples] : *items)
+  for (const auto& [item, samples] : items)
     out.push_back({{"item", to_index(item)},
                    {"node", scene.path(scene.node_of(item))},
                    {"kind", std::string(core::name_of(scene.kind(item)))},
                    {"samples", samples}});
-  return apps::write_text(o.visible,
-                          apps::to_text(json::sorted(
-                              {{"size", {width, height}}, {"samples_per_pixel", o.whitted.samples}, {"items", out}})));
+  need(apps::write_text(o.visible,
+                        apps::to_text(json::sorted(
+                            {{"size", {width, height}}, {"samples_per_pixel", o.whitted.samples}, {"items", out}}))));
 }
 
 Json array_of(const core::dvec3& v) {
@@ -116,14 +108,12 @@ Json array_of(const core::dvec3& v) {
 }
 
 /// Null where nothing is hit.
-core::Expected<Json> pick(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width,
-                          int height, const core::Scene& scene) {
-  const auto ray = core::image_ray(view, width, height, o.pick[0], o.pick[1]);
-  if (!ray) return tl::unexpected(ray.error());
-  const auto hit = tracer.nearest(*ray, raytrace::filter_of(view));
-  if (!hit) return tl::unexpected(hit.error());
-  if (!*hit) return Json();
-  const raytrace::Hit& h = **hit;
+Json pick(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width, int height,
+          const core::Scene& scene) {
+  const auto ray = need(core::image_ray(view, width, height, o.pick[0], o.pick[1]));
+  const auto hit = need(tracer.nearest(ray, raytrace::filter_of(view)));
+  if (!hit) return Json();
+  const raytrace::Hit& h = *hit;
   Json out = {{"item", to_index(h.item)},
               {"node", scene.path(scene.node_of(h.item))},
               {"kind", std::string(core::name_of(scene.kind(h.item)))},
@@ -136,57 +126,50 @@ core::Expected<Json> pick(const Options& o, const raytrace::Tracer& tracer, cons
 }
 
 core::Expected<int> trace_model(Options& o) {
-  const auto size = apps::parse_size(o.view.size);
-  if (!size) return tl::unexpected(size.error());
-  const int width = (*size)[0], height = (*size)[1];
+  const auto size = need(apps::parse_size(o.view.size));
+  const int width = size[0], height = size[1];
   for (const std::string& sun : o.suns) o.whitted.lights.push_back({apps::parse_direction(sun).value(), true});
-  const auto model = apps::load_model(o.model);
-  if (!model) return tl::unexpected(model.error());
-  if (auto done = model->scene->commit(); !done) return tl::unexpected(done.error());
-  const core::Snapshot snapshot(*model->scene, o.whitted.threads);
-  const auto view = apps::choose_view(o.view, *model, snapshot, double(width) / height);
-  if (!view) return tl::unexpected(view.error());
+  const auto model = need(apps::load_model(o.model));
+  need(model.scene->commit());
+  const core::Snapshot snapshot(*model.scene, o.whitted.threads);
+  const auto view = need(apps::choose_view(o.view, model, snapshot, double(width) / height));
   o.whitted.studio = o.suns.empty() && !o.plain;
   if (o.whitted.studio)
-    for (const gpuprims::DistantLight& light : gpuprims::distant_lights(*view, gpuprims::Lighting::kStudio, {}))
+    for (const gpuprims::DistantLight& light : gpuprims::distant_lights(view, gpuprims::Lighting::kStudio, {}))
       o.whitted.lights.push_back({light.towards, true, core::vec3(float(light.strength))});
 
-  const double start = seconds();
-  const auto tracer = raytrace::Tracer::create(snapshot, o.whitted.threads);
-  if (!tracer) return tl::unexpected(tracer.error());
-  const double built = seconds();
+  const double start = core::now_seconds();
+  const auto tracer = need(raytrace::Tracer::create(snapshot, o.whitted.threads));
+  const double built = core::now_seconds();
   if (o.model.explain) {
     engine::Plan plan = engine::make_plan(snapshot, engine::CullerChoice::kAutomatic, false, false);
     std::erase_if(plan.entries, [](const engine::PlanEntry& entry) { return entry.feature == "ray tracer"; });
-    plan.entries.push_back({"ray tracer", true, std::to_string(tracer->memory().total()) + " bytes"});
+    plan.entries.push_back({"ray tracer", true, std::to_string(tracer.memory().total()) + " bytes"});
     apps::explain(plan);
   }
   auto image = [&] {
     apps::Progress progress("tracing");
     o.whitted.progress = progress.callback();
-    return raytrace::render_whitted(*tracer, *view, width, height, o.whitted);
+    return need(raytrace::render_whitted(tracer, view, width, height, o.whitted));
   }();
-  if (!image) return tl::unexpected(image.error());
-  const double traced = seconds();
-  if (std::all_of(image->ids.begin(), image->ids.end(), [](std::uint32_t id) { return id == 0; }))
+  const double traced = core::now_seconds();
+  if (std::all_of(image.ids.begin(), image.ids.end(), [](std::uint32_t id) { return id == 0; }))
     std::fprintf(stderr, "warning: the image shows nothing\n");
   Json results = {{"size", {width, height}},         {"items", snapshot.size()},
-                  {"samples", image->samples},       {"build_seconds", built - start},
-                  {"trace_seconds", traced - built}, {"tracer_bytes", tracer->memory().total()}};
+                  {"samples", image.samples},        {"build_seconds", built - start},
+                  {"trace_seconds", traced - built}, {"tracer_bytes", tracer.memory().total()}};
   std::fprintf(apps::table_stream(o.json_file), "%llu samples, %.2f a pixel, in %.2f s, after %.2f s of building\n",
-               (unsigned long long)image->samples, double(image->samples) / (double(width) * height), traced - built,
+               (unsigned long long)image.samples, double(image.samples) / (double(width) * height), traced - built,
                built - start);
   if (!o.pick.empty()) {
-    const auto picked = pick(o, *tracer, *view, width, height, *model->scene);
-    if (!picked) return tl::unexpected(picked.error());
-    results["pick"] = *picked;
+    const auto picked = pick(o, tracer, view, width, height, *model.scene);
+    results["pick"] = picked;
     std::fprintf(apps::table_stream(o.json_file), "at %g,%g: %s\n", o.pick[0], o.pick[1],
-                 picked->is_null() ? "nothing" : picked->dump().c_str());
+                 picked.is_null() ? "nothing" : picked.dump().c_str());
   }
-  if (auto done = write_images(o, *image); !done) return tl::unexpected(done.error());
-  if (auto done = write_visible(o, *tracer, *view, width, height, *model->scene); !done)
-    return tl::unexpected(done.error());
-  if (auto done = apps::write_json(o.json_file, json::sorted(results)); !done) return tl::unexpected(done.error());
+  write_images(o, image);
+  write_visible(o, tracer, view, width, height, *model.scene);
+  need(apps::write_json(o.json_file, json::sorted(results)));
   return apps::kExitOk;
 }
 

@@ -4,17 +4,10 @@
 
 namespace sightline::apps {
 
-std::vector<double> Flight::collect(double (*pick)(const engine::FrameReport&), std::size_t from) const {
+std::vector<double> Flight::collect(double (*pick)(const engine::FrameReport&)) const {
   std::vector<double> values;
-  for (std::size_t i = from; i < frames.size(); ++i)
-    if (const double value = pick(frames[i].report); value >= 0.0) values.push_back(value);
-  return values;
-}
-
-std::vector<double> Flight::gpu_cull() const {
-  std::vector<double> values;
-  for (const FlownFrame& f : frames)
-    if (f.gpu_cull_ms >= 0.0) values.push_back(f.gpu_cull_ms);
+  for (const FlownFrame& frame : frames)
+    if (const double value = pick(frame.report); value >= 0.0) values.push_back(value);
   return values;
 }
 

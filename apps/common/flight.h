@@ -20,22 +20,15 @@ struct Flight {
   std::vector<FlownFrame> frames;
   std::string renderer = "none";
 
-  /// Collects a figure of all frames. Leaves out negative values, which were not measured.
-  std::vector<double> collect(double (*pick)(const engine::FrameReport&), std::size_t from = 0) const;
+  /// A value of each frame, but negative ones, which were not measured.
+  std::vector<double> collect(double (*pick)(const engine::FrameReport&)) const;
   template <auto kField>
-  std::vector<double> of(std::size_t from = 0) const {
-    return collect([](const engine::FrameReport& report) { return double(report.*kField); }, from);
+  std::vector<double> of() const {
+    return collect([](const engine::FrameReport& report) { return double(report.*kField); });
   }
-  std::vector<double> cull() const { return of<&engine::FrameReport::cull_ms>(); }  ///< ms
-  std::vector<double> draw() const { return of<&engine::FrameReport::draw_ms>(); }  ///< ms
   std::vector<double> visible() const { return of<&engine::FrameReport::visible>(); }
   std::vector<double> sampled() const { return of<&engine::FrameReport::sampled>(); }
   std::vector<double> items_drawn() const { return of<&engine::FrameReport::items_drawn>(); }
-  std::vector<double> triangles() const { return of<&engine::FrameReport::triangles>(); }
-  std::vector<double> tested() const { return of<&engine::FrameReport::tested>(); }
-  std::vector<double> gpu_cull() const;  ///< ms
-  /// Milliseconds, from the second frame on: the first has no predecessor to measure from.
-  std::vector<double> frame() const { return of<&engine::FrameReport::frame_ms>(1); }
   std::size_t on_gpu() const;  ///< frames
   /// Number of frames culled by another path than the frame before.
   std::size_t switches() const;
@@ -52,7 +45,7 @@ struct FlightOptions {
 core::Expected<Flight> fly(engine::Engine& engine, const core::CameraPath& path, const FlightOptions& options,
                            const std::function<core::Expected<void>(Flight&)>& after_frame = {});
 
-/// Enters the GPU's figures, which arrive some frames late.
+/// Enters the GPU's times and counts, which arrive some frames late.
 void take_late_reports(engine::Engine& engine, Flight& flight);
 
 }  // namespace sightline::apps

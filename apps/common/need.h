@@ -25,4 +25,14 @@ T need(core::Expected<T> expected) {
   if constexpr (!std::is_void_v<T>) return std::move(*expected);
 }
 
+/// What `body` returns, or the error of its Failure: for processes that tell others of it.
+template <class Body>
+core::Expected<std::invoke_result_t<const Body&>> attempt(const Body& body) {
+  try {
+    return body();
+  } catch (const Failure& failure) {
+    return core::fail(failure.what());
+  }
+}
+
 }  // namespace sightline::apps
