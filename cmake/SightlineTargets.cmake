@@ -103,7 +103,8 @@ endif()
 
 # sightline_library(NAME [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of a folder, by
 # default of the same name. LINKS are the public dependencies. HEADERS are installed: those for applications, and in
-# internal/ those that these include. All other headers are private to the library. The library is an archive always;
+# detail/ what their classes hold by value, which applications include through them alone. Headers in internal/ are
+# private to the library. The library is an archive always;
 # with BUILD_SHARED_LIBS all archives together become libsightline (SharedLibrary.cmake).
 function(sightline_library name)
   cmake_parse_arguments(arg "" "FOLDER" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
@@ -118,6 +119,9 @@ function(sightline_library name)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC ${arg_LINKS} PRIVATE $<BUILD_INTERFACE:sightline_flags> ${arg_PRIVATE_LINKS})
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${root}>)
+  if(arg_HEADERS MATCHES "internal/")
+    message(FATAL_ERROR "sightline_library(${name}): headers in internal/ are not installed: ${arg_HEADERS}")
+  endif()
   if(arg_HEADERS)
     list(TRANSFORM arg_HEADERS PREPEND ${root}/sightline/${arg_FOLDER}/)
     target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${root} FILES ${arg_HEADERS})

@@ -7,8 +7,8 @@
 #include <memory>
 #include <numeric>
 
-#include "sightline/core/internal/large_array.h"
 #include "sightline/core/internal/openmp.h"
+#include "sightline/core/large_array.h"
 
 namespace sightline::core {
 namespace {

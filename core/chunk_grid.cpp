@@ -1,4 +1,4 @@
-#include "sightline/core/internal/chunk_grid.h"
+#include "sightline/core/detail/chunk_grid.h"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 
 #include "sightline/core/aabb.h"
 #include "sightline/core/api.h"
-#include "sightline/core/internal/large_array.h"
+#include "sightline/core/large_array.h"
 
 namespace sightline::core {
 

@@ -1,4 +1,4 @@
-#include "sightline/core/internal/large_array.h"
+#include "sightline/core/large_array.h"
 
 #include <cstdint>
 #include <cstring>

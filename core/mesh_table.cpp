@@ -1,4 +1,4 @@
-#include "sightline/core/internal/mesh_table.h"
+#include "sightline/core/mesh_table.h"
 
 #include <algorithm>
 #include <cassert>

@@ -8,7 +8,9 @@
 
 #include "sightline/core/internal/access.h"
 #include "sightline/core/internal/contract.h"
+#include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
+#include "sightline/core/internal/stored_attributes.h"
 
 namespace sightline::core {
 namespace {
@@ -159,7 +161,7 @@ void Scene::remove_node(NodeId node) {
     for (std::uint32_t c = nodes_[subtree[i]].first_child; c != kNone; c = nodes_[c].next) subtree.push_back(c);
   for (const std::uint32_t index : subtree) {
     for (ItemId item = nodes_[index].first_item; item != kNoItem; item = items_[to_index(item)].next) erase_item(item);
-    if (stored_attributes_.has(index))
+    if (stored_attributes_ && stored_attributes_->has(index))
       attributes_[index].clear();  // another node may get the index
     else
       attributes_.erase(index);
@@ -237,7 +239,8 @@ void Scene::set_attribute(NodeId node, std::string_view key, std::string_view va
   (void)live(node);
   const auto [entry, fresh] = attributes_.try_emplace(node.index);
   Attributes& list = entry->second;
-  if (const Attributes* stored = fresh ? stored_attributes_.find(node.index) : nullptr) list = *stored;
+  if (fresh && stored_attributes_)
+    if (const Attributes* stored = stored_attributes_->find(node.index)) list = *stored;
   const auto found = std::find_if(list.begin(), list.end(), [&](const auto& a) { return a.first == key; });
   if (found != list.end()) {
     found->second = value;
@@ -258,15 +261,15 @@ const Scene::Attributes& Scene::attributes(NodeId node) const {
   static const Attributes kNoAttributes;
   (void)live(node);
   if (const auto found = attributes_.find(node.index); found != attributes_.end()) return found->second;
-  const Attributes* stored = stored_attributes_.find(node.index);
+  const Attributes* stored = stored_attributes_ ? stored_attributes_->find(node.index) : nullptr;
   return stored ? *stored : kNoAttributes;
 }
 
 void Scene::read_all_attributes() {
-  const StoredAttributes* stored = stored_attributes_.stored();
-  if (!stored) return;
-  for (std::size_t i = 0; i < stored->nodes.size(); ++i)
-    if (const auto [entry, fresh] = attributes_.try_emplace(stored->nodes[i]); fresh) entry->second = stored->list(i);
+  if (!stored_attributes_) return;
+  const StoredAttributes& stored = stored_attributes_->stored();
+  for (std::size_t i = 0; i < stored.nodes.size(); ++i)
+    if (const auto [entry, fresh] = attributes_.try_emplace(stored.nodes[i]); fresh) entry->second = stored.list(i);
   stored_attributes_ = {};
 }
 
@@ -292,6 +295,15 @@ std::string Scene::path(NodeId node) const {
   std::string path;
   for (auto it = names.rbegin(); it != names.rend(); ++it) path.append(path.empty() ? "" : "/").append(*it);
   return path;
+}
+
+/// Prefetches an item's own data, and half as far ahead its node and parameters.
+void Scene::prefetch_ahead(std::span<const ItemId> items, std::size_t at) const {
+  if (at + kPrefetchAhead < items.size()) prefetch(items_[to_index(items[at + kPrefetchAhead])]);
+  if (at + kPrefetchAhead / 2 >= items.size()) return;
+  const Item& item = items_[to_index(items[at + kPrefetchAhead / 2])];
+  prefetch(nodes_[item.node]);
+  if (int(item.kind) < kPrimitiveKindCount) prefetch(parameters_[item.payload]);
 }
 
 Scene::Resolved Scene::resolve(const Node& node, const Resolved& above) const {

@@ -24,13 +24,11 @@
 
 #include "sightline/core/affine.h"
 #include "sightline/core/api.h"
+#include "sightline/core/detail/free_ids.h"
 #include "sightline/core/error.h"
-#include "sightline/core/internal/free_ids.h"
-#include "sightline/core/internal/large_array.h"
-#include "sightline/core/internal/mesh_table.h"
-#include "sightline/core/internal/prefetch.h"
-#include "sightline/core/internal/stored_attributes.h"
+#include "sightline/core/large_array.h"
 #include "sightline/core/mesh.h"
+#include "sightline/core/mesh_table.h"
 #include "sightline/core/primitive.h"
 #include "sightline/core/scene_delta.h"
 
@@ -55,6 +53,7 @@ struct Material {
   std::uint32_t code = 0;         ///< the source file's own number (RVM colour index), for writing back
 };
 
+class AttributeReader;
 class Snapshot;
 
 class SIGHTLINE_API Scene {
@@ -336,7 +335,7 @@ class SIGHTLINE_API Scene {
   LargeArray<char> names_;
   std::size_t dead_name_bytes_ = 0;                           // bytes of names_ that no node uses any more
   std::unordered_map<std::uint32_t, Attributes> attributes_;  // hide those that are stored
-  AttributeReader stored_attributes_;
+  std::shared_ptr<AttributeReader> stored_attributes_;        // null: none are stored
   /// Makes a new snapshot what Snapshot(scene) would build. False: it cannot. Null: nothing is stored, or the scene was
   /// edited since.
   std::shared_ptr<const std::function<bool(Snapshot&)>> stored_snapshot_;
@@ -370,15 +369,6 @@ void Scene::for_each_node(NodeId top, Visit&& visit) const {
     visit(handle(index), here.world, here.visible, here.layers, material_at(here.material));
     if (node.first_child != kNone) stack.emplace_back(node.first_child, here);
   }
-}
-
-/// Prefetches an item's own data, and half as far ahead its node and parameters.
-inline void Scene::prefetch_ahead(std::span<const ItemId> items, std::size_t at) const {
-  if (at + kPrefetchAhead < items.size()) prefetch(items_[to_index(items[at + kPrefetchAhead])]);
-  if (at + kPrefetchAhead / 2 >= items.size()) return;
-  const Item& item = items_[to_index(items[at + kPrefetchAhead / 2])];
-  prefetch(nodes_[item.node]);
-  if (int(item.kind) < kPrimitiveKindCount) prefetch(parameters_[item.payload]);
 }
 
 template <class Visit>

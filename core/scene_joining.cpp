@@ -14,7 +14,7 @@ namespace sightline::core {
 bool Scene::takes_over(NodeId parent, const Scene& other) const {
   const bool bare = parent == root_ && nodes_.size() == 1 && items_.empty() && parameters_.empty() && meshes_.empty() &&
                     materials_.empty() && names_.empty() && attributes_.empty() &&
-                    stored_attributes_.stored() == nullptr && removed_items_.empty();
+                    stored_attributes_ == nullptr && removed_items_.empty();
   return bare && this != &other;
 }
 

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "sightline/core/api.h"
-#include "sightline/core/internal/chunk_grid.h"
-#include "sightline/core/internal/large_array.h"
-#include "sightline/core/internal/mesh_table.h"
+#include "sightline/core/detail/chunk_grid.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/large_array.h"
+#include "sightline/core/mesh_table.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/visible_set.h"
 

@@ -70,7 +70,6 @@ void StoredAttributes::add(std::uint32_t node, const List& list) {
 }
 
 const StoredAttributes::List* AttributeReader::find(std::uint32_t node) const {
-  if (!stored_) return nullptr;
   const std::size_t index = stored_->find(node);
   if (index == stored_->nodes.size()) return nullptr;
   const std::lock_guard held(mutex_);

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "sightline/core/internal/large_array.h"
 #include "sightline/core/internal/store.h"
+#include "sightline/core/large_array.h"
 
 namespace sightline::gl {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
+#include "sightline/gl/debug_log.h"
 #include "sightline/gl/get_proc.h"
-#include "sightline/gl/internal/debug_log.h"
 #include "sightline/gl/workarounds.h"
 
 namespace sightline::gl {

@@ -50,7 +50,7 @@ core::Expected<Functions> load_functions(GetProc get_proc, void* user) {
 #define SIGHTLINE_GL_FUNCTION(name, type) load(get_proc, user, "gl" #name, gl.name, missing);
 #define SIGHTLINE_GL_EXTENSION(name, type, extension) \
   if (listed(extension)) load(get_proc, user, "gl" #name, gl.name, optional_missing);
-#include "sightline/gl/internal/function_table.inc"
+#include "sightline/gl/function_table.inc"
   if (missing.empty()) return gl;
   return core::fail(fmt::format("OpenGL: missing entry points in version {} (required {}.{} core): {}",
                                 reinterpret_cast<const char*>(gl.GetString(GL_VERSION)), kRequiredMajor, kRequiredMinor,

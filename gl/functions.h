@@ -31,7 +31,7 @@ class ProgramCache;
 struct Functions {
 #define SIGHTLINE_GL_FUNCTION(name, type) PFNGL##type##PROC name = nullptr;
 #define SIGHTLINE_GL_EXTENSION(name, type, extension) PFNGL##type##PROC name = nullptr;
-#include "sightline/gl/internal/function_table.inc"
+#include "sightline/gl/function_table.inc"
 
   /// Not an entry point: the cache that Program searches before it compiles, see Context::cache_programs(). Null: none.
   const ProgramCache* program_cache = nullptr;

@@ -17,7 +17,7 @@ class GlCallCount {
 #define SIGHTLINE_GL_FUNCTION(Name, type) \
   if (real_.Name) table_.Name = counted<&gl::Functions::Name>(real_.Name);
 #define SIGHTLINE_GL_EXTENSION(Name, type, extension) SIGHTLINE_GL_FUNCTION(Name, type)
-#include "sightline/gl/internal/function_table.inc"
+#include "sightline/gl/function_table.inc"
   }
   ~GlCallCount() {
     table_ = real_;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sightline/core/api.h"
-#include "sightline/core/internal/large_array.h"
+#include "sightline/core/large_array.h"
 
 namespace sightline::core {
 
@@ -29,23 +29,13 @@ struct SIGHTLINE_API StoredAttributes {
   void add(std::uint32_t node, const List& list);
 };
 
-/// What of stored attributes has been read so far. Reads are safe from several threads. A copy has the same attributes
-/// and has read none.
+/// What of stored attributes has been read so far. Reads are safe from several threads.
 class AttributeReader {
  public:
-  AttributeReader() = default;
   explicit AttributeReader(std::shared_ptr<const StoredAttributes> stored) : stored_(std::move(stored)) {}
-  AttributeReader(const AttributeReader& other) : stored_(other.stored_) {}
-  AttributeReader& operator=(AttributeReader other) noexcept {
-    stored_ = std::move(other.stored_);
-    std::swap(read_, other.read_);
-    return *this;
-  }
-  AttributeReader(AttributeReader&& other) noexcept
-      : stored_(std::move(other.stored_)), read_(std::move(other.read_)) {}
 
-  const StoredAttributes* stored() const { return stored_.get(); }
-  bool has(std::uint32_t node) const { return stored_ && stored_->find(node) < stored_->nodes.size(); }
+  const StoredAttributes& stored() const { return *stored_; }
+  bool has(std::uint32_t node) const { return stored_->find(node) < stored_->nodes.size(); }
   /// Null when the node has none. The list stays where it is as long as the reader.
   const StoredAttributes::List* find(std::uint32_t node) const;
 

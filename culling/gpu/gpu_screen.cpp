@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "sightline/culling/occlusion/internal/screen_view.h"
+#include "sightline/culling/occlusion/detail/screen_view.h"
 
 namespace sightline::culling {
 namespace {

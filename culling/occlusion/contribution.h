@@ -32,7 +32,7 @@
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum/hierarchy.h"
-#include "sightline/culling/occlusion/internal/screen_view.h"
+#include "sightline/culling/occlusion/detail/screen_view.h"
 #include "sightline/culling/occlusion/sample_test.h"
 
 namespace sightline::culling {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sightline/core/api.h"
-#include "sightline/culling/occlusion/internal/screen_view.h"
+#include "sightline/culling/occlusion/detail/screen_view.h"
 
 namespace sightline::culling {
 

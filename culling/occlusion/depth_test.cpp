@@ -1,4 +1,4 @@
-#include "sightline/culling/occlusion/internal/depth_test.h"
+#include "sightline/culling/occlusion/detail/depth_test.h"
 
 #include <algorithm>
 #include <bit>

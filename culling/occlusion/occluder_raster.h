@@ -51,7 +51,7 @@
 #include "sightline/core/api.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/occlusion/depth_pyramid.h"
-#include "sightline/culling/occlusion/internal/occluder_image.h"
+#include "sightline/culling/occlusion/detail/occluder_image.h"
 #include "sightline/culling/occlusion/sample_test.h"
 
 namespace sightline::culling {

@@ -6,7 +6,7 @@
 // hidden.
 //
 // Two steps: first all pixels of the rectangle around the projection against the box's least distance, in the pyramid;
-// then, for boxes that this leaves open, the ray of each pixel against the box itself (internal/ray_spans.h): of boxes
+// then, for boxes that this leaves open, the ray of each pixel against the box itself (detail/ray_spans.h): of boxes
 // of at most 64 pixels, a pixel of each of sixteen boxes at a time (internal/small_boxes.h); of larger ones, sixteen
 // pixels of the box at a time, whole blocks first. Most boxes are decided sooner, sixteen of them at a time: one look
 // at 2 x 2 blocks of the pyramid hides them, or the ray of one pixel meets them in front of what it holds.
@@ -28,7 +28,7 @@
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum/hierarchy.h"
 #include "sightline/culling/occlusion/depth_pyramid.h"
-#include "sightline/culling/occlusion/internal/depth_test.h"
+#include "sightline/culling/occlusion/detail/depth_test.h"
 #include "sightline/culling/occlusion/sample_test.h"
 
 namespace sightline::culling {

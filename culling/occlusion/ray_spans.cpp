@@ -1,4 +1,4 @@
-#include "sightline/culling/occlusion/internal/ray_spans.h"
+#include "sightline/culling/occlusion/detail/ray_spans.h"
 
 #include <algorithm>
 #include <cmath>

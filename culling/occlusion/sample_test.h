@@ -22,8 +22,8 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/occlusion/internal/ray_spans.h"
-#include "sightline/culling/occlusion/internal/screen_view.h"
+#include "sightline/culling/occlusion/detail/ray_spans.h"
+#include "sightline/culling/occlusion/detail/screen_view.h"
 
 namespace sightline::culling {
 

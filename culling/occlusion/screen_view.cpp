@@ -1,4 +1,4 @@
-#include "sightline/culling/occlusion/internal/screen_view.h"
+#include "sightline/culling/occlusion/detail/screen_view.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,6 +8,7 @@
 #include "sightline/core/internal/snapshot_prefetch.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
 #include "sightline/culling/occlusion/internal/inner_occluders.h"
+#include "sightline/culling/occlusion/internal/object_pool.h"
 
 namespace sightline::culling {
 namespace {
@@ -60,6 +61,9 @@ struct SolidOccluders::HiddenBuffers {
   std::size_t memory_bytes() const { return core::bytes_of(slots, solids, fronts, ends, seen, hidden); }
 };
 
+SolidOccluders::SolidOccluders() : of_threads_(std::make_unique<ObjectPool<OccluderRaster>>()) {}
+SolidOccluders::~SolidOccluders() = default;
+
 void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& view, int width, int height, float snap) {
   snapshot_ = &snapshot;
   width_ = width, height_ = height;
@@ -68,7 +72,7 @@ void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& vie
   const core::dmat4 world_from_eye = glm::transpose(view.eye_from_world());
   forward_ = -core::dvec3(world_from_eye[2]);
   empty_.begin(view, width, height, float(kLostPixels + std::max(0.0, double(snap) - kProxyMargin)));
-  of_threads_.begin();
+  of_threads_->begin();
 }
 
 void SolidOccluders::add(const core::VisibleSet& items, core::ThreadPool* threads) {
@@ -78,9 +82,9 @@ void SolidOccluders::add(const core::VisibleSet& items, core::ThreadPool* thread
   parts.for_each(threads, [&](const core::VisibleSet& part, std::uint32_t) {
     const core::Scratch<SlotBuffers> of_thread;
     list(part, of_thread->slots);
-    OccluderRaster& raster = of_threads_.take([&](OccluderRaster& fresh) { fresh = empty_; });
+    OccluderRaster& raster = of_threads_->take([&](OccluderRaster& fresh) { fresh = empty_; });
     add(of_thread->slots, raster);
-    of_threads_.give_back(raster);
+    of_threads_->give_back(raster);
   });
 }
 
@@ -168,7 +172,7 @@ void SolidOccluders::leave_out_occluded(core::VisibleSet& items, const DepthPyra
 
 void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn, core::ThreadPool* threads) {
   rasters_.clear();
-  for (const auto& raster : of_threads_.used()) rasters_.push_back(raster.get());
+  for (const auto& raster : of_threads_->used()) rasters_.push_back(raster.get());
   if (rasters_.empty()) rasters_.push_back(&empty_);
   const std::span<float> distances = pyramid.begin(width_, height_);
   assert(drawn.empty() || drawn.size() == distances.size());

@@ -25,16 +25,25 @@
 // the pixel centres, also where a solid is drawn larger, by as much as occluder polygons are smaller.
 #pragma once
 
+#include <memory>
+#include <span>
+#include <vector>
+
 #include "sightline/core/snapshot.h"
 #include "sightline/core/thread_pool.h"
-#include "sightline/culling/occlusion/internal/object_pool.h"
 #include "sightline/culling/occlusion/occluder_raster.h"
 
 namespace sightline::culling {
 
+template <class T>
+class ObjectPool;
+
 /// Reuse one from frame to frame: it keeps its memory.
 class SIGHTLINE_API SolidOccluders {
  public:
+  SolidOccluders();
+  ~SolidOccluders();
+
   static constexpr double kLostPixels = 0x1p-12, kLostOfBox = 1e-5, kLostOfRadius = 1e-3;
   /// Pixels by which a renderer must draw the proxies larger in which it casts rays. A rasteriser that moves corners by
   /// less takes no pixel from a solid.
@@ -73,7 +82,7 @@ class SIGHTLINE_API SolidOccluders {
   core::dvec3 eye_{0.0}, forward_{0.0};
   bool perspective_ = true;
   OccluderRaster empty_;  // of this view
-  ObjectPool<OccluderRaster> of_threads_;
+  std::unique_ptr<ObjectPool<OccluderRaster>> of_threads_;
   std::vector<const OccluderRaster*> rasters_;
 };
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/core/internal/large_array.h"
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
+#include "sightline/core/large_array.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/engine/item_style.h"
 

@@ -21,7 +21,7 @@
 
 #include "sightline/core/affine.h"
 #include "sightline/core/conventions.h"
-#include "sightline/core/internal/large_array.h"
+#include "sightline/core/large_array.h"
 #include "sightline/core/primitive.h"
 #include "sightline/core/snapshot.h"
 

@@ -304,8 +304,8 @@ StoredAttributes attributes(const Scene& scene) {
   const auto in = Access::of(scene);
   std::vector<std::uint32_t> nodes;
   for (const auto& [node, list] : in.attributes()) nodes.push_back(node);
-  if (const StoredAttributes* stored = in.stored_attributes().stored())
-    for (const std::uint32_t node : stored->nodes)
+  if (in.stored_attributes())
+    for (const std::uint32_t node : in.stored_attributes()->stored().nodes)
       if (!in.attributes().contains(node)) nodes.push_back(node);
   std::sort(nodes.begin(), nodes.end());
   StoredAttributes all;
@@ -324,7 +324,7 @@ Expected<void> finish(Scene& scene, std::shared_ptr<const StoredAttributes> attr
   for (std::size_t i = 0; i < stored.size(); ++i)
     if (stored[i] >= in.nodes().size() || !in.nodes()[stored[i]].alive || (i > 0 && stored[i] <= stored[i - 1]))
       return inconsistent("attributes of node", i);
-  in.stored_attributes() = AttributeReader(std::move(attributes));
+  in.stored_attributes() = std::make_shared<AttributeReader>(std::move(attributes));
   in.live_nodes() = in.nodes().size() - in.free_nodes().size();
   mark_fit(scene);
   return {};

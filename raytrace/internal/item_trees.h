@@ -5,8 +5,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "sightline/core/internal/large_array.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/large_array.h"
 #include "sightline/raytrace/internal/ray_frame.h"
 #include "sightline/raytrace/internal/wide_node.h"
 

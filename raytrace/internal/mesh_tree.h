@@ -3,7 +3,7 @@
 
 #include <stop_token>
 
-#include "sightline/core/internal/large_array.h"
+#include "sightline/core/large_array.h"
 #include "sightline/core/mesh.h"
 #include "sightline/raytrace/internal/ray_frame.h"
 #include "sightline/raytrace/internal/wide_node.h"

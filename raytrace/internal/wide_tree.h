@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
-#include "sightline/core/internal/large_array.h"
+#include "sightline/core/large_array.h"
 #include "sightline/raytrace/internal/wide_node.h"
 
 namespace sightline::raytrace {

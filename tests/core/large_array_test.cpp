@@ -1,5 +1,5 @@
 // The small tools under the flat arrays: large allocations, radix sort, the number before another.
-#include "sightline/core/internal/large_array.h"
+#include "sightline/core/large_array.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Tables of meshes against plain vectors, and lists that were copied from them: those never change.
-#include "sightline/core/internal/mesh_table.h"
+#include "sightline/core/mesh_table.h"
 
 #include <memory>
 #include <random>

@@ -80,7 +80,7 @@ class FaultyGl {
     notifies_ = capabilities_.reset_notification;
 #define SIGHTLINE_GL_FUNCTION(name, type) wrap<&gl::Functions::name, faulty_gl::fault_of(#name)>(#name);
 #define SIGHTLINE_GL_EXTENSION(name, type, extension) wrap<&gl::Functions::name, faulty_gl::fault_of(#name)>(#name);
-#include "sightline/gl/internal/function_table.inc"
+#include "sightline/gl/function_table.inc"
     table_.GetError = get_error;
     table_.GetGraphicsResetStatus = reset_status;
   }
@@ -89,7 +89,7 @@ class FaultyGl {
   ~FaultyGl() {
 #define SIGHTLINE_GL_FUNCTION(name, type) table_.name = real_.name;
 #define SIGHTLINE_GL_EXTENSION(name, type, extension) table_.name = real_.name;
-#include "sightline/gl/internal/function_table.inc"
+#include "sightline/gl/function_table.inc"
     capabilities_.reset_notification = notifies_;
   }
 

@@ -294,7 +294,7 @@ SimulatedGpu::SimulatedGpu(const gl::Context& context, CardModel model)
 #define SIGHTLINE_GL_FUNCTION(name, type) \
   if (table_.name) table_.name = timed<&gl::Functions::name>(table_.name);
 #define SIGHTLINE_GL_EXTENSION(name, type, extension) SIGHTLINE_GL_FUNCTION(name, type)
-#include "sightline/gl/internal/function_table.inc"
+#include "sightline/gl/function_table.inc"
   capabilities_.software = table_.pinned_memory = false;
   core::use_clock(tell_time);
 }
@@ -303,7 +303,7 @@ SimulatedGpu::~SimulatedGpu() {
   core::use_clock(nullptr);
 #define SIGHTLINE_GL_FUNCTION(name, type) table_.name = state.real.name;
 #define SIGHTLINE_GL_EXTENSION(name, type, extension) SIGHTLINE_GL_FUNCTION(name, type)
-#include "sightline/gl/internal/function_table.inc"
+#include "sightline/gl/function_table.inc"
   capabilities_.software = software_;
   table_.pinned_memory = pinned_memory_;
 }

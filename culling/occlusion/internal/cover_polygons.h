@@ -4,9 +4,9 @@
 // nearer.
 #pragma once
 
+#include "sightline/culling/occlusion/detail/occluder_image.h"
 #include "sightline/culling/occlusion/internal/fill_area.h"
 #include "sightline/culling/occlusion/internal/kernels.h"
-#include "sightline/culling/occlusion/internal/occluder_image.h"
 #include "sightline/culling/occlusion/internal/polygon_area.h"
 #include "sightline/culling/occlusion/internal/small_boxes.h"
 

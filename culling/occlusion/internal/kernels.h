@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "sightline/culling/frustum/hierarchy.h"
+#include "sightline/culling/occlusion/detail/screen_view.h"
 #include "sightline/culling/occlusion/internal/occluder_area.h"
-#include "sightline/culling/occlusion/internal/screen_view.h"
 
 namespace sightline::culling {
 

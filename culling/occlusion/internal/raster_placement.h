@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "sightline/core/affine.h"
+#include "sightline/culling/occlusion/detail/occluder_image.h"
 #include "sightline/culling/occlusion/internal/occluder_area.h"
-#include "sightline/culling/occlusion/internal/occluder_image.h"
 
 namespace sightline::culling::raster {
 

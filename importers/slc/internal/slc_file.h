@@ -15,7 +15,7 @@
 #include <tl/expected.hpp>
 
 #include "sightline/core/internal/atomic_file.h"
-#include "sightline/core/internal/large_array.h"
+#include "sightline/core/large_array.h"
 
 namespace sightline::importers {
 

@@ -15,6 +15,7 @@
 
 #include "sightline/core/error.h"
 #include "sightline/core/internal/access.h"
+#include "sightline/core/internal/stored_attributes.h"
 #include "sightline/core/paged_scene.h"
 #include "sightline/gpuprims/internal/joints.h"
 

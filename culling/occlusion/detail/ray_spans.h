@@ -16,7 +16,7 @@
 #pragma once
 
 #include "sightline/core/view.h"
-#include "sightline/culling/occlusion/internal/screen_view.h"
+#include "sightline/culling/occlusion/detail/screen_view.h"
 
 namespace sightline::culling {
 

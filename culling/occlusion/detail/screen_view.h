@@ -61,7 +61,7 @@ struct ImageFunction {
 };
 
 /// The ray of a pixel meets a box where all `far` are at most all `near`, and enters it at the least of `near`: see
-/// internal/ray_spans.h.
+/// detail/ray_spans.h.
 struct BoxSpan {
   ImageFunction near[3], far[6];
   int near_count, far_count;

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "sightline/core/internal/large_array.h"
+#include "sightline/core/large_array.h"
 #include "sightline/core/view.h"
 
 namespace sightline::culling {
