@@ -1,10 +1,12 @@
-# sightline_tests(FOLDER [LABEL label] THINGS thing … [LINKS …] [ENVIRONMENT NAME=value …] [NIGHTLY filter …]): one test
-# program of the files <thing>_test.cpp beside the caller. Its name is FOLDER_tests, or FOLDER_label_tests; ctest's entries
-# are FOLDER.Suite.Case, or FOLDER_label.Suite.Case with that label. The label gl is of tests that need a context; their
-# programs make sure that they got the driver that scripts/with_driver.sh chose. Tests that one of GoogleTest's filters in
-# NIGHTLY takes have the label nightly, or nightly_label, which presets leave out.
+# sightline_tests(FOLDER [LABEL label] THINGS thing … [LINKS …] [ALONE filter …] [NIGHTLY filter …]): one test program of the
+# files <thing>_test.cpp beside the caller. Its name is FOLDER_tests, or FOLDER_label_tests; ctest's entries are FOLDER.Suite,
+# or FOLDER_label.Suite with that label, each a process that runs the suite's cases. The label gl is of tests that need a
+# context; their programs make sure that they got the driver that scripts/with_driver.sh chose. Cases that one of GoogleTest's
+# filters in ALONE takes are entries of their own, FOLDER.Suite.Case: where one could spoil the next, or where each starts other
+# programs, so that one process saves nothing. So are those of NIGHTLY, with the label nightly, or nightly_label, which presets
+# leave out.
 #
-# A new file of tests is one more word in THINGS. ctest runs every test in a process of its own, so tests share no state.
+# A new file of tests is one more word in THINGS. Cases share a process, so they leave no state behind; each makes its context.
 # Batches of files are compiled as one: each file has a namespace of its own, named after it, and an anonymous one within.
 include(GoogleTest)
 find_package(Threads REQUIRED)
@@ -31,15 +33,21 @@ if(TARGET sightline::gl)
   endif()
 endif()
 
-# Makes entries of a program's tests that GoogleTest's filter takes. They are listed when ctest runs, not when built: a
-# program that cannot start fails its tests and not the build.
-function(sightline_discover_tests name filter)
+# Entries are made when ctest runs, not when tests are built: a program that cannot start fails its tests and not the build.
+function(sightline_add_cases name filter)
   gtest_discover_tests(${name}_tests TEST_PREFIX ${name}. TEST_FILTER ${filter} NO_PRETTY_VALUES DISCOVERY_MODE PRE_TEST
-                       DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 600 ${ARGN})
+                       DISCOVERY_TIMEOUT 120 PROPERTIES ${ARGN})
+endfunction()
+function(sightline_add_suites name left_out)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
+  list(JOIN ARGN "\" \"" properties)
+  file(WRITE ${file} "include(${SIGHTLINE_CHECKOUT}/cmake/SuiteEntries.cmake)\nsightline_suite_entries(${name} "
+                     "${PROJECT_BINARY_DIR}/tests/${name}_tests \"${left_out}\" \"${properties}\")\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
 
 function(sightline_tests folder)
-  cmake_parse_arguments(arg "" "LABEL" "THINGS;LINKS;ENVIRONMENT;NIGHTLY" ${ARGN})
+  cmake_parse_arguments(arg "" "LABEL" "THINGS;LINKS;ALONE;NIGHTLY" ${ARGN})
   string(JOIN _ name ${folder} ${arg_LABEL})
   list(TRANSFORM arg_THINGS REPLACE "(.+)" "${CMAKE_CURRENT_SOURCE_DIR}/\\1_test.cpp" OUTPUT_VARIABLE sources)
   add_executable(${name}_tests ${sources})
@@ -52,20 +60,26 @@ function(sightline_tests folder)
   # The library beneath is optimised; optimising the checks takes longer than running them.
   target_compile_options(${name}_tests PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
   set_target_properties(${name}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
-  # What is kept for later runs, drivers' caches included, is kept in the build tree.
-  set(properties ENVIRONMENT_MODIFICATION XDG_CACHE_HOME=set:${PROJECT_BINARY_DIR}/tests/cache)
-  if(arg_ENVIRONMENT)
-    list(APPEND properties ENVIRONMENT ${arg_ENVIRONMENT})
-  endif()
+  # What is kept for later runs, drivers' caches included, is kept in the build tree. Threads of OpenMP that wait leave the
+  # processors to other tests.
+  set(properties TIMEOUT 1200 ENVIRONMENT OMP_WAIT_POLICY=passive
+                 ENVIRONMENT_MODIFICATION XDG_CACHE_HOME=set:${PROJECT_BINARY_DIR}/tests/cache)
   list(JOIN arg_NIGHTLY ":" nightly)
+  list(JOIN arg_ALONE ":" alone)
+  string(JOIN ":" not_in_suites ${nightly} ${alone})
   set(label ${arg_LABEL})
   if(label)
     list(PREPEND label LABELS)
   endif()
-  sightline_discover_tests(${name} "-${nightly}" ${properties} ${label})
+  if(alone)
+    sightline_add_cases(${name} "${alone}-${nightly}" ${properties} ${label})
+  endif()
+  if(NOT alone STREQUAL "*")
+    sightline_add_suites(${name} "${not_in_suites}" ${properties} ${label})
+  endif()
   if(nightly)
     string(JOIN _ label nightly ${arg_LABEL})
-    sightline_discover_tests(${name} "${nightly}" ${properties} LABELS ${label})
+    sightline_add_cases(${name} "${nightly}" ${properties} LABELS ${label})
   endif()
 endfunction()
 

@@ -13,7 +13,7 @@ cd "$(dirname "$0")/.."
 # Name, minutes on two cores with most objects in a compiler cache, and what it is.
 units="
 counts       8 long counts of random input, hostile files and exact pairs
-counts-gl    8 long counts of images: occlusion, portions, state of applications, joints of real models; calls of GL that fail
+counts-gl   13 long counts of images: occlusion, clusters, portions, state of applications, joints of real models; calls of GL that fail
 isa          4 core, culling, ray tracer and primitives with narrower instruction sets
 tools        5 tools that are started many times, mpirun, pip from a built tree and from the sources
 osmesa       2 GL tests with OSMesa contexts
@@ -43,11 +43,11 @@ ctest_in() { ctest --test-dir "build/$1" -j "$(nproc)" --no-tests=error --output
 
 run_counts() {
   release
-  SIGHTLINE_LONG=1 ctest_in release -R '^((culling|importers|importers_vtk|stability|view|gpuprims)\.|hostile_table)' -LE '^nightly'
+  SIGHTLINE_LONG=1 ctest_in release -R '^((culling|importers|importers_vtk|shaders|stability|view|gpuprims)\.|hostile_table)' -LE '^nightly'
 }
 run_counts-gl() {
   release
-  SIGHTLINE_LONG=1 ctest_in release -R '^(engine_gl\..*(OcclusionDrawnItems|Portions|ForeignState|Faults|CallsThatFail|AContextThatIsLost|ClustersOfOneMesh)|render_gl\..*JointImages)'
+  SIGHTLINE_LONG=1 ctest_in release -R '^(engine_gl\..*(OcclusionDrawnItems|DrawnTriangles|Portions|ForeignState|Faults|Levels|PagedEngineTest)|render_gl\..*JointImages)'
 }
 run_isa() {
   release
