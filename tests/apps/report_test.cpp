@@ -280,12 +280,12 @@ TEST_F(ReportPage, LevelsOfDetailAreComparedWhereThereAreManyTriangles) {
   if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
   const std::string meshes = path("meshes.obj");
   ASSERT_EQ(run("convert", {plant(1000), meshes, "--tolerance", "0.0005"}).code, 0);
-  const Json error = report({meshes, "--sections", "error", "--size", "320x180"}).results["sections"]["error"];
+  const Json error = report({meshes, "--sections", "error", "--size", "160x90"}).results["sections"]["error"];
   const Json& levels = error["levels"];
   ASSERT_EQ(levels.size(), 6u);
   EXPECT_LT(levels[0]["wrong_ids"], 1e-4) << "in full";
   EXPECT_GT(levels[5]["flip"]["mean"], levels[0]["flip"]["mean"]) << levels;
-  const Json none = report({plant(1000), "--sections", "error", "--size", "320x180"}).results["sections"]["error"];
+  const Json none = report({plant(1000), "--sections", "error"}).results["sections"]["error"];
   EXPECT_FALSE(none.contains("levels"));
 }
 

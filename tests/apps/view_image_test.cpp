@@ -136,10 +136,10 @@ TEST_F(ViewScript, MeshesAreCoarserInMotionAlone) {
   const auto expect = [&](const std::string& model, const std::string& first, const std::string& moving) {
     const std::string shot = path("at-rest.png");
     expect_driven(first + "wait 1\nexpect /lod_error = 0\npath-loop\nplay-path " + tour +
-                      "\nwait 1\nexpect /playing = true\nexpect /lod_error = " + moving +
+                      "\nwait 0.5\nexpect /playing = true\nexpect /lod_error = " + moving +
                       "\npress escape\nfront\nwait 0.5\nexpect /lod_error = 0\nscreenshot " + shot +
                       "\nexpect /culling/loss/lod_error = 0\n",
-                  {model, "--size", kSize, "--no-panels"});
+                  {model, "--size", "300x200", "--no-panels"});
     return read_png(shot);
   };
   const Image exact = expect(meshes, "expect /levels = false\n", "0");

@@ -220,12 +220,12 @@ TEST_F(ViewScript, WalksOnTheFloorUpToTheWall) {
               std::to_string(vertex + f[2]) + " " + std::to_string(vertex + f[3]) + "\n";
     vertex += 8;
   }
-  const std::string view = write("inside.json", R"({"eye": [0, -2, 4], "target": [0, 2, 4], "up": [0, 0, 1],
+  const std::string view = write("inside.json", R"({"eye": [0, 0.5, 4], "target": [0, 2, 4], "up": [0, 0, 1],
                                                     "fovy_deg": 60, "near": 0.05})");
   expect_driven(
       "load-view " + view +
           "\nexpect /walk = false\nwalk\nexpect /walk = true\nexpect /camera/eye/2 > 1.699\n"
-          "expect /camera/eye/2 < 1.701\nhold w 6\nexpect /camera/eye/1 > 1.6\nexpect /camera/eye/1 < 1.75\n"
+          "expect /camera/eye/2 < 1.701\nhold w 2\nexpect /camera/eye/1 > 1.6\nexpect /camera/eye/1 < 1.75\n"
           "hold s 0.3\nexpect /camera/eye/1 < 1.6\nexpect /camera/eye/2 < 1.701\nexpect /camera/eye/2 > 1.699\n"
           "walk\nexpect /walk = false\n",
       {write("room.obj", text), "--size", kSize, "--no-panels"});

@@ -109,7 +109,7 @@ TEST_F(ViewScript, PrimitivesAreRecognisedWhereThatIsSwitchedOn) {
   const std::string model = boxes(),
                     same = "compare " + model + "\nexpect /message = \"nothing has changed since boxes.obj\"\n";
   const std::string found = "expect /recognition/items/box = 4\n", none = "expect /recognition/meshes = 0\n";
-  const Args named = {model, "--settings", path("mine.json")};
+  const Args named = {model, "--settings", path("mine.json"), "--size", "200x150"};
   expect_driven("expect /recognise = false\n" + none + "recognise\n" + none + "open " + model + "\n" + found +
                     "expect /message = \"4 items, 4 of them recognised in meshes\"\n" +
                     "expect /recognition/triangles_after = 0\n",
@@ -119,8 +119,8 @@ TEST_F(ViewScript, PrimitivesAreRecognisedWhereThatIsSwitchedOn) {
   expect_driven("recognise\n" + same + "open " + model + "\n" + none + "recognise\n" + same, named);
   const std::string kept = read_bytes(path("mine.json"));
   EXPECT_EQ(json::parse(kept).value()["recognise"], true);
-  expect_driven("expect /recognise = true\n" + found, {model, "--recognise"});
-  expect_driven("expect /recognise = false\n" + none, {model});
+  expect_driven("expect /recognise = true\n" + found, {model, "--recognise", "--size", "200x150"});
+  expect_driven("expect /recognise = false\n" + none, {model, "--size", "200x150"});
   EXPECT_EQ(read_bytes(path("mine.json")), kept);
 }
 

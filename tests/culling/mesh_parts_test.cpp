@@ -151,7 +151,7 @@ TEST_P(MeshParts, AreACutNearlyAsCoarseAsTheCpus) {
     fill(scene, random, deform, site, kLargeHills);
     Rig rig(*context, scene, GetParam());
     give_levels(rig);
-    for (int i = 0; i < repeated(200); ++i) {
+    for (int i = 0; i < repeated(200, 20); ++i) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", view " << i);
       const lod::ImageError error(from_within(random, site), kWidth, kHeight, magnitude(random, 0.01, 100.0));
       const Drawn drawn = cull(rig, from_outside(site), &error);
@@ -193,7 +193,7 @@ TEST_P(MeshParts, AreLeftOutOnlyOutsideTheView) {
     Rig rig(*context, scene, GetParam());
     give_levels(rig);
     const std::vector<core::Slot> slots = gpuscene::GpuScene::slots_of(rig.snapshot, gpuscene::BatchKind::kMesh);
-    for (int i = 0; i < repeated(200); ++i) {
+    for (int i = 0; i < repeated(200, 20); ++i) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", view " << i);
       View view = random_view(random, site, kSite);
       const lod::ImageError error(view, kWidth, kHeight, magnitude(random, 0.01, 100.0));

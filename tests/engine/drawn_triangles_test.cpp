@@ -60,32 +60,30 @@ class DrawnTriangles : public DrawnGrid {
 
 TEST_F(DrawnTriangles, ShowTheSameImageAsAll) {
   std::size_t shown = 0;
-  for (const double far_out : {0.0, 1e7}) {
-    for (const double lod_error : {0.0, 1.0}) {
-      for (const int samples : {1, 4}) {
-        SCOPED_TRACE(testing::Message() << far_out << " m, " << lod_error << " px, " << samples << " samples");
-        MeshRandom random(samples + 10 * int(lod_error));
-        core::Scene scene;
-        const core::dvec3 centre(far_out, -far_out, 0.0);
-        fill(scene, centre, random);
-        engine::Engine picked = create(scene, true, samples, lod_error), all = create(scene, false, samples, lod_error);
-        for (int i = 0; i < repeated(100); ++i) {
-          SCOPED_TRACE(i);
-          const core::View view = random_view(centre, random);
-          ASSERT_TRUE(draw_complete(picked, view));
-          ASSERT_TRUE(draw_complete(all, view));
-          const auto ids = picked.read_ids()->ids;
-          ASSERT_EQ(ids, all.read_ids()->ids);
-          ASSERT_EQ(picked.read_depth(view)->metres, all.read_depth(view)->metres);
-          // With several samples, llvmpipe shades a pixel in some ten thousand by what else is drawn: hiding any item,
-          // even one that covers no sample, changes it.
-          expect_same_image(picked, all, samples == 1 ? 0 : 16);
-          for (const auto id : ids) shown += id != ids[0];
-        }
+  for (const double far_out : {0.0, 1e7})
+    for (const int samples : {1, 4}) {
+      const double lod_error = (far_out > 0.0) == (samples > 1) ? 0.0 : 1.0;
+      SCOPED_TRACE(testing::Message() << far_out << " m, " << lod_error << " px, " << samples << " samples");
+      MeshRandom random(samples + 10 * int(lod_error));
+      core::Scene scene;
+      const core::dvec3 centre(far_out, -far_out, 0.0);
+      fill(scene, centre, random);
+      engine::Engine picked = create(scene, true, samples, lod_error), all = create(scene, false, samples, lod_error);
+      for (int i = 0; i < repeated(100, 16); ++i) {
+        SCOPED_TRACE(i);
+        const core::View view = random_view(centre, random);
+        ASSERT_TRUE(draw_complete(picked, view));
+        ASSERT_TRUE(draw_complete(all, view));
+        const auto ids = picked.read_ids()->ids;
+        ASSERT_EQ(ids, all.read_ids()->ids);
+        ASSERT_EQ(picked.read_depth(view)->metres, all.read_depth(view)->metres);
+        // With several samples, llvmpipe shades a pixel in some ten thousand by what else is drawn: hiding any item,
+        // even one that covers no sample, changes it.
+        expect_same_image(picked, all, samples == 1 ? 0 : 16);
+        for (const auto id : ids) shown += id != ids[0];
       }
     }
-  }
-  EXPECT_GT(shown, 25'000u);
+  EXPECT_GT(shown, 6'000u);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct Mode {
   void (*set)(EngineConfig&);
   int side = 6;  // of the grid of items
   bool sections = false, overlays = false;
-  int most_tries = 10;  // of each kind, but for long runs
+  int most_tries = 4;  // of each kind, but for long runs
   enum class Calls { kFew, kMany, kSwap } calls = Calls::kFew;
 };
 
@@ -58,7 +58,7 @@ const Mode kModes[] = {
        c.culling.culler = CullerChoice::kHybrid;
        DrawnGrid::switch_often(c);
      },
-     22, false, false, 4},
+     22, false, false, 2},
     {"sections", [](EngineConfig& c) { c.drawing.looks.hatching.strength = 0.5f; }, 6, true},
     {"depth_shading",
      [](EngineConfig& c) {
@@ -80,9 +80,8 @@ const Mode kModes[] = {
      }},
     {"budget", [](EngineConfig& c) { c.losses.budget_ms = 1e5; }},
     {"levels", [](EngineConfig& c) { c.losses.lod_error = 0.5; }},
-    {"many_calls", [](EngineConfig& c) { c.losses.min_projected_area = 2.0f; }, 6, false, false, 10,
-     Mode::Calls::kMany},
-    {"landing", [](EngineConfig& c) { c.culling.rebuild_share = 0.03; }, 8, false, false, 10, Mode::Calls::kSwap},
+    {"many_calls", [](EngineConfig& c) { c.losses.min_projected_area = 2.0f; }, 6, false, false, 4, Mode::Calls::kMany},
+    {"landing", [](EngineConfig& c) { c.culling.rebuild_share = 0.03; }, 8, false, false, 4, Mode::Calls::kSwap},
     {"gpu_levels",
      [](EngineConfig& c) {
        c.losses.lod_error = 0.5;
@@ -414,7 +413,7 @@ TEST_P(FaultsTest, TheContextIsLostInTheMiddle) {
     FaultyGl faulty(*context);
     for (int i = 0; i < 2; ++i) ASSERT_NO_FATAL_FAILURE(run_without_fault(faulty));
   }
-  const std::vector<int> numbers = some_of(calls, GetParam().most_tries * (long_run() ? 10 : 1));
+  const std::vector<int> numbers = some_of(calls, GetParam().most_tries * (long_run() ? 25 : 1));
   for (const int number : numbers) {
     SCOPED_TRACE("call " + std::to_string(number) + " of " + std::to_string(calls));
     ASSERT_NO_FATAL_FAILURE(run_with_loss(number));

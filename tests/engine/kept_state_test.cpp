@@ -47,7 +47,7 @@ class KeptState : public DrawnGrid, public testing::WithParamInterface<Mode> {
   void SetUp() override {
     DrawnGrid::SetUp();
     if (!context) return;
-    fill(scene, 7);
+    fill(scene, 5);
     const core::MeshId mesh = scene.add_mesh(gpuprims::tessellate(core::Box{1.5f, 1.0f, 2.0f})).value();
     scene.add_mesh_instance(scene.root(), mesh, core::translation({3.3, 1.5, 7.0}));
     scene.add_primitive(scene.root(), core::Line{0.0f, 6.0f}, core::translation({2.0, 0.0, 6.0}));
@@ -211,23 +211,21 @@ TEST_P(KeptState, NothingSpoilsTheImageInTheApplicationsFramebuffer) {
   for (const GlState kept : {GlState::kRestore, GlState::kLeave}) {
     auto engine = create(config(kept));
     ASSERT_TRUE(engine) << engine.error().message;
-    const auto image = [&](bool clears) {
+    const auto image = [&] {
       gl::ExternalTarget target = application.target(1, 2, kWidth - 3, kHeight - 4);
-      target.clear_colour = target.clear_depth = clears;
+      target.clear_colour = target.clear_depth = kept == GlState::kRestore;
       EXPECT_TRUE(engine->frame(cut(), target));
       return std::pair(application.pixels(), application.depths());
     };
-    for (const bool clears : {false, true}) {
+    application.clear();
+    const auto clean = image();
+    for (const HostileState& state : hostile_states(own)) {
+      SCOPED_TRACE(state.name);
       application.clear();
-      const auto clean = image(clears);
-      for (const HostileState& state : hostile_states(own)) {
-        SCOPED_TRACE(state.name);
-        application.clear();
-        state.set();
-        const auto spoilt = image(clears);
-        state.unset();
-        EXPECT_TRUE(spoilt == clean);
-      }
+      state.set();
+      const auto spoilt = image();
+      state.unset();
+      EXPECT_TRUE(spoilt == clean);
     }
   }
 }

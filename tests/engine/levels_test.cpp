@@ -155,7 +155,7 @@ TEST_P(LevelsByAny, ClustersOfLargeMeshesShowEveryPixel) {
   engine::Engine tested = create(scene, c);
   Whole whole(*context, scene, kWidth, kHeight);
   std::mt19937_64 random(3);
-  for (int i = 0; i < repeated(600); ++i) {
+  for (int i = 0; i < repeated(600, 30); ++i) {
     SCOPED_TRACE(i);
     const core::dvec3 eye(between(random, -3, 14), between(random, -3, 14), between(random, -2, 4));
     const core::dvec3 target(between(random, 0, 12), between(random, 0, 12), between(random, -1, 2));
@@ -192,7 +192,7 @@ TEST_F(Levels, ClustersOfOneMeshShowEveryPixelFromAnywhere) {
   engine::Engine clusters = create(scene, c);
   Whole whole(*context, scene, kSmallWidth, kSmallHeight);
   std::mt19937_64 random(5);
-  for (int i = 0; i < repeated(10000); ++i) {
+  for (int i = 0; i < repeated(10000, 30); ++i) {
     SCOPED_TRACE(i);
     const double around = between(random, 0, 6.3), distance = std::pow(10.0, between(random, -2, 1.5));
     const core::dvec3 ring(3.0 * std::cos(around), 3.0 * std::sin(around), 0.0);
@@ -433,7 +433,7 @@ TEST_F(Levels, AreThoseOfTheCpuWhereTheGpuCulls) {
   }
   ASSERT_TRUE(scene.commit());
   std::vector<core::View> views;
-  for (int i = 0; i < repeated(160); ++i) {
+  for (int i = 0; i < repeated(160, 20); ++i) {
     const core::dvec3 eye(between(random, -5, 35), between(random, -5, 35), between(random, -2, 12)), target(15, 15, 5);
     views.push_back(i % 4 == 0 ? *core::View::orthographic({eye, target}, between(random, 5, 40), 1.5, -20.0, 80.0)
                                : *core::View::perspective({eye, target}, between(random, 0.2, 1.5), 1.5, 0.05));

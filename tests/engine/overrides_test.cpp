@@ -122,7 +122,7 @@ class OverridesTest : public DrawnGrid {
     EXPECT_EQ(a.read_ids()->ids, b.read_ids()->ids);
   }
 
-  static constexpr int kSide = 13;
+  static constexpr int kSide = 10;
   core::Scene scene, twin;
   core::MaterialId materials[3];
   core::NodeId nodes[4];

@@ -20,7 +20,7 @@ using engine::CullerChoice;
 using engine::Engine;
 using engine::EngineConfig;
 
-constexpr int kGrid = 22;            // enough for several portions of a batch
+constexpr int kGrid = 16;            // enough for several portions of a batch
 constexpr int kMostPortions = 1000;  // then it does not end
 
 class Portions : public DrawnGrid, public testing::WithParamInterface<DrawingMode> {

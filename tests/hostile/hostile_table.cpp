@@ -41,7 +41,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBytesPerByte = 1000, kConstantBytes = std::size_t{64} << 20;
 constexpr rlim_t kSeconds = 20;
 /// Cases of an attack in a short run.
-constexpr std::size_t kShortRun = 50;
+constexpr std::size_t kShortRun = 20;
 
 // --- in a child ----------------------------------------------------------------------------------------------------
 
@@ -244,7 +244,7 @@ int run_table(std::size_t mutations, bool json) {
 }  // namespace sightline::hostile
 
 int main(int argc, char** argv) {
-  std::size_t mutations = std::size_t(sightline::tests::repeated(500));
+  std::size_t mutations = std::size_t(sightline::tests::repeated(500, 25));
   bool json = false;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--json") == 0) {

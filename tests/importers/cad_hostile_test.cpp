@@ -93,7 +93,7 @@ int import_all(const std::vector<std::string>& texts, const std::string& extensi
 TEST(CadHostile, Truncated) {
   const std::string whole = model_text();
   std::vector<std::string> texts;
-  const std::size_t count = tests::long_run() ? 500 : 50;
+  const std::size_t count = tests::long_run() ? 500 : 16;
   for (std::size_t i = 0; i < count; ++i) texts.push_back(whole.substr(0, 1 + i * whole.size() / count));
   EXPECT_LT(import_all(texts, ".stp"), int(count));
 }
@@ -102,7 +102,7 @@ TEST(CadHostile, Mutated) {
   const std::string whole = model_text();
   std::vector<std::string> texts;
   std::mt19937 random(1);
-  for (int i = 0; i < (tests::long_run() ? 3000 : 100); ++i) texts.push_back(hostile::mutated(whole, random));
+  for (int i = 0; i < (tests::long_run() ? 3000 : 40); ++i) texts.push_back(hostile::mutated(whole, random));
   EXPECT_GT(import_all(texts, ".stp"), 0);
 }
 
@@ -117,7 +117,7 @@ TEST(CadHostile, MutatedIgesAndBrep) {
     const std::string whole = tests::text_of_file(folder / (std::string("part") + extension));
     std::vector<std::string> texts;
     std::mt19937 random(2);
-    for (int i = 0; i < tests::repeated(300); ++i) texts.push_back(hostile::mutated(whole, random));
+    for (int i = 0; i < tests::repeated(300, 25); ++i) texts.push_back(hostile::mutated(whole, random));
     for (std::size_t i = 0; i < 10; ++i) texts.push_back(whole.substr(0, i * whole.size() / 10));
     import_all(texts, extension);
   }

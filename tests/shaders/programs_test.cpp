@@ -1,4 +1,6 @@
 // Every program that the library can ask for, compiled without a driver.
+#include <algorithm>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -6,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/tests/shaders/library_programs.h"
+#include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/glslang.h"
 
 namespace sightline::tests::programs_test {
@@ -15,13 +18,16 @@ TEST(Programs, AreValid) {
   expect_valid(library_programs());
 }
 
+/// A workaround changes many pipelines alike, so that one in six of them shows its mistakes. A long run compiles all.
 TEST(Programs, AreValidWithAllWorkarounds) {
   gl::Workarounds all;
   for (const gl::WorkaroundFacts& facts : gl::workaround_facts()) all.set(facts.workaround, true);
   std::vector<gl::PipelineDescription> changed;
   for (const gl::PipelineDescription& pipeline : library_programs())
     if (asks_for(pipeline, all)) changed.push_back(worked_around(pipeline, all));
-  EXPECT_FALSE(changed.empty());
+  std::shuffle(changed.begin(), changed.end(), std::mt19937(1));
+  changed.resize(std::size_t(repeated(int(changed.size()), 6)));
+  EXPECT_GT(changed.size(), 100u);
   expect_valid(changed);
 }
 

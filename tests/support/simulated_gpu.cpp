@@ -93,7 +93,7 @@ void draw_commands(GLenum mode, const void* offset, std::size_t count, std::size
 
 void multi_draw(GLenum mode, GLenum type, const void* offset, GLsizei count, GLsizei stride) {
   draw_commands(mode, offset, std::size_t(count), std::size_t(stride));
-  state.real.MultiDrawElementsIndirect(mode, type, offset, count, stride);
+  if (state.model.shows) state.real.MultiDrawElementsIndirect(mode, type, offset, count, stride);
 }
 
 void multi_draw_count(GLenum mode, GLenum type, const void* offset, GLintptr count_at, GLsizei most, GLsizei stride) {
@@ -102,7 +102,7 @@ void multi_draw_count(GLenum mode, GLenum type, const void* offset, GLintptr cou
   state.real.GetIntegerv(GL_PARAMETER_BUFFER_BINDING_ARB, &buffer);
   state.real.GetNamedBufferSubData(GLuint(buffer), count_at, sizeof count, &count);
   draw_commands(mode, offset, std::min(std::size_t(count), std::size_t(most)), std::size_t(stride));
-  state.real.MultiDrawElementsIndirectCountARB(mode, type, offset, count_at, most, stride);
+  if (state.model.shows) state.real.MultiDrawElementsIndirectCountARB(mode, type, offset, count_at, most, stride);
 }
 
 void draw_arrays(GLenum mode, GLint first, GLsizei count) {

@@ -21,6 +21,7 @@ struct CardModel {
   double notice = 20e-6;       ///< from the end of the work until a fence or a query tells the CPU
   double call = 0.1e-6;        ///< of the CPU, for a call of GL
   bool timers = true;          ///< whether timestamps count
+  bool shows = true;           ///< false: draws by indirect commands take their time and leave no image
 };
 
 /// While it lives, the context says that it is hardware, and all times of the library are those of a virtual clock,

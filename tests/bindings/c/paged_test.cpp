@@ -39,12 +39,16 @@ struct View {
 
 class CapiPaged : public GlTest {
  protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    file = (std::filesystem::path(::testing::TempDir()) / ("capi_paged_" + std::to_string(getpid()) + ".slc")).string();
+  /// Writes the file once. Each test has a copy, which it may damage.
+  static void SetUpTestSuite() {
     core::Scene scene = scene_of_many_pages(500);
     ASSERT_TRUE(scene.commit());
-    ASSERT_TRUE(importers::write_slc(scene, file, {.levels = lod::builds_levels()}));
+    ASSERT_TRUE(importers::write_slc(scene, file_of("whole"), {.levels = lod::builds_levels()}));
+  }
+  static void TearDownTestSuite() { std::filesystem::remove(file_of("whole")); }
+  void SetUp() override {
+    GlTest::SetUp();
+    std::filesystem::copy_file(file_of("whole"), file);
   }
   void TearDown() override {
     if (engine.id) {
@@ -78,7 +82,11 @@ class CapiPaged : public GlTest {
                                                                                      .memory_limit = kMany}));
   }
 
-  std::string file;
+  static std::string file_of(const std::string& name) {
+    return std::filesystem::path(::testing::TempDir()) / ("capi_paged_" + name + std::to_string(getpid()) + ".slc");
+  }
+
+  const std::string file = file_of("copy");
   sl_paged_engine engine = {0};
 };
 

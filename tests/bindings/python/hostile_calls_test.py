@@ -1,8 +1,8 @@
 """Every function of the module, and every method and property of every class, called with wrong types, shapes, sizes and
-numbers and with each protocol of pickles: it works or raises. Each class is called in a process of its own, since what
-this looks for ends it.
+numbers and with each protocol of pickles: it works or raises. Some classes at a time are called in a process of their own,
+since what this looks for ends it.
 
-    python hostile_calls_test.py CLASS   calls one class, or "functions", and prints each name first
+    python hostile_calls_test.py CLASS …   calls classes, or "functions", and prints each name first
 """
 
 import contextlib
@@ -23,6 +23,7 @@ import sightline
 from support import SMALL_PLANT, box_rows, overview, plant
 
 SEED = 60
+PROCESSES = 6  # that the classes are shared by
 # Makes as many items, or frames, as it is told; takes addresses, which nobody can check.
 LEFT_OUT = {"generate_plant", "replay", "use_context", "__class__"}
 CLASSES = {name: thing for name, thing in vars(sightline).items()
@@ -153,25 +154,29 @@ def attack_functions():
 
 
 class HostileCalls(unittest.TestCase):
-    def check(self, name):
+    def check(self, *names):
         with tempfile.TemporaryDirectory() as folder:
-            done = subprocess.run([sys.executable, os.path.abspath(__file__), name], cwd=folder, capture_output=True, text=True,
+            done = subprocess.run([sys.executable, os.path.abspath(__file__), *names], cwd=folder, capture_output=True, text=True,
                                   errors="replace", timeout=500)
         last = done.stdout.strip().splitlines()[-1:]
-        self.assertEqual(done.returncode, 0, f"{name}, seed {SEED}, within {last}: {done.stderr[-3000:]}")
+        self.assertEqual(done.returncode, 0, f"{names}, seed {SEED}, within {last}: {done.stderr[-3000:]}")
         self.assertTrue(last, "nothing was called")
 
     def test_functions(self):
         self.check("functions")
 
 
-for class_name in sorted(CLASSES):
-    setattr(HostileCalls, f"test_{class_name}", lambda self, name=class_name: self.check(name))
+    def test_classes(self):
+        names = sorted(CLASSES)
+        for first in range(PROCESSES):
+            with self.subTest(first=first):
+                self.check(*names[first::PROCESSES])
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) < 2:
         unittest.main()
     faulthandler.enable()
-    attack_functions() if sys.argv[1] == "functions" else attack_class(sys.argv[1])
+    for argument in sys.argv[1:]:
+        attack_functions() if argument == "functions" else attack_class(argument)
     print("done", flush=True)
