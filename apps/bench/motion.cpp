@@ -20,6 +20,7 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
+#include "sightline/apps/common/table.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
@@ -143,7 +144,7 @@ class Flights {
   }
 
  private:
-  /// Of the eye on the tour, metres a second.
+  /// Speed of the eye on the tour, metres a second.
   double speed(double time) const {
     constexpr double kStep = 1e-3;
     return glm::length(path_.sample(time + kStep).pose.eye - path_.sample(time).pose.eye) / kStep;
@@ -164,7 +165,7 @@ class Flights {
 
 // --- errors ----------------------------------------------------------------------------------------------------------
 
-/// Of a moving image against the complete one.
+/// How far a moving image is from the complete one.
 struct Errors {
   double covered = 1.0;     // share of the pixels with an item that show any
   double right_item = 1.0;  // share of them whose item the moving image shows within kNear pixels
@@ -212,7 +213,7 @@ double flicker(const std::array<DrawnImage, 2>& complete, const std::array<Drawn
 // --- measuring -------------------------------------------------------------------------------------------------------
 
 struct Measured {
-  std::vector<double> ms, pending, covered, right_item, flip, flicker;
+  std::vector<double> ms, pending, coarseness, covered, right_item, flip, flicker;
 };
 
 class Bench {
@@ -237,6 +238,7 @@ class Bench {
       moving->finish();
       measured.ms.push_back(milliseconds() - begin);
       measured.pending.push_back(double(report->pending));
+      measured.coarseness.push_back(report->coarseness);
       const std::size_t phase = i % std::size_t(options_.every);
       if (phase > 1 || (phase == 0 && i + 1 == flight.views.size())) continue;
       if (auto done = compare(*moving, flight, i, way, images[phase], complete[phase], measured); !done)
@@ -292,6 +294,7 @@ Json to_json(const Flight& flight, const Way& way, const Measured& m) {
           {"title", way.title},
           {"ms", apps::to_json(apps::summarise(m.ms))},
           {"first_ms", m.ms.front()},
+          {"coarseness", apps::summarise(m.coarseness).mean},
           {"covered", apps::summarise(m.covered).mean},
           {"covered_least", least(m.covered)},
           {"right_item", apps::summarise(m.right_item).mean},
@@ -300,20 +303,18 @@ Json to_json(const Flight& flight, const Way& way, const Measured& m) {
           {"pending", apps::summarise(m.pending).mean}};
 }
 
-/// A table that is also Markdown.
-void print(const Json& json, std::FILE* out) {
-  std::fprintf(out,
-               "| flight | way | ms, median | 99 %% | first | covered, mean | least | right item | FLIP | flicker | "
-               "pending |\n| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n");
-  for (const Json& row : json["rows"]) {
-    const auto number = [&](const char* of) { return row[of].get<double>(); };
-    std::fprintf(out, "| %s | %s | %.1f | %.1f | %.1f | %.4f | %.4f | %.3f | %.3f | %.2f | %.0f |\n",
-                 row["flight"].get<std::string>().c_str(), row["way"].get<std::string>().c_str(),
-                 row["ms"]["median"].get<double>(), row["ms"]["p99"].get<double>(), number("first_ms"),
-                 number("covered"), number("covered_least"), number("right_item"), number("flip"), number("flicker"),
-                 number("pending"));
-  }
-}
+constexpr apps::Column kColumns[] = {{"flight", "flight"},
+                                     {"way", "way"},
+                                     {"ms, median", "ms/median", "{:.1f}"},
+                                     {"99 %", "ms/p99", "{:.1f}"},
+                                     {"first", "first_ms", "{:.1f}"},
+                                     {"coarseness", "coarseness", "{:.1f}"},
+                                     {"covered, mean", "covered", "{:.4f}"},
+                                     {"least", "covered_least", "{:.4f}"},
+                                     {"right item", "right_item", "{:.3f}"},
+                                     {"FLIP", "flip", "{:.3f}"},
+                                     {"flicker", "flicker", "{:.2f}"},
+                                     {"pending", "pending", "{:.0f}"}};
 
 core::Expected<void> plot(const std::string& file, const Json& rows) {
   apps::PanelPlot plot{.title = "Moving images",
@@ -359,7 +360,7 @@ core::Expected<int> run(const Options& o) {
     }
   if (!o.plot.empty())
     if (auto done = plot(o.plot, json["rows"]); !done) return tl::unexpected(done.error());
-  return finish(o.json, json, print);
+  return finish(o.json, json, [](const Json& all, std::FILE* out) { apps::print_table(all["rows"], kColumns, out); });
 }
 
 }  // namespace
