@@ -9,6 +9,7 @@
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/mpi/session.h"
@@ -22,7 +23,9 @@
 namespace {
 
 using namespace sightline;
+using apps::attempt, apps::fail, apps::need;
 namespace fs = std::filesystem;
+using Tasks = std::vector<std::size_t>;  // by their place in the suite
 
 constexpr int kMostWorkers = 256;
 
@@ -110,31 +113,29 @@ void add_options(apps::CommandLine& line, Options& o) {
 }
 
 /// Tasks of the shard that fit.
-core::Expected<std::vector<std::size_t>> choose_tasks(const Options& o, const apps::Suite& suite) {
-  std::vector<std::size_t> fitting;
+Tasks choose_tasks(const Options& o, const apps::Suite& suite) {
+  Tasks fitting;
   for (std::size_t i = 0; i < suite.tasks.size(); ++i) {
     const auto fits = [&](const std::string& pattern) { return apps::fits(suite.tasks[i].name, pattern); };
     if (o.only.empty() || std::any_of(o.only.begin(), o.only.end(), fits)) fitting.push_back(i);
   }
-  if (fitting.empty()) return core::fail(o.suite + ": no task fits --only");
+  if (fitting.empty()) fail(o.suite + ": no task fits --only");
   if (o.shard.empty()) return fitting;
   const auto shard = parse_shard(o.shard).value();
   // Neighbours belong together: most are of one model, which is then read in one shard.
   const auto begin = [&](std::size_t part) {
     return fitting.begin() + std::ptrdiff_t(part * fitting.size() / shard[1]);
   };
-  return std::vector<std::size_t>(begin(shard[0]), begin(shard[0] + 1));
+  return Tasks(begin(shard[0]), begin(shard[0] + 1));
 }
 
 /// Those without a result that may be kept; old results of these are removed.
-core::Expected<std::vector<std::size_t>> tasks_to_draw(const Options& o, const apps::Suite& suite,
-                                                       const apps::ResultFolder& results,
-                                                       const std::vector<std::size_t>& tasks) {
-  std::vector<std::size_t> left;
+Tasks tasks_to_draw(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results, const Tasks& tasks) {
+  Tasks left;
   for (const std::size_t task : tasks) {
     const auto old = o.resume ? results.read(suite.tasks[task]) : std::nullopt;
     if (old && old->error.empty() && old->files_key == suite.files_key(suite.tasks[task])) continue;
-    if (auto done = results.remove(suite.tasks[task]); !done) return tl::unexpected(done.error());
+    need(results.remove(suite.tasks[task]));
     left.push_back(task);
   }
   return left;
@@ -164,32 +165,28 @@ core::Expected<int> serve(const Options& o, const apps::Suite& suite) {
 }
 
 /// Images of accepted tasks become references.
-core::Expected<void> copy_accepted(const apps::Suite& suite, const apps::ResultFolder& results,
-                                   const std::vector<apps::Outcome>& outcomes) {
+void copy_accepted(const apps::Suite& suite, const apps::ResultFolder& results,
+                   const std::vector<apps::Outcome>& outcomes) {
   for (const apps::Outcome& o : outcomes) {
     if (o.status != apps::Status::kAccepted) continue;
-    if (auto done = apps::copy_whole(results.image(*o.task), suite.reference(*o.task)); !done) return done;
-    if (!o.task->limits.ids) continue;
-    if (auto done = apps::copy_whole(results.ids(*o.task), suite.id_reference(*o.task)); !done) return done;
+    need(apps::copy_whole(results.image(*o.task), suite.reference(*o.task)));
+    if (o.task->limits.ids) need(apps::copy_whole(results.ids(*o.task), suite.id_reference(*o.task)));
   }
-  return {};
 }
 
 std::string page_file(const Options& o) {
   return o.html.empty() ? (fs::path(o.out) / "report.html").string() : o.html;
 }
 
-core::Expected<void> write_pages(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
-                                 const std::vector<apps::Outcome>& outcomes) {
+void write_pages(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
+                 const std::vector<apps::Outcome>& outcomes) {
   using apps::ShownImages;
   const ShownImages shown = o.images == "all"    ? ShownImages::kAll
                             : o.images == "none" ? ShownImages::kNone
                                                  : ShownImages::kFailed;
-  const auto page = html_report(suite, results, outcomes, shown, o.suite);
-  if (!page) return tl::unexpected(page.error());
-  if (auto done = apps::write_text(page_file(o), *page); !done) return done;
+  need(apps::write_text(page_file(o), need(html_report(suite, results, outcomes, shown, o.suite))));
   const std::string junit = o.junit.empty() ? (results.path() / "junit.xml").string() : o.junit;
-  return apps::write_text(junit, junit_xml(suite, outcomes));
+  need(apps::write_text(junit, junit_xml(suite, outcomes)));
 }
 
 void print(const Options& o, const std::vector<apps::Outcome>& outcomes) {
@@ -207,46 +204,33 @@ void print(const Options& o, const std::vector<apps::Outcome>& outcomes) {
 }
 
 /// A shard writes no pages: --merge makes those of all shards.
-core::Expected<int> report(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
-                           const std::vector<std::size_t>& tasks) {
+int report(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results, const Tasks& tasks) {
   auto outcomes = apps::outcomes(suite, results, tasks);
   if (o.accept)
     for (apps::Outcome& outcome : outcomes)
       if (outcome.status == apps::Status::kFailed) outcome.status = apps::Status::kAccepted;
-  if (o.shard.empty())  // with the references as they were
-    if (auto done = write_pages(o, suite, results, outcomes); !done) return tl::unexpected(done.error());
-  if (auto done = copy_accepted(suite, results, outcomes); !done) return tl::unexpected(done.error());
-  if (auto done = apps::write_json(o.json_file, json::sorted(to_json(suite, outcomes))); !done)
-    return tl::unexpected(done.error());
+  if (o.shard.empty()) write_pages(o, suite, results, outcomes);  // with the references as they were
+  copy_accepted(suite, results, outcomes);
+  need(apps::write_json(o.json_file, json::sorted(to_json(suite, outcomes))));
   print(o, outcomes);
   return all_good(outcomes) ? apps::kExitOk : apps::kExitFailure;
 }
 
-core::Expected<void> merge(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
-                           const std::vector<std::size_t>& tasks) {
+/// Tasks that are left to draw; with --merge none, and the results are taken from other folders.
+Tasks begin_run(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results, const Tasks& tasks) {
+  need(apps::make_directory(o.out));
+  if (!o.merge) return tasks_to_draw(o, suite, results, tasks);
   for (const std::string& folder : o.from) {
     std::error_code none;
-    if (!fs::is_directory(folder, none)) return core::fail(folder + ": is no folder");
-    for (const std::size_t task : tasks)
-      if (auto taken = results.take(suite.tasks[task], apps::ResultFolder(folder)); !taken)
-        return tl::unexpected(taken.error());
+    if (!fs::is_directory(folder, none)) fail(folder + ": is no folder");
+    for (const std::size_t task : tasks) need(results.take(suite.tasks[task], apps::ResultFolder(folder)));
   }
   return {};
 }
 
-/// Tasks that are left to draw.
-core::Expected<std::vector<std::size_t>> begin_run(const Options& o, const apps::Suite& suite,
-                                                   const apps::ResultFolder& results,
-                                                   const std::vector<std::size_t>& tasks) {
-  if (auto made = apps::make_directory(o.out); !made) return tl::unexpected(made.error());
-  if (!o.merge) return tasks_to_draw(o, suite, results, tasks);
-  if (auto done = merge(o, suite, results, tasks); !done) return tl::unexpected(done.error());
-  return std::vector<std::size_t>();
-}
-
 /// On rank 0 and without MPI.
 core::Expected<void> draw(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
-                          const std::vector<std::size_t>& left, std::vector<apps::Worker>& workers,
+                          const Tasks& left, std::vector<apps::Worker>& workers,
                           [[maybe_unused]] std::optional<apps::MpiSession>& session) {
   std::optional<apps::Progress> bar;
   if (!o.quiet) bar.emplace("drawing", left.size());
@@ -262,16 +246,15 @@ core::Expected<void> draw(const Options& o, const apps::Suite& suite, const apps
 /// `session`: gets that of --mpi.
 core::Expected<int> regress(const Options& o, const std::vector<std::string>& worker_command,
                             std::optional<apps::MpiSession>& session) {
-  if (o.mpi) {
-    auto begun = apps::MpiSession::begin();
-    if (!begun) return tl::unexpected(begun.error());
-    session.emplace(std::move(*begun));
-  }
-  const auto agreed = [&](auto own) { return session ? session->agreed(std::move(own)) : own; };
-  const auto suite = agreed(apps::read_suite(o.suite, o.limits));
+  if (o.mpi) session.emplace(need(apps::MpiSession::begin()));
+  const auto agreed = [&](const auto& body) {
+    auto own = attempt(body);
+    return session ? session->agreed(std::move(own)) : own;
+  };
+  const auto suite = agreed([&] { return need(apps::read_suite(o.suite, o.limits)); });
   if (!suite) return tl::unexpected(suite.error());
   if (o.worker) return serve(o, *suite);
-  const auto tasks = agreed(choose_tasks(o, *suite));
+  const auto tasks = agreed([&] { return choose_tasks(o, *suite); });
   if (!tasks) return tl::unexpected(tasks.error());
   if (o.list) {
     for (const std::size_t task : *tasks) std::printf("%s\n", suite->tasks[task].name.c_str());
@@ -279,8 +262,7 @@ core::Expected<int> regress(const Options& o, const std::vector<std::string>& wo
   }
   const apps::ResultFolder results(o.out);
   const bool leads = !session || session->rank() == 0;
-  using Tasks = core::Expected<std::vector<std::size_t>>;
-  const auto left = agreed(leads ? begin_run(o, *suite, results, *tasks) : Tasks());
+  const auto left = agreed([&] { return leads ? begin_run(o, *suite, results, *tasks) : Tasks(); });
   if (!left) return tl::unexpected(left.error());
   std::signal(SIGPIPE, SIG_IGN);  // of workers that died
   std::vector<apps::Worker> workers;
@@ -288,11 +270,11 @@ core::Expected<int> regress(const Options& o, const std::vector<std::string>& wo
   for (std::size_t i = 0; i < count; ++i) workers.emplace_back(worker_command, o.timeout);
 #if SIGHTLINE_HAS_MPI
   if (!leads) {
-    const auto served = serve_mpi_farm(*suite, workers.front());
-    return served ? core::Expected<int>(apps::kExitOk) : tl::unexpected(served.error());
+    need(serve_mpi_farm(*suite, workers.front()));
+    return apps::kExitOk;
   }
 #endif
-  if (auto done = draw(o, *suite, results, *left, workers, session); !done) return tl::unexpected(done.error());
+  need(draw(o, *suite, results, *left, workers, session));
   return report(o, *suite, results, *tasks);
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/core/internal/hash.h"
 #include "sightline/importers/internal/json_text.h"
 #include "sightline/importers/view_json.h"
@@ -25,11 +26,7 @@ core::Expected<std::string> read_text(const fs::path& file) {
   std::error_code none;
   if (fs::is_directory(file, none)) return core::fail(file.string() + ": is a folder");
   if (fs::file_size(file, none) > kMostBytes && !none) return core::fail(file.string() + ": larger than 64 MiB");
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) return core::fail(file.string() + ": cannot be read");
-  return text.str();
+  return read_bytes(file);
 }
 
 /// FNV-1a of 64 bits, as 16 hexadecimal digits: keys tell tasks apart, they keep nobody out.
@@ -58,83 +55,86 @@ struct Place {
   const Json& value;
   std::string pointer;
 
-  tl::unexpected<core::Error> expected(const std::string& what) const {
-    return core::fail(pointer + ": expected " + what + ", found " + importers::describe(value));
+  [[noreturn]] void refuse(const std::string& why) const { fail(pointer + ": " + why); }
+  [[noreturn]] void expected(const std::string& what) const {
+    refuse("expected " + what + ", found " + importers::describe(value));
+  }
+  /// What the library made of the value.
+  template <class T>
+  T accepted(core::Expected<T> made) const {
+    if (!made) refuse(made.error().message);
+    return std::move(*made);
   }
   bool has(const char* key) const { return value.contains(key); }
   Place at(const std::string& key) const { return {value.at(key), pointer + "/" + key}; }
-  Place at(std::size_t index) const { return {value.at(index), pointer + "/" + std::to_string(index)}; }
+
+  std::string text() const {
+    if (!value.is_string() || value.string().empty()) expected("a text");
+    return value.get<std::string>();
+  }
+  bool flag() const {
+    if (!value.is_boolean()) expected("true or false");
+    return value.get<bool>();
+  }
+  int count(int least, int most) const {
+    if (!value.is_number_integer() || value < least || value > most)
+      expected("a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+    return value.get<int>();
+  }
+  /// Whether the text is the first one.
+  bool first_of(const char* first, const char* second) const {
+    if (value != first && value != second) expected(std::string(first) + " or " + second);
+    return value == first;
+  }
+  std::vector<Place> list(const std::string& key, const std::string& of) const {
+    if (!has(key.c_str()) || !value[key].is_array() || value[key].empty())
+      fail(pointer + "/" + key + ": expected an array of at least one " + of);
+    std::vector<Place> all;
+    for (std::size_t i = 0; i < value[key].size(); ++i)
+      all.push_back({value[key].at(i), pointer + "/" + key + "/" + std::to_string(i)});
+    return all;
+  }
 };
 
 /// A misspelt limit must not pass for none.
-core::Expected<void> check_keys(const Place& at, const std::set<std::string>& known) {
-  if (!at.value.is_object()) return at.expected("an object");
+void check_keys(const Place& at, const std::set<std::string>& known) {
+  if (!at.value.is_object()) at.expected("an object");
+  std::string names;
+  for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
   for (const auto& [key, value] : at.value.items())
-    if (!known.contains(key)) {
-      std::string names;
-      for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-      return core::fail(at.pointer + "/" + key + ": unknown; expected " + names);
-    }
-  return {};
+    if (!known.contains(key)) fail(at.pointer + "/" + key + ": unknown; expected " + names);
 }
 
-core::Expected<std::string> text_at(const Place& at) {
-  if (!at.value.is_string() || at.value.string().empty()) return at.expected("a text");
-  return at.value.get<std::string>();
+std::string name_at(const Place& at) {
+  if (!at.has("name")) at.refuse("expected a \"name\"");
+  const Place name = at.at("name");
+  if (!is_name(name.text())) name.expected("at most 100 letters, digits, - and _");
+  return name.text();
 }
 
-core::Expected<int> count_at(const Place& at, int least, int most) {
-  if (!at.value.is_number_integer() || at.value < least || at.value > most)
-    return at.expected("a whole number from " + std::to_string(least) + " to " + std::to_string(most));
-  return at.value.get<int>();
-}
-
-core::Expected<std::string> name_at(const Place& at) {
-  if (!at.has("name")) return core::fail(at.pointer + ": expected a \"name\"");
-  auto name = text_at(at.at("name"));
-  if (name && !is_name(*name)) return at.at("name").expected("at most 100 letters, digits, - and _");
-  return name;
-}
-
-core::Expected<void> read_limits(const Place& at, Limits& limits) {
-  if (auto done = check_keys(at, {"max", "mean", "flip", "ids"}); !done) return done;
-  const auto read = [&](const char* key, double most, auto& limit) -> core::Expected<void> {
-    if (!at.has(key)) return {};
+void read_limits(const Place& at, Limits& limits) {
+  check_keys(at, {"max", "mean", "flip", "ids"});
+  const auto read = [&](const char* key, double most, auto& limit) {
+    if (!at.has(key)) return;
     const Place place = at.at(key);
     limit.reset();
-    if (place.value.is_null()) return {};  // none here, whatever stands above
+    if (place.value.is_null()) return;  // none here, whatever stands above
     if (!place.value.is_number() || !(place.value >= 0.0 && place.value <= most))
-      return place.expected("null or a number from 0 to " + std::to_string(std::llround(most)));
+      place.expected("null or a number from 0 to " + std::to_string(std::llround(most)));
     limit = place.value.get<typename std::decay_t<decltype(limit)>::value_type>();
-    return {};
   };
-  auto done = read("max", 255.0, limits.max);
-  if (done) done = read("mean", 255.0, limits.mean);
-  if (done) done = read("flip", 1.0, limits.flip);
-  if (done && at.has("ids") && at.value["ids"].is_number_float()) return at.at("ids").expected("a whole number");
-  if (done) done = read("ids", 16384.0 * 16384.0, limits.ids);
-  return done;
+  read("max", 255.0, limits.max);
+  read("mean", 255.0, limits.mean);
+  read("flip", 1.0, limits.flip);
+  if (at.has("ids") && at.value["ids"].is_number_float()) at.at("ids").expected("a whole number");
+  read("ids", 16384.0 * 16384.0, limits.ids);
 }
 
-core::Expected<void> read_settings(const Place& at, Settings& settings) {
-  if (at.has("size")) {
-    const auto text = text_at(at.at("size"));
-    if (!text) return tl::unexpected(text.error());
-    const auto size = parse_size(*text);
-    if (!size) return core::fail(at.pointer + "/size: " + size.error().message);
-    settings.size = *size;
-  }
-  if (at.has("samples")) {
-    const auto samples = count_at(at.at("samples"), 1, 32);
-    if (!samples) return tl::unexpected(samples.error());
-    settings.samples = *samples;
-  }
-  if (at.has("looks")) {
-    const Place looks = at.at("looks");
-    if (looks.value != "plain" && looks.value != "standard") return looks.expected("plain or standard");
-    settings.standard_looks = looks.value == "standard";
-  }
-  return at.has("limits") ? read_limits(at.at("limits"), settings.limits) : core::Expected<void>();
+void read_settings(const Place& at, Settings& settings) {
+  if (at.has("size")) settings.size = at.at("size").accepted(parse_size(at.at("size").text()));
+  if (at.has("samples")) settings.samples = at.at("samples").count(1, 32);
+  if (at.has("looks")) settings.standard_looks = !at.at("looks").first_of("plain", "standard");
+  if (at.has("limits")) read_limits(at.at("limits"), settings.limits);
 }
 
 void override_limits(Limits& limits, const Limits& instead) {
@@ -145,155 +145,98 @@ void override_limits(Limits& limits, const Limits& instead) {
   if (!limits.any()) limits.max = 0.0;
 }
 
+/// Throws a Failure that names file and place.
 class SuiteReader {
  public:
   SuiteReader(const fs::path& file, const Limits& instead) : folder_(file.parent_path()), instead_(instead) {
     suite_.name = file.stem().string();
   }
 
-  core::Expected<Suite> read(const Place& at) {
-    if (auto done = check_keys(at, {"name", "references", "size", "samples", "looks", "limits", "models"}); !done)
-      return tl::unexpected(done.error());
-    if (at.has("name")) {
-      auto name = name_at(at);
-      if (!name) return tl::unexpected(name.error());
-      suite_.name = *name;
-    }
-    suite_.references = folder_ / "references";
-    if (at.has("references")) {
-      const auto folder = text_at(at.at("references"));
-      if (!folder) return tl::unexpected(folder.error());
-      suite_.references = folder_ / *folder;
-    }
+  Suite read(const Place& at) {
+    check_keys(at, {"name", "references", "size", "samples", "looks", "limits", "models"});
+    if (at.has("name")) suite_.name = name_at(at);
+    suite_.references = folder_ / (at.has("references") ? at.at("references").text() : "references");
     Settings settings;
-    if (auto done = read_settings(at, settings); !done) return tl::unexpected(done.error());
-    if (!at.has("models") || !at.value["models"].is_array() || at.value["models"].empty())
-      return core::fail(at.pointer + "/models: expected an array of at least one model");
-    for (std::size_t i = 0; i < at.value["models"].size(); ++i)
-      if (auto done = read_model(at.at("models").at(i), settings); !done) return tl::unexpected(done.error());
+    read_settings(at, settings);
+    for (const Place& model : at.list("models", "model")) read_model(model, settings);
     return std::move(suite_);
   }
 
  private:
-  core::Expected<void> read_model(const Place& at, Settings settings) {
-    if (auto done = check_keys(at, {"name", "files", "translate", "units", "up", "lenient", "recognise", "size",
-                                    "samples", "looks", "limits", "views"});
-        !done)
-      return done;
-    const auto name = name_at(at);
-    if (!name) return tl::unexpected(name.error());
+  void read_model(const Place& at, Settings settings) {
+    check_keys(at, {"name", "files", "translate", "units", "up", "lenient", "recognise", "size", "samples", "looks",
+                    "limits", "views"});
+    const std::string name = name_at(at);
     for (const SuiteModel& other : suite_.models)
-      if (other.name == *name) return at.at("name").expected("another name than that of the models before");
-    SuiteModel model{*name, {}};
-    if (auto done = read_model_options(at, model.options); !done) return done;
-    suite_.models.push_back(std::move(model));
-    if (auto done = read_settings(at, settings); !done) return done;
-    if (!at.has("views") || !at.value["views"].is_array() || at.value["views"].empty())
-      return core::fail(at.pointer + "/views: expected an array of at least one view");
-    for (std::size_t i = 0; i < at.value["views"].size(); ++i)
-      if (auto done = read_view(at.at("views").at(i), settings); !done) return done;
-    return {};
+      if (other.name == name) at.at("name").expected("another name than that of the models before");
+    suite_.models.push_back({name, model_options(at)});
+    read_settings(at, settings);
+    for (const Place& view : at.list("views", "view")) read_view(view, settings);
   }
 
-  core::Expected<void> read_model_options(const Place& at, ModelOptions& options) {
+  ModelOptions model_options(const Place& at) const {
+    ModelOptions options;
     options.quiet = true;
-    if (!at.has("files") || !at.value["files"].is_array() || at.value["files"].empty())
-      return core::fail(at.pointer + "/files: expected an array of at least one model file");
-    for (std::size_t i = 0; i < at.value["files"].size(); ++i) {
-      const auto file = text_at(at.at("files").at(i));
-      if (!file) return tl::unexpected(file.error());
-      options.files.push_back((folder_ / *file).string());
-    }
+    for (const Place& file : at.list("files", "model file")) options.files.push_back((folder_ / file.text()).string());
     if (at.has("translate")) {
-      const auto text = text_at(at.at("translate"));
-      if (!text) return tl::unexpected(text.error());
-      if (const auto offset = parse_vector(*text); !offset)
-        return core::fail(at.pointer + "/translate: " + offset.error().message);
-      options.translate = *text;
+      options.translate = at.at("translate").text();
+      at.at("translate").accepted(parse_vector(options.translate));
     }
     if (at.has("units")) {
       const auto metres =
           at.value["units"].is_string() ? metres_of(at.value["units"].get<std::string>()) : std::nullopt;
-      if (!metres) return at.at("units").expected("mm, cm, m, km, in or ft");
+      if (!metres) at.at("units").expected("mm, cm, m, km, in or ft");
       options.import.metres_per_unit = *metres;
     }
-    if (at.has("up")) {
-      if (at.value["up"] != "y" && at.value["up"] != "z") return at.at("up").expected("y or z");
-      options.import.up = at.value["up"] == "y" ? importers::UpAxis::kY : importers::UpAxis::kZ;
-    }
-    if (at.has("lenient")) {
-      if (!at.value["lenient"].is_boolean()) return at.at("lenient").expected("true or false");
-      options.import.lenient = at.value["lenient"].get<bool>();
-    }
-    if (at.has("recognise")) {
-      if (!at.value["recognise"].is_boolean()) return at.at("recognise").expected("true or false");
-      options.import.recognise = at.value["recognise"].get<bool>();
-    }
-    return {};
+    if (at.has("up"))
+      options.import.up = at.at("up").first_of("y", "z") ? importers::UpAxis::kY : importers::UpAxis::kZ;
+    if (at.has("lenient")) options.import.lenient = at.at("lenient").flag();
+    if (at.has("recognise")) options.import.recognise = at.at("recognise").flag();
+    return options;
   }
 
-  core::Expected<void> read_view(const Place& at, Settings settings) {
-    if (auto done = check_keys(
-            at, {"name", "view", "path", "frame", "frames", "size", "samples", "looks", "limits", "allow_empty"});
-        !done)
-      return done;
-    const auto name = name_at(at);
-    if (!name) return tl::unexpected(name.error());
-    if (auto done = read_settings(at, settings); !done) return done;
-    if (at.has("view") && at.has("path")) return core::fail(at.pointer + ": has a view and a path; expected one");
-    if (at.has("path")) return read_path_frames(at, *name, settings);
+  void read_view(const Place& at, Settings settings) {
+    check_keys(at, {"name", "view", "path", "frame", "frames", "size", "samples", "looks", "limits", "allow_empty"});
+    const std::string name = name_at(at);
+    read_settings(at, settings);
+    if (at.has("view") && at.has("path")) at.refuse("has a view and a path; expected one");
+    if (at.has("path")) return read_path_frames(at, name, settings);
     for (const char* key : {"frame", "frames"})
-      if (at.has(key)) return core::fail(at.pointer + "/" + key + ": has no meaning without a path");
-    if (!at.has("view")) return add(at, *name, settings, std::nullopt, "whole");
+      if (at.has(key)) fail(at.pointer + "/" + key + ": has no meaning without a path");
+    if (!at.has("view")) return add(at, name, settings, std::nullopt, "whole");
     const Place view = at.at("view");
     std::string text = view.value.dump(), source = view.pointer;
     if (view.value.is_string()) {
-      const fs::path file = folder_ / view.value.get<std::string>();
-      auto read = read_text(file);
-      if (!read) return core::fail(view.pointer + ": " + read.error().message);
-      text = std::move(*read);
-      source = file.string();
+      source = (folder_ / view.value.get<std::string>()).string();
+      text = view.accepted(read_text(source));
     } else if (!view.value.is_object()) {
-      return view.expected("the name of a file or a view");
+      view.expected("the name of a file or a view");
     }
-    auto parsed = importers::parse_view(text, double(settings.size[0]) / settings.size[1], source);
-    if (!parsed) return tl::unexpected(parsed.error());
-    return add(at, *name, settings, *parsed, text);
+    add(at, name, settings, need(importers::parse_view(text, double(settings.size[0]) / settings.size[1], source)),
+        text);
   }
 
   /// One frame of a path, or all of them.
-  core::Expected<void> read_path_frames(const Place& at, const std::string& name, const Settings& settings) {
-    const auto path_name = text_at(at.at("path"));
-    if (!path_name) return tl::unexpected(path_name.error());
-    const fs::path file = folder_ / *path_name;
-    const auto text = read_text(file);
-    if (!text) return core::fail(at.pointer + "/path: " + text.error().message);
-    const auto path = importers::parse_path(*text, file.string());
-    if (!path) return tl::unexpected(path.error());
-    if (!at.has("frames")) return core::fail(at.pointer + ": expected \"frames\", into how many the path is sampled");
-    const auto frames = count_at(at.at("frames"), 1, kMostFrames);
-    if (!frames) return tl::unexpected(frames.error());
-    int first = 0, last = *frames - 1;
-    if (at.has("frame")) {
-      const auto frame = count_at(at.at("frame"), 0, *frames - 1);
-      if (!frame) return tl::unexpected(frame.error());
-      first = last = *frame;
-    }
+  void read_path_frames(const Place& at, const std::string& name, const Settings& settings) {
+    const fs::path file = folder_ / at.at("path").text();
+    const std::string text = at.at("path").accepted(read_text(file));
+    const auto path = need(importers::parse_path(text, file.string()));
+    if (!at.has("frames")) at.refuse("expected \"frames\", into how many the path is sampled");
+    const int frames = at.at("frames").count(1, kMostFrames);
+    const bool one = at.has("frame");
+    const int first = one ? at.at("frame").count(0, frames - 1) : 0, last = one ? first : frames - 1;
     for (int frame = first; frame <= last; ++frame) {
-      const double time = path->time_of(frame, *frames);
-      const auto view = path->view(time, double(settings.size[0]) / settings.size[1]);
-      if (!view) return core::fail(file.string() + ": " + view.error().message);
+      const auto view = path.view(path.time_of(frame, frames), double(settings.size[0]) / settings.size[1]);
+      if (!view) fail(file.string() + ": " + view.error().message);
       char number[16] = "";
-      if (!at.has("frame")) std::snprintf(number, sizeof number, "-%05d", frame);
-      const std::string what = *text + "@" + std::to_string(frame) + "/" + std::to_string(*frames);
-      if (auto done = add(at, name + number, settings, *view, what); !done) return done;
+      if (!one) std::snprintf(number, sizeof number, "-%05d", frame);
+      add(at, name + number, settings, *view, text + "@" + std::to_string(frame) + "/" + std::to_string(frames));
     }
-    return {};
   }
 
   /// `what`: text that stands for the view in the task's key.
-  core::Expected<void> add(const Place& at, const std::string& name, const Settings& settings,
-                           std::optional<core::View> view, const std::string& what) {
+  void add(const Place& at, const std::string& name, const Settings& settings, std::optional<core::View> view,
+           const std::string& what) {
     const SuiteModel& model = suite_.models.back();
     Task task{.name = model.name + "/" + name,
               .model = suite_.models.size() - 1,
@@ -301,22 +244,15 @@ class SuiteReader {
               .size = settings.size,
               .samples = settings.samples,
               .standard_looks = settings.standard_looks,
+              .allow_empty = at.has("allow_empty") && at.at("allow_empty").flag(),
               .limits = settings.limits,
               .key = ""};
-    if (at.has("allow_empty")) {
-      if (!at.value["allow_empty"].is_boolean()) return at.at("allow_empty").expected("true or false");
-      task.allow_empty = at.value["allow_empty"].get<bool>();
-    }
-    if (!names_.insert(task.name).second)
-      return core::fail(at.pointer + ": two views of a model have the name " + name);
+    if (!names_.insert(task.name).second) at.refuse("two views of a model have the name " + name);
     override_limits(task.limits, instead_);
     if (task.limits.flip && std::min(task.size[0], task.size[1]) < 11)
-      return core::fail(at.pointer + ": FLIP needs images of at least 11 pixels a side");
-    if (task.view && !model.options.translate.empty()) {
-      auto moved = importers::translated(*task.view, parse_vector(model.options.translate).value());
-      if (!moved) return core::fail(at.pointer + ": " + moved.error().message);
-      task.view = *moved;
-    }
+      at.refuse("FLIP needs images of at least 11 pixels a side");
+    if (task.view && !model.options.translate.empty())
+      task.view = at.accepted(importers::translated(*task.view, parse_vector(model.options.translate).value()));
     const ModelOptions& options = model.options;
     std::ostringstream text;
     for (const std::string& file : options.files) text << fs::path(file).filename().string() << '\n';
@@ -326,7 +262,6 @@ class SuiteReader {
          << (task.standard_looks ? " standard" : "") << (task.allow_empty ? " empty" : "");
     task.key = hash_of(text.str());
     suite_.tasks.push_back(std::move(task));
-    return {};
   }
 
   fs::path folder_;
@@ -338,13 +273,20 @@ class SuiteReader {
 }  // namespace
 
 core::Expected<Suite> read_suite(const fs::path& file, const Limits& instead) {
-  const auto text = read_text(file);
-  if (!text) return tl::unexpected(text.error());
-  const auto parsed = importers::parse_json(*text, file.string(), kDeepest);
-  if (!parsed) return tl::unexpected(parsed.error());
-  if (!parsed->is_object())
-    return core::fail(file.string() + ": expected an object, found " + importers::describe(*parsed));
-  return SuiteReader(file, instead).read({*parsed, file.string() + ": "});
+  return attempt([&] {
+    const Json parsed = need(importers::parse_json(need(read_text(file)), file.string(), kDeepest));
+    const Place whole{parsed, file.string() + ": "};
+    if (!parsed.is_object()) fail(file.string() + ": expected an object, found " + importers::describe(parsed));
+    return SuiteReader(file, instead).read(whole);
+  });
+}
+
+core::Expected<std::string> read_bytes(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) return core::fail(file.string() + ": cannot be read");
+  return text.str();
 }
 
 std::string Suite::files_key(const Task& task) const {

@@ -58,6 +58,8 @@ struct Suite {
 /// place in it.
 core::Expected<Suite> read_suite(const std::filesystem::path& file, const Limits& instead);
 
+core::Expected<std::string> read_bytes(const std::filesystem::path& file);
+
 json::Value limits_json(const Limits& limits);
 
 /// Whether a name fits a pattern, in which * stands for any characters and ? for one.

@@ -1,9 +1,9 @@
 #include "sightline/apps/regress/task_drawer.h"
 
-#include <chrono>
-
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/tiled_image.h"
 #include "sightline/apps/common/view_options.h"
+#include "sightline/core/internal/clock.h"
 #include "sightline/render/image/image_metrics.h"
 
 namespace sightline::apps {
@@ -44,20 +44,14 @@ void compare(const Suite& suite, const Task& task, const image::Image& image, co
   if (other) result.wrong_ids = image::wrong_ids(image::ids_of_colours(*other), image::ids_of_colours(ids)).value();
 }
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 }  // namespace
 
-core::Expected<engine::ImageTiles> TaskDrawer::prepare(const Task& task) {
+engine::ImageTiles TaskDrawer::prepare(const Task& task) {
   if (model_ != task.model) {
     engine_.reset();
     read_.reset();
     model_.reset();
-    auto model = load_model(suite_.models[task.model].options);
-    if (!model) return tl::unexpected(model.error());
-    read_ = std::move(*model);
+    read_ = need(load_model(suite_.models[task.model].options));
     model_ = task.model;
   }
   engine::EngineConfig config;
@@ -70,68 +64,59 @@ core::Expected<engine::ImageTiles> TaskDrawer::prepare(const Task& task) {
   config.culling.culler = engine::CullerChoice::kCpu;
   config.culling.occlusion = engine::OcclusionChoice::kOff;  // what it draws first depends on the frame before
   const bool whole = std::max(task.size[0], task.size[1]) <= kLargestWhole;
-  auto tiles = tiles_for(task.size, whole ? kLargestWhole : kTileSide, config);
-  if (!tiles) return tiles;
+  auto tiles = need(tiles_for(task.size, whole ? kLargestWhole : kTileSide, config));
   if (engine_ && engine_->config().drawing.samples == config.drawing.samples &&
       engine_->config().drawing.ids == config.drawing.ids) {
-    auto done = engine_->resize(tiles->width, tiles->height);
+    need(engine_->resize(tiles.width, tiles.height));
     engine::EngineConfig changed = engine_->config();
     changed.drawing.looks = config.drawing.looks;
-    if (done) done = engine_->configure(changed);
-    return done ? tiles : tl::unexpected(done.error());
+    need(engine_->configure(changed));
+    return tiles;
   }
-  config.width = tiles->width;
-  config.height = tiles->height;
+  config.width = tiles.width;
+  config.height = tiles.height;
   engine_.reset();
-  auto engine = engine::Engine::create(*read_->scene, config);
-  if (!engine) return tl::unexpected(engine.error());
-  engine_ = std::move(*engine);
+  engine_ = need(engine::Engine::create(*read_->scene, config));
   return tiles;
 }
 
-core::Expected<void> TaskDrawer::draw(const Task& task, image::Image& image, image::IdImage& ids) {
+TaskDrawer::Drawn TaskDrawer::draw(const Task& task) {
   auto tiles = prepare(task);
-  if (!tiles) return tl::unexpected(tiles.error());
   const double aspect = double(task.size[0]) / task.size[1];
-  const auto view = task.view ? core::Expected<core::View>(*task.view)
-                              : core::View::fit(engine_->snapshot().bounds().fitted_bounds().bounds,
-                                                core::kOverviewDirection, kFovy, aspect);
-  if (!view) return tl::unexpected(view.error());
-  if (!task.allow_empty)
-    if (auto kept = check_sections(*view, engine_->snapshot().bounds(), read_->offset); !kept) return kept;
-  TiledImage drawn(
-      *view, std::move(*tiles),
+  const core::View view = task.view ? *task.view
+                                    : need(core::View::fit(engine_->snapshot().bounds().fitted_bounds().bounds,
+                                                           core::kOverviewDirection, kFovy, aspect));
+  if (!task.allow_empty) need(check_sections(view, engine_->snapshot().bounds(), read_->offset));
+  TiledImage image(
+      view, std::move(tiles),
       {.ids = engine_->config().drawing.ids, .shifts = sample_shifts(task.standard_looks ? task.samples : 1)});
-  image = {task.size[0], task.size[1], {}};
-  ids = {task.size[0], task.size[1], {}};
-  while (!drawn.complete()) {
-    const auto rows = drawn.step(*engine_);
-    if (!rows) return tl::unexpected(rows.error());
-    if (!*rows) continue;
-    const ImageRows& more = drawn.rows();
-    image.pixels.insert(image.pixels.end(), more.colours.begin(), more.colours.end());
-    ids.ids.insert(ids.ids.end(), more.ids.begin(), more.ids.end());
+  Drawn drawn{{task.size[0], task.size[1], {}}, {task.size[0], task.size[1], {}}};
+  while (!image.complete()) {
+    if (!need(image.step(*engine_))) continue;
+    const ImageRows& more = image.rows();
+    drawn.image.pixels.insert(drawn.image.pixels.end(), more.colours.begin(), more.colours.end());
+    drawn.ids.ids.insert(drawn.ids.ids.end(), more.ids.begin(), more.ids.end());
   }
-  return {};
+  return drawn;
 }
 
 core::Expected<void> TaskDrawer::run(const Task& task) {
-  const double begin = now();
+  const double begin = core::now_seconds();
   if (auto done = results_.make_place(task); !done) return done;
   TaskResult result;
   result.key = task.key;
   result.files_key = suite_.files_key(task);
-  image::Image image, id_colours;
-  image::IdImage ids;
-  if (auto drawn = draw(task, image, ids); !drawn) {
+  const auto drawn = attempt([&] { return draw(task); });
+  if (!drawn) {
     model_.reset();  // the next task begins anew
     result.error = drawn.error().message;
     return results_.write(task, result);
   }
   result.renderer = engine_->renderer();
-  if (auto done = image::write_png(image, results_.image(task)); !done) return done;
+  if (auto done = image::write_png(drawn->image, results_.image(task)); !done) return done;
+  image::Image id_colours;
   if (task.limits.ids) {
-    auto colours = image::id_colours(ids);
+    auto colours = image::id_colours(drawn->ids);
     if (!colours) {
       result.error = colours.error().message;
       return results_.write(task, result);
@@ -139,8 +124,8 @@ core::Expected<void> TaskDrawer::run(const Task& task) {
     id_colours = std::move(*colours);
     if (auto done = image::write_png(id_colours, results_.ids(task)); !done) return done;
   }
-  compare(suite_, task, image, id_colours, result);
-  result.seconds = now() - begin;
+  compare(suite_, task, drawn->image, id_colours, result);
+  result.seconds = core::now_seconds() - begin;
   return results_.write(task, result);
 }
 

@@ -17,8 +17,13 @@ class TaskDrawer {
   core::Expected<void> run(const Task& task);
 
  private:
-  core::Expected<engine::ImageTiles> prepare(const Task& task);
-  core::Expected<void> draw(const Task& task, image::Image& image, image::IdImage& ids);
+  struct Drawn {
+    image::Image image;
+    image::IdImage ids;
+  };
+
+  engine::ImageTiles prepare(const Task& task);
+  Drawn draw(const Task& task);
 
   const Suite& suite_;
   ResultFolder results_;

@@ -1,26 +1,12 @@
 #include "sightline/apps/regress/task_result.h"
 
-#include <fstream>
-#include <sstream>
-
 #include "sightline/apps/common/output.h"
 #include "sightline/core/internal/atomic_file.h"
 
 namespace sightline::apps {
-namespace {
 
 namespace fs = std::filesystem;
 using Json = json::Value;
-
-core::Expected<std::string> read_bytes(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) return core::fail(file.string() + ": cannot be read");
-  return text.str();
-}
-
-}  // namespace
 
 std::string number(double value, const char* format) {
   char text[32];

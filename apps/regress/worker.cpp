@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <iostream>
 
@@ -11,6 +10,8 @@
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "sightline/apps/regress/task_result.h"
 
 extern char** environ;
 
@@ -26,12 +27,6 @@ bool write_all(int descriptor, std::string_view text) {
     text.remove_prefix(std::size_t(written));
   }
   return true;
-}
-
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
 }
 
 void close_end(int& descriptor) {
@@ -132,7 +127,7 @@ std::optional<TaskEnd> Worker::step() {
 }
 
 TaskEnd Worker::end(bool drawn, bool lost, std::string why) {
-  if (lost && too_slow_) why = "took more than " + short_number(seconds_) + " s";
+  if (lost && too_slow_) why = "took more than " + number(seconds_, "%g") + " s";
   TaskEnd ended{*task_, drawn, lost, std::move(why)};
   task_.reset();
   return ended;
