@@ -180,7 +180,8 @@ std::vector<core::ItemId> visible_in_ids(const image::IdImage& image) {
 
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text) {
   auto size = parse_size(text);
-  if (size && ((*size)[0] < 64 || (*size)[1] < 36)) fail("expected 64x36 at least, found \"" + text + "\"");
+  if (size && ((*size)[0] < 64 || (*size)[1] < 36))
+    return core::fail("expected 64x36 at least, found \"" + text + "\"");
   return size;
 }
 
