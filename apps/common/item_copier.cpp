@@ -27,14 +27,19 @@ core::NodeId ItemCopier::copy(core::NodeId node) {
   core::NodeId copied = nodes_.at(node.index);
   for (; !above.empty(); above.pop_back()) {
     const core::NodeId next = above.back();
-    copied = to_.add_node(copied, from_.name(next), from_.transform(next));
-    to_.set_visible(copied, from_.visible(next));
-    to_.set_layers(copied, from_.layers(next));
-    to_.set_material(copied, copy(from_.material(next)));
-    for (const auto& [key, value] : from_.attributes(next)) to_.set_attribute(copied, key, value);
+    copied = to_.add_node(copied, from_.name(next));
+    copy_state(next, copied);
     nodes_.emplace(next.index, copied);
   }
   return copied;
+}
+
+void ItemCopier::copy_state(core::NodeId from, core::NodeId to) {
+  to_.set_transform(to, from_.transform(from));
+  to_.set_visible(to, from_.visible(from));
+  to_.set_layers(to, from_.layers(from));
+  to_.set_material(to, copy(from_.material(from)));
+  for (const auto& [key, value] : from_.attributes(from)) to_.set_attribute(to, key, value);
 }
 
 core::Expected<core::MeshId> ItemCopier::copy(core::MeshId mesh) {

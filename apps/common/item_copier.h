@@ -24,12 +24,13 @@ class ItemCopier {
   core::Expected<core::ItemId> copy(core::ItemId item);
   /// Without its items.
   core::NodeId copy(core::NodeId node);
+  core::Expected<core::MeshId> copy(core::MeshId mesh);
+  core::MaterialId copy(core::MaterialId material);
+  /// Gives a node all that another one has but its name, children and items.
+  void copy_state(core::NodeId from, core::NodeId to);
   std::vector<core::MeshId> meshes() const;  ///< the copies
 
  private:
-  core::Expected<core::MeshId> copy(core::MeshId mesh);
-  core::MaterialId copy(core::MaterialId material);
-
   const core::Scene& from_;
   core::Scene& to_;
   bool materials_kept_;

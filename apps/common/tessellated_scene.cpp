@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "sightline/apps/common/item_copier.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/importers/internal/tessellated.h"
 
@@ -24,11 +25,8 @@ class Converter {
   }
 
   Scene run() {
-    for (std::size_t i = 0; i < from_.material_slots(); ++i) {
-      const core::MaterialId old = from_.material_at(i);
-      materials_.push_back(old.valid() ? to_.add_material(from_.material(old)) : core::MaterialId{});
-    }
-    copy_nodes();
+    copier_.copy_state(from_.root(), to_.root());
+    from_.for_each_node(from_.root(), [&](NodeId node, const auto&...) { copier_.copy(node); });
     for (ItemId item{0}; to_index(item) < from_.item_slots(); ++item) copy_item(item);
     return std::move(to_);
   }
@@ -37,47 +35,20 @@ class Converter {
   /// Bits of the parameters, and the tolerance in the primitive's own units; 0 with a number of segments.
   using ShapeKey = std::tuple<Kind, std::array<std::uint32_t, 9>, float>;
 
-  core::MaterialId material(core::MaterialId old) const {
-    return old.valid() ? materials_[old.index] : core::MaterialId{};
-  }
-
-  /// Appends siblings in their order. The stack holds nodes; each also stands for its later siblings.
-  void copy_nodes() {
-    copy_node_state(from_.root(), to_.root());
-    std::vector<std::pair<NodeId, NodeId>> open{{from_.first_child(from_.root()), to_.root()}};
-    while (!open.empty()) {
-      const auto [old, parent] = open.back();
-      open.pop_back();
-      if (!old.valid()) continue;
-      const NodeId node = to_.add_node(parent, from_.name(old), from_.transform(old));
-      copy_node_state(old, node);
-      open.emplace_back(from_.next_sibling(old), parent);
-      open.emplace_back(from_.first_child(old), node);
-    }
-  }
-
-  void copy_node_state(NodeId old, NodeId node) {
-    nodes_[old.index] = node;
-    to_.set_transform(node, from_.transform(old));
-    to_.set_visible(node, from_.visible(old));
-    to_.set_layers(node, from_.layers(old));
-    to_.set_material(node, material(from_.material(old)));
-    for (const auto& [key, value] : from_.attributes(old)) to_.set_attribute(node, key, value);
-  }
-
   void copy_item(ItemId item) {
     if (!from_.contains_item(item)) {  // its id stays unused
       to_.remove_item(to_.add_primitive(to_.root(), core::Line{}));
       return;
     }
-    const NodeId node = nodes_.at(from_.node_of(item).index);
-    const core::MaterialId own = material(from_.item_material(item));
+    const NodeId node = copier_.copy(from_.node_of(item));
+    const core::MaterialId own = copier_.copy(from_.item_material(item));
     const Kind kind = from_.kind(item);
     if (kind == Kind::kLine) {
       to_.add_primitive(node, from_.primitive(item), from_.placement(item), own);
     } else {
-      to_.add_mesh_instance(node, int(kind) < core::kPrimitiveKindCount ? shape_of(item) : copied(item),
-                            from_.placement(item), own);
+      const bool analytic = int(kind) < core::kPrimitiveKindCount;
+      const core::MeshId mesh = analytic ? shape_of(item) : copier_.copy(from_.mesh_of(item)).value();
+      to_.add_mesh_instance(node, mesh, from_.placement(item), own);
     }
     to_.set_visible(item, from_.item_visible(item));
   }
@@ -98,20 +69,11 @@ class Converter {
     return place->second;
   }
 
-  core::MeshId copied(ItemId item) {
-    const core::MeshId old = from_.mesh_of(item);
-    const auto [place, fresh] = meshes_.try_emplace(old.index);
-    if (fresh) place->second = to_.add_mesh(from_.mesh(old)).value();
-    return place->second;
-  }
-
   const Scene& from_;
   Scene to_;
+  ItemCopier copier_{from_, from_.root(), to_, to_.root(), ItemCopier::Materials::kKept};
   double metres_;
   gpuprims::Tessellation fineness_;
-  std::vector<core::MaterialId> materials_;
-  std::map<std::uint32_t, NodeId> nodes_;         // by the old node's index
-  std::map<std::uint32_t, core::MeshId> meshes_;  // by the old mesh's index
   std::map<ShapeKey, core::MeshId> shapes_;
 };
 

@@ -10,6 +10,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/compare/reports.h"
@@ -18,6 +19,7 @@
 namespace {
 
 using namespace sightline;
+using apps::need;
 
 struct Options {
   std::string before, after, html_file, csv_file, bcf_file, json_file;
@@ -35,16 +37,15 @@ core::Expected<double> parse_tolerance(const std::string& text) {
   return tolerance;
 }
 
-core::Expected<apps::Model> load(const std::string& file, const std::vector<std::string>& attributes,
-                                 const importers::ImportOptions& import) {
+apps::Model load(const std::string& file, const std::vector<std::string>& attributes,
+                 const importers::ImportOptions& import) {
   apps::ModelOptions options;
   options.files = {file};
   options.files.insert(options.files.end(), attributes.begin(), attributes.end());
   options.import = import;
   options.import.copies = importers::MeshCopies::kExact;  // similar copies may be moved by a little
-  auto model = apps::load_model(options);
-  if (!model) return model;
-  if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());
+  auto model = need(apps::load_model(options));
+  need(model.scene->commit());
   return model;
 }
 
@@ -54,55 +55,46 @@ compare::Revision revision_of(const apps::Model& model) {
   return {model.scene.get(), nodes.size() == 1 ? nodes[0] : model.scene->root()};
 }
 
-core::Expected<apps::Compared> compared(const Options& options, const apps::Model& before, const apps::Model& after) {
+apps::Compared compared(const Options& options, const apps::Model& before, const apps::Model& after) {
   apps::Compared out{
       options.before, options.after, options.compare.tolerance, revision_of(before), revision_of(after), {}, {}};
   compare::Options with = options.compare;
   apps::Progress bar("comparing");
   with.progress = bar.callback();
-  auto found = compare::revisions(out.before, out.after, with);
-  if (!found) return tl::unexpected(found.error());
-  out.found = std::move(*found);
+  out.found = need(compare::revisions(out.before, out.after, with));
   out.groups = compare::grouped(out.before, out.after, out.found, options.compare.tolerance);
   return out;
 }
 
-core::Expected<void> write_bcf(const Options& options, const apps::Compared& found) {
+void write_bcf(const Options& options, const apps::Compared& found) {
   const auto bytes = bcf_report(found);
-  if (!bytes) return core::fail(options.bcf_file + ": " + bytes.error().message);
-  if (auto done = core::write_file(options.bcf_file, {std::as_bytes(std::span(*bytes))}); !done) return done;
+  if (!bytes) apps::fail(options.bcf_file + ": " + bytes.error().message);
+  need(core::write_file(options.bcf_file, {std::as_bytes(std::span(*bytes))}));
   if (const std::size_t all = found.groups.all.size(); all > apps::kMostTopics)
     std::fprintf(stderr, "sightline-compare: %s: has the %zu largest of %zu groups\n", options.bcf_file.c_str(),
                  apps::kMostTopics, all);
-  return {};
 }
 
-core::Expected<void> write_files(const Options& options, const apps::Compared& found) {
-  if (!options.json_file.empty())
-    if (auto done = apps::write_json(options.json_file, json::sorted(json_report(found))); !done) return done;
-  if (!options.html_file.empty())
-    if (auto done = apps::write_text(options.html_file, html_report(found)); !done) return done;
-  if (!options.csv_file.empty())
-    if (auto done = apps::write_text(options.csv_file, csv_report(found)); !done) return done;
-  return options.bcf_file.empty() ? core::Expected<void>() : write_bcf(options, found);
+void write_files(const Options& options, const apps::Compared& found) {
+  if (!options.json_file.empty()) need(apps::write_json(options.json_file, json::sorted(json_report(found))));
+  if (!options.html_file.empty()) need(apps::write_text(options.html_file, html_report(found)));
+  if (!options.csv_file.empty()) need(apps::write_text(options.csv_file, csv_report(found)));
+  if (!options.bcf_file.empty()) write_bcf(options, found);
 }
 
 core::Expected<int> run(const Options& options) {
   const auto before = load(options.before, options.before_attributes, options.import);
-  if (!before) return tl::unexpected(before.error());
   const auto after = load(options.after, options.after_attributes, options.import);
-  if (!after) return tl::unexpected(after.error());
-  const auto found = compared(options, *before, *after);
-  if (!found) return tl::unexpected(found.error());
+  const auto found = compared(options, before, after);
   const auto to_stdout = [&] {
     return std::any_of(std::begin(kTextFiles), std::end(kTextFiles), [&](auto file) { return options.*file == "-"; });
   };
   if (!to_stdout()) {
     constexpr auto kAll = std::numeric_limits<std::size_t>::max();
-    std::fputs(text_report(*found, options.all ? kAll : options.list).c_str(), stdout);
+    std::fputs(text_report(found, options.all ? kAll : options.list).c_str(), stdout);
   }
-  if (auto done = write_files(options, *found); !done) return tl::unexpected(done.error());
-  return options.fail_on_changes && !found->found.same() ? apps::kExitFailure : apps::kExitOk;
+  write_files(options, found);
+  return options.fail_on_changes && !found.found.same() ? apps::kExitFailure : apps::kExitOk;
 }
 
 }  // namespace
