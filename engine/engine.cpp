@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sightline/core/memory.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/engine/internal/engine_state.h"
 #include "sightline/engine/internal/settings.h"
 
@@ -89,8 +90,8 @@ const Plan& Engine::plan() const {
 const core::Snapshot& Engine::snapshot() const {
   return *state_->live.snapshot;
 }
-const gpuprims::Joints& Engine::joints() const {
-  return state_->live.joints;
+const gpuprims::Joints& EngineParts::joints(const Engine& engine) {
+  return engine.state_->live.joints;
 }
 const core::VisibleSet& Engine::visible() const {
   return state_->visible;
@@ -98,8 +99,8 @@ const core::VisibleSet& Engine::visible() const {
 const culling::Controller* Engine::controller() const {
   return state_->hybrid ? &state_->hybrid->controller() : nullptr;
 }
-Drawing* Engine::drawing() {
-  return state_->backend->drawing();
+Drawing* EngineParts::drawing(Engine& engine) {
+  return engine.state_->backend->drawing();
 }
 
 // --- settings --------------------------------------------------------------------------------------------------------

@@ -355,15 +355,11 @@ class SIGHTLINE_API Engine {
   /// What the driver has complained of since the last call: see EngineConfig::context.gl_debug.
   std::vector<std::string> take_gl_errors();
 
-  /// The half that needs GL, for tests and benchmarks of this library (engine/drawing/internal/drawing.h). Null when
-  /// nothing needs GL, and while the context is lost. An engine's own context is then current and stays so.
-  Drawing* drawing();
-  /// The covered ends that are not drawn, for tests of this library (gpuprims/internal/joints.h).
-  const gpuprims::Joints& joints() const;
   MemoryReport memory() const;
   const culling::Controller* controller() const;  ///< of the hybrid; null without one
 
  private:
+  friend class EngineParts;
   explicit Engine(std::unique_ptr<EngineState> state);
 
   std::unique_ptr<EngineState> state_;

@@ -21,6 +21,7 @@
 #include "sightline/core/internal/sort_unique.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/internal/engine_parts.h"
 
 namespace sightline::bench::frames_bench {
 namespace {
@@ -93,7 +94,7 @@ std::int64_t draw_frame(Engine& engine, const core::View& view) {
 std::int64_t draw_visible(Engine& engine, const core::View& view, const core::VisibleSet& visible) {
   engine::Frame frame{view, view, engine.snapshot()};
   frame.all = false;
-  need(engine.drawing()->draw(frame, visible));
+  need(engine::EngineParts::drawing(engine)->draw(frame, visible));
   return std::int64_t(visible.single_slots.size());
 }
 
@@ -152,7 +153,7 @@ core::Expected<int> run(const Options& o) {
   }
   const core::Snapshot& snapshot = flights[0].engine.snapshot();
   const auto views = need(tour_views(snapshot, o.frames, double(width) / height));
-  const gl::Context& context = flights[0].engine.drawing()->context();
+  const gl::Context& context = engine::EngineParts::drawing(flights[0].engine)->context();
   std::fprintf(apps::table_stream(o.json), "%s, %s, %d frames of the tour, %s\n\n",
                engine::count_text(snapshot.size()).c_str(), o.size.c_str(), o.frames, renderer_line(context).c_str());
   const std::uint64_t different = fly_all(flights, views);

@@ -24,6 +24,7 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/engine/tour.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/render/image/image_metrics.h"
@@ -343,7 +344,7 @@ core::Expected<int> run(const Options& o) {
     if (!flight) return tl::unexpected(flight.error());
     flights.push_back(std::move(*flight));
   }
-  const gl::Context& context = complete->drawing()->context();
+  const gl::Context& context = engine::EngineParts::drawing(*complete)->context();
   Json json = renderer_json(context);
   json.update({{"items", snapshot.size()}, {"size", o.size}, {"budget_ms", o.budget_ms}, {"rows", Json::array()}});
   std::fprintf(apps::table_stream(o.json), "%s, %s, budget %g ms, %s\n\n", engine::count_text(snapshot.size()).c_str(),

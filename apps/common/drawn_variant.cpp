@@ -5,6 +5,7 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/core/internal/clock.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 
 namespace sightline::apps {
 
@@ -72,7 +73,7 @@ core::Expected<double> DrawnVariant::draw(const core::View& view) {
 }
 
 std::size_t DrawnVariant::gpu_bytes() {
-  return engine_->memory().gpu - engine_->drawing()->target().memory_bytes();
+  return engine_->memory().gpu - engine::EngineParts::drawing(*engine_)->target().memory_bytes();
 }
 
 core::Expected<std::vector<double>> time_in_turns(std::vector<DrawnVariant>& variants, const core::View& view,

@@ -1,11 +1,11 @@
 #include "sightline/apps/mpi/composer.h"
 
-#include <chrono>
 #include <limits>
 
 #include <mpi.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/render/internal/render_target.h"
@@ -62,7 +62,7 @@ core::Expected<std::vector<Fragment>> Composer::fragments(engine::Engine& engine
   if (!colours) return tl::unexpected(colours.error());
   const auto ids = engine.read_ids();
   if (!ids) return tl::unexpected(ids.error());
-  engine::Drawing* drawing = engine.drawing();
+  engine::Drawing* drawing = engine::EngineParts::drawing(engine);
   if (!drawing) return core::fail("the GL context was lost before the image was read");
   const std::vector<float> depths = drawing->target().read_reversed_depths();
   std::vector<Fragment> out(depths.size());
@@ -88,7 +88,6 @@ core::Expected<ReadImage> Composer::read(engine::Engine& engine, const core::Vie
     own = tl::unexpected(drawn.error());
   else if (draws || session_.rank() == 0)
     own = fragments(engine);
-  const auto begin = std::chrono::steady_clock::now();
   own = session_.agreed(std::move(own));
   if (!own) return tl::unexpected(own.error());
   const int width = engine.config().width, height = engine.config().height;
@@ -107,7 +106,6 @@ core::Expected<ReadImage> Composer::read(engine::Engine& engine, const core::Vie
                state_->nearest, 0, those);
     MPI_Comm_free(&those);
   }
-  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   own->resize(std::size_t(width) * std::size_t(height));
   ReadImage out;
   out.colours = {width, height, std::vector<std::uint8_t>(3 * own->size())};

@@ -30,8 +30,6 @@ class Composer {
   /// In the last read(): processes that drew something, and the items that all of them found in the view volume.
   int drawing() const { return drawing_; }
   std::int64_t visible() const { return visible_; }
-  /// Seconds that this process spent in MPI since the last call.
-  double take_seconds() { return std::exchange(seconds_, 0.0); }
 
  private:
   core::Expected<std::vector<Fragment>> fragments(engine::Engine& engine);
@@ -43,7 +41,6 @@ class Composer {
   std::vector<std::uint32_t> batch_begin_;
   int drawing_ = 0;
   std::int64_t visible_ = 0;
-  double seconds_ = 0.0;
 };
 
 }  // namespace sightline::apps

@@ -7,6 +7,7 @@
 
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/report/report.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/gpuprims/internal/primitives.h"
 
@@ -144,7 +145,7 @@ std::optional<double> reference_depth(const Report& report, core::ItemId item, c
   const core::Affine world_from_item = report.scene().state(item).world_from_item;
   const dmat3 item_from_world = glm::inverse(world_from_item.linear);
   const core::Ray local{item_from_world * (ray.origin - world_from_item.origin), item_from_world * ray.direction};
-  const gpuprims::Ends covered = report.engine().joints().covered(item);
+  const gpuprims::Ends covered = engine::EngineParts::joints(report.engine()).covered(item);
   const gpuprims::Hits hits =
       gpuprims::intersect(report.scene().primitive(item), local,
                           {(covered & gpuprims::kBottomEnd) == 0, (covered & gpuprims::kTopEnd) == 0});

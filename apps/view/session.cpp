@@ -55,7 +55,7 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
     (void)engine.configure(config);  // it cannot while the GPU must cull: then the first image is drawn at once
   }
   if (auto done = image.resize(size); !done) return tl::unexpected(done.error());
-  uploaded_ = engine.drawing();
+  uploaded_ = !engine.renderer().empty();
   if (!uploaded_)
     return engine.use_context(context, kPortion).map([this](bool done) {
       uploaded_ = done;
@@ -66,7 +66,7 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
     camera = Camera(bounds_.bounds, kFovy, fitted_aspect_);
     show_all(core::kOverviewDirection);
   }
-  if (const auto drawn = image.draw(); !drawn) return engine.drawing() ? drawn : core::Expected<bool>(false);
+  if (const auto drawn = image.draw(); !drawn) return engine.renderer().empty() ? core::Expected<bool>(false) : drawn;
   if (image.report().pending > 0) return false;
   engine::EngineConfig config = engine.config();
   config.losses.budget_ms = budget_in_use(*std::exchange(budget_ms_, std::nullopt));

@@ -82,8 +82,6 @@ EXCEPTIONS = {
     "Engine::plan": ("sl_engine_info.culler sl_engine_explain", "Engine.culler Engine.plan", ""),
     "Engine::snapshot": ("-", "-", "the order of items is for renderers in C++; other functions tell of items"),
     "Engine::visible": ("sl_engine_visible", "Engine.visible_items", "ids instead of slots"),
-    "Engine::drawing": ("-", "-", "for tests and benchmarks of the library"),
-    "Engine::joints": ("-", "-", "for tests of the library"),
     "Engine::memory": ("sl_engine_get", "Engine.memory", ""),
     "Engine::controller": ("sl_engine_get_controller", "Engine.controller", ""),
     "ItemStyle::colour": ("sl_item_style.use_colour sl_item_style.colour", "Engine.set_override(colour)", ""),

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "drawn_grid.h"
+#include "sightline/engine/internal/engine_parts.h"
 
 namespace sightline::tests::context_loss_test {
 namespace {
@@ -26,7 +27,7 @@ class ContextLossTest : public DrawnGrid {
     switch_often(c);
     return c;
   }
-  static image::Image image(Engine& engine) { return engine.drawing()->target().read_colour(); }
+  static image::Image image(Engine& engine) { return engine::EngineParts::drawing(engine)->target().read_colour(); }
   /// The view on an engine of its own whose context is never lost.
   image::Image wanted(const core::View& view) {
     auto twin = Engine::create(scene, switching(CullerChoice::kCpu, nullptr));
@@ -52,12 +53,12 @@ TEST_F(ContextLossTest, AnEngineReplacesItsOwnContext) {
     SCOPED_TRACE(name_of(engine->plan().culler));
     ASSERT_TRUE(engine->frame(view(0)));
     const image::Image before = image(*engine);
-    lose(engine->drawing()->context());
+    lose(engine::EngineParts::drawing(*engine)->context());
     const auto report = engine->frame(view(0));
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->drawn);
-    ASSERT_NE(engine->drawing(), nullptr);
-    EXPECT_FALSE(engine->drawing()->context().lost());
+    ASSERT_NE(engine::EngineParts::drawing(*engine), nullptr);
+    EXPECT_FALSE(engine::EngineParts::drawing(*engine)->context().lost());
     const auto difference = image::compare(before, image(*engine));
     ASSERT_TRUE(difference);
     EXPECT_EQ(difference->max, 0);
@@ -84,7 +85,7 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
       EXPECT_NE(name_of(report->culler), "gpu");
       EXPECT_GT(report->visible, 1000);
       visible = report->visible;
-      EXPECT_EQ(engine->drawing(), nullptr);
+      EXPECT_EQ(engine::EngineParts::drawing(*engine), nullptr);
       EXPECT_EQ(engine->memory().gpu, 0u);
     }
     made.~expected();  // what an application does with a context that is lost
@@ -94,7 +95,7 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
     scene.remove_item(core::ItemId(culler == CullerChoice::kGpu ? 5577 : 5579));
     ASSERT_TRUE(engine->commit());
     EXPECT_EQ(engine->frame(view(0))->visible, visible - 1);
-    EXPECT_EQ(engine->drawing(), nullptr) << "the new context was not handed over yet";
+    EXPECT_EQ(engine::EngineParts::drawing(*engine), nullptr) << "the new context was not handed over yet";
 
     const auto used = engine->use_context(*made);
     ASSERT_TRUE(used) << used.error().message;
@@ -124,7 +125,7 @@ TEST_F(ContextLossTest, TheContextMayComeLater) {
     const auto report = engine->frame(view(0));
     ASSERT_TRUE(report);
     EXPECT_FALSE(report->drawn);
-    EXPECT_EQ(engine->drawing(), nullptr);
+    EXPECT_EQ(engine::EngineParts::drawing(*engine), nullptr);
     EXPECT_EQ(engine->memory().gpu, 0u);
     ASSERT_TRUE(engine->show_all() && engine->resize(48, 32) && engine->resize(96, 64));
     ASSERT_TRUE(context->make_current() && engine->use_context(*context));
@@ -158,7 +159,7 @@ TEST_F(ContextLossTest, AContextThatGoesFirstIsLost) {
     EXPECT_TRUE(unused->frame(view(0))->drawn);
     (void)engine->take_late_report();
     engine->finish();
-    EXPECT_EQ(engine->drawing(), nullptr);
+    EXPECT_EQ(engine::EngineParts::drawing(*engine), nullptr);
     ASSERT_TRUE(engine->resize(48, 32) && engine->resize(96, 64));
     scene.set_visible(core::ItemId(5577), culler == CullerChoice::kGpu);
     ASSERT_TRUE(engine->commit());
@@ -173,7 +174,7 @@ TEST_F(ContextLossTest, AContextThatGoesFirstIsLost) {
     { Engine gone = std::move(*unused); }
     ASSERT_TRUE(other->commit() && other->frame(view(1)));
     ASSERT_NO_FATAL_FAILURE(expect_image(*other, view(1)));
-    for (const std::string& error : other->drawing()->take_gl_errors()) ADD_FAILURE() << error;
+    for (const std::string& error : engine::EngineParts::drawing(*other)->take_gl_errors()) ADD_FAILURE() << error;
     const auto used = engine->use_context(*context);
     ASSERT_TRUE(used) << used.error().message;
     EXPECT_TRUE(engine->frame(view(2))->drawn);

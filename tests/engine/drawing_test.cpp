@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/gl/internal/program_cache.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/drawn_grid.h"
@@ -24,7 +25,7 @@ TEST_F(DrawingTest, CullersMayBeChangedInAnyOrder) {
   fill(scene, 22);
   auto engine = Engine::create(scene, config(CullerChoice::kAutomatic));
   ASSERT_TRUE(engine);
-  const engine::Drawing* drawing = engine->drawing();
+  const engine::Drawing* drawing = engine::EngineParts::drawing(*engine);
   EXPECT_EQ(drawing->gpu_culler(), nullptr);
   const std::pair<CullerChoice, const char*> choices[] = {{CullerChoice::kAutomatic, "cpu"},
                                                           {CullerChoice::kLinear, "linear"},
@@ -56,12 +57,12 @@ TEST_F(DrawingTest, CullersMayBeChangedInAnyOrder) {
         EXPECT_EQ(name_of(report->culler), name);
       }
     }
-    const image::Image image = engine->drawing()->target().read_colour();
+    const image::Image image = engine::EngineParts::drawing(*engine)->target().read_colour();
     ASSERT_TRUE(engine->set_culler(CullerChoice::kLinear) && engine->frame(eye));
-    const auto difference = image::compare(image, engine->drawing()->target().read_colour());
+    const auto difference = image::compare(image, engine::EngineParts::drawing(*engine)->target().read_colour());
     ASSERT_TRUE(difference);
     EXPECT_EQ(difference->max, 0);
-    EXPECT_EQ(engine->drawing(), drawing) << "made anew";
+    EXPECT_EQ(engine::EngineParts::drawing(*engine), drawing) << "made anew";
   }
   EXPECT_NE(drawing->gpu_culler(), nullptr);
 }
@@ -73,7 +74,7 @@ TEST_F(DrawingTest, AGpuCullerComesToAnEngineThatDoesNotDraw) {
   c.draw = false;
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
-  EXPECT_EQ(engine->drawing(), nullptr);
+  EXPECT_EQ(engine::EngineParts::drawing(*engine), nullptr);
   const auto expected = engine->frame(view(0.3));
   ASSERT_TRUE(expected);
   ASSERT_TRUE(engine->set_culler(CullerChoice::kGpu));
@@ -105,7 +106,7 @@ TEST_F(DrawingTest, AnotherSizeIsThatOfANewEngine) {
   for (const auto& [width, height] : {std::pair{0, 10}, {10, -1}, {1 << 20, 10}}) {
     SCOPED_TRACE(testing::Message() << width << " x " << height);
     EXPECT_FALSE(engine->resize(width, height));
-    EXPECT_EQ(engine->drawing()->target().width(), 640);
+    EXPECT_EQ(engine::EngineParts::drawing(*engine)->target().width(), 640);
     ASSERT_TRUE(engine->frame(view(0.4)));
   }
 }
@@ -168,7 +169,7 @@ TEST_F(DrawingTest, EnginesWithContextsOfTheirOwn) {
     { Engine gone = std::move(*a); }  // frees nothing of what is current
     ASSERT_TRUE(expected_a->frame(view(0)) && b->frame(view(0)) && expected_b->frame(view(0)));
     expect_same_image(*b, *expected_b);
-    for (const std::string& error : expected_b->drawing()->take_gl_errors()) ADD_FAILURE() << error;
+    for (const std::string& error : engine::EngineParts::drawing(*expected_b)->take_gl_errors()) ADD_FAILURE() << error;
   }
 }
 
@@ -220,7 +221,7 @@ TEST_F(DrawingTest, EndsShowWhereAMaterialTurnsClear) {
                         i % 2 == 1 ? pane : core::MaterialId{});
   auto engine = Engine::create(scene, config(CullerChoice::kCpu));
   ASSERT_TRUE(engine);
-  EXPECT_EQ(engine->joints().count(), 8u);
+  EXPECT_EQ(engine::EngineParts::joints(*engine).count(), 8u);
   scene.update_material(pane, {.name = "glass", .alpha = 0.0f});
   ASSERT_TRUE(engine->commit());
   auto fresh = Engine::create(scene, config(CullerChoice::kCpu));
@@ -321,7 +322,7 @@ TEST_F(DrawingTest, ImagesAreReadThroughTheEngine) {
   ASSERT_TRUE(engine);
   const core::View view = *core::View::perspective({{0, -4, 0}, {0, 0, 0}, {0, 0, 1}}, 0.7, 1.5, 0.1);
   ASSERT_TRUE(engine->frame(view));
-  const render::RenderTarget& target = engine->drawing()->target();
+  const render::RenderTarget& target = engine::EngineParts::drawing(*engine)->target();
   EXPECT_EQ(engine->read_colour()->pixels, target.read_colour().pixels);
   EXPECT_EQ(engine->read_depth(view)->metres, target.read_depth(view).metres);
   const image::IdImage ids = *engine->read_ids();
@@ -330,7 +331,7 @@ TEST_F(DrawingTest, ImagesAreReadThroughTheEngine) {
   EXPECT_EQ(ids.ids[0], 0u);
   EXPECT_TRUE(*engine->covered());
   EXPECT_NE(*engine->framebuffer(), 0u);
-  EXPECT_EQ(engine->renderer(), engine->drawing()->context().renderer());
+  EXPECT_EQ(engine->renderer(), engine::EngineParts::drawing(*engine)->context().renderer());
   EXPECT_TRUE(engine->take_gl_errors().empty());
   const core::View away = *core::View::perspective({{0, -4, 0}, {0, -8, 0}, {0, 0, 1}}, 0.7, 1.5, 0.1);
   ASSERT_TRUE(engine->frame(away));

@@ -5,6 +5,7 @@
 
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/render/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 
@@ -88,7 +89,8 @@ class DrawnGrid : public GlTest {
   static void expect_same_image(engine::Engine& a, engine::Engine& b, int max = 0) {
     a.finish();
     b.finish();
-    const auto difference = image::compare(a.drawing()->target().read_colour(), b.drawing()->target().read_colour());
+    const auto difference = image::compare(engine::EngineParts::drawing(a)->target().read_colour(),
+                                           engine::EngineParts::drawing(b)->target().read_colour());
     ASSERT_TRUE(difference) << difference.error().message;
     EXPECT_LE(difference->max, max) << difference->pixels << " pixels";
   }

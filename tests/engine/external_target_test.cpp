@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/culling/queries/region_query.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/engine/application.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
@@ -250,7 +251,7 @@ TEST_F(ExternalTarget, DepthsAreThoseOfEachSample) {
     const Application application(gl(), kWidth, kHeight, kDepthModes[1], 4);
     application.clear();
     expect_frame(smooth, view, application.target());
-    const std::vector<glm::vec2> offsets = smooth.drawing()->target().sample_offsets();
+    const std::vector<glm::vec2> offsets = engine::EngineParts::drawing(smooth)->target().sample_offsets();
     ASSERT_EQ(offsets.size(), 4u);
     int same = 0, edges = 0;
     for (int i = 0; i < 4; ++i) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "drawn_grid.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/lod/mesh_samples.h"
 #include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/faulty_gl.h"
@@ -367,7 +368,7 @@ class FaultsTest : public DrawnGrid, public ::testing::WithParamInterface<Mode> 
     const auto report = run.engine()->frame(run.view(0.2));
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_FALSE(report->drawn);
-    EXPECT_EQ(run.engine()->drawing(), nullptr);
+    EXPECT_EQ(engine::EngineParts::drawing(*run.engine()), nullptr);
     expect_that_the_cpu_culls(run);
   }
   void expect_wanted(const Session& run, std::string_view failed) const {

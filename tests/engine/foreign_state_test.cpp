@@ -2,6 +2,7 @@
 // those of a clean context, bit for bit.
 #include <gtest/gtest.h>
 
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/engine/hostile_states.h"
@@ -68,7 +69,7 @@ class ForeignState : public DrawnGrid, public testing::WithParamInterface<Mode> 
     std::int64_t visible = 0;
   };
   static Shown read(Engine& engine) {
-    const render::RenderTarget& target = engine.drawing()->target();
+    const render::RenderTarget& target = engine::EngineParts::drawing(engine)->target();
     return {target.read_colour(), target.read_ids(), target.read_depth(cut()), 0};
   }
   /// Submits and waits; how many items are visible, which a GPU tells late.

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/gl/internal/timer.h"
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/engine/drawn_grid.h"
@@ -101,7 +102,7 @@ TEST_F(HybridTest, ASmallSceneGetsNoGpuCuller) {
   ASSERT_TRUE(plain && hybrid);
   EXPECT_EQ(name_of(hybrid->plan().culler), "cpu");
   EXPECT_EQ(hybrid->controller(), nullptr);
-  EXPECT_EQ(hybrid->drawing()->gpu_culler(), nullptr);
+  EXPECT_EQ(engine::EngineParts::drawing(*hybrid)->gpu_culler(), nullptr);
   EXPECT_EQ(hybrid->memory().gpu, plain->memory().gpu);
   for (const engine::PlanEntry& entry : hybrid->plan().entries)
     if (entry.feature == "GPU culler" || entry.feature == "hybrid controller") {
@@ -140,7 +141,7 @@ TEST_F(HybridTest, AHybridOfASceneThatGrows) {
     for (const core::ItemId item : added) small.remove_item(item);
     ASSERT_TRUE(engine->rebuild());
     EXPECT_EQ(engine->controller(), nullptr);
-    EXPECT_EQ(engine->drawing() != nullptr, draw);
+    EXPECT_EQ(engine::EngineParts::drawing(*engine) != nullptr, draw);
     ASSERT_TRUE(engine->frame(view(0)));
   }
 }
@@ -330,7 +331,7 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
   for (const EngineConfig& c : {any, named}) {
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine) << engine.error().message;
-    const culling::GpuVariant variant = engine->drawing()->gpu_culler()->variant();
+    const culling::GpuVariant variant = engine::EngineParts::drawing(*engine)->gpu_culler()->variant();
     const auto told = [&](std::string_view feature) -> engine::PlanEntry {
       for (const auto& entry : engine->plan().entries)
         if (entry.feature == feature) return entry;
@@ -346,18 +347,18 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
       EXPECT_TRUE(geometry == compute || before.used == (compute < geometry)) << "the slower one: " << before.why;
     }
     ASSERT_TRUE(engine->rebuild());
-    EXPECT_EQ(engine->drawing()->gpu_culler()->variant(), variant);
+    EXPECT_EQ(engine::EngineParts::drawing(*engine)->gpu_culler()->variant(), variant);
     EXPECT_EQ(told("GPU culling in compute shaders").why, before.why);
   }
   // Nothing can be measured without items, so that waits until there are some.
   core::Scene growing;
   auto engine = Engine::create(growing, any);
   ASSERT_TRUE(engine) << engine.error().message;
-  EXPECT_TRUE(engine->drawing()->report().why_gpu_variant.starts_with("not measured: "));
+  EXPECT_TRUE(engine::EngineParts::drawing(*engine)->report().why_gpu_variant.starts_with("not measured: "));
   fill(growing, 5);
   ASSERT_TRUE(engine->commit());
-  EXPECT_TRUE(engine->drawing()->report().why_gpu_variant.starts_with("measured: "))
-      << engine->drawing()->report().why_gpu_variant;
+  EXPECT_TRUE(engine::EngineParts::drawing(*engine)->report().why_gpu_variant.starts_with("measured: "))
+      << engine::EngineParts::drawing(*engine)->report().why_gpu_variant;
 }
 
 /// A GPU that is the slower of the two is waited for two frames later, when another path may have been taken: the frame

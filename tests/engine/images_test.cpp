@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/render/image/image_metrics.h"
 #include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
@@ -89,7 +90,7 @@ class Images : public GlTest {
 
   void expect_shown(engine::Engine& engine, const View& view) {
     engine.finish();
-    const render::RenderTarget& target = engine.drawing()->target();
+    const render::RenderTarget& target = engine::EngineParts::drawing(engine)->target();
     const Image image{view, target.read_colour(), target.read_depth(view), target.read_ids(), {}};
     const Compared compared = compare(image, look_at(shapes_, view, target.width(), target.height()), {1e-5, 0.0});
     EXPECT_GT(compared.clear, target.width() * target.height() / 40);
@@ -136,10 +137,10 @@ TEST_F(Images, OfEveryPlatformAreTheSame) {
   for (const auto culler : {engine::CullerChoice::kCpu, engine::CullerChoice::kGpu}) {
     engine::Engine egl = make(kWidth, kHeight, nullptr, gl::ContextPlatform::kEgl, culler);
     engine::Engine osmesa = make(kWidth, kHeight, nullptr, gl::ContextPlatform::kOsMesa, culler);
-    EXPECT_EQ(egl.drawing()->context().platform().rfind("EGL ", 0), 0u);
-    EXPECT_EQ(osmesa.drawing()->context().platform(), "OSMesa");
-    EXPECT_TRUE(osmesa.drawing()->software());
-    const bool same_bits = egl.drawing()->software();
+    EXPECT_EQ(engine::EngineParts::drawing(egl)->context().platform().rfind("EGL ", 0), 0u);
+    EXPECT_EQ(engine::EngineParts::drawing(osmesa)->context().platform(), "OSMesa");
+    EXPECT_TRUE(engine::EngineParts::drawing(osmesa)->software());
+    const bool same_bits = engine::EngineParts::drawing(egl)->software();
     for (const View& view : views(double(kWidth) / kHeight)) {
       ASSERT_TRUE(egl.frame(view) && osmesa.frame(view));
       const auto colours = image::compare(*egl.read_colour(), *osmesa.read_colour());

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/lod/mesh_levels.h"
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/lod/mesh_samples.h"
@@ -47,7 +48,9 @@ class MeshMemory : public DrawnGrid {
     EXPECT_TRUE(made) << made.error().message;
     return std::move(*made);
   }
-  static std::uint64_t done(Engine& engine) { return engine.drawing()->scene().meshes().elements_done(); }
+  static std::uint64_t done(Engine& engine) {
+    return engine::EngineParts::drawing(engine)->scene().meshes().elements_done();
+  }
 };
 
 TEST_F(MeshMemory, ComesBackWithEachRemoval) {
@@ -143,7 +146,7 @@ TEST_F(MeshMemory, ShrinksWithoutLosingAnything) {
     scene.add_mesh_instance(scene.root(), all[7].mesh, core::translation({5, 5, 5}));
     Engine engine = create(scene, error, culler);
     ASSERT_TRUE(engine.finish_levels() && engine.frame(look(0.3)));
-    const auto& pool = engine.drawing()->scene().meshes();
+    const auto& pool = engine::EngineParts::drawing(engine)->scene().meshes();
     std::size_t before = pool.memory_bytes();
     for (std::size_t i = 0; i < all.size(); ++i)
       if (i % 5 != 2) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/scene.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/engine/drawing_modes.h"
 
 namespace sightline::tests::overrides_test {
@@ -239,8 +240,8 @@ TEST_P(OverridesInAllModes, AreAsMaterialsAndVisibilityThroughAnyEdits) {
     for (Engine* e : {&*engine, &*really}) {  // what was large in the last frame depends on when slots were given up
       engine::LossConfig losses = mode.losses;
       losses.min_projected_area = 0.0f;
-      e->drawing()->set_losses(losses);
-      e->drawing()->set_losses(mode.losses);
+      engine::EngineParts::drawing(*e)->set_losses(losses);
+      engine::EngineParts::drawing(*e)->set_losses(mode.losses);
     }
     ASSERT_NO_FATAL_FAILURE(expect_told(*engine));
     expect_same(*engine, *really, around(0.3 * step));
@@ -340,19 +341,19 @@ TEST_F(OverridesTest, TransparentItemsCoverNoEnds) {
   auto engine = Engine::create(pipe, configured(CullerChoice::kCpu)),
        really = Engine::create(other, configured(CullerChoice::kCpu));
   ASSERT_TRUE(engine && really);
-  std::size_t covered = engine->joints().count();
+  std::size_t covered = engine::EngineParts::joints(*engine).count();
   ASSERT_EQ(covered, 14u);
   const auto expect_uncovered = [&](std::size_t ends) {
-    EXPECT_EQ(engine->joints().count(), covered -= ends);
+    EXPECT_EQ(engine::EngineParts::joints(*engine).count(), covered -= ends);
     ASSERT_TRUE(really->commit());
-    EXPECT_EQ(really->joints().count(), covered);
+    EXPECT_EQ(engine::EngineParts::joints(*really).count(), covered);
     expect_same(*engine, *really, around(1));
   };
   const ItemId coloured[] = {ItemId{0}, ItemId{3}, ItemId{6}};  // of the first material
   ASSERT_TRUE(engine->set_override(coloured, {.colour = kRed}));
   for (const ItemId item : coloured) other.set_material(item, other.add_material({"", kRed}));
   ASSERT_TRUE(really->rebuild());
-  EXPECT_EQ(engine->joints().count(), covered);
+  EXPECT_EQ(engine::EngineParts::joints(*engine).count(), covered);
   const ItemId clear{1}, gone = ItemId{4};
   ASSERT_TRUE(engine->set_override({&clear, 1}, {.alpha = 0.25f}));
   other.set_material(clear, other.add_material({"", {0.7f, 0.7f, 0.7f}, 0.25f}));

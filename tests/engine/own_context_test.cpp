@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/engine/every_call.h"
 
@@ -269,7 +270,7 @@ TEST(OwnContext, ThePlanTellsWhichContextThereIs) {
       if (entry.feature != "offscreen context") continue;
       ++found;
       EXPECT_TRUE(entry.used);
-      EXPECT_EQ(entry.why, engine->drawing()->report().platform);
+      EXPECT_EQ(entry.why, engine::EngineParts::drawing(*engine)->report().platform);
     }
     EXPECT_EQ(found, 1);
   }

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/drawing_modes.h"
 #include "sightline/tests/engine/drawn_grid.h"
@@ -51,7 +52,7 @@ class Portions : public DrawnGrid, public testing::WithParamInterface<DrawingMod
   int come(Engine& engine, gl::Context& into, const std::function<void(int)>& between = {}) {
     for (int portion = 1; portion < kMostPortions; ++portion) {
       if (between) between(portion);
-      EXPECT_EQ(engine.drawing(), nullptr);
+      EXPECT_EQ(engine::EngineParts::drawing(engine), nullptr);
       const auto done = engine.use_context(into, 0.0);
       if (!done) return 0;
       if (*done) return portion;
@@ -219,7 +220,7 @@ TEST_P(Portions, SurviveTooLittleMemory) {
     EXPECT_FALSE(engine->frame(view(0.0))->drawn);
   }
   EXPECT_GT(failures, 3);
-  if (!engine->drawing()) {
+  if (!engine::EngineParts::drawing(*engine)) {
     ASSERT_GT(come(*engine, *context), 0);
   }
   ASSERT_NO_FATAL_FAILURE(expect_same(*wanted, *engine));

@@ -6,6 +6,7 @@
 
 #include "sightline/core/scene.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/engine/drawing_modes.h"
 
 namespace sightline::tests::scene_parts_test {
@@ -57,7 +58,8 @@ class SceneParts : public DrawnGrid {
   static Image drawn(Engine& engine) {
     const auto report = engine.frame(seen());
     EXPECT_TRUE(report && report->drawn);
-    return {engine.read_colour()->pixels, engine.read_ids()->ids, engine.drawing()->target().read_reversed_depths()};
+    return {engine.read_colour()->pixels, engine.read_ids()->ids,
+            engine::EngineParts::drawing(engine)->target().read_reversed_depths()};
   }
 
   static void put(const Image& part, Image& into) {
@@ -76,7 +78,7 @@ TEST_F(SceneParts, MakeTheImageOfTheWhole) {
   auto whole = Engine::create(scene, config(0, 1));
   ASSERT_TRUE(whole) << whole.error().message;
   const Image expected = drawn(*whole);
-  ASSERT_GT(whole->joints().count(), 500u);
+  ASSERT_GT(engine::EngineParts::joints(*whole).count(), 500u);
   for (const int count : {2, 3, 5, 40}) {
     SCOPED_TRACE(count);
     std::optional<Image> all;
@@ -90,7 +92,8 @@ TEST_F(SceneParts, MakeTheImageOfTheWhole) {
         if (!engine->snapshot().vacant(slot)) seen_items.insert(engine->snapshot().item(slot)), ++items;
       if (!all) all = part;
       put(part, *all);
-      EXPECT_EQ(engine->joints().count(), whole->joints().count());  // ends that another part covers
+      EXPECT_EQ(engine::EngineParts::joints(*engine).count(),
+                engine::EngineParts::joints(*whole).count());  // ends that another part covers
       EXPECT_LT(engine->memory().gpu, whole->memory().gpu);
     }
     EXPECT_EQ(items, whole->snapshot().size() - whole->snapshot().vacant_count());

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
@@ -297,7 +298,7 @@ TEST_F(StreamingTest, TrianglesThatAreGoneMakeRoom) {
       items.push_back(scene.add_mesh_instance(scene.root(), mesh, somewhere()));
     }
     ASSERT_TRUE(engine->commit() && engine->frame(view(0.1 * round)));
-    const auto& meshes = engine->drawing()->scene().meshes();
+    const auto& meshes = engine::EngineParts::drawing(*engine)->scene().meshes();
     const std::size_t bytes = meshes.vertices().size() + meshes.indices().size();
     if (round == 10) settled = bytes;
     if (round > 10) {

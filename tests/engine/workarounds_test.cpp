@@ -1,8 +1,9 @@
-// Each workaround for a faulty driver, forced on, shows what the driver shows without it; kAddBaseVertex stays off, since
-// it would be wrong.
+// Each workaround for a faulty driver, forced on, shows what the driver shows without it; kAddBaseVertex stays off,
+// since it would be wrong.
 #include <gtest/gtest.h>
 
 #include "sightline/culling/gpu/internal/gpu_culler.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
 namespace sightline::tests::workarounds_test {
@@ -41,8 +42,8 @@ class WorkaroundsTest : public DrawnGrid, public testing::WithParamInterface<std
         EXPECT_TRUE(engine) << engine.error().message;
         if (!engine) return all;
         EXPECT_TRUE(draw_complete(*engine, near_view())) << switches;
-        const auto& target = engine->drawing()->target();
-        const auto* gpu = engine->drawing()->gpu_culler();
+        const auto& target = engine::EngineParts::drawing(*engine)->target();
+        const auto* gpu = engine::EngineParts::drawing(*engine)->gpu_culler();
         all.push_back({target.read_colour(), target.read_ids(), target.read_depth(near_view()),
                        gpu ? std::to_string(int(gpu->variant())) : std::string()});
         EXPECT_TRUE(made->take_errors().empty()) << switches;
@@ -74,7 +75,8 @@ TEST_P(WorkaroundsTest, ShowTheSame) {
     EXPECT_EQ(on[i].ids.ids, off[i].ids.ids) << i;
     EXPECT_EQ(on[i].depth.metres, off[i].depth.metres) << i;
     EXPECT_EQ(image::compare(on[i].colour, off[i].colour)->max, 0) << i;
-    EXPECT_GT(std::count_if(on[i].ids.ids.begin(), on[i].ids.ids.end(), [](std::uint32_t id) { return id != 0; }), 4000) << i;
+    EXPECT_GT(std::count_if(on[i].ids.ids.begin(), on[i].ids.ids.end(), [](std::uint32_t id) { return id != 0; }), 4000)
+        << i;
     if (facts.workaround == gl::Workaround::kNoFeedback && !on[i].variant.empty()) {
       EXPECT_EQ(on[i].variant, std::to_string(int(culling::GpuVariant::kCompute)));
     }

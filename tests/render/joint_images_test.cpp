@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/importers/import.h"
 #include "sightline/tests/render/pixel_reference.h"
 #include "sightline/tests/support/effort.h"
@@ -116,7 +117,7 @@ class JointImages : public tests::GlTest {
     ASSERT_TRUE(made) << made.error().message;
     engine_.emplace(std::move(*made));
     const core::Snapshot snapshot(scene);
-    const gpuprims::Joints& joints = engine_->joints();
+    const gpuprims::Joints& joints = engine::EngineParts::joints(*engine_);
     for (core::Slot s = 0; s < snapshot.size(); ++s) {
       if (snapshot.vacant(s)) continue;
       const core::ItemId item = snapshot.item(s);
@@ -211,8 +212,8 @@ class JointImages : public tests::GlTest {
   void check(const View& view, std::span<const View> references, double radius) {
     ASSERT_TRUE(engine_->frame(view));
     engine_->finish();
-    const image::DepthImage depth = engine_->drawing()->target().read_depth(view);
-    const image::IdImage ids = engine_->drawing()->target().read_ids();
+    const image::DepthImage depth = engine::EngineParts::drawing(*engine_)->target().read_depth(view);
+    const image::IdImage ids = engine::EngineParts::drawing(*engine_)->target().read_ids();
     const std::vector<const Solid*> near = solids_in(view);
     std::vector<Pixel> expected;
     for (const View& as : references)
@@ -347,15 +348,15 @@ TEST_F(JointImages, TheSameAsWithAllEndsDrawn) {
     for (const View& view : views) {
       EXPECT_TRUE(engine_->frame(view));
       engine_->finish();
-      out.push_back(engine_->drawing()->target().read_depth(view).metres);
+      out.push_back(engine::EngineParts::drawing(*engine_)->target().read_depth(view).metres);
     }
     return out;
   };
-  ASSERT_GT(engine_->joints().count(), 0u);
+  ASSERT_GT(engine::EngineParts::joints(*engine_).count(), 0u);
   const auto hidden = images();
   for (const Solid& s : solids_) scene.set_placement(s.item, scene.placement(s.item));
   ASSERT_TRUE(engine_->commit());
-  ASSERT_EQ(engine_->joints().count(), 0u);
+  ASSERT_EQ(engine::EngineParts::joints(*engine_).count(), 0u);
   const auto drawn = images();
   int differing = 0, shown = 0;
   for (std::size_t v = 0; v < views.size(); ++v)
@@ -406,7 +407,7 @@ TEST_F(JointImages, NoRayPassesBetweenEndsThatAreNotDrawn) {
   ASSERT_TRUE(engine_->frame(
       *View::orthographic({middle + dvec3(5, 1, 0), middle, {0, 0, 1}}, 4.0 * kGap, kAspect, 0.1, 20.0)));
   engine_->finish();
-  const image::IdImage ids = engine_->drawing()->target().read_ids();
+  const image::IdImage ids = engine::EngineParts::drawing(*engine_)->target().read_ids();
   EXPECT_EQ(std::count(ids.ids.begin(), ids.ids.end(), 0u), 0);
   EXPECT_EQ(ids.ids.front(), 2u);
   EXPECT_EQ(ids.ids.back(), 1u);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::multisample_test {
@@ -31,8 +32,8 @@ class Multisample : public tests::GlTest {
     EXPECT_TRUE(engine) << engine.error().message;
     EXPECT_TRUE(engine->frame(view));
     engine->finish();
-    EXPECT_TRUE(engine->drawing()->take_gl_errors().empty());
-    return engine->drawing()->target().read_colour();
+    EXPECT_TRUE(engine::EngineParts::drawing(*engine)->take_gl_errors().empty());
+    return engine::EngineParts::drawing(*engine)->target().read_colour();
   }
 
   static View look(double distance = 4.0) {

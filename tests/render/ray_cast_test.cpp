@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
 
@@ -43,7 +44,7 @@ class RayCast : public tests::GlTest {
     ASSERT_TRUE(engine) << engine.error().message;
     ASSERT_TRUE(engine->frame(view));
     engine->finish();
-    const render::RenderTarget& target = engine->drawing()->target();
+    const render::RenderTarget& target = engine::EngineParts::drawing(*engine)->target();
     const tests::Image image{view, target.read_colour(), target.read_depth(view), target.read_ids(), {}};
     const tests::Compared compared =
         tests::compare(image, tests::look_at({&shape, 1}, view, kWidth, kHeight), {2e-5, 0.0});

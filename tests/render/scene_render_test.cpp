@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/tests/support/gl_test.h"
 
@@ -16,7 +17,7 @@ namespace {
 bool draw_all(engine::Engine& engine, const core::View& view, const core::VisibleSet& all) {
   engine::Frame frame{view, view, engine.snapshot()};
   frame.all = false;
-  return engine.drawing()->draw(frame, all).has_value();
+  return engine::EngineParts::drawing(engine)->draw(frame, all).has_value();
 }
 
 using core::Affine;
@@ -52,7 +53,7 @@ class SceneRender : public tests::GlTest {
   /// What was drawn last.
   static Image image_of(engine::Engine& engine, const View& view) {
     engine.finish();
-    const render::RenderTarget& target = engine.drawing()->target();
+    const render::RenderTarget& target = engine::EngineParts::drawing(engine)->target();
     return {target.read_colour(), target.read_ids(), target.read_depth(view), {}};
   }
   static Image take(engine::Engine& engine, const View& view) {
@@ -188,7 +189,7 @@ TEST_F(SceneRender, TheGpuCullerWorksWithoutDrawing) {
     ASSERT_TRUE(late);
     EXPECT_EQ(late->visible, cpu.frame(view)->visible);
   }
-  EXPECT_EQ(gpu.drawing()->target().width(), 0);
+  EXPECT_EQ(engine::EngineParts::drawing(gpu)->target().width(), 0);
 }
 
 TEST_F(SceneRender, UnculledDrawingShowsTheSame) {
@@ -378,7 +379,7 @@ TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
     EXPECT_TRUE(draw_all(engine, view, all));
     engine.finish();
-    const image::IdImage image = engine.drawing()->target().read_ids();
+    const image::IdImage image = engine::EngineParts::drawing(engine)->target().read_ids();
     return std::set<std::uint32_t>(image.ids.begin(), image.ids.end());
   };
   for (core::ItemId item{0}; to_index(item) < scene.item_slots(); item = core::ItemId{to_index(item) + 2})

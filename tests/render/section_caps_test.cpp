@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
 
@@ -154,7 +155,7 @@ TEST_F(SectionCaps, FollowEditsAndSizes) {
     for (int frame = 0; frame < 2; ++frame) {  // what the first leaves behind is not counted in the second
       ASSERT_TRUE(engine->frame(view));
       engine->finish();
-      const render::RenderTarget& target = engine->drawing()->target();
+      const render::RenderTarget& target = engine::EngineParts::drawing(*engine)->target();
       const Image image{view, target.read_colour(), target.read_depth(view), target.read_ids(), {}};
       EXPECT_GT(compare(image, look_at(boxes, view, width, height), kTolerance).cut, 50);
     }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/raytrace/tracer.h"
 #include "sightline/tests/render/pixel_reference.h"
 #include "sightline/tests/support/gl_test.h"
@@ -162,7 +163,7 @@ TEST_F(SectionFaces, AreWholeInThePlane) {
       const View view = random_view(site, random);
       ASSERT_TRUE(engine->frame(view));
       engine->finish();
-      compare(site, view, *tracer, engine->drawing()->target(), of_site);
+      compare(site, view, *tracer, engine::EngineParts::drawing(*engine)->target(), of_site);
     }
     EXPECT_EQ(of_site.traced, 0) << "of " << of_site.pixels;
     EXPECT_EQ(of_site.drawn, 0) << "of " << of_site.pixels;

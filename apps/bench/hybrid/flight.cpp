@@ -7,6 +7,7 @@
 #include "sightline/apps/bench/harness.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 
 namespace sightline::bench {
 namespace {
@@ -68,8 +69,8 @@ void Pilot::fly(std::span<const core::View> views, int lead_in) {
 
 HybridFlight Pilot::land() && {
   HybridFlight flight{std::move(frames_), 0, 0, {}, std::string(name_of(engine_.plan().culler))};
-  if (engine_.drawing() && engine_.drawing()->gpu_culler())
-    flight.gpu_variant = culling::name_of(engine_.drawing()->gpu_culler()->variant());
+  if (engine::EngineParts::drawing(engine_) && engine::EngineParts::drawing(engine_)->gpu_culler())
+    flight.gpu_variant = culling::name_of(engine::EngineParts::drawing(engine_)->gpu_culler()->variant());
   if (const culling::Controller* controller = engine_.controller()) {
     flight.switches = controller->switches();
     flight.probes = controller->probes();

@@ -175,7 +175,7 @@ void measure_surfaces(Subject& subject, const Rule& rule, const core::View& view
   const engine::EngineConfig config = subject.engine().config();
   for (const double ratio :
        bound_tightness(view, config.width, config.height, rule.threshold, subject.engine().snapshot(),
-                       subject.visible(), subject.engine().drawing()->scene().meshes()))
+                       subject.visible(), engine::EngineParts::drawing(subject.engine())->scene().meshes()))
     measures["tightness"].push_back(ratio);
 }
 
@@ -227,7 +227,7 @@ core::Expected<int> run(const Options& o) {
                          "processor time a frame, ms", "flip/mean",          "FLIP, mean"};
     need(write_plot(plot, {panel_of(name, rows, plot)}));
   }
-  const gl::Context& context = forms.model().engine().drawing()->context();
+  const gl::Context& context = engine::EngineParts::drawing(forms.model().engine())->context();
   Json json = renderer_json(context);
   json.update({{"model", name}, {"size", o.size}, {"frames", o.frames}, {"passes", o.passes}, {"rules", rows}});
   return finish(o.json, json, [&](const Json&, std::FILE* out) {

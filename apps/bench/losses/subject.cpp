@@ -7,6 +7,7 @@
 #include "sightline/apps/common/need.h"
 #include "sightline/culling/occlusion/contribution.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/engine/internal/rebuild.h"
 #include "sightline/lod/mesh_levels.h"
 
@@ -33,13 +34,13 @@ Subject::Subject(core::Scene& scene, const Config& config, const LevelChain* cha
       lines_(engine::slots_of_lines(engine_.snapshot())) {}
 
 bool Subject::has_levels() {
-  const auto meshes = engine_.drawing()->scene().meshes().meshes();
+  const auto meshes = engine::EngineParts::drawing(engine_)->scene().meshes().meshes();
   return std::ranges::any_of(meshes, [](const auto& mesh) { return lod::needs_levels(*mesh); });
 }
 
 core::Expected<Took> Subject::draw(const Rule& rule, const core::View& view) {
   using Measure = Rule::Measure;
-  engine::Drawing& drawing = *engine_.drawing();
+  engine::Drawing& drawing = *engine::EngineParts::drawing(engine_);
   const core::Snapshot& snapshot = engine_.snapshot();
   const render::RenderTarget& target = drawing.target();
   drawing.set_losses(rule.losses());

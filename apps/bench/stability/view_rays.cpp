@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 
 namespace sightline::bench {
 namespace {
@@ -110,8 +111,8 @@ core::Expected<CaseErrors> ViewRays::judge_image(const ViewCase& c, int rays) {
   if (!view) return tl::unexpected(view.error());
   if (const auto drawn = engine->frame(*view); !drawn) return tl::unexpected(drawn.error());
   engine->finish();
-  const image::DepthImage depth = engine->drawing()->target().read_depth(*view);
-  const image::IdImage ids = engine->drawing()->target().read_ids();
+  const image::DepthImage depth = engine::EngineParts::drawing(*engine)->target().read_depth(*view);
+  const image::IdImage ids = engine::EngineParts::drawing(*engine)->target().read_ids();
 
   const dmat3 world_from_eye = glm::transpose(dmat3(view->eye_from_world()));
   std::vector<Sample> samples;

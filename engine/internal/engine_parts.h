@@ -1,0 +1,23 @@
+// Parts of an engine that tests and measurements of this library read, and applications have no use for. Not installed.
+#pragma once
+
+#include "sightline/engine/engine.h"
+
+namespace sightline::gpuprims {
+class Joints;
+}
+
+namespace sightline::engine {
+
+class Drawing;
+
+class EngineParts {
+ public:
+  /// The half that needs GL. Null when nothing needs GL, and while the context is lost. An engine's own context is then
+  /// current and stays so.
+  static Drawing* drawing(Engine& engine);
+  /// The covered ends that are not drawn.
+  static const gpuprims::Joints& joints(const Engine& engine);
+};
+
+}  // namespace sightline::engine
