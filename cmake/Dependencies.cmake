@@ -87,8 +87,8 @@ if(SIGHTLINE_GL)
   sightline_need(SIGHTLINE_GL fmt_FOUND "fmt not found")
 endif()
 
+find_program(SIGHTLINE_PYTHON3 NAMES python3 python)
 if(SIGHTLINE_CAPI)
-  find_program(SIGHTLINE_PYTHON3 NAMES python3 python)
   sightline_need(SIGHTLINE_CAPI SIGHTLINE_PYTHON3 "no python3 found, which writes the header")
 endif()
 

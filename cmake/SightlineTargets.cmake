@@ -19,7 +19,6 @@ set(CMAKE_UNITY_BUILD_BATCH_SIZE ${SIGHTLINE_UNITY_BATCH})
 
 # Writes a file that settings of engines are a part of: cmake/settings.py fills a template, whenever CMake runs.
 function(sightline_fill_settings template file)
-  find_program(SIGHTLINE_PYTHON3 NAMES python3 python REQUIRED)
   set(script ${SIGHTLINE_CHECKOUT}/cmake/settings.py)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${script} ${template}
     ${SIGHTLINE_CHECKOUT}/engine/internal/settings.inc ${SIGHTLINE_CHECKOUT}/importers/internal/settings.inc)

@@ -315,6 +315,8 @@ class SIGHTLINE_API Scene {
   std::uint32_t store(Kind kind, const float* values);
   class NewPlaces;
   void make_room_for(const Scene& other);
+  void append_nodes(const Scene& other, const NewPlaces& nodes, const NewPlaces& items, const NewPlaces& materials);
+  void append_shared(Scene& other, const NewPlaces& meshes, const NewPlaces& materials);
   void append_items(const Scene& other, const NewPlaces& nodes, const NewPlaces& items, const NewPlaces& meshes,
                     const NewPlaces& materials);
 

@@ -13,8 +13,8 @@ namespace sightline::core {
 /// Whether this scene is nothing but a root, so that append() can take the arrays instead of copying them.
 bool Scene::takes_over(NodeId parent, const Scene& other) const {
   const bool bare = parent == root_ && nodes_.size() == 1 && items_.empty() && parameters_.empty() && meshes_.empty() &&
-                    materials_.empty() && names_.empty() && attributes_.empty() &&
-                    stored_attributes_ == nullptr && removed_items_.empty();
+                    materials_.empty() && names_.empty() && attributes_.empty() && stored_attributes_ == nullptr &&
+                    removed_items_.empty();
   return bare && this != &other;
 }
 
@@ -145,6 +145,43 @@ void Scene::append_items(const Scene& other, const NewPlaces& nodes, const NewPl
   }
 }
 
+void Scene::append_nodes(const Scene& other, const NewPlaces& nodes, const NewPlaces& items,
+                         const NewPlaces& materials) {
+  const auto names = std::uint32_t(names_.size());
+  for (std::uint32_t i = 1; i < other.nodes_.size(); ++i) {
+    const std::uint32_t place = nodes(i);
+    Node node = other.nodes_[i];
+    for (std::uint32_t* index : {&node.parent, &node.first_child, &node.last_child, &node.next, &node.previous})
+      *index = nodes(*index);
+    node.first_item = items(node.first_item), node.last_item = items(node.last_item);
+    node.material = materials(node.material);
+    node.name_offset += names;
+    if (place < nodes_.size()) node.generation = nodes_[place].generation;
+    put(nodes_, place, node);
+  }
+}
+
+void Scene::append_shared(Scene& other, const NewPlaces& meshes, const NewPlaces& materials) {
+  for (std::uint32_t i = 0; i < other.meshes_.size(); ++i) {
+    auto mesh = other.mesh_table_.list().share(i);
+    if (meshes(i) == mesh_table_.size())
+      mesh_table_.push_back(std::move(mesh));
+    else
+      mesh_table_.set(meshes(i), std::move(mesh));
+    MeshEntry entry = other.meshes_[i];
+    if (entry.generation != kNone) entry.generation = generation_;
+    put(meshes_, meshes(i), entry);
+  }
+  for (std::uint32_t i = 0; i < other.materials_.size(); ++i) {
+    MaterialEntry& entry = other.materials_[i];
+    if (entry.generation != kNone) entry.generation = generation_;
+    put(materials_, materials(i), std::move(entry));
+    dirty_materials_.push_back(materials(i));
+  }
+  for (const std::uint32_t mesh : other.removed_meshes_) removed_meshes_.push_back(meshes(mesh));
+  for (const std::uint32_t material : other.removed_materials_) removed_materials_.push_back(materials(material));
+}
+
 std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
   assert(other.removed_items_.empty() && other.nodes_[0].first_item == kNoItem);
   other.forget_removed_materials();
@@ -166,37 +203,9 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
     meshes.reuse(other.meshes_.size(), [&] { return free_.meshes.take(); });
     materials.reuse(other.materials_.size(), [&] { return free_.materials.take(); });
   }
-  const auto names = std::uint32_t(names_.size());
-  for (std::uint32_t i = 1; i < other.nodes_.size(); ++i) {
-    const std::uint32_t place = nodes(i);
-    Node node = other.nodes_[i];
-    for (std::uint32_t* index : {&node.parent, &node.first_child, &node.last_child, &node.next, &node.previous})
-      *index = nodes(*index);
-    node.first_item = items(node.first_item), node.last_item = items(node.last_item);
-    node.material = materials(node.material);
-    node.name_offset += names;
-    if (place < nodes_.size()) node.generation = nodes_[place].generation;
-    put(nodes_, place, node);
-  }
+  append_nodes(other, nodes, items, materials);
   append_items(other, nodes, items, meshes, materials);
-  for (std::uint32_t i = 0; i < other.meshes_.size(); ++i) {
-    auto mesh = other.mesh_table_.list().share(i);
-    if (meshes(i) == mesh_table_.size())
-      mesh_table_.push_back(std::move(mesh));
-    else
-      mesh_table_.set(meshes(i), std::move(mesh));
-    MeshEntry entry = other.meshes_[i];
-    if (entry.generation != kNone) entry.generation = generation_;
-    put(meshes_, meshes(i), entry);
-  }
-  for (std::uint32_t i = 0; i < other.materials_.size(); ++i) {
-    MaterialEntry& entry = other.materials_[i];
-    if (entry.generation != kNone) entry.generation = generation_;
-    put(materials_, materials(i), std::move(entry));
-    dirty_materials_.push_back(materials(i));
-  }
-  for (const std::uint32_t mesh : other.removed_meshes_) removed_meshes_.push_back(meshes(mesh));
-  for (const std::uint32_t material : other.removed_materials_) removed_materials_.push_back(materials(material));
+  append_shared(other, meshes, materials);
   names_.insert(names_.end(), other.names_.begin(), other.names_.end());
   dead_name_bytes_ += other.dead_name_bytes_;
   for (auto& [node, list] : other.attributes_)

@@ -83,8 +83,7 @@ void SavedState::save_rasterisation() {
   std::size_t count = 0;
   for_each_unindexed_capability([&](GLenum capability) { enabled_[count++] = gl_.IsEnabled(capability); });
   assert(count <= kMostCapabilities);
-  clip_origin_ = get(GL_CLIP_ORIGIN);
-  clip_depth_ = get(GL_CLIP_DEPTH_MODE);
+  clip_control_ = {get(GL_CLIP_ORIGIN), get(GL_CLIP_DEPTH_MODE)};
   depth_func_ = get(GL_DEPTH_FUNC);
   front_face_ = get(GL_FRONT_FACE);
   cull_face_ = get(GL_CULL_FACE_MODE);
@@ -112,7 +111,7 @@ void SavedState::save_rasterisation() {
 void SavedState::restore_rasterisation() const {
   std::size_t count = 0;
   for_each_unindexed_capability([&](GLenum capability) { (enabled_[count++] ? gl_.Enable : gl_.Disable)(capability); });
-  gl_.ClipControl(GLenum(clip_origin_), GLenum(clip_depth_));
+  gl_.ClipControl(GLenum(clip_control_[0]), GLenum(clip_control_[1]));
   gl_.DepthFunc(GLenum(depth_func_));
   gl_.FrontFace(GLenum(front_face_));
   gl_.CullFace(GLenum(cull_face_));
@@ -141,8 +140,7 @@ void SavedState::restore_rasterisation() const {
 }
 
 void SavedState::save_bindings() {
-  draw_framebuffer_ = get(GL_DRAW_FRAMEBUFFER_BINDING);
-  read_framebuffer_ = get(GL_READ_FRAMEBUFFER_BINDING);
+  framebuffers_ = {get(GL_DRAW_FRAMEBUFFER_BINDING), get(GL_READ_FRAMEBUFFER_BINDING)};
   program_ = get(GL_CURRENT_PROGRAM);
   pipeline_ = get(GL_PROGRAM_PIPELINE_BINDING);
   vertex_array_ = get(GL_VERTEX_ARRAY_BINDING);
@@ -162,8 +160,8 @@ void SavedState::save_bindings() {
 }
 
 void SavedState::restore_bindings() const {
-  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(draw_framebuffer_));
-  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, GLuint(read_framebuffer_));
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffers_[0]));
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, GLuint(framebuffers_[1]));
   gl_.BindTransformFeedback(GL_TRANSFORM_FEEDBACK, GLuint(feedback_));
   gl_.BindProgramPipeline(GLuint(pipeline_));
   gl_.UseProgram(gl_.IsProgram(GLuint(program_)) ? GLuint(program_) : 0);  // one that was deleted in use is gone

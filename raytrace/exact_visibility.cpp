@@ -20,15 +20,23 @@ bool has_bit(std::span<const std::uint64_t> bits, core::Slot slot) {
   return slot / 64 < bits.size() && (bits[slot / 64] >> slot % 64 & 1u) != 0;
 }
 
+struct Samples {
+  const Tracer& tracer;
+  const core::ImageRays& pixels;
+  RayFilter filter;
+  int width, height;                   // pixels
+  std::vector<core::dvec2> positions;  // in each pixel
+  std::span<const std::uint64_t> ignored;
+};
+
 /// Counts the samples of kTile rows of pixels. Returns the first error.
-std::optional<core::Error> count_rows(const Tracer& tracer, const core::ImageRays& pixels, const RayFilter& filter,
-                                      int width, int height, std::span<const core::dvec2> samples, int top,
-                                      std::span<const std::uint64_t> ignored, std::vector<std::uint64_t>& counts) {
+std::optional<core::Error> count_rows(const Samples& samples, int top, std::vector<std::uint64_t>& counts) {
+  const auto& [tracer, pixels, filter, width, height, positions, ignored] = samples;
   std::vector<core::Ray> rays;
   std::vector<FirstHit> hits;
   for (int left = 0; left < width; left += kTile) {
     rays.clear();
-    for (const core::dvec2& at : samples)
+    for (const core::dvec2& at : positions)
       for (int row = top; row < std::min(top + kTile, height); ++row)
         for (int column = left; column < std::min(left + kTile, width); ++column)
           rays.push_back(pixels.through(column + at.x, row + at.y));
@@ -79,8 +87,7 @@ core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::Vi
   const auto pixels = core::ImageRays::create(view, width, height);
   if (!pixels) return tl::unexpected(pixels.error());
   const core::Snapshot& snapshot = tracer_->snapshot();
-  const RayFilter filter = filter_of(view);
-  const std::vector<core::dvec2> positions = sample_positions(samples);
+  const Samples wanted{*tracer_, *pixels, filter_of(view), width, height, sample_positions(samples), ignored};
   std::vector<std::uint64_t> total(snapshot.size());
   std::optional<core::Error> failed;
   std::mutex mutex;  // guards both
@@ -90,7 +97,7 @@ core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::Vi
     std::optional<core::Error> error;
 #pragma omp for schedule(dynamic, 1)
     for (int row = 0; row < height; row += kTile)
-      if (!error) error = count_rows(*tracer_, *pixels, filter, width, height, positions, row, ignored, counts);
+      if (!error) error = count_rows(wanted, row, counts);
     const std::lock_guard held(mutex);
     if (error) failed = error;
     for (std::size_t slot = 0; slot < counts.size(); ++slot) total[slot] += counts[slot];

@@ -151,11 +151,13 @@ void NameIndex::mark(const Field& field, std::size_t text, BitSet& found) {
 
 namespace {
 
-/// Calls candidate(i) for all i from `first` to below `last`, in rising order, with bytes[i + a] == x and
-/// bytes[i + b] == y. 64 places at a time, in a form that compilers turn into vector instructions.
+/// Calls candidate(i) for all i from `first` to below `last`, in rising order, where bytes[i + a] and bytes[i + b] are
+/// as in `text`, which begins at i. 64 places at a time, in a form that compilers turn into vector instructions.
 template <class Candidate>
-void for_candidates(const char* bytes, std::size_t first, std::size_t last, std::size_t a, std::size_t b, char x,
-                    char y, Candidate&& candidate) {
+void for_candidates(const char* bytes, std::size_t first, std::size_t last, std::string_view text,
+                    std::pair<std::size_t, std::size_t> rare, Candidate&& candidate) {
+  const auto [a, b] = rare;
+  const char x = text[a], y = text[b];
   constexpr std::size_t kBlock = 64, kWord = sizeof(std::uint64_t);
   static_assert(std::endian::native == std::endian::little, "the lowest byte of a word is the first in memory");
   std::size_t i = first;
@@ -200,15 +202,14 @@ void NameIndex::scan(const Field& field, const Chunk& chunk, const Needle& needl
   if (end - begin < text.size()) return;
   const char* const bytes = field.bytes.data();
   std::size_t here = chunk.first, done = begin;  // the texts before `done` need no more hits
-  for_candidates(bytes, begin, end - text.size() + 1, needle.rare, needle.rare2, text[needle.rare], text[needle.rare2],
-                 [&](std::size_t i) {
-                   if (i < done || std::memcmp(bytes + i, text.data(), text.size()) != 0) return;
-                   here = last_not_above(field.start, here, i);
-                   const std::size_t text_end = field.start[here + 1];
-                   if (i + text.size() > text_end) return;  // it begins in one text and ends in another
-                   mark(field, here, found);
-                   done = text_end;
-                 });
+  for_candidates(bytes, begin, end - text.size() + 1, text, {needle.rare, needle.rare2}, [&](std::size_t i) {
+    if (i < done || std::memcmp(bytes + i, text.data(), text.size()) != 0) return;
+    here = last_not_above(field.start, here, i);
+    const std::size_t text_end = field.start[here + 1];
+    if (i + text.size() > text_end) return;  // it begins in one text and ends in another
+    mark(field, here, found);
+    done = text_end;
+  });
 }
 
 // --- queries ---------------------------------------------------------------------------------------------------------

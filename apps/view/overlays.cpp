@@ -122,8 +122,9 @@ void box_edges(const Session& session, const Part& part) {
 constexpr float kGripLines = 0.5f, kMarginLines = 0.5f, kLineLines = 0.2f;  // in lines of text
 
 /// Which revision it is, in the upper corner of its half, and not beyond that.
-void name(ImDrawList& list, const char* which, const std::string& file, float begin, float end, float top,
+void name(ImDrawList& list, const char* which, const std::string& file, const std::pair<float, float>& half, float top,
           bool at_end) {
+  const auto [begin, end] = half;
   const float font = ImGui::GetFontSize(), margin = kMarginLines * font, padding = 0.3f * font;
   const float room = end - begin - 2.0f * margin - ImGui::CalcTextSize(which).x;
   const std::string text = which + shortened(file, std::max(0.0f, room));
@@ -276,8 +277,8 @@ void slider_overlay(Workspace& work, const Part& part) {
   }
   if (held) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
   const auto [older, newer] = names_apart(session->changes()->file(), work.files());
-  name(list, "older: ", older, left, x, top, false);
-  name(list, "newer: ", newer, x, right, top, true);
+  name(list, "older: ", older, {left, x}, top, false);
+  name(list, "newer: ", newer, {x, right}, top, true);
 }
 
 void triad_overlay(Workspace& work) {

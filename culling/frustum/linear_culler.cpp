@@ -11,8 +11,10 @@
 namespace sightline::culling {
 
 void cull_slots(const core::ItemBounds& bounds, const CullPlanes& planes, PlaneMask mask, std::uint32_t layers,
-                std::size_t first, std::size_t end, core::VisibleSet& set) {
-  assert(first <= end && end <= bounds.size());
+                core::SlotRange slots, core::VisibleSet& set) {
+  std::size_t first = slots.first;
+  const std::size_t end = first + slots.count;
+  assert(end <= bounds.size());
   if (first == end || (!bounds.uses_layers() && (layers & core::kLayerModel) == 0)) return;
   set.counters.boxes_tested += end - first;
   const ItemTest test = make_item_test(bounds, planes, layers);
@@ -31,7 +33,7 @@ void LinearCuller::cull(const core::View& view, core::VisibleSet& set) const {
   set.clear();
   const CullPlanes planes(view, *bounds_);
   if (planes.nothing_visible()) return;
-  cull_slots(*bounds_, planes, planes.all(), view.layers, 0, bounds_->size(), set);
+  cull_slots(*bounds_, planes, planes.all(), view.layers, {0, std::uint32_t(bounds_->size())}, set);
 }
 
 }  // namespace sightline::culling

@@ -26,10 +26,10 @@ class SIGHTLINE_API LinearCuller {
   const core::ItemBounds* bounds_;
 };
 
-/// Appends the visible slots of first … end - 1 to `set` and counts all of these as tested. The set's present slots
-/// must all lie before them. Groups of kLanes, counted from `first`, that are wholly visible become ranges, other
+/// Appends the visible ones of `slots` to `set` and counts all of these as tested. The set's present slots must all lie
+/// before them. Groups of kLanes, counted from the first, that are wholly visible become ranges, other
 /// visible slots single slots. `layers`: the view's.
 SIGHTLINE_API void cull_slots(const core::ItemBounds& bounds, const CullPlanes& planes, PlaneMask mask,
-                              std::uint32_t layers, std::size_t first, std::size_t end, core::VisibleSet& set);
+                              std::uint32_t layers, core::SlotRange slots, core::VisibleSet& set);
 
 }  // namespace sightline::culling

@@ -58,14 +58,16 @@ class SavedState {
 
   const Functions& gl_;
   std::array<GLboolean, kMostCapabilities> enabled_;
-  GLint clip_origin_, clip_depth_, depth_func_, front_face_, cull_face_, provoking_vertex_, derivative_hint_;
+  std::array<GLint, 2> clip_control_;  // origin, depth mode
+  GLint depth_func_, front_face_, cull_face_, provoking_vertex_, derivative_hint_;
   std::array<GLint, 2> polygon_mode_;
   GLboolean depth_mask_;
   GLfloat line_width_;
   std::array<DrawBuffer, kDrawBuffers> draw_buffers_;
   std::array<std::array<GLint, 6>, kBlended> blending_;
   std::array<ViewportState, kViewports> viewports_;
-  GLint draw_framebuffer_, read_framebuffer_, program_, pipeline_, vertex_array_, feedback_, active_texture_;
+  std::array<GLint, 2> framebuffers_;  // to draw to, to read from
+  GLint program_, pipeline_, vertex_array_, feedback_, active_texture_;
   std::array<GLint, 5> buffers_;  // of kBufferPoints
   std::array<Unit, kTextureUnits> units_;
   std::array<BufferRange, kUniformBlocks> uniform_blocks_;

@@ -269,7 +269,11 @@ std::optional<Coaxial> coaxial(const SolidSurfaces& solid) {
   return found;
 }
 
-Piece ring(const Coaxial& of, double inner, double outer, double low, double high, const dvec3& from, double sweep) {
+/// Radii from inner to outer, heights along the axis from low to high.
+Piece ring(const Coaxial& of, const std::array<double, 2>& radii, const std::array<double, 2>& heights,
+           const dvec3& from, double sweep) {
+  const auto [inner, outer] = radii;
+  const auto [low, high] = heights;
   const double height = high - low;
   Piece piece;
   piece.part.solid_from_primitive =
@@ -312,7 +316,8 @@ Pieces stack(const SolidSurfaces& solid) {
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i < outer.size(); ++i) {
     if (outer[i] <= inner[i]) return std::nullopt;
-    pieces.push_back(ring(*found, inner[i], outer[i], heights[i], heights[i + 1], any_across(axis), core::kFullTurn));
+    pieces.push_back(
+        ring(*found, {inner[i], outer[i]}, {heights[i], heights[i + 1]}, any_across(axis), core::kFullTurn));
   }
   return pieces;
 }
@@ -345,7 +350,7 @@ Pieces sector(const SolidSurfaces& solid) {
   if (sweep <= 0.0) sweep += core::kFullTurn;
   for (const SurfacePatch* cylinder : found->cylinders)
     if (!near(cylinder->area, cylinder->radius * sweep * (heights[1] - heights[0]), kShare)) return std::nullopt;
-  return std::vector{ring(*found, inner, found->first->radius, heights[0], heights[1], from, sweep)};
+  return std::vector{ring(*found, {inner, found->first->radius}, heights, from, sweep)};
 }
 
 // --- boxes and pyramids ----------------------------------------------------------------------------------------------

@@ -415,10 +415,9 @@ core::Expected<void> write_collections(const core::Scene& scene, core::NodeId to
   return CollectionsWriter(scene, options, output, report).run(top);
 }
 
-core::Expected<void> write_collections(const core::Scene& scene, core::NodeId top,
-                                       std::span<const CollectionItem> items, const dvec3& centre,
+core::Expected<void> write_collections(const core::Scene& scene, core::NodeId top, const CollectionPart& part,
                                        const GltfWriteOptions& options, GltfOutput& output, GltfWriteReport& report) {
-  return CollectionsWriter(scene, options, output, report).run(top, items, centre);
+  return CollectionsWriter(scene, options, output, report).run(top, part.items, part.centre);
 }
 
 }  // namespace sightline::importers

@@ -355,6 +355,76 @@ void GltfDocument::take_inflated(std::uint64_t bytes, const std::string& where) 
   inflated_ += bytes;
 }
 
+/// Accessors that get their numbers from a compressed mesh, those of the attributes first, then that of the corners.
+struct GltfDocument::DracoMeshUse {
+  std::vector<std::uint64_t> accessors;
+  std::vector<GltfAccessor> made;
+  std::vector<DracoAttribute> attributes;
+  bool known = true;  // all of them have them already
+};
+
+GltfDocument::DracoMeshUse GltfDocument::draco_use(const Json& primitive, const Json& draco, std::uint64_t view_of,
+                                                   const std::string& where) {
+  const std::string here = fmt::format("{}/extensions/{}", where, kDraco);
+  const Json& attributes = *gltf_find(primitive, "attributes");
+  const std::uint64_t indices = gltf_indices(primitive, where);
+  const Json* ids = gltf_find(draco, "attributes");
+  if (!ids || !ids->is_object()) gltf_fail("{}/attributes: expected an object", here);
+  DracoMeshUse use;
+  const auto want = [&](std::uint64_t accessor, const std::string& from) {
+    GltfAccessor plain = make_accessor(element("accessors", accessor, from));
+    const auto known_view = draco_views_.find(accessor);
+    if (known_view != draco_views_.end() && known_view->second != view_of)
+      gltf_fail("{}: expected accessor {} to be that of one compressed mesh", from, accessor);
+    use.known = use.known && known_view != draco_views_.end();
+    use.accessors.push_back(accessor);
+    use.made.push_back(std::move(plain));
+  };
+  for (const auto& [name, id] : ids->items()) {
+    if (!gltf_find(attributes, name)) continue;
+    const std::uint64_t number = gltf_index(*ids, name, here + "/attributes");
+    want(gltf_index(attributes, name, where + "/attributes"), where + "/attributes/" + name);
+    use.attributes.push_back({std::uint32_t(number), use.made.back().type, use.made.back().components});
+  }
+  if (indices < kImpliedIndices) {
+    want(indices, where + "/indices");
+  } else {
+    use.known = use.known && draco_views_.contains(indices);
+    use.accessors.push_back(indices);
+    use.made.emplace_back();
+  }
+  return use;
+}
+
+void GltfDocument::read_draco(DracoMeshUse use, std::uint64_t view_of, const std::string& here) {
+  const Bytes bytes = view(view_of, here + "/bufferView").bytes;
+  const auto counts = draco_counts(bytes);
+  if (!counts) gltf_fail("{}: {}", here, counts.error().message);
+  constexpr std::uint64_t kBytesPerFace = 12;
+  std::uint64_t bytes_per_vertex = 0;
+  for (const GltfAccessor& accessor : use.made) bytes_per_vertex += accessor.element_bytes();
+  if (counts->faces >= core::kNone || counts->vertices >= core::kNone)
+    gltf_fail("{}: expected counts below {}", here, core::kNone);
+  take_inflated(kBytesPerFace * counts->faces + bytes_per_vertex * counts->vertices, here);
+  auto mesh = decompress_draco(bytes, use.attributes);
+  if (!mesh) gltf_fail("{}: {}", here, mesh.error().message);
+  std::vector<std::byte> corners(mesh->corners.size() * sizeof(std::uint32_t));
+  if (!corners.empty()) std::memcpy(corners.data(), mesh->corners.data(), corners.size());
+  mesh->attributes.push_back(std::move(corners));
+  use.made.back().type = NumberType::kUint32;
+  use.made.back().components = 1;
+  for (std::size_t i = 0; i < use.accessors.size(); ++i) {
+    GltfAccessor& accessor = use.made[i];
+    std::vector<std::byte>& numbers = draco_numbers_[use.accessors[i]] = std::move(mesh->attributes[i]);
+    accessor.data = numbers.data();
+    accessor.stride = accessor.element_bytes();
+    accessor.count = i + 1 < use.accessors.size() ? mesh->vertices : mesh->corners.size();
+    accessor.sparse.reset();
+    draco_views_[use.accessors[i]] = view_of;
+    accessors_[use.accessors[i]] = accessor;
+  }
+}
+
 void GltfDocument::decompress(const Json& primitive, const std::string& where) {
   const Json* extensions = gltf_find(primitive, "extensions");
   const Json* draco = extensions ? gltf_find(*extensions, kDraco) : nullptr;
@@ -367,67 +437,11 @@ void GltfDocument::decompress(const Json& primitive, const std::string& where) {
     if (known && gltf_find((*gltf_find(root_, "accessors"))[positions], "bufferView")) return;
     gltf_fail("{}: {}", here, can.error().message);
   }
-  const std::uint64_t mode = gltf_index(primitive, "mode", where, 4), indices = gltf_indices(primitive, where);
+  const std::uint64_t mode = gltf_index(primitive, "mode", where, 4);
   const std::uint64_t view_of = gltf_index(*draco, "bufferView", here);
   if (mode != 4) gltf_fail("{}: expected triangles (mode 4), found mode {}", here, mode);
-  const Json* ids = gltf_find(*draco, "attributes");
-  if (!ids || !ids->is_object()) gltf_fail("{}/attributes: expected an object", here);
-
-  // Accessors that get their numbers, those of the attributes first.
-  std::vector<std::uint64_t> targets;
-  std::vector<GltfAccessor> made;
-  std::vector<DracoAttribute> wanted;
-  bool all_known = true;
-  const auto want = [&](std::uint64_t accessor, const std::string& from) {
-    GltfAccessor plain = make_accessor(element("accessors", accessor, from));
-    const auto known_view = draco_views_.find(accessor);
-    if (known_view != draco_views_.end() && known_view->second != view_of)
-      gltf_fail("{}: expected accessor {} to be that of one compressed mesh", from, accessor);
-    all_known = all_known && known_view != draco_views_.end();
-    targets.push_back(accessor);
-    made.push_back(std::move(plain));
-  };
-  for (const auto& [name, id] : ids->items()) {
-    if (!gltf_find(*attributes, name)) continue;
-    const std::uint64_t number = gltf_index(*ids, name, here + "/attributes");
-    want(gltf_index(*attributes, name, where + "/attributes"), where + "/attributes/" + name);
-    wanted.push_back({std::uint32_t(number), made.back().type, made.back().components});
-  }
-  if (indices < kImpliedIndices) {
-    want(indices, where + "/indices");
-  } else {
-    all_known = all_known && draco_views_.contains(indices);
-    targets.push_back(indices);
-    made.emplace_back();
-  }
-  if (all_known) return;
-
-  const Bytes bytes = view(view_of, here + "/bufferView").bytes;
-  const auto counts = draco_counts(bytes);
-  if (!counts) gltf_fail("{}: {}", here, counts.error().message);
-  constexpr std::uint64_t kBytesPerFace = 12;
-  std::uint64_t bytes_per_vertex = 0;
-  for (const GltfAccessor& accessor : made) bytes_per_vertex += accessor.element_bytes();
-  if (counts->faces >= core::kNone || counts->vertices >= core::kNone)
-    gltf_fail("{}: expected counts below {}", here, core::kNone);
-  take_inflated(kBytesPerFace * counts->faces + bytes_per_vertex * counts->vertices, here);
-  auto mesh = decompress_draco(bytes, wanted);
-  if (!mesh) gltf_fail("{}: {}", here, mesh.error().message);
-  std::vector<std::byte> corners(mesh->corners.size() * sizeof(std::uint32_t));
-  if (!corners.empty()) std::memcpy(corners.data(), mesh->corners.data(), corners.size());
-  mesh->attributes.push_back(std::move(corners));
-  made.back().type = NumberType::kUint32;
-  made.back().components = 1;
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    GltfAccessor& accessor = made[i];
-    std::vector<std::byte>& numbers = draco_numbers_[targets[i]] = std::move(mesh->attributes[i]);
-    accessor.data = numbers.data();
-    accessor.stride = accessor.element_bytes();
-    accessor.count = i + 1 < targets.size() ? mesh->vertices : mesh->corners.size();
-    accessor.sparse.reset();
-    draco_views_[targets[i]] = view_of;
-    accessors_[targets[i]] = accessor;
-  }
+  if (DracoMeshUse use = draco_use(primitive, *draco, view_of, where); !use.known)
+    read_draco(std::move(use), view_of, here);
 }
 
 const GltfAccessor& GltfDocument::accessor(std::uint64_t index, std::string_view from) {

@@ -60,6 +60,26 @@ bool is_usable(const core::dvec3& p) {
          std::abs(p.z) <= kLargestCoordinate;  // false for NaN
 }
 
+/// Statements that were dropped, replaced or left out.
+struct Notices {
+  Noticed bad_vertices, unusable_faces, small_faces, bad_normals, missing_normals, bad_colours, ignored;
+  Noticed lines_left_out, points_left_out, forms_left_out, unknown;
+
+  void warn(ImportJob& job) const {
+    bad_vertices.warn(job, "vertices that are not three numbers, finite and within 1e36 (decimal points, not commas)");
+    unusable_faces.warn(job, "faces dropped: they have such vertices");
+    small_faces.warn(job, "faces dropped: fewer than 3 corners");
+    bad_normals.warn(job, "normals that are no direction: faces have their own there");
+    missing_normals.warn(job, "corners with a normal that does not exist: faces have their own there");
+    bad_colours.warn(job, "colours of vertices that are not three finite numbers left out");
+    ignored.warn(job, "vertices with something behind their coordinates that is no colour");
+    lines_left_out.warn(job, "statements of lines (l) left out");
+    points_left_out.warn(job, "statements of points (p) left out");
+    forms_left_out.warn(job, "free-form curves and surfaces or calls left out");
+    unknown.warn(job, "lines left out that begin with no word of the format");
+  }
+};
+
 class ObjParser {
  public:
   ObjParser(ImportJob& job, std::string_view text, const std::filesystem::path& path)
@@ -76,7 +96,7 @@ class ObjParser {
     if (model_.positions.empty())
       return core::fail(
           fmt::format("{}: not an OBJ file: expected vertex statements ('v x y z'), found none", job_.file()));
-    tell();
+    noticed_.warn(job_);
     return add_to_scene(job_, model_, libraries_);
   }
 
@@ -126,13 +146,13 @@ class ObjParser {
 
   void content_left_out(std::string_view keyword) {
     if (keyword == "l")
-      lines_left_out_.add(lines_);
+      noticed_.lines_left_out.add(lines_);
     else if (keyword == "p")
-      points_left_out_.add(lines_);
+      noticed_.points_left_out.add(lines_);
     else if (keyword == "curv" || keyword == "curv2" || keyword == "surf" || keyword == "call")
-      forms_left_out_.add(lines_, keyword);
+      noticed_.forms_left_out.add(lines_, keyword);
     else if (!means_nothing_here(keyword))
-      unknown_.add(lines_, keyword);
+      noticed_.unknown.add(lines_, keyword);
   }
 
   /// Smoothing, display and what belongs to free-form shapes.
@@ -150,7 +170,7 @@ class ObjParser {
     for (int i = 0; i < 3; ++i) words.number(p[i]);
     if (!is_usable(p)) {
       p = core::dvec3(std::numeric_limits<double>::quiet_NaN());  // which tells its faces
-      bad_vertices_.add(lines_, trimmed(rest));
+      noticed_.bad_vertices.add(lines_, trimmed(rest));
     }
     model_.positions.push_back(p);
     behind_position(words, rest);
@@ -164,13 +184,13 @@ class ObjParser {
     if (count >= 3)
       colour({more[0], more[1], more[2]}, rest);
     else if (count == 2 || (count == 1 && std::isnan(more[0])))
-      ignored_.add(lines_, trimmed(rest));
+      noticed_.ignored.add(lines_, trimmed(rest));
   }
 
   void colour(const core::vec3& channels, std::string_view rest) {
     constexpr float kAbsent = std::numeric_limits<float>::quiet_NaN();
     const bool bad = !core::is_finite(core::dvec3(channels));
-    if (bad) bad_colours_.add(lines_, trimmed(rest));
+    if (bad) noticed_.bad_colours.add(lines_, trimmed(rest));
     model_.colours.resize(model_.positions.size(), core::vec3(kAbsent));
     if (!bad) model_.colours.back() = channels;
   }
@@ -182,7 +202,7 @@ class ObjParser {
     const core::vec3 direction(n);
     const double length = glm::length(core::dvec3(direction));
     const bool good = length > 0.0 && std::isfinite(length);
-    if (!good) bad_normals_.add(lines_, trimmed(rest));
+    if (!good) noticed_.bad_normals.add(lines_, trimmed(rest));
     model_.normals.push_back(good ? direction : core::vec3(0.0f));
   }
 
@@ -194,13 +214,13 @@ class ObjParser {
       const auto written = corner_of(word);
       const auto position = resolve(written ? written->position : 0, model_.positions.size());
       if (!position) return bad_corner(word);
-      if (bad_vertices_.count > 0) usable = usable && is_usable(model_.positions[*position]);
+      if (noticed_.bad_vertices.count > 0) usable = usable && is_usable(model_.positions[*position]);
       corners_.push_back({*position, normal_of(*written, word)});
     }
     if (corners_.size() < 3)
-      small_faces_.add(lines_, trimmed(rest));
+      noticed_.small_faces.add(lines_, trimmed(rest));
     else if (!usable)
-      unusable_faces_.add(lines_);
+      noticed_.unusable_faces.add(lines_);
     else
       add_face();
   }
@@ -221,10 +241,10 @@ class ObjParser {
     if (corner.normal == 0 && !corner.wrong_normal) return core::kNone;
     const auto normal = resolve(corner.wrong_normal ? 0 : corner.normal, model_.normals.size());
     if (!normal) {
-      missing_normals_.add(lines_, word);
+      noticed_.missing_normals.add(lines_, word);
       return core::kNone;
     }
-    const bool bad = bad_normals_.count > 0 && model_.normals[*normal] == core::vec3(0.0f);
+    const bool bad = noticed_.bad_normals.count > 0 && model_.normals[*normal] == core::vec3(0.0f);
     return bad ? core::kNone : *normal;
   }
 
@@ -281,22 +301,6 @@ class ObjParser {
     return number;
   }
 
-  /// Lists what was dropped, replaced or left out.
-  void tell() {
-    bad_vertices_.warn(job_,
-                       "vertices that are not three numbers, finite and within 1e36 (decimal points, not commas)");
-    unusable_faces_.warn(job_, "faces dropped: they have such vertices");
-    small_faces_.warn(job_, "faces dropped: fewer than 3 corners");
-    bad_normals_.warn(job_, "normals that are no direction: faces have their own there");
-    missing_normals_.warn(job_, "corners with a normal that does not exist: faces have their own there");
-    bad_colours_.warn(job_, "colours of vertices that are not three finite numbers left out");
-    ignored_.warn(job_, "vertices with something behind their coordinates that is no colour");
-    lines_left_out_.warn(job_, "statements of lines (l) left out");
-    points_left_out_.warn(job_, "statements of points (p) left out");
-    forms_left_out_.warn(job_, "free-form curves and surfaces or calls left out");
-    unknown_.warn(job_, "lines left out that begin with no word of the format");
-  }
-
   ImportJob& job_;
   StatementLines lines_;
   MaterialLibraries libraries_;
@@ -311,8 +315,7 @@ class ObjParser {
   bool object_begins_ = false;                               // no face since its statement
   std::vector<Corner> corners_;                              // of one face
   core::Expected<void> refused_;
-  Noticed bad_vertices_, unusable_faces_, small_faces_, bad_normals_, missing_normals_, bad_colours_, ignored_;
-  Noticed lines_left_out_, points_left_out_, forms_left_out_, unknown_;
+  Notices noticed_;
 };
 
 }  // namespace

@@ -174,13 +174,13 @@ void add_column(Stage& stage, Random& random, const dvec3& foot, double radius, 
   const bool tapers = radius > 0.8 && random.chance(0.5);
   const double upper = tapers ? 0.75 * radius : radius;
   stage.branch();
-  add_snout(stage, foot, kUp, skirt, 1.15 * radius, radius);
+  add_snout(stage, foot, kUp, skirt, {1.15 * radius, radius});
   add_dish(stage, foot + skirt * kUp, -kUp, 0.98 * radius, 0.4 * radius);
   const dvec3 base = foot + skirt * kUp, middle = base + 0.6 * shell * kUp, top = base + shell * kUp;
   if (tapers) {
     const double cone = 0.1 * shell;
     add_cylinder(stage, base, middle, radius);
-    add_snout(stage, middle, kUp, cone, radius, upper);
+    add_snout(stage, middle, kUp, cone, {radius, upper});
     add_cylinder(stage, middle + cone * kUp, top, upper);
   } else {
     add_cylinder(stage, base, top, radius);
@@ -251,7 +251,7 @@ void add_pump(Stage& stage, const dvec3& foot, double size) {
   add_box(stage, axis - dvec3(0.45 * size, 0.0, -0.35 * size), dvec3(0.3, 0.25, 0.15) * size);
   add_cylinder(stage, axis - 0.05 * size * kX, axis + 0.3 * size * kX, 0.06 * size);  // shaft
   add_cylinder(stage, axis + 0.3 * size * kX, axis + 0.55 * size * kX, 0.4 * size);   // casing
-  add_snout(stage, axis + 0.55 * size * kX, kX, 0.25 * size, 0.3 * size, 0.15 * size);
+  add_snout(stage, axis + 0.55 * size * kX, kX, 0.25 * size, {0.3 * size, 0.15 * size});
   add_cylinder(stage, axis + 0.8 * size * kX, axis + 0.95 * size * kX, 0.15 * size);
   PipeRun outlet(stage, axis + 0.42 * size * kX + 0.38 * size * kUp, kUp, 0.1 * size);
   outlet.straight(0.3 * size);

@@ -138,11 +138,11 @@ void add_dish(Stage& stage, const dvec3& base, const dvec3& axis, double radius,
   }
 }
 
-void add_snout(Stage& stage, const dvec3& from, const dvec3& direction, double length, double bottom, double top,
+void add_snout(Stage& stage, const dvec3& from, const dvec3& direction, double length, const core::dvec2& radii,
                double offset) {
   Frame frame = frame_along(from, direction);
   frame.origin += 0.5 * (length * direction + offset * frame.axes[0]);
-  stage.add(core::Snout{mm(bottom), mm(top), mm(length), mm(offset), 0, 0, 0, 0, 0}, frame);
+  stage.add(core::Snout{mm(radii.x), mm(radii.y), mm(length), mm(offset), 0, 0, 0, 0, 0}, frame);
 }
 
 void add_ring(Stage& stage, const dvec3& centre, const dvec3& axis, double major, double tube) {
@@ -179,13 +179,13 @@ void PipeRun::turn(const dvec3& to) {
 
 void PipeRun::reduce(double radius, double length, bool eccentric) {
   const double offset = eccentric ? radius - radius_ : 0.0;
-  add_snout(stage_, at_, direction_, length, radius_, radius, offset);
+  add_snout(stage_, at_, direction_, length, {radius_, radius}, offset);
   at_ += length * direction_ + offset * frame_along(at_, direction_).axes[0];
   radius_ = radius;
 }
 
 void PipeRun::cone(double from, double to, double length) {
-  add_snout(stage_, at_, direction_, length, from, to);
+  add_snout(stage_, at_, direction_, length, {from, to});
   at_ += length * direction_;
 }
 

@@ -55,8 +55,8 @@ class Content {
   Content(const core::Scene& scene, core::NodeId top, TileShapes& shapes, GltfOutput& output)
       : scene_(scene), shapes_(shapes), output_(output), parts_(scene, top) {}
 
-  TileCounts write(std::span<const TileItem* const> items, double error, const dvec3& centre) {
-    for (const TileItem* item : items) add(*item, error, centre);
+  TileCounts write(const TileContent& content) {
+    for (const TileItem* item : content.items) add(*item, content.error, content.centre);
     for (const CopyGroup& group : groups_) {
       if (is_worth_instances(group))
         write_instances(group);
@@ -169,9 +169,9 @@ class Content {
 
 }  // namespace
 
-TileCounts write_tile_content(const core::Scene& scene, core::NodeId top, std::span<const TileItem* const> items,
-                              double error, const dvec3& centre, TileShapes& shapes, GltfOutput& output) {
-  return Content(scene, top, shapes, output).write(items, error, centre);
+TileCounts write_tile_content(const core::Scene& scene, core::NodeId top, const TileContent& content,
+                              TileShapes& shapes, GltfOutput& output) {
+  return Content(scene, top, shapes, output).write(content);
 }
 
 }  // namespace sightline::importers

@@ -153,7 +153,8 @@ class TilesWriter {
 
   TileCounts write_triangles(const std::vector<const TileItem*>& items, std::size_t number, GltfOutput& output) {
     shapes_.trim();
-    return write_tile_content(scene_, top_, items, tree_.tiles[number].error, places_[number].centre, shapes_, output);
+    return write_tile_content(scene_, top_, {items, tree_.tiles[number].error, places_[number].centre}, shapes_,
+                              output);
   }
 
   core::Expected<void> write_rows(const std::vector<const TileItem*>& items, std::size_t number, GltfOutput& output) {
@@ -162,7 +163,7 @@ class TilesWriter {
     for (const TileItem* item : items) rows.push_back({item->id, item->node, item->state});
     GltfWriteReport written;
     const GltfWriteOptions options{.tolerance = std::max(options_.tolerance, tile.error), .collections = true};
-    if (auto done = write_collections(scene_, top_, rows, places_[number].centre, options, output, written); !done)
+    if (auto done = write_collections(scene_, top_, {rows, places_[number].centre}, options, output, written); !done)
       return done;
     report_.triangles += written.triangles;
     if (!tile.leaf()) return {};

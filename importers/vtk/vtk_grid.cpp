@@ -91,8 +91,7 @@ vtkSmartPointer<vtkPoints> make_points(vtkDataArray& values) {
 }
 
 vtkSmartPointer<vtkDataSet> make_grid(const VtkFile& file, std::size_t at, vtkPoints* points, vtkCellArray& cells,
-                                      vtkTypeInt64Array& types, vtkTypeInt64Array* faces,
-                                      vtkTypeInt64Array* face_ends) {
+                                      vtkTypeInt64Array& types, const PolyhedraFaces& apart) {
   const vtkIdType count = cells.GetNumberOfCells();
   if (types.GetNumberOfValues() != count)
     file.fail(at, fmt::format("expected a type for each of {} cells, found {}", count, types.GetNumberOfValues()));
@@ -112,10 +111,10 @@ vtkSmartPointer<vtkDataSet> make_grid(const VtkFile& file, std::size_t at, vtkPo
     return grid;
   }
   vtkNew<vtkIdTypeArray> streams, locations;
-  if (faces && face_ends) {
-    for (const vtkTypeInt64 value : values(faces)) streams->InsertNextValue(vtkIdType(value));
+  if (apart.faces && apart.ends) {
+    for (const vtkTypeInt64 value : values(apart.faces)) streams->InsertNextValue(vtkIdType(value));
     vtkTypeInt64 begin = 0;
-    for (const vtkTypeInt64 end : values(face_ends)) {
+    for (const vtkTypeInt64 end : values(apart.ends)) {
       locations->InsertNextValue(end < 0 ? -1 : vtkIdType(begin));
       if (end >= 0) begin = end;
     }

@@ -408,7 +408,7 @@ class LegacyParser {
   vtkSmartPointer<vtkDataObject> assemble() {
     vtkSmartPointer<vtkDataSet> data;
     if (grid_) {
-      data = make_grid(file_, at_, points_, *cells_, static_cast<vtkTypeInt64Array&>(*types_), nullptr, nullptr);
+      data = make_grid(file_, at_, points_, *cells_, static_cast<vtkTypeInt64Array&>(*types_));
     } else {
       auto polygons = vtkSmartPointer<vtkPolyData>::New();
       polygons->SetPoints(points_);

@@ -437,7 +437,7 @@ class XmlReader {
         {"types", cell_count}, {"faces", {}}, {"faceoffsets", cell_count}};
     for (std::size_t i = 0; i < 3 && cell_count > 0; ++i) found[i] = ids(holder, wanted[i].first, wanted[i].second);
     if (!found[0]) found[0] = vtkSmartPointer<vtkTypeInt64Array>::New();
-    auto data = make_grid(file_, piece.begin, all_points, *all_cells, *found[0], found[1], found[2]);
+    auto data = make_grid(file_, piece.begin, all_points, *all_cells, *found[0], {found[1], found[2]});
     attributes(piece, *data, point_count, cell_count);
     return data;
   }

@@ -55,7 +55,8 @@ TEST(FrustumTest, KernelsAnswerLikeSingleBoxes) {
           expected.push_back(core::Slot(i));
       for_each_instruction_set([&] {
         core::VisibleSet set;
-        culling::cull_slots(bounds, planes, mask, core::kLayerModel, first, end, set);
+        culling::cull_slots(bounds, planes, mask, core::kLayerModel, {core::Slot(first), std::uint32_t(end - first)},
+                            set);
         ASSERT_EQ(set.sorted_slots(), expected);
       });
     }

@@ -125,11 +125,9 @@ double measured_error(const MeshLevels& levels, const core::Mesh& mesh, std::uin
 
 }  // namespace
 
-std::vector<double> bound_tightness(const core::View& view, int width, int height, double pixels,
-                                    const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                                    const gpuscene::MeshPool& meshes) {
+std::vector<double> bound_tightness(const lod::ImageError& image, const core::Snapshot& snapshot,
+                                    const core::VisibleSet& visible, const gpuscene::MeshPool& meshes) {
   std::vector<double> ratios;
-  const lod::ImageError image(view, width, height, pixels);
   for (const ShownGroup& shown : some_of(shown_groups(image, snapshot, visible, meshes), kMostGroups)) {
     const MeshLevels& levels = *meshes.levels(gpuscene::GpuScene::record_of(snapshot, shown.slot));
     const double measured = measured_error(levels, snapshot.mesh(shown.slot), shown.group);

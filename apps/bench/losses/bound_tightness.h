@@ -5,17 +5,16 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/gpuscene/internal/mesh_pool.h"
+#include "sightline/lod/internal/cut.h"
 
 namespace sightline::bench {
 
-/// For some of the groups of triangles (lod/mesh_levels.h) that an image within `pixels` shows simplified, evenly
+/// For some of the groups of triangles (lod/mesh_levels.h) that an image shows simplified, evenly
 /// chosen among all of `visible`: the proven error over the largest distance of samples of them from the original
 /// surface.
-std::vector<double> bound_tightness(const core::View& view, int width, int height, double pixels,
-                                    const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                                    const gpuscene::MeshPool& meshes);
+std::vector<double> bound_tightness(const lod::ImageError& image, const core::Snapshot& snapshot,
+                                    const core::VisibleSet& visible, const gpuscene::MeshPool& meshes);
 
 }  // namespace sightline::bench

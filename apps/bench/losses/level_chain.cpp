@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "sightline/lod/internal/cut.h"
 
 #if SIGHTLINE_HAS_MESHOPT
 #include <meshoptimizer.h>
@@ -85,9 +84,8 @@ LevelChain::LevelChain(const core::Scene& scene) : scene_(scene), model_(scene) 
   (void)scene_.commit();  // of items where the model's own are
 }
 
-void LevelChain::choose(const core::View& view, int width, int height, double pixels, const core::VisibleSet& visible,
-                        const core::Snapshot& drawn, core::VisibleSet& chosen) const {
-  const lod::ImageError image(view, width, height, pixels);
+void LevelChain::choose(const lod::ImageError& image, const core::VisibleSet& visible, const core::Snapshot& drawn,
+                        core::VisibleSet& chosen) const {
   chosen.clear();
   chosen.generation = drawn.generation();
   visible.for_each_slot([&](core::Slot slot) {

@@ -9,6 +9,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/lod/internal/cut.h"
 
 namespace sightline::bench {
 
@@ -25,9 +26,9 @@ class LevelChain {
   const std::vector<core::ItemId>& originals() const { return originals_; }
 
   /// Replaces `chosen` by slots of `drawn`, a snapshot of scene(): of each item of `visible`, slots of model(), the
-  /// coarsest level whose estimated error shows as at most so many pixels, wherever in the mesh's box it lies. Sorted.
-  void choose(const core::View& view, int width, int height, double pixels, const core::VisibleSet& visible,
-              const core::Snapshot& drawn, core::VisibleSet& chosen) const;
+  /// coarsest level whose estimated error the image may show, wherever in the mesh's box it lies. Sorted.
+  void choose(const lod::ImageError& image, const core::VisibleSet& visible, const core::Snapshot& drawn,
+              core::VisibleSet& chosen) const;
 
  private:
   struct Level {

@@ -27,6 +27,7 @@
 #include "sightline/apps/common/table.h"
 #include "sightline/core/internal/srgb.h"
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/recognise/internal/recognise.h"
 

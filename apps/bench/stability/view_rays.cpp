@@ -22,9 +22,15 @@ double half_size(const core::AabbD& box) {
   return 0.5 * glm::length(box.max - box.min);
 }
 
-/// A plain shape at `site`, seen from `distance` radii through a given field of view or one that it fills.
-ViewCase make_case(Kind kind, const char* family, double magnitude, const dvec3& site, double distance, double fovy,
-                   Random& random) {
+struct Seen {
+  dvec3 site{0.0};
+  double distance = 8.0;  // radii
+  double fovy = 0.0;      // 0: the one that the shape fills from there; otherwise the distance follows from it
+};
+
+/// A plain shape, seen as wanted.
+ViewCase make_case(Kind kind, const char* family, double magnitude, const Seen& seen, Random& random) {
+  const auto& [site, distance, fovy] = seen;
   ViewCase c{kind, family, magnitude, {}, {}};
   Image& p = c.image;
   p.primitive = plain_shape(kind, random);
@@ -67,7 +73,7 @@ std::vector<ViewCase> view_cases(std::uint64_t seed) {
     Random random(seed + std::uint64_t(kind));
     for (int e = 1; e <= 8; ++e) {
       const double ratio = std::pow(10.0, e);
-      cases.push_back(make_case(kind, "near-far", ratio, dvec3(0.0), 8.0, 0.0, random));
+      cases.push_back(make_case(kind, "near-far", ratio, {}, random));
       Image& p = cases.back().image;
       // The near and far plane are as far apart as requested, with the item between them.
       const core::AabbD box = core::bounds(p.primitive, p.world_from_item);
@@ -77,12 +83,12 @@ std::vector<ViewCase> view_cases(std::uint64_t seed) {
       p.far = std::max(ratio * p.near, away + 1.05 * size);
     }
     for (const double degrees : {0.01, 0.1, 1.0, 10.0, 45.0, 90.0, 120.0, 150.0, 170.0})
-      cases.push_back(make_case(kind, "field-of-view", degrees, dvec3(0.0), 0.0, degrees * kDegree, random));
+      cases.push_back(make_case(kind, "field-of-view", degrees, {.fovy = degrees * kDegree}, random));
     for (int e = 0; e <= 7; ++e)
       cases.push_back(
-          make_case(kind, "view-offset", std::pow(10.0, e), std::pow(10.0, e) * random.direction(), 8.0, 0.0, random));
+          make_case(kind, "view-offset", std::pow(10.0, e), {.site = std::pow(10.0, e) * random.direction()}, random));
     for (int e = 1; e <= 7; ++e)
-      cases.push_back(make_case(kind, "view-distance", std::pow(10.0, e), dvec3(0.0), std::pow(10.0, e), 0.0, random));
+      cases.push_back(make_case(kind, "view-distance", std::pow(10.0, e), {.distance = std::pow(10.0, e)}, random));
   }
   return cases;
 }

@@ -20,10 +20,13 @@ struct CollectionItem {
   core::Scene::ItemState state;
 };
 
-/// Writes some items, with the nodes above them below `top`. Coordinates
-/// are relative to `centre`. Items without anything to draw are counted as left out.
-core::Expected<void> write_collections(const core::Scene& scene, core::NodeId top,
-                                       std::span<const CollectionItem> items, const core::dvec3& centre,
+struct CollectionPart {
+  std::span<const CollectionItem> items;
+  core::dvec3 centre;  ///< coordinates are relative to it
+};
+
+/// Writes some items, with the nodes above them below `top`. Items without anything to draw are counted as left out.
+core::Expected<void> write_collections(const core::Scene& scene, core::NodeId top, const CollectionPart& part,
                                        const GltfWriteOptions& options, GltfOutput& output, GltfWriteReport& report);
 
 }  // namespace sightline::importers

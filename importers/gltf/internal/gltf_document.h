@@ -128,6 +128,9 @@ class GltfDocument {
   bool is_fallback(const Json& view) const;  ///< of a buffer that stands for compressed data and holds nothing
   std::span<const std::byte> part_of_buffer(const Json& json, const std::string& where);
   void take_inflated(std::uint64_t bytes, const std::string& where);
+  struct DracoMeshUse;
+  DracoMeshUse draco_use(const Json& primitive, const Json& draco, std::uint64_t view_of, const std::string& where);
+  void read_draco(DracoMeshUse use, std::uint64_t view_of, const std::string& here);
   std::uint64_t allowance() const { return bytes_read_ + inflated_; }
   GltfAccessor make_accessor(const GltfElement& element);
   GltfAccessor::Sparse read_sparse(const Json& json, const GltfAccessor& of, const std::string& where);

@@ -104,8 +104,9 @@ void add_box(Stage& stage, const Frame& frame, const dvec3& size);
 /// Box with the given corners.
 void add_block(Stage& stage, const dvec3& low, const dvec3& high);
 void add_dish(Stage& stage, const dvec3& base, const dvec3& axis, double radius, double height, bool spherical = false);
-/// A snout from `from` along the axis `direction`, except for an eccentric offset along the frame's x.
-void add_snout(Stage& stage, const dvec3& from, const dvec3& direction, double length, double bottom, double top,
+/// A snout from `from` along the axis `direction`, except for an eccentric offset along the frame's x. Radii: at its
+/// bottom and top.
+void add_snout(Stage& stage, const dvec3& from, const dvec3& direction, double length, const core::dvec2& radii,
                double offset = 0.0);
 /// A full ring about `axis` in two halves.
 void add_ring(Stage& stage, const dvec3& centre, const dvec3& axis, double major, double tube);

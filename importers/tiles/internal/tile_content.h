@@ -19,8 +19,13 @@ struct TileCounts {
 /// coordinate.
 inline constexpr double kContentRounding = 4e-6;
 
-/// Writes items, relative to `centre` and turned to y up, as what stands for them within `error`.
-TileCounts write_tile_content(const core::Scene& scene, core::NodeId top, std::span<const TileItem* const> items,
-                              double error, const core::dvec3& centre, TileShapes& shapes, GltfOutput& output);
+/// One file shows items, relative to `centre` and turned to y up, by what stands for them within `error`.
+struct TileContent {
+  std::span<const TileItem* const> items;
+  double error;
+  core::dvec3 centre;
+};
+TileCounts write_tile_content(const core::Scene& scene, core::NodeId top, const TileContent& content,
+                              TileShapes& shapes, GltfOutput& output);
 
 }  // namespace sightline::importers

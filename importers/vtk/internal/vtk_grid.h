@@ -23,10 +23,16 @@ vtkSmartPointer<vtkCellArray> make_cells(const VtkFile& file, std::size_t at, vt
 /// Points of three values each.
 vtkSmartPointer<vtkPoints> make_points(vtkDataArray& values);
 
-/// `types`: one per cell. XML files store the faces of polyhedra apart: `faces` back to back, with a cell's part ending
-/// at face_ends[cell] (-1 for other cells). Without these arrays the points of a polyhedron are its face stream, as in
-/// legacy files: number of faces, then each face's size and points. Cells are not checked here (vtk_surface.h).
+/// XML files store the faces of polyhedra apart: `faces` back to back, with a cell's part ending at ends[cell] (-1 for
+/// other cells). Without these arrays the points of a polyhedron are its face stream, as in legacy files: number of
+/// faces, then each face's size and points.
+struct PolyhedraFaces {
+  vtkTypeInt64Array* faces = nullptr;
+  vtkTypeInt64Array* ends = nullptr;
+};
+
+/// `types`: one per cell. Cells are not checked here (vtk_surface.h).
 vtkSmartPointer<vtkDataSet> make_grid(const VtkFile& file, std::size_t at, vtkPoints* points, vtkCellArray& cells,
-                                      vtkTypeInt64Array& types, vtkTypeInt64Array* faces, vtkTypeInt64Array* face_ends);
+                                      vtkTypeInt64Array& types, const PolyhedraFaces& apart = {});
 
 }  // namespace sightline::importers
