@@ -163,8 +163,7 @@ void add_items(Fitting& fitting, const ItemBounds& items, const AabbD& within, s
                std::uint32_t layers) {
   for (std::size_t slot = 0; slot < items.size(); ++slot) {
     if (items.vacant(slot) || (items.layers(slot) & layers) == 0) continue;
-    const Aabb local = items.box(slot);
-    const AabbD box{items.origin + dvec3(local.min), items.origin + dvec3(local.max)};
+    const AabbD box = items.in_world(items.box(slot));
     const bool inside =
         glm::all(glm::lessThanEqual(within.min, box.min)) && glm::all(glm::lessThanEqual(box.max, within.max));
     if (inside) fitting.add(cut(box, sections));

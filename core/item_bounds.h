@@ -41,6 +41,7 @@ class SIGHTLINE_API ItemBounds {
   void store(std::size_t i, const Aabb& box);
   void set_extent(const Aabb& extent) { extent_ = extent; }
   Aabb box(std::size_t i) const;
+  AabbD in_world(const Aabb& box) const;  ///< of a box relative to `origin`
   bool vacant(std::size_t i) const { return coordinates_[0][i] > coordinates_[3][i]; }
   void set_layers(std::size_t i, std::uint32_t layers);  ///< not 0: to hide an item give it the empty box
   std::uint32_t layers(std::size_t i) const { return layers_.empty() ? std::uint32_t(kLayerModel) : layers_[i]; }
@@ -71,7 +72,6 @@ class SIGHTLINE_API ItemBounds {
   friend class Snapshot;
   void resize_for_overwrite(std::size_t count, bool with_layers);
   bool shown(std::size_t i, std::uint32_t mask) const { return !vacant(i) && (layers(i) & mask) != 0; }
-  AabbD in_world(const Aabb& box) const;
   LargeArray<float> coordinates_[6];
   LargeArray<std::uint32_t> layers_;
   std::size_t size_ = 0;

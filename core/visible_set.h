@@ -20,7 +20,6 @@ struct SlotRange {
 struct CullCounters {
   std::uint64_t nodes_tested = 0;  ///< hierarchy boxes tested against at least one plane
   std::uint64_t boxes_tested = 0;  ///< item boxes tested
-  int levels_walked = 0;           ///< hierarchy levels walked, from the root's down; 0: none
 };
 
 /// The visible slots of one view, not ids of items: Snapshot::item() turns a slot into the item's id. Ranges and single

@@ -10,10 +10,8 @@ namespace {
 using core::dvec3;
 using core::dvec4;
 
-constexpr double kInwards = 1.0 - 1e-6;     // for the rounding of the few operations of each bound
-constexpr double kInverseRounding = 1e-14;  // of sums of three products, relative to their terms
-constexpr double kFacingMargin = 1e-5;      // radians, for rounding and an axis that is not quite of unit length
-constexpr double kGpuRounding = 4e-6;       // of a value that a GPU computes in float, relative to its terms
+constexpr double kInwards = 1.0 - 1e-6;  // for the rounding of the few operations of each bound
+constexpr double kGpuRounding = 4e-6;    // of a value that a GPU computes in float, relative to its terms
 
 dvec4 form_of(const core::Plane& plane) {
   return {plane.normal, plane.offset};
@@ -56,17 +54,6 @@ double least_visible_w(const core::View& view) {
   return clip[0][3] == 0.0 && clip[1][3] == 0.0 ? std::max(0.0, clip[2][3] * z + clip[3][3]) : 0.0;
 }
 
-double norm(const core::dmat3& m) {
-  return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
-}
-
-/// Whether the image is seen from the origin of eye space; or along its -z, for an orthographic view.
-bool is_central(const core::View& view) {
-  const core::dmat4& clip = view.clip_from_eye();
-  const int column = view.orthographic() ? 2 : 3;
-  return clip[column][0] == 0.0 && clip[column][1] == 0.0 && clip[column][3] == 0.0;
-}
-
 }  // namespace
 
 ImageError::ImageError(const core::View& view, int width, int height, double pixels)
@@ -106,39 +93,6 @@ float MeshError::allowed(const core::Aabb& box) const {
 
 bool MeshError::outside(const core::Aabb& box) const {
   return std::ranges::any_of(planes_, [&](const dvec4& plane) { return most(plane, box) < -gpu_rounding(plane, box); });
-}
-
-MeshBacks::MeshBacks(const core::View& view, const core::Affine& world_from_mesh)
-    : parallel_(view.orthographic()), eye_error_(std::numeric_limits<double>::infinity()) {
-  const core::dmat3 &linear = world_from_mesh.linear, inverse = glm::inverse(linear);
-  // Less than 1/2 shows that the true inverse's norm is at most twice this one's.
-  if (!is_central(view) || !(norm(inverse * linear - core::dmat3(1.0)) < 0.25)) return;
-  const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
-  const dvec3 eye = parallel_ ? -dvec3(world_from_eye[2]) : dvec3(world_from_eye[3]);
-  const dvec3 origin = parallel_ ? dvec3(0.0) : world_from_mesh.origin;
-  eye_ = inverse * (eye - origin);
-  const double terms = norm(linear) * glm::length(eye_) + glm::length(origin) + glm::length(eye);
-  const double error = glm::length(linear * eye_ + origin - eye) + kInverseRounding * terms;
-  eye_error_ = 2.0 * norm(inverse) * error;
-  if (!parallel_) return;
-  const double length = glm::length(eye_);
-  eye_ /= length, eye_error_ /= length;
-}
-
-bool MeshBacks::shown_alone(const core::Aabb& box, const NormalCone& cone) const {
-  if (!(cone.spread < 1.0f) || box.empty()) return false;
-  const dvec3 axis(cone.axis);
-  const double spread = double(cone.spread) + kFacingMargin, margin = 2.1 * eye_error_;
-  const auto shows_back = [&](const dvec3& sight) {
-    const double along = glm::dot(axis, sight) - margin;
-    return along >= 0.0 && along * along >= spread * spread * glm::dot(sight, sight);
-  };
-  if (parallel_) return shows_back(eye_);
-  for (int i = 0; i < 8; ++i) {
-    const dvec3 corner(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z);
-    if (!shows_back(corner - eye_)) return false;
-  }
-  return true;
 }
 
 core::AabbD placed_box(const core::Aabb& box, const core::Affine& world_from_mesh, const dvec3& origin) {

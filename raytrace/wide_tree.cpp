@@ -66,7 +66,7 @@ struct Binning {
     size[3] = 0.0f;
     scale = Float4::load(size);
   }
-  void bins(const Box& box, std::int32_t out[4]) const { ((centre_of(box) - origin) * scale).store_whole(out); }
+  void bins(const Box& box, std::int32_t out[4]) const { Float4((centre_of(box) - origin) * scale).store_whole(out); }
 };
 
 Split best_split(std::span<const BoxRef> refs, const Binning& binning, const std::stop_token& stop) {

@@ -4,11 +4,10 @@
 
 #include "sightline/gl/internal/shader_source.h"
 #include "sightline/gpuprims/internal/packing.h"
-#include "sightline/gpuprims/internal/shaders.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/gpuscene/internal/batch_kinds.h"
 #include "sightline/gpuscene/internal/record_commands.h"
-#include "sightline/render/internal/shaders.h"
+#include "sightline/render/internal/renderer.h"
 
 namespace sightline::render {
 
@@ -16,14 +15,12 @@ core::Expected<RayCastProgram> ray_cast_program(core::Kind kind, const RayCastFo
   const gpuscene::BatchKind batch = gpuscene::batch_of(kind);
   if (!gpuscene::is_ray_cast(batch))
     return core::fail("'" + std::string(core::name_of(kind)) + "' is a kind that is not ray-cast");
-  gl::ShaderContext context;
-  context.tables = {shaders(), gpuprims::shaders()};
-  context.defines = gpuscene::batch_kind_defines();
-  for (std::string& define : gpuscene::batch_defines(batch)) context.defines.push_back(std::move(define));
+  const auto cut = format.sections ? Renderer::Cut::kPlain : Renderer::Cut::kNone;
+  gl::ShaderContext context =
+      Renderer::describe_batch(batch, {.normals = format.normals, .samples = format.samples}, cut, Surface::kSolid)
+          .shaders;
+  for (std::string& define : gpuscene::batch_kind_defines()) context.defines.push_back(std::move(define));
   context.defines.emplace_back("PROXY_CORNERS");
-  if (format.normals) context.defines.emplace_back("NORMALS");
-  if (format.sections) context.defines.emplace_back("SECTIONS");
-  if (format.samples > 1) context.defines.push_back("SAMPLES " + std::to_string(format.samples));
   if (format.plain_depth) context.defines.emplace_back("PLAIN_DEPTH");
   const std::string files[] = {"primitive.vert", "primitive.frag"};
   auto vertex = gl::assemble_stage(context, std::span(files).first(1));

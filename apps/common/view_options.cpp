@@ -166,16 +166,15 @@ core::Expected<void> check_sections(const core::View& view, const core::ItemBoun
   core::AabbD bounds;
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (items.vacant(i) || (items.layers(i) & view.layers) == 0) continue;
-    const core::Aabb box = items.box(i);
-    const core::dvec3 low = items.origin + core::dvec3(box.min), high = items.origin + core::dvec3(box.max);
+    const core::AabbD box = items.in_world(items.box(i));
     const auto reaches = [&](const core::Plane& plane) {
-      const core::dvec3 farthest = glm::mix(low, high, glm::greaterThan(plane.normal, core::dvec3(0.0)));
+      const core::dvec3 farthest = glm::mix(box.min, box.max, glm::greaterThan(plane.normal, core::dvec3(0.0)));
       return glm::dot(plane.normal, farthest) + plane.offset >= 0.0;
     };
     if (all ? std::all_of(view.sections.begin(), view.sections.end(), reaches)
             : std::any_of(view.sections.begin(), view.sections.end(), reaches))
       return {};
-    bounds.grow(core::AabbD{low, high});
+    bounds.grow(box);
   }
   if (bounds.empty()) return {};  // without sections there would be nothing, either
   const auto millimetres = [&](const core::dvec3& p) { return 1e-3 * glm::round(1e3 * (p - offset)) + 0.0; };  // no -0

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sightline/bindings/python/get_proc.h"
+#include "sightline/core/internal/store.h"
 
 namespace sightline::python {
 
@@ -17,11 +18,7 @@ EngineBox::EngineBox(ScenePtr scene, engine::EngineConfig config, const py::obje
   core::Expected<void> done;
   {
     const LongCall call({gate_, Use::kWrite}, {scene_->gate, Use::kWrite});
-    auto made = engine::Engine::create(scene_->scene, config, told.function());
-    if (made)
-      engine_ = std::move(*made);
-    else
-      done = tl::unexpected(made.error());
+    done = core::store(engine::Engine::create(scene_->scene, config, told.function()), engine_);
   }
   told.rethrow();
   unwrap(std::move(done));

@@ -10,6 +10,7 @@
 #include "sightline/bindings/python/progress.h"
 #include "sightline/bindings/python/scene.h"
 #include "sightline/bindings/python/values.h"
+#include "sightline/core/internal/store.h"
 #include "sightline/importers/slc/paged_scene.h"
 
 namespace sightline::python {
@@ -31,10 +32,7 @@ class PagedEngineBox {
       auto made = importers::open_paged_scene(path, told.function()).and_then([&](core::PagedScene scene) {
         return PagedEngine::create(std::move(scene), config);
       });
-      if (made)
-        engine_ = std::move(*made);
-      else
-        done = tl::unexpected(made.error());
+      done = core::store(std::move(made), engine_);
     }
     told.rethrow();
     unwrap(std::move(done));

@@ -321,11 +321,8 @@ SIGHTLINE_EXPORT bool sl_scene_boxes(Model* model) {
     for (std::uint32_t i = 0; i < model->scene.item_slots(); ++i) {
       const core::Slot slot = model->snapshot->slot(core::ItemId(i));
       core::AabbD box = empty;
-      if (slot != core::kNone && !model->snapshot->vacant(slot)) {
-        const core::Aabb local = model->snapshot->bounds().box(slot);
-        const core::dvec3& origin = model->snapshot->bounds().origin;
-        box = {core::dvec3(local.min) + origin, core::dvec3(local.max) + origin};
-      }
+      const core::ItemBounds& bounds = model->snapshot->bounds();
+      if (slot != core::kNone && !model->snapshot->vacant(slot)) box = bounds.in_world(bounds.box(slot));
       for (int axis = 0; axis < 3; ++axis) numbers.push_back(box.min[axis]);
       for (int axis = 0; axis < 3; ++axis) numbers.push_back(box.max[axis]);
     }

@@ -93,7 +93,6 @@ void cull_tree(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const
   kernel.traverse(in);
   set.counters.nodes_tested += in.nodes_tested;
   set.counters.boxes_tested += in.boxes_tested;
-  set.counters.levels_walked = in.levels_walked;
 
   const std::size_t leaves = hierarchy.lane_count(0);
   const FoundSlots begin{scratch->items.reserve((leaves + 1) * kLeafSize), scratch->edges.reserve(leaves + 4 * kLanes)};
@@ -116,7 +115,6 @@ void CpuCuller::cull(const core::View& view, core::VisibleSet& set) const {
   // A view of everything needs no walk, whose fixed cost grows with the scene.
   if (!hierarchy_.uses_layers() && planes.remaining(bounds_->extent(), planes.all()) == 0) {
     set.counters.nodes_tested = 1;
-    set.counters.levels_walked = 1;
     set.ranges.push_back({0, hierarchy_.slot_count()});
     return;
   }

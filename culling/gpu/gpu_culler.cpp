@@ -209,12 +209,6 @@ std::size_t GpuCuller::memory_bytes() const {
   return bytes;
 }
 
-std::size_t GpuCuller::bounds_memory_bytes() const {
-  std::size_t bytes = 0;
-  for (const CullBatch& batch : batches_) bytes += batch.bounds.memory_bytes();
-  return bytes;
-}
-
 // --- culling ---------------------------------------------------------------------------------------------------------
 
 core::Expected<void> GpuCuller::prepare(bool for_image, bool occlusion) {

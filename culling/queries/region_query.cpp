@@ -199,8 +199,7 @@ bool holds_mesh(const Region& region, const core::Mesh& mesh, const Affine& plac
 
 bool holds(const Region& region, const core::Snapshot& snapshot, Slot slot, RegionRule rule) {
   const core::ItemBounds& bounds = snapshot.bounds();
-  const core::Aabb relative = bounds.box(slot);
-  const AabbD box{bounds.origin + dvec3(relative.min), bounds.origin + dvec3(relative.max)};
+  const AabbD box = bounds.in_world(bounds.box(slot));
   bool within = true;
   for (const Plane& plane : region.planes()) {
     if (most_in(box, plane) < -region.rounding()) return false;

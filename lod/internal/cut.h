@@ -60,26 +60,6 @@ class MeshError {
   double pixels_, error_per_w_, nearest_;
 };
 
-/// Which triangles of a mesh turn their backs to the eye: for a point a of a triangle, seen along d = a - eye, those of
-/// normals n with n d >= 0. Within a cone about an axis these are all if axis d >= spread |d|. The difference of both
-/// sides is concave in a, so a box fulfils this if its corners do. Everything is in the mesh's own coordinates: a
-/// mirror changes nothing, though it turns what is clockwise in the image. This is exact geometry with a margin of an
-/// angle; of slivers that a GPU's rounding turns over it knows nothing.
-class MeshBacks {
- public:
-  /// Perspective, orthographic and asymmetric views, of which section planes do not count. For other matrices, and
-  /// placements that lose a dimension, nothing is found.
-  MeshBacks(const core::View& view, const core::Affine& world_from_mesh);
-
-  /// Whether all triangles in the box with normals in the cone surely show their backs, or an edge.
-  bool shown_alone(const core::Aabb& box, const NormalCone& cone) const;
-
- private:
-  bool parallel_ = false;
-  core::dvec3 eye_{0.0};  // or, of parallel rays, their direction, of unit length
-  double eye_error_;      // it lies within so much; infinite: not known
-};
-
 /// Around what a GPU draws of a box in a mesh: it computes corners in float. Relative to an origin.
 core::AabbD placed_box(const core::Aabb& box, const core::Affine& world_from_mesh, const core::dvec3& origin);
 

@@ -1,12 +1,13 @@
 // Four floats in one register, for code of every processor.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #if defined(__SSE2__) || defined(_M_X64)
 #include <emmintrin.h>
 #define SIGHTLINE_SSE2 1
+#else
+#include "sightline/raytrace/internal/lanes.h"
 #endif
 
 namespace sightline::raytrace {
@@ -56,54 +57,18 @@ inline Float4 most(Float4 a, Float4 b) {
   return {_mm_max_ps(a.v, b.v)};
 }
 #else
-struct Float4 {
-  float v[4];
-  static Float4 load(const float* a) { return {{a[0], a[1], a[2], a[3]}}; }
-  static Float4 spread(float a) { return {{a, a, a, a}}; }
-  static Float4 of(double x, double y, double z) { return {{float(x), float(y), float(z), 0.0f}}; }
-  void store(float* out) const {
-    for (int i = 0; i < 4; ++i) out[i] = v[i];
+struct Float4 : Lanes<float, 4> {
+  Float4() = default;
+  Float4(const Lanes<float, 4>& lanes) : Lanes(lanes) {}
+  static Float4 of(double x, double y, double z) {
+    const float numbers[] = {float(x), float(y), float(z), 0.0f};
+    return load(numbers);
   }
-  Float4 three() const { return {{v[0], v[1], v[2], 0.0f}}; }
+  Float4 three() const { return of(v[0], v[1], v[2]); }
   void store_whole(std::int32_t* out) const {
     for (int i = 0; i < 4; ++i) out[i] = std::int32_t(v[i]);
   }
 };
-template <class Op>
-Float4 each(Float4 a, Float4 b, Op op) {
-  return {{op(a.v[0], b.v[0]), op(a.v[1], b.v[1]), op(a.v[2], b.v[2]), op(a.v[3], b.v[3])}};
-}
-inline Float4 operator+(Float4 a, Float4 b) {
-  return each(a, b, [](float x, float y) { return x + y; });
-}
-inline Float4 operator-(Float4 a, Float4 b) {
-  return each(a, b, [](float x, float y) { return x - y; });
-}
-inline Float4 operator*(Float4 a, Float4 b) {
-  return each(a, b, [](float x, float y) { return x * y; });
-}
-inline Float4 operator/(Float4 a, Float4 b) {
-  return each(a, b, [](float x, float y) { return x / y; });
-}
-inline Float4 magnitude(Float4 a) {
-  return each(a, a, [](float x, float) { return std::fabs(x); });
-}
-/// Magnitudes of a with the signs of b; a must not have any.
-inline Float4 with_signs(Float4 a, Float4 b) {
-  return each(a, b, [](float x, float y) { return std::copysign(x, y); });
-}
-/// A bit per sign.
-inline unsigned signs(Float4 a) {
-  unsigned bits = 0;
-  for (int i = 0; i < 4; ++i) bits |= unsigned(std::signbit(a.v[i])) << i;
-  return bits;
-}
-inline Float4 least(Float4 a, Float4 b) {
-  return each(a, b, [](float x, float y) { return x < y ? x : y; });
-}
-inline Float4 most(Float4 a, Float4 b) {
-  return each(a, b, [](float x, float y) { return x > y ? x : y; });
-}
 #endif
 
 }  // namespace sightline::raytrace

@@ -53,6 +53,10 @@ class Renderer {
   static core::Expected<Renderer> begin(const gl::Context& context);
   /// Whether the program cache has the program of a kind of batches in views without sections.
   static bool has_cached(const gl::Functions& gl, gpuscene::BatchKind kind, const TargetFormat& format);
+  /// What views have that programs are compiled for.
+  enum class Cut { kNone, kPlain, kHatched };
+  static gl::ProgramDescription describe_batch(gpuscene::BatchKind kind, const TargetFormat& format, Cut cut,
+                                               Surface surface);
   /// The programs of all kinds of batches, formats of targets, views and surfaces.
   static std::vector<gl::PipelineDescription> all_programs();
   core::Expected<bool> advance(const gpuscene::GpuScene& scene, const TargetFormat& format, core::Deadline deadline);
@@ -93,12 +97,8 @@ class Renderer {
   };
   using BatchPrograms = std::array<BatchProgram, gpuscene::kBatchKindCount>;
   static constexpr std::size_t kSurfaces = 3;
-  /// What views have that programs are compiled for.
-  enum class Cut { kNone, kPlain, kHatched };
   static constexpr std::size_t kCuts = 3;
   static gl::ShaderContext shader_context(const TargetFormat& format, Cut cut, Surface surface);
-  static gl::ProgramDescription describe_batch(gpuscene::BatchKind kind, const TargetFormat& format, Cut cut,
-                                               Surface surface);
   /// Programs for a kind of surface, made when first used.
   struct SurfacePrograms {
     std::optional<BatchPrograms> plain, sections;

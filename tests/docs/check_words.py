@@ -30,8 +30,6 @@ RENAMED = {
     r"Squares?|SquareRule|BoxSquares": "point splat; tile or cell",
     r"landings?|k?Landing": "new scene version, swapped in",
     r"coming_?": "incoming",
-    r"for_people\w*": "standard",
-    r"\w*[Rr]ehears\w*": "warm up, warm-up",
 }
 CODE = {".h", ".cpp", ".c", ".inc", ".js", ".mjs", ".glsl", ".vert", ".geom", ".frag", ".comp"}
 # Comments and texts of code, which are left out, and names.

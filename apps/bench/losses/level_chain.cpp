@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-
 #if SIGHTLINE_HAS_MESHOPT
 #include <meshoptimizer.h>
 #endif

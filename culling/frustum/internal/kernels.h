@@ -62,7 +62,6 @@ struct TraversalInput {
   std::uint16_t *inside, *partial, *toggles;
   std::uint32_t* leaf_masks;
   std::uint64_t nodes_tested, boxes_tested;
-  int levels_walked;
 };
 
 /// Where a kernel writes what it finds: single slots, and edges, at which ranges begin and end in turn. Edges are

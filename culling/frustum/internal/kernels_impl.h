@@ -145,9 +145,6 @@ class Traversal {
     for (int i = 1; i < level; ++i) child_nodes_ *= kLanes;
     for (std::uint32_t& count : next_count_) count = 0;
     crossing_count_[1] = 0;
-    std::size_t nodes = crossing_count_[0];
-    for (const std::uint32_t count : plane_count_) nodes += count;
-    if (nodes > 0) in_.levels_walked = in_.level_count - level;
   }
 
   unsigned used_lanes(std::uint32_t node) const { return node + 1 == level_.count ? level_.last_lanes : kAllLanes; }

@@ -139,7 +139,6 @@ class GpuCuller {
   /// "asked for", or what was measured, or why it could not be measured.
   const std::string& why_this_variant() const { return why_this_variant_; }
   std::size_t memory_bytes() const;
-  std::size_t bounds_memory_bytes() const;  ///< of these: boxes of items and clusters
 
  private:
   /// The feedback of one cull() under way.

@@ -99,8 +99,6 @@ class PageStore {
   ResidentPage* find(std::uint32_t page) { return pages_[page].get(); }
   bool failed(std::uint32_t page) const { return failed_[page]; }
   std::size_t on_their_way() const { return loader_.on_their_way(); }
-  /// Whether it asks for no more pages at present.
-  bool is_busy() const { return on_their_way() >= kMostAsked; }
   /// Uploads what was read. `context` must be current. After a failure, what is not uploaded may be asked for again.
   core::Expected<void> take_loaded(const gl::Context& context, std::uint64_t frame);
   /// Asks for pages, first things first, as long as there is room or pages can go: those that were used longest ago,
