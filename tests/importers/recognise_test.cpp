@@ -17,6 +17,7 @@
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/tests/importers/random_recognition.h"
 #include "sightline/tests/importers/triangle_distance.h"
+#include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::importers::recognise_test {
@@ -265,13 +266,16 @@ TEST(Recognise, PlantsComeBackThroughObj) {
   for (const int segments : kSegments) expect_recovered(plant, "plant", segments);
 }
 
+/// Each with one number of segments in turn, or all in a long run.
 TEST(Recognise, RealPlantsComeBackThroughObj) {
+  std::size_t next = 0;
   for (const char* file : {"huldra/HA-PIPE.RVM", "huldra/HA-MECH.RVM", "huldra/WD1-PSUP.RVM"}) {
     SIGHTLINE_NEED_DATA(file);
     SCOPED_TRACE(file);
     core::Scene plant;
     ASSERT_TRUE(import_file(tests::data_path(file), plant, plant.root()));
-    for (const int segments : kSegments) expect_recovered(plant, file, segments);
+    const std::size_t tried = tests::long_run() ? std::size(kSegments) : 1;
+    for (std::size_t i = 0; i < tried; ++i) expect_recovered(plant, file, kSegments[next++ % std::size(kSegments)]);
   }
 }
 
@@ -739,7 +743,7 @@ TEST(Recognise, StepsOfNoHeightAreNoSnouts) {
 
 /// Against many points of the triangles and of the surfaces, under maps that stretch in any direction.
 TEST(Recognise, TheLargestDeviationIsOneBothWays) {
-  for (unsigned seed = 0; seed < 2; ++seed) {
+  for (unsigned seed = 0; seed < (tests::long_run() ? 2u : 1u); ++seed) {
     Random random(seed);
     for (const Primitive& primitive : samples(random))
       for (int shape = 0; shape < 3; ++shape) {
@@ -770,7 +774,7 @@ TEST(Recognise, TheLargestDeviationIsOneBothWays) {
 
 TEST(Recognise, KeepsItsPromisesForAnyMesh) {
   std::uint64_t recognised = 0;
-  for (unsigned seed = 0; seed < 3000; ++seed) {
+  for (unsigned seed = 0; seed < unsigned(tests::repeated(10'000)); ++seed) {
     std::mt19937 engine(seed);
     std::vector<std::uint8_t> bytes(300);
     for (std::uint8_t& byte : bytes) byte = std::uint8_t(engine());
@@ -779,7 +783,7 @@ TEST(Recognise, KeepsItsPromisesForAnyMesh) {
     ASSERT_EQ(tests::check_items(input), "") << "seed " << seed;
     recognised += recognise(input.mesh, input.tolerance).primitives.size();
   }
-  EXPECT_GT(recognised, 1000u);
+  EXPECT_GT(recognised, std::uint64_t(tests::repeated(10'000) / 3));
 }
 
 TEST(Recognise, ManyFacets) {
