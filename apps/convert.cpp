@@ -105,6 +105,22 @@ Json to_json(const apps::ModelOptions& options, const importers::ImportReport& r
           {"warnings", apps::warnings_json(read.warnings)}};
 }
 
+/// Takes the last file as the output: the command line cannot separate it, since a list of files takes all of them.
+core::Expected<void> check(std::string& output, apps::ModelOptions& options, const importers::WriteOptions& writing) {
+  output = std::move(options.files.back());
+  options.files.pop_back();
+  if (auto done = check(output, options.files, writing.tiles); !done) return done;
+  if (!writing.compress && !writing.tiles) return core::fail("--uncompressed: only with --tiles");
+  if (writing.collections && !writing.tiles && importers::lower_case_extension(output) != ".glb" &&
+      importers::lower_case_extension(output) != ".gltf")
+    return core::fail("--collections: expected an output ending in .glb or .gltf, found \"" + output + "\"");
+  if (writing.levels && importers::lower_case_extension(output) != ".slc")
+    return core::fail("--levels: expected an output ending in .slc, found \"" + output + "\"");
+  if (writing.tiles || importers::lower_case_extension(output) == ".slc")
+    options.import.copies = importers::ImportOptions{}.copies;  // as tools read
+  return {};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -135,21 +151,7 @@ int main(int argc, char** argv) {
       .described_as(
           "Model files, then the file to write: .rvm, .obj (with .mtl beside it), .glb, .gltf (with .bin beside it) or "
           ".slc; with --tiles the folder to write");
-  line.check([&]() -> core::Expected<void> {
-    // The last file is the one to write. The command line cannot separate it: a list of files takes all of them.
-    output = std::move(options.files.back());
-    options.files.pop_back();
-    if (auto done = check(output, options.files, writing.tiles); !done) return done;
-    if (!writing.compress && !writing.tiles) return core::fail("--uncompressed: only with --tiles");
-    if (writing.collections && !writing.tiles && importers::lower_case_extension(output) != ".glb" &&
-        importers::lower_case_extension(output) != ".gltf")
-      return core::fail("--collections: expected an output ending in .glb or .gltf, found \"" + output + "\"");
-    if (writing.levels && importers::lower_case_extension(output) != ".slc")
-      return core::fail("--levels: expected an output ending in .slc, found \"" + output + "\"");
-    if (writing.tiles || importers::lower_case_extension(output) == ".slc")
-      options.import.copies = importers::ImportOptions{}.copies;  // as tools read
-    return {};
-  });
+  line.check([&] { return check(output, options, writing); });
   line.add("--tolerance", writing.tolerance,
            "Largest distance of OBJ, glTF and 3D Tiles' triangles from analytic primitives, metres")
       .shows_default()

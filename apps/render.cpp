@@ -56,7 +56,10 @@ struct Options {
   apps::StyleOptions styles;
   gl::ContextPlatform platform = {};
   bool gl_debug = false, mpi = false;
-  double max = -1.0, mean = -1.0, pixels_per_degree = image::kPixelsPerDegree;
+  struct {
+    double max = -1.0, mean = -1.0;  // of 0 to 255; negative: not stated
+  } allowed;
+  double pixels_per_degree = image::kPixelsPerDegree;
 };
 
 void add_output_options(apps::CommandLine& line, Options& o) {
@@ -78,11 +81,11 @@ void add_comparison_options(apps::CommandLine& line, Options& o) {
   const apps::Option compare =
       general.add("--compare", o.reference, "Reference PNG; exit 1 when the image differs by more than:")
           .metavar("FILE");
-  general.add("--max", o.max, "… this in any channel, 0 to 255 (default 0, or any with --mean)")
+  general.add("--max", o.allowed.max, "… this in any channel, 0 to 255 (default 0, or any with --mean)")
       .needs(compare)
       .in_range(0.0, 255.0)
       .accepted_by(apps::parse_finite);
-  general.add("--mean", o.mean, "… this in the mean, 0 to 255 (default 0, or any with --max)")
+  general.add("--mean", o.allowed.mean, "… this in the mean, 0 to 255 (default 0, or any with --max)")
       .needs(compare)
       .in_range(0.0, 255.0)
       .accepted_by(apps::parse_finite);
@@ -197,9 +200,10 @@ bool compare(const Options& o, const image::Image& image, Json& results) {
   auto difference = image::compare(image, reference);
   if (!difference) fail(o.reference + ": " + difference.error().message);
   if (!o.diff.empty()) need(image::write_png(image::difference_image(image, reference), o.diff));
-  const bool only_mean = o.max < 0.0 && o.mean >= 0.0, only_max = o.mean < 0.0 && o.max >= 0.0;
-  const bool same =
-      (only_mean || difference->max <= std::max(0.0, o.max)) && (only_max || difference->mean <= std::max(0.0, o.mean));
+  const bool only_mean = o.allowed.max < 0.0 && o.allowed.mean >= 0.0,
+             only_max = o.allowed.mean < 0.0 && o.allowed.max >= 0.0;
+  const bool same = (only_mean || difference->max <= std::max(0.0, o.allowed.max)) &&
+                    (only_max || difference->mean <= std::max(0.0, o.allowed.mean));
   results["compare"] = {
       {"max", difference->max}, {"mean", difference->mean}, {"pixels", difference->pixels}, {"ok", same}};
   add_metrics(o, reference, image, results["compare"]);

@@ -17,6 +17,7 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/drawn_variant.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
@@ -34,6 +35,7 @@ namespace {
 
 using Json = json::Value;
 using apps::DrawnImage;
+using apps::need;
 using engine::Engine;
 
 constexpr double kFrameSeconds = 1.0 / 30.0;
@@ -42,8 +44,7 @@ constexpr int kStretches = 4;  // of the tour, evenly spaced, that a flight alon
 constexpr int kNear = 2;       // pixels within which an item counts as shown
 
 struct Options {
-  apps::ModelOptions model;
-  std::uint64_t items = 0;
+  ModelOrPlant model;
   int frames = 40, every = 10;
   double budget_ms = 33.0, lod_error = 0.0;
   gl::ContextPlatform platform = {};
@@ -70,8 +71,7 @@ std::vector<std::string> way_names() {
 }
 
 void add_options(apps::CommandLine& line, Options& o) {
-  apps::add_model_options(line, o.model);
-  line.add("--items", o.items, "Items of a generated plant, in place of a model").in_range(1000, 10000000);
+  add_model_or_plant_options(line, o.model);
   add_frames_option(line, o.frames, kStretches);
   line.add("--every", o.every, "Compare every so-manieth frame and the next with the complete image")
       .in_range(2, 1000)
@@ -90,10 +90,6 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.add("--plot", o.plot, "Write a plot of error against time to FILE.svg").metavar("FILE");
   apps::add_context_option(line, o.platform);
   apps::add_json_option(line, o.json);
-  line.check([&o]() -> core::Expected<void> {
-    if (o.model.files.empty() && o.items == 0) return core::fail("MODEL or --items is required");
-    return {};
-  });
   line.examples(
       "  sightline-bench motion plant.rvm --plot motion.svg\n"
       "  sightline-bench motion --items 1000000 --budget 33 --ways budget,complete --images frames");
@@ -198,15 +194,20 @@ Errors errors_of(const DrawnImage& complete, const DrawnImage& moving) {
   return errors;
 }
 
+/// A moving image and the complete one of its view.
+struct Pair {
+  DrawnImage moving, complete;
+};
+
 /// By how much the error of a channel changes from one frame to the next, mean, in 255ths.
-double flicker(const std::array<DrawnImage, 2>& complete, const std::array<DrawnImage, 2>& moving) {
+double flicker(const Pair& before, const Pair& after) {
   double sum = 0.0;
-  const std::size_t channels = complete[0].colour.pixels.size();
+  const std::size_t channels = before.complete.colour.pixels.size();
   for (std::size_t i = 0; i < channels; ++i) {
-    const auto error = [&](std::size_t which) {
-      return int(moving[which].colour.pixels[i]) - int(complete[which].colour.pixels[i]);
+    const auto error = [&](const Pair& pair) {
+      return int(pair.moving.colour.pixels[i]) - int(pair.complete.colour.pixels[i]);
     };
-    sum += std::abs(error(1) - error(0));
+    sum += std::abs(error(after) - error(before));
   }
   return sum / double(channels);
 }
@@ -223,28 +224,27 @@ class Bench {
       : scene_(scene), options_(o), complete_(std::move(complete)) {}
 
   /// Flies with an engine of its own, so that it knows nothing of other flights.
-  core::Expected<Measured> fly(const Flight& flight, const Way& way) {
-    auto moving = make_engine(scene_, options_, &way);
-    if (!moving) return tl::unexpected(moving.error());
+  Measured fly(const Flight& flight, const Way& way) {
+    Engine moving = need(make_engine(scene_, options_, &way));
     // A first frame, of another view, compiles programs.
-    if (auto warm = moving->frame(flight.views.back()); !warm) return tl::unexpected(warm.error());
-    moving->finish();
+    need(moving.frame(flight.views.back()));
+    moving.finish();
     Measured measured;
-    std::array<DrawnImage, 2> images, complete;
+    Pair before;
     for (std::size_t i = 0; i < flight.views.size(); ++i) {
       const double begin = milliseconds();
-      const auto report = moving->frame(flight.views[i]);
-      if (!report) return tl::unexpected(report.error());
-      if (!report->drawn) return core::fail("the GL context was lost");
-      moving->finish();
+      const engine::FrameReport report = need(moving.frame(flight.views[i]));
+      if (!report.drawn) apps::fail("the GL context was lost");
+      moving.finish();
       measured.ms.push_back(milliseconds() - begin);
-      measured.pending.push_back(double(report->pending));
-      measured.coarseness.push_back(report->coarseness);
+      measured.pending.push_back(double(report.pending));
+      measured.coarseness.push_back(report.coarseness);
       const std::size_t phase = i % std::size_t(options_.every);
-      if (phase > 1 || (phase == 0 && i + 1 == flight.views.size())) continue;
-      if (auto done = compare(*moving, flight, i, way, images[phase], complete[phase], measured); !done)
-        return tl::unexpected(done.error());
-      if (phase == 1 && !flight.begins[i]) measured.flicker.push_back(flicker(complete, images));
+      if (phase > 1) continue;
+      Pair pair = compare(moving, flight.views[i], measured);
+      if (phase == 1 && !flight.begins[i]) measured.flicker.push_back(flicker(before, pair));
+      if (!options_.images.empty()) write(pair, flight.name.substr(0, flight.name.find(' ')), i, way);
+      before = std::move(pair);
     }
     return measured;
   }
@@ -252,32 +252,26 @@ class Bench {
   static core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, const Way* way) {
     const auto [width, height] = *apps::parse_size(o.size);
     engine::EngineConfig config = drawing_config(width, height, o.platform);
-    if (way && way->budget) {
+    if (way && way->budget)
       config.losses = {.contribution_mode = way->mode, .budget_ms = o.budget_ms, .lod_error = o.lod_error};
-    }
     return Engine::create(scene, config);
   }
 
  private:
-  core::Expected<void> compare(Engine& moving, const Flight& flight, std::size_t i, const Way& way, DrawnImage& image,
-                               DrawnImage& complete, Measured& measured) {
-    const core::View& view = flight.views[i];
-    if (auto drawn = complete_.frame(view); !drawn) return tl::unexpected(drawn.error());
-    for (auto [engine, into] : {std::pair(&moving, &image), std::pair(&complete_, &complete)}) {
-      auto read = apps::read_image(*engine, view);
-      if (!read) return tl::unexpected(read.error());
-      *into = std::move(*read);
-    }
-    const Errors errors = errors_of(complete, image);
+  Pair compare(Engine& moving, const core::View& view, Measured& measured) {
+    need(complete_.frame(view));
+    Pair pair{need(apps::read_image(moving, view)), need(apps::read_image(complete_, view))};
+    const Errors errors = errors_of(pair.complete, pair.moving);
     measured.covered.push_back(errors.covered);
     measured.right_item.push_back(errors.right_item);
     measured.flip.push_back(errors.flip);
-    if (options_.images.empty()) return {};
-    if (auto made = apps::make_directory(options_.images); !made) return made;
-    const std::string stem =
-        options_.images + "/" + flight.name.substr(0, flight.name.find(' ')) + "-" + std::to_string(i) + "-";
-    if (auto done = image::write_png(image.colour, stem + way.name + ".png"); !done) return done;
-    return image::write_png(complete.colour, stem + "whole.png");
+    return pair;
+  }
+  void write(const Pair& pair, const std::string& flight, std::size_t frame, const Way& way) const {
+    need(apps::make_directory(options_.images));
+    const std::string stem = options_.images + "/" + flight + "-" + std::to_string(frame) + "-";
+    need(image::write_png(pair.moving.colour, stem + way.name + ".png"));
+    need(image::write_png(pair.complete.colour, stem + "whole.png"));
   }
 
   core::Scene& scene_;
@@ -332,35 +326,27 @@ core::Expected<void> plot(const std::string& file, const Json& rows) {
 }
 
 core::Expected<int> run(const Options& o) {
-  auto model = model_or_plant(o.model, o.items);
-  if (!model) return tl::unexpected(model.error());
-  auto complete = Bench::make_engine(**model, o, nullptr);
-  if (!complete) return tl::unexpected(complete.error());
-  const core::Snapshot& snapshot = complete->snapshot();
+  const auto scene = need(model_or_plant(o.model.model, o.model.items));
+  Engine complete = need(Bench::make_engine(*scene, o, nullptr));
+  const core::Snapshot& snapshot = complete.snapshot();
   const auto [width, height] = *apps::parse_size(o.size);
   const Flights from(snapshot, double(width) / height, o.frames);
-  std::vector<Flight> flights;
-  for (auto flight : {from.along_tour("tour at 1.5 m/s", 1.5), from.along_tour("tour at 15 m/s", 15.0), from.orbit()}) {
-    if (!flight) return tl::unexpected(flight.error());
-    flights.push_back(std::move(*flight));
-  }
-  const gl::Context& context = engine::EngineParts::drawing(*complete)->context();
+  const std::vector<Flight> flights = {need(from.along_tour("walk at 1.5 m/s", 1.5)),
+                                       need(from.along_tour("flight at 15 m/s", 15.0)), need(from.orbit())};
+  const gl::Context& context = engine::EngineParts::drawing(complete)->context();
   Json json = renderer_json(context);
   json.update({{"items", snapshot.size()}, {"size", o.size}, {"budget_ms", o.budget_ms}, {"rows", Json::array()}});
   std::fprintf(apps::table_stream(o.json), "%s, %s, budget %g ms, %s\n\n", engine::count_text(snapshot.size()).c_str(),
                o.size.c_str(), o.budget_ms, renderer_line(context).c_str());
-  Bench bench(**model, o, std::move(*complete));
+  Bench bench(*scene, o, std::move(complete));
   apps::Progress progress("measuring", flights.size() * o.ways.size());
   for (const Flight& flight : flights)
     for (const Way& way : kWays) {
       if (std::ranges::count(o.ways, way.name) == 0) continue;
-      const auto measured = bench.fly(flight, way);
-      if (!measured) return tl::unexpected(measured.error());
-      json["rows"].push_back(to_json(flight, way, *measured));
+      json["rows"].push_back(to_json(flight, way, bench.fly(flight, way)));
       progress.advance(json["rows"].size());
     }
-  if (!o.plot.empty())
-    if (auto done = plot(o.plot, json["rows"]); !done) return tl::unexpected(done.error());
+  if (!o.plot.empty()) need(plot(o.plot, json["rows"]));
   return finish(o.json, json, [](const Json& all, std::FILE* out) { apps::print_table(all["rows"], kColumns, out); });
 }
 

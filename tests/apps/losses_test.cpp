@@ -126,7 +126,7 @@ TEST(LevelChain, ChoosesOneOfHalvings) {
   const core::View from = *core::View::perspective({{4, -2, 12}, {4, 0, 0}}, 0.8, 1.5, 0.1);
   std::size_t before = std::numeric_limits<std::size_t>::max(), full = 0;
   for (const double pixels : {0.0, 0.5, 2.0, 8.0}) {
-    chain.choose(from, 300, 200, pixels, all, drawn, chosen);
+    chain.choose({from, 300, 200, pixels}, all, drawn, chosen);
     ASSERT_EQ(chosen.single_slots.size(), 4u);
     std::vector<bool> met(scene.item_slots());
     std::size_t indices = 0;

@@ -175,7 +175,7 @@ void measure_surfaces(Subject& subject, const Rule& rule, const core::View& view
   if (rule.measure != Rule::Measure::kLevels) return;
   const engine::EngineConfig config = subject.engine().config();
   for (const double ratio :
-       bound_tightness(view, config.width, config.height, rule.threshold, subject.engine().snapshot(),
+       bound_tightness({view, config.width, config.height, rule.threshold}, subject.engine().snapshot(),
                        subject.visible(), engine::EngineParts::drawing(subject.engine())->scene().meshes()))
     measures["tightness"].push_back(ratio);
 }

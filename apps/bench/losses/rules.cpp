@@ -32,15 +32,6 @@ const std::vector<NamedRule>& named_rules() {
   return kRules;
 }
 
-/// An item is dropped when the diagonal of its box is below this, times its centre's distance along the view axis.
-double least_diagonal(const Rule& rule, const core::View& view, int width, int height) {
-  const double w = 0.5 * width, h = 0.5 * height;
-  const double fx = w * view.clip_from_eye()[0][0], fy = h * view.clip_from_eye()[1][1];
-  if (rule.measure == Measure::kOpenCascade) return rule.threshold / fy;
-  // OpenSceneGraph's, with the viewport's part in that function's scale.
-  return 2.0 * rule.threshold / std::sqrt(2.0 * (fx * fx + fy * fy + w * w + h * h));
-}
-
 }  // namespace
 
 engine::LossConfig Rule::losses() const {
@@ -76,13 +67,20 @@ std::vector<Rule> rules_of(const std::vector<std::string>& names) {
   return rules;
 }
 
-void keep_large(const Rule& rule, const core::View& view, int width, int height, const core::Snapshot& snapshot,
-                const core::VisibleSet& in, core::VisibleSet& kept) {
+double least_diagonal(const Rule& rule, const core::View& view, int width, int height) {
+  const double w = 0.5 * width, h = 0.5 * height;
+  const double fx = w * view.clip_from_eye()[0][0], fy = h * view.clip_from_eye()[1][1];
+  if (rule.measure == Measure::kOpenCascade) return rule.threshold / fy;
+  // OpenSceneGraph's, with the viewport's part in that function's scale.
+  return 2.0 * rule.threshold / std::sqrt(2.0 * (fx * fx + fy * fy + w * w + h * h));
+}
+
+void keep_large(const core::View& view, double least, const core::Snapshot& snapshot, const core::VisibleSet& in,
+                core::VisibleSet& kept) {
   const core::ItemBounds& bounds = snapshot.bounds();
   const core::dmat4 rows = glm::transpose(view.eye_from_world());
   const core::vec3 axis(-core::dvec3(rows[2]));
   const auto offset = float(-glm::dot(core::dvec3(rows[2]), bounds.origin) - rows[2].w);
-  const double least = least_diagonal(rule, view, width, height);
   const auto square = float(least * least);
   kept.clear();
   kept.generation = in.generation;

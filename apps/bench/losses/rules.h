@@ -43,8 +43,11 @@ const std::vector<std::string>& rule_names();
 /// The full image, then the rules of these names, each with rising thresholds.
 std::vector<Rule> rules_of(const std::vector<std::string>& names);
 
-/// For osg and occt: replaces `kept` by the items of `in` that the rule keeps, and by all lines.
-void keep_large(const Rule& rule, const core::View& view, int width, int height, const core::Snapshot& snapshot,
-                const core::VisibleSet& in, core::VisibleSet& kept);
+/// For osg and occt: an item is dropped when the diagonal of its box is below this, times its centre's distance along
+/// the view axis.
+double least_diagonal(const Rule& rule, const core::View& view, int width, int height);
+/// Replaces `kept` by the items of `in` that a least diagonal keeps, and by all lines.
+void keep_large(const core::View& view, double least, const core::Snapshot& snapshot, const core::VisibleSet& in,
+                core::VisibleSet& kept);
 
 }  // namespace sightline::bench

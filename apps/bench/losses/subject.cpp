@@ -56,10 +56,10 @@ core::Expected<Took> Subject::draw(const Rule& rule, const core::View& view) {
       break;
     case Measure::kOpenSceneGraph:
     case Measure::kOpenCascade:
-      keep_large(rule, view, target.width(), target.height(), snapshot, visible_, large_);
+      keep_large(view, least_diagonal(rule, view, target.width(), target.height()), snapshot, visible_, large_);
       break;
     case Measure::kChain:
-      chain_->choose(view, target.width(), target.height(), rule.threshold, visible_, snapshot, large_);
+      chain_->choose({view, target.width(), target.height(), rule.threshold}, visible_, snapshot, large_);
       break;
     default:
       shown = &visible_;
