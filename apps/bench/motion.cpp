@@ -115,7 +115,7 @@ class Flights {
     Flight flight{name, {}, {}};
     const int each = std::max(1, frames_ / kStretches);
     for (int stretch = 0; stretch < kStretches; ++stretch) {
-      double time = path_.time_of(stretch, kStretches);
+      double time = path_.time_of(stretch, kStretches + 1);
       for (int i = 0; i < each; ++i) {
         if (auto done = add(flight, path_.sample(time), i == 0); !done) return tl::unexpected(done.error());
         time += std::min(kFrameSeconds, kFrameSeconds * metres_per_second / std::max(speed(time), 1e-3));
@@ -227,7 +227,7 @@ class Bench {
   Measured fly(const Flight& flight, const Way& way) {
     Engine moving = need(make_engine(scene_, options_, &way));
     // A first frame, of another view, compiles programs.
-    need(moving.frame(flight.views.back()));
+    need(moving.frame(flight.views[flight.views.size() / 2]));
     moving.finish();
     Measured measured;
     Pair before;

@@ -47,7 +47,7 @@ core::VisibleSet missing_items(const DrawContext& context, const core::ItemBound
                                const core::VisibleSet& visible) {
   const ImageState& image = *context.image;
   std::vector<std::uint64_t> drawn = image.was_large;
-  if (context.config.losses.budget_ms > 0.0) image.budget.looked_at(bounds.size(), drawn);
+  if (context.config.losses.budget_ms > 0.0 && !image.whole) image.budget.looked_at(bounds.size(), drawn);
   core::VisibleSet missing;
   visible.for_each_slot([&](core::Slot slot) {
     if (!bounds.vacant(slot) && !culling::contains(drawn, slot)) missing.single_slots.push_back(slot);
@@ -73,8 +73,9 @@ LossReport loss_by_levels(const ImageState& image) {
 /// Tests against the image as it is now, with a depth pyramid beside the image's: what a budget goes on with must stay.
 core::Expected<LossReport> measure_loss(DrawContext& context, const Frame& frame, const core::VisibleSet& visible) {
   LossReport report = loss_by_levels(*context.image);
-  if (context.config.losses.min_projected_area <= 0.0f && context.config.losses.budget_ms <= 0.0) return report;
-  if (context.image->whole || context.image->shown_step > 0) return report;
+  const ImageState& image = *context.image;
+  const bool in_time = context.config.losses.budget_ms <= 0.0 || image.whole;
+  if (image.shown_step > 0 || (in_time && context.config.losses.min_projected_area <= 0.0f)) return report;
   const core::ItemBounds& bounds = frame.snapshot.bounds();
   const render::RenderTarget& target = context.target();
   core::VisibleSet sampled, unoccluded;

@@ -49,6 +49,7 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const Frame& 
   const bool stays = image.budget_view && core::same_image(*image.budget_view, frame.view);
   if (stays && image.whole) return keep_whole(image);
   image.whole = false;
+  if (!stays) image.shown_step = 0;
   const bool moving = context.software() && !stays && !frame.shows_unseen && !frame.aside();
   return moving ? draw_moving(context, frame, visible) : in_budget_.draw(context, frame, visible);
 }

@@ -1,4 +1,4 @@
-// sightline-bench frames as a user runs it: its counts and times hang together.
+// sightline-bench frames and motion as a user runs them: their counts and times hang together.
 #include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests::bench_frames_test {
@@ -27,6 +27,32 @@ TEST_F(BenchFrames, RefusesWhatMakesNoSense) {
   expect_usage_error("bench", {"frames", plant(1000), "--frames", "1"}, "--frames");
   expect_usage_error("bench", {"frames", plant(1000), "--size", "0x5"}, "--size");
   expect_failure("bench", {"frames", path("none.rvm")}, "none.rvm", true);
+}
+
+/// A budget that no frame keeps still shows most of so small an image, and the way without one all of it.
+TEST_F(BenchFrames, MovingImagesAreComparedWithCompleteOnes) {
+  const Json json = run_json(
+      "bench", {"motion", plant(3000), "--frames", "8", "--every", "2", "--size", "192x128", "--budget", "0.001",
+                "--ways", "budget,complete", "--images", path("frames"), "--plot", path("motion.svg")});
+  ASSERT_EQ(json["rows"].size(), 6u) << json;
+  for (const Json& row : json["rows"]) {
+    const bool complete = row["way"] == "complete";
+    EXPECT_GT(row["ms"]["median"], 0.0);
+    EXPECT_GT(row["covered"], complete ? 0.9999 : 0.4) << row;
+    EXPECT_GT(row["right_item"], complete ? 0.9999 : 0.1) << row;
+    if (complete) {
+      EXPECT_EQ(row["flip"], 0.0) << row;
+      EXPECT_EQ(row["pending"], 0.0) << row;
+      EXPECT_EQ(row["coarseness"], 1.0) << row;
+    } else {
+      EXPECT_GT(row["flip"], 0.0) << row;
+      EXPECT_GT(row["coarseness"], 2.0) << row;
+    }
+  }
+  EXPECT_NE(read_bytes(path("motion.svg")).find("complete"), std::string::npos);
+  EXPECT_EQ(read_bytes(path("frames/walk-0-complete.png")), read_bytes(path("frames/walk-0-whole.png")));
+  expect_usage_error("bench", {"motion"}, "--items");
+  expect_usage_error("bench", {"motion", plant(1000), "--ways", "fast"}, "--ways");
 }
 
 }  // namespace

@@ -179,6 +179,19 @@ TEST_P(MovingImage, BecomesTheCompleteOneAtRest) {
   expect_same_image(*hurried, *all);
 }
 
+/// A frame that shows culling from the side is not drawn coarsely, and shows nothing of a coarse one before it.
+TEST_P(MovingImage, IsForgottenByFramesThatShowCulling) {
+  auto hurried = Engine::create(scene, with(kTooShort));
+  ASSERT_TRUE(hurried);
+  const core::View at = view(0.4), aside = view(2.0);
+  const auto coarse = moved(*hurried, at);
+  ASSERT_TRUE(coarse);
+  EXPECT_EQ(coarse->coarseness, kMost);
+  const auto report = hurried->frame({.view = aside, .cull_view = &at});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->coarseness, 1.0);
+}
+
 /// What is drawn over an image is drawn once, at rest too, whether the moving image had all pixels or not.
 TEST_P(MovingImage, IsDrawnOverOnce) {
   for (const double budget_ms : {kTooShort, 1e5}) {

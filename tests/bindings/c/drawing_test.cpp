@@ -99,6 +99,7 @@ TEST_F(CapiDrawing, DrawsWhatCppDraws) {
     EXPECT_EQ(report.visible, expected->visible);
     EXPECT_EQ(report.items_drawn, expected->items_drawn);
     EXPECT_EQ(report.triangles, expected->triangles);
+    EXPECT_EQ(report.coarseness, expected->coarseness);
     expect_same_images(engine, twin);
     EXPECT_OK(sl_engine_finish(engine));
     EXPECT_OK(sl_engine_finish_levels(engine));
@@ -400,6 +401,7 @@ TEST_F(CapiDrawing, LossIsThatOfCpp) {
   EXPECT_EQ(loss.lod_error, expected->lod_error);
   EXPECT_EQ(loss.triangles, expected->triangles);
   EXPECT_EQ(loss.full_triangles, expected->full_triangles);
+  EXPECT_EQ(loss.coarseness, expected->coarseness);
   EXPECT_EQ(loss.coarser_share, expected->coarser_share);
   EXPECT_GT(loss.items, 5);
   sl_engine_config now = SL_ENGINE_CONFIG_INIT;

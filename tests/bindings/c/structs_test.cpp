@@ -119,13 +119,13 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(sizeof(sl_import_report), 440u);
     EXPECT_EQ(sizeof(sl_view), 536u);
     EXPECT_EQ(capi::kFirstSize<sl_frame_report>, 112u);
-    EXPECT_EQ(sizeof(sl_frame_report), 120u);
+    EXPECT_EQ(sizeof(sl_frame_report), 128u);
     EXPECT_EQ(sizeof(sl_late_report), 40u);
     EXPECT_EQ(capi::kFirstSize<sl_engine_info>, 56u);
     EXPECT_EQ(offsetof(sl_engine_info, levels_bytes), 64u);
     EXPECT_EQ(sizeof(sl_engine_info), 72u);
     EXPECT_EQ(capi::kFirstSize<sl_loss_report>, 24u);
-    EXPECT_EQ(sizeof(sl_loss_report), 56u);
+    EXPECT_EQ(sizeof(sl_loss_report), 64u);
     EXPECT_EQ(sizeof(sl_controller_info), 40u);
     EXPECT_EQ(sizeof(sl_cull_states), 96u);
     EXPECT_EQ(sizeof(sl_cull_box), 56u);
