@@ -172,7 +172,7 @@ constexpr Row kRows[] = {
     {nullptr, "coarseness", [](const FlownFrame& f) { return Json(f.report.coarseness); }, 0, false},
 };
 
-/// What was measured of a row: values that are not negative, and frame times from the second frame on, since the first
+/// The measured values of a row: those that are not negative, and frame times from the second frame on, since the first
 /// has no predecessor to measure from.
 std::vector<double> samples_of(const Flight& flight, const Row& row) {
   std::vector<double> samples;

@@ -1,7 +1,4 @@
 // sightline-bench: speed and quality of Sightline's parts. One subcommand each.
-#include <utility>
-#include <vector>
-
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 
@@ -37,15 +34,5 @@ int main(int argc, char** argv) {
   apps::CommandLine line("What Sightline's parts cost, and how well they do", "sightline-bench",
                          "  sightline-bench cull --help\n"
                          "  sightline-bench cull --generate 713000 --views views.f64 --verify");
-  line.require_subcommand();
-  std::vector<std::pair<apps::CommandLine, bench::Run>> subcommands;
-  for (const auto& [name, description, add] : kSubcommands) {
-    apps::CommandLine subcommand = line.subcommand(name, description);
-    subcommands.emplace_back(subcommand, add(subcommand));
-  }
-  return line.run(argc, argv, [&]() -> core::Expected<int> {
-    for (const auto& [subcommand, run] : subcommands)
-      if (subcommand.chosen()) return run();
-    return core::fail("no subcommand");
-  });
+  return bench::run_subcommands(line, kSubcommands, argc, argv);
 }

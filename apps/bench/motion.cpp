@@ -3,9 +3,9 @@
 // the frame before took. Some frames are compared with the complete image of their view, and so is the next one, since
 // an error that changes between them flickers.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +16,6 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/drawn_variant.h"
-#include "sightline/apps/common/model.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
@@ -58,10 +57,11 @@ struct Way {
   bool budget = true;
   engine::ContributionMode mode = engine::ContributionMode::kDrop;
 };
+constexpr Way kComplete{"complete", "complete", false};
 constexpr Way kWays[] = {
     {"budget", "within the budget"},
     {"points", "within the budget, with points", true, engine::ContributionMode::kPoints},
-    {"complete", "complete", false},
+    kComplete,
 };
 
 std::vector<std::string> way_names() {
@@ -111,13 +111,13 @@ class Flights {
         aspect_(aspect),
         frames_(frames) {}
 
-  core::Expected<Flight> along_tour(const std::string& name, double metres_per_second) const {
+  Flight along_tour(const std::string& name, double metres_per_second) const {
     Flight flight{name, {}, {}};
     const int each = std::max(1, frames_ / kStretches);
     for (int stretch = 0; stretch < kStretches; ++stretch) {
       double time = path_.time_of(stretch, kStretches + 1);
       for (int i = 0; i < each; ++i) {
-        if (auto done = add(flight, path_.sample(time), i == 0); !done) return tl::unexpected(done.error());
+        add(flight, path_.sample(time), i == 0);
         time += std::min(kFrameSeconds, kFrameSeconds * metres_per_second / std::max(speed(time), 1e-3));
       }
     }
@@ -125,17 +125,17 @@ class Flights {
   }
 
   /// Round the model, in so many frames as the four seconds have, from one place on.
-  core::Expected<Flight> orbit() const {
+  Flight orbit() const {
     Flight flight{"orbit in 4 s", {}, {}};
     const core::CameraSample first = path_.sample(path_.begin());
     const core::dvec3 centre = fitted_.bounds.centre(), arm = first.pose.eye - centre;
     for (int i = 0; i < frames_; ++i) {
-      const double angle = 2.0 * 3.14159265358979324 * double(i) * kFrameSeconds / kOrbitSeconds;
+      const double angle = 2.0 * std::numbers::pi * double(i) * kFrameSeconds / kOrbitSeconds;
       const double c = std::cos(angle), s = std::sin(angle);
       core::CameraSample sample = first;
       sample.pose.eye = centre + core::dvec3(c * arm.x - s * arm.y, s * arm.x + c * arm.y, arm.z);
       sample.pose.target = centre;
-      if (auto done = add(flight, sample, i == 0); !done) return tl::unexpected(done.error());
+      add(flight, sample, i == 0);
     }
     return flight;
   }
@@ -146,12 +146,9 @@ class Flights {
     constexpr double kStep = 1e-3;
     return glm::length(path_.sample(time + kStep).pose.eye - path_.sample(time).pose.eye) / kStep;
   }
-  core::Expected<void> add(Flight& flight, const core::CameraSample& at, bool begins) const {
-    auto view = core::View::perspective(at.pose, at.fovy, aspect_, path_.near);
-    if (!view) return tl::unexpected(view.error());
-    flight.views.push_back(*view);
+  void add(Flight& flight, const core::CameraSample& at, bool begins) const {
+    flight.views.push_back(need(core::View::perspective(at.pose, at.fovy, aspect_, path_.near)));
     flight.begins.push_back(begins);
-    return {};
   }
 
   core::FittedBounds fitted_;
@@ -225,7 +222,7 @@ class Bench {
 
   /// Flies with an engine of its own, so that it knows nothing of other flights.
   Measured fly(const Flight& flight, const Way& way) {
-    Engine moving = need(make_engine(scene_, options_, &way));
+    Engine moving = make_engine(scene_, options_, way);
     // A first frame, of another view, compiles programs.
     need(moving.frame(flight.views[flight.views.size() / 2]));
     moving.finish();
@@ -249,12 +246,11 @@ class Bench {
     return measured;
   }
 
-  static core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, const Way* way) {
+  static Engine make_engine(core::Scene& scene, const Options& o, const Way& way) {
     const auto [width, height] = *apps::parse_size(o.size);
     engine::EngineConfig config = drawing_config(width, height, o.platform);
-    if (way && way->budget)
-      config.losses = {.contribution_mode = way->mode, .budget_ms = o.budget_ms, .lod_error = o.lod_error};
-    return Engine::create(scene, config);
+    if (way.budget) config.losses = {.contribution_mode = way.mode, .budget_ms = o.budget_ms, .lod_error = o.lod_error};
+    return need(Engine::create(scene, config));
   }
 
  private:
@@ -327,12 +323,12 @@ core::Expected<void> plot(const std::string& file, const Json& rows) {
 
 core::Expected<int> run(const Options& o) {
   const auto scene = need(model_or_plant(o.model.model, o.model.items));
-  Engine complete = need(Bench::make_engine(*scene, o, nullptr));
+  Engine complete = Bench::make_engine(*scene, o, kComplete);
   const core::Snapshot& snapshot = complete.snapshot();
   const auto [width, height] = *apps::parse_size(o.size);
   const Flights from(snapshot, double(width) / height, o.frames);
-  const std::vector<Flight> flights = {need(from.along_tour("walk at 1.5 m/s", 1.5)),
-                                       need(from.along_tour("flight at 15 m/s", 15.0)), need(from.orbit())};
+  const std::vector<Flight> flights = {from.along_tour("walk at 1.5 m/s", 1.5),
+                                       from.along_tour("flight at 15 m/s", 15.0), from.orbit()};
   const gl::Context& context = engine::EngineParts::drawing(complete)->context();
   Json json = renderer_json(context);
   json.update({{"items", snapshot.size()}, {"size", o.size}, {"budget_ms", o.budget_ms}, {"rows", Json::array()}});

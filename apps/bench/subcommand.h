@@ -3,7 +3,10 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
@@ -28,6 +31,21 @@ Run add_subcommand(apps::CommandLine& line, void (*add_options)(apps::CommandLin
   const auto options = std::make_shared<Options>();
   add_options(line, *options);
   return [options, run] { return run(*options); };
+}
+
+/// Parses the command line and runs the subcommand that it names. Returns the program's exit code.
+inline int run_subcommands(apps::CommandLine& line, std::span<const Subcommand> all, int argc, char** argv) {
+  line.require_subcommand();
+  std::vector<std::pair<apps::CommandLine, Run>> subcommands;
+  for (const auto& [name, description, add] : all) {
+    apps::CommandLine subcommand = line.subcommand(name, description);
+    subcommands.emplace_back(subcommand, add(subcommand));
+  }
+  return line.run(argc, argv, [&]() -> core::Expected<int> {
+    for (const auto& [subcommand, run] : subcommands)
+      if (subcommand.chosen()) return run();
+    return core::fail("no subcommand");
+  });
 }
 
 /// End of a run: writes its figures to the file of --json.

@@ -59,7 +59,7 @@ struct Place {
   [[noreturn]] void expected(const std::string& what) const {
     refuse("expected " + what + ", found " + importers::describe(value));
   }
-  /// What the library made of the value.
+  /// The result that the library made of the value.
   template <class T>
   T accepted(core::Expected<T> made) const {
     if (!made) refuse(made.error().message);

@@ -1,4 +1,4 @@
-// What the sections of a report share: the loaded model, the views that it is drawn from, and how values are written.
+// State that the sections of a report share: the loaded model, the views that it is drawn from, and how values are written.
 #pragma once
 
 #include <functional>

@@ -10,7 +10,7 @@
 
 namespace sightline::apps {
 
-/// What a way to draw the model is.
+/// The kind of a way to draw the model.
 struct VariantKind {
   enum class Group { kExact, kTriangles, kSamples, kContribution, kLevels };
   Group group = Group::kExact;

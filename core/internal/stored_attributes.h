@@ -29,7 +29,7 @@ struct SIGHTLINE_API StoredAttributes {
   void add(std::uint32_t node, const List& list);
 };
 
-/// What of stored attributes has been read so far. Reads are safe from several threads.
+/// Keeps the part of stored attributes that has been read so far. Reads are safe from several threads.
 class AttributeReader {
  public:
   explicit AttributeReader(std::shared_ptr<const StoredAttributes> stored) : stored_(std::move(stored)) {}

@@ -1,8 +1,5 @@
 // sightline-study: reproduces the tables and figures of three dissertations, each beside what the library does. One
 // subcommand each.
-#include <utility>
-#include <vector>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/study/tables/subcommands.h"
 
@@ -31,15 +28,5 @@ int main(int argc, char** argv) {
   apps::CommandLine line("The tables of three dissertations, measured beside the library", "sightline-study",
                          "  sightline-study cull --scale 0.05 --frames 30\n"
                          "  sightline-study rays --scan 100000");
-  line.require_subcommand();
-  std::vector<std::pair<apps::CommandLine, bench::Run>> subcommands;
-  for (const auto& [name, description, add] : kSubcommands) {
-    apps::CommandLine subcommand = line.subcommand(name, description);
-    subcommands.emplace_back(subcommand, add(subcommand));
-  }
-  return line.run(argc, argv, [&]() -> core::Expected<int> {
-    for (const auto& [subcommand, run] : subcommands)
-      if (subcommand.chosen()) return run();
-    return core::fail("no subcommand");
-  });
+  return bench::run_subcommands(line, kSubcommands, argc, argv);
 }

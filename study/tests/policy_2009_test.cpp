@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/apps/bench/synthetic_traces.h"
 #include "sightline/tests/support/places.h"
-#include "sightline/tests/support/synthetic_traces.h"
 
 namespace sightline::study::policy_2009_test {
 namespace {

@@ -9,7 +9,7 @@
 
 namespace sightline::bench {
 
-/// What a run gives. "modes" are the rows of table 6.1 of E. T. Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU"
+/// Results of a run. "modes" are the rows of table 6.1 of E. T. Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU"
 /// (2009), and statistics that it lacks: "frames_processed" in the path's duration at this rate, frames a second,
 /// milliseconds and visible items of a frame, HybridRun::ratio, and means over the passes.
 json::Value to_json(const HybridRun& run);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sightline/apps/common/controller_trace.h"
@@ -59,13 +60,21 @@ inline bool second_half(std::size_t i, std::size_t period) {
   return i / period % 2 == 1;
 }
 
-inline std::vector<SyntheticTrace> synthetic_traces(std::uint64_t seed = 1, std::size_t frames = 2000) {
-  std::vector<SyntheticTrace> all;
-  const auto add = [&](const std::string& name, TraceClass kind, double noise, const auto& cost) {
+/// Traces, each of so many frames and with random numbers of its own.
+struct SyntheticTraces {
+  std::uint64_t seed;
+  std::size_t frames;
+  std::vector<SyntheticTrace> all = {};
+
+  template <class Cost>
+  void add(const std::string& name, TraceClass kind, double noise, const Cost& cost) {
     all.push_back({name, kind, make_trace(frames, noise, seed + 1000 * all.size(), cost)});
-  };
+  }
+};
+
+inline void add_stationary(SyntheticTraces& traces) {
   const auto stationary = [&](const std::string& name, double noise, double cpu, double gpu) {
-    add(name, TraceClass::kStationary, noise, [=](std::size_t) { return TraceCost{cpu, gpu, 1e5}; });
+    traces.add(name, TraceClass::kStationary, noise, [=](std::size_t) { return TraceCost{cpu, gpu, 1e5}; });
   };
   stationary("constant, CPU 1 GPU 2", 0.0, 1.0, 2.0);
   stationary("constant, CPU 2 GPU 1", 0.0, 2.0, 1.0);
@@ -77,18 +86,22 @@ inline std::vector<SyntheticTrace> synthetic_traces(std::uint64_t seed = 1, std:
   stationary("noise 30 %, CPU 1.3 GPU 1", 0.3, 1.3, 1.0);
   stationary("noise 30 %, CPU 5 GPU 1", 0.3, 5.0, 1.0);
   {
-    TraceRandom random(seed + 77);
-    add("spikes x20 in 3 %, CPU 1 GPU 1.5", TraceClass::kStationary, 0.05, [&](std::size_t) {
+    TraceRandom random(traces.seed + 77);
+    traces.add("spikes x20 in 3 %, CPU 1 GPU 1.5", TraceClass::kStationary, 0.05, [&](std::size_t) {
       const double spike = random.next() < 0.03 ? 20.0 : 1.0;
       return TraceCost{spike, 1.5 * spike, 1e5};
     });
-    add("spikes x20 in 3 %, CPU 1.5 GPU 1", TraceClass::kStationary, 0.05, [&](std::size_t) {
+    traces.add("spikes x20 in 3 %, CPU 1.5 GPU 1", TraceClass::kStationary, 0.05, [&](std::size_t) {
       const double spike = random.next() < 0.03 ? 20.0 : 1.0;
       return TraceCost{1.5 * spike, spike, 1e5};
     });
   }
+}
+
+inline void add_changing(SyntheticTraces& traces) {
+  const std::size_t frames = traces.frames;
   const auto changing = [&](const std::string& name, double noise, const auto& cost) {
-    add(name, TraceClass::kChanging, noise, cost);
+    traces.add(name, TraceClass::kChanging, noise, cost);
   };
   changing("step, CPU 1 to 6, GPU 2", 0.1, [=](std::size_t i) {
     return TraceCost{2 * i < frames ? 1.0 : 6.0, 2.0, 1e5};
@@ -122,6 +135,12 @@ inline std::vector<SyntheticTrace> synthetic_traces(std::uint64_t seed = 1, std:
     const double visible = second_half(i, 10) ? 4e5 : 2e4;
     return TraceCost{second_half(i, 10) ? 5.0 : 0.5, 1.5, visible};
   });
+}
+
+inline void add_adversarial(SyntheticTraces& traces) {
+  const auto changing = [&](const std::string& name, double noise, const auto& cost) {
+    traces.add(name, TraceClass::kChanging, noise, cost);
+  };
   for (const double ratio : {2.0, 5.0, 10.0})
     changing("alternating every 10, unexplained, 1:" + std::to_string(int(ratio)), 0.05, [=](std::size_t i) {
       const bool second = second_half(i, 10);
@@ -133,7 +152,7 @@ inline std::vector<SyntheticTrace> synthetic_traces(std::uint64_t seed = 1, std:
       return TraceCost{second ? 3.0 : 1.0, second ? 1.0 : 3.0, 1e5};
     });
   {
-    TraceRandom random(seed + 99);
+    TraceRandom random(traces.seed + 99);
     bool second = false;
     changing("adversarial: swapping 1:5 at random", 0.1, [&](std::size_t) {
       if (random.next() < 1.0 / 15.0) second = !second;
@@ -143,7 +162,14 @@ inline std::vector<SyntheticTrace> synthetic_traces(std::uint64_t seed = 1, std:
   changing("adversarial: the view lies", 0.1, [](std::size_t i) {  // visible swings, costs do not follow
     return TraceCost{second_half(i, 100) ? 1.0 : 3.0, second_half(i, 100) ? 3.0 : 1.0, i % 2 ? 1e6 : 10.0};
   });
-  return all;
+}
+
+inline std::vector<SyntheticTrace> synthetic_traces(std::uint64_t seed = 1, std::size_t frames = 2000) {
+  SyntheticTraces traces{seed, frames};
+  add_stationary(traces);
+  add_changing(traces);
+  add_adversarial(traces);
+  return std::move(traces.all);
 }
 
 }  // namespace sightline::bench
