@@ -64,7 +64,7 @@ bool EngineState::shows_unseen(const core::View& view, const core::View& cull_vi
 }
 
 PlanRequest plan_request(const EngineState& s) {
-  return plan_request(s.config, s.picks);
+  return plan_request(s.config, s.picks || s.live.tracer);
 }
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config, const Progress& progress) {
@@ -99,6 +99,10 @@ const core::VisibleSet& Engine::visible() const {
 const culling::Controller* Engine::controller() const {
   return state_->hybrid ? &state_->hybrid->controller() : nullptr;
 }
+void EngineParts::set_traces_motion(Engine& engine, bool traces) {
+  engine.state_->traces_motion = traces;
+}
+
 Drawing* EngineParts::drawing(Engine& engine) {
   return engine.state_->backend->drawing();
 }

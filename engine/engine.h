@@ -81,6 +81,9 @@ struct FrameReport {
   /// Pixels of the image along either axis for one that was drawn: above 1 where a moving image within a budget shows
   /// everything, but coarser. Colours lie between those of the drawn pixels; ids and depths are those of the nearest.
   double coarseness = 1.0;
+  /// 0 … 1: share of the pixels of a moving image within a budget whose points earlier frames have found. They show
+  /// where they are now, though something nearer may have come before them.
+  double earlier = 0.0;
 };
 
 /// What the GPU culler found in an earlier frame. It is not asked for translucent items (docs/guide/transparency.md).

@@ -89,6 +89,7 @@ core::Expected<void> note_drawn(EngineState& s, const core::Expected<DrawResult>
   report.pending = result->counts.pending;
   report.splats = result->counts.splats;
   report.coarseness = result->counts.coarseness;
+  report.earlier = result->counts.earlier;
   return {};
 }
 
@@ -102,6 +103,20 @@ core::Expected<void> begin_frame(EngineState& s, FrameReport& report) {
   s.frame_seconds = 1e-3 * report.frame_ms;
   look_after_context(s);
   return ready ? make_gpu_follow(s) : ready;
+}
+
+/// The tracer for moving images of a budget. Where there is none yet, it is made in the background.
+const raytrace::Tracer* tracer_of_frame([[maybe_unused]] EngineState& s) {
+#if SIGHTLINE_HAS_RAYTRACE
+  if (s.config.losses.budget_ms <= 0.0 || !s.backend->software() || !s.traces_motion) return nullptr;
+  if (!s.live.tracer && s.new_tracer.ready()) {
+    s.new_tracer.finish(s.live);
+    s.new_tracer.begin(s.live);
+  }
+  return s.live.tracer.get();
+#else
+  return nullptr;
+#endif
 }
 
 /// What the caller of a frame may know besides its views.
@@ -130,6 +145,7 @@ core::Expected<FrameReport> run_frame(EngineState& s, const FrameInput& input, c
   frame.target = input.target;
   frame.blend_range = part.blend_range;
   frame.rows = part.rows;
+  frame.tracer = tracer_of_frame(s);
   const auto on_gpu = cull(s, frame, report);
   if (!on_gpu) return failed(on_gpu.error());
   if (s.backend->ready()) {

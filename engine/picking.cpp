@@ -25,7 +25,7 @@ std::size_t tracer_bytes(const SceneVersion& version) {
 }
 
 void BackgroundTracer::begin(const SceneVersion& version) {
-  if (version.tracer || made_.valid()) return;
+  if (version.tracer || made_.valid() || failed_) return;
   const core::Snapshot& snapshot = *version.snapshot;
   try {
     stop_ = {};
@@ -38,7 +38,9 @@ void BackgroundTracer::begin(const SceneVersion& version) {
 }
 
 void BackgroundTracer::finish(SceneVersion& version) {
-  if (made_.valid()) version.tracer = made_.get();
+  if (!made_.valid()) return;
+  version.tracer = made_.get();
+  failed_ = !version.tracer;
 }
 
 bool BackgroundTracer::ready() const {
@@ -52,6 +54,7 @@ void BackgroundTracer::interrupt(SceneVersion& version) {
     stop_.request_stop();
   }
   finish(version);
+  failed_ = false;
 }
 
 void BackgroundTracer::follow(const SceneVersion& version) {

@@ -114,8 +114,9 @@ core::Expected<std::optional<Pick>> Engine::pick(const core::Ray& ray, const ray
                                                  Ghosts ghosts) {
   const auto tracer = tracer_of(*state_);
   if (!tracer) return tl::unexpected(tracer.error());
-  const auto hit = ghosts == Ghosts::kHit ? (*tracer)->nearest(ray, filter)
-                                          : raytrace::nearest_but(**tracer, ray, filter, state_->overrides.ghosts());
+  raytrace::RayFilter seen = filter;
+  if (ghosts == Ghosts::kPassed) seen.without = state_->overrides.ghosts();
+  const auto hit = (*tracer)->nearest(ray, seen);
   if (!hit) return tl::unexpected(hit.error());
   if (!*hit) return std::nullopt;
   return Pick{**hit, state_->nodes[to_index((*hit)->item)]};

@@ -16,22 +16,17 @@ namespace {
 
 constexpr int kTile = 4;  // rows and columns of pixels that are traced together
 
-bool has_bit(std::span<const std::uint64_t> bits, core::Slot slot) {
-  return slot / 64 < bits.size() && (bits[slot / 64] >> slot % 64 & 1u) != 0;
-}
-
 struct Samples {
   const Tracer& tracer;
   const core::ImageRays& pixels;
   RayFilter filter;
   int width, height;                   // pixels
   std::vector<core::dvec2> positions;  // in each pixel
-  std::span<const std::uint64_t> ignored;
 };
 
 /// Counts the samples of kTile rows of pixels. Returns the first error.
 std::optional<core::Error> count_rows(const Samples& samples, int top, std::vector<std::uint64_t>& counts) {
-  const auto& [tracer, pixels, filter, width, height, positions, ignored] = samples;
+  const auto& [tracer, pixels, filter, width, height, positions] = samples;
   std::vector<core::Ray> rays;
   std::vector<FirstHit> hits;
   for (int left = 0; left < width; left += kTile) {
@@ -42,33 +37,13 @@ std::optional<core::Error> count_rows(const Samples& samples, int top, std::vect
           rays.push_back(pixels.through(column + at.x, row + at.y));
     hits.resize(rays.size());
     if (auto traced = tracer.nearest(rays, hits, filter); !traced) return traced.error();
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      core::Slot slot = hits[i].slot;
-      if (slot == core::kNone) continue;
-      if (has_bit(ignored, slot)) {
-        const auto behind = nearest_but(tracer, rays[i], filter, ignored);
-        if (!behind) return behind.error();
-        if (!*behind) continue;
-        slot = (*behind)->slot;
-      }
-      ++counts[slot];
-    }
+    for (const FirstHit& hit : hits)
+      if (hit.slot != core::kNone) ++counts[hit.slot];
   }
   return std::nullopt;
 }
 
 }  // namespace
-
-core::Expected<std::optional<Hit>> nearest_but(const Tracer& tracer, const core::Ray& ray, const RayFilter& filter,
-                                               std::span<const std::uint64_t> ignored) {
-  auto first = tracer.nearest(ray, filter);
-  if (!first || !*first || !has_bit(ignored, (*first)->slot)) return first;
-  std::vector<Hit> hits;
-  if (auto traced = tracer.all(ray, hits, filter); !traced) return tl::unexpected(traced.error());
-  const auto found =
-      std::find_if(hits.begin(), hits.end(), [&](const Hit& hit) { return !has_bit(ignored, hit.slot); });
-  return found == hits.end() ? std::nullopt : std::optional(*found);
-}
 
 std::vector<core::dvec2> sample_positions(int samples) {
   assert(samples > 0);
@@ -81,13 +56,15 @@ std::vector<core::dvec2> sample_positions(int samples) {
 
 core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::View& view, int width, int height,
                                                                   int samples, [[maybe_unused]] int threads,
-                                                                  std::span<const std::uint64_t> ignored) const {
+                                                                  std::span<const std::uint64_t> without) const {
   if (width <= 0 || height <= 0 || samples <= 0)
     return core::fail("exact visibility: width, height and samples must be above 0");
   const auto pixels = core::ImageRays::create(view, width, height);
   if (!pixels) return tl::unexpected(pixels.error());
   const core::Snapshot& snapshot = tracer_->snapshot();
-  const Samples wanted{*tracer_, *pixels, filter_of(view), width, height, sample_positions(samples), ignored};
+  RayFilter filter = filter_of(view);
+  filter.without = without;
+  const Samples wanted{*tracer_, *pixels, filter, width, height, sample_positions(samples)};
   std::vector<std::uint64_t> total(snapshot.size());
   std::optional<core::Error> failed;
   std::mutex mutex;  // guards both

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,20 +24,14 @@ class SIGHTLINE_API ExactVisibility {
   /// The items that an image of width x height pixels shows, in rising order. Layers and section planes are the
   /// view's; transparent items hide what is behind them; lines are not seen. `samples` per pixel lie where
   /// sample_positions() has them. `threads`: 0: all that OpenMP offers; the answer does not depend on them. Fails as
-  /// core::image_ray() does, and unless width, height and samples are above 0. Slots with a bit in `ignored` hide
-  /// nothing and are not seen; rays that meet them take longer.
+  /// core::image_ray() does, and unless width, height and samples are above 0. `without`: slots that hide
+  /// nothing and are not seen, as RayFilter has them.
   core::Expected<std::vector<VisibleItem>> compute(const core::View& view, int width, int height, int samples = 1,
-                                                   int threads = 0, std::span<const std::uint64_t> ignored = {}) const;
+                                                   int threads = 0, std::span<const std::uint64_t> without = {}) const;
 
  private:
   const Tracer* tracer_;
 };
-
-/// The first hit of a slot without a bit in `ignored` (from the lowest bit of the first word on; slots beyond the last
-/// word have none). Fails as Tracer::nearest() does.
-SIGHTLINE_API core::Expected<std::optional<Hit>> nearest_but(const Tracer& tracer, const core::Ray& ray,
-                                                             const RayFilter& filter,
-                                                             std::span<const std::uint64_t> ignored);
 
 /// Where the samples of a pixel lie, 0 … 1 from its upper left corner; their mean is the pixel's middle. In the cells
 /// of a grid of n x n where `samples`, 1 or more, is n^2. Otherwise as core::rook_positions() has them.

@@ -288,7 +288,7 @@ class Tracer::Impl::Packet {
   };
 
   void meet(Slot slot, unsigned who) {
-    if ((impl_.snapshot_->bounds().layers(slot) & filter_.layers) == 0) return;
+    if ((impl_.snapshot_->bounds().layers(slot) & filter_.layers) == 0 || filter_.passes(slot)) return;
     if ((who & (who - 1)) != 0) {
       if (is_mesh(impl_.snapshot_->kind(slot))) return meet_mesh(slot, who);
       if (meet_solid(slot, who)) return;

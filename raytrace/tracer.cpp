@@ -261,21 +261,21 @@ double Tracer::Impl::walk_tree(const ItemTrees::Tree& tree, const Ray& ray, doub
   if (!enter(tree.space, ray.origin - bounds.origin, ray.direction, from, to, frame)) return to;
   struct Visitor : LeafVisitor {
     const core::ItemBounds* bounds;
-    std::uint32_t layers;
+    const RayFilter* filter;
     const RayFrame* frame;
     const Meet* meet;
     double limit;
   } visitor;
   visitor.visit = [](LeafVisitor& base, std::uint32_t slot, float t_max) {
     auto& self = static_cast<Visitor&>(base);
-    if ((self.bounds->layers(slot) & self.layers) == 0) return t_max;
+    if ((self.bounds->layers(slot) & self.filter->layers) == 0 || self.filter->passes(slot)) return t_max;
     const double limit = (*self.meet)(Slot(slot));
     if (!(limit < self.limit)) return t_max;
     self.limit = limit;
     return limit == -kInfinity ? -1.0f : std::min(t_max, std::max(0.0f, self.frame->limit(limit)));
   };
   visitor.bounds = &bounds;
-  visitor.layers = filter.layers;
+  visitor.filter = &filter;
   visitor.frame = &frame;
   visitor.meet = &meet;
   visitor.limit = to;
@@ -293,7 +293,8 @@ void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter&
     if (tree.only == core::kNone) {
       to = walk_tree(tree, ray, from, to, filter, meet);
     } else {
-      if ((bounds.layers(tree.only) & filter.layers) == 0 || tree.space.radius < 0.0) continue;
+      if ((bounds.layers(tree.only) & filter.layers) == 0 || filter.passes(tree.only)) continue;
+      if (tree.space.radius < 0.0) continue;
       if (passes_by(tree.space, ray.origin - bounds.origin, ray.direction)) continue;
       to = std::min(to, meet(tree.only));
     }

@@ -48,6 +48,12 @@ struct RayFilter {
   std::vector<core::Plane> sections;  ///< as in core::View
   core::SectionMode section_mode = core::SectionMode::kIntersection;
   bool cuts = true;  ///< false: cuts are not hit, and rays see the insides
+  /// Slots that rays pass: a bit per slot, from the lowest of the first word on. Slots beyond the last word have none.
+  std::span<const std::uint64_t> without = {};
+
+  bool passes(core::Slot slot) const {
+    return slot / 64 < without.size() && (without[slot / 64] >> slot % 64 & 1u) != 0;
+  }
 };
 /// The filter of a view's layers and sections, with cuts.
 SIGHTLINE_API RayFilter filter_of(const core::View& view);

@@ -9,6 +9,7 @@
 #include "sightline/core/internal/openmp.h"
 #include "sightline/gpuprims/internal/studio_black.h"
 #include "sightline/raytrace/exact_visibility.h"
+#include "sightline/raytrace/internal/shading_normal.h"
 #include "sightline/raytrace/internal/supersampling.h"
 
 namespace sightline::raytrace {
@@ -37,27 +38,6 @@ core::Expected<void> check(const WhittedOptions& options) {
         std::min({light.colour.x, light.colour.y, light.colour.z}) < 0.0f)
       return core::fail("whitted: lights must be finite, directions not 0, and colours at least 0");
   return {};
-}
-
-/// The linear part for normals. Cofactors are defined for singular placements, too.
-core::dmat3 cofactors(const core::dmat3& m) {
-  return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
-}
-
-/// The mean of the corners' normals at a point of a triangle, in the world; its sign and length say nothing.
-dvec3 smooth_normal(const core::Mesh& mesh, const core::Affine& world_from_item, const Hit& hit) {
-  const std::uint32_t* corner = mesh.indices.data() + 3 * std::size_t(hit.triangle);
-  const auto at = [&](int i) { return core::transform_point(world_from_item, dvec3(mesh.positions[corner[i]])); };
-  const dvec3 a = at(0) - hit.point, b = at(1) - hit.point, c = at(2) - hit.point;
-  const double area[] = {glm::dot(glm::cross(b, c), hit.normal), glm::dot(glm::cross(c, a), hit.normal),
-                         glm::dot(glm::cross(a, b), hit.normal)};
-  dvec3 sum(0.0);
-  for (int i = 0; i < 3; ++i) {
-    const dvec3 normal(mesh.normals[corner[i]]);
-    const double length = glm::length(normal);
-    if (length > 0.0 && std::isfinite(length)) sum += area[i] / length * normal;
-  }
-  return cofactors(world_from_item.linear) * sum;
 }
 
 /// What a ray sees. Colours are sRGB, as the renderer's shaders reckon (render/shaders/shading.glsl).
@@ -100,20 +80,12 @@ class Shader {
     Surface s;
     s.entered = glm::dot(hit.normal, direction) < 0.0;
     s.normal = s.entered ? hit.normal : -hit.normal;
-    s.shading = s.normal;
+    s.shading = shading_normal(snapshot, hit, direction);
     s.margin = 100.0 * kSolidError * (glm::length(hit.point) + hit.t);
     if (hit.triangle != core::kNone) {
-      const core::Affine world_from_item = snapshot.world_from_item(hit.slot);
-      const core::Mesh& mesh = snapshot.mesh(hit.slot);
       const core::Aabb box = snapshot.bounds().box(hit.slot);
       const double size = glm::length(dvec3(box.max) - dvec3(box.min));
-      s.margin += 2.0 * kMeshError * (glm::length(hit.point - world_from_item.origin) + 2.0 * size);
-      if (!mesh.normals.empty()) {
-        const dvec3 n = smooth_normal(mesh, world_from_item, hit);
-        const double length = glm::length(n);
-        s.shading = length > 0.0 && std::isfinite(length) ? n / length : -direction;
-        if (glm::dot(s.shading, direction) > 0.0) s.shading = -s.shading;
-      }
+      s.margin += 2.0 * kMeshError * (glm::length(hit.point - snapshot.world_from_item(hit.slot).origin) + 2.0 * size);
     }
     const std::uint32_t material = snapshot.material(hit.slot);
     if (material != core::kNone) s.material = snapshot.materials()[material];

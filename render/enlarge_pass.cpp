@@ -11,7 +11,7 @@ constexpr GLint kScaleUniform = 3;
 }  // namespace
 
 core::Expected<void> EnlargePass::draw(const RenderTarget& from, const RenderTarget& to) {
-  assert(from.has_ids() == to.has_ids() && from.format().samples == to.format().samples && !to.has_normals());
+  assert(from.has_ids() == to.has_ids() && !to.has_normals());
   const auto program = pass_.program(program_, kEnlarge, 1, {to.has_ids(), false});
   if (!program) return tl::unexpected(program.error());
   const std::array textures = from.resolved_textures();

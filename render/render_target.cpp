@@ -129,6 +129,14 @@ void RenderTarget::copy_to(const RenderTarget& to) const {
                             texture_target(), 0, 0, 0, 0, width(), height(), 1);
 }
 
+void RenderTarget::write(std::span<const std::uint32_t> colours, std::span<const float> depths,
+                         std::span<const std::uint32_t> ids) const {
+  assert(format_.samples == 1 && colours.size() == std::size_t(width()) * std::size_t(height()));
+  drawn_.colour.write(GL_RGBA, GL_UNSIGNED_BYTE, std::as_bytes(colours));
+  drawn_.depth.write(GL_DEPTH_COMPONENT, GL_FLOAT, std::as_bytes(depths));
+  if (has_ids()) drawn_.ids.write(GL_RED_INTEGER, GL_UNSIGNED_INT, std::as_bytes(ids));
+}
+
 std::size_t RenderTarget::memory_bytes() const {
   const std::size_t sample = 8u + (has_ids() ? 4u : 0u) + (has_normals() ? 16u : 0u);
   const std::size_t per_pixel = format_.samples == 1 ? 1u : std::size_t(format_.samples) + 1u;

@@ -3,10 +3,12 @@
 // the frame before took. Some frames are compared with the complete image of their view, and so is the next one, since
 // an error that changes between them flickers.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -212,7 +214,7 @@ double flicker(const Pair& before, const Pair& after) {
 // --- measuring -------------------------------------------------------------------------------------------------------
 
 struct Measured {
-  std::vector<double> ms, pending, coarseness, covered, right_item, flip, flicker;
+  std::vector<double> ms, pending, coarseness, earlier, covered, right_item, flip, flicker;
 };
 
 class Bench {
@@ -226,6 +228,7 @@ class Bench {
     // A first frame, of another view, compiles programs.
     need(moving.frame(flight.views[flight.views.size() / 2]));
     moving.finish();
+    while (moving.preparing_picks()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     Measured measured;
     Pair before;
     for (std::size_t i = 0; i < flight.views.size(); ++i) {
@@ -236,6 +239,7 @@ class Bench {
       measured.ms.push_back(milliseconds() - begin);
       measured.pending.push_back(double(report.pending));
       measured.coarseness.push_back(report.coarseness);
+      measured.earlier.push_back(report.earlier);
       const std::size_t phase = i % std::size_t(options_.every);
       if (phase > 1) continue;
       Pair pair = compare(moving, flight.views[i], measured);
@@ -286,6 +290,7 @@ Json to_json(const Flight& flight, const Way& way, const Measured& m) {
           {"ms", apps::to_json(apps::summarise(m.ms))},
           {"first_ms", m.ms.front()},
           {"coarseness", apps::summarise(m.coarseness).mean},
+          {"earlier", apps::summarise(m.earlier).mean},
           {"covered", apps::summarise(m.covered).mean},
           {"covered_least", least(m.covered)},
           {"right_item", apps::summarise(m.right_item).mean},
@@ -300,6 +305,7 @@ constexpr apps::Column kColumns[] = {{"flight", "flight"},
                                      {"99 %", "ms/p99", "{:.1f}"},
                                      {"first", "first_ms", "{:.1f}"},
                                      {"coarseness", "coarseness", "{:.1f}"},
+                                     {"earlier", "earlier", "{:.2f}"},
                                      {"covered, mean", "covered", "{:.4f}"},
                                      {"least", "covered_least", "{:.4f}"},
                                      {"right item", "right_item", "{:.3f}"},

@@ -93,9 +93,9 @@ core::Expected<void> DrawContext::make_like_image(std::optional<render::RenderTa
       made);
 }
 
-core::Expected<void> DrawContext::enlarge() {
+core::Expected<void> DrawContext::enlarge(const render::RenderTarget& other) {
   if (!enlarge_pass) enlarge_pass.emplace(gl());
-  return enlarge_pass->draw(*image->smaller[image->shown_step], image->target);
+  return enlarge_pass->draw(other, image->target);
 }
 
 core::Expected<void> DrawContext::compose(const Frame& frame) {

@@ -125,7 +125,7 @@ core::Expected<DrawResult> Drawing::draw(const Frame& frame, const core::Visible
     const core::VisibleSet& opaque = overlays_.split(context_, visible);
     auto counts = frame.shows_unseen ? draw_with_unseen(frame, opaque)
                   : on_gpu           ? draw_culled(frame)
-                                     : opaque_.draw(context_, frame, opaque);
+                                     : opaque_.draw(context_, frame, opaque, overlays_.items());
     if (!counts) return tl::unexpected(counts.error());
     if (auto done = overlays_.finish(context_, frame, visible, *counts); !done) return tl::unexpected(done.error());
     result.counts = *counts;

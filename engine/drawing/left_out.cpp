@@ -60,7 +60,7 @@ core::VisibleSet missing_items(const DrawContext& context, const core::ItemBound
 LossReport loss_by_levels(const ImageState& image) {
   MeshCounts meshes = image.meshes;
   meshes += image.meshes_over;
-  const double coarseness = MovingResolution::kSteps[image.shown_step];
+  const double coarseness = image.shows_moving() ? image.budget_counts.coarseness : 1.0;
   return {.lod_error = meshes.error * coarseness,
           .triangles = meshes.triangles,
           .full_triangles = meshes.full_triangles,
@@ -75,7 +75,7 @@ core::Expected<LossReport> measure_loss(DrawContext& context, const Frame& frame
   LossReport report = loss_by_levels(*context.image);
   const ImageState& image = *context.image;
   const bool in_time = context.config.losses.budget_ms <= 0.0 || image.whole;
-  if (image.shown_step > 0 || (in_time && context.config.losses.min_projected_area <= 0.0f)) return report;
+  if (image.shows_moving() || (in_time && context.config.losses.min_projected_area <= 0.0f)) return report;
   const core::ItemBounds& bounds = frame.snapshot.bounds();
   const render::RenderTarget& target = context.target();
   core::VisibleSet sampled, unoccluded;

@@ -40,8 +40,8 @@ double finished_at(const DrawContext& context) {
 
 }  // namespace
 
-core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const Frame& frame,
-                                             const core::VisibleSet& visible) {
+core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                                             culling::SlotBits over) {
   const LossConfig& losses = context.config.losses;
   ImageState& image = *context.image;
   image.pyramid_valid = image.unchanged = false;
@@ -49,9 +49,13 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const Frame& 
   const bool stays = image.budget_view && core::same_image(*image.budget_view, frame.view);
   if (stays && image.whole) return keep_whole(image);
   image.whole = false;
-  if (!stays) image.shown_step = 0;
-  const bool moving = context.software() && !stays && !frame.shows_unseen && !frame.aside();
-  return moving ? draw_moving(context, frame, visible) : in_budget_.draw(context, frame, visible);
+  const bool refines = stays && image.shows_traced && !image.traced->complete();
+  if (!stays) image.shown_step = 0, image.shows_traced = false;
+  const bool moves = context.software() && !frame.shows_unseen && !frame.aside() && (!stays || refines);
+  if (!moves) return in_budget_.draw(context, frame, visible);
+  image.resolution.begin(std::int64_t(frame.snapshot.count(visible)));
+  if (refines || (frame.tracer && image.resolution.step() > 0)) return draw_traced(context, frame, visible, over);
+  return draw_moving(context, frame, visible);
 }
 
 /// The first frame after a motion whose last image has all pixels leaves it as it is but for what is drawn over it,
@@ -62,6 +66,19 @@ DrawCounts OpaqueItems::keep_whole(ImageState& image) {
   return image.budget_counts;
 }
 
+/// All of a moving image, by rays. At rest they go on until they have met every pixel.
+core::Expected<DrawCounts> OpaqueItems::draw_traced(DrawContext& context, const Frame& frame,
+                                                    const core::VisibleSet& visible, culling::SlotBits over) {
+  ImageState& image = *context.image;
+  image.budget_view = frame.view;
+  image.refines = false;
+  image.shows_traced = true;
+  if (!image.traced) image.traced.emplace();
+  auto counts = image.traced->draw(context, frame, visible, over);
+  if (counts) image.budget_counts = *counts;
+  return counts;
+}
+
 /// All of a moving image, with as few pixels as its time asks for. It is not complete before it is drawn with all of
 /// them, so what it shows is pending until then.
 core::Expected<DrawCounts> OpaqueItems::draw_moving(DrawContext& context, const Frame& frame,
@@ -69,7 +86,6 @@ core::Expected<DrawCounts> OpaqueItems::draw_moving(DrawContext& context, const 
   ImageState& image = *context.image;
   image.budget_view = frame.view;
   image.refines = false;
-  image.resolution.begin(std::int64_t(frame.snapshot.count(visible)));
   image.shown_step = image.resolution.step();
   image.whole = image.shown_step == 0;
   auto counts = image.whole ? draw_whole(context, frame, visible) : draw_smaller(context, frame, visible);
@@ -107,7 +123,7 @@ core::Expected<DrawCounts> OpaqueItems::draw_smaller(DrawContext& context, const
   if (!counts) return counts;
   counts->coarseness = coarseness;
   counts->pending = std::max<std::int64_t>(1, counts->items_drawn);
-  return context.enlarge().map([&] { return *counts; });
+  return context.enlarge(*smaller).map([&] { return *counts; });
 }
 
 core::Expected<DrawCounts> OpaqueItems::draw_all(DrawContext& context, const Frame& frame,

@@ -18,6 +18,8 @@ class EngineParts {
   static Drawing* drawing(Engine& engine);
   /// The covered ends that are not drawn.
   static const gpuprims::Joints& joints(const Engine& engine);
+  /// Whether moving images within a budget may be traced, which they are where that is faster.
+  static void set_traces_motion(Engine& engine, bool traces);
 };
 
 }  // namespace sightline::engine

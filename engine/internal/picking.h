@@ -42,6 +42,8 @@ class BackgroundTracer {
  private:
   static constexpr int kMostStops = 8;
 
+  bool failed_ = false;  // and nothing has changed since
+
   std::stop_source stop_;
   int stops_ = 0;
   bool stopped_ = false;

@@ -13,7 +13,7 @@ class EnlargePass {
  public:
   explicit EnlargePass(const gl::Functions& gl) : gl_(&gl), pass_(gl) {}
 
-  /// The targets have the same format, without normals. Sets GL state and leaves it set. Fails with the driver's log.
+  /// The targets have the same format, without normals, but for the number of samples. Sets GL state and leaves it set. Fails with the driver's log.
   core::Expected<void> draw(const RenderTarget& from, const RenderTarget& to);
 
  private:

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
+#include <span>
 
 #include "sightline/core/view.h"
 #include "sightline/gl/context.h"
@@ -57,6 +59,10 @@ class RenderTarget {
   /// Copies all that is drawn here to a target of the same size and format.
   void copy_to(const RenderTarget& to) const;
   std::size_t memory_bytes() const;
+  /// Replaces all that is drawn, row by row from the bottom up: colours with red in the lowest byte and alpha in the
+  /// highest, reversed depths, and ids, if the target has any. Only for a target with one sample per pixel.
+  void write(std::span<const std::uint32_t> colours, std::span<const float> depths,
+             std::span<const std::uint32_t> ids) const;
 
   /// Read-backs resolve the image and wait for the GPU. They are for images and tests, not for use between cull and
   /// draw.

@@ -397,6 +397,7 @@ TEST_F(Levels, GetCoarserWhereABudgetDoesNotSuffice) {
   auto engine = engine::Engine::create(scene, c);
   ASSERT_TRUE(engine) << engine.error().message;
   ASSERT_TRUE(engine->finish_levels());
+  engine::EngineParts::set_traces_motion(*engine, false);
   double most = 0.0;
   for (int i = 0; i < 20; ++i) {
     const core::View view = look(20.0, 0.02 * i);

@@ -1,4 +1,4 @@
-// Moving images within a budget on a software rasteriser: all of the scene with fewer pixels, beside the image of an
+// Moving images within a budget on a software rasteriser that are not traced: all of the scene with fewer pixels, beside the image of an
 // engine that has no more; and what becomes of them at rest.
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 
 #include "sightline/core/scene.h"
 #include "sightline/engine/drawing/internal/moving_resolution.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/engine/drawing_modes.h"
 
 namespace sightline::tests::moving_image_test {
@@ -90,6 +91,7 @@ class MovingImage : public DrawnGrid, public testing::WithParamInterface<Drawing
   }
   /// A view of an engine whose first frame, which is not known to be late, is done.
   core::Expected<engine::FrameReport> moved(Engine& engine, const core::View& to) {
+    engine::EngineParts::set_traces_motion(engine, false);
     if (auto first = engine.frame(view(-1.0)); !first) return first;
     return engine.frame(to);
   }

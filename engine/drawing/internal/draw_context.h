@@ -84,8 +84,8 @@ struct DrawContext {
   void clear_pyramid() { image->pyramid.clear(target().width(), target().height()); }
   /// A target in the image's format, unless it is there, with a pixel for so many along either axis of the image.
   core::Expected<void> make_like_image(std::optional<render::RenderTarget>& made, double coarseness) const;
-  /// Draws the smaller image of ImageState::shown_step over the image.
-  core::Expected<void> enlarge();
+  /// Draws all of another image over the image.
+  core::Expected<void> enlarge(const render::RenderTarget& other);
   /// Puts the image into a frame's external target.
   core::Expected<void> compose(const Frame& frame);
 };

@@ -13,6 +13,10 @@
 #include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/gl/external_target.h"
 
+namespace sightline::raytrace {
+class Tracer;
+}
+
 namespace sightline::engine {
 
 /// A frame of one view: made once, and handed down as it is. Borrows everything.
@@ -33,6 +37,7 @@ struct Frame {
   std::optional<glm::vec2> blend_range = {};   ///< eye depths by which blended items are weighed
   /// Where the image reaches in that of which it is a part: 0 at its upper border, 1 at its lower.
   std::array<double, 2> rows{0.0, 1.0};
+  const raytrace::Tracer* tracer = nullptr;  ///< of the snapshot, where moving images are to be traced; or null
 
   /// Whether the view is not the one that was culled for.
   bool aside() const { return !core::same_image(view, cull_view); }
@@ -51,6 +56,7 @@ struct DrawCounts {
   std::int64_t splats = 0;                    // of these and pending ones, items drawn as one splat each
   std::int64_t triangles = 0;                 // of meshes
   double coarseness = 1.0;                    // pixels of the image along either axis for one that is drawn
+  double earlier = 0.0;                       // share of the pixels whose points earlier images have found
 };
 
 }  // namespace sightline::engine

@@ -14,6 +14,7 @@
 #include "sightline/engine/drawing/internal/draw_choice.h"
 #include "sightline/engine/drawing/internal/frame.h"
 #include "sightline/engine/drawing/internal/moving_resolution.h"
+#include "sightline/engine/drawing/internal/traced_image.h"
 #include "sightline/render/internal/render_target.h"
 
 namespace sightline::engine {
@@ -44,12 +45,18 @@ struct ImageState {
   double overhead_ms = 0.0;                     // of the last frame, beside drawing its items: grows with the image
   DrawCounts budget_counts;                     // of the last frame
   MovingResolution resolution;
+  double drawn_ms = 0.0;  // time that drawing has taken of an image at rest, in all of its frames
   std::array<std::optional<render::RenderTarget>, MovingResolution::kSteps.size()> smaller;  // from step 1 on
   bool whole = false;          // the moving image has all pixels, and `refined` a copy if it is drawn over
   std::size_t shown_step = 0;  // of `resolution`: 0, or the moving image lies in `smaller`, and enlarged in `target`
+  std::optional<TracedImage> traced;  // made with the first one
+  bool shows_traced = false;          // `target` shows it
 
+  /// Whether `target` shows a moving image that is to stay until the one of the view at rest is complete.
+  bool shows_moving() const { return shown_step > 0 || shows_traced; }
   std::size_t memory_bytes() const {
     std::size_t bytes = target.memory_bytes() + (refined ? refined->memory_bytes() : 0);
+    bytes += traced ? traced->memory_bytes() : 0;
     for (const auto& one : smaller) bytes += one ? one->memory_bytes() : 0;
     return bytes;
   }
@@ -57,10 +64,15 @@ struct ImageState {
   void resized() {
     refined.reset();
     smaller = {};
+    traced.reset();
     shown_step = 0;
+    shows_traced = false;
   }
   /// Tells that the next frame shows something else, though its view may be that of the last one.
-  void changed() { budget_view.reset(); }
+  void changed() {
+    budget_view.reset();
+    if (traced) traced->forget();
+  }
   /// Drops all state that is kept by slot. Call it when the items get another order.
   void forget_slots() {
     was_large.clear();

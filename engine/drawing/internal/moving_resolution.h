@@ -19,10 +19,15 @@ class MovingResolution {
   void begin(std::int64_t items) {
     if (!measured_) step_ = items < kFewItems ? 0 : kSteps.size() - 1;
   }
+  /// An image with all pixels has taken so long, in one frame or in several at rest: whether a moving one may have
+  /// them.
+  void whole_took(double ms, double budget_ms) {
+    if (ms <= kAimed * budget_ms) step_ = 0, measured_ = true;
+  }
   std::size_t step() const { return step_; }
   double coarseness() const { return kSteps[step_]; }
 
-  /// A frame of this step has taken so many milliseconds, of so many that it may take.
+  /// A moving image of this step has taken so many milliseconds, of so many that it may take.
   void took(double ms, double budget_ms) {
     measured_ = true;
     const std::size_t was = step_;

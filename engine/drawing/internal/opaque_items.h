@@ -11,7 +11,9 @@ namespace sightline::engine {
 /// moving image so, with as few pixels as that takes; images at rest, and those of a GPU, have a strategy of their own.
 class OpaqueItems {
  public:
-  core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
+  /// `over`: items that will be drawn over the image, of which `visible` has none.
+  core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                                  culling::SlotBits over = {});
   std::size_t memory_bytes() const { return contribution_culling_.memory_bytes(); }  ///< of the GPU
 
  private:
@@ -20,6 +22,8 @@ class OpaqueItems {
   static DrawCounts keep_whole(ImageState& image);
   core::Expected<DrawCounts> draw_whole(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
   core::Expected<DrawCounts> draw_smaller(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
+  core::Expected<DrawCounts> draw_traced(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                                         culling::SlotBits over);
   core::Expected<DrawCounts> draw_moving(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
   culling::OcclusionMode occlusion_mode(const DrawContext& context, const Frame& frame,
                                         const core::VisibleSet& candidates);

@@ -1,0 +1,41 @@
+// Moving images by rays, on their way into the image of an engine. Internal to engine.
+#pragma once
+
+#include <optional>
+
+#include "sightline/culling/occlusion/occlusion_test.h"
+#include "sightline/engine/drawing/internal/frame.h"
+#include "sightline/render/internal/render_target.h"
+#if SIGHTLINE_HAS_RAYTRACE
+#include "sightline/raytrace/internal/moving_image.h"
+#endif
+
+namespace sightline::engine {
+
+struct DrawContext;
+
+/// One for each image that moves: raytrace::MovingImage, and lines, which rays do not see.
+class TracedImage {
+ public:
+  /// Makes the image of a frame that has a tracer, within the budget, and shows it. It has no items of `over`, which
+  /// will be drawn over it, or others that the tracer's snapshot has not.
+  core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
+                                  culling::SlotBits over);
+  /// Shows it once more, before something is drawn over it again.
+  core::Expected<void> show(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
+  /// Whether it shows nothing but what rays of its view have found.
+  bool complete() const { return complete_; }
+  void forget();
+  std::size_t memory_bytes() const { return single_ ? single_->memory_bytes() : 0; }  ///< of the GPU
+
+ private:
+#if SIGHTLINE_HAS_RAYTRACE
+  raytrace::MovingImage image_;
+#endif
+  std::optional<render::RenderTarget> single_;  // with one sample a pixel, where the image has more
+  core::VisibleSet lines_;
+  bool complete_ = false;
+  double show_seconds_ = 0.0;  // what showing took last
+};
+
+}  // namespace sightline::engine

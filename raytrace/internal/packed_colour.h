@@ -1,0 +1,17 @@
+// Colours as four bytes. Internal to raytrace.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "sightline/core/conventions.h"
+
+namespace sightline::raytrace {
+
+/// Red in the lowest byte, then green, blue, and 255.
+inline std::uint32_t packed_colour(const core::vec3& colour) {
+  const auto byte = [](float channel) { return std::uint32_t(255.0f * std::clamp(channel, 0.0f, 1.0f) + 0.5f); };
+  return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | 0xff000000u;
+}
+
+}  // namespace sightline::raytrace

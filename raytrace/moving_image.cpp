@@ -1,0 +1,249 @@
+#include "sightline/raytrace/internal/moving_image.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <limits>
+
+#include "sightline/core/image_rays.h"
+#include "sightline/core/internal/clock.h"
+#include "sightline/gpuprims/internal/studio_black.h"
+#include "sightline/raytrace/internal/packed_colour.h"
+#include "sightline/raytrace/internal/shading_normal.h"
+
+namespace sightline::raytrace {
+namespace {
+
+using core::vec3;
+using core::View;
+
+constexpr std::size_t kPixels = PointImage::kBlock * PointImage::kBlock;
+constexpr std::size_t kOfThread = 8;    // blocks that a thread traces after each other
+constexpr double kShare = 0.9;          // of the time left, for blocks that are traced together
+constexpr double kFirstRate = 4e5;      // rays a second and thread, before any is measured
+constexpr std::int64_t kFewRays = 512;  // say little of how long others take
+
+constexpr std::uint32_t kMissing = 64;             // a pixel without a point counts as one of that age
+constexpr std::uint32_t kCoarsest = 1, kHalf = 4;  // of sixteen pixels, every fourth and every second along either axis
+constexpr std::uint32_t kAll = 16;
+
+/// Bayer's matrix of order 4.
+std::uint32_t place_of(std::uint32_t x, std::uint32_t y) {
+  const std::uint32_t across = x ^ y;
+  return (across & 1u) << 3 | (y & 1u) << 2 | (across & 2u) | (y & 2u) >> 1;
+}
+
+/// Twin of dithered_away() in render/shaders/shading.glsl.
+bool dithered_away(float alpha, std::uint32_t x, std::uint32_t y, std::uint32_t id) {
+  return alpha < 1.0f && alpha < (float(place_of(x + 7u * id, y + 3u * id)) + 0.5f) / 16.0f;
+}
+
+/// Twin of write_surface() in render/shaders/shading.glsl.
+class Lit {
+ public:
+  Lit(const View& view, const MovingImage::Looks& looks)
+      : black_(looks.lighting == gpuprims::Lighting::kStudio ? gpuprims::kStudioBlack : 0.0f) {
+    for (const gpuprims::DistantLight& light : gpuprims::distant_lights(view, looks.lighting, looks.sun))
+      lights_[std::size_t(count_++)] = {vec3(light.towards), float(light.strength)};
+  }
+
+  /// Of a surface whose normal points to the viewer.
+  vec3 colour(const vec3& n, const vec3& to_viewer, const glm::vec4& material) const {
+    const float head = glm::dot(n, to_viewer);
+    float diffuse = head, gloss = power_24(head);
+    if (count_ > 0) diffuse = gloss = 0.0f;
+    for (int i = 0; i < count_; ++i) {
+      const auto& [towards, strength] = lights_[std::size_t(i)];
+      const float cosine = glm::dot(n, towards);
+      if (cosine <= 0.0f) continue;
+      diffuse += strength * cosine;
+      gloss += strength * power_24(std::max(0.0f, glm::dot(n, glm::normalize(towards + to_viewer))));
+    }
+    const float light = 0.30f + 0.50f * diffuse + 0.25f * (0.5f + 0.5f * n.z);
+    return glm::min(gpuprims::lit_colour(vec3(material), black_) * light + 0.12f * gloss, vec3(1.0f));
+  }
+
+ private:
+  struct Light {
+    vec3 towards;
+    float strength;
+  };
+  static float power_24(float x) {
+    const float square = x * x, eighth = square * square * square * square;
+    return eighth * eighth * eighth;
+  }
+  float black_;
+  int count_ = 0;
+  std::array<Light, gpuprims::kMostDistantLights> lights_{};
+};
+
+glm::vec4 material_of(const core::Snapshot& snapshot, core::Slot slot) {
+  const std::uint32_t material = snapshot.material(slot);
+  return material != core::kNone ? snapshot.materials()[material]
+                                 : glm::vec4(core::Material().colour, core::Material().alpha);
+}
+
+/// Whether two views see the same of each item that both look at.
+bool same_cuts(const View& a, const View& b) {
+  View cut = b;
+  cut.sections = a.sections;
+  cut.section_mode = a.section_mode;
+  cut.layers = a.layers;
+  return core::same_image(cut, b);
+}
+
+}  // namespace
+
+/// What the rays of an image share.
+struct MovingImage::Shot {
+  const Tracer& tracer;
+  const core::ImageRays& rays;
+  const RayFilter& filter;
+  Lit lit;
+  gpuprims::Background background;
+  bool all_opaque;
+};
+
+core::Expected<MovingImage::Counts> MovingImage::draw(const Tracer& tracer, const View& view, int width, int height,
+                                                      std::span<const std::uint64_t> without, const Looks& looks,
+                                                      core::ThreadPool& threads, double deadline) {
+  const auto rays = core::ImageRays::create(view, width, height);
+  if (!rays) return tl::unexpected(rays.error());
+  if (!view_ || width != points_.width() || height != points_.height() || !same_cuts(*view_, view))
+    points_.reset(width, height, view);
+  else if (!core::same_image(*view_, view))
+    points_.follow(view, looks.background, threads);
+  view_ = view;
+  RayFilter filter = filter_of(view);
+  filter.without = without;
+  const core::MaterialTable& table = tracer.snapshot().materials();
+  const bool all_opaque = std::all_of(table.begin(), table.end(), [](const glm::vec4& row) { return row.a >= 1.0f; });
+  const Shot shot{tracer, *rays, filter, Lit(view, looks), looks.background, all_opaque};
+  order_blocks(threads);
+  trace_most_urgent(shot, threads, deadline - finish_seconds_);
+  const double traced = core::now_seconds();
+  const auto ages = points_.ages();
+  Counts counts;
+  counts.traced = std::count(ages.begin(), ages.end(), PointImage::kNew);
+  counts.filled = std::count(ages.begin(), ages.end(), PointImage::kNoPoint);
+  counts.kept = std::int64_t(ages.size()) - counts.traced - counts.filled;
+  if (counts.filled > 0) points_.fill(looks.background, threads);
+  finish_seconds_ = core::now_seconds() - traced;
+  return counts;
+}
+
+/// Orders the blocks that are not new: those with missing and old points come first.
+void MovingImage::order_blocks(core::ThreadPool& threads) {
+  const int columns = points_.columns(), rows = points_.rows();
+  urgency_.resize(std::size_t(columns) * std::size_t(rows));
+  threads.run(std::uint32_t(rows), [&](std::uint32_t row) {
+    for (int column = 0; column < columns; ++column) {
+      std::uint32_t& sum = urgency_[std::size_t(row) * std::size_t(columns) + std::size_t(column)] = 0;
+      points_.for_each(column, int(row), [&](std::size_t pixel, int, int) {
+        sum += std::min<std::uint32_t>(points_.ages()[pixel], kMissing);
+      });
+    }
+  });
+  order_.clear();
+  for (std::uint32_t block = 0; block < urgency_.size(); ++block)
+    if (urgency_[block] > 0) order_.push_back(block);
+  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return urgency_[a] != urgency_[b] ? urgency_[a] > urgency_[b] : a < b;
+  });
+}
+
+/// Blocks are traced whole, since rays that are neighbours take a fraction of the time. Where more is missing than the
+/// time suffices for, as in a first image, all empty blocks get some points before. However little time there is, the
+/// image gets some new points.
+void MovingImage::trace_most_urgent(const Shot& shot, core::ThreadPool& threads, double deadline) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  constexpr std::uint32_t kNearlyEmpty = kMissing * kPixels * 7 / 8;
+  const auto rays_in_time = [&](double rate) {
+    const double seconds = std::max(0.0, deadline - core::now_seconds());
+    return (rate > 0.0 ? rate : kFirstRate * threads.size()) * seconds;
+  };
+  std::span<std::uint32_t> blocks(order_);
+  std::size_t empty = 0;
+  while (empty < blocks.size() && urgency_[blocks[empty]] > kNearlyEmpty) ++empty;
+  std::size_t least = urgency_.size() / kAll + 1;
+  if (const double pixels = double(empty * kPixels); pixels > rays_in_time(whole_rate_)) {
+    const std::uint32_t places = pixels * kHalf / kAll <= rays_in_time(sparse_rate_) ? kHalf : kCoarsest;
+    if (trace(shot, blocks.first(empty), places, threads, kNever, sparse_rate_) > 0) least = 0;
+  }
+  while (!blocks.empty() && (least > 0 || core::now_seconds() < deadline)) {
+    const auto in_time = std::size_t(kShare * rays_in_time(whole_rate_) / kPixels);
+    const std::size_t count = std::min(blocks.size(), std::max({least, in_time, std::size_t(threads.size())}));
+    trace(shot, blocks.first(count), kAll, threads, least >= count ? kNever : deadline, whole_rate_);
+    blocks = blocks.subspan(count);
+    least = 0;
+  }
+}
+
+/// Traces so many of sixteen pixels of these blocks until the deadline, neighbours after each other: they meet the same
+/// items, which then are in the caches. `rate`: rays a second, measured. Returns the number of rays.
+std::int64_t MovingImage::trace(const Shot& shot, std::span<std::uint32_t> blocks, std::uint32_t places,
+                                core::ThreadPool& threads, double deadline, double& rate) {
+  const double begin = core::now_seconds();
+  std::sort(blocks.begin(), blocks.end());
+  std::atomic<std::int64_t> traced = 0;
+  const auto jobs = std::uint32_t((blocks.size() + kOfThread - 1) / kOfThread);
+  threads.run_at_once(jobs, [&](std::uint32_t job) {
+    for (std::size_t i = job * kOfThread; i < std::min(blocks.size(), (job + 1) * kOfThread); ++i)
+      if (core::now_seconds() < deadline) traced += trace_block(shot, blocks[i], places);
+  });
+  const double seconds = core::now_seconds() - begin;
+  const double now = seconds > 0.0 ? double(traced) / seconds : 0.0;
+  if (traced >= kFewRays && now > 0.0) rate = rate > 0.0 ? 0.5 * (rate + now) : now;
+  return traced;
+}
+
+std::int64_t MovingImage::trace_block(const Shot& shot, std::uint32_t block, std::uint32_t places) {
+  std::array<std::uint32_t, kPixels> pixels;
+  std::size_t count = 0;
+  const auto columns = std::uint32_t(points_.columns());
+  points_.for_each(int(block % columns), int(block / columns), [&](std::size_t pixel, int x, int y) {
+    if (points_.ages()[pixel] != PointImage::kNew && place_of(std::uint32_t(x), std::uint32_t(y)) < places)
+      pixels[count++] = std::uint32_t(pixel);
+  });
+  shoot(shot, {pixels.data(), count});
+  return std::int64_t(count);
+}
+
+/// Traces kPixels pixels at most.
+void MovingImage::shoot(const Shot& shot, std::span<const std::uint32_t> pixels) {
+  std::array<core::Ray, kPixels> rays;
+  std::array<Hit, kPixels> hits;
+  const auto width = std::uint32_t(points_.width());
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    rays[i] = shot.rays.through(pixels[i] % width + 0.5, points_.height() - (pixels[i] / width + 0.5));
+  if (!shot.tracer.nearest({rays.data(), pixels.size()}, {hits.data(), pixels.size()}, shot.filter)) return;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (!shot.all_opaque) pass_dithered(shot, rays[i], pixels[i], hits[i]);
+    show(shot, rays[i], hits[i], pixels[i]);
+  }
+}
+
+/// Replaces a hit by the first one that dithering leaves in the pixel.
+void MovingImage::pass_dithered(const Shot& shot, const core::Ray& ray, std::uint32_t pixel, Hit& hit) const {
+  const core::Snapshot& snapshot = shot.tracer.snapshot();
+  const auto width = std::uint32_t(points_.width());
+  const auto shows = [&](const Hit& one) {
+    return !dithered_away(material_of(snapshot, one.slot).a, pixel % width, pixel / width, to_index(one.item));
+  };
+  if (hit.slot == core::kNone || shows(hit)) return;
+  std::vector<Hit> all;
+  hit.slot = core::kNone;
+  if (!shot.tracer.all(ray, all, shot.filter)) return;
+  if (const auto first = std::find_if(all.begin(), all.end(), shows); first != all.end()) hit = *first;
+}
+
+/// Lets a pixel show what its ray hits.
+void MovingImage::show(const Shot& shot, const core::Ray& ray, const Hit& hit, std::uint32_t pixel) {
+  if (hit.slot == core::kNone) return points_.set_background(pixel, ray, shot.background);
+  const core::Snapshot& snapshot = shot.tracer.snapshot();
+  const vec3 normal(shading_normal(snapshot, hit, ray.direction));
+  const vec3 colour = shot.lit.colour(normal, -vec3(ray.direction), material_of(snapshot, hit.slot));
+  points_.set(pixel, hit.point, to_index(hit.item) + 1, packed_colour(colour));
+}
+
+}  // namespace sightline::raytrace

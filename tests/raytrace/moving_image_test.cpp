@@ -1,0 +1,270 @@
+// Images of a moving camera: traced pixels beside single rays and reference images, and points of earlier images beside
+// their places in double.
+#include "sightline/raytrace/internal/moving_image.h"
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <gtest/gtest.h>
+
+#include "sightline/core/image_rays.h"
+#include "sightline/core/internal/clock.h"
+#include "sightline/gpuprims/internal/view_block.h"
+#include "sightline/raytrace/whitted.h"
+#include "sightline/tests/core/primitive_samples.h"
+
+namespace sightline::raytrace::moving_image_test {
+namespace {
+
+using core::dvec3;
+using tests::uniform;
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr int kWidth = 203, kHeight = 118;  // neither is a number of blocks
+constexpr std::size_t kPixels = std::size_t(kWidth) * kHeight;
+
+core::View perspective(double turn) {
+  const dvec3 eye = 14.0 * dvec3(std::cos(turn), std::sin(turn), 0.3);
+  return *core::View::perspective({eye, {}, {0, 0, 1}}, 0.7, double(kWidth) / kHeight, 0.1);
+}
+core::View orthographic(double turn) {
+  const dvec3 eye = 14.0 * dvec3(std::cos(turn), std::sin(turn), 0.3);
+  return *core::View::orthographic({eye, {}, {0, 0, 1}}, 11.0, double(kWidth) / kHeight, 1.0, 40.0);
+}
+
+/// Solids of all kinds about the origin, far apart enough that some of the background shows, and their tracer.
+class MovingImageTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    tests::Random random(4711);
+    const auto length = [&] { return float(uniform(random, 0.1, 0.9)); };
+    const auto shift = [&] { return float(uniform(random, -0.3, 0.3)); };
+    const auto angle = [&] { return float(uniform(random, 0.5, 6.0)); };
+    constexpr core::Kind kKinds[] = {core::Kind::kBox,           core::Kind::kCylinder,      core::Kind::kSphere,
+                                     core::Kind::kSnout,         core::Kind::kCircularTorus, core::Kind::kPyramid,
+                                     core::Kind::kEllipticalDish};
+    std::vector<core::MaterialId> materials;
+    for (const core::vec3& colour : {core::vec3(0.7f, 0.2f, 0.1f), core::vec3(0.2f, 0.6f, 0.3f), core::vec3(0.05f)})
+      materials.push_back(scene.add_material({"", colour, 1.0f, 0}));
+    for (int i = 0; i < 240; ++i) {
+      const dvec3 at(uniform(random, -4, 4), uniform(random, -4, 4), uniform(random, -3, 3));
+      const dvec3 axis = glm::normalize(dvec3(uniform(random, -1, 1), uniform(random, -1, 1), 1.1));
+      core::Affine placed = core::translation(at);
+      placed.linear = core::dmat3(glm::rotate(core::dmat4(1.0), uniform(random, 0, 3), axis));
+      scene.add_primitive(scene.root(), tests::primitive_of(kKinds[i % 7], length, shift, angle), placed,
+                          materials[std::size_t(i) % 3]);
+    }
+    ASSERT_TRUE(scene.commit());
+    snapshot.emplace(scene);
+    tracer.emplace(std::move(*Tracer::create(*snapshot)));
+  }
+
+  MovingImage::Counts draw(MovingImage& image, const core::View& view, double deadline,
+                           std::span<const std::uint64_t> without = {}) {
+    const auto counts = image.draw(*tracer, view, kWidth, kHeight, without, {}, threads, deadline);
+    EXPECT_TRUE(counts);
+    EXPECT_EQ(counts->traced + counts->kept + counts->filled, std::int64_t(kPixels));
+    return *counts;
+  }
+  /// What the ray of a pixel, counted from the bottom up, hits.
+  std::optional<Hit> hit(const core::View& view, std::size_t pixel, const RayFilter& filter) const {
+    const auto ray =
+        core::image_ray(view, kWidth, kHeight, double(pixel % kWidth) + 0.5, kHeight - (double(pixel / kWidth) + 0.5));
+    return *tracer->nearest(*ray, filter);
+  }
+  void expect_traced(const MovingImage& image, const core::View& view, std::size_t pixel, RayFilter filter) const {
+    const auto found = hit(view, pixel, filter);
+    ASSERT_EQ(image.points().ids()[pixel], found ? to_index(found->item) + 1 : 0u) << pixel;
+    if (!found) return;
+    const core::dvec4 clip =
+        gpuprims::reversed_clip_from_eye(view) * view.eye_from_world() * core::dvec4(found->point, 1.0);
+    EXPECT_NEAR(image.points().depths()[pixel], clip.z / clip.w, 2e-6);
+  }
+
+  core::Scene scene;
+  std::optional<core::Snapshot> snapshot;
+  std::optional<Tracer> tracer;
+  core::ThreadPool threads{2};
+};
+
+TEST_F(MovingImageTest, IsTheImageOfItsRaysInTime) {
+  for (const core::View& view : {perspective(0.3), orthographic(0.3)}) {
+    MovingImage image;
+    EXPECT_EQ(draw(image, view, kNever).traced, std::int64_t(kPixels));
+    const auto reference = render_whitted(*tracer, view, kWidth, kHeight);
+    ASSERT_TRUE(reference);
+    int background = 0;
+    for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
+      expect_traced(image, view, pixel, filter_of(view));
+      const std::size_t there = (kHeight - 1 - pixel / kWidth) * kWidth + pixel % kWidth;
+      for (std::size_t c = 0; c < 3; ++c)
+        ASSERT_NEAR(image.points().colours()[pixel] >> 8 * c & 255u, reference->rgb[3 * there + c], 1) << pixel;
+      background += image.points().ids()[pixel] == 0;
+    }
+    EXPECT_GT(background, int(kPixels / 20));
+    EXPECT_LT(background, int(kPixels * 4 / 5));
+  }
+}
+
+TEST_F(MovingImageTest, SeesWhatItsViewAndFilterKeep) {
+  core::View view = perspective(0.3);
+  view.sections.push_back({{0, -1, 0}, 0.5});
+  std::vector<std::uint64_t> without((snapshot->size() + 63) / 64);
+  for (core::Slot slot = 0; slot < snapshot->size(); slot += 3) without[slot / 64] |= std::uint64_t(1) << slot % 64;
+  MovingImage image;
+  draw(image, perspective(0.3), kNever);
+  draw(image, view, kNever, without);
+  RayFilter filter = filter_of(view);
+  filter.without = without;
+  for (std::size_t pixel = 0; pixel < kPixels; pixel += 3) expect_traced(image, view, pixel, filter);
+}
+
+/// The twin of following points: their places in the image of another view, in double.
+struct Follower {
+  struct Found {
+    double depth = -1.0;  // reversed
+    std::uint32_t id = 0;
+    bool sure = true;
+  };
+  std::vector<Found> found{kPixels};
+
+  void add(const core::View& view, const dvec3& point, std::uint32_t id, bool background) {
+    const core::dvec4 clip = gpuprims::reversed_clip_from_eye(view) * view.eye_from_world() * core::dvec4(point, 1.0);
+    const double x = 0.5 * kWidth * (1.0 + clip.x / clip.w), y = 0.5 * kHeight * (1.0 + clip.y / clip.w);
+    if (!(clip.w > 0.0 && x >= 0.0 && x < kWidth && y >= 0.0 && y < kHeight)) return;
+    Found& there = found[std::size_t(y) * kWidth + std::size_t(x)];
+    const double depth = background ? 0.0 : clip.z / clip.w;
+    const bool on_border = std::abs(x - std::round(x)) < 2e-3 || std::abs(y - std::round(y)) < 2e-3;
+    for (int dx = -1; dx <= 1 && on_border; ++dx)  // float may put it into a neighbour
+      for (int dy = -1; dy <= 1; ++dy)
+        if (x + dx >= 0.0 && x + dx < kWidth && y + dy >= 0.0 && y + dy < kHeight)
+          found[std::size_t(y + dy) * kWidth + std::size_t(x + dx)].sure = false;
+    if (std::abs(depth - there.depth) < 1e-5 && there.id != id) there.sure = false;
+    if (depth > there.depth) there.depth = depth, there.id = id;
+  }
+};
+
+TEST_F(MovingImageTest, KeepsPointsWhereTheNextViewHasThem) {
+  using Make = core::View (*)(double);
+  for (const Make make : {Make(perspective), Make(orthographic)})
+    for (const double step : {0.004, 0.03, 0.2}) {
+      SCOPED_TRACE(step);
+      const core::View before = make(0.3), after = make(0.3 + step);
+      MovingImage image;
+      draw(image, before, kNever);
+      Follower twin;
+      for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
+        const auto found = hit(before, pixel, filter_of(before));
+        const auto ray = core::image_ray(before, kWidth, kHeight, double(pixel % kWidth) + 0.5,
+                                         kHeight - (double(pixel / kWidth) + 0.5));
+        twin.add(after,
+                 found ? found->point
+                       : ray->origin + (after.orthographic() ? 0.5 * (ray->t_min + ray->t_max) : 1e7) * ray->direction,
+                 found ? to_index(found->item) + 1 : 0, !found);
+      }
+      const auto counts = draw(image, after, -kNever);
+      EXPECT_GT(counts.kept, std::int64_t(kPixels / 2));
+      EXPECT_GT(counts.traced, 0);
+      int compared = 0, wrong = 0, without = 0;
+      for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
+        const std::uint8_t age = image.points().ages()[pixel];
+        if (age == PointImage::kNew) {
+          expect_traced(image, after, pixel, filter_of(after));
+        } else if (twin.found[pixel].sure) {
+          ++compared;
+          const bool none = twin.found[pixel].depth < 0.0;
+          without += none;
+          wrong += none ? age != PointImage::kNoPoint
+                        : age == PointImage::kNoPoint || image.points().ids()[pixel] != twin.found[pixel].id;
+        }
+      }
+      EXPECT_EQ(wrong, 0) << "of " << compared;
+      EXPECT_GT(compared, int(kPixels / 3));
+      if (step > 0.01) {
+        EXPECT_GT(without, 0);
+      }
+    }
+}
+
+/// A pixel without a point shows the farthest surface of the smallest cell about it that has any point.
+TEST_F(MovingImageTest, FillsWithWhatLiesBehind) {
+  MovingImage image;
+  const core::View view = perspective(0.31);
+  const auto first = draw(image, view, -kNever);  // hardly anything is traced
+  EXPECT_GT(first.filled, std::int64_t(kPixels / 2));
+  const PointImage& points = image.points();
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      if (points.ages()[points.at(x, y)] != PointImage::kNoPoint) continue;
+      bool any = false;
+      float depth = 2.0f;
+      for (int side = 2; !any; side *= 2)
+        for (int v = y / side * side; v < std::min(kHeight, (y / side + 1) * side); ++v)
+          for (int u = x / side * side; u < std::min(kWidth, (x / side + 1) * side); ++u) {
+            if (points.ages()[points.at(u, v)] == PointImage::kNoPoint) continue;
+            any = true;
+            if (points.ids()[points.at(u, v)] != 0) depth = std::min(depth, points.depths()[points.at(u, v)]);
+          }
+      ASSERT_EQ(points.depths()[points.at(x, y)], depth == 2.0f ? 0.0f : depth) << x << ", " << y;
+      ASSERT_EQ(points.ids()[points.at(x, y)] == 0, depth == 2.0f);
+    }
+}
+
+/// However little time each call has, the image of a view that stays becomes complete, and no pixel is traced twice.
+TEST_F(MovingImageTest, BecomesCompleteAtRest) {
+  MovingImage image, all;
+  draw(image, perspective(0.0), kNever);
+  std::int64_t traced = 0;
+  int calls = 0;
+  for (MovingImage::Counts counts; calls < 100 && traced < std::int64_t(kPixels); ++calls) {
+    counts = draw(image, perspective(0.1), -kNever);
+    EXPECT_GT(counts.traced, traced);
+    traced = counts.traced;
+  }
+  EXPECT_GT(calls, 3);
+  draw(all, perspective(0.1), kNever);
+  EXPECT_TRUE(std::ranges::equal(image.points().ids(), all.points().ids()));
+  EXPECT_TRUE(std::ranges::equal(image.points().colours(), all.points().colours()));
+  EXPECT_TRUE(std::ranges::equal(image.points().depths(), all.points().depths()));
+}
+
+TEST_F(MovingImageTest, KnowsNothingOfForgottenPoints) {
+  MovingImage image, fresh;
+  draw(image, perspective(0.0), kNever);
+  image.forget();
+  EXPECT_EQ(draw(image, perspective(0.0), -kNever).kept, 0);
+  core::View cut = perspective(0.0);
+  cut.sections.push_back({{0, -1, 0}, 0.5});
+  EXPECT_EQ(draw(image, cut, -kNever).kept, 0);
+  const auto counts = image.draw(*tracer, cut, kWidth / 2, kHeight, {}, {}, threads, -kNever);
+  ASSERT_TRUE(counts);
+  EXPECT_EQ(counts->kept, 0);
+}
+
+double seconds_of_test = 0.0;
+double tick() {
+  return seconds_of_test += 1e-3;
+}
+
+/// By a clock that a look at it moves on by a millisecond, as tracing a block does here.
+TEST_F(MovingImageTest, EndsAtItsDeadline) {
+  MovingImage image;
+  draw(image, perspective(0.0), kNever);
+  core::use_clock(tick);
+  core::ThreadPool one(1);
+  const double begin = core::now_seconds();
+  const auto counts = image.draw(*tracer, perspective(0.1), kWidth, kHeight, {}, {}, one, begin + 0.020);
+  const double taken = core::now_seconds() - begin;
+  core::use_clock(nullptr);
+  ASSERT_TRUE(counts);
+  EXPECT_GT(counts->kept, 0);
+  EXPECT_LT(taken, 0.2) << "there are more blocks than that";
+  EXPECT_GT(counts->traced, 8 * 256);
+  EXPECT_LT(counts->traced, 40 * 256);
+}
+
+}  // namespace
+}  // namespace sightline::raytrace::moving_image_test
