@@ -170,6 +170,7 @@ constexpr Row kRows[] = {
     {nullptr, "pending", [](const FlownFrame& f) { return Json(f.report.pending); }, 0, false},
     {nullptr, "splats", [](const FlownFrame& f) { return Json(f.report.splats); }, 0, false},
     {nullptr, "coarseness", [](const FlownFrame& f) { return Json(f.report.coarseness); }, 0, false},
+    {nullptr, "earlier", [](const FlownFrame& f) { return Json(f.report.earlier); }, 0, false},
 };
 
 /// The measured values of a row: those that are not negative, and frame times from the second frame on, since the first

@@ -100,7 +100,7 @@ const culling::Controller* Engine::controller() const {
   return state_->hybrid ? &state_->hybrid->controller() : nullptr;
 }
 void EngineParts::set_traces_motion(Engine& engine, bool traces) {
-  engine.state_->traces_motion = traces;
+  engine.state_->new_tracer.for_motion = traces;
 }
 
 Drawing* EngineParts::drawing(Engine& engine) {

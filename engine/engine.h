@@ -79,7 +79,7 @@ struct FrameReport {
   /// some drawn by coarser levels than lod_error asks for. 0: the image is complete.
   std::int64_t pending = 0;
   /// Pixels of the image along either axis for one that was drawn: above 1 where a moving image within a budget shows
-  /// everything, but coarser. Colours lie between those of the drawn pixels; ids and depths are those of the nearest.
+  /// everything, but coarser. Ids and depths are those of a drawn pixel nearby, and colours too, or between several.
   double coarseness = 1.0;
   /// 0 … 1: share of the pixels of a moving image within a budget whose points earlier frames have found. They show
   /// where they are now, though something nearer may have come before them.

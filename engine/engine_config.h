@@ -97,9 +97,11 @@ struct LossConfig {
   /// How these items are drawn. With a budget also what its time does not suffice for; kStochastic is then as
   /// kPoints.
   ContributionMode contribution_mode = ContributionMode::kDrop;
-  /// Milliseconds that a call of frame() may take; 0: any. While the view moves, a software rasteriser draws everything
-  /// with fewer pixels, down to a quarter along either axis (FrameReport::coarseness); if that takes longer, so does the
-  /// frame. A GPU draws the largest items first, and what the time does not suffice for is left out
+  /// Milliseconds that a call of frame() may take; 0: any. While the view moves, an engine on a software rasteriser
+  /// shows everything: drawn, if it is known to take no longer; else traced by rays, as many as there is time for, with
+  /// one sample per pixel, beside the points that earlier frames have found (FrameReport::earlier). Rays need a tracer,
+  /// which is made in the background; until then, and in builds without one, the image has fewer pixels, down to a
+  /// quarter along either axis (FrameReport::coarseness); if that takes longer, so does the frame. A GPU draws the largest items first, and what the time does not suffice for is left out
   /// (FrameReport::pending), or a splat each: contribution_mode. While view and scene stay the same, each frame draws
   /// more of the image with all pixels, until it is complete; then frames draw nothing. Such a frame draws for at least
   /// four times as long as it takes beside that (reading depth back, copying), however small the budget is: else large

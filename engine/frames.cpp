@@ -108,7 +108,7 @@ core::Expected<void> begin_frame(EngineState& s, FrameReport& report) {
 /// The tracer for moving images of a budget. Where there is none yet, it is made in the background.
 const raytrace::Tracer* tracer_of_frame([[maybe_unused]] EngineState& s) {
 #if SIGHTLINE_HAS_RAYTRACE
-  if (s.config.losses.budget_ms <= 0.0 || !s.backend->software() || !s.traces_motion) return nullptr;
+  if (s.config.losses.budget_ms <= 0.0 || !s.backend->software() || !s.new_tracer.for_motion) return nullptr;
   if (!s.live.tracer && s.new_tracer.ready()) {
     s.new_tracer.finish(s.live);
     s.new_tracer.begin(s.live);

@@ -41,13 +41,13 @@ bool dithered_away(float alpha, std::uint32_t x, std::uint32_t y, std::uint32_t 
 /// Twin of write_surface() in render/shaders/shading.glsl.
 class Lit {
  public:
-  Lit(const View& view, const MovingImage::Looks& looks)
+  explicit Lit(const MovingImage::Request& looks)
       : black_(looks.lighting == gpuprims::Lighting::kStudio ? gpuprims::kStudioBlack : 0.0f) {
-    for (const gpuprims::DistantLight& light : gpuprims::distant_lights(view, looks.lighting, looks.sun))
+    for (const gpuprims::DistantLight& light : gpuprims::distant_lights(looks.view, looks.lighting, looks.sun))
       lights_[std::size_t(count_++)] = {vec3(light.towards), float(light.strength)};
   }
 
-  /// Of a surface whose normal points to the viewer.
+  /// The colour of a surface whose normal points to the viewer.
   vec3 colour(const vec3& n, const vec3& to_viewer, const glm::vec4& material) const {
     const float head = glm::dot(n, to_viewer);
     float diffuse = head, gloss = power_24(head);
@@ -100,25 +100,25 @@ struct MovingImage::Shot {
   const core::ImageRays& rays;
   const RayFilter& filter;
   Lit lit;
-  gpuprims::Background background;
+  const gpuprims::Background& background;
   bool all_opaque;
 };
 
-core::Expected<MovingImage::Counts> MovingImage::draw(const Tracer& tracer, const View& view, int width, int height,
-                                                      std::span<const std::uint64_t> without, const Looks& looks,
-                                                      core::ThreadPool& threads, double deadline) {
+core::Expected<MovingImage::Counts> MovingImage::draw(const Request& request, core::ThreadPool& threads,
+                                                      double deadline) {
+  const auto& [tracer, view, width, height, without, lighting, sun, background] = request;
   const auto rays = core::ImageRays::create(view, width, height);
   if (!rays) return tl::unexpected(rays.error());
   if (!view_ || width != points_.width() || height != points_.height() || !same_cuts(*view_, view))
     points_.reset(width, height, view);
   else if (!core::same_image(*view_, view))
-    points_.follow(view, looks.background, threads);
+    points_.follow(view, background, threads);
   view_ = view;
   RayFilter filter = filter_of(view);
   filter.without = without;
   const core::MaterialTable& table = tracer.snapshot().materials();
   const bool all_opaque = std::all_of(table.begin(), table.end(), [](const glm::vec4& row) { return row.a >= 1.0f; });
-  const Shot shot{tracer, *rays, filter, Lit(view, looks), looks.background, all_opaque};
+  const Shot shot{tracer, *rays, filter, Lit(request), background, all_opaque};
   order_blocks(threads);
   trace_most_urgent(shot, threads, deadline - finish_seconds_);
   const double traced = core::now_seconds();
@@ -127,7 +127,7 @@ core::Expected<MovingImage::Counts> MovingImage::draw(const Tracer& tracer, cons
   counts.traced = std::count(ages.begin(), ages.end(), PointImage::kNew);
   counts.filled = std::count(ages.begin(), ages.end(), PointImage::kNoPoint);
   counts.kept = std::int64_t(ages.size()) - counts.traced - counts.filled;
-  if (counts.filled > 0) points_.fill(looks.background, threads);
+  if (counts.filled > 0) points_.fill(background, threads);
   finish_seconds_ = core::now_seconds() - traced;
   return counts;
 }
@@ -157,7 +157,7 @@ void MovingImage::order_blocks(core::ThreadPool& threads) {
 /// image gets some new points.
 void MovingImage::trace_most_urgent(const Shot& shot, core::ThreadPool& threads, double deadline) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  constexpr std::uint32_t kNearlyEmpty = kMissing * kPixels * 7 / 8;
+  constexpr std::uint32_t kNearlyEmpty = kMissing * kPixels * 31 / 32;
   const auto rays_in_time = [&](double rate) {
     const double seconds = std::max(0.0, deadline - core::now_seconds());
     return (rate > 0.0 ? rate : kFirstRate * threads.size()) * seconds;

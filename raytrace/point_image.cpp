@@ -57,6 +57,30 @@ void PointImage::reset(int width, int height, const View& view) {
   orthographic_ = view.orthographic();
 }
 
+void PointImage::take(int width, int height, const View& view, const Pixels& image, core::ThreadPool& threads) {
+  reset(width, height, view);
+  const dmat4 place_from_clip = glm::inverse(clip_from_place(view, origin_));
+  const auto place = [&](int x, int y, double depth) {
+    const core::dvec4 p =
+        place_from_clip * core::dvec4(2.0 * (x + 0.5) / width - 1.0, 2.0 * (y + 0.5) / height - 1.0, depth, 1.0);
+    return dvec3(p) / p.w;
+  };
+  for_rows(threads, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      const std::size_t pixel = at(x, y);
+      const float depth = image.depths[pixel];
+      // The background lies midway between the planes, or where a way from the near plane to another is prolonged.
+      dvec3 point = place(x, y, depth > 0.0f ? double(depth) : 0.5);
+      if (depth == 0.0f && !orthographic_) point *= kFarAway / glm::length(point);
+      ids_[pixel] = depth == 0.0f ? 0 : image.ids.empty() ? 1 : image.ids[pixel];
+      now_.point[pixel] = {vec3(point), ids_[pixel]};
+      now_.colour[pixel] = image.colours[pixel];
+      now_.age[pixel] = kNew;
+      depths_[pixel] = depth;
+    }
+  });
+}
+
 void PointImage::follow(const View& view, const Background& background, core::ThreadPool& threads) {
   std::swap(now_, before_);
   // X / W and Y / W of its products are places in the image, in pixels.

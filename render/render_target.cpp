@@ -129,6 +129,14 @@ void RenderTarget::copy_to(const RenderTarget& to) const {
                             texture_target(), 0, 0, 0, 0, width(), height(), 1);
 }
 
+void RenderTarget::read(std::span<std::uint32_t> colours, std::span<float> depths,
+                        std::span<std::uint32_t> ids) const {
+  const Attachments& from = resolved_attachments();
+  from.colour.read(0, GL_RGBA, GL_UNSIGNED_BYTE, std::as_writable_bytes(colours));
+  from.depth.read(0, GL_DEPTH_COMPONENT, GL_FLOAT, std::as_writable_bytes(depths));
+  if (has_ids()) from.ids.read(0, GL_RED_INTEGER, GL_UNSIGNED_INT, std::as_writable_bytes(ids));
+}
+
 void RenderTarget::write(std::span<const std::uint32_t> colours, std::span<const float> depths,
                          std::span<const std::uint32_t> ids) const {
   assert(format_.samples == 1 && colours.size() == std::size_t(width()) * std::size_t(height()));

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <map>
 #include <numbers>
 #include <string>
 #include <thread>
@@ -49,20 +51,19 @@ struct Options {
   int frames = 40, every = 10;
   double budget_ms = 33.0, lod_error = 0.0;
   gl::ContextPlatform platform = {};
-  std::string size = "1280x720", json, plot, images;
-  std::vector<std::string> ways{"budget", "points", "complete"};
+  std::string size = "1280x720", json, plot, images, strip;
+  std::vector<std::string> ways{"traced", "drawn", "complete"};
 };
 
-/// A way to draw a moving image.
+/// A way to make a moving image. On a GPU none is traced.
 struct Way {
   const char *name, *title;
-  bool budget = true;
-  engine::ContributionMode mode = engine::ContributionMode::kDrop;
+  bool budget = true, traced = true;
 };
 constexpr Way kComplete{"complete", "complete", false};
 constexpr Way kWays[] = {
-    {"budget", "within the budget"},
-    {"points", "within the budget, with points", true, engine::ContributionMode::kPoints},
+    {"traced", "traced within the budget"},
+    {"drawn", "drawn within the budget", true, false},
     kComplete,
 };
 
@@ -89,12 +90,15 @@ void add_options(apps::CommandLine& line, Options& o) {
       .one_of(way_names())
       .shows_default();
   line.add("--images", o.images, "Write compared frames and their complete images to this folder").metavar("FOLDER");
+  line.add("--strip", o.strip,
+           "Write frames of the first flight in a row, a row for each way and one of complete images")
+      .metavar("FILE");
   line.add("--plot", o.plot, "Write a plot of error against time to FILE.svg").metavar("FILE");
   apps::add_context_option(line, o.platform);
   apps::add_json_option(line, o.json);
   line.examples(
       "  sightline-bench motion plant.rvm --plot motion.svg\n"
-      "  sightline-bench motion --items 1000000 --budget 33 --ways budget,complete --images frames");
+      "  sightline-bench motion --items 1000000 --budget 33 --images frames");
 }
 
 // --- flights ---------------------------------------------------------------------------------------------------------
@@ -211,20 +215,56 @@ double flicker(const Pair& before, const Pair& after) {
   return sum / double(channels);
 }
 
+// --- a strip of images -----------------------------------------------------------------------------------------------
+
+constexpr int kStripImages = 6, kSmaller = 4;  // times along either axis
+
+image::Image smaller(const image::Image& of) {
+  image::Image out{of.width / kSmaller, of.height / kSmaller, {}};
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        int sum = 0;
+        for (int v = y * kSmaller; v < (y + 1) * kSmaller; ++v)
+          for (int u = x * kSmaller; u < (x + 1) * kSmaller; ++u)
+            sum += of.pixels[3 * (std::size_t(v) * std::size_t(of.width) + std::size_t(u)) + std::size_t(c)];
+        out.pixels.push_back(std::uint8_t(sum / (kSmaller * kSmaller)));
+      }
+  return out;
+}
+
+/// Evenly spaced images of each row.
+image::Image side_by_side(const std::vector<std::vector<image::Image>>& rows) {
+  const image::Image& first = rows.front().front();
+  const std::size_t row_bytes = 3 * std::size_t(first.width);
+  image::Image strip{kStripImages * first.width, int(rows.size()) * first.height, {}};
+  for (const std::vector<image::Image>& images : rows)
+    for (int y = 0; y < first.height; ++y)
+      for (std::size_t i = 0; i < kStripImages; ++i) {
+        const auto from =
+            images[i * images.size() / kStripImages].pixels.begin() + std::ptrdiff_t(std::size_t(y) * row_bytes);
+        strip.pixels.insert(strip.pixels.end(), from, from + std::ptrdiff_t(row_bytes));
+      }
+  return strip;
+}
+
 // --- measuring -------------------------------------------------------------------------------------------------------
 
 struct Measured {
   std::vector<double> ms, pending, coarseness, earlier, covered, right_item, flip, flicker;
+  double rest_ms = 0.0;  // until the image is complete once the camera stands
 };
 
 class Bench {
  public:
-  Bench(core::Scene& scene, const Options& o, Engine complete)
-      : scene_(scene), options_(o), complete_(std::move(complete)) {}
+  /// `strip_of`: the flight whose frames the strip shows.
+  Bench(core::Scene& scene, const Options& o, Engine complete, std::string strip_of)
+      : scene_(scene), options_(o), complete_(std::move(complete)), strip_of_(std::move(strip_of)) {}
 
   /// Flies with an engine of its own, so that it knows nothing of other flights.
   Measured fly(const Flight& flight, const Way& way) {
     Engine moving = make_engine(scene_, options_, way);
+    engine::EngineParts::set_traces_motion(moving, way.traced);
     // A first frame, of another view, compiles programs.
     need(moving.frame(flight.views[flight.views.size() / 2]));
     moving.finish();
@@ -244,20 +284,37 @@ class Bench {
       if (phase > 1) continue;
       Pair pair = compare(moving, flight.views[i], measured);
       if (phase == 1 && !flight.begins[i]) measured.flicker.push_back(flicker(before, pair));
+      if (phase == 1 && flight.name == strip_of_) add_to_strip(pair, way);
       if (!options_.images.empty()) write(pair, flight.name.substr(0, flight.name.find(' ')), i, way);
       before = std::move(pair);
     }
+    measured.rest_ms = rest(moving, flight.views.back());
     return measured;
+  }
+
+  /// Evenly spaced frames of the flight.
+  image::Image strip() const {
+    std::vector<std::vector<image::Image>> rows;
+    for (const auto& [way, images] : strip_) rows.push_back(images);
+    if (!complete_strip_.empty()) rows.push_back(complete_strip_.begin()->second);
+    return side_by_side(rows);
   }
 
   static Engine make_engine(core::Scene& scene, const Options& o, const Way& way) {
     const auto [width, height] = *apps::parse_size(o.size);
     engine::EngineConfig config = drawing_config(width, height, o.platform);
-    if (way.budget) config.losses = {.contribution_mode = way.mode, .budget_ms = o.budget_ms, .lod_error = o.lod_error};
+    if (way.budget) config.losses = {.budget_ms = o.budget_ms, .lod_error = o.lod_error};
     return need(Engine::create(scene, config));
   }
 
  private:
+  static double rest(Engine& engine, const core::View& view) {
+    const double begin = milliseconds();
+    while (need(engine.frame(view)).pending > 0) {
+    }
+    engine.finish();
+    return milliseconds() - begin;
+  }
   Pair compare(Engine& moving, const core::View& view, Measured& measured) {
     need(complete_.frame(view));
     Pair pair{need(apps::read_image(moving, view)), need(apps::read_image(complete_, view))};
@@ -274,9 +331,16 @@ class Bench {
     need(image::write_png(pair.complete.colour, stem + "whole.png"));
   }
 
+  void add_to_strip(const Pair& pair, const Way& way) {
+    if (way.budget) strip_[way.name].push_back(smaller(pair.moving.colour));
+    complete_strip_[way.name].push_back(smaller(pair.complete.colour));
+  }
+
   core::Scene& scene_;
   const Options& options_;
   Engine complete_;
+  std::string strip_of_;
+  std::map<std::string, std::vector<image::Image>> strip_, complete_strip_;  // by way, small
 };
 
 double least(const std::vector<double>& values) {
@@ -296,7 +360,8 @@ Json to_json(const Flight& flight, const Way& way, const Measured& m) {
           {"right_item", apps::summarise(m.right_item).mean},
           {"flip", apps::summarise(m.flip).mean},
           {"flicker", apps::summarise(m.flicker).mean},
-          {"pending", apps::summarise(m.pending).mean}};
+          {"pending", apps::summarise(m.pending).mean},
+          {"rest_ms", m.rest_ms}};
 }
 
 constexpr apps::Column kColumns[] = {{"flight", "flight"},
@@ -311,7 +376,7 @@ constexpr apps::Column kColumns[] = {{"flight", "flight"},
                                      {"right item", "right_item", "{:.3f}"},
                                      {"FLIP", "flip", "{:.3f}"},
                                      {"flicker", "flicker", "{:.2f}"},
-                                     {"pending", "pending", "{:.0f}"}};
+                                     {"rest", "rest_ms", "{:.0f}"}};
 
 core::Expected<void> plot(const std::string& file, const Json& rows) {
   apps::PanelPlot plot{.title = "Moving images",
@@ -340,7 +405,7 @@ core::Expected<int> run(const Options& o) {
   json.update({{"items", snapshot.size()}, {"size", o.size}, {"budget_ms", o.budget_ms}, {"rows", Json::array()}});
   std::fprintf(apps::table_stream(o.json), "%s, %s, budget %g ms, %s\n\n", engine::count_text(snapshot.size()).c_str(),
                o.size.c_str(), o.budget_ms, renderer_line(context).c_str());
-  Bench bench(*scene, o, std::move(complete));
+  Bench bench(*scene, o, std::move(complete), flights.front().name);
   apps::Progress progress("measuring", flights.size() * o.ways.size());
   for (const Flight& flight : flights)
     for (const Way& way : kWays) {
@@ -348,6 +413,7 @@ core::Expected<int> run(const Options& o) {
       json["rows"].push_back(to_json(flight, way, bench.fly(flight, way)));
       progress.advance(json["rows"].size());
     }
+  if (!o.strip.empty()) need(image::write_png(bench.strip(), o.strip));
   if (!o.plot.empty()) need(plot(o.plot, json["rows"]));
   return finish(o.json, json, [](const Json& all, std::FILE* out) { apps::print_table(all["rows"], kColumns, out); });
 }

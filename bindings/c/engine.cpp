@@ -43,7 +43,7 @@ sl_frame_report report_of(const engine::FrameReport& from) {
   report.visible = from.visible, report.tested = from.tested;
   report.sampled = from.sampled, report.items_drawn = from.items_drawn;
   report.below_min_area = from.below_min_area, report.splats = from.splats;
-  report.pending = from.pending, report.coarseness = from.coarseness;
+  report.pending = from.pending, report.coarseness = from.coarseness, report.earlier = from.earlier;
   report.drawn = from.drawn;
   report.hybrid_state = from.state ? std::int32_t(*from.state) : -1;
   report.triangles = from.triangles;

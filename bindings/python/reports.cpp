@@ -39,6 +39,8 @@ void bind_frame_report(py::module_& m) {
       .def_readonly("pending", &FrameReport::pending, "Items that `budget_ms` did not suffice for.")
       .def_readonly("coarseness", &FrameReport::coarseness,
                     "Above 1: a moving image with a pixel for so many along either axis.")
+      .def_readonly("earlier", &FrameReport::earlier,
+                    "Share of a moving image's pixels whose points earlier frames have found: 0 to 1.")
       .def("__repr__", [](const FrameReport& r) {
         return "<sightline.FrameReport " + std::to_string(r.frame) + ": " + std::to_string(r.visible) + " visible, " +
                std::to_string(r.items_drawn) + " drawn>";
@@ -47,7 +49,7 @@ void bind_frame_report(py::module_& m) {
              &FrameReport::draw_ms, &FrameReport::wait_ms, &FrameReport::frame_ms, &FrameReport::drawn,
              &FrameReport::visible, &FrameReport::tested, &FrameReport::sampled, &FrameReport::items_drawn,
              &FrameReport::triangles, &FrameReport::below_min_area, &FrameReport::splats, &FrameReport::pending,
-             &FrameReport::coarseness>(c);
+             &FrameReport::coarseness, &FrameReport::earlier>(c);
 }
 
 void bind_small_reports(py::module_& m) {

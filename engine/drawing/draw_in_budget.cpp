@@ -55,7 +55,6 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const Frame&
   const double deadline = stays ? std::max(frame_ends, began + 1e-3 * kStillShare * image.overhead_ms) : frame_ends;
   const auto drawn_ms = draw_passes(context, frame, canvas, deadline);
   if (!drawn_ms) return tl::unexpected(drawn_ms.error());
-  image.drawn_ms += *drawn_ms;
   if (context.may_test_occlusion() && !goes_on)
     image.budget.remember(context.occlusion_test(frame), frame.snapshot.bounds(), &context.threads);
   counts = {-1, std::int64_t(image.budget.drawn()), counts.below_min_area,
@@ -64,15 +63,16 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const Frame&
   const bool sufficed = image.budget.complete() && image.unmeasured == 0 && core::now_seconds() <= frame_ends;
   image.coarsened = stays ? 0.0 : next_coarsened(image, context.config.losses.lod_error, sufficed);
   const double begin = core::now_seconds();
+  if (stays) image.resolution.rested(*drawn_ms, !goes_on, image.budget.complete(), context.config.losses.budget_ms);
   if (image.budget.complete()) {
-    image.shown_step = 0, image.shows_traced = false;
-    if (stays) image.resolution.whole_took(image.drawn_ms, context.config.losses.budget_ms);
+    image.shown_step = 0;
+    if (image.traced) image.traced->shown = false;
   }
   const bool moving = image.shows_moving();  // it has all items, and so is shown until the image is complete
   counts.coarseness = MovingResolution::kSteps[image.shown_step];
   if (moving && frame.overlaid) {
-    auto done = image.shows_traced ? image.traced->show(context, frame, candidates)
-                                   : context.enlarge(*image.smaller[image.shown_step]);
+    auto done = image.shows_traced() ? image.traced->show(context, frame, candidates)
+                                     : context.enlarge(*image.smaller[image.shown_step]);
     if (!done) return tl::unexpected(done.error());
   } else if (beside && !moving) {
     image.refined->copy_to(image.target);
@@ -91,7 +91,6 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const Frame&
 void DrawInBudget::begin(DrawContext& context, const Frame& frame, const core::VisibleSet& visible, bool stays) {
   ImageState& image = *context.image;
   if (stays) image.coarsened = 0.0;
-  image.drawn_ms = 0.0;
   const float least = context.config.losses.min_projected_area;
   const float threshold = stays ? least : std::max(least, kUnmeasured * image.budget.largest_pending());
   context.clear_pyramid();

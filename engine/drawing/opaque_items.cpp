@@ -48,13 +48,21 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const Frame& 
   if (losses.budget_ms <= 0.0) return draw_all(context, frame, visible, losses.min_projected_area);
   const bool stays = image.budget_view && core::same_image(*image.budget_view, frame.view);
   if (stays && image.whole) return keep_whole(image);
+  const bool drawn = image.whole || (image.refines && image.budget.complete());  // all of the last image
   image.whole = false;
-  const bool refines = stays && image.shows_traced && !image.traced->complete();
-  if (!stays) image.shown_step = 0, image.shows_traced = false;
+  const bool refines = stays && image.shows_traced() && !image.traced->complete();
+  if (!stays) image.shown_step = 0;
+  if (!stays && image.traced) image.traced->shown = false;
   const bool moves = context.software() && !frame.shows_unseen && !frame.aside() && (!stays || refines);
   if (!moves) return in_budget_.draw(context, frame, visible);
   image.resolution.begin(std::int64_t(frame.snapshot.count(visible)));
-  if (refines || (frame.tracer && image.resolution.step() > 0)) return draw_traced(context, frame, visible, over);
+  if (frame.tracer && (refines || image.resolution.step() > 0)) {
+    if (!image.traced) image.traced.emplace();
+    if (image.budget_view && drawn)
+      image.traced->begin(context, *image.budget_view, image.beside ? *image.refined : image.target);
+    return draw_traced(context, frame, visible, over);
+  }
+  if (stays) return in_budget_.draw(context, frame, visible);
   return draw_moving(context, frame, visible);
 }
 
@@ -72,8 +80,7 @@ core::Expected<DrawCounts> OpaqueItems::draw_traced(DrawContext& context, const 
   ImageState& image = *context.image;
   image.budget_view = frame.view;
   image.refines = false;
-  image.shows_traced = true;
-  if (!image.traced) image.traced.emplace();
+  image.traced->shown = true;
   auto counts = image.traced->draw(context, frame, visible, over);
   if (counts) image.budget_counts = *counts;
   return counts;

@@ -1,7 +1,9 @@
 #include "sightline/engine/drawing/internal/traced_image.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <vector>
 
 #include "sightline/core/internal/clock.h"
 #include "sightline/core/internal/store.h"
@@ -11,14 +13,37 @@ namespace sightline::engine {
 
 #if SIGHTLINE_HAS_RAYTRACE
 
+namespace {
+
+/// The slots of a set that have a bit. The time grows with the words of bits.
+void find_lines(const core::VisibleSet& set, culling::SlotBits bits, core::VisibleSet& found) {
+  found.clear();
+  found.generation = set.generation;
+  if (bits.empty()) return;
+  for (const core::Slot slot : set.single_slots)
+    if (culling::contains(bits, slot)) found.single_slots.push_back(slot);
+  for (const core::SlotRange& range : set.ranges) {
+    const core::Slot end = std::min(range.first + range.count, core::Slot(64 * bits.size()));
+    for (core::Slot slot = range.first; slot < end;) {
+      const std::uint64_t rest = bits[slot / 64] >> slot % 64;
+      slot = rest == 0 ? (slot / 64 + 1) * 64 : slot + core::Slot(std::countr_zero(rest));
+      if (rest != 0 && slot < end) found.single_slots.push_back(slot++);
+    }
+  }
+  std::sort(found.single_slots.begin(), found.single_slots.end());
+}
+
+}  // namespace
+
 core::Expected<DrawCounts> TracedImage::draw(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
                                              culling::SlotBits over) {
   constexpr double kShare = 0.98;  // of the budget
   const render::RenderTarget& target = context.target();
   const render::Renderer& looks = *context.renderer;
   const double deadline = frame.budget_began + kShare * 1e-3 * context.config.losses.budget_ms - show_seconds_;
-  const auto traced = image_.draw(*frame.tracer, frame.view, target.width(), target.height(), over,
-                                  {looks.lighting, looks.sun, looks.background}, context.threads, deadline);
+  const auto traced = image_.draw(
+      {*frame.tracer, frame.view, target.width(), target.height(), over, looks.lighting, looks.sun, looks.background},
+      context.threads, deadline);
   if (!traced) return tl::unexpected(traced.error());
   complete_ = traced->kept + traced->filled == 0;
   if (auto done = show(context, frame, visible); !done) return tl::unexpected(done.error());
@@ -32,28 +57,32 @@ core::Expected<DrawCounts> TracedImage::draw(DrawContext& context, const Frame& 
   return counts;
 }
 
+void TracedImage::begin(DrawContext& context, const core::View& view, const render::RenderTarget& drawn) {
+  if (image_.shows(view)) return;
+  const std::size_t pixels = std::size_t(drawn.width()) * std::size_t(drawn.height());
+  std::vector<std::uint32_t> colours(pixels), ids(drawn.has_ids() ? pixels : 0);
+  std::vector<float> depths(pixels);
+  drawn.read(colours, depths, ids);
+  image_.begin(view, drawn.width(), drawn.height(), {colours, depths, ids}, context.threads);
+}
+
 core::Expected<void> TracedImage::show(DrawContext& context, const Frame& frame, const core::VisibleSet& visible) {
   const double begin = core::now_seconds();
   const render::RenderTarget& target = context.target();
+  const raytrace::PointImage::Pixels image = image_.points().pixels();
   context.image->meshes = {};
   if (target.format().samples == 1) {
-    target.write(image_.points().colours(), image_.points().depths(), image_.points().ids());
+    target.write(image.colours, image.depths, image.ids);
   } else {
     const auto create = [&] {
       return render::RenderTarget::create(context.context, target.width(), target.height(), {.ids = target.has_ids()});
     };
     if (!single_)
       if (auto done = core::store(create(), single_); !done) return done;
-    single_->write(image_.points().colours(), image_.points().depths(), image_.points().ids());
+    single_->write(image.colours, image.depths, image.ids);
     if (auto done = context.enlarge(*single_); !done) return done;
   }
-  lines_.clear();
-  lines_.generation = visible.generation;
-  if (!frame.lines.empty())
-    visible.for_each_slot([&](core::Slot slot) {
-      if (culling::contains(frame.lines, slot)) lines_.single_slots.push_back(slot);
-    });
-  std::sort(lines_.single_slots.begin(), lines_.single_slots.end());
+  find_lines(visible, frame.lines, lines_);
   auto done = lines_.single_slots.empty() ? core::Expected<void>() : context.draw(frame, {lines_, target});
   context.gl().Finish();
   show_seconds_ = core::now_seconds() - begin;
@@ -73,6 +102,7 @@ core::Expected<DrawCounts> TracedImage::draw(DrawContext&, const Frame&, const c
 core::Expected<void> TracedImage::show(DrawContext&, const Frame&, const core::VisibleSet&) {
   return {};
 }
+void TracedImage::begin(DrawContext&, const core::View&, const render::RenderTarget&) {}
 void TracedImage::forget() {}
 
 #endif

@@ -46,7 +46,6 @@ struct EngineState {
   double frame_seconds = 0.0;      // duration of the last frame
   std::uint64_t frames = 0;
   bool picks = false;  // the application has picked
-  bool traces_motion = true;  // moving images are traced where that may be; false for tests of those that are not
 #if SIGHTLINE_HAS_RAYTRACE
   core::LargeArray<core::NodeId> nodes;  // by item: the node that holds it, so that picks do not read the scene
 #endif

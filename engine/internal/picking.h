@@ -22,6 +22,8 @@ std::size_t tracer_bytes(const SceneVersion& version);
 /// The tracer of an order, made on another thread. The order's snapshot must not be edited meanwhile.
 class BackgroundTracer {
  public:
+  bool for_motion = true;  // moving images may use it; false for tests of those that are drawn
+
   BackgroundTracer() = default;
   /// Stops it, which takes some milliseconds.
   ~BackgroundTracer() { stop_.request_stop(); }
@@ -61,6 +63,7 @@ inline std::size_t tracer_bytes(const SceneVersion&) {
 }
 class BackgroundTracer {
  public:
+  bool for_motion = false;
   void finish(SceneVersion&) {}
   void interrupt(SceneVersion&) {}
   void follow(const SceneVersion&) {}

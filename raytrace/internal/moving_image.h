@@ -25,9 +25,14 @@ namespace sightline::raytrace {
 /// Costs what PointImage does.
 class MovingImage {
  public:
-  struct Looks {
-    gpuprims::Lighting lighting = gpuprims::Lighting::kHeadLight;
-    core::dvec3 sun{0.0, 0.0, 1.0};  ///< as gpuprims::distant_lights() has it
+  /// What an image shows. Borrows everything.
+  struct Request {
+    const Tracer& tracer;  ///< of the snapshot that it shows
+    const core::View& view;
+    int width, height;                                             ///< pixels
+    std::span<const std::uint64_t> without = {};                   ///< as RayFilter has it
+    gpuprims::Lighting lighting = gpuprims::Lighting::kHeadLight;  ///< and the rest as render::Renderer has them
+    core::dvec3 sun{0.0, 0.0, 1.0};
     gpuprims::Background background = {};
   };
   /// Pixels by what they show: a point that a ray of this view has found; one of an earlier view; that of a neighbour.
@@ -35,13 +40,19 @@ class MovingImage {
     std::int64_t traced = 0, kept = 0, filled = 0;
   };
 
-  /// Makes the image of a view, of what the tracer's snapshot holds: that of the calls before, unless forget() was
-  /// called. `without`: as RayFilter has it. Ends a fraction of a millisecond after the deadline (core::now_seconds()),
+  /// Makes the image of a view. The snapshot and its looks are those of the calls before, unless forget() was called.
+  /// Ends a fraction of a millisecond after the deadline (core::now_seconds()),
   /// but for what grows with the pixels alone. Called again with the same view it goes on; the image is complete once
   /// nothing is kept or filled. Fails as core::image_ray() does.
-  core::Expected<Counts> draw(const Tracer& tracer, const core::View& view, int width, int height,
-                              std::span<const std::uint64_t> without, const Looks& looks, core::ThreadPool& threads,
-                              double deadline);
+  core::Expected<Counts> draw(const Request& request, core::ThreadPool& threads, double deadline);
+  /// Begins with an image of a view that is there: what follows it shows its points until rays have met others.
+  void begin(const core::View& view, int width, int height, const PointImage::Pixels& image,
+             core::ThreadPool& threads) {
+    points_.take(width, height, view, image, threads);
+    view_ = view;
+  }
+  /// Whether it is the image of this view.
+  bool shows(const core::View& view) const { return view_ && core::same_image(*view_, view); }
   /// Forgets all points. Call it when the scene or its looks have changed.
   void forget() { view_.reset(); }
 

@@ -26,8 +26,18 @@ class PointImage {
   /// ones, as cracks in a surface show that comes nearer; of a pixel without a point.
   static constexpr std::uint8_t kNew = 0, kOldest = 63, kDoubtful = 254, kNoPoint = 255;
 
+  /// An image, row by row from the bottom up.
+  struct Pixels {
+    std::span<const std::uint32_t> colours;  ///< red in the lowest byte, then g, b, 255
+    std::span<const float> depths;           ///< reversed, 0 to 1; 0: the background
+    std::span<const std::uint32_t> ids;      ///< item + 1; 0: the background
+  };
+
   /// Forgets all points.
   void reset(int width, int height, const core::View& view);
+  /// Takes the points of an image of this view that is there, in the form in which this one has them. Without ids what
+  /// has a depth is a surface.
+  void take(int width, int height, const core::View& view, const Pixels& image, core::ThreadPool& threads);
   /// Puts the points where another view has them. What shows the background gets that of its new row.
   void follow(const core::View& view, const gpuprims::Background& background, core::ThreadPool& threads);
   /// Lets a pixel show a point. `id`: item + 1. Several threads may set different pixels.
@@ -55,11 +65,8 @@ class PointImage {
           for (int x = left; x < std::min(right, left + 4); ++x) visit(at(x, y), x, y);
   }
 
-  // By pixel.
-  std::span<const std::uint8_t> ages() const { return now_.age; }
-  std::span<const std::uint32_t> colours() const { return now_.colour; }  ///< red in the lowest byte, then g, b, 255
-  std::span<const std::uint32_t> ids() const { return ids_; }             ///< item + 1; 0: the background
-  std::span<const float> depths() const { return depths_; }               ///< reversed, 0 to 1; 0: the background
+  Pixels pixels() const { return {now_.colour, depths_, ids_}; }
+  std::span<const std::uint8_t> ages() const { return now_.age; }  ///< by pixel
 
  private:
   struct Point {

@@ -5,8 +5,8 @@
 
 namespace sightline::raytrace {
 
-/// Of unit length, in the world, and towards where a ray of this direction comes from. Where a mesh has normals it is
-/// the mean of the triangle's, otherwise the surface's own.
+/// The mean of a triangle's normals where its mesh has any, otherwise the surface's own normal: in the world, of unit
+/// length, and towards where a ray of this direction comes from.
 core::dvec3 shading_normal(const core::Snapshot& snapshot, const Hit& hit, const core::dvec3& direction);
 
 }  // namespace sightline::raytrace

@@ -59,6 +59,9 @@ class RenderTarget {
   /// Copies all that is drawn here to a target of the same size and format.
   void copy_to(const RenderTarget& to) const;
   std::size_t memory_bytes() const;
+  /// Reads all that is drawn, as write() takes it: of several samples per pixel the mean of the colours, and one
+  /// sample's depth and id. Waits for the GPU.
+  void read(std::span<std::uint32_t> colours, std::span<float> depths, std::span<std::uint32_t> ids) const;
   /// Replaces all that is drawn, row by row from the bottom up: colours with red in the lowest byte and alpha in the
   /// highest, reversed depths, and ids, if the target has any. Only for a target with one sample per pixel.
   void write(std::span<const std::uint32_t> colours, std::span<const float> depths,

@@ -31,9 +31,9 @@ TEST_F(BenchFrames, RefusesWhatMakesNoSense) {
 
 /// A budget that no frame keeps still shows most of so small an image, and the way without one all of it.
 TEST_F(BenchFrames, MovingImagesAreComparedWithCompleteOnes) {
-  const Json json = run_json(
-      "bench", {"motion", plant(3000), "--frames", "8", "--every", "2", "--size", "192x128", "--budget", "0.001",
-                "--ways", "budget,complete", "--images", path("frames"), "--plot", path("motion.svg")});
+  const Json json = run_json("bench", {"motion", plant(3000), "--frames", "8", "--every", "2", "--size", "192x128",
+                                       "--budget", "0.001", "--ways", "traced,complete", "--images", path("frames"),
+                                       "--strip", path("strip.png"), "--plot", path("motion.svg")});
   ASSERT_EQ(json["rows"].size(), 6u) << json;
   for (const Json& row : json["rows"]) {
     const bool complete = row["way"] == "complete";

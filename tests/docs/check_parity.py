@@ -86,6 +86,7 @@ EXCEPTIONS = {
     "Engine::controller": ("sl_engine_get_controller", "Engine.controller", ""),
     "ItemStyle::colour": ("sl_item_style.use_colour sl_item_style.colour", "Engine.set_override(colour)", ""),
     "RayFilter::sections": ("sl_ray.section_count sl_ray.sections", "Engine.pick_ray(sections)", ""),
+    "RayFilter::without": ("-", "-", "slots are internal; engines pass ghosts by themselves"),
     "RayFilter::cuts": ("sl_ray.leave_out_cuts", "Engine.pick_ray(cuts)", ""),
     "FrameReport::state": ("sl_frame_report.hybrid_state", "FrameReport.state", ""),
     "MemoryReport::bvh": ("sl_engine_info.hierarchy_bytes", "MemoryReport.bvh", ""),

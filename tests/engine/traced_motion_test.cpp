@@ -145,6 +145,20 @@ TEST_P(TracedMotion, FollowsTheScene) {
   expect_alike(*hurried, *all, 0.004 + smooth, smooth > 0.0 ? 0.1 : 0.004);
 }
 
+/// The first image of a motion shows what the image at rest has, moved.
+TEST_P(TracedMotion, BeginsWithTheImageAtRest) {
+  auto hurried = create_with_overlays(scene, with(kTooShort)), all = Engine::create(scene, with(0.0));
+  ASSERT_TRUE(hurried && all);
+  ASSERT_TRUE(begin(*hurried));
+  ASSERT_TRUE(hurried->clear_overrides());
+  ASSERT_TRUE(draw_complete(*hurried, at(0.4)));
+  const auto report = hurried->frame(at(0.4005));
+  ASSERT_TRUE(report && all->frame(at(0.4005)));
+  EXPECT_GT(report->earlier, 0.8);
+  EXPECT_LT(report->coarseness, 1.1);
+  expect_alike(*hurried, *all, 0.25, 0.25);
+}
+
 /// What is drawn over an image is drawn once, while it moves and at rest.
 TEST_P(TracedMotion, IsDrawnOverOnce) {
   auto hurried = create_with_overlays(scene, with(kTooShort)), all = create_with_overlays(scene, with(0.0));

@@ -64,7 +64,7 @@ class MovingImageTest : public testing::Test {
 
   MovingImage::Counts draw(MovingImage& image, const core::View& view, double deadline,
                            std::span<const std::uint64_t> without = {}) {
-    const auto counts = image.draw(*tracer, view, kWidth, kHeight, without, {}, threads, deadline);
+    const auto counts = image.draw({*tracer, view, kWidth, kHeight, without}, threads, deadline);
     EXPECT_TRUE(counts);
     EXPECT_EQ(counts->traced + counts->kept + counts->filled, std::int64_t(kPixels));
     return *counts;
@@ -77,11 +77,11 @@ class MovingImageTest : public testing::Test {
   }
   void expect_traced(const MovingImage& image, const core::View& view, std::size_t pixel, RayFilter filter) const {
     const auto found = hit(view, pixel, filter);
-    ASSERT_EQ(image.points().ids()[pixel], found ? to_index(found->item) + 1 : 0u) << pixel;
+    ASSERT_EQ(image.points().pixels().ids[pixel], found ? to_index(found->item) + 1 : 0u) << pixel;
     if (!found) return;
     const core::dvec4 clip =
         gpuprims::reversed_clip_from_eye(view) * view.eye_from_world() * core::dvec4(found->point, 1.0);
-    EXPECT_NEAR(image.points().depths()[pixel], clip.z / clip.w, 2e-6);
+    EXPECT_NEAR(image.points().pixels().depths[pixel], clip.z / clip.w, 2e-6);
   }
 
   core::Scene scene;
@@ -101,8 +101,8 @@ TEST_F(MovingImageTest, IsTheImageOfItsRaysInTime) {
       expect_traced(image, view, pixel, filter_of(view));
       const std::size_t there = (kHeight - 1 - pixel / kWidth) * kWidth + pixel % kWidth;
       for (std::size_t c = 0; c < 3; ++c)
-        ASSERT_NEAR(image.points().colours()[pixel] >> 8 * c & 255u, reference->rgb[3 * there + c], 1) << pixel;
-      background += image.points().ids()[pixel] == 0;
+        ASSERT_NEAR(image.points().pixels().colours[pixel] >> 8 * c & 255u, reference->rgb[3 * there + c], 1) << pixel;
+      background += image.points().pixels().ids[pixel] == 0;
     }
     EXPECT_GT(background, int(kPixels / 20));
     EXPECT_LT(background, int(kPixels * 4 / 5));
@@ -178,7 +178,7 @@ TEST_F(MovingImageTest, KeepsPointsWhereTheNextViewHasThem) {
           const bool none = twin.found[pixel].depth < 0.0;
           without += none;
           wrong += none ? age != PointImage::kNoPoint
-                        : age == PointImage::kNoPoint || image.points().ids()[pixel] != twin.found[pixel].id;
+                        : age == PointImage::kNoPoint || image.points().pixels().ids[pixel] != twin.found[pixel].id;
         }
       }
       EXPECT_EQ(wrong, 0) << "of " << compared;
@@ -206,11 +206,31 @@ TEST_F(MovingImageTest, FillsWithWhatLiesBehind) {
           for (int u = x / side * side; u < std::min(kWidth, (x / side + 1) * side); ++u) {
             if (points.ages()[points.at(u, v)] == PointImage::kNoPoint) continue;
             any = true;
-            if (points.ids()[points.at(u, v)] != 0) depth = std::min(depth, points.depths()[points.at(u, v)]);
+            if (points.pixels().ids[points.at(u, v)] != 0)
+              depth = std::min(depth, points.pixels().depths[points.at(u, v)]);
           }
-      ASSERT_EQ(points.depths()[points.at(x, y)], depth == 2.0f ? 0.0f : depth) << x << ", " << y;
-      ASSERT_EQ(points.ids()[points.at(x, y)] == 0, depth == 2.0f);
+      ASSERT_EQ(points.pixels().depths[points.at(x, y)], depth == 2.0f ? 0.0f : depth) << x << ", " << y;
+      ASSERT_EQ(points.pixels().ids[points.at(x, y)] == 0, depth == 2.0f);
     }
+}
+
+/// An image that is there is as good as one that rays have made.
+TEST_F(MovingImageTest, BeginsWithAnImageThatIsThere) {
+  using Make = core::View (*)(double);
+  for (const Make make : {Make(perspective), Make(orthographic)}) {
+    MovingImage traced, begun;
+    draw(traced, make(0.3), kNever);
+    begun.begin(make(0.3), kWidth, kHeight, traced.points().pixels(), threads);
+    EXPECT_TRUE(begun.shows(make(0.3)));
+    EXPECT_EQ(draw(begun, make(0.3), -kNever).traced, std::int64_t(kPixels));
+    draw(traced, make(0.33), -kNever);
+    draw(begun, make(0.33), -kNever);
+    int other = 0;
+    for (std::size_t pixel = 0; pixel < kPixels; ++pixel)
+      other += traced.points().pixels().ids[pixel] != begun.points().pixels().ids[pixel] ||
+               traced.points().pixels().colours[pixel] != begun.points().pixels().colours[pixel];
+    EXPECT_LE(other, int(kPixels / 100)) << "float depths put points on the borders of pixels into others";
+  }
 }
 
 /// However little time each call has, the image of a view that stays becomes complete, and no pixel is traced twice.
@@ -226,9 +246,9 @@ TEST_F(MovingImageTest, BecomesCompleteAtRest) {
   }
   EXPECT_GT(calls, 3);
   draw(all, perspective(0.1), kNever);
-  EXPECT_TRUE(std::ranges::equal(image.points().ids(), all.points().ids()));
-  EXPECT_TRUE(std::ranges::equal(image.points().colours(), all.points().colours()));
-  EXPECT_TRUE(std::ranges::equal(image.points().depths(), all.points().depths()));
+  EXPECT_TRUE(std::ranges::equal(image.points().pixels().ids, all.points().pixels().ids));
+  EXPECT_TRUE(std::ranges::equal(image.points().pixels().colours, all.points().pixels().colours));
+  EXPECT_TRUE(std::ranges::equal(image.points().pixels().depths, all.points().pixels().depths));
 }
 
 TEST_F(MovingImageTest, KnowsNothingOfForgottenPoints) {
@@ -239,7 +259,7 @@ TEST_F(MovingImageTest, KnowsNothingOfForgottenPoints) {
   core::View cut = perspective(0.0);
   cut.sections.push_back({{0, -1, 0}, 0.5});
   EXPECT_EQ(draw(image, cut, -kNever).kept, 0);
-  const auto counts = image.draw(*tracer, cut, kWidth / 2, kHeight, {}, {}, threads, -kNever);
+  const auto counts = image.draw({*tracer, cut, kWidth / 2, kHeight}, threads, -kNever);
   ASSERT_TRUE(counts);
   EXPECT_EQ(counts->kept, 0);
 }
@@ -256,7 +276,7 @@ TEST_F(MovingImageTest, EndsAtItsDeadline) {
   core::use_clock(tick);
   core::ThreadPool one(1);
   const double begin = core::now_seconds();
-  const auto counts = image.draw(*tracer, perspective(0.1), kWidth, kHeight, {}, {}, one, begin + 0.020);
+  const auto counts = image.draw({*tracer, perspective(0.1), kWidth, kHeight}, one, begin + 0.020);
   const double taken = core::now_seconds() - begin;
   core::use_clock(nullptr);
   ASSERT_TRUE(counts);

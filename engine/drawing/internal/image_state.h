@@ -45,15 +45,14 @@ struct ImageState {
   double overhead_ms = 0.0;                     // of the last frame, beside drawing its items: grows with the image
   DrawCounts budget_counts;                     // of the last frame
   MovingResolution resolution;
-  double drawn_ms = 0.0;  // time that drawing has taken of an image at rest, in all of its frames
   std::array<std::optional<render::RenderTarget>, MovingResolution::kSteps.size()> smaller;  // from step 1 on
   bool whole = false;          // the moving image has all pixels, and `refined` a copy if it is drawn over
   std::size_t shown_step = 0;  // of `resolution`: 0, or the moving image lies in `smaller`, and enlarged in `target`
   std::optional<TracedImage> traced;  // made with the first one
-  bool shows_traced = false;          // `target` shows it
 
   /// Whether `target` shows a moving image that is to stay until the one of the view at rest is complete.
-  bool shows_moving() const { return shown_step > 0 || shows_traced; }
+  bool shows_moving() const { return shown_step > 0 || shows_traced(); }
+  bool shows_traced() const { return traced && traced->shown; }
   std::size_t memory_bytes() const {
     std::size_t bytes = target.memory_bytes() + (refined ? refined->memory_bytes() : 0);
     bytes += traced ? traced->memory_bytes() : 0;
@@ -66,7 +65,6 @@ struct ImageState {
     smaller = {};
     traced.reset();
     shown_step = 0;
-    shows_traced = false;
   }
   /// Tells that the next frame shows something else, though its view may be that of the last one.
   void changed() {

@@ -19,10 +19,11 @@ class MovingResolution {
   void begin(std::int64_t items) {
     if (!measured_) step_ = items < kFewItems ? 0 : kSteps.size() - 1;
   }
-  /// An image with all pixels has taken so long, in one frame or in several at rest: whether a moving one may have
-  /// them.
-  void whole_took(double ms, double budget_ms) {
-    if (ms <= kAimed * budget_ms) step_ = 0, measured_ = true;
+  /// A frame at rest has drawn for so long, of the image with all pixels that it begins, goes on with, or completes:
+  /// once that is known to fit into the time of a moving one, moving ones have all pixels.
+  void rested(double ms, bool begins, bool completes, double budget_ms) {
+    rest_ms_ = begins ? ms : rest_ms_ + ms;
+    if (completes && rest_ms_ <= kAimed * budget_ms) step_ = 0, measured_ = true;
   }
   std::size_t step() const { return step_; }
   double coarseness() const { return kSteps[step_]; }
@@ -53,6 +54,7 @@ class MovingResolution {
   std::size_t step_ = 0;
   int calm_ = 0;  // frames in a row that would have been in time at the next finer step
   bool measured_ = false;
+  double rest_ms_ = 0.0;  // that the image at rest has taken so far
 };
 
 }  // namespace sightline::engine

@@ -17,10 +17,14 @@ struct DrawContext;
 /// One for each image that moves: raytrace::MovingImage, and lines, which rays do not see.
 class TracedImage {
  public:
+  bool shown = false;  // the image shows it
+
   /// Makes the image of a frame that has a tracer, within the budget, and shows it. It has no items of `over`, which
   /// will be drawn over it, or others that the tracer's snapshot has not.
   core::Expected<DrawCounts> draw(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
                                   culling::SlotBits over);
+  /// Begins with an image that is drawn and complete, unless it is that of the view already.
+  void begin(DrawContext& context, const core::View& view, const render::RenderTarget& drawn);
   /// Shows it once more, before something is drawn over it again.
   core::Expected<void> show(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
   /// Whether it shows nothing but what rays of its view have found.

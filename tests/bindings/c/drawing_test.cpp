@@ -100,6 +100,7 @@ TEST_F(CapiDrawing, DrawsWhatCppDraws) {
     EXPECT_EQ(report.items_drawn, expected->items_drawn);
     EXPECT_EQ(report.triangles, expected->triangles);
     EXPECT_EQ(report.coarseness, expected->coarseness);
+    EXPECT_EQ(report.earlier, expected->earlier);
     expect_same_images(engine, twin);
     EXPECT_OK(sl_engine_finish(engine));
     EXPECT_OK(sl_engine_finish_levels(engine));
