@@ -15,7 +15,7 @@ namespace sightline::apps {
 namespace {
 
 /// What the sliders cost, beside them.
-void error_figures(Session& session) {
+void error_of_losses(Session& session) {
   const engine::EngineConfig& now = session.engine.config();
   const bool leaves_out = now.losses.budget_ms > 0.0 || now.losses.min_projected_area > 0.0f;
   if (!leaves_out && now.losses.lod_error <= 0.0) return;
@@ -58,7 +58,7 @@ void settings_sliders(Workspace& work, Session& session) {
     if (const auto pixels = slide("levels, px", "how far meshes may lie elsewhere while the view moves; 0: not at all",
                                   session.image.motion_error(), 16.0, "%.2f"))
       work.messages.tell_outcome(work.set_motion_error(double(*pixels)));
-  error_figures(session);
+  error_of_losses(session);
   if (session.engine.plan().culler != engine::CullerChoice::kHybrid) return;
   const culling::ControllerConfig& hybrid = now.culling.controller;
   slider("margin, %", "the hybrid changes the path where the other one is cheaper by this share", 1e2 * hybrid.margin,
@@ -104,7 +104,7 @@ std::string milliseconds(double ms) {
 }
 
 /// Plots of the last images. Colours differ for all kinds of colour blindness.
-void plots(const std::vector<FrameFigures>& frames) {
+void plots(const std::vector<FrameMeasurements>& frames) {
   const ImVec4 kFirst{0.0f, 0.62f, 0.45f, 1.0f}, kSecond{0.90f, 0.62f, 0.0f, 1.0f};
   constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
   const auto culled = [&](bool on_gpu) {

@@ -13,7 +13,7 @@
 namespace sightline::apps {
 
 /// Times and counts of one of the last images, for plots.
-struct FrameFigures {
+struct FrameMeasurements {
   double cull_ms, image_ms;  ///< of an image: culling and drawing
   bool on_gpu;               ///< who culled
   std::int64_t visible,
@@ -40,8 +40,8 @@ class ImageLoop {
   core::dvec2 in_image(const core::dvec2& cursor) const;
   bool contains(const core::dvec2& cursor) const;
 
-  const std::vector<FrameFigures>& history() const { return history_; }  ///< the last one last
-  int frames() const { return frames_; }                                 ///< that were drawn
+  const std::vector<FrameMeasurements>& history() const { return history_; }  ///< the last one last
+  int frames() const { return frames_; }                                      ///< that were drawn
   /// Times of all images, for --json.
   const std::vector<double>& cull_ms() const { return cull_ms_; }
   const std::vector<double>& frame_ms() const { return frame_ms_; }
@@ -62,7 +62,7 @@ class ImageLoop {
   MotionResolution motion_;
   std::optional<core::View> shown_view_;  // of the last frame
   Part part_;
-  std::vector<FrameFigures> history_;
+  std::vector<FrameMeasurements> history_;
   std::vector<double> cull_ms_, frame_ms_;
   int frames_ = 0;
 };

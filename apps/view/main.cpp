@@ -37,7 +37,7 @@ void add_options(apps::CommandLine& line, apps::ViewerOptions& o) {
       .metavar("FILE")
       .existing_file();
   line.add("--screenshot", o.screenshot, "Write the last image, PNG").metavar("FILE").accepted_by(apps::parse_png_name);
-  line.add("--json", o.json_file, "Write state and figures as JSON to FILE, or - for stdout, at the end")
+  line.add("--json", o.json_file, "Write state and measurements as JSON to FILE, or - for stdout, at the end")
       .metavar("FILE")
       .advanced();
   line.add_flag("!--no-smooth", o.smooth, "Leave edges as they are when nothing moves; scripts begin so").advanced();
