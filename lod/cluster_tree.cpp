@@ -17,7 +17,7 @@ std::vector<std::uint32_t> held_together(MeshLevels& levels, std::span<const std
     levels.groups[number].error = std::numeric_limits<float>::infinity();
     holders.push_back(std::uint32_t(levels.clusters.size()));
     levels.clusters.push_back(
-        {std::uint32_t(levels.indices.size()), 0, number, core::kNone, levels.groups[number].box, NormalCone()});
+        {std::uint32_t(levels.indices.size()), 0, number, core::kNone, levels.groups[number].box});
   }
   return holders;
 }

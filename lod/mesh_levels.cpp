@@ -11,7 +11,6 @@
 #include "sightline/core/internal/openmp.h"
 #include "sightline/lod/internal/cluster_groups.h"
 #include "sightline/lod/internal/cluster_tree.h"
-#include "sightline/lod/internal/normal_cone.h"
 #include "sightline/lod/internal/simplify.h"
 #include "sightline/lod/internal/solid_shells.h"
 #include "sightline/lod/internal/surface_deviation.h"
@@ -190,8 +189,8 @@ class Builder {
     for (std::size_t begin = 0; begin < corners.size(); begin += most) {
       const std::size_t count = std::min(most, corners.size() - begin);
       const auto part = std::span(corners).subspan(begin, count);
-      levels_.clusters.push_back({std::uint32_t(levels_.indices.size()), std::uint32_t(count), made_by, kNone,
-                                  box_of(mesh_.positions, part), cone_of(mesh_.positions, part)});
+      levels_.clusters.push_back(
+          {std::uint32_t(levels_.indices.size()), std::uint32_t(count), made_by, kNone, box_of(mesh_.positions, part)});
       levels_.indices.insert(levels_.indices.end(), part.begin(), part.end());
     }
   }

@@ -27,25 +27,12 @@ inline bool is_large(const core::Mesh& mesh) {
   return mesh.indices.size() >= 3 * kLargeMesh;
 }
 
-/// Directions among which the normals of triangles lie: (b - a) x (c - a) of triangles a, b, c, in mesh coordinates.
-/// Triangles without area, or of less than kThin times the product of two of their edges, count for nothing.
-struct NormalCone {
-  static constexpr double kThin = 1e-13;
-  static constexpr float kNone = 2.0f;
-
-  core::vec3 axis{0.0f};  ///< of unit length within 1e-6
-  /// Sine of the largest angle between the axis and a normal, which is less than a right angle: proved, and rounded up.
-  /// kNone: there is no such cone, or none is known.
-  float spread = kNone;
-};
-
 /// Triangles that are drawn together, or left out together.
 struct Cluster {
   std::uint32_t first_index = 0, index_count = 0;  ///< in MeshLevels::indices
   std::uint32_t made_by = core::kNone;             ///< group that this cluster simplifies; kNone: of the mesh itself
   std::uint32_t goes_into = core::kNone;           ///< group that simplifies this cluster; kNone: none does
   core::Aabb box;                                  ///< of the triangles
-  NormalCone cone;                                 ///< of the triangles
 };
 
 /// Clusters that are simplified together. Its error and box are at least those of the groups that its clusters were

@@ -23,7 +23,6 @@ struct Head {
 struct ClusterRow {
   std::uint32_t index_count;
   Aabb box;
-  NormalCone cone;
 };
 struct GroupRow {
   float error, angle;
@@ -194,7 +193,7 @@ class Decoder {
       const ClusterRow& row = rows_[i];
       if (row.index_count > 3 * kClusterTriangles || row.index_count % 3 != 0 || !is_finite(row.box))
         return "a cluster is inconsistent";
-      levels_.clusters[i] = {std::uint32_t(count_), row.index_count, kNone, kNone, row.box, row.cone};
+      levels_.clusters[i] = {std::uint32_t(count_), row.index_count, kNone, kNone, row.box};
       count_ += row.index_count;
       if (i + 1 == levels_.mesh_clusters && count_ != mesh_.indices.size()) return "their clusters are not the mesh";
     }
@@ -256,7 +255,7 @@ std::vector<std::byte> encode(const MeshLevels& levels) {
   const std::uint32_t most = levels.indices.empty() ? 0 : std::ranges::max(levels.indices);
   IndexEncoder indices(std::size_t(most) + 1);
   for (const Cluster& cluster : levels.clusters) {
-    clusters.push_back({cluster.index_count, cluster.box, cluster.cone});
+    clusters.push_back({cluster.index_count, cluster.box});
     if (cluster.made_by != kNone) ++groups[cluster.made_by].made_count;
     indices.add_cluster(std::span(levels.indices).subspan(cluster.first_index, cluster.index_count));
   }

@@ -13,7 +13,7 @@
 namespace sightline::lod {
 
 /// Raised when build_levels() makes something else of a mesh, and when encode() writes it otherwise.
-inline constexpr std::uint32_t kLevelsVersion = 1;
+inline constexpr std::uint32_t kLevelsVersion = 2;
 
 /// How much of a mesh's levels.
 enum class LevelRange : std::uint8_t {
@@ -26,8 +26,8 @@ SIGHTLINE_API std::vector<std::byte> encode(const MeshLevels& levels);
 
 /// What encode() was given, or the clusters of the mesh alone. Fails on bytes that are not safe to use with the mesh,
 /// whoever wrote them: afterwards indices are in range, groups and clusters agree, each cut ends, and errors only grow
-/// towards coarser levels. That errors and cones are true, and that the levels are this mesh's, only checksums say.
-/// Memory follows the number of bytes. About 10 ns a triangle.
+/// towards coarser levels. That errors are true, and that the levels are this mesh's, only checksums say. Memory
+/// follows the number of bytes. About 10 ns a triangle.
 SIGHTLINE_API core::Expected<MeshLevels> decode(std::span<const std::byte> bytes, const core::Mesh& mesh,
                                                 LevelRange range = LevelRange::kAll);
 
