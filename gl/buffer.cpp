@@ -17,7 +17,6 @@ namespace {
 constexpr GLenum kExternalMemory = 0x9160;  // GL_EXTERNAL_VIRTUAL_MEMORY_BUFFER_AMD, which glcorearb.h does not have
 constexpr std::size_t kLeastPinned = std::size_t(4) << 20, kMostPinned = std::size_t(1) << 36;  // bytes
 constexpr std::size_t kOverRead = 256;  // bytes after the end that a rasteriser may read in vain
-constexpr GLbitfield kWriteAndMap = GL_DYNAMIC_STORAGE_BIT | GL_MAP_READ_BIT | GL_MAP_WRITE_BIT;
 
 /// Bytes of a texel of the formats that texture buffers allow (OpenGL 4.5 core, table 8.23); 0 for others.
 std::size_t texel_bytes(GLenum format) {
@@ -115,7 +114,7 @@ core::Expected<Buffer> Buffer::create(const Functions& gl, std::size_t bytes, co
   Buffer buffer;
   buffer.handle_ = Handle<&Functions::DeleteBuffers>(gl, name);
   const bool pinned = gl.pinned_memory && bytes >= kLeastPinned && bytes <= kMostPinned &&
-                      (flags & ~kWriteAndMap) == 0 && buffer.pin(gl, bytes, data);
+                      (flags & ~GLbitfield(GL_DYNAMIC_STORAGE_BIT)) == 0 && buffer.pin(gl, bytes, data);
   const bool written = data != nullptr && (flags & GL_DYNAMIC_STORAGE_BIT) == 0;
   const auto allocated = static_cast<GLsizeiptr>(written ? bytes : ordinary_size(bytes));
   if (!pinned) gl.NamedBufferStorage(name, allocated, written ? data : nullptr, flags);
@@ -161,10 +160,6 @@ void Buffer::read(std::size_t offset, std::size_t bytes, void* data) const {
 void* Buffer::map(std::size_t offset, std::size_t bytes, GLbitfield access) const {
   assert(offset <= bytes_ && bytes <= bytes_ - offset && bytes > 0);
   return handle_.gl().MapNamedBufferRange(id(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), access);
-}
-
-bool Buffer::unmap() const {
-  return handle_.gl().UnmapNamedBuffer(id()) == GL_TRUE;
 }
 
 core::Expected<TextureBuffer> TextureBuffer::create(const Functions& gl, const Buffer& buffer, GLenum format,

@@ -61,10 +61,8 @@ class Buffer {
   void fill(std::size_t offset, std::size_t bytes, std::uint8_t value) const;
   /// Copies out of [offset, offset + bytes), which must lie inside. Waits for the GPU: for tests and final results.
   void read(std::size_t offset, std::size_t bytes, void* data) const;
-  /// glMapNamedBufferRange; null when the driver refuses. A persistent mapping ends with unmap() or the buffer.
+  /// A persistent mapping, by glMapNamedBufferRange, that ends with the buffer; null when the driver refuses.
   void* map(std::size_t offset, std::size_t bytes, GLbitfield access) const;
-  /// False when the contents were lost while mapped.
-  bool unmap() const;
 
  private:
   struct ReleasePinned {

@@ -48,11 +48,10 @@ TEST_F(ObjectsTest, LargeBuffersWorkInMemoryOfOursAndOfTheDriver) {
     Functions table = gl();
     table.pinned_memory = pinned;
     std::vector<std::uint32_t> values = counting(2'000'000);
-    const GLbitfield access = GL_DYNAMIC_STORAGE_BIT | GL_MAP_READ_BIT | GL_MAP_WRITE_BIT;
-    auto made = Buffer::create(table, std::span(values), access, "many numbers");
+    auto made = Buffer::create(table, std::span(values), GL_DYNAMIC_STORAGE_BIT, "many numbers");
     ASSERT_TRUE(made) << made.error().message;
     EXPECT_EQ(made->memory() != nullptr, pinned);
-    auto other = Buffer::create(table, values.size() * 4, nullptr, access, "more numbers");
+    auto other = Buffer::create(table, values.size() * 4, nullptr, GL_DYNAMIC_STORAGE_BIT, "more numbers");
     ASSERT_TRUE(other) << other.error().message;
     Buffer buffer = std::move(*other);
     gl().CopyNamedBufferSubData(made->id(), buffer.id(), 0, 0, GLsizeiptr(made->size()));
@@ -64,10 +63,6 @@ TEST_F(ObjectsTest, LargeBuffersWorkInMemoryOfOursAndOfTheDriver) {
     std::vector<std::uint32_t> back(values.size());
     buffer.read(0, buffer.size(), back.data());
     EXPECT_TRUE(back == values);
-    const auto* mapped = static_cast<const std::uint32_t*>(buffer.map(0, buffer.size(), GL_MAP_READ_BIT));
-    ASSERT_NE(mapped, nullptr);
-    EXPECT_TRUE(std::equal(values.begin(), values.end(), mapped));
-    EXPECT_TRUE(buffer.unmap());
     const GLuint id = buffer.id();
     buffer = std::move(*made);  // frees the other one
     EXPECT_EQ(gl().IsBuffer(id), GL_FALSE);
@@ -107,7 +102,6 @@ TEST_F(ObjectsTest, BufferStaysMapped) {
   std::uint32_t value = 0;
   buffer->read(12, 4, &value);
   EXPECT_EQ(value, 99u);
-  EXPECT_TRUE(buffer->unmap());
 }
 
 TEST_F(ObjectsTest, ImpossibleBuffersAreErrorsThatSayTheBytes) {

@@ -43,7 +43,7 @@ constexpr Fault fault_of(std::string_view name) {
       "FenceSync",
       "GetTextureImage",
   };
-  constexpr std::string_view kSilent[] = {"CompileShader", "LinkProgram", "ProgramBinary", "UnmapNamedBuffer",
+  constexpr std::string_view kSilent[] = {"CompileShader", "LinkProgram", "ProgramBinary",
                                           "CheckNamedFramebufferStatus"};
   for (const std::string_view one : kMemory)
     if (name == one) return Fault::kMemory;
