@@ -148,13 +148,6 @@ std::string format_viewpoint(const Viewpoint& viewpoint) {
   return text_of(to_json(viewpoint));
 }
 
-core::Expected<Viewpoint> parse_viewpoint(const std::string& text, const std::string& source) {
-  auto list = parse_viewpoints(text, source);
-  if (!list) return tl::unexpected(list.error());
-  if (list->empty()) return core::fail(source + ": /views: expected a view, found none");
-  return std::move(list->front());
-}
-
 std::string format_viewpoints(std::span<const Viewpoint> viewpoints) {
   Json json = Json::object();
   if (!viewpoints.empty()) {

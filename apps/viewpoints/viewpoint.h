@@ -54,11 +54,9 @@ struct Viewpoint {
 };
 
 std::string format_viewpoint(const Viewpoint& viewpoint);
-/// Fails as importers::parse_view() does. `source` names the text in errors.
-core::Expected<Viewpoint> parse_viewpoint(const std::string& json, const std::string& source);
-
 std::string format_viewpoints(std::span<const Viewpoint> viewpoints);
-/// The views of a list, or the one view that the text is.
+/// The views of a list, or the one view that the text is. Fails as importers::parse_view() does. `source` names the
+/// text in errors.
 core::Expected<std::vector<Viewpoint>> parse_viewpoints(const std::string& json, const std::string& source);
 
 /// Whose views those are that this process makes: SIGHTLINE_AUTHOR, else the user's name.

@@ -234,19 +234,6 @@ const Value* Value::find_pointer(std::string_view pointer) const {
   return value;
 }
 
-Value& Value::at_pointer(std::string_view pointer) {
-  Value* value = this;
-  while (!pointer.empty()) {
-    const std::string name = next_name(pointer);
-    if (value->is_array() && name == "-") value->push_back({});
-    if (value->is_array())
-      value = &value->at(name == "-" ? value->size() - 1 : index_of(name, value->size()));
-    else
-      value = &(*value)[name];
-  }
-  return *value;
-}
-
 // --- comparison ------------------------------------------------------------------------------------------------------
 
 std::partial_ordering Value::order(const Value& a, const Value& b) {

@@ -342,8 +342,4 @@ void set_snapshot(Scene& scene, std::function<bool(core::Snapshot&)> source) {
   Access::of(scene).stored_snapshot() = std::make_shared<const std::function<bool(core::Snapshot&)>>(std::move(source));
 }
 
-bool has_snapshot(const Scene& scene) {
-  return Access::of(scene).stored_snapshot() != nullptr;
-}
-
 }  // namespace sightline::importers::storage

@@ -20,6 +20,7 @@
 #include "sightline/tests/importers/gltf_reading.h"
 #include "sightline/tests/importers/hostile.h"
 #include "sightline/tests/support/effort.h"
+#include "sightline/tests/support/json_pointer.h"
 
 namespace sightline::importers::gltf_compression_test {
 namespace {
@@ -410,7 +411,7 @@ TEST_F(GltfCompression, DracoStreamsThatAreCut) {
   const GltfBytes whole = draco_file(sheet, draco_stream(sheet, 3, 0, true));
   const auto expect = [&](const std::string& pointer, const Json& value, const std::string& message) {
     GltfBytes bad = whole;
-    bad.json["meshes"][0]["primitives"][0].at_pointer(pointer) = value;
+    tests::at_pointer(bad.json["meshes"][0]["primitives"][0], pointer) = value;
     expect_damage(bad, message);
   };
   const std::string extension = "/extensions/KHR_draco_mesh_compression";

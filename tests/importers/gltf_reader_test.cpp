@@ -11,6 +11,7 @@
 #include "sightline/importers/gltf/internal/gltf_document.h"
 #include "sightline/importers/internal/side_files.h"
 #include "sightline/tests/importers/gltf_reading.h"
+#include "sightline/tests/support/json_pointer.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::importers::gltf_reader_test {
@@ -281,7 +282,7 @@ TEST_F(GltfReader, BadLooksAreWarnings) {
     GltfBytes bad = tests::small_gltf();
     ASSERT_TRUE(read(bad));
     const std::size_t items = scene_.item_count();
-    bad.json.at_pointer(pointer) = value;
+    tests::at_pointer(bad.json, pointer) = value;
     expect_warning(bad, message);
     EXPECT_EQ(scene_.item_count(), items);
   };
@@ -338,7 +339,7 @@ TEST_F(GltfReader, IndicesOutOfRangeAreDamage) {
   const auto expect = [&](const std::string& pointer, const Json& value, const std::string& message) {
     SCOPED_TRACE(pointer);
     GltfBytes bad = g;
-    bad.json.at_pointer(pointer) = value;
+    tests::at_pointer(bad.json, pointer) = value;
     expect_damage(bad, message);
   };
   expect("/scene", 7, "/scene: expected one of the 1 scenes, found 7");

@@ -144,7 +144,7 @@ class SlcTest : public ::testing::Test {
     const auto committed = scene.commit(), plainly = plain.commit();
     EXPECT_TRUE(committed && plainly);
     // In the first start, too, it is read from what was written.
-    EXPECT_EQ(storage::has_snapshot(scene), caches_are_kept_);
+    EXPECT_EQ(core::Access::of(scene).stored_snapshot() != nullptr, caches_are_kept_);
     EXPECT_EQ(committed->inserted, plainly->inserted);
     EXPECT_EQ(committed->materials, plainly->materials);
     return report->from_cache;
@@ -165,7 +165,7 @@ TEST_F(SlcTest, EveryContentComesBackBitForBit) {
   const Scene scene = tests::scene_with_everything();
   ASSERT_TRUE(write_slc(scene, folder_ / "a.slc"));
   Scene again = read(folder_ / "a.slc");
-  EXPECT_TRUE(storage::has_snapshot(again));
+  EXPECT_NE(core::Access::of(again).stored_snapshot(), nullptr);
   expect_same(scene, again);
   // And once more from what was read.
   ASSERT_TRUE(write_slc(again, folder_ / "b.slc"));

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "sightline/importers/json/internal/json.h"
+#include "sightline/tests/support/json_pointer.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::importers::view_json_test {
@@ -33,12 +33,12 @@ std::string path_error(const std::string& text) {
 /// `text` with the value at a pointer replaced (or removed when `value` is discarded).
 std::string with(const char* text, const std::string& pointer, const Json& value) {
   Json root = json::parse(text).value();
-  root.at_pointer(pointer) = value;
+  tests::at_pointer(root, pointer) = value;
   return root.dump();
 }
 std::string without(const char* text, const std::string& object, const std::string& key) {
   Json root = json::parse(text).value();
-  root.at_pointer(object).erase(key);
+  tests::at_pointer(root, object).erase(key);
   return root.dump();
 }
 

@@ -31,8 +31,10 @@ Viewpoint viewpoint_of(const Camera& camera) {
 TEST(ViewpointTest, ComesBack) {
   for (const bool orthographic : {false, true}) {
     const Viewpoint written = viewpoint_of(camera_at(orthographic));
-    const auto read = parse_viewpoint(format_viewpoint(written), "view");
-    ASSERT_TRUE(read) << read.error().message;
+    const auto list = parse_viewpoints(format_viewpoint(written), "view");
+    ASSERT_TRUE(list) << list.error().message;
+    ASSERT_EQ(list->size(), 1u);
+    const Viewpoint* const read = list->data();
     EXPECT_EQ(read->pose.eye, written.pose.eye);
     EXPECT_EQ(read->pose.target, written.pose.target);
     EXPECT_EQ(read->pose.up, written.pose.up);
@@ -71,10 +73,10 @@ TEST(ViewpointTest, MovesWithTheModel) {
 }
 
 TEST(ViewpointTest, SaysWhatIsWrong) {
-  const auto bad = parse_viewpoint("{\"eye\":[0,0,0],\"target\":[0,1]}", "file.json");
+  const auto bad = parse_viewpoints("{\"eye\":[0,0,0],\"target\":[0,1]}", "file.json");
   ASSERT_FALSE(bad);
   EXPECT_EQ(bad.error().message.find("file.json: /target: expected"), 0u) << bad.error().message;
-  EXPECT_FALSE(parse_viewpoint("", "file.json"));
+  EXPECT_FALSE(parse_viewpoints("", "file.json"));
 }
 
 }  // namespace

@@ -205,8 +205,6 @@ class Value {
 
   /// The value that a JSON pointer (RFC 6901) names, or null.
   const Value* find_pointer(std::string_view pointer) const;
-  /// The value that a JSON pointer names. Adds missing members; "-" adds an element.
-  Value& at_pointer(std::string_view pointer);
 
   // --- text ----------------------------------------------------------------------------------------------------------
 

@@ -111,7 +111,6 @@ core::Expected<void> try_snapshot(const core::Scene& scene, const std::function<
 /// From now on Snapshot(scene) asks `source`, which makes a new snapshot what would be built, until the scene is
 /// edited. Where it returns false, the snapshot is built.
 void set_snapshot(core::Scene& scene, std::function<bool(core::Snapshot&)> source);
-bool has_snapshot(const core::Scene& scene);
 
 /// Arrays that are read for a page's snapshot. Those by kind are read, too, but for members. All other arrays follow
 /// from these.
