@@ -40,7 +40,7 @@ void pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchK
 #pragma omp parallel for schedule(static) if (slots.size() >= kPiece)
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (i + kPrefetchAhead < slots.size()) prefetch_record(snapshot, slots[i + kPrefetchAhead]);
-    GpuScene::pack(snapshot, joints, slots[i], {records + i * stride, stride});
+    gpuprims::pack(snapshot, slots[i], record_word(snapshot, joints, slots[i]), {records + i * stride, stride});
   }
 }
 
@@ -79,10 +79,6 @@ std::uint32_t GpuScene::record_of(const Snapshot& snapshot, Slot slot) {
   for (int k = 0; k < core::kKindCount; ++k)
     if (Kind(k) != own && batch_of(Kind(k)) == batch_of(own)) record += snapshot.rank(Kind(k), slot);
   return record;
-}
-
-void GpuScene::pack(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot slot, std::span<Texel> out) {
-  gpuprims::pack(snapshot, slot, record_word(snapshot, joints, slot), out);
 }
 
 // --- uploading -------------------------------------------------------------------------------------------------------

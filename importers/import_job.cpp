@@ -88,26 +88,19 @@ bool ImportJob::add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine&
                          core::Kind found) {
   ++report_.items[std::size_t(found)];
   if (mesh.indices.empty()) ++report_.degenerate;
-  const auto use = use_of(std::move(mesh));
+  const auto use = sharing_.add(std::move(mesh));
   if (!use) {
     if (auto told = damage(0, fmt::format("{}: item dropped: {}", scene_.path(node), use.error().message)); !told)
       refused_ = std::move(told);
     return false;
   }
+  if (use->shared) ++report_.shared_meshes;
   const core::Affine node_from_mesh = placement * use->added_from_mesh;
   scene_.add_mesh_instance(node, use->mesh, node_from_mesh, material);
   if (use->error > 0.0)
     report_.sharing_error =
         std::max(report_.sharing_error, use->error * largest_stretch(scene_.world_from_node(node) * placement));
   return true;
-}
-
-core::Expected<MeshSharing::Use> ImportJob::use_of(core::Mesh mesh) {
-  if (options_.copies == MeshCopies::kApart)
-    return scene_.add_mesh(std::move(mesh)).map([](core::MeshId id) { return MeshSharing::Use{id, {}, 0.0, false}; });
-  auto use = sharing_.add(std::move(mesh));
-  if (use && use->shared) ++report_.shared_meshes;
-  return use;
 }
 
 bool ImportJob::add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name,

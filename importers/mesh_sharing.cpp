@@ -181,6 +181,8 @@ std::optional<Fit> fit(const Mesh& mesh, const Mesh& copy, const MeshAnchors& an
 }  // namespace
 
 core::Expected<MeshSharing::Use> MeshSharing::add(core::Mesh mesh) {
+  if (copies_ == MeshCopies::kApart)
+    return scene_.add_mesh(std::move(mesh)).map([](core::MeshId id) { return Use{id, {}, 0.0, false}; });
   const std::uint64_t topology = topology_hash(mesh);
   const std::array<double, 3> shape = invariants(mesh);
   for (const std::uint64_t hash : bins_near(topology, shape)) {
@@ -188,7 +190,7 @@ core::Expected<MeshSharing::Use> MeshSharing::add(core::Mesh mesh) {
     if (bin == known_.end()) continue;
     for (std::size_t i = 0; i < std::min(bin->second.size(), kMostTried); ++i) {
       const Known& known = bin->second[i];
-      if (const auto found = fit(scene_.mesh(known.mesh), mesh, known.anchors, exact_))
+      if (const auto found = fit(scene_.mesh(known.mesh), mesh, known.anchors, copies_ == MeshCopies::kExact))
         return Use{known.mesh, found->copy_from_mesh, found->error, true};
     }
   }

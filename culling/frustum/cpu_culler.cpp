@@ -127,5 +127,4 @@ void CpuCuller::cull(std::span<const core::View> views, std::span<core::VisibleS
   core::ThreadPool::run_on(threads, std::uint32_t(views.size()), [&](std::uint32_t i) { cull(views[i], sets[i]); });
 }
 
-/// A node, except the root, is walked into because its box crosses the view volume's surface; so is a leaf.
 }  // namespace sightline::culling

@@ -85,9 +85,6 @@ class GpuScene {
   const gl::TextureBuffer& materials() const { return materials_.texels; }
   std::size_t memory_bytes() const;
 
-  /// Writes a slot's record to `out`, texels_per_record() of its batch.
-  static void pack(const core::Snapshot& snapshot, const gpuprims::Joints& joints, core::Slot slot,
-                   std::span<gpuprims::Texel> out);
   /// Number of items of a batch in slots below `slot`. Constant time.
   static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);
   /// Place of an item's record in its batch. Equals rank() of its own slot, but is faster.

@@ -74,7 +74,6 @@ class ImportJob {
                                                  const std::function<core::Expected<void>(ImportJob&)>&);
   ImportJob(std::string_view file, core::Scene& scene, core::NodeId parent, const ImportOptions& options,
             const FileFrame& frame);
-  core::Expected<MeshSharing::Use> use_of(core::Mesh mesh);
   void turn_if_y_seems_up();
   void drop_what_cannot_be_committed(core::ItemId first);
   void say_if_nothing_is_drawn();

@@ -30,9 +30,7 @@ struct MeshAnchors {
 /// vertex by vertex. A few nanoseconds per vertex.
 class MeshSharing {
  public:
-  /// `copies`: kExact or kSimilar.
-  explicit MeshSharing(core::Scene& scene, MeshCopies copies = MeshCopies::kSimilar)
-      : scene_(scene), exact_(copies == MeshCopies::kExact) {}
+  explicit MeshSharing(core::Scene& scene, MeshCopies copies = MeshCopies::kSimilar) : scene_(scene), copies_(copies) {}
 
   struct Use {
     core::MeshId mesh;
@@ -40,8 +38,8 @@ class MeshSharing {
     double error = 0.0;            ///< largest distance that a vertex was moved, in the added mesh's unit
     bool shared = false;
   };
-  /// Adds the mesh to the scene, unless one added through this object before can stand for it. Fails as Scene::add_mesh
-  /// does.
+  /// Adds the mesh to the scene, unless copies are shared and one added through this object before can stand for it.
+  /// Fails as Scene::add_mesh does.
   core::Expected<Use> add(core::Mesh mesh);
 
  private:
@@ -51,7 +49,7 @@ class MeshSharing {
   };
 
   core::Scene& scene_;
-  bool exact_;
+  MeshCopies copies_;
   std::unordered_map<std::uint64_t, std::vector<Known>> known_;
 };
 

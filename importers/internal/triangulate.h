@@ -22,8 +22,8 @@ core::dvec3 newell_normal(std::span<const core::vec3> polygon);
 /// "Triangulation by ear clipping", 2002). The cover is exact up to rounding for simple polygons. Crossing, repeated or
 /// collinear vertices give some cover with valid indices, and a fan where they make an outline's halves cancel each
 /// other out, as in a quad whose sides cross. Zero area gives none. Vertices must be finite. Work is O(n^2) and capped
-/// at some thousand steps per vertex: a polygon that needs more (tens of thousands of vertices, mostly reflex) ends in a
-/// fan.
+/// at some thousand steps per vertex: a polygon that needs more (tens of thousands of vertices, mostly reflex) ends in
+/// a fan.
 void triangulate_polygon(std::span<const core::vec3> vertices, std::span<const std::uint32_t> contour_sizes,
                          std::uint32_t base, std::vector<std::uint32_t>& indices);
 
