@@ -243,6 +243,22 @@ TEST_F(SceneRender, EveryKindShowsUnderItsId) {
   EXPECT_EQ(seen.size(), 12u);
 }
 
+/// Items of one kind are drawn in the order of their slots.
+TEST_F(SceneRender, WhatIsDrawnFirstStaysWhereDepthsAreEqual) {
+  core::Scene scene;
+  const core::MeshId triangle = add_triangle(scene);
+  for (int i = 0; i < 3; ++i) {
+    scene.add_primitive(scene.root(), core::Cylinder{0.5f, 1}, core::translation({-1, 0, 0}));
+    scene.add_mesh_instance(scene.root(), triangle, core::translation({1, 0, 0}));
+  }
+  engine::Engine engine = make(scene, config());
+  const Image image = take(engine, look({0, -4, 0}, {0, 0, 0}));
+  std::set<std::uint32_t> first{0};
+  for (const core::Kind kind : {core::Kind::kCylinder, core::Kind::kMesh})
+    first.insert(to_index(engine.snapshot().item(engine.snapshot().of_kind(kind).members[0])) + 1);
+  EXPECT_EQ(std::set<std::uint32_t>(image.ids.ids.begin(), image.ids.ids.end()), first);
+}
+
 TEST_F(SceneRender, OnlyWhatTheSceneHoldsIsMade) {
   core::Scene scene;
   scene.add_primitive(scene.root(), core::Cylinder{1, 2});
