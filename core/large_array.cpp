@@ -52,7 +52,7 @@ void* allocate_lines(std::size_t bytes) {
   return ::operator new(bytes, kLine);
 }
 
-void release_lines(void* memory, std::size_t bytes) {
+void release_lines(void* memory, [[maybe_unused]] std::size_t bytes) {
 #ifdef SIGHTLINE_MAPS_LARGE_ARRAYS
   if (mapped(bytes)) {
     munmap(memory, in_pages(bytes));
@@ -62,7 +62,7 @@ void release_lines(void* memory, std::size_t bytes) {
   ::operator delete(memory, kLine);
 }
 
-void* grow_lines(void* memory, std::size_t bytes, std::size_t used, std::size_t more) {
+void* grow_lines(void* memory, [[maybe_unused]] std::size_t bytes, std::size_t used, std::size_t more) {
   void* const larger = allocate_lines(more);
 #ifdef SIGHTLINE_MAPS_LARGE_ARRAYS
   if (mapped(bytes)) {

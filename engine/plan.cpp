@@ -73,10 +73,12 @@ void plan_losses(Plan& plan, const PlanRequest& request) {
 
 void plan_tracer(Plan& plan, [[maybe_unused]] bool picks) {
 #if SIGHTLINE_HAS_RAYTRACE
-  plan.entries.push_back({"ray tracer", picks,
-                          picks
-                              ? "the application has picked"
-                              : "made with the first pick; then about 78 bytes an item, and 68 a triangle of a mesh"});
+  plan.entries.push_back(
+      {"ray tracer", picks,
+       picks
+           ? "made for picks, or for moving images within a budget"
+           : "made with the first pick, or in the background with the first frame within a budget where no GPU draws; "
+             "then about 78 bytes an item, and 68 a triangle of a mesh"});
 #else
   plan.entries.push_back({"ray tracer", false, "this build has none"});
 #endif
