@@ -138,10 +138,14 @@ void MovingImage::order_blocks(core::ThreadPool& threads) {
   urgency_.resize(std::size_t(columns) * std::size_t(rows));
   threads.run(std::uint32_t(rows), [&](std::uint32_t row) {
     for (int column = 0; column < columns; ++column) {
-      std::uint32_t& sum = urgency_[std::size_t(row) * std::size_t(columns) + std::size_t(column)] = 0;
+      std::uint32_t sum = 0, pixels = 0;
       points_.for_each(column, int(row), [&](std::size_t pixel, int, int) {
         sum += std::min<std::uint32_t>(points_.ages()[pixel], kMissing);
+        ++pixels;
       });
+      // Blocks on the border, which have fewer pixels, are as urgent as others.
+      urgency_[std::size_t(row) * std::size_t(columns) + std::size_t(column)] =
+          (sum * std::uint32_t(kPixels) + pixels - 1) / pixels;
     }
   });
   order_.clear();

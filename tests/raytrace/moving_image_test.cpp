@@ -168,9 +168,10 @@ TEST_F(MovingImageTest, KeepsPointsWhereTheNextViewHasThem) {
       const auto counts = draw(image, after, -kNever);
       EXPECT_GT(counts.kept, std::int64_t(kPixels / 2));
       EXPECT_GT(counts.traced, 0);
-      int compared = 0, wrong = 0, without = 0;
+      int compared = 0, wrong = 0, without = 0, doubtful = 0;
       for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
         const std::uint8_t age = image.points().ages()[pixel];
+        doubtful += age == PointImage::kDoubtful;
         if (age == PointImage::kNew) {
           expect_traced(image, after, pixel, filter_of(after));
         } else if (twin.found[pixel].sure) {
@@ -185,6 +186,8 @@ TEST_F(MovingImageTest, KeepsPointsWhereTheNextViewHasThem) {
       EXPECT_GT(compared, int(kPixels / 3));
       if (step > 0.01) {
         EXPECT_GT(without, 0);
+        EXPECT_GT(doubtful, 0) << "points between nearer ones";
+        EXPECT_LT(doubtful, int(kPixels / 10));
       }
     }
 }
@@ -249,6 +252,20 @@ TEST_F(MovingImageTest, BecomesCompleteAtRest) {
   EXPECT_TRUE(std::ranges::equal(image.points().pixels().ids, all.points().pixels().ids));
   EXPECT_TRUE(std::ranges::equal(image.points().pixels().colours, all.points().pixels().colours));
   EXPECT_TRUE(std::ranges::equal(image.points().pixels().depths, all.points().pixels().depths));
+}
+
+/// What was traced longest ago is traced first, and an image has the time for a sixteenth of its blocks at least.
+TEST_F(MovingImageTest, KeepsNoPointForLong) {
+  MovingImage image;
+  draw(image, perspective(0.0), kNever);
+  int oldest = 0;
+  for (int step = 1; step <= 50; ++step) {
+    draw(image, perspective(1e-5 * step), -kNever);
+    for (const std::uint8_t age : image.points().ages())
+      if (age <= PointImage::kOldest) oldest = std::max(oldest, int(age));
+  }
+  EXPECT_GT(oldest, 8);
+  EXPECT_LE(oldest, 18);
 }
 
 TEST_F(MovingImageTest, KnowsNothingOfForgottenPoints) {
