@@ -131,6 +131,9 @@ TEST_P(TracedMotion, FollowsTheScene) {
     ASSERT_TRUE(engine->set_override(ghosts, {.ghost = true}));
   }
   const double smooth = GetParam().name == std::string("samples") ? 0.09 : 0.0;
+  const auto first = hurried->frame(at(0.41));
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->earlier, 0.0) << "earlier frames have shown something else";
   for (const double turn : {0.42, 0.44}) {
     const auto report = trace_all(*hurried, at(turn));
     ASSERT_TRUE(report && all->frame(at(turn)));
