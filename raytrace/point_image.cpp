@@ -49,9 +49,9 @@ void PointImage::reset(int width, int height, const View& view) {
     points->colour.resize(pixels);
     points->age.assign(pixels, kNoPoint);
   }
+  if (pixels != depths_.size()) nearest_ = std::make_unique<std::atomic<std::uint64_t>[]>(pixels);
   ids_.resize(pixels);
   depths_.resize(pixels);
-  nearest_.resize(pixels);
   origin_ = place_of_eye(view);
   clip_ = glm::mat4(clip_from_place(view, origin_));
   orthographic_ = view.orthographic();
@@ -69,7 +69,7 @@ void PointImage::take(int width, int height, const View& view, const Pixels& ima
     for (int x = 0; x < width; ++x) {
       const std::size_t pixel = at(x, y);
       const float depth = image.depths[pixel];
-      // The background lies midway between the planes, or where a way from the near plane to another is prolonged.
+      // The background lies midway between the planes, and in perspective views very far away in that direction.
       dvec3 point = place(x, y, depth > 0.0f ? double(depth) : 0.5);
       if (depth == 0.0f && !orthographic_) point *= kFarAway / glm::length(point);
       ids_[pixel] = depth == 0.0f ? 0 : image.ids.empty() ? 1 : image.ids[pixel];
@@ -87,7 +87,9 @@ void PointImage::follow(const View& view, const Background& background, core::Th
   const dmat4 to_pixels = glm::scale(dmat4(1.0), dvec3(0.5 * width_, 0.5 * height_, 1.0)) *
                           glm::translate(dmat4(1.0), dvec3(1.0, 1.0, 0.0));
   const glm::mat4 pixels(to_pixels * clip_from_place(view, origin_));
-  for_rows(threads, height_, [&](int y) { std::fill_n(nearest_.begin() + std::ptrdiff_t(at(0, y)), width_, 0u); });
+  for_rows(threads, height_, [&](int y) {
+    for (int x = 0; x < width_; ++x) nearest_[at(x, y)].store(0, std::memory_order_relaxed);
+  });
   for_rows(threads, height_, [&](int y) { project_row(pixels, y); });
   orthographic_ = view.orthographic();
   const dvec3 origin = place_of_eye(view);
@@ -122,7 +124,7 @@ void PointImage::project_row(const glm::mat4& pixels, int row) {
       const std::size_t from = first + std::size_t(i);
       if (before_.age[from] == kNoPoint || !inside || !(depth[i] >= 0.0f && depth[i] <= 1.0f)) continue;
       const std::uint64_t found = std::uint64_t(std::bit_cast<std::uint32_t>(depth[i])) << 32 | (from + 1);
-      const std::atomic_ref<std::uint64_t> nearest(nearest_[at(int(x[i]), int(y[i]))]);
+      std::atomic<std::uint64_t>& nearest = nearest_[at(int(x[i]), int(y[i]))];
       for (std::uint64_t there = nearest.load(std::memory_order_relaxed); there < found;)
         if (nearest.compare_exchange_weak(there, found, std::memory_order_relaxed)) break;
     }
@@ -133,7 +135,7 @@ void PointImage::project_row(const glm::mat4& pixels, int row) {
 void PointImage::take_row(const vec3& step, std::uint32_t background, int row) {
   const std::size_t first = at(0, row);
   for (std::size_t pixel = first; pixel < first + std::size_t(width_); ++pixel) {
-    const std::uint64_t found = nearest_[pixel];
+    const std::uint64_t found = nearest_[pixel].load(std::memory_order_relaxed);
     depths_[pixel] = std::bit_cast<float>(std::uint32_t(found >> 32));
     if (found == 0) {
       now_.age[pixel] = kNoPoint;

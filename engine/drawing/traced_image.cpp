@@ -8,6 +8,9 @@
 #include "sightline/core/internal/clock.h"
 #include "sightline/core/internal/store.h"
 #include "sightline/engine/drawing/internal/draw_context.h"
+#if SIGHTLINE_HAS_RAYTRACE
+#include "sightline/raytrace/internal/moving_image.h"
+#endif
 
 namespace sightline::engine {
 
@@ -41,7 +44,8 @@ core::Expected<DrawCounts> TracedImage::draw(DrawContext& context, const Frame& 
   const render::RenderTarget& target = context.target();
   const render::Renderer& looks = *context.renderer;
   const double deadline = frame.budget_began + kShare * 1e-3 * context.config.losses.budget_ms - show_seconds_;
-  const auto traced = image_.draw(
+  if (!image_) image_ = std::make_shared<raytrace::MovingImage>();
+  const auto traced = image_->draw(
       {*frame.tracer, frame.view, target.width(), target.height(), over, looks.lighting, looks.sun, looks.background},
       context.threads, deadline);
   if (!traced) return tl::unexpected(traced.error());
@@ -58,18 +62,19 @@ core::Expected<DrawCounts> TracedImage::draw(DrawContext& context, const Frame& 
 }
 
 void TracedImage::begin(DrawContext& context, const core::View& view, const render::RenderTarget& drawn) {
-  if (image_.shows(view)) return;
+  if (!image_) image_ = std::make_shared<raytrace::MovingImage>();
+  if (image_->shows(view)) return;
   const std::size_t pixels = std::size_t(drawn.width()) * std::size_t(drawn.height());
   std::vector<std::uint32_t> colours(pixels), ids(drawn.has_ids() ? pixels : 0);
   std::vector<float> depths(pixels);
   drawn.read(colours, depths, ids);
-  image_.begin(view, drawn.width(), drawn.height(), {colours, depths, ids}, context.threads);
+  image_->begin(view, drawn.width(), drawn.height(), {colours, depths, ids}, context.threads);
 }
 
 core::Expected<void> TracedImage::show(DrawContext& context, const Frame& frame, const core::VisibleSet& visible) {
   const double begin = core::now_seconds();
   const render::RenderTarget& target = context.target();
-  const raytrace::PointImage::Pixels image = image_.points().pixels();
+  const raytrace::PointImage::Pixels image = image_->points().pixels();
   context.image->meshes = {};
   if (target.format().samples == 1) {
     target.write(image.colours, image.depths, image.ids);
@@ -90,7 +95,7 @@ core::Expected<void> TracedImage::show(DrawContext& context, const Frame& frame,
 }
 
 void TracedImage::forget() {
-  image_.forget();
+  if (image_) image_->forget();
   complete_ = false;
 }
 

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -95,7 +97,8 @@ class PointImage {
   Points now_, before_;
   std::vector<std::uint32_t> ids_;
   std::vector<float> depths_;
-  std::vector<std::uint64_t> nearest_;  // by pixel: reversed depth of the nearest point there, and its pixel before + 1
+  // By pixel: the reversed depth of the nearest point there, and its pixel before + 1.
+  std::unique_ptr<std::atomic<std::uint64_t>[]> nearest_;
   std::vector<std::uint32_t> farthest_;  // of fill_empty_blocks(), by cell: a pixel with a point, or kNone
 };
 

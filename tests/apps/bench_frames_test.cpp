@@ -46,7 +46,7 @@ TEST_F(BenchFrames, MovingImagesAreComparedWithCompleteOnes) {
       EXPECT_EQ(row["coarseness"], 1.0) << row;
     } else {
       EXPECT_GT(row["flip"], 0.0) << row;
-      EXPECT_GT(row["coarseness"], 2.0) << row;
+      EXPECT_GT(row["coarseness"], 1.0) << row;
     }
   }
   EXPECT_NE(read_bytes(path("motion.svg")).find("complete"), std::string::npos);

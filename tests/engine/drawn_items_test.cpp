@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/gl_test.h"

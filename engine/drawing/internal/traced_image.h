@@ -1,14 +1,16 @@
 // Moving images by rays, on their way into the image of an engine. Internal to engine.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/engine/drawing/internal/frame.h"
 #include "sightline/render/internal/render_target.h"
-#if SIGHTLINE_HAS_RAYTRACE
-#include "sightline/raytrace/internal/moving_image.h"
-#endif
+
+namespace sightline::raytrace {
+class MovingImage;
+}
 
 namespace sightline::engine {
 
@@ -33,10 +35,8 @@ class TracedImage {
   std::size_t memory_bytes() const { return single_ ? single_->memory_bytes() : 0; }  ///< of the GPU
 
  private:
-#if SIGHTLINE_HAS_RAYTRACE
-  raytrace::MovingImage image_;
-#endif
-  std::optional<render::RenderTarget> single_;  // with one sample a pixel, where the image has more
+  std::shared_ptr<raytrace::MovingImage> image_;  // null before there is one; builds without rays do not know its type
+  std::optional<render::RenderTarget> single_;    // with one sample a pixel, where the image has more
   core::VisibleSet lines_;
   bool complete_ = false;
   double show_seconds_ = 0.0;  // what showing took last

@@ -119,7 +119,7 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(sizeof(sl_import_report), 440u);
     EXPECT_EQ(sizeof(sl_view), 536u);
     EXPECT_EQ(capi::kFirstSize<sl_frame_report>, 112u);
-    EXPECT_EQ(sizeof(sl_frame_report), 128u);
+    EXPECT_EQ(sizeof(sl_frame_report), 136u);
     EXPECT_EQ(sizeof(sl_late_report), 40u);
     EXPECT_EQ(capi::kFirstSize<sl_engine_info>, 56u);
     EXPECT_EQ(offsetof(sl_engine_info, levels_bytes), 64u);
