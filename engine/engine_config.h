@@ -101,13 +101,14 @@ struct LossConfig {
   /// shows everything: drawn, if it is known to take no longer; else traced by rays, as many as there is time for, with
   /// one sample per pixel, beside the points that earlier frames have found (FrameReport::earlier). Rays need a tracer,
   /// which is made in the background; until then, and in builds without one, the image has fewer pixels, down to a
-  /// quarter along either axis (FrameReport::coarseness); if that takes longer, so does the frame. A GPU draws the largest items first, and what the time does not suffice for is left out
-  /// (FrameReport::pending), or a splat each: contribution_mode. While view and scene stay the same, each frame draws
-  /// more of the image with all pixels, until it is complete; then frames draw nothing. Such a frame draws for at least
-  /// four times as long as it takes beside that (reading depth back, copying), however small the budget is: else large
-  /// images would hardly go on. Depth shading waits until the image is complete, and until the view stays once it was
-  /// incomplete. The CPU must cull, as above. Every frame is waited for. With lod_error, moving images of a GPU first
-  /// get coarser levels of detail, up to 2 pixels, before more is left out.
+  /// quarter along either axis (FrameReport::coarseness); if that takes longer, so does the frame. A GPU draws the
+  /// largest items first, and what the time does not suffice for is left out (FrameReport::pending), or a splat each:
+  /// contribution_mode. While view and scene stay the same, each frame draws more of the image with all pixels, until
+  /// it is complete; then frames draw nothing. Such a frame draws for at least four times as long as it takes beside
+  /// that (reading depth back, copying), however small the budget is: else large images would hardly go on. Depth
+  /// shading waits until the image is complete, and until the view stays once it was incomplete. The CPU must cull, as
+  /// above. Every frame is waited for. With lod_error, moving images of a GPU first get coarser levels of detail, up to
+  /// 2 pixels, before more is left out.
   double budget_ms = 0.0;
   /// Draw meshes by coarser levels of detail (lod/mesh_levels.h), whose surface lies within so many pixels of the
   /// original one in the image; 0: by their own triangles. Levels are built in the background; until a mesh's are ready

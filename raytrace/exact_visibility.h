@@ -24,8 +24,8 @@ class SIGHTLINE_API ExactVisibility {
   /// The items that an image of width x height pixels shows, in rising order. Layers and section planes are the
   /// view's; transparent items hide what is behind them; lines are not seen. `samples` per pixel lie where
   /// sample_positions() has them. `threads`: 0: all that OpenMP offers; the answer does not depend on them. Fails as
-  /// core::image_ray() does, and unless width, height and samples are above 0. `without`: slots that hide
-  /// nothing and are not seen, as RayFilter has them.
+  /// core::image_ray() does, and unless width, height and samples are above 0. `without`: slots that hide nothing and
+  /// are not seen, as RayFilter has them.
   core::Expected<std::vector<VisibleItem>> compute(const core::View& view, int width, int height, int samples = 1,
                                                    int threads = 0, std::span<const std::uint64_t> without = {}) const;
 

@@ -9,7 +9,7 @@
 #include "sightline/core/internal/clock.h"
 #include "sightline/gpuprims/internal/studio_black.h"
 #include "sightline/raytrace/internal/packed_colour.h"
-#include "sightline/raytrace/internal/shading_normal.h"
+#include "sightline/raytrace/internal/surface.h"
 
 namespace sightline::raytrace {
 namespace {
@@ -77,12 +77,6 @@ class Lit {
   std::array<Light, gpuprims::kMostDistantLights> lights_{};
 };
 
-glm::vec4 material_of(const core::Snapshot& snapshot, core::Slot slot) {
-  const std::uint32_t material = snapshot.material(slot);
-  return material != core::kNone ? snapshot.materials()[material]
-                                 : glm::vec4(core::Material().colour, core::Material().alpha);
-}
-
 /// Whether two views see the same of each item that both look at.
 bool same_cuts(const View& a, const View& b) {
   View cut = b;
@@ -94,7 +88,7 @@ bool same_cuts(const View& a, const View& b) {
 
 }  // namespace
 
-/// What the rays of an image share.
+/// All rays of an image share this.
 struct MovingImage::Shot {
   const Tracer& tracer;
   const core::ImageRays& rays;
@@ -116,9 +110,7 @@ core::Expected<MovingImage::Counts> MovingImage::draw(const Request& request, co
   view_ = view;
   RayFilter filter = filter_of(view);
   filter.without = without;
-  const core::MaterialTable& table = tracer.snapshot().materials();
-  const bool all_opaque = std::all_of(table.begin(), table.end(), [](const glm::vec4& row) { return row.a >= 1.0f; });
-  const Shot shot{tracer, *rays, filter, Lit(request), background, all_opaque};
+  const Shot shot{tracer, *rays, filter, Lit(request), background, all_opaque(tracer.snapshot().materials())};
   order_blocks(threads);
   trace_most_urgent(shot, threads, deadline - finish_seconds_);
   const double traced = core::now_seconds();

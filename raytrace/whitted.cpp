@@ -9,8 +9,8 @@
 #include "sightline/core/internal/openmp.h"
 #include "sightline/gpuprims/internal/studio_black.h"
 #include "sightline/raytrace/exact_visibility.h"
-#include "sightline/raytrace/internal/shading_normal.h"
 #include "sightline/raytrace/internal/supersampling.h"
+#include "sightline/raytrace/internal/surface.h"
 
 namespace sightline::raytrace {
 namespace {
@@ -46,8 +46,7 @@ class Shader {
   Shader(const Tracer& tracer, const core::View& view, const WhittedOptions& options)
       : tracer_(tracer), options_(options), filter_(filter_of(view)), lights_(options.lights) {
     if (lights_.empty()) lights_.push_back(head_light(view));
-    const core::MaterialTable& table = tracer.snapshot().materials();
-    all_opaque_ = std::all_of(table.begin(), table.end(), [](const glm::vec4& row) { return row.a >= 1.0f; });
+    all_opaque_ = all_opaque(tracer.snapshot().materials());
   }
 
   core::Expected<void> nearest(std::span<const Ray> rays, std::span<Hit> hits) const {
@@ -69,7 +68,7 @@ class Shader {
     dvec3 shading;  ///< the normal that it is lit by, towards the viewer
     bool entered;   ///< seen from outside
     double margin;  ///< the ray may start this far off and be sure to be on either side
-    glm::vec4 material{core::Material().colour, core::Material().alpha};
+    glm::vec4 material{0.0f};
     Optics optics;
   };
 
@@ -88,7 +87,7 @@ class Shader {
       s.margin += 2.0 * kMeshError * (glm::length(hit.point - snapshot.world_from_item(hit.slot).origin) + 2.0 * size);
     }
     const std::uint32_t material = snapshot.material(hit.slot);
-    if (material != core::kNone) s.material = snapshot.materials()[material];
+    s.material = material_of(snapshot, hit.slot);
     s.optics = material < options_.material_optics.size() ? options_.material_optics[material] : options_.optics;
     return s;
   }

@@ -268,7 +268,9 @@ class Bench {
     // A first frame, of another view, compiles programs.
     need(moving.frame(flight.views[flight.views.size() / 2]));
     moving.finish();
+#if SIGHTLINE_HAS_RAYTRACE
     while (moving.preparing_picks()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+#endif
     Measured measured;
     Pair before;
     for (std::size_t i = 0; i < flight.views.size(); ++i) {

@@ -1,13 +1,13 @@
 #include "sightline/engine/drawing/internal/traced_image.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <vector>
 
 #include "sightline/core/internal/clock.h"
 #include "sightline/core/internal/store.h"
 #include "sightline/engine/drawing/internal/draw_context.h"
+#include "sightline/engine/drawing/internal/translucent.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/raytrace/internal/moving_image.h"
 #endif
@@ -15,28 +15,6 @@
 namespace sightline::engine {
 
 #if SIGHTLINE_HAS_RAYTRACE
-
-namespace {
-
-/// The slots of a set that have a bit. The time grows with the words of bits.
-void find_lines(const core::VisibleSet& set, culling::SlotBits bits, core::VisibleSet& found) {
-  found.clear();
-  found.generation = set.generation;
-  if (bits.empty()) return;
-  for (const core::Slot slot : set.single_slots)
-    if (culling::contains(bits, slot)) found.single_slots.push_back(slot);
-  for (const core::SlotRange& range : set.ranges) {
-    const core::Slot end = std::min(range.first + range.count, core::Slot(64 * bits.size()));
-    for (core::Slot slot = range.first; slot < end;) {
-      const std::uint64_t rest = bits[slot / 64] >> slot % 64;
-      slot = rest == 0 ? (slot / 64 + 1) * 64 : slot + core::Slot(std::countr_zero(rest));
-      if (rest != 0 && slot < end) found.single_slots.push_back(slot++);
-    }
-  }
-  std::sort(found.single_slots.begin(), found.single_slots.end());
-}
-
-}  // namespace
 
 core::Expected<DrawCounts> TracedImage::draw(DrawContext& context, const Frame& frame, const core::VisibleSet& visible,
                                              culling::SlotBits over) {
@@ -54,8 +32,7 @@ core::Expected<DrawCounts> TracedImage::draw(DrawContext& context, const Frame& 
   const double pixels = double(target.width()) * target.height();
   const auto items = std::int64_t(frame.snapshot.count(visible));
   DrawCounts counts{-1, items};
-  counts.pending =
-      std::max<std::int64_t>(1, items);  // until the rasteriser has drawn them, by whom all images are alike
+  counts.pending = std::max<std::int64_t>(1, items);  // until the rasteriser has drawn them
   counts.coarseness = std::sqrt(pixels / std::max(1.0, pixels - double(traced->filled)));
   counts.earlier = double(traced->kept) / pixels;
   return counts;
@@ -87,8 +64,11 @@ core::Expected<void> TracedImage::show(DrawContext& context, const Frame& frame,
     single_->write(image.colours, image.depths, image.ids);
     if (auto done = context.enlarge(*single_); !done) return done;
   }
-  find_lines(visible, frame.lines, lines_);
-  auto done = lines_.single_slots.empty() ? core::Expected<void>() : context.draw(frame, {lines_, target});
+  core::Expected<void> done;
+  if (!frame.lines.empty()) {
+    part(visible, frame.lines, lines_, others_);
+    if (lines_.count() > 0) done = context.draw(frame, {lines_, target});
+  }
   context.gl().Finish();
   show_seconds_ = core::now_seconds() - begin;
   return done;

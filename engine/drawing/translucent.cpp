@@ -1,5 +1,8 @@
 #include "sightline/engine/drawing/internal/translucent.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace sightline::engine {
 namespace {
 
@@ -39,8 +42,13 @@ void part(const core::VisibleSet& set, culling::SlotBits bits, core::VisibleSet&
     const core::Slot end = range.first + range.count;
     while (first < end) {
       const bool has = culling::contains(bits, first);
-      core::Slot stop = first + 1;
-      while (stop < end && culling::contains(bits, stop) == has) ++stop;
+      core::Slot stop = first;
+      for (bool same = true; same && stop < end;) {  // to the end of the run, or of the word
+        const std::uint64_t word = stop / 64 < bits.size() ? bits[stop / 64] : 0;
+        const std::uint64_t others = (has ? ~word : word) >> stop % 64;
+        same = others == 0;
+        stop = std::min(end, same ? (stop / 64 + 1) * 64 : stop + core::Slot(std::countr_zero(others)));
+      }
       add(first, stop, has ? with : without);
       first = stop;
     }

@@ -52,7 +52,7 @@ struct SceneVersion {
   gpuprims::Joints joints;                   // none unless the request draws
   std::vector<std::uint64_t> lines;          // a bit per slot that holds a line; empty where none does
   std::unique_ptr<Culler> culler;
-  std::shared_ptr<raytrace::Tracer> tracer;  // null before the first pick
+  std::shared_ptr<raytrace::Tracer> tracer;  // null before the first pick, or frame within a budget that traces
   Plan plan;
 
   /// Follows an edit of the snapshot, whose apply() has touched these slots: updates the joints, which adds to

@@ -25,7 +25,7 @@ namespace sightline::raytrace {
 /// Costs what PointImage does.
 class MovingImage {
  public:
-  /// What an image shows. Borrows everything.
+  /// The scene, the view and the looks of an image. Borrows everything.
   struct Request {
     const Tracer& tracer;  ///< of the snapshot that it shows
     const core::View& view;

@@ -1,4 +1,5 @@
-// An image whose pixels keep the points that they show, so that it can follow a moving camera. Internal to raytrace.
+// An image whose pixels keep the points that they show, so that it can follow a moving camera. Internal to raytrace
+// and engine.
 //
 // After B. Walter, G. Drettakis and S. Parker, "Interactive Rendering using the Render Cache" (1999): the image of the
 // next view shows each point where that view has it, and of several in a pixel the nearest.
@@ -19,7 +20,7 @@
 
 namespace sightline::raytrace {
 
-/// Rows are counted from the bottom up. Costs 57 bytes a pixel.
+/// Rows are counted from the bottom up. Costs 58 bytes a pixel.
 class PointImage {
  public:
   static constexpr int kBlock = 16;  // pixels a side

@@ -53,7 +53,7 @@ class Renderer {
   static core::Expected<Renderer> begin(const gl::Context& context);
   /// Whether the program cache has the program of a kind of batches in views without sections.
   static bool has_cached(const gl::Functions& gl, gpuscene::BatchKind kind, const TargetFormat& format);
-  /// What views have that programs are compiled for.
+  /// Programs are compiled for how a view cuts the scene.
   enum class Cut { kNone, kPlain, kHatched };
   static gl::ProgramDescription describe_batch(gpuscene::BatchKind kind, const TargetFormat& format, Cut cut,
                                                Surface surface);

@@ -162,7 +162,7 @@ TEST_P(TracedMotion, BeginsWithTheImageAtRest) {
   expect_alike(*hurried, *all, 0.25, 0.25);
 }
 
-/// What is drawn over an image is drawn once, while it moves and at rest.
+/// Overlays are drawn once, while the image moves and at rest.
 TEST_P(TracedMotion, IsDrawnOverOnce) {
   auto hurried = create_with_overlays(scene, with(kTooShort)), all = create_with_overlays(scene, with(0.0));
   ASSERT_TRUE(hurried && all);

@@ -69,7 +69,7 @@ class MovingImageTest : public testing::Test {
     EXPECT_EQ(counts->traced + counts->kept + counts->filled, std::int64_t(kPixels));
     return *counts;
   }
-  /// What the ray of a pixel, counted from the bottom up, hits.
+  /// The hit of a pixel's ray; pixels are counted from the bottom up.
   std::optional<Hit> hit(const core::View& view, std::size_t pixel, const RayFilter& filter,
                          const Tracer* by = nullptr) const {
     const auto ray =
@@ -269,7 +269,7 @@ TEST_F(MovingImageTest, BecomesCompleteAtRest) {
   EXPECT_TRUE(std::ranges::equal(image.points().pixels().depths, all.points().pixels().depths));
 }
 
-/// What was traced longest ago is traced first, and an image has the time for a sixteenth of its blocks at least.
+/// The oldest points are traced first, and an image has the time for a sixteenth of its blocks at least.
 TEST_F(MovingImageTest, KeepsNoPointForLong) {
   MovingImage image;
   draw(image, perspective(0.0), kNever);

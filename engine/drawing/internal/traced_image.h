@@ -37,7 +37,7 @@ class TracedImage {
  private:
   std::shared_ptr<raytrace::MovingImage> image_;  // null before there is one; builds without rays do not know its type
   std::optional<render::RenderTarget> single_;    // with one sample a pixel, where the image has more
-  core::VisibleSet lines_;
+  core::VisibleSet lines_, others_;
   bool complete_ = false;
   double show_seconds_ = 0.0;  // what showing took last
 };

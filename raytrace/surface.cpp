@@ -1,5 +1,6 @@
-#include "sightline/raytrace/internal/shading_normal.h"
+#include "sightline/raytrace/internal/surface.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sightline::raytrace {
@@ -38,6 +39,16 @@ dvec3 shading_normal(const core::Snapshot& snapshot, const Hit& hit, const dvec3
     normal = length > 0.0 && std::isfinite(length) ? n / length : -direction;
   }
   return glm::dot(normal, direction) > 0.0 ? -normal : normal;
+}
+
+glm::vec4 material_of(const core::Snapshot& snapshot, core::Slot slot) {
+  const std::uint32_t material = snapshot.material(slot);
+  return material != core::kNone ? snapshot.materials()[material]
+                                 : glm::vec4(core::Material().colour, core::Material().alpha);
+}
+
+bool all_opaque(const core::MaterialTable& materials) {
+  return std::all_of(materials.begin(), materials.end(), [](const glm::vec4& row) { return row.a >= 1.0f; });
 }
 
 }  // namespace sightline::raytrace
