@@ -123,10 +123,10 @@ run_without() {
   without bare "$off -DSIGHTLINE_IMPORTERS=OFF -DSIGHTLINE_RAYTRACE=OFF -DSIGHTLINE_LOD=OFF -DSIGHTLINE_IMAGE=OFF -DSIGHTLINE_GL=OFF -DSIGHTLINE_CAPI=OFF -DSIGHTLINE_OPENMP=OFF"
   without no-gl "$off -DSIGHTLINE_GL=OFF -DSIGHTLINE_VTK=OFF -DSIGHTLINE_SLC=OFF -DSIGHTLINE_DRACO=OFF -DSIGHTLINE_MESHOPT=OFF"
 }
-# without NAME OPTIONS: builds and tests a tree with these options.
+# without NAME OPTIONS: builds and tests a tree with these options, also where extra CMake arguments require everything.
 without() {
   # shellcheck disable=SC2086
-  cmake --preset release -B "build/without-$1" $2 "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
+  cmake --preset release -B "build/without-$1" ${SIGHTLINE_CMAKE_ARGS:-} $2 "${launcher[@]}" >/dev/null
   cmake --build "build/without-$1" -j "$(nproc)"
   ctest_in "without-$1" -LE '^nightly' -E '^(consumers|docs)\.'
 }

@@ -8,20 +8,20 @@ namespace sightline::importers::plant {
 namespace {
 
 /// Outer radii of pipe sizes in metres: tubing, then DN 6 to DN 1200. Steps are about equal ratios.
-constexpr std::array<double, 23> kSizes{0.002,   0.003,   0.004,   0.005,   0.00635, 0.0086, 0.01065, 0.01345,
-                                        0.01685, 0.02415, 0.03015, 0.04445, 0.05715, 0.07,   0.08415, 0.10955,
-                                        0.1365,  0.16195, 0.2032,  0.254,   0.305,   0.4,    0.61};
+constexpr std::array<double, 23> kPipeRadii{0.002,   0.003,   0.004,   0.005,   0.00635, 0.0086, 0.01065, 0.01345,
+                                            0.01685, 0.02415, 0.03015, 0.04445, 0.05715, 0.07,   0.08415, 0.10955,
+                                            0.1365,  0.16195, 0.2032,  0.254,   0.305,   0.4,    0.61};
 
 constexpr double kTierPitch = 3.0;
 constexpr int kPasses = 9;
 
 int index_of(double radius) {
-  const auto it = std::lower_bound(kSizes.begin(), kSizes.end(), radius * 0.999);
-  return int(std::min<std::ptrdiff_t>(it - kSizes.begin(), std::ptrdiff_t(kSizes.size()) - 1));
+  const auto it = std::lower_bound(kPipeRadii.begin(), kPipeRadii.end(), radius * 0.999);
+  return int(std::min<std::ptrdiff_t>(it - kPipeRadii.begin(), std::ptrdiff_t(kPipeRadii.size()) - 1));
 }
 
 double smaller(double radius) {
-  return kSizes[std::size_t(std::max(0, index_of(radius) - 1))];
+  return kPipeRadii[std::size_t(std::max(0, index_of(radius) - 1))];
 }
 
 /// Fractions of a tier's pitch at which the passes place their tiers: the van der Corput sequence.
@@ -78,7 +78,7 @@ Lane Lanes::next(Random& random) {
   Tier& tier = tiers_[tier_];
   // The mean of two draws favours the middle sizes, as in real plants. Tubing comes where there is no room for more.
   const int most = index_of(largest_), least = pass_ == 0 ? most / 3 : 0, choices = most + 1 - least;
-  const double radius = kSizes[least + (random.below(choices) + random.below(choices) + 1) / 2];
+  const double radius = kPipeRadii[least + (random.below(choices) + random.below(choices) + 1) / 2];
   const double need = 1.8 * radius + 0.012;
   tier.cursor += need;
   Lane lane = place(tier, radius, random);
@@ -142,7 +142,7 @@ Lane Lanes::tubing(Random& random) const {
   lane.start = block_.min + (along_x ? dvec3(begin, across * size.y, height * size.z)
                                      : dvec3(across * size.x, begin, height * size.z));
   lane.along = along_x ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
-  lane.radius = kSizes[std::size_t(random.below(6))];
+  lane.radius = kPipeRadii[std::size_t(random.below(6))];
   lane.clearance = 0.15;
   lane.opens_bank = true;
   return lane;
