@@ -17,13 +17,17 @@ namespace {
 using core::vec3;
 using core::View;
 
-constexpr std::size_t kPixels = PointImage::kBlock * PointImage::kBlock;
+constexpr std::size_t kPixels = PointImage::kPixels;
 constexpr std::size_t kOfThread = 8;    // blocks that a thread traces after each other
 constexpr double kShare = 0.9;          // of the time left, for blocks that are traced together
 constexpr double kFirstRate = 4e5;      // rays a second and thread, before any is measured
 constexpr std::int64_t kFewRays = 512;  // say little of how long others take
 
-constexpr std::uint32_t kMissing = 64;             // a pixel without a point counts as one of that age
+constexpr std::uint32_t kEmpty = 65 * kPixels;  // urgency of blocks that miss nearly all of their pixels
+// The sky counts as so much younger than it is, until it has the age after which it is traced again. That is spread by
+// as many views, so that not all of it becomes urgent at once.
+constexpr std::uint32_t kSkyStays = 8, kOldSky = 32;
+constexpr double kManyEmpty = 0.25;                // of the rays for which there is time
 constexpr std::uint32_t kCoarsest = 1, kHalf = 4;  // of sixteen pixels, every fourth and every second along either axis
 constexpr std::uint32_t kAll = 16;
 
@@ -77,6 +81,11 @@ class Lit {
   std::array<Light, gpuprims::kMostDistantLights> lights_{};
 };
 
+std::uint32_t urgency_of_sky(std::uint32_t urgency, std::size_t block) {
+  const std::uint32_t old = (kOldSky + std::uint32_t(block * 0x9e3779b9u) % kOldSky) * std::uint32_t(kPixels);
+  return urgency < old ? (urgency + kSkyStays - 1) / kSkyStays : kOldSky * std::uint32_t(kPixels);
+}
+
 /// Whether two views see the same of each item that both look at.
 bool same_cuts(const View& a, const View& b) {
   View cut = b;
@@ -96,6 +105,9 @@ struct MovingImage::Shot {
   Lit lit;
   const gpuprims::Background& background;
   bool all_opaque;
+
+  /// Rows are counted from the bottom up.
+  core::Ray through(int x, int y, int height) const { return rays.through(x + 0.5, height - (y + 0.5)); }
 };
 
 core::Expected<MovingImage::Counts> MovingImage::draw(const Request& request, core::ThreadPool& threads,
@@ -111,35 +123,71 @@ core::Expected<MovingImage::Counts> MovingImage::draw(const Request& request, co
   RayFilter filter = filter_of(view);
   filter.without = without;
   const Shot shot{tracer, *rays, filter, Lit(request), background, all_opaque(tracer.snapshot().materials())};
-  order_blocks(threads);
   trace_most_urgent(shot, threads, deadline - finish_seconds_);
   const double traced = core::now_seconds();
-  const auto ages = points_.ages();
-  Counts counts;
-  counts.traced = std::count(ages.begin(), ages.end(), PointImage::kNew);
-  counts.filled = std::count(ages.begin(), ages.end(), PointImage::kNoPoint);
-  counts.kept = std::int64_t(ages.size()) - counts.traced - counts.filled;
-  if (counts.filled > 0) points_.fill(background, threads);
+  std::int64_t found = 0, missing = 0, assumed = 0;
+  for (const std::uint8_t age : points_.ages()) {
+    found += age == PointImage::kNew;
+    missing += !PointImage::shows_own(age);
+    assumed += age == PointImage::kAssumed;
+  }
+  if (missing > 0) points_.fill(background, threads);
   finish_seconds_ = core::now_seconds() - traced;
-  return counts;
+  return Counts{found, std::int64_t(points_.ages().size()) - found - missing - assumed, missing + assumed};
 }
 
-/// Orders the blocks that are not new: those with missing and old points come first.
-void MovingImage::order_blocks(core::ThreadPool& threads) {
+/// How urgent blocks are: by what they miss and the ages of their points. Where neither a block nor any beside it shows
+/// a surface, the sky most likely stays.
+void MovingImage::find_urgency(core::ThreadPool& threads) {
   const int columns = points_.columns(), rows = points_.rows();
-  urgency_.resize(std::size_t(columns) * std::size_t(rows));
+  const std::size_t blocks = std::size_t(columns) * std::size_t(rows);
+  urgency_.resize(blocks);
+  surfaces_.resize(blocks);
   threads.run(std::uint32_t(rows), [&](std::uint32_t row) {
     for (int column = 0; column < columns; ++column) {
-      std::uint32_t sum = 0, pixels = 0;
+      std::uint32_t sum = 0, pixels = 0, missing = 0;
+      bool surface = false;
       points_.for_each(column, int(row), [&](std::size_t pixel, int, int) {
-        sum += std::min<std::uint32_t>(points_.ages()[pixel], kMissing);
+        const std::uint8_t age = points_.ages()[pixel];
+        sum += PointImage::waited(age);
+        missing += age == PointImage::kNoPoint;
+        surface |= PointImage::shows_own(age) && points_.pixels().ids[pixel] != 0;
         ++pixels;
       });
       // Blocks on the border, which have fewer pixels, are as urgent as others.
-      urgency_[std::size_t(row) * std::size_t(columns) + std::size_t(column)] =
-          (sum * std::uint32_t(kPixels) + pixels - 1) / pixels;
+      const std::size_t block = std::size_t(row) * std::size_t(columns) + std::size_t(column);
+      urgency_[block] = 32 * missing > 31 * pixels ? kEmpty : (sum * std::uint32_t(kPixels) + pixels - 1) / pixels;
+      surfaces_[block] = surface;
     }
   });
+  for (std::size_t block = 0; block < blocks; ++block)
+    if (urgency_[block] != kEmpty && shows_sky(block)) urgency_[block] = urgency_of_sky(urgency_[block], block);
+}
+
+/// Whether neither a block nor any beside it shows a surface.
+bool MovingImage::shows_sky(std::size_t block) const {
+  const int columns = points_.columns(), rows = points_.rows();
+  const int column = int(block % std::size_t(columns)), row = int(block / std::size_t(columns));
+  for (int y = std::max(0, row - 1); y <= std::min(rows - 1, row + 1); ++y)
+    for (int x = std::max(0, column - 1); x <= std::min(columns - 1, column + 1); ++x)
+      if (surfaces_[std::size_t(y) * std::size_t(columns) + std::size_t(x)] != 0) return false;
+  return true;
+}
+
+/// Where the few points of blocks, and of those beside them, are all of the sky, the other pixels most likely show it.
+void MovingImage::assume_sky(const Shot& shot, std::span<const std::uint32_t> blocks, core::ThreadPool& threads) {
+  const auto columns = std::uint32_t(points_.columns());
+  threads.run(std::uint32_t(blocks.size()), [&](std::uint32_t i) {
+    if (!shows_sky(blocks[i])) return;
+    points_.for_each(int(blocks[i] % columns), int(blocks[i] / columns), [&](std::size_t pixel, int x, int y) {
+      if (points_.ages()[pixel] != PointImage::kNoPoint) return;
+      points_.set_background(pixel, shot.through(x, y, points_.height()), shot.background, PointImage::kAssumed);
+    });
+  });
+}
+
+/// Orders the blocks that are not new, the most urgent first.
+void MovingImage::order_blocks() {
   order_.clear();
   for (std::uint32_t block = 0; block < urgency_.size(); ++block)
     if (urgency_[block] > 0) order_.push_back(block);
@@ -148,24 +196,29 @@ void MovingImage::order_blocks(core::ThreadPool& threads) {
   });
 }
 
-/// Blocks are traced whole, since rays that are neighbours take a fraction of the time. Where more is missing than the
-/// time suffices for, as in a first image, all empty blocks get some points before. However little time there is, the
-/// image gets some new points.
+/// Blocks are traced whole, since rays that are neighbours take a fraction of the time. Where many are empty, as in a
+/// first image or on the border of one that turns, all of these get some points before: most may show the sky. However
+/// little time there is, the image gets some new points.
 void MovingImage::trace_most_urgent(const Shot& shot, core::ThreadPool& threads, double deadline) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  constexpr std::uint32_t kNearlyEmpty = kMissing * kPixels * 31 / 32;
   const auto rays_in_time = [&](double rate) {
     const double seconds = std::max(0.0, deadline - core::now_seconds());
     return (rate > 0.0 ? rate : kFirstRate * threads.size()) * seconds;
   };
-  std::span<std::uint32_t> blocks(order_);
+  find_urgency(threads);
+  order_blocks();
   std::size_t empty = 0;
-  while (empty < blocks.size() && urgency_[blocks[empty]] > kNearlyEmpty) ++empty;
+  while (empty < order_.size() && urgency_[order_[empty]] == kEmpty) ++empty;
   std::size_t least = urgency_.size() / kAll + 1;
-  if (const double pixels = double(empty * kPixels); pixels > rays_in_time(whole_rate_)) {
+  if (const double pixels = double(empty * kPixels); pixels > kManyEmpty * rays_in_time(whole_rate_)) {
     const std::uint32_t places = pixels * kHalf / kAll <= rays_in_time(sparse_rate_) ? kHalf : kCoarsest;
-    if (trace(shot, blocks.first(empty), places, threads, kNever, sparse_rate_) > 0) least = 0;
+    const auto blocks = std::span(order_).first(empty);
+    if (trace(shot, blocks, places, threads, kNever, sparse_rate_) > 0) least = (urgency_.size() - empty) / kAll;
+    find_urgency(threads);
+    assume_sky(shot, blocks, threads);
+    order_blocks();
   }
+  std::span<std::uint32_t> blocks(order_);
   while (!blocks.empty() && (least > 0 || core::now_seconds() < deadline)) {
     const auto in_time = std::size_t(kShare * rays_in_time(whole_rate_) / kPixels);
     const std::size_t count = std::min(blocks.size(), std::max({least, in_time, std::size_t(threads.size())}));
@@ -211,7 +264,7 @@ void MovingImage::shoot(const Shot& shot, std::span<const std::uint32_t> pixels)
   std::array<Hit, kPixels> hits;
   const auto width = std::uint32_t(points_.width());
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    rays[i] = shot.rays.through(pixels[i] % width + 0.5, points_.height() - (pixels[i] / width + 0.5));
+    rays[i] = shot.through(int(pixels[i] % width), int(pixels[i] / width), points_.height());
   if (!shot.tracer.nearest({rays.data(), pixels.size()}, {hits.data(), pixels.size()}, shot.filter)) return;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (!shot.all_opaque) pass_dithered(shot, rays[i], pixels[i], hits[i]);

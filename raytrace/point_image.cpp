@@ -1,6 +1,7 @@
 #include "sightline/raytrace/internal/point_image.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 
@@ -20,6 +21,7 @@ using gpuprims::Background;
 
 constexpr int kRows = 8;             // a job has
 constexpr double kFarAway = 1e7;     // metres, where the background of perspective views lies
+constexpr int kAround = 4;           // pixels: how far surfaces lie from background that they hide
 constexpr float kClearly = 1.03f;    // times as near, in perspective views
 constexpr float kClearStep = 3e-3f;  // of the depth range, in orthographic ones
 
@@ -52,6 +54,7 @@ void PointImage::reset(int width, int height, const View& view) {
   if (pixels != depths_.size()) nearest_ = std::make_unique<std::atomic<std::uint64_t>[]>(pixels);
   ids_.resize(pixels);
   depths_.resize(pixels);
+  surfaces_.resize(surface_words() * std::size_t(height));
   origin_ = place_of_eye(view);
   clip_ = glm::mat4(clip_from_place(view, origin_));
   orthographic_ = view.orthographic();
@@ -98,6 +101,7 @@ void PointImage::follow(const View& view, const Background& background, core::Th
   clip_ = glm::mat4(clip_from_place(view, origin_));
   for_rows(threads, height_, [&](int y) { take_row(step, background_of(background, y), y); });
   for_rows(threads, height_, [&](int y) { doubt_row(y); });
+  for_rows(threads, height_, [&](int y) { hide_background_row(y); });
 }
 
 /// Several threads may put points into one pixel, where the nearest one stays.
@@ -134,6 +138,8 @@ void PointImage::project_row(const glm::mat4& pixels, int row) {
 /// Takes the points that are nearest in their pixels.
 void PointImage::take_row(const vec3& step, std::uint32_t background, int row) {
   const std::size_t first = at(0, row);
+  std::uint64_t* const surfaces = &surfaces_[surface_words() * std::size_t(row)];
+  std::fill_n(surfaces, surface_words(), 0);
   for (std::size_t pixel = first; pixel < first + std::size_t(width_); ++pixel) {
     const std::uint64_t found = nearest_[pixel].load(std::memory_order_relaxed);
     depths_[pixel] = std::bit_cast<float>(std::uint32_t(found >> 32));
@@ -145,8 +151,9 @@ void PointImage::take_row(const vec3& step, std::uint32_t background, int row) {
     const Point point{before_.point[from].place + step, before_.point[from].id};
     now_.point[pixel] = point;
     ids_[pixel] = point.id;
+    surfaces[(pixel - first) / 64] |= std::uint64_t(point.id != 0) << (pixel - first) % 64;
     now_.colour[pixel] = point.id != 0 ? before_.colour[from] : background;
-    now_.age[pixel] = std::uint8_t(std::min<int>(before_.age[from] + 1, kOldest));
+    now_.age[pixel] = std::uint8_t(std::min<std::uint32_t>(waited(before_.age[from]) + 1, kOldest));
   }
 }
 
@@ -164,6 +171,58 @@ void PointImage::doubt_row(int row) {
   }
 }
 
+/// Surfaces of 64 pixels of a row, as bits.
+std::uint64_t PointImage::surfaces_from(int row, std::ptrdiff_t first) const {
+  const std::uint64_t* const words = &surfaces_[surface_words() * std::size_t(row)];
+  const std::ptrdiff_t word = first >= 0 ? first / 64 : -1, count = std::ptrdiff_t(surface_words());
+  const auto shift = unsigned(first & 63);
+  const auto at = [&](std::ptrdiff_t w) { return w >= 0 && w < count ? words[w] : 0; };
+  return shift == 0 ? at(word) : at(word) >> shift | at(word + 1) << (64 - shift);
+}
+
+/// Whether the point of a pixel has moved farther past that of a pixel of the background, which is `distance` away,
+/// than that: then it lay beyond, or hid it.
+bool PointImage::moved_past(std::size_t surface, std::size_t background, int distance) const {
+  const auto moved = [&](std::size_t pixel) {
+    const std::size_t from = std::size_t(std::uint32_t(nearest_[pixel].load(std::memory_order_relaxed))) - 1;
+    const auto width = std::size_t(width_);
+    return glm::ivec2(int(pixel % width) - int(from % width), int(pixel / width) - int(from / width));
+  };
+  const glm::ivec2 past = glm::abs(moved(surface) - moved(background));
+  return std::max(past.x, past.y) > distance;
+}
+
+/// Whether the next surface in a direction, if it is near, has moved past the background of a pixel.
+bool PointImage::passed_by(int x, int y, int dx, int dy) const {
+  for (int k = 1; k <= kAround; ++k) {
+    const int u = x + k * dx, v = y + k * dy;
+    if (u < 0 || u >= width_ || v < 0 || v >= height_) return false;
+    const std::uint64_t bits = surfaces_[surface_words() * std::size_t(v) + std::size_t(u) / 64];
+    if ((bits >> u % 64 & 1u) != 0) return moved_past(at(u, v), at(x, y), k);
+  }
+  return false;
+}
+
+/// Hides the background that has surfaces on both sides, or above and below, which have moved past it.
+void PointImage::hide_background_row(int row) {
+  for (int left = 0; left < width_; left += 64) {
+    std::uint64_t before = 0, after = 0, above = 0, below = 0;
+    for (int k = 1; k <= kAround; ++k) {
+      before |= surfaces_from(row, left - k);
+      after |= surfaces_from(row, left + k);
+      if (row + k < height_) above |= surfaces_from(row + k, left);
+      if (row - k >= 0) below |= surfaces_from(row - k, left);
+    }
+    std::uint64_t enclosed = ((before & after) | (above & below)) & ~surfaces_from(row, left);
+    for (; enclosed != 0; enclosed &= enclosed - 1) {
+      const int x = left + std::countr_zero(enclosed);
+      if (x >= width_ || !shows_own(now_.age[at(x, row)])) continue;
+      if (passed_by(x, row, -1, 0) || passed_by(x, row, 1, 0) || passed_by(x, row, 0, 1) || passed_by(x, row, 0, -1))
+        now_.age[at(x, row)] |= kHidden;
+    }
+  }
+}
+
 void PointImage::set(std::size_t pixel, const dvec3& point, std::uint32_t id, std::uint32_t colour) {
   const vec3 place(point - origin_);
   const glm::vec4 clip = clip_ * glm::vec4(place, 1.0f);
@@ -174,11 +233,12 @@ void PointImage::set(std::size_t pixel, const dvec3& point, std::uint32_t id, st
   depths_[pixel] = std::clamp(clip.z / clip.w, 0.0f, 1.0f);
 }
 
-void PointImage::set_background(std::size_t pixel, const core::Ray& ray, const Background& background) {
+void PointImage::set_background(std::size_t pixel, const core::Ray& ray, const Background& background,
+                                std::uint8_t age) {
   const double t = orthographic_ ? 0.5 * (ray.t_min + ray.t_max) : kFarAway;
   now_.point[pixel] = {vec3(ray.origin + t * ray.direction - origin_), 0};
   now_.colour[pixel] = background_of(background, int(pixel / std::size_t(width_)));
-  now_.age[pixel] = kNew;
+  now_.age[pixel] = age;
   ids_[pixel] = 0;
   depths_[pixel] = 0.0f;
 }
@@ -195,15 +255,6 @@ std::uint32_t PointImage::farther(std::uint32_t a, std::uint32_t b) const {
   return depths_[b] < depths_[a] ? b : a;
 }
 
-/// A pixel of a cell that has a point, or kNone.
-std::uint32_t PointImage::farthest_in(int left, int bottom, int side) const {
-  std::uint32_t farthest = core::kNone;
-  for (int y = bottom; y < std::min(height_, bottom + side); ++y)
-    for (int x = left; x < std::min(width_, left + side); ++x)
-      if (now_.age[at(x, y)] != kNoPoint) farthest = farther(farthest, std::uint32_t(at(x, y)));
-  return farthest;
-}
-
 void PointImage::show(std::size_t pixel, std::uint32_t from, std::uint32_t background) {
   const bool surface = from != core::kNone && now_.point[from].id != 0;
   ids_[pixel] = surface ? now_.point[from].id : 0;
@@ -212,32 +263,45 @@ void PointImage::show(std::size_t pixel, std::uint32_t from, std::uint32_t backg
 }
 
 void PointImage::fill(const Background& background, core::ThreadPool& threads) {
-  if (!fill_blocks(background, threads)) fill_empty_blocks(background, threads);
-}
-
-/// Fills blocks that have any points. Whether there were no others.
-bool PointImage::fill_blocks(const Background& background, core::ThreadPool& threads) {
+  farthest_.resize(std::size_t(columns()) * std::size_t(rows()));
   std::atomic<bool> all = true;
   threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
-    for (int column = 0; column < columns(); ++column) {
-      bool any = false;
-      for_each(column, int(row), [&](std::size_t pixel, int, int) { any |= now_.age[pixel] == kNoPoint; });
-      if (!any) continue;
-      const std::uint32_t of_block = farthest_in(column * kBlock, int(row) * kBlock, kBlock);
-      if (of_block == core::kNone) {
-        all.store(false, std::memory_order_relaxed);
-        continue;
-      }
-      for_each(column, int(row), [&](std::size_t pixel, int x, int y) {
-        if (now_.age[pixel] != kNoPoint) return;
-        std::uint32_t from = core::kNone;
-        for (int side = 2; side < kBlock && from == core::kNone; side *= 2)
-          from = farthest_in(x & -side, y & -side, side);
-        show(pixel, from != core::kNone ? from : of_block, background_of(background, y));
-      });
-    }
+    for (int column = 0; column < columns(); ++column)
+      if (!fill_block(column, int(row), background)) all.store(false, std::memory_order_relaxed);
   });
-  return all;
+  if (!all) fill_empty_blocks(background, threads);
+}
+
+/// Fills a block that has any points; false if it has none. Its farthest one goes to farthest_.
+bool PointImage::fill_block(int column, int row, const Background& background) {
+  constexpr int kLevels = std::countr_zero(unsigned(kBlock));
+  std::array<std::array<std::uint32_t, kPixels / 4>, kLevels> cells;  // of 2 x 2 pixels, of 4 x 4, and so on
+  cells[0].fill(core::kNone);
+  bool whole = true;
+  for_each(column, row, [&](std::size_t pixel, int x, int y) {
+    std::uint32_t& cell = cells[0][std::size_t(y % kBlock / 2 * (kBlock / 2) + x % kBlock / 2)];
+    const bool own = shows_own(now_.age[pixel]);
+    if (own) cell = farther(cell, std::uint32_t(pixel));
+    whole &= own;
+  });
+  for (std::size_t level = 1; level < kLevels; ++level) {
+    const std::size_t side = std::size_t(kBlock) >> (level + 1);
+    for (std::size_t cell = 0; cell < side * side; ++cell) {
+      const std::uint32_t* const below = &cells[level - 1][2 * (cell / side) * 2 * side + 2 * (cell % side)];
+      cells[level][cell] = farther(farther(below[0], below[1]), farther(below[2 * side], below[2 * side + 1]));
+    }
+  }
+  farthest_[std::size_t(row) * std::size_t(columns()) + std::size_t(column)] = cells[kLevels - 1][0];
+  if (cells[kLevels - 1][0] == core::kNone || whole) return whole;
+  for_each(column, row, [&](std::size_t pixel, int x, int y) {
+    if (shows_own(now_.age[pixel])) return;
+    std::uint32_t from = core::kNone;
+    for (int level = 0; from == core::kNone; ++level)
+      from = cells[std::size_t(level)]
+                  [std::size_t((y % kBlock >> (level + 1)) * (kBlock >> (level + 1)) + (x % kBlock >> (level + 1)))];
+    show(pixel, from, background_of(background, y));
+  });
+  return true;
 }
 
 /// Fills blocks without points, by cells of 2 x 2 blocks, of 2 x 2 of these, and so on.
@@ -255,10 +319,6 @@ void PointImage::fill_empty_blocks(const Background& background, core::ThreadPoo
     levels.push_back({(below.columns + 1) / 2, (below.rows + 1) / 2, below.cell(0, below.rows)});
   }
   farthest_.resize(levels.back().cell(0, 1));
-  threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
-    for (int column = 0; column < columns(); ++column)
-      farthest_[levels[0].cell(column, int(row))] = farthest_in(column * kBlock, int(row) * kBlock, kBlock);
-  });
   for (std::size_t k = 1; k < levels.size(); ++k)
     for (int row = 0; row < levels[k].rows; ++row)
       for (int column = 0; column < levels[k].columns; ++column) {

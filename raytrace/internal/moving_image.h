@@ -2,7 +2,9 @@
 // earlier images have found. Internal to raytrace and engine.
 //
 // Traced first are blocks of pixels without a point (PointImage), or with points between nearer ones, then those with
-// the oldest points.
+// the oldest points. Sky without a surface nearby counts as an eighth of its age until it is 32 to 63 images old. Where
+// many blocks are empty, each gets some points before any is traced whole. Where these and those around find the sky
+// alone, it is assumed between them, too.
 //
 // Promise: a traced pixel shows what Tracer::nearest() hits through its middle, lit as renderers light it
 // (render/shaders/shading.glsl). Any other pixel shows a point of a surface, within half a pixel of its middle if it is
@@ -61,7 +63,10 @@ class MovingImage {
  private:
   struct Shot;
 
-  void order_blocks(core::ThreadPool& threads);
+  void find_urgency(core::ThreadPool& threads);
+  bool shows_sky(std::size_t block) const;
+  void assume_sky(const Shot& shot, std::span<const std::uint32_t> blocks, core::ThreadPool& threads);
+  void order_blocks();
   void trace_most_urgent(const Shot& shot, core::ThreadPool& threads, double deadline);
   std::int64_t trace(const Shot& shot, std::span<std::uint32_t> blocks, std::uint32_t places, core::ThreadPool& threads,
                      double deadline, double& rate);
@@ -73,6 +78,7 @@ class MovingImage {
   std::optional<core::View> view_;  // of the image; none: its points are forgotten
   PointImage points_;
   std::vector<std::uint32_t> urgency_, order_;   // of each block, by the ages of its points; blocks, most urgent first
+  std::vector<std::uint8_t> surfaces_;           // whether a block shows any
   double whole_rate_ = 0.0, sparse_rate_ = 0.0;  // rays a second of whole blocks and of others; 0: not measured
   double finish_seconds_ = 0.0;                  // what followed the rays of the last image
 };

@@ -24,10 +24,13 @@ namespace sightline::raytrace {
 class PointImage {
  public:
   static constexpr int kBlock = 16;  // pixels a side
+  static constexpr std::size_t kPixels = std::size_t(kBlock) * kBlock;
 
   /// In views since a point was found: of the present view; the oldest that are told apart; of a point between nearer
-  /// ones, as cracks in a surface show that comes nearer; of a pixel without a point.
-  static constexpr std::uint8_t kNew = 0, kOldest = 63, kDoubtful = 254, kNoPoint = 255;
+  /// ones, as cracks in a surface show that comes nearer; of a pixel without a point. The background has moved past the
+  /// surfaces before it, so where these lie around, its age is increased by kHidden, and the pixel shows one of them.
+  /// Assumed background has not been found by a ray of its own.
+  static constexpr std::uint8_t kNew = 0, kOldest = 63, kDoubtful = 64, kAssumed = 65, kHidden = 128, kNoPoint = 255;
 
   /// An image, row by row from the bottom up.
   struct Pixels {
@@ -45,9 +48,11 @@ class PointImage {
   void follow(const core::View& view, const gpuprims::Background& background, core::ThreadPool& threads);
   /// Lets a pixel show a point. `id`: item + 1. Several threads may set different pixels.
   void set(std::size_t pixel, const core::dvec3& point, std::uint32_t id, std::uint32_t colour);
-  /// Lets it show the background, which a ray has found by missing everything. It lies very far away; in orthographic
-  /// views, where that would leave the image with any turn, midway between the near and the far plane.
-  void set_background(std::size_t pixel, const core::Ray& ray, const gpuprims::Background& background);
+  /// Lets it show the background, which its ray has found by missing everything, or is assumed to. It lies very far
+  /// away; in orthographic views, where that would leave the image with any turn, midway between the near and the far
+  /// plane.
+  void set_background(std::size_t pixel, const core::Ray& ray, const gpuprims::Background& background,
+                      std::uint8_t age = kNew);
   /// Lets pixels without a point show that of a neighbour: of the smallest cell of 2 x 2 pixels, 4 x 4, and so on that
   /// has any, the farthest, since what a near thing uncovers lies behind it; the background only where there is no
   /// other. They stay without a point.
@@ -70,6 +75,14 @@ class PointImage {
 
   Pixels pixels() const { return {now_.colour, depths_, ids_}; }
   std::span<const std::uint8_t> ages() const { return now_.age; }  ///< by pixel
+  /// Views for which a pixel of that age has waited, as it counts: doubtful points and none at all are the oldest.
+  static constexpr std::uint32_t waited(std::uint8_t age) {
+    constexpr std::uint32_t kOfAssumed = 16;
+    if (age == kAssumed) return kOfAssumed;
+    return std::min<std::uint32_t>(age == kNoPoint ? age : age & ~kHidden, kDoubtful);
+  }
+  /// Whether a pixel of that age shows its own point.
+  static constexpr bool shows_own(std::uint8_t age) { return age < kHidden; }
 
  private:
   struct Point {
@@ -84,11 +97,15 @@ class PointImage {
   void project_row(const glm::mat4& pixels, int row);
   void take_row(const core::vec3& step, std::uint32_t background, int row);
   void doubt_row(int row);
+  bool moved_past(std::size_t surface, std::size_t background, int distance) const;
+  bool passed_by(int x, int y, int dx, int dy) const;
+  void hide_background_row(int row);
+  std::size_t surface_words() const { return std::size_t(width_) / 64 + 1; }
+  std::uint64_t surfaces_from(int row, std::ptrdiff_t first) const;
   std::uint32_t background_of(const gpuprims::Background& background, int row) const;
   std::uint32_t farther(std::uint32_t a, std::uint32_t b) const;
-  std::uint32_t farthest_in(int left, int bottom, int side) const;
   void show(std::size_t pixel, std::uint32_t from, std::uint32_t background);
-  bool fill_blocks(const gpuprims::Background& background, core::ThreadPool& threads);
+  bool fill_block(int column, int row, const gpuprims::Background& background);
   void fill_empty_blocks(const gpuprims::Background& background, core::ThreadPool& threads);
 
   int width_ = 0, height_ = 0;
@@ -100,7 +117,8 @@ class PointImage {
   std::vector<float> depths_;
   // By pixel: the reversed depth of the nearest point there, and its pixel before + 1.
   std::unique_ptr<std::atomic<std::uint64_t>[]> nearest_;
-  std::vector<std::uint32_t> farthest_;  // of fill_empty_blocks(), by cell: a pixel with a point, or kNone
+  std::vector<std::uint64_t> surfaces_;  // of follow(): a bit per pixel with a surface, surface_words() a row
+  std::vector<std::uint32_t> farthest_;  // of fill(), by block and by larger cell: a pixel with a point, or kNone
 };
 
 }  // namespace sightline::raytrace
