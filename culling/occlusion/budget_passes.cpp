@@ -1,22 +1,59 @@
 #include "sightline/culling/occlusion/internal/budget_passes.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <utility>
+
+#include "sightline/core/internal/clock.h"
 
 namespace sightline::culling {
 namespace {
 
-constexpr int kLeastExponent = -8;          // of the area of the smallest class
-constexpr int kUnoccludedFirst = 4;         // classes by which items that were not occluded come earlier
-constexpr std::size_t kTestedPiece = 2048;  // slots tested at a time
-constexpr std::size_t kFewest = 64;         // of a pass, hidden ones included
-constexpr double kSteady = 0.25;            // of a pass's own cost, which hardly changes; else estimates oscillate
+constexpr int kLeastExponent = -8;                 // of the area of the smallest class
+constexpr int kUnoccludedFirst = 4;                // classes by which items that were not occluded come earlier
+constexpr std::size_t kTestedPiece = 2048;         // slots tested at a time
+constexpr std::uint64_t kTestedAtOnce = 1u << 18;  // slots that the threads share out
+constexpr std::size_t kFewest = 64;                // of a pass, hidden ones included
+constexpr double kSteady = 0.25;  // of a pass's own cost, which hardly changes; else estimates oscillate
 constexpr double kGainUp = 1.0, kGainDown = 0.5;  // of an error: time that was too short does more harm
 constexpr double kLeastMs = 1e-5;                 // of an item
 constexpr double kGreatestChange = 4.0;           // of an estimate, by one pass
 // First guess of what drawing takes, an item and a pixel, in milliseconds: llvmpipe's. A guess that is too large makes
 // the first frames of a budget draw less, one that is too small makes them late.
 constexpr double kPresumedItemMs = 1e-2, kPresumedPixelMs = 5e-6;
+
+/// Replaces `out` by up to `count` slots of a set from the `first` on: those of ranges come before single ones.
+void slice(const core::VisibleSet& set, std::uint64_t first, std::uint64_t count, core::VisibleSet& out) {
+  out.clear();
+  out.generation = set.generation;
+  std::uint64_t at = 0;
+  for (const core::SlotRange& range : set.ranges) {
+    const std::uint64_t begin = std::max(at, first), end = std::min(at + range.count, first + count);
+    if (begin < end) out.ranges.push_back({core::Slot(range.first + (begin - at)), std::uint32_t(end - begin)});
+    at += range.count;
+  }
+  const std::uint64_t singles = set.single_slots.size();
+  const std::uint64_t begin = std::clamp<std::uint64_t>(first, at, at + singles) - at;
+  const std::uint64_t end = std::clamp<std::uint64_t>(first + count, at, at + singles) - at;
+  out.single_slots.assign(set.single_slots.begin() + std::ptrdiff_t(begin),
+                          set.single_slots.begin() + std::ptrdiff_t(end));
+}
+
+/// Calls visit(slot) for the slots of a set whose bit is set.
+template <class Visit>
+void for_each_marked(const core::VisibleSet& set, SlotBits bits, const Visit& visit) {
+  for (const core::SlotRange& range : set.ranges) {
+    const std::size_t first = range.first, end = first + range.count;
+    for (std::size_t word = first / 64; word < std::min(bits.size(), (end + 63) / 64); ++word)
+      for (std::uint64_t left = bits[word]; left != 0; left &= left - 1) {
+        const std::size_t slot = 64 * word + std::size_t(std::countr_zero(left));
+        if (slot >= first && slot < end) visit(core::Slot(slot));
+      }
+  }
+  for (const core::Slot slot : set.single_slots)
+    if (contains(bits, slot)) visit(slot);
+}
 
 }  // namespace
 
@@ -54,19 +91,42 @@ void DrawCosts::took(const std::array<std::uint32_t, kClasses>& counts, double m
 
 void BudgetPasses::begin(const ContributionTest& measure, const core::ItemBounds& bounds,
                          const core::VisibleSet& candidates, SlotBits lines) {
+  begin_frame(candidates.generation, lines);
+  measure.areas(bounds, candidates, areas_);
+  order_areas();
+}
+
+void BudgetPasses::begin_shown(const ContributionTest& measure, const core::ItemBounds& bounds,
+                               const core::VisibleSet& candidates, SlotBits shown, SlotBits lines) {
+  begin_frame(candidates.generation, lines);
+  shown_.assign(shown.begin(), shown.end());
+  unoccluded_.clear();
+  piece_.clear();
+  for_each_marked(candidates, shown, [&](core::Slot slot) { piece_.single_slots.push_back(slot); });
+  measure.areas(bounds, piece_, areas_);
+  order_areas();
+  others_ = candidates;
+}
+
+void BudgetPasses::begin_frame(std::uint64_t generation, SlotBits lines) {
   lines_ = lines;
   drawn_.clear();
-  drawn_.generation = pass_.generation = piece_.generation = candidates.generation;
-  at_ = 0;
-  measure.areas(bounds, candidates, areas_);
+  others_.clear();
+  shown_.clear();
+  drawn_.generation = pass_.generation = piece_.generation = generation;
+  at_ = others_at_ = 0;
+  left_.fill(0);
+  drawn_ms_ = looked_at_ms_ = 0.0;
+}
+
+/// Orders what is measured, the largest first.
+void BudgetPasses::order_areas() {
   constexpr int kRanks = DrawCosts::kClasses + kUnoccludedFirst;
   const auto rank_of = [&](const SlotArea& a) {  // 0 comes first
-    if (contains(lines, a.slot)) return 0;
+    if (contains(lines_, a.slot)) return 0;
     return kRanks - 1 - (DrawCosts::class_of(a.area) + (contains(unoccluded_, a.slot) ? kUnoccludedFirst : 0));
   };
   std::array<std::size_t, kRanks + 1> begins{};
-  left_.fill(0);
-  drawn_ms_ = looked_at_ms_ = 0.0;
   for (const SlotArea& a : areas_) {
     ++begins[std::size_t(rank_of(a)) + 1];
     ++left_[std::size_t(DrawCosts::class_of(a.area))];
@@ -74,6 +134,25 @@ void BudgetPasses::begin(const ContributionTest& measure, const core::ItemBounds
   for (std::size_t i = 1; i < begins.size(); ++i) begins[i] += begins[i - 1];
   order_.resize(areas_.size());
   for (const SlotArea& a : areas_) order_[begins[std::size_t(rank_of(a))]++] = a;
+}
+
+void BudgetPasses::test_others(const ContributionTest& measure, const OcclusionTest* test,
+                               const core::ItemBounds& bounds, const Hierarchy* hierarchy, core::ThreadPool& threads,
+                               double deadline) {
+  do {
+    slice(others_, others_at_, test ? kTestedAtOnce : kTestedPiece, piece_);
+    others_at_ += piece_.count();
+    if (test)
+      test->filter(bounds, piece_, unoccluded_piece_, lines_, &threads, hierarchy);
+    else
+      std::swap(piece_, unoccluded_piece_);
+    measure.areas(bounds, unoccluded_piece_, areas_);
+    for (const SlotArea& a : areas_) {
+      if (contains(shown_, a.slot)) continue;
+      order_.push_back(a);
+      ++left_[std::size_t(DrawCosts::class_of(a.area))];
+    }
+  } while (others_at_ < others_.count() && core::now_seconds() < deadline);
 }
 
 bool BudgetPasses::next(const OcclusionTest* test, const core::ItemBounds& bounds, double ms) {
@@ -131,7 +210,14 @@ double BudgetPasses::take(std::size_t end, const OcclusionTest* test, const core
 void BudgetPasses::looked_at(std::size_t slots, std::vector<std::uint64_t>& bits) const {
   bits.assign(lines_.begin(), lines_.end());
   bits.resize(bit_words(slots));
-  for (std::size_t i = 0; i < at_; ++i) bits[order_[i].slot / 64] |= std::uint64_t(1) << order_[i].slot % 64;
+  core::VisibleSet tested;
+  slice(others_, 0, others_at_, tested);
+  set_bits(tested, bits);
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const std::uint64_t bit = std::uint64_t(1) << order_[i].slot % 64;
+    std::uint64_t& word = bits[order_[i].slot / 64];
+    word = i < at_ ? word | bit : word & ~bit;
+  }
 }
 
 double BudgetPasses::most_pending_ms() const {
@@ -154,8 +240,7 @@ void BudgetPasses::remember(const OcclusionTest& test, const core::ItemBounds& b
 void BudgetPasses::reset() {
   unoccluded_.clear();
   order_.clear();
-  drawn_.clear();
-  at_ = 0;
+  begin_frame(0, {});
 }
 
 }  // namespace sightline::culling

@@ -51,6 +51,10 @@ culling::ContributionTest DrawContext::contribution_test(const Frame& frame) {
           solid_areas.of(frame.snapshot)};
 }
 
+culling::ContributionTest DrawContext::outline_test(const Frame& frame) const {
+  return {frame.view, frame.snapshot.bounds().origin, target().width(), target().height()};
+}
+
 core::Expected<void> DrawContext::clear(const render::RenderTarget& canvas) {
   image->meshes = {};
   return renderer->clear(canvas);

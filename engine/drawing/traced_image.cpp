@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "sightline/core/internal/clock.h"
@@ -74,6 +75,17 @@ core::Expected<void> TracedImage::show(DrawContext& context, const Frame& frame,
   return done;
 }
 
+std::vector<std::uint64_t> TracedImage::shown_slots(const core::Snapshot& snapshot) const {
+  std::vector<std::uint64_t> bits(culling::bit_words(snapshot.size()));
+  std::uint32_t last = 0;
+  for (const std::uint32_t id : image_->points().pixels().ids) {
+    if (id == std::exchange(last, id) || id == 0) continue;
+    const core::Slot slot = snapshot.slot(core::ItemId(id - 1));
+    if (slot != core::kNone) bits[slot / 64] |= std::uint64_t(1) << slot % 64;
+  }
+  return bits;
+}
+
 void TracedImage::forget() {
   if (image_) image_->forget();
   complete_ = false;
@@ -85,6 +97,9 @@ core::Expected<DrawCounts> TracedImage::draw(DrawContext&, const Frame&, const c
   return core::fail("engine: this build traces no rays");
 }
 core::Expected<void> TracedImage::show(DrawContext&, const Frame&, const core::VisibleSet&) {
+  return {};
+}
+std::vector<std::uint64_t> TracedImage::shown_slots(const core::Snapshot&) const {
   return {};
 }
 void TracedImage::begin(DrawContext&, const core::View&, const render::RenderTarget&) {}

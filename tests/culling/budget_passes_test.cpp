@@ -112,6 +112,65 @@ TEST(BudgetPasses, OccludedItemsCostNothingAndOthersComeFirst) {
   for (const core::Slot s : passes.pass().single_slots) EXPECT_TRUE(were_open.count(s));
 }
 
+/// Where an image is known, what it shows is drawn first, untested; others are drawn if they are open.
+TEST(BudgetPasses, WhatAnImageShowsComesFirst) {
+  Site site;
+  core::ThreadPool threads(2);
+  culling::DepthPyramid pyramid;
+  std::vector<float> distances(1000 * 1000, 50.0f);  // in front of everything, but for the left half
+  for (std::size_t y = 0; y < 1000; ++y)
+    for (std::size_t x = 0; x < 500; ++x) distances[1000 * y + x] = std::numeric_limits<float>::infinity();
+  pyramid.build(distances, 1000, 1000);
+  const culling::OcclusionTest test(site.view, core::dvec3(0.0), 1000, 1000, pyramid);
+  core::VisibleSet some;
+  some.ranges = {{10, 990}, {1500, 1234}};
+  some.single_slots = {1200, 1203, 2999};
+  core::VisibleSet open;
+  test.filter(site.bounds, some, open);
+  std::vector<std::uint64_t> shown(bit_words(3000));
+  for (core::Slot slot = 0; slot < 3000; slot += 7) shown[slot / 64] |= std::uint64_t(1) << slot % 64;
+  for (const culling::OcclusionTest* tests : {&test, static_cast<const culling::OcclusionTest*>(nullptr)}) {
+    std::set<core::Slot> first, others;
+    some.for_each_slot([&](core::Slot slot) { (contains(shown, slot) ? first : others).insert(slot); });
+    const std::size_t candidates = first.size() + others.size();
+    if (tests) {
+      others.clear();
+      open.for_each_slot([&](core::Slot slot) {
+        if (!contains(shown, slot)) others.insert(slot);
+      });
+      ASSERT_GT(others.size(), 100u);
+    }
+    BudgetPasses passes;
+    passes.begin_shown(site.measure, site.bounds, some, shown, {});
+    EXPECT_GE(passes.pending(), candidates);
+    std::size_t drawn = 0;
+    while (!passes.complete()) {
+      if (passes.tests_others()) {
+        EXPECT_TRUE(first.empty());
+        passes.test_others(site.measure, tests, site.bounds, nullptr, threads, 0.0);
+      }
+      if (!passes.next(nullptr, site.bounds, 1.0)) continue;
+      drawn += passes.pass().single_slots.size();
+      for (const core::Slot slot : passes.pass().single_slots) {
+        ASSERT_EQ((first.empty() ? others : first).erase(slot), 1u) << slot;
+        std::vector<std::uint64_t> bits;
+        passes.looked_at(3000, bits);
+        ASSERT_TRUE(contains(bits, slot));
+      }
+      passes.took(1.0);
+      std::vector<std::uint64_t> bits;
+      passes.looked_at(3000, bits);
+      for (const core::Slot slot : first) ASSERT_FALSE(contains(bits, slot)) << "neither drawn nor hidden";
+    }
+    EXPECT_TRUE(others.empty()) << others.size();
+    EXPECT_EQ(passes.drawn(), drawn);
+    EXPECT_EQ(passes.pending(), 0u);
+    std::vector<std::uint64_t> bits;
+    passes.looked_at(3000, bits);
+    some.for_each_slot([&](core::Slot slot) { EXPECT_TRUE(contains(bits, slot)); });
+  }
+}
+
 /// What is pending is expected to be hidden as much as what was looked at.
 TEST(BudgetPasses, ForeseeWhatIsPending) {
   Site site;

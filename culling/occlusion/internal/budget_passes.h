@@ -34,11 +34,24 @@ class DrawCosts {
 /// sixteen times their area. Each pass is as large as the time that it is given; hidden items take none. So the
 /// threshold of contribution follows the time. What the time does not suffice for stays pending, and next() goes on
 /// with it for as long as the view stays.
+///
+/// Where an image of the view is known, the items that it shows come first instead, and all others are left to
+/// test_others(): nothing is measured or ordered that grows with the scene.
 class BudgetPasses {
  public:
   /// Begins a frame with its candidates. Slots of `lines` are neither measured nor tested: they come first.
   void begin(const ContributionTest& measure, const core::ItemBounds& bounds, const core::VisibleSet& candidates,
              SlotBits lines);
+  /// Begins a frame with the candidates among `shown`, a bit per slot. They are drawn untested.
+  void begin_shown(const ContributionTest& measure, const core::ItemBounds& bounds, const core::VisibleSet& candidates,
+                   SlotBits shown, SlotBits lines);
+  bool shown_first() const { return !others_.ranges.empty() || !others_.single_slots.empty(); }
+  /// Whether all passes before those of other candidates have been drawn, and some of these are still to be tested.
+  bool tests_others() const { return at_ == order_.size() && others_at_ < others_.count(); }
+  /// Tests other candidates, until some are open and the deadline has passed (core::now_seconds()). The open ones are
+  /// pending. `test`: against the depth of all passes so far; null: all are open. `hierarchy`: of the bounds, or null.
+  void test_others(const ContributionTest& measure, const OcclusionTest* test, const core::ItemBounds& bounds,
+                   const Hierarchy* hierarchy, core::ThreadPool& threads, double deadline);
   /// Finds the next pass, worth `ms` of drawing or less. `test`: against the depth of all passes so far; null: nothing
   /// is tested. False when nothing is pending.
   bool next(const OcclusionTest* test, const core::ItemBounds& bounds, double ms);
@@ -49,10 +62,10 @@ class BudgetPasses {
 
   const core::VisibleSet& pass() const { return pass_; }  ///< slots in rising order
   std::size_t drawn() const { return drawn_.single_slots.size(); }
-  bool complete() const { return at_ == order_.size(); }
-  /// Candidates that were not looked at, and the area of the largest of them.
-  std::size_t pending() const { return order_.size() - at_; }
-  float largest_pending() const { return complete() ? 0.0f : order_[at_].area; }
+  bool complete() const { return at_ == order_.size() && others_at_ == others_.count(); }
+  /// Candidates that were not looked at, and the area of the largest of them that were measured.
+  std::size_t pending() const { return order_.size() - at_ + std::size_t(others_.count() - others_at_); }
+  float largest_pending() const { return at_ == order_.size() ? 0.0f : order_[at_].area; }
   /// Replaces `bits` by one per slot: of `lines`, and of candidates that were drawn or are hidden.
   void looked_at(std::size_t slots, std::vector<std::uint64_t>& bits) const;
   /// What drawing the pending candidates may cost, if as many of them are hidden as of those before.
@@ -67,6 +80,8 @@ class BudgetPasses {
 
  private:
   using SlotArea = ContributionTest::SlotArea;
+  void begin_frame(std::uint64_t generation, SlotBits lines);
+  void order_areas();
   std::size_t affordable(double ms) const;
   double take(std::size_t end, const OcclusionTest* test, const core::ItemBounds& bounds);
 
@@ -76,6 +91,9 @@ class BudgetPasses {
   std::vector<std::uint64_t> unoccluded_;                    // a bit per slot, of the last frame
   std::array<std::uint32_t, DrawCosts::kClasses> counts_{};  // of the pass
   std::array<std::uint32_t, DrawCosts::kClasses> left_{};    // pending, of each class
+  std::vector<std::uint64_t> shown_;                         // of begin_shown()
+  core::VisibleSet others_;                                  // its candidates, to be tested unless they are shown
+  std::uint64_t others_at_ = 0;                              // of these: what is before is tested
   double drawn_ms_ = 0.0, looked_at_ms_ = 0.0;               // what was drawn cost, and would with what is hidden
   core::VisibleSet pass_, piece_, unoccluded_piece_, drawn_;
   SlotBits lines_;

@@ -68,6 +68,8 @@ struct DrawContext {
   culling::OcclusionTest occlusion_test(const Frame& frame, const culling::DepthPyramid& pyramid) const;
   /// Measures the projected areas of all items of the snapshot on first use.
   culling::ContributionTest contribution_test(const Frame& frame);
+  /// By the outlines of boxes alone, which suffice to order items: their solid areas are not measured for it.
+  culling::ContributionTest outline_test(const Frame& frame) const;
   /// Whether the setting and the image allow it. One sample per pixel alone has one depth to test against.
   bool may_test_occlusion() const {
     return config.culling.occlusion != OcclusionChoice::kOff && target().format().samples == 1;

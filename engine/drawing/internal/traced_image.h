@@ -1,8 +1,10 @@
 // Moving images by rays, on their way into the image of an engine. Internal to engine.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "sightline/culling/occlusion/occlusion_test.h"
 #include "sightline/engine/drawing/internal/frame.h"
@@ -31,6 +33,8 @@ class TracedImage {
   core::Expected<void> show(DrawContext& context, const Frame& frame, const core::VisibleSet& visible);
   /// Whether it shows nothing but what rays of its view have found.
   bool complete() const { return complete_; }
+  /// The items that it shows, a bit per slot.
+  std::vector<std::uint64_t> shown_slots(const core::Snapshot& snapshot) const;
   void forget();
   std::size_t memory_bytes() const { return single_ ? single_->memory_bytes() : 0; }  ///< of the GPU
 
