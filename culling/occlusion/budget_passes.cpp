@@ -15,6 +15,8 @@ constexpr int kUnoccludedFirst = 4;                // classes by which items tha
 constexpr std::size_t kTestedPiece = 2048;         // slots tested at a time
 constexpr std::uint64_t kTestedAtOnce = 1u << 18;  // slots that the threads share out
 constexpr std::size_t kFewest = 64;                // of a pass, hidden ones included
+constexpr std::size_t kMoreForeseen = 8;           // times as many items as those whose time was foreseen
+constexpr double kForeseen = 1.5;                  // times as long as expected
 constexpr double kSteady = 0.25;  // of a pass's own cost, which hardly changes; else estimates oscillate
 constexpr double kGainUp = 1.0, kGainDown = 0.5;  // of an error: time that was too short does more harm
 constexpr double kLeastMs = 1e-5;                 // of an item
@@ -73,7 +75,7 @@ DrawCosts::DrawCosts() {
 /// Each class takes the blame for the error in proportion to its share of the time that was expected, so much that the
 /// same pass would be expected to take as long as it took, or half of the way to that. A class that no pass has had
 /// follows the others: the device is as much faster or slower for it.
-void DrawCosts::took(const std::array<std::uint32_t, kClasses>& counts, double ms) {
+double DrawCosts::took(const std::array<std::uint32_t, kClasses>& counts, double ms) {
   double expected = pass_ms_;
   for (std::size_t c = 0; c < std::size_t(kClasses); ++c) expected += counts[c] * ms_[c];
   const double ratio = std::clamp(ms / expected, 1.0 / kGreatestChange, kGreatestChange);
@@ -87,6 +89,7 @@ void DrawCosts::took(const std::array<std::uint32_t, kClasses>& counts, double m
     ms_[c] = std::max(ms_[c], kLeastMs);
   }
   pass_ms_ *= std::pow(ratio, gain * of_pass / squares);
+  return ms / expected;
 }
 
 void BudgetPasses::begin(const ContributionTest& measure, const core::ItemBounds& bounds,
@@ -160,8 +163,9 @@ bool BudgetPasses::next(const OcclusionTest* test, const core::ItemBounds& bound
   counts_.fill(0);
   double left = ms - costs_.pass_ms();
   const std::size_t begin = at_;
-  while (at_ < order_.size()) {
-    const std::size_t end = affordable(left);
+  const std::size_t most = shown_first() ? foreseen_ : order_.size();  // other passes may each wait for a read-back
+  while (at_ < order_.size() && pass_.single_slots.size() < most) {
+    const std::size_t end = affordable(left, most - pass_.single_slots.size());
     if (end == at_) break;
     left -= take(end, test, bounds);
   }
@@ -173,9 +177,19 @@ bool BudgetPasses::next(const OcclusionTest* test, const core::ItemBounds& bound
   return !pass_.single_slots.empty();
 }
 
+/// What drawing takes is foreseen item by item. Where the first passes show that it is not, larger ones would miss
+/// their time by a multiple.
+void BudgetPasses::took(double ms) {
+  const std::size_t items = pass_.single_slots.size();
+  if (costs_.took(counts_, ms) <= kForeseen)
+    foreseen_ = std::max(foreseen_, kMoreForeseen * items);
+  else
+    foreseen_ = std::max(kFewest, items);
+}
+
 /// The end of the next piece that costs no more than that if none of it is hidden.
-std::size_t BudgetPasses::affordable(double ms) const {
-  const std::size_t most = std::min(order_.size(), at_ + kTestedPiece);
+std::size_t BudgetPasses::affordable(double ms, std::size_t count) const {
+  const std::size_t most = std::min(order_.size(), at_ + std::min(kTestedPiece, count));
   std::size_t end = at_;
   while (end < most && (ms -= costs_.ms(DrawCosts::class_of(order_[end].area))) >= 0.0) ++end;
   return end;

@@ -21,8 +21,8 @@ class DrawCosts {
 
   double ms(int size_class) const { return ms_[std::size_t(size_class)]; }
   double pass_ms() const { return pass_ms_; }
-  /// A pass of counts[c] items of each class has taken that long.
-  void took(const std::array<std::uint32_t, kClasses>& counts, double ms);
+  /// A pass of counts[c] items of each class has taken that long: so many times as long as was expected.
+  double took(const std::array<std::uint32_t, kClasses>& counts, double ms);
 
  private:
   std::array<double, kClasses> ms_;
@@ -36,7 +36,8 @@ class DrawCosts {
 /// with it for as long as the view stays.
 ///
 /// Where an image of the view is known, the items that it shows come first instead, and all others are left to
-/// test_others(): nothing is measured or ordered that grows with the scene.
+/// test_others(): nothing is measured or ordered that grows with the scene. Then a pass is at most eight times as large
+/// as one whose time was foreseen.
 class BudgetPasses {
  public:
   /// Begins a frame with its candidates. Slots of `lines` are neither measured nor tested: they come first.
@@ -56,7 +57,7 @@ class BudgetPasses {
   /// is tested. False when nothing is pending.
   bool next(const OcclusionTest* test, const core::ItemBounds& bounds, double ms);
   /// The pass has taken that long, beside finding it and waiting for a GPU.
-  void took(double ms) { costs_.took(counts_, ms); }
+  void took(double ms);
   /// Remembers what of the drawn items is open. The threads share the test; null: this one alone.
   void remember(const OcclusionTest& test, const core::ItemBounds& bounds, core::ThreadPool* threads = nullptr);
 
@@ -82,13 +83,14 @@ class BudgetPasses {
   using SlotArea = ContributionTest::SlotArea;
   void begin_frame(std::uint64_t generation, SlotBits lines);
   void order_areas();
-  std::size_t affordable(double ms) const;
+  std::size_t affordable(double ms, std::size_t count) const;
   double take(std::size_t end, const OcclusionTest* test, const core::ItemBounds& bounds);
 
   DrawCosts costs_;
-  std::vector<SlotArea> areas_, order_;                      // order_: the largest first, in classes
-  std::size_t at_ = 0;                                       // in order_: what is before has been drawn, or is hidden
-  std::vector<std::uint64_t> unoccluded_;                    // a bit per slot, of the last frame
+  std::size_t foreseen_ = 64;              // items of the largest pass that costs_ may be trusted with
+  std::vector<SlotArea> areas_, order_;    // order_: the largest first, in classes
+  std::size_t at_ = 0;                     // in order_: what is before has been drawn, or is hidden
+  std::vector<std::uint64_t> unoccluded_;  // a bit per slot, of the last frame
   std::array<std::uint32_t, DrawCosts::kClasses> counts_{};  // of the pass
   std::array<std::uint32_t, DrawCosts::kClasses> left_{};    // pending, of each class
   std::vector<std::uint64_t> shown_;                         // of begin_shown()
