@@ -215,6 +215,7 @@ MemoryReport Engine::memory() const {
   const BackendReport drawn = s.backend->report();
   report.gpu = drawn.gpu_bytes;
   report.levels = drawn.levels_bytes;
+  report.tracer += drawn.points_bytes;
   report.scratch = core::scratch_bytes();
   return report;
 }

@@ -111,8 +111,8 @@ struct LossReport {
 /// With what a new scene version has that is ready and not shown yet, and without one that is still being made.
 struct MemoryReport {
   std::size_t scene = 0, snapshot = 0, bvh = 0, gpu = 0;  ///< bytes
-  std::size_t tracer = 0;                                 ///< 0 before the first pick
-  std::size_t levels = 0;                                 ///< clusters and levels of detail of meshes, in main memory
+  std::size_t tracer = 0;   ///< with the points of moving images; 0 before the first pick, or frame that is traced
+  std::size_t levels = 0;   ///< clusters and levels of detail of meshes, in main memory
   std::size_t scratch = 0;  ///< buffers that all threads of the process keep from call to call: core/memory.h
 };
 

@@ -190,7 +190,10 @@ BackendReport Drawing::report() const {
   if (!context_.scene) return report;
   bytes += context_.scene->memory_bytes() + context_.lists->memory_bytes();
   if (!context_.renderer) return report;
-  for (const auto& [number, image] : context_.images) bytes += image.memory_bytes();
+  for (const auto& [number, image] : context_.images) {
+    bytes += image.memory_bytes();
+    report.points_bytes += image.traced ? image.traced->points_bytes() : 0;
+  }
   bytes += context_.renderer->memory_bytes() + opaque_.memory_bytes();
   return report;
 }

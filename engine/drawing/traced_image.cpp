@@ -86,6 +86,10 @@ std::vector<std::uint64_t> TracedImage::shown_slots(const core::Snapshot& snapsh
   return bits;
 }
 
+std::size_t TracedImage::points_bytes() const {
+  return image_ ? image_->points().memory_bytes() : 0;
+}
+
 void TracedImage::forget() {
   if (image_) image_->forget();
   complete_ = false;
@@ -104,6 +108,9 @@ std::vector<std::uint64_t> TracedImage::shown_slots(const core::Snapshot&) const
 }
 void TracedImage::begin(DrawContext&, const core::View&, const render::RenderTarget&) {}
 void TracedImage::forget() {}
+std::size_t TracedImage::points_bytes() const {
+  return 0;
+}
 
 #endif
 

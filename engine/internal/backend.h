@@ -34,7 +34,8 @@ struct BackendReport {
   const gl::Context* application = nullptr;             ///< the application's context, if it draws there
   std::optional<culling::GpuVariant> gpu_variant = {};  ///< of the GPU culler
   std::string why_gpu_variant = {};
-  std::size_t gpu_bytes = 0, levels_bytes = 0;  ///< of the GPU; of main memory, for clusters and levels of detail
+  std::size_t gpu_bytes = 0;
+  std::size_t levels_bytes = 0, points_bytes = 0;  ///< of main memory: clusters and levels of detail; moving images
 };
 
 /// A frame that is drawn, with the time that the GPU spent on it alone. That time runs from the end of the frame

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/internal/scratch.h"
 #include "sightline/core/ray.h"
 #include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
@@ -73,6 +74,10 @@ class PointImage {
           for (int x = left; x < std::min(right, left + 4); ++x) visit(at(x, y), x, y);
   }
 
+  std::size_t memory_bytes() const {
+    return now_.memory_bytes() + before_.memory_bytes() + depths_.size() * sizeof(nearest_[0]) +
+           core::bytes_of(ids_, depths_, surfaces_, farthest_);
+  }
   Pixels pixels() const { return {now_.colour, depths_, ids_}; }
   std::span<const std::uint8_t> ages() const { return now_.age; }  ///< by pixel
   /// Views for which a pixel of that age has waited, as it counts: doubtful points and none at all are the oldest.
@@ -93,6 +98,7 @@ class PointImage {
     std::vector<Point> point;
     std::vector<std::uint32_t> colour;
     std::vector<std::uint8_t> age;
+    std::size_t memory_bytes() const { return core::bytes_of(point, colour, age); }
   };
   void project_row(const glm::mat4& pixels, int row);
   void take_row(const core::vec3& step, std::uint32_t background, int row);

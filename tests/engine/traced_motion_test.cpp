@@ -106,6 +106,7 @@ TEST_P(TracedMotion, ShowsAllThatTheRasteriserDraws) {
     EXPECT_TRUE(traced(*moving));
     EXPECT_GT(moving->pending, 0);
     EXPECT_GT(hurried->loss(view)->coarseness, 1.0);
+    EXPECT_GT(hurried->memory().tracer, all->memory().tracer + std::size_t(50 * kWidth * kHeight)) << "of its points";
     ASSERT_TRUE(trace_all(*hurried, view) && all->frame(view));
     expect_alike(*hurried, *all, 0.004 + smooth, smooth > 0.0 ? 0.1 : 0.004);
     ASSERT_TRUE(draw_complete(*hurried, view));

@@ -37,6 +37,7 @@ class TracedImage {
   std::vector<std::uint64_t> shown_slots(const core::Snapshot& snapshot) const;
   void forget();
   std::size_t memory_bytes() const { return single_ ? single_->memory_bytes() : 0; }  ///< of the GPU
+  std::size_t points_bytes() const;                                                   ///< of main memory
 
  private:
   std::shared_ptr<raytrace::MovingImage> image_;  // null before there is one; builds without rays do not know its type
