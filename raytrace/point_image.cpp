@@ -197,8 +197,7 @@ bool PointImage::passed_by(int x, int y, int dx, int dy) const {
   for (int k = 1; k <= kAround; ++k) {
     const int u = x + k * dx, v = y + k * dy;
     if (u < 0 || u >= width_ || v < 0 || v >= height_) return false;
-    const std::uint64_t bits = surfaces_[surface_words() * std::size_t(v) + std::size_t(u) / 64];
-    if ((bits >> u % 64 & 1u) != 0) return moved_past(at(u, v), at(x, y), k);
+    if ((surfaces_from(v, u) & 1u) != 0) return moved_past(at(u, v), at(x, y), k);
   }
   return false;
 }

@@ -89,7 +89,8 @@ void bind_small_reports(py::module_& m) {
       .def_readonly("snapshot", &MemoryReport::snapshot, "The scene flattened.")
       .def_readonly("bvh", &MemoryReport::bvh, "The culler's hierarchy.")
       .def_readonly("gpu", &MemoryReport::gpu, "In the context.")
-      .def_readonly("tracer", &MemoryReport::tracer, "The ray tracer and the points of moving images; 0 before the first pick, or frame that is traced.")
+      .def_readonly("tracer", &MemoryReport::tracer,
+                    "The ray tracer and the points of moving images; 0 before the first pick, or frame that is traced.")
       .def_readonly("scratch", &MemoryReport::scratch,
                     "Buffers that all threads of the process keep from call to call.")
       .def_readonly("levels", &MemoryReport::levels, "Clusters and levels of detail of meshes, in main memory.");

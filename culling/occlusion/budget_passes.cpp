@@ -1,9 +1,7 @@
 #include "sightline/culling/occlusion/internal/budget_passes.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <utility>
 
 #include "sightline/core/internal/clock.h"
 
@@ -13,8 +11,7 @@ namespace {
 constexpr int kLeastExponent = -8;                 // of the area of the smallest class
 constexpr int kUnoccludedFirst = 4;                // classes by which items that were not occluded come earlier
 constexpr std::size_t kTestedPiece = 2048;         // slots tested at a time
-constexpr std::uint64_t kTestedAtOnce = 1u << 18;  // slots that the threads share out
-constexpr std::size_t kFewest = 64;                // of a pass, hidden ones included
+constexpr std::uint32_t kTestedAtOnce = 1u << 18;  // slots that the threads share out
 constexpr std::size_t kMoreForeseen = 8;           // times as many items as those whose time was foreseen
 constexpr double kForeseen = 1.5;                  // times as long as expected
 constexpr double kSteady = 0.25;  // of a pass's own cost, which hardly changes; else estimates oscillate
@@ -24,38 +21,6 @@ constexpr double kGreatestChange = 4.0;           // of an estimate, by one pass
 // First guess of what drawing takes, an item and a pixel, in milliseconds: llvmpipe's. A guess that is too large makes
 // the first frames of a budget draw less, one that is too small makes them late.
 constexpr double kPresumedItemMs = 1e-2, kPresumedPixelMs = 5e-6;
-
-/// Replaces `out` by up to `count` slots of a set from the `first` on: those of ranges come before single ones.
-void slice(const core::VisibleSet& set, std::uint64_t first, std::uint64_t count, core::VisibleSet& out) {
-  out.clear();
-  out.generation = set.generation;
-  std::uint64_t at = 0;
-  for (const core::SlotRange& range : set.ranges) {
-    const std::uint64_t begin = std::max(at, first), end = std::min(at + range.count, first + count);
-    if (begin < end) out.ranges.push_back({core::Slot(range.first + (begin - at)), std::uint32_t(end - begin)});
-    at += range.count;
-  }
-  const std::uint64_t singles = set.single_slots.size();
-  const std::uint64_t begin = std::clamp<std::uint64_t>(first, at, at + singles) - at;
-  const std::uint64_t end = std::clamp<std::uint64_t>(first + count, at, at + singles) - at;
-  out.single_slots.assign(set.single_slots.begin() + std::ptrdiff_t(begin),
-                          set.single_slots.begin() + std::ptrdiff_t(end));
-}
-
-/// Calls visit(slot) for the slots of a set whose bit is set.
-template <class Visit>
-void for_each_marked(const core::VisibleSet& set, SlotBits bits, const Visit& visit) {
-  for (const core::SlotRange& range : set.ranges) {
-    const std::size_t first = range.first, end = first + range.count;
-    for (std::size_t word = first / 64; word < std::min(bits.size(), (end + 63) / 64); ++word)
-      for (std::uint64_t left = bits[word]; left != 0; left &= left - 1) {
-        const std::size_t slot = 64 * word + std::size_t(std::countr_zero(left));
-        if (slot >= first && slot < end) visit(core::Slot(slot));
-      }
-  }
-  for (const core::Slot slot : set.single_slots)
-    if (contains(bits, slot)) visit(slot);
-}
 
 }  // namespace
 
@@ -100,24 +65,23 @@ void BudgetPasses::begin(const ContributionTest& measure, const core::ItemBounds
 }
 
 void BudgetPasses::begin_shown(const ContributionTest& measure, const core::ItemBounds& bounds,
-                               const core::VisibleSet& candidates, SlotBits shown, SlotBits lines) {
-  begin_frame(candidates.generation, lines);
-  shown_.assign(shown.begin(), shown.end());
+                               const core::VisibleSet& shown, const core::VisibleSet& others, SlotBits lines) {
+  begin_frame(shown.generation, lines);
   unoccluded_.clear();
-  piece_.clear();
-  for_each_marked(candidates, shown, [&](core::Slot slot) { piece_.single_slots.push_back(slot); });
-  measure.areas(bounds, piece_, areas_);
+  measure.areas(bounds, shown, areas_);
   order_areas();
-  others_ = candidates;
+  others_.split(others, kTestedAtOnce);
+  shown_first_ = true;
 }
 
 void BudgetPasses::begin_frame(std::uint64_t generation, SlotBits lines) {
   lines_ = lines;
   drawn_.clear();
-  others_.clear();
-  shown_.clear();
+  others_.split({});
+  shown_first_ = false;
   drawn_.generation = pass_.generation = piece_.generation = generation;
-  at_ = others_at_ = 0;
+  at_ = 0;
+  others_at_ = 0;
   left_.fill(0);
   drawn_ms_ = looked_at_ms_ = 0.0;
 }
@@ -143,27 +107,27 @@ void BudgetPasses::test_others(const ContributionTest& measure, const OcclusionT
                                const core::ItemBounds& bounds, const Hierarchy* hierarchy, core::ThreadPool& threads,
                                double deadline) {
   do {
-    slice(others_, others_at_, test ? kTestedAtOnce : kTestedPiece, piece_);
-    others_at_ += piece_.count();
-    if (test)
-      test->filter(bounds, piece_, unoccluded_piece_, lines_, &threads, hierarchy);
-    else
-      std::swap(piece_, unoccluded_piece_);
-    measure.areas(bounds, unoccluded_piece_, areas_);
-    for (const SlotArea& a : areas_) {
-      if (contains(shown_, a.slot)) continue;
-      order_.push_back(a);
-      ++left_[std::size_t(DrawCosts::class_of(a.area))];
-    }
+    const core::VisibleSet& part = others_[others_at_++];
+    if (test) test->filter(bounds, part, unoccluded_piece_, lines_, &threads, hierarchy);
+    measure.areas(bounds, test ? unoccluded_piece_ : part, areas_);
+    for (const SlotArea& a : areas_) ++left_[std::size_t(DrawCosts::class_of(a.area))];
+    order_.insert(order_.end(), areas_.begin(), areas_.end());
   } while (others_at_ < others_.count() && core::now_seconds() < deadline);
+}
+
+std::size_t BudgetPasses::pending() const {
+  std::size_t slots = order_.size() - at_;
+  for (std::uint32_t part = others_at_; part < others_.count(); ++part) slots += std::size_t(others_[part].count());
+  return slots;
 }
 
 bool BudgetPasses::next(const OcclusionTest* test, const core::ItemBounds& bounds, double ms) {
   pass_.single_slots.clear();
   counts_.fill(0);
   double left = ms - costs_.pass_ms();
+  if (shown_first_) test = nullptr;  // it is shown, or has been tested
   const std::size_t begin = at_;
-  const std::size_t most = shown_first() ? foreseen_ : order_.size();  // other passes may each wait for a read-back
+  const std::size_t most = shown_first_ ? foreseen_ : order_.size();  // other passes may each wait for a read-back
   while (at_ < order_.size() && pass_.single_slots.size() < most) {
     const std::size_t end = affordable(left, most - pass_.single_slots.size());
     if (end == at_) break;
@@ -177,8 +141,7 @@ bool BudgetPasses::next(const OcclusionTest* test, const core::ItemBounds& bound
   return !pass_.single_slots.empty();
 }
 
-/// What drawing takes is foreseen item by item. Where the first passes show that it is not, larger ones would miss
-/// their time by a multiple.
+/// Larger passes than those whose time was foreseen might miss theirs by a multiple.
 void BudgetPasses::took(double ms) {
   const std::size_t items = pass_.single_slots.size();
   if (costs_.took(counts_, ms) <= kForeseen)
@@ -222,16 +185,13 @@ double BudgetPasses::take(std::size_t end, const OcclusionTest* test, const core
 }
 
 void BudgetPasses::looked_at(std::size_t slots, std::vector<std::uint64_t>& bits) const {
-  bits.assign(lines_.begin(), lines_.end());
-  bits.resize(bit_words(slots));
-  core::VisibleSet tested;
-  slice(others_, 0, others_at_, tested);
-  set_bits(tested, bits);
-  for (std::size_t i = 0; i < order_.size(); ++i) {
-    const std::uint64_t bit = std::uint64_t(1) << order_[i].slot % 64;
-    std::uint64_t& word = bits[order_[i].slot / 64];
-    word = i < at_ ? word | bit : word & ~bit;
-  }
+  bits.assign(bit_words(slots), 0);
+  for (std::uint32_t part = 0; part < others_at_; ++part) set_bits(others_[part], bits);
+  const auto bit_of = [](const SlotArea& a) { return std::uint64_t(1) << a.slot % 64; };
+  if (others_at_ > 0)  // of what was tested, the open ones may wait
+    for (std::size_t i = at_; i < order_.size(); ++i) bits[order_[i].slot / 64] &= ~bit_of(order_[i]);
+  for (std::size_t i = 0; i < at_; ++i) bits[order_[i].slot / 64] |= bit_of(order_[i]);
+  for (std::size_t word = 0; word < std::min(lines_.size(), bits.size()); ++word) bits[word] |= lines_[word];
 }
 
 double BudgetPasses::most_pending_ms() const {
@@ -246,6 +206,7 @@ double BudgetPasses::pending_ms() const {
 }
 
 void BudgetPasses::remember(const OcclusionTest& test, const core::ItemBounds& bounds, core::ThreadPool* threads) {
+  if (shown_first_) return;
   test.filter(bounds, drawn_, unoccluded_piece_, lines_, threads);
   unoccluded_.assign(bit_words(bounds.size()), 0);
   set_bits(unoccluded_piece_, unoccluded_);

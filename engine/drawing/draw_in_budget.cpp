@@ -3,6 +3,7 @@
 
 #include "sightline/core/internal/clock.h"
 #include "sightline/engine/drawing/internal/draw_strategy.h"
+#include "sightline/engine/drawing/internal/translucent.h"
 
 namespace sightline::engine {
 namespace {
@@ -55,7 +56,7 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const Frame&
   const double deadline = stays ? std::max(frame_ends, began + 1e-3 * kStillShare * image.overhead_ms) : frame_ends;
   const auto drawn_ms = draw_passes(context, frame, canvas, deadline);
   if (!drawn_ms) return tl::unexpected(drawn_ms.error());
-  if (context.may_test_occlusion() && !goes_on && !image.budget.shown_first())
+  if (context.may_test_occlusion() && !goes_on)
     image.budget.remember(context.occlusion_test(frame), frame.snapshot.bounds(), &context.threads);
   counts = {-1, std::int64_t(image.budget.drawn()), counts.below_min_area,
             std::int64_t(image.budget.pending()) + image.unmeasured};
@@ -99,11 +100,13 @@ void DrawInBudget::begin(DrawContext& context, const Frame& frame, const core::V
   image.unmeasured = threshold > least ? left_out : 0;
   image.budget_counts.below_min_area = left_out - image.unmeasured;
   const core::ItemBounds& bounds = frame.snapshot.bounds();
-  if (stays && image.shows_traced() && image.traced->complete())
-    image.budget.begin_shown(context.outline_test(frame), bounds, candidates,
-                             image.traced->shown_slots(frame.snapshot), frame.lines);
-  else
+  if (stays && image.shows_traced() && image.traced->complete()) {
+    core::VisibleSet shown, others;
+    part(candidates, image.traced->shown_slots(frame.snapshot), shown, others);
+    image.budget.begin_shown(context.outline_test(frame), bounds, shown, others, frame.lines);
+  } else {
     image.budget.begin(context.contribution_test(frame), bounds, candidates, frame.lines);
+  }
   image.refines = stays;
   image.budget_view = frame.view;
 }
@@ -147,16 +150,14 @@ core::Expected<double> DrawInBudget::draw_passes(DrawContext& context, const Fra
     const double waits = round_trip_ms + (tests ? readback_ms_ : 0.0);
     if (passes > 0 && left < kLeastPasses * (budget.least_ms() + waits)) break;
     if (budget.tests_others()) {
-      budget.test_others(context.outline_test(frame), tests ? &test : nullptr, bounds, frame.hierarchy,
-                         context.threads, core::now_seconds() + 1e-3 * kPassShare * left);
+      budget.test_others(context.outline_test(frame), tests ? &test : nullptr, bounds, frame.hierarchy, context.threads,
+                         core::now_seconds() + 1e-3 * kPassShare * left);
       if (budget.tests_others()) continue;  // none of them was open
       left = 1e3 * (deadline - core::now_seconds());
     }
     const double least = passes == 0 && waits > 0.0 ? kLeastShare * left : 0.0;
-    if (!budget.next(tests && !budget.shown_first() ? &test : nullptr, bounds,
-                     std::max(least, kPassShare * left - waits)))
-      break;
-    const auto ms = draw_pass(context, frame, canvas, tests && (!budget.shown_first() || budget.tests_others()));
+    if (!budget.next(tests ? &test : nullptr, bounds, std::max(least, kPassShare * left - waits))) break;
+    const auto ms = draw_pass(context, frame, canvas, tests && budget.tests_next());
     if (!ms) return ms;
     drawn_ms += *ms;
     distances_known_ = tests;

@@ -127,22 +127,25 @@ TEST(BudgetPasses, WhatAnImageShowsComesFirst) {
   some.single_slots = {1200, 1203, 2999};
   core::VisibleSet open;
   test.filter(site.bounds, some, open);
-  std::vector<std::uint64_t> shown(bit_words(3000));
-  for (core::Slot slot = 0; slot < 3000; slot += 7) shown[slot / 64] |= std::uint64_t(1) << slot % 64;
+  core::VisibleSet shown, rest;
+  for (const core::SlotRange& range : some.ranges)
+    for (core::Slot slot = range.first; slot < range.first + range.count; ++slot)
+      append_range(slot, slot + 1, (slot % 7 == 0 ? shown : rest).ranges);
+  for (const core::Slot slot : some.single_slots) (slot % 7 == 0 ? shown : rest).single_slots.push_back(slot);
   for (const culling::OcclusionTest* tests : {&test, static_cast<const culling::OcclusionTest*>(nullptr)}) {
     std::set<core::Slot> first, others;
-    some.for_each_slot([&](core::Slot slot) { (contains(shown, slot) ? first : others).insert(slot); });
+    some.for_each_slot([&](core::Slot slot) { (slot % 7 == 0 ? first : others).insert(slot); });
     const std::size_t candidates = first.size() + others.size();
     if (tests) {
       others.clear();
       open.for_each_slot([&](core::Slot slot) {
-        if (!contains(shown, slot)) others.insert(slot);
+        if (slot % 7 != 0) others.insert(slot);
       });
       ASSERT_GT(others.size(), 100u);
     }
     BudgetPasses passes;
-    passes.begin_shown(site.measure, site.bounds, some, shown, {});
-    EXPECT_GE(passes.pending(), candidates);
+    passes.begin_shown(site.measure, site.bounds, shown, rest, {});
+    EXPECT_EQ(passes.pending(), candidates);
     std::size_t drawn = 0;
     while (!passes.complete()) {
       if (passes.tests_others()) {
@@ -169,6 +172,38 @@ TEST(BudgetPasses, WhatAnImageShowsComesFirst) {
     passes.looked_at(3000, bits);
     some.for_each_slot([&](core::Slot slot) { EXPECT_TRUE(contains(bits, slot)); });
   }
+}
+
+/// Splats and reports are for items that wait, and no line is one of them.
+TEST(BudgetPasses, LinesNeverWait) {
+  Site site;
+  std::vector<std::uint64_t> lines{1u << 5}, bits;
+  BudgetPasses passes;
+  passes.begin(site.measure, site.bounds, site.all, lines);
+  passes.looked_at(3000, bits);
+  for (core::Slot slot = 0; slot < 3000; ++slot) EXPECT_EQ(contains(bits, slot), slot == 5);
+}
+
+TEST(BudgetPasses, OtherCandidatesAreTestedInSets) {
+  constexpr std::uint32_t kMany = 600'000;
+  Site site;
+  site.bounds.resize(kMany);
+  for (std::size_t i = 0; i < kMany; ++i) site.bounds.set(i, {{0, 100, 0}, {1, 101, 1}});
+  core::VisibleSet none, many;
+  many.ranges = {{0, kMany}};
+  core::ThreadPool threads(1);
+  BudgetPasses passes;
+  passes.begin_shown(site.measure, site.bounds, none, many, {});
+  std::size_t drawn = 0, sets = 0;
+  while (!passes.complete()) {
+    ASSERT_EQ(passes.pending() + drawn, kMany);
+    if (passes.tests_others()) passes.test_others(site.measure, nullptr, site.bounds, nullptr, threads, 0.0), ++sets;
+    ASSERT_TRUE(passes.next(nullptr, site.bounds, 1e9));
+    passes.took(0.0);
+    drawn += passes.pass().single_slots.size();
+  }
+  EXPECT_EQ(drawn, kMany);
+  EXPECT_EQ(sets, 3u);
 }
 
 /// What is pending is expected to be hidden as much as what was looked at.

@@ -305,8 +305,8 @@ TEST_F(MovingImageTest, BecomesCompleteAtRest) {
   EXPECT_TRUE(std::ranges::equal(image.points().pixels().depths, all.points().pixels().depths));
 }
 
-/// The oldest points are traced first, and an image has the time for a sixteenth of its blocks at least.
-/// The sky, which most likely stays, waits longer than surfaces do, but not for ever.
+/// The oldest points are traced first, and an image has the time for a sixteenth of its blocks at least. The
+/// sky, which most likely stays, waits longer than surfaces do, but not for ever.
 TEST_F(MovingImageTest, KeepsNoPointForLong) {
   MovingImage image;
   draw(image, perspective(0.0), kNever);

@@ -51,6 +51,7 @@ class SetParts {
     threads.run_at_once(count(), of_part, beside);
   }
   core::VisibleSet& operator[](std::uint32_t part) { return parts_[part]; }
+  const core::VisibleSet& operator[](std::uint32_t part) const { return parts_[part]; }
 
   /// Replaces `set` by what is left of the parts.
   void join(core::VisibleSet& set) {
