@@ -131,14 +131,14 @@ without() {
   ctest_in "without-$1" -LE '^nightly' -E '^(consumers|docs)\.'
 }
 # First the files of occlusion culling and its neighbours, whose mistakes no image shows at once. Then one folder in
-# turn, of those with files that changed in the last 50 commits.
+# turn, of those with files that the last 14 commits changed.
 run_mutants() {
   local folders folder files
   mapfile -t files < <(git ls-files culling | grep -E "/($quiet_files)$")
   scripts/mutate.sh --minutes 2 --seed "$(git rev-list --count HEAD)" --targets culling_tests --tests '^culling\.' "${files[@]}" ||
     echo "mutants: could not be tried"
   mapfile -t folders < <(changed_files | xargs -r dirname | sort -u)
-  [ ${#folders[@]} -gt 0 ] || { echo "no library file changed in the last 50 commits"; return; }
+  [ ${#folders[@]} -gt 0 ] || { echo "no library file the last 14 commits changed"; return; }
   folder=${folders[$(($(git rev-list --count HEAD) / 14 % ${#folders[@]}))]}
   mapfile -t files < <(changed_files | grep "^$folder/[^/]*$")
   scripts/mutate.sh --minutes 2 --seed "$(git rev-list --count HEAD)" "${files[@]}" || echo "mutants: could not be tried"
@@ -151,10 +151,10 @@ changed_files() {
   git diff --name-only --diff-filter=AM "$since" HEAD | grep -E '^(core|culling|gpuprims|importers|analysis|raytrace|engine)/.*\.cpp$' || true
 }
 # Compiles every K-th of N sources and public headers alone with both compilers, as developers without batches do, and
-# with g++ all that changed in the last 50 commits.
+# with g++ all that the last 14 commits changed.
 alone() {
   SIGHTLINE_SETUP_CLANG=1 release
-  scripts/alone.py build/release --slice "$1/$2" --changed 50
+  scripts/alone.py build/release --slice "$1/$2" --changed 14
   scripts/alone.py build/release --slice "$1/$2" --compiler clang++
 }
 
