@@ -125,15 +125,10 @@ core::Expected<MovingImage::Counts> MovingImage::draw(const Request& request, co
   const Shot shot{tracer, *rays, filter, Lit(request), background, all_opaque(tracer.snapshot().materials())};
   trace_most_urgent(shot, threads, deadline - finish_seconds_);
   const double traced = core::now_seconds();
-  std::int64_t found = 0, missing = 0, assumed = 0;
-  for (const std::uint8_t age : points_.ages()) {
-    found += age == PointImage::kNew;
-    missing += !PointImage::shows_own(age);
-    assumed += age == PointImage::kAssumed;
-  }
-  if (missing > 0) points_.fill(background, threads);
+  const PointImage::Block all = points_.fill(background, threads);
   finish_seconds_ = core::now_seconds() - traced;
-  return Counts{found, std::int64_t(points_.ages().size()) - found - missing - assumed, missing + assumed};
+  const std::int64_t kept = std::int64_t(all.own) - all.found - all.assumed;
+  return Counts{all.found, kept, std::int64_t(all.pixels) - all.found - kept};
 }
 
 /// How urgent blocks are: by what they miss and the ages of their points. Where neither a block nor any beside it shows
@@ -145,19 +140,13 @@ void MovingImage::find_urgency(core::ThreadPool& threads) {
   surfaces_.resize(blocks);
   threads.run(std::uint32_t(rows), [&](std::uint32_t row) {
     for (int column = 0; column < columns; ++column) {
-      std::uint32_t sum = 0, pixels = 0, missing = 0;
-      bool surface = false;
-      points_.for_each(column, int(row), [&](std::size_t pixel, int, int) {
-        const std::uint8_t age = points_.ages()[pixel];
-        sum += PointImage::waited(age);
-        missing += age == PointImage::kNoPoint;
-        surface |= PointImage::shows_own(age) && points_.pixels().ids[pixel] != 0;
-        ++pixels;
-      });
-      // Blocks on the border, which have fewer pixels, are as urgent as others.
       const std::size_t block = std::size_t(row) * std::size_t(columns) + std::size_t(column);
-      urgency_[block] = 32 * missing > 31 * pixels ? kEmpty : (sum * std::uint32_t(kPixels) + pixels - 1) / pixels;
-      surfaces_[block] = surface;
+      const PointImage::Block sum = points_.block(column, int(row));
+      // Blocks on the border, which have fewer pixels, are as urgent as others.
+      urgency_[block] = 32 * sum.missing > 31 * sum.pixels
+                            ? kEmpty
+                            : (sum.waited * std::uint32_t(kPixels) + sum.pixels - 1) / sum.pixels;
+      surfaces_[block] = sum.surface;
     }
   });
   for (std::size_t block = 0; block < blocks; ++block)

@@ -7,6 +7,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "sightline/core/internal/prefetch.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/raytrace/internal/packed_colour.h"
 
@@ -51,9 +52,11 @@ void PointImage::reset(int width, int height, const View& view) {
     points->colour.resize(pixels);
     points->age.assign(pixels, kNoPoint);
   }
-  if (pixels != depths_.size()) nearest_ = std::make_unique<std::atomic<std::uint64_t>[]>(pixels);
   ids_.resize(pixels);
   depths_.resize(pixels);
+  moves_.resize(pixels);
+  from_.resize(pixels);
+  moved_rows_.resize(runs() * std::size_t(height));
   surfaces_.resize(surface_words() * std::size_t(height));
   origin_ = place_of_eye(view);
   clip_ = glm::mat4(clip_from_place(view, origin_));
@@ -90,70 +93,105 @@ void PointImage::follow(const View& view, const Background& background, core::Th
   const dmat4 to_pixels = glm::scale(dmat4(1.0), dvec3(0.5 * width_, 0.5 * height_, 1.0)) *
                           glm::translate(dmat4(1.0), dvec3(1.0, 1.0, 0.0));
   const glm::mat4 pixels(to_pixels * clip_from_place(view, origin_));
-  for_rows(threads, height_, [&](int y) {
-    for (int x = 0; x < width_; ++x) nearest_[at(x, y)].store(0, std::memory_order_relaxed);
-  });
   for_rows(threads, height_, [&](int y) { project_row(pixels, y); });
   orthographic_ = view.orthographic();
   const dvec3 origin = place_of_eye(view);
   const vec3 step(origin_ - origin);
   origin_ = origin;
   clip_ = glm::mat4(clip_from_place(view, origin_));
-  for_rows(threads, height_, [&](int y) { take_row(step, background_of(background, y), y); });
+  threads.run(std::uint32_t(rows()), [&](std::uint32_t row) { take_block_row(step, background, int(row)); });
   for_rows(threads, height_, [&](int y) { doubt_row(y); });
   for_rows(threads, height_, [&](int y) { hide_background_row(y); });
 }
 
-/// Several threads may put points into one pixel, where the nearest one stays.
 void PointImage::project_row(const glm::mat4& pixels, int row) {
-  constexpr int kMost = 128;  // at once, so that the compiler makes vectors of them
   const auto width = float(width_), height = float(height_);
-  for (int left = 0; left < width_; left += kMost) {
+  for (int left = 0; left < width_; left += kRun) {
     const std::size_t first = at(left, row);
-    const int count = std::min(kMost, width_ - left);
+    const int count = std::min(kRun, width_ - left);
     const Point* const points = &before_.point[first];
-    float x[kMost], y[kMost], depth[kMost];
-    for (int i = 0; i < count; ++i) {
+    float x[kRun], y[kRun], depth[kRun];
+    for (int i = 0; i < count; ++i) {  // without branches, so that the compiler makes vectors of it
       const vec3& p = points[i].place;
       const auto form = [&](int k) {
         return pixels[0][k] * p.x + pixels[1][k] * p.y + pixels[2][k] * p.z + pixels[3][k];
       };
-      const float w = form(3), per_w = 1.0f / w;
-      x[i] = w > 0.0f ? form(0) * per_w : -1.0f;
+      const float w = form(3), per_w = 1.0f / w, to = form(0) * per_w, z = form(2) * per_w;
+      x[i] = w > 0.0f ? to : -1.0f;
       y[i] = form(1) * per_w;
-      depth[i] = points[i].id != 0 ? form(2) * per_w : 0.0f;
+      depth[i] = points[i].id != 0 ? z : 0.0f;
     }
+    Rows& moved = moved_rows_[std::size_t(row) * runs() + std::size_t(left / kRun)] = {height_, -1};
     for (int i = 0; i < count; ++i) {
-      const bool inside = x[i] >= 0.0f && x[i] < width && y[i] >= 0.0f && y[i] < height;
       const std::size_t from = first + std::size_t(i);
-      if (before_.age[from] == kNoPoint || !inside || !(depth[i] >= 0.0f && depth[i] <= 1.0f)) continue;
-      const std::uint64_t found = std::uint64_t(std::bit_cast<std::uint32_t>(depth[i])) << 32 | (from + 1);
-      std::atomic<std::uint64_t>& nearest = nearest_[at(int(x[i]), int(y[i]))];
-      for (std::uint64_t there = nearest.load(std::memory_order_relaxed); there < found;)
-        if (nearest.compare_exchange_weak(there, found, std::memory_order_relaxed)) break;
+      const bool inside = x[i] >= 0.0f && x[i] < width && y[i] >= 0.0f && y[i] < height && depth[i] >= 0.0f &&
+                          depth[i] <= 1.0f && before_.age[from] != kNoPoint;
+      moves_[from] = {core::kNone, depth[i]};
+      if (!inside) continue;
+      const int v = int(y[i]);
+      moves_[from].to = std::uint32_t(at(int(x[i]), v));
+      moved = {std::min(moved.first, v), std::max(moved.last, v)};
     }
   }
 }
 
+namespace {
+
+/// By pixel of a row of blocks: the reversed depth of the nearest point that comes there, and its pixel before + 1.
+struct Nearest {
+  std::vector<std::uint64_t> found;
+  std::size_t memory_bytes() const { return core::bytes_of(found); }
+};
+
+}  // namespace
+
+/// Takes the points that come into a row of blocks: no other thread writes there.
+void PointImage::take_block_row(const vec3& step, const Background& background, int row) {
+  const int bottom = row * kBlock, top = std::min(height_, bottom + kBlock);
+  const std::size_t first = at(0, bottom), pixels = at(0, top) - first;
+  const core::Scratch<Nearest> nearest;
+  nearest->found.assign(pixels, 0);
+  std::uint64_t* const found = nearest->found.data();
+  for (std::size_t run = 0; run < moved_rows_.size(); ++run) {
+    if (moved_rows_[run].first >= top || moved_rows_[run].last < bottom) continue;
+    const std::size_t left = run % runs() * kRun, begin = at(int(left), int(run / runs()));
+    for (std::size_t from = begin; from < begin + std::min(std::size_t(kRun), std::size_t(width_) - left); ++from) {
+      const std::size_t to = moves_[from].to - first;
+      if (to >= pixels) continue;
+      found[to] =
+          std::max(found[to], std::uint64_t(std::bit_cast<std::uint32_t>(moves_[from].depth)) << 32 | (from + 1));
+    }
+  }
+  for (int y = bottom; y < top; ++y)
+    take_row(step, background_of(background, y), y, found + std::size_t(y - bottom) * std::size_t(width_));
+}
+
 /// Takes the points that are nearest in their pixels.
-void PointImage::take_row(const vec3& step, std::uint32_t background, int row) {
-  const std::size_t first = at(0, row);
+void PointImage::take_row(const vec3& step, std::uint32_t background, int row, const std::uint64_t* nearest) {
+  const std::size_t first = at(0, row), width = std::size_t(width_);
+  const Point* const points = before_.point.data();
+  const std::uint32_t* const colours = before_.colour.data();
+  const std::uint8_t* const ages = before_.age.data();
+  Point* const point = &now_.point[first];
+  std::uint32_t *const colour = &now_.colour[first], *const id = &ids_[first], *const from = &from_[first];
+  std::uint8_t* const age = &now_.age[first];
+  float* const depth = &depths_[first];
   std::uint64_t* const surfaces = &surfaces_[surface_words() * std::size_t(row)];
   std::fill_n(surfaces, surface_words(), 0);
-  for (std::size_t pixel = first; pixel < first + std::size_t(width_); ++pixel) {
-    const std::uint64_t found = nearest_[pixel].load(std::memory_order_relaxed);
-    depths_[pixel] = std::bit_cast<float>(std::uint32_t(found >> 32));
-    if (found == 0) {
-      now_.age[pixel] = kNoPoint;
+  for (std::size_t x = 0; x < width; ++x) {
+    if (x + core::kPrefetchAhead < width) core::prefetch(points[std::uint32_t(nearest[x + core::kPrefetchAhead])]);
+    from[x] = std::uint32_t(nearest[x]) - 1;
+    depth[x] = std::bit_cast<float>(std::uint32_t(nearest[x] >> 32));
+    if (nearest[x] == 0) {
+      age[x] = kNoPoint;
       continue;
     }
-    const std::size_t from = std::size_t(std::uint32_t(found)) - 1;
-    const Point point{before_.point[from].place + step, before_.point[from].id};
-    now_.point[pixel] = point;
-    ids_[pixel] = point.id;
-    surfaces[(pixel - first) / 64] |= std::uint64_t(point.id != 0) << (pixel - first) % 64;
-    now_.colour[pixel] = point.id != 0 ? before_.colour[from] : background;
-    now_.age[pixel] = std::uint8_t(std::min<std::uint32_t>(waited(before_.age[from]) + 1, kOldest));
+    const Point& before = points[from[x]];
+    point[x] = {before.place + step, before.id};
+    id[x] = before.id;
+    surfaces[x / 64] |= std::uint64_t(before.id != 0) << x % 64;
+    colour[x] = before.id != 0 ? colours[from[x]] : background;
+    age[x] = std::uint8_t(std::min<std::uint32_t>(waited(ages[from[x]]) + 1, kOldest));
   }
 }
 
@@ -184,8 +222,7 @@ std::uint64_t PointImage::surfaces_from(int row, std::ptrdiff_t first) const {
 /// than that: then it lay beyond, or hid it.
 bool PointImage::moved_past(std::size_t surface, std::size_t background, int distance) const {
   const auto moved = [&](std::size_t pixel) {
-    const std::size_t from = std::size_t(std::uint32_t(nearest_[pixel].load(std::memory_order_relaxed))) - 1;
-    const auto width = std::size_t(width_);
+    const std::size_t from = from_[pixel], width = std::size_t(width_);
     return glm::ivec2(int(pixel % width) - int(from % width), int(pixel / width) - int(from / width));
   };
   const glm::ivec2 past = glm::abs(moved(surface) - moved(background));
@@ -222,6 +259,36 @@ void PointImage::hide_background_row(int row) {
   }
 }
 
+PointImage::Block PointImage::block(int column, int row) const {
+  const int left = column * kBlock, width = std::min(width_ - left, kBlock);
+  const int bottom = row * kBlock, top = std::min(height_, bottom + kBlock);
+  Block block{.pixels = std::uint32_t(width * (top - bottom))};
+  for (int y = bottom; y < top; ++y) {
+    const std::uint8_t* const ages = &now_.age[at(left, y)];
+    const std::uint32_t* const ids = &ids_[at(left, y)];
+    Block sum;  // of a row, without branches, so that the compiler makes vectors of it
+    std::uint32_t surfaces = 0;
+    for (int x = 0; x < width; ++x) {
+      const std::uint32_t own = shows_own(ages[x]);
+      sum.waited += waited(ages[x]);
+      sum.missing += ages[x] == kNoPoint;
+      sum.own += own;
+      sum.found += ages[x] == kNew;
+      sum.assumed += ages[x] == kAssumed;
+      surfaces |= ids[x] & (own * ~0u);
+    }
+    sum.surface = surfaces != 0;
+    block += sum;
+  }
+  return block;
+}
+
+PointImage::Block& PointImage::Block::operator+=(const Block& other) {
+  waited += other.waited, missing += other.missing, own += other.own, found += other.found, assumed += other.assumed;
+  pixels += other.pixels, surface |= other.surface;
+  return *this;
+}
+
 void PointImage::set(std::size_t pixel, const dvec3& point, std::uint32_t id, std::uint32_t colour) {
   const vec3 place(point - origin_);
   const glm::vec4 clip = clip_ * glm::vec4(place, 1.0f);
@@ -248,59 +315,79 @@ std::uint32_t PointImage::background_of(const Background& background, int row) c
 
 // --- pixels without a point ------------------------------------------------------------------------------------------
 
-std::uint32_t PointImage::farther(std::uint32_t a, std::uint32_t b) const {
-  if (a == core::kNone || b == core::kNone) return a == core::kNone ? b : a;
-  if (now_.point[a].id == 0 || now_.point[b].id == 0) return now_.point[a].id == 0 ? b : a;
-  return depths_[b] < depths_[a] ? b : a;
+/// How far the point of a pixel is away, above the pixel's number: the least of several is the farthest surface, or the
+/// background where there is none.
+std::uint64_t PointImage::distance_of(std::size_t pixel) const {
+  constexpr std::uint32_t kBackground = 0x7fffffff;  // above all depths
+  const std::uint32_t depth = std::bit_cast<std::uint32_t>(depths_[pixel]) & kBackground;
+  const std::uint32_t background = ids_[pixel] != 0 ? 0 : kBackground;
+  return std::uint64_t(depth | background) << 32 | pixel;
 }
 
-void PointImage::show(std::size_t pixel, std::uint32_t from, std::uint32_t background) {
-  const bool surface = from != core::kNone && now_.point[from].id != 0;
-  ids_[pixel] = surface ? now_.point[from].id : 0;
-  now_.colour[pixel] = surface ? now_.colour[from] : background;
+void PointImage::show(std::size_t pixel, std::uint64_t farthest, const Background& background, int row) {
+  const std::size_t from = std::uint32_t(farthest);
+  const bool surface = farthest != kNowhere && ids_[from] != 0;
+  now_.colour[pixel] = surface ? now_.colour[from] : background_of(background, row);
   depths_[pixel] = surface ? depths_[from] : 0.0f;
+  ids_[pixel] = surface ? ids_[from] : 0;
 }
 
-void PointImage::fill(const Background& background, core::ThreadPool& threads) {
+PointImage::Block PointImage::fill(const Background& background, core::ThreadPool& threads) {
   farthest_.resize(std::size_t(columns()) * std::size_t(rows()));
-  std::atomic<bool> all = true;
+  const auto count = std::size_t(rows());
+  std::vector<Block> sums(count);  // of the blocks of a row
+  std::atomic<bool> empty = false;
   threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
-    for (int column = 0; column < columns(); ++column)
-      if (!fill_block(column, int(row), background)) all.store(false, std::memory_order_relaxed);
+    Block sum;
+    for (int column = 0; column < columns(); ++column) {
+      std::uint64_t& farthest = farthest_[std::size_t(row) * std::size_t(columns()) + std::size_t(column)];
+      const Block block = this->block(column, int(row));
+      farthest = block.own == block.pixels ? kNotAsked
+                 : block.own > 0           ? fill_block(column, int(row), background)
+                                           : kNowhere;
+      if (block.own == 0) empty.store(true, std::memory_order_relaxed);
+      sum += block;
+    }
+    sums[row] = sum;
   });
-  if (!all) fill_empty_blocks(background, threads);
+  if (empty) fill_empty_blocks(background, threads);
+  Block all;
+  for (const Block& sum : sums) all += sum;
+  return all;
 }
 
-/// Fills a block that has any points; false if it has none. Its farthest one goes to farthest_.
-bool PointImage::fill_block(int column, int row, const Background& background) {
-  constexpr int kLevels = std::countr_zero(unsigned(kBlock));
-  std::array<std::array<std::uint32_t, kPixels / 4>, kLevels> cells;  // of 2 x 2 pixels, of 4 x 4, and so on
-  cells[0].fill(core::kNone);
-  bool whole = true;
+std::uint64_t PointImage::farthest_of(int column, int row) const {
+  std::uint64_t farthest = kNowhere;
+  for_each(column, row, [&](std::size_t pixel, int, int) {
+    if (shows_own(now_.age[pixel])) farthest = std::min(farthest, distance_of(pixel));
+  });
+  return farthest;
+}
+
+/// Fills a block that has any points. Returns the distance of the farthest.
+std::uint64_t PointImage::fill_block(int column, int row, const Background& background) {
+  constexpr std::size_t kLevels = std::countr_zero(unsigned(kBlock)) + 1;
+  std::array<std::array<std::uint64_t, kPixels>, kLevels> cells;  // pixels, cells of 2 x 2 pixels, of 4 x 4, and so on
+  cells[0].fill(kNowhere);
   for_each(column, row, [&](std::size_t pixel, int x, int y) {
-    std::uint32_t& cell = cells[0][std::size_t(y % kBlock / 2 * (kBlock / 2) + x % kBlock / 2)];
-    const bool own = shows_own(now_.age[pixel]);
-    if (own) cell = farther(cell, std::uint32_t(pixel));
-    whole &= own;
+    const std::uint64_t nowhere = shows_own(now_.age[pixel]) ? 0 : kNowhere;
+    cells[0][std::size_t(y % kBlock * kBlock + x % kBlock)] = distance_of(pixel) | nowhere;
   });
   for (std::size_t level = 1; level < kLevels; ++level) {
-    const std::size_t side = std::size_t(kBlock) >> (level + 1);
+    const std::size_t side = std::size_t(kBlock) >> level;
     for (std::size_t cell = 0; cell < side * side; ++cell) {
-      const std::uint32_t* const below = &cells[level - 1][2 * (cell / side) * 2 * side + 2 * (cell % side)];
-      cells[level][cell] = farther(farther(below[0], below[1]), farther(below[2 * side], below[2 * side + 1]));
+      const std::uint64_t* const below = &cells[level - 1][2 * (cell / side) * 2 * side + 2 * (cell % side)];
+      cells[level][cell] = std::min(std::min(below[0], below[1]), std::min(below[2 * side], below[2 * side + 1]));
     }
   }
-  farthest_[std::size_t(row) * std::size_t(columns()) + std::size_t(column)] = cells[kLevels - 1][0];
-  if (cells[kLevels - 1][0] == core::kNone || whole) return whole;
   for_each(column, row, [&](std::size_t pixel, int x, int y) {
     if (shows_own(now_.age[pixel])) return;
-    std::uint32_t from = core::kNone;
-    for (int level = 0; from == core::kNone; ++level)
-      from = cells[std::size_t(level)]
-                  [std::size_t((y % kBlock >> (level + 1)) * (kBlock >> (level + 1)) + (x % kBlock >> (level + 1)))];
-    show(pixel, from, background_of(background, y));
+    std::size_t level = 1;
+    const auto cell = [&] { return std::size_t((y % kBlock >> level) * (kBlock >> level) + (x % kBlock >> level)); };
+    while (cells[level][cell()] == kNowhere) ++level;
+    show(pixel, cells[level][cell()], background, y);
   });
-  return true;
+  return cells[kLevels - 1][0];
 }
 
 /// Fills blocks without points, by cells of 2 x 2 blocks, of 2 x 2 of these, and so on.
@@ -318,22 +405,27 @@ void PointImage::fill_empty_blocks(const Background& background, core::ThreadPoo
     levels.push_back({(below.columns + 1) / 2, (below.rows + 1) / 2, below.cell(0, below.rows)});
   }
   farthest_.resize(levels.back().cell(0, 1));
+  threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
+    for (int column = 0; column < columns(); ++column) {
+      std::uint64_t& farthest = farthest_[levels[0].cell(column, int(row))];
+      if (farthest == kNotAsked) farthest = farthest_of(column, int(row));
+    }
+  });
   for (std::size_t k = 1; k < levels.size(); ++k)
     for (int row = 0; row < levels[k].rows; ++row)
       for (int column = 0; column < levels[k].columns; ++column) {
-        std::uint32_t& cell = farthest_[levels[k].cell(column, row)] = core::kNone;
+        std::uint64_t& cell = farthest_[levels[k].cell(column, row)] = kNowhere;
         for (int y = 2 * row; y < std::min(levels[k - 1].rows, 2 * row + 2); ++y)
           for (int x = 2 * column; x < std::min(levels[k - 1].columns, 2 * column + 2); ++x)
-            cell = farther(cell, farthest_[levels[k - 1].cell(x, y)]);
+            cell = std::min(cell, farthest_[levels[k - 1].cell(x, y)]);
       }
   threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
     for (int column = 0; column < columns(); ++column) {
-      if (farthest_[levels[0].cell(column, int(row))] != core::kNone) continue;
-      std::uint32_t from = core::kNone;
-      for (std::size_t k = 1; k < levels.size() && from == core::kNone; ++k)
-        from = farthest_[levels[k].cell(column >> k, int(row) >> k)];
-      for_each(column, int(row),
-               [&](std::size_t pixel, int, int y) { show(pixel, from, background_of(background, y)); });
+      if (farthest_[levels[0].cell(column, int(row))] != kNowhere) continue;
+      std::uint64_t farthest = kNowhere;
+      for (std::size_t k = 1; k < levels.size() && farthest == kNowhere; ++k)
+        farthest = farthest_[levels[k].cell(column >> k, int(row) >> k)];
+      for_each(column, int(row), [&](std::size_t pixel, int, int y) { show(pixel, farthest, background, y); });
     }
   });
 }

@@ -319,6 +319,7 @@ class Bench {
   }
   Pair compare(Engine& moving, const core::View& view, Measured& measured) {
     need(complete_.frame(view));
+    complete_.finish();
     Pair pair{need(apps::read_image(moving, view)), need(apps::read_image(complete_, view))};
     const Errors errors = errors_of(pair.complete, pair.moving);
     measured.covered.push_back(errors.covered);

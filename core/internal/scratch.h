@@ -21,6 +21,7 @@
 #include <thread>
 #include <vector>
 
+#include "sightline/core/large_array.h"
 #include "sightline/core/memory.h"
 #include "sightline/core/visible_set.h"
 
@@ -28,6 +29,10 @@ namespace sightline::core {
 
 template <class T>
 std::size_t memory_of(const std::vector<T>& array) {
+  return array.capacity() * sizeof(T);
+}
+template <class T>
+std::size_t memory_of(const LargeArray<T>& array) {
   return array.capacity() * sizeof(T);
 }
 inline std::size_t memory_of(const VisibleSet& set) {

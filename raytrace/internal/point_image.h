@@ -6,14 +6,13 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "sightline/core/internal/scratch.h"
+#include "sightline/core/large_array.h"
 #include "sightline/core/ray.h"
 #include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
@@ -21,7 +20,7 @@
 
 namespace sightline::raytrace {
 
-/// Rows are counted from the bottom up. Costs 58 bytes a pixel.
+/// Rows are counted from the bottom up. Costs 62 bytes a pixel.
 class PointImage {
  public:
   static constexpr int kBlock = 16;  // pixels a side
@@ -40,6 +39,15 @@ class PointImage {
     std::span<const std::uint32_t> ids;      ///< item + 1; 0: the background
   };
 
+  /// What the pixels of a block sum up to: how long they have waited; how many have no point, show their own, show one
+  /// of this view, or assumed background; and whether any shows a surface of its own.
+  struct Block {
+    std::uint32_t waited = 0, missing = 0, own = 0, found = 0, assumed = 0, pixels = 0;
+    bool surface = false;
+    Block& operator+=(const Block& other);
+  };
+  Block block(int column, int row) const;
+
   /// Forgets all points.
   void reset(int width, int height, const core::View& view);
   /// Takes the points of an image of this view that is there, in the form in which this one has them. Without ids what
@@ -56,8 +64,8 @@ class PointImage {
                       std::uint8_t age = kNew);
   /// Lets pixels without a point show that of a neighbour: of the smallest cell of 2 x 2 pixels, 4 x 4, and so on that
   /// has any, the farthest, since what a near thing uncovers lies behind it; the background only where there is no
-  /// other. They stay without a point.
-  void fill(const gpuprims::Background& background, core::ThreadPool& threads);
+  /// other. They stay without a point. Returns the sum of all blocks.
+  Block fill(const gpuprims::Background& background, core::ThreadPool& threads);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -75,43 +83,55 @@ class PointImage {
   }
 
   std::size_t memory_bytes() const {
-    return now_.memory_bytes() + before_.memory_bytes() + depths_.size() * sizeof(nearest_[0]) +
-           core::bytes_of(ids_, depths_, surfaces_, farthest_);
+    return now_.memory_bytes() + before_.memory_bytes() +
+           core::bytes_of(ids_, depths_, moves_, moved_rows_, from_, surfaces_, farthest_);
   }
   Pixels pixels() const { return {now_.colour, depths_, ids_}; }
   std::span<const std::uint8_t> ages() const { return now_.age; }  ///< by pixel
   /// Views for which a pixel of that age has waited, as it counts: doubtful points and none at all are the oldest.
   static constexpr std::uint32_t waited(std::uint8_t age) {
     constexpr std::uint32_t kOfAssumed = 16;
-    if (age == kAssumed) return kOfAssumed;
-    return std::min<std::uint32_t>(age == kNoPoint ? age : age & ~kHidden, kDoubtful);
+    return age == kAssumed ? kOfAssumed : std::min<std::uint32_t>(age & ~kHidden, kDoubtful);
   }
   /// Whether a pixel of that age shows its own point.
   static constexpr bool shows_own(std::uint8_t age) { return age < kHidden; }
 
  private:
+  static constexpr int kRun = 128;  // points of a row that are projected at once
+  static constexpr std::uint64_t kNowhere = ~std::uint64_t(0), kNotAsked = kNowhere - 1;  // for distance_of()
   struct Point {
     core::vec3 place;  // in the world, relative to origin_
     std::uint32_t id;
   };
   struct Points {
-    std::vector<Point> point;
-    std::vector<std::uint32_t> colour;
-    std::vector<std::uint8_t> age;
+    core::LargeArray<Point> point;
+    core::LargeArray<std::uint32_t> colour;
+    core::LargeArray<std::uint8_t> age;
     std::size_t memory_bytes() const { return core::bytes_of(point, colour, age); }
   };
+  /// Where the next view has a point: its pixel, or kNone, and its reversed depth.
+  struct Move {
+    std::uint32_t to;
+    float depth;
+  };
+  struct Rows {
+    int first, last;
+  };
   void project_row(const glm::mat4& pixels, int row);
-  void take_row(const core::vec3& step, std::uint32_t background, int row);
+  void take_block_row(const core::vec3& step, const gpuprims::Background& background, int row);
+  void take_row(const core::vec3& step, std::uint32_t background, int row, const std::uint64_t* nearest);
   void doubt_row(int row);
   bool moved_past(std::size_t surface, std::size_t background, int distance) const;
   bool passed_by(int x, int y, int dx, int dy) const;
   void hide_background_row(int row);
+  std::size_t runs() const { return (std::size_t(width_) + kRun - 1) / kRun; }
   std::size_t surface_words() const { return std::size_t(width_) / 64 + 1; }
   std::uint64_t surfaces_from(int row, std::ptrdiff_t first) const;
   std::uint32_t background_of(const gpuprims::Background& background, int row) const;
-  std::uint32_t farther(std::uint32_t a, std::uint32_t b) const;
-  void show(std::size_t pixel, std::uint32_t from, std::uint32_t background);
-  bool fill_block(int column, int row, const gpuprims::Background& background);
+  std::uint64_t distance_of(std::size_t pixel) const;
+  void show(std::size_t pixel, std::uint64_t farthest, const gpuprims::Background& background, int row);
+  std::uint64_t farthest_of(int column, int row) const;
+  std::uint64_t fill_block(int column, int row, const gpuprims::Background& background);
   void fill_empty_blocks(const gpuprims::Background& background, core::ThreadPool& threads);
 
   int width_ = 0, height_ = 0;
@@ -119,12 +139,14 @@ class PointImage {
   glm::mat4 clip_{1.0f};  // reversed clip space from places
   bool orthographic_ = false;
   Points now_, before_;
-  std::vector<std::uint32_t> ids_;
-  std::vector<float> depths_;
-  // By pixel: the reversed depth of the nearest point there, and its pixel before + 1.
-  std::unique_ptr<std::atomic<std::uint64_t>[]> nearest_;
-  std::vector<std::uint64_t> surfaces_;  // of follow(): a bit per pixel with a surface, surface_words() a row
-  std::vector<std::uint32_t> farthest_;  // of fill(), by block and by larger cell: a pixel with a point, or kNone
+  core::LargeArray<std::uint32_t> ids_;
+  core::LargeArray<float> depths_;
+  // Of follow().
+  core::LargeArray<Move> moves_;          // by pixel before
+  std::vector<Rows> moved_rows_;          // first and last rows that each kRun points of a row move to
+  core::LargeArray<std::uint32_t> from_;  // by pixel: the one before
+  std::vector<std::uint64_t> surfaces_;   // a bit per pixel with a surface, surface_words() a row
+  std::vector<std::uint64_t> farthest_;  // of fill(), by block and by larger cell: distance_of() its farthest point
 };
 
 }  // namespace sightline::raytrace
