@@ -261,36 +261,11 @@ class Bench {
   Bench(core::Scene& scene, const Options& o, Engine complete, std::string strip_of)
       : scene_(scene), options_(o), complete_(std::move(complete)), strip_of_(std::move(strip_of)) {}
 
-  /// Flies with an engine of its own, so that it knows nothing of other flights.
+  /// Flies once against the clock and once to compare, since what a comparison reads and frees slows the next frames.
   Measured fly(const Flight& flight, const Way& way) {
-    Engine moving = make_engine(scene_, options_, way);
-    engine::EngineParts::set_traces_motion(moving, way.traced);
-    // A first frame, of another view, compiles programs.
-    need(moving.frame(flight.views[flight.views.size() / 2]));
-    moving.finish();
-#if SIGHTLINE_HAS_RAYTRACE
-    while (moving.preparing_picks()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-#endif
     Measured measured;
-    Pair before;
-    for (std::size_t i = 0; i < flight.views.size(); ++i) {
-      const double begin = milliseconds();
-      const engine::FrameReport report = need(moving.frame(flight.views[i]));
-      if (!report.drawn) apps::fail("the GL context was lost");
-      moving.finish();
-      measured.ms.push_back(milliseconds() - begin);
-      measured.pending.push_back(double(report.pending));
-      measured.coarseness.push_back(report.coarseness);
-      measured.earlier.push_back(report.earlier);
-      const std::size_t phase = i % std::size_t(options_.every);
-      if (phase > 1) continue;
-      Pair pair = compare(moving, flight.views[i], measured);
-      if (phase == 1 && !flight.begins[i]) measured.flicker.push_back(flicker(before, pair));
-      if (phase == 1 && flight.name == strip_of_) add_to_strip(pair, way);
-      if (!options_.images.empty()) write(pair, flight.name.substr(0, flight.name.find(' ')), i, way);
-      before = std::move(pair);
-    }
-    measured.rest_ms = rest(moving, flight.views.back());
+    time(flight, way, measured);
+    compare(flight, way, measured);
     return measured;
   }
 
@@ -310,12 +285,55 @@ class Bench {
   }
 
  private:
+  /// An engine of its own, so that a flight knows nothing of others.
+  Engine engine_for(const Flight& flight, const Way& way) const {
+    Engine moving = make_engine(scene_, options_, way);
+    engine::EngineParts::set_traces_motion(moving, way.traced);
+    // A first frame, of another view, compiles programs.
+    need(moving.frame(flight.views[flight.views.size() / 2]));
+    moving.finish();
+#if SIGHTLINE_HAS_RAYTRACE
+    while (moving.preparing_picks()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+#endif
+    return moving;
+  }
+
+  void time(const Flight& flight, const Way& way, Measured& measured) const {
+    Engine moving = engine_for(flight, way);
+    for (const core::View& view : flight.views) {
+      const double begin = milliseconds();
+      const engine::FrameReport report = need(moving.frame(view));
+      if (!report.drawn) apps::fail("the GL context was lost");
+      moving.finish();
+      measured.ms.push_back(milliseconds() - begin);
+      measured.pending.push_back(double(report.pending));
+      measured.coarseness.push_back(report.coarseness);
+      measured.earlier.push_back(report.earlier);
+    }
+    measured.rest_ms = rest(moving, flight.views.back());
+  }
   static double rest(Engine& engine, const core::View& view) {
     const double begin = milliseconds();
     while (need(engine.frame(view)).pending > 0) {
     }
     engine.finish();
     return milliseconds() - begin;
+  }
+
+  void compare(const Flight& flight, const Way& way, Measured& measured) {
+    Engine moving = engine_for(flight, way);
+    Pair before;
+    for (std::size_t i = 0; i < flight.views.size(); ++i) {
+      need(moving.frame(flight.views[i]));
+      moving.finish();
+      const std::size_t phase = i % std::size_t(options_.every);
+      if (phase > 1) continue;
+      Pair pair = compare(moving, flight.views[i], measured);
+      if (phase == 1 && !flight.begins[i]) measured.flicker.push_back(flicker(before, pair));
+      if (phase == 1 && flight.name == strip_of_) add_to_strip(pair, way);
+      if (!options_.images.empty()) write(pair, flight.name.substr(0, flight.name.find(' ')), i, way);
+      before = std::move(pair);
+    }
   }
   Pair compare(Engine& moving, const core::View& view, Measured& measured) {
     need(complete_.frame(view));
