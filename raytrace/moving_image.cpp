@@ -153,14 +153,9 @@ void MovingImage::find_urgency(core::ThreadPool& threads) {
     if (urgency_[block] != kEmpty && shows_sky(block)) urgency_[block] = urgency_of_sky(urgency_[block], block);
 }
 
-/// Whether neither a block nor any beside it shows a surface.
 bool MovingImage::shows_sky(std::size_t block) const {
-  const int columns = points_.columns(), rows = points_.rows();
-  const int column = int(block % std::size_t(columns)), row = int(block / std::size_t(columns));
-  for (int y = std::max(0, row - 1); y <= std::min(rows - 1, row + 1); ++y)
-    for (int x = std::max(0, column - 1); x <= std::min(columns - 1, column + 1); ++x)
-      if (surfaces_[std::size_t(y) * std::size_t(columns) + std::size_t(x)] != 0) return false;
-  return true;
+  const auto columns = std::size_t(points_.columns());
+  return points_.none_around(surfaces_, int(block % columns), int(block / columns));
 }
 
 /// Where the few points of blocks, and of those beside them, are all of the sky, the other pixels most likely show it.
@@ -170,7 +165,7 @@ void MovingImage::assume_sky(const Shot& shot, std::span<const std::uint32_t> bl
     if (!shows_sky(blocks[i])) return;
     points_.for_each(int(blocks[i] % columns), int(blocks[i] / columns), [&](std::size_t pixel, int x, int y) {
       if (points_.ages()[pixel] != PointImage::kNoPoint) return;
-      points_.set_background(pixel, shot.through(x, y, points_.height()), shot.background, PointImage::kAssumed);
+      points_.set_background(x, y, shot.background, PointImage::kAssumed);
     });
   });
 }
@@ -277,7 +272,8 @@ void MovingImage::pass_dithered(const Shot& shot, const core::Ray& ray, std::uin
 
 /// Lets a pixel show what its ray hits.
 void MovingImage::show(const Shot& shot, const core::Ray& ray, const Hit& hit, std::uint32_t pixel) {
-  if (hit.slot == core::kNone) return points_.set_background(pixel, ray, shot.background);
+  const auto width = std::uint32_t(points_.width());
+  if (hit.slot == core::kNone) return points_.set_background(int(pixel % width), int(pixel / width), shot.background);
   const core::Snapshot& snapshot = shot.tracer.snapshot();
   const vec3 normal(shading_normal(snapshot, hit, ray.direction));
   const vec3 colour = shot.lit.colour(normal, -vec3(ray.direction), material_of(snapshot, hit.slot));

@@ -21,7 +21,7 @@ using core::View;
 using gpuprims::Background;
 
 constexpr int kRows = 8;             // a job has
-constexpr double kFarAway = 1e7;     // metres, where the background of perspective views lies
+constexpr float kFarAway = 1e7f;     // metres, where the background of perspective views lies
 constexpr int kAround = 4;           // pixels: how far surfaces lie from background that they hide
 constexpr float kClearly = 1.03f;    // times as near, in perspective views
 constexpr float kClearStep = 3e-3f;  // of the depth range, in orthographic ones
@@ -58,9 +58,21 @@ void PointImage::reset(int width, int height, const View& view) {
   from_.resize(pixels);
   moved_rows_.resize(runs() * std::size_t(height));
   surfaces_.resize(surface_words() * std::size_t(height));
+  look_from(view);
+}
+
+void PointImage::look_from(const View& view) {
   origin_ = place_of_eye(view);
-  clip_ = glm::mat4(clip_from_place(view, origin_));
+  const dmat4 clip = clip_from_place(view, origin_);
+  clip_ = glm::mat4(clip);
   orthographic_ = view.orthographic();
+  // Midway between the planes w is the same everywhere in orthographic views, and in others direction alone counts.
+  const dmat4 place = glm::inverse(clip) * glm::translate(dmat4(1.0), dvec3(-1.0, -1.0, 0.5)) *
+                      glm::scale(dmat4(1.0), dvec3(2.0 / width_, 2.0 / height_, 1.0));
+  const core::dvec4 middle = place * core::dvec4(0.5 * width_, 0.5 * height_, 0.0, 1.0);
+  const double scale = orthographic_ ? 1.0 / middle.w : kFarAway / glm::length(dvec3(middle));
+  background_ = {vec3(scale * dvec3(place * core::dvec4(0.5, 0.5, 0.0, 1.0))), vec3(scale * dvec3(place[0])),
+                 vec3(scale * dvec3(place[1]))};
 }
 
 void PointImage::take(int width, int height, const View& view, const Pixels& image, core::ThreadPool& threads) {
@@ -75,11 +87,8 @@ void PointImage::take(int width, int height, const View& view, const Pixels& ima
     for (int x = 0; x < width; ++x) {
       const std::size_t pixel = at(x, y);
       const float depth = image.depths[pixel];
-      // The background lies midway between the planes, and in perspective views very far away in that direction.
-      dvec3 point = place(x, y, depth > 0.0f ? double(depth) : 0.5);
-      if (depth == 0.0f && !orthographic_) point *= kFarAway / glm::length(point);
       ids_[pixel] = depth == 0.0f ? 0 : image.ids.empty() ? 1 : image.ids[pixel];
-      now_.point[pixel] = {vec3(point), ids_[pixel]};
+      now_.point[pixel] = {depth == 0.0f ? background_.at(x, y) : vec3(place(x, y, double(depth))), ids_[pixel]};
       now_.colour[pixel] = image.colours[pixel];
       now_.age[pixel] = kNew;
       depths_[pixel] = depth;
@@ -92,16 +101,25 @@ void PointImage::follow(const View& view, const Background& background, core::Th
   // X / W and Y / W of its products are places in the image, in pixels.
   const dmat4 to_pixels = glm::scale(dmat4(1.0), dvec3(0.5 * width_, 0.5 * height_, 1.0)) *
                           glm::translate(dmat4(1.0), dvec3(1.0, 1.0, 0.0));
-  const glm::mat4 pixels(to_pixels * clip_from_place(view, origin_));
+  const glm::mat4 pixels(to_pixels * clip_from_place(view, origin_)), pixels_before(to_pixels * dmat4(clip_));
   for_rows(threads, height_, [&](int y) { project_row(pixels, y); });
-  orthographic_ = view.orthographic();
-  const dvec3 origin = place_of_eye(view);
-  const vec3 step(origin_ - origin);
-  origin_ = origin;
-  clip_ = glm::mat4(clip_from_place(view, origin_));
+  const dvec3 origin = origin_;
+  look_from(view);
+  const vec3 step(origin - origin_);
   threads.run(std::uint32_t(rows()), [&](std::uint32_t row) { take_block_row(step, background, int(row)); });
   for_rows(threads, height_, [&](int y) { doubt_row(y); });
   for_rows(threads, height_, [&](int y) { hide_background_row(y); });
+  // Pixels before, times W, and W of the places of the background.
+  const auto form = [&](const vec3& place, float one) {
+    const glm::vec4 there = pixels_before * glm::vec4(place, one);
+    return vec3(there.x, there.y, there.w);
+  };
+  const Linear before{form(background_.first - step, 1.0f), form(background_.right, 0.0f), form(background_.up, 0.0f)};
+  find_surface_blocks(threads);
+  threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
+    for (int column = 0; column < columns(); ++column)
+      if (none_around(surface_blocks_, column, int(row))) keep_background(before, background, column, int(row));
+  });
 }
 
 void PointImage::project_row(const glm::mat4& pixels, int row) {
@@ -191,7 +209,7 @@ void PointImage::take_row(const vec3& step, std::uint32_t background, int row, c
     id[x] = before.id;
     surfaces[x / 64] |= std::uint64_t(before.id != 0) << x % 64;
     colour[x] = before.id != 0 ? colours[from[x]] : background;
-    age[x] = std::uint8_t(std::min<std::uint32_t>(waited(ages[from[x]]) + 1, kOldest));
+    age[x] = following(ages[from[x]]);
   }
 }
 
@@ -259,6 +277,46 @@ void PointImage::hide_background_row(int row) {
   }
 }
 
+void PointImage::find_surface_blocks(core::ThreadPool& threads) {
+  constexpr std::uint64_t kOfBlock = (std::uint64_t(1) << kBlock) - 1;
+  surface_blocks_.resize(std::size_t(columns()) * std::size_t(rows()));
+  threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
+    for (int column = 0; column < columns(); ++column) {
+      std::uint64_t found = 0;
+      for (int y = int(row) * kBlock; y < std::min(height_, int(row + 1) * kBlock); ++y)
+        found |= surfaces_from(y, std::ptrdiff_t(column) * kBlock) & kOfBlock;
+      surface_blocks_[std::size_t(row) * std::size_t(columns()) + std::size_t(column)] = found != 0;
+    }
+  });
+}
+
+bool PointImage::none_around(std::span<const std::uint8_t> flags, int column, int row) const {
+  for (int v = std::max(0, row - 1); v <= std::min(rows() - 1, row + 1); ++v)
+    for (int u = std::max(0, column - 1); u <= std::min(columns() - 1, column + 1); ++u)
+      if (flags[std::size_t(v) * std::size_t(columns()) + std::size_t(u)] != 0) return false;
+  return true;
+}
+
+/// Lets pixels without a point show the background if it lay there before, where points of several pixels have come to
+/// one. `before`: pixels before, times W, and W of the places of the background.
+void PointImage::keep_background(const Linear& before, const Background& background, int column, int row) {
+  const int left = column * kBlock, right = std::min(width_, left + kBlock);
+  for (int y = row * kBlock; y < std::min(height_, (row + 1) * kBlock); ++y) {
+    const std::uint8_t* const ages = &now_.age[at(0, y)];
+    if (std::find(ages + left, ages + right, kNoPoint) == ages + right) continue;
+    const std::uint32_t colour = background_of(background, y);
+    for (int x = left; x < right; ++x) {
+      if (ages[x] != kNoPoint) continue;
+      const vec3 there = before.at(x, y);
+      const float u = there.x / there.z, v = there.y / there.z;
+      if (!(there.z > 0.0f && u >= 0.0f && u < float(width_) && v >= 0.0f && v < float(height_))) continue;
+      const std::size_t from = at(int(u), int(v));
+      if (before_.age[from] != kNoPoint && before_.point[from].id == 0)
+        show_background(x, y, colour, following(before_.age[from]));
+    }
+  }
+}
+
 PointImage::Block PointImage::block(int column, int row) const {
   const int left = column * kBlock, width = std::min(width_ - left, kBlock);
   const int bottom = row * kBlock, top = std::min(height_, bottom + kBlock);
@@ -299,11 +357,14 @@ void PointImage::set(std::size_t pixel, const dvec3& point, std::uint32_t id, st
   depths_[pixel] = std::clamp(clip.z / clip.w, 0.0f, 1.0f);
 }
 
-void PointImage::set_background(std::size_t pixel, const core::Ray& ray, const Background& background,
-                                std::uint8_t age) {
-  const double t = orthographic_ ? 0.5 * (ray.t_min + ray.t_max) : kFarAway;
-  now_.point[pixel] = {vec3(ray.origin + t * ray.direction - origin_), 0};
-  now_.colour[pixel] = background_of(background, int(pixel / std::size_t(width_)));
+void PointImage::set_background(int x, int y, const Background& background, std::uint8_t age) {
+  show_background(x, y, background_of(background, y), age);
+}
+
+void PointImage::show_background(int x, int y, std::uint32_t colour, std::uint8_t age) {
+  const std::size_t pixel = at(x, y);
+  now_.point[pixel] = {background_.at(x, y), 0};
+  now_.colour[pixel] = colour;
   now_.age[pixel] = age;
   ids_[pixel] = 0;
   depths_[pixel] = 0.0f;

@@ -13,7 +13,6 @@
 
 #include "sightline/core/internal/scratch.h"
 #include "sightline/core/large_array.h"
-#include "sightline/core/ray.h"
 #include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
 #include "sightline/gpuprims/surroundings.h"
@@ -47,21 +46,23 @@ class PointImage {
     Block& operator+=(const Block& other);
   };
   Block block(int column, int row) const;
+  /// Whether neither a block nor any beside it has a flag. `flags`: by block, row by row.
+  bool none_around(std::span<const std::uint8_t> flags, int column, int row) const;
 
   /// Forgets all points.
   void reset(int width, int height, const core::View& view);
   /// Takes the points of an image of this view that is there, in the form in which this one has them. Without ids what
   /// has a depth is a surface.
   void take(int width, int height, const core::View& view, const Pixels& image, core::ThreadPool& threads);
-  /// Puts the points where another view has them. What shows the background gets that of its new row.
+  /// Puts the points where another view has them. What shows the background gets that of its new row. Amid the
+  /// background, with no surface in a block or beside it, pixels that no point comes to show what lay there before.
   void follow(const core::View& view, const gpuprims::Background& background, core::ThreadPool& threads);
   /// Lets a pixel show a point. `id`: item + 1. Several threads may set different pixels.
   void set(std::size_t pixel, const core::dvec3& point, std::uint32_t id, std::uint32_t colour);
   /// Lets it show the background, which its ray has found by missing everything, or is assumed to. It lies very far
   /// away; in orthographic views, where that would leave the image with any turn, midway between the near and the far
   /// plane.
-  void set_background(std::size_t pixel, const core::Ray& ray, const gpuprims::Background& background,
-                      std::uint8_t age = kNew);
+  void set_background(int x, int y, const gpuprims::Background& background, std::uint8_t age = kNew);
   /// Lets pixels without a point show that of a neighbour: of the smallest cell of 2 x 2 pixels, 4 x 4, and so on that
   /// has any, the farthest, since what a near thing uncovers lies behind it; the background only where there is no
   /// other. They stay without a point. Returns the sum of all blocks.
@@ -84,7 +85,7 @@ class PointImage {
 
   std::size_t memory_bytes() const {
     return now_.memory_bytes() + before_.memory_bytes() +
-           core::bytes_of(ids_, depths_, moves_, moved_rows_, from_, surfaces_, farthest_);
+           core::bytes_of(ids_, depths_, moves_, moved_rows_, from_, surfaces_, surface_blocks_, farthest_);
   }
   Pixels pixels() const { return {now_.colour, depths_, ids_}; }
   std::span<const std::uint8_t> ages() const { return now_.age; }  ///< by pixel
@@ -92,6 +93,10 @@ class PointImage {
   static constexpr std::uint32_t waited(std::uint8_t age) {
     constexpr std::uint32_t kOfAssumed = 16;
     return age == kAssumed ? kOfAssumed : std::min<std::uint32_t>(age & ~kHidden, kDoubtful);
+  }
+  /// The age of a point in the next view.
+  static constexpr std::uint8_t following(std::uint8_t age) {
+    return std::uint8_t(std::min<std::uint32_t>(waited(age) + 1, kOldest));
   }
   /// Whether a pixel of that age shows its own point.
   static constexpr bool shows_own(std::uint8_t age) { return age < kHidden; }
@@ -117,6 +122,12 @@ class PointImage {
   struct Rows {
     int first, last;
   };
+  /// What changes linearly over the image.
+  struct Linear {
+    core::vec3 first{0.0f}, right{0.0f}, up{0.0f};  // of the lowest, leftmost pixel, and by pixel
+    core::vec3 at(int x, int y) const { return first + float(x) * right + float(y) * up; }
+  };
+  void look_from(const core::View& view);
   void project_row(const glm::mat4& pixels, int row);
   void take_block_row(const core::vec3& step, const gpuprims::Background& background, int row);
   void take_row(const core::vec3& step, std::uint32_t background, int row, const std::uint64_t* nearest);
@@ -124,6 +135,9 @@ class PointImage {
   bool moved_past(std::size_t surface, std::size_t background, int distance) const;
   bool passed_by(int x, int y, int dx, int dy) const;
   void hide_background_row(int row);
+  void find_surface_blocks(core::ThreadPool& threads);
+  void show_background(int x, int y, std::uint32_t colour, std::uint8_t age);
+  void keep_background(const Linear& before, const gpuprims::Background& background, int column, int row);
   std::size_t runs() const { return (std::size_t(width_) + kRun - 1) / kRun; }
   std::size_t surface_words() const { return std::size_t(width_) / 64 + 1; }
   std::uint64_t surfaces_from(int row, std::ptrdiff_t first) const;
@@ -137,15 +151,17 @@ class PointImage {
   int width_ = 0, height_ = 0;
   core::dvec3 origin_{0.0};
   glm::mat4 clip_{1.0f};  // reversed clip space from places
+  Linear background_;     // places of the background
   bool orthographic_ = false;
   Points now_, before_;
   core::LargeArray<std::uint32_t> ids_;
   core::LargeArray<float> depths_;
   // Of follow().
-  core::LargeArray<Move> moves_;          // by pixel before
-  std::vector<Rows> moved_rows_;          // first and last rows that each kRun points of a row move to
-  core::LargeArray<std::uint32_t> from_;  // by pixel: the one before
-  std::vector<std::uint64_t> surfaces_;   // a bit per pixel with a surface, surface_words() a row
+  core::LargeArray<Move> moves_;              // by pixel before
+  std::vector<Rows> moved_rows_;              // first and last rows that each kRun points of a row move to
+  core::LargeArray<std::uint32_t> from_;      // by pixel: the one before
+  std::vector<std::uint64_t> surfaces_;       // a bit per pixel with a surface, surface_words() a row
+  std::vector<std::uint8_t> surface_blocks_;  // whether a block has any
   std::vector<std::uint64_t> farthest_;  // of fill(), by block and by larger cell: distance_of() its farthest point
 };
 

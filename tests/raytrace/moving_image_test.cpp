@@ -62,6 +62,16 @@ class MovingImageTest : public testing::Test {
     tracer.emplace(std::move(*Tracer::create(*snapshot)));
   }
 
+  /// Whether a view has the background in the pixel of a place, or in one beside it.
+  bool may_show_background(const core::View& view, const dvec3& place) const {
+    const core::dvec4 clip = gpuprims::reversed_clip_from_eye(view) * view.eye_from_world() * core::dvec4(place, 1.0);
+    const int x = int(0.5 * kWidth * (1.0 + clip.x / clip.w)), y = int(0.5 * kHeight * (1.0 + clip.y / clip.w));
+    for (int v = std::max(0, y - 1); v <= std::min(kHeight - 1, y + 1); ++v)
+      for (int u = std::max(0, x - 1); u <= std::min(kWidth - 1, x + 1); ++u)
+        if (!hit(view, std::size_t(v) * kWidth + std::size_t(u), filter_of(view))) return true;
+    return false;
+  }
+
   MovingImage::Counts draw(MovingImage& image, const core::View& view, double deadline,
                            std::span<const std::uint64_t> without = {}) {
     const auto counts = image.draw({*tracer, view, kWidth, kHeight, without}, threads, deadline);
@@ -166,6 +176,17 @@ struct Follower {
     }
   }
 
+  /// Whether no point of a surface comes into the block of a pixel or those around it.
+  bool amid_background(int x, int y) const {
+    constexpr int kBlock = PointImage::kBlock;
+    const int left = std::max(0, (x / kBlock - 1) * kBlock), right = std::min(kWidth, (x / kBlock + 2) * kBlock);
+    const int bottom = std::max(0, (y / kBlock - 1) * kBlock), top = std::min(kHeight, (y / kBlock + 2) * kBlock);
+    for (int v = bottom; v < top; ++v)
+      for (int u = left; u < right; ++u)
+        if (found[std::size_t(v) * kWidth + std::size_t(u)].id != 0) return false;
+    return true;
+  }
+
   /// Whether surfaces near a pixel, on both sides or above and below, have moved past it: none where that is not sure.
   std::optional<bool> hidden(int x, int y) const {
     const auto at = [&](int u, int v) -> const Found& { return found[std::size_t(v) * kWidth + std::size_t(u)]; };
@@ -188,6 +209,13 @@ struct Follower {
   }
 };
 
+/// Where the background of a ray lies, as PointImage has it.
+dvec3 background_place(const core::View& view, std::size_t pixel) {
+  const auto ray =
+      core::image_ray(view, kWidth, kHeight, double(pixel % kWidth) + 0.5, kHeight - (double(pixel / kWidth) + 0.5));
+  return ray->origin + (view.orthographic() ? 0.5 * (ray->t_min + ray->t_max) : 1e7) * ray->direction;
+}
+
 TEST_F(MovingImageTest, KeepsPointsWhereTheNextViewHasThem) {
   using Make = core::View (*)(double);
   for (const Make make : {Make(perspective), Make(orthographic)})
@@ -199,17 +227,13 @@ TEST_F(MovingImageTest, KeepsPointsWhereTheNextViewHasThem) {
       Follower twin;
       for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
         const auto found = hit(before, pixel, filter_of(before));
-        const auto ray = core::image_ray(before, kWidth, kHeight, double(pixel % kWidth) + 0.5,
-                                         kHeight - (double(pixel / kWidth) + 0.5));
-        twin.add(after,
-                 found ? found->point
-                       : ray->origin + (after.orthographic() ? 0.5 * (ray->t_min + ray->t_max) : 1e7) * ray->direction,
-                 found ? to_index(found->item) + 1 : 0, pixel);
+        twin.add(after, found ? found->point : background_place(before, pixel), found ? to_index(found->item) + 1 : 0,
+                 pixel);
       }
       const auto counts = draw(image, after, -kNever);
       EXPECT_GT(counts.kept, std::int64_t(kPixels / 2));
       EXPECT_GT(counts.traced, 0);
-      int compared = 0, wrong = 0, without = 0, doubtful = 0, hidden = 0;
+      int compared = 0, wrong = 0, without = 0, doubtful = 0, hidden = 0, amid = 0;
       for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
         const std::uint8_t age = image.points().ages()[pixel];
         const bool own = PointImage::shows_own(age);
@@ -220,8 +244,13 @@ TEST_F(MovingImageTest, KeepsPointsWhereTheNextViewHasThem) {
           ++compared;
           const bool none = twin.found[pixel].depth < 0.0;
           without += none;
-          if (none) {
-            wrong += age != PointImage::kNoPoint && age != PointImage::kAssumed;
+          if (none && own && age != PointImage::kAssumed) {
+            ++amid;
+            wrong += image.points().pixels().ids[pixel] != 0 ||
+                     !twin.amid_background(int(pixel % kWidth), int(pixel / kWidth)) ||
+                     !may_show_background(before, background_place(after, pixel));
+          } else if (none) {
+            wrong += own && age != PointImage::kAssumed;
           } else if (own) {
             wrong += image.points().pixels().ids[pixel] != twin.found[pixel].id;
           } else {
@@ -236,6 +265,7 @@ TEST_F(MovingImageTest, KeepsPointsWhereTheNextViewHasThem) {
       EXPECT_GT(compared, int(kPixels / 3));
       if (step > 0.01) {
         EXPECT_GT(without, 0);
+        EXPECT_GT(amid, 0) << "background kept where several points came to one pixel";
         EXPECT_GT(doubtful, 0) << "points between nearer ones";
         EXPECT_LT(doubtful, int(kPixels / 10));
         EXPECT_GT(hidden, 0) << "background that surfaces have moved past";
@@ -364,8 +394,8 @@ double tick() {
   return seconds_of_test += 1e-3;
 }
 
-/// By a clock that a look at it moves on by a millisecond, as tracing a block does here. The first image is drawn by it,
-/// too: what it takes tells the second how early its rays have to end.
+/// By a clock that a look at it moves on by a millisecond, as tracing a block does here. The first image is drawn by
+/// it, too: what it takes tells the second how early its rays have to end.
 TEST_F(MovingImageTest, EndsAtItsDeadline) {
   MovingImage image;
   core::use_clock(tick);
