@@ -125,7 +125,7 @@ core::Expected<MovingImage::Counts> MovingImage::draw(const Request& request, co
   const Shot shot{tracer, *rays, filter, Lit(request), background, all_opaque(tracer.snapshot().materials())};
   trace_most_urgent(shot, threads, deadline - finish_seconds_);
   const double traced = core::now_seconds();
-  const PointImage::Block all = points_.fill(background, threads);
+  const PointBlock all = points_.fill(background, threads);
   finish_seconds_ = core::now_seconds() - traced;
   const std::int64_t kept = std::int64_t(all.own) - all.found - all.assumed;
   return Counts{all.found, kept, std::int64_t(all.pixels) - all.found - kept};
@@ -141,7 +141,7 @@ void MovingImage::find_urgency(core::ThreadPool& threads) {
   threads.run(std::uint32_t(rows), [&](std::uint32_t row) {
     for (int column = 0; column < columns; ++column) {
       const std::size_t block = std::size_t(row) * std::size_t(columns) + std::size_t(column);
-      const PointImage::Block sum = points_.block(column, int(row));
+      const PointBlock sum = points_.block(column, int(row));
       // Blocks on the border, which have fewer pixels, are as urgent as others.
       urgency_[block] = 32 * sum.missing > 31 * sum.pixels
                             ? kEmpty
@@ -150,22 +150,18 @@ void MovingImage::find_urgency(core::ThreadPool& threads) {
     }
   });
   for (std::size_t block = 0; block < blocks; ++block)
-    if (urgency_[block] != kEmpty && shows_sky(block)) urgency_[block] = urgency_of_sky(urgency_[block], block);
-}
-
-bool MovingImage::shows_sky(std::size_t block) const {
-  const auto columns = std::size_t(points_.columns());
-  return points_.none_around(surfaces_, int(block % columns), int(block / columns));
+    if (urgency_[block] != kEmpty && none_around(surfaces_, columns, block))
+      urgency_[block] = urgency_of_sky(urgency_[block], block);
 }
 
 /// Where the few points of blocks, and of those beside them, are all of the sky, the other pixels most likely show it.
 void MovingImage::assume_sky(const Shot& shot, std::span<const std::uint32_t> blocks, core::ThreadPool& threads) {
   const auto columns = std::uint32_t(points_.columns());
   threads.run(std::uint32_t(blocks.size()), [&](std::uint32_t i) {
-    if (!shows_sky(blocks[i])) return;
+    if (!none_around(surfaces_, points_.columns(), blocks[i])) return;
     points_.for_each(int(blocks[i] % columns), int(blocks[i] / columns), [&](std::size_t pixel, int x, int y) {
-      if (points_.ages()[pixel] != PointImage::kNoPoint) return;
-      points_.set_background(x, y, shot.background, PointImage::kAssumed);
+      if (points_.ages()[pixel] != PointAge::kNoPoint) return;
+      points_.set_background(x, y, shot.background, PointAge::kAssumed);
     });
   });
 }
@@ -235,7 +231,7 @@ std::int64_t MovingImage::trace_block(const Shot& shot, std::uint32_t block, std
   std::size_t count = 0;
   const auto columns = std::uint32_t(points_.columns());
   points_.for_each(int(block % columns), int(block / columns), [&](std::size_t pixel, int x, int y) {
-    if (points_.ages()[pixel] != PointImage::kNew && place_of(std::uint32_t(x), std::uint32_t(y)) < places)
+    if (points_.ages()[pixel] != PointAge::kNew && place_of(std::uint32_t(x), std::uint32_t(y)) < places)
       pixels[count++] = std::uint32_t(pixel);
   });
   shoot(shot, {pixels.data(), count});

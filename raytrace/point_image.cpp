@@ -44,13 +44,22 @@ void for_rows(core::ThreadPool& threads, int height, const Visit& visit) {
 
 }  // namespace
 
+bool none_around(std::span<const std::uint8_t> flags, int columns, std::size_t block) {
+  const int column = int(block % std::size_t(columns)), row = int(block / std::size_t(columns));
+  const int rows = int(flags.size() / std::size_t(columns));
+  for (int v = std::max(0, row - 1); v <= std::min(rows - 1, row + 1); ++v)
+    for (int u = std::max(0, column - 1); u <= std::min(columns - 1, column + 1); ++u)
+      if (flags[std::size_t(v) * std::size_t(columns) + std::size_t(u)] != 0) return false;
+  return true;
+}
+
 void PointImage::reset(int width, int height, const View& view) {
   width_ = width, height_ = height;
   const std::size_t pixels = std::size_t(width) * std::size_t(height);
   for (Points* points : {&now_, &before_}) {
     points->point.resize(pixels);
     points->colour.resize(pixels);
-    points->age.assign(pixels, kNoPoint);
+    points->age.assign(pixels, PointAge::kNoPoint);
   }
   ids_.resize(pixels);
   depths_.resize(pixels);
@@ -90,7 +99,7 @@ void PointImage::take(int width, int height, const View& view, const Pixels& ima
       ids_[pixel] = depth == 0.0f ? 0 : image.ids.empty() ? 1 : image.ids[pixel];
       now_.point[pixel] = {depth == 0.0f ? background_.at(x, y) : vec3(place(x, y, double(depth))), ids_[pixel]};
       now_.colour[pixel] = image.colours[pixel];
-      now_.age[pixel] = kNew;
+      now_.age[pixel] = PointAge::kNew;
       depths_[pixel] = depth;
     }
   });
@@ -114,11 +123,13 @@ void PointImage::follow(const View& view, const Background& background, core::Th
     const glm::vec4 there = pixels_before * glm::vec4(place, one);
     return vec3(there.x, there.y, there.w);
   };
-  const Linear before{form(background_.first - step, 1.0f), form(background_.right, 0.0f), form(background_.up, 0.0f)};
+  const LinearOverImage before{form(background_.first - step, 1.0f), form(background_.right, 0.0f),
+                               form(background_.up, 0.0f)};
   find_surface_blocks(threads);
   threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
     for (int column = 0; column < columns(); ++column)
-      if (none_around(surface_blocks_, column, int(row))) keep_background(before, background, column, int(row));
+      if (none_around(surface_blocks_, columns(), std::size_t(row) * std::size_t(columns()) + std::size_t(column)))
+        keep_background(before, background, column, int(row));
   });
 }
 
@@ -143,7 +154,7 @@ void PointImage::project_row(const glm::mat4& pixels, int row) {
     for (int i = 0; i < count; ++i) {
       const std::size_t from = first + std::size_t(i);
       const bool inside = x[i] >= 0.0f && x[i] < width && y[i] >= 0.0f && y[i] < height && depth[i] >= 0.0f &&
-                          depth[i] <= 1.0f && before_.age[from] != kNoPoint;
+                          depth[i] <= 1.0f && before_.age[from] != PointAge::kNoPoint;
       moves_[from] = {core::kNone, depth[i]};
       if (!inside) continue;
       const int v = int(y[i]);
@@ -201,7 +212,7 @@ void PointImage::take_row(const vec3& step, std::uint32_t background, int row, c
     from[x] = std::uint32_t(nearest[x]) - 1;
     depth[x] = std::bit_cast<float>(std::uint32_t(nearest[x] >> 32));
     if (nearest[x] == 0) {
-      age[x] = kNoPoint;
+      age[x] = PointAge::kNoPoint;
       continue;
     }
     const Point& before = points[from[x]];
@@ -209,7 +220,7 @@ void PointImage::take_row(const vec3& step, std::uint32_t background, int row, c
     id[x] = before.id;
     surfaces[x / 64] |= std::uint64_t(before.id != 0) << x % 64;
     colour[x] = before.id != 0 ? colours[from[x]] : background;
-    age[x] = following(ages[from[x]]);
+    age[x] = PointAge::following(ages[from[x]]);
   }
 }
 
@@ -222,8 +233,8 @@ void PointImage::doubt_row(int row) {
   std::uint8_t* const age = &now_.age[at(0, row)];
   for (int x = 1; x + 1 < width_; ++x) {
     const float beside = std::min(depth[x - 1], depth[x + 1]), over = std::min(above[x], below[x]);
-    const bool doubtful = std::max(beside, over) > factor * depth[x] + more && age[x] != kNoPoint;
-    age[x] = doubtful ? kDoubtful : age[x];
+    const bool doubtful = std::max(beside, over) > factor * depth[x] + more && age[x] != PointAge::kNoPoint;
+    age[x] = doubtful ? PointAge::kDoubtful : age[x];
   }
 }
 
@@ -270,9 +281,9 @@ void PointImage::hide_background_row(int row) {
     std::uint64_t enclosed = ((before & after) | (above & below)) & ~surfaces_from(row, left);
     for (; enclosed != 0; enclosed &= enclosed - 1) {
       const int x = left + std::countr_zero(enclosed);
-      if (x >= width_ || !shows_own(now_.age[at(x, row)])) continue;
+      if (x >= width_ || !PointAge::shows_own(now_.age[at(x, row)])) continue;
       if (passed_by(x, row, -1, 0) || passed_by(x, row, 1, 0) || passed_by(x, row, 0, 1) || passed_by(x, row, 0, -1))
-        now_.age[at(x, row)] |= kHidden;
+        now_.age[at(x, row)] |= PointAge::kHidden;
     }
   }
 }
@@ -290,49 +301,42 @@ void PointImage::find_surface_blocks(core::ThreadPool& threads) {
   });
 }
 
-bool PointImage::none_around(std::span<const std::uint8_t> flags, int column, int row) const {
-  for (int v = std::max(0, row - 1); v <= std::min(rows() - 1, row + 1); ++v)
-    for (int u = std::max(0, column - 1); u <= std::min(columns() - 1, column + 1); ++u)
-      if (flags[std::size_t(v) * std::size_t(columns()) + std::size_t(u)] != 0) return false;
-  return true;
-}
-
 /// Lets pixels without a point show the background if it lay there before, where points of several pixels have come to
 /// one. `before`: pixels before, times W, and W of the places of the background.
-void PointImage::keep_background(const Linear& before, const Background& background, int column, int row) {
+void PointImage::keep_background(const LinearOverImage& before, const Background& background, int column, int row) {
   const int left = column * kBlock, right = std::min(width_, left + kBlock);
   for (int y = row * kBlock; y < std::min(height_, (row + 1) * kBlock); ++y) {
     const std::uint8_t* const ages = &now_.age[at(0, y)];
-    if (std::find(ages + left, ages + right, kNoPoint) == ages + right) continue;
+    if (std::find(ages + left, ages + right, PointAge::kNoPoint) == ages + right) continue;
     const std::uint32_t colour = background_of(background, y);
     for (int x = left; x < right; ++x) {
-      if (ages[x] != kNoPoint) continue;
+      if (ages[x] != PointAge::kNoPoint) continue;
       const vec3 there = before.at(x, y);
       const float u = there.x / there.z, v = there.y / there.z;
       if (!(there.z > 0.0f && u >= 0.0f && u < float(width_) && v >= 0.0f && v < float(height_))) continue;
       const std::size_t from = at(int(u), int(v));
-      if (before_.age[from] != kNoPoint && before_.point[from].id == 0)
-        show_background(x, y, colour, following(before_.age[from]));
+      if (before_.age[from] != PointAge::kNoPoint && before_.point[from].id == 0)
+        show_background(x, y, colour, PointAge::following(before_.age[from]));
     }
   }
 }
 
-PointImage::Block PointImage::block(int column, int row) const {
+PointBlock PointImage::block(int column, int row) const {
   const int left = column * kBlock, width = std::min(width_ - left, kBlock);
   const int bottom = row * kBlock, top = std::min(height_, bottom + kBlock);
-  Block block{.pixels = std::uint32_t(width * (top - bottom))};
+  PointBlock block{.pixels = std::uint32_t(width * (top - bottom))};
   for (int y = bottom; y < top; ++y) {
     const std::uint8_t* const ages = &now_.age[at(left, y)];
     const std::uint32_t* const ids = &ids_[at(left, y)];
-    Block sum;  // of a row, without branches, so that the compiler makes vectors of it
+    PointBlock sum;  // of a row, without branches, so that the compiler makes vectors of it
     std::uint32_t surfaces = 0;
     for (int x = 0; x < width; ++x) {
-      const std::uint32_t own = shows_own(ages[x]);
-      sum.waited += waited(ages[x]);
-      sum.missing += ages[x] == kNoPoint;
+      const std::uint32_t own = PointAge::shows_own(ages[x]);
+      sum.waited += PointAge::waited(ages[x]);
+      sum.missing += ages[x] == PointAge::kNoPoint;
       sum.own += own;
-      sum.found += ages[x] == kNew;
-      sum.assumed += ages[x] == kAssumed;
+      sum.found += ages[x] == PointAge::kNew;
+      sum.assumed += ages[x] == PointAge::kAssumed;
       surfaces |= ids[x] & (own * ~0u);
     }
     sum.surface = surfaces != 0;
@@ -341,7 +345,7 @@ PointImage::Block PointImage::block(int column, int row) const {
   return block;
 }
 
-PointImage::Block& PointImage::Block::operator+=(const Block& other) {
+PointBlock& PointBlock::operator+=(const PointBlock& other) {
   waited += other.waited, missing += other.missing, own += other.own, found += other.found, assumed += other.assumed;
   pixels += other.pixels, surface |= other.surface;
   return *this;
@@ -352,7 +356,7 @@ void PointImage::set(std::size_t pixel, const dvec3& point, std::uint32_t id, st
   const glm::vec4 clip = clip_ * glm::vec4(place, 1.0f);
   now_.point[pixel] = {place, id};
   now_.colour[pixel] = colour;
-  now_.age[pixel] = kNew;
+  now_.age[pixel] = PointAge::kNew;
   ids_[pixel] = id;
   depths_[pixel] = std::clamp(clip.z / clip.w, 0.0f, 1.0f);
 }
@@ -393,16 +397,16 @@ void PointImage::show(std::size_t pixel, std::uint64_t farthest, const Backgroun
   ids_[pixel] = surface ? ids_[from] : 0;
 }
 
-PointImage::Block PointImage::fill(const Background& background, core::ThreadPool& threads) {
+PointBlock PointImage::fill(const Background& background, core::ThreadPool& threads) {
   farthest_.resize(std::size_t(columns()) * std::size_t(rows()));
   const auto count = std::size_t(rows());
-  std::vector<Block> sums(count);  // of the blocks of a row
+  std::vector<PointBlock> sums(count);  // of the blocks of a row
   std::atomic<bool> empty = false;
   threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
-    Block sum;
+    PointBlock sum;
     for (int column = 0; column < columns(); ++column) {
       std::uint64_t& farthest = farthest_[std::size_t(row) * std::size_t(columns()) + std::size_t(column)];
-      const Block block = this->block(column, int(row));
+      const PointBlock block = this->block(column, int(row));
       farthest = block.own == block.pixels ? kNotAsked
                  : block.own > 0           ? fill_block(column, int(row), background)
                                            : kNowhere;
@@ -412,17 +416,9 @@ PointImage::Block PointImage::fill(const Background& background, core::ThreadPoo
     sums[row] = sum;
   });
   if (empty) fill_empty_blocks(background, threads);
-  Block all;
-  for (const Block& sum : sums) all += sum;
+  PointBlock all;
+  for (const PointBlock& sum : sums) all += sum;
   return all;
-}
-
-std::uint64_t PointImage::farthest_of(int column, int row) const {
-  std::uint64_t farthest = kNowhere;
-  for_each(column, row, [&](std::size_t pixel, int, int) {
-    if (shows_own(now_.age[pixel])) farthest = std::min(farthest, distance_of(pixel));
-  });
-  return farthest;
 }
 
 /// Fills a block that has any points. Returns the distance of the farthest.
@@ -431,7 +427,7 @@ std::uint64_t PointImage::fill_block(int column, int row, const Background& back
   std::array<std::array<std::uint64_t, kPixels>, kLevels> cells;  // pixels, cells of 2 x 2 pixels, of 4 x 4, and so on
   cells[0].fill(kNowhere);
   for_each(column, row, [&](std::size_t pixel, int x, int y) {
-    const std::uint64_t nowhere = shows_own(now_.age[pixel]) ? 0 : kNowhere;
+    const std::uint64_t nowhere = PointAge::shows_own(now_.age[pixel]) ? 0 : kNowhere;
     cells[0][std::size_t(y % kBlock * kBlock + x % kBlock)] = distance_of(pixel) | nowhere;
   });
   for (std::size_t level = 1; level < kLevels; ++level) {
@@ -442,7 +438,7 @@ std::uint64_t PointImage::fill_block(int column, int row, const Background& back
     }
   }
   for_each(column, row, [&](std::size_t pixel, int x, int y) {
-    if (shows_own(now_.age[pixel])) return;
+    if (PointAge::shows_own(now_.age[pixel])) return;
     std::size_t level = 1;
     const auto cell = [&] { return std::size_t((y % kBlock >> level) * (kBlock >> level) + (x % kBlock >> level)); };
     while (cells[level][cell()] == kNowhere) ++level;
@@ -469,7 +465,10 @@ void PointImage::fill_empty_blocks(const Background& background, core::ThreadPoo
   threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
     for (int column = 0; column < columns(); ++column) {
       std::uint64_t& farthest = farthest_[levels[0].cell(column, int(row))];
-      if (farthest == kNotAsked) farthest = farthest_of(column, int(row));
+      if (farthest != kNotAsked) continue;
+      farthest = kNowhere;
+      for_each(column, int(row),
+               [&](std::size_t pixel, int, int) { farthest = std::min(farthest, distance_of(pixel)); });
     }
   });
   for (std::size_t k = 1; k < levels.size(); ++k)

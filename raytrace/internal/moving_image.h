@@ -64,7 +64,6 @@ class MovingImage {
   struct Shot;
 
   void find_urgency(core::ThreadPool& threads);
-  bool shows_sky(std::size_t block) const;
   void assume_sky(const Shot& shot, std::span<const std::uint32_t> blocks, core::ThreadPool& threads);
   void order_blocks();
   void trace_most_urgent(const Shot& shot, core::ThreadPool& threads, double deadline);

@@ -19,17 +19,48 @@
 
 namespace sightline::raytrace {
 
+/// In views since a point was found: of the present view; the oldest that are told apart; of a point between nearer
+/// ones, as cracks in a surface show that comes nearer; of a pixel without a point. The background has moved past the
+/// surfaces before it, so where these lie around, its age is increased by kHidden, and the pixel shows one of them.
+/// Assumed background has not been found by a ray of its own.
+struct PointAge {
+  static constexpr std::uint8_t kNew = 0, kOldest = 63, kDoubtful = 64, kAssumed = 65, kHidden = 128, kNoPoint = 255;
+
+  /// Views for which a pixel of that age has waited, as it counts: doubtful points and none at all are the oldest.
+  static constexpr std::uint32_t waited(std::uint8_t age) {
+    constexpr std::uint32_t kOfAssumed = 16;
+    return age == kAssumed ? kOfAssumed : std::min<std::uint32_t>(age & ~kHidden, kDoubtful);
+  }
+  /// The age of a point in the next view.
+  static constexpr std::uint8_t following(std::uint8_t age) {
+    return std::uint8_t(std::min<std::uint32_t>(waited(age) + 1, kOldest));
+  }
+  /// Whether a pixel of that age shows its own point.
+  static constexpr bool shows_own(std::uint8_t age) { return age < kHidden; }
+};
+
+/// What the pixels of a block sum up to: how long they have waited; how many have no point, show their own, show one
+/// of this view, or assumed background; and whether any shows a surface of its own.
+struct PointBlock {
+  std::uint32_t waited = 0, missing = 0, own = 0, found = 0, assumed = 0, pixels = 0;
+  bool surface = false;
+  PointBlock& operator+=(const PointBlock& other);
+};
+
+/// Whether neither a block nor any beside it has a flag. `flags`: by block, row by row, in so many columns.
+bool none_around(std::span<const std::uint8_t> flags, int columns, std::size_t block);
+
+/// What changes linearly over an image.
+struct LinearOverImage {
+  core::vec3 first{0.0f}, right{0.0f}, up{0.0f};  // of the lowest, leftmost pixel, and by pixel
+  core::vec3 at(int x, int y) const { return first + float(x) * right + float(y) * up; }
+};
+
 /// Rows are counted from the bottom up. Costs 62 bytes a pixel.
 class PointImage {
  public:
   static constexpr int kBlock = 16;  // pixels a side
   static constexpr std::size_t kPixels = std::size_t(kBlock) * kBlock;
-
-  /// In views since a point was found: of the present view; the oldest that are told apart; of a point between nearer
-  /// ones, as cracks in a surface show that comes nearer; of a pixel without a point. The background has moved past the
-  /// surfaces before it, so where these lie around, its age is increased by kHidden, and the pixel shows one of them.
-  /// Assumed background has not been found by a ray of its own.
-  static constexpr std::uint8_t kNew = 0, kOldest = 63, kDoubtful = 64, kAssumed = 65, kHidden = 128, kNoPoint = 255;
 
   /// An image, row by row from the bottom up.
   struct Pixels {
@@ -38,16 +69,7 @@ class PointImage {
     std::span<const std::uint32_t> ids;      ///< item + 1; 0: the background
   };
 
-  /// What the pixels of a block sum up to: how long they have waited; how many have no point, show their own, show one
-  /// of this view, or assumed background; and whether any shows a surface of its own.
-  struct Block {
-    std::uint32_t waited = 0, missing = 0, own = 0, found = 0, assumed = 0, pixels = 0;
-    bool surface = false;
-    Block& operator+=(const Block& other);
-  };
-  Block block(int column, int row) const;
-  /// Whether neither a block nor any beside it has a flag. `flags`: by block, row by row.
-  bool none_around(std::span<const std::uint8_t> flags, int column, int row) const;
+  PointBlock block(int column, int row) const;
 
   /// Forgets all points.
   void reset(int width, int height, const core::View& view);
@@ -62,11 +84,11 @@ class PointImage {
   /// Lets it show the background, which its ray has found by missing everything, or is assumed to. It lies very far
   /// away; in orthographic views, where that would leave the image with any turn, midway between the near and the far
   /// plane.
-  void set_background(int x, int y, const gpuprims::Background& background, std::uint8_t age = kNew);
+  void set_background(int x, int y, const gpuprims::Background& background, std::uint8_t age = PointAge::kNew);
   /// Lets pixels without a point show that of a neighbour: of the smallest cell of 2 x 2 pixels, 4 x 4, and so on that
   /// has any, the farthest, since what a near thing uncovers lies behind it; the background only where there is no
   /// other. They stay without a point. Returns the sum of all blocks.
-  Block fill(const gpuprims::Background& background, core::ThreadPool& threads);
+  PointBlock fill(const gpuprims::Background& background, core::ThreadPool& threads);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -89,17 +111,6 @@ class PointImage {
   }
   Pixels pixels() const { return {now_.colour, depths_, ids_}; }
   std::span<const std::uint8_t> ages() const { return now_.age; }  ///< by pixel
-  /// Views for which a pixel of that age has waited, as it counts: doubtful points and none at all are the oldest.
-  static constexpr std::uint32_t waited(std::uint8_t age) {
-    constexpr std::uint32_t kOfAssumed = 16;
-    return age == kAssumed ? kOfAssumed : std::min<std::uint32_t>(age & ~kHidden, kDoubtful);
-  }
-  /// The age of a point in the next view.
-  static constexpr std::uint8_t following(std::uint8_t age) {
-    return std::uint8_t(std::min<std::uint32_t>(waited(age) + 1, kOldest));
-  }
-  /// Whether a pixel of that age shows its own point.
-  static constexpr bool shows_own(std::uint8_t age) { return age < kHidden; }
 
  private:
   static constexpr int kRun = 128;  // points of a row that are projected at once
@@ -122,11 +133,6 @@ class PointImage {
   struct Rows {
     int first, last;
   };
-  /// What changes linearly over the image.
-  struct Linear {
-    core::vec3 first{0.0f}, right{0.0f}, up{0.0f};  // of the lowest, leftmost pixel, and by pixel
-    core::vec3 at(int x, int y) const { return first + float(x) * right + float(y) * up; }
-  };
   void look_from(const core::View& view);
   void project_row(const glm::mat4& pixels, int row);
   void take_block_row(const core::vec3& step, const gpuprims::Background& background, int row);
@@ -137,26 +143,25 @@ class PointImage {
   void hide_background_row(int row);
   void find_surface_blocks(core::ThreadPool& threads);
   void show_background(int x, int y, std::uint32_t colour, std::uint8_t age);
-  void keep_background(const Linear& before, const gpuprims::Background& background, int column, int row);
+  void keep_background(const LinearOverImage& before, const gpuprims::Background& background, int column, int row);
   std::size_t runs() const { return (std::size_t(width_) + kRun - 1) / kRun; }
   std::size_t surface_words() const { return std::size_t(width_) / 64 + 1; }
   std::uint64_t surfaces_from(int row, std::ptrdiff_t first) const;
   std::uint32_t background_of(const gpuprims::Background& background, int row) const;
   std::uint64_t distance_of(std::size_t pixel) const;
   void show(std::size_t pixel, std::uint64_t farthest, const gpuprims::Background& background, int row);
-  std::uint64_t farthest_of(int column, int row) const;
   std::uint64_t fill_block(int column, int row, const gpuprims::Background& background);
   void fill_empty_blocks(const gpuprims::Background& background, core::ThreadPool& threads);
 
   int width_ = 0, height_ = 0;
   core::dvec3 origin_{0.0};
-  glm::mat4 clip_{1.0f};  // reversed clip space from places
-  Linear background_;     // places of the background
+  glm::mat4 clip_{1.0f};        // reversed clip space from places
+  LinearOverImage background_;  // places of the background
   bool orthographic_ = false;
   Points now_, before_;
   core::LargeArray<std::uint32_t> ids_;
   core::LargeArray<float> depths_;
-  // Of follow().
+  // follow() fills these.
   core::LargeArray<Move> moves_;              // by pixel before
   std::vector<Rows> moved_rows_;              // first and last rows that each kRun points of a row move to
   core::LargeArray<std::uint32_t> from_;      // by pixel: the one before

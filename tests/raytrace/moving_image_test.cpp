@@ -236,25 +236,25 @@ TEST_F(MovingImageTest, KeepsPointsWhereTheNextViewHasThem) {
       int compared = 0, wrong = 0, without = 0, doubtful = 0, hidden = 0, amid = 0;
       for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
         const std::uint8_t age = image.points().ages()[pixel];
-        const bool own = PointImage::shows_own(age);
-        doubtful += age == PointImage::kDoubtful;
-        if (age == PointImage::kNew) {
+        const bool own = PointAge::shows_own(age);
+        doubtful += age == PointAge::kDoubtful;
+        if (age == PointAge::kNew) {
           expect_traced(image, after, pixel, filter_of(after));
         } else if (twin.found[pixel].sure) {
           ++compared;
           const bool none = twin.found[pixel].depth < 0.0;
           without += none;
-          if (none && own && age != PointImage::kAssumed) {
+          if (none && own && age != PointAge::kAssumed) {
             ++amid;
             wrong += image.points().pixels().ids[pixel] != 0 ||
                      !twin.amid_background(int(pixel % kWidth), int(pixel / kWidth)) ||
                      !may_show_background(before, background_place(after, pixel));
           } else if (none) {
-            wrong += own && age != PointImage::kAssumed;
+            wrong += own && age != PointAge::kAssumed;
           } else if (own) {
             wrong += image.points().pixels().ids[pixel] != twin.found[pixel].id;
           } else {
-            wrong += age == PointImage::kNoPoint || twin.found[pixel].id != 0;
+            wrong += age == PointAge::kNoPoint || twin.found[pixel].id != 0;
             ++hidden;
           }
           const auto hides = twin.hidden(int(pixel % kWidth), int(pixel / kWidth));
@@ -282,13 +282,13 @@ TEST_F(MovingImageTest, FillsWithWhatLiesBehind) {
   const PointImage& points = image.points();
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
-      if (PointImage::shows_own(points.ages()[points.at(x, y)])) continue;
+      if (PointAge::shows_own(points.ages()[points.at(x, y)])) continue;
       bool any = false;
       float depth = 2.0f;
       for (int side = 2; !any; side *= 2)
         for (int v = y / side * side; v < std::min(kHeight, (y / side + 1) * side); ++v)
           for (int u = x / side * side; u < std::min(kWidth, (x / side + 1) * side); ++u) {
-            if (!PointImage::shows_own(points.ages()[points.at(u, v)])) continue;
+            if (!PointAge::shows_own(points.ages()[points.at(u, v)])) continue;
             any = true;
             if (points.pixels().ids[points.at(u, v)] != 0)
               depth = std::min(depth, points.pixels().depths[points.at(u, v)]);
@@ -346,8 +346,8 @@ TEST_F(MovingImageTest, KeepsNoPointForLong) {
     draw(image, perspective(1e-5 * step), -kNever);
     for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
       const std::uint8_t age = image.points().ages()[pixel];
-      if (age == PointImage::kNew) again[pixel] = true;
-      if (age <= PointImage::kOldest && image.points().pixels().ids[pixel] != 0) oldest = std::max(oldest, int(age));
+      if (age == PointAge::kNew) again[pixel] = true;
+      if (age <= PointAge::kOldest && image.points().pixels().ids[pixel] != 0) oldest = std::max(oldest, int(age));
     }
   }
   EXPECT_GT(oldest, 8);
@@ -364,9 +364,9 @@ TEST_F(MovingImageTest, AssumesTheSkyAmongItsPoints) {
   std::int64_t assumed = 0, without = 0, wrong = 0;
   for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
     const std::uint8_t age = image.points().ages()[pixel];
-    assumed += age == PointImage::kAssumed;
-    without += age == PointImage::kNoPoint;
-    if (age != PointImage::kAssumed) continue;
+    assumed += age == PointAge::kAssumed;
+    without += age == PointAge::kNoPoint;
+    if (age != PointAge::kAssumed) continue;
     EXPECT_EQ(image.points().pixels().ids[pixel], 0u);
     wrong += hit(view, pixel, filter_of(view)).has_value();
   }
