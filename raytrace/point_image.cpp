@@ -34,6 +34,12 @@ dmat4 clip_from_place(const View& view, const dvec3& origin) {
   return gpuprims::reversed_clip_from_eye(view) * view.eye_from_world() * glm::translate(dmat4(1.0), origin);
 }
 
+/// By pixel of a row of blocks: the reversed depth of the nearest point that comes there, and its pixel before + 1.
+struct Nearest {
+  std::vector<std::uint64_t> found;
+  std::size_t memory_bytes() const { return core::bytes_of(found); }
+};
+
 /// Calls visit(row) for all rows.
 template <class Visit>
 void for_rows(core::ThreadPool& threads, int height, const Visit& visit) {
@@ -63,8 +69,9 @@ void PointImage::reset(int width, int height, const View& view) {
   }
   ids_.resize(pixels);
   depths_.resize(pixels);
-  moves_.resize(pixels);
-  from_.resize(pixels);
+  moves_.resize_for_overwrite(pixels);  // follow() sets these before it reads them
+  from_.resize_for_overwrite(pixels);
+  surface_blocks_.resize(std::size_t(columns()) * std::size_t(rows()));
   moved_rows_.resize(runs() * std::size_t(height));
   surfaces_.resize(surface_words() * std::size_t(height));
   look_from(view);
@@ -125,7 +132,6 @@ void PointImage::follow(const View& view, const Background& background, core::Th
   };
   const LinearOverImage before{form(background_.first - step, 1.0f), form(background_.right, 0.0f),
                                form(background_.up, 0.0f)};
-  find_surface_blocks(threads);
   threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
     for (int column = 0; column < columns(); ++column)
       if (none_around(surface_blocks_, columns(), std::size_t(row) * std::size_t(columns()) + std::size_t(column)))
@@ -164,16 +170,6 @@ void PointImage::project_row(const glm::mat4& pixels, int row) {
   }
 }
 
-namespace {
-
-/// By pixel of a row of blocks: the reversed depth of the nearest point that comes there, and its pixel before + 1.
-struct Nearest {
-  std::vector<std::uint64_t> found;
-  std::size_t memory_bytes() const { return core::bytes_of(found); }
-};
-
-}  // namespace
-
 /// Takes the points that come into a row of blocks: no other thread writes there.
 void PointImage::take_block_row(const vec3& step, const Background& background, int row) {
   const int bottom = row * kBlock, top = std::min(height_, bottom + kBlock);
@@ -193,6 +189,17 @@ void PointImage::take_block_row(const vec3& step, const Background& background, 
   }
   for (int y = bottom; y < top; ++y)
     take_row(step, background_of(background, y), y, found + std::size_t(y - bottom) * std::size_t(width_));
+  find_surface_blocks(row);
+}
+
+void PointImage::find_surface_blocks(int row) {
+  constexpr std::uint64_t kOfBlock = (std::uint64_t(1) << kBlock) - 1;
+  for (int column = 0; column < columns(); ++column) {
+    std::uint64_t found = 0;
+    for (int y = row * kBlock; y < std::min(height_, (row + 1) * kBlock); ++y)
+      found |= surfaces_from(y, std::ptrdiff_t(column) * kBlock) & kOfBlock;
+    surface_blocks_[std::size_t(row) * std::size_t(columns()) + std::size_t(column)] = found != 0;
+  }
 }
 
 /// Takes the points that are nearest in their pixels.
@@ -286,19 +293,6 @@ void PointImage::hide_background_row(int row) {
         now_.age[at(x, row)] |= PointAge::kHidden;
     }
   }
-}
-
-void PointImage::find_surface_blocks(core::ThreadPool& threads) {
-  constexpr std::uint64_t kOfBlock = (std::uint64_t(1) << kBlock) - 1;
-  surface_blocks_.resize(std::size_t(columns()) * std::size_t(rows()));
-  threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
-    for (int column = 0; column < columns(); ++column) {
-      std::uint64_t found = 0;
-      for (int y = int(row) * kBlock; y < std::min(height_, int(row + 1) * kBlock); ++y)
-        found |= surfaces_from(y, std::ptrdiff_t(column) * kBlock) & kOfBlock;
-      surface_blocks_[std::size_t(row) * std::size_t(columns()) + std::size_t(column)] = found != 0;
-    }
-  });
 }
 
 /// Lets pixels without a point show the background if it lay there before, where points of several pixels have come to

@@ -39,8 +39,8 @@ struct PointAge {
   static constexpr bool shows_own(std::uint8_t age) { return age < kHidden; }
 };
 
-/// What the pixels of a block sum up to: how long they have waited; how many have no point, show their own, show one
-/// of this view, or assumed background; and whether any shows a surface of its own.
+/// A sum over the pixels of a block: how long they have waited; how many have no point, show their own, show one of
+/// this view, or assumed background; and whether any shows a surface of its own.
 struct PointBlock {
   std::uint32_t waited = 0, missing = 0, own = 0, found = 0, assumed = 0, pixels = 0;
   bool surface = false;
@@ -50,7 +50,7 @@ struct PointBlock {
 /// Whether neither a block nor any beside it has a flag. `flags`: by block, row by row, in so many columns.
 bool none_around(std::span<const std::uint8_t> flags, int columns, std::size_t block);
 
-/// What changes linearly over an image.
+/// A vector that changes linearly over an image.
 struct LinearOverImage {
   core::vec3 first{0.0f}, right{0.0f}, up{0.0f};  // of the lowest, leftmost pixel, and by pixel
   core::vec3 at(int x, int y) const { return first + float(x) * right + float(y) * up; }
@@ -141,7 +141,7 @@ class PointImage {
   bool moved_past(std::size_t surface, std::size_t background, int distance) const;
   bool passed_by(int x, int y, int dx, int dy) const;
   void hide_background_row(int row);
-  void find_surface_blocks(core::ThreadPool& threads);
+  void find_surface_blocks(int row);
   void show_background(int x, int y, std::uint32_t colour, std::uint8_t age);
   void keep_background(const LinearOverImage& before, const gpuprims::Background& background, int column, int row);
   std::size_t runs() const { return (std::size_t(width_) + kRun - 1) / kRun; }

@@ -27,6 +27,14 @@ struct Site {
   culling::ContributionTest measure{view, core::dvec3(0.0), 1000, 1000};
 };
 
+/// Depths in front of everything, but for the left half of the image.
+void hide_right_half(culling::DepthPyramid& pyramid) {
+  std::vector<float> distances(1000 * 1000, 50.0f);
+  for (std::size_t y = 0; y < 1000; ++y)
+    for (std::size_t x = 0; x < 500; ++x) distances[1000 * y + x] = std::numeric_limits<float>::infinity();
+  pyramid.build(distances, 1000, 1000);
+}
+
 TEST(BudgetPasses, DrawsTheLargestFirstAndEachOnce) {
   Site site;
   BudgetPasses passes;
@@ -91,10 +99,7 @@ TEST(BudgetPasses, OtherSizesFollowWhatAPassTook) {
 TEST(BudgetPasses, OccludedItemsCostNothingAndOthersComeFirst) {
   Site site;
   culling::DepthPyramid pyramid;
-  std::vector<float> distances(1000 * 1000, 50.0f);  // in front of everything, but for the left half
-  for (std::size_t y = 0; y < 1000; ++y)
-    for (std::size_t x = 0; x < 500; ++x) distances[1000 * y + x] = std::numeric_limits<float>::infinity();
-  pyramid.build(distances, 1000, 1000);
+  hide_right_half(pyramid);
   const culling::OcclusionTest test(site.view, core::dvec3(0.0), 1000, 1000, pyramid);
   core::VisibleSet open;
   test.filter(site.bounds, site.all, open);
@@ -117,10 +122,7 @@ TEST(BudgetPasses, WhatAnImageShowsComesFirst) {
   Site site;
   core::ThreadPool threads(2);
   culling::DepthPyramid pyramid;
-  std::vector<float> distances(1000 * 1000, 50.0f);  // in front of everything, but for the left half
-  for (std::size_t y = 0; y < 1000; ++y)
-    for (std::size_t x = 0; x < 500; ++x) distances[1000 * y + x] = std::numeric_limits<float>::infinity();
-  pyramid.build(distances, 1000, 1000);
+  hide_right_half(pyramid);
   const culling::OcclusionTest test(site.view, core::dvec3(0.0), 1000, 1000, pyramid);
   core::VisibleSet some;
   some.ranges = {{10, 990}, {1500, 1234}};
