@@ -1,4 +1,4 @@
-"""Checks the sizes of classes and functions outside tests/ and study/: check_limits.py REPOSITORY.
+"""Checks the sizes of classes and functions outside tests/ and apps/study/: check_limits.py REPOSITORY.
 
 A class has at most 25 data members and 35 functions, a function at most 60 lines of code and six parameters. EXCEPTIONS names what
 exceeds a limit, and why. An entry whose thing no longer exceeds it, or has grown since, fails too.

@@ -28,10 +28,10 @@ CODE = re.compile(r"```\w*\n(.*?)```|`([^`]+)`|^ {4}(\S.*)$", re.S | re.M)
 TOOL = re.compile(r"\b(sightline-[a-z]+(?:-[a-z]+)*)\b(?!\.\w)")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]+")
 SUBCOMMAND = re.compile(r'(?:\{(?="[^{}]*\badd_\w+\})|subcommand\()"([a-z][a-z-]+)"')
-WITH_SUBCOMMANDS = {"sightline-bench": "apps/bench", "sightline-study": "study"}
+WITH_SUBCOMMANDS = {"sightline-bench": "apps/bench", "sightline-study": "apps/study"}
 # Where a tool declares options, beside apps/NAME.cpp, apps/NAME/ and what all tools share.
 SHARED = ["apps/common", "apps/mpi", "apps/paged_replay.cpp"]
-ELSEWHERE = {"sightline-stability": ["apps/bench/stability"], "sightline-bench": ["apps/bench"], "sightline-study": ["study", "apps/bench"]}
+ELSEWHERE = {"sightline-stability": ["apps/bench/stability"], "sightline-bench": ["apps/bench"], "sightline-study": ["apps/study", "apps/bench"]}
 
 
 class Tree:
@@ -91,7 +91,7 @@ class Names:
         self.tools = set(TOOL.findall(builds)) | {"sightline-" + name for name in re.findall(r"sightline_tool\((\w+)", builds)}
         self.subcommands = {tool: set(SUBCOMMAND.findall(tree.text(place))) for tool, place in WITH_SUBCOMMANDS.items()}
         self.options = {}
-        self.any_option = set(OPTION.findall(tree.text("apps", "study", "scripts", "tests", ".ci", "bindings/wasm")))
+        self.any_option = set(OPTION.findall(tree.text("apps", "scripts", "tests", ".ci", "bindings/wasm")))
         everything = tree.text(*tree.top, *tree.files)
         self.words = set(re.findall(r"\w+", everything))
         self.pages = set(re.findall(r"\bdocs/[\w/-]+\.md\b", everything))
