@@ -144,7 +144,7 @@ core::Expected<int> replay_paged(const PagedReplayOptions& o) {
   auto engine = need(open_paged(o.model, o.memory,
                                 {.width = size[0],
                                  .height = size[1],
-                                 .losses = {.lod_error = o.lod_error},
+                                 .losses = {.budget_ms = o.budget_ms, .lod_error = o.lod_error},
                                  .context = {.platform = o.platform}}));
   const auto path = choose_path(o, engine.scene());
   if (!o.save_path.empty()) need(importers::write_path(o.save_path, path));

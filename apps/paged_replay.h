@@ -12,6 +12,7 @@ struct PagedReplayOptions {
   std::string memory, path, save_path, size, json_file, images;
   int frames = 300, every = 30;
   double lod_error = 0.0;  ///< pixels
+  double budget_ms = 0.0;
   bool settle = false;  ///< each frame waits until its image is complete
   gl::ContextPlatform platform = {};
 };

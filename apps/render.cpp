@@ -170,6 +170,10 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.mode(mpi, {OptionGroup::kGeneral, OptionGroup::kImport, OptionGroup::kEngine});
   apps::add_memory_option(line, o.memory);
   line.check([&o] { return check_outputs(o); });
+  line.check([&o]() -> core::Expected<void> {
+    if (o.memory.empty() || o.shown.budget_ms == 0.0) return {};
+    return core::fail("--budget-ms: with --memory an image is always complete");
+  });
 }
 
 core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,

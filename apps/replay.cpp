@@ -432,6 +432,7 @@ core::Expected<int> replay(const Options& o) {
                                .frames = o.frames,
                                .every = o.every,
                                .lod_error = o.shown.lod_error,
+                               .budget_ms = o.shown.budget_ms,
                                .settle = o.settle,
                                .platform = o.platform});
 #endif

@@ -30,6 +30,7 @@ constexpr std::uint32_t kSkyStays = 8, kOldSky = 32;
 constexpr double kManyEmpty = 0.25;                // of the rays for which there is time
 constexpr std::uint32_t kCoarsest = 1, kHalf = 4;  // of sixteen pixels, every fourth and every second along either axis
 constexpr std::uint32_t kAll = 16;
+constexpr std::size_t kLeast = 24;  // of so many blocks one is traced in any case
 
 /// Bayer's matrix of order 4.
 std::uint32_t place_of(std::uint32_t x, std::uint32_t y) {
@@ -99,12 +100,10 @@ bool same_cuts(const View& a, const View& b) {
 
 /// All rays of an image share this.
 struct MovingImage::Shot {
-  const Tracer& tracer;
+  const SceneRays& scene;
   const core::ImageRays& rays;
-  const RayFilter& filter;
   Lit lit;
   const gpuprims::Background& background;
-  bool all_opaque;
 
   /// Rows are counted from the bottom up.
   core::Ray through(int x, int y, int height) const { return rays.through(x + 0.5, height - (y + 0.5)); }
@@ -112,7 +111,7 @@ struct MovingImage::Shot {
 
 core::Expected<MovingImage::Counts> MovingImage::draw(const Request& request, core::ThreadPool& threads,
                                                       double deadline) {
-  const auto& [tracer, view, width, height, without, lighting, sun, background] = request;
+  const auto& [scene, view, width, height, lighting, sun, background] = request;
   const auto rays = core::ImageRays::create(view, width, height);
   if (!rays) return tl::unexpected(rays.error());
   if (!view_ || width != points_.width() || height != points_.height() || !same_cuts(*view_, view))
@@ -120,9 +119,8 @@ core::Expected<MovingImage::Counts> MovingImage::draw(const Request& request, co
   else if (!core::same_image(*view_, view))
     points_.follow(view, background, threads);
   view_ = view;
-  RayFilter filter = filter_of(view);
-  filter.without = without;
-  const Shot shot{tracer, *rays, filter, Lit(request), background, all_opaque(tracer.snapshot().materials())};
+  const SceneRays scene_rays(scene, view, *rays, height);
+  const Shot shot{scene_rays, *rays, Lit(request), background};
   trace_most_urgent(shot, threads, deadline - finish_seconds_);
   const double traced = core::now_seconds();
   const PointBlock all = points_.fill(background, threads);
@@ -189,11 +187,11 @@ void MovingImage::trace_most_urgent(const Shot& shot, core::ThreadPool& threads,
   order_blocks();
   std::size_t empty = 0;
   while (empty < order_.size() && urgency_[order_[empty]] == kEmpty) ++empty;
-  std::size_t least = urgency_.size() / kAll + 1;
+  std::size_t least = urgency_.size() / kLeast + 1;
   if (const double pixels = double(empty * kPixels); pixels > kManyEmpty * rays_in_time(whole_rate_)) {
     const std::uint32_t places = pixels * kHalf / kAll <= rays_in_time(sparse_rate_) ? kHalf : kCoarsest;
     const auto blocks = std::span(order_).first(empty);
-    if (trace(shot, blocks, places, threads, kNever, sparse_rate_) > 0) least = (urgency_.size() - empty) / kAll;
+    if (trace(shot, blocks, places, threads, kNever, sparse_rate_) > 0) least = (urgency_.size() - empty) / kLeast;
     find_urgency(threads);
     assume_sky(shot, blocks, threads);
     order_blocks();
@@ -229,50 +227,57 @@ std::int64_t MovingImage::trace(const Shot& shot, std::span<std::uint32_t> block
 std::int64_t MovingImage::trace_block(const Shot& shot, std::uint32_t block, std::uint32_t places) {
   std::array<std::uint32_t, kPixels> pixels;
   std::size_t count = 0;
-  const auto columns = std::uint32_t(points_.columns());
-  points_.for_each(int(block % columns), int(block / columns), [&](std::size_t pixel, int x, int y) {
+  const int columns = points_.columns(), column = int(block) % columns, row = int(block) / columns;
+  points_.for_each(column, row, [&](std::size_t pixel, int x, int y) {
     if (points_.ages()[pixel] != PointAge::kNew && place_of(std::uint32_t(x), std::uint32_t(y)) < places)
       pixels[count++] = std::uint32_t(pixel);
   });
-  shoot(shot, {pixels.data(), count});
+  constexpr int kSide = PointImage::kBlock;
+  shoot(shot, {column * kSide, row * kSide, (column + 1) * kSide, (row + 1) * kSide}, {pixels.data(), count});
   return std::int64_t(count);
 }
 
-/// Traces kPixels pixels at most.
-void MovingImage::shoot(const Shot& shot, std::span<const std::uint32_t> pixels) {
-  std::array<core::Ray, kPixels> rays;
-  std::array<Hit, kPixels> hits;
+/// Traces pixels of a block.
+void MovingImage::shoot(const Shot& shot, const PixelRange& block, std::span<const std::uint32_t> pixels) {
+  static_assert(kPixels <= SceneRays::kMostRays);
+  std::array<core::Ray, kPixels> traced;
+  std::array<SceneRays::PartHit, kPixels> found;
   const auto width = std::uint32_t(points_.width());
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    rays[i] = shot.through(int(pixels[i] % width), int(pixels[i] / width), points_.height());
-  if (!shot.tracer.nearest({rays.data(), pixels.size()}, {hits.data(), pixels.size()}, shot.filter)) return;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (!shot.all_opaque) pass_dithered(shot, rays[i], pixels[i], hits[i]);
-    show(shot, rays[i], hits[i], pixels[i]);
-  }
+    traced[i] = shot.through(int(pixels[i] % width), int(pixels[i] / width), points_.height());
+  const std::span<const core::Ray> rays(traced.data(), pixels.size());
+  const std::span<SceneRays::PartHit> hits(found.data(), pixels.size());
+  shot.scene.nearest(rays, block, hits);
+  if (!shot.scene.all_opaque())
+    for (std::size_t i = 0; i < pixels.size(); ++i) pass_dithered(shot, rays[i], pixels[i], hits[i]);
+  for (std::size_t i = 0; i < pixels.size(); ++i) show(shot, rays[i], hits[i], pixels[i]);
 }
 
 /// Replaces a hit by the first one that dithering leaves in the pixel.
-void MovingImage::pass_dithered(const Shot& shot, const core::Ray& ray, std::uint32_t pixel, Hit& hit) const {
-  const core::Snapshot& snapshot = shot.tracer.snapshot();
+void MovingImage::pass_dithered(const Shot& shot, const core::Ray& ray, std::uint32_t pixel,
+                                SceneRays::PartHit& hit) const {
   const auto width = std::uint32_t(points_.width());
-  const auto shows = [&](const Hit& one) {
-    return !dithered_away(material_of(snapshot, one.slot).a, pixel % width, pixel / width, to_index(one.item));
+  const auto shows = [&](const SceneRays::PartHit& one) {
+    const float alpha = material_of(*one.snapshot, one.hit.slot).a;
+    return !dithered_away(alpha, pixel % width, pixel / width, to_index(one.hit.item));
   };
-  if (hit.slot == core::kNone || shows(hit)) return;
-  std::vector<Hit> all;
-  hit.slot = core::kNone;
-  if (!shot.tracer.all(ray, all, shot.filter)) return;
-  if (const auto first = std::find_if(all.begin(), all.end(), shows); first != all.end()) hit = *first;
+  if (hit.snapshot && !shows(hit)) shot.scene.first_that(ray, hit, shows);
 }
 
 /// Lets a pixel show what its ray hits.
-void MovingImage::show(const Shot& shot, const core::Ray& ray, const Hit& hit, std::uint32_t pixel) {
+void MovingImage::show(const Shot& shot, const core::Ray& ray, const SceneRays::PartHit& found, std::uint32_t pixel) {
   const auto width = std::uint32_t(points_.width());
+  const auto& [hit, snapshot] = found;
   if (hit.slot == core::kNone) return points_.set_background(int(pixel % width), int(pixel / width), shot.background);
-  const core::Snapshot& snapshot = shot.tracer.snapshot();
-  const vec3 normal(shading_normal(snapshot, hit, ray.direction));
-  const vec3 colour = shot.lit.colour(normal, -vec3(ray.direction), material_of(snapshot, hit.slot));
+  const vec3 to_viewer(-ray.direction);
+  if (!snapshot) {
+    const TracedBoxes& boxes = shot.scene.boxes();
+    const glm::vec4 material(vec3(colour_of(boxes.colours[hit.slot])), 1.0f);
+    return points_.set(pixel, hit.point, boxes.first_id + hit.slot + 1,
+                       packed_colour(shot.lit.colour(vec3(hit.normal), to_viewer, material)));
+  }
+  const vec3 normal(shading_normal(*snapshot, hit, ray.direction));
+  const vec3 colour = shot.lit.colour(normal, to_viewer, material_of(*snapshot, hit.slot));
   points_.set(pixel, hit.point, to_index(hit.item) + 1, packed_colour(colour));
 }
 

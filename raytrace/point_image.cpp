@@ -34,6 +34,11 @@ dmat4 clip_from_place(const View& view, const dvec3& origin) {
   return gpuprims::reversed_clip_from_eye(view) * view.eye_from_world() * glm::translate(dmat4(1.0), origin);
 }
 
+/// The background's colour in a row of an image.
+std::uint32_t background_of(const Background& background, int row, int height) {
+  return packed_colour(glm::mix(background.bottom, background.top, (float(row) + 0.5f) / float(height)));
+}
+
 /// By pixel of a row of blocks: the reversed depth of the nearest point that comes there, and its pixel before + 1.
 struct Nearest {
   std::vector<std::uint64_t> found;
@@ -188,7 +193,7 @@ void PointImage::take_block_row(const vec3& step, const Background& background, 
     }
   }
   for (int y = bottom; y < top; ++y)
-    take_row(step, background_of(background, y), y, found + std::size_t(y - bottom) * std::size_t(width_));
+    take_row(step, background_of(background, y, height_), y, found + std::size_t(y - bottom) * std::size_t(width_));
   find_surface_blocks(row);
 }
 
@@ -302,7 +307,7 @@ void PointImage::keep_background(const LinearOverImage& before, const Background
   for (int y = row * kBlock; y < std::min(height_, (row + 1) * kBlock); ++y) {
     const std::uint8_t* const ages = &now_.age[at(0, y)];
     if (std::find(ages + left, ages + right, PointAge::kNoPoint) == ages + right) continue;
-    const std::uint32_t colour = background_of(background, y);
+    const std::uint32_t colour = background_of(background, y, height_);
     for (int x = left; x < right; ++x) {
       if (ages[x] != PointAge::kNoPoint) continue;
       const vec3 there = before.at(x, y);
@@ -356,7 +361,7 @@ void PointImage::set(std::size_t pixel, const dvec3& point, std::uint32_t id, st
 }
 
 void PointImage::set_background(int x, int y, const Background& background, std::uint8_t age) {
-  show_background(x, y, background_of(background, y), age);
+  show_background(x, y, background_of(background, y, height_), age);
 }
 
 void PointImage::show_background(int x, int y, std::uint32_t colour, std::uint8_t age) {
@@ -366,10 +371,6 @@ void PointImage::show_background(int x, int y, std::uint32_t colour, std::uint8_
   now_.age[pixel] = age;
   ids_[pixel] = 0;
   depths_[pixel] = 0.0f;
-}
-
-std::uint32_t PointImage::background_of(const Background& background, int row) const {
-  return packed_colour(glm::mix(background.bottom, background.top, (float(row) + 0.5f) / float(height_)));
 }
 
 // --- pixels without a point ------------------------------------------------------------------------------------------
@@ -386,7 +387,7 @@ std::uint64_t PointImage::distance_of(std::size_t pixel) const {
 void PointImage::show(std::size_t pixel, std::uint64_t farthest, const Background& background, int row) {
   const std::size_t from = std::uint32_t(farthest);
   const bool surface = farthest != kNowhere && ids_[from] != 0;
-  now_.colour[pixel] = surface ? now_.colour[from] : background_of(background, row);
+  now_.colour[pixel] = surface ? now_.colour[from] : background_of(background, row, height_);
   depths_[pixel] = surface ? depths_[from] : 0.0f;
   ids_[pixel] = surface ? ids_[from] : 0;
 }

@@ -17,14 +17,6 @@ enum class PacketForm { kSingle, kVectors, kNothing };
 
 namespace {
 
-LaneSpace lanes_of(const TreeSpace& space, const dvec3& shift) {
-  return {{shift.x, shift.y, shift.z},
-          {space.centre.x, space.centre.y, space.centre.z},
-          {space.half.x, space.half.y, space.half.z},
-          space.radius,
-          space.reach};
-}
-
 RayFrame ray_frame(const PacketFrame& f, int ray) {
   RayFrame frame;
   frame.origin = {f.origin[0][ray], f.origin[1][ray], f.origin[2][ray]};

@@ -8,6 +8,7 @@
 
 #include "sightline/core/internal/openmp.h"
 #include "sightline/gpuprims/internal/primitives.h"
+#include "sightline/raytrace/internal/item_walk.h"
 #include "sightline/raytrace/internal/kernels.h"
 #include "sightline/raytrace/internal/tracer_impl.h"
 
@@ -252,54 +253,10 @@ bool nearest_triangle(const MeshTree& tree, const ItemRay& ray, double from, dou
 
 }  // namespace
 
-/// walk() of one tree, up to `to`. Returns the last limit.
-template <class Meet>
-double Tracer::Impl::walk_tree(const ItemTrees::Tree& tree, const Ray& ray, double from, double to,
-                               const RayFilter& filter, const Meet& meet) const {
-  const core::ItemBounds& bounds = snapshot_->bounds();
-  RayFrame frame;
-  if (!enter(tree.space, ray.origin - bounds.origin, ray.direction, from, to, frame)) return to;
-  struct Visitor : LeafVisitor {
-    const core::ItemBounds* bounds;
-    const RayFilter* filter;
-    const RayFrame* frame;
-    const Meet* meet;
-    double limit;
-  } visitor;
-  visitor.visit = [](LeafVisitor& base, std::uint32_t slot, float t_max) {
-    auto& self = static_cast<Visitor&>(base);
-    if ((self.bounds->layers(slot) & self.filter->layers) == 0 || self.filter->passes(slot)) return t_max;
-    const double limit = (*self.meet)(Slot(slot));
-    if (!(limit < self.limit)) return t_max;
-    self.limit = limit;
-    return limit == -kInfinity ? -1.0f : std::min(t_max, std::max(0.0f, self.frame->limit(limit)));
-  };
-  visitor.bounds = &bounds;
-  visitor.filter = &filter;
-  visitor.frame = &frame;
-  visitor.meet = &meet;
-  visitor.limit = to;
-  kernels().walk(items_.nodes(), tree.root, frame.boxes, visitor);
-  return visitor.limit;
-}
-
-/// Calls meet(slot) for items that the ray's part from … to may meet. meet() returns the t beyond which nothing is of
-/// interest from now on; -infinity ends the walk. An empty part meets nothing.
+/// walk_items() through all items.
 template <class Meet>
 void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const {
-  if (!(from <= to)) return;
-  const core::ItemBounds& bounds = snapshot_->bounds();
-  for (const ItemTrees::Tree& tree : items_.trees()) {
-    if (tree.only == core::kNone) {
-      to = walk_tree(tree, ray, from, to, filter, meet);
-    } else {
-      if ((bounds.layers(tree.only) & filter.layers) == 0 || filter.passes(tree.only)) continue;
-      if (tree.space.radius < 0.0) continue;
-      if (passes_by(tree.space, ray.origin - bounds.origin, ray.direction)) continue;
-      to = std::min(to, meet(tree.only));
-    }
-    if (to == -kInfinity) return;
-  }
+  walk_items({items_, snapshot_->bounds(), ray, from, to, filter}, meet);
 }
 
 /// Whether the item is hit before what was found so far; then that is replaced.

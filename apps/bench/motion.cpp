@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "sightline/apps/bench/harness.h"
+#include "sightline/apps/bench/moving_engine.h"
 #include "sightline/apps/bench/renderer.h"
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/arguments.h"
@@ -22,6 +23,7 @@
 #include "sightline/apps/common/drawn_variant.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
+#include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/common/table.h"
@@ -51,7 +53,7 @@ struct Options {
   int frames = 40, every = 10;
   double budget_ms = 33.0, lod_error = 0.0;
   gl::ContextPlatform platform = {};
-  std::string size = "1280x720", json, plot, images, strip;
+  std::string size = "1280x720", memory, json, plot, images, strip;
   std::vector<std::string> ways{"traced", "drawn", "complete"};
 };
 
@@ -89,6 +91,13 @@ void add_options(apps::CommandLine& line, Options& o) {
       .one_value_each()
       .one_of(way_names())
       .shows_default();
+  line.add("--memory", o.memory, "Fly with a paged engine that has so much memory beside the bench's own")
+      .metavar("LIMIT")
+      .accepted_by(apps::parse_bytes);
+  line.check([&o]() -> core::Expected<void> {
+    if (o.memory.empty() || o.model.model.files.size() == 1) return {};
+    return core::fail("--memory: expected one scene cache");
+  });
   line.add("--images", o.images, "Write compared frames and their complete images to this folder").metavar("FOLDER");
   line.add("--strip", o.strip,
            "Write frames of the first flight in a row, a row for each way and one of complete images")
@@ -187,7 +196,7 @@ Errors errors_of(const DrawnImage& complete, const DrawnImage& moving) {
       const std::uint32_t id = complete.ids.ids[at];
       if (id == 0) continue;
       ++pixels;
-      covered += std::uint64_t(moving.ids.ids[at] != 0);
+      covered += std::uint64_t(std::isfinite(moving.depth.metres[at]));  // boxes of pages to come have no id
       right += std::uint64_t(moving.ids.ids[at] == id || shows_near(moving.ids, id, x, y));
     }
   Errors errors;
@@ -277,34 +286,46 @@ class Bench {
     return side_by_side(rows);
   }
 
-  static Engine make_engine(core::Scene& scene, const Options& o, const Way& way) {
+  static engine::EngineConfig config_of(const Options& o, const Way& way) {
     const auto [width, height] = *apps::parse_size(o.size);
     engine::EngineConfig config = drawing_config(width, height, o.platform);
     if (way.budget) config.losses = {.budget_ms = o.budget_ms, .lod_error = o.lod_error};
-    return need(Engine::create(scene, config));
+    return config;
+  }
+  static Engine make_engine(core::Scene& scene, const Options& o, const Way& way) {
+    return need(Engine::create(scene, config_of(o, way)));
   }
 
  private:
   /// An engine of its own, so that a flight knows nothing of others.
-  Engine engine_for(const Flight& flight, const Way& way) const {
-    Engine moving = make_engine(scene_, options_, way);
-    engine::EngineParts::set_traces_motion(moving, way.traced);
+  MovingEngine engine_for(const Flight& flight, const Way& way) const {
+    MovingEngine moving = options_.memory.empty() ? whole_engine(way) : paged_engine(way);
     // A first frame, of another view, compiles programs.
     need(moving.frame(flight.views[flight.views.size() / 2]));
-    moving.finish();
-#if SIGHTLINE_HAS_RAYTRACE
-    while (moving.preparing_picks()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-#endif
+    moving.wait_for_preparations();
     return moving;
+  }
+  MovingEngine whole_engine(const Way& way) const {
+    Engine engine = make_engine(scene_, options_, way);
+    engine::EngineParts::set_traces_motion(engine, way.traced);
+    return MovingEngine(std::move(engine));
+  }
+  MovingEngine paged_engine(const Way& way) const {
+    const engine::EngineConfig like = config_of(options_, way);
+    return need(MovingEngine::paged(options_.model.model.files.front(), *apps::parse_bytes(options_.memory),
+                                    {.width = like.width,
+                                     .height = like.height,
+                                     .drawing = like.drawing,
+                                     .losses = like.losses,
+                                     .context = {.platform = like.context.platform},
+                                     .loading_bar = false}));
   }
 
   void time(const Flight& flight, const Way& way, Measured& measured) const {
-    Engine moving = engine_for(flight, way);
+    MovingEngine moving = engine_for(flight, way);
     for (const core::View& view : flight.views) {
       const double begin = milliseconds();
-      const engine::FrameReport report = need(moving.frame(view));
-      if (!report.drawn) apps::fail("the GL context was lost");
-      moving.finish();
+      const MovingEngine::Report report = need(moving.frame(view));
       measured.ms.push_back(milliseconds() - begin);
       measured.pending.push_back(double(report.pending));
       measured.coarseness.push_back(report.coarseness);
@@ -312,20 +333,18 @@ class Bench {
     }
     measured.rest_ms = rest(moving, flight.views.back());
   }
-  static double rest(Engine& engine, const core::View& view) {
+  static double rest(MovingEngine& engine, const core::View& view) {
     const double begin = milliseconds();
     while (need(engine.frame(view)).pending > 0) {
     }
-    engine.finish();
     return milliseconds() - begin;
   }
 
   void compare(const Flight& flight, const Way& way, Measured& measured) {
-    Engine moving = engine_for(flight, way);
+    MovingEngine moving = engine_for(flight, way);
     Pair before;
     for (std::size_t i = 0; i < flight.views.size(); ++i) {
       need(moving.frame(flight.views[i]));
-      moving.finish();
       const std::size_t phase = i % std::size_t(options_.every);
       if (phase > 1) continue;
       Pair pair = compare(moving, flight.views[i], measured);
@@ -335,10 +354,10 @@ class Bench {
       before = std::move(pair);
     }
   }
-  Pair compare(Engine& moving, const core::View& view, Measured& measured) {
+  Pair compare(MovingEngine& moving, const core::View& view, Measured& measured) {
     need(complete_.frame(view));
     complete_.finish();
-    Pair pair{need(apps::read_image(moving, view)), need(apps::read_image(complete_, view))};
+    Pair pair{need(moving.image(view)), need(apps::read_image(complete_, view))};
     const Errors errors = errors_of(pair.complete, pair.moving);
     measured.covered.push_back(errors.covered);
     measured.right_item.push_back(errors.right_item);

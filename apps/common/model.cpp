@@ -301,7 +301,7 @@ void add_drawn_options(CommandLine& line, DrawnOptions& options) {
   add_setting(engine, "sample_test", options.sample_test).advanced();
   add_setting(engine, "occlusion", options.occlusion).advanced();
   add_setting(line, "min_projected_area", options.min_projected_area).advanced();
-  add_setting(line, "budget_ms", options.budget_ms).advanced();
+  add_setting(line.group(OptionGroup::kPaged), "budget_ms", options.budget_ms).advanced();
   add_setting(line.group(OptionGroup::kPaged), "lod_error", options.lod_error).advanced();
   add_setting(line, "contribution_mode", options.contribution_mode).advanced();
   const engine::Looks& looks = options.looks;

@@ -41,6 +41,7 @@ sl_paged_report report_of(const engine::PagedReport& from) {
   report.loaded = from.loaded, report.coarse_loaded = from.coarse_loaded;
   report.evicted = from.evicted, report.prefetched = from.prefetched, report.failed = from.failed;
   report.memory = from.memory;
+  report.coarseness = from.coarseness, report.earlier = from.earlier;
   return report;
 }
 

@@ -98,6 +98,8 @@ void bind_paged_report(py::module_& m) {
       .def_readonly("frame_ms", &PagedReport::frame_ms, "Milliseconds of wall clock, until all was drawn.")
       .def_readonly("leaves", &PagedReport::leaves, "Leaves in the view volume that may cover a sample.")
       .def_readonly("pending", &PagedReport::pending, "Of these, not drawn and not known to be hidden.")
+      .def_readonly("coarseness", &PagedReport::coarseness, "As in FrameReport, of an image traced within budget_ms.")
+      .def_readonly("earlier", &PagedReport::earlier, "Likewise.")
       .def_readonly("placeholders", &PagedReport::placeholders, "Splats drawn for them.")
       .def_readonly("coarse_items", &PagedReport::coarse_items, "Items drawn for them by their coarsest levels.")
       .def_readonly("items_drawn", &PagedReport::items_drawn, "Items drawn into the image so far.")
@@ -117,7 +119,8 @@ void bind_paged_report(py::module_& m) {
   bind_value<&PagedReport::frame, &PagedReport::frame_ms, &PagedReport::leaves, &PagedReport::pending,
              &PagedReport::placeholders, &PagedReport::coarse_items, &PagedReport::items_drawn, &PagedReport::complete,
              &PagedReport::resident, &PagedReport::loaded, &PagedReport::evicted, &PagedReport::prefetched,
-             &PagedReport::failed, &PagedReport::coarse_resident, &PagedReport::coarse_loaded, &PagedReport::memory>(c);
+             &PagedReport::failed, &PagedReport::coarse_resident, &PagedReport::coarse_loaded, &PagedReport::memory,
+             &PagedReport::coarseness, &PagedReport::earlier>(c);
 }
 
 std::unique_ptr<PagedEngineBox> open_pages(const std::filesystem::path& path, const py::object& progress,

@@ -24,8 +24,9 @@ core::Expected<DrawCounts> TracedImage::draw(DrawContext& context, const Frame& 
   const render::Renderer& looks = *context.renderer;
   const double deadline = frame.budget_began + kShare * 1e-3 * context.config.losses.budget_ms - show_seconds_;
   if (!image_) image_ = std::make_shared<raytrace::MovingImage>();
+  const raytrace::TracedPart all{frame.tracer, over};
   const auto traced = image_->draw(
-      {*frame.tracer, frame.view, target.width(), target.height(), over, looks.lighting, looks.sun, looks.background},
+      {{{&all, 1}}, frame.view, target.width(), target.height(), looks.lighting, looks.sun, looks.background},
       context.threads, deadline);
   if (!traced) return tl::unexpected(traced.error());
   complete_ = traced->kept + traced->filled == 0;

@@ -8,11 +8,15 @@
 #include <new>
 
 #include <malloc.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/lod/stored_levels.h"
+#if SIGHTLINE_HAS_RAYTRACE
+#include "sightline/raytrace/tracer.h"
+#endif
 
 namespace sightline::engine {
 namespace {
@@ -22,6 +26,8 @@ namespace {
 constexpr std::size_t kListBytes = 16, kMeshListBytes = 128;
 /// And for an index of levels: in main memory, on the GPU, on its way there, with what clusters and groups come to.
 constexpr std::size_t kLevelIndexBytes = 16;
+// Where frames have a budget they come first. A higher number leaves the loader so little that pages come late.
+constexpr int kNiceness = 5;
 constexpr double kLongestWaitSeconds = 1e6;  // seconds; clocks cannot count to infinity
 
 /// Levels of detail of the page's meshes.
@@ -60,7 +66,8 @@ void give_back_free_memory() {
 
 // --- reading ---------------------------------------------------------------------------------------------------------
 
-PageLoader::PageLoader(const core::PagedScene& scene) : scene_(scene), thread_([this] { run(); }) {}
+PageLoader::PageLoader(const core::PagedScene& scene, bool traced)
+    : scene_(scene), traced_(traced), thread_([this] { run(); }) {}
 
 PageLoader::~PageLoader() {
   {
@@ -99,17 +106,34 @@ bool PageLoader::wait(double seconds) {
 }
 
 /// Nobody above this thread would catch what a loader throws.
-core::Expected<std::unique_ptr<core::Page>> PageLoader::load(std::uint32_t page) const {
+PageLoader::Loaded PageLoader::load(std::uint32_t page) const {
   try {
-    return scene_.load(page);
+    return prepared(page);
   } catch (const std::bad_alloc&) {
-    return core::fail("out of memory");  // short enough to need none
+    return {page, core::fail("out of memory")};  // short enough to need none
   } catch (const std::exception& error) {
-    return core::fail(error.what());
+    return {page, core::fail(error.what())};
   }
 }
 
+PageLoader::Loaded PageLoader::prepared(std::uint32_t page) const {
+  Loaded loaded{page, scene_.load(page)};
+  if (!loaded.content) return loaded;
+  if (scene_.pages[page].level_indices > 0) loaded.levels = levels_of(**loaded.content);
+#if SIGHTLINE_HAS_RAYTRACE
+  if (traced_) {
+    auto tracer = raytrace::Tracer::create((*loaded.content)->snapshot, 1);
+    if (!tracer) return {page, tl::unexpected(tracer.error())};
+    loaded.tracer = std::make_shared<const raytrace::Tracer>(std::move(*tracer));
+  }
+#endif
+  return loaded;
+}
+
 void PageLoader::run() {
+#ifdef __linux__
+  if (traced_) (void)setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread alone
+#endif
   std::unique_lock held(mutex_);
   while (true) {
     changed_.wait(held, [this] { return stop_ || !asked_.empty(); });
@@ -117,8 +141,7 @@ void PageLoader::run() {
     const std::uint32_t page = asked_.front();
     asked_.pop_front();
     held.unlock();
-    Loaded loaded{page, load(page), {}};
-    if (loaded.content && scene_.pages[page].level_indices > 0) loaded.levels = levels_of(**loaded.content);
+    Loaded loaded = load(page);
     held.lock();
     loaded_.push_back(std::move(loaded));
     changed_.notify_all();
@@ -134,20 +157,28 @@ std::size_t ResidentPage::memory_bytes() const {
     meshes += (mesh.positions.size() + mesh.normals.size()) * sizeof(core::vec3) +
               (mesh.indices.size() + mesh.contour_sizes.size() + mesh.polygon_contours.size()) * sizeof(std::uint32_t);
   }
+#if SIGHTLINE_HAS_RAYTRACE
+  const std::size_t traced = tracer ? tracer->memory().total() : 0;
+#else
+  const std::size_t traced = 0;
+#endif
+  const std::size_t in_main_memory = meshes + level_bytes + traced + content->snapshot.memory_bytes();
+  if (!uploaded) return in_main_memory;
+  const auto& [scene, lists] = *uploaded;
   const std::size_t mesh_items = scene.meshes().records();
   const std::size_t list_bytes = std::max(lists.memory_bytes(), gpuscene::DrawLists::first_update_bytes());
-  return meshes + level_bytes + content->snapshot.memory_bytes() + scene.memory_bytes() + list_bytes +
-         mesh_items * kMeshListBytes + content->snapshot.size() * kListBytes;
+  return in_main_memory + scene.memory_bytes() + list_bytes + mesh_items * kMeshListBytes +
+         content->snapshot.size() * kListBytes;
 }
 
-PageStore::PageStore(const core::PagedScene& scene, std::size_t limit)
+PageStore::PageStore(const core::PagedScene& scene, std::size_t limit, bool traced)
     : scene_(scene),
       largest_page_(largest_page(scene)),
       limit_(std::max(limit, largest_page_)),
       pages_(scene.pages.size()),
       asked_(scene.pages.size()),
       failed_(scene.pages.size()),
-      loader_(scene) {}
+      loader_(scene, traced) {}
 
 /// Meshes are gathered once more before they are uploaded.
 std::size_t PageStore::bytes_of(const core::PagedScene::PageInfo& info) {
@@ -165,61 +196,76 @@ std::size_t PageStore::bytes_of(const core::PagedScene::PageInfo& info) {
          2 * (info.mesh_positions * gpuscene::MeshPool::kVertexBytes + info.mesh_indices * sizeof(std::uint32_t));
 }
 
+/// More than most: nodes above items and triangles, blocks of these, and boxes to sort.
+std::size_t PageStore::tracer_bytes(const core::PagedScene::PageInfo& info) {
+  constexpr std::size_t kOfItem = 110, kOfTriangle = 110;
+  return info.slot_count * kOfItem + info.mesh_indices / 3 * kOfTriangle;
+}
+
 std::size_t PageStore::largest_page(const core::PagedScene& scene) {
   std::size_t most = 0;
   for (const auto& info : scene.pages) most = std::max(most, bytes_of(info));
   return most;
 }
 
-core::Expected<void> PageStore::take_loaded(const gl::Context& context, std::uint64_t frame) {
-  core::Expected<void> done;
+void PageStore::take_loaded(std::uint64_t frame) {
   for (PageLoader::Loaded& loaded : loader_.take()) {
     ++counts_.loaded;
-    asked_[loaded.page] = false;
+    const std::uint32_t page = loaded.page;
+    asked_[page] = false;
     if (!loaded.content) {
-      bytes_ -= bytes_of(scene_.pages[loaded.page]);
-      failed_[loaded.page] = true;
+      bytes_ -= bytes_of(scene_.pages[page]);
+      failed_[page] = true;
       ++counts_.failed;
       errors_.push_back(loaded.content.error().message);
       continue;
     }
-    const std::uint32_t page = loaded.page;
-    if (done) done = upload(context, std::move(loaded));
-    if (!done) {
-      bytes_ -= bytes_of(scene_.pages[page]);  // it may be asked for again, and so may all that have come with it
-      continue;
+    pages_[page] = std::make_unique<ResidentPage>();
+    ResidentPage& resident = *pages_[page];
+    resident.content = std::move(*loaded.content);
+    resident.levels = std::move(loaded.levels);
+    for (const auto& of : resident.levels) resident.level_bytes += of.levels->memory_bytes();
+    resident.tracer = std::move(loaded.tracer);
+    if (const auto& lines = resident.content->snapshot.of_kind(core::Kind::kLine).members; !lines.empty()) {
+      resident.lines.resize(culling::bit_words(resident.content->snapshot.size()));
+      for (const core::Slot slot : lines) resident.lines[slot / 64] |= std::uint64_t(1) << slot % 64;
     }
-    pages_[page]->used = frame;
+    bytes_ -= bytes_of(scene_.pages[page]);
+    recount(resident);
+    resident.used = frame;
+    resident_.push_back(page);
     ++counts_.prefetched;  // until an image needs it
+  }
+  counts_.resident = std::uint32_t(resident_.size());
+}
+
+core::Expected<void> PageStore::upload(const gl::Context& context) {
+  std::vector<std::uint32_t> waiting;
+  std::copy_if(resident_.begin(), resident_.end(), std::back_inserter(waiting),
+               [&](std::uint32_t page) { return !pages_[page]->uploaded; });
+  std::sort(waiting.begin(), waiting.end(), [&](std::uint32_t a, std::uint32_t b) { return rank(b) < rank(a); });
+  core::Expected<void> done;
+  for (const std::uint32_t page : waiting) {
+    if (!pages_[page]) continue;  // it has made room
+    ResidentPage& resident = *pages_[page];
+    const std::size_t more = bytes_of(scene_.pages[page]) - std::min(resident.bytes, bytes_of(scene_.pages[page]));
+    while (bytes_ + more > limit_ && first_to_go() != page) evict(first_to_go());
+    if (done) done = upload(context, resident);
+    resident.uploaded ? recount(resident) : evict(page);
   }
   return done;
 }
 
-core::Expected<void> PageStore::upload(const gl::Context& context, PageLoader::Loaded loaded) {
-  const std::uint32_t page = loaded.page;
-  std::unique_ptr<core::Page> content = std::move(*loaded.content);
-  const auto joints = gpuprims::Joints::of_slots(std::move(content->internal_end_caps));
-  const core::Snapshot& snapshot = content->snapshot;
-  auto scene = gpuscene::GpuScene::create(context, snapshot, joints);
+core::Expected<void> PageStore::upload(const gl::Context& context, ResidentPage& page) {
+  const auto joints = gpuprims::Joints::of_slots(std::exchange(page.content->internal_end_caps, {}));
+  auto scene = gpuscene::GpuScene::create(context, page.content->snapshot, joints);
   if (!scene) return tl::unexpected(scene.error());
-  scene->meshes().add_levels(loaded.levels);
+  scene->meshes().add_levels(std::exchange(page.levels, {}));
   if (auto done = scene->upload_meshes(core::kNoDeadline, true); !done) return tl::unexpected(done.error());
-  std::size_t level_bytes = 0;
-  for (const auto& of : loaded.levels) level_bytes += of.levels->memory_bytes();
   auto lists = gpuscene::DrawLists::create(context, *scene);
   if (!lists) return tl::unexpected(lists.error());
-  content->drop_records();
-  std::vector<std::uint64_t> lines;
-  if (const auto& members = snapshot.of_kind(core::Kind::kLine).members; !members.empty()) {
-    lines.resize(culling::bit_words(snapshot.size()));
-    for (const core::Slot slot : members) lines[slot / 64] |= std::uint64_t(1) << slot % 64;
-  }
-  pages_[page] = std::unique_ptr<ResidentPage>(
-      new ResidentPage{std::move(content), std::move(*scene), std::move(*lists), std::move(lines), level_bytes});
-  resident_.push_back(page);
-  counts_.resident = std::uint32_t(resident_.size());
-  bytes_ -= bytes_of(scene_.pages[page]);
-  recount(*pages_[page]);
+  if (!page.tracer) page.content->drop_records();
+  page.uploaded.emplace(UploadedPage{std::move(*scene), std::move(*lists)});
   return {};
 }
 
@@ -230,9 +276,12 @@ void PageStore::recount(ResidentPage& page) {
 }
 
 void PageStore::count_again(std::uint32_t page) {
-  ResidentPage& resident = *pages_[page];
-  recount(resident);
-  if (!std::exchange(resident.needed, true)) --counts_.prefetched;
+  recount(*pages_[page]);
+  need(page);
+}
+
+void PageStore::need(std::uint32_t page) {
+  if (!std::exchange(pages_[page]->needed, true)) --counts_.prefetched;
 }
 
 void PageStore::ask_for(std::span<const Wanted> wanted, std::uint64_t frame, bool stays) {
@@ -261,7 +310,6 @@ bool PageStore::make_room(std::size_t bytes, const Wanted& wanted, std::uint64_t
 std::uint32_t PageStore::first_to_go() const {
   std::uint32_t found = core::kNone;
   for (const std::uint32_t page : resident_) {
-    const auto rank = [&](std::uint32_t p) { return std::pair(pages_[p]->used, pages_[p]->area); };
     if (found == core::kNone || rank(page) < rank(found)) found = page;
   }
   return found;

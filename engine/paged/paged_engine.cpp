@@ -10,6 +10,7 @@
 #include "sightline/engine/internal/settings.h"
 #include "sightline/engine/paged/internal/page_store.h"
 #include "sightline/engine/paged/internal/paged_image.h"
+#include "sightline/engine/paged/internal/traced_pages.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/program_cache.h"
 #include "sightline/render/image/image.h"
@@ -17,6 +18,7 @@
 namespace sightline::engine {
 namespace {
 
+constexpr double kBudgetShare = 0.98;   // of the time for a traced image
 constexpr int kForeseen = 3;            // the camera's motion is doubled so often: frames ahead
 constexpr double kLongestTrial = 10.0;  // seconds
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
@@ -61,6 +63,23 @@ auto without_throwing(const Call& call) -> decltype(call()) {
   }
 }
 
+bool traces(const PagedConfig& config) {
+  return config.losses.budget_ms > 0.0;
+}
+void count_tracers(core::PagedScene& scene) {
+  for (core::PagedScene::PageInfo& page : scene.pages) page.memory_bytes += PageStore::tracer_bytes(page);
+}
+
+std::size_t least_for_pages(const core::PagedScene& scene) {
+  return PageStore::largest_page(scene) + (scene.coarse ? PageStore::largest_page(*scene.coarse) : 0);
+}
+
+/// That images will still take. `traced`: moving ones; may be null.
+std::size_t bytes_of_images(const PagedConfig& config, const TracedPages* traced) {
+  const std::size_t moving = traced ? traced->memory_bytes(config.width, config.height) : 0;
+  return bytes_to_read(config) + moving - std::min(moving, traced ? traced->memory_bytes() : 0);
+}
+
 std::string in_megabytes(std::size_t bytes) {
   return std::to_string((bytes + kMegabyte - 1) / kMegabyte) + " MiB";
 }
@@ -86,7 +105,7 @@ class PagedEngine::Impl {
     (void)context_.make_current();
     return image_->target();
   }
-  const core::View& view() const { return *image_->view(); }
+  const core::View& view() const { return *shown_; }
   const core::PagedScene& scene() const { return scene_; }
   const std::string& renderer() const { return context_.renderer(); }
   Memory memory() const {
@@ -99,12 +118,17 @@ class PagedEngine::Impl {
       : context_(std::move(context)), scene_(std::move(scene)), config_(config) {
     if (config_.losses.lod_error == 0.0)
       for (core::PagedScene::PageInfo& page : scene_.pages) page.level_indices = 0;  // nobody reads them
+    if (!traces(config_)) return;
+    count_tracers(scene_);
+    if (!scene_.coarse) return;
+    auto coarse = std::make_shared<core::PagedScene>(*scene_.coarse);
+    count_tracers(*coarse);
+    scene_.coarse = std::move(coarse);
   }
   core::Expected<void> prepare();
   core::Expected<void> warm_up();
   core::Expected<void> draw_trial();
   std::size_t room_for_pages() const;
-  std::size_t least_for_pages() const;
   void set_limits(std::size_t limit);
   core::Expected<void> make_store();
   void keep_within_limit();
@@ -112,11 +136,15 @@ class PagedEngine::Impl {
   core::Expected<void> take_context();
   OpenLeaves& leaves() { return image_->leaves(); }
   core::Expected<void> begin(const core::View& view);
+  core::Expected<PagedReport> trace(const core::View& view, double began);
+  core::Expected<void> take_loaded(bool upload);
+  void count_pages();
   PagesInMemory pages() const { return {*store_, coarse_.get(), report_.frame}; }
   core::Expected<void> refine(double until, bool stays);
   core::Expected<PagedReport> complete(const core::View& view, const Progress& progress);
   core::Expected<void> refine_more();
   void ask_for_pages(bool stays);
+  void ask_for_missing();
   bool lacks_coarse(std::uint32_t page) const;
   void foresee(std::vector<PageStore::Wanted>& wanted, std::vector<PageStore::Wanted>& coarse);
   core::Expected<void> show();
@@ -127,10 +155,13 @@ class PagedEngine::Impl {
   std::unique_ptr<PagedImage> image_;
   std::size_t page_limit_ = 0;  // bytes for pages, where drivers take what was foreseen
   std::unique_ptr<PageStore> store_;
-  std::unique_ptr<PageStore> coarse_;  // of the coarsest levels; null: there are none
-  std::optional<core::View> before_;   // of the image before this one
-  bool settling_ = false;              // nobody looks at what comes before the image is complete
+  std::unique_ptr<PageStore> coarse_;    // of the coarsest levels; null: there are none
+  std::unique_ptr<TracedPages> traced_;  // null: moving images are drawn as others
+  std::optional<core::View> shown_;      // of the last frame
+  std::optional<core::View> before_;     // of the frame before it that had another
+  bool settling_ = false;                // nobody looks at what comes before the image is complete
   std::uint64_t frames_ = 0;
+  double after_rays_seconds_ = 0.0;  // what followed the rays of the last traced image
   PagedReport report_;
 };
 
@@ -151,6 +182,8 @@ core::Expected<void> PagedEngine::Impl::prepare() {
   auto image = PagedImage::create(context_, scene_, config_);
   if (!image) return tl::unexpected(image.error());
   image_ = std::move(*image);
+  if (traces(config_))
+    if (auto done = core::store(TracedPages::create(scene_), traced_); !done) return done;
   if (auto done = warm_up(); !done) return done;
   return make_store();
 }
@@ -176,10 +209,11 @@ core::Expected<void> PagedEngine::Impl::draw_trial() {
       core::View::fit(place, core::kOverviewDirection, 0.8, double(config_.width) / double(config_.height));
   if (!view) return {};
   if (auto done = begin(*view); !done) return done;
-  store_ = std::make_unique<PageStore>(scene_, 0);
+  store_ = std::make_unique<PageStore>(scene_, 0, traces(config_));
   store_->ask_for({&first, 1}, 0, true);
   (void)store_->wait(kLongestTrial);
-  auto done = store_->take_loaded(context_, 0);
+  store_->take_loaded(0);
+  auto done = store_->upload(context_);
   if (done) done = image_->draw_resident(pages());
   report_.pending = report_.leaves;
   if (done) done = show();
@@ -190,12 +224,9 @@ core::Expected<void> PagedEngine::Impl::draw_trial() {
 
 /// What the limit leaves; 0 where that is less than a page.
 std::size_t PagedEngine::Impl::room_for_pages() const {
-  const std::size_t taken = process_memory() + bytes_to_read(config_) + reserve_of(config_.memory_limit);
-  return config_.memory_limit < taken + least_for_pages() ? 0 : config_.memory_limit - taken;
-}
-
-std::size_t PagedEngine::Impl::least_for_pages() const {
-  return PageStore::largest_page(scene_) + (scene_.coarse ? PageStore::largest_page(*scene_.coarse) : 0);
+  const std::size_t taken =
+      process_memory() + bytes_of_images(config_, traced_.get()) + reserve_of(config_.memory_limit);
+  return config_.memory_limit < taken + least_for_pages(scene_) ? 0 : config_.memory_limit - taken;
 }
 
 void PagedEngine::Impl::set_limits(std::size_t limit) {
@@ -210,22 +241,24 @@ core::Expected<void> PagedEngine::Impl::make_store() {
   give_back_free_memory();
   page_limit_ = room_for_pages();
   if (page_limit_ == 0) {
-    const std::size_t used = process_memory() + bytes_to_read(config_), least = least_for_pages();
+    const std::size_t used = process_memory() + bytes_of_images(config_, traced_.get()),
+                      least = least_for_pages(scene_);
     return core::fail(
         "engine: a memory limit of " + in_megabytes(config_.memory_limit) + " is too low: " + in_megabytes(used) +
         " are taken without any page, and the largest page takes " + in_megabytes(least) + "; expected " +
         in_megabytes(std::max((used + least) * kReserveShare / (kReserveShare - 1), used + least + kLeastReserve)) +
         " or more");
   }
-  store_ = std::make_unique<PageStore>(scene_, page_limit_);
-  if (scene_.coarse) coarse_ = std::make_unique<PageStore>(*scene_.coarse, 0);
+  store_ = std::make_unique<PageStore>(scene_, page_limit_, traces(config_));
+  if (scene_.coarse) coarse_ = std::make_unique<PageStore>(*scene_.coarse, 0, traces(config_));
   set_limits(page_limit_);
   return {};
 }
 
 /// Drivers and the allocator may take more than was foreseen. Then pages get less, until these take less again.
 void PagedEngine::Impl::keep_within_limit() {
-  const std::size_t most = config_.memory_limit - reserve_of(config_.memory_limit) / 2 - bytes_to_read(config_);
+  const std::size_t most =
+      config_.memory_limit - reserve_of(config_.memory_limit) / 2 - bytes_of_images(config_, traced_.get());
   if (process_memory() > most) give_back_free_memory();
   const std::size_t used = process_memory();
   const std::size_t pages = store_->resident_bytes() + (coarse_ ? coarse_->resident_bytes() : 0);
@@ -243,6 +276,9 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   const gl::CurrentContext kept;
   const double began = core::now_seconds();
   if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
+  const bool moves = !shown_ || !core::same_image(*shown_, view);
+  if (moves) before_ = std::exchange(shown_, view);
+  if (moves && traced_ && !settling_) return trace(view, began);
   const bool stays = image_->view() && core::same_image(*image_->view(), view);
   if (!stays)
     if (auto done = begin(view); !done) return tl::unexpected(done.error());
@@ -288,7 +324,6 @@ core::Expected<void> PagedEngine::Impl::refine_more() {
 }
 
 core::Expected<void> PagedEngine::Impl::begin(const core::View& view) {
-  before_ = image_->view();
   if (auto done = image_->begin(view); !done) return done;
   report_ = {};
   report_.leaves = leaves().in_view();
@@ -298,9 +333,7 @@ core::Expected<void> PagedEngine::Impl::begin(const core::View& view) {
 /// Draws what is in memory; while the view stays, also what arrives until then.
 core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
   while (true) {
-    if (auto done = store_->take_loaded(context_, report_.frame); !done) return done;
-    if (coarse_)
-      if (auto done = coarse_->take_loaded(context_, report_.frame); !done) return done;
+    if (auto done = take_loaded(true); !done) return done;
     if (auto done = image_->draw_resident(pages()); !done) return done;
     keep_within_limit();
     ask_for_pages(stays);
@@ -309,6 +342,22 @@ core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
   }
   report_.pending = leaves().count();
   report_.items_drawn = image_->items_drawn();
+  count_pages();
+  return {};
+}
+
+/// Takes pages that were read. To upload them takes longer than a traced image may.
+core::Expected<void> PagedEngine::Impl::take_loaded(bool upload) {
+  for (PageStore* const store : {store_.get(), coarse_.get()}) {
+    if (!store) continue;
+    store->take_loaded(report_.frame);
+    if (!upload) continue;
+    if (auto done = store->upload(context_); !done) return done;
+  }
+  return {};
+}
+
+void PagedEngine::Impl::count_pages() {
   const PageStore::Counts& counts = store_->counts();
   report_.resident = counts.resident;
   report_.loaded = counts.loaded;
@@ -317,7 +366,29 @@ core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
   report_.failed = counts.failed;
   if (coarse_) report_.coarse_resident = coarse_->counts().resident, report_.coarse_loaded = coarse_->counts().loaded;
   report_.memory = process_memory();
-  return {};
+}
+
+/// The image of a view that has just changed, within the budget.
+core::Expected<PagedReport> PagedEngine::Impl::trace(const core::View& view, double began) {
+  report_ = {};
+  report_.frame = frames_++;
+  if (auto done = take_loaded(false); !done) return tl::unexpected(done.error());
+  const double deadline = began + kBudgetShare * 1e-3 * config_.losses.budget_ms - after_rays_seconds_;
+  const auto counts = traced_->draw(view, config_.drawing.looks, pages(), image_->target(), deadline);
+  if (!counts) return tl::unexpected(counts.error());
+  const double traced = core::now_seconds();
+  if (auto done = image_->complete_traced(view, pages(), 1.0 - counts->boxes); !done)
+    return tl::unexpected(done.error());
+  keep_within_limit();
+  ask_for_missing();
+  report_.leaves = report_.pending = counts->leaves;
+  report_.coarseness = counts->coarseness;
+  report_.earlier = counts->earlier;
+  count_pages();
+  if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
+  after_rays_seconds_ = core::now_seconds() - traced;
+  report_.frame_ms = 1e3 * (core::now_seconds() - began);
+  return report_;
 }
 
 core::Expected<void> PagedEngine::Impl::show() {
@@ -333,6 +404,18 @@ core::Expected<void> PagedEngine::Impl::show() {
 bool PagedEngine::Impl::lacks_coarse(std::uint32_t page) const {
   return coarse_ && scene_.coarse->pages[page].slot_count > 0 && !coarse_->find(page) && !coarse_->failed(page) &&
          !store_->find(page);
+}
+
+/// Asks for what a traced image lacks, and now and then for what will be needed. Pages that it has shown lately stay.
+void PagedEngine::Impl::ask_for_missing() {
+  constexpr std::uint64_t kUnseen = 30, kLooksAhead = 4;  // frames
+  std::vector<PageStore::Wanted> wanted, coarse;
+  for (const PageStore::Wanted& page : traced_->missing()) (lacks_coarse(page.page) ? coarse : wanted).push_back(page);
+  if (before_ && report_.frame % kLooksAhead == 0 && store_->on_their_way() < PageStore::kMostAsked)
+    foresee(wanted, coarse);
+  const std::uint64_t since = report_.frame > kUnseen ? report_.frame - kUnseen : 0;
+  store_->ask_for(wanted, since, false);
+  if (coarse_) coarse_->ask_for(coarse, since, false);
 }
 
 void PagedEngine::Impl::ask_for_pages(bool stays) {
@@ -357,7 +440,7 @@ void PagedEngine::Impl::ask_for_pages(bool stays) {
 
 /// Appends what the view will need when the camera goes on as it does.
 void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted, std::vector<PageStore::Wanted>& coarse) {
-  const auto view = foreseen(*before_, *image_->view());
+  const auto view = foreseen(*before_, *shown_);
   if (!view) return;
   core::VisibleSet ahead;
   leaves().find(*view, ahead);

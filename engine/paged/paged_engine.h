@@ -41,7 +41,8 @@ namespace sightline::engine {
 
 /// The groups are those of EngineConfig. create() fails where a setting is not its default that a paged engine lacks:
 /// it draws drawing.ids and drawing.looks, with losses.lod_error by levels of detail that the scene cache has, and
-/// makes its own context. Pages that the coarsest levels show well enough are read in these alone.
+/// makes its own context. Pages that the coarsest levels show well enough are read in these alone. With
+/// losses.budget_ms, frames of a view that has changed are traced within that time: PagedEngine::frame().
 struct PagedConfig {
   int width = 1280, height = 720;  ///< pixels
   DrawingConfig drawing = {};
@@ -64,8 +65,10 @@ struct PagedConfig {
 struct PagedReport {
   std::uint64_t frame = 0;        ///< calls of frame() before this one
   double frame_ms = 0.0;          ///< of wall clock, until all was drawn
-  std::int64_t leaves = 0;        ///< in the view volume that may cover a sample
+  std::int64_t leaves = 0;        ///< in the view volume that may cover a sample; of a traced image: pending
   std::int64_t pending = 0;       ///< of these, not drawn yet and not known to be hidden: their pages are not in memory
+  double coarseness = 1.0;        ///< as FrameReport has it, of traced images
+  double earlier = 0.0;           ///< likewise
   std::int64_t placeholders = 0;  ///< splats drawn for them
   std::int64_t coarse_items = 0;  ///< items drawn for them by their coarsest levels
   std::int64_t items_drawn = 0;   ///< items drawn into the image so far
@@ -94,7 +97,11 @@ class SIGHTLINE_API PagedEngine {
   PagedEngine& operator=(PagedEngine&&) noexcept;
   ~PagedEngine();
 
-  /// Draws what is in memory of the view, and asks for what is not. The same view again goes on with the image. Fails
+  /// Draws what is in memory of the view, and asks for what is not. The same view again goes on with the image. With
+  /// losses.budget_ms, a view that differs from the one before is traced by rays instead: as many as there is time for,
+  /// beside the points that earlier frames have found. Leaves that are not in memory are boxes there, with no id, and
+  /// pages that these stand for are read; frames of the same view then draw as without a budget. Each item costs some
+  /// 170 bytes more in memory. Fails
   /// for views that cannot be drawn, and when GL fails or memory runs out: what is in memory stays, and the next call
   /// goes on. Once the context is lost, all calls fail. A page that cannot be read is no failure: see
   /// PagedReport::failed. It is not asked for again.

@@ -198,14 +198,15 @@ core::VisibleSet PagedImage::shown_slots(std::uint32_t page, const ResidentPage&
 }
 
 /// Returns the number of items drawn.
-core::Expected<std::uint64_t> PagedImage::draw(ResidentPage& resident, const core::VisibleSet& set,
-                                               const render::RenderTarget& onto) {
+core::Expected<std::uint64_t> PagedImage::draw(const core::View& view, ResidentPage& resident,
+                                               const core::VisibleSet& set, const render::RenderTarget& onto) {
   if (set.count() == 0) return 0;
   const core::Snapshot& snapshot = resident.content->snapshot;
-  MeshRules rules{*view_};
+  MeshRules rules{view};
   if (resident.level_bytes > 0) rules.error = &*error_;
-  auto done = choice_.update(resident.lists, resident.scene, snapshot, set, rules);
-  if (done) done = renderer_->draw({*view_, snapshot, resident.scene, resident.lists, onto});
+  auto& [scene, lists] = *resident.uploaded;
+  auto done = choice_.update(lists, scene, snapshot, set, rules);
+  if (done) done = renderer_->draw({view, snapshot, scene, lists, onto});
   if (!done) return tl::unexpected(done.error());
   return snapshot.count(set);
 }
@@ -221,7 +222,7 @@ ResidentPage& PagedImage::use(PageStore& store, std::uint32_t page, std::uint64_
 core::Expected<std::uint64_t> PagedImage::draw_page(const PagesInMemory& pages, std::uint32_t page) {
   ResidentPage& resident = use(pages.full, page, pages.frame);
   close_hidden(page);
-  const auto drawn = draw(resident, shown_slots(page, resident), canvas_);
+  const auto drawn = draw(*view_, resident, shown_slots(page, resident), canvas_);
   if (!drawn) return drawn;
   pages.full.count_again(page);
   leaves_.close(page);
@@ -249,7 +250,7 @@ core::Expected<std::uint64_t> PagedImage::draw_coarse_page(const PagesInMemory& 
   for (std::size_t word = 0; word < fine.size(); ++word) fine[word] &= ~rough[word];
   to_set(fine, set);
   set.generation = snapshot.generation();
-  const auto drawn = draw(resident, set, canvas_);
+  const auto drawn = draw(*view_, resident, set, canvas_);
   if (!drawn) return drawn;
   pages.coarse->count_again(page);
   leaves_.close(page, open);
@@ -271,7 +272,23 @@ core::Expected<void> PagedImage::show(const PagesInMemory& pages, std::int64_t p
     if (!depth_shading_) depth_shading_.emplace(context_.functions());
     if (auto done = depth_shading_->draw(target_, *view_, shading.strength, shading.edge_lines); !done) return done;
   }
-  if (pending > 0 && config_.loading_bar) draw_loading_bar(pending);
+  if (pending > 0 && config_.loading_bar)
+    draw_loading_bar(1.0 - double(pending) / double(std::max<std::int64_t>(1, leaves_.in_view())));
+  context_.functions().Finish();
+  return {};
+}
+
+core::Expected<void> PagedImage::complete_traced(const core::View& view, const PagesInMemory& pages, double share) {
+  for (const std::uint32_t page : pages.full.resident()) {
+    ResidentPage& resident = *pages.full.find(page);
+    if (resident.lines.empty() || !resident.uploaded) continue;
+    core::VisibleSet lines;
+    lines.generation = resident.content->snapshot.generation();
+    lines.single_slots = culling::slots_of(resident.lines);
+    if (const auto drawn = draw(view, resident, lines, target_); !drawn) return tl::unexpected(drawn.error());
+    pages.full.count_again(page);
+  }
+  if (share < 1.0 && config_.loading_bar) draw_loading_bar(share);
   context_.functions().Finish();
   return {};
 }
@@ -283,7 +300,7 @@ core::Expected<void> PagedImage::show_coarse_pages(const PagesInMemory& pages) {
   for (const std::uint32_t page : pages.coarse->resident()) {
     if (leaves_.of_page(page) == 0) continue;
     ResidentPage& resident = use(*pages.coarse, page, pages.frame);
-    const auto drawn = draw(resident, shown_slots(page, resident), target_);
+    const auto drawn = draw(*view_, resident, shown_slots(page, resident), target_);
     if (!drawn) return tl::unexpected(drawn.error());
     coarse_items_ += std::int64_t(*drawn);
     pages.coarse->count_again(page);
@@ -294,17 +311,16 @@ core::Expected<void> PagedImage::show_coarse_pages(const PagesInMemory& pages) {
   return {};
 }
 
-void PagedImage::draw_loading_bar(std::int64_t pending) const {
+void PagedImage::draw_loading_bar(double share) const {
   const gl::Functions& gl = context_.functions();
   gl::reset_pipeline_state(gl);
   gl.Enable(GL_SCISSOR_TEST);
   const int width = std::max(8, int(kBarShare * float(config_.width))), height = std::max(3, config_.height / 120);
-  const float share = 1.0f - float(pending) / float(std::max<std::int64_t>(1, leaves_.in_view()));
   const float ground[4] = {0.15f, 0.15f, 0.17f, 1.0f}, done[4] = {1.0f, 0.6f, 0.1f, 1.0f};
   const GLuint framebuffer = target_.framebuffer().id();
   gl.Scissor(height, height, width, height);
   gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, ground);
-  gl.Scissor(height, height, int(share * float(width)), height);
+  gl.Scissor(height, height, int(share * width), height);
   gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, done);
   gl.Disable(GL_SCISSOR_TEST);
 }

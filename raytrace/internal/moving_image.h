@@ -20,6 +20,7 @@
 #include "sightline/core/view.h"
 #include "sightline/gpuprims/surroundings.h"
 #include "sightline/raytrace/internal/point_image.h"
+#include "sightline/raytrace/internal/traced_scene.h"
 #include "sightline/raytrace/tracer.h"
 
 namespace sightline::raytrace {
@@ -29,10 +30,9 @@ class MovingImage {
  public:
   /// The scene, the view and the looks of an image. Borrows everything.
   struct Request {
-    const Tracer& tracer;  ///< of the snapshot that it shows
+    TracedScene scene;
     const core::View& view;
     int width, height;                                             ///< pixels
-    std::span<const std::uint64_t> without = {};                   ///< as RayFilter has it
     gpuprims::Lighting lighting = gpuprims::Lighting::kHeadLight;  ///< and the rest as render::Renderer has them
     core::dvec3 sun{0.0, 0.0, 1.0};
     gpuprims::Background background = {};
@@ -42,10 +42,10 @@ class MovingImage {
     std::int64_t traced = 0, kept = 0, filled = 0;
   };
 
-  /// Makes the image of a view. The snapshot and its looks are those of the calls before, unless forget() was called.
-  /// Ends a fraction of a millisecond after the deadline (core::now_seconds()),
-  /// but for what grows with the pixels alone. Called again with the same view it goes on; the image is complete once
-  /// nothing is kept or filled. Fails as core::image_ray() does.
+  /// Makes the image of a view. What the scene's items are and look like has not changed since the calls before, unless
+  /// forget() was called; parts may come and go. Ends a fraction of a millisecond after the deadline
+  /// (core::now_seconds()), but for what grows with the pixels alone. Called again with the same view it goes on; the
+  /// image is complete once nothing is kept or filled. Fails as core::image_ray() does.
   core::Expected<Counts> draw(const Request& request, core::ThreadPool& threads, double deadline);
   /// Begins with an image of a view that is there: what follows it shows its points until rays have met others.
   void begin(const core::View& view, int width, int height, const PointImage::Pixels& image,
@@ -57,6 +57,12 @@ class MovingImage {
   bool shows(const core::View& view) const { return view_ && core::same_image(*view_, view); }
   /// Forgets all points. Call it when the scene or its looks have changed.
   void forget() { view_.reset(); }
+
+  /// As PointImage has it.
+  template <class Doubts>
+  void doubt(const Doubts& doubts) {
+    if (view_) points_.doubt(doubts);
+  }
 
   const PointImage& points() const { return points_; }
 
@@ -70,9 +76,9 @@ class MovingImage {
   std::int64_t trace(const Shot& shot, std::span<std::uint32_t> blocks, std::uint32_t places, core::ThreadPool& threads,
                      double deadline, double& rate);
   std::int64_t trace_block(const Shot& shot, std::uint32_t block, std::uint32_t places);
-  void shoot(const Shot& shot, std::span<const std::uint32_t> pixels);
-  void pass_dithered(const Shot& shot, const core::Ray& ray, std::uint32_t pixel, Hit& hit) const;
-  void show(const Shot& shot, const core::Ray& ray, const Hit& hit, std::uint32_t pixel);
+  void shoot(const Shot& shot, const PixelRange& block, std::span<const std::uint32_t> pixels);
+  void pass_dithered(const Shot& shot, const core::Ray& ray, std::uint32_t pixel, SceneRays::PartHit& hit) const;
+  void show(const Shot& shot, const core::Ray& ray, const SceneRays::PartHit& found, std::uint32_t pixel);
 
   std::optional<core::View> view_;  // of the image; none: its points are forgotten
   PointImage points_;

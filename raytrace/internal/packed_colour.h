@@ -13,5 +13,9 @@ inline std::uint32_t packed_colour(const core::vec3& colour) {
   const auto byte = [](float channel) { return std::uint32_t(255.0f * std::clamp(channel, 0.0f, 1.0f) + 0.5f); };
   return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | 0xff000000u;
 }
+/// Whatever the highest byte holds.
+inline core::vec3 colour_of(std::uint32_t packed) {
+  return core::vec3(packed & 255u, packed >> 8 & 255u, packed >> 16 & 255u) / 255.0f;
+}
 
 }  // namespace sightline::raytrace

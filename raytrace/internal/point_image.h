@@ -56,11 +56,12 @@ struct LinearOverImage {
   core::vec3 at(int x, int y) const { return first + float(x) * right + float(y) * up; }
 };
 
-/// Rows are counted from the bottom up. Costs 62 bytes a pixel.
+/// Rows are counted from the bottom up.
 class PointImage {
  public:
   static constexpr int kBlock = 16;  // pixels a side
   static constexpr std::size_t kPixels = std::size_t(kBlock) * kBlock;
+  static constexpr std::size_t kBytes = 62;  // that a pixel costs
 
   /// An image, row by row from the bottom up.
   struct Pixels {
@@ -85,6 +86,12 @@ class PointImage {
   /// away; in orthographic views, where that would leave the image with any turn, midway between the near and the far
   /// plane.
   void set_background(int x, int y, const gpuprims::Background& background, std::uint8_t age = PointAge::kNew);
+  /// Points for whose ids (item + 1) doubts(id) is true become as doubtful as those between nearer ones.
+  template <class Doubts>
+  void doubt(const Doubts& doubts) {
+    for (std::size_t i = 0; i < ids_.size(); ++i)
+      if (PointAge::shows_own(now_.age[i]) && doubts(ids_[i])) now_.age[i] = PointAge::kDoubtful;
+  }
   /// Lets pixels without a point show that of a neighbour: of the smallest cell of 2 x 2 pixels, 4 x 4, and so on that
   /// has any, the farthest, since what a near thing uncovers lies behind it; the background only where there is no
   /// other. They stay without a point. Returns the sum of all blocks.
@@ -147,7 +154,6 @@ class PointImage {
   std::size_t runs() const { return (std::size_t(width_) + kRun - 1) / kRun; }
   std::size_t surface_words() const { return std::size_t(width_) / 64 + 1; }
   std::uint64_t surfaces_from(int row, std::ptrdiff_t first) const;
-  std::uint32_t background_of(const gpuprims::Background& background, int row) const;
   std::uint64_t distance_of(std::size_t pixel) const;
   void show(std::size_t pixel, std::uint64_t farthest, const gpuprims::Background& background, int row);
   std::uint64_t fill_block(int column, int row, const gpuprims::Background& background);

@@ -19,6 +19,8 @@ using core::dvec3;
 using gpuprims::inverse_power_of_two;
 using gpuprims::power_of_two;
 
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 /// Without the branches of glm::abs().
 inline dvec3 magnitude(const dvec3& v) {
   return {std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)};

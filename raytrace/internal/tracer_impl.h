@@ -16,6 +16,7 @@
 #include "sightline/gpuprims/internal/ray.h"
 #include "sightline/raytrace/internal/item_trees.h"
 #include "sightline/raytrace/internal/mesh_tree.h"
+#include "sightline/raytrace/internal/packet.h"
 #include "sightline/raytrace/tracer.h"
 
 namespace sightline::raytrace {
@@ -24,7 +25,6 @@ using core::Kind;
 using core::Ray;
 using core::Slot;
 
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr float kNotCrossed = std::numeric_limits<float>::quiet_NaN();  ///< HitFilter::crossed()
 
 /// Whether the tracer accepts it: finite, with a direction, and ends that are numbers.
@@ -97,6 +97,15 @@ inline bool is_mesh(Kind kind) {
   return int(kind) >= core::kPrimitiveKindCount;
 }
 
+/// A hierarchy's space for packets whose origins are to be moved by `shift`.
+inline LaneSpace lanes_of(const TreeSpace& space, const dvec3& shift) {
+  return {{shift.x, shift.y, shift.z},
+          {space.centre.x, space.centre.y, space.centre.z},
+          {space.half.x, space.half.y, space.half.z},
+          space.radius,
+          space.reach};
+}
+
 /// Tracer documents each function.
 class Tracer::Impl {
  public:
@@ -128,9 +137,6 @@ class Tracer::Impl {
   class Packet;
   template <class Answer>
   std::size_t by_packets(std::span<const Ray> rays, const RayFilter& filter, bool any, const Answer& answer) const;
-  template <class Meet>
-  double walk_tree(const ItemTrees::Tree& tree, const Ray& ray, double from, double to, const RayFilter& filter,
-                   const Meet& meet) const;
   template <class Meet>
   void walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const;
   bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;

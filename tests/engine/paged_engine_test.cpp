@@ -444,6 +444,110 @@ TEST_F(PagedEngineTest, PagesAreReadAheadOfTheCamera) {
   EXPECT_GT(ahead, 0u);
 }
 
+#if SIGHTLINE_HAS_RAYTRACE
+
+class MovingPagesTest : public PagedEngineTest {
+ protected:
+  static PagedConfig config(double budget_ms, std::size_t limit = kMany) {
+    return {.width = kWidth,
+            .height = kHeight,
+            .drawing = {.ids = true},
+            .losses = {.budget_ms = budget_ms},
+            .memory_limit = limit,
+            .loading_bar = false};
+  }
+  /// A view of the plant, and others beside it.
+  static View beside(const PagedEngine& paged, int step) {
+    const core::AabbD& box = paged.scene().fitted.bounds;
+    const dvec3 direction(std::cos(0.002 * step), std::sin(0.002 * step), -0.5);
+    return *View::fit(box, direction, 0.8, double(kWidth) / kHeight);
+  }
+};
+
+TEST_F(MovingPagesTest, ShowWhatIsInMemoryByRays) {
+  core::Scene scene = plant(60'000);
+  const std::string file = write(scene);
+  auto paged = PagedEngine::create(open(file), config(1e5));
+  ASSERT_TRUE(paged) << paged.error().message;
+  ASSERT_TRUE(paged->settle(beside(*paged, 0)));
+  const View view = beside(*paged, 5);
+  const auto report = paged->frame(view);
+  ASSERT_TRUE(report);
+  EXPECT_FALSE(report->complete);
+  EXPECT_EQ(report->pending, 0);
+  EXPECT_EQ(report->coarseness, 1.0);
+  EXPECT_EQ(report->earlier, 0.0) << "there was no traced image before";
+  auto whole = Engine::create(scene, {.draw = true, .width = kWidth, .height = kHeight, .drawing = {.ids = true}});
+  ASSERT_TRUE(whole && whole->frame(view));
+  const auto ids = whole->read_ids();
+  const image::IdImage own = paged->read_ids();
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < own.ids.size(); ++i) same += own.ids[i] == ids->ids[i];
+  EXPECT_GT(same, own.ids.size() * 98 / 100) << "rays and rasteriser differ in edges";
+  EXPECT_LT(std::ranges::count(own.ids, 0u), std::ptrdiff_t(own.ids.size()) * 95 / 100);
+  ASSERT_TRUE(paged->settle(view));
+  EXPECT_EQ(paged->read_depth().metres, whole->read_depth(view)->metres) << "at rest it is drawn";
+}
+
+TEST_F(MovingPagesTest, ShowBoxesOfWhatIsMissingAndReadIt) {
+  const std::string file = write(plant(300'000));
+  auto paged = PagedEngine::create(open(file), config(1.0));
+  ASSERT_TRUE(paged) << paged.error().message;
+  auto report = paged->frame(beside(*paged, 0));
+  ASSERT_TRUE(report);
+  EXPECT_GT(report->pending, 0);
+  EXPECT_EQ(std::ranges::count(paged->read_ids().ids, 0u), kWidth * kHeight);
+  const auto metres = paged->read_depth().metres;
+  EXPECT_GT(std::ranges::count_if(metres, [](float m) { return std::isfinite(m); }), kWidth * kHeight / 20);
+  for (int step = 1; step < 600 && report && report->pending > 0; ++step) {
+    (void)paged->wait(0.05);
+    report = paged->frame(beside(*paged, step % 20));
+  }
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->pending, 0) << "boxes of pages that are there show for " << report->frame << " frames";
+  EXPECT_GT(report->loaded, 0u);
+  EXPECT_GT(report->earlier, 0.0);
+  EXPECT_LT(std::ranges::count(paged->read_ids().ids, 0u), kWidth * kHeight * 95 / 100);
+}
+
+/// However little memory pages have, they come and go, and the image at rest is complete.
+TEST_F(MovingPagesTest, KeepWithinTheLimit) {
+  const std::string file = write(plant(300'000));
+  const auto refused = PagedEngine::create(open(file), config(1.0, std::size_t(1) << 20));
+  ASSERT_FALSE(refused);
+  const std::size_t at = refused.error().message.find("expected ");
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t megabytes = std::size_t(std::atoll(refused.error().message.c_str() + at + 9));
+  auto paged = PagedEngine::create(open(file), config(1.0, (megabytes + 24) << 20));
+  ASSERT_TRUE(paged) << paged.error().message;
+  std::uint64_t evicted = 0;
+  for (int step = 0; step < 120; ++step) {
+    const View view =
+        *View::perspective({{-180.0 + 3.0 * step, -40.0, 20.0}, {-180.0 + 3.0 * step, 0.0, 0.0}, {0, 0, 1}}, 0.9,
+                           double(kWidth) / kHeight, 0.1);
+    const auto report = paged->frame(view);
+    ASSERT_TRUE(report);
+    EXPECT_LE(paged->memory().pages, paged->memory().limit);
+    evicted = report->evicted;
+    (void)paged->wait(0.02);
+  }
+  EXPECT_GT(evicted, 0u);
+  const auto rest = paged->settle(beside(*paged, 0));
+  ASSERT_TRUE(rest);
+  EXPECT_TRUE(rest->complete);
+}
+
+#else
+
+TEST_F(PagedEngineTest, ABudgetNeedsRays) {
+  const auto refused =
+      PagedEngine::create(open(write(plant(1'000))), {.losses = {.budget_ms = 33.0}, .memory_limit = kMany});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("traces no rays"), std::string::npos);
+}
+
+#endif
+
 TEST_F(PagedEngineTest, ALimitThatIsTooLowSaysWhatIsNeeded) {
   const std::string file = write(plant(50'000));
   const auto refused = engine(file, std::size_t(1) << 20);
@@ -454,12 +558,13 @@ TEST_F(PagedEngineTest, ALimitThatIsTooLowSaysWhatIsNeeded) {
 
 TEST_F(PagedEngineTest, RoomForOnePageStaysInAnyCase) {
   const core::PagedScene scene = open(write(plant(50'000)));
-  PageStore store(scene, 1);
+  PageStore store(scene, 1, false);
   EXPECT_EQ(store.limit(), PageStore::largest_page(scene));
   const PageStore::Wanted wanted{0, 1.0f, true};
   store.ask_for({&wanted, 1}, 0, true);
   EXPECT_TRUE(store.wait(60.0));
-  ASSERT_TRUE(store.take_loaded(*context, 0));
+  store.take_loaded(0);
+  ASSERT_TRUE(store.upload(*context));
   ASSERT_TRUE(store.find(0));
   EXPECT_EQ(store.bytes(), store.resident_bytes());
   store.set_limit(0);

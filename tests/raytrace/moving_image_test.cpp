@@ -60,6 +60,7 @@ class MovingImageTest : public testing::Test {
     ASSERT_TRUE(scene.commit());
     snapshot.emplace(scene);
     tracer.emplace(std::move(*Tracer::create(*snapshot)));
+    whole.tracer = &*tracer;
   }
 
   /// Whether a view has the background in the pixel of a place, or in one beside it.
@@ -74,10 +75,14 @@ class MovingImageTest : public testing::Test {
 
   MovingImage::Counts draw(MovingImage& image, const core::View& view, double deadline,
                            std::span<const std::uint64_t> without = {}) {
-    const auto counts = image.draw({*tracer, view, kWidth, kHeight, without}, threads, deadline);
+    whole.without = without;
+    const auto counts = image.draw(request(view), threads, deadline);
     EXPECT_TRUE(counts);
     EXPECT_EQ(counts->traced + counts->kept + counts->filled, std::int64_t(kPixels));
     return *counts;
+  }
+  MovingImage::Request request(const core::View& view, int width = kWidth) const {
+    return {{{&whole, 1}}, view, width, kHeight};
   }
   /// The hit of a pixel's ray; pixels are counted from the bottom up.
   std::optional<Hit> hit(const core::View& view, std::size_t pixel, const RayFilter& filter,
@@ -98,6 +103,7 @@ class MovingImageTest : public testing::Test {
   core::Scene scene;
   std::optional<core::Snapshot> snapshot;
   std::optional<Tracer> tracer;
+  TracedPart whole{};
   core::ThreadPool threads{2};
 };
 
@@ -335,7 +341,7 @@ TEST_F(MovingImageTest, BecomesCompleteAtRest) {
   EXPECT_TRUE(std::ranges::equal(image.points().pixels().depths, all.points().pixels().depths));
 }
 
-/// The oldest points are traced first, and an image has the time for a sixteenth of its blocks at least. The
+/// The oldest points are traced first, and an image has the time for a twenty-fourth of its blocks at least. The
 /// sky, which most likely stays, waits longer than surfaces do, but not for ever.
 TEST_F(MovingImageTest, KeepsNoPointForLong) {
   MovingImage image;
@@ -351,7 +357,7 @@ TEST_F(MovingImageTest, KeepsNoPointForLong) {
     }
   }
   EXPECT_GT(oldest, 8);
-  EXPECT_LE(oldest, 18);
+  EXPECT_LE(oldest, 26);
   EXPECT_EQ(std::ranges::count(again, false), 0);
 }
 
@@ -384,7 +390,7 @@ TEST_F(MovingImageTest, KnowsNothingOfForgottenPoints) {
   core::View cut = perspective(0.0);
   cut.sections.push_back({{0, -1, 0}, 0.5});
   EXPECT_EQ(draw(image, cut, -kNever).kept, 0);
-  const auto counts = image.draw({*tracer, cut, kWidth / 2, kHeight}, threads, -kNever);
+  const auto counts = image.draw(request(cut, kWidth / 2), threads, -kNever);
   ASSERT_TRUE(counts);
   EXPECT_EQ(counts->kept, 0);
 }
@@ -400,9 +406,9 @@ TEST_F(MovingImageTest, EndsAtItsDeadline) {
   MovingImage image;
   core::use_clock(tick);
   core::ThreadPool one(1);
-  ASSERT_TRUE(image.draw({*tracer, perspective(0.0), kWidth, kHeight}, one, kNever));
+  ASSERT_TRUE(image.draw(request(perspective(0.0)), one, kNever));
   const double begin = core::now_seconds();
-  const auto counts = image.draw({*tracer, perspective(0.1), kWidth, kHeight}, one, begin + 0.050);
+  const auto counts = image.draw(request(perspective(0.1)), one, begin + 0.050);
   const double taken = core::now_seconds() - begin;
   core::use_clock(nullptr);
   ASSERT_TRUE(counts);

@@ -49,6 +49,9 @@ class PagedImage {
   void close_hidden(std::uint32_t page);
   /// Makes the image that is shown. `pending`: leaves that it lacks; 0: it is complete.
   core::Expected<void> show(const PagesInMemory& pages, std::int64_t pending);
+  /// Completes a moving image that the target has: lines of pages that are uploaded, which rays do not meet, and the
+  /// loading bar. `share`: of the image that is there.
+  core::Expected<void> complete_traced(const core::View& view, const PagesInMemory& pages, double share);
   const render::RenderTarget& target() const { return target_; }
 
   OpenLeaves& leaves() { return leaves_; }
@@ -64,14 +67,14 @@ class PagedImage {
   std::vector<std::uint32_t> drawable(const PagesInMemory& pages) const;
   core::Expected<std::uint64_t> draw_page(const PagesInMemory& pages, std::uint32_t page);
   core::Expected<std::uint64_t> draw_coarse_page(const PagesInMemory& pages, std::uint32_t page);
-  core::Expected<std::uint64_t> draw(ResidentPage& resident, const core::VisibleSet& set,
+  core::Expected<std::uint64_t> draw(const core::View& view, ResidentPage& resident, const core::VisibleSet& set,
                                      const render::RenderTarget& onto);
   ResidentPage& use(PageStore& store, std::uint32_t page, std::uint64_t frame) const;
   core::VisibleSet slots_of_page(std::uint32_t page, const ResidentPage& resident) const;
   core::VisibleSet shown_slots(std::uint32_t page, const ResidentPage& resident) const;
   culling::OcclusionTest occlusion_test(const core::dvec3& origin) const;
   core::Expected<void> show_coarse_pages(const PagesInMemory& pages);
-  void draw_loading_bar(std::int64_t pending) const;
+  void draw_loading_bar(double share) const;
 
   const gl::Context& context_;
   const core::PagedScene& scene_;

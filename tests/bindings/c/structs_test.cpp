@@ -137,7 +137,7 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(capi::kFirstSize<sl_ray>, 72u);
     EXPECT_EQ(sizeof(sl_ray), 344u);
     EXPECT_EQ(sizeof(sl_visible_item), 16u);
-    EXPECT_EQ(sizeof(sl_paged_report), 120u);
+    EXPECT_EQ(sizeof(sl_paged_report), 136u);
     EXPECT_EQ(sizeof(sl_paged_info), 88u);
   }
 }
