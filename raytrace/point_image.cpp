@@ -76,9 +76,9 @@ void PointImage::reset(int width, int height, const View& view) {
   depths_.resize(pixels);
   moves_.resize_for_overwrite(pixels);  // follow() sets these before it reads them
   from_.resize_for_overwrite(pixels);
-  surface_blocks_.resize(std::size_t(columns()) * std::size_t(rows()));
   moved_rows_.resize(runs() * std::size_t(height));
   surfaces_.resize(surface_words() * std::size_t(height));
+  surfaces_before_.resize(surface_words() * std::size_t(height));
   look_from(view);
 }
 
@@ -127,28 +127,29 @@ void PointImage::follow(const View& view, const Background& background, core::Th
   const dvec3 origin = origin_;
   look_from(view);
   const vec3 step(origin - origin_);
-  threads.run(std::uint32_t(rows()), [&](std::uint32_t row) { take_block_row(step, background, int(row)); });
-  for_rows(threads, height_, [&](int y) { doubt_row(y); });
-  for_rows(threads, height_, [&](int y) { hide_background_row(y); });
-  // Pixels before, times W, and W of the places of the background.
   const auto form = [&](const vec3& place, float one) {
     const glm::vec4 there = pixels_before * glm::vec4(place, one);
     return vec3(there.x, there.y, there.w);
   };
   const LinearOverImage before{form(background_.first - step, 1.0f), form(background_.right, 0.0f),
                                form(background_.up, 0.0f)};
-  threads.run(std::uint32_t(rows()), [&](std::uint32_t row) {
-    for (int column = 0; column < columns(); ++column)
-      if (none_around(surface_blocks_, columns(), std::size_t(row) * std::size_t(columns()) + std::size_t(column)))
-        keep_background(before, background, column, int(row));
-  });
+  threads.run(std::uint32_t(rows()), [&](std::uint32_t row) { take_block_row(step, before, background, int(row)); });
+  for_rows(threads, height_, [&](int y) { doubt_row(y); });
+  for_rows(threads, height_, [&](int y) { hide_background_row(y); });
 }
 
+/// Finds where surfaces move to. The background is found from where it comes to.
 void PointImage::project_row(const glm::mat4& pixels, int row) {
   const auto width = float(width_), height = float(height_);
+  std::uint64_t* const surfaces = &surfaces_before_[surface_words() * std::size_t(row)];
+  std::fill_n(surfaces, surface_words(), 0);
   for (int left = 0; left < width_; left += kRun) {
     const std::size_t first = at(left, row);
     const int count = std::min(kRun, width_ - left);
+    Rows& moved = moved_rows_[std::size_t(row) * runs() + std::size_t(left / kRun)] = {height_, -1};
+    std::uint32_t any = 0;
+    for (int i = 0; i < count; ++i) any |= ids_[first + std::size_t(i)];
+    if (any == 0) continue;
     const Point* const points = &before_.point[first];
     float x[kRun], y[kRun], depth[kRun];
     for (int i = 0; i < count; ++i) {  // without branches, so that the compiler makes vectors of it
@@ -156,18 +157,19 @@ void PointImage::project_row(const glm::mat4& pixels, int row) {
       const auto form = [&](int k) {
         return pixels[0][k] * p.x + pixels[1][k] * p.y + pixels[2][k] * p.z + pixels[3][k];
       };
-      const float w = form(3), per_w = 1.0f / w, to = form(0) * per_w, z = form(2) * per_w;
+      const float w = form(3), per_w = 1.0f / w, to = form(0) * per_w;
       x[i] = w > 0.0f ? to : -1.0f;
       y[i] = form(1) * per_w;
-      depth[i] = points[i].id != 0 ? z : 0.0f;
+      depth[i] = form(2) * per_w;
     }
-    Rows& moved = moved_rows_[std::size_t(row) * runs() + std::size_t(left / kRun)] = {height_, -1};
     for (int i = 0; i < count; ++i) {
       const std::size_t from = first + std::size_t(i);
-      const bool inside = x[i] >= 0.0f && x[i] < width && y[i] >= 0.0f && y[i] < height && depth[i] >= 0.0f &&
-                          depth[i] <= 1.0f && before_.age[from] != PointAge::kNoPoint;
+      const bool surface = before_.age[from] != PointAge::kNoPoint && points[i].id != 0;
+      surfaces[(left + i) / 64] |= std::uint64_t(surface) << (left + i) % 64;
       moves_[from] = {core::kNone, depth[i]};
-      if (!inside) continue;
+      if (!(surface && x[i] >= 0.0f && x[i] < width && y[i] >= 0.0f && y[i] < height && depth[i] >= 0.0f &&
+            depth[i] <= 1.0f))
+        continue;
       const int v = int(y[i]);
       moves_[from].to = std::uint32_t(at(int(x[i]), v));
       moved = {std::min(moved.first, v), std::max(moved.last, v)};
@@ -176,7 +178,8 @@ void PointImage::project_row(const glm::mat4& pixels, int row) {
 }
 
 /// Takes the points that come into a row of blocks: no other thread writes there.
-void PointImage::take_block_row(const vec3& step, const Background& background, int row) {
+void PointImage::take_block_row(const vec3& step, const LinearOverImage& before, const Background& background,
+                                int row) {
   const int bottom = row * kBlock, top = std::min(height_, bottom + kBlock);
   const std::size_t first = at(0, bottom), pixels = at(0, top) - first;
   const core::Scratch<Nearest> nearest;
@@ -192,23 +195,15 @@ void PointImage::take_block_row(const vec3& step, const Background& background, 
           std::max(found[to], std::uint64_t(std::bit_cast<std::uint32_t>(moves_[from].depth)) << 32 | (from + 1));
     }
   }
-  for (int y = bottom; y < top; ++y)
-    take_row(step, background_of(background, y, height_), y, found + std::size_t(y - bottom) * std::size_t(width_));
-  find_surface_blocks(row);
-}
-
-void PointImage::find_surface_blocks(int row) {
-  constexpr std::uint64_t kOfBlock = (std::uint64_t(1) << kBlock) - 1;
-  for (int column = 0; column < columns(); ++column) {
-    std::uint64_t found = 0;
-    for (int y = row * kBlock; y < std::min(height_, (row + 1) * kBlock); ++y)
-      found |= surfaces_from(y, std::ptrdiff_t(column) * kBlock) & kOfBlock;
-    surface_blocks_[std::size_t(row) * std::size_t(columns()) + std::size_t(column)] = found != 0;
+  for (int y = bottom; y < top; ++y) {
+    take_row(step, y, found + std::size_t(y - bottom) * std::size_t(width_));
+    const std::uint32_t colour = background_of(background, y, height_);
+    for (int left = 0; left < width_; left += kBlock) keep_background(before, colour, left, y);
   }
 }
 
 /// Takes the points that are nearest in their pixels.
-void PointImage::take_row(const vec3& step, std::uint32_t background, int row, const std::uint64_t* nearest) {
+void PointImage::take_row(const vec3& step, int row, const std::uint64_t* nearest) {
   const std::size_t first = at(0, row), width = std::size_t(width_);
   const Point* const points = before_.point.data();
   const std::uint32_t* const colours = before_.colour.data();
@@ -219,21 +214,67 @@ void PointImage::take_row(const vec3& step, std::uint32_t background, int row, c
   float* const depth = &depths_[first];
   std::uint64_t* const surfaces = &surfaces_[surface_words() * std::size_t(row)];
   std::fill_n(surfaces, surface_words(), 0);
-  for (std::size_t x = 0; x < width; ++x) {
-    if (x + core::kPrefetchAhead < width) core::prefetch(points[std::uint32_t(nearest[x + core::kPrefetchAhead])]);
-    from[x] = std::uint32_t(nearest[x]) - 1;
-    depth[x] = std::bit_cast<float>(std::uint32_t(nearest[x] >> 32));
-    if (nearest[x] == 0) {
-      age[x] = PointAge::kNoPoint;
-      continue;
+  for (std::size_t left = 0; left < width; left += kBlock) {
+    const std::size_t right = std::min(left + kBlock, width);
+    std::uint64_t any = 0;
+    for (std::size_t x = left; x < right; ++x) any |= nearest[x];
+    for (std::size_t x = left; x < right; ++x) depth[x] = std::bit_cast<float>(std::uint32_t(nearest[x] >> 32));
+    std::fill(age + left, age + right, PointAge::kNoPoint);
+    if (any == 0) continue;
+    for (std::size_t x = left; x < right; ++x) {
+      if (x + core::kPrefetchAhead < width) core::prefetch(points[std::uint32_t(nearest[x + core::kPrefetchAhead])]);
+      if (nearest[x] == 0) continue;
+      from[x] = std::uint32_t(nearest[x]) - 1;
+      const Point& before = points[from[x]];
+      point[x] = {before.place + step, before.id};
+      id[x] = before.id;
+      colour[x] = colours[from[x]];
+      age[x] = PointAge::following(ages[from[x]]);
+      surfaces[x / 64] |= std::uint64_t(1) << x % 64;
     }
-    const Point& before = points[from[x]];
-    point[x] = {before.place + step, before.id};
-    id[x] = before.id;
-    surfaces[x / 64] |= std::uint64_t(before.id != 0) << x % 64;
-    colour[x] = before.id != 0 ? colours[from[x]] : background;
-    age[x] = PointAge::following(ages[from[x]]);
   }
+}
+
+/// Lets those of some pixels of a row that have no point show the background if it lay there before. `before`: pixels
+/// before, times W, and W of the places of the background.
+void PointImage::keep_background(const LinearOverImage& before, std::uint32_t colour, int left, int row) {
+  const int right = std::min(width_, left + kBlock);
+  if (copy_background(before, colour, left, row)) return;
+  for (int x = left; x < right; ++x) {
+    const std::size_t pixel = at(x, row);
+    if (now_.age[pixel] != PointAge::kNoPoint) continue;
+    const vec3 there = before.at(x, row);
+    const float u = there.x / there.z, v = there.y / there.z;
+    if (!(there.z > 0.0f && u >= 0.0f && u < float(width_) && v >= 0.0f && v < float(height_))) continue;
+    from_[pixel] = std::uint32_t(at(int(u), int(v)));
+    const std::uint8_t age = before_.age[from_[pixel]];
+    if (age == PointAge::kNoPoint || (surfaces_from(surfaces_before_, int(v), int(u)) & 1u) != 0) continue;
+    show_background(x, row, colour, PointAge::following(age));
+  }
+}
+
+/// keep_background() amid the background, where all pixels come from as far away as the one in the middle, but for one
+/// pixel. False: not there.
+bool PointImage::copy_background(const LinearOverImage& before, std::uint32_t colour, int left, int row) {
+  constexpr std::uint64_t kThese = (std::uint64_t(1) << (kBlock + 2)) - 1;
+  const vec3 there = before.at(left + kBlock / 2, row);
+  const float u = there.x / there.z, v = there.y / there.z;
+  if (left + kBlock > width_ || !(there.z > 0.0f && u >= 0.0f && u < float(width_) && v >= 1.0f)) return false;
+  const int from = int(u) - kBlock / 2, from_row = int(v);
+  if (from < 0 || from + kBlock > width_ || from_row + 1 >= height_) return false;
+  std::uint64_t surfaces = surfaces_from(surfaces_, row, left);
+  for (int y = from_row - 1; y <= from_row + 1; ++y) surfaces |= surfaces_from(surfaces_before_, y, from - 1);
+  if ((surfaces & kThese) != 0) return false;
+  const std::size_t first = at(left, row), first_before = at(from, from_row);
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    const std::uint8_t age = before_.age[first_before + i];
+    now_.age[first + i] = age == PointAge::kNoPoint ? age : PointAge::following(age);
+    now_.colour[first + i] = colour;
+    now_.point[first + i].id = 0;
+    ids_[first + i] = 0;
+    from_[first + i] = std::uint32_t(first_before + i);
+  }
+  return true;
 }
 
 /// Finds points between two that are clearly nearer, beside them or above and below.
@@ -251,8 +292,8 @@ void PointImage::doubt_row(int row) {
 }
 
 /// Surfaces of 64 pixels of a row, as bits.
-std::uint64_t PointImage::surfaces_from(int row, std::ptrdiff_t first) const {
-  const std::uint64_t* const words = &surfaces_[surface_words() * std::size_t(row)];
+std::uint64_t PointImage::surfaces_from(const std::vector<std::uint64_t>& bits, int row, std::ptrdiff_t first) const {
+  const std::uint64_t* const words = &bits[surface_words() * std::size_t(row)];
   const std::ptrdiff_t word = first >= 0 ? first / 64 : -1, count = std::ptrdiff_t(surface_words());
   const auto shift = unsigned(first & 63);
   const auto at = [&](std::ptrdiff_t w) { return w >= 0 && w < count ? words[w] : 0; };
@@ -275,7 +316,7 @@ bool PointImage::passed_by(int x, int y, int dx, int dy) const {
   for (int k = 1; k <= kAround; ++k) {
     const int u = x + k * dx, v = y + k * dy;
     if (u < 0 || u >= width_ || v < 0 || v >= height_) return false;
-    if ((surfaces_from(v, u) & 1u) != 0) return moved_past(at(u, v), at(x, y), k);
+    if ((surfaces_from(surfaces_, v, u) & 1u) != 0) return moved_past(at(u, v), at(x, y), k);
   }
   return false;
 }
@@ -285,37 +326,17 @@ void PointImage::hide_background_row(int row) {
   for (int left = 0; left < width_; left += 64) {
     std::uint64_t before = 0, after = 0, above = 0, below = 0;
     for (int k = 1; k <= kAround; ++k) {
-      before |= surfaces_from(row, left - k);
-      after |= surfaces_from(row, left + k);
-      if (row + k < height_) above |= surfaces_from(row + k, left);
-      if (row - k >= 0) below |= surfaces_from(row - k, left);
+      before |= surfaces_from(surfaces_, row, left - k);
+      after |= surfaces_from(surfaces_, row, left + k);
+      if (row + k < height_) above |= surfaces_from(surfaces_, row + k, left);
+      if (row - k >= 0) below |= surfaces_from(surfaces_, row - k, left);
     }
-    std::uint64_t enclosed = ((before & after) | (above & below)) & ~surfaces_from(row, left);
+    std::uint64_t enclosed = ((before & after) | (above & below)) & ~surfaces_from(surfaces_, row, left);
     for (; enclosed != 0; enclosed &= enclosed - 1) {
       const int x = left + std::countr_zero(enclosed);
       if (x >= width_ || !PointAge::shows_own(now_.age[at(x, row)])) continue;
       if (passed_by(x, row, -1, 0) || passed_by(x, row, 1, 0) || passed_by(x, row, 0, 1) || passed_by(x, row, 0, -1))
         now_.age[at(x, row)] |= PointAge::kHidden;
-    }
-  }
-}
-
-/// Lets pixels without a point show the background if it lay there before, where points of several pixels have come to
-/// one. `before`: pixels before, times W, and W of the places of the background.
-void PointImage::keep_background(const LinearOverImage& before, const Background& background, int column, int row) {
-  const int left = column * kBlock, right = std::min(width_, left + kBlock);
-  for (int y = row * kBlock; y < std::min(height_, (row + 1) * kBlock); ++y) {
-    const std::uint8_t* const ages = &now_.age[at(0, y)];
-    if (std::find(ages + left, ages + right, PointAge::kNoPoint) == ages + right) continue;
-    const std::uint32_t colour = background_of(background, y, height_);
-    for (int x = left; x < right; ++x) {
-      if (ages[x] != PointAge::kNoPoint) continue;
-      const vec3 there = before.at(x, y);
-      const float u = there.x / there.z, v = there.y / there.z;
-      if (!(there.z > 0.0f && u >= 0.0f && u < float(width_) && v >= 0.0f && v < float(height_))) continue;
-      const std::size_t from = at(int(u), int(v));
-      if (before_.age[from] != PointAge::kNoPoint && before_.point[from].id == 0)
-        show_background(x, y, colour, PointAge::following(before_.age[from]));
     }
   }
 }

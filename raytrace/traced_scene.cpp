@@ -55,6 +55,15 @@ void SceneRays::nearest_of(std::uint32_t part, std::span<const core::Ray> rays, 
   if (count && nearer > 0) count->fetch_add(nearer, std::memory_order_relaxed);
 }
 
+/// nearest() of a scene in one part.
+void SceneRays::nearest_alone(std::span<const core::Ray> rays, std::span<PartHit> hits) const {
+  const Tracer& tracer = *scene_.parts[0].tracer;
+  std::array<Hit, kMostRays> found;
+  if (!tracer.nearest(rays, {found.data(), rays.size()}, filters_[0])) found.fill({});
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    hits[i] = {found[i], found[i].slot != core::kNone ? &tracer.snapshot() : nullptr};
+}
+
 /// nearest_of() for those rays that may hit a part before what they have hit. `first`: they do not before this t.
 void SceneRays::nearer_of(std::uint32_t part, double first, std::span<const core::Ray> rays,
                           std::span<PartHit> hits) const {
@@ -74,8 +83,8 @@ void SceneRays::nearer_of(std::uint32_t part, double first, std::span<const core
 }
 
 void SceneRays::nearest(std::span<const core::Ray> rays, const PixelRange& pixels, std::span<PartHit> hits) const {
+  if (!scene_.boxes.boxes) return nearest_alone(rays, hits);
   std::fill(hits.begin(), hits.end(), PartHit());
-  if (!scene_.boxes.boxes) return nearest_of(0, rays, hits);
   enter_boxes(rays, hits);
   std::vector<bool> traced(scene_.parts.size());
   double farthest = farthest_of(hits);

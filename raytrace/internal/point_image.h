@@ -77,8 +77,8 @@ class PointImage {
   /// Takes the points of an image of this view that is there, in the form in which this one has them. Without ids what
   /// has a depth is a surface.
   void take(int width, int height, const core::View& view, const Pixels& image, core::ThreadPool& threads);
-  /// Puts the points where another view has them. What shows the background gets that of its new row. Amid the
-  /// background, with no surface in a block or beside it, pixels that no point comes to show what lay there before.
+  /// Puts points of surfaces where another view has them. Where none comes to and the background lay there before, this
+  /// shows on, in the colour of its new row.
   void follow(const core::View& view, const gpuprims::Background& background, core::ThreadPool& threads);
   /// Lets a pixel show a point. `id`: item + 1. Several threads may set different pixels.
   void set(std::size_t pixel, const core::dvec3& point, std::uint32_t id, std::uint32_t colour);
@@ -114,7 +114,7 @@ class PointImage {
 
   std::size_t memory_bytes() const {
     return now_.memory_bytes() + before_.memory_bytes() +
-           core::bytes_of(ids_, depths_, moves_, moved_rows_, from_, surfaces_, surface_blocks_, farthest_);
+           core::bytes_of(ids_, depths_, moves_, moved_rows_, from_, surfaces_, surfaces_before_, farthest_);
   }
   Pixels pixels() const { return {now_.colour, depths_, ids_}; }
   std::span<const std::uint8_t> ages() const { return now_.age; }  ///< by pixel
@@ -142,18 +142,19 @@ class PointImage {
   };
   void look_from(const core::View& view);
   void project_row(const glm::mat4& pixels, int row);
-  void take_block_row(const core::vec3& step, const gpuprims::Background& background, int row);
-  void take_row(const core::vec3& step, std::uint32_t background, int row, const std::uint64_t* nearest);
+  void take_block_row(const core::vec3& step, const LinearOverImage& before, const gpuprims::Background& background,
+                      int row);
+  void take_row(const core::vec3& step, int row, const std::uint64_t* nearest);
   void doubt_row(int row);
   bool moved_past(std::size_t surface, std::size_t background, int distance) const;
   bool passed_by(int x, int y, int dx, int dy) const;
   void hide_background_row(int row);
-  void find_surface_blocks(int row);
   void show_background(int x, int y, std::uint32_t colour, std::uint8_t age);
-  void keep_background(const LinearOverImage& before, const gpuprims::Background& background, int column, int row);
+  void keep_background(const LinearOverImage& before, std::uint32_t colour, int left, int row);
+  bool copy_background(const LinearOverImage& before, std::uint32_t colour, int left, int row);
   std::size_t runs() const { return (std::size_t(width_) + kRun - 1) / kRun; }
   std::size_t surface_words() const { return std::size_t(width_) / 64 + 1; }
-  std::uint64_t surfaces_from(int row, std::ptrdiff_t first) const;
+  std::uint64_t surfaces_from(const std::vector<std::uint64_t>& bits, int row, std::ptrdiff_t first) const;
   std::uint64_t distance_of(std::size_t pixel) const;
   void show(std::size_t pixel, std::uint64_t farthest, const gpuprims::Background& background, int row);
   std::uint64_t fill_block(int column, int row, const gpuprims::Background& background);
@@ -168,11 +169,10 @@ class PointImage {
   core::LargeArray<std::uint32_t> ids_;
   core::LargeArray<float> depths_;
   // follow() fills these.
-  core::LargeArray<Move> moves_;              // by pixel before
-  std::vector<Rows> moved_rows_;              // first and last rows that each kRun points of a row move to
-  core::LargeArray<std::uint32_t> from_;      // by pixel: the one before
-  std::vector<std::uint64_t> surfaces_;       // a bit per pixel with a surface, surface_words() a row
-  std::vector<std::uint8_t> surface_blocks_;  // whether a block has any
+  core::LargeArray<Move> moves_;                           // by pixel before
+  std::vector<Rows> moved_rows_;                           // first and last rows that each kRun points of a row move to
+  core::LargeArray<std::uint32_t> from_;                   // by pixel: the one before
+  std::vector<std::uint64_t> surfaces_, surfaces_before_;  // a bit per pixel with a surface, surface_words() a row
   std::vector<std::uint64_t> farthest_;  // of fill(), by block and by larger cell: distance_of() its farthest point
 };
 

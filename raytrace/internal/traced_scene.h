@@ -76,6 +76,7 @@ class SceneRays {
  private:
   Beam beam_of(const PixelRange& pixels) const;
   void enter_boxes(std::span<const core::Ray> rays, std::span<PartHit> hits) const;
+  void nearest_alone(std::span<const core::Ray> rays, std::span<PartHit> hits) const;
   void nearest_of(std::uint32_t part, std::span<const core::Ray> rays, std::span<PartHit> hits) const;
   std::vector<std::uint32_t> parts_along(const core::Ray& ray) const;
   void nearer_of(std::uint32_t part, double first, std::span<const core::Ray> rays, std::span<PartHit> hits) const;
