@@ -82,6 +82,14 @@ class Lit {
   std::array<Light, gpuprims::kMostDistantLights> lights_{};
 };
 
+/// By what a block misses and the ages of its points. Blocks on the image's border, which have fewer pixels, are as
+/// urgent as others. Where surfaces end before the background, thin things are missed: such blocks are by half more so.
+std::uint32_t urgency_of(const PointBlock& sum) {
+  if (32 * sum.missing > 31 * sum.pixels) return kEmpty;
+  const std::uint32_t waited = (sum.waited * std::uint32_t(kPixels) + sum.pixels - 1) / sum.pixels;
+  return std::min(kEmpty - 1, sum.surface && sum.background ? waited * 3 / 2 : waited);
+}
+
 std::uint32_t urgency_of_sky(std::uint32_t urgency, std::size_t block) {
   const std::uint32_t old = (kOldSky + std::uint32_t(block * 0x9e3779b9u) % kOldSky) * std::uint32_t(kPixels);
   return urgency < old ? (urgency + kSkyStays - 1) / kSkyStays : kOldSky * std::uint32_t(kPixels);
@@ -140,10 +148,7 @@ void MovingImage::find_urgency(core::ThreadPool& threads) {
     for (int column = 0; column < columns; ++column) {
       const std::size_t block = std::size_t(row) * std::size_t(columns) + std::size_t(column);
       const PointBlock sum = points_.block(column, int(row));
-      // Blocks on the border, which have fewer pixels, are as urgent as others.
-      urgency_[block] = 32 * sum.missing > 31 * sum.pixels
-                            ? kEmpty
-                            : (sum.waited * std::uint32_t(kPixels) + sum.pixels - 1) / sum.pixels;
+      urgency_[block] = urgency_of(sum);
       surfaces_[block] = sum.surface;
     }
   });

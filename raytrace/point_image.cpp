@@ -349,7 +349,7 @@ PointBlock PointImage::block(int column, int row) const {
     const std::uint8_t* const ages = &now_.age[at(left, y)];
     const std::uint32_t* const ids = &ids_[at(left, y)];
     PointBlock sum;  // of a row, without branches, so that the compiler makes vectors of it
-    std::uint32_t surfaces = 0;
+    std::uint32_t surfaces = 0, empty = 0;
     for (int x = 0; x < width; ++x) {
       const std::uint32_t own = PointAge::shows_own(ages[x]);
       sum.waited += PointAge::waited(ages[x]);
@@ -358,8 +358,10 @@ PointBlock PointImage::block(int column, int row) const {
       sum.found += ages[x] == PointAge::kNew;
       sum.assumed += ages[x] == PointAge::kAssumed;
       surfaces |= ids[x] & (own * ~0u);
+      empty |= own & std::uint32_t(ids[x] == 0);
     }
     sum.surface = surfaces != 0;
+    sum.background = empty != 0;
     block += sum;
   }
   return block;
@@ -367,7 +369,7 @@ PointBlock PointImage::block(int column, int row) const {
 
 PointBlock& PointBlock::operator+=(const PointBlock& other) {
   waited += other.waited, missing += other.missing, own += other.own, found += other.found, assumed += other.assumed;
-  pixels += other.pixels, surface |= other.surface;
+  pixels += other.pixels, surface |= other.surface, background |= other.background;
   return *this;
 }
 

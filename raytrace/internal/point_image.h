@@ -40,10 +40,10 @@ struct PointAge {
 };
 
 /// A sum over the pixels of a block: how long they have waited; how many have no point, show their own, show one of
-/// this view, or assumed background; and whether any shows a surface of its own.
+/// this view, or assumed background; and whether any shows a surface, or background, of its own.
 struct PointBlock {
   std::uint32_t waited = 0, missing = 0, own = 0, found = 0, assumed = 0, pixels = 0;
-  bool surface = false;
+  bool surface = false, background = false;
   PointBlock& operator+=(const PointBlock& other);
 };
 
