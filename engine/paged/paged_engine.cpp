@@ -135,7 +135,6 @@ class PagedEngine::Impl {
 
   core::Expected<void> take_context();
   OpenLeaves& leaves() { return image_->leaves(); }
-  core::Expected<void> begin(const core::View& view);
   core::Expected<PagedReport> trace(const core::View& view, double began);
   core::Expected<void> take_loaded(bool upload);
   void count_pages();
@@ -208,14 +207,14 @@ core::Expected<void> PagedEngine::Impl::draw_trial() {
   const auto view =
       core::View::fit(place, core::kOverviewDirection, 0.8, double(config_.width) / double(config_.height));
   if (!view) return {};
-  if (auto done = begin(*view); !done) return done;
+  if (auto done = image_->begin(*view); !done) return done;
   store_ = std::make_unique<PageStore>(scene_, 0, traces(config_));
   store_->ask_for({&first, 1}, 0, true);
   (void)store_->wait(kLongestTrial);
   store_->take_loaded(0);
   auto done = store_->upload(context_);
   if (done) done = image_->draw_resident(pages());
-  report_.pending = report_.leaves;
+  report_.pending = leaves().in_view();
   if (done) done = show();
   store_.reset();
   image_->forget();
@@ -278,11 +277,12 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
   const bool moves = !shown_ || !core::same_image(*shown_, view);
   if (moves) before_ = std::exchange(shown_, view);
+  report_ = {};
+  report_.frame = frames_++;
   if (moves && traced_ && !settling_) return trace(view, began);
   const bool stays = image_->view() && core::same_image(*image_->view(), view);
   if (!stays)
-    if (auto done = begin(view); !done) return tl::unexpected(done.error());
-  report_.frame = frames_++;
+    if (auto done = image_->begin(view); !done) return tl::unexpected(done.error());
   if (auto done = refine(began + 1e-3 * config_.refine_ms, stays); !done) return tl::unexpected(done.error());
   if (auto done = show(); !done) return tl::unexpected(done.error());
   if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());  // else nothing of this was drawn
@@ -323,13 +323,6 @@ core::Expected<void> PagedEngine::Impl::refine_more() {
   return refine(core::now_seconds() + 1e-3 * config_.refine_ms, true);
 }
 
-core::Expected<void> PagedEngine::Impl::begin(const core::View& view) {
-  if (auto done = image_->begin(view); !done) return done;
-  report_ = {};
-  report_.leaves = leaves().in_view();
-  return {};
-}
-
 /// Draws what is in memory; while the view stays, also what arrives until then.
 core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
   while (true) {
@@ -340,6 +333,7 @@ core::Expected<void> PagedEngine::Impl::refine(double until, bool stays) {
     const double left = until - core::now_seconds();
     if (!stays || report_.complete || left <= 0.0 || !wait(left)) break;
   }
+  report_.leaves = leaves().in_view();
   report_.pending = leaves().count();
   report_.items_drawn = image_->items_drawn();
   count_pages();
@@ -370,8 +364,6 @@ void PagedEngine::Impl::count_pages() {
 
 /// The image of a view that has just changed, within the budget.
 core::Expected<PagedReport> PagedEngine::Impl::trace(const core::View& view, double began) {
-  report_ = {};
-  report_.frame = frames_++;
   if (auto done = take_loaded(false); !done) return tl::unexpected(done.error());
   const double deadline = began + kBudgetShare * 1e-3 * config_.losses.budget_ms - after_rays_seconds_;
   const auto counts = traced_->draw(view, config_.drawing.looks, pages(), image_->target(), deadline);

@@ -487,6 +487,13 @@ TEST_F(MovingPagesTest, ShowWhatIsInMemoryByRays) {
   EXPECT_LT(std::ranges::count(own.ids, 0u), std::ptrdiff_t(own.ids.size()) * 95 / 100);
   ASSERT_TRUE(paged->settle(view));
   EXPECT_EQ(paged->read_depth().metres, whole->read_depth(view)->metres) << "at rest it is drawn";
+  ASSERT_TRUE(paged->frame(beside(*paged, 6)));
+  ASSERT_TRUE(paged->frame(view));
+  const auto again = paged->frame(view);
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->complete);
+  EXPECT_GT(again->leaves, 0) << "nothing of the traced image's report stays";
+  EXPECT_EQ(again->earlier, 0.0);
 }
 
 TEST_F(MovingPagesTest, ShowBoxesOfWhatIsMissingAndReadIt) {
