@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <optional>
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -34,9 +35,28 @@ dmat4 clip_from_place(const View& view, const dvec3& origin) {
   return gpuprims::reversed_clip_from_eye(view) * view.eye_from_world() * glm::translate(dmat4(1.0), origin);
 }
 
+/// Where the background of an image lies, in places relative to `origin`: very far away; in orthographic views, where
+/// that would leave the image with any turn, midway between the near and the far plane.
+LinearOverImage places_of_background(const View& view, const dvec3& origin, int width, int height) {
+  // Midway between the planes w is the same everywhere in orthographic views, and in others direction alone counts.
+  const dmat4 place = glm::inverse(clip_from_place(view, origin)) * glm::translate(dmat4(1.0), dvec3(-1.0, -1.0, 0.5)) *
+                      glm::scale(dmat4(1.0), dvec3(2.0 / width, 2.0 / height, 1.0));
+  const core::dvec4 middle = place * core::dvec4(0.5 * width, 0.5 * height, 0.0, 1.0);
+  const double scale = view.orthographic() ? 1.0 / middle.w : kFarAway / glm::length(dvec3(middle));
+  return {vec3(scale * dvec3(place * core::dvec4(0.5, 0.5, 0.0, 1.0))), vec3(scale * dvec3(place[0])),
+          vec3(scale * dvec3(place[1]))};
+}
+
 /// The background's colour in a row of an image.
 std::uint32_t background_of(const Background& background, int row, int height) {
   return packed_colour(glm::mix(background.bottom, background.top, (float(row) + 0.5f) / float(height)));
+}
+
+/// The pixel at a place, in pixels times W, and W; none outside the image.
+std::optional<glm::ivec2> pixel_at(const vec3& place, int width, int height) {
+  const float x = place.x / place.z, y = place.y / place.z;
+  if (!(place.z > 0.0f && x >= 0.0f && x < float(width) && y >= 0.0f && y < float(height))) return std::nullopt;
+  return glm::ivec2(int(x), int(y));
 }
 
 /// By pixel of a row of blocks: the reversed depth of the nearest point that comes there, and its pixel before + 1.
@@ -84,16 +104,8 @@ void PointImage::reset(int width, int height, const View& view) {
 
 void PointImage::look_from(const View& view) {
   origin_ = place_of_eye(view);
-  const dmat4 clip = clip_from_place(view, origin_);
-  clip_ = glm::mat4(clip);
+  clip_ = glm::mat4(clip_from_place(view, origin_));
   orthographic_ = view.orthographic();
-  // Midway between the planes w is the same everywhere in orthographic views, and in others direction alone counts.
-  const dmat4 place = glm::inverse(clip) * glm::translate(dmat4(1.0), dvec3(-1.0, -1.0, 0.5)) *
-                      glm::scale(dmat4(1.0), dvec3(2.0 / width_, 2.0 / height_, 1.0));
-  const core::dvec4 middle = place * core::dvec4(0.5 * width_, 0.5 * height_, 0.0, 1.0);
-  const double scale = orthographic_ ? 1.0 / middle.w : kFarAway / glm::length(dvec3(middle));
-  background_ = {vec3(scale * dvec3(place * core::dvec4(0.5, 0.5, 0.0, 1.0))), vec3(scale * dvec3(place[0])),
-                 vec3(scale * dvec3(place[1]))};
 }
 
 void PointImage::take(int width, int height, const View& view, const Pixels& image, core::ThreadPool& threads) {
@@ -109,7 +121,7 @@ void PointImage::take(int width, int height, const View& view, const Pixels& ima
       const std::size_t pixel = at(x, y);
       const float depth = image.depths[pixel];
       ids_[pixel] = depth == 0.0f ? 0 : image.ids.empty() ? 1 : image.ids[pixel];
-      now_.point[pixel] = {depth == 0.0f ? background_.at(x, y) : vec3(place(x, y, double(depth))), ids_[pixel]};
+      now_.point[pixel] = {depth == 0.0f ? vec3(0.0f) : vec3(place(x, y, double(depth))), ids_[pixel]};
       now_.colour[pixel] = image.colours[pixel];
       now_.age[pixel] = PointAge::kNew;
       depths_[pixel] = depth;
@@ -131,8 +143,8 @@ void PointImage::follow(const View& view, const Background& background, core::Th
     const glm::vec4 there = pixels_before * glm::vec4(place, one);
     return vec3(there.x, there.y, there.w);
   };
-  const LinearOverImage before{form(background_.first - step, 1.0f), form(background_.right, 0.0f),
-                               form(background_.up, 0.0f)};
+  const LinearOverImage places = places_of_background(view, origin_, width_, height_);
+  const LinearOverImage before{form(places.first - step, 1.0f), form(places.right, 0.0f), form(places.up, 0.0f)};
   threads.run(std::uint32_t(rows()), [&](std::uint32_t row) { take_block_row(step, before, background, int(row)); });
   for_rows(threads, height_, [&](int y) { doubt_row(y); });
   for_rows(threads, height_, [&](int y) { hide_background_row(y); });
@@ -243,13 +255,12 @@ void PointImage::keep_background(const LinearOverImage& before, std::uint32_t co
   for (int x = left; x < right; ++x) {
     const std::size_t pixel = at(x, row);
     if (now_.age[pixel] != PointAge::kNoPoint) continue;
-    const vec3 there = before.at(x, row);
-    const float u = there.x / there.z, v = there.y / there.z;
-    if (!(there.z > 0.0f && u >= 0.0f && u < float(width_) && v >= 0.0f && v < float(height_))) continue;
-    from_[pixel] = std::uint32_t(at(int(u), int(v)));
+    const auto from = pixel_at(before.at(x, row), width_, height_);
+    if (!from) continue;
+    from_[pixel] = std::uint32_t(at(from->x, from->y));
     const std::uint8_t age = before_.age[from_[pixel]];
-    if (age == PointAge::kNoPoint || (surfaces_from(surfaces_before_, int(v), int(u)) & 1u) != 0) continue;
-    show_background(x, row, colour, PointAge::following(age));
+    if (age == PointAge::kNoPoint || (surfaces_from(surfaces_before_, from->y, from->x) & 1u) != 0) continue;
+    show_background(pixel, colour, PointAge::following(age));
   }
 }
 
@@ -257,21 +268,18 @@ void PointImage::keep_background(const LinearOverImage& before, std::uint32_t co
 /// pixel. False: not there.
 bool PointImage::copy_background(const LinearOverImage& before, std::uint32_t colour, int left, int row) {
   constexpr std::uint64_t kThese = (std::uint64_t(1) << (kBlock + 2)) - 1;
-  const vec3 there = before.at(left + kBlock / 2, row);
-  const float u = there.x / there.z, v = there.y / there.z;
-  if (left + kBlock > width_ || !(there.z > 0.0f && u >= 0.0f && u < float(width_) && v >= 1.0f)) return false;
-  const int from = int(u) - kBlock / 2, from_row = int(v);
-  if (from < 0 || from + kBlock > width_ || from_row + 1 >= height_) return false;
+  const auto middle = pixel_at(before.at(left + kBlock / 2, row), width_, height_);
+  if (!middle) return false;
+  const int from = middle->x - kBlock / 2, from_row = middle->y;
+  if (left + kBlock > width_ || from < 0 || from + kBlock > width_ || from_row < 1 || from_row + 1 >= height_)
+    return false;
   std::uint64_t surfaces = surfaces_from(surfaces_, row, left);
   for (int y = from_row - 1; y <= from_row + 1; ++y) surfaces |= surfaces_from(surfaces_before_, y, from - 1);
   if ((surfaces & kThese) != 0) return false;
   const std::size_t first = at(left, row), first_before = at(from, from_row);
   for (std::size_t i = 0; i < kBlock; ++i) {
     const std::uint8_t age = before_.age[first_before + i];
-    now_.age[first + i] = age == PointAge::kNoPoint ? age : PointAge::following(age);
-    now_.colour[first + i] = colour;
-    now_.point[first + i].id = 0;
-    ids_[first + i] = 0;
+    show_background(first + i, colour, age == PointAge::kNoPoint ? age : PointAge::following(age));
     from_[first + i] = std::uint32_t(first_before + i);
   }
   return true;
@@ -384,12 +392,11 @@ void PointImage::set(std::size_t pixel, const dvec3& point, std::uint32_t id, st
 }
 
 void PointImage::set_background(int x, int y, const Background& background, std::uint8_t age) {
-  show_background(x, y, background_of(background, y, height_), age);
+  show_background(at(x, y), background_of(background, y, height_), age);
 }
 
-void PointImage::show_background(int x, int y, std::uint32_t colour, std::uint8_t age) {
-  const std::size_t pixel = at(x, y);
-  now_.point[pixel] = {background_.at(x, y), 0};
+void PointImage::show_background(std::size_t pixel, std::uint32_t colour, std::uint8_t age) {
+  now_.point[pixel].id = 0;
   now_.colour[pixel] = colour;
   now_.age[pixel] = age;
   ids_[pixel] = 0;

@@ -3,14 +3,12 @@
 // the frame before took. Some frames are compared with the complete image of their view, and so is the next one, since
 // an error that changes between them flickers.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <map>
 #include <numbers>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 

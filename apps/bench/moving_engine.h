@@ -1,4 +1,4 @@
-// What flies in sightline-bench motion: an engine that has the whole scene in memory, or one that reads pages.
+// The engine that flies in sightline-bench motion: one that has the whole scene in memory, or one that reads pages.
 #pragma once
 
 #include <cstddef>

@@ -30,11 +30,11 @@ std::int64_t leaf_of(std::uint32_t pixel_id) {
 
 }  // namespace
 
-TracedPages::TracedPages(const core::PagedScene& scene)
+TracedPages::TracedPages(const core::PagedScene& scene, const OpenLeaves& leaves)
     : scene_(scene),
+      leaves_(leaves),
       boxes_(std::make_shared<raytrace::ItemBoxes>(scene.leaves, 0)),
       image_(std::make_shared<raytrace::MovingImage>()),
-      page_boxes_(scene.pages.size()),
       page_of_(scene.leaves.size()),
       part_of_(scene.leaves.size()),
       hits_(scene.pages.size()),
@@ -42,38 +42,40 @@ TracedPages::TracedPages(const core::PagedScene& scene)
       pixels_(scene.pages.size()),
       shown_(culling::bit_words(scene.leaves.size())) {
   for (std::uint32_t page = 0; page < scene.pages.size(); ++page)
-    for (std::uint32_t leaf = scene.pages[page].first_leaf; leaf < scene.leaf_end(page); ++leaf) {
-      page_boxes_[page].grow(scene.leaves.box(leaf));
-      page_of_[leaf] = page;
-    }
+    std::fill(page_of_.begin() + scene.pages[page].first_leaf, page_of_.begin() + scene.leaf_end(page), page);
 }
 
-core::Expected<std::unique_ptr<TracedPages>> TracedPages::create(const core::PagedScene& scene) {
-  return std::unique_ptr<TracedPages>(new TracedPages(scene));
+core::Expected<std::unique_ptr<TracedPages>> TracedPages::create(const core::PagedScene& scene,
+                                                                 const OpenLeaves& leaves) {
+  return std::unique_ptr<TracedPages>(new TracedPages(scene, leaves));
 }
 
 core::Expected<TracedPages::Counts> TracedPages::draw(const core::View& view, const Looks& looks,
                                                       const PagesInMemory& pages, const render::RenderTarget& target,
                                                       double deadline) {
   std::vector<raytrace::TracedPart> parts;
-  std::fill(traced_.begin(), traced_.end(), 0);
+  core::VisibleSet traced;
   std::fill(part_of_.begin(), part_of_.end(), core::kNone);
   const auto add = [&](std::uint32_t page, const ResidentPage& resident) {
     if (!resident.tracer) return;
     hits_[page] = 0;
     const std::uint32_t first = scene_.pages[page].first_leaf, end = scene_.leaf_end(page);
     std::fill(part_of_.begin() + first, part_of_.begin() + end, std::uint32_t(parts.size()));
-    for (std::uint32_t leaf = first; leaf < end; ++leaf) traced_[leaf / 64] |= std::uint64_t(1) << leaf % 64;
+    culling::append_range(first, end, traced.ranges);
     parts.push_back({resident.tracer.get(), {}, &hits_[page]});
   };
   for (const std::uint32_t page : pages.full.resident()) add(page, *pages.full.find(page));
   if (pages.coarse)
     for (const std::uint32_t page : pages.coarse->resident())
       if (!pages.full.find(page)) add(page, *pages.coarse->find(page));
-  image_->doubt([&](std::uint32_t id) {
-    const std::int64_t leaf = leaf_of(id);
-    return leaf >= 0 && culling::contains(traced_, core::Slot(leaf));
-  });
+  std::fill(traced_.begin(), traced_.end(), 0);
+  culling::set_bits(traced, traced_);
+  const std::uint64_t loaded = pages.full.counts().loaded + (pages.coarse ? pages.coarse->counts().loaded : 0);
+  if (std::exchange(loaded_, loaded) != loaded)
+    image_->doubt([&](std::uint32_t id) {
+      const std::int64_t leaf = leaf_of(id);
+      return leaf >= 0 && culling::contains(traced_, core::Slot(leaf));
+    });
   const raytrace::MovingImage::Request request{{parts, {boxes_.get(), part_of_, traced_, scene_.colours, kFirstLeafId}},
                                                view,
                                                target.width(),
@@ -83,13 +85,13 @@ core::Expected<TracedPages::Counts> TracedPages::draw(const core::View& view, co
                                                {looks.background.bottom, looks.background.top}};
   const auto drawn = image_->draw(request, threads_, deadline - after_rays_seconds_);
   if (!drawn) return tl::unexpected(drawn.error());
-  const double traced = core::now_seconds();
+  const double after_rays = core::now_seconds();
   const double all = double(target.width()) * target.height();
   mark_used(pages, float(all / double(std::max<std::int64_t>(1, drawn->traced))));
   show(target);
   Counts counts{std::sqrt(all / std::max(1.0, all - double(drawn->filled))), double(drawn->kept) / all};
   find_missing(view, counts);
-  after_rays_seconds_ = core::now_seconds() - traced;
+  after_rays_seconds_ = core::now_seconds() - after_rays;
   return counts;
 }
 
@@ -153,7 +155,7 @@ bool TracedPages::holds(std::uint32_t page, const core::dvec3& place) const {
     return glm::all(glm::greaterThanEqual(place, core::dvec3(box.min))) &&
            glm::all(glm::lessThanEqual(place, core::dvec3(box.max)));
   };
-  if (!within(page_boxes_[page])) return false;
+  if (!within(leaves_.page_box(page))) return false;
   for (std::uint32_t leaf = scene_.pages[page].first_leaf; leaf < scene_.leaf_end(page); ++leaf)
     if (!culling::contains(traced_, leaf) && within(scene_.leaves.box(leaf))) return true;
   return false;
@@ -168,7 +170,7 @@ std::size_t TracedPages::memory_bytes(int width, int height) const {
 
 #else
 
-core::Expected<std::unique_ptr<TracedPages>> TracedPages::create(const core::PagedScene&) {
+core::Expected<std::unique_ptr<TracedPages>> TracedPages::create(const core::PagedScene&, const OpenLeaves&) {
   return core::fail("engine: this build traces no rays, by which a paged engine keeps budget_ms");
 }
 core::Expected<TracedPages::Counts> TracedPages::draw(const core::View&, const Looks&, const PagesInMemory&,

@@ -14,7 +14,7 @@
 
 namespace sightline::raytrace {
 
-/// What lies between four rays of an image, those of the corners of a rectangle in turn.
+/// The space between four rays of an image, those of the corners of a rectangle in turn.
 class Beam {
  public:
   explicit Beam(const std::array<core::Ray, 4>& corners);

@@ -82,9 +82,7 @@ class PointImage {
   void follow(const core::View& view, const gpuprims::Background& background, core::ThreadPool& threads);
   /// Lets a pixel show a point. `id`: item + 1. Several threads may set different pixels.
   void set(std::size_t pixel, const core::dvec3& point, std::uint32_t id, std::uint32_t colour);
-  /// Lets it show the background, which its ray has found by missing everything, or is assumed to. It lies very far
-  /// away; in orthographic views, where that would leave the image with any turn, midway between the near and the far
-  /// plane.
+  /// Lets it show the background, which its ray has found by missing everything, or is assumed to.
   void set_background(int x, int y, const gpuprims::Background& background, std::uint8_t age = PointAge::kNew);
   /// Points for whose ids (item + 1) doubts(id) is true become as doubtful as those between nearer ones.
   template <class Doubts>
@@ -149,7 +147,7 @@ class PointImage {
   bool moved_past(std::size_t surface, std::size_t background, int distance) const;
   bool passed_by(int x, int y, int dx, int dy) const;
   void hide_background_row(int row);
-  void show_background(int x, int y, std::uint32_t colour, std::uint8_t age);
+  void show_background(std::size_t pixel, std::uint32_t colour, std::uint8_t age);
   void keep_background(const LinearOverImage& before, std::uint32_t colour, int left, int row);
   bool copy_background(const LinearOverImage& before, std::uint32_t colour, int left, int row);
   std::size_t runs() const { return (std::size_t(width_) + kRun - 1) / kRun; }
@@ -162,8 +160,7 @@ class PointImage {
 
   int width_ = 0, height_ = 0;
   core::dvec3 origin_{0.0};
-  glm::mat4 clip_{1.0f};        // reversed clip space from places
-  LinearOverImage background_;  // places of the background
+  glm::mat4 clip_{1.0f};  // reversed clip space from places
   bool orthographic_ = false;
   Points now_, before_;
   core::LargeArray<std::uint32_t> ids_;

@@ -1,5 +1,5 @@
-// What a moving image shows: one snapshot, or several, each with a tracer of its own, and boxes in place of items that
-// are in none. Internal to raytrace and engine.
+// The scene of a moving image: one snapshot, or several, each with a tracer of its own, and boxes in place of items
+// that are in none. Internal to raytrace and engine.
 #pragma once
 
 #include <atomic>

@@ -64,7 +64,7 @@ class PageLoader {
   std::thread thread_;
 };
 
-/// What drawing needs of a page.
+/// A page on the GPU, as drawing needs it.
 struct UploadedPage {
   gpuscene::GpuScene scene;
   gpuscene::DrawLists lists;
@@ -144,7 +144,7 @@ class PageStore {
  private:
   static core::Expected<void> upload(const gl::Context& context, ResidentPage& page);
   bool make_room(std::size_t bytes, const Wanted& wanted, std::uint64_t frame, bool stays);
-  /// What goes first has the lowest.
+  /// The page with the lowest goes first.
   std::pair<std::uint64_t, float> rank(std::uint32_t page) const { return {pages_[page]->used, pages_[page]->area}; }
   std::uint32_t first_to_go() const;
   void evict(std::uint32_t page);

@@ -11,6 +11,7 @@
 #include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
 #include "sightline/engine/looks.h"
+#include "sightline/engine/paged/internal/open_leaves.h"
 #include "sightline/engine/paged/internal/page_store.h"
 #include "sightline/engine/paged/internal/paged_image.h"
 #include "sightline/render/internal/render_target.h"
@@ -25,8 +26,8 @@ namespace sightline::engine {
 /// Shows what pages in memory have, coarse ones in place of others, and boxes of leaves of those that are not.
 class TracedPages {
  public:
-  /// Fails in builds without rays. The scene must outlive it.
-  static core::Expected<std::unique_ptr<TracedPages>> create(const core::PagedScene& scene);
+  /// Fails in builds without rays. Both must outlive it; `leaves`: of the scene.
+  static core::Expected<std::unique_ptr<TracedPages>> create(const core::PagedScene& scene, const OpenLeaves& leaves);
 
   struct Counts {
     double coarseness = 1.0, earlier = 0.0;  ///< as FrameReport has them
@@ -44,24 +45,24 @@ class TracedPages {
   std::size_t memory_bytes(int width, int height) const;
 
  private:
-  explicit TracedPages(const core::PagedScene& scene);
+  TracedPages(const core::PagedScene& scene, const OpenLeaves& leaves);
   void mark_used(const PagesInMemory& pages, float pixels_a_ray);
   void show(const render::RenderTarget& target);
   void find_missing(const core::View& view, Counts& counts);
   bool holds(std::uint32_t page, const core::dvec3& place) const;
 
   const core::PagedScene& scene_;
+  const OpenLeaves& leaves_;
   core::ThreadPool threads_;
   std::shared_ptr<raytrace::ItemBoxes> boxes_;  // builds without rays do not know their types
   std::shared_ptr<raytrace::MovingImage> image_;
-  std::vector<core::Aabb> page_boxes_;            // from the leaves' origin
   std::vector<std::uint32_t> page_of_, part_of_;  // by leaf; part_of_: in the list of the parts traced, or kNone
   std::vector<std::atomic<std::uint32_t>> hits_;  // by page, of one image
-  std::vector<std::uint64_t> traced_,
-      traced_before_;                        // a bit per leaf whose page is traced, and was for the last image
-  std::vector<std::uint32_t> pixels_, ids_;  // by page: that show boxes of its leaves; by pixel
-  std::vector<std::uint64_t> shown_;         // a bit per leaf whose box the image shows
+  std::vector<std::uint64_t> traced_;             // a bit per leaf whose page is traced
+  std::vector<std::uint32_t> pixels_, ids_;       // by page: that show boxes of its leaves; by pixel
+  std::vector<std::uint64_t> shown_;              // a bit per leaf whose box the image shows
   std::vector<PageStore::Wanted> missing_;
+  std::uint64_t loaded_ = 0;         // pages read before the last image
   double after_rays_seconds_ = 0.0;  // what followed the rays of the last image
 };
 
