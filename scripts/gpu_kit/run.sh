@@ -15,7 +15,7 @@ PATH=$PATH:/usr/sbin:/sbin  # ldconfig's
 kit=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 bin=$kit/bin
 scale=${SCALE:-1} frames=${FRAMES:-60} size=${SIZE:-1280x720} total=${TOTAL:-470}
-steps=(machine tests images stability hybrid_100k hybrid_1m submission occlusion samples hybrid_5m first_image trace table_6_1 edits)
+steps=(machine tests images stability hybrid_100k hybrid_1m submission occlusion samples hybrid_5m motion first_image trace table_6_1 edits)
 
 case ${1:-} in
   -h | --help) sed -n '2,/^set/{/^#/s/^# \{0,1\}//p}' "$0"; exit 0 ;;
@@ -255,6 +255,14 @@ step_hybrid_5m() {
   done
   rm -f "$file"
 }
+# Images of a moving camera within a budget, beside complete ones.
+step_motion() {
+  local count
+  for count in 1000000 5000000; do
+    show 30 sightline-bench motion --items "$(items $count)" --budget 33 --frames "$frames" --every 20 --ways drawn \
+      --size "$size"
+  done
+}
 step_submission() {
   local variant
   for variant in geometry compute; do
@@ -309,6 +317,7 @@ title() {
     hybrid_100k) echo "$(items 100000) items: cullers, rendering off and on" ;;
     hybrid_1m) echo "$(items 1000000) items: cullers, rendering off and on" ;;
     hybrid_5m) echo "$(items 5000000) items: cullers, rendering off and on" ;;
+    motion) echo "Moving images within 33 ms, $(items 1000000) and $(items 5000000) items" ;;
     submission) echo "What frames culled by the GPU cost the processor" ;;
     occlusion) echo "Occlusion off, on and learnt, $(items 100000) and $(items 1000000) items" ;;
     samples) echo "Samples per pixel, depth shading and lines, $(items 100000) items" ;;
