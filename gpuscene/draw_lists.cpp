@@ -53,12 +53,13 @@ void DrawLists::append_records(BatchKind kind, std::uint32_t first, std::uint32_
   }
 }
 
-void DrawLists::list_records(const Batch& batch, const VisibleRecords::OfBatch& found) {
+/// Writes the single records of a batch from the place `single` on.
+void DrawLists::list_records(const Batch& batch, const VisibleRecords::OfBatch& found, std::size_t single) {
   const std::size_t begin = command_list_.size();
   for (const VisibleRecords::Run& run : found.runs) append_records(batch.kind, run.first, run.count);
-  const std::size_t place = singles_.begin() + single_list_.size();
-  append_records(batch.kind, batch.count + std::uint32_t(place), std::uint32_t(found.singles.size()));
-  single_list_.insert(single_list_.end(), found.singles.begin(), found.singles.end());
+  append_records(batch.kind, batch.count + std::uint32_t(singles_.begin() + single),
+                 std::uint32_t(found.singles.size()));
+  if (!found.singles.empty()) singles_.write(single, found.singles);
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
@@ -106,13 +107,15 @@ core::Expected<void> DrawLists::update(const GpuScene& scene, const VisibleRecor
   // The lists hold the places of single records in the buffer, so it must be large enough before.
   if (auto done = reserve_singles(singles); !done) return done;
   command_list_.clear();
-  single_list_.clear();
   core::Expected<void> done;
+  singles = 0;
   for (const Batch& b : scene.batches()) {
     if (b.kind == BatchKind::kMesh) {
       done = list_meshes(meshes);
     } else {
-      list_records(b, records.batches[std::size_t(b.kind)]);
+      const VisibleRecords::OfBatch& found = records.batches[std::size_t(b.kind)];
+      list_records(b, found, singles);
+      singles += found.singles.size();
     }
   }
   if (done) done = upload();
@@ -134,7 +137,6 @@ core::Expected<void> DrawLists::upload() {
   if (auto done = commands_.reserve(*gl_, command_list_.size()); !done) return tl::unexpected(done.error());
   for (Section& section : sections_) section.offset = (commands_.begin() + section.offset) * sizeof(ElementsCommand);
   commands_.write(0, command_list_);
-  if (!single_list_.empty()) singles_.write(0, single_list_);
   return {};
 }
 

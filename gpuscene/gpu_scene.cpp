@@ -76,8 +76,9 @@ std::uint32_t GpuScene::rank(const Snapshot& snapshot, BatchKind kind, Slot slot
 std::uint32_t GpuScene::record_of(const Snapshot& snapshot, Slot slot) {
   const Kind own = snapshot.kind(slot);
   std::uint32_t record = snapshot.index_in_kind(slot);
-  for (int k = 0; k < core::kKindCount; ++k)
-    if (Kind(k) != own && batch_of(Kind(k)) == batch_of(own)) record += snapshot.rank(Kind(k), slot);
+  const std::uint32_t others = info_of(batch_of(own)).item_kinds & ~item_kind_bits(own);
+  for (std::uint32_t rest = others; rest != 0; rest &= rest - 1)
+    record += snapshot.rank(Kind(std::countr_zero(rest)), slot);
   return record;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace sightline::gpuscene {
 namespace {
@@ -10,6 +11,8 @@ using core::Kind;
 using core::Slot;
 using core::SlotRange;
 using core::Snapshot;
+
+constexpr std::size_t kSlotsOfPart = 2048;  // for a thread
 
 /// Calls `part(first, end)` for each part of a range between its vacant runs of more than kLongestGap slots.
 template <class Part>
@@ -29,7 +32,7 @@ void without_vacant_runs(const Snapshot& snapshot, const SlotRange& range, const
 
 }  // namespace
 
-void VisibleRecords::assign(const Snapshot& snapshot, const core::VisibleSet& visible) {
+void VisibleRecords::assign(const Snapshot& snapshot, const core::VisibleSet& visible, core::ThreadPool* threads) {
   for (OfBatch& batch : batches) {
     batch.runs.clear();
     batch.singles.clear();
@@ -41,7 +44,40 @@ void VisibleRecords::assign(const Snapshot& snapshot, const core::VisibleSet& vi
       for (Slot slot = first; slot < end; ++slot)
         if (!snapshot.vacant(slot)) add_slot(snapshot, slot);
     });
-  for (const Slot slot : visible.single_slots) add_slot(snapshot, slot);
+  add_singles(snapshot, visible.single_slots, threads);
+}
+
+/// Threads count the slots of each batch in their parts, and then write the records to their places.
+void VisibleRecords::add_singles(const Snapshot& snapshot, std::span<const Slot> slots, core::ThreadPool* threads) {
+  const auto parts = std::uint32_t((slots.size() + kSlotsOfPart - 1) / kSlotsOfPart);
+  const auto for_each = [&](const auto& job) {
+    core::ThreadPool::run_on(threads, parts, [&](std::uint32_t part) {
+      const std::size_t first = std::size_t(part) * kSlotsOfPart;
+      job(slots.subspan(first, std::min(kSlotsOfPart, slots.size() - first)), places_[part]);
+    });
+  };
+  places_.assign(parts, {});
+  for_each([&](std::span<const Slot> some, OfKinds& counts) {
+    OfKinds found{};
+    for (const Slot slot : some) ++found[std::size_t(batch_of(snapshot.kind(slot)))];
+    counts = found;
+  });
+  std::array<std::uint32_t*, kBatchKindCount> records{};
+  for (std::size_t kind = 0; kind < records.size(); ++kind) {
+    std::vector<std::uint32_t>& list = BatchKind(kind) == BatchKind::kMesh ? meshes : batches[kind].singles;
+    auto end = std::uint32_t(list.size());
+    for (OfKinds& of_part : places_) end += std::exchange(of_part[kind], end);
+    list.resize(end);
+    records[kind] = list.data();
+  }
+  for_each([&](std::span<const Slot> some, const OfKinds& places) {
+    OfKinds next = places;
+    for (const Slot slot : some) {
+      const BatchKind kind = batch_of(snapshot.kind(slot));
+      records[std::size_t(kind)][next[std::size_t(kind)]++] =
+          kind == BatchKind::kMesh ? slot : GpuScene::record_of(snapshot, slot);
+    }
+  });
 }
 
 void VisibleRecords::add_range(const Snapshot& snapshot, Slot first, Slot end) {

@@ -58,6 +58,10 @@ bool DepthTest::hides(const BoxCoordinates& box, const PixelRectangle& pixels, f
   return all_occluded(span, pixels, std::min(level, pyramid_->level_count() - 1), rows);
 }
 
+PixelRectangle DepthTest::pixels(const BoxRectangles& r, int i) const {
+  return pixels_of(view_, r, i);
+}
+
 bool DepthTest::waits(const PixelRectangle& pixels) const {
   return rays_.usable() && RayQueues::takes(pixels);
 }
@@ -138,7 +142,7 @@ unsigned DepthTest::unoccluded_nodes(const float* const (&coordinates)[6]) const
   unsigned unoccluded = maybe_unoccluded(coordinates, r);
   for (unsigned bits = undecided(coordinates, r, unoccluded); bits != 0; bits &= bits - 1) {
     const int i = std::countr_zero(bits);
-    if (hide_all(pixels_of(view_, r, i), r.nearest[i])) unoccluded &= ~(1u << i);
+    if (hide_all(pixels(r, i), r.nearest[i])) unoccluded &= ~(1u << i);
   }
   return unoccluded;
 }
@@ -149,7 +153,7 @@ unsigned DepthTest::occluded(const float* const (&coordinates)[6]) const {
   unsigned found = ~unoccluded;
   for (unsigned bits = undecided(coordinates, r, unoccluded); bits != 0; bits &= bits - 1) {
     const int i = std::countr_zero(bits);
-    if (hides(box_of(coordinates, i), pixels_of(view_, r, i), r.nearest[i])) found |= 1u << i;
+    if (hides(box_of(coordinates, i), pixels(r, i), r.nearest[i])) found |= 1u << i;
   }
   return found;
 }

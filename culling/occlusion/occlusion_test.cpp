@@ -5,44 +5,16 @@
 
 #include "sightline/core/internal/scratch.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
-#include "sightline/culling/occlusion/internal/filter_slots.h"
+#include "sightline/culling/occlusion/internal/filter_boxes.h"
 #include "sightline/culling/occlusion/internal/front_layer.h"
 #include "sightline/culling/occlusion/internal/kernels.h"
-#include "sightline/culling/occlusion/internal/ray_queues.h"
 
 namespace sightline::culling {
 namespace {
 
-/// Slots of a part, so that no thread waits long for another.
-std::uint32_t part_size(std::size_t slots, int threads) {
-  return std::uint32_t(std::clamp<std::size_t>(slots / std::size_t(4 * threads), 512, 8192));
-}
-
 void list_bits(std::size_t word, std::uint64_t bits, std::vector<core::Slot>& slots) {
   for (; bits != 0; bits &= bits - 1) slots.push_back(core::Slot(64 * word) + core::Slot(std::countr_zero(bits)));
 }
-
-/// The answers for the boxes of a set. Boxes whose rays are still to be tested wait in queues.
-struct Judgement {
-  void add_group(unsigned unoccluded) { of_groups.push_back(std::uint16_t(unoccluded)); }
-  void hide(const RayQueues::Place& place) { of_groups[place.group] &= std::uint16_t(~(1u << place.lane)); }
-  std::uint32_t last_group() const { return std::uint32_t(of_groups.size() - 1); }
-  /// Replaces `out` by the open slots of `in`, whose groups have been added.
-  void list(const core::VisibleSet& in, core::VisibleSet& out) {
-    std::size_t next = 0;
-    for_each_slot_group(
-        in, [&](const SlotGroup& group, bool of_range) { collector.add(group, of_groups[next++], of_range); });
-    out.generation = in.generation;
-    out.counters = in.counters;
-    collector.finish(out);
-    of_groups.clear();
-  }
-  std::size_t memory_bytes() const { return core::bytes_of(of_groups, collector); }
-
-  std::vector<std::uint16_t> of_groups;  // bits of open boxes
-  RayQueues queues;
-  SlotCollector collector;
-};
 
 struct EnteringBuffers {
   Judgement judged;
@@ -55,11 +27,6 @@ struct LeafBuffers {
   std::size_t memory_bytes() const { return core::bytes_of(leaves); }
 };
 
-struct FilterBuffers {
-  SetParts parts;
-  std::size_t memory_bytes() const { return core::bytes_of(parts); }
-};
-
 struct FrontBuffers {
   SetParts parts;
   FrontLayers layers;
@@ -67,36 +34,6 @@ struct FrontBuffers {
   core::VisibleSet unoccluded;
   std::size_t memory_bytes() const { return core::bytes_of(parts, layers, in_front, others, unoccluded); }
 };
-
-/// Replaces `unoccluded` by the slots of `in` that are not hidden, or exempt.
-void filter_boxes(const DepthTest& depth, const core::ItemBounds& bounds, const core::VisibleSet& in,
-                  core::VisibleSet& unoccluded, SlotBits exempt) {
-  const core::Scratch<Judgement> scratch;
-  Judgement& judged = *scratch;
-  const auto test = [&](const SmallBoxes& boxes, std::span<const RayQueues::Place> places) {
-    const unsigned found = depth.unoccluded_boxes(boxes);
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if ((found >> i & 1u) == 0) judged.hide(places[i]);
-  };
-  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool) {
-    BoxRectangles r;
-    const unsigned spared = bits_in(exempt, group);
-    const unsigned maybe = depth.maybe_unoccluded(group.coordinates, r) & used;
-    judged.add_group(maybe | spared);
-    for (unsigned bits = depth.undecided(group.coordinates, r, maybe) & ~spared; bits != 0; bits &= bits - 1) {
-      const int i = std::countr_zero(bits);
-      const RayQueues::Place place{judged.last_group(), i, group.slots[i]};
-      const BoxCoordinates box = box_of(group.coordinates, i);
-      const PixelRectangle pixels = pixels_of(depth.view(), r, i);
-      if (depth.waits(pixels))
-        judged.queues.add(box, pixels, place, test);
-      else if (depth.hides(box, pixels, r.nearest[i]))
-        judged.hide(place);
-    }
-  });
-  judged.queues.finish(test);
-  judged.list(in, unoccluded);
-}
 
 /// Enters sixteen boxes that have waited in a queue.
 void enter_queued(const DepthTest& depth, const SmallBoxes& boxes, std::span<const RayQueues::Place> places,
@@ -133,7 +70,7 @@ void enter_all(const DepthTest& depth, const core::ItemBounds& bounds, const cor
         found = Found::kOccluded;
       } else if ((r.projects >> i & 1u) != 0) {
         const BoxCoordinates box = box_of(group.coordinates, i);
-        const PixelRectangle pixels = pixels_of(depth.view(), r, i);
+        const PixelRectangle pixels = depth.pixels(r, i);
         if (depth.waits(pixels)) {
           judged.queues.add(box, pixels, place, test);
           continue;
@@ -182,12 +119,7 @@ void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSe
     with_open_leaves(*this, hierarchy, part, exempt,
                      [&](const core::VisibleSet& leaves) { filter_boxes(depth_, bounds, leaves, kept, exempt); });
   };
-  if (!threads) return filter_part(in, unoccluded);
-  const core::Scratch<FilterBuffers> scratch;
-  SetParts& parts = scratch->parts;
-  parts.split(in, part_size(in.count(), threads->size()));
-  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) { filter_part(part, part); });
-  parts.join(unoccluded);
+  filter_in_parts(in, unoccluded, threads, filter_part);
 }
 
 void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& unoccluded,

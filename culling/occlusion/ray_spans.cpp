@@ -53,17 +53,18 @@ RaySpans::RaySpans(const core::View& view, const dvec3& origin, int width, int h
   usable_ = parallel_ ? trace_parallel(projection) : trace_from_eye(projection);
 }
 
-RayField RaySpans::field() const {
+RayField RaySpans::field(float x, float y) const {
   RayField field{};
   field.parallel = parallel_;
   for (int i = 0; i < 3; ++i) {
     const Axis& a = axes_[i];
-    field.constant[i] = float(a.constant), field.per_x[i] = float(a.x), field.per_y[i] = float(a.y);
+    const double constant = a.constant + (double(x) * a.x + double(y) * a.y);
+    field.constant[i] = float(constant), field.per_x[i] = float(a.x), field.per_y[i] = float(a.y);
     field.from[i] = float(a.from), field.along[i] = float(a.along);
-    field.constant_rest[i] = float(a.constant - double(field.constant[i]));
+    field.constant_rest[i] = float(constant - double(field.constant[i]));
     field.from_rest[i] = float(a.from - double(field.from[i]));
     field.error[i] = float(a.error);
-    field.grown[i] = float(a.grown + 0x1p-46 * (std::abs(a.from) + std::abs(a.constant)));
+    field.grown[i] = float(a.grown + 0x1p-46 * (std::abs(a.from) + std::abs(constant)));
   }
   return field;
 }

@@ -20,6 +20,7 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/occlusion/detail/ray_spans.h"
@@ -67,18 +68,17 @@ class SIGHTLINE_API SampleTest {
   bool covers(const core::Aabb& box) const;
 
   /// Replaces `out` by the slots of `in` whose boxes may cover a sample, or whose bit is set in `exempt`. Vacant slots
-  /// are left out. Time linear in the number of slots of `in`.
-  void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& out,
-              SlotBits exempt = {}) const;
+  /// are left out. Time linear in the number of slots of `in`, which `threads` share; the result is the same.
+  void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& out, SlotBits exempt = {},
+              core::ThreadPool* threads = nullptr) const;
 
  private:
-  ScreenView view() const;
-  unsigned covering(const ScreenView& view, const float* const (&coordinates)[6]) const;
-  bool rays_meet(const BoxCoordinates& box, const BoxRectangles& rectangles, int i) const;
+  class Boxes;
 
   ImageSamples samples_;
   ScreenView view_;
   RaySpans rays_;
+  std::vector<RayField> fields_;  // by sample; none where nothing is known of rays
 };
 
 }  // namespace sightline::culling

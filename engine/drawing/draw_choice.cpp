@@ -138,7 +138,7 @@ void DrawChoice::choose(const Snapshot& snapshot, const gpuscene::MeshPool& pool
 core::Expected<void> DrawChoice::update(gpuscene::DrawLists& lists, const gpuscene::GpuScene& scene,
                                         const Snapshot& snapshot, const core::VisibleSet& visible,
                                         const MeshRules& rules) {
-  records_.assign(snapshot, visible);
+  records_.assign(snapshot, visible, rules.threads);
   fronts_.clear();
   both_faces_.clear();
   picked_.clear();

@@ -6,7 +6,7 @@ core::Expected<DrawCounts> DrawAtOnce::draw(DrawContext& context, const Frame& f
                                             const core::VisibleSet& candidates) {
   const core::ItemBounds& bounds = frame.snapshot.bounds();
   const bool tests = context.config.culling.sample_test;
-  if (tests) context.sample_test(frame).filter(bounds, candidates, sampled_, frame.lines);
+  if (tests) context.sample_test(frame).filter(bounds, candidates, sampled_, frame.lines, &context.threads);
   const core::VisibleSet& left = tests ? sampled_ : candidates;
   const auto drawn = std::int64_t(frame.snapshot.count(left));
   auto done = context.clear(context.target());

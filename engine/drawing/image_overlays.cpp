@@ -123,10 +123,10 @@ const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context,
     left = &unused_;
   }
   if (context.image->pyramid_valid) {
-    context.occlusion_test(frame).filter(bounds, *left, tested_, frame.lines);
+    context.occlusion_test(frame).filter(bounds, *left, tested_, frame.lines, &context.threads);
     left = &tested_;
   } else if (context.config.culling.sample_test) {
-    context.sample_test(frame).filter(bounds, *left, tested_, frame.lines);
+    context.sample_test(frame).filter(bounds, *left, tested_, frame.lines, &context.threads);
     left = &tested_;
   }
   return *left;

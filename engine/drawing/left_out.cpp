@@ -28,14 +28,14 @@ core::Expected<LeftOut> find_left_out(DrawContext& context, ImageOverlays& overl
     left = &large;
   }
   if (context.config.culling.sample_test || context.may_test_occlusion()) {
-    context.sample_test(frame).filter(bounds, *left, sampled, frame.lines);
+    context.sample_test(frame).filter(bounds, *left, sampled, frame.lines, &context.threads);
     left = &sampled;
   }
   if (left != &visible) out.small = without(visible, *left, bounds.size());
   if (!context.may_test_occlusion()) return out;
   const core::VisibleSet& opaque = overlays.split(context, *left);
   if (auto done = DrawInPasses().draw(context, frame, opaque); !done) return tl::unexpected(done.error());
-  context.occlusion_test(frame).filter(bounds, *left, shown, frame.lines);
+  context.occlusion_test(frame).filter(bounds, *left, shown, frame.lines, &context.threads);
   out.occluded = without(*left, shown, bounds.size());
   return out;
 }

@@ -191,7 +191,7 @@ core::Expected<void> OpaqueItems::measure(DrawContext& context, const Frame& fra
   const core::VisibleSet part = part_of(candidates, kParts, measured_part_);
   const double round_trip_ms = context.round_trip_ms();
   const double begin = core::now_seconds();
-  context.sample_test(frame).filter(frame.snapshot.bounds(), part, sampled_, frame.lines);
+  context.sample_test(frame).filter(frame.snapshot.bounds(), part, sampled_, frame.lines, &context.threads);
   const MeshCounts meshes = context.image->meshes;
   if (auto done = context.draw(frame, {sampled_, context.target()}); !done) return done;
   context.image->meshes = meshes;

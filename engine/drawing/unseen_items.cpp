@@ -14,9 +14,9 @@ core::Expected<void> UnseenItems::split(DrawContext& context, const Frame& frame
   const Frame culled{frame.cull_view, frame.cull_view, frame.snapshot, frame.lines, frame.hierarchy};
   if (context.may_test_occlusion()) {
     if (auto done = in_passes_.draw(context, culled, visible); !done) return tl::unexpected(done.error());
-    context.occlusion_test(culled).filter(bounds, visible, seen_, frame.lines);
+    context.occlusion_test(culled).filter(bounds, visible, seen_, frame.lines, &context.threads);
   } else if (context.config.culling.sample_test) {
-    context.sample_test(culled).filter(bounds, visible, seen_, frame.lines);
+    context.sample_test(culled).filter(bounds, visible, seen_, frame.lines, &context.threads);
   } else {
     seen_ = visible;
   }

@@ -74,11 +74,16 @@ constexpr int texels_per_record(BatchKind kind) {
 constexpr std::size_t record_bytes(BatchKind kind) {
   return std::size_t(texels_per_record(kind)) * sizeof(gpuprims::Texel);
 }
+inline constexpr auto kBatchOfKind = [] {
+  std::array<BatchKind, core::kKindCount> batches{};
+  for (int kind = 0; kind < core::kKindCount; ++kind)
+    for (int batch = 0; batch < kBatchKindCount; ++batch)
+      if ((kBatchKinds[std::size_t(batch)].item_kinds >> kind & 1u) != 0) batches[std::size_t(kind)] = BatchKind(batch);
+  return batches;
+}();
 /// The batch that draws items of a kind.
 constexpr BatchKind batch_of(core::Kind kind) {
-  int batch = 0;
-  while ((kBatchKinds[std::size_t(batch)].item_kinds >> unsigned(kind) & 1u) == 0) ++batch;
-  return BatchKind(batch);
+  return kBatchOfKind[std::size_t(kind)];
 }
 
 /// Defines for the shaders of one kind: "CYLINDER" and so on, and "TEXELS_PER_RECORD 4".

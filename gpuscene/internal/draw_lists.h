@@ -119,7 +119,7 @@ class DrawLists {
   }
 
  private:
-  void list_records(const Batch& batch, const VisibleRecords::OfBatch& found);
+  void list_records(const Batch& batch, const VisibleRecords::OfBatch& found, std::size_t single);
   core::Expected<void> list_meshes(const MeshDraws& meshes);
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
   core::Expected<void> upload();
@@ -139,7 +139,6 @@ class DrawLists {
   gl::TextureBuffer single_texels_;
   std::array<Section, kBatchKindCount> sections_;
   std::vector<ElementsCommand> command_list_;
-  std::vector<std::uint32_t> single_list_;
   bool picks_ = false;  // meshes are drawn by picked_indices_
   RingBuffer<std::uint32_t> picked_indices_{"triangles that show", 0, 3};
 

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sightline/core/snapshot.h"
+#include "sightline/core/thread_pool.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 
@@ -30,15 +32,19 @@ struct VisibleRecords {
 
   /// Sorts the slots of `visible` into their batches, each once. Keeps its memory between calls. Leaves out vacant
   /// slots, except gaps of up to kLongestGap in ranges of kShortestRun slots or more. Takes time in proportion to the
-  /// number of single slots, ranges, vacant runs and meshes; if any slot is vacant, also to a 64th of the slots in
-  /// ranges.
-  void assign(const core::Snapshot& snapshot, const core::VisibleSet& visible);
+  /// number of single slots, which `threads` share, ranges, vacant runs and meshes; if any slot is vacant, also to a
+  /// 64th of the slots in ranges.
+  void assign(const core::Snapshot& snapshot, const core::VisibleSet& visible, core::ThreadPool* threads = nullptr);
 
  private:
+  using OfKinds = std::array<std::uint32_t, kBatchKindCount>;
   void add_range(const core::Snapshot& snapshot, core::Slot first, core::Slot end);
   void add_meshes(const core::Snapshot& snapshot, core::Slot first, core::Slot end);
   void add_meshes(const core::Snapshot& snapshot, core::Kind kind, core::Slot first, core::Slot end);
   void add_slot(const core::Snapshot& snapshot, core::Slot slot);
+  void add_singles(const core::Snapshot& snapshot, std::span<const core::Slot> slots, core::ThreadPool* threads);
+
+  std::vector<OfKinds> places_;  // by part of the single slots: where its records begin
 };
 
 }  // namespace sightline::gpuscene

@@ -16,8 +16,8 @@ using core::View;
 using culling::ImageSamples;
 using culling::SampleTest;
 
-ImageSamples random_samples(Random& random) {
-  ImageSamples samples{whole(random, 1, 9), whole(random, 1, 7), {}};
+ImageSamples random_samples(Random& random, int width, int height) {
+  ImageSamples samples{width, height, {}};
   const int count = chance(random, 0.7) ? 1 : whole(random, 2, 8);
   for (int i = 0; i < count; ++i)
     samples.offsets.push_back(
@@ -32,7 +32,7 @@ TEST(SampleTest, NeverRejectsABoxThatASampleSees) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const auto [half, origin, view] = RandomSite(random);
-    const ImageSamples samples = random_samples(random);
+    const ImageSamples samples = random_samples(random, whole(random, 1, 9), whole(random, 1, 7));
     const SampleTest test(view, origin, samples);
     const ExactSamples exact(view, origin, samples);
     for (int i = 0; i < 12; ++i) {
@@ -67,6 +67,26 @@ TEST(SampleTest, LeavesOutSmallBoxesBetweenSamples) {
   EXPECT_FALSE(two.covers(box_at(0.5, 0.5)));
 }
 
+/// Thin rods askew in the image: their rectangles have many samples, of which rays meet few rods.
+TEST(SampleTest, LeavesOutRodsBetweenTheRaysOfSamples) {
+  const View view = *View::perspective({{0, -10, 0}, {0, 0, 0}, {1, 0, 1.37}}, 1.0, 1.0, 0.1);
+  const double pixel = 20.0 * std::tan(0.5) / 64.0;  // at a distance of 10
+  for (const auto& offsets : {std::vector<std::array<float, 2>>{{0, 0}}, {{-0.25f, 0.125f}, {0.125f, -0.25f}}})
+    for (const double length : {8.0, 18.0}) {
+      Random random(7);
+      const SampleTest test(view, core::dvec3(0.0), {64, 64, offsets, 0x1p-8f});
+      int kept = 0;
+      for (int i = 0; i < 1000; ++i) {
+        const core::dvec3 middle{uniform(random, -20, 20) * pixel, 0.0, uniform(random, -20, 20) * pixel};
+        kept += test.covers(box_around(middle, pixel * core::dvec3(0.5 * length, 0.002, 0.002)));
+      }
+      // As many samples as lie in the rod, grown by what a rasteriser may move it.
+      const double expected = 1000.0 * double(offsets.size()) * length * (0.004 + 2.0 * 0x1p-8 * std::sqrt(2.0));
+      EXPECT_GT(kept, 0.6 * expected) << offsets.size() << ' ' << length;
+      EXPECT_LT(kept, 1.4 * expected) << offsets.size() << ' ' << length;
+    }
+}
+
 TEST(SampleTest, KeepsWhatItCannotJudge) {
   const View view = *View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
   const SampleTest test(view, core::dvec3(0.0), {8, 8, {{0, 0}}});
@@ -80,22 +100,24 @@ TEST(SampleTest, KeepsWhatItCannotJudge) {
   EXPECT_FALSE(test.covers({{0, 5, 0}, {1, 4, 1}})) << "inverted";
 }
 
-/// Vacant slots go, exempt ones stay, and the answer is that of single boxes whatever the instruction set.
+/// Vacant slots go, exempt ones stay, and the answer is that of single boxes whatever the instruction set and the
+/// number of threads.
 TEST(SampleTest, FiltersSets) {
+  core::ThreadPool few(2), many(5);
   std::size_t ranges = 0, items = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const double half = 10.0;
     core::ItemBounds bounds;
-    const std::size_t count = std::size_t(whole(random, 0, 700));
+    const std::size_t count = std::size_t(whole(random, 0, seed % 10 == 0 ? 20'000 : 700));
     bounds.resize(count);
     auto boxes = random_boxes(random, count, half);
     spoil(random, boxes);
     for (std::size_t i = 0; i < count; ++i)
       if (!chance(random, 0.05)) bounds.set(i, boxes[i]);
     const View view = random_view(random, core::dvec3(0.0), half);
-    const SampleTest test(view, core::dvec3(0.0), {whole(random, 1, 400), whole(random, 1, 400), {{0, 0}}});
+    const SampleTest test(view, core::dvec3(0.0), random_samples(random, whole(random, 1, 400), whole(random, 1, 400)));
     core::VisibleSet in;
     in.generation = seed;
     for (std::uint32_t s = 0; s < count; ++s) {
@@ -123,6 +145,13 @@ TEST(SampleTest, FiltersSets) {
       for (std::size_t i = 1; i < out.ranges.size(); ++i)
         ASSERT_LT(out.ranges[i - 1].first + out.ranges[i - 1].count, out.ranges[i].first);
     });
+    for (core::ThreadPool* const threads : {&few, &many}) {
+      core::VisibleSet shared;
+      test.filter(bounds, in, shared, exempt, threads);
+      ASSERT_EQ(shared.ranges, out.ranges);
+      ASSERT_EQ(shared.single_slots, out.single_slots);
+      ASSERT_EQ(shared.generation, seed);
+    }
     ranges += out.ranges.size();
     items += out.single_slots.size();
   }

@@ -133,17 +133,34 @@ void expect_same_as_slot_by_slot(const Snapshot& snapshot, const VisibleSet& set
   }
 }
 
+void expect_equal(const VisibleRecords& a, const VisibleRecords& b) {
+  EXPECT_EQ(a.meshes, b.meshes);
+  for (std::size_t kind = 0; kind < a.batches.size(); ++kind) {
+    EXPECT_EQ(a.batches[kind].singles, b.batches[kind].singles);
+    EXPECT_TRUE(std::ranges::equal(a.batches[kind].runs, b.batches[kind].runs, [](const auto& x, const auto& y) {
+      return x.first == y.first && x.count == y.count;
+    }));
+  }
+}
+
+/// Whatever the number of threads.
 TEST(VisibleRecords, AreThoseOfTheSet) {
+  core::ThreadPool few(2), many(5);
+  VisibleRecords shared;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    core::Scene scene = row(random, 1 + random() % 6000, 1 + int(seed % 6));
+    core::Scene scene = row(random, 1 + random() % (seed % 8 == 0 ? 40'000 : 6'000), 1 + int(seed % 6));
     Snapshot snapshot(scene);
     VisibleRecords found;
     for (int step = 0; step < 3; ++step) {
       const VisibleSet set = random_set(random, snapshot);
       found.assign(snapshot, set);
       expect_same_as_slot_by_slot(snapshot, set, found);
+      for (core::ThreadPool* const threads : {&few, &many}) {
+        shared.assign(snapshot, set, threads);
+        expect_equal(shared, found);
+      }
       hide_some(random, scene, snapshot);
     }
   }

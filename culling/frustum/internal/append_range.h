@@ -1,6 +1,7 @@
 // Internal: ranges of slots that grow at their end.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "sightline/core/visible_set.h"
@@ -13,6 +14,14 @@ inline void append_range(core::Slot first, core::Slot end, std::vector<core::Slo
     ranges.back().count += end - first;
   else
     ranges.push_back({first, end - first});
+}
+
+/// Replaces `out` by the slots of two rising lists, which then hold anything.
+inline void merge_slots(std::vector<core::Slot>& a, std::vector<core::Slot>& b, std::vector<core::Slot>& out) {
+  if (b.empty()) return out.swap(a);
+  if (a.empty()) return out.swap(b);
+  out.resize(a.size() + b.size());
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), out.begin());
 }
 
 }  // namespace sightline::culling

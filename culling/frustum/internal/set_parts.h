@@ -8,6 +8,7 @@
 #include "sightline/core/internal/scratch.h"
 #include "sightline/core/thread_pool.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/culling/frustum/hierarchy.h"
 #include "sightline/culling/frustum/internal/append_range.h"
 
 namespace sightline::culling {
@@ -15,20 +16,22 @@ namespace sightline::culling {
 /// Keeps its memory from set to set.
 class SetParts {
  public:
-  /// Cuts a set into parts of up to `size` slots: first its ranges, then its single slots, both in rising order.
+  /// Cuts a set into parts of about `size` slots: first its ranges, then its single slots, both in rising order.
+  /// Within a range it cuts between groups of kLanes, so that groups are the same for any size.
   void split(const core::VisibleSet& set, std::uint32_t size = 8192) {
     count_ = 0;
     std::uint32_t left = 0;  // in the last part
     for (core::SlotRange rest : set.ranges) {
       while (rest.count > 0) {
         if (left == 0) begin_part(set), left = size;
-        const std::uint32_t taken = std::min(rest.count, left);
+        const std::uint32_t taken = std::min(rest.count, (left + kLanes - 1) / kLanes * kLanes);
         parts_[count_ - 1].ranges.push_back({rest.first, taken});
         rest = {rest.first + taken, rest.count - taken};
-        left -= taken;
+        left -= std::min(left, taken);
       }
     }
     of_ranges_ = count_;
+    size = (size + kLanes - 1) / kLanes * kLanes;
     for (std::size_t first = 0; first < set.single_slots.size(); first += size) {
       begin_part(set);
       const auto begin = set.single_slots.begin() + std::ptrdiff_t(first);
@@ -65,9 +68,7 @@ class SetParts {
       std::vector<core::Slot>& items = i < of_ranges_ ? of_ranges_items_ : singles_;
       items.insert(items.end(), part.single_slots.begin(), part.single_slots.end());
     }
-    set.single_slots.resize(of_ranges_items_.size() + singles_.size());
-    std::merge(of_ranges_items_.begin(), of_ranges_items_.end(), singles_.begin(), singles_.end(),
-               set.single_slots.begin());
+    merge_slots(of_ranges_items_, singles_, set.single_slots);
   }
 
   std::size_t memory_bytes() const {
@@ -88,5 +89,23 @@ class SetParts {
   std::uint64_t generation_ = 0;
   std::vector<core::Slot> of_ranges_items_, singles_;
 };
+
+struct FilterBuffers {
+  SetParts parts;
+  std::size_t memory_bytes() const { return core::bytes_of(parts); }
+};
+
+/// Replaces `out` by what filter(set, kept) keeps of `in`, in parts where there are threads: so many that no thread
+/// waits long for another.
+template <class Filter>
+void filter_in_parts(const core::VisibleSet& in, core::VisibleSet& out, core::ThreadPool* threads,
+                     const Filter& filter) {
+  if (!threads || threads->size() == 1) return filter(in, out);
+  const core::Scratch<FilterBuffers> scratch;
+  SetParts& parts = scratch->parts;
+  parts.split(in, std::uint32_t(std::clamp<std::size_t>(in.count() / std::size_t(4 * threads->size()), 512, 8192)));
+  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) { filter(part, part); });
+  parts.join(out);
+}
 
 }  // namespace sightline::culling

@@ -30,7 +30,6 @@ class DepthTest {
 
   /// Whether the pyramid has the size of the image. All but distance() need that.
   bool fits() const;
-  const ScreenView& view() const { return view_; }
   int width() const { return width_; }
   int height() const { return height_; }
   /// See OcclusionTest::distance().
@@ -46,6 +45,8 @@ class DepthTest {
   /// Bit i: box i of sixteen is hidden, or covers no pixel centre.
   unsigned occluded(const float* const (&coordinates)[6]) const;
 
+  /// Pixels of the rectangle of box i.
+  PixelRectangle pixels(const BoxRectangles& r, int i) const;
   /// Whether a box of these pixels is tested with others, by unoccluded_boxes().
   bool waits(const PixelRectangle& pixels) const;
   /// See OcclusionKernels::unoccluded_boxes.

@@ -29,9 +29,9 @@ class RaySpans {
   /// and in views whose distances are not those of their projection, as a combined matrix has them.
   bool span(const BoxCoordinates& box, BoxSpan& out) const;
   bool parallel() const { return parallel_; }
-  /// The rays in float; false where span() knows nothing.
+  /// The rays in float, of places so many pixels from the centres; false where span() knows nothing.
   bool usable() const { return usable_; }
-  RayField field() const;
+  RayField field(float x = 0.0f, float y = 0.0f) const;
 
  private:
   struct Projection;

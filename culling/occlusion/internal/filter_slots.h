@@ -120,8 +120,7 @@ class SlotCollector {
   /// Replaces the slots of `out` and begins anew.
   void finish(core::VisibleSet& out) {
     std::swap(out.ranges, ranges_);
-    out.single_slots.resize(of_ranges_.size() + singles_.size());
-    std::merge(of_ranges_.begin(), of_ranges_.end(), singles_.begin(), singles_.end(), out.single_slots.begin());
+    merge_slots(of_ranges_, singles_, out.single_slots);
     ranges_.clear();
     of_ranges_.clear();
     singles_.clear();

@@ -92,7 +92,8 @@ struct OcclusionKernels {
   /// Finds boxes behind 2 x 2 blocks around their rectangles. They must cover a sample and project. May miss some.
   unsigned (*behind)(const ScreenView& view, const BoxRectangles& boxes, const PyramidBlocks& pyramid,
                      const DistanceMargin& margin);
-  /// Finds boxes that the ray of one of three pixels meets in front of what the pixel holds, but for rounding.
+  /// Finds boxes that the ray of one of three pixels meets in front of what the pixel holds, but for rounding. Where
+  /// the pyramid has no blocks (null), pixels hold nothing; so does unoccluded_boxes().
   unsigned (*seen)(const ScreenView& view, const RayField& rays, const float* const (&coordinates)[6],
                    const BoxRectangles& boxes, unsigned asked, const PyramidBlocks& pyramid);
   /// Bit i: a ray of block i may meet the box within the block's distance. Writes the least distances of entry.

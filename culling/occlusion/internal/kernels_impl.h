@@ -118,9 +118,11 @@ unsigned seen_at(const typename Simd::Lanes& x, const typename Simd::Lanes& y, c
     enter = axis == 0 ? first : Simd::most(enter, first);
     leave = axis == 0 ? last : Simd::least(leave, last);
   }
+  const unsigned met = Simd::at_most(enter, leave);
+  if (!pyramid.farthest) return met;
   const typename Simd::Places pixel =
       Simd::plus(Simd::place_below(x), Simd::times(Simd::place_below(y), Simd::spread_place(pyramid.widths[0])));
-  return Simd::at_most(enter, leave) & Simd::less(enter, Simd::look_up(pyramid.farthest, pixel));
+  return met & Simd::less(enter, Simd::look_up(pyramid.farthest, pixel));
 }
 
 /// OcclusionKernels::seen: most boxes that are not hidden are known so without a look at all of their pixels. Looks at

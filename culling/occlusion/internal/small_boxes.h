@@ -180,11 +180,12 @@ unsigned unoccluded_boxes(const RayField& rays, const SmallBoxes& boxes, float s
   while (left_over != 0) {
     const Lanes entry = spans.entry(x, y);
     const Lanes distance = rays.parallel ? Simd::subtract(Simd::spread(0.0f), entry) : Simd::divide(one, entry);
-    const typename Simd::Places pixel =
-        Simd::plus(Simd::place_below(x), Simd::times(Simd::place_below(y), Simd::spread_place(pyramid.widths[0])));
-    const Lanes held = Simd::look_up(pyramid.farthest, pixel);
-    const unsigned met =
-        Simd::at_most(spans.exit(x, y), entry) & ~Simd::less(held, in_front<Simd>(distance, margin)) & left_over;
+    unsigned met = Simd::at_most(spans.exit(x, y), entry) & left_over;
+    if (pyramid.farthest) {
+      const typename Simd::Places pixel =
+          Simd::plus(Simd::place_below(x), Simd::times(Simd::place_below(y), Simd::spread_place(pyramid.widths[0])));
+      met &= ~Simd::less(Simd::look_up(pyramid.farthest, pixel), in_front<Simd>(distance, margin));
+    }
     unoccluded |= met;
     if (entries)
       note_entries<Simd>(met, x, y, distance, *entries);

@@ -36,7 +36,7 @@ struct MeshRules {
   const lod::ImageError* error = nullptr;            ///< meshes that have levels are drawn by a cut of them
   ClusterPasses* clusters = nullptr;                 ///< leaves out clusters of such cuts
   const culling::TriangleTest* triangles = nullptr;  ///< only triangles are drawn that may colour the image
-  core::ThreadPool* threads = nullptr;               ///< share in that test
+  core::ThreadPool* threads = nullptr;               ///< share in that test, and in the lists of records
 };
 
 /// Keeps its memory from image to image.
