@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "sightline/core/affine.h"
 #include "sightline/core/block_order.h"
@@ -80,11 +81,58 @@ Corners ordered(std::span<const vec3> positions, std::span<const std::uint32_t> 
   return result;
 }
 
-/// Simplifies a group among its own points, so that time and memory follow its size.
+/// Which of the vertices at a place coarser triangles use. Each has the normal of some of the faces that meet there:
+/// one where they are smooth, one for each side of a crease, and one for each face where faces are flat.
+class VerticesAtPlaces {
+ public:
+  /// `equal`: as equal_vertices() has it.
+  VerticesAtPlaces(const core::Mesh& mesh, std::span<const std::uint32_t> welded, std::span<const std::uint32_t> equal)
+      : mesh_(mesh) {
+    const auto is_own = [&](std::uint32_t i) { return equal[i] == i; };
+    first_.assign(welded.size() + 1, 0);
+    for (std::uint32_t i = 0; i < welded.size(); ++i) first_[welded[i]] += is_own(i);
+    std::uint32_t sum = 0;
+    for (std::uint32_t& first : first_) sum += first, first = sum;
+    vertices_.resize(sum);
+    for (auto i = std::uint32_t(welded.size()); i-- > 0;)
+      if (is_own(i)) vertices_[--first_[welded[i]]] = i;
+    if (mesh.normals.empty()) return;
+    double agree = 0.0;
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+      const vec3 normal = normal_of(&mesh.indices[i]);
+      for (std::size_t k = 0; k < 3; ++k) agree += double(glm::dot(normal, mesh.normals[mesh.indices[i + k]]));
+    }
+    inward_ = agree < 0.0;
+  }
+
+  /// Appends a triangle of welded vertices, by vertices there whose normals are nearest to its own.
+  void append(const std::uint32_t (&triangle)[3], Corners& corners) const {
+    const vec3 normal = mesh_.normals.empty() ? vec3(0.0f) : normal_of(triangle) * (inward_ ? -1.0f : 1.0f);
+    for (const std::uint32_t place : triangle) corners.push_back(nearest(place, normal));
+  }
+
+ private:
+  /// A triangle's, by its corners, of any length.
+  vec3 normal_of(const std::uint32_t* t) const {
+    const vec3& a = mesh_.positions[t[0]];
+    return glm::cross(mesh_.positions[t[1]] - a, mesh_.positions[t[2]] - a);
+  }
+  std::uint32_t nearest(std::uint32_t place, const vec3& normal) const {
+    const auto here = std::span(vertices_).subspan(first_[place], first_[place + 1] - first_[place]);
+    if (here.size() == 1) return here[0];
+    return *std::ranges::max_element(here, {}, [&](std::uint32_t i) { return glm::dot(mesh_.normals[i], normal); });
+  }
+
+  const core::Mesh& mesh_;
+  std::vector<std::uint32_t> first_, vertices_;  // in vertices_, by welded vertex
+  bool inward_ = false;                          // normals point against the sense of the triangles
+};
+
+/// Simplifies a group among its own points, by their positions, so that time and memory follow its size.
 class GroupSimplifier {
  public:
-  GroupSimplifier(const core::Mesh& mesh, std::span<const std::uint32_t> welded)
-      : mesh_(mesh), welded_(welded), number_of_(mesh.positions.size(), kNone) {}
+  GroupSimplifier(const core::Mesh& mesh, std::span<const std::uint32_t> welded, const VerticesAtPlaces& vertices)
+      : mesh_(mesh), welded_(welded), vertices_(vertices), number_of_(mesh.positions.size(), kNone) {}
 
   /// `shared`: by welded vertex, whether several groups have it.
   Simplified run(std::span<const std::uint32_t> corners, const TriangleErrors& errors,
@@ -92,49 +140,34 @@ class GroupSimplifier {
     gather(corners, shared);
     const std::size_t triangles = corners.size() / 3;
     Simplified result;
-    local_ = simplify(positions_, corners_, locked_, (triangles + 1) / 2);
-    forget();
-    if (local_.empty() || double(local_.size()) > kLeastGain * double(corners.size())) return result;
-    local_ = ordered(positions_, local_, 1);
-    for (const std::uint32_t corner : local_) result.corners.push_back(vertices_[corner]);
+    coarse_ = simplify(positions_, corners_, locked_, (triangles + 1) / 2);
+    for (const std::uint32_t place : places_) number_of_[place] = kNone;
+    if (coarse_.empty() || double(coarse_.size()) > kLeastGain * double(corners.size())) return result;
+    coarse_ = ordered(positions_, coarse_, 1);
+    for (std::size_t i = 0; i < coarse_.size(); i += 3)
+      vertices_.append({places_[coarse_[i]], places_[coarse_[i + 1]], places_[coarse_[i + 2]]}, result.corners);
     prove(errors, result);
     return result;
   }
 
  private:
   void gather(std::span<const std::uint32_t> corners, std::span<const std::uint8_t> shared) {
-    vertices_.clear(), positions_.clear(), locked_.clear(), corners_.clear();
+    places_.clear(), positions_.clear(), locked_.clear(), corners_.clear();
     for (const std::uint32_t corner : corners) {
-      std::uint32_t& number = number_of_[corner];
+      const std::uint32_t place = welded_[corner];
+      std::uint32_t& number = number_of_[place];
       if (number == kNone) {
-        number = std::uint32_t(vertices_.size());
-        vertices_.push_back(corner);
-        positions_.push_back(mesh_.positions[corner]);
-        locked_.push_back(shared[welded_[corner]]);
+        number = std::uint32_t(places_.size());
+        places_.push_back(place);
+        positions_.push_back(mesh_.positions[place]);
+        locked_.push_back(shared[place]);
       }
       corners_.push_back(number);
     }
   }
-  void forget() {
-    for (const std::uint32_t vertex : vertices_) number_of_[vertex] = kNone;
-  }
-  /// Proves the deviation of the simplified triangles from the former ones and back, by points without regard to
-  /// normals.
+  /// Proves the deviation of the simplified triangles from the former ones and back, without regard to normals.
   void prove(const TriangleErrors& errors, Simplified& result) {
-    points_.clear();
-    for (std::uint32_t i = 0; i < vertices_.size(); ++i) {
-      std::uint32_t& number = number_of_[welded_[vertices_[i]]];
-      if (number == kNone) {
-        number = std::uint32_t(points_.size());
-        points_.emplace_back(positions_[i]);
-      }
-      point_of_.resize(vertices_.size());
-      point_of_[i] = number;
-    }
-    for (const std::uint32_t vertex : vertices_) number_of_[welded_[vertex]] = kNone;
-    for (std::uint32_t& corner : corners_) corner = point_of_[corner];
-    coarse_.clear();
-    for (const std::uint32_t corner : local_) coarse_.push_back(point_of_[corner]);
+    points_.assign(positions_.begin(), positions_.end());
     const auto rounded_up = [](std::span<const double> distances, std::vector<float>& errors_up) {
       for (const double distance : distances) errors_up.push_back(core::round_up(distance));
     };
@@ -146,8 +179,9 @@ class GroupSimplifier {
 
   const core::Mesh& mesh_;
   std::span<const std::uint32_t> welded_;
-  std::vector<std::uint32_t> number_of_;  // by vertex: its number in the group
-  Corners vertices_, corners_, local_, point_of_, coarse_;
+  const VerticesAtPlaces& vertices_;
+  std::vector<std::uint32_t> number_of_;  // by welded vertex: its number in the group
+  Corners places_, corners_, coarse_;     // places: welded vertices, by number
   std::vector<vec3> positions_;
   std::vector<std::uint8_t> locked_;
   std::vector<dvec3> points_;
@@ -157,18 +191,22 @@ class GroupSimplifier {
 class Builder {
  public:
   Builder(const core::Mesh& mesh, int threads, const std::stop_token& stop)
-      : mesh_(mesh), threads_(threads), stop_(stop), welded_(core::weld(mesh.positions)) {}
+      : mesh_(mesh),
+        threads_(threads),
+        stop_(stop),
+        welded_(core::weld(mesh.positions)),
+        equal_(equal_vertices(mesh, welded_)) {}
 
   /// `coarser`: with all levels.
   MeshLevels build(bool coarser) {
     Corners corners = mesh_.indices;
     levels_.solid_indices = solid_shells_first(mesh_.positions, corners);
-    const std::vector<std::uint32_t> equal = equal_vertices(mesh_, welded_);
-    for (std::uint32_t& corner : corners) corner = equal[corner];
+    for (std::uint32_t& corner : corners) corner = equal_[corner];
     append_clusters(ordered(mesh_.positions, std::span(corners).first(levels_.solid_indices), threads_), kNone);
     if (stop_.stop_requested()) return {};
     append_clusters(ordered(mesh_.positions, std::span(corners).subspan(levels_.solid_indices), threads_), kNone);
     levels_.mesh_clusters = std::uint32_t(levels_.clusters.size());
+    if (coarser) vertices_.emplace(mesh_, welded_, equal_);
     for (std::uint32_t first = 0; coarser && first < levels_.clusters.size();) {
       const auto end = std::uint32_t(levels_.clusters.size());
       if (!add_level(first, end)) break;
@@ -239,7 +277,7 @@ class Builder {
     std::vector<Simplified> simplified(members.size());
 #pragma omp parallel num_threads(members.size() < 4 ? 1 : core::team_of(threads_))
     {
-      GroupSimplifier simplifier(mesh_, welded_);
+      GroupSimplifier simplifier(mesh_, welded_, *vertices_);
       Corners corners;
       TriangleErrors errors;
 #pragma omp for schedule(dynamic, 4)
@@ -272,7 +310,8 @@ class Builder {
   const core::Mesh& mesh_;
   int threads_;
   std::stop_token stop_;
-  std::vector<std::uint32_t> welded_;
+  std::vector<std::uint32_t> welded_, equal_;
+  std::optional<VerticesAtPlaces> vertices_;
   std::vector<std::uint8_t> shared_;  // by welded vertex
   TriangleErrors errors_;             // of the last level's triangles
   MeshLevels levels_;

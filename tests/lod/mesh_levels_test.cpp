@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/lod/coarse_mesh.h"
 #include "sightline/tests/lod/surface_twin.h"
 #include "sightline/tests/support/effort.h"
 
@@ -187,6 +188,67 @@ TEST(MeshLevels, GetCoarse) {
     const bool cannot = named.name.find("shells") != std::string::npos;
     EXPECT_LE(coarsest.size(), cannot ? named.mesh.indices.size() / 4 : 3 * 64u) << named.name;
   }
+}
+
+/// How far normals of corners agree with those of their triangles, on average: a cosine.
+double agreement(const core::Mesh& mesh) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
+    const auto corner = [&](std::size_t k) { return mesh.positions[mesh.indices[i / 3 * 3 + k]]; };
+    const core::vec3 normal = glm::normalize(glm::cross(corner(1) - corner(0), corner(2) - corner(0)));
+    sum += double(glm::dot(normal, mesh.normals[mesh.indices[i]]));
+  }
+  return sum / double(mesh.indices.size());
+}
+
+/// A terrain with one normal a position; with patches, between which positions have several; and with flat faces. Also
+/// with normals turned inside out, as some programs write them.
+TEST(MeshLevels, GetAsCoarseWhateverTheNormals) {
+#if !SIGHTLINE_HAS_MESHOPT
+  GTEST_SKIP() << "this build has no meshoptimizer, and clusters alone";
+#endif
+  constexpr std::uint32_t kCells = 100, kPatch = 10;
+  const core::Mesh bare = terrain(kCells, 1.0);
+  const core::Mesh smooth = with_normals(bare, [](std::size_t) { return 0; });
+  const core::Mesh patches = with_normals(bare, [](std::size_t triangle) {
+    const std::size_t cell = triangle / 2;
+    return cell % kCells / kPatch * kCells + cell / kCells / kPatch;
+  });
+  const core::Mesh flat = with_normals(bare, [](std::size_t triangle) { return triangle; });
+  const MeshLevels of_smooth = lod::build_levels(smooth);
+  for (const float outward : {1.0f, -1.0f})
+    for (core::Mesh mesh : {patches, flat}) {
+      for (core::vec3& normal : mesh.normals) normal *= outward;
+      const MeshLevels levels = lod::build_levels(mesh);
+      for (const float error : {0.01f, 0.03f, 0.1f, 1e9f}) {
+        SCOPED_TRACE(testing::Message() << mesh.positions.size() << ' ' << outward << ' ' << error);
+        const core::Mesh wanted = lod::coarse_within(smooth, of_smooth, error).mesh;
+        const core::Mesh coarse = lod::coarse_within(mesh, levels, error).mesh;
+        EXPECT_LE(double(coarse.indices.size()), 1.15 * double(wanted.indices.size()));
+        EXPECT_GE(outward * agreement(coarse), agreement(wanted) - 0.01);
+      }
+    }
+}
+
+/// At every level, each side of a crease has its own normals.
+TEST(MeshLevels, KeepCreases) {
+  const core::Mesh cylinder = smooth_cylinder(200);
+  const MeshLevels levels = lod::build_levels(cylinder);
+  std::size_t coarser = 0;
+  for (std::size_t i = 0; i < levels.indices.size(); i += 3) {
+    const auto* const t = &levels.indices[i];
+    const auto& p = cylinder.positions;
+    const core::vec3 normal = glm::cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]);
+    const bool cap = p[t[0]].z == p[t[1]].z && p[t[0]].z == p[t[2]].z;
+    coarser += i >= cylinder.indices.size();
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(cylinder.normals[t[k]].z == 0.0f, !cap);
+      EXPECT_GT(glm::dot(cylinder.normals[t[k]], normal), 0.0f);
+    }
+  }
+#if SIGHTLINE_HAS_MESHOPT
+  EXPECT_GT(coarser, 100u);
+#endif
 }
 
 TEST(MeshLevels, DoNotDependOnThreads) {

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sightline/core/mesh.h"
@@ -106,6 +108,24 @@ inline core::Mesh soup_of(const core::Mesh& mesh) {
     soup.positions.push_back(mesh.positions[corner]);
   }
   return soup;
+}
+
+/// Gives triangles normals. A position has a vertex for each group of triangles there, with the mean normal of
+/// these: all in one group is smooth, each in its own is flat.
+inline core::Mesh with_normals(const core::Mesh& mesh, const std::function<std::size_t(std::size_t triangle)>& group) {
+  const std::vector<std::uint32_t> welded = core::weld(mesh.positions);
+  std::map<std::pair<std::uint32_t, std::size_t>, std::uint32_t> vertices;
+  core::Mesh made;
+  for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
+    const auto corner = [&](std::size_t k) { return mesh.positions[mesh.indices[i / 3 * 3 + k]]; };
+    const std::uint32_t at = welded[mesh.indices[i]];
+    const auto [place, fresh] = vertices.try_emplace({at, group(i / 3)}, std::uint32_t(made.positions.size()));
+    if (fresh) made.positions.push_back(mesh.positions[at]), made.normals.emplace_back(0.0f);
+    made.indices.push_back(place->second);
+    made.normals[place->second] += glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+  }
+  for (core::vec3& normal : made.normals) normal = glm::normalize(normal);
+  return made;
 }
 
 struct NamedMesh {
