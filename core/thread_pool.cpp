@@ -23,7 +23,12 @@ int usual_size() {
 
 }  // namespace
 
-ThreadPool::ThreadPool(int size) : size_(std::clamp(size > 0 ? size : usual_size(), 1, kMost)) {}
+ThreadPool::ThreadPool(int size, JobRunner* runner)
+    : size_(std::clamp(runner     ? runner->size()
+                       : size > 0 ? size
+                                  : usual_size(),
+                       1, kMost)),
+      runner_(runner) {}
 
 ThreadPool::~ThreadPool() {
   for (std::jthread& helper : helpers_) helper.request_stop();
@@ -37,7 +42,7 @@ void ThreadPool::run(const Call& call) {
   const std::uint32_t helpers = std::uint32_t((call.most > 0 ? std::min(call.most, size_) : size_) - 1);
   const bool helps = helpers > 0 && (call.beside ? call.jobs > 0 : call.jobs > 1 && pays(call.jobs, begin));
   if (helps && !busy_.test_and_set(std::memory_order_acquire)) {
-    own = share(call, helpers);
+    own = runner_ ? lend(call, helpers + 1) : share(call, helpers);
     busy_.clear(std::memory_order_release);
   } else {
     if (call.beside) call.beside(call.beside_context);
@@ -71,6 +76,16 @@ std::uint32_t ThreadPool::share(const Call& call, std::uint32_t helpers) {
   while (work_one([](std::uint64_t) { return true; })) ++own;
   while (finished_.load(std::memory_order_acquire) != call.jobs) pause();
   return own;
+}
+
+/// As many jobs of the runner's as threads may take part, where these are fewer than it has.
+std::uint32_t ThreadPool::lend(const Call& call, std::uint32_t threads) {
+  if (call.beside) call.beside(call.beside_context);
+  const std::uint32_t parts = threads < std::uint32_t(size_) ? std::min(threads, call.jobs) : call.jobs;
+  runner_->run(parts, [&](std::uint32_t part) {
+    for (std::uint32_t i = part; i < call.jobs; i += parts) call.job(call.context, i);
+  });
+  return (call.jobs + threads - 1) / threads;
 }
 
 /// Where a thread cannot be made, for want of memory or by a limit, those that there are do the work.

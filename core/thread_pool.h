@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <thread>
 #include <type_traits>
 #include <vector>
@@ -11,6 +12,17 @@
 #include "sightline/core/api.h"
 
 namespace sightline::core {
+
+/// The threads of an application that has some already, such as those of TBB, Qt or OpenMP.
+class SIGHTLINE_API JobRunner {
+ public:
+  virtual ~JobRunner() = default;
+  /// So many threads may do jobs at once, the calling one included: 1 or more, always the same.
+  virtual int size() const = 0;
+  /// Calls job(0) … job(jobs - 1), each once, in any order on any threads; returns when all are done. Jobs take
+  /// microseconds to milliseconds, do not throw, and never call this. Two threads do not call it at once for one pool.
+  virtual void run(std::uint32_t jobs, const std::function<void(std::uint32_t job)>& job) = 0;
+};
 
 /// A fixed number of threads, the calling one among them. Helpers start with the first call that is worth them, spin
 /// for some tens of microseconds after each call, and then sleep. They serve one call at a time: a second one meanwhile
@@ -21,8 +33,9 @@ namespace sightline::core {
 /// on which of them does what. A job must not throw.
 class SIGHTLINE_API ThreadPool {
  public:
-  /// Number of threads, the calling one included, at most kMost. 0: one per processor, at most kUsual.
-  explicit ThreadPool(int size = 0);
+  /// Number of threads, the calling one included, at most kMost. 0: one per processor, at most kUsual. `runner`: does
+  /// what helpers do, with as many threads as it has, and must outlive the pool; null: helpers of the pool's own.
+  explicit ThreadPool(int size = 0, JobRunner* runner = nullptr);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
@@ -75,6 +88,7 @@ class SIGHTLINE_API ThreadPool {
   void run(const Call& call);
   /// Returns how many jobs the calling thread has done.
   std::uint32_t share(const Call& call, std::uint32_t helpers);
+  std::uint32_t lend(const Call& call, std::uint32_t threads);
   bool pays(std::uint32_t jobs, Clock::time_point begin) const;
   void start();
   void help(std::uint32_t helper, const std::stop_token& stop);
@@ -82,6 +96,7 @@ class SIGHTLINE_API ThreadPool {
   bool work_one(const Admitted& admitted);
 
   int size_;
+  JobRunner* runner_;
   std::vector<std::jthread> helpers_;
   std::atomic_flag busy_;
   // Low half: jobs not yet claimed; high half: number of helpers that may claim them. A helper that comes late finds no

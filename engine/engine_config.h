@@ -13,6 +13,10 @@
 #include "sightline/engine/looks.h"
 #include "sightline/engine/plan.h"
 
+namespace sightline::core {
+class JobRunner;
+}
+
 namespace sightline::gl {
 class Context;
 enum class ContextPlatform : std::uint8_t;
@@ -137,6 +141,10 @@ struct ContextConfig {
 struct EngineConfig {
   bool draw = false;               ///< false: no GL at all, unless the culler needs it
   int width = 1280, height = 720;  ///< of the image, in pixels
+  /// That prepare and trace a frame, the calling one included; 0: one per processor, at most ThreadPool::kUsual. What
+  /// a frame shows does not depend on it. Scenes, levels and tracers are made by OpenMP's threads.
+  int threads = 0;
+  core::JobRunner* runner = nullptr;  ///< the application's threads in their place; must outlive the engine
   CullingConfig culling = {};
   DrawingConfig drawing = {};
   LossConfig losses = {};

@@ -37,6 +37,7 @@ core::Expected<void> check_ranges(const PagedConfig& config) {
 
 const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b) {
   if (a.context.application != b.context.application) return "context";
+  if (a.runner != b.runner) return "runner";
 #define SIGHTLINE_DIFFERS_FIXED(path, name) \
   if (!(a.path == b.path)) return #name;
 #define SIGHTLINE_DIFFERS_CHANGEABLE(path, name)

@@ -182,7 +182,7 @@ core::Expected<void> PagedEngine::Impl::prepare() {
   if (!image) return tl::unexpected(image.error());
   image_ = std::move(*image);
   if (traces(config_))
-    if (auto done = core::store(TracedPages::create(scene_, leaves()), traced_); !done) return done;
+    if (auto done = core::store(TracedPages::create(scene_, leaves(), config_.threads), traced_); !done) return done;
   if (auto done = warm_up(); !done) return done;
   return make_store();
 }

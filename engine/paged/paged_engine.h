@@ -45,6 +45,7 @@ namespace sightline::engine {
 /// losses.budget_ms, frames of a view that has changed are traced within that time: PagedEngine::frame().
 struct PagedConfig {
   int width = 1280, height = 720;  ///< pixels
+  int threads = 0;                 ///< as EngineConfig has it: that trace a frame
   DrawingConfig drawing = {};
   LossConfig losses = {};
   ContextConfig context = {};

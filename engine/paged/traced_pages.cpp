@@ -30,9 +30,10 @@ std::int64_t leaf_of(std::uint32_t pixel_id) {
 
 }  // namespace
 
-TracedPages::TracedPages(const core::PagedScene& scene, const OpenLeaves& leaves)
+TracedPages::TracedPages(const core::PagedScene& scene, const OpenLeaves& leaves, int threads)
     : scene_(scene),
       leaves_(leaves),
+      threads_(threads),
       boxes_(std::make_shared<raytrace::ItemBoxes>(scene.leaves, 0)),
       image_(std::make_shared<raytrace::MovingImage>()),
       page_of_(scene.leaves.size()),
@@ -46,8 +47,8 @@ TracedPages::TracedPages(const core::PagedScene& scene, const OpenLeaves& leaves
 }
 
 core::Expected<std::unique_ptr<TracedPages>> TracedPages::create(const core::PagedScene& scene,
-                                                                 const OpenLeaves& leaves) {
-  return std::unique_ptr<TracedPages>(new TracedPages(scene, leaves));
+                                                                 const OpenLeaves& leaves, int threads) {
+  return std::unique_ptr<TracedPages>(new TracedPages(scene, leaves, threads));
 }
 
 core::Expected<TracedPages::Counts> TracedPages::draw(const core::View& view, const Looks& looks,
@@ -170,7 +171,7 @@ std::size_t TracedPages::memory_bytes(int width, int height) const {
 
 #else
 
-core::Expected<std::unique_ptr<TracedPages>> TracedPages::create(const core::PagedScene&, const OpenLeaves&) {
+core::Expected<std::unique_ptr<TracedPages>> TracedPages::create(const core::PagedScene&, const OpenLeaves&, int) {
   return core::fail("engine: this build traces no rays, by which a paged engine keeps budget_ms");
 }
 core::Expected<TracedPages::Counts> TracedPages::draw(const core::View&, const Looks&, const PagesInMemory&,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -125,6 +126,52 @@ TEST(ThreadPool, JobsMayHaveJobs) {
   std::atomic<int> done{0};
   threads.run_at_once(5, [&](std::uint32_t) { threads.run(7, [&](std::uint32_t) { ++done; }); });
   EXPECT_EQ(done, 35);
+}
+
+/// Three threads, which begin with each call.
+class Runner : public core::JobRunner {
+ public:
+  int size() const override { return 3; }
+  void run(std::uint32_t jobs, const std::function<void(std::uint32_t)>& job) override {
+    ++calls;
+    std::atomic<std::uint32_t> next{0};
+    const auto work = [&] {
+      for (std::uint32_t i = next++; i < jobs; i = next++) job(i);
+    };
+    const std::jthread one(work), two(work);
+    work();
+  }
+  int calls = 0;
+};
+
+TEST(ThreadPool, OfAnApplicationsThreads) {
+  Runner runner;
+  ThreadPool threads(1, &runner);
+  EXPECT_EQ(threads.size(), 3);
+  for (std::uint32_t round = 0; round < 100; ++round)
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(threads, round % 8, std::chrono::microseconds(100)));
+  EXPECT_GT(runner.calls, 10);
+  const int before = runner.calls;
+  std::atomic<int> done{0};
+  int beside = 0;
+  threads.run_at_once(
+      5, [&](std::uint32_t) { threads.run(7, [&](std::uint32_t) { ++done; }); }, [&] { ++beside; });
+  EXPECT_EQ(done, 35);
+  EXPECT_EQ(beside, 1);
+  EXPECT_EQ(runner.calls, before + 1) << "jobs of jobs run on their own thread";
+  for (const int most : {1, 2, 3}) {
+    std::atomic<int> now{0}, at_once{0};
+    const auto job = [&](std::uint32_t) {
+      const int others = ++now;
+      for (int seen = at_once; seen < others && !at_once.compare_exchange_weak(seen, others);) {
+      }
+      work_for(std::chrono::microseconds(300));
+      --now;
+    };
+    threads.run_at_once(20, job, {}, most);
+    EXPECT_LE(at_once, most);
+    EXPECT_GE(at_once, most == 1 ? 1 : 2);
+  }
 }
 
 }  // namespace

@@ -127,7 +127,8 @@ GROUPS = {"culling": "CullingConfig", "drawing": "DrawingConfig", "looks": "Look
           "background": "Background", "controller": "ControllerConfig"}
 SETTING_HEADERS = ["engine/engine_config.h", "engine/looks.h", "engine/paged/paged_engine.h", "gpuprims/surroundings.h",
                    "culling/hybrid/controller.h", "importers/import.h", "importers/write_file.h"]
-NO_SETTINGS = {"context.application": "what finds GL's functions is an argument in C and Python",
+NO_SETTINGS = {"runner": "threads of C++",
+               "context.application": "what finds GL's functions is an argument in C and Python",
                "culling.controller.rendering": "follows draw", "progress": "an argument in C and Python",
                "report": "what reading a cache will report is that of the scene"}
 

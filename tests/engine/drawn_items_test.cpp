@@ -1,11 +1,15 @@
 // What the engine leaves out of drawing, and that no image shows it.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <optional>
 #include <random>
 #include <set>
+#include <thread>
 #include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -224,6 +228,56 @@ TEST_P(SampleTestDrawnItems, LosesNoPixel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Paths, SampleTestDrawnItems, testing::ValuesIn(kPaths), path_name);
+
+/// Two threads, which begin with each call.
+class Runner : public core::JobRunner {
+ public:
+  int size() const override { return 2; }
+  void run(std::uint32_t jobs, const std::function<void(std::uint32_t)>& job) override {
+    ++calls;
+    std::atomic<std::uint32_t> next{0};
+    const auto work = [&] {
+      for (std::uint32_t i = next++; i < jobs; i = next++) job(i);
+    };
+    const std::jthread other(work);
+    work();
+  }
+  int calls = 0;
+};
+
+/// Whoever prepares the frames: one thread, several, or the application's.
+TEST_F(DrawnItems, AreTheSameForAnyThreads) {
+  Random random(3);
+  core::Scene scene;
+  for (int i = 0; i < 6; ++i) fill(random, scene, point(random, 10.0));
+  Runner runner;
+  for (const OcclusionChoice occlusion : {OcclusionChoice::kOff, OcclusionChoice::kOn}) {
+    std::vector<Engine> engines;
+    for (const int threads : {1, 2, 5, 0}) {
+      EngineConfig with = config({}, 90, 70);
+      with.culling.occlusion = occlusion;
+      with.threads = threads;
+      if (threads == 0) with.runner = &runner;
+      auto engine = Engine::create(scene, with);
+      ASSERT_TRUE(engine);
+      engines.push_back(std::move(*engine));
+    }
+    for (int i = 0; i < 20; ++i) {
+      SCOPED_TRACE(testing::Message() << name_of(occlusion) << ", view " << i);
+      const View view = view_of(random, dvec3(0.0), 90.0 / 70.0);
+      std::optional<std::int64_t> drawn;
+      for (Engine& engine : engines) {
+        const auto report = engine.frame(view);
+        ASSERT_TRUE(report);
+        EXPECT_EQ(report->items_drawn, drawn.value_or(report->items_drawn));
+        drawn = report->items_drawn;
+        ASSERT_EQ(engine.read_ids()->ids, engines[0].read_ids()->ids);
+        ASSERT_EQ(engine.read_colour()->pixels, engines[0].read_colour()->pixels);
+      }
+    }
+  }
+  EXPECT_GT(runner.calls, 20);
+}
 
 /// A wall with a gap of a pixel or less, doors, boxes inside one another: much is hidden, little of it wholly.
 void add_walls(Random& random, core::Scene& scene, const dvec3& middle) {

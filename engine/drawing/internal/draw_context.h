@@ -34,7 +34,8 @@ struct DrawRequest {
 /// Plain state: its owner (Drawing) fills it, and each strategy draws with it. `scene` and `lists` are empty until the
 /// first upload is complete, and `renderer` is so where the engine only culls.
 struct DrawContext {
-  DrawContext(gl::Context shared, const EngineConfig& settings) : context(std::move(shared)), config(settings) {}
+  DrawContext(gl::Context shared, const EngineConfig& settings)
+      : context(std::move(shared)), config(settings), threads(settings.threads, settings.runner) {}
 
   gl::Context context;
   EngineConfig config;

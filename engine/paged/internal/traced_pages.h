@@ -27,7 +27,8 @@ namespace sightline::engine {
 class TracedPages {
  public:
   /// Fails in builds without rays. Both must outlive it; `leaves`: of the scene.
-  static core::Expected<std::unique_ptr<TracedPages>> create(const core::PagedScene& scene, const OpenLeaves& leaves);
+  static core::Expected<std::unique_ptr<TracedPages>> create(const core::PagedScene& scene, const OpenLeaves& leaves,
+                                                             int threads);
 
   struct Counts {
     double coarseness = 1.0, earlier = 0.0;  ///< as FrameReport has them
@@ -45,7 +46,7 @@ class TracedPages {
   std::size_t memory_bytes(int width, int height) const;
 
  private:
-  TracedPages(const core::PagedScene& scene, const OpenLeaves& leaves);
+  TracedPages(const core::PagedScene& scene, const OpenLeaves& leaves, int threads);
   void mark_used(const PagesInMemory& pages, float pixels_a_ray);
   void show(const render::RenderTarget& target);
   void find_missing(const core::View& view, Counts& counts);
