@@ -28,24 +28,15 @@ constexpr int kWidth = 1280, kHeight = 720;
 constexpr float kSnap = culling::kCoarsestSnap;
 
 struct Options {
-  apps::ModelOptions model;
-  std::uint64_t items = 1'000'000;
-  int frames = 16;
   StageOptions stages;
-  std::string json;
+  int frames = 16;
 };
 
 void add_options(apps::CommandLine& line, Options& o) {
-  apps::add_model_options(line, o.model);
-  line.option("MODEL").required(false);
-  line.add("--items", o.items, "Without MODEL: items of a generated plant")
-      .in_range(std::uint64_t(1'000), std::uint64_t(100'000'000))
-      .shows_default();
+  add_stage_options(line, o.stages);
   line.add("--frames", o.frames, "Of a tour, evenly spaced; each is prepared as if it came again")
       .in_range(1, 10'000)
       .shows_default();
-  add_stage_options(line, o.stages);
-  apps::add_json_option(line, o.json);
   line.examples(
       "  sightline-bench prepare --items 5000000\n"
       "  sightline-bench prepare plant.slc --threads 8 --json prepare.json");
@@ -123,7 +114,7 @@ class Frames {
 };
 
 core::Expected<int> run(const Options& options) {
-  const std::unique_ptr<core::Scene> scene = need(model_or_plant(options.model, options.items));
+  const std::unique_ptr<core::Scene> scene = need(model_or_plant(options.stages.model, options.stages.items));
   const core::Snapshot snapshot(*scene);
   const auto views = need(tour_views(snapshot, options.frames, double(kWidth) / kHeight));
   Frames frames(snapshot, views);
@@ -134,8 +125,7 @@ core::Expected<int> run(const Options& options) {
       frames.stage("test occlusion", &Frames::test_occlusion),
       frames.stage("list records of these", &Frames::list_open),
   };
-  return finish(options.json, {{"items", snapshot.size()}, {"stages", time_stages(stages, options.stages)}},
-                print_stages);
+  return report_stages(stages, snapshot.size(), options.stages);
 }
 
 }  // namespace

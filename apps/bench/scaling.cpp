@@ -18,29 +18,16 @@ namespace {
 
 using apps::need;
 
-struct Options {
-  apps::ModelOptions model;
-  std::uint64_t items = 1'000'000;
-  StageOptions stages;
-  std::string json;
-};
-
 constexpr int kViews = 64, kWidth = 640, kHeight = 360;
 
-void add_options(apps::CommandLine& line, Options& o) {
-  apps::add_model_options(line, o.model);
-  line.option("MODEL").required(false);
-  line.add("--items", o.items, "Without MODEL: items of a generated plant")
-      .in_range(std::uint64_t(1'000), std::uint64_t(100'000'000))
-      .shows_default();
-  add_stage_options(line, o.stages);
-  apps::add_json_option(line, o.json);
+void add_options(apps::CommandLine& line, StageOptions& o) {
+  add_stage_options(line, o);
   line.examples(
       "  sightline-bench scaling --items 1000000\n"
       "  sightline-bench scaling a.rvm b.rvm c.rvm --threads 8 --json scaling.json");
 }
 
-TimedStage reading(const Options& options) {
+TimedStage reading(const StageOptions& options) {
   return {"read " + std::to_string(options.model.files.size()) + " files", [&options](int threads) {
             importers::ImportOptions import = options.model.import;
             import.threads = threads;
@@ -50,7 +37,7 @@ TimedStage reading(const Options& options) {
           }};
 }
 
-core::Expected<int> run(const Options& options) {
+core::Expected<int> run(const StageOptions& options) {
   const std::unique_ptr<core::Scene> scene = need(model_or_plant(options.model, options.items));
   const core::Snapshot snapshot(*scene);
   const culling::CpuCuller culler(snapshot.bounds());
@@ -69,9 +56,7 @@ core::Expected<int> run(const Options& options) {
   stages.push_back({"exact visible set", [&](int threads) {
                       need(raytrace::ExactVisibility(tracer).compute(views.front(), kWidth, kHeight, 1, threads));
                     }});
-
-  return finish(options.json, {{"items", snapshot.size()}, {"stages", time_stages(stages, options.stages)}},
-                print_stages);
+  return report_stages(stages, snapshot.size(), options);
 }
 
 }  // namespace
@@ -79,5 +64,5 @@ core::Expected<int> run(const Options& options) {
 
 sightline::bench::Run sightline::bench::add_scaling(apps::CommandLine& line) {
   using namespace scaling_bench;
-  return add_subcommand<Options>(line, add_options, run);
+  return add_subcommand<StageOptions>(line, add_options, run);
 }

@@ -51,28 +51,7 @@ Json measure(const TimedStage& stage, const std::vector<int>& counts, int passes
   return row;
 }
 
-}  // namespace
-
-void add_stage_options(apps::CommandLine& line, StageOptions& o) {
-  line.add("--threads", o.threads, "The most threads; 0: one per processor")
-      .in_range(0, core::ThreadPool::kMost)
-      .shows_default();
-  line.add("--passes", o.passes, "Of each stage with each number of threads; the least counts")
-      .in_range(1, 1000)
-      .shows_default();
-}
-
-json::Value time_stages(std::span<const TimedStage> stages, const StageOptions& options) {
-  const int most = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
-  std::vector<int> counts;
-  for (int n = 1; n < most; n *= 2) counts.push_back(n);
-  counts.push_back(most);
-  Json rows;
-  for (const TimedStage& stage : stages) rows.push_back(measure(stage, counts, options.passes));
-  return rows;
-}
-
-void print_stages(const Json& json, std::FILE* out) {
+void print_table(const Json& json, std::FILE* out) {
   std::fprintf(out, "%zu items, wall ms (processor ms)\n%-28s", json["items"].get<std::size_t>(), "stage");
   for (const Json& t : json["stages"][0]["threads"])
     std::fprintf(out, " %12d thread%s", t["count"].get<int>(), t["count"].get<int>() > 1 ? "s" : " ");
@@ -86,6 +65,33 @@ void print_stages(const Json& json, std::FILE* out) {
     for (const Json& f : row["foretold"]) std::fprintf(out, " %5.1fx", f["speedup"].get<double>());
   }
   std::fprintf(out, "\n");
+}
+
+}  // namespace
+
+void add_stage_options(apps::CommandLine& line, StageOptions& o) {
+  apps::add_model_options(line, o.model);
+  line.option("MODEL").required(false);
+  line.add("--items", o.items, "Without MODEL: items of a generated plant")
+      .in_range(std::uint64_t(1'000), std::uint64_t(100'000'000))
+      .shows_default();
+  line.add("--threads", o.threads, "The most threads; 0: one per processor")
+      .in_range(0, core::ThreadPool::kMost)
+      .shows_default();
+  line.add("--passes", o.passes, "Of each stage with each number of threads; the least counts")
+      .in_range(1, 1000)
+      .shows_default();
+  apps::add_json_option(line, o.json);
+}
+
+core::Expected<int> report_stages(std::span<const TimedStage> stages, std::size_t items, const StageOptions& options) {
+  const int most = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<int> counts;
+  for (int n = 1; n < most; n *= 2) counts.push_back(n);
+  counts.push_back(most);
+  Json json{{"items", items}};
+  for (const TimedStage& stage : stages) json["stages"].push_back(measure(stage, counts, options.passes));
+  return finish(options.json, json, print_table);
 }
 
 }  // namespace sightline::bench

@@ -7,13 +7,15 @@
 // for one another or for memory; the fit counts that as serial, too.
 #pragma once
 
-#include <cstdio>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
 
 #include "sightline/apps/common/command_line.h"
-#include "sightline/importers/json/internal/json.h"
+#include "sightline/apps/common/model.h"
+#include "sightline/core/error.h"
 
 namespace sightline::bench {
 
@@ -25,13 +27,14 @@ struct TimedStage {
 };
 
 struct StageOptions {
+  apps::ModelOptions model;
+  std::uint64_t items = 1'000'000;
   int threads = 0, passes = 5;
+  std::string json;
 };
 void add_stage_options(apps::CommandLine& line, StageOptions& o);
 
-/// A row for each stage.
-json::Value time_stages(std::span<const TimedStage> stages, const StageOptions& options);
-/// `json`: with the number of "items" and these rows as "stages".
-void print_stages(const json::Value& json, std::FILE* out);
+/// Times the stages and writes a row for each. `items`: of the scene.
+core::Expected<int> report_stages(std::span<const TimedStage> stages, std::size_t items, const StageOptions& options);
 
 }  // namespace sightline::bench

@@ -105,7 +105,7 @@ void OcclusionPasses::list_drawn(const core::ItemBounds& bounds, core::VisibleSe
   for (int i = 0; i < count_; ++i) set_bits(passes_[std::size_t(i)], drawn_bits_);
   drawn.clear();
   drawn.generation = pass_.generation;
-  drawn.single_slots = slots_of(drawn_bits_);
+  slots_of(drawn_bits_, drawn.single_slots);
 }
 
 void OcclusionPasses::follow(const core::Snapshot& former, const core::Snapshot& snapshot) {

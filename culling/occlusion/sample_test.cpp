@@ -29,10 +29,15 @@ void set_bits(const core::VisibleSet& set, std::vector<std::uint64_t>& bits) {
 
 std::vector<core::Slot> slots_of(SlotBits bits) {
   std::vector<core::Slot> slots;
+  slots_of(bits, slots);
+  return slots;
+}
+
+void slots_of(SlotBits bits, std::vector<core::Slot>& slots) {
+  slots.clear();
   for (std::size_t word = 0; word < bits.size(); ++word)
     for (std::uint64_t left = bits[word]; left != 0; left &= left - 1)
       slots.push_back(core::Slot(64 * word) + core::Slot(std::countr_zero(left)));
-  return slots;
 }
 
 /// Decides as DepthTest does, with nothing drawn yet: by rectangles, by the rays of three pixels, then by those of all.

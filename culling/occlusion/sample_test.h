@@ -52,8 +52,9 @@ struct BoxRectangles;
 
 /// Sets the bits of the slots of `set`, which must be there.
 SIGHTLINE_API void set_bits(const core::VisibleSet& set, std::vector<std::uint64_t>& bits);
-/// The slots whose bit is set, in rising order.
+/// The slots whose bit is set, in rising order; and in place of what `slots` held.
 SIGHTLINE_API std::vector<core::Slot> slots_of(SlotBits bits);
+SIGHTLINE_API void slots_of(SlotBits bits, std::vector<core::Slot>& slots);
 /// As many words as a bit for each of so many slots takes.
 constexpr std::size_t bit_words(std::size_t slot_count) {
   return slot_count / 64 + 1;

@@ -55,7 +55,7 @@ const std::vector<core::Slot>& ClusterPasses::begin_later_passes() {
 void ClusterPasses::remember() {
   std::erase_if(items_, [&](const auto& entry) { return entry.second.frame != frame_; });
   for (auto& [slot, item] : items_) {
-    kept_ = culling::slots_of(item.drawn);
+    culling::slots_of(item.drawn, kept_);
     leave_out_hidden(item, kept_);
     std::ranges::fill(item.open, 0);
     for (const std::uint32_t cluster : kept_) insert(item.open, cluster);

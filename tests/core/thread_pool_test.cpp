@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <set>
 #include <thread>
 
 #include <gtest/gtest.h>
+
+#include "sightline/tests/support/application_threads.h"
 
 namespace sightline::tests::thread_pool_test {
 namespace {
@@ -128,24 +129,8 @@ TEST(ThreadPool, JobsMayHaveJobs) {
   EXPECT_EQ(done, 35);
 }
 
-/// Three threads, which begin with each call.
-class Runner : public core::JobRunner {
- public:
-  int size() const override { return 3; }
-  void run(std::uint32_t jobs, const std::function<void(std::uint32_t)>& job) override {
-    ++calls;
-    std::atomic<std::uint32_t> next{0};
-    const auto work = [&] {
-      for (std::uint32_t i = next++; i < jobs; i = next++) job(i);
-    };
-    const std::jthread one(work), two(work);
-    work();
-  }
-  int calls = 0;
-};
-
 TEST(ThreadPool, OfAnApplicationsThreads) {
-  Runner runner;
+  ApplicationThreads runner;
   ThreadPool threads(1, &runner);
   EXPECT_EQ(threads.size(), 3);
   for (std::uint32_t round = 0; round < 100; ++round)

@@ -1,13 +1,10 @@
 // What the engine leaves out of drawing, and that no image shows it.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
-#include <functional>
 #include <optional>
 #include <random>
 #include <set>
-#include <thread>
 #include <tuple>
 #include <vector>
 
@@ -16,6 +13,7 @@
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/internal/engine_parts.h"
 #include "sightline/tests/culling/scenes.h"
+#include "sightline/tests/support/application_threads.h"
 #include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/gl_test.h"
 #include "sightline/tests/support/simulated_gpu.h"
@@ -229,28 +227,12 @@ TEST_P(SampleTestDrawnItems, LosesNoPixel) {
 
 INSTANTIATE_TEST_SUITE_P(Paths, SampleTestDrawnItems, testing::ValuesIn(kPaths), path_name);
 
-/// Two threads, which begin with each call.
-class Runner : public core::JobRunner {
- public:
-  int size() const override { return 2; }
-  void run(std::uint32_t jobs, const std::function<void(std::uint32_t)>& job) override {
-    ++calls;
-    std::atomic<std::uint32_t> next{0};
-    const auto work = [&] {
-      for (std::uint32_t i = next++; i < jobs; i = next++) job(i);
-    };
-    const std::jthread other(work);
-    work();
-  }
-  int calls = 0;
-};
-
 /// Whoever prepares the frames: one thread, several, or the application's.
 TEST_F(DrawnItems, AreTheSameForAnyThreads) {
   Random random(3);
   core::Scene scene;
   for (int i = 0; i < 6; ++i) fill(random, scene, point(random, 10.0));
-  Runner runner;
+  tests::ApplicationThreads runner;
   for (const OcclusionChoice occlusion : {OcclusionChoice::kOff, OcclusionChoice::kOn}) {
     std::vector<Engine> engines;
     for (const int threads : {1, 2, 5, 0}) {

@@ -448,7 +448,7 @@ TEST_F(CapiEngine, SaysWhatItUses) {
 /// Settings of which none is the default, where that needs no GL.
 sl_engine_config other_settings() {
   sl_engine_config c = SL_ENGINE_CONFIG_INIT;
-  c.width = 300, c.height = 200;
+  c.width = 300, c.height = 200, c.threads = 3;
   c.culling.culler = SL_CULLER_LINEAR, c.culling.gpu_variant = SL_GPU_VARIANT_COMPUTE;
   c.culling.sample_test = 0, c.culling.occlusion = SL_OCCLUSION_OFF;
   c.culling.part = {1, 3}, c.culling.rebuild_share = 0.25;
