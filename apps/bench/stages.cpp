@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "sightline/apps/bench/harness.h"
+#include "sightline/apps/bench/subcommand.h"
 #include "sightline/core/thread_pool.h"
 
 namespace sightline::bench {

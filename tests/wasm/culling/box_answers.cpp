@@ -54,7 +54,6 @@ class Both {
   }
 
   void look(const core::View& view, int width, int height, bool zero_to_one = false) {
-    out_->text("view");
     if (zero_to_one && view.clip_depth() == core::ClipDepth::kReversedZeroToOne) {
       core::View turned = *core::View::from_matrices(view.eye_from_world(), turned_depth(view.clip_from_eye()),
                                                      core::ClipDepth::kZeroToOne);
@@ -62,6 +61,7 @@ class Both {
       turned.section_mode = view.section_mode;
       return look(turned, width, height);
     }
+    out_->text("view");
     write_view(*out_, view, width, height);
     view_.emplace(wasm::ViewObject{view, width, height});
   }
