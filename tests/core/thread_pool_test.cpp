@@ -145,15 +145,17 @@ TEST(ThreadPool, OfAnApplicationsThreads) {
   EXPECT_EQ(beside, 1);
   EXPECT_EQ(runner.calls, before + 1) << "jobs of jobs run on their own thread";
   for (const int most : {1, 2, 3}) {
-    std::atomic<int> now{0}, at_once{0};
+    std::atomic<int> now{0}, at_once{0}, all{0};
     const auto job = [&](std::uint32_t) {
       const int others = ++now;
       for (int seen = at_once; seen < others && !at_once.compare_exchange_weak(seen, others);) {
       }
       work_for(std::chrono::microseconds(300));
+      ++all;
       --now;
     };
     threads.run_at_once(20, job, {}, most);
+    EXPECT_EQ(all, 20);
     EXPECT_LE(at_once, most);
     EXPECT_GE(at_once, most == 1 ? 1 : 2);
   }
