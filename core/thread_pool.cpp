@@ -17,18 +17,15 @@ std::chrono::steady_clock::time_point now() {
   return std::chrono::steady_clock::now();
 }
 
-int usual_size() {
-  return std::min(int(std::thread::hardware_concurrency()), ThreadPool::kUsual);
+int size_of(int asked_for, const JobRunner* runner) {
+  if (runner) return runner->size();
+  return asked_for > 0 ? asked_for : std::min(int(std::thread::hardware_concurrency()), ThreadPool::kUsual);
 }
 
 }  // namespace
 
 ThreadPool::ThreadPool(int size, JobRunner* runner)
-    : size_(std::clamp(runner     ? runner->size()
-                       : size > 0 ? size
-                                  : usual_size(),
-                       1, kMost)),
-      runner_(runner) {}
+    : size_(std::clamp(size_of(size, runner), 1, kMost)), runner_(runner) {}
 
 ThreadPool::~ThreadPool() {
   for (std::jthread& helper : helpers_) helper.request_stop();

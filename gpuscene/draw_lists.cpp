@@ -108,14 +108,14 @@ core::Expected<void> DrawLists::update(const GpuScene& scene, const VisibleRecor
   if (auto done = reserve_singles(singles); !done) return done;
   command_list_.clear();
   core::Expected<void> done;
-  singles = 0;
+  std::size_t place = 0;  // of the next batch's single records
   for (const Batch& b : scene.batches()) {
     if (b.kind == BatchKind::kMesh) {
       done = list_meshes(meshes);
     } else {
       const VisibleRecords::OfBatch& found = records.batches[std::size_t(b.kind)];
-      list_records(b, found, singles);
-      singles += found.singles.size();
+      list_records(b, found, place);
+      place += found.singles.size();
     }
   }
   if (done) done = upload();

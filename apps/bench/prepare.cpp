@@ -1,6 +1,5 @@
 // sightline-bench prepare: what is done for a frame on the processor before GL draws it, without GL, by step and by
 // threads.
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>

@@ -1,5 +1,4 @@
 // sightline-bench scaling: how stages that use several threads scale, on a model or a generated plant.
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>

@@ -6,10 +6,9 @@
 #include <cstddef>
 
 #include "sightline/culling/occlusion/depth_pyramid.h"
-#include "sightline/culling/occlusion/internal/filter_slots.h"
+#include "sightline/culling/occlusion/internal/filter_boxes.h"
 #include "sightline/culling/occlusion/internal/front_layer.h"
 #include "sightline/culling/occlusion/internal/kernels.h"
-#include "sightline/culling/occlusion/internal/ray_queues.h"
 #include "sightline/culling/occlusion/internal/tile_shape.h"
 #include "sightline/culling/occlusion/occlusion_test.h"
 
@@ -148,14 +147,7 @@ unsigned DepthTest::unoccluded_nodes(const float* const (&coordinates)[6]) const
 }
 
 unsigned DepthTest::occluded(const float* const (&coordinates)[6]) const {
-  BoxRectangles r;
-  const unsigned unoccluded = maybe_unoccluded(coordinates, r);
-  unsigned found = ~unoccluded;
-  for (unsigned bits = undecided(coordinates, r, unoccluded); bits != 0; bits &= bits - 1) {
-    const int i = std::countr_zero(bits);
-    if (hides(box_of(coordinates, i), pixels(r, i), r.nearest[i])) found |= 1u << i;
-  }
-  return found;
+  return ~unoccluded_of(*this, coordinates);
 }
 
 DepthTest::Found DepthTest::enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels,

@@ -12,10 +12,6 @@
 namespace sightline::culling {
 namespace {
 
-void list_bits(std::size_t word, std::uint64_t bits, std::vector<core::Slot>& slots) {
-  for (; bits != 0; bits &= bits - 1) slots.push_back(core::Slot(64 * word) + core::Slot(std::countr_zero(bits)));
-}
-
 struct EnteringBuffers {
   Judgement judged;
   PixelEntries entries;
@@ -158,10 +154,9 @@ void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy*
   front.clear();
   behind.clear();
   front.generation = behind.generation = in.generation;
-  for (std::size_t word = 0; word < in_front.size(); ++word) {
-    list_bits(word, in_front[word], front.single_slots);
-    list_bits(word, others[word] & ~in_front[word], behind.single_slots);
-  }
+  for (std::size_t word = 0; word < others.size(); ++word) others[word] &= ~in_front[word];
+  slots_of(in_front, front.single_slots);
+  slots_of(others, behind.single_slots);
 }
 
 }  // namespace sightline::culling

@@ -85,15 +85,6 @@ class SampleTest::Boxes {
     const int width = pixels.x1 - pixels.x0 + 1, height = pixels.y1 - pixels.y0 + 1;
     return width <= kLanes && height <= kLanes && test_.rays_.span(box, span) && no_ray_meets(span, pixels);
   }
-  unsigned covering(const float* const (&coordinates)[6]) const {
-    BoxRectangles r;
-    unsigned found = maybe_unoccluded(coordinates, r);
-    for (unsigned bits = undecided(coordinates, r, found); bits != 0; bits &= bits - 1) {
-      const int i = std::countr_zero(bits);
-      if (hides(box_of(coordinates, i), pixels(r, i), r.nearest[i])) found &= ~(1u << i);
-    }
-    return found;
-  }
 
  private:
   bool no_ray_meets(const BoxSpan& span, const PixelRectangle& pixels) const {
@@ -133,7 +124,7 @@ SampleTest::SampleTest(const core::View& view, const core::dvec3& origin, ImageS
 
 bool SampleTest::covers(const core::Aabb& box) const {
   const Boxes test(*this);
-  return of_one_box(box, [&](const auto& boxes) { return test.covering(boxes); });
+  return of_one_box(box, [&](const auto& boxes) { return unoccluded_of(test, boxes); });
 }
 
 void SampleTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& out,

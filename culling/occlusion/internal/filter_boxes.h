@@ -34,6 +34,18 @@ struct Judgement {
   SlotCollector collector;
 };
 
+/// Bit i: box i of sixteen is not hidden. Test: as filter_boxes() has it.
+template <class Test>
+unsigned unoccluded_of(const Test& depth, const float* const (&coordinates)[6]) {
+  BoxRectangles r;
+  unsigned found = depth.maybe_unoccluded(coordinates, r);
+  for (unsigned bits = depth.undecided(coordinates, r, found); bits != 0; bits &= bits - 1) {
+    const int i = std::countr_zero(bits);
+    if (depth.hides(box_of(coordinates, i), depth.pixels(r, i), r.nearest[i])) found &= ~(1u << i);
+  }
+  return found;
+}
+
 /// Replaces `unoccluded` by the slots of `in` that are not hidden, or exempt. Test: with the functions of DepthTest
 /// that are called here.
 template <class Test>
