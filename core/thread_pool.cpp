@@ -1,6 +1,7 @@
 #include "sightline/core/thread_pool.h"
 
 #include <algorithm>
+#include <bit>
 #include <exception>
 
 #include "sightline/core/internal/intrinsics.h"
@@ -10,7 +11,7 @@ namespace {
 
 // Nanoseconds until a helper has begun, when it spins and when it sleeps. Less work is done sooner without it.
 constexpr double kCallNs = 3'000.0, kWakeNs = 60'000.0;
-constexpr auto kSpin = std::chrono::microseconds(60);
+constexpr auto kSpin = std::chrono::microseconds(60), kLongRest = 2 * kSpin;
 constexpr double kSmoothing = 0.2;
 
 std::chrono::steady_clock::time_point now() {
@@ -35,37 +36,47 @@ ThreadPool::~ThreadPool() {
 
 void ThreadPool::run(const Call& call) {
   const auto begin = now();
-  std::uint32_t own = call.jobs;
   const std::uint32_t helpers = std::uint32_t((call.most > 0 ? std::min(call.most, size_) : size_) - 1);
-  const bool helps = helpers > 0 && (call.beside ? call.jobs > 0 : call.jobs > 1 && pays(call.jobs, begin));
-  if (helps && !busy_.test_and_set(std::memory_order_acquire)) {
-    own = runner_ ? lend(call, helpers + 1) : share(call, helpers);
-    busy_.clear(std::memory_order_release);
-  } else {
-    if (call.beside) call.beside(call.beside_context);
-    for (std::uint32_t i = 0; i < call.jobs; ++i) call.job(call.context, i);
+  std::uint32_t own = 0, done = 0;
+  bool helped = (call.beside ? call.jobs > 0 : pays(call.jobs, begin)) && help_with(call, helpers, done, own);
+  if (!helped && call.beside) call.beside(call.beside_context);
+  while (!helped && done < call.jobs) {
+    call.job(call.context, done++);
+    // Earlier calls may have had shorter jobs than this one.
+    if (std::has_single_bit(done) && (now() - begin) / done * (call.jobs - done) > kLongRest)
+      helped = !call.beside && help_with(call, helpers, done, own);
   }
+  own += done;
   const auto end = now();
   last_end_.store(end.time_since_epoch().count(), std::memory_order_relaxed);
-  if (own == 0 || call.beside) return;
+  if (call.jobs < 2 || own == 0 || call.beside) return;
   const double each = std::chrono::duration<double, std::nano>(end - begin).count() / own;
   const double known = job_ns_.load(std::memory_order_relaxed);
   job_ns_.store(known == 0.0 ? each : known + kSmoothing * (each - known), std::memory_order_relaxed);
 }
 
+/// Does jobs `done` and on with helpers, unless these serve another call. Sets `own`, how many the calling thread did.
+bool ThreadPool::help_with(const Call& call, std::uint32_t helpers, std::uint32_t done, std::uint32_t& own) {
+  if (helpers == 0 || busy_.test_and_set(std::memory_order_acquire)) return false;
+  own = runner_ ? lend(call, helpers + 1, done) : share(call, helpers, done);
+  busy_.clear(std::memory_order_release);
+  return true;
+}
+
 /// Sleeping helpers are woken even for a short call when calls follow each other closely: later calls then find them
 /// awake.
 bool ThreadPool::pays(std::uint32_t jobs, Clock::time_point begin) const {
+  if (jobs < 2) return false;
   const Clock::duration pause = begin.time_since_epoch() - Clock::duration(last_end_.load(std::memory_order_relaxed));
   const double left_to_helpers = job_ns_.load(std::memory_order_relaxed) * (jobs - 1);
   return left_to_helpers > (pause < kSpin ? kCallNs : kWakeNs);
 }
 
-std::uint32_t ThreadPool::share(const Call& call, std::uint32_t helpers) {
+std::uint32_t ThreadPool::share(const Call& call, std::uint32_t helpers, std::uint32_t done) {
   if (helpers_.empty()) start();
   call_ = call;
-  finished_.store(0, std::memory_order_relaxed);
-  state_.store(std::uint64_t(helpers) << 32 | call.jobs);
+  finished_.store(done, std::memory_order_relaxed);
+  state_.store(std::uint64_t(helpers) << 32 | (call.jobs - done));
   ++calls_;
   if (sleeping_.load() > 0) calls_.notify_all();
   if (call.beside) call.beside(call.beside_context);
@@ -76,13 +87,13 @@ std::uint32_t ThreadPool::share(const Call& call, std::uint32_t helpers) {
 }
 
 /// As many jobs of the runner's as threads may take part, where these are fewer than it has.
-std::uint32_t ThreadPool::lend(const Call& call, std::uint32_t threads) {
+std::uint32_t ThreadPool::lend(const Call& call, std::uint32_t threads, std::uint32_t done) {
   if (call.beside) call.beside(call.beside_context);
-  const std::uint32_t parts = threads < std::uint32_t(size_) ? std::min(threads, call.jobs) : call.jobs;
+  const std::uint32_t left = call.jobs - done, parts = threads < std::uint32_t(size_) ? std::min(threads, left) : left;
   runner_->run(parts, [&](std::uint32_t part) {
-    for (std::uint32_t i = part; i < call.jobs; i += parts) call.job(call.context, i);
+    for (std::uint32_t i = done + part; i < call.jobs; i += parts) call.job(call.context, i);
   });
-  return (call.jobs + threads - 1) / threads;
+  return (left + threads - 1) / threads;
 }
 
 /// Where a thread cannot be made, for want of memory or by a limit, those that there are do the work.

@@ -45,9 +45,9 @@ class SIGHTLINE_API ThreadPool {
   int size() const { return size_; }
 
   /// Calls job(0) … job(jobs - 1), each once, in any order on any of the threads; returns when all are done. Helpers
-  /// are called only where that saves time: what is left of a call, as measured on earlier calls, must exceed the time
-  /// to call a spinning helper, or to wake a sleeping one. `most`: so many threads at most, the calling one included;
-  /// 0: all.
+  /// are called only where that saves time: what is left of a call, as measured on earlier calls and on its first jobs,
+  /// must exceed the time to call a spinning helper, or to wake a sleeping one. `most`: so many threads at most, the
+  /// calling one included; 0: all.
   template <class Job>
   void run(std::uint32_t jobs, const Job& job, int most = 0) {
     run({jobs, most, call_of(job), &job, nullptr, nullptr});
@@ -86,9 +86,10 @@ class SIGHTLINE_API ThreadPool {
     return [](const void* context, std::uint32_t i) { (*static_cast<const Job*>(context))(i); };
   }
   void run(const Call& call);
-  /// Returns how many jobs the calling thread has done.
-  std::uint32_t share(const Call& call, std::uint32_t helpers);
-  std::uint32_t lend(const Call& call, std::uint32_t threads);
+  bool help_with(const Call& call, std::uint32_t helpers, std::uint32_t done, std::uint32_t& own);
+  /// Return how many jobs the calling thread has done, of those from `done` on.
+  std::uint32_t share(const Call& call, std::uint32_t helpers, std::uint32_t done);
+  std::uint32_t lend(const Call& call, std::uint32_t threads, std::uint32_t done);
   bool pays(std::uint32_t jobs, Clock::time_point begin) const;
   void start();
   void help(std::uint32_t helper, const std::stop_token& stop);

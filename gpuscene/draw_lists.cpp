@@ -74,12 +74,15 @@ core::Expected<void> DrawLists::list_meshes(const MeshDraws& meshes) {
     indices += run.size();
   }
   const std::size_t begin = command_list_.size();
-  command_list_.insert(command_list_.end(), meshes.fronts.begin(), meshes.fronts.end());
-  command_list_.insert(command_list_.end(), meshes.both_faces.begin(), meshes.both_faces.end());
+  const auto append = [&](std::span<const ElementsCommand> run) {
+    command_list_.insert(command_list_.end(), run.begin(), run.end());
+  };
+  std::ranges::for_each(meshes.fronts, append);
+  const std::size_t fronts = command_list_.size() - begin;
+  std::ranges::for_each(meshes.both_faces, append);
   for (std::size_t i = begin; picks_ && i < command_list_.size(); ++i)
     command_list_[i].first_index += std::uint32_t(picked_indices_.begin());
-  sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin), false,
-                                              int(meshes.fronts.size())};
+  sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin), false, int(fronts)};
   return {};
 }
 
@@ -92,7 +95,8 @@ core::Expected<void> DrawLists::update(const core::Snapshot& snapshot, const Gpu
     const ElementsCommand command = scene.meshes().command(GpuScene::record_of(snapshot, slot));
     if (command.instance_count > 0 && command.count > 0) whole.push_back(command);
   }
-  return update(scene, records, {.both_faces = whole});
+  const std::span<const ElementsCommand> run(whole);
+  return update(scene, records, {.both_faces = {&run, 1}});
 }
 
 core::Expected<void> DrawLists::update(const GpuScene& scene, const VisibleRecords& records, const MeshDraws& meshes) {

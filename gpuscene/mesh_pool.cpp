@@ -59,20 +59,13 @@ const MeshPool::Shape* MeshPool::drawn_shape(std::uint32_t record) const {
   return shape != kNone && shapes_[shape].drawn ? &shapes_[shape] : nullptr;
 }
 
-ElementsCommand MeshPool::command(std::uint32_t record) const {
+DrawnMesh MeshPool::drawn(std::uint32_t record) const {
   const Shape* shape = drawn_shape(record);
-  if (!shape) return {0, 0, 0, 0, record};
-  return {shape->index_count, hidden_[record] ? 0u : 1u, shape->first_index, std::int32_t(shape->first_vertex), record};
-}
-
-std::uint32_t MeshPool::solid_indices(std::uint32_t record) const {
-  const Shape* shape = drawn_shape(record);
-  return shape ? shape->solid_indices.value_or(0) : 0;
-}
-
-const lod::MeshLevels* MeshPool::levels(std::uint32_t record) const {
-  const Shape* shape = drawn_shape(record);
-  return shape ? shape->levels.get() : nullptr;
+  if (!shape) return {{0, 0, 0, 0, record}, nullptr, 0};
+  const std::uint32_t instances = hidden_[record] ? 0 : 1;
+  return {{shape->index_count, instances, shape->first_index, std::int32_t(shape->first_vertex), record},
+          shape->levels.get(),
+          shape->solid_indices.value_or(0)};
 }
 
 std::shared_ptr<const lod::MeshLevels> MeshPool::share_levels(std::uint32_t record) const {

@@ -1,8 +1,12 @@
 #include "sightline/lod/internal/cut.h"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
+
+#include "sightline/core/internal/scratch.h"
 
 namespace sightline::lod {
 namespace {
@@ -10,8 +14,9 @@ namespace {
 using core::dvec3;
 using core::dvec4;
 
-constexpr double kInwards = 1.0 - 1e-6;  // for the rounding of the few operations of each bound
-constexpr double kGpuRounding = 4e-6;    // of a value that a GPU computes in float, relative to its terms
+constexpr double kInwards = 1.0 - 1e-6;   // for the rounding of the few operations of each bound
+constexpr double kGpuRounding = 4e-6;     // of a value that a GPU computes in float, relative to its terms
+constexpr std::size_t kGroupsOfJob = 64;  // some ten microseconds
 
 dvec4 form_of(const core::Plane& plane) {
   return {plane.normal, plane.offset};
@@ -42,7 +47,7 @@ double gpu_rounding(const dvec4& form, const core::Aabb& box) {
 /// Largest singular value of the matrix of two rows.
 double norm(const dvec3& a, const dvec3& b) {
   const double aa = glm::dot(a, a), bb = glm::dot(b, b), ab = glm::dot(a, b);
-  return std::sqrt(0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab));
+  return std::sqrt(0.5 * (aa + bb) + std::sqrt(0.25 * (aa - bb) * (aa - bb) + ab * ab));
 }
 
 /// Least w of points beyond the near plane, where the plane is parallel to the image; else 0.
@@ -105,19 +110,51 @@ core::AabbD placed_box(const core::Aabb& box, const core::Affine& world_from_mes
   return {centre - half, centre + half};
 }
 
-std::vector<std::uint32_t>& CutChooser::choose(const MeshLevels& levels, const MeshError& error) {
+/// In rounds: each considers what the groups that the one before has expanded were made from.
+std::vector<std::uint32_t>& CutChooser::choose(const MeshLevels& levels, const MeshError& error,
+                                               core::ThreadPool* threads) {
   error_ = 0.0;
   state_.assign(levels.groups.size(), State::kUnknown);
-  expanded_.clear();
-  drawn_.clear();
-  consider(levels, error, std::span(levels.members).subspan(levels.first_root));
-  while (!expanded_.empty()) {
-    const ClusterGroup& group = levels.groups[expanded_.back()];
-    expanded_.pop_back();
-    consider(levels, error, std::span(levels.members).subspan(group.first_member, group.member_count));
+  shown_.assign((levels.clusters.size() + 63) / 64, 0);
+  open_.clear();
+  if (found_.empty()) found_.resize(1);
+  consider(levels, error, std::span(levels.members).subspan(levels.first_root), found_[0]);
+  take(found_[0]);
+  while (!open_.empty()) {
+    const auto jobs = std::uint32_t((open_.size() + kGroupsOfJob - 1) / kGroupsOfJob);
+    if (found_.size() < jobs) found_.resize(jobs);
+    core::ThreadPool::run_on(threads, jobs, [&](std::uint32_t job) {
+      const std::size_t first = job * kGroupsOfJob;
+      for (const std::uint32_t number : std::span(open_).subspan(first, std::min(kGroupsOfJob, open_.size() - first))) {
+        const ClusterGroup& group = levels.groups[number];
+        consider(levels, error, std::span(levels.members).subspan(group.first_member, group.member_count), found_[job]);
+      }
+    });
+    open_.clear();
+    for (Found& found : std::span(found_).first(jobs)) take(found);
   }
-  std::ranges::sort(drawn_);
+  list_drawn();
   return drawn_;
+}
+
+void CutChooser::take(Found& found) {
+  open_.insert(open_.end(), found.expanded.begin(), found.expanded.end());
+  error_ = std::max(error_, found.error);
+  found.expanded.clear();
+  found.error = 0.0;
+}
+
+void CutChooser::list_drawn() {
+  drawn_.clear();
+  for (std::size_t word = 0; word < shown_.size(); ++word)
+    for (std::uint64_t left = shown_[word]; left != 0; left &= left - 1)
+      drawn_.push_back(std::uint32_t(64 * word) + std::uint32_t(std::countr_zero(left)));
+}
+
+std::size_t CutChooser::memory_bytes() const {
+  std::size_t bytes = core::bytes_of(state_, shown_, found_, open_, drawn_);
+  for (const Found& found : found_) bytes += core::bytes_of(found.expanded);
+  return bytes;
 }
 
 void CutChooser::merge(const MeshLevels& levels, std::span<const std::uint32_t> clusters,
@@ -133,25 +170,32 @@ void CutChooser::merge(const MeshLevels& levels, std::span<const std::uint32_t> 
 }
 
 /// Draws these clusters, and in place of those that are too coarse, later, the clusters that they were made from.
-void CutChooser::consider(const MeshLevels& levels, const MeshError& error, std::span<const std::uint32_t> clusters) {
+void CutChooser::consider(const MeshLevels& levels, const MeshError& error, std::span<const std::uint32_t> clusters,
+                          Found& found) {
   for (const std::uint32_t number : clusters) {
     const Cluster& cluster = levels.clusters[number];
-    if (cluster.made_by != core::kNone) {
-      State& state = state_[cluster.made_by];
-      if (state == State::kUnknown) {
-        const ClusterGroup& group = levels.groups[cluster.made_by];
-        const float allowed = error.allowed(group.box);
-        state = group.error <= allowed ? State::kSimplified : State::kExpanded;
-        // The pixels K e / (w - |w| e) of an error grow faster than it, so a share of what is allowed shows as at most
-        // that share of the pixels.
-        if (state == State::kSimplified && group.error > 0.0f)
-          error_ = std::max(error_, error.pixels() * double(group.error / allowed));
-        if (state == State::kExpanded && !error.outside(group.box)) expanded_.push_back(cluster.made_by);
-      }
-      if (state == State::kExpanded) continue;
-    }
-    if (!error.outside(cluster.box)) drawn_.push_back(number);
+    if (cluster.made_by != core::kNone && decide(levels, error, cluster.made_by, found) == State::kExpanded) continue;
+    if (!error.outside(cluster.box))
+      std::atomic_ref(shown_[number / 64]).fetch_or(std::uint64_t(1) << number % 64, std::memory_order_relaxed);
   }
+}
+
+/// Several threads may decide about a group at once, alike. One of them then tells of it.
+CutChooser::State CutChooser::decide(const MeshLevels& levels, const MeshError& error, std::uint32_t number,
+                                     Found& found) {
+  const std::atomic_ref<State> known(state_[number]);
+  State state = known.load(std::memory_order_relaxed);
+  if (state != State::kUnknown) return state;
+  const ClusterGroup& group = levels.groups[number];
+  const float allowed = error.allowed(group.box);
+  const State decided = group.error <= allowed ? State::kSimplified : State::kExpanded;
+  if (!known.compare_exchange_strong(state, decided, std::memory_order_relaxed)) return decided;
+  // The pixels K e / (w - |w| e) of an error grow faster than it, so a share of what is allowed shows as at most that
+  // share of the pixels.
+  if (decided == State::kSimplified && group.error > 0.0f)
+    found.error = std::max(found.error, error.pixels() * double(group.error / allowed));
+  if (decided == State::kExpanded && !error.outside(group.box)) found.expanded.push_back(number);
+  return decided;
 }
 
 }  // namespace sightline::lod

@@ -1,8 +1,10 @@
 // sightline-bench prepare: what is done for a frame on the processor before GL draws it, without GL, by step and by
 // threads.
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "sightline/apps/bench/harness.h"
@@ -12,10 +14,13 @@
 #include "sightline/apps/common/need.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
+#include "sightline/culling/occlusion/contribution.h"
 #include "sightline/culling/occlusion/internal/occlusion_passes.h"
 #include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/culling/occlusion/solid_occluders.h"
+#include "sightline/engine/drawing/internal/draw_choice.h"
 #include "sightline/gpuscene/internal/visible_records.h"
+#include "sightline/lod/stored_levels.h"
 
 namespace sightline::bench::prepare_bench {
 namespace {
@@ -25,10 +30,12 @@ using core::ThreadPool;
 
 constexpr int kWidth = 1280, kHeight = 720;
 constexpr float kSnap = culling::kCoarsestSnap;
+const culling::ImageSamples kSamples{kWidth, kHeight, {{0, 0}}, kSnap};
 
 struct Options {
   StageOptions stages;
   int frames = 16;
+  double lod_error = 0.5;
 };
 
 void add_options(apps::CommandLine& line, Options& o) {
@@ -36,19 +43,56 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.add("--frames", o.frames, "Of a tour, evenly spaced; each is prepared as if it came again")
       .in_range(1, 10'000)
       .shows_default();
+  line.add("--lod-error", o.lod_error, "Of the levels of meshes, in pixels").in_range(0.0, 1e6).shows_default();
   line.examples(
       "  sightline-bench prepare --items 5000000\n"
       "  sightline-bench prepare plant.slc --threads 8 --json prepare.json");
 }
 
+/// How a GPU scene would draw the items with meshes, by their levels.
+class Meshes {
+ public:
+  explicit Meshes(const core::Snapshot& snapshot) : drawn_(snapshot.size()) {
+    std::vector<const core::Mesh*> meshes;
+    for_each_slot(snapshot, [&](core::Slot slot) {
+      if (levels_.try_emplace(&snapshot.mesh(slot)).second) meshes.push_back(&snapshot.mesh(slot));
+    });
+    const int threads = meshes.size() > 1 ? 1 : 0;  // that build the levels of a mesh
+    ThreadPool().run(std::uint32_t(meshes.size()), [&](std::uint32_t i) {
+      levels_.at(meshes[i]) = lod::levels_of(*meshes[i], lod::LevelRange::kAll, threads);
+    });
+    for_each_slot(snapshot, [&](core::Slot slot) {
+      const core::Mesh& mesh = snapshot.mesh(slot);
+      const lod::MeshLevels& levels = levels_.at(&mesh);
+      drawn_[slot] = {{std::uint32_t(mesh.indices.size()), 1, 0, 0, slot},
+                      levels.empty() ? nullptr : &levels,
+                      levels.solid_indices};
+    });
+  }
+  const gpuscene::DrawnMesh& drawn(core::Slot slot) const { return drawn_[slot]; }
+  bool empty() const { return levels_.empty(); }
+
+ private:
+  template <class Visit>
+  static void for_each_slot(const core::Snapshot& snapshot, const Visit& visit) {
+    for (const core::Kind kind : {core::Kind::kMesh, core::Kind::kFacetGroup})
+      std::ranges::for_each(snapshot.of_kind(kind).members, visit);
+  }
+
+  std::unordered_map<const core::Mesh*, lod::MeshLevels> levels_;
+  std::vector<gpuscene::DrawnMesh> drawn_;  // by slot
+};
+
 /// The frames of some views. A frame shows either what may cover a sample, or what the occluder polygons of solids
 /// leave of that.
 class Frames {
  public:
-  Frames(const core::Snapshot& snapshot, const std::vector<core::View>& views)
+  Frames(const core::Snapshot& snapshot, const std::vector<core::View>& views, double lod_error)
       : snapshot_(snapshot),
         culler_(snapshot.bounds()),
         views_(views),
+        lod_error_(lod_error),
+        meshes_(snapshot),
         seen_(views.size()),
         sampled_(views.size()),
         open_(views.size()),
@@ -61,13 +105,19 @@ class Frames {
     }
   }
 
+  bool has_meshes() const { return !meshes_.empty(); }
   void cull(std::size_t i, ThreadPool&) { culler_.cull(views_[i], seen_[i]); }
   void test_samples(std::size_t i, ThreadPool& threads) {
-    const culling::SampleTest test(views_[i], bounds().origin, {kWidth, kHeight, {{0, 0}}, kSnap});
+    const culling::SampleTest test(views_[i], bounds().origin, kSamples);
     test.filter(bounds(), seen_[i], sampled_[i], {}, &threads);
   }
   void list_sampled(std::size_t i, ThreadPool& threads) { records_.assign(snapshot_, sampled_[i], &threads); }
   void list_open(std::size_t i, ThreadPool& threads) { records_.assign(snapshot_, open_[i], &threads); }
+  void test_contribution(std::size_t i, ThreadPool& threads) {
+    const culling::ContributionTest test(views_[i], bounds().origin, kWidth, kHeight);
+    const auto large = [&](const core::VisibleSet& in, core::VisibleSet& out) { test.filter(bounds(), in, 1.0f, out); };
+    culling::filter_in_parts(seen_[i], large_, &threads, large);
+  }
   /// As OcclusionPrepass of engine does.
   void test_occlusion(std::size_t i, ThreadPool& threads) {
     culling::OcclusionPasses& passes = passes_[i];
@@ -89,6 +139,13 @@ class Frames {
     passes.remember(open_[i], bounds());
   }
 
+  /// Of what may cover a sample.
+  void choose_cuts(std::size_t i, ThreadPool& threads) { choose_meshes(i, threads, nullptr); }
+  void choose_triangles(std::size_t i, ThreadPool& threads) {
+    const culling::TriangleTest test(views_[i], kSamples);
+    choose_meshes(i, threads, &test);
+  }
+
   TimedStage stage(const char* name, void (Frames::*prepare)(std::size_t, ThreadPool&)) {
     const auto run = [this, prepare](int threads) {
       ThreadPool& pool = pools_.try_emplace(threads, threads).first->second;
@@ -100,11 +157,22 @@ class Frames {
  private:
   const core::ItemBounds& bounds() const { return snapshot_.bounds(); }
 
+  void choose_meshes(std::size_t i, ThreadPool& threads, const culling::TriangleTest* triangles) {
+    const lod::ImageError error(views_[i], kWidth, kHeight, lod_error_);
+    records_.assign(snapshot_, sampled_[i], &threads);
+    choice_.choose(snapshot_, records_.meshes, [&](core::Slot slot) { return meshes_.drawn(slot); },
+                   {.view = views_[i], .error = &error, .triangles = triangles, .threads = &threads});
+  }
+
   const core::Snapshot& snapshot_;
   culling::CpuCuller culler_;
   const std::vector<core::View>& views_;
+  double lod_error_;
+  Meshes meshes_;
+  engine::DrawChoice choice_;
   std::vector<core::VisibleSet> seen_, sampled_, open_;  // by view
   std::vector<culling::OcclusionPasses> passes_;         // by view
+  core::VisibleSet large_;
   culling::DepthPyramid pyramid_;
   culling::SolidOccluders solids_;
   culling::SetParts parts_;
@@ -116,14 +184,19 @@ core::Expected<int> run(const Options& options) {
   const std::unique_ptr<core::Scene> scene = need(model_or_plant(options.stages.model, options.stages.items));
   const core::Snapshot snapshot(*scene);
   const auto views = need(tour_views(snapshot, options.frames, double(kWidth) / kHeight));
-  Frames frames(snapshot, views);
-  const std::vector<TimedStage> stages = {
+  Frames frames(snapshot, views, options.lod_error);
+  std::vector<TimedStage> stages = {
       frames.stage("cull", &Frames::cull),
+      frames.stage("test areas", &Frames::test_contribution),
       frames.stage("test samples", &Frames::test_samples),
       frames.stage("list records of these", &Frames::list_sampled),
       frames.stage("test occlusion", &Frames::test_occlusion),
       frames.stage("list records of these", &Frames::list_open),
   };
+  if (frames.has_meshes()) {
+    stages.push_back(frames.stage("choose cuts", &Frames::choose_cuts));
+    stages.push_back(frames.stage("the same, and triangles", &Frames::choose_triangles));
+  }
   return report_stages(stages, snapshot.size(), options.stages);
 }
 

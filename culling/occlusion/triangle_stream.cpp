@@ -16,11 +16,13 @@ void TriangleStream::clear() {
   job_count_ = 0;
 }
 
-/// In parts that are not more than a job.
-void TriangleStream::add(core::Slot slot, std::uint32_t tag, std::span<const std::uint32_t> indices,
-                         bool fronts_alone) {
-  for (; !indices.empty(); indices = indices.subspan(std::min(indices.size(), kIndicesOfJob)))
-    parts_.push_back({slot, tag, indices.first(std::min(indices.size(), kIndicesOfJob)), 0, fronts_alone});
+/// In pieces that are not more than a job.
+void TriangleStream::add(std::span<const Part> parts) {
+  for (Part part : parts)
+    for (std::span rest = part.indices; !rest.empty(); rest = rest.subspan(part.indices.size())) {
+      part.indices = rest.first(std::min(rest.size(), kIndicesOfJob));
+      parts_.push_back(part);
+    }
 }
 
 void TriangleStream::divide() {

@@ -2,12 +2,21 @@
 
 #include <algorithm>
 
+#include "sightline/core/internal/scratch.h"
+
 namespace sightline::engine {
 namespace {
 
 using culling::contains;
 
 constexpr std::size_t kLeastClusters = 64;  // that are worth it
+
+struct ClusterBuffers {
+  core::ItemBounds boxes;
+  core::VisibleSet tested, unoccluded;
+  std::vector<std::uint64_t> bits;
+  std::size_t memory_bytes() const { return core::bytes_of(boxes, tested, unoccluded, bits); }
+};
 
 void insert(std::vector<std::uint64_t>& bits, std::uint32_t i) {
   bits[i / 64] |= std::uint64_t(1) << i % 64;
@@ -18,7 +27,7 @@ void insert(std::vector<std::uint64_t>& bits, std::uint32_t i) {
 void ClusterPasses::begin(const culling::OcclusionTest& test, const core::dvec3& origin, core::ThreadPool& threads) {
   test_ = &test;
   threads_ = &threads;
-  boxes_.origin = origin;
+  origin_ = origin;
   first_ = true;
   again_.clear();
   ++frame_;
@@ -26,8 +35,9 @@ void ClusterPasses::begin(const culling::OcclusionTest& test, const core::dvec3&
 
 bool ClusterPasses::filter(core::Slot slot, const lod::MeshLevels& levels, const core::Affine& world_from_mesh,
                            std::vector<std::uint32_t>& clusters) {
-  if (clusters.size() < kLeastClusters && !items_.contains(slot)) return true;
-  Item& item = items_[slot];
+  Item* const found = find(slot, clusters.size());
+  if (!found) return true;
+  Item& item = *found;
   const std::size_t words = culling::bit_words(levels.clusters.size());
   if (item.levels != &levels || item.open.size() != words) item = {&levels, {}, std::vector<std::uint64_t>(words), {}};
   if (item.frame != frame_) item.drawn.assign(words, 0);
@@ -36,7 +46,10 @@ bool ClusterPasses::filter(core::Slot slot, const lod::MeshLevels& levels, const
   const std::size_t all = clusters.size();
   if (first_) {
     std::erase_if(clusters, [&](std::uint32_t cluster) { return !contains(item.open, cluster); });
-    if (clusters.size() < all) again_.push_back(slot);
+    if (clusters.size() < all) {
+      const std::lock_guard lock(*mutex_);
+      again_.push_back(slot);
+    }
   } else {
     std::erase_if(clusters, [&](std::uint32_t cluster) { return contains(item.drawn, cluster); });
     leave_out_hidden(item, clusters);
@@ -44,6 +57,13 @@ bool ClusterPasses::filter(core::Slot slot, const lod::MeshLevels& levels, const
   const bool first = std::ranges::count(item.drawn, 0u) == std::ptrdiff_t(words);
   for (const std::uint32_t cluster : clusters) insert(item.drawn, cluster);
   return first;
+}
+
+/// Null for an item that is not worth it: it has few clusters, and always had.
+ClusterPasses::Item* ClusterPasses::find(core::Slot slot, std::size_t clusters) {
+  const std::lock_guard lock(*mutex_);
+  if (clusters < kLeastClusters && !items_.contains(slot)) return nullptr;
+  return &items_[slot];
 }
 
 const std::vector<core::Slot>& ClusterPasses::begin_later_passes() {
@@ -62,19 +82,22 @@ void ClusterPasses::remember() {
   }
 }
 
-void ClusterPasses::leave_out_hidden(const Item& item, std::vector<std::uint32_t>& clusters) {
-  boxes_.resize(clusters.size());
+void ClusterPasses::leave_out_hidden(const Item& item, std::vector<std::uint32_t>& clusters) const {
+  const core::Scratch<ClusterBuffers> buffers;
+  core::ItemBounds& boxes = buffers->boxes;
+  boxes.origin = origin_;
+  boxes.resize(clusters.size());
   for (std::size_t i = 0; i < clusters.size(); ++i)
-    boxes_.set(i, core::round_outwards(
-                      lod::placed_box(item.levels->clusters[clusters[i]].box, item.world_from_mesh, boxes_.origin),
-                      core::dvec3(0.0)));
-  tested_.clear();
-  if (!clusters.empty()) tested_.ranges.push_back({0, core::Slot(clusters.size())});
-  test_->filter(boxes_, tested_, unoccluded_, {}, threads_);
-  unoccluded_bits_.assign(culling::bit_words(clusters.size()), 0);
-  culling::set_bits(unoccluded_, unoccluded_bits_);
+    boxes.set(
+        i, core::round_outwards(lod::placed_box(item.levels->clusters[clusters[i]].box, item.world_from_mesh, origin_),
+                                core::dvec3(0.0)));
+  buffers->tested.clear();
+  if (!clusters.empty()) buffers->tested.ranges.push_back({0, core::Slot(clusters.size())});
+  test_->filter(boxes, buffers->tested, buffers->unoccluded, {}, threads_);
+  buffers->bits.assign(culling::bit_words(clusters.size()), 0);
+  culling::set_bits(buffers->unoccluded, buffers->bits);
   std::uint32_t i = 0;
-  std::erase_if(clusters, [&](std::uint32_t) { return !contains(unoccluded_bits_, i++); });
+  std::erase_if(clusters, [&](std::uint32_t) { return !contains(buffers->bits, i++); });
 }
 
 }  // namespace sightline::engine

@@ -183,7 +183,10 @@ const core::VisibleSet& ContributionCulling::leave_out(DrawContext& context, con
   const culling::ContributionTest test = context.contribution_test(frame);
   if (frame.hierarchy) test.filter_leaves(*frame.hierarchy, candidates, threshold, large_leaves_, frame.lines);
   std::vector<std::uint64_t>& was_large = context.image->was_large;
-  test.filter(bounds, frame.hierarchy ? large_leaves_ : candidates, threshold, large_, was_large, frame.lines);
+  culling::filter_in_parts(frame.hierarchy ? large_leaves_ : candidates, large_, &context.threads,
+                           [&](const core::VisibleSet& in, core::VisibleSet& out) {
+                             test.filter(bounds, in, threshold, out, was_large, frame.lines);
+                           });
   was_large.assign(culling::bit_words(bounds.size()), 0);
   culling::set_bits(large_, was_large);
   return large_;

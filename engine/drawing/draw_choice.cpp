@@ -1,11 +1,17 @@
 #include "sightline/engine/drawing/internal/draw_choice.h"
 
+#include "sightline/core/internal/scratch.h"
+
 namespace sightline::engine {
 namespace {
 
 using core::Slot;
 using core::Snapshot;
+using gpuscene::DrawnMesh;
 using gpuscene::ElementsCommand;
+
+constexpr std::size_t kMeshesOfJob = 64;
+constexpr std::size_t kLargeCut = 1024;  // clusters of a mesh whose cut all threads choose
 
 /// Decides by their boxes which faces of meshes a view shows.
 class ShownMeshes {
@@ -59,94 +65,157 @@ class ShownMeshes {
   bool can_face_ = false;
 };
 
+struct CutBuffers {
+  lod::CutChooser cuts;
+  std::vector<lod::IndexRange> ranges;
+  std::size_t memory_bytes() const { return core::bytes_of(cuts, ranges); }
+};
+
 }  // namespace
 
-/// Chooses from a mesh with levels a cut. The first `solid` of its indices show only front faces. A mesh of solids
-/// alone remains solid in every cut; of others that is known of their own triangles.
-void DrawChoice::choose_mesh(const Snapshot& snapshot, ItemMesh mesh, const lod::MeshLevels* levels,
-                             std::uint32_t solid, const MeshRules& rules) {
-  if (mesh.whole.instance_count == 0 || mesh.whole.count == 0) return;
-  if (rules.triangles) mesh.indices = levels ? levels->indices : snapshot.mesh(mesh.slot).indices;
-  // Triangles of the mesh itself are in another order there.
-  if (rules.triangles && !levels && solid < mesh.whole.count) solid = 0;
-  bool first = true;
-  if (levels && rules.error) {
-    if (solid == mesh.whole.count) solid = std::uint32_t(levels->indices.size());
-    first = choose_cut(snapshot, mesh.slot, *levels, rules);
-  } else {
-    ranges_.assign(1, {0, mesh.whole.count});
-  }
-  count(mesh.whole.count, levels && rules.error ? cuts_.error() : 0.0, first);
-  for (const lod::IndexRange& range : ranges_) {
-    const std::uint32_t end = range.first + range.count;
-    add_triangles(mesh, range.first, std::min(end, solid), true);
-    add_triangles(mesh, std::max(range.first, solid), end, false);
-  }
+void DrawChoice::Some::clear() {
+  fronts.clear();
+  both_faces.clear();
+  picked.clear();
+  large.clear();
+  counts = {};
 }
 
-/// Sets ranges_. Returns whether nothing of the item is drawn yet.
-bool DrawChoice::choose_cut(const Snapshot& snapshot, Slot slot, const lod::MeshLevels& levels,
-                            const MeshRules& rules) {
-  const core::Affine world_from_mesh = snapshot.world_from_item(slot);
-  std::vector<std::uint32_t>& clusters = cuts_.choose(levels, {*rules.error, world_from_mesh});
-  const bool first = !rules.clusters || rules.clusters->filter(slot, levels, world_from_mesh, clusters);
-  lod::CutChooser::merge(levels, clusters, ranges_);
-  return first;
-}
+/// Chooses for one mesh at a time. Several threads may use it.
+class DrawChoice::OfMesh {
+ public:
+  OfMesh(const Snapshot& snapshot, const MeshRules& rules)
+      : snapshot_(snapshot), rules_(rules), shown_(snapshot, rules.view) {}
 
-/// Counts what ranges_ draws of a mesh, and the mesh itself if it is the first of it.
-void DrawChoice::count(std::uint32_t own_indices, double error, bool first) {
-  if (ranges_.empty()) return;
-  MeshCounts counts{0, 0, 0, 0, error};
-  if (first) counts = {1, ranges_.back().first + ranges_.back().count > own_indices, 0, own_indices / 3, error};
-  for (const lod::IndexRange& range : ranges_) counts.triangles += range.count / 3;
-  counts_ += counts;
-}
-
-/// Adds indices first … end - 1 of a mesh, for the test if there is one.
-void DrawChoice::add_triangles(const ItemMesh& mesh, std::uint32_t first, std::uint32_t end, bool fronts_alone) {
-  if (first >= end) return;
-  if (!mesh.indices.empty()) {
-    if (of_picked_.empty() || of_picked_.back() != mesh.whole) of_picked_.push_back(mesh.whole);
-    return picked_.add(mesh.slot, std::uint32_t(of_picked_.size() - 1), mesh.indices.subspan(first, end - first),
-                       fronts_alone);
+  /// `helped`: all threads share in it; without, large meshes are left for that.
+  void add(const Item& item, bool helped, Some& some) const {
+    const DrawnMesh& mesh = item.mesh;
+    if (mesh.whole.instance_count == 0 || mesh.whole.count == 0) return;
+    const bool cuts = mesh.levels && rules_.error;
+    if (cuts && !helped && mesh.levels->clusters.size() >= kLargeCut) return some.large.push_back(item.place);
+    const core::Scratch<CutBuffers> buffers;
+    bool first = true;
+    if (cuts)
+      first = choose_cut(item, helped ? rules_.threads : nullptr, *buffers);
+    else
+      buffers->ranges.assign(1, {0, mesh.whole.count});
+    count(buffers->ranges, mesh.whole.count, cuts ? buffers->cuts.error() : 0.0, first, some.counts);
+    const std::uint32_t solid = solid_indices(item);
+    for (const lod::IndexRange& range : buffers->ranges) {
+      const std::uint32_t end = range.first + range.count;
+      add_triangles(item, {range.first, std::min(end, solid)}, true, some);
+      add_triangles(item, {std::max(range.first, solid), end}, false, some);
+    }
   }
-  ElementsCommand command = mesh.whole;
-  command.first_index += first;
-  command.count = end - first;
-  (fronts_alone ? fronts_ : both_faces_).push_back(command);
+
+ private:
+  struct Indices {
+    std::uint32_t first, end;
+  };
+
+  /// Returns whether nothing of the item is drawn yet.
+  bool choose_cut(const Item& item, core::ThreadPool* threads, CutBuffers& buffers) const {
+    const core::Affine world_from_mesh = snapshot_.world_from_item(item.slot);
+    const lod::MeshLevels& levels = *item.mesh.levels;
+    auto& clusters = buffers.cuts.choose(levels, {*rules_.error, world_from_mesh}, threads);
+    const bool first = !rules_.clusters || rules_.clusters->filter(item.slot, levels, world_from_mesh, clusters);
+    lod::CutChooser::merge(levels, clusters, buffers.ranges);
+    return first;
+  }
+
+  /// Number of first indices, of the mesh or its levels, of which only front faces show. A mesh of solids alone remains
+  /// solid in every cut; of others that is known of their own triangles, which the mesh itself has in another order.
+  std::uint32_t solid_indices(const Item& item) const {
+    const DrawnMesh& mesh = item.mesh;
+    if (mesh.solid_indices == 0 || !shown_.shows_fronts_alone(item.slot)) return 0;
+    if (mesh.solid_indices < mesh.whole.count) return rules_.triangles && !mesh.levels ? 0 : mesh.solid_indices;
+    return mesh.levels ? std::uint32_t(mesh.levels->indices.size()) : mesh.whole.count;
+  }
+
+  /// Counts what `ranges` draw of a mesh, and the mesh itself if it is the first of it.
+  static void count(std::span<const lod::IndexRange> ranges, std::uint32_t own_indices, double error, bool first,
+                    MeshCounts& counts) {
+    if (ranges.empty()) return;
+    MeshCounts more{0, 0, 0, 0, error};
+    if (first) more = {1, ranges.back().first + ranges.back().count > own_indices, 0, own_indices / 3, error};
+    for (const lod::IndexRange& range : ranges) more.triangles += range.count / 3;
+    counts += more;
+  }
+
+  /// Adds triangles of a mesh, for the test if there is one.
+  void add_triangles(const Item& item, Indices which, bool fronts_alone, Some& some) const {
+    if (which.first >= which.end) return;
+    const std::uint32_t count = which.end - which.first;
+    if (rules_.triangles) {
+      const auto& indices = item.mesh.levels ? item.mesh.levels->indices : snapshot_.mesh(item.slot).indices;
+      return some.picked.push_back(
+          {item.slot, item.place, std::span(indices).subspan(which.first, count), fronts_alone});
+    }
+    ElementsCommand command = item.mesh.whole;
+    command.first_index += which.first;
+    command.count = count;
+    (fronts_alone ? some.fronts : some.both_faces).push_back(command);
+  }
+
+  const Snapshot& snapshot_;
+  const MeshRules& rules_;
+  const ShownMeshes shown_;
+};
+
+gpuscene::MeshDraws DrawChoice::choose(const Snapshot& snapshot, std::span<const Slot> meshes, const MeshOf& mesh_of,
+                                       const MeshRules& rules) {
+  const OfMesh of_mesh(snapshot, rules);
+  const auto add = [&](std::size_t place, bool helped, Some& some) {
+    of_mesh.add({meshes[place], std::uint32_t(place), mesh_of(meshes[place])}, helped, some);
+  };
+  const auto jobs = std::uint32_t((meshes.size() + kMeshesOfJob - 1) / kMeshesOfJob);
+  some_.resize(std::max<std::size_t>(some_.size(), jobs + 1));
+  for (Some& some : some_) some.clear();
+  core::ThreadPool::run_on(rules.threads, jobs, [&](std::uint32_t job) {
+    const std::size_t first = job * kMeshesOfJob, end = std::min(first + kMeshesOfJob, meshes.size());
+    for (std::size_t place = first; place < end; ++place) add(place, false, some_[job]);
+  });
+  Some& rest = some_[jobs];
+  for (const Some& some : std::span(some_).first(jobs))
+    for (const std::uint32_t place : some.large) add(place, true, rest);
+  if (rules.triangles) pick_triangles(snapshot, meshes, mesh_of, rules);
+  return join(rules.triangles != nullptr);
 }
 
-void DrawChoice::choose(const Snapshot& snapshot, const gpuscene::MeshPool& pool, const MeshRules& rules) {
-  const ShownMeshes shown(snapshot, rules.view);
-  for (const Slot slot : records_.meshes) {
-    const std::uint32_t record = gpuscene::GpuScene::record_of(snapshot, slot), solid = pool.solid_indices(record);
-    const bool fronts_alone = solid > 0 && shown.shows_fronts_alone(slot);
-    choose_mesh(snapshot, {slot, pool.command(record), {}}, pool.levels(record), fronts_alone ? solid : 0, rules);
-  }
-  if (!rules.triangles) return;
+/// Tests the triangles, and draws those that are left after everything else.
+void DrawChoice::pick_triangles(const Snapshot& snapshot, std::span<const Slot> meshes, const MeshOf& mesh_of,
+                                const MeshRules& rules) {
+  picked_.clear();
+  for (const Some& some : some_) picked_.add(some.picked);
   picked_.test(snapshot, *rules.triangles, rules.threads);
-  picked_.for_each([&](std::uint32_t tag, std::uint32_t first, std::uint32_t count, bool fronts) {
-    ElementsCommand command = of_picked_[tag];
+  picked_.for_each([&](std::uint32_t place, std::uint32_t first, std::uint32_t count, bool fronts) {
+    ElementsCommand command = mesh_of(meshes[place]).whole;
     command.first_index = first;
     command.count = count;
-    (fronts ? fronts_ : both_faces_).push_back(command);
+    (fronts ? some_.back().fronts : some_.back().both_faces).push_back(command);
   });
-  picked_.list_runs(picked_runs_);
+}
+
+gpuscene::MeshDraws DrawChoice::join(bool picked) {
+  fronts_.clear();
+  both_faces_.clear();
+  picked_runs_.clear();
+  counts_ = {};
+  for (const Some& some : some_) {
+    fronts_.push_back(some.fronts);
+    both_faces_.push_back(some.both_faces);
+    counts_ += some.counts;
+  }
+  if (picked) picked_.list_runs(picked_runs_);
+  return {fronts_, both_faces_, picked_runs_};
 }
 
 core::Expected<void> DrawChoice::update(gpuscene::DrawLists& lists, const gpuscene::GpuScene& scene,
                                         const Snapshot& snapshot, const core::VisibleSet& visible,
                                         const MeshRules& rules) {
   records_.assign(snapshot, visible, rules.threads);
-  fronts_.clear();
-  both_faces_.clear();
-  picked_.clear();
-  of_picked_.clear();
-  picked_runs_.clear();
-  counts_ = {};
-  choose(snapshot, scene.meshes(), rules);
-  return lists.update(scene, records_, {fronts_, both_faces_, picked_runs_});
+  const auto mesh_of = [&](Slot slot) { return scene.meshes().drawn(gpuscene::GpuScene::record_of(snapshot, slot)); };
+  return lists.update(scene, records_, choose(snapshot, records_.meshes, mesh_of, rules));
 }
 
 }  // namespace sightline::engine

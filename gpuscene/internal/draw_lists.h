@@ -30,12 +30,14 @@
 
 namespace sightline::gpuscene {
 
-/// What is drawn of the meshes of a visible set, chosen by the caller. Borrowed during DrawLists::update().
+/// What is drawn of the meshes of a visible set, chosen by the caller, each in runs one behind another. Borrowed during
+/// DrawLists::update().
 struct MeshDraws {
-  std::span<const ElementsCommand> fronts = {};      ///< of these, only front faces are drawn
-  std::span<const ElementsCommand> both_faces = {};  ///< these come after them
-  /// Indices that the commands count in, one run behind another, uploaded for this image. None: those of the scene.
-  std::span<const std::span<const std::uint32_t>> indices = {};
+  template <class T>
+  using Runs = std::span<const std::span<const T>>;
+  Runs<ElementsCommand> fronts = {};      ///< of these, only front faces are drawn
+  Runs<ElementsCommand> both_faces = {};  ///< these come after them
+  Runs<std::uint32_t> indices = {};       ///< that commands count in, uploaded for this image; none: the scene's
 };
 
 class DrawLists {

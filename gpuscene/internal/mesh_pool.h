@@ -27,6 +27,15 @@ struct ElementsCommand {
 };
 static_assert(sizeof(ElementsCommand) == 20);
 
+/// How a mesh is drawn: the command that draws all of it, its levels or null, whose indices begin at the command's
+/// first one, and how many of its first indices belong to solid shells, whose back faces cannot be seen from outside
+/// (0 where that is not known).
+struct DrawnMesh {
+  ElementsCommand whole;
+  const lod::MeshLevels* levels;
+  std::uint32_t solid_indices;
+};
+
 /// Packs a direction with the octahedral mapping into two snorm16 (Z. Cigolle et al., "A Survey of Efficient
 /// Representations for Independent Unit Vectors", 2014), within 7e-5 rad. A vector of no length gives kNoNormal.
 /// mesh.vert unpacks it.
@@ -73,18 +82,16 @@ class MeshPool {
   std::vector<std::shared_ptr<const core::Mesh>> take_gone_meshes();
   std::vector<std::shared_ptr<const core::Mesh>> meshes() const;  ///< all
   bool has(const core::Mesh& mesh) const { return shape_of_mesh_.contains(&mesh); }
-  /// Levels with which a record is drawn, or null. Their indices begin at the first one of the record's command.
+  /// Levels with which a record is drawn, or null.
   std::shared_ptr<const lod::MeshLevels> share_levels(std::uint32_t record) const;
-  const lod::MeshLevels* levels(std::uint32_t record) const;
+  const lod::MeshLevels* levels(std::uint32_t record) const { return drawn(record).levels; }
   /// Rises whenever commands of records that were there before draw from other places, or by levels.
   std::uint64_t version() const { return version_; }
 
   std::size_t records() const { return shape_of_record_.size(); }
+  DrawnMesh drawn(std::uint32_t record) const;
   /// All that a record draws.
-  ElementsCommand command(std::uint32_t record) const;
-  /// How many of the first indices of a record's command belong to solid shells, whose back faces cannot be seen from
-  /// outside. 0 where that is not known.
-  std::uint32_t solid_indices(std::uint32_t record) const;
+  ElementsCommand command(std::uint32_t record) const { return drawn(record).whole; }
   /// Four words each: position x y z as float bits, normal (pack_normal). No buffer while there is no triangle.
   const gl::Buffer& vertices() const { return vertices_.buffer(); }
   const gl::Buffer& indices() const { return indices_.buffer(); }  ///< uint32

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
 #include "sightline/lod/mesh_levels.h"
 
@@ -68,8 +69,8 @@ struct IndexRange {
   std::uint32_t first = 0, count = 0;
 };
 
-/// Chooses cuts from coarse to fine: time follows what is drawn, not the mesh, but for a byte a group. Keeps memory
-/// from mesh to mesh.
+/// Chooses cuts from coarse to fine: time follows what is drawn, not the mesh, but for a byte a group and a bit a
+/// cluster. Keeps memory from mesh to mesh.
 class CutChooser {
  public:
   /// Sets `ranges` to what draws a mesh within the image's error, in rising order and with gaps between them; none: it
@@ -77,21 +78,35 @@ class CutChooser {
   void choose(const MeshLevels& levels, const MeshError& error, std::vector<IndexRange>& ranges) {
     merge(levels, choose(levels, error), ranges);
   }
-  /// The clusters of that, in rising order. The list is the chooser's until the next call, and may be made shorter.
-  std::vector<std::uint32_t>& choose(const MeshLevels& levels, const MeshError& error);
+  /// The clusters of that, in rising order. The list is the chooser's until the next call, and may be made shorter. It
+  /// is the same for any number of threads; null: this one alone.
+  std::vector<std::uint32_t>& choose(const MeshLevels& levels, const MeshError& error,
+                                     core::ThreadPool* threads = nullptr);
   /// What draws clusters, which rise.
   static void merge(const MeshLevels& levels, std::span<const std::uint32_t> clusters, std::vector<IndexRange>& ranges);
   /// The proven error in the image of what was chosen last, in pixels, at most ImageError's; 0: the mesh's triangles.
   double error() const { return error_; }
+  std::size_t memory_bytes() const;
 
  private:
   enum class State : std::uint8_t { kUnknown, kSimplified, kExpanded };
+  /// What a job has found.
+  struct alignas(64) Found {              // threads write neighbours at once
+    std::vector<std::uint32_t> expanded;  // groups whose clusters are yet to be considered
+    double error = 0.0;
+  };
 
-  void consider(const MeshLevels& levels, const MeshError& error, std::span<const std::uint32_t> clusters);
+  void consider(const MeshLevels& levels, const MeshError& error, std::span<const std::uint32_t> clusters,
+                Found& found);
+  State decide(const MeshLevels& levels, const MeshError& error, std::uint32_t group, Found& found);
+  void take(Found& found);
+  void list_drawn();
 
   double error_ = 0.0;
-  std::vector<State> state_;                     // by group
-  std::vector<std::uint32_t> expanded_, drawn_;  // groups whose clusters are yet to be considered; clusters
+  std::vector<State> state_;          // by group
+  std::vector<std::uint64_t> shown_;  // a bit per cluster that is drawn
+  std::vector<Found> found_;          // by job
+  std::vector<std::uint32_t> open_, drawn_;
 };
 
 }  // namespace sightline::lod

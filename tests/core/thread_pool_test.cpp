@@ -70,6 +70,23 @@ TEST(ThreadPool, SomethingElseBesideTheJobs) {
   }
 }
 
+/// What short jobs have taught does not keep helpers from a call of long ones.
+TEST(ThreadPool, LongJobsReachHelpersAfterShortOnes) {
+  ThreadPool threads(2);
+  const auto own = std::this_thread::get_id();
+  for (int round = 0; round < 1000; ++round) threads.run(2, [](std::uint32_t) {});
+  std::atomic<int> done{0};
+  std::atomic<bool> other{false};
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  threads.run(64, [&](std::uint32_t) {
+    work_for(std::chrono::microseconds(200));
+    if (std::this_thread::get_id() != own) other = true;
+    // The rest of the jobs waits for the helper.
+    while (++done >= 32 && !other && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  });
+  EXPECT_TRUE(other);
+}
+
 TEST(ThreadPool, LongJobsReachHelpers) {
   ThreadPool threads(2);
   std::atomic<bool> other{false};

@@ -2,11 +2,16 @@
 #include "sightline/engine/drawing/internal/draw_choice.h"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
+#include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/render/internal/renderer.h"
+#include "sightline/tests/lod/mesh_samples.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::draw_choice_test {
@@ -141,6 +146,87 @@ TEST_F(FrontFaces, OfAMeshThatIsSolidInPart) {
   const View view = *View::perspective({{0.5, -3, 1.5}, {0.5, 0, 0}, {0, 0, 1}}, 0.8, 4.0 / 3.0, 0.1);
   EXPECT_EQ(expect_same(stage, view), 1);
   EXPECT_EQ(stage.lists.section(gpuscene::BatchKind::kMesh).count, 2);
+}
+
+/// What draws meshes with levels, some of them so large that all threads choose their cuts.
+class Cuts : public testing::Test {
+ protected:
+  Cuts() {
+    std::mt19937 random(7);
+    for (const std::uint32_t cells : {8u, 30u, 260u}) {
+      meshes.push_back(std::make_shared<core::Mesh>(tests::bumpy_torus(cells, 0.1)));
+      levels.push_back(lod::build_levels(*meshes.back()));
+      ids.push_back(scene.add_mesh(*meshes.back()).value());
+    }
+    std::uniform_real_distribution<double> side(-60.0, 60.0);
+    for (int i = 0; i < 400; ++i) {
+      const bool large = i % 150 == 0;
+      scene.add_mesh_instance(scene.root(), ids[large ? 2 : std::size_t(i % 2)],
+                              core::translation({side(random), side(random), side(random)}));
+    }
+    EXPECT_TRUE(scene.commit());
+    snapshot.emplace(scene);
+    for (core::Slot slot = 0; slot < snapshot->size(); ++slot) slots.push_back(slot);
+  }
+
+  gpuscene::DrawnMesh drawn(core::Slot slot) const {
+    const std::size_t count = snapshot->mesh(slot).indices.size();
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+      if (meshes[i]->indices.size() == count)
+        return {{std::uint32_t(count), 1, 0, 0, slot}, &levels[i], levels[i].solid_indices};
+    return {};
+  }
+  template <class T>
+  static std::vector<T> joined(gpuscene::MeshDraws::Runs<T> runs) {
+    std::vector<T> all;
+    for (const std::span<const T>& run : runs) all.insert(all.end(), run.begin(), run.end());
+    return all;
+  }
+  struct Chosen {
+    std::vector<gpuscene::ElementsCommand> fronts, both_faces;
+    std::vector<std::uint32_t> indices;
+    std::array<std::int64_t, 4> counts;
+    double error;
+    bool operator==(const Chosen&) const = default;
+  };
+  Chosen choose(engine::DrawChoice& choice, const View& view, bool tests_triangles, core::ThreadPool* threads) const {
+    const lod::ImageError error(view, 640, 360, 1.0);
+    const culling::TriangleTest triangles(view, {640, 360, {{0, 0}}, 0.0f});
+    const auto draws = choice.choose(
+        *snapshot, slots, [&](core::Slot slot) { return drawn(slot); },
+        {.view = view, .error = &error, .triangles = tests_triangles ? &triangles : nullptr, .threads = threads});
+    const engine::MeshCounts& counts = choice.counts();
+    return {joined(draws.fronts),
+            joined(draws.both_faces),
+            joined(draws.indices),
+            {counts.items, counts.coarser, counts.triangles, counts.full_triangles},
+            counts.error};
+  }
+
+  std::vector<std::shared_ptr<const core::Mesh>> meshes;
+  std::vector<lod::MeshLevels> levels;
+  std::vector<core::MeshId> ids;
+  core::Scene scene;
+  std::optional<core::Snapshot> snapshot;
+  std::vector<core::Slot> slots;
+};
+
+TEST_F(Cuts, AreTheSameForAnyNumberOfThreads) {
+  for (const int threads : {2, 3, 5, 16}) {
+    core::ThreadPool pool(threads);
+    engine::DrawChoice alone, shared;
+    for (int i = 0; i < 12; ++i) {
+      SCOPED_TRACE(testing::Message() << "threads " << threads << ", view " << i);
+      const dvec3 eye = dvec3(100.0, 0.0, 10.0 * i) / (1.0 + i);
+      const View view = *View::perspective({eye, {0, 0, 0}, {0, 0, 1}}, 0.9, 16.0 / 9.0, 0.1);
+      for (const bool tests_triangles : {false, true}) {
+        const Chosen chosen = choose(alone, view, tests_triangles, nullptr);
+        ASSERT_GT(chosen.fronts.size() + chosen.both_faces.size(), 20u);
+        ASSERT_EQ(chosen.indices.empty(), !tests_triangles);
+        ASSERT_TRUE(choose(shared, view, tests_triangles, &pool) == chosen);
+      }
+    }
+  }
 }
 
 }  // namespace

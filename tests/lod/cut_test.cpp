@@ -202,6 +202,26 @@ TEST(CutChooser, DrawsEachGroupInOneWay) {
   EXPECT_GT(most, mesh.indices.size() / 3);
 }
 
+/// Of a mesh so large that threads share its rounds.
+TEST(CutChooser, ChoosesTheSameWithAnyNumberOfThreads) {
+  const lod::MeshLevels levels = lod::build_levels(bumpy_torus(220, 0.1));
+  ASSERT_GT(levels.groups.size(), 100u);
+  lod::CutChooser chooser;
+  for (const int threads : {1, 2, 3, 5, 16}) {
+    core::ThreadPool pool(threads);
+    lod::CutChooser shared;
+    for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(200)); ++seed) {
+      SCOPED_TRACE(testing::Message() << "threads " << threads << ", seed " << seed);
+      Random random(seed);
+      const Stage stage(random, 0.5);
+      const double pixels = std::pow(10.0, uniform(random, -3.0, 1.0));
+      const lod::MeshError error(lod::ImageError(stage.view, kWidth, kHeight, pixels), stage.world_from_mesh);
+      ASSERT_EQ(shared.choose(levels, error, &pool), chooser.choose(levels, error));
+      ASSERT_EQ(shared.error(), chooser.error());
+    }
+  }
+}
+
 /// The error that is told is one which allows what was chosen, and little more than the least such error.
 TEST(CutChooser, TellsTheErrorOfWhatItChose) {
   if (!lod::builds_levels()) GTEST_SKIP() << "no coarser levels in this build";

@@ -15,10 +15,19 @@ namespace sightline::culling {
 /// Keeps its memory from image to image.
 class TriangleStream {
  public:
+  /// Some triangles of an item's mesh.
+  struct Part {
+    core::Slot slot;
+    std::uint32_t tag;                       ///< comes back with what is left of them
+    std::span<const std::uint32_t> indices;  ///< borrowed until test()
+    bool fronts_alone;
+    std::uint32_t shown = 0;  ///< indices, which test() sets
+
+    bool continues(const Part& other) const { return slot == other.slot && fronts_alone == other.fronts_alone; }
+  };
+
   void clear();
-  /// Some triangles of an item's mesh; `indices` are borrowed until test(). `tag`: comes back with what is left of
-  /// them.
-  void add(core::Slot slot, std::uint32_t tag, std::span<const std::uint32_t> indices, bool fronts_alone);
+  void add(std::span<const Part> parts);
   /// Tests what was added, on any of the threads; null: on this one.
   void test(const core::Snapshot& snapshot, const TriangleTest& test, core::ThreadPool* threads);
 
@@ -41,15 +50,6 @@ class TriangleStream {
   }
 
  private:
-  struct Part {
-    core::Slot slot;
-    std::uint32_t tag;
-    std::span<const std::uint32_t> indices;
-    std::uint32_t shown;  // indices
-    bool fronts_alone;
-
-    bool continues(const Part& other) const { return slot == other.slot && fronts_alone == other.fronts_alone; }
-  };
   struct Job {
     std::size_t first_part, end_part;
     std::vector<std::uint32_t> shown;  // the first `count`

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <unordered_map>
 #include <vector>
 
@@ -20,7 +22,7 @@ class ClusterPasses {
   /// Begins a frame. `test`: against the depth of all passes so far; borrowed until the frame is remembered.
   void begin(const culling::OcclusionTest& test, const core::dvec3& origin, core::ThreadPool& threads);
   /// Leaves out clusters of an item that the present pass does not draw. `clusters` rise. Returns whether these are the
-  /// first that are drawn of the item in this frame.
+  /// first that are drawn of the item in this frame. Threads may call it at once for different items.
   bool filter(core::Slot slot, const lod::MeshLevels& levels, const core::Affine& world_from_mesh,
               std::vector<std::uint32_t>& clusters);
   /// Ends the first pass. Returns the items of which clusters were left out, which later passes must draw again, in
@@ -39,17 +41,18 @@ class ClusterPasses {
     std::vector<std::uint64_t> open, drawn;  // a bit per cluster: of the frame before, and of this one
     std::uint64_t frame = 0;                 // that last considered it
   };
-  void leave_out_hidden(const Item& item, std::vector<std::uint32_t>& clusters);
+  Item* find(core::Slot slot, std::size_t clusters);
+  void leave_out_hidden(const Item& item, std::vector<std::uint32_t>& clusters) const;
 
   const culling::OcclusionTest* test_ = nullptr;
   core::ThreadPool* threads_ = nullptr;
+  // Guards the map, not its items, and again_.
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
   std::unordered_map<core::Slot, Item> items_;
   std::vector<core::Slot> again_;
   std::uint64_t frame_ = 0;
   bool first_ = false;  // pass
-  core::ItemBounds boxes_;
-  core::VisibleSet tested_, unoccluded_;
-  std::vector<std::uint64_t> unoccluded_bits_;
+  core::dvec3 origin_{0.0};
   std::vector<std::uint32_t> kept_;
 };
 

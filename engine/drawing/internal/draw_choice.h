@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -42,33 +43,41 @@ struct MeshRules {
 /// Keeps its memory from image to image.
 class DrawChoice {
  public:
+  using MeshOf = std::function<gpuscene::DrawnMesh(core::Slot)>;
+
   /// Sets the lists for a visible set of `snapshot`, which `scene` was made from. Fails as DrawLists::update() does.
   core::Expected<void> update(gpuscene::DrawLists& lists, const gpuscene::GpuScene& scene,
                               const core::Snapshot& snapshot, const core::VisibleSet& visible, const MeshRules& rules);
-  /// Counts of the last update().
+  /// The part of that which needs no GL: what draws the items with meshes. Valid until the next call, and the same for
+  /// any number of threads. Any of them may call `mesh_of`.
+  gpuscene::MeshDraws choose(const core::Snapshot& snapshot, std::span<const core::Slot> meshes, const MeshOf& mesh_of,
+                             const MeshRules& rules);
+  /// Counts of the last call of either.
   const MeshCounts& counts() const { return counts_; }
 
  private:
-  /// An item's mesh: the command that draws it from its first index on, and its indices, if these are to be tested.
-  struct ItemMesh {
+  struct Item {
     core::Slot slot;
-    gpuscene::ElementsCommand whole;
-    std::span<const std::uint32_t> indices;
+    std::uint32_t place;  // among the meshes
+    gpuscene::DrawnMesh mesh;
   };
-  void choose(const core::Snapshot& snapshot, const gpuscene::MeshPool& pool, const MeshRules& rules);
-  void choose_mesh(const core::Snapshot& snapshot, ItemMesh mesh, const lod::MeshLevels* levels, std::uint32_t solid,
-                   const MeshRules& rules);
-  bool choose_cut(const core::Snapshot& snapshot, core::Slot slot, const lod::MeshLevels& levels,
-                  const MeshRules& rules);
-  void count(std::uint32_t own_indices, double error, bool first);
-  void add_triangles(const ItemMesh& mesh, std::uint32_t first, std::uint32_t end, bool fronts_alone);
+  /// What is drawn of some meshes in a row.
+  struct alignas(64) Some {  // a cache line of its own: threads write neighbours at once
+    std::vector<gpuscene::ElementsCommand> fronts, both_faces;
+    std::vector<culling::TriangleStream::Part> picked;  // tags: places among the meshes
+    std::vector<std::uint32_t> large;                   // places of meshes that are left to all threads
+    MeshCounts counts;
+    void clear();
+  };
+  class OfMesh;
+  void pick_triangles(const core::Snapshot& snapshot, std::span<const core::Slot> meshes, const MeshOf& mesh_of,
+                      const MeshRules& rules);
+  gpuscene::MeshDraws join(bool picked);
 
   gpuscene::VisibleRecords records_;
-  lod::CutChooser cuts_;
-  std::vector<lod::IndexRange> ranges_;
-  std::vector<gpuscene::ElementsCommand> fronts_, both_faces_;
+  std::vector<Some> some_;  // by job; then of large meshes and picked triangles
   culling::TriangleStream picked_;
-  std::vector<gpuscene::ElementsCommand> of_picked_;  // by tag: what draws the whole mesh
+  std::vector<std::span<const gpuscene::ElementsCommand>> fronts_, both_faces_;
   std::vector<std::span<const std::uint32_t>> picked_runs_;
   MeshCounts counts_;
 };
