@@ -21,6 +21,7 @@
 #include "sightline/apps/mpi/composer.h"
 #endif
 #include "sightline/engine/engine.h"
+#include "sightline/gl/context.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
 #include "sightline/render/image/image_metrics.h"
@@ -54,6 +55,7 @@ struct Options {
   std::optional<std::uint64_t> samples;
   apps::DrawnOptions shown{.looks = engine::Looks::standard()};
   apps::StyleOptions styles;
+  engine::Renderer renderer = {};
   gl::ContextPlatform platform = {};
   bool gl_debug = false, mpi = false;
   struct {
@@ -143,6 +145,7 @@ void add_engine_options(apps::CommandLine& line, Options& o) {
            "Samples of each pixel, for smooth edges: so many images; ids and depth are those of pixel centres")
       .default_text("4")
       .in_range(1, 64);
+  apps::add_renderer_option(line, o.renderer);
   apps::add_context_option(line, o.platform);
 }
 
@@ -420,6 +423,22 @@ core::Expected<int> render_frames(const Options& o, Studio& studio) {
   return apps::kExitOk;
 }
 
+/// Rays make images sooner than a software rasteriser. Where what is asked for is about GL, or only GL has it, and for
+/// plain images, which are those of engines, rays draw only where there is no GL.
+engine::Renderer choose_renderer(const Options& o, const engine::EngineConfig& config) {
+  using engine::CullerChoice;
+  if (o.mpi) return engine::Renderer::kGl;
+  if (o.renderer != engine::Renderer::kAutomatic) return o.renderer;
+  const bool culls_on_gpu = o.culler == CullerChoice::kGpu || o.culler == CullerChoice::kHybrid || o.gpu_variant;
+  const bool about_gl = o.platform != gl::ContextPlatform{} || std::getenv("SIGHTLINE_CONTEXT") ||
+                        std::getenv("SIGHTLINE_GL_WORKAROUNDS") || o.gl_debug;
+  const bool loses = config.losses.min_projected_area > 0.0f || config.losses.budget_ms > 0.0;
+  const bool only_gl =
+      config.drawing.looks.hatching.any() || config.drawing.transparency == engine::Transparency::kBlended;
+  const bool gl_first = o.shown.plain || culls_on_gpu || about_gl || loses || only_gl || gl::has_gpu();
+  return gl_first ? engine::Renderer::kAutomatic : engine::Renderer::kRays;
+}
+
 Studio make_studio(const Options& o, const engine::ScenePart& part) {
   const auto size = need(apps::parse_size(o.view.size));
   engine::EngineConfig config;
@@ -433,12 +452,14 @@ Studio make_studio(const Options& o, const engine::ScenePart& part) {
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
   config.culling.culler = o.culler;
   config.culling.gpu_variant = o.gpu_variant;
+  config.drawing.renderer = choose_renderer(o, config);
   auto tiles = need(apps::tiles_for(size, o.tile_side(size), config));
   config.width = tiles.width;
   config.height = tiles.height;
   auto model = need(apps::load_model(o.model, o.shown));
   auto engine = need(engine::Engine::create(*model.scene, config));
   need(engine.finish_levels());
+  apps::note_rays(engine);
   if (o.model.explain) apps::explain(engine.plan());
   need(apps::apply_styles(o.styles, *model.scene, engine));
   return Studio{std::move(model), std::move(engine), size, std::move(tiles)};

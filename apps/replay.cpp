@@ -43,6 +43,7 @@ struct Options {
   int samples = 1;
   apps::DrawnOptions shown;
   int frames = 300, every = 30;
+  engine::Renderer renderer = {};
   gl::ContextPlatform platform = {};
   bool no_render = false, mpi = false, settle = false;
   std::string memory, record_both, controller_trace, rendering = "on";
@@ -76,6 +77,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   apps::add_gpu_variant_option(line, o.gpu_variant);
   apps::add_drawn_options(line, o.shown);
   apps::add_samples_option(line, o.samples);
+  apps::add_renderer_option(line, o.renderer);
   apps::add_context_option(line, o.platform);
   const apps::Option no_render =
       line.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
@@ -335,6 +337,7 @@ engine::EngineConfig engine_config(const Options& o) {
   const auto size = need(apps::parse_size(o.size));
   engine::EngineConfig config;
   config.draw = !o.no_render;
+  config.drawing.renderer = o.mpi ? engine::Renderer::kGl : o.renderer;
   config.drawing.ids = o.mpi;
   config.context.platform = o.platform;
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
@@ -362,6 +365,7 @@ Flown prepare(const Options& o, const engine::ScenePart& part) {
   auto model = need(apps::load_model(o.model, o.shown));
   auto engine = need(engine::Engine::create(*model.scene, config));
   need(engine.finish_levels());
+  apps::note_rays(engine);
   if (o.model.explain) apps::explain(engine.plan());
   std::optional<core::Snapshot> whole;  // the tour is that of the whole
   if (part.count > 1) whole.emplace(*model.scene);

@@ -27,7 +27,7 @@ core::Expected<std::unique_ptr<Backend>> make_complete_backend(const EngineState
 
 core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version) {
   if (new_version) s.next_backend.reset();
-  if (!s.needs_gl()) {
+  if (!s.needs_backend()) {
     s.backend = std::make_unique<Backend>();
     return {};
   }
@@ -42,8 +42,10 @@ core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version) {
       done = unless_lost(s, s.backend->add_culler(*s.live.snapshot));
     }
   } else if (s.next_try < 0.0) {
+    const bool by_rays = s.draws_by_rays();
     done = core::store(make_complete_backend(s), s.backend);
     if (!done) return done;
+    if (s.draws_by_rays() != by_rays) s.live.follow_plan(plan_request(s));  // there is no GL
   }
   if (done) done = unless_lost(s, s.backend->use_image(s.image, s.config.width, s.config.height));
   note_context(s);
@@ -81,6 +83,7 @@ void drop_context(EngineState& s) {
 void note_context(EngineState& s) {
   if (!s.backend->ready()) return;
   const BackendReport report = s.backend->report();
+  if (s.backend->traces()) return set_entry(s.live.plan, {"images by rays", true, report.why_rays});
   add_context(s.live.plan, !s.config.context.application, report.platform);
   if (!s.live.plan.gpu_culls()) return;
   if (report.gpu_variant) add_gpu_variant(s.live.plan, *report.gpu_variant, report.why_gpu_variant);
@@ -127,6 +130,7 @@ void Engine::drop_context() {
 }
 
 core::Expected<void> Engine::use_context(gl::Context& context) {
+  if (state_->draws_by_rays()) return core::fail("engine: renderer rays draws without a context");
   if (state_->backend->lost()) drop_context();
   assert(!state_->backend->ready() && "the other context is still in use: drop_context()");
   return take_context(*state_, context, nullptr);
@@ -134,6 +138,7 @@ core::Expected<void> Engine::use_context(gl::Context& context) {
 
 core::Expected<bool> Engine::use_context(gl::Context& context, double seconds) {
   EngineState& s = *state_;
+  if (s.draws_by_rays()) return core::fail("engine: renderer rays draws without a context");
   if (s.backend->lost()) drop_context();
   assert(!s.backend->ready() && "the other context is still in use: drop_context()");
   if (s.next_backend && (s.next_backend->report().application != &context || s.next_backend->lost()))

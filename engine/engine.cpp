@@ -12,9 +12,10 @@ namespace sightline::engine {
 namespace {
 
 /// `picks`: the application has picked.
-PlanRequest plan_request(const EngineConfig& config, bool picks) {
+PlanRequest plan_request(const EngineConfig& config, bool rays, bool picks) {
   return {config.culling.culler,
           config.draw,
+          rays,
           config.drawing.ids,
           config.culling.occlusion,
           config.losses.min_projected_area > 0.0f,
@@ -22,7 +23,7 @@ PlanRequest plan_request(const EngineConfig& config, bool picks) {
           config.losses.lod_error > 0.0,
           config.drawing.looks.depth_shading.any(),
           config.drawing.looks.hatching.any(),
-          picks,
+          picks || rays,
           config.culling.part};
 }
 
@@ -33,9 +34,9 @@ core::Expected<void> check(const EngineConfig& config) {
   if (config.culling.part.count < 1 || config.culling.part.index < 0 ||
       config.culling.part.index >= config.culling.part.count)
     return core::fail("engine: part must have an index from 0 on and below its count");
-  if (config.culling.culler == CullerChoice::kGpu && plan_request(config, false).needs_cpu())
+  if (config.culling.culler == CullerChoice::kGpu && plan_request(config, false, false).needs_cpu())
     return core::fail("engine: min_projected_area and budget_ms need a culler on the CPU, and culler is gpu");
-  return {};
+  return config.draw && config.drawing.renderer == Renderer::kRays ? check_rays(config) : core::Expected<void>();
 }
 
 /// Whether what a hybrid has learnt with one holds with the other, as far as settings go.
@@ -64,7 +65,7 @@ bool EngineState::shows_unseen(const core::View& view, const core::View& cull_vi
 }
 
 PlanRequest plan_request(const EngineState& s) {
-  return plan_request(s.config, s.picks || s.live.tracer);
+  return plan_request(s.config, s.draws_by_rays(), s.picks || s.live.tracer);
 }
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config, const Progress& progress) {
@@ -192,7 +193,8 @@ core::Expected<void> Engine::forget_image(std::uint32_t number) {
 
 std::string Engine::renderer() {
   const auto kept = state_->keep_state();
-  return state_->backend->drawing() ? state_->backend->report().renderer : std::string();
+  Backend& backend = *state_->backend;
+  return backend.traces() || backend.drawing() ? backend.report().renderer : std::string();
 }
 
 std::vector<std::string> Engine::take_gl_errors() {

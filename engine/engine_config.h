@@ -55,6 +55,21 @@ constexpr std::string_view name_of(GlState state) {
   return state == GlState::kRestore ? "restore" : "leave";
 }
 
+/// What makes images.
+enum class Renderer : std::uint8_t {
+  kGl,  ///< OpenGL; where there is none, create() fails
+  /// Rays on the processor, without OpenGL. Images are the same but for pixels where a rasteriser rounds: see
+  /// docs/reference/accuracy.md. They have all items, whatever LossConfig lets them lack. Without hatching, blended
+  /// transparency, DrawingConfig::culled_colour, a culler on the GPU, and all that is the application's in GL: create()
+  /// fails where these are asked for.
+  kRays,
+  kAutomatic,  ///< rays where no context can be made
+};
+
+constexpr std::string_view name_of(Renderer renderer) {
+  return renderer == Renderer::kGl ? "gl" : renderer == Renderer::kRays ? "rays" : "auto";
+}
+
 /// Settings of culling: which items are found visible, and by which means.
 struct CullingConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
@@ -81,6 +96,7 @@ struct CullingConfig {
 
 /// Settings of the image: its contents and its looks.
 struct DrawingConfig {
+  Renderer renderer = Renderer::kGl;
   bool ids = false;  ///< item-id image beside colour and depth
   int samples = 1;   ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
   Transparency transparency = Transparency::kDither;

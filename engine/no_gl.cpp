@@ -11,6 +11,6 @@ std::unique_ptr<KeptState> keep_current_context() {
   return nullptr;
 }
 
-void plan_programs(Plan&, const core::Snapshot&, bool) {}
+void plan_programs(Plan&, const core::Snapshot&, bool, const char*) {}
 
 }  // namespace sightline::engine

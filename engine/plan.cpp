@@ -40,12 +40,18 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, const PlanRequest&
       {"layers in the culler", layers, layers ? "items on several layers" : "all items on the model layer"});
 }
 
+/// Why nothing of GL is used.
+const char* without_gl(const PlanRequest& request) {
+  return request.draw ? "rays need none" : "drawing is off";
+}
+
 /// Unless it is asked for or switched off, a culler on the GPU tests occlusion in scenes of many items, and one on the
 /// CPU while that is found to pay.
 void plan_occlusion(Plan& plan, std::size_t items, const PlanRequest& request) {
   const auto note = [&](bool used, std::string why) {
-    plan.entries.push_back({"occlusion test", request.draw && used, std::move(why)});
+    plan.entries.push_back({"occlusion test", request.draws_by_gl() && used, std::move(why)});
   };
+  if (request.draw && request.rays) return note(false, without_gl(request));
   if (request.occlusion == OcclusionChoice::kOff) return note(false, "switched off");
   if (request.occlusion == OcclusionChoice::kOn) return note(true, "asked for");
   const bool gpu_alone = plan.culler == CullerChoice::kGpu;
@@ -61,10 +67,10 @@ void plan_occlusion(Plan& plan, std::size_t items, const PlanRequest& request) {
 
 void plan_losses(Plan& plan, const PlanRequest& request) {
   const auto note = [&](const char* feature, bool asked_for, const char* used) {
-    plan.entries.push_back({feature, request.draw && asked_for,
-                            !asked_for      ? "not asked for"
-                            : !request.draw ? "drawing is off"
-                                            : used});
+    plan.entries.push_back({feature, request.draws_by_gl() && asked_for,
+                            !asked_for               ? "not asked for"
+                            : !request.draws_by_gl() ? without_gl(request)
+                                                     : used});
   };
   note("contribution threshold", request.contribution, "asked for; the CPU culls");
   note("frame budget", request.budget, "asked for; the CPU culls");
@@ -76,7 +82,7 @@ void plan_tracer(Plan& plan, [[maybe_unused]] bool picks) {
   plan.entries.push_back(
       {"ray tracer", picks,
        picks
-           ? "made for picks, or for moving images within a budget"
+           ? "made for picks, for images by rays, or for moving images within a budget"
            : "made with the first pick, or in the background with the first frame within a budget where no GPU draws; "
              "then about 78 bytes an item, and 68 a triangle of a mesh"});
 #else
@@ -111,7 +117,7 @@ Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, b
 Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, const PlanRequest& request) {
   Plan plan;
   plan_culling(plan, snapshot, request);
-  plan_programs(plan, snapshot, request.draw);
+  plan_programs(plan, snapshot, request.draws_by_gl(), without_gl(request));
   const std::size_t hidden = joints.count();
   plan.entries.push_back(
       {"internal end caps at joints", hidden > 0, std::to_string(hidden) + " ends lie on a neighbour's"});

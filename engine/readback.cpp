@@ -8,13 +8,31 @@
 namespace sightline::engine {
 namespace {
 
+tl::unexpected<core::Error> no_image() {
+  return core::fail("image: nothing is drawn without EngineConfig::draw, or while the context is lost");
+}
+
+}  // namespace
+
+core::Expected<image::Image> Backend::read_colour() {
+  return no_image();
+}
+core::Expected<image::IdImage> Backend::read_ids() {
+  return no_image();
+}
+core::Expected<image::DepthImage> Backend::read_depth(const core::View&) {
+  return no_image();
+}
+core::Expected<bool> Backend::covered() {
+  return no_image();
+}
+
+namespace {
+
 /// Result of `read` for the image's target.
 template <class Read>
-auto read_from(EngineState& s, Read read) -> core::Expected<std::invoke_result_t<Read, const render::RenderTarget&>> {
-  const auto kept = s.keep_state();
-  const Drawing* drawing = s.backend->drawing();
-  if (!drawing || drawing->target().width() == 0)
-    return core::fail("image: nothing is drawn without EngineConfig::draw, or while the context is lost");
+auto read_from(Drawing* drawing, Read read) -> core::Expected<std::invoke_result_t<Read, const render::RenderTarget&>> {
+  if (!drawing || drawing->target().width() == 0) return no_image();
   const gl::Functions& gl = drawing->context().functions();
   gl::discard_errors(gl);
   auto result = read(drawing->target());
@@ -25,26 +43,49 @@ auto read_from(EngineState& s, Read read) -> core::Expected<std::invoke_result_t
 
 }  // namespace
 
+core::Expected<image::Image> Drawing::read_colour() {
+  return read_from(drawing(), [](const render::RenderTarget& target) { return target.read_colour(); });
+}
+
+core::Expected<image::IdImage> Drawing::read_ids() {
+  return read_from(drawing(), [](const render::RenderTarget& target) { return target.read_ids(); });
+}
+
+core::Expected<image::DepthImage> Drawing::read_depth(const core::View& view) {
+  return read_from(drawing(), [&](const render::RenderTarget& target) { return target.read_depth(view); });
+}
+
+core::Expected<bool> Drawing::covered() {
+  return read_from(drawing(), [](const render::RenderTarget& target) { return target.covered(); });
+}
+
 core::Expected<image::Image> Engine::read_colour() {
-  return read_from(*state_, [](const render::RenderTarget& target) { return target.read_colour(); });
+  const auto kept = state_->keep_state();
+  return state_->backend->read_colour();
 }
 
 core::Expected<image::IdImage> Engine::read_ids() {
   if (config().draw && !config().drawing.ids)
     return core::fail("image: ids are not drawn without EngineConfig::drawing.ids");
-  return read_from(*state_, [](const render::RenderTarget& target) { return target.read_ids(); });
+  const auto kept = state_->keep_state();
+  return state_->backend->read_ids();
 }
 
 core::Expected<image::DepthImage> Engine::read_depth(const core::View& view) {
-  return read_from(*state_, [&](const render::RenderTarget& target) { return target.read_depth(view); });
+  const auto kept = state_->keep_state();
+  return state_->backend->read_depth(view);
 }
 
 core::Expected<bool> Engine::covered() {
-  return read_from(*state_, [](const render::RenderTarget& target) { return target.covered(); });
+  const auto kept = state_->keep_state();
+  return state_->backend->covered();
 }
 
 core::Expected<std::uint32_t> Engine::framebuffer() {
-  return read_from(*state_, [](const render::RenderTarget& target) { return std::uint32_t(target.resolved().id()); });
+  const auto kept = state_->keep_state();
+  if (state_->backend->traces()) return core::fail("image: rays draw into no framebuffer");
+  return read_from(state_->backend->drawing(),
+                   [](const render::RenderTarget& target) { return std::uint32_t(target.resolved().id()); });
 }
 
 core::Expected<void> Engine::draw_outline(const core::View& view, std::span<const core::ItemId> items,

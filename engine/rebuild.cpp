@@ -72,7 +72,7 @@ SceneVersion make_version(std::unique_ptr<core::Snapshot> snapshot, const PlanRe
                           const std::stop_token& stop) {
   SceneVersion version;
   version.snapshot = std::move(snapshot);
-  if (request.draw) version.joints = gpuprims::Joints(*version.snapshot);
+  if (request.draws_by_gl()) version.joints = gpuprims::Joints(*version.snapshot);
   if (request.part.count > 1) {  // ends that another part covers stay as they are in the whole
     core::ItemCopies others;
     others.removed = items_outside(*version.snapshot, request.part);

@@ -189,7 +189,8 @@ core::Expected<void> follow(EngineState& s, core::SceneDelta delta, core::Deadli
   const bool items_edited = delta.size() > delta.materials.size();  // materials do not change what frames cost
   if (s.hybrid && items_edited) s.hybrid->scene_changed(s.live.snapshot->size());
   rebuild_when_disordered(s);
-  if (s.live.snapshot->size() > former_size) plan_programs(s.live.plan, *s.live.snapshot, s.config.draw);
+  if (s.live.snapshot->size() > former_size && !s.draws_by_rays())
+    plan_programs(s.live.plan, *s.live.snapshot, s.config.draw, "drawing is off");
   delta.materials.insert(delta.materials.end(), overridden.materials.begin(), overridden.materials.end());
   follow_in_incoming(s, delta, delta.materials);
   if (s.next_backend) s.next_backend->follow_later(touched, delta.materials);

@@ -35,6 +35,24 @@ core::Expected<void> check_ranges(const PagedConfig& config) {
   return check_sun(config.drawing.looks.sun);
 }
 
+core::Expected<void> check_rays(const EngineConfig& config) {
+#if SIGHTLINE_HAS_GL && SIGHTLINE_HAS_RAYTRACE
+  const CullerChoice culler = config.culling.culler;
+  const char* const other = config.drawing.looks.hatching.any()                     ? "hatching"
+                            : config.drawing.transparency == Transparency::kBlended ? "blended transparency"
+                            : config.drawing.culled_colour                          ? "culled_colour"
+                            : config.context.application || config.context.later    ? "the application's context"
+                            : culler == CullerChoice::kGpu                          ? "culler gpu"
+                            : culler == CullerChoice::kHybrid                       ? "culler hybrid"
+                                                                                    : nullptr;
+  if (!other) return {};
+  return core::fail(std::string("engine: renderer rays has no ") + other + ", which needs renderer gl");
+#else
+  return core::fail(
+      "engine: renderer rays needs a build with the ray tracer and images (SIGHTLINE_RAYTRACE, SIGHTLINE_GL)");
+#endif
+}
+
 const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b) {
   if (a.context.application != b.context.application) return "context";
   if (a.runner != b.runner) return "runner";

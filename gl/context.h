@@ -73,6 +73,10 @@ struct Capabilities {
   int storage_offset_alignment = 0;  ///< bytes
 };
 
+/// Whether EGL finds a device for drawing that is no software rasteriser. Makes no context, and takes a fraction of a
+/// millisecond where the system has no such device at all.
+SIGHTLINE_API bool has_gpu();
+
 /// Owns or borrows one GL context with its function table. Move-only; functions() keeps its address when the Context
 /// moves. Objects made with the table must be destroyed before the Context and while it is current, unless a share()
 /// exists. A thread may use a context only while it is current there. Several contexts in one process are independent.

@@ -1,4 +1,5 @@
 #define EGL_NO_PLATFORM_SPECIFIC_TYPES
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <EGL/eglext.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/dynamic_library.h"
@@ -233,11 +235,24 @@ core::Expected<std::unique_ptr<PlatformContext>> try_candidate(const Egl& egl, c
   return made;
 }
 
+// RTLD_NODELETE and no dlclose: leak checkers and drivers' exit handlers need the code to stay in place.
+void* open_library(const std::string& name) {
+  return dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+}
+
 }  // namespace
 
+bool has_gpu() {
+  // Without a node of a driver, EGL finds none, and asking it takes longer than all else.
+  constexpr std::array kNodes = {"/dev/dri", "/dev/nvidiactl", "/dev/dxg"};
+  if (std::ranges::none_of(kNodes, [](const char* node) { return access(node, F_OK) == 0; })) return false;
+  void* const library = open_library(ContextOptions().egl_library);
+  const auto egl = library ? load_egl(library) : tl::unexpected(core::Error{});
+  return egl && std::ranges::any_of(list_devices(*egl, -1), [](const Candidate& device) { return !device.software; });
+}
+
 core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const ContextOptions& options) {
-  // RTLD_NODELETE and no dlclose: leak checkers and drivers' exit handlers need the code to stay in place.
-  void* library = dlopen(options.egl_library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  void* library = open_library(options.egl_library);
   if (!library) {
     const char* reason = dlerror();
     return core::fail(

@@ -135,4 +135,10 @@ core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int
   return block;
 }
 
+glm::vec2 pixel_depth(const core::View& view, int height) {
+  const core::dmat4 clip = reversed_clip_from_eye(view);
+  const double pixel = 2.0 / (clip[1][1] * height);  // in parallel views metres, else at the distance of 1
+  return view.orthographic() ? glm::vec2(0.0, clip[2][2] * pixel) : glm::vec2(pixel, clip[2][2] * pixel);
+}
+
 }  // namespace sightline::gpuprims

@@ -7,7 +7,6 @@
 
 #include "sightline/core/image_rays.h"
 #include "sightline/core/internal/clock.h"
-#include "sightline/gpuprims/internal/studio_black.h"
 #include "sightline/raytrace/internal/packed_colour.h"
 #include "sightline/raytrace/internal/surface.h"
 
@@ -31,56 +30,6 @@ constexpr double kManyEmpty = 0.25;                // of the rays for which ther
 constexpr std::uint32_t kCoarsest = 1, kHalf = 4;  // of sixteen pixels, every fourth and every second along either axis
 constexpr std::uint32_t kAll = 16;
 constexpr std::size_t kLeast = 24;  // of so many blocks one is traced in any case
-
-/// Bayer's matrix of order 4.
-std::uint32_t place_of(std::uint32_t x, std::uint32_t y) {
-  const std::uint32_t across = x ^ y;
-  return (across & 1u) << 3 | (y & 1u) << 2 | (across & 2u) | (y & 2u) >> 1;
-}
-
-/// Twin of dithered_away() in render/shaders/shading.glsl.
-bool dithered_away(float alpha, std::uint32_t x, std::uint32_t y, std::uint32_t id) {
-  return alpha < 1.0f && alpha < (float(place_of(x + 7u * id, y + 3u * id)) + 0.5f) / 16.0f;
-}
-
-/// Twin of write_surface() in render/shaders/shading.glsl.
-class Lit {
- public:
-  explicit Lit(const MovingImage::Request& looks)
-      : black_(looks.lighting == gpuprims::Lighting::kStudio ? gpuprims::kStudioBlack : 0.0f) {
-    for (const gpuprims::DistantLight& light : gpuprims::distant_lights(looks.view, looks.lighting, looks.sun))
-      lights_[std::size_t(count_++)] = {vec3(light.towards), float(light.strength)};
-  }
-
-  /// The colour of a surface whose normal points to the viewer.
-  vec3 colour(const vec3& n, const vec3& to_viewer, const glm::vec4& material) const {
-    const float head = glm::dot(n, to_viewer);
-    float diffuse = head, gloss = power_24(head);
-    if (count_ > 0) diffuse = gloss = 0.0f;
-    for (int i = 0; i < count_; ++i) {
-      const auto& [towards, strength] = lights_[std::size_t(i)];
-      const float cosine = glm::dot(n, towards);
-      if (cosine <= 0.0f) continue;
-      diffuse += strength * cosine;
-      gloss += strength * power_24(std::max(0.0f, glm::dot(n, glm::normalize(towards + to_viewer))));
-    }
-    const float light = 0.30f + 0.50f * diffuse + 0.25f * (0.5f + 0.5f * n.z);
-    return glm::min(gpuprims::lit_colour(vec3(material), black_) * light + 0.12f * gloss, vec3(1.0f));
-  }
-
- private:
-  struct Light {
-    vec3 towards;
-    float strength;
-  };
-  static float power_24(float x) {
-    const float square = x * x, eighth = square * square * square * square;
-    return eighth * eighth * eighth;
-  }
-  float black_;
-  int count_ = 0;
-  std::array<Light, gpuprims::kMostDistantLights> lights_{};
-};
 
 /// By what a block misses and the ages of its points. Blocks on the image's border, which have fewer pixels, are as
 /// urgent as others. Where surfaces end before the background, thin things are missed: such blocks are by half more so.
@@ -117,21 +66,22 @@ struct MovingImage::Shot {
   core::Ray through(int x, int y, int height) const { return rays.through(x + 0.5, height - (y + 0.5)); }
 };
 
-core::Expected<MovingImage::Counts> MovingImage::draw(const Request& request, core::ThreadPool& threads,
+core::Expected<MovingImage::Counts> MovingImage::draw(const ImageRequest& request, core::ThreadPool& threads,
                                                       double deadline) {
-  const auto& [scene, view, width, height, lighting, sun, background] = request;
+  const core::View& view = request.view;
+  const int width = request.width, height = request.height;
   const auto rays = core::ImageRays::create(view, width, height);
   if (!rays) return tl::unexpected(rays.error());
   if (!view_ || width != points_.width() || height != points_.height() || !same_cuts(*view_, view))
     points_.reset(width, height, view);
   else if (!core::same_image(*view_, view))
-    points_.follow(view, background, threads);
+    points_.follow(view, request.background, threads);
   view_ = view;
-  const SceneRays scene_rays(scene, view, *rays, height);
-  const Shot shot{scene_rays, *rays, Lit(request), background};
+  const SceneRays scene_rays(request.scene, view, *rays, height);
+  const Shot shot{scene_rays, *rays, Lit(request), request.background};
   trace_most_urgent(shot, threads, deadline - finish_seconds_);
   const double traced = core::now_seconds();
-  const PointBlock all = points_.fill(background, threads);
+  const PointBlock all = points_.fill(request.background, threads);
   finish_seconds_ = core::now_seconds() - traced;
   const std::int64_t kept = std::int64_t(all.own) - all.found - all.assumed;
   return Counts{all.found, kept, std::int64_t(all.pixels) - all.found - kept};
@@ -254,19 +204,9 @@ void MovingImage::shoot(const Shot& shot, const PixelRange& block, std::span<con
   const std::span<SceneRays::PartHit> hits(found.data(), pixels.size());
   shot.scene.nearest(rays, block, hits);
   if (!shot.scene.all_opaque())
-    for (std::size_t i = 0; i < pixels.size(); ++i) pass_dithered(shot, rays[i], pixels[i], hits[i]);
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+      pass_dithered(shot.scene, rays[i], {pixels[i] % width, pixels[i] / width}, hits[i]);
   for (std::size_t i = 0; i < pixels.size(); ++i) show(shot, rays[i], hits[i], pixels[i]);
-}
-
-/// Replaces a hit by the first one that dithering leaves in the pixel.
-void MovingImage::pass_dithered(const Shot& shot, const core::Ray& ray, std::uint32_t pixel,
-                                SceneRays::PartHit& hit) const {
-  const auto width = std::uint32_t(points_.width());
-  const auto shows = [&](const SceneRays::PartHit& one) {
-    const float alpha = material_of(*one.snapshot, one.hit.slot).a;
-    return !dithered_away(alpha, pixel % width, pixel / width, to_index(one.hit.item));
-  };
-  if (hit.snapshot && !shows(hit)) shot.scene.first_that(ray, hit, shows);
 }
 
 /// Lets a pixel show what its ray hits.

@@ -8,13 +8,6 @@ namespace {
 
 enum Uniform : GLint { kPixelDepth = 3, kShading = 4, kLines = 5 };
 
-/// What one pixel is in depth, as factor and offset of the depth: pixels are as wide as high.
-glm::vec2 pixel_depth(const core::View& view, int height) {
-  const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
-  const double pixel = 2.0 / (clip[1][1] * height);  // in parallel views metres, else at the distance of 1
-  return view.orthographic() ? glm::vec2(0.0, clip[2][2] * pixel) : glm::vec2(pixel, clip[2][2] * pixel);
-}
-
 }  // namespace
 
 core::Expected<void> DepthShadingPass::draw(const RenderTarget& image, const core::View& view, float shading,
@@ -29,7 +22,7 @@ core::Expected<void> DepthShadingPass::draw(const RenderTarget& image, const cor
   gl.Enablei(GL_BLEND, 0);
   gl.BlendEquationSeparatei(0, GL_FUNC_ADD, GL_FUNC_ADD);
   gl.BlendFuncSeparatei(0, GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_ONE);
-  const glm::vec2 step = pixel_depth(view, image.height());
+  const glm::vec2 step = gpuprims::pixel_depth(view, image.height());
   const GLuint id = (*program)->id();
   gl.ProgramUniform2f(id, kPixelDepth, step.x, step.y);
   gl.ProgramUniform1f(id, kShading, shading);

@@ -139,7 +139,7 @@ class Frames {
     passes.remember(open_[i], bounds());
   }
 
-  /// Of what may cover a sample.
+  /// Chooses for the meshes that may cover a sample.
   void choose_cuts(std::size_t i, ThreadPool& threads) { choose_meshes(i, threads, nullptr); }
   void choose_triangles(std::size_t i, ThreadPool& threads) {
     const culling::TriangleTest test(views_[i], kSamples);

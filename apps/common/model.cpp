@@ -235,6 +235,20 @@ void add_gpu_variant_option(CommandLine& line, std::optional<culling::GpuVariant
   add_setting(line.group(OptionGroup::kEngine), "gpu_variant", variant).advanced();
 }
 
+void add_renderer_option(CommandLine& line, engine::Renderer& renderer) {
+  const char* const named = std::getenv("SIGHTLINE_RENDERER");
+  renderer = engine::Renderer::kAutomatic;
+  for (const auto one : {engine::Renderer::kGl, engine::Renderer::kRays})
+    if (named && named == engine::name_of(one)) renderer = one;
+  add_setting(line.group(OptionGroup::kEngine), "renderer", renderer)
+      .default_text("what the environment variable SIGHTLINE_RENDERER names, or auto");
+}
+
+void note_rays(engine::Engine& engine) {
+  if (engine.config().drawing.renderer == engine::Renderer::kAutomatic && engine.renderer().starts_with("rays"))
+    std::fprintf(stderr, "note: there is no OpenGL, so rays draw; --explain says why\n");
+}
+
 void add_context_option([[maybe_unused]] CommandLine& line, [[maybe_unused]] gl::ContextPlatform& platform) {
 #if SIGHTLINE_HAS_GL
   add_setting(line.group(OptionGroup::kGeneral), "context_platform", platform).advanced();

@@ -84,6 +84,10 @@ void add_culler_option(CommandLine& line, engine::CullerChoice& choice);
 /// --gpu-variant, into `variant`.
 void add_gpu_variant_option(CommandLine& line, std::optional<culling::GpuVariant>& variant);
 
+/// --renderer. Without it what the environment variable SIGHTLINE_RENDERER names, else automatic.
+void add_renderer_option(CommandLine& line, engine::Renderer& renderer);
+/// Tells on stderr that rays draw since no context could be made.
+void note_rays(engine::Engine& engine);
 /// --context-platform, into `platform`, and --gl-workaround. Builds without GL have no such options.
 void add_context_option(CommandLine& line, gl::ContextPlatform& platform);
 

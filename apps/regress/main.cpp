@@ -36,6 +36,7 @@ struct Options {
   double timeout = 0.0, silence = 15.0;
   bool mpi = false, resume = false, merge = false, accept = false, list = false, quiet = false, worker = false;
   apps::Limits limits;
+  engine::Renderer renderer = {};
   gl::ContextPlatform platform = {};
 };
 
@@ -101,6 +102,7 @@ void add_options(apps::CommandLine& line, Options& o) {
       .one_of({"failed", "all", "none"});
   line.add("--html", o.html, "Write the page to FILE (default: report.html in --out)").usage_text("FILE");
   line.add("--junit", o.junit, "Write JUnit XML to FILE (default: junit.xml in --out)").usage_text("FILE");
+  apps::add_renderer_option(line, o.renderer);
   apps::add_context_option(line, o.platform);
   apps::add_json_option(line, o.json_file);
   line.add_flag("--quiet", o.quiet, "No progress bar and no table");
@@ -146,17 +148,17 @@ std::vector<std::string> worker_command(const Options& o, int argc, char** argv)
   std::error_code none;
   const fs::path self = fs::read_symlink("/proc/self/exe", none);
   std::vector<std::string> command = {none ? argv[0] : self.string(), o.suite, "--worker", "--out", o.out};
-  const std::string option = "--context-platform";  // as it was given
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == option && i + 1 < argc) command.insert(command.end(), {option, argv[i + 1]});
-    if (argument.rfind(option + "=", 0) == 0) command.push_back(argument);
-  }
+  for (const std::string option : {"--renderer", "--context-platform"})  // as they were given
+    for (int i = 1; i < argc; ++i) {
+      const std::string argument = argv[i];
+      if (argument == option && i + 1 < argc) command.insert(command.end(), {option, argv[i + 1]});
+      if (argument.rfind(option + "=", 0) == 0) command.push_back(argument);
+    }
   return command;
 }
 
 core::Expected<int> serve(const Options& o, const apps::Suite& suite) {
-  apps::TaskDrawer drawer(suite, apps::ResultFolder(o.out), o.platform);
+  apps::TaskDrawer drawer(suite, apps::ResultFolder(o.out), o.renderer, o.platform);
   return apps::serve_tasks(apps::kAnswers, [&](std::size_t task, const std::string& key) -> core::Expected<void> {
     if (task >= suite.tasks.size() || suite.tasks[task].key != key)
       return core::fail(o.suite + ": was changed while its tasks were drawn");

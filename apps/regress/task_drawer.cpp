@@ -59,6 +59,7 @@ engine::ImageTiles TaskDrawer::prepare(const Task& task) {
   if (task.standard_looks) config.drawing.looks = engine::Looks::standard();
   config.drawing.samples = task.standard_looks ? 1 : task.samples;
   config.drawing.ids = task.limits.ids.has_value();
+  config.drawing.renderer = renderer_;
   config.context.platform = platform_;
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
   config.culling.culler = engine::CullerChoice::kCpu;

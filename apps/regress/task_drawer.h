@@ -10,8 +10,8 @@ namespace sightline::apps {
 /// depend on those before it: nothing is on that learns from earlier frames.
 class TaskDrawer {
  public:
-  TaskDrawer(const Suite& suite, ResultFolder results, gl::ContextPlatform platform)
-      : suite_(suite), results_(std::move(results)), platform_(platform) {}
+  TaskDrawer(const Suite& suite, ResultFolder results, engine::Renderer renderer, gl::ContextPlatform platform)
+      : suite_(suite), results_(std::move(results)), renderer_(renderer), platform_(platform) {}
 
   /// Draws, compares and writes the result; TaskResult::error is part of that. Fails where nothing can be written.
   core::Expected<void> run(const Task& task);
@@ -27,6 +27,7 @@ class TaskDrawer {
 
   const Suite& suite_;
   ResultFolder results_;
+  engine::Renderer renderer_;
   gl::ContextPlatform platform_;
   std::optional<std::size_t> model_;  // in the suite, that is read
   std::optional<Model> read_;

@@ -6,6 +6,7 @@
 #include "sightline/core/internal/store.h"
 #include "sightline/engine/drawing/internal/left_out.h"
 #include "sightline/engine/internal/settings.h"
+#include "sightline/engine/traced/internal/traced_backend.h"
 #include "sightline/gl/internal/program_cache.h"
 
 namespace sightline::engine {
@@ -16,7 +17,11 @@ constexpr double kLevelsSeconds = 0.004;  // of a frame, to upload levels of det
 }  // namespace
 
 core::Expected<std::unique_ptr<Backend>> make_backend(const EngineConfig& config, const Overrides& overrides) {
-  return Drawing::create(config, overrides);
+  const Renderer renderer = config.draw ? config.drawing.renderer : Renderer::kGl;
+  if (renderer == Renderer::kRays) return make_traced_backend(config, overrides, "asked for");
+  auto made = Drawing::create(config, overrides);
+  if (made || renderer == Renderer::kGl || !check_rays(config)) return made;
+  return make_traced_backend(config, overrides, made.error().message);
 }
 
 // --- context ---------------------------------------------------------------------------------------------------------

@@ -44,7 +44,7 @@ std::unique_ptr<KeptState> keep_current_context() {
   return std::make_unique<KeptCurrentContext>();
 }
 
-void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw) {
+void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw, const char* why_not) {
   const auto counts = count_batches(snapshot);
   for (int i = 0; i < gpuscene::kBatchKindCount; ++i) {
     const auto batch = gpuscene::BatchKind(i);
@@ -52,7 +52,7 @@ void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw) {
     std::string feature(gpuscene::name_of(batch));
     std::replace(feature.begin(), feature.end(), '_', ' ');
     feature += gpuscene::is_ray_cast(batch) ? " program (ray-cast)" : " program";
-    const std::string why = !draw ? "drawing is off" : n > 0 ? count_text(n) : "none in the scene";
+    const std::string why = !draw ? why_not : n > 0 ? count_text(n) : "none in the scene";
     set_entry(plan, {std::move(feature), draw && n > 0, why});
   }
 }

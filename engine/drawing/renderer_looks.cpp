@@ -7,8 +7,7 @@ void give_looks(const Looks& looks, render::Renderer& to, const std::array<doubl
   to.hatching = {looks.hatching.strength, looks.hatching.spacing};
   to.lighting = looks.lighting;
   to.sun = looks.sun;
-  to.background.top = glm::mix(looks.background.top, looks.background.bottom, float(rows[0]));
-  to.background.bottom = glm::mix(looks.background.top, looks.background.bottom, float(rows[1]));
+  to.background = rows_of(looks.background, rows);
 }
 
 }  // namespace sightline::engine

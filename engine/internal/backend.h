@@ -33,7 +33,7 @@ struct BackendReport {
   std::string platform = {}, renderer = {};             ///< as gl::Context has them
   const gl::Context* application = nullptr;             ///< the application's context, if it draws there
   std::optional<culling::GpuVariant> gpu_variant = {};  ///< of the GPU culler
-  std::string why_gpu_variant = {};
+  std::string why_gpu_variant = {}, why_rays = {};
   std::size_t gpu_bytes = 0;
   std::size_t levels_bytes = 0, points_bytes = 0;  ///< of main memory: clusters and levels of detail; moving images
 };
@@ -142,25 +142,48 @@ class Backend {
   /// Waits for clusters and levels of detail of all meshes, and uploads them.
   virtual core::Expected<void> finish_levels() { return {}; }
 
+#if SIGHTLINE_HAS_GL
+  // --- the last frame's image: Engine's functions of these names ---
+
+  virtual core::Expected<image::Image> read_colour();
+  virtual core::Expected<image::IdImage> read_ids();
+  virtual core::Expected<image::DepthImage> read_depth(const core::View& view);
+  virtual core::Expected<bool> covered();
+#endif
+
   // --- queries ---
 
   /// What an image of the view would leave out of the visible items. The last image is then gone.
-  virtual core::Expected<LeftOut> left_out(const Frame&, const core::VisibleSet& /*visible*/) { return LeftOut(); }
+  virtual core::Expected<LeftOut> left_out(const Frame&, const core::VisibleSet& /*visible*/) {
+    return LeftOut();
+  }
   /// Error of the last draw() by EngineConfig::losses; it must have drawn `visible`.
-  virtual core::Expected<LossReport> loss(const Frame&, const core::VisibleSet& /*visible*/) { return LossReport(); }
-  virtual BackendReport report() const { return {}; }
-  virtual bool software() const { return false; }
-  virtual std::vector<std::string> take_gl_errors() { return {}; }
+  virtual core::Expected<LossReport> loss(const Frame&, const core::VisibleSet& /*visible*/) {
+    return LossReport();
+  }
+  virtual BackendReport report() const {
+    return {};
+  }
+  virtual bool software() const {
+    return false;
+  }
+  /// Whether it traces images, and so needs the tracer of each frame's snapshot.
+  virtual bool traces() const {
+    return false;
+  }
+  virtual std::vector<std::string> take_gl_errors() {
+    return {};
+  }
 };
 
 // Builds without GL have their own version of each of these (no_gl.cpp).
 
-/// A backend with GL that draws nothing before advance() or rebuild(). `overrides` are borrowed. Fails in builds
-/// without GL.
+/// A backend that draws nothing before advance() or rebuild(): with GL, or by rays. `overrides` are borrowed. Fails in
+/// builds without GL.
 core::Expected<std::unique_ptr<Backend>> make_backend(const EngineConfig& config, const Overrides& overrides);
 /// Keeps which context is current on this thread, for the time in which a backend is made.
 std::unique_ptr<KeptState> keep_current_context();
-/// Sets the plan's entry for the program of each batch kind.
-void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
+/// Sets the plan's entry for the program of each batch kind. `why_not`: where GL does not draw.
+void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw, const char* why_not);
 
 }  // namespace sightline::engine

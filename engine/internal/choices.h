@@ -23,8 +23,8 @@ consteval bool names_agree() {
     if (name_of(Enum(i)) != kChoices<Enum>[i]) return false;
   return true;
 }
-static_assert(names_agree<CullerChoice>() && names_agree<OcclusionChoice>() && names_agree<Transparency>() &&
-              names_agree<ContributionMode>() && names_agree<GlState>() && names_agree<culling::GpuVariant>() &&
-              names_agree<gpuprims::Lighting>());
+static_assert(names_agree<CullerChoice>() && names_agree<OcclusionChoice>() && names_agree<Renderer>() &&
+              names_agree<Transparency>() && names_agree<ContributionMode>() && names_agree<GlState>() &&
+              names_agree<culling::GpuVariant>() && names_agree<gpuprims::Lighting>());
 
 }  // namespace sightline::engine

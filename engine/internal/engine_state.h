@@ -55,8 +55,14 @@ struct EngineState {
   BackgroundTracer new_tracer;
   std::unique_ptr<BackgroundRebuild> rebuild;
 
-  bool needs_gl() const {
+  bool needs_backend() const {
     return config.draw || live.plan.gpu_culls();
+  }
+  bool draws_by_rays() const {
+    return config.draw && (config.drawing.renderer == Renderer::kRays || backend->traces());
+  }
+  bool needs_gl() const {
+    return (config.draw && !draws_by_rays()) || live.plan.gpu_culls();
   }
   /// Held where GL is called, so that calls which need no GL do not ask it.
   std::unique_ptr<KeptState> keep_state() const;

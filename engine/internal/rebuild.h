@@ -32,7 +32,7 @@ using Culler = std::variant<culling::LinearCuller, culling::CpuCuller>;
 /// Arguments of make_plan besides the snapshot and its joints.
 struct PlanRequest {
   CullerChoice culler = CullerChoice::kAutomatic;
-  bool draw = false, ids = false;
+  bool draw = false, rays = false, ids = false;  // rays: they draw
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   bool contribution = false, budget = false;  // asked for; the CPU must then cull what is drawn
   bool levels = false;                        // of detail are asked for
@@ -41,6 +41,7 @@ struct PlanRequest {
   ScenePart part = {};
 
   bool needs_cpu() const { return draw && (contribution || budget); }
+  bool draws_by_gl() const { return draw && !rays; }
 };
 
 /// A bit per slot; no words where there are none. Lines have a rule of their own for what they colour.

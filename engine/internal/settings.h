@@ -47,9 +47,16 @@ core::Expected<void> check_ranges(const EngineConfig& config);
 /// Fails also on settings that a paged engine does not have.
 core::Expected<void> check_ranges(const PagedConfig& config);
 
+/// Fails on what images by rays do not have.
+core::Expected<void> check_rays(const EngineConfig& config);
+
 /// The name of a fixed setting in which they differ; null where there is none.
 const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b);
 
+/// The background of some rows of an image: 0 is its upper border, 1 its lower.
+inline gpuprims::Background rows_of(const gpuprims::Background& whole, const std::array<double, 2>& rows) {
+  return {glm::mix(whole.top, whole.bottom, float(rows[1])), glm::mix(whole.top, whole.bottom, float(rows[0]))};
+}
 /// Makes a renderer draw with these looks. `rows`: where the image reaches in that of which it is a part, 0 at its
 /// upper border and 1 at its lower.
 void give_looks(const Looks& looks, render::Renderer& to, const std::array<double, 2>& rows = {0.0, 1.0});

@@ -77,7 +77,7 @@ core::Expected<TracedPages::Counts> TracedPages::draw(const core::View& view, co
       const std::int64_t leaf = leaf_of(id);
       return leaf >= 0 && culling::contains(traced_, core::Slot(leaf));
     });
-  const raytrace::MovingImage::Request request{{parts, {boxes_.get(), part_of_, traced_, scene_.colours, kFirstLeafId}},
+  const raytrace::ImageRequest request{{parts, {boxes_.get(), part_of_, traced_, scene_.colours, kFirstLeafId}},
                                                view,
                                                target.width(),
                                                target.height(),

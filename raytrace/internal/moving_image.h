@@ -18,25 +18,14 @@
 
 #include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
-#include "sightline/gpuprims/surroundings.h"
+#include "sightline/raytrace/internal/lit.h"
 #include "sightline/raytrace/internal/point_image.h"
-#include "sightline/raytrace/internal/traced_scene.h"
-#include "sightline/raytrace/tracer.h"
 
 namespace sightline::raytrace {
 
 /// Costs what PointImage does.
 class MovingImage {
  public:
-  /// The scene, the view and the looks of an image. Borrows everything.
-  struct Request {
-    TracedScene scene;
-    const core::View& view;
-    int width, height;                                             ///< pixels
-    gpuprims::Lighting lighting = gpuprims::Lighting::kHeadLight;  ///< and the rest as render::Renderer has them
-    core::dvec3 sun{0.0, 0.0, 1.0};
-    gpuprims::Background background = {};
-  };
   /// Pixels by what they show: a point that a ray of this view has found; one of an earlier view; that of a neighbour.
   struct Counts {
     std::int64_t traced = 0, kept = 0, filled = 0;
@@ -46,7 +35,7 @@ class MovingImage {
   /// forget() was called; parts may come and go. Ends a fraction of a millisecond after the deadline
   /// (core::now_seconds()), but for what grows with the pixels alone. Called again with the same view it goes on; the
   /// image is complete once nothing is kept or filled. Fails as core::image_ray() does.
-  core::Expected<Counts> draw(const Request& request, core::ThreadPool& threads, double deadline);
+  core::Expected<Counts> draw(const ImageRequest& request, core::ThreadPool& threads, double deadline);
   /// Begins with an image of a view that is there: what follows it shows its points until rays have met others.
   void begin(const core::View& view, int width, int height, const PointImage::Pixels& image,
              core::ThreadPool& threads) {
@@ -77,7 +66,6 @@ class MovingImage {
                      double deadline, double& rate);
   std::int64_t trace_block(const Shot& shot, std::uint32_t block, std::uint32_t places);
   void shoot(const Shot& shot, const PixelRange& block, std::span<const std::uint32_t> pixels);
-  void pass_dithered(const Shot& shot, const core::Ray& ray, std::uint32_t pixel, SceneRays::PartHit& hit) const;
   void show(const Shot& shot, const core::Ray& ray, const SceneRays::PartHit& found, std::uint32_t pixel);
 
   std::optional<core::View> view_;  // of the image; none: its points are forgotten

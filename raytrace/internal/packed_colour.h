@@ -8,10 +8,10 @@
 
 namespace sightline::raytrace {
 
-/// Red in the lowest byte, then green, blue, and 255.
-inline std::uint32_t packed_colour(const core::vec3& colour) {
+/// Red in the lowest byte, then green, blue, and alpha.
+inline std::uint32_t packed_colour(const core::vec3& colour, float alpha = 1.0f) {
   const auto byte = [](float channel) { return std::uint32_t(255.0f * std::clamp(channel, 0.0f, 1.0f) + 0.5f); };
-  return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | 0xff000000u;
+  return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | byte(alpha) << 24;
 }
 /// Whatever the highest byte holds.
 inline core::vec3 colour_of(std::uint32_t packed) {

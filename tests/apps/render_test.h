@@ -8,11 +8,13 @@
 
 namespace sightline::tests {
 
-/// Skips, with the tool's own words, or fails where it finds no EGL or OpenGL (no_gl.h).
+/// Tools draw with OpenGL, unless they are told otherwise. Skips, with the tool's own words, or fails where it finds no
+/// EGL or OpenGL (no_gl.h).
 class RenderTest : public ToolTest {
  protected:
   void SetUp() override {
     ToolTest::SetUp();
+    setenv("SIGHTLINE_RENDERER", "gl", 1);
     static const Outcome probe = run("render", {write("probe.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"), "--size",
                                                 "8x8", "--out", path("probe.png")});
     if (probe.code == 0) return;

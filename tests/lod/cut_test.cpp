@@ -202,7 +202,7 @@ TEST(CutChooser, DrawsEachGroupInOneWay) {
   EXPECT_GT(most, mesh.indices.size() / 3);
 }
 
-/// Of a mesh so large that threads share its rounds.
+/// The mesh is so large that threads share its rounds.
 TEST(CutChooser, ChoosesTheSameWithAnyNumberOfThreads) {
   const lod::MeshLevels levels = lod::build_levels(bumpy_torus(220, 0.1));
   ASSERT_GT(levels.groups.size(), 100u);

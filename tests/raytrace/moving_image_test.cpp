@@ -71,7 +71,7 @@ class MovingImageTest : public testing::Test {
     EXPECT_EQ(counts->traced + counts->kept + counts->filled, std::int64_t(kPixels));
     return *counts;
   }
-  MovingImage::Request request(const core::View& view, int width = kWidth) const {
+  raytrace::ImageRequest request(const core::View& view, int width = kWidth) const {
     return {{{&whole, 1}}, view, width, kHeight};
   }
   /// The hit of a pixel's ray; pixels are counted from the bottom up.

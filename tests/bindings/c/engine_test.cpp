@@ -453,7 +453,8 @@ sl_engine_config other_settings() {
   c.culling.sample_test = 0, c.culling.occlusion = SL_OCCLUSION_OFF;
   c.culling.part = {1, 3}, c.culling.rebuild_share = 0.25;
   c.culling.controller = {0.5, 0.25, 0.75, 9, 0.125, 3, 0.0625, 201, 17, 0.375};
-  c.drawing.ids = 1, c.drawing.samples = 4, c.drawing.transparency = SL_TRANSPARENCY_BLENDED;
+  c.drawing.renderer = SL_RENDERER_AUTO, c.drawing.ids = 1, c.drawing.samples = 4;
+  c.drawing.transparency = SL_TRANSPARENCY_BLENDED;
   c.drawing.outline_colour[1] = 0.125f, c.drawing.culled_colour = {1, {0.0f, 0.0f, 0.75f}};
   sl_looks& looks = c.drawing.looks;
   looks.depth_shading = {0.5f, 0.25f}, looks.hatching = {0.75f, 9.0f};

@@ -111,7 +111,7 @@ class Engines(Case):
         self.assertIsNone(self.engine.controller, "no hybrid")
 
     def test_settings_come_back(self):
-        chosen = dict(width=30, height=20, threads=3, ids=True, samples=4, transparency="blended", part=(1, 3),
+        chosen = dict(width=30, height=20, threads=3, renderer="auto", ids=True, samples=4, transparency="blended", part=(1, 3),
                       rebuild_share=0.25, gpu_variant="compute", context_platform="osmesa", context_later=True, gl_state="leave", gl_debug=True,
                       program_cache=self.folder, culler="linear", sample_test=False, occlusion="off", min_projected_area=2.5,
                       contribution_mode="points", budget_ms=7.0, lod_error=1.5, culled_colour=(0, 0.25, 1), outline_colour=(1, 0, 0.5),

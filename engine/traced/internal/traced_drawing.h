@@ -1,0 +1,62 @@
+// The backend of an engine whose images rays make: for machines without OpenGL, and where rays are faster. Internal to
+// engine.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sightline/core/thread_pool.h"
+#include "sightline/engine/internal/backend.h"
+#include "sightline/raytrace/internal/still_image.h"
+
+namespace sightline::engine {
+
+/// Draws what renderers draw, whole: items that losses let an image lack are there, and meshes in full. Needs the
+/// tracer of each frame. What it has not, engines refuse: blended transparency, hatching, and what is the application's
+/// in GL.
+class TracedDrawing : public Backend {
+ public:
+  /// `overrides` are borrowed. `why`: for the plan.
+  TracedDrawing(const EngineConfig& config, const Overrides& overrides, std::string why);
+
+  bool ready() const override { return true; }
+  void configure(const EngineConfig& config) override { config_ = config; }
+  core::Expected<void> resize(int width, int height) override;
+  core::Expected<void> use_image(std::uint32_t number, int width, int height) override;
+  void forget_image(std::uint32_t number) override { images_.erase(number); }
+
+  core::Expected<DrawResult> draw(const Frame& frame, const core::VisibleSet& visible, bool on_gpu = false) override;
+
+  core::Expected<image::Image> read_colour() override;
+  core::Expected<image::IdImage> read_ids() override;
+  core::Expected<image::DepthImage> read_depth(const core::View& view) override;
+  core::Expected<bool> covered() override;
+
+  BackendReport report() const override;
+  bool software() const override { return true; }
+  bool traces() const override { return true; }
+
+ private:
+  struct Image {
+    int width = 0, height = 0;
+    raytrace::StillImage pixels;
+  };
+  core::Expected<void> draw_items(const Frame& frame, culling::SlotBits items, culling::SlotBits but,
+                                  raytrace::StillImage& image, bool as_ghosts = false);
+  core::Expected<void> draw_ghosts(const Frame& frame);
+  core::Expected<void> draw_outline(const Frame& frame);
+
+  EngineConfig config_;
+  const Overrides& overrides_;
+  std::string why_;
+  core::ThreadPool threads_;
+  std::map<std::uint32_t, Image> images_;
+  Image* image_ = nullptr;
+  std::vector<std::uint64_t> shown_, without_;  // a bit per slot: the frame's visible items; what an image leaves out
+  std::vector<core::Slot> lines_;
+  raytrace::StillImage layer_;  // what is drawn over the image
+};
+
+}  // namespace sightline::engine

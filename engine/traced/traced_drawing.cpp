@@ -1,0 +1,190 @@
+#include "sightline/engine/traced/internal/traced_drawing.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "sightline/core/internal/instruction_set.h"
+#include "sightline/engine/internal/settings.h"
+#include "sightline/engine/traced/internal/depth_shading.h"
+#include "sightline/engine/traced/internal/traced_backend.h"
+#include "sightline/gpuprims/internal/view_block.h"
+#include "sightline/raytrace/internal/packed_colour.h"
+#include "sightline/render/image/image.h"
+
+namespace sightline::engine {
+namespace {
+
+using raytrace::StillImage;
+
+/// Calls visit(row) from the top down.
+template <class Pixel, class Visit>
+void for_each_row_down(const StillImage& image, std::span<Pixel> pixels, const Visit& visit) {
+  const auto width = std::size_t(image.width());
+  for (std::size_t end = pixels.size(); end > 0; end -= width) visit(pixels.subspan(end - width, width));
+}
+
+/// A colour, multiplied by its alpha, over another one.
+std::uint32_t over(std::uint32_t front, std::uint32_t back) {
+  const std::uint32_t rest = 255u - (front >> 24);
+  const auto channel = [&](int shift) {
+    return std::min(255u, (front >> shift & 255u) + ((back >> shift & 255u) * rest + 127u) / 255u) << shift;
+  };
+  return channel(0) | channel(8) | channel(16) | 0xff000000u;
+}
+
+}  // namespace
+
+core::Expected<std::unique_ptr<Backend>> make_traced_backend(const EngineConfig& config, const Overrides& overrides,
+                                                             const std::string& why) {
+  return std::make_unique<TracedDrawing>(config, overrides, why);
+}
+
+TracedDrawing::TracedDrawing(const EngineConfig& config, const Overrides& overrides, std::string why)
+    : config_(config), overrides_(overrides), why_(std::move(why)), threads_(config.threads, config.runner) {
+  (void)use_image(0, config.width, config.height);
+}
+
+core::Expected<void> TracedDrawing::resize(int width, int height) {
+  *image_ = {width, height, {}};
+  return {};
+}
+
+core::Expected<void> TracedDrawing::use_image(std::uint32_t number, int width, int height) {
+  image_ = &images_[number];
+  if (image_->width != width || image_->height != height) return resize(width, height);
+  return {};
+}
+
+core::Expected<DrawResult> TracedDrawing::draw(const Frame& frame, const core::VisibleSet& visible, bool) {
+  if (!frame.tracer) return core::fail("engine: the scene's tracer could not be made");
+  const DepthShading& depth_shading = config_.drawing.looks.depth_shading;
+  StillImage& image = image_->pixels;
+  shown_.assign(culling::bit_words(frame.snapshot.size()), 0);
+  culling::set_bits(visible, shown_);
+  if (auto done = draw_items(frame, shown_, overrides_.ghosts(), image); !done) return tl::unexpected(done.error());
+  if (depth_shading.any())
+    shade({image.width(), image.height(), image.pixels().colours, image.pixels().depths},
+          gpuprims::pixel_depth(frame.view, image.height()), depth_shading, threads_);
+  auto done = draw_ghosts(frame);
+  if (done) done = draw_outline(frame);
+  if (!done) return tl::unexpected(done.error());
+  DrawResult result;
+  result.counts = {-1, std::int64_t(frame.snapshot.count(visible))};
+  return result;
+}
+
+/// Draws visible items of a set, but for others.
+core::Expected<void> TracedDrawing::draw_items(const Frame& frame, culling::SlotBits items, culling::SlotBits but,
+                                               StillImage& image, bool as_ghosts) {
+  without_.resize(shown_.size());
+  for (std::size_t word = 0; word < without_.size(); ++word) {
+    const std::uint64_t left_out = word < but.size() ? but[word] : 0, in = word < items.size() ? items[word] : 0;
+    without_[word] = ~(in & shown_[word]) | left_out;
+  }
+  lines_.clear();
+  for (std::size_t word = 0; word < frame.lines.size(); ++word)
+    for (std::uint64_t left = frame.lines[word] & ~without_[word]; left != 0; left &= left - 1)
+      lines_.push_back(core::Slot(64 * word) + core::Slot(std::countr_zero(left)));
+  const Looks& looks = config_.drawing.looks;
+  // Most images show all of their items, and a filter costs time.
+  const bool all = but.empty() && !as_ghosts && items.data() == shown_.data() && !frame.aside();
+  const raytrace::TracedPart part{frame.tracer, all ? std::span<const std::uint64_t>() : without_};
+  return image.draw({{{&part, 1}},
+                     frame.view,
+                     image_->width,
+                     image_->height,
+                     looks.lighting,
+                     looks.sun,
+                     rows_of(looks.background, frame.rows),
+                     as_ghosts},
+                    {&frame.snapshot, lines_}, config_.drawing.samples, threads_);
+}
+
+/// Ghosts lie over the image where nothing hides them, and of those only the nearest.
+core::Expected<void> TracedDrawing::draw_ghosts(const Frame& frame) {
+  if (overrides_.ghosts().empty()) return {};
+  auto done = draw_items(frame, overrides_.ghosts(), {}, layer_, true);
+  if (!done) return done;
+  const auto image = image_->pixels.pixels(), ghosts = layer_.pixels();
+  for (std::size_t i = 0; i < image.colours.size(); ++i)
+    if (ghosts.depths[i] > image.depths[i]) image.colours[i] = over(ghosts.colours[i], image.colours[i]);
+  return {};
+}
+
+/// A line around outlined items: twin of render/shaders/outline.frag with one sample per pixel.
+core::Expected<void> TracedDrawing::draw_outline(const Frame& frame) {
+  if (overrides_.outlined().empty()) return {};
+  if (auto done = draw_items(frame, overrides_.outlined(), {}, layer_, true); !done) return done;
+  constexpr int kReach = 2;
+  constexpr float kOccludedLine = 0.35f, kSameDepth = 1e-4f;
+  const auto image = image_->pixels.pixels(), items = layer_.pixels();
+  const int width = image_->width, height = image_->height;
+  const core::vec3 colour = config_.drawing.outline_colour;
+  const auto at = [&](int x, int y) { return std::size_t(y) * std::size_t(width) + std::size_t(x); };
+  threads_.run(std::uint32_t(height), [&](std::uint32_t row) {
+    for (int x = 0, y = int(row); x < width; ++x) {
+      if (items.depths[at(x, y)] > 0.0f) continue;
+      float alpha = 0.0f;
+      for (int v = std::max(0, y - kReach); v <= std::min(height - 1, y + kReach); ++v)
+        for (int u = std::max(0, x - kReach); u <= std::min(width - 1, x + kReach); ++u) {
+          const float depth = items.depths[at(u, v)];
+          if (depth == 0.0f || (u - x) * (u - x) + (v - y) * (v - y) > kReach * kReach + 1) continue;
+          alpha = std::max(alpha, depth >= image.depths[at(u, v)] * (1.0f - kSameDepth) ? 1.0f : kOccludedLine);
+        }
+      if (alpha > 0.0f)
+        image.colours[at(x, y)] = over(raytrace::packed_colour(colour * alpha, alpha), image.colours[at(x, y)]);
+    }
+  });
+  return {};
+}
+
+// --- reading ---------------------------------------------------------------------------------------------------------
+
+core::Expected<image::Image> TracedDrawing::read_colour() {
+  const StillImage::Pixels pixels = image_->pixels.pixels();
+  image::Image read{image_->width, image_->height, {}};
+  read.pixels.reserve(3 * pixels.colours.size());
+  for_each_row_down(image_->pixels, pixels.colours, [&](std::span<const std::uint32_t> row) {
+    for (const std::uint32_t colour : row)
+      for (const int shift : {0, 8, 16}) read.pixels.push_back(std::uint8_t(colour >> shift));
+  });
+  return read;
+}
+
+core::Expected<image::IdImage> TracedDrawing::read_ids() {
+  image::IdImage read{image_->width, image_->height, {}};
+  for_each_row_down(image_->pixels, image_->pixels.pixels().ids, [&](std::span<const std::uint32_t> row) {
+    read.ids.insert(read.ids.end(), row.begin(), row.end());
+  });
+  return read;
+}
+
+core::Expected<image::DepthImage> TracedDrawing::read_depth(const core::View& view) {
+  image::DepthImage read{image_->width, image_->height, {}};
+  const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
+  for_each_row_down(image_->pixels, image_->pixels.pixels().depths, [&](std::span<const float> row) {
+    for (const float depth : row)
+      read.metres.push_back(depth == 0.0f ? std::numeric_limits<float>::infinity()
+                                          : float(gpuprims::eye_depth(clip, depth)));
+  });
+  return read;
+}
+
+core::Expected<bool> TracedDrawing::covered() {
+  return std::ranges::any_of(image_->pixels.pixels().depths, [](float depth) { return depth > 0.0f; });
+}
+
+BackendReport TracedDrawing::report() const {
+  BackendReport report;
+  report.renderer = std::string("rays (") + core::name_of(core::instruction_set()) + ", " +
+                    std::to_string(threads_.size()) + (threads_.size() == 1 ? " thread)" : " threads)");
+  report.why_rays = why_;
+  for (const auto& [number, image] : images_) report.points_bytes += image.pixels.memory_bytes();
+  report.points_bytes += layer_.memory_bytes();
+  return report;
+}
+
+}  // namespace sightline::engine
