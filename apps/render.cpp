@@ -55,9 +55,12 @@ struct Options {
   std::optional<std::uint64_t> samples;
   apps::DrawnOptions shown{.looks = engine::Looks::standard()};
   apps::StyleOptions styles;
-  engine::Renderer renderer = {};
-  gl::ContextPlatform platform = {};
-  bool gl_debug = false, mpi = false;
+  struct {
+    engine::Renderer renderer = {};
+    gl::ContextPlatform platform = {};
+    bool gl_debug = false;
+  } means;
+  bool mpi = false;
   struct {
     double max = -1.0, mean = -1.0;  // of 0 to 255; negative: not stated
   } allowed;
@@ -145,8 +148,8 @@ void add_engine_options(apps::CommandLine& line, Options& o) {
            "Samples of each pixel, for smooth edges: so many images; ids and depth are those of pixel centres")
       .default_text("4")
       .in_range(1, 64);
-  apps::add_renderer_option(line, o.renderer);
-  apps::add_context_option(line, o.platform);
+  apps::add_renderer_option(line, o.means.renderer);
+  apps::add_context_option(line, o.means.platform);
 }
 
 core::Expected<void> check_outputs(const Options& o) {
@@ -164,7 +167,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   add_comparison_options(line, o);
   add_frames_options(line, o);
   add_engine_options(line, o);
-  general.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver").advanced();
+  general.add_flag("--gl-debug", o.means.gl_debug, "Fail on any message of the GL driver").advanced();
   general.add("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout").metavar("FILE");
   const apps::Option mpi =
       line.add_flag("--mpi", o.mpi,
@@ -428,10 +431,10 @@ core::Expected<int> render_frames(const Options& o, Studio& studio) {
 engine::Renderer choose_renderer(const Options& o, const engine::EngineConfig& config) {
   using engine::CullerChoice;
   if (o.mpi) return engine::Renderer::kGl;
-  if (o.renderer != engine::Renderer::kAutomatic) return o.renderer;
+  if (o.means.renderer != engine::Renderer::kAutomatic) return o.means.renderer;
   const bool culls_on_gpu = o.culler == CullerChoice::kGpu || o.culler == CullerChoice::kHybrid || o.gpu_variant;
-  const bool about_gl = o.platform != gl::ContextPlatform{} || std::getenv("SIGHTLINE_CONTEXT") ||
-                        std::getenv("SIGHTLINE_GL_WORKAROUNDS") || o.gl_debug;
+  const bool about_gl = o.means.platform != gl::ContextPlatform{} || std::getenv("SIGHTLINE_CONTEXT") ||
+                        std::getenv("SIGHTLINE_GL_WORKAROUNDS") || o.means.gl_debug;
   const bool loses = config.losses.min_projected_area > 0.0f || config.losses.budget_ms > 0.0;
   const bool only_gl =
       config.drawing.looks.hatching.any() || config.drawing.transparency == engine::Transparency::kBlended;
@@ -447,8 +450,8 @@ Studio make_studio(const Options& o, const engine::ScenePart& part) {
   config.drawing.transparency = o.styles.transparency;
   config.drawing.ids = o.wants_ids() || o.mpi;
   config.culling.part = part;
-  config.context.platform = o.platform;
-  config.context.gl_debug = o.gl_debug;
+  config.context.platform = o.means.platform;
+  config.context.gl_debug = o.means.gl_debug;
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here
   config.culling.culler = o.culler;
   config.culling.gpu_variant = o.gpu_variant;
@@ -500,7 +503,7 @@ PagedImage draw_paged(const Options& o) {
                                        .height = size[1],
                                        .drawing = {.ids = o.wants_ids(), .looks = o.shown.all_looks()},
                                        .losses = {.lod_error = o.shown.lod_error},
-                                       .context = {.platform = o.platform, .gl_debug = o.gl_debug}}));
+                                       .context = {.platform = o.means.platform, .gl_debug = o.means.gl_debug}}));
   const auto view = need(apps::choose_view(o.view, core::dvec3(0.0), engine.scene().leaves, engine.scene().fitted,
                                            double(size[0]) / size[1]));
   auto outputs = Outputs::open(o, size);

@@ -20,10 +20,7 @@ core::Expected<image::Image> Backend::read_colour() {
 core::Expected<image::IdImage> Backend::read_ids() {
   return no_image();
 }
-core::Expected<image::DepthImage> Backend::read_depth(const core::View&) {
-  return no_image();
-}
-core::Expected<bool> Backend::covered() {
+core::Expected<image::DepthImage> Backend::read_depth(const core::View*) {
   return no_image();
 }
 
@@ -51,12 +48,11 @@ core::Expected<image::IdImage> Drawing::read_ids() {
   return read_from(drawing(), [](const render::RenderTarget& target) { return target.read_ids(); });
 }
 
-core::Expected<image::DepthImage> Drawing::read_depth(const core::View& view) {
-  return read_from(drawing(), [&](const render::RenderTarget& target) { return target.read_depth(view); });
-}
-
-core::Expected<bool> Drawing::covered() {
-  return read_from(drawing(), [](const render::RenderTarget& target) { return target.covered(); });
+core::Expected<image::DepthImage> Drawing::read_depth(const core::View* view) {
+  return read_from(drawing(), [&](const render::RenderTarget& target) {
+    return view ? target.read_depth(*view)
+                : image::DepthImage{target.width(), target.height(), target.read_reversed_depths()};
+  });
 }
 
 core::Expected<image::Image> Engine::read_colour() {
@@ -73,12 +69,14 @@ core::Expected<image::IdImage> Engine::read_ids() {
 
 core::Expected<image::DepthImage> Engine::read_depth(const core::View& view) {
   const auto kept = state_->keep_state();
-  return state_->backend->read_depth(view);
+  return state_->backend->read_depth(&view);
 }
 
 core::Expected<bool> Engine::covered() {
   const auto kept = state_->keep_state();
-  return state_->backend->covered();
+  const auto depths = state_->backend->read_depth(nullptr);
+  if (!depths) return tl::unexpected(depths.error());
+  return std::ranges::any_of(depths->metres, [](float depth) { return depth > 0.0f; });
 }
 
 core::Expected<std::uint32_t> Engine::framebuffer() {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "sightline/core/internal/section_rounding.h"
 
@@ -133,6 +134,12 @@ core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int
   block.depth_range.z = float(core::kWorldRounding * largest);
   block.flags = {perspective ? 1 : 0, count, view.section_mode == core::SectionMode::kUnion ? 1 : 0, 0};
   return block;
+}
+
+void to_distances(const core::View& view, std::span<float> depths) {
+  const core::dmat4 clip = reversed_clip_from_eye(view);
+  for (float& depth : depths)
+    depth = depth == 0.0f ? std::numeric_limits<float>::infinity() : float(eye_depth(clip, depth));
 }
 
 glm::vec2 pixel_depth(const core::View& view, int height) {

@@ -129,8 +129,7 @@ void RenderTarget::copy_to(const RenderTarget& to) const {
                             texture_target(), 0, 0, 0, 0, width(), height(), 1);
 }
 
-void RenderTarget::read(std::span<std::uint32_t> colours, std::span<float> depths,
-                        std::span<std::uint32_t> ids) const {
+void RenderTarget::read(std::span<std::uint32_t> colours, std::span<float> depths, std::span<std::uint32_t> ids) const {
   const Attachments& from = resolved_attachments();
   from.colour.read(0, GL_RGBA, GL_UNSIGNED_BYTE, std::as_writable_bytes(colours));
   from.depth.read(0, GL_DEPTH_COMPONENT, GL_FLOAT, std::as_writable_bytes(depths));
@@ -170,20 +169,13 @@ image::NormalImage RenderTarget::read_normals() const {
   return {width(), height(), read_flipped<std::array<float, 3>>(resolved_attachments().normals, GL_RGB, GL_FLOAT, 1)};
 }
 
-bool RenderTarget::covered() const {
-  const auto depths = read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1);
-  return std::any_of(depths.begin(), depths.end(), [](float depth) { return depth > 0.0f; });
-}
-
 std::vector<float> RenderTarget::read_reversed_depths() const {
   return read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1);
 }
 
 image::DepthImage RenderTarget::read_depth(const core::View& view) const {
   image::DepthImage image{width(), height(), read_reversed_depths()};
-  const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
-  for (float& depth : image.metres)
-    depth = depth == 0.0f ? std::numeric_limits<float>::infinity() : float(gpuprims::eye_depth(clip, depth));
+  gpuprims::to_distances(view, image.metres);
   return image;
 }
 

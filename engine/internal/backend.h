@@ -147,8 +147,8 @@ class Backend {
 
   virtual core::Expected<image::Image> read_colour();
   virtual core::Expected<image::IdImage> read_ids();
-  virtual core::Expected<image::DepthImage> read_depth(const core::View& view);
-  virtual core::Expected<bool> covered();
+  /// `view`: null: reversed depths, as they are stored, 0 where nothing was drawn.
+  virtual core::Expected<image::DepthImage> read_depth(const core::View* view);
 #endif
 
   // --- queries ---

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -162,19 +161,12 @@ core::Expected<image::IdImage> TracedDrawing::read_ids() {
   return read;
 }
 
-core::Expected<image::DepthImage> TracedDrawing::read_depth(const core::View& view) {
+core::Expected<image::DepthImage> TracedDrawing::read_depth(const core::View* view) {
   image::DepthImage read{image_->width, image_->height, {}};
-  const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
-  for_each_row_down(image_->pixels, image_->pixels.pixels().depths, [&](std::span<const float> row) {
-    for (const float depth : row)
-      read.metres.push_back(depth == 0.0f ? std::numeric_limits<float>::infinity()
-                                          : float(gpuprims::eye_depth(clip, depth)));
-  });
+  for_each_row_down(image_->pixels, image_->pixels.pixels().depths,
+                    [&](std::span<const float> row) { read.metres.insert(read.metres.end(), row.begin(), row.end()); });
+  if (view) gpuprims::to_distances(*view, read.metres);
   return read;
-}
-
-core::Expected<bool> TracedDrawing::covered() {
-  return std::ranges::any_of(image_->pixels.pixels().depths, [](float depth) { return depth > 0.0f; });
 }
 
 BackendReport TracedDrawing::report() const {

@@ -72,8 +72,6 @@ class RenderTarget {
   image::Image read_colour() const;
   image::IdImage read_ids() const;          ///< only for a target with ids
   image::NormalImage read_normals() const;  ///< only for a target with normals
-  /// Whether any pixel shows anything but the background. Tests the depth of one sample per pixel.
-  bool covered() const;
   /// Depth as distance along the axis of `view`, which must be the view that was drawn.
   image::DepthImage read_depth(const core::View& view) const;
   /// As they are stored: 0 where nothing was drawn, and the larger the nearer. Rows from the top.

@@ -50,8 +50,7 @@ class Drawing : public DrawnScene {
   core::Expected<LossReport> loss(const Frame& frame, const core::VisibleSet& visible) override;
   core::Expected<image::Image> read_colour() override;
   core::Expected<image::IdImage> read_ids() override;
-  core::Expected<image::DepthImage> read_depth(const core::View& view) override;
-  core::Expected<bool> covered() override;
+  core::Expected<image::DepthImage> read_depth(const core::View* view) override;
   BackendReport report() const override;
   bool software() const override { return context_.software(); }
   std::vector<std::string> take_gl_errors() override;

@@ -31,8 +31,7 @@ class TracedDrawing : public Backend {
 
   core::Expected<image::Image> read_colour() override;
   core::Expected<image::IdImage> read_ids() override;
-  core::Expected<image::DepthImage> read_depth(const core::View& view) override;
-  core::Expected<bool> covered() override;
+  core::Expected<image::DepthImage> read_depth(const core::View* view) override;
 
   BackendReport report() const override;
   bool software() const override { return true; }
