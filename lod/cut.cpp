@@ -14,9 +14,10 @@ namespace {
 using core::dvec3;
 using core::dvec4;
 
-constexpr double kInwards = 1.0 - 1e-6;   // for the rounding of the few operations of each bound
-constexpr double kGpuRounding = 4e-6;     // of a value that a GPU computes in float, relative to its terms
-constexpr std::size_t kGroupsOfJob = 64;  // some ten microseconds
+constexpr double kInwards = 1.0 - 1e-6;    // for the rounding of the few operations of each bound
+constexpr double kGpuRounding = 4e-6;      // of a value that a GPU computes in float, relative to its terms
+constexpr double kDoubleRounding = 2e-15;  // of a value computed here, relative to its terms: twice its nine roundings
+constexpr std::size_t kGroupsOfJob = 64;   // some ten microseconds
 
 dvec4 form_of(const core::Plane& plane) {
   return {plane.normal, plane.offset};
@@ -26,6 +27,10 @@ dvec4 form_of(const core::Plane& plane) {
 dvec4 in_mesh(const dvec4& form, const core::Affine& world_from_mesh) {
   const dvec3 normal(form);
   return {normal * world_from_mesh.linear, glm::dot(normal, world_from_mesh.origin) + form.w};
+}
+
+core::Affine sizes_of(const core::Affine& a) {
+  return {{glm::abs(a.linear[0]), glm::abs(a.linear[1]), glm::abs(a.linear[2])}, glm::abs(a.origin)};
 }
 
 /// Least value in a box, and in a box around that none that is larger: each term rounds in the same direction.
@@ -38,10 +43,14 @@ double most(const dvec4& form, const core::Aabb& box) {
   return -least(-form, box);
 }
 
+/// Largest sum of the sizes of a form's terms in a box.
+double size_in(const dvec4& form, const core::Aabb& box) {
+  const dvec3 farthest = glm::max(glm::abs(dvec3(box.min)), glm::abs(dvec3(box.max)));
+  return glm::dot(glm::abs(dvec3(form)), farthest) + std::abs(form.w);
+}
 /// What a GPU's value in a box is off by.
 double gpu_rounding(const dvec4& form, const core::Aabb& box) {
-  const dvec3 farthest = glm::max(glm::abs(dvec3(box.min)), glm::abs(dvec3(box.max)));
-  return kGpuRounding * (glm::dot(glm::abs(dvec3(form)), farthest) + std::abs(form.w));
+  return kGpuRounding * size_in(form, box);
 }
 
 /// Largest singular value of the matrix of two rows.
@@ -74,6 +83,7 @@ MeshError::MeshError(const ImageError& image, const core::Affine& world_from_mes
     : pixels_(image.pixels_), nearest_(image.nearest_) {
   const dvec4 x = in_mesh(image.rows_[0], world_from_mesh), y = in_mesh(image.rows_[1], world_from_mesh);
   w_ = in_mesh(image.rows_[3], world_from_mesh);
+  w_sizes_ = in_mesh(glm::abs(image.rows_[3]), sizes_of(world_from_mesh));
   double largest_move = 0.0;
   for (const double right : {-1.0, 1.0})
     for (const double up : {-1.0, 1.0})
@@ -91,7 +101,8 @@ float MeshError::allowed(const core::Aabb& box) const {
     const double rounding = gpu_rounding(section, box);
     if (least(section, box) <= rounding && most(section, box) >= -rounding) return -1.0f;
   }
-  const double w = std::max(least(w_, box), nearest_);
+  // Far from the origin the terms of w are much larger than their sum.
+  const double w = std::max(least(w_, box) - kDoubleRounding * size_in(w_sizes_, box), nearest_);
   if (!(w > 0.0)) return -1.0f;
   return core::round_down(error_per_w_ * w);
 }
@@ -101,8 +112,7 @@ bool MeshError::outside(const core::Aabb& box) const {
 }
 
 core::AabbD placed_box(const core::Aabb& box, const core::Affine& world_from_mesh, const dvec3& origin) {
-  const core::dmat3& linear = world_from_mesh.linear;
-  const core::dmat3 sizes(glm::abs(linear[0]), glm::abs(linear[1]), glm::abs(linear[2]));
+  const core::dmat3 &linear = world_from_mesh.linear, sizes = sizes_of(world_from_mesh).linear;
   const dvec3 low(box.min), high(box.max), shift = world_from_mesh.origin - origin;
   const dvec3 centre = linear * (0.5 * (low + high)) + shift;
   const dvec3 rounding = kGpuRounding * (sizes * glm::max(glm::abs(low), glm::abs(high)) + glm::abs(shift));

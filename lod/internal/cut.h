@@ -47,8 +47,8 @@ class MeshError {
   bool outside(const core::Aabb& box) const;
 
   /// For who does the same elsewhere. Where no section plane cuts a box, allowed() is error_per_w() times the least of
-  /// w(), a linear form of points, in the box, or times nearest_w() if that is more. error_per_w() is 0 where no error
-  /// is allowed.
+  /// w(), a linear form of points, in the box, or times nearest_w() if that is more; less the rounding of double.
+  /// error_per_w() is 0 where no error is allowed.
   const core::dvec4& w() const { return w_; }
   double error_per_w() const { return error_per_w_; }
   double nearest_w() const { return nearest_; }
@@ -57,7 +57,7 @@ class MeshError {
  private:
   std::array<core::dvec4, core::kFrustumPlaneCount> planes_;
   std::vector<core::dvec4> sections_;
-  core::dvec4 w_;
+  core::dvec4 w_, w_sizes_;  // the latter: of the terms that w_ is the sum of
   double pixels_, error_per_w_, nearest_;
 };
 

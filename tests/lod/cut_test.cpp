@@ -2,7 +2,10 @@
 // out show nothing, and cuts are consistent.
 #include "sightline/lod/internal/cut.h"
 
+#include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -110,6 +113,304 @@ TEST(MeshError, AllowsNoErrorThatMovesAVisiblePointFarther) {
   }
   EXPECT_GT(checked, 2000);
   EXPECT_GT(tightest, 0.9) << "the bound is nearly reached";
+}
+
+using Long = long double;
+
+/// MeshError in long double, by definitions: forms of mesh coordinates from the matrix, and the largest move of a point
+/// in the image by trying the directions of the image.
+struct ErrorTwin {
+  std::array<std::array<Long, 4>, 4> rows{};  // of clip coordinates, as forms of mesh coordinates
+  Long nearest = 0.0L;                        // least w beyond the near plane
+
+  ErrorTwin(const core::View& view, const core::Affine& world_from_mesh) {
+    const core::dmat4 clip = view.clip_from_world();
+    for (int row = 0; row < 4; ++row)
+      for (int i = 0; i < 4; ++i) {
+        Long& sum = rows[std::size_t(row)][std::size_t(i)];
+        for (int k = 0; k < 3; ++k)
+          sum += Long(clip[k][row]) * Long(i < 3 ? world_from_mesh.linear[i][k] : world_from_mesh.origin[k]);
+        if (i == 3) sum += Long(clip[3][row]);
+      }
+    const core::dmat4& eye = view.clip_from_eye();
+    const Long depth = core::near_depth(view.clip_depth());
+    const Long z = -(Long(eye[3][2]) - depth * Long(eye[3][3])) / (Long(eye[2][2]) - depth * Long(eye[2][3]));
+    nearest = std::max(0.0L, Long(eye[2][3]) * z + Long(eye[3][3]));
+  }
+
+  static Long least(const std::array<Long, 4>& form, const core::Aabb& box) {
+    Long sum = form[3];
+    for (int i = 0; i < 3; ++i)
+      sum += std::min(form[std::size_t(i)] * Long(box.min[i]), form[std::size_t(i)] * Long(box.max[i]));
+    return sum;
+  }
+  /// Length of what moves a point along one direction of the image most, in pixels of clip coordinates.
+  Long move(Long right, Long up, Long direction) const {
+    Long square = 0.0L;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Long x = 0.5L * kWidth * (rows[0][i] - right * rows[3][i]);
+      const Long y = 0.5L * kHeight * (rows[1][i] - up * rows[3][i]);
+      const Long along = std::cos(direction) * x + std::sin(direction) * y;
+      square += along * along;
+    }
+    return std::sqrt(square);
+  }
+  /// Over all directions, of which the half turns about the best of some have only one maximum.
+  Long largest_move(Long right, Long up) const {
+    constexpr Long kStep = std::numbers::pi_v<Long> / 32;
+    Long best = 0.0L;
+    for (int i = 1; i < 32; ++i)
+      if (move(right, up, i * kStep) > move(right, up, best)) best = i * kStep;
+    Long low = best - kStep, high = best + kStep;
+    for (int i = 0; i < 60; ++i) {
+      const Long a = low + (high - low) / 3, b = high - (high - low) / 3;
+      const bool rises = move(right, up, a) < move(right, up, b);
+      (rises ? low : high) = rises ? a : b;
+    }
+    return move(right, up, 0.5L * (low + high));
+  }
+  /// Pixels that the error of a metre at w = 1 moves a point by, and what it takes off w.
+  Long error_per_w(Long pixels) const {
+    Long most = 0.0L;
+    for (const Long right : {-1.0L, 1.0L})
+      for (const Long up : {-1.0L, 1.0L}) most = std::max(most, largest_move(right, up));
+    return pixels / (most + pixels * std::hypot(rows[3][0], rows[3][1], rows[3][2]));
+  }
+  Long allowed(const core::Aabb& box, Long pixels) const {
+    return error_per_w(pixels) * std::max(least(rows[3], box), nearest);
+  }
+};
+
+TEST(MeshError, AllowsWhatTheImageMayShow) {
+  int some = 0, none = 0;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(3000)); ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const Stage stage(random, 10.0);
+    const double pixels = std::pow(10.0, uniform(random, -2.0, 2.0));
+    const lod::MeshError error(lod::ImageError(stage.view, kWidth, kHeight, pixels), stage.world_from_mesh);
+    const core::Aabb box = any_box(random);
+    const Long exact = ErrorTwin(stage.view, stage.world_from_mesh).allowed(box, pixels);
+    const Long allowed = error.allowed(box);
+    ASSERT_LE(allowed, exact);
+    ASSERT_GE(allowed, exact * (1.0L - 2e-6L));
+    ++(allowed > 0.0L ? some : none);
+    ASSERT_LT(lod::MeshError(lod::ImageError(stage.view, kWidth, kHeight, 0.0), {}).allowed(box), 0.0f);
+  }
+  EXPECT_GT(some, 250);
+}
+
+/// Where terms of w are up to 10¹⁴ times as large as their sum, as those of a site far from its origin are.
+TEST(MeshError, AllowsNoMoreFarFromTheOrigin) {
+  int beyond = 0, close = 0;
+  for (const double far : {1e6, 1e9, 1e12, 1e14})
+    for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(3000)); ++seed) {
+      SCOPED_TRACE(testing::Message() << far << ", seed " << seed);
+      Random random(seed);
+      const Stage stage(random, far);
+      const lod::MeshError error(lod::ImageError(stage.view, kWidth, kHeight, 1.0), stage.world_from_mesh);
+      const core::Aabb box = any_box(random);
+      const ErrorTwin twin(stage.view, stage.world_from_mesh);
+      const Long exact = twin.allowed(box, 1.0L);
+      ASSERT_LE(Long(error.allowed(box)), exact);
+      beyond += ErrorTwin::least(twin.rows[3], box) > twin.nearest;
+      close += Long(error.allowed(box)) > 0.9L * exact;
+    }
+  EXPECT_GT(beyond, 4 * repeated(3000) / 4);
+  EXPECT_GT(close, 4 * repeated(3000) / 2);
+}
+
+/// Boxes around the eye, in views whose near plane makes the exact error lie just below a float that the product of
+/// rounded numbers reaches.
+TEST(MeshError, AllowsNoMoreWhereProductsRoundUp) {
+  const core::Aabb around{core::vec3(-1.0f), core::vec3(1.0f)};
+  int at_the_float = 0;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(1000)); ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const double fovy = uniform(random, 0.1, 2.6), pixels = std::pow(10.0, uniform(random, -2.0, 2.0));
+    const auto view_of = [&](double near) {
+      return *core::View::perspective({dvec3(0.0), {0, 0, -1}, {0, 1, 0}}, fovy, 1.7, near);
+    };
+    const double any = uniform(random, 0.01, 0.5);
+    const Long per_w = ErrorTwin(view_of(any), {}).error_per_w(pixels);
+    const auto wanted = float(Long(any) * per_w);
+    auto near = double(Long(wanted) / per_w);
+    for (int i = 0; i < 3; ++i) near = std::nextafter(near, 0.0);
+    for (int i = 0; i < 6; ++i, near = std::nextafter(near, 1.0)) {
+      const core::View view = view_of(near);
+      const Long exact = ErrorTwin(view, {}).allowed(around, pixels);
+      at_the_float += std::abs(exact / Long(wanted) - 1.0L) < 1e-15L;
+      ASSERT_LE(Long(lod::MeshError(lod::ImageError(view, kWidth, kHeight, pixels), {}).allowed(around)), exact);
+    }
+  }
+  EXPECT_GT(at_the_float, 3 * repeated(1000));
+}
+
+/// Meshes whose unit is so large that errors in it are subnormal floats, of few bits.
+TEST(MeshError, AllowsNoMoreAmongSubnormalErrors) {
+  int subnormal = 0;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(3000)); ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    core::Affine placement = any_placement(random, 10.0);
+    const Stage stage(random, placement);
+    placement.linear *= std::pow(10.0, uniform(random, 35.0, 42.0));
+    const core::Aabb point{core::vec3(0.0f), core::vec3(0.0f)};
+    const float allowed = lod::MeshError(lod::ImageError(stage.view, kWidth, kHeight, 1.0), placement).allowed(point);
+    ASSERT_LE(Long(allowed), ErrorTwin(stage.view, placement).allowed(point, 1.0L));
+    subnormal += allowed > 0.0f && allowed < std::numeric_limits<float>::min();
+  }
+  EXPECT_GT(subnormal, repeated(3000) / 3);
+}
+
+/// Projections whose near plane is no plane of one w, whose w is not that of the eye, or whose depth has other limits.
+TEST(MeshError, AllowsNoMoreForOtherProjections) {
+  const core::Pose pose{{0, 0, 0}, {0, 0, -1}, {0, 1, 0}};
+  const core::dmat4 eye = *core::look_at(pose), usual = core::View::perspective(pose, 0.8, 1.7, 0.5)->clip_from_eye();
+  const core::Aabb behind{core::vec3(-1.0f), core::vec3(1.0f)}, ahead{{-1, -1, -4}, {1, 1, -3}};
+  const auto view_of = [&](const core::dmat4& clip, core::ClipDepth depth) {
+    return *core::View::from_matrices(eye, clip, depth);
+  };
+  const auto allowed = [](const core::View& view, const core::Aabb& box) {
+    return lod::MeshError(lod::ImageError(view, kWidth, kHeight, 1.0), {}).allowed(box);
+  };
+  // The same image by depths that rise from 0 or from -1 has the same least w.
+  const float known = allowed(view_of(usual, core::ClipDepth::kReversedZeroToOne), behind);
+  EXPECT_GT(known, 0.0f);
+  core::dmat4 rising = usual;
+  rising[2][2] = -1.0, rising[3][2] = -0.5;
+  EXPECT_NEAR(allowed(view_of(rising, core::ClipDepth::kZeroToOne), behind), known, 1e-6f * known);
+  rising[3][2] = -1.0;
+  EXPECT_NEAR(allowed(view_of(rising, core::ClipDepth::kMinusOneToOne), behind), known, 1e-6f * known);
+  // Behind an oblique near plane, or where w also depends on x or y, points may have any w above 0.
+  for (const int i : {0, 1}) {
+    core::dmat4 oblique = usual;
+    rising = usual;
+    oblique[i][2] = 0.1;
+    EXPECT_LT(allowed(view_of(oblique, core::ClipDepth::kReversedZeroToOne), behind), 0.0f) << i;
+    EXPECT_GT(allowed(view_of(oblique, core::ClipDepth::kReversedZeroToOne), ahead), 0.0f) << i;
+    rising[2][2] = -1.0, rising[3][2] = -0.5, rising[i][3] = 0.1;
+    EXPECT_LT(allowed(view_of(rising, core::ClipDepth::kZeroToOne), behind), 0.0f) << i;
+    EXPECT_GT(allowed(view_of(rising, core::ClipDepth::kZeroToOne), ahead), 0.0f) << i;
+  }
+}
+
+/// A form of points as a GPU may compute it: coefficients and terms in float, summed in any order, with or without
+/// fused operations.
+float on_gpu(const dvec4& form, const core::vec3& p, Random& random) {
+  const glm::vec4 f(form);
+  std::array<int, 3> order{0, 1, 2};
+  std::ranges::shuffle(order, random);
+  const bool first = random() % 2, fused = random() % 2;
+  float sum = first ? f.w : 0.0f;
+  for (const int i : order) sum = fused ? std::fma(f[i], p[i], sum) : sum + f[i] * p[i];
+  return first ? sum : sum + f.w;
+}
+
+/// A box on the side of a plane that the plane's normal points away from. The corner that is nearest to the plane is
+/// `corner`, so that the rounding of the corner tells on which side that lies.
+core::Aabb box_behind(const dvec3& normal, const core::vec3& corner, Random& random) {
+  core::Aabb box{corner, corner};
+  for (int i = 0; i < 3; ++i)
+    (normal[i] > 0.0 ? box.min : box.max)[i] += float(normal[i] > 0.0 ? -1.0 : 1.0) * float(uniform(random, 0.0, 2.0));
+  return box;
+}
+
+core::vec3 point_on(const dvec4& plane, Random& random) {
+  dvec3 p(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, -9, 9));
+  const dvec3 normal(plane);
+  p -= (glm::dot(normal, p) + plane.w) / glm::dot(normal, normal) * normal;
+  return core::vec3(p);
+}
+
+Long exact_value(const dvec4& form, const core::vec3& p) {
+  return Long(form.x) * Long(p.x) + Long(form.y) * Long(p.y) + Long(form.z) * Long(p.z) + Long(form.w);
+}
+
+/// Boxes beside a section plane whose nearest corner a GPU puts onto the plane's other side.
+TEST(MeshError, AllowsNothingWhereAGpuMayCut) {
+  const core::View view = *core::View::orthographic({{0, 0, 50}, {0, 0, 0}}, 30.0, 1.7, 0.0, 100.0);
+  int cut = 0, whole = 0;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(30000)); ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    core::View with_section = view;
+    const dvec4 plane(random_direction(random), uniform(random, -5, 5));
+    with_section.sections.push_back({dvec3(plane), plane.w});
+    const core::vec3 corner = point_on(plane, random);
+    const bool cut_off = random() % 2;
+    const core::Aabb box = box_behind(cut_off ? dvec3(plane) : -dvec3(plane), corner, random);
+    const Long exact = exact_value(plane, corner);
+    const float allowed = lod::MeshError(lod::ImageError(with_section, kWidth, kHeight, 1.0), {}).allowed(box);
+    if (cut_off ? exact < 0.0L && on_gpu(plane, corner, random) >= 0.0f
+                : exact > 0.0L && on_gpu(plane, corner, random) <= 0.0f) {
+      ASSERT_LT(allowed, 0.0f);
+      ++cut;
+    }
+    const core::vec3 away = 1e-3f * core::vec3(plane) * (cut_off ? -1.0f : 1.0f);
+    ASSERT_GT(lod::MeshError(lod::ImageError(with_section, kWidth, kHeight, 1.0), {})
+                  .allowed({box.min + away, box.max + away}),
+              0.0f);
+    ++whole;
+  }
+  EXPECT_GT(cut, whole / 100);
+}
+
+/// Boxes beside the view volume whose nearest corner a GPU puts into it.
+TEST(MeshError, FindsNoBoxOutsideThatAGpuMayDraw) {
+  int drawn = 0;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(30000)); ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const Stage stage(random, core::Affine());
+    const lod::MeshError error(lod::ImageError(stage.view, kWidth, kHeight, 1.0), stage.world_from_mesh);
+    const auto planes = core::frustum_planes(stage.clip, stage.view.clip_depth());
+    const core::Plane& one = planes[random() % (std::isfinite(planes[5].offset) ? 6 : 5)];
+    const dvec4 plane(one.normal, one.offset);
+    if (!(glm::length(one.normal) > 0.0)) continue;
+    const core::vec3 corner = point_on(plane, random);
+    const core::Aabb box = box_behind(one.normal, corner, random);
+    if (exact_value(plane, corner) >= 0.0L || on_gpu(plane, corner, random) < 0.0f) continue;
+    bool inside = true;
+    for (const core::Plane& other : planes)
+      if (&other != &one) inside = inside && core::evaluate(other, dvec3(corner)) > 0.0;
+    if (!inside) continue;
+    ASSERT_FALSE(error.outside(box));
+    const double length = glm::length(dvec3(corner)) + std::abs(plane.w) / glm::length(one.normal);
+    const core::vec3 away = -1e-4f * float(length) * core::vec3(glm::normalize(one.normal));
+    ASSERT_TRUE(error.outside({box.min + away, box.max + away}));
+    ++drawn;
+  }
+  EXPECT_GT(drawn, repeated(30000) / 200);
+}
+
+TEST(PlacedBox, HoldsWhatAGpuDraws) {
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(30000)); ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const double far = seed % 3 == 0 ? 1e7 : 10.0;
+    const core::Affine placement = any_placement(random, far);
+    const dvec3 origin = placement.origin + uniform(random, 0.0, 100.0) * random_direction(random);
+    const core::Aabb box = any_box(random);
+    const core::AabbD placed = lod::placed_box(box, placement, origin);
+    for (int axis = 0; axis < 3; ++axis) {
+      const dvec4 form(placement.linear[0][axis], placement.linear[1][axis], placement.linear[2][axis],
+                       placement.origin[axis] - origin[axis]);
+      Long low = std::numeric_limits<Long>::infinity(), high = -low, terms = 0.0L;
+      for (int i = 0; i < 8; ++i) {
+        const core::vec3 corner((i & 1 ? box.max : box.min).x, (i & 2 ? box.max : box.min).y,
+                                (i & 4 ? box.max : box.min).z);
+        const double drawn = on_gpu(form, corner, random);
+        ASSERT_GE(drawn, placed.min[axis]);
+        ASSERT_LE(drawn, placed.max[axis]);
+        low = std::min(low, exact_value(form, corner)), high = std::max(high, exact_value(form, corner));
+        terms = std::max(terms, exact_value(glm::abs(form), glm::abs(corner)));
+      }
+      ASSERT_GE(Long(placed.min[axis]), low - 1e-5L * terms) << "no larger than rounding makes it";
+      ASSERT_LE(Long(placed.max[axis]), high + 1e-5L * terms);
+    }
+  }
 }
 
 TEST(MeshError, AllowsLessForABoxAround) {
