@@ -21,6 +21,7 @@ constexpr double kRaise = 1.02;      // the bound rises by a little more than it
 constexpr double kOutside = 0.5;     // of the bound: nearer polygons are not divided
 constexpr double kSliver = 0.05;     // sine of the angle below which a triangle's normal is rounded too much
 constexpr double kRounding = 1e-12;  // of distances, relative to coordinates: far more than the few roundings of each
+constexpr double kNormalRounding = 4e-15;  // of a normal before it gets unit length, relative to the edges: the same
 
 /// Nearest point of a triangle (C. Ericson, "Real-time collision detection", 2005, section 5.1.5).
 dvec3 nearest_point(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
@@ -47,9 +48,11 @@ double square_of(const dvec3& v) {
   return glm::dot(v, v);
 }
 
-dvec3 unit_normal(const dvec3& a, const dvec3& b, const dvec3& c) {
-  const dvec3 normal = glm::cross(b - a, c - a);
+/// A triangle's normal of unit length, or 0. `rounding`: largest distance from the exact one; above 1 it tells nothing.
+dvec3 unit_normal(const dvec3& a, const dvec3& b, const dvec3& c, double& rounding) {
+  const dvec3 ab = b - a, ac = c - a, normal = glm::cross(ab, ac);
   const double length = glm::length(normal);
+  rounding = kNormalRounding * std::sqrt(square_of(ab) * square_of(ac)) / length;
   return length > 0.0 ? normal / length : dvec3(0.0);
 }
 
@@ -74,7 +77,7 @@ Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to) {
     Polygon triangle;
     triangle.count = 3;
     for (std::size_t k = 0; k < 3; ++k) triangle.corners[k] = from.points[from.corners[3 * triangle_ + k]];
-    normal_ = unit_normal(triangle.corners[0], triangle.corners[1], triangle.corners[2]);
+    normal_ = unit_normal(triangle.corners[0], triangle.corners[1], triangle.corners[2], normal_rounding_);
     error_ = from.errors.empty() ? 0.0 : double(from.errors[triangle_]);
     for (pieces_.push_back({triangle, starts_[triangle_], kNone}); !pieces_.empty();) {
       const Piece piece = pieces_.back();
@@ -143,7 +146,7 @@ void SurfaceDeviation::make_faces(const Triangles& to) {
       face.neighbours[k] = kNone;
     }
     face.error = to.errors.empty() ? 0.0 : double(to.errors[i]);
-    face.normal = unit_normal(face.corners[0], face.corners[1], face.corners[2]);
+    face.normal = unit_normal(face.corners[0], face.corners[1], face.corners[2], face.normal_rounding);
     const dvec3 ab = face.corners[1] - face.corners[0], ac = face.corners[2] - face.corners[0];
     const double area = glm::dot(glm::cross(ab, ac), face.normal);  // twice it
     const bool sliver = !(area > kSliver * std::sqrt(square_of(ab) * square_of(ac)));
@@ -278,8 +281,8 @@ bool SurfaceDeviation::accept(const Polygon& polygon, std::uint32_t face, double
   if (!(distance <= most)) return false;
   of_from_[triangle_] = std::max(of_from_[triangle_], distance);
   of_to_[face] = std::max(of_to_[face], distance);
-  if (normal_ != dvec3(0.0) && faces_[face].normal != dvec3(0.0))
-    cosine_ = std::min(cosine_, glm::dot(normal_, faces_[face].normal));
+  if (const double rounding = normal_rounding_ + faces_[face].normal_rounding; rounding < 1.0)
+    cosine_ = std::min(cosine_, glm::dot(normal_, faces_[face].normal) - rounding);
   return true;
 }
 

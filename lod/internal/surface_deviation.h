@@ -25,7 +25,7 @@
 namespace sightline::lod {
 
 /// Every point of one surface has a point of the other within `distance` metres; where both have normals, they differ
-/// by at most `angle` radians.
+/// by at most `angle` radians. Triangles so thin that rounding decides where they face have none.
 struct Deviation {
   double distance = 0.0, angle = 0.0;
 
@@ -67,6 +67,7 @@ class SurfaceDeviation {
   struct Face {
     core::dvec3 corners[3];
     core::dvec3 normal;           // of unit length, or 0
+    double normal_rounding;       // largest distance from the exact one
     core::dvec3 gradients[2];     // of the barycentric coordinates of corners 1 and 2; not numbers for slivers
     core::dvec3 cuts[3];          // unit normal of the plane through edge k that parts this face from its neighbour
     double heights[3];            // squares of them, of corners 1, 2 and 0
@@ -158,6 +159,7 @@ class SurfaceDeviation {
   std::vector<double> of_from_, of_to_;
   std::uint32_t triangle_ = 0;  // that is covered
   core::dvec3 normal_{0.0};     // of it
+  double normal_rounding_ = 0;  // largest distance from the exact one
   double error_ = 0.0;          // of it
   std::vector<Piece> pieces_;   // of it, yet to be covered
   double rounding_ = 0.0;       // distances below it are rounding

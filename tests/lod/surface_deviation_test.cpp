@@ -1,6 +1,7 @@
 // Proven bounds of the distance between surfaces against sampled distances, which must never exceed them.
 #include "sightline/lod/internal/surface_deviation.h"
 
+#include <array>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -95,34 +96,94 @@ TEST(SurfaceDeviation, IsABoundForSurfacesOfAnyKind) {
   EXPECT_LT(loose[loose.size() / 2], 2.5) << "in the median, beside the largest of a few thousand samples";
 }
 
-/// With errors of the triangles, every point of each has one with whose triangle the sums of both are kept.
+/// Small surfaces of many kinds: smooth and rough ones, any triangles, and large ones across small ones.
+std::vector<Pair> small_pairs(std::uint64_t seed) {
+  MeshRandom random(seed);
+  core::Mesh any;
+  for (int i = 0; i < 12; ++i)
+    any.positions.emplace_back(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1));
+  for (int i = 0; i < 60; ++i) any.indices.push_back(std::uint32_t(random() % 12));
+  std::vector<Pair> pairs;
+  for (const NamedMesh& named : {NamedMesh{"terrain", terrain(6, between(random, 0.5, 2.0))},
+                                 NamedMesh{"torus", bumpy_torus(5, between(random, 0.0, 0.5))}, NamedMesh{"any", any}})
+    for (const auto& change : {thinned, collapsed, shaken}) pairs.push_back(change(named, random));
+  Pair sheet{"a large sheet above a small terrain", terrain(6, between(random, 0.5, 2.0)).positions, {}, {}};
+  sheet.b = terrain(6, 1.0).indices;
+  const auto first = std::uint32_t(sheet.positions.size());
+  for (int i = 0; i < 4; ++i)
+    sheet.positions.emplace_back(between(random, -3, 13), between(random, -3, 13), between(random, -1, 3));
+  sheet.a = {first, first + 1, first + 2, first + 1, first + 3, first + 2};
+  pairs.push_back(sheet);
+  return pairs;
+}
+
+TEST(SurfaceDeviation, SeldomExceedsTheDistanceByAnEighth) {
+  int loose = 0, tight = 0;
+  double sum = 0.0, count = 0.0;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(200)); ++seed)
+    for (const Pair& pair : small_pairs(seed)) {
+      SCOPED_TRACE(testing::Message() << pair.name << ", seed " << seed);
+      const SurfaceTwin a(pair.positions, pair.a), b(pair.positions, pair.b);
+      const double exact = a.distance_from(b, 1e-3), most = bound(pair, false).distance;
+      ASSERT_GE(most, exact / (1.0 + 1e-3));
+      if (exact <= 1e-9) continue;
+      // Triangles that cross each other in any number leave more to the last resort, whole polygons.
+      if (pair.name.starts_with("any"))
+        ++(most < 1.125 * exact ? tight : loose);
+      else
+        ASSERT_LT(most, 1.125 * exact);
+      sum += most / exact, count += 1.0;
+    }
+  EXPECT_LT(loose, tight / 4);
+  EXPECT_LT(sum / count, 1.3) << "in the mean";
+}
+
+/// Two surfaces with errors of their triangles.
+struct WithErrors {
+  Pair pair;
+  std::vector<dvec3> points;
+  std::vector<float> of_a, of_b;
+
+  WithErrors(Pair surfaces, double most, MeshRandom& random)
+      : pair(std::move(surfaces)), points(pair.positions.begin(), pair.positions.end()) {
+    for (std::size_t i = 0; i < pair.a.size(); i += 3)
+      of_a.push_back(float(most * std::pow(10.0, between(random, -4, 0))));
+    for (std::size_t i = 0; i < pair.b.size(); i += 3)
+      of_b.push_back(float(most * std::pow(10.0, between(random, -4, 0))));
+  }
+  double bound(lod::SurfaceDeviation& deviation) const {
+    return deviation.bound({points, pair.a, of_a}, {points, pair.b, of_b}).distance;
+  }
+};
+
+/// Every point of each triangle has one with whose triangle the sums of both are kept.
+void check_each_triangle(const WithErrors& with, const lod::SurfaceDeviation& deviation, int samples,
+                         MeshRandom& random) {
+  const Pair& pair = with.pair;
+  const SurfaceTwin to(pair.positions, pair.b);
+  for (int i = 0; i < samples; ++i) {
+    const std::size_t triangle = random() % with.of_a.size();
+    const dvec3 p = SurfaceTwin(pair.positions, std::span(pair.a).subspan(3 * triangle, 3)).sample(random);
+    bool found = false;
+    for (std::size_t face = 0; face < with.of_b.size() && !found; ++face) {
+      const double sum = to.distance_to(face, p) + double(with.of_a[triangle]) + double(with.of_b[face]);
+      found = sum <= deviation.of_from()[triangle] && sum <= deviation.of_to()[face];
+    }
+    ASSERT_TRUE(found) << "triangle " << triangle;
+  }
+}
+
 TEST(SurfaceDeviation, KnowsWhatEachTriangleStandsFor) {
   int largest_by_one = 0, pairs = 0;
   for (const NamedMesh& named : ordinary_meshes()) {
     SCOPED_TRACE(named.name);
     MeshRandom random(5);
-    const Pair pair = shaken(named, random);
-    const std::vector<dvec3> points(pair.positions.begin(), pair.positions.end());
-    std::vector<float> errors[2] = {std::vector<float>(pair.a.size() / 3), std::vector<float>(pair.b.size() / 3)};
-    for (std::vector<float>& some : errors)
-      for (float& error : some) error = float(0.1 * std::pow(10.0, between(random, -4, 0)));
+    const WithErrors with(shaken(named, random), 0.1, random);
     lod::SurfaceDeviation deviation;
-    const double bound = deviation.bound({points, pair.a, errors[0]}, {points, pair.b, errors[1]}).distance;
+    const double bound = with.bound(deviation);
     EXPECT_EQ(bound, *std::ranges::max_element(deviation.of_from()));
     EXPECT_EQ(bound, *std::ranges::max_element(deviation.of_to()));
-    std::vector<SurfaceTwin> faces;
-    for (std::size_t i = 0; i < pair.b.size(); i += 3)
-      faces.emplace_back(pair.positions, std::span(pair.b).subspan(i, 3));
-    for (int i = 0; i < repeated(2000); ++i) {
-      const std::size_t triangle = random() % errors[0].size();
-      const dvec3 p = SurfaceTwin(pair.positions, std::span(pair.a).subspan(3 * triangle, 3)).sample(random);
-      bool found = false;
-      for (std::size_t face = 0; face < faces.size() && !found; ++face) {
-        const double sum = faces[face].distance(p) + double(errors[0][triangle]) + double(errors[1][face]);
-        found = sum <= deviation.of_from()[triangle] && sum <= deviation.of_to()[face];
-      }
-      ASSERT_TRUE(found);
-    }
+    check_each_triangle(with, deviation, repeated(2000), random);
     const auto median = [](std::span<const double> all) {
       std::vector<double> sorted(all.begin(), all.end());
       std::ranges::nth_element(sorted, sorted.begin() + std::ptrdiff_t(sorted.size() / 2));
@@ -131,6 +192,18 @@ TEST(SurfaceDeviation, KnowsWhatEachTriangleStandsFor) {
     ++pairs, largest_by_one += median(deviation.of_from()) < 0.7 * bound;
   }
   EXPECT_GT(largest_by_one, pairs / 2) << "most triangles are known to lie nearer than the farthest";
+}
+
+TEST(SurfaceDeviation, KnowsWhatEachTriangleOfSmallSurfacesStandsFor) {
+  lod::SurfaceDeviation deviation;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(400)); ++seed)
+    for (const Pair& pair : small_pairs(seed)) {
+      SCOPED_TRACE(testing::Message() << pair.name << ", seed " << seed);
+      MeshRandom random(seed);
+      const WithErrors with(pair, seed % 2 == 0 ? 0.0 : between(random, 0.0, 0.5), random);
+      with.bound(deviation);
+      check_each_triangle(with, deviation, 100, random);
+    }
 }
 
 TEST(SurfaceDeviation, OfASurfaceFromItselfIsRounding) {
@@ -148,7 +221,7 @@ TEST(SurfaceDeviation, KnowsASquareAboveASquare) {
   const std::vector<std::uint32_t> low = {0, 1, 2, 0, 2, 3}, high = {4, 5, 7, 5, 6, 7}, half = {4, 5, 7};
   lod::SurfaceDeviation deviation;
   EXPECT_NEAR(deviation.bound({points, low}, {points, high}).distance, 2.12, 0.13);
-  EXPECT_EQ(deviation.bound({points, low}, {points, high}).angle, 0.0);
+  EXPECT_LT(deviation.bound({points, low}, {points, high}).angle, 2e-7);
   EXPECT_NEAR(deviation.bound({points, half}, {points, low}).distance, 2.12, 0.13);
   EXPECT_NEAR(deviation.bound({points, low}, {points, half}).distance, 1.06 * std::sqrt(4.5), 0.13);
   EXPECT_EQ(deviation.bound({points, {}}, {points, low}).distance, 0.0);
@@ -160,6 +233,80 @@ TEST(SurfaceDeviation, KnowsAFold) {
   const lod::Deviation deviation = lod::SurfaceDeviation().bound({points, wall}, {points, floor});
   EXPECT_NEAR(deviation.distance, 1.06, 0.07);
   EXPECT_NEAR(deviation.angle, 0.5 * std::numbers::pi, 1e-9);
+}
+
+using Long = long double;
+using LongVector = std::array<Long, 3>;
+
+/// Edges of floats are exact in long double, and so are most of their products.
+LongVector long_edge(const core::vec3& from, const core::vec3& to) {
+  return {Long(to.x) - Long(from.x), Long(to.y) - Long(from.y), Long(to.z) - Long(from.z)};
+}
+LongVector long_cross(const LongVector& a, const LongVector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+Long long_dot(const LongVector& a, const LongVector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+LongVector long_normal(std::span<const core::vec3> p, std::size_t first) {
+  return long_cross(long_edge(p[first], p[first + 1]), long_edge(p[first], p[first + 2]));
+}
+lod::Deviation of_two_triangles(const std::vector<core::vec3>& p, float error_a = 0.0f, float error_b = 0.0f) {
+  const std::vector<dvec3> points(p.begin(), p.end());
+  const std::array<std::uint32_t, 3> a{3, 4, 5}, b{0, 1, 2};
+  return lod::SurfaceDeviation().bound({points, a, std::span(&error_a, 1)}, {points, b, std::span(&error_b, 1)});
+}
+
+core::vec3 any_point(MeshRandom& random, double size) {
+  return {between(random, -size, size), between(random, -size, size), between(random, -size, size)};
+}
+
+/// A small triangle above a large one, far from the origin: the farthest of three heights, which doubles round.
+TEST(SurfaceDeviation, IsNoLessThanTheExactDistance) {
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(2000)); ++seed) {
+    SCOPED_TRACE(seed);
+    MeshRandom random(seed);
+    const double far = std::pow(10.0, between(random, 0.0, 5.0));
+    const core::vec3 site = any_point(random, far);
+    std::vector<core::vec3> p;
+    for (int i = 0; i < 3; ++i) p.push_back(site + any_point(random, 1.0));
+    const core::vec3 centre = (p[0] + p[1] + p[2]) / 3.0f, up = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+    for (std::size_t i = 0; i < 3; ++i) p.push_back(centre + 0.1f * (p[i] - centre) + float(i + 1) * 0.3f * up);
+    const LongVector normal = long_normal(p, 0);
+    Long farthest = 0.0L;
+    for (std::size_t i = 3; i < 6; ++i)
+      farthest = std::max(farthest, std::abs(long_dot(normal, long_edge(p[0], p[i]))));
+    farthest /= std::sqrt(long_dot(normal, normal));
+    ASSERT_GE(Long(of_two_triangles(p).distance), farthest);
+    ASSERT_LE(Long(of_two_triangles(p).distance), farthest * (1.0L + 1e-11L) + 1e-11L * Long(far));
+    // Errors may be larger than any coordinate. Their sum with the distance is no double.
+    const auto error_a = float(std::pow(10.0, between(random, 5, 20))),
+               error_b = float(between(random, 0, 1)) * error_a;
+    ASSERT_GE(Long(of_two_triangles(p, error_a, error_b).distance), farthest + Long(error_a) + Long(error_b));
+  }
+}
+
+/// Angles from those whose cosine is 1 in double to right ones, and triangles down to such whose normals have few exact
+/// digits.
+TEST(SurfaceDeviation, IsNoLessThanTheExactAngle) {
+  int small = 0, thin = 0;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(20000)); ++seed) {
+    SCOPED_TRACE(seed);
+    MeshRandom random(seed);
+    std::vector<core::vec3> p;
+    for (int i = 0; i < 3; ++i) p.push_back(any_point(random, 1.0));
+    const double tilt = std::pow(10.0, between(random, -8, 0)), width = std::pow(10.0, between(random, -6, 0));
+    for (std::size_t i = 0; i < 3; ++i) p.push_back(p[i] + any_point(random, tilt));
+    for (std::size_t i : {2u, 5u}) p[i] = p[i - 1] + float(width) * (p[i] - p[i - 1]);
+    const LongVector a = long_normal(p, 0), b = long_normal(p, 3), cross = long_cross(a, b);
+    const Long exact = std::atan2(std::sqrt(long_dot(cross, cross)), long_dot(a, b));
+    const double angle = of_two_triangles(p).angle;
+    ASSERT_GE(Long(angle), exact);
+    ASSERT_LE(Long(angle), exact + 1e-3L);
+    small += exact < 1e-7L, thin += width < 1e-4;
+  }
+  EXPECT_GT(small, repeated(20000) / 100);
+  EXPECT_GT(thin, repeated(20000) / 10);
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <queue>
 #include <span>
 #include <vector>
 
@@ -52,15 +55,24 @@ class SurfaceTwin {
   }
   std::size_t triangles() const { return points_.size() / 3; }
 
-  double distance(const core::dvec3& p) const {
-    double least = std::numeric_limits<double>::infinity();
+  struct Nearest {
+    double distance;
+    std::size_t triangle;
+  };
+  Nearest nearest(const core::dvec3& p) const {
+    Nearest least{std::numeric_limits<double>::infinity(), 0};
     for (std::size_t run = 0; run < boxes_.size(); ++run) {
       const core::dvec3 out = glm::max(glm::max(boxes_[run].min - p, p - boxes_[run].max), core::dvec3(0.0));
-      if (glm::length(out) >= least) continue;
-      for (std::size_t i = 3 * kRun * run; i < std::min(points_.size(), 3 * kRun * (run + 1)); i += 3)
-        least = std::min(least, distance_to_triangle(p, points_[i], points_[i + 1], points_[i + 2]));
+      if (glm::length(out) >= least.distance) continue;
+      for (std::size_t i = kRun * run; i < std::min(triangles(), kRun * (run + 1)); ++i)
+        if (const double distance = distance_to(i, p); distance < least.distance) least = {distance, i};
     }
     return least;
+  }
+  double distance(const core::dvec3& p) const { return nearest(p).distance; }
+  double distance_to(std::size_t triangle, const core::dvec3& p) const {
+    const core::dvec3* const t = &points_[3 * triangle];
+    return distance_to_triangle(p, t[0], t[1], t[2]);
   }
 
   /// A corner, a point of an edge or one inside of any triangle.
@@ -79,6 +91,38 @@ class SurfaceTwin {
     double largest = 0.0;
     for (int i = 0; i < samples; ++i) largest = std::max(largest, other.distance(sample(random)));
     return largest;
+  }
+
+  /// The largest distance of any point of this surface from another one, too large by at most that share. Divides the
+  /// triangle that may reach farthest, whose points are no farther than the corner that is farthest from one triangle.
+  double distance_from(const SurfaceTwin& other, double share) const {
+    struct Part {
+      double most;
+      std::array<core::dvec3, 3> corners;
+      bool operator<(const Part& part) const { return most < part.most; }
+    };
+    std::priority_queue<Part> parts;
+    double reached = 0.0;
+    const auto add = [&](const core::dvec3& a, const core::dvec3& b, const core::dvec3& c) {
+      Part part{std::numeric_limits<double>::infinity(), {a, b, c}};
+      for (const core::dvec3& p : {a, b, c, (a + b + c) / 3.0}) {
+        const Nearest nearest = other.nearest(p);
+        reached = std::max(reached, nearest.distance);
+        double most = 0.0;
+        for (const core::dvec3& corner : part.corners)
+          most = std::max(most, other.distance_to(nearest.triangle, corner));
+        part.most = std::min(part.most, most);
+      }
+      parts.push(part);
+    };
+    for (std::size_t i = 0; i < points_.size(); i += 3) add(points_[i], points_[i + 1], points_[i + 2]);
+    for (int steps = 0; steps < 20000 && parts.top().most > reached * (1.0 + share); ++steps) {
+      const auto [a, b, c] = parts.top().corners;
+      parts.pop();
+      const core::dvec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+      add(a, ab, ca), add(ab, b, bc), add(ca, bc, c), add(ab, bc, ca);
+    }
+    return parts.top().most;
   }
 
  private:
