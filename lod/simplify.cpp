@@ -15,7 +15,8 @@ namespace {
 using core::vec3;
 
 /// meshoptimizer 0.18 can lock all open borders or none. But it locks vertices where several borders meet. So each
-/// locked vertex gets a triangle that touches it alone, so small that it collapses before all others. Positions come
+/// locked vertex gets a triangle that touches it alone, so small that it collapses before all others. A vertex without
+/// a border gets its only one by that, and may collapse into its triangle, from where it is taken back. Positions come
 /// without -0, which meshoptimizer, comparing bits, takes for another place than 0: seams between them would open.
 class Locks {
  public:
@@ -32,14 +33,20 @@ class Locks {
       positions_.push_back(positions[i] + vec3(step, 0.31f * step, 0.0f));
       positions_.push_back(positions[i] + vec3(0.0f, step, 0.29f * step));
       for (const std::uint32_t corner : {i, next, next + 1}) corners_.push_back(corner);
+      vertices_.insert(vertices_.end(), 2, i);
     }
   }
   const std::vector<vec3>& positions() const { return positions_; }
   const std::vector<std::uint32_t>& corners() const { return corners_; }
+  /// The vertex itself, or the locked one whose triangle has it.
+  std::uint32_t locked(std::uint32_t vertex) const {
+    const std::size_t before = positions_.size() - vertices_.size();
+    return vertex < before ? vertex : vertices_[vertex - before];
+  }
 
  private:
   std::vector<vec3> positions_;
-  std::vector<std::uint32_t> corners_;
+  std::vector<std::uint32_t> corners_, vertices_;  // the latter: of each position that was added
 };
 
 }  // namespace
@@ -52,9 +59,10 @@ std::vector<std::uint32_t> simplify(std::span<const vec3> positions, std::span<c
   result.resize(meshopt_simplify(result.data(), locks.corners().data(), locks.corners().size(), &locks.positions()[0].x,
                                  locks.positions().size(), sizeof(vec3), 3 * target, kAnyError, 0, nullptr));
   std::vector<std::uint32_t> kept;
-  for (std::size_t i = 0; i < result.size(); i += 3)
-    if (result[i] < positions.size() && result[i + 1] < positions.size() && result[i + 2] < positions.size())
-      kept.insert(kept.end(), result.begin() + std::ptrdiff_t(i), result.begin() + std::ptrdiff_t(i + 3));
+  for (std::size_t i = 0; i < result.size(); i += 3) {
+    const std::uint32_t a = locks.locked(result[i]), b = locks.locked(result[i + 1]), c = locks.locked(result[i + 2]);
+    if (a != b && b != c && c != a) kept.insert(kept.end(), {a, b, c});
+  }
   return kept;
 }
 
