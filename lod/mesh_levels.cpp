@@ -138,9 +138,8 @@ class GroupSimplifier {
   Simplified run(std::span<const std::uint32_t> corners, const TriangleErrors& errors,
                  std::span<const std::uint8_t> shared) {
     gather(corners, shared);
-    const std::size_t triangles = corners.size() / 3;
     Simplified result;
-    coarse_ = simplify(positions_, corners_, locked_, (triangles + 1) / 2);
+    coarse_ = simplify(positions_, corners_, locked_, corners.size() / 6);
     for (const std::uint32_t place : places_) number_of_[place] = kNone;
     if (coarse_.empty() || double(coarse_.size()) > kLeastGain * double(corners.size())) return result;
     coarse_ = ordered(positions_, coarse_, 1);
@@ -241,7 +240,7 @@ class Builder {
       if (groups[i] >= members.size()) members.resize(groups[i] + 1);
       members[groups[i]].push_back(first + i);
     }
-    find_shared(members);
+    find_shared(members, first);
     const std::vector<Simplified> simplified = simplify_all(members, levels_.clusters[first].first_index / 3);
     errors_.clear();
     for (std::size_t i = 0; i < members.size(); ++i)
@@ -258,17 +257,21 @@ class Builder {
   /// Edges at the border of each cluster, and of these the ones that two clusters have.
   std::vector<Contact> contacts(std::uint32_t first, std::uint32_t end) const;
 
-  /// Marks the positions that several groups have.
-  void find_shared(const std::vector<std::vector<std::uint32_t>>& members) {
+  /// Marks the positions that several groups have, or a group and a cluster before `first`, which stays as it is.
+  void find_shared(const std::vector<std::vector<std::uint32_t>>& members, std::uint32_t first) {
     std::vector<std::uint32_t> group_of(welded_.size(), kNone);
     shared_.assign(welded_.size(), 0);
+    const auto mark = [&](const Cluster& cluster, std::uint32_t group) {
+      for (const std::uint32_t corner : corners_of(cluster)) {
+        const std::uint32_t vertex = welded_[corner];
+        if (group_of[vertex] == kNone) group_of[vertex] = group;
+        if (group_of[vertex] != group) shared_[vertex] = 1;
+      }
+    };
     for (std::uint32_t group = 0; group < members.size(); ++group)
-      for (const std::uint32_t member : members[group])
-        for (const std::uint32_t corner : corners_of(levels_.clusters[member])) {
-          const std::uint32_t vertex = welded_[corner];
-          if (group_of[vertex] == kNone) group_of[vertex] = group;
-          if (group_of[vertex] != group) shared_[vertex] = 1;
-        }
+      for (const std::uint32_t member : members[group]) mark(levels_.clusters[member], group);
+    for (std::uint32_t i = 0; i < first; ++i)
+      if (levels_.clusters[i].goes_into == kNone) mark(levels_.clusters[i], std::uint32_t(members.size()));
   }
 
   /// `first`: triangle of the first error.

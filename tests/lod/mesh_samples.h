@@ -100,6 +100,22 @@ inline core::Mesh joined(core::Mesh a, const core::Mesh& b, const core::vec3& sh
   return a;
 }
 
+/// Closed shells each of which touches one before in a position, so that groups share vertices inside of their
+/// surfaces.
+inline core::Mesh touching_tori(std::uint32_t cells, int count, MeshRandom& random) {
+  const core::Mesh torus = bumpy_torus(cells, 0.1);
+  core::Mesh mesh = torus;
+  while (--count > 0) {
+    const core::vec3 to = mesh.positions[random() % mesh.positions.size()];
+    const core::vec3 from = torus.positions[random() % torus.positions.size()];
+    const auto first = mesh.positions.size();
+    mesh = joined(std::move(mesh), torus, to - from);
+    for (std::size_t i = 0; i < torus.positions.size(); ++i)
+      if (torus.positions[i] == from) mesh.positions[first + i] = to;
+  }
+  return mesh;
+}
+
 /// Triangles without vertices in common.
 inline core::Mesh soup_of(const core::Mesh& mesh) {
   core::Mesh soup;
