@@ -1,6 +1,9 @@
 // Coarse meshes are what a cut draws where every error is allowed.
 #include "sightline/lod/coarse_mesh.h"
 
+#include <cmath>
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "sightline/lod/internal/cut.h"
@@ -56,6 +59,47 @@ TEST(CoarseMesh, IsTheCoarsestCut) {
       EXPECT_TRUE(std::isfinite(deviation.error));
       EXPECT_LE(deviation.error, error.allowed(deviation.box));
     }
+  }
+}
+
+/// What a cut of all groups within an error draws, and how far that may lie from the mesh.
+void expect_within(const core::Mesh& mesh, const lod::MeshLevels& levels, float error) {
+  const auto simplifies = [&](std::uint32_t group) {
+    return group != core::kNone && levels.groups[group].error <= error && std::isfinite(levels.groups[group].error);
+  };
+  std::vector<std::uint32_t> drawn;
+  std::set<std::uint32_t> drawn_of;  // groups, which make clusters in their order
+  for (const lod::Cluster& cluster : levels.clusters) {
+    if (simplifies(cluster.goes_into)) continue;
+    if (cluster.made_by != core::kNone && !simplifies(cluster.made_by)) continue;
+    if (cluster.made_by != core::kNone) drawn_of.insert(cluster.made_by);
+    drawn.insert(drawn.end(), levels.indices.begin() + cluster.first_index,
+                 levels.indices.begin() + cluster.first_index + cluster.index_count);
+  }
+  const lod::CoarseMesh coarse = lod::coarse_within(mesh, levels, error);
+  ASSERT_EQ(corners(coarse.mesh, coarse.mesh.indices), corners(mesh, drawn));
+  ASSERT_EQ(coarse.deviations.size(), drawn_of.size());
+  std::size_t i = 0;
+  for (const std::uint32_t group : drawn_of) {
+    EXPECT_EQ(coarse.deviations[i].box.min, levels.groups[group].box.min);
+    EXPECT_EQ(coarse.deviations[i].box.max, levels.groups[group].box.max);
+    EXPECT_EQ(coarse.deviations[i++].error, levels.groups[group].error);
+  }
+}
+
+TEST(CoarseMesh, KeepsToEachError) {
+  core::Mesh islands;  // a group of infinite error
+  for (int i = 0; i < 100; ++i) islands = joined(std::move(islands), bumpy_torus(4, 0.0), {9.0f * float(i), 0, 0});
+  for (const core::Mesh& mesh : {terrain(40, 1.5), smooth_cylinder(60), islands}) {
+    const lod::MeshLevels levels = lod::build_levels(mesh);
+    for (std::size_t i = 0; i < levels.groups.size(); i += 1 + i / 4) {
+      SCOPED_TRACE(i);
+      const float error = levels.groups[i].error;
+      expect_within(mesh, levels, error);
+      expect_within(mesh, levels, std::nextafter(error, 0.0f));
+    }
+    EXPECT_EQ(corners(lod::coarse_within(mesh, levels, 0.0f).mesh, lod::coarse_within(mesh, levels, 0.0f).mesh.indices),
+              corners(mesh, std::span(levels.indices).first(mesh.indices.size())));
   }
 }
 
