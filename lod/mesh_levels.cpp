@@ -107,8 +107,8 @@ class VerticesAtPlaces {
 
   /// Appends a triangle of welded vertices, by vertices there whose normals are nearest to its own.
   void append(const std::uint32_t (&triangle)[3], Corners& corners) const {
-    const vec3 normal = mesh_.normals.empty() ? vec3(0.0f) : normal_of(triangle) * (inward_ ? -1.0f : 1.0f);
-    for (const std::uint32_t place : triangle) corners.push_back(nearest(place, normal));
+    const vec3 normal = normal_of(triangle);
+    for (const std::uint32_t place : triangle) corners.push_back(nearest(place, inward_ ? -normal : normal));
   }
 
  private:

@@ -16,8 +16,7 @@ using core::vec3;
 
 /// meshoptimizer 0.18 can lock all open borders or none. But it locks vertices where several borders meet. So each
 /// locked vertex gets a triangle that touches it alone, so small that it collapses before all others. A vertex without
-/// a border gets its only one by that, and may collapse into its triangle, from where it is taken back. Positions come
-/// without -0, which meshoptimizer, comparing bits, takes for another place than 0: seams between them would open.
+/// a border gets its only one by that, and may collapse into its triangle, from where it is taken back.
 class Locks {
  public:
   Locks(std::span<const vec3> positions, std::span<const std::uint32_t> corners, std::span<const std::uint8_t> locked)
@@ -25,7 +24,6 @@ class Locks {
     vec3 low(std::numeric_limits<float>::max()), high(-low);
     for (const vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
     const vec3 size = high - low;
-    for (vec3& p : positions_) p += 0.0f;  // -0 becomes 0
     const float step = 1e-5f * std::max({size.x, size.y, size.z});
     for (std::uint32_t i = 0; i < locked.size(); ++i) {
       if (!locked[i]) continue;
