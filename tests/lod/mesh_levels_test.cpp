@@ -9,10 +9,12 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "sightline/lod/coarse_mesh.h"
+#include "sightline/lod/internal/cluster_groups.h"
 #include "sightline/lod/internal/surface_deviation.h"
 #include "sightline/lod/stored_levels.h"
 #include "sightline/tests/lod/surface_twin.h"
@@ -270,6 +272,57 @@ TEST(MeshLevels, GroupsAreWorthIt) {
   }
 }
 
+/// The clusters first … end - 1 that share edges, and how many: edges that both have once.
+std::vector<lod::Contact> contacts_twin(const MeshLevels& levels, const std::vector<std::uint32_t>& welded,
+                                        std::uint32_t first, std::uint32_t end) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> clusters_at;  // by edge
+  for (std::uint32_t i = first; i < end; ++i) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+    const std::uint32_t* const t = &levels.indices[levels.clusters[i].first_index];
+    for (std::uint32_t k = 0; k < levels.clusters[i].index_count; ++k) {
+      const auto edge = std::minmax(welded[t[k]], welded[t[k % 3 == 2 ? k - 2 : k + 1]]);
+      if (edge.first != edge.second) ++uses[edge];
+    }
+    for (const auto& [edge, count] : uses)
+      if (count == 1) clusters_at[edge].push_back(i - first);
+  }
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> edges;  // by pair of clusters
+  for (const auto& [edge, clusters] : clusters_at)
+    for (std::size_t k = 1; k < clusters.size(); ++k) ++edges[{clusters[k - 1], clusters[k]}];
+  std::vector<lod::Contact> contacts;
+  for (const auto& [pair, count] : edges) contacts.push_back({pair.first, pair.second, count});
+  return contacts;
+}
+
+/// Level by level. Groups that gained nothing are missing.
+TEST(MeshLevels, GroupWhatSharesManyEdges) {
+  for (const NamedMesh& named : ordinary_meshes()) {
+    SCOPED_TRACE(named.name);
+    const MeshLevels levels = lod::build_levels(named.mesh);
+    const std::vector<std::uint32_t> welded = core::weld(named.mesh.positions);
+    std::uint32_t first = 0, end = levels.mesh_clusters, group = 0;
+    while (first < end) {
+      const auto most = end - first <= 8
+                            ? std::vector<std::uint32_t>(end - first, 0)
+                            : lod::group_clusters(end - first, contacts_twin(levels, welded, first, end), 8);
+      std::map<std::uint32_t, std::vector<std::uint32_t>> members;
+      for (std::uint32_t i = first; i < end; ++i) members[most[i - first]].push_back(i);
+      std::uint32_t next = end;
+      for (const auto& [number, clusters] : members) {
+        if (group == levels.groups.size() || !std::isfinite(levels.groups[group].error)) break;
+        const auto held = std::span(levels.members).subspan(levels.groups[group].first_member);
+        if (held[0] != clusters[0]) continue;
+        ASSERT_EQ(levels.groups[group].member_count, clusters.size());
+        ASSERT_TRUE(std::ranges::equal(clusters, held.first(clusters.size())));
+        while (next < levels.clusters.size() && levels.clusters[next].made_by == group) ++next;
+        ++group;
+      }
+      first = end, end = next;
+    }
+    for (; group < levels.groups.size(); ++group) ASSERT_FALSE(std::isfinite(levels.groups[group].error));
+  }
+}
+
 /// Each corner of a coarser triangle has, of the normals at its place, the one that is nearest to the triangle's own.
 TEST(MeshLevels, TakeTheNearestNormals) {
   const core::Mesh bare = terrain(40, 1.0);
@@ -278,6 +331,7 @@ TEST(MeshLevels, TakeTheNearestNormals) {
   for (const float outward : {1.0f, -1.0f})
     for (core::Mesh mesh : {patches, flat, smooth_cylinder(200)}) {
       for (core::vec3& normal : mesh.normals) normal *= outward;
+      for (std::size_t i = 0; i < 3; ++i) mesh.normals[mesh.indices[i]] *= -1.0f;  // one triangle does not decide
       const MeshLevels levels = lod::build_levels(mesh);
       const std::vector<std::uint32_t> welded = core::weld(mesh.positions);
       std::vector<std::vector<std::uint32_t>> at(welded.size());
