@@ -72,7 +72,8 @@ Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to) {
   least_ = probe(from, to);
   bound_ = std::max(rounding_, kTight * least_);
   cosine_ = 1.0;
-  steps_ = kFewestSteps + kStepsPerCorner * std::int64_t(from.corners.size() + to.corners.size());
+  steps_ = 0;
+  most_steps_ = kFewestSteps + kStepsPerCorner * std::int64_t(from.corners.size() + to.corners.size());
   for (triangle_ = 0; triangle_ < starts_.size(); ++triangle_) {
     Polygon triangle;
     triangle.count = 3;
@@ -300,14 +301,14 @@ void SurfaceDeviation::cover(Piece piece) {
     const std::uint32_t neighbour = face.neighbours[k];
     Polygon inside, outside;
     const Side side =
-        neighbour == kNone || neighbour == piece.from || piece.polygon.count == kMostCorners || steps_ <= 0
+        neighbour == kNone || neighbour == piece.from || piece.polygon.count == kMostCorners || steps_ >= most_steps_
             ? Side::kInside
             : split(piece.polygon, face.cuts[k], face.corners[k], inside, outside);
     if (side == Side::kInside || (side == Side::kOutside && !is_nearer(neighbour, piece))) {
       ++k;
       continue;
     }
-    --steps_;
+    ++steps_;
     if (side == Side::kOutside) {
       piece.from = std::exchange(piece.face, neighbour);
       k = 0;
@@ -382,7 +383,7 @@ void SurfaceDeviation::refine(const Piece& piece) {
     least_ = std::max(least_, found.distance + error_);
   }
   if (best > bound_) {
-    if (best > kTight * least_ && steps_ > 0 && bisect(polygon, best_face)) return;
+    if (best > kTight * least_ && steps_ < most_steps_ && bisect(polygon, best_face)) return;
     bound_ = kRaise * best;
   }
   accept(polygon, best_face, kAny);
@@ -410,7 +411,7 @@ bool SurfaceDeviation::bisect(const Polygon& polygon, std::uint32_t face) {
         split(polygon, along / length, polygon.corners[longest] + 0.5 * along, halves[0], halves[1]) != Side::kBoth)
       return false;
   }
-  --steps_;
+  ++steps_;
   for (const Polygon& half : halves) {
     const dvec3 centre = centre_of(half);
     pieces_.push_back({half, nearest_from(near(face, centre), centre).face, kNone});

@@ -57,6 +57,8 @@ class SurfaceDeviation {
   std::span<const double> of_from() const { return of_from_; }
   /// The deviation of those points alone that were shown to lie near this triangle of `to`.
   std::span<const double> of_to() const { return of_to_; }
+  /// How often polygons were cut or handed on to the next triangle.
+  std::int64_t steps() const { return steps_; }
 
  private:
   static constexpr std::uint32_t kNone = core::kNone;
@@ -166,7 +168,8 @@ class SurfaceDeviation {
   double bound_ = 0.0;          // so far
   double least_ = 0.0;          // distance that some point has, with the errors
   double cosine_ = 1.0;         // of the largest angle so far
-  std::int64_t steps_ = 0;      // that are left
+  std::int64_t steps_ = 0;      // so far
+  std::int64_t most_steps_ = 0;
 };
 
 }  // namespace sightline::lod
