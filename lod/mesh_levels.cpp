@@ -270,8 +270,8 @@ class Builder {
     };
     for (std::uint32_t group = 0; group < members.size(); ++group)
       for (const std::uint32_t member : members[group]) mark(levels_.clusters[member], group);
-    for (std::uint32_t i = 0; i < first; ++i)
-      if (levels_.clusters[i].goes_into == kNone) mark(levels_.clusters[i], std::uint32_t(members.size()));
+    for (const Cluster& cluster : std::span(levels_.clusters).first(first))
+      if (cluster.goes_into == kNone) mark(cluster, std::uint32_t(members.size()));
   }
 
   /// `first`: triangle of the first error.

@@ -294,9 +294,12 @@ std::vector<lod::Contact> contacts_twin(const MeshLevels& levels, const std::vec
   return contacts;
 }
 
-/// Level by level. Groups that gained nothing are missing.
+/// Level by level. Groups that gained nothing are missing. Sheets on each other share edges within a cluster.
 TEST(MeshLevels, GroupWhatSharesManyEdges) {
-  for (const NamedMesh& named : ordinary_meshes()) {
+  std::vector<NamedMesh> meshes = ordinary_meshes();
+  const core::Mesh sheet = terrain(30, 1.0);
+  meshes.push_back({"a sheet beside two", joined(joined(sheet, sheet, {}), sheet, {10.0f, 0.0f, 0.0f})});
+  for (const NamedMesh& named : meshes) {
     SCOPED_TRACE(named.name);
     const MeshLevels levels = lod::build_levels(named.mesh);
     const std::vector<std::uint32_t> welded = core::weld(named.mesh.positions);
