@@ -14,6 +14,11 @@ namespace {
 
 using core::dvec3;
 
+/// The same with every compiler: elements of a list are evaluated in their order.
+core::vec3 any_point(MeshRandom& random, double size) {
+  return {between(random, -size, size), between(random, -size, size), between(random, -size, size)};
+}
+
 /// Two surfaces over the same points.
 struct Pair {
   std::string name;
@@ -54,8 +59,7 @@ Pair shaken(NamedMesh named, MeshRandom& random) {
   const auto count = std::uint32_t(pair.positions.size());
   for (std::uint32_t i = 0; i < count; ++i) {
     const float size = 0.02f * float(glm::length(dvec3(pair.positions[i])));
-    pair.positions.push_back(pair.positions[i] +
-                             size * core::vec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)));
+    pair.positions.push_back(pair.positions[i] + size * any_point(random, 1.0));
   }
   for (std::uint32_t& corner : pair.b) corner += count;
   return pair;
@@ -100,20 +104,20 @@ TEST(SurfaceDeviation, IsABoundForSurfacesOfAnyKind) {
 std::vector<Pair> small_pairs(std::uint64_t seed) {
   MeshRandom random(seed);
   core::Mesh any;
-  for (int i = 0; i < 12; ++i)
-    any.positions.emplace_back(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1));
+  for (int i = 0; i < 12; ++i) any.positions.push_back(any_point(random, 1.0));
   for (int i = 0; i < 60; ++i) any.indices.push_back(std::uint32_t(random() % 12));
   std::vector<Pair> pairs;
   for (const NamedMesh& named : {NamedMesh{"terrain", terrain(6, between(random, 0.5, 2.0))},
                                  NamedMesh{"torus", bumpy_torus(5, between(random, 0.0, 0.5))}, NamedMesh{"any", any}})
     for (const auto& change : {thinned, collapsed, shaken}) pairs.push_back(change(named, random));
-  Pair sheet{"a large sheet above a small terrain", terrain(6, between(random, 0.5, 2.0)).positions, {}, {}};
-  sheet.b = terrain(6, 1.0).indices;
-  const auto first = std::uint32_t(sheet.positions.size());
-  for (int i = 0; i < 4; ++i)
-    sheet.positions.emplace_back(between(random, -3, 13), between(random, -3, 13), between(random, -1, 3));
-  sheet.a = {first, first + 1, first + 2, first + 1, first + 3, first + 2};
-  pairs.push_back(sheet);
+  for (const core::Mesh& mesh : {terrain(6, between(random, 0.5, 2.0)), terrain(12, 2.5)}) {
+    Pair sheet{"a large sheet across terrain", mesh.positions, {}, mesh.indices};
+    const auto first = std::uint32_t(sheet.positions.size());
+    for (int i = 0; i < 4; ++i)
+      sheet.positions.push_back(core::vec3(5, 5, 0) + core::vec3(8, 8, 3) * any_point(random, 1.0));
+    sheet.a = {first, first + 1, first + 2, first + 1, first + 3, first + 2};
+    pairs.push_back(sheet);
+  }
   return pairs;
 }
 
@@ -161,6 +165,7 @@ void check_each_triangle(const WithErrors& with, const lod::SurfaceDeviation& de
                          MeshRandom& random) {
   const Pair& pair = with.pair;
   const SurfaceTwin to(pair.positions, pair.b);
+  for (const double distance : deviation.of_to()) ASSERT_GE(distance, 0.0);
   for (int i = 0; i < samples; ++i) {
     const std::size_t triangle = random() % with.of_a.size();
     const dvec3 p = SurfaceTwin(pair.positions, std::span(pair.a).subspan(3 * triangle, 3)).sample(random);
@@ -213,7 +218,9 @@ struct Cost {
 
   void add(const WithErrors& with) {
     lod::SurfaceDeviation deviation;
-    const lod::Triangles a{with.points, with.pair.a, with.of_a}, b{with.points, with.pair.b, with.of_b};
+    const bool none = with.of_a[0] == 0.0f;
+    const lod::Triangles a{with.points, with.pair.a, none ? std::span<const float>() : with.of_a},
+        b{with.points, with.pair.b, none ? std::span<const float>() : with.of_b};
     const auto log_of = [](double distance) { return std::log(std::max(distance, 1e-6)); };
     for (const bool back : {false, true}) {
       bounds += log_of((back ? deviation.bound(b, a) : deviation.bound(a, b)).distance);
@@ -225,8 +232,9 @@ struct Cost {
 };
 
 /// A neighbour that is not found, a plane on the wrong side or a face that is not the nearest costs tightness or steps,
-/// and nothing else shows that, since any division proves a bound. So both are held to what they were, in sums in which
-/// another rounding of sines changes little.
+/// and nothing else shows that, since any division proves a bound. And a piece that is lost makes bounds tighter. So
+/// both are held to what they were, in sums in which another rounding of sines changes little. What makes proofs better
+/// has new sums.
 TEST(SurfaceDeviation, IsAsTightInAsFewStepsAsItWas) {
   Cost cost;
   MeshRandom random(1);
@@ -235,10 +243,10 @@ TEST(SurfaceDeviation, IsAsTightInAsFewStepsAsItWas) {
   for (const core::Mesh& mesh : {terrain(24, 1.0), bumpy_torus(16, 0.1), terrain(16, 1.9)})
     for (const auto& change : {thinned, collapsed, shaken})
       for (const double error : {0.0, 0.02}) cost.add({change({"", mesh}, random), error, random});
-  EXPECT_LT(cost.bounds, -748.89);
-  EXPECT_LT(cost.of_from, -270305.0);
-  EXPECT_LT(cost.of_to, -307845.0);
-  EXPECT_LT(cost.steps, 71185);
+  EXPECT_NEAR(cost.bounds, -680.411, 0.01);
+  EXPECT_NEAR(cost.of_from, -256104.2, 2.0);
+  EXPECT_NEAR(cost.of_to, -366022.1, 2.0);
+  EXPECT_NEAR(double(cost.steps), 75526.0, 8.0);
 }
 
 TEST(SurfaceDeviation, OfASurfaceFromItselfIsRounding) {
@@ -265,9 +273,11 @@ TEST(SurfaceDeviation, KnowsASquareAboveASquare) {
 TEST(SurfaceDeviation, KnowsAFold) {
   const std::vector<dvec3> points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}};
   const std::vector<std::uint32_t> wall = {0, 1, 4}, floor = {0, 1, 2, 0, 2, 3};
-  const lod::Deviation deviation = lod::SurfaceDeviation().bound({points, wall}, {points, floor});
+  lod::SurfaceDeviation proof;
+  const lod::Deviation deviation = proof.bound({points, wall}, {points, floor});
   EXPECT_NEAR(deviation.distance, 1.06, 0.07);
   EXPECT_NEAR(deviation.angle, 0.5 * std::numbers::pi, 1e-9);
+  EXPECT_LT(proof.bound({points, floor}, {points, floor}).angle, 2e-7) << "nothing is left of the proof before";
 }
 
 using Long = long double;
@@ -290,10 +300,6 @@ lod::Deviation of_two_triangles(const std::vector<core::vec3>& p, float error_a 
   const std::vector<dvec3> points(p.begin(), p.end());
   const std::array<std::uint32_t, 3> a{3, 4, 5}, b{0, 1, 2};
   return lod::SurfaceDeviation().bound({points, a, std::span(&error_a, 1)}, {points, b, std::span(&error_b, 1)});
-}
-
-core::vec3 any_point(MeshRandom& random, double size) {
-  return {between(random, -size, size), between(random, -size, size), between(random, -size, size)};
 }
 
 /// A small triangle above a large one, far from the origin: the farthest of three heights, which doubles round.
@@ -321,6 +327,28 @@ TEST(SurfaceDeviation, IsNoLessThanTheExactDistance) {
   }
 }
 
+/// A small triangle above or beside a needle, down to such whose normal has few exact digits, of any size.
+TEST(SurfaceDeviation, IsNoLessThanTheExactDistanceFromNeedles) {
+  using Point = glm::vec<3, Long>;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(repeated(20000)); ++seed) {
+    SCOPED_TRACE(seed);
+    MeshRandom random(seed);
+    const double size = std::pow(10.0, between(random, -6, 9)), width = size * std::pow(10.0, between(random, -6, -1));
+    std::vector<core::vec3> p{any_point(random, size), any_point(random, size)};
+    p.push_back(p[0] + float(between(random, 0, 1)) * (p[1] - p[0]) + any_point(random, width));
+    const dvec3 a(p[0]), normal = glm::normalize(glm::cross(dvec3(p[1]) - a, dvec3(p[2]) - a));
+    const dvec3 middle = (a + dvec3(p[1]) + dvec3(p[2])) / 3.0;
+    const core::vec3 beside = any_point(random, seed % 2 ? 0.0 : size);
+    const core::vec3 near = core::vec3(middle + size * between(random, 0.01, 1) * normal) + beside;
+    for (int i = 0; i < 3; ++i) p.push_back(near + any_point(random, 0.05 * width));
+    Long farthest = 0.0L;
+    for (std::size_t i = 3; i < 6; ++i)
+      farthest = std::max(farthest, distance_to_triangle(Point(p[i]), Point(p[0]), Point(p[1]), Point(p[2])));
+    ASSERT_GE(Long(of_two_triangles(p).distance), farthest);
+    ASSERT_LE(Long(of_two_triangles(p).distance), farthest * 1.01L) << "and little more";
+  }
+}
+
 /// Angles from those whose cosine is 1 in double to right ones, and triangles down to such whose normals have few exact
 /// digits.
 TEST(SurfaceDeviation, IsNoLessThanTheExactAngle) {
@@ -337,7 +365,7 @@ TEST(SurfaceDeviation, IsNoLessThanTheExactAngle) {
     const Long exact = std::atan2(std::sqrt(long_dot(cross, cross)), long_dot(a, b));
     const double angle = of_two_triangles(p).angle;
     ASSERT_GE(Long(angle), exact);
-    ASSERT_LE(Long(angle), exact + 1e-3L);
+    ASSERT_LE(Long(angle), exact + 1e-2L);
     small += exact < 1e-7L, thin += width < 1e-4;
   }
   EXPECT_GT(small, repeated(20000) / 100);

@@ -14,24 +14,27 @@
 
 namespace sightline::tests {
 
-/// By the edges, and by the height above the plane where the foot of the perpendicular lies within.
-inline double distance_to_triangle(const core::dvec3& p, const core::dvec3& a, const core::dvec3& b,
-                                   const core::dvec3& c) {
-  const auto to_edge = [&](const core::dvec3& from, const core::dvec3& to) {
-    const core::dvec3 along = to - from;
-    const double square = glm::dot(along, along);
-    const double t = square > 0.0 ? std::clamp(glm::dot(p - from, along) / square, 0.0, 1.0) : 0.0;
+/// By the edges, and by the height above the plane where the foot of the perpendicular lies within. In double, or in
+/// long double where the last digits count.
+template <class Real>
+Real distance_to_triangle(const glm::vec<3, Real>& p, const glm::vec<3, Real>& a, const glm::vec<3, Real>& b,
+                          const glm::vec<3, Real>& c) {
+  using Vector = glm::vec<3, Real>;
+  const auto to_edge = [&](const Vector& from, const Vector& to) {
+    const Vector along = to - from;
+    const Real square = glm::dot(along, along);
+    const Real t = square > Real(0) ? std::clamp(glm::dot(p - from, along) / square, Real(0), Real(1)) : Real(0);
     return glm::length(p - (from + t * along));
   };
-  double least = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
-  core::dvec3 normal = glm::cross(b - a, c - a);
-  const double length = glm::length(normal);
-  if (!(length > 0.0)) return least;
+  Real least = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+  Vector normal = glm::cross(b - a, c - a);
+  const Real length = glm::length(normal);
+  if (!(length > Real(0))) return least;
   normal /= length;
-  const double height = glm::dot(p - a, normal);
-  const core::dvec3 foot = p - height * normal;
-  const auto left = [&](const core::dvec3& from, const core::dvec3& to) {
-    return glm::dot(glm::cross(to - from, foot - from), normal) >= 0.0;
+  const Real height = glm::dot(p - a, normal);
+  const Vector foot = p - height * normal;
+  const auto left = [&](const Vector& from, const Vector& to) {
+    return glm::dot(glm::cross(to - from, foot - from), normal) >= Real(0);
   };
   if (left(a, b) && left(b, c) && left(c, a)) least = std::min(least, std::abs(height));
   return least;
