@@ -81,6 +81,17 @@ TEST(SolidShells, NeitherOpenNorInsideOutNorBent) {
   EXPECT_EQ(Soup().solid(), 0u);
 }
 
+/// What is flat is relative to a shell's size.
+TEST(SolidShells, AreThoseOfAnySize) {
+  for (const float scale : {1e-9f, 1e-6f, 1e-3f, 1e3f, 1e6f, 1e9f}) {
+    SCOPED_TRACE(scale);
+    Soup both;
+    both.add(ball()).add(bend(1.5f * kPi), {9, 0, 0});
+    for (vec3& p : both.positions) p *= scale;
+    EXPECT_EQ(both.solid(), ball().indices.size());
+  }
+}
+
 /// Two triangles, back to back, and a closed box one of whose triangles is turned.
 TEST(SolidShells, EdgesMustRunBothWays) {
   Soup sheet;
