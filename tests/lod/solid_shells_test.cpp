@@ -103,6 +103,14 @@ TEST(SolidShells, EdgesMustRunBothWays) {
   EXPECT_EQ(Soup().add(turned).solid(), 0u);
 }
 
+/// Neither the first edges of a tetrahedron's triangles nor their last ones alone connect its corners.
+TEST(SolidShells, HangTogetherByEveryEdge) {
+  Soup soup;
+  soup.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  soup.indices = {1, 0, 2, 0, 1, 3, 3, 2, 0, 2, 3, 1};
+  EXPECT_EQ(soup.solid(), 12u);
+}
+
 /// Vertices doubled for their normals, at 0 and at -0.
 TEST(SolidShells, HangTogetherByPositions) {
   core::Mesh corner = tessellate(core::Primitive(core::Box{2.0f, 2.0f, 2.0f}));
