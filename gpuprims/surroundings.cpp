@@ -17,8 +17,9 @@ constexpr std::array<StudioLight, kMostDistantLights> kStudio{
 
 }  // namespace
 
-std::vector<DistantLight> distant_lights(const core::View& view, Lighting lighting, const dvec3& sun) {
-  std::vector<DistantLight> lights;
+core::FixedList<DistantLight, kMostDistantLights> distant_lights(const core::View& view, Lighting lighting,
+                                                                 const dvec3& sun) {
+  core::FixedList<DistantLight, kMostDistantLights> lights;
   if (lighting == Lighting::kSun) lights.push_back({glm::normalize(sun), 1.0});
   if (lighting == Lighting::kStudio) {
     const core::dmat3 world_from_eye = glm::inverse(core::dmat3(view.eye_from_world()));

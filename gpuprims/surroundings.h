@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
-#include <vector>
 
 #include "sightline/core/api.h"
 #include "sightline/core/conventions.h"
+#include "sightline/core/fixed_list.h"
 #include "sightline/core/view.h"
 
 namespace sightline::gpuprims {
@@ -40,7 +40,8 @@ inline constexpr std::size_t kMostDistantLights = 2;
 
 /// The lights of an image of `view`, none where it has the head-light alone. `sun`: the direction to it in the world,
 /// finite and of any length but 0; for Lighting::kSun alone.
-SIGHTLINE_API std::vector<DistantLight> distant_lights(const core::View& view, Lighting lighting, const dvec3& sun);
+SIGHTLINE_API core::FixedList<DistantLight, kMostDistantLights> distant_lights(const core::View& view,
+                                                                               Lighting lighting, const dvec3& sun);
 
 /// What is behind everything in an image: two colours, sRGB, and an even change between them from border to border.
 struct Background {

@@ -84,19 +84,17 @@ void set_rays(ViewBlock& block, const dmat4& clip, bool perspective, int width, 
 
 }  // namespace
 
-std::vector<glm::vec4> eye_relative_origins(const core::View& view, std::span<const core::dvec3> origins) {
+void eye_relative_origins(const core::View& view, std::span<const core::dvec3> origins, std::vector<glm::vec4>& rows) {
   // The matrix alone says where the eye is, and it alone must not be rounded: an origin is placed by it, and then
   // turned back.
   const dmat4& eye_from_world = view.eye_from_world();
   const glm::dmat3 world_from_eye = glm::inverse(glm::dmat3(eye_from_world));
-  std::vector<glm::vec4> rows;
-  rows.reserve(2 * origins.size());
+  rows.clear();
   for (const core::dvec3& origin : origins) {
     const dvec4 from_eye(world_from_eye * core::dvec3(eye_from_world * dvec4(origin, 1.0)), 0.0);
     rows.push_back(glm::vec4(from_eye));
     rows.push_back(rest_of(from_eye, rows.back()));
   }
-  return rows;
 }
 
 core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int height) {

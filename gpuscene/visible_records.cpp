@@ -100,7 +100,10 @@ void VisibleRecords::add_meshes(const Snapshot& snapshot, Slot first, Slot end) 
   add_meshes(snapshot, Kind::kFacetGroup, first, end);
   const std::ptrdiff_t middle = std::ptrdiff_t(meshes.size());
   add_meshes(snapshot, Kind::kMesh, first, end);
-  std::inplace_merge(meshes.begin() + begin, meshes.begin() + middle, meshes.end());
+  if (middle == begin || middle == std::ptrdiff_t(meshes.size())) return;
+  merged_.resize(meshes.size() - std::size_t(begin));
+  std::merge(meshes.begin() + begin, meshes.begin() + middle, meshes.begin() + middle, meshes.end(), merged_.begin());
+  std::ranges::copy(merged_, meshes.begin() + begin);
 }
 
 void VisibleRecords::add_meshes(const Snapshot& snapshot, Kind kind, Slot first, Slot end) {

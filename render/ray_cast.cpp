@@ -56,7 +56,9 @@ core::Expected<std::vector<std::byte>> ray_cast_view(const core::View& view, int
 }
 
 std::vector<glm::vec4> ray_cast_origins(const core::View& view, std::span<const core::dvec3> origins) {
-  return gpuprims::eye_relative_origins(view, origins);
+  std::vector<glm::vec4> rows;
+  gpuprims::eye_relative_origins(view, origins, rows);
+  return rows;
 }
 
 }  // namespace sightline::render

@@ -193,19 +193,19 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
   auto block = gpuprims::make_view_block(view, target.width(), target.height());
   if (!block) return tl::unexpected(block.error());
   block->hatching = {hatching, std::max(1.0f, hatching.y / 6.0f), 0.0f};
-  const std::vector<gpuprims::DistantLight> lights = gpuprims::distant_lights(view, lighting, sun);
+  const auto lights = gpuprims::distant_lights(view, lighting, sun);
   for (std::size_t i = 0; i < lights.size(); ++i)
     block->lights[i] = {glm::normalize(core::dmat3(view.eye_from_world()) * lights[i].towards), lights[i].strength};
   if (lighting == gpuprims::Lighting::kStudio) block->up.w = gpuprims::kStudioBlack;
   view_block_.write(0, sizeof(*block), &*block);
 
-  std::vector<glm::vec4> rows = gpuprims::eye_relative_origins(view, snapshot.chunk_origins());
-  rows.resize(std::max<std::size_t>(2, rows.size()));
-  const std::size_t bytes = rows.size() * sizeof(rows[0]);
+  gpuprims::eye_relative_origins(view, snapshot.chunk_origins(), origin_rows_);
+  origin_rows_.resize(std::max<std::size_t>(2, origin_rows_.size()));
+  const std::size_t bytes = origin_rows_.size() * sizeof(origin_rows_[0]);
   core::Expected<void> done;
   if (bytes > chunk_rows_.buffer.size())
     done = core::store(gl::TexelArray::create(*gl_, 2 * bytes, nullptr, GL_RGBA32F, "chunk origins"), chunk_rows_);
-  if (done) chunk_rows_.buffer.write(0, bytes, rows.data());
+  if (done) chunk_rows_.buffer.write(0, bytes, origin_rows_.data());
   return done;
 }
 

@@ -148,7 +148,7 @@ quiet_files='inner_occluders.cpp|occluder_raster.cpp|occlusion_test.cpp|depth_te
 changed_files() {
   local since
   since=$(git rev-list --max-count=51 HEAD | tail -1)
-  git diff --name-only --diff-filter=AM "$since" HEAD | grep -E '^(core|culling|gpuprims|importers|analysis|raytrace|engine)/.*\.cpp$' || true
+  git diff --name-only --diff-filter=AM "$since" HEAD | grep -E '^(core|culling|gpuprims|importers|analysis|lod|raytrace|engine)/.*\.cpp$' || true
 }
 # Compiles every K-th of N sources and public headers alone with both compilers, as developers without batches do, and
 # with g++ all that the last 14 commits changed.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "sightline/culling/frustum/internal/append_range.h"
+
 namespace sightline::culling {
 namespace {
 
@@ -16,14 +18,6 @@ void append(core::VisibleSet& set, std::vector<core::Slot>& singles, core::Slot 
     set.ranges.push_back({first, end - first});
   else
     for (core::Slot s = first; s < end; ++s) singles.push_back(s);
-}
-
-void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& of_ranges) {
-  const std::size_t middle = set.single_slots.size();
-  set.single_slots.insert(set.single_slots.end(), of_ranges.begin(), of_ranges.end());
-  std::inplace_merge(set.single_slots.begin(), set.single_slots.begin() + std::ptrdiff_t(middle),
-                     set.single_slots.end());
-  of_ranges.clear();
 }
 
 }  // namespace
@@ -57,6 +51,14 @@ void OcclusionPasses::begin(const core::VisibleSet& candidates, SlotBits lines, 
   }
   merge_singles(pass_, first_singles_);
   merge_singles(pending_, other_singles_);
+}
+
+/// Adds single slots, of which then none are left.
+void OcclusionPasses::merge_singles(core::VisibleSet& set, std::vector<core::Slot>& more) {
+  merged_.clear();
+  merge_slots(set.single_slots, more, merged_);
+  set.single_slots.swap(merged_);
+  more.clear();
 }
 
 bool OcclusionPasses::next(const OcclusionTest& test, const core::ItemBounds& bounds) {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "sightline/core/api.h"
+#include "sightline/core/fixed_list.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/thread_pool.h"
 #include "sightline/core/view.h"
@@ -35,11 +36,14 @@ inline float rasteriser_snap(int subpixel_bits, int width, int height) {
   return std::ldexp(1.0f, -subpixel_bits) + 0x1p-20f * float(std::max(width, height));
 }
 
+inline constexpr std::size_t kMostSamples = 32;  ///< of a pixel
+
 /// Where an image takes its samples.
 struct ImageSamples {
-  int width = 0, height = 0;                          ///< pixels, positive
-  std::vector<std::array<float, 2>> offsets{{0, 0}};  ///< of a pixel's samples from its centre, pixels; not empty
-  float snap = kCoarsestSnap;                         ///< rasteriser_snap()
+  int width = 0, height = 0;  ///< pixels, positive
+  core::FixedList<std::array<float, 2>, kMostSamples> offsets{
+      {0, 0}};                 ///< of a pixel's samples from its centre, pixels; not empty
+  float snap = kCoarsestSnap;  ///< rasteriser_snap()
 };
 
 /// A bit per slot, from the lowest bit of the first word on. Slots beyond the last word have none.
@@ -79,7 +83,7 @@ class SIGHTLINE_API SampleTest {
   ImageSamples samples_;
   ScreenView view_;
   RaySpans rays_;
-  std::vector<RayField> fields_;  // by sample; none where nothing is known of rays
+  core::FixedList<RayField, kMostSamples> fields_;  // by sample; none where nothing is known of rays
 };
 
 }  // namespace sightline::culling

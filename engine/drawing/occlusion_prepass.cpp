@@ -133,8 +133,9 @@ core::Expected<DrawCounts> OcclusionPrepass::draw_visible(DrawContext& context, 
 }
 
 /// Leaves out of a set the items that the depth pyramid occludes. `beside`: see core::ThreadPool::run().
+template <class Beside>
 void OcclusionPrepass::leave_out_occluded(DrawContext& context, const Frame& frame, const culling::OcclusionTest& test,
-                                          core::VisibleSet& set, const std::function<void()>& beside) {
+                                          core::VisibleSet& set, const Beside& beside) {
   const core::ItemBounds& bounds = frame.snapshot.bounds();
   const double error = render::RenderTarget::orthographic_error(frame.view);
   parts_.split(set, kSlotsOfPart);

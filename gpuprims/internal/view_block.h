@@ -51,8 +51,8 @@ constexpr double kHatchPeriod = 1048576.0;
 core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int height);
 
 /// What shaders read of chunk origins: two rows each, their place relative to the eye along world axes as a float and
-/// what that leaves.
-std::vector<glm::vec4> eye_relative_origins(const core::View& view, std::span<const core::dvec3> origins);
+/// what that leaves. Replaces `rows`.
+void eye_relative_origins(const core::View& view, std::span<const core::dvec3> origins, std::vector<glm::vec4>& rows);
 
 /// Eye depth (metres along the view axis) of a reversed zero-to-one depth value; infinity for the cleared depth 0 of an
 /// infinite far plane.

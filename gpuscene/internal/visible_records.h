@@ -44,7 +44,8 @@ struct VisibleRecords {
   void add_slot(const core::Snapshot& snapshot, core::Slot slot);
   void add_singles(const core::Snapshot& snapshot, std::span<const core::Slot> slots, core::ThreadPool* threads);
 
-  std::vector<OfKinds> places_;  // by part of the single slots: where its records begin
+  std::vector<OfKinds> places_;     // by part of the single slots: where its records begin
+  std::vector<core::Slot> merged_;  // of a range
 };
 
 }  // namespace sightline::gpuscene

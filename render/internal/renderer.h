@@ -123,6 +123,7 @@ class Renderer {
   gl::VertexArray record_array_, mesh_array_;
   gl::Buffer view_block_;
   gl::TexelArray chunk_rows_;
+  std::vector<glm::vec4> origin_rows_;  // of the last view
 };
 
 }  // namespace sightline::render

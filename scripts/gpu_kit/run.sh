@@ -15,7 +15,7 @@ PATH=$PATH:/usr/sbin:/sbin  # ldconfig's
 kit=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 bin=$kit/bin
 scale=${SCALE:-1} frames=${FRAMES:-60} size=${SIZE:-1280x720} total=${TOTAL:-470}
-steps=(machine tests images stability hybrid_100k hybrid_1m submission occlusion samples hybrid_5m motion first_image trace table_6_1 edits)
+steps=(machine tests images stability hybrid_100k hybrid_1m submission occlusion samples hybrid_5m prepare motion first_image trace table_6_1 edits)
 
 case ${1:-} in
   -h | --help) sed -n '2,/^set/{/^#/s/^# \{0,1\}//p}' "$0"; exit 0 ;;
@@ -263,6 +263,13 @@ step_motion() {
       --size "$size"
   done
 }
+# Work of the processor before GL draws, by threads.
+step_prepare() {
+  local count
+  for count in 1000000 5000000; do
+    show 30 sightline-bench prepare --items "$(items $count)" --threads "$(nproc)" --passes 5 --frames 8
+  done
+}
 step_submission() {
   local variant
   for variant in geometry compute; do
@@ -318,6 +325,7 @@ title() {
     hybrid_1m) echo "$(items 1000000) items: cullers, rendering off and on" ;;
     hybrid_5m) echo "$(items 5000000) items: cullers, rendering off and on" ;;
     motion) echo "Moving images within 33 ms, $(items 1000000) and $(items 5000000) items" ;;
+    prepare) echo "Preparing a frame by threads, $(items 1000000) and $(items 5000000) items" ;;
     submission) echo "What frames culled by the GPU cost the processor" ;;
     occlusion) echo "Occlusion off, on and learnt, $(items 100000) and $(items 1000000) items" ;;
     samples) echo "Samples per pixel, depth shading and lines, $(items 100000) items" ;;

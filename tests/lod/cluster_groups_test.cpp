@@ -39,7 +39,7 @@ std::vector<Contact> any_contacts(std::uint32_t count, std::mt19937& random) {
   return contacts;
 }
 
-/// Of the clusters without a group that touch some of a group, the one with most edges there, and of such the one that
+/// Finds the cluster without a group that touches a group by most edges, and of several such the one that
 /// touched it first; kNone: there is none.
 std::uint32_t next_of(const std::vector<std::uint32_t>& group, const std::vector<std::uint32_t>& groups,
                       const std::vector<Contact>& contacts) {
@@ -61,7 +61,7 @@ std::uint32_t next_of(const std::vector<std::uint32_t>& group, const std::vector
   return best.first;
 }
 
-/// The same groups without lists of neighbours.
+/// Makes equal groups without lists of neighbours.
 std::vector<std::uint32_t> groups_twin(std::uint32_t count, const std::vector<Contact>& contacts, std::uint32_t most) {
   std::vector<std::uint32_t> groups(count, core::kNone), lonely;
   std::uint32_t number = 0, of_lonely = core::kNone;

@@ -275,7 +275,7 @@ TEST(MeshError, AllowsNoMoreForOtherProjections) {
   const auto allowed = [](const core::View& view, const core::Aabb& box) {
     return lod::MeshError(lod::ImageError(view, kWidth, kHeight, 1.0), {}).allowed(box);
   };
-  // The same image by depths that rise from 0 or from -1 has the same least w.
+  // An image has one least w, whether its depths rise from 0 or from -1.
   const float known = allowed(view_of(usual, core::ClipDepth::kReversedZeroToOne), behind);
   EXPECT_GT(known, 0.0f);
   core::dmat4 rising = usual;

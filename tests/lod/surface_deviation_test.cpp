@@ -14,7 +14,7 @@ namespace {
 
 using core::dvec3;
 
-/// The same with every compiler: elements of a list are evaluated in their order.
+/// Every compiler gives the same points, since elements of a list are evaluated in their order.
 core::vec3 any_point(MeshRandom& random, double size) {
   return {between(random, -size, size), between(random, -size, size), between(random, -size, size)};
 }

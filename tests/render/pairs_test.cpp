@@ -39,7 +39,8 @@ class PairCases {
       c.matrix[i] = glm::vec4(glm::uintBitsToFloat(bits), 0.0f);
       c.rest[i] = glm::vec4(columns[i] - core::dvec3(c.matrix[i]), 0.0);
     }
-    const core::dvec3 a = size() * direction(), b = chance_(random_) < 0.5 ? size() * direction() : -a * (1.0 + 1e-7 * size());
+    const core::dvec3 a = size() * direction(),
+                      b = chance_(random_) < 0.5 ? size() * direction() : -a * (1.0 + 1e-7 * size());
     set(a, c.a, c.a_low), set(b, c.b, c.b_low);
     return c;
   }
@@ -55,7 +56,9 @@ class PairCases {
   std::uniform_real_distribution<double> side_{-1.0, 1.0}, chance_{0.0, 1.0}, exponent_{-12.0, 12.0};
 };
 
-Exact exact(const glm::vec4& high, const glm::vec4& low) { return Exact(glm::vec3(high)) + Exact(glm::vec3(low)); }
+Exact exact(const glm::vec4& high, const glm::vec4& low) {
+  return Exact(glm::vec3(high)) + Exact(glm::vec3(low));
+}
 
 /// Largest component.
 long double largest(const Exact& v) {
@@ -106,15 +109,17 @@ TEST_F(PairsTest, AreAsExactAsTheySay) {
 
 /// What a view hands to shaders in pairs is what it is in double.
 TEST(PairsOfView, KeepWhatFloatLoses) {
-  const core::View view =
-      *core::View::perspective({{1.0e7 + 0.123, -2.0e6 + 0.456, 789.0}, {1.0e7 + 3.0, -2.0e6, 788.0}, {0, 0, 1}}, 0.8, 1.5, 0.1);
+  const core::View view = *core::View::perspective(
+      {{1.0e7 + 0.123, -2.0e6 + 0.456, 789.0}, {1.0e7 + 3.0, -2.0e6, 788.0}, {0, 0, 1}}, 0.8, 1.5, 0.1);
   const gpuprims::ViewBlock block = *gpuprims::make_view_block(view, 300, 200);
   const core::dmat4& eye_from_world = view.eye_from_world();
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r)
-      EXPECT_NEAR(double(block.eye_from_world_parts[0][c][r]) + block.eye_from_world_parts[1][c][r], eye_from_world[c][r], 0x1p-36);
+      EXPECT_NEAR(double(block.eye_from_world_parts[0][c][r]) + block.eye_from_world_parts[1][c][r],
+                  eye_from_world[c][r], 0x1p-36);
   const core::dvec3 origins[] = {{1.0e7, -2.0e6, 800.0}, {1.0e7 + 1.0e4, -2.0e6 + 1.0e4, 0.0}};
-  const std::vector<glm::vec4> rows = gpuprims::eye_relative_origins(view, origins);
+  std::vector<glm::vec4> rows;
+  gpuprims::eye_relative_origins(view, origins, rows);
   ASSERT_EQ(rows.size(), 4u);
   for (int i = 0; i < 2; ++i) {
     const core::dvec3 from_eye = core::dvec3(rows[2 * i]) + core::dvec3(rows[2 * i + 1]);

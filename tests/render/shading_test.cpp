@@ -162,7 +162,7 @@ TEST_P(ShadingByLights, IsThatOfTheTwin) {
     const std::vector<PixelHits> seen = look_at(shapes_, view, kWidth, kHeight);
     const Compared compared = compare(image, seen, {1e-5, 0.1});
     EXPECT_GT(compared.clear, kWidth * kHeight / 16);
-    const std::vector<gpuprims::DistantLight> lights = gpuprims::distant_lights(view, GetParam(), sun);
+    const auto lights = gpuprims::distant_lights(view, GetParam(), sun);
     std::vector<int> shown(shapes_.size());
     for (std::size_t pixel = 0; pixel < seen.size(); ++pixel) {
       const int x = int(pixel) % kWidth, y = int(pixel) / kWidth;

@@ -7,11 +7,12 @@
 
 namespace sightline::tests {
 
-std::atomic<std::size_t> live_bytes{0}, peak_bytes{0};
+std::atomic<std::size_t> live_bytes{0}, peak_bytes{0}, allocations{0};
 
 namespace {
 
 void* counted_allocation(std::size_t size) noexcept {
+  ++allocations;
   void* p = std::malloc(size);
   if (!p) return nullptr;
   const std::size_t live = live_bytes += malloc_usable_size(p);

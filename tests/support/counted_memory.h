@@ -6,6 +6,6 @@
 
 namespace sightline::tests {
 
-extern std::atomic<std::size_t> live_bytes, peak_bytes;
+extern std::atomic<std::size_t> live_bytes, peak_bytes, allocations;
 
 }  // namespace sightline::tests

@@ -48,14 +48,15 @@ class OcclusionPasses {
   void follow(const core::Snapshot& former, const core::Snapshot& snapshot);
 
  private:
+  void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& more);
   void find_first(const OcclusionTest& test, const core::ItemBounds& bounds);
   void find_nearest(const OcclusionTest& test, const core::ItemBounds& bounds);
   void find_next(const OcclusionTest& test, const core::ItemBounds& bounds);
 
-  std::vector<std::uint64_t> unoccluded_;                  // a bit per slot, of the last frame
-  std::vector<std::uint64_t> drawn_bits_;                  // a bit per slot, of list_drawn()
-  std::vector<core::Slot> first_singles_, other_singles_;  // of ranges that begin() divides
-  std::vector<core::VisibleSet> passes_;                   // the first count_ of them; the others keep memory
+  std::vector<std::uint64_t> unoccluded_;                           // a bit per slot, of the last frame
+  std::vector<std::uint64_t> drawn_bits_;                           // a bit per slot, of list_drawn()
+  std::vector<core::Slot> first_singles_, other_singles_, merged_;  // of ranges that begin() divides
+  std::vector<core::VisibleSet> passes_;                            // the first count_ of them; the others keep memory
   SlotBits lines_;
   const Hierarchy* hierarchy_ = nullptr;
   core::ThreadPool* threads_ = nullptr;

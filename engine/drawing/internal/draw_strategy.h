@@ -1,7 +1,6 @@
 // The strategies by which a frame's opaque items are drawn. Internal to engine.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "sightline/culling/frustum/internal/set_parts.h"
@@ -57,8 +56,9 @@ class OcclusionPrepass : public DrawStrategy {
                                  const culling::OcclusionTest& test);
   core::Expected<void> draw_meshes(DrawContext& context, const Frame& frame, std::uint64_t generation);
   core::Expected<DrawCounts> draw_visible(DrawContext& context, const Frame& frame, const culling::OcclusionTest& test);
+  template <class Beside>
   void leave_out_occluded(DrawContext& context, const Frame& frame, const culling::OcclusionTest& test,
-                          core::VisibleSet& set, const std::function<void()>& beside);
+                          core::VisibleSet& set, const Beside& beside);
   core::Expected<std::int64_t> draw_solids(DrawContext& context, const Frame& frame, const core::VisibleSet& set);
 
   culling::SolidOccluders solids_;
