@@ -21,6 +21,7 @@ class FixedList {
     assert(size_ < N);
     values_[size_++] = value;
   }
+  void clear() { size_ = 0; }
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   const T* data() const { return values_.data(); }

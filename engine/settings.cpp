@@ -35,7 +35,7 @@ core::Expected<void> check_ranges(const PagedConfig& config) {
   return check_sun(config.drawing.looks.sun);
 }
 
-core::Expected<void> check_rays(const EngineConfig& config) {
+core::Expected<void> check_rays([[maybe_unused]] const EngineConfig& config) {
 #if SIGHTLINE_HAS_GL && SIGHTLINE_HAS_RAYTRACE
   const CullerChoice culler = config.culling.culler;
   const char* const other = config.drawing.looks.hatching.any()                     ? "hatching"

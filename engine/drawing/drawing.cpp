@@ -6,8 +6,10 @@
 #include "sightline/core/internal/store.h"
 #include "sightline/engine/drawing/internal/left_out.h"
 #include "sightline/engine/internal/settings.h"
-#include "sightline/engine/traced/internal/traced_backend.h"
 #include "sightline/gl/internal/program_cache.h"
+#if SIGHTLINE_HAS_RAYTRACE
+#include "sightline/engine/traced/internal/traced_drawing.h"
+#endif
 
 namespace sightline::engine {
 namespace {
@@ -17,11 +19,16 @@ constexpr double kLevelsSeconds = 0.004;  // of a frame, to upload levels of det
 }  // namespace
 
 core::Expected<std::unique_ptr<Backend>> make_backend(const EngineConfig& config, const Overrides& overrides) {
+#if SIGHTLINE_HAS_RAYTRACE
   const Renderer renderer = config.draw ? config.drawing.renderer : Renderer::kGl;
-  if (renderer == Renderer::kRays) return make_traced_backend(config, overrides, "asked for");
+  if (renderer == Renderer::kRays) return std::make_unique<TracedDrawing>(config, overrides, "asked for");
   auto made = Drawing::create(config, overrides);
-  if (made || renderer == Renderer::kGl || !check_rays(config)) return made;
-  return make_traced_backend(config, overrides, made.error().message);
+  if (!made && renderer == Renderer::kAutomatic && check_rays(config))
+    return std::make_unique<TracedDrawing>(config, overrides, made.error().message);
+  return made;
+#else
+  return Drawing::create(config, overrides);
+#endif
 }
 
 // --- context ---------------------------------------------------------------------------------------------------------

@@ -8,7 +8,6 @@
 #include "sightline/core/internal/instruction_set.h"
 #include "sightline/engine/internal/settings.h"
 #include "sightline/engine/traced/internal/depth_shading.h"
-#include "sightline/engine/traced/internal/traced_backend.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/raytrace/internal/packed_colour.h"
 #include "sightline/render/image/image.h"
@@ -35,11 +34,6 @@ std::uint32_t over(std::uint32_t front, std::uint32_t back) {
 }
 
 }  // namespace
-
-core::Expected<std::unique_ptr<Backend>> make_traced_backend(const EngineConfig& config, const Overrides& overrides,
-                                                             const std::string& why) {
-  return std::make_unique<TracedDrawing>(config, overrides, why);
-}
 
 TracedDrawing::TracedDrawing(const EngineConfig& config, const Overrides& overrides, std::string why)
     : config_(config), overrides_(overrides), why_(std::move(why)), threads_(config.threads, config.runner) {
@@ -142,7 +136,14 @@ core::Expected<void> TracedDrawing::draw_outline(const Frame& frame) {
 
 // --- reading ---------------------------------------------------------------------------------------------------------
 
+/// Fails before the first frame of an image's size.
+core::Expected<void> TracedDrawing::check_drawn() const {
+  const bool drawn = image_->pixels.width() == image_->width && image_->pixels.height() == image_->height;
+  return drawn ? core::Expected<void>() : core::fail("image: no frame was drawn yet");
+}
+
 core::Expected<image::Image> TracedDrawing::read_colour() {
+  if (auto drawn = check_drawn(); !drawn) return tl::unexpected(drawn.error());
   const StillImage::Pixels pixels = image_->pixels.pixels();
   image::Image read{image_->width, image_->height, {}};
   read.pixels.reserve(3 * pixels.colours.size());
@@ -154,6 +155,7 @@ core::Expected<image::Image> TracedDrawing::read_colour() {
 }
 
 core::Expected<image::IdImage> TracedDrawing::read_ids() {
+  if (auto drawn = check_drawn(); !drawn) return tl::unexpected(drawn.error());
   image::IdImage read{image_->width, image_->height, {}};
   for_each_row_down(image_->pixels, image_->pixels.pixels().ids, [&](std::span<const std::uint32_t> row) {
     read.ids.insert(read.ids.end(), row.begin(), row.end());
@@ -162,6 +164,7 @@ core::Expected<image::IdImage> TracedDrawing::read_ids() {
 }
 
 core::Expected<image::DepthImage> TracedDrawing::read_depth(const core::View* view) {
+  if (auto drawn = check_drawn(); !drawn) return tl::unexpected(drawn.error());
   image::DepthImage read{image_->width, image_->height, {}};
   for_each_row_down(image_->pixels, image_->pixels.pixels().depths,
                     [&](std::span<const float> row) { read.metres.insert(read.metres.end(), row.begin(), row.end()); });

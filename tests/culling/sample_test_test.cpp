@@ -71,7 +71,8 @@ TEST(SampleTest, LeavesOutSmallBoxesBetweenSamples) {
 TEST(SampleTest, LeavesOutRodsBetweenTheRaysOfSamples) {
   const View view = *View::perspective({{0, -10, 0}, {0, 0, 0}, {1, 0, 1.37}}, 1.0, 1.0, 0.1);
   const double pixel = 20.0 * std::tan(0.5) / 64.0;  // at a distance of 10
-  for (const auto& offsets : {std::vector<std::array<float, 2>>{{0, 0}}, {{-0.25f, 0.125f}, {0.125f, -0.25f}}})
+  using Offsets = decltype(culling::ImageSamples::offsets);
+  for (const Offsets& offsets : {Offsets{{0, 0}}, Offsets{{-0.25f, 0.125f}, {0.125f, -0.25f}}})
     for (const double length : {8.0, 18.0}) {
       Random random(7);
       const SampleTest test(view, core::dvec3(0.0), {64, 64, offsets, 0x1p-8f});

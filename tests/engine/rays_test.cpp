@@ -196,6 +196,7 @@ TEST(RaysAlone, DrawTheSameWithAnyNumberOfThreads) {
     auto engine = Engine::create(scene, config);
     ASSERT_TRUE(engine) << engine.error().message;
     EXPECT_EQ(engine::EngineParts::drawing(*engine), nullptr);
+    EXPECT_FALSE(engine->read_colour()) << "before the first frame";
     ASSERT_TRUE(engine->frame(at(0.4)));
     auto image = engine->read_colour();
     ASSERT_TRUE(image);

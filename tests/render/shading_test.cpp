@@ -27,7 +27,7 @@ dvec3 towards_eye(const View& view, const PixelRay& ray) {
 /// A light of half the strength, a sky that lights what looks up, and a highlight around the direction halfway between
 /// light and eye, in 0 to 255; without lights the one at the eye. sRGB colours are lit as they are.
 dvec3 shade(const dvec3& material, const dvec3& normal, const dvec3& to_eye, const View& view,
-            const std::vector<gpuprims::DistantLight>& lights = {}) {
+            std::span<const gpuprims::DistantLight> lights = {}) {
   // The studio, which alone has several lights, shows black as a grey of 0.25.
   const double dark = 1.0 - std::max({material.r, material.g, material.b}), black = lights.size() > 1 ? 0.25 : 0.0;
   const dvec3 colour = material + black * std::pow(dark, 4.0);
@@ -114,7 +114,7 @@ class Shading : public GlTest {
   }
 
   Range colours_around(const PixelHits& around, const View& view, const dvec3& to_eye, const dvec3& background,
-                       const std::vector<gpuprims::DistantLight>& lights) const {
+                       std::span<const gpuprims::DistantLight> lights) const {
     Range range;
     for (const RayHit& seen_hit : around.hits_around)
       range.add(seen_hit.hit()

@@ -46,6 +46,7 @@ class TracedDrawing : public Backend {
                                   raytrace::StillImage& image, bool as_ghosts = false);
   core::Expected<void> draw_ghosts(const Frame& frame);
   core::Expected<void> draw_outline(const Frame& frame);
+  core::Expected<void> check_drawn() const;
 
   EngineConfig config_;
   const Overrides& overrides_;
