@@ -58,11 +58,16 @@ std::array<dvec3, 2> ends_of(const core::Snapshot& snapshot, core::Slot slot) {
   return {at(line.from), at(line.to)};
 }
 
+/// Whether sections keep a point. A plane with zero normal is ignored.
 bool keeps(const core::View& view, const dvec3& point) {
-  const auto inside = [&](const core::Plane& plane) { return core::evaluate(plane, point) >= 0.0; };
-  if (view.sections.empty()) return true;
-  return view.section_mode == core::SectionMode::kIntersection ? std::ranges::all_of(view.sections, inside)
-                                                               : std::ranges::any_of(view.sections, inside);
+  const bool all = view.section_mode == core::SectionMode::kIntersection;
+  bool any = false;
+  for (const core::Plane& plane : view.sections) {
+    if (plane.normal == dvec3(0.0)) continue;
+    any = true;
+    if ((core::evaluate(plane, point) >= 0.0) != all) return !all;
+  }
+  return all || !any;
 }
 
 }  // namespace

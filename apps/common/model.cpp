@@ -241,7 +241,8 @@ void add_renderer_option(CommandLine& line, engine::Renderer& renderer) {
   for (const auto one : {engine::Renderer::kGl, engine::Renderer::kRays})
     if (named && named == engine::name_of(one)) renderer = one;
   add_setting(line.group(OptionGroup::kEngine), "renderer", renderer)
-      .default_text("what the environment variable SIGHTLINE_RENDERER names, or auto");
+      .default_text("what the environment variable SIGHTLINE_RENDERER names, or auto")
+      .advanced();
 }
 
 void note_rays(engine::Engine& engine) {
