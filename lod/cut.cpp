@@ -19,6 +19,13 @@ constexpr double kGpuRounding = 4e-6;      // of a value that a GPU computes in 
 constexpr double kDoubleRounding = 2e-15;  // of a value computed here, relative to its terms: twice its nine roundings
 constexpr std::size_t kGroupsOfJob = 64;   // some ten microseconds
 
+/// Makes the first `count` values 0. Others may be there.
+template <class T>
+void reset(std::vector<std::atomic<T>>& values, std::size_t count) {
+  if (values.size() < count) values = std::vector<std::atomic<T>>(count);
+  for (std::size_t i = 0; i < count; ++i) values[i].store(T{}, std::memory_order_relaxed);
+}
+
 dvec4 form_of(const core::Plane& plane) {
   return {plane.normal, plane.offset};
 }
@@ -124,8 +131,9 @@ core::AabbD placed_box(const core::Aabb& box, const core::Affine& world_from_mes
 std::vector<std::uint32_t>& CutChooser::choose(const MeshLevels& levels, const MeshError& error,
                                                core::ThreadPool* threads) {
   error_ = 0.0;
-  state_.assign(levels.groups.size(), State::kUnknown);
-  shown_.assign((levels.clusters.size() + 63) / 64, 0);
+  const std::size_t words = (levels.clusters.size() + 63) / 64;
+  reset(state_, levels.groups.size());
+  reset(shown_, words);
   open_.clear();
   if (found_.empty()) found_.resize(1);
   consider(levels, error, std::span(levels.members).subspan(levels.first_root), found_[0]);
@@ -143,7 +151,7 @@ std::vector<std::uint32_t>& CutChooser::choose(const MeshLevels& levels, const M
     open_.clear();
     for (Found& found : std::span(found_).first(jobs)) take(found);
   }
-  list_drawn();
+  list_drawn(words);
   return drawn_;
 }
 
@@ -154,9 +162,9 @@ void CutChooser::take(Found& found) {
   found.error = 0.0;
 }
 
-void CutChooser::list_drawn() {
+void CutChooser::list_drawn(std::size_t words) {
   drawn_.clear();
-  for (std::size_t word = 0; word < shown_.size(); ++word)
+  for (std::size_t word = 0; word < words; ++word)
     for (std::uint64_t left = shown_[word]; left != 0; left &= left - 1)
       drawn_.push_back(std::uint32_t(64 * word) + std::uint32_t(std::countr_zero(left)));
 }
@@ -186,14 +194,14 @@ void CutChooser::consider(const MeshLevels& levels, const MeshError& error, std:
     const Cluster& cluster = levels.clusters[number];
     if (cluster.made_by != core::kNone && decide(levels, error, cluster.made_by, found) == State::kExpanded) continue;
     if (!error.outside(cluster.box))
-      std::atomic_ref(shown_[number / 64]).fetch_or(std::uint64_t(1) << number % 64, std::memory_order_relaxed);
+      shown_[number / 64].fetch_or(std::uint64_t(1) << number % 64, std::memory_order_relaxed);
   }
 }
 
 /// Several threads may decide about a group at once, alike. One of them then tells of it.
 CutChooser::State CutChooser::decide(const MeshLevels& levels, const MeshError& error, std::uint32_t number,
                                      Found& found) {
-  const std::atomic_ref<State> known(state_[number]);
+  std::atomic<State>& known = state_[number];
   State state = known.load(std::memory_order_relaxed);
   if (state != State::kUnknown) return state;
   const ClusterGroup& group = levels.groups[number];

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -90,7 +91,7 @@ class CutChooser {
 
  private:
   enum class State : std::uint8_t { kUnknown, kSimplified, kExpanded };
-  /// What a job has found.
+  /// A job's findings.
   struct alignas(64) Found {              // threads write neighbours at once
     std::vector<std::uint32_t> expanded;  // groups whose clusters are yet to be considered
     double error = 0.0;
@@ -100,12 +101,12 @@ class CutChooser {
                 Found& found);
   State decide(const MeshLevels& levels, const MeshError& error, std::uint32_t group, Found& found);
   void take(Found& found);
-  void list_drawn();
+  void list_drawn(std::size_t words);
 
   double error_ = 0.0;
-  std::vector<State> state_;          // by group
-  std::vector<std::uint64_t> shown_;  // a bit per cluster that is drawn
-  std::vector<Found> found_;          // by job
+  std::vector<std::atomic<State>> state_;          // by group
+  std::vector<std::atomic<std::uint64_t>> shown_;  // a bit per cluster that is drawn
+  std::vector<Found> found_;                       // by job
   std::vector<std::uint32_t> open_, drawn_;
 };
 
