@@ -55,7 +55,7 @@ constexpr std::string_view name_of(GlState state) {
   return state == GlState::kRestore ? "restore" : "leave";
 }
 
-/// What makes images.
+/// Makers of images.
 enum class Renderer : std::uint8_t {
   kGl,  ///< OpenGL; where there is none, create() fails
   /// Rays on the processor, without OpenGL. Images are the same but for pixels where a rasteriser rounds: see

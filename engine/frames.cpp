@@ -105,18 +105,14 @@ core::Expected<void> begin_frame(EngineState& s, FrameReport& report) {
   return ready ? make_gpu_follow(s) : ready;
 }
 
-/// Makes the tracer that images by rays need, unless there is one.
-core::Expected<void> make_tracer_of_frame(EngineState& s) {
-  if (!s.backend->traces()) return {};
-  s.new_tracer.finish(s.live);
-  return make_tracer(s.live);
-}
-
-/// The tracer for images by rays and for moving images of a budget. Where there is none yet, it is made in the
-/// background.
-const raytrace::Tracer* tracer_of_frame([[maybe_unused]] EngineState& s) {
+/// The tracer for images by rays, which is made now, and for moving images of a budget, which is made in the
+/// background; null where there is none yet, or none is needed.
+core::Expected<const raytrace::Tracer*> tracer_of_frame([[maybe_unused]] EngineState& s) {
 #if SIGHTLINE_HAS_RAYTRACE
-  if (s.backend->traces()) return s.live.tracer.get();
+  if (s.backend->traces()) {
+    s.new_tracer.finish(s.live);
+    return make_tracer(s.live).map([&] { return s.live.tracer.get(); });
+  }
   if (s.config.losses.budget_ms <= 0.0 || !s.backend->software() || !s.new_tracer.for_motion) return nullptr;
   if (!s.live.tracer && s.new_tracer.ready()) {
     s.new_tracer.finish(s.live);
@@ -154,8 +150,9 @@ core::Expected<FrameReport> run_frame(EngineState& s, const FrameInput& input, c
   frame.target = input.target;
   frame.blend_range = part.blend_range;
   frame.rows = part.rows;
-  if (auto made = make_tracer_of_frame(s); !made) return failed(made.error());
-  frame.tracer = tracer_of_frame(s);
+  const auto tracer = tracer_of_frame(s);
+  if (!tracer) return failed(tracer.error());
+  frame.tracer = *tracer;
   const auto on_gpu = cull(s, frame, report);
   if (!on_gpu) return failed(on_gpu.error());
   if (s.backend->ready()) {

@@ -47,11 +47,6 @@ LinearOverImage places_of_background(const View& view, const dvec3& origin, int 
           vec3(scale * dvec3(place[1]))};
 }
 
-/// The background's colour in a row of an image.
-std::uint32_t background_of(const Background& background, int row, int height) {
-  return packed_colour(glm::mix(background.bottom, background.top, (float(row) + 0.5f) / float(height)));
-}
-
 /// The pixel at a place, in pixels times W, and W; none outside the image.
 std::optional<glm::ivec2> pixel_at(const vec3& place, int width, int height) {
   const float x = place.x / place.z, y = place.y / place.z;

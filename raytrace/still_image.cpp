@@ -91,9 +91,7 @@ struct StillImage::Shot {
     return packed_colour(lit_colour * (head * shown), shown);  // darker edge-on, so that it shows on any background
   }
   std::uint32_t background(int row) const {
-    if (request.ghosts) return 0;
-    const gpuprims::Background& colours = request.background;
-    return packed_colour(glm::mix(colours.bottom, colours.top, (float(row) + 0.5f) / float(request.height)));
+    return request.ghosts ? 0 : background_of(request.background, row, request.height);
   }
 };
 

@@ -1,7 +1,6 @@
 #include "sightline/engine/traced/internal/traced_drawing.h"
 
 #include <algorithm>
-#include <bit>
 #include <string>
 #include <utility>
 
@@ -52,16 +51,14 @@ core::Expected<void> TracedDrawing::use_image(std::uint32_t number, int width, i
 }
 
 core::Expected<DrawResult> TracedDrawing::draw(const Frame& frame, const core::VisibleSet& visible, bool) {
-  if (!frame.tracer) return core::fail("engine: the scene's tracer could not be made");
   const DepthShading& depth_shading = config_.drawing.looks.depth_shading;
   StillImage& image = image_->pixels;
-  shown_.assign(culling::bit_words(frame.snapshot.size()), 0);
-  culling::set_bits(visible, shown_);
-  if (auto done = draw_items(frame, shown_, overrides_.ghosts(), image); !done) return tl::unexpected(done.error());
-  if (depth_shading.any())
+  find_shown(frame, visible);
+  auto done = draw_items(frame, frame.aside() ? all_but(shown_, overrides_.ghosts()) : overrides_.ghosts(), image);
+  if (done && depth_shading.any())
     shade({image.width(), image.height(), image.pixels().colours, image.pixels().depths},
           gpuprims::pixel_depth(frame.view, image.height()), depth_shading, threads_);
-  auto done = draw_ghosts(frame);
+  if (done) done = draw_ghosts(frame);
   if (done) done = draw_outline(frame);
   if (!done) return tl::unexpected(done.error());
   DrawResult result;
@@ -69,22 +66,31 @@ core::Expected<DrawResult> TracedDrawing::draw(const Frame& frame, const core::V
   return result;
 }
 
-/// Draws visible items of a set, but for others.
-core::Expected<void> TracedDrawing::draw_items(const Frame& frame, culling::SlotBits items, culling::SlotBits but,
-                                               StillImage& image, bool as_ghosts) {
+/// Sets shown_ for what asks for it: lines, what lies over the image, and views beside the one that was culled for.
+void TracedDrawing::find_shown(const Frame& frame, const core::VisibleSet& visible) {
+  shown_.clear();
+  if (frame.lines.empty() && overrides_.ghosts().empty() && overrides_.outlined().empty() && !frame.aside()) return;
+  shown_.resize(culling::bit_words(frame.snapshot.size()));
+  culling::set_bits(visible, shown_);
+}
+
+/// Bits of all slots but the visible ones of a set, and of `more`.
+culling::SlotBits TracedDrawing::all_but(culling::SlotBits items, culling::SlotBits more) {
+  const auto word_of = [](culling::SlotBits bits, std::size_t word) { return word < bits.size() ? bits[word] : 0; };
   without_.resize(shown_.size());
-  for (std::size_t word = 0; word < without_.size(); ++word) {
-    const std::uint64_t left_out = word < but.size() ? but[word] : 0, in = word < items.size() ? items[word] : 0;
-    without_[word] = ~(in & shown_[word]) | left_out;
-  }
-  lines_.clear();
-  for (std::size_t word = 0; word < frame.lines.size(); ++word)
-    for (std::uint64_t left = frame.lines[word] & ~without_[word]; left != 0; left &= left - 1)
-      lines_.push_back(core::Slot(64 * word) + core::Slot(std::countr_zero(left)));
+  for (std::size_t word = 0; word < without_.size(); ++word)
+    without_[word] = ~(word_of(items, word) & shown_[word]) | word_of(more, word);
+  return without_;
+}
+
+core::Expected<void> TracedDrawing::draw_items(const Frame& frame, culling::SlotBits without, StillImage& image,
+                                               bool as_ghosts) {
+  line_bits_.assign(frame.lines.begin(), frame.lines.end());
+  for (std::size_t word = 0; word < line_bits_.size(); ++word)
+    line_bits_[word] &= shown_[word] & ~(word < without.size() ? without[word] : 0);
+  culling::slots_of(line_bits_, lines_);
   const Looks& looks = config_.drawing.looks;
-  // Most images show all of their items, and a filter costs time.
-  const bool all = but.empty() && !as_ghosts && items.data() == shown_.data() && !frame.aside();
-  const raytrace::TracedPart part{frame.tracer, all ? std::span<const std::uint64_t>() : without_};
+  const raytrace::TracedPart part{frame.tracer, without};
   return image.draw({{{&part, 1}},
                      frame.view,
                      image_->width,
@@ -99,7 +105,7 @@ core::Expected<void> TracedDrawing::draw_items(const Frame& frame, culling::Slot
 /// Ghosts lie over the image where nothing hides them, and of those only the nearest.
 core::Expected<void> TracedDrawing::draw_ghosts(const Frame& frame) {
   if (overrides_.ghosts().empty()) return {};
-  auto done = draw_items(frame, overrides_.ghosts(), {}, layer_, true);
+  auto done = draw_items(frame, all_but(overrides_.ghosts()), layer_, true);
   if (!done) return done;
   const auto image = image_->pixels.pixels(), ghosts = layer_.pixels();
   for (std::size_t i = 0; i < image.colours.size(); ++i)
@@ -110,25 +116,28 @@ core::Expected<void> TracedDrawing::draw_ghosts(const Frame& frame) {
 /// A line around outlined items: twin of render/shaders/outline.frag with one sample per pixel.
 core::Expected<void> TracedDrawing::draw_outline(const Frame& frame) {
   if (overrides_.outlined().empty()) return {};
-  if (auto done = draw_items(frame, overrides_.outlined(), {}, layer_, true); !done) return done;
+  if (auto done = draw_items(frame, all_but(overrides_.outlined()), layer_, true); !done) return done;
   constexpr int kReach = 2;
   constexpr float kOccludedLine = 0.35f, kSameDepth = 1e-4f;
   const auto image = image_->pixels.pixels(), items = layer_.pixels();
   const int width = image_->width, height = image_->height;
   const core::vec3 colour = config_.drawing.outline_colour;
   const auto at = [&](int x, int y) { return std::size_t(y) * std::size_t(width) + std::size_t(x); };
+  const auto alpha_at = [&](int x, int y) {
+    float alpha = 0.0f;
+    for (int v = std::max(0, y - kReach); v <= std::min(height - 1, y + kReach); ++v)
+      for (int u = std::max(0, x - kReach); u <= std::min(width - 1, x + kReach); ++u) {
+        const float depth = items.depths[at(u, v)];
+        if (depth == 0.0f || (u - x) * (u - x) + (v - y) * (v - y) > kReach * kReach + 1) continue;
+        alpha = std::max(alpha, depth >= image.depths[at(u, v)] * (1.0f - kSameDepth) ? 1.0f : kOccludedLine);
+      }
+    return alpha;
+  };
   threads_.run(std::uint32_t(height), [&](std::uint32_t row) {
     for (int x = 0, y = int(row); x < width; ++x) {
-      if (items.depths[at(x, y)] > 0.0f) continue;
-      float alpha = 0.0f;
-      for (int v = std::max(0, y - kReach); v <= std::min(height - 1, y + kReach); ++v)
-        for (int u = std::max(0, x - kReach); u <= std::min(width - 1, x + kReach); ++u) {
-          const float depth = items.depths[at(u, v)];
-          if (depth == 0.0f || (u - x) * (u - x) + (v - y) * (v - y) > kReach * kReach + 1) continue;
-          alpha = std::max(alpha, depth >= image.depths[at(u, v)] * (1.0f - kSameDepth) ? 1.0f : kOccludedLine);
-        }
-      if (alpha > 0.0f)
-        image.colours[at(x, y)] = over(raytrace::packed_colour(colour * alpha, alpha), image.colours[at(x, y)]);
+      const float alpha = items.depths[at(x, y)] > 0.0f ? 0.0f : alpha_at(x, y);
+      std::uint32_t& pixel = image.colours[at(x, y)];
+      if (alpha > 0.0f) pixel = over(raytrace::packed_colour(colour * alpha, alpha), pixel);
     }
   });
   return {};

@@ -61,8 +61,8 @@ double eye_depth(const core::dmat4& reversed_clip_from_eye, double depth);
 /// Replaces reversed depths by distances along the axis of the view that was drawn; infinity where nothing was.
 void to_distances(const core::View& view, std::span<float> depths);
 
-/// What a step of one pixel is in reversed depth, on a plane that rises as far as it goes: factor and offset of the
-/// depth. Pixels are as wide as high.
+/// Factor and offset of the depth that give a step of one pixel, in reversed depth, on a plane that rises as far as it
+/// goes. Pixels are as wide as high.
 glm::vec2 pixel_depth(const core::View& view, int height);
 
 }  // namespace sightline::gpuprims

@@ -30,7 +30,7 @@
 
 namespace sightline::gpuscene {
 
-/// What is drawn of the meshes of a visible set, chosen by the caller, each in runs one behind another. Borrowed during
+/// The caller's choice of what is drawn of a visible set's meshes, each in runs one behind another. Borrowed during
 /// DrawLists::update().
 struct MeshDraws {
   template <class T>

@@ -1,4 +1,4 @@
-// What an image by rays is asked to show, and the light in it: as renderers draw it. Internal to raytrace and engine.
+// The request of an image by rays, and the light in it, as renderers have it. Internal to raytrace and engine.
 #pragma once
 
 #include <algorithm>

@@ -61,7 +61,7 @@ class DrawChoice {
     std::uint32_t place;  // among the meshes
     gpuscene::DrawnMesh mesh;
   };
-  /// What is drawn of some meshes in a row.
+  /// Some meshes in a row, as they are drawn.
   struct alignas(64) Some {  // a cache line of its own: threads write neighbours at once
     std::vector<gpuscene::ElementsCommand> fronts, both_faces;
     std::vector<culling::TriangleStream::Part> picked;  // tags: places among the meshes

@@ -42,8 +42,10 @@ class TracedDrawing : public Backend {
     int width = 0, height = 0;
     raytrace::StillImage pixels;
   };
-  core::Expected<void> draw_items(const Frame& frame, culling::SlotBits items, culling::SlotBits but,
-                                  raytrace::StillImage& image, bool as_ghosts = false);
+  void find_shown(const Frame& frame, const core::VisibleSet& visible);
+  culling::SlotBits all_but(culling::SlotBits items, culling::SlotBits more = {});
+  core::Expected<void> draw_items(const Frame& frame, culling::SlotBits without, raytrace::StillImage& image,
+                                  bool as_ghosts = false);
   core::Expected<void> draw_ghosts(const Frame& frame);
   core::Expected<void> draw_outline(const Frame& frame);
   core::Expected<void> check_drawn() const;
@@ -54,7 +56,8 @@ class TracedDrawing : public Backend {
   core::ThreadPool threads_;
   std::map<std::uint32_t, Image> images_;
   Image* image_ = nullptr;
-  std::vector<std::uint64_t> shown_, without_;  // a bit per slot: the frame's visible items; what an image leaves out
+  // A bit per slot: the frame's visible items, if anything asks; what an image leaves out; lines that it shows.
+  std::vector<std::uint64_t> shown_, without_, line_bits_;
   std::vector<core::Slot> lines_;
   raytrace::StillImage layer_;  // what is drawn over the image
 };
