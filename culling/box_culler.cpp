@@ -82,15 +82,15 @@ std::size_t job_count(std::size_t boxes) {
 
 /// Calls job(number, begin, end) for ranges that cover 0 … count - 1.
 template <class Job>
-void for_ranges(std::size_t count, core::ThreadPool& threads, const Job& job) {
-  threads.run(std::uint32_t(job_count(count)), [&](std::uint32_t i) {
+void for_ranges(std::size_t count, core::ThreadPool* threads, const Job& job) {
+  core::ThreadPool::run_on(threads, std::uint32_t(job_count(count)), [&](std::uint32_t i) {
     const std::size_t begin = i * kJobBoxes;
     job(i, begin, std::min(count, begin + kJobBoxes));
   });
 }
 
 /// Fails with the first box that is not acceptable.
-core::Expected<core::AabbD> union_of(std::span<const core::AabbD> boxes, core::ThreadPool& threads) {
+core::Expected<core::AabbD> union_of(std::span<const core::AabbD> boxes, core::ThreadPool* threads) {
   std::vector<core::AabbD> unions(job_count(boxes.size()));
   std::vector<std::size_t> refused(unions.size(), boxes.size());
   for_ranges(boxes.size(), threads, [&](std::uint32_t job, std::size_t begin, std::size_t end) {
@@ -178,7 +178,7 @@ void BoxCuller::Impl::replace(std::span<const std::uint32_t> indices, std::span<
 void BoxCuller::Impl::replace_all(std::span<const core::AabbD> boxes, const core::AabbD& all) {
   std::vector<core::Aabb> extents(job_count(boxes.size()));
   bounds.origin = origin_of(all);
-  for_ranges(boxes.size(), threads, [&](std::uint32_t job, std::size_t begin, std::size_t end) {
+  for_ranges(boxes.size(), &threads, [&](std::uint32_t job, std::size_t begin, std::size_t end) {
     core::Aabb extent;
     for (std::size_t slot = begin; slot < end; ++slot) {
       if (slot + core::kPrefetchAhead < end) core::prefetch(boxes[index_of[slot + core::kPrefetchAhead]]);
@@ -208,7 +208,8 @@ BoxCuller::Impl& BoxCuller::impl() const {
 core::Expected<BoxCuller> BoxCuller::create(std::span<const core::AabbD> boxes) {
   if (boxes.size() >= core::kNone / 2) return core::fail("box culler: expected fewer than 2^31 - 1 boxes");
   auto impl = std::make_unique<Impl>();
-  const auto all = union_of(boxes, impl->threads);
+  // Threads start with work that is worth them, which a culler may never have; this is a small part of its making.
+  const auto all = union_of(boxes, nullptr);
   if (!all) return tl::unexpected(all.error());
   impl->bounds.origin = Impl::origin_of(*all);
   std::vector<core::Aabb> rounded;
@@ -350,7 +351,7 @@ core::Expected<void> BoxCuller::refit(std::span<const core::AabbD> boxes) {
   if (!impl_) return core::fail(kMovedFrom);
   if (auto fits = check_count(size(), boxes.size()); !fits) return fits;
   const auto lock = impl_->mutex.for_change();
-  const auto all = union_of(boxes, impl_->threads);
+  const auto all = union_of(boxes, &impl_->threads);
   if (!all) return tl::unexpected(all.error());
   impl_->replace_all(boxes, *all);
   return {};

@@ -26,6 +26,10 @@ struct BlockFace {
 constexpr BlockFace kBlock[] = {{"1,4,3,2", "0.,0.,-1."}, {"5,6,7,8", "0.,0.,1."}, {"1,2,6,5", "0.,-1.,0."},
                                 {"2,3,7,6", "1.,0.,0."},  {"3,4,8,7", "0.,1.,0."}, {"4,1,5,8", "-1.,0.,0."}};
 
+constexpr const char* kOfManyTypes =
+    "( GEOMETRIC_REPRESENTATION_ITEM() REPRESENTATION_ITEM('f') TESSELLATED_FACE(#20,4,(({1})),{2}) TESSELLATED_ITEM() "
+    "TESSELLATED_STRUCTURED_ITEM() TRIANGULATED_FACE(({0}),((1,2,3),(1,3,4))) )";
+
 /// Writings of one face: {0} corners, {1} a normal, {2} the link.
 const char* const kFaces[] = {
     "TRIANGULATED_FACE('f',#20,4,(({1})),{2},({0}),((1,2,3),(1,3,4)))",
@@ -33,10 +37,10 @@ const char* const kFaces[] = {
     "TRIANGULATED_FACE('f',#20,4,(),{2},({0}),((1,2,3),(1,3,4)))",
     "COMPLEX_TRIANGULATED_FACE('f',#20,4,(({1})),{2},({0}),((1,2,4,3)),())",
     "COMPLEX_TRIANGULATED_FACE('f',#20,4,(({1})),{2},({0}),(),((1,2,3,4)))",
-    "( GEOMETRIC_REPRESENTATION_ITEM() REPRESENTATION_ITEM('f') TESSELLATED_FACE(#20,4,(({1})),{2}) TESSELLATED_ITEM() "
-    "TESSELLATED_STRUCTURED_ITEM() TRIANGULATED_FACE(({0}),((1,2,3),(1,3,4))) )",
+    kOfManyTypes,
     "TRIANGULATED_SURFACE_SET('f',#20,4,(({1})),({0}),((1,2,3),(1,3,4)))",
-    "COMPLEX_TRIANGULATED_SURFACE_SET('f',#20,4,(({1})),({0}),((1,2,4,3)),())"};
+    "COMPLEX_TRIANGULATED_SURFACE_SET('f',#20,4,(({1})),({0}),((1,2,4,3)),())",
+};
 constexpr const char* kGroup = "(#31,#32,#33,#34,#35,#36)";
 
 /// Faces #31 to #36 in a writing of kFaces.
