@@ -7,6 +7,7 @@
 #include "sightline/core/internal/clock.h"
 #include "sightline/core/internal/store.h"
 #include "sightline/engine/internal/engine_state.h"
+#include "sightline/engine/internal/settings.h"
 
 namespace sightline::engine {
 namespace {
@@ -41,7 +42,7 @@ core::Expected<void> follow_plan_in_context(EngineState& s, bool new_version) {
     } else if (gpu_culls) {
       done = unless_lost(s, s.backend->add_culler(*s.live.snapshot));
     }
-  } else if (s.next_try < 0.0) {
+  } else if (s.next_try < 0.0 || traces_until_context(s.config)) {
     const bool by_rays = s.draws_by_rays();
     done = core::store(make_complete_backend(s), s.backend);
     if (!done) return done;
@@ -81,7 +82,7 @@ void drop_context(EngineState& s) {
 }
 
 void note_context(EngineState& s) {
-  if (!s.backend->ready()) return;
+  if (!s.backend->ready() || s.traces_meanwhile()) return;
   const BackendReport report = s.backend->report();
   if (s.backend->traces()) return set_entry(s.live.plan, {"images by rays", true, report.why_rays});
   add_context(s.live.plan, !s.config.context.application, report.platform);
@@ -95,17 +96,19 @@ namespace {
 /// now.
 core::Expected<void> take_context(EngineState& s, gl::Context& context, std::unique_ptr<Backend> made) {
   s.next_backend.reset();
-  const auto before = std::pair(s.config.context.application, s.next_try);
+  const auto before = std::tuple(s.config.context.application, s.config.context.later, s.next_try);
   s.config.context.application = &context;
+  const bool first = std::exchange(s.config.context.later, false);
   s.next_try = -1.0;
   const bool new_version = !made;
   s.backend = made ? std::move(made) : std::make_unique<Backend>();
   if (auto done = follow_plan_in_context(s, new_version); !done) {
     s.backend = std::make_unique<Backend>();
-    std::tie(s.config.context.application, s.next_try) = before;
+    std::tie(s.config.context.application, s.config.context.later, s.next_try) = before;
+    if (traces_until_context(s.config)) (void)core::store(make_backend(s.config, s.overrides), s.backend);
     return done;
   }
-  if (std::exchange(s.config.context.later, false)) {
+  if (first) {
     s.hybrid.reset();  // what it presumes depends on the context
     follow_hybrid(s);
   }
@@ -116,6 +119,7 @@ core::Expected<void> take_context(EngineState& s, gl::Context& context, std::uni
 core::Expected<void> begin_next_backend(EngineState& s, gl::Context& context) {
   EngineConfig config = s.config;
   config.context.application = &context;
+  config.context.later = false;
   auto begun = make_backend(config, s.overrides);
   if (!begun) return tl::unexpected(begun.error());
   if ((*begun)->lost()) return core::fail("engine: the context is lost");
@@ -132,7 +136,8 @@ void Engine::drop_context() {
 core::Expected<void> Engine::use_context(gl::Context& context) {
   if (state_->draws_by_rays()) return core::fail("engine: renderer rays draws without a context");
   if (state_->backend->lost()) drop_context();
-  assert(!state_->backend->ready() && "the other context is still in use: drop_context()");
+  assert((!state_->backend->ready() || state_->traces_meanwhile()) &&
+         "the other context is still in use: drop_context()");
   return take_context(*state_, context, nullptr);
 }
 
@@ -140,7 +145,7 @@ core::Expected<bool> Engine::use_context(gl::Context& context, double seconds) {
   EngineState& s = *state_;
   if (s.draws_by_rays()) return core::fail("engine: renderer rays draws without a context");
   if (s.backend->lost()) drop_context();
-  assert(!s.backend->ready() && "the other context is still in use: drop_context()");
+  assert((!s.backend->ready() || s.traces_meanwhile()) && "the other context is still in use: drop_context()");
   if (s.next_backend && (s.next_backend->report().application != &context || s.next_backend->lost()))
     s.next_backend.reset();
   const auto taken = [] { return true; };

@@ -63,7 +63,9 @@ enum class Renderer : std::uint8_t {
   /// transparency, DrawingConfig::culled_colour, a culler on the GPU, and all that is the application's in GL: create()
   /// fails where these are asked for.
   kRays,
-  kAutomatic,  ///< rays where no context can be made
+  /// Rays where no context can be made, and until there is one (ContextConfig::later). Frames draw nothing while
+  /// Engine::prepare_picks() makes what these need.
+  kAutomatic,
 };
 
 constexpr std::string_view name_of(Renderer renderer) {
@@ -143,7 +145,8 @@ struct ContextConfig {
   /// the engine makes an offscreen context.
   gl::Context* application = nullptr;
   /// The engine is as while its context is lost, until use_context(), which may work in portions: so it can be made by
-  /// another thread than the one that draws. Not with an `application`'s context.
+  /// another thread than the one that draws. Renderer::kAutomatic draws by rays meanwhile. Not with an `application`'s
+  /// context.
   bool later = false;
   GlState gl_state = GlState::kRestore;
   gl::ContextPlatform platform = {};  ///< of the offscreen context (gl/context.h); ContextOptions' default

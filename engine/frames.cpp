@@ -60,7 +60,8 @@ void gather_late_reports(EngineState& s) {
 core::Expected<bool> cull(EngineState& s, const Frame& frame, FrameReport& report) {
   s.visible.clear();
   s.visible.generation = s.live.snapshot->generation();
-  bool on_gpu = s.backend->ready() && s.live.plan.culler == CullerChoice::kGpu && !frame.shows_unseen;
+  bool on_gpu =
+      s.backend->ready() && !s.backend->traces() && s.live.plan.culler == CullerChoice::kGpu && !frame.shows_unseen;
   gather_late_reports(s);
   if (s.hybrid && frame.shows_unseen) {
     s.hybrid->paused();
@@ -105,11 +106,12 @@ core::Expected<void> begin_frame(EngineState& s, FrameReport& report) {
   return ready ? make_gpu_follow(s) : ready;
 }
 
-/// The tracer for images by rays, which is made now, and for moving images of a budget, which is made in the
-/// background; null where there is none yet, or none is needed.
+/// The tracer for images by rays, which is made now unless that goes on in the background until a context comes, and
+/// for moving images of a budget, which is made in the background; null where there is none yet, or none is needed.
 core::Expected<const raytrace::Tracer*> tracer_of_frame([[maybe_unused]] EngineState& s) {
 #if SIGHTLINE_HAS_RAYTRACE
   if (s.backend->traces()) {
+    if (s.traces_meanwhile() && !s.new_tracer.ready()) return nullptr;
     s.new_tracer.finish(s.live);
     return make_tracer(s.live).map([&] { return s.live.tracer.get(); });
   }
@@ -155,7 +157,7 @@ core::Expected<FrameReport> run_frame(EngineState& s, const FrameInput& input, c
   frame.tracer = *tracer;
   const auto on_gpu = cull(s, frame, report);
   if (!on_gpu) return failed(on_gpu.error());
-  if (s.backend->ready()) {
+  if (s.backend->ready() && (frame.tracer || !s.backend->traces())) {
     const double begin = core::now_seconds();
     if (*on_gpu) {
       s.overlaid.clear();

@@ -156,7 +156,7 @@ void follow_hybrid(EngineState& s) {
     s.hybrid->scene_changed(items);
   else
     s.hybrid.emplace(controller_config(s), items, s.frames);
-  if (s.hybrid && !s.backend->ready()) s.hybrid->gpu_lost();
+  if (s.hybrid && (!s.backend->ready() || s.backend->traces())) s.hybrid->gpu_lost();
 }
 
 namespace {

@@ -53,6 +53,14 @@ core::Expected<void> check_rays([[maybe_unused]] const EngineConfig& config) {
 #endif
 }
 
+bool traces_until_context([[maybe_unused]] const EngineConfig& config) {
+#if SIGHTLINE_HAS_GL && SIGHTLINE_HAS_RAYTRACE
+  return config.draw && config.context.later && config.drawing.renderer == Renderer::kAutomatic;
+#else
+  return false;
+#endif
+}
+
 const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b) {
   if (a.context.application != b.context.application) return "context";
   if (a.runner != b.runner) return "runner";

@@ -43,6 +43,7 @@ engine::EngineConfig ImageLoop::config(const Shown& shown) const {
   config.drawing.looks = looks(shown);
   config.drawing.culled_colour = kCulledColour;
   config.context.later = true;
+  config.drawing.renderer = engine::Renderer::kAutomatic;  // rays need no program, so that the model shows at once
   return config;
 }
 
@@ -98,8 +99,8 @@ Done ImageLoop::show(Session& session, const Shown& shown) {
   return copied;
 }
 
-/// Coarser meshes while the view moves, and fewer pixels where frames then come late, unless a budget sees to that. With
-/// one the image at rest takes several frames, and that of the motion stays until then.
+/// Coarser meshes while the view moves, and fewer pixels where frames then come late, unless a budget sees to that.
+/// With one the image at rest takes several frames, and that of the motion stays until then.
 Done ImageLoop::adapt_to_motion(Session& session, const Shown& shown, double frame_seconds) {
   const auto view = session.image.view();
   const bool moves = view && shown_view_ && !core::same_image(*view, *shown_view_);

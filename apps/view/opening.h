@@ -45,7 +45,9 @@ class Opening {
   /// The files that are being read.
   const std::vector<std::string>& files() const { return loader_->options().files; }
   const OpeningSteps& steps() const { return steps_; }
-  int portions() const { return portions_; }                 ///< calls of Session::begin()
+  int portions() const { return portions_; }  ///< calls of Session::begin()
+  /// Session::first_image() of the model that is coming in; null while there is none.
+  const image::Image* first_image() const { return swapping_in_ ? opened_->first_image() : nullptr; }
   const Preview* preview() const { return preview_.get(); }  ///< of the model that is being read, if no other is open
   Preview* preview() { return preview_.get(); }
 

@@ -69,6 +69,7 @@ Preview::Preview(const engine::EngineConfig& config) : config_(config), next_(Cl
   config_.culling.culler = engine::CullerChoice::kCpu;
   config_.context.application = nullptr;
   config_.context.later = true;
+  config_.drawing.renderer = engine::Renderer::kGl;
   config_.losses.budget_ms = 1e3 * kPortion;
   config_.losses.lod_error = 0.0;
 }

@@ -56,23 +56,41 @@ core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 
   }
   if (auto done = image.resize(size); !done) return tl::unexpected(done.error());
   uploaded_ = !engine.renderer().empty();
-  if (!uploaded_)
+  if (!uploaded_) {
+    draw_first_image();
     return engine.use_context(context, kPortion).map([this](bool done) {
       uploaded_ = done;
       return false;
     });
-  if (fitted_aspect_ != image.aspect()) {  // not in each portion: it takes a tenth of a second for a million items
-    fitted_aspect_ = image.aspect();
-    camera = Camera(bounds_.bounds, kFovy, fitted_aspect_);
-    show_all(core::kOverviewDirection);
   }
+  fit_camera();
   if (const auto drawn = image.draw(); !drawn) return engine.renderer().empty() ? core::Expected<bool>(false) : drawn;
   if (image.report().pending > 0) return false;
+  first_image_.reset();
   engine::EngineConfig config = engine.config();
   config.losses.budget_ms = budget_in_use(*std::exchange(budget_ms_, std::nullopt));
   config.losses.lod_error = image.has_levels() ? image.motion_error() : 0.0;  // so that levels are built from now on
   if (auto done = engine.configure(config); !done) return tl::unexpected(done.error());
   return true;
+}
+
+/// Not in each portion: it takes a tenth of a second for a million items.
+void Session::fit_camera() {
+  if (fitted_aspect_ == image.aspect()) return;
+  fitted_aspect_ = image.aspect();
+  camera = Camera(bounds_.bounds, kFovy, fitted_aspect_);
+  show_all(core::kOverviewDirection);
+}
+
+/// Draws it in the size that the window's image has now. Where rays cannot, the window shows the model later.
+void Session::draw_first_image() {
+  const std::array<int, 2> size = image.drawn_size();
+  const bool fits = first_image_ && first_image_->width == size[0] && first_image_->height == size[1];
+  if (fits || engine.preparing_picks()) return;
+  fit_camera();
+  if (image.draw())
+    if (auto read = engine.read_colour()) first_image_ = std::move(*read);
+  image.changed();
 }
 
 double Session::budget_in_use(double asked_for) const {

@@ -46,6 +46,8 @@ class Session {
   /// portions of about kPortion: to be called, with other work in between, until it returns true. Begins anew after a
   /// loss of the context.
   core::Expected<bool> begin(gl::Context& context, const std::array<int, 2>& size);
+  /// The image that begin() will draw, by rays: while the context's programs are compiled. Null until it is there.
+  const image::Image* first_image() const { return first_image_ ? &*first_image_ : nullptr; }
   /// Whether begin() has uploaded all of the model, and draws now or has drawn.
   bool uploaded() const { return uploaded_; }
   const core::FittedBounds& bounds() const { return bounds_; }
@@ -108,6 +110,8 @@ class Session {
  private:
   Session(Model model, engine::Engine made, const engine::EngineConfig& config);
 
+  void fit_camera();
+  void draw_first_image();
   double budget_in_use(double asked_for) const;
   const ItemNames& names() const;
   core::Expected<void> begin_slider();
@@ -119,6 +123,7 @@ class Session {
   std::optional<std::vector<Finding>> findings_;  // made when first asked for
   std::unique_ptr<ChangeList> changes_;
   core::FittedBounds bounds_;
+  std::optional<image::Image> first_image_;
   double slider_budget_ms_ = 0.0;  // the budget without the slider
   bool uploaded_ = false;
   std::optional<double> budget_ms_;  // while begin() draws with another one

@@ -99,6 +99,10 @@ void Viewer::draw_panels() {
 
 Done Viewer::draw_model(const Part& part) {
   if (part.width <= 0 || part.height <= 0) return {};
+  if (const image::Image* first = work_.opening.first_image(); first && !work_.session) {
+    if (auto done = work_.window.keep(first); !done) return done;
+    return work_.window.copy_kept(part), Done();
+  }
   if (Preview* preview = work_.opening.preview(); preview && !work_.session) {
     const auto framebuffer = preview->draw(work_.window.context(), {part.width, part.height});
     if (framebuffer) work_.window.copy(*framebuffer, {part.width, part.height}, part);

@@ -133,8 +133,9 @@ void dialog_window(Workspace& work) {
 }
 
 void loading_window(Opening& opening, const Messages& messages) {
-  const std::size_t seen = opening.preview() ? opening.preview()->items() : 0;
-  begin_centred("Reading", nullptr, 30.0f, seen > 0 ? 0.85f : 0.5f);
+  const bool whole = opening.first_image() != nullptr;
+  const std::size_t seen = opening.preview() && !whole ? opening.preview()->items() : 0;
+  begin_centred("Reading", nullptr, 30.0f, whole || seen > 0 ? 0.85f : 0.5f);
   ImGui::TextWrapped("%s", messages.text().c_str());
   if (seen > 0) ImGui::TextWrapped("Shown: the largest %s items so far", grouped(std::int64_t(seen)).c_str());
   const double progress = opening.progress();

@@ -21,6 +21,8 @@ constexpr double kLevelsSeconds = 0.004;  // of a frame, to upload levels of det
 core::Expected<std::unique_ptr<Backend>> make_backend(const EngineConfig& config, const Overrides& overrides) {
 #if SIGHTLINE_HAS_RAYTRACE
   const Renderer renderer = config.draw ? config.drawing.renderer : Renderer::kGl;
+  if (traces_until_context(config))
+    return std::make_unique<TracedDrawing>(config, overrides, "there is no context yet");
   if (renderer == Renderer::kRays) return std::make_unique<TracedDrawing>(config, overrides, "asked for");
   auto made = Drawing::create(config, overrides);
   if (!made && renderer == Renderer::kAutomatic && check_rays(config))

@@ -50,6 +50,9 @@ core::Expected<void> check_ranges(const PagedConfig& config);
 /// Fails on what images by rays do not have.
 core::Expected<void> check_rays(const EngineConfig& config);
 
+/// Whether rays draw until the application has given a context.
+bool traces_until_context(const EngineConfig& config);
+
 /// The name of a fixed setting in which they differ; null where there is none.
 const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b);
 

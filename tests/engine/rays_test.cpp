@@ -209,6 +209,36 @@ TEST(RaysAlone, DrawTheSameWithAnyNumberOfThreads) {
   }
 }
 
+/// An engine that may draw by either shows its first images by rays, once it can, until it has a context.
+TEST(RaysAlone, DrawUntilThereIsAContext) {
+  core::Scene scene;
+  std::vector<core::ItemId> items;
+  furnish(scene, items);
+  EngineConfig config;
+  config.draw = true;
+  config.width = kWidth, config.height = kHeight;
+  config.drawing.renderer = Renderer::kRays;
+  config.drawing.looks = Looks::standard();
+  auto wanted = Engine::create(scene, config);
+  config.drawing.renderer = Renderer::kAutomatic;
+  config.drawing.culled_colour = core::vec3(1.0f);  // of no use here, and no reason not to draw
+  config.context.later = true;
+  auto engine = Engine::create(scene, config);
+  ASSERT_TRUE(wanted && engine) << engine.error().message;
+  EXPECT_EQ(engine->renderer(), "");
+  engine->prepare_picks();
+  for (bool drawn = false; !drawn;) {
+    const bool waits = engine->preparing_picks();
+    const auto report = engine->frame(at(0.4));
+    ASSERT_TRUE(report);
+    drawn = report->drawn;
+    ASSERT_TRUE(drawn || waits);
+    EXPECT_GT(report->visible, 0);
+  }
+  ASSERT_TRUE(wanted->frame(at(0.4)));
+  EXPECT_EQ(engine->read_colour()->pixels, wanted->read_colour()->pixels);
+}
+
 TEST(RaysAlone, RefuseWhatOnlyOpenGlHas) {
   core::Scene scene;
   std::vector<core::ItemId> items;
