@@ -430,7 +430,6 @@ core::Expected<int> render_frames(const Options& o, Studio& studio) {
 /// plain images, which are those of engines, rays draw only where there is no GL.
 engine::Renderer choose_renderer(const Options& o, const engine::EngineConfig& config) {
   using engine::CullerChoice;
-  if (o.mpi) return engine::Renderer::kGl;
   if (o.means.renderer != engine::Renderer::kAutomatic) return o.means.renderer;
   const bool culls_on_gpu = o.culler == CullerChoice::kGpu || o.culler == CullerChoice::kHybrid || o.gpu_variant;
   const bool about_gl = o.means.platform != gl::ContextPlatform{} || std::getenv("SIGHTLINE_CONTEXT") ||
@@ -438,7 +437,7 @@ engine::Renderer choose_renderer(const Options& o, const engine::EngineConfig& c
   const bool loses = config.losses.min_projected_area > 0.0f || config.losses.budget_ms > 0.0;
   const bool only_gl =
       config.drawing.looks.hatching.any() || config.drawing.transparency == engine::Transparency::kBlended;
-  const bool gl_first = o.shown.plain || culls_on_gpu || about_gl || loses || only_gl || gl::has_gpu();
+  const bool gl_first = o.mpi || o.shown.plain || culls_on_gpu || about_gl || loses || only_gl || gl::has_gpu();
   return gl_first ? engine::Renderer::kAutomatic : engine::Renderer::kRays;
 }
 

@@ -337,7 +337,7 @@ engine::EngineConfig engine_config(const Options& o) {
   const auto size = need(apps::parse_size(o.size));
   engine::EngineConfig config;
   config.draw = !o.no_render;
-  config.drawing.renderer = o.mpi ? engine::Renderer::kGl : o.renderer;
+  config.drawing.renderer = o.renderer;
   config.drawing.ids = o.mpi;
   config.context.platform = o.platform;
   config.context.gl_state = engine::GlState::kLeave;  // no other context is current here

@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "sightline/engine/drawing/internal/drawing.h"
+#include "sightline/engine/internal/engine_parts.h"
 #include "sightline/engine/internal/engine_state.h"
 
 namespace sightline::engine {
@@ -72,9 +73,13 @@ core::Expected<image::DepthImage> Engine::read_depth(const core::View& view) {
   return state_->backend->read_depth(&view);
 }
 
+core::Expected<image::DepthImage> EngineParts::reversed_depths(Engine& engine) {
+  const auto kept = engine.state_->keep_state();
+  return engine.state_->backend->read_depth(nullptr);
+}
+
 core::Expected<bool> Engine::covered() {
-  const auto kept = state_->keep_state();
-  const auto depths = state_->backend->read_depth(nullptr);
+  const auto depths = EngineParts::reversed_depths(*this);
   if (!depths) return tl::unexpected(depths.error());
   return std::ranges::any_of(depths->metres, [](float depth) { return depth > 0.0f; });
 }

@@ -4,11 +4,10 @@
 
 #include <mpi.h>
 
-#include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/internal/engine_parts.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
-#include "sightline/render/internal/render_target.h"
+#include "sightline/render/image/image.h"
 
 namespace sightline::apps {
 namespace {
@@ -62,13 +61,12 @@ core::Expected<std::vector<Fragment>> Composer::fragments(engine::Engine& engine
   if (!colours) return tl::unexpected(colours.error());
   const auto ids = engine.read_ids();
   if (!ids) return tl::unexpected(ids.error());
-  engine::Drawing* drawing = engine::EngineParts::drawing(engine);
-  if (!drawing) return core::fail("the GL context was lost before the image was read");
-  const std::vector<float> depths = drawing->target().read_reversed_depths();
-  std::vector<Fragment> out(depths.size());
+  const auto depths = engine::EngineParts::reversed_depths(engine);
+  if (!depths) return tl::unexpected(depths.error());
+  std::vector<Fragment> out(depths->metres.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::uint8_t* rgb = &colours->pixels[3 * i];
-    out[i] = {depths[i], 0xffffffff, ids->ids[i], std::uint32_t(rgb[0] | rgb[1] << 8 | rgb[2] << 16)};
+    out[i] = {depths->metres[i], 0xffffffff, ids->ids[i], std::uint32_t(rgb[0] | rgb[1] << 8 | rgb[2] << 16)};
     if (out[i].id != 0) out[i].order = order_of(engine.snapshot(), core::ItemId{out[i].id - 1});
   }
   return out;

@@ -72,6 +72,15 @@ TEST_F(MpiRender, DrawsMeshesAndMaterialsAsOneProcess) {
   expect_same_images({write("soup.stl", stl_text(triangles)), "--plain", "--size", "320x200"}, {4});
 }
 
+/// Machines of a cluster seldom have OpenGL.
+TEST_F(MpiRender, DrawsTheImageOfOneProcessByRays) {
+  const std::string model = plant(4000);
+  expect_same_images({model, "--renderer", "rays", "--plain", "--size", "400x240"}, {2, 5});
+  expect_same_images({model, "--renderer", "rays", "--plain", "--size", "401x243", "--tile", "160", "--samples", "1",
+                      "--view", near_view()},
+                     {3}, "in tiles");
+}
+
 /// Items that lie in one place have equal depths: the order in which one process draws them decides. The sample test
 /// changes that order.
 TEST_F(MpiRender, TiesAreDecidedAsInOneProcess) {
