@@ -253,8 +253,9 @@ core::Expected<int> regress(const Options& o, const std::vector<std::string>& wo
     auto own = attempt(body);
     return session ? session->agreed(std::move(own)) : own;
   };
-  const auto suite = agreed([&] { return need(apps::read_suite(o.suite, o.limits)); });
+  auto suite = agreed([&] { return need(apps::read_suite(o.suite, o.limits)); });
   if (!suite) return tl::unexpected(suite.error());
+  suite->drawn_by = std::string(name_of(o.renderer)) + " " + std::to_string(int(o.platform));
   if (o.worker) return serve(o, *suite);
   const auto tasks = agreed([&] { return choose_tasks(o, *suite); });
   if (!tasks) return tl::unexpected(tasks.error());

@@ -294,7 +294,7 @@ std::string Suite::files_key(const Task& task) const {
   files.push_back("/proc/self/exe");  // another build draws otherwise
   files.push_back(reference(task));
   if (task.limits.ids) files.push_back(id_reference(task));
-  std::string text;
+  std::string text = drawn_by + "\n";
   for (const fs::path& file : files) {
     std::error_code none;
     const auto size = fs::file_size(file, none);

@@ -47,10 +47,12 @@ struct Suite {
   std::filesystem::path references;  ///< folder with MODEL/VIEW.png, and MODEL/VIEW.ids.png where ids have a limit
   std::vector<SuiteModel> models;
   std::vector<Task> tasks;  ///< by model
+  std::string drawn_by;     ///< in words, where it is chosen
 
   std::filesystem::path reference(const Task& task) const { return references / (task.name + ".png"); }
   std::filesystem::path id_reference(const Task& task) const { return references / (task.name + ".ids.png"); }
-  /// Equal while no file of the task, models, references and this program, was written to, by size and time.
+  /// Equal while the same draws, and no file of the task, models, references and this program, was written to, by size
+  /// and time.
   std::string files_key(const Task& task) const;
 };
 

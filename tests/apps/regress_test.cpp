@@ -216,6 +216,12 @@ TEST_F(Regress, ResumeDrawsOnlyWhatIsLeft) {
   EXPECT_EQ(regress("out", 0, {"--resume"})["passed"], count);
   EXPECT_EQ(time("a/whole"), kept);
   EXPECT_NE(time("b/whole"), redone);
+  // By rays it is drawn again, once.
+  (void)run("regress", command("out", {"--resume", "--renderer", "rays"}));
+  const auto by_rays = time("a/whole");
+  EXPECT_NE(by_rays, kept);
+  (void)run("regress", command("out", {"--resume", "--renderer", "rays"}));
+  EXPECT_EQ(time("a/whole"), by_rays);
 }
 
 TEST_F(Regress, WhatCannotBeDrawnIsAnErrorOfItsTasksAlone) {
