@@ -214,8 +214,19 @@ core::Expected<void> DrawChoice::update(gpuscene::DrawLists& lists, const gpusce
                                         const Snapshot& snapshot, const core::VisibleSet& visible,
                                         const MeshRules& rules) {
   records_.assign(snapshot, visible, rules.threads);
+  if (auto done = draw_others(lists, scene, rules); !done) return done;
   const auto mesh_of = [&](Slot slot) { return scene.meshes().drawn(gpuscene::GpuScene::record_of(snapshot, slot)); };
   return lists.update(scene, records_, choose(snapshot, records_.meshes, mesh_of, rules));
+}
+
+core::Expected<void> DrawChoice::draw_others(gpuscene::DrawLists& lists, const gpuscene::GpuScene& scene,
+                                             const MeshRules& rules) {
+  const auto is_empty = [](const auto& batch) { return batch.runs.empty() && batch.singles.empty(); };
+  if (!rules.draw_others || records_.meshes.size() <= kMeshesOfJob || std::ranges::all_of(records_.batches, is_empty))
+    return {};
+  auto done = lists.update(scene, records_, {});
+  for (gpuscene::VisibleRecords::OfBatch& batch : records_.batches) batch.runs.clear(), batch.singles.clear();
+  return done ? rules.draw_others() : done;
 }
 
 }  // namespace sightline::engine

@@ -72,15 +72,23 @@ core::Expected<void> DrawContext::draw(const Frame& frame, const DrawRequest& re
   if (error) rules.error = &*error;
   std::optional<culling::TriangleTest> triangles;
   if (software() && config.culling.sample_test) rules.triangles = &triangles.emplace(view, samples());
+  const auto draw_lists = [&] {
+    return renderer->draw({.view = view,
+                           .snapshot = frame.snapshot,
+                           .scene = *scene,
+                           .lists = *lists,
+                           .target = request.onto,
+                           .materials = request.materials});
+  };
+  if (!software())
+    rules.draw_others = [&] {
+      auto done = draw_lists();
+      gl().Flush();
+      return done;
+    };
   auto done = choice.update(*lists, *scene, frame.snapshot, request.set, rules);
   image->meshes += choice.counts();
-  if (!done) return done;
-  return renderer->draw({.view = view,
-                         .snapshot = frame.snapshot,
-                         .scene = *scene,
-                         .lists = *lists,
-                         .target = request.onto,
-                         .materials = request.materials});
+  return done ? draw_lists() : done;
 }
 
 core::Expected<void> DrawContext::read_back_depth(const core::View& view, const render::RenderTarget& from) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/culling/gpu/internal/gpu_culler.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
 namespace sightline::tests::simulated_gpu_test {
@@ -251,6 +252,29 @@ TEST_F(SimulatedGpuTest, OcclusionIsTestedWhereItPays) {
     EXPECT_LE(automatic.seconds, 1.05 * std::min(on.seconds, off.seconds) +
                                      (readback < 1e-3 ? kTried * off.worst_frame : 1.5 * on.worst_frame));
   }
+}
+
+/// A card draws solids while the processor chooses among many meshes. The image is that of a rasteriser, which draws
+/// all at once; solids and meshes that lie in one plane are there, too.
+TEST_F(SimulatedGpuTest, SolidsThatAreDrawnBeforeMeshesAreChosenLeaveTheImageAsItIs) {
+  const core::MeshId box = scene_.add_mesh(gpuprims::tessellate(core::Box{0.4f, 0.4f, 0.4f})).value();
+  for (int i = 0; i < 300; ++i)
+    scene_.add_mesh_instance(scene_.root(), box, core::translation({i % 20 + 0.2, i / 20 + 0.1 * (i % 3), 11.0}));
+  const auto images = [&] {
+    std::vector<std::vector<std::uint8_t>> found;
+    EngineConfig c = config(CullerChoice::kCpu);
+    c.culling.sample_test = false;  // a rasteriser's finds other triangles
+    auto engine = Engine::create(scene_, c);
+    EXPECT_TRUE(engine) << engine.error().message;
+    for (int frame = 0; engine && frame < 10; ++frame) {
+      EXPECT_TRUE(engine->frame(around(3 * frame)));
+      found.push_back(engine->read_colour()->pixels);
+    }
+    return found;
+  };
+  const auto at_once = images();
+  const SimulatedGpu gpu(*context, card("discrete"));
+  EXPECT_EQ(images(), at_once);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SimulatedCards, testing::Values("discrete", "integrated", "remote", "untimed"),

@@ -38,6 +38,9 @@ struct MeshRules {
   ClusterPasses* clusters = nullptr;                 ///< leaves out clusters of such cuts
   const culling::TriangleTest* triangles = nullptr;  ///< only triangles are drawn that may colour the image
   core::ThreadPool* threads = nullptr;               ///< share in that test, and in the lists of records
+  /// Draws the lists. DrawChoice::update() calls it with those of all but the meshes, and leaves these alone in the
+  /// lists, where it will choose among many: so a GPU draws meanwhile. Meshes come last in any case.
+  std::function<core::Expected<void>()> draw_others = {};
 };
 
 /// Keeps its memory from image to image.
@@ -70,6 +73,7 @@ class DrawChoice {
     void clear();
   };
   class OfMesh;
+  core::Expected<void> draw_others(gpuscene::DrawLists& lists, const gpuscene::GpuScene& scene, const MeshRules& rules);
   void pick_triangles(const core::Snapshot& snapshot, std::span<const core::Slot> meshes, const MeshOf& mesh_of,
                       const MeshRules& rules);
   gpuscene::MeshDraws join(bool picked);
