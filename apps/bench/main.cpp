@@ -25,6 +25,8 @@ constexpr bench::Subcommand kSubcommands[] = {
     {"lod", "error of meshes drawn by levels of detail against the time of a frame, beside other ways to draw less",
      bench::add_lod},
     {"motion", "images of a moving camera within a time: error and gaps against what they take", bench::add_motion},
+    {"passes", "the passes of an image on the GPU's clock, kind by kind, and how much of their work shows",
+     bench::add_passes},
     {"prepare", "what is done for a frame before GL draws it, by step and by threads", bench::add_prepare},
 #endif
 };

@@ -12,6 +12,8 @@
 #include "sightline/apps/bench/subcommands.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/need.h"
+#include "sightline/apps/common/progress.h"
+#include "sightline/core/internal/hash.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/frustum/internal/set_parts.h"
 #include "sightline/culling/occlusion/contribution.h"
@@ -36,6 +38,7 @@ struct Options {
   StageOptions stages;
   int frames = 16;
   double lod_error = 0.5;
+  bool verify = false;
 };
 
 void add_options(apps::CommandLine& line, Options& o) {
@@ -44,8 +47,10 @@ void add_options(apps::CommandLine& line, Options& o) {
       .in_range(1, 10'000)
       .shows_default();
   line.add("--lod-error", o.lod_error, "Of the levels of meshes, in pixels").in_range(0.0, 1e6).shows_default();
+  line.add_flag("--verify", o.verify, "Measure nothing: fail unless 1, 2, 3, 5 and 16 threads prepare the same");
   line.examples(
       "  sightline-bench prepare --items 5000000\n"
+      "  sightline-bench prepare --items 100000 --frames 1000 --verify\n"
       "  sightline-bench prepare plant.slc --threads 8 --json prepare.json");
 }
 
@@ -87,12 +92,12 @@ class Meshes {
 /// leave of that.
 class Frames {
  public:
-  Frames(const core::Snapshot& snapshot, const std::vector<core::View>& views, double lod_error)
+  Frames(const core::Snapshot& snapshot, const Meshes& meshes, std::span<const core::View> views, double lod_error)
       : snapshot_(snapshot),
         culler_(snapshot.bounds()),
         views_(views),
         lod_error_(lod_error),
-        meshes_(snapshot),
+        meshes_(meshes),
         seen_(views.size()),
         sampled_(views.size()),
         open_(views.size()),
@@ -105,7 +110,6 @@ class Frames {
     }
   }
 
-  bool has_meshes() const { return !meshes_.empty(); }
   void cull(std::size_t i, ThreadPool&) { culler_.cull(views_[i], seen_[i]); }
   void test_samples(std::size_t i, ThreadPool& threads) {
     const culling::SampleTest test(views_[i], bounds().origin, kSamples);
@@ -139,6 +143,38 @@ class Frames {
     passes.remember(open_[i], bounds());
   }
 
+  /// A hash of all that so many threads prepare for the first view.
+  std::uint64_t digest(int threads) {
+    ThreadPool pool(threads);
+    std::uint64_t digest = core::kFnvBasis;
+    const auto add = [&]<class T>(std::span<const T> list) {
+      digest = core::fnv1a({reinterpret_cast<const char*>(list.data()), list.size_bytes()}, digest);
+    };
+    const auto add_set = [&](const core::VisibleSet& set) {
+      add(std::span<const core::SlotRange>(set.ranges));
+      add(std::span<const core::Slot>(set.single_slots));
+    };
+    const auto add_records = [&] {
+      for (const auto& batch : records_.batches) {
+        add(std::span<const gpuscene::VisibleRecords::Run>(batch.runs));
+        add(std::span<const std::uint32_t>(batch.singles));
+      }
+      add(std::span<const core::Slot>(records_.meshes));
+    };
+    test_contribution(0, pool), add_set(large_);
+    test_samples(0, pool), add_set(sampled_[0]);
+    list_sampled(0, pool), add_records();
+    passes_[0] = {};  // else it goes on from what it remembers
+    test_occlusion(0, pool), add_set(open_[0]);
+    list_open(0, pool), add_records();
+    for (const bool tested : {false, true}) {
+      tested ? choose_triangles(0, pool) : choose_cuts(0, pool);
+      for (const auto& runs : {draws_.fronts, draws_.both_faces}) std::ranges::for_each(runs, add);
+      std::ranges::for_each(draws_.indices, add);
+    }
+    return digest;
+  }
+
   /// Chooses for the meshes that may cover a sample.
   void choose_cuts(std::size_t i, ThreadPool& threads) { choose_meshes(i, threads, nullptr); }
   void choose_triangles(std::size_t i, ThreadPool& threads) {
@@ -160,16 +196,17 @@ class Frames {
   void choose_meshes(std::size_t i, ThreadPool& threads, const culling::TriangleTest* triangles) {
     const lod::ImageError error(views_[i], kWidth, kHeight, lod_error_);
     records_.assign(snapshot_, sampled_[i], &threads);
-    choice_.choose(snapshot_, records_.meshes, [&](core::Slot slot) { return meshes_.drawn(slot); },
-                   {.view = views_[i], .error = &error, .triangles = triangles, .threads = &threads});
+    draws_ = choice_.choose(snapshot_, records_.meshes, [&](core::Slot slot) { return meshes_.drawn(slot); },
+                            {.view = views_[i], .error = &error, .triangles = triangles, .threads = &threads});
   }
 
   const core::Snapshot& snapshot_;
   culling::CpuCuller culler_;
-  const std::vector<core::View>& views_;
+  std::span<const core::View> views_;
   double lod_error_;
-  Meshes meshes_;
+  const Meshes& meshes_;
   engine::DrawChoice choice_;
+  gpuscene::MeshDraws draws_;
   std::vector<core::VisibleSet> seen_, sampled_, open_;  // by view
   std::vector<culling::OcclusionPasses> passes_;         // by view
   core::VisibleSet large_;
@@ -180,11 +217,28 @@ class Frames {
   std::map<int, ThreadPool> pools_;
 };
 
+core::Expected<int> verify(const core::Snapshot& snapshot, const Meshes& meshes, std::span<const core::View> views,
+                           const Options& options) {
+  apps::Progress progress("verifying", views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    Frames frames(snapshot, meshes, views.subspan(i, 1), options.lod_error);
+    const std::uint64_t wanted = frames.digest(1);
+    for (const int threads : {2, 3, 5, 16})
+      if (frames.digest(threads) != wanted)
+        return core::fail("view " + std::to_string(i) + ": expected that " + std::to_string(threads) +
+                          " threads prepare what one does");
+    progress.advance(i + 1);
+  }
+  return finish(options.stages.json, {{"views", views.size()}, {"verified", true}});
+}
+
 core::Expected<int> run(const Options& options) {
   const std::unique_ptr<core::Scene> scene = need(model_or_plant(options.stages.model, options.stages.items));
   const core::Snapshot snapshot(*scene);
   const auto views = need(tour_views(snapshot, options.frames, double(kWidth) / kHeight));
-  Frames frames(snapshot, views, options.lod_error);
+  const Meshes meshes(snapshot);
+  if (options.verify) return verify(snapshot, meshes, views, options);
+  Frames frames(snapshot, meshes, views, options.lod_error);
   std::vector<TimedStage> stages = {
       frames.stage("cull", &Frames::cull),
       frames.stage("test areas", &Frames::test_contribution),
@@ -193,7 +247,7 @@ core::Expected<int> run(const Options& options) {
       frames.stage("test occlusion", &Frames::test_occlusion),
       frames.stage("list records of these", &Frames::list_open),
   };
-  if (frames.has_meshes()) {
+  if (!meshes.empty()) {
     stages.push_back(frames.stage("choose cuts", &Frames::choose_cuts));
     stages.push_back(frames.stage("the same, and triangles", &Frames::choose_triangles));
   }

@@ -22,6 +22,7 @@ Run add_frames(apps::CommandLine& line);
 Run add_hybrid(apps::CommandLine& line);
 Run add_lod(apps::CommandLine& line);
 Run add_motion(apps::CommandLine& line);
+Run add_passes(apps::CommandLine& line);
 Run add_prepare(apps::CommandLine& line);
 
 }  // namespace sightline::bench

@@ -15,7 +15,7 @@ PATH=$PATH:/usr/sbin:/sbin  # ldconfig's
 kit=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 bin=$kit/bin
 scale=${SCALE:-1} frames=${FRAMES:-60} size=${SIZE:-1280x720} total=${TOTAL:-470}
-steps=(machine tests images stability hybrid_100k hybrid_1m submission occlusion samples hybrid_5m prepare motion first_image trace table_6_1 edits)
+steps=(machine tests images stability hybrid_100k hybrid_1m submission occlusion samples hybrid_5m prepare passes motion first_image trace table_6_1 edits)
 
 case ${1:-} in
   -h | --help) sed -n '2,/^set/{/^#/s/^# \{0,1\}//p}' "$0"; exit 0 ;;
@@ -270,6 +270,13 @@ step_prepare() {
     show 30 sightline-bench prepare --items "$(items $count)" --threads "$(nproc)" --passes 5 --frames 8
   done
 }
+# Time on the GPU's clock by pass and kind, and what a depth prepass of the application's would leave.
+step_passes() {
+  local samples
+  for samples in 1 4; do
+    show 10 sightline-bench passes --items "$(items 100000)" --samples $samples --frames $((frames / 4 + 1)) --size "$size"
+  done
+}
 step_submission() {
   local variant
   for variant in geometry compute; do
@@ -326,6 +333,7 @@ title() {
     hybrid_5m) echo "$(items 5000000) items: cullers, rendering off and on" ;;
     motion) echo "Moving images within 33 ms, $(items 1000000) and $(items 5000000) items" ;;
     prepare) echo "Preparing a frame by threads, $(items 1000000) and $(items 5000000) items" ;;
+    passes) echo "Passes of an image on the GPU's clock, $(items 100000) items" ;;
     submission) echo "What frames culled by the GPU cost the processor" ;;
     occlusion) echo "Occlusion off, on and learnt, $(items 100000) and $(items 1000000) items" ;;
     samples) echo "Samples per pixel, depth shading and lines, $(items 100000) items" ;;

@@ -1,5 +1,7 @@
-// sightline-bench frames and motion as a user runs them: their counts and times hang together.
+// sightline-bench frames, motion, passes and prepare as a user runs them: their counts and times hang together.
 #include "sightline/tests/apps/render_test.h"
+#include "sightline/tests/support/effort.h"
+#include "sightline/tests/support/places.h"
 
 namespace sightline::tests::bench_frames_test {
 namespace {
@@ -27,6 +29,35 @@ TEST_F(BenchFrames, RefusesWhatMakesNoSense) {
   expect_usage_error("bench", {"frames", plant(1000), "--frames", "1"}, "--frames");
   expect_usage_error("bench", {"frames", plant(1000), "--size", "0x5"}, "--size");
   expect_failure("bench", {"frames", path("none.rvm")}, "none.rvm", true);
+}
+
+TEST_F(BenchFrames, PassesColourWhatAllOfThemDo) {
+  for (const char* samples : {"1", "4"}) {
+    const Json json =
+        run_json("bench", {"passes", plant(3000), "--frames", "3", "--size", "96x64", "--samples", samples});
+    const Json& passes = json["passes"];
+    double items = 0.0, coloured = 0.0;
+    for (const auto& [name, pass] : passes.items()) {
+      EXPECT_GT(pass["ms"]["median"], 0.0) << name;
+      if (name.rfind("all kinds", 0) == 0 || !pass.contains("coloured")) continue;
+      items += pass["items"].get<double>();
+      coloured += pass["coloured"].get<double>();
+      EXPECT_TRUE(!pass.contains("fragments") || pass["fragments"].get<double>() * 4.01 >= 1.0) << pass;
+    }
+    EXPECT_NEAR(passes["all kinds"]["items"].get<double>(), items, 1e-6 * items);
+    EXPECT_GT(passes["all kinds"]["coloured"].get<double>(), 0.03);
+    EXPECT_LE(passes["all kinds"]["coloured"].get<double>(), coloured) << "some hide others";
+    EXPECT_FALSE(passes["all kinds again, over their depth"].contains("coloured")) << "the nearest ones are there";
+    EXPECT_EQ(passes.contains("resolve samples"), samples[0] == '4');
+  }
+}
+
+TEST_F(BenchFrames, AnyNumberOfThreadsPreparesTheSame) {
+  const std::string views = std::to_string(repeated(1000, 100));
+  const Json json = run_json("bench", {"prepare", "--items", "50000", "--frames", views, "--verify"});
+  EXPECT_EQ(json["verified"], true);
+  const std::string meshes = in_checkout("tests/data/small_plant.rvm").string();
+  EXPECT_EQ(run_json("bench", {"prepare", meshes, "--frames", views, "--verify"})["verified"], true);
 }
 
 /// A budget that no frame keeps still shows most of so small an image, and the way without one all of it.
