@@ -1,6 +1,7 @@
 #include "sightline/lod/mesh_levels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -172,7 +173,8 @@ class GroupSimplifier {
     };
     result.deviation = proof_.bound({points_, corners_, errors.back}, {points_, coarse_});
     rounded_up(proof_.of_to(), result.errors.back);
-    result.deviation.grow(proof_.bound({points_, coarse_}, {points_, corners_, errors.out}));
+    result.deviation.grow(
+        proof_.bound({points_, coarse_}, {points_, corners_, errors.out}, result.deviation.distance));
     rounded_up(proof_.of_from(), result.errors.out);
   }
 
@@ -320,26 +322,46 @@ class Builder {
   MeshLevels levels_;
 };
 
+/// Counts the uses of a cluster's edges.
+class EdgeCounts {
+ public:
+  void clear() { slots_.fill({}); }
+  void add(std::uint64_t ends) {
+    std::size_t place = core::mixed(ends) % kSlots;
+    while (slots_[place].uses != 0 && slots_[place].ends != ends) place = (place + 1) % kSlots;
+    slots_[place].ends = ends;
+    ++slots_[place].uses;
+  }
+  template <class Visit>
+  void for_each_single(const Visit& visit) const {
+    for (const Slot& slot : slots_)
+      if (slot.uses == 1) visit(slot.ends);
+  }
+
+ private:
+  static constexpr std::size_t kSlots = 1024;  // more than twice the edges
+  struct Slot {
+    std::uint64_t ends = 0;
+    std::uint32_t uses = 0;
+  };
+  std::array<Slot, kSlots> slots_;
+};
+
 std::vector<Contact> Builder::contacts(std::uint32_t first, std::uint32_t end) const {
   struct Edge {
     std::uint64_t ends;
     std::uint32_t cluster;
   };
-  std::vector<Edge> borders, edges;
+  std::vector<Edge> borders;
+  EdgeCounts edges;
   for (std::uint32_t i = first; i < end; ++i) {
     edges.clear();
     const auto corners = corners_of(levels_.clusters[i]);
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const std::uint64_t a = welded_[corners[k]], b = welded_[corners[k % 3 == 2 ? k - 2 : k + 1]];
-      if (a != b) edges.push_back({std::min(a, b) << 32 | std::max(a, b), i - first});
+      if (a != b) edges.add(std::min(a, b) << 32 | std::max(a, b));
     }
-    std::ranges::sort(edges, {}, &Edge::ends);
-    for (std::size_t k = 0; k < edges.size();) {
-      std::size_t next = k + 1;
-      while (next < edges.size() && edges[next].ends == edges[k].ends) ++next;
-      if (next == k + 1) borders.push_back(edges[k]);
-      k = next;
-    }
+    edges.for_each_single([&](std::uint64_t ends) { borders.push_back({ends, i - first}); });
   }
   std::ranges::sort(
       borders, [](const Edge& a, const Edge& b) { return a.ends != b.ends ? a.ends < b.ends : a.cluster < b.cluster; });

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "sightline/core/conventions.h"
+#include "sightline/lod/internal/deviation_kernels.h"
 
 namespace sightline::lod {
 
@@ -51,7 +53,8 @@ class SurfaceDeviation {
   /// seldom exceeds the largest distance by more than an eighth. `to` must have a triangle unless `from` has none.
   ///
   /// Where triangles have errors, `distance` and what follows are sums of a distance and the errors of both triangles.
-  Deviation bound(const Triangles& from, const Triangles& to);
+  /// `enough`: distances up to it need no tighter bound.
+  Deviation bound(const Triangles& from, const Triangles& to, double enough = 0.0);
 
   /// The deviation of the points of each triangle of `from` alone.
   std::span<const double> of_from() const { return of_from_; }
@@ -62,73 +65,74 @@ class SurfaceDeviation {
 
  private:
   static constexpr std::uint32_t kNone = core::kNone;
-  static constexpr int kMostCorners = 10, kManyCorners = 7;
+  static constexpr int kManyCorners = 7;
   static constexpr double kAny = std::numeric_limits<double>::infinity();
-  static constexpr double kBeside = 1e-13;  // of barycentric coordinates: less than that is rounding
 
-  struct Face {
-    core::dvec3 corners[3];
-    core::dvec3 normal;           // of unit length, or 0
+  struct Face : FaceShape {
     double normal_rounding;       // largest distance from the exact one
-    core::dvec3 gradients[2];     // of the barycentric coordinates of corners 1 and 2; not numbers for slivers
     core::dvec3 cuts[3];          // unit normal of the plane through edge k that parts this face from its neighbour
-    double heights[3];            // squares of them, of corners 1, 2 and 0
     double error;                 // of Triangles
     std::uint32_t neighbours[3];  // across edge k, from corner k to the next; kNone: none
 
-    /// Whether the point's projection lies inside, but for rounding. Not for slivers.
-    bool is_above(const core::dvec3& point) const {
-      const core::dvec3 p = point - corners[0];
-      const double u = glm::dot(gradients[0], p), v = glm::dot(gradients[1], p);
-      return std::min({u, v, 1.0 - u - v}) >= -kBeside;
-    }
-    /// Where it is less than `most`; else anything that is not. Most points lie above the face, or too far beside it,
-    /// which is quick to see.
-    double square_distance(const core::dvec3& point, double most = kAny) const {
+    bool is_sliver() const { return !(gradients[0].x == gradients[0].x); }
+    /// At most the square distance, and less only where a corner is nearest: a hint where to look. `beyond`: a bit for
+    /// each edge that the point lies beyond, as for all edges of slivers.
+    double least_square_distance(const core::dvec3& point, unsigned& beyond) const {
       const core::dvec3 p = point - corners[0];
       const double u = glm::dot(gradients[0], p), v = glm::dot(gradients[1], p), w = 1.0 - u - v;
-      const double height = glm::dot(normal, p), above = height * height;
-      if (std::min({u, v, w}) >= -kBeside) return above;
+      const double height = glm::dot(normal, p);
+      beyond = unsigned(!(v >= -kBeside)) | unsigned(!(w >= -kBeside)) << 1 | unsigned(!(u >= -kBeside)) << 2;
+      if (beyond == 0) return height * height;
+      if (is_sliver()) return square_distance(point);
       const auto beside = [](double coordinate, double height_square) {
-        return coordinate < 0.0 ? coordinate * coordinate * height_square : 0.0;
+        const double outside = std::min(coordinate, 0.0);
+        return outside * outside * height_square;
       };
-      const double least = above + std::max({beside(u, heights[0]), beside(v, heights[1]), beside(w, heights[2])});
-      return least > most ? least : square_distance_beside(point);
+      return height * height + std::max({beside(u, heights[0]), beside(v, heights[1]), beside(w, heights[2])});
     }
-    double square_distance_beside(const core::dvec3& point) const;
-    /// With the face's error; `most` as before.
-    double distance(const core::dvec3& point, double most = kAny) const {
-      const double left = std::max(most - error, 0.0);
-      return std::sqrt(square_distance(point, left * left)) + error;
-    }
-  };
-  struct Polygon {
-    core::dvec3 corners[kMostCorners];
-    int count = 0;
+    double square_distance(const core::dvec3& point) const;
+    /// With the face's error.
+    double distance(const core::dvec3& point) const { return std::sqrt(square_distance(point)) + error; }
   };
   /// A part of the triangle that is covered, near a face. `from`: the face that has handed it on, or kNone.
   struct Piece {
     Polygon polygon;
     std::uint32_t face, from;
   };
-  enum class Side { kInside, kOutside, kBoth };
-  /// Around faces, for quick tests of many.
-  static constexpr std::size_t kBalls = 16;
-  struct Balls {
-    float x[kBalls], y[kBalls], z[kBalls], radius[kBalls];
-  };
-  struct Probe {
-    std::uint32_t face;  // near it
-    double error;        // of its own triangle
-    double distance;     // with both errors
-    core::dvec3 point;
-  };
   struct HalfEdge {
-    std::uint32_t to, corner;  // the higher end; where it starts
+    std::uint32_t to, next;  // the higher end; another one with the same lower end
   };
   struct Near {
     std::uint32_t face;
-    double distance;  // with the face's error
+    double distance;  // at most that, with the face's error
+    unsigned beyond;  // its edges
+  };
+
+  struct Probe {
+    Near near;
+    double error;     // of its own triangle
+    double distance;  // with both errors
+    core::dvec3 point;
+  };
+  /// The farthest ones of many.
+  class FarthestProbes {
+   public:
+    void offer(const Probe& probe) {
+      if (count_ == kMost && probe.distance <= probes_[count_ - 1].distance) return;
+      std::size_t place = count_ < kMost ? count_++ : kMost - 1;
+      for (; place > 0 && probes_[place - 1].distance < probe.distance; --place) probes_[place] = probes_[place - 1];
+      probes_[place] = probe;
+    }
+    std::span<const Probe> farthest_first() const { return {probes_.data(), count_}; }
+
+   private:
+    static constexpr std::size_t kMost = 8;
+    std::array<Probe, kMost> probes_;
+    std::size_t count_ = 0;
+  };
+  struct Distant {
+    double distance;
+    unsigned beyond;  // as Farthest has it
   };
 
   void make_faces(const Triangles& to);
@@ -136,28 +140,30 @@ class SurfaceDeviation {
   void join_faces(const Triangles& to);
   void join(std::span<const std::uint32_t> corners, std::uint32_t a, std::uint32_t b);
   double probe(const Triangles& from, const Triangles& to);
-  Near near(std::uint32_t face, const core::dvec3& point) const { return {face, faces_[face].distance(point)}; }
+  Near near(std::uint32_t face, const core::dvec3& point) const {
+    Near near{face, 0.0, 0};
+    near.distance = std::sqrt(faces_[face].least_square_distance(point, near.beyond)) + faces_[face].error;
+    return near;
+  }
   Near nearest_from(Near start, const core::dvec3& point) const;
   Near nearest(Near start, const core::dvec3& point) const;
   Near start(const std::uint32_t* corners, const core::dvec3& centre) const;
-  double farthest(const Polygon& polygon, std::uint32_t face, double most) const;
+  Distant farthest(const Polygon& polygon, std::uint32_t face, double most) const;
   static core::dvec3 centre_of(const Polygon& polygon);
-  bool accept(const Polygon& polygon, std::uint32_t face, double most);
+  void accept(std::uint32_t face, double distance);
   bool is_nearer(std::uint32_t face, const Piece& piece) const;
   void cover(Piece piece);
   void refine(const Piece& piece);
   bool bisect(const Polygon& polygon, std::uint32_t face);
-  Side split(const Polygon& polygon, const core::dvec3& normal, const core::dvec3& point, Polygon& inside,
-             Polygon& outside) const;
 
+  const DeviationKernels& kernels_ = deviation_kernels();
   std::vector<Face> faces_;
-  std::vector<Balls> balls_;               // of the faces
+  std::vector<Balls> balls_, around_;      // of the faces, and of those balls
   core::dvec3 origin_{0.0};                // of the balls' centres
-  std::vector<std::uint32_t> first_edge_;  // by point: of those whose lower end it is
-  std::vector<HalfEdge> edges_;
-  std::vector<std::uint32_t> seeds_;   // by point: a face near it, or kNone
-  std::vector<std::uint32_t> starts_;  // by triangle: a face near it
-  std::vector<Probe> probes_;
+  std::vector<std::uint32_t> first_edge_;  // by point: of those whose lower end it is, and that are left
+  std::vector<HalfEdge> edges_;            // by the corner where they start
+  std::vector<std::uint32_t> seeds_;       // by point: a face near it, or kNone
+  std::vector<std::uint32_t> starts_;      // by triangle: a face near it
   std::vector<double> of_from_, of_to_;
   std::uint32_t triangle_ = 0;  // that is covered
   core::dvec3 normal_{0.0};     // of it

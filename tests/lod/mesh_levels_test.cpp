@@ -202,7 +202,7 @@ class ProofTwin {
     lod::SurfaceDeviation proof;
     lod::Deviation deviation = proof.bound({points_, from, of(back_, fine)}, {points_, to});
     for (std::size_t i = 0; i < coarse.size(); ++i) back_[coarse[i]] = up(proof.of_to()[i]);
-    deviation.grow(proof.bound({points_, to}, {points_, from, of(out_, fine)}));
+    deviation.grow(proof.bound({points_, to}, {points_, from, of(out_, fine)}, deviation.distance));
     for (std::size_t i = 0; i < coarse.size(); ++i) out_[coarse[i]] = up(proof.of_from()[i]);
     ASSERT_EQ(group.error, std::max(error, up(deviation.distance)));
     ASSERT_EQ(group.angle, up(std::min(double(angle) + deviation.angle, std::numbers::pi)));
