@@ -46,6 +46,10 @@ struct Avx2 {
     x.d = _mm256_unpacklo_pd(even, odd), y.d = _mm256_unpackhi_pd(even, odd);
     z.d = _mm256_unpacklo_pd(load(&c[0].z, &c[2].z), load(&c[1].z, &c[3].z));
   }
+  static double largest(const Four& a) {
+    const __m128d two = _mm_max_pd(_mm256_castpd256_pd128(a.d), _mm256_extractf128_pd(a.d, 1));
+    return _mm_cvtsd_f64(_mm_max_sd(two, _mm_unpackhi_pd(two, two)));
+  }
   static void copy(const Corner& from, Corner& to) {
     _mm_store_pd(&to.x, _mm_load_pd(&from.x)), _mm_store_pd(&to.z, _mm_load_pd(&from.z));
   }

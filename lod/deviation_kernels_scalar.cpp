@@ -52,6 +52,11 @@ struct Scalar {
     y = {{c[0].y, c[1].y, c[2].y, c[3].y}};
     z = {{c[0].z, c[1].z, c[2].z, c[3].z}};
   }
+  static double largest(const Four& a) {
+    double largest = a.d[0];
+    for (const double d : a.d) largest = d > largest ? d : largest;
+    return largest;
+  }
   static void copy(const Corner& from, Corner& to) { to = from; }
   static void between(const Corner& a, const Corner& b, double t, Corner& to) {
     to = {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z), 0.0};

@@ -1,7 +1,6 @@
 #include "sightline/lod/mesh_levels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -173,8 +172,9 @@ class GroupSimplifier {
     };
     result.deviation = proof_.bound({points_, corners_, errors.back}, {points_, coarse_});
     rounded_up(proof_.of_to(), result.errors.back);
+    near_.assign(proof_.near_to().begin(), proof_.near_to().end());
     result.deviation.grow(
-        proof_.bound({points_, coarse_}, {points_, corners_, errors.out}, result.deviation.distance));
+        proof_.bound({points_, coarse_}, {points_, corners_, errors.out}, {result.deviation.distance, near_}));
     rounded_up(proof_.of_from(), result.errors.out);
   }
 
@@ -183,6 +183,7 @@ class GroupSimplifier {
   const VerticesAtPlaces& vertices_;
   std::vector<std::uint32_t> number_of_;  // by welded vertex: its number in the group
   Corners places_, corners_, coarse_;     // places: welded vertices, by number
+  Corners near_;                          // by coarse triangle: a former one near it
   std::vector<vec3> positions_;
   std::vector<std::uint8_t> locked_;
   std::vector<dvec3> points_;
@@ -242,7 +243,7 @@ class Builder {
       if (groups[i] >= members.size()) members.resize(groups[i] + 1);
       members[groups[i]].push_back(first + i);
     }
-    find_shared(members, first);
+    shared_ = shared_by_groups(members, first);
     const std::vector<Simplified> simplified = simplify_all(members, levels_.clusters[first].first_index / 3);
     errors_.clear();
     for (std::size_t i = 0; i < members.size(); ++i)
@@ -259,21 +260,40 @@ class Builder {
   /// Edges at the border of each cluster, and of these the ones that two clusters have.
   std::vector<Contact> contacts(std::uint32_t first, std::uint32_t end) const;
 
-  /// Marks the positions that several groups have, or a group and a cluster before `first`, which stays as it is.
-  void find_shared(const std::vector<std::vector<std::uint32_t>>& members, std::uint32_t first) {
-    std::vector<std::uint32_t> group_of(welded_.size(), kNone);
-    shared_.assign(welded_.size(), 0);
-    const auto mark = [&](const Cluster& cluster, std::uint32_t group) {
-      for (const std::uint32_t corner : corners_of(cluster)) {
-        const std::uint32_t vertex = welded_[corner];
-        if (group_of[vertex] == kNone) group_of[vertex] = group;
-        if (group_of[vertex] != group) shared_[vertex] = 1;
+  /// Marks the welded vertices of triangles that owners have which several owners have.
+  class Sharing {
+   public:
+    explicit Sharing(const Builder& builder)
+        : builder_(builder), owner_(builder.welded_.size(), kNone), shared_(owner_.size(), 0) {}
+    void mark(const Cluster& cluster, std::uint32_t owner) {
+      for (const std::uint32_t corner : builder_.corners_of(cluster)) {
+        const std::uint32_t vertex = builder_.welded_[corner];
+        if (owner_[vertex] == kNone) owner_[vertex] = owner;
+        if (owner_[vertex] != owner) shared_[vertex] = 1;
       }
-    };
+    }
+    std::vector<std::uint8_t> take() { return std::move(shared_); }
+
+   private:
+    const Builder& builder_;
+    std::vector<std::uint32_t> owner_;
+    std::vector<std::uint8_t> shared_;
+  };
+
+  /// The positions that several groups have, or a group and a cluster before `first`, which stays as it is.
+  std::vector<std::uint8_t> shared_by_groups(const std::vector<std::vector<std::uint32_t>>& members,
+                                             std::uint32_t first) const {
+    Sharing sharing(*this);
     for (std::uint32_t group = 0; group < members.size(); ++group)
-      for (const std::uint32_t member : members[group]) mark(levels_.clusters[member], group);
+      for (const std::uint32_t member : members[group]) sharing.mark(levels_.clusters[member], group);
     for (const Cluster& cluster : std::span(levels_.clusters).first(first))
-      if (cluster.goes_into == kNone) mark(cluster, std::uint32_t(members.size()));
+      if (cluster.goes_into == kNone) sharing.mark(cluster, std::uint32_t(members.size()));
+    return sharing.take();
+  }
+  std::vector<std::uint8_t> shared_by_clusters(std::uint32_t first, std::uint32_t end) const {
+    Sharing sharing(*this);
+    for (std::uint32_t i = first; i < end; ++i) sharing.mark(levels_.clusters[i], i);
+    return sharing.take();
   }
 
   /// `first`: triangle of the first error.
@@ -322,46 +342,28 @@ class Builder {
   MeshLevels levels_;
 };
 
-/// Counts the uses of a cluster's edges.
-class EdgeCounts {
- public:
-  void clear() { slots_.fill({}); }
-  void add(std::uint64_t ends) {
-    std::size_t place = core::mixed(ends) % kSlots;
-    while (slots_[place].uses != 0 && slots_[place].ends != ends) place = (place + 1) % kSlots;
-    slots_[place].ends = ends;
-    ++slots_[place].uses;
-  }
-  template <class Visit>
-  void for_each_single(const Visit& visit) const {
-    for (const Slot& slot : slots_)
-      if (slot.uses == 1) visit(slot.ends);
-  }
-
- private:
-  static constexpr std::size_t kSlots = 1024;  // more than twice the edges
-  struct Slot {
-    std::uint64_t ends = 0;
-    std::uint32_t uses = 0;
-  };
-  std::array<Slot, kSlots> slots_;
-};
-
 std::vector<Contact> Builder::contacts(std::uint32_t first, std::uint32_t end) const {
   struct Edge {
     std::uint64_t ends;
     std::uint32_t cluster;
   };
-  std::vector<Edge> borders;
-  EdgeCounts edges;
+  // Only edges between vertices that several clusters have can lie at a border between two.
+  const std::vector<std::uint8_t> shared = shared_by_clusters(first, end);
+  std::vector<Edge> borders, edges;
   for (std::uint32_t i = first; i < end; ++i) {
     edges.clear();
     const auto corners = corners_of(levels_.clusters[i]);
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const std::uint64_t a = welded_[corners[k]], b = welded_[corners[k % 3 == 2 ? k - 2 : k + 1]];
-      if (a != b) edges.add(std::min(a, b) << 32 | std::max(a, b));
+      if (a != b && shared[a] && shared[b]) edges.push_back({std::min(a, b) << 32 | std::max(a, b), i - first});
     }
-    edges.for_each_single([&](std::uint64_t ends) { borders.push_back({ends, i - first}); });
+    std::ranges::sort(edges, {}, &Edge::ends);
+    for (std::size_t k = 0; k < edges.size();) {
+      std::size_t next = k + 1;
+      while (next < edges.size() && edges[next].ends == edges[k].ends) ++next;
+      if (next == k + 1) borders.push_back(edges[k]);
+      k = next;
+    }
   }
   std::ranges::sort(
       borders, [](const Edge& a, const Edge& b) { return a.ends != b.ends ? a.ends < b.ends : a.cluster < b.cluster; });

@@ -13,7 +13,7 @@
 namespace sightline::lod {
 
 /// Raised when build_levels() makes something else of a mesh, and when encode() writes it otherwise.
-inline constexpr std::uint32_t kLevelsVersion = 3;
+inline constexpr std::uint32_t kLevelsVersion = 4;
 
 /// How much of a mesh's levels.
 enum class LevelRange : std::uint8_t {

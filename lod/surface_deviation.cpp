@@ -45,6 +45,10 @@ dvec3 nearest_point(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3&
   return a + vb / sum * ab + vc / sum * ac;
 }
 
+dvec3 centre_of(const Triangles& triangles, const std::uint32_t* corners) {
+  return (triangles.points[corners[0]] + triangles.points[corners[1]] + triangles.points[corners[2]]) / 3.0;
+}
+
 double square_of(const dvec3& v) {
   return glm::dot(v, v);
 }
@@ -59,7 +63,7 @@ dvec3 unit_normal(const dvec3& a, const dvec3& b, const dvec3& c, double& roundi
 
 }  // namespace
 
-Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to, double enough) {
+Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to, const Known& known) {
   if (from.corners.empty()) return {};
   assert(!to.corners.empty());
   make_faces(to);
@@ -70,21 +74,24 @@ Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to, do
   rounding_ = 0.1 * kRounding * largest;
   of_from_.assign(from.corners.size() / 3, 0.0);
   of_to_.assign(faces_.size(), 0.0);
-  least_ = probe(from, to);
-  bound_ = std::max({rounding_, kTight * least_, enough});
+  seed(from, to);
+  if (known.starts.empty())
+    least_ = probe(from);
+  else
+    start_from(from, known.starts);
+  bound_ = std::max({rounding_, kTight * least_, known.enough});
   cosine_ = 1.0;
   steps_ = 0;
   most_steps_ = kFewestSteps + kStepsPerCorner * std::int64_t(from.corners.size() + to.corners.size());
   for (triangle_ = 0; triangle_ < starts_.size(); ++triangle_) {
-    Polygon triangle;
-    for (std::size_t k = 0; k < 3; ++k) triangle.add(from.points[from.corners[3 * triangle_ + k]]);
-    triangle.fill_up();
-    normal_ = unit_normal(triangle.corner(0), triangle.corner(1), triangle.corner(2), normal_rounding_);
+    Piece piece{{}, starts_[triangle_], kNone};
+    for (std::size_t k = 0; k < 3; ++k) piece.polygon.add(from.points[from.corners[3 * triangle_ + k]]);
+    piece.polygon.fill_up();
+    normal_ = unit_normal(piece.polygon.corner(0), piece.polygon.corner(1), piece.polygon.corner(2), normal_rounding_);
     error_ = from.errors.empty() ? 0.0 : double(from.errors[triangle_]);
-    for (pieces_.push_back({triangle, starts_[triangle_], kNone}); !pieces_.empty();) {
-      const Piece piece = pieces_.back();
+    for (cover(piece); !pieces_.empty(); cover(piece)) {
+      piece = pieces_.back();
       pieces_.pop_back();
-      cover(piece);
     }
   }
   const auto outwards = [&](double distance) { return distance * (1.0 + kRounding) + kRounding * largest; };
@@ -93,19 +100,37 @@ Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to, do
   return {*std::ranges::max_element(of_from_), std::acos(std::clamp(cosine_, -1.0, 1.0))};
 }
 
-/// Finds a face near each triangle, and returns the distance of some point that lies far from all faces: the bound
-/// cannot be less, and most polygons need not be divided to prove that they lie within it.
-double SurfaceDeviation::probe(const Triangles& from, const Triangles& to) {
+void SurfaceDeviation::seed(const Triangles& from, const Triangles& to) {
   seeds_.assign(from.points.size(), kNone);
   for (std::uint32_t i = 0; i < to.corners.size(); ++i) seeds_[to.corners[i]] = i / 3;
+}
+
+void SurfaceDeviation::start_from(const Triangles& from, std::span<const std::uint32_t> starts) {
+  least_ = 0.0;
+  starts_.assign(starts.begin(), starts.end());
+  for (std::uint32_t i = 0; i < starts_.size(); ++i) {
+    if (starts_[i] != kNone) continue;
+    const std::uint32_t* const corners = &from.corners[3 * i];
+    starts_[i] = start(corners, centre_of(from, corners)).face;
+  }
+}
+
+/// Finds a face near each triangle, and returns the distance of some point that lies far from all faces: the bound
+/// cannot be less, and most polygons need not be divided to prove that they lie within it.
+double SurfaceDeviation::probe(const Triangles& from) {
   starts_.clear();
+  near_to_.assign(faces_.size(), kNone);
+  near_squares_.assign(faces_.size(), kAny);
   FarthestProbes probes;
   for (std::uint32_t i = 0; i < from.corners.size(); i += 3) {
     const std::uint32_t* corners = &from.corners[i];
     const double error = from.errors.empty() ? 0.0 : double(from.errors[i / 3]);
-    const dvec3 centre = (from.points[corners[0]] + from.points[corners[1]] + from.points[corners[2]]) / 3.0;
+    const dvec3 centre = centre_of(from, corners);
     const Near at = start(corners, centre);
     starts_.push_back(at.face);
+    const auto& [a, b, c] = faces_[at.face].corners;
+    const double square = square_of((a + b + c) / 3.0 - centre);
+    if (square < near_squares_[at.face]) near_squares_[at.face] = square, near_to_[at.face] = i / 3;
     probes.offer({at, error, at.distance + error, centre});
     for (int k = 0; k < 3; ++k) {
       std::uint32_t& seed = seeds_[corners[k]];
@@ -300,12 +325,12 @@ void SurfaceDeviation::accept(std::uint32_t face, double distance) {
 
 /// A face that is not would hand the piece on in a circle.
 bool SurfaceDeviation::is_nearer(std::uint32_t face, const Piece& piece) const {
-  const dvec3 centre = centre_of(piece.polygon);
+  const dvec3 centre = middle_of(piece.polygon);
   return near(face, centre).distance < near(piece.face, centre).distance;
 }
 
 /// Divides the piece among the face that it lies near and the faces around, which get what lies beyond the planes.
-void SurfaceDeviation::cover(Piece piece) {
+void SurfaceDeviation::cover(Piece& piece) {
   Distant at = farthest(piece.polygon, piece.face, bound_);
   if (at.distance <= kOutside * bound_) return accept(piece.face, at.distance);
   bool changed = false;
@@ -338,7 +363,7 @@ void SurfaceDeviation::cover(Piece piece) {
   refine(piece);
 }
 
-dvec3 SurfaceDeviation::centre_of(const Polygon& polygon) {
+dvec3 SurfaceDeviation::middle_of(const Polygon& polygon) {
   dvec3 sum(0.0);
   for (int i = 0; i < polygon.count; ++i) sum += polygon.corner(i);
   return sum / double(polygon.count);
@@ -359,7 +384,7 @@ void SurfaceDeviation::refine(const Piece& piece) {
     const dvec3 corner = polygon.corner(i);
     consider(nearest_from(near(face, corner), corner).face);
   }
-  const dvec3 centre = centre_of(polygon);
+  const dvec3 centre = middle_of(polygon);
   if (best > bound_) consider(nearest_from(near(face, centre), centre).face);
   if (best > std::max(bound_, kTight * least_)) {
     dvec3 corner = polygon.corner(0);
@@ -406,7 +431,7 @@ bool SurfaceDeviation::bisect(const Polygon& polygon, std::uint32_t face) {
   }
   ++steps_;
   for (const Polygon& half : halves) {
-    const dvec3 centre = centre_of(half);
+    const dvec3 centre = middle_of(half);
     pieces_.push_back({half, nearest_from(near(face, centre), centre).face, kNone});
   }
   return true;

@@ -41,36 +41,35 @@ struct DeviationKernelsOf {
     return outside * outside * Four::spread(height);
   }
 
-  static Farthest farthest(const FaceShape& face, const Polygon& polygon, double most_square) {
+  /// Of four corners, not in a loop, so that nothing is kept for the next ones, which most polygons do not have.
+  static Farthest of_four(const FaceShape& face, const Polygon& polygon, int first, double most_square) {
     const Four limit = Four::spread(most_square), border = Four::spread(-kBeside);
-    const Point corner = spread(face.corners[0]), normal = spread(face.normal);
-    const Point gradients[] = {spread(face.gradients[0]), spread(face.gradients[1])};
-    Four largest = Four::spread(0.0);
+    const Point points = load(polygon, first), p = minus(points, spread(face.corners[0]));
+    const Four u = dot(spread(face.gradients[0]), p), v = dot(spread(face.gradients[1]), p);
+    const Four w = Four::spread(1.0) - u - v, height = dot(spread(face.normal), p);
+    const Four coordinate = least(least(u, v), w);
+    Four square = height * height;
     unsigned beyond = 0;
-    for (int i = 0; i < polygon.count; i += kLanes) {
-      const Point points = load(polygon, i), p = minus(points, corner);
-      const Four u = dot(gradients[0], p), v = dot(gradients[1], p), w = Four::spread(1.0) - u - v;
-      const Four height = dot(normal, p), coordinate = least(least(u, v), w);
-      Four square = height * height;
-      if (less(coordinate, border) != 0) {
-        beyond |=
-            unsigned(less(v, border) != 0) | unsigned(less(w, border) != 0) << 1 | unsigned(less(u, border) != 0) << 2;
-        const Four aside =
-            most(most(beside(u, face.heights[0]), beside(v, face.heights[1])), beside(w, face.heights[2]));
-        if (less(limit, square + aside) != 0) {
-          if (i + kLanes < polygon.count) beyond = kAnyEdge;
-          return {std::numeric_limits<double>::infinity(), beyond};
-        }
-        const Four edges =
-            least(least(from_edge(face, 0, points), from_edge(face, 1, points)), from_edge(face, 2, points));
-        square = choose(coordinate, border, edges, square);
-      }
-      largest = most(square, largest);
+    if (less(coordinate, border) != 0) {
+      beyond =
+          unsigned(less(v, border) != 0) | unsigned(less(w, border) != 0) << 1 | unsigned(less(u, border) != 0) << 2;
+      const Four aside = most(most(beside(u, face.heights[0]), beside(v, face.heights[1])), beside(w, face.heights[2]));
+      if (less(limit, square + aside) != 0) return {std::numeric_limits<double>::infinity(), beyond};
+      const Four edges =
+          least(least(from_edge(face, 0, points), from_edge(face, 1, points)), from_edge(face, 2, points));
+      square = choose(coordinate, border, edges, square);
     }
-    double squares[kLanes], square = 0.0;
-    largest.store(squares);
-    for (const double lane : squares) square = lane > square ? lane : square;
-    return {square, beyond};
+    return {Form::largest(square), beyond};
+  }
+
+  static Farthest farthest(const FaceShape& face, const Polygon& polygon, double most_square) {
+    Farthest found = of_four(face, polygon, 0, most_square);
+    for (int i = kLanes; i < polygon.count; i += kLanes) {
+      const Farthest more = of_four(face, polygon, i, most_square);
+      found.square = more.square > found.square ? more.square : found.square;
+      found.beyond |= more.beyond;
+    }
+    return found;
   }
 
   static Side split(const Polygon& polygon, const core::dvec3& normal, const core::dvec3& point, double rounding,

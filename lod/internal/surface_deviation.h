@@ -53,8 +53,16 @@ class SurfaceDeviation {
   /// seldom exceeds the largest distance by more than an eighth. `to` must have a triangle unless `from` has none.
   ///
   /// Where triangles have errors, `distance` and what follows are sums of a distance and the errors of both triangles.
-  /// `enough`: distances up to it need no tighter bound.
-  Deviation bound(const Triangles& from, const Triangles& to, double enough = 0.0);
+  Deviation bound(const Triangles& from, const Triangles& to) { return bound(from, to, {}); }
+
+  /// What helps to bound the other way round after that.
+  struct Known {
+    double enough = 0.0;                         // distances up to it need no tighter bound
+    std::span<const std::uint32_t> starts = {};  // by triangle of `from`: one of `to` that is near it, or kNone
+  };
+  Deviation bound(const Triangles& from, const Triangles& to, const Known& known);
+  /// By triangle of `to`: one of `from` near its centre, or kNone. Only where `starts` were not known.
+  std::span<const std::uint32_t> near_to() const { return near_to_; }
 
   /// The deviation of the points of each triangle of `from` alone.
   std::span<const double> of_from() const { return of_from_; }
@@ -139,7 +147,9 @@ class SurfaceDeviation {
   void make_balls();
   void join_faces(const Triangles& to);
   void join(std::span<const std::uint32_t> corners, std::uint32_t a, std::uint32_t b);
-  double probe(const Triangles& from, const Triangles& to);
+  double probe(const Triangles& from);
+  void start_from(const Triangles& from, std::span<const std::uint32_t> starts);
+  void seed(const Triangles& from, const Triangles& to);
   Near near(std::uint32_t face, const core::dvec3& point) const {
     Near near{face, 0.0, 0};
     near.distance = std::sqrt(faces_[face].least_square_distance(point, near.beyond)) + faces_[face].error;
@@ -149,10 +159,10 @@ class SurfaceDeviation {
   Near nearest(Near start, const core::dvec3& point) const;
   Near start(const std::uint32_t* corners, const core::dvec3& centre) const;
   Distant farthest(const Polygon& polygon, std::uint32_t face, double most) const;
-  static core::dvec3 centre_of(const Polygon& polygon);
+  static core::dvec3 middle_of(const Polygon& polygon);
   void accept(std::uint32_t face, double distance);
   bool is_nearer(std::uint32_t face, const Piece& piece) const;
-  void cover(Piece piece);
+  void cover(Piece& piece);
   void refine(const Piece& piece);
   bool bisect(const Polygon& polygon, std::uint32_t face);
 
@@ -164,6 +174,8 @@ class SurfaceDeviation {
   std::vector<HalfEdge> edges_;            // by the corner where they start
   std::vector<std::uint32_t> seeds_;       // by point: a face near it, or kNone
   std::vector<std::uint32_t> starts_;      // by triangle: a face near it
+  std::vector<std::uint32_t> near_to_;
+  std::vector<double> near_squares_;  // of their distances
   std::vector<double> of_from_, of_to_;
   std::uint32_t triangle_ = 0;  // that is covered
   core::dvec3 normal_{0.0};     // of it

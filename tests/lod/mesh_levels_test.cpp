@@ -202,7 +202,8 @@ class ProofTwin {
     lod::SurfaceDeviation proof;
     lod::Deviation deviation = proof.bound({points_, from, of(back_, fine)}, {points_, to});
     for (std::size_t i = 0; i < coarse.size(); ++i) back_[coarse[i]] = up(proof.of_to()[i]);
-    deviation.grow(proof.bound({points_, to}, {points_, from, of(out_, fine)}, deviation.distance));
+    const std::vector<std::uint32_t> starts(proof.near_to().begin(), proof.near_to().end());
+    deviation.grow(proof.bound({points_, to}, {points_, from, of(out_, fine)}, {deviation.distance, starts}));
     for (std::size_t i = 0; i < coarse.size(); ++i) out_[coarse[i]] = up(proof.of_from()[i]);
     ASSERT_EQ(group.error, std::max(error, up(deviation.distance)));
     ASSERT_EQ(group.angle, up(std::min(double(angle) + deviation.angle, std::numbers::pi)));
