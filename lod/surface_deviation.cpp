@@ -17,10 +17,11 @@ using core::dvec3;
 // How often polygons of a surface may be cut or handed on to the next face: enough for fans of slivers across each
 // other, and a bound for the time that hostile surfaces take.
 constexpr std::int64_t kFewestSteps = 4000, kStepsPerCorner = 30;
-constexpr double kTight = 1.1;       // a bound that exceeds a true distance by this factor is not refined
-constexpr double kRaise = 1.02;      // the bound rises by a little more than it must, so it rises seldom
-constexpr double kOutside = 0.5;     // of the bound: nearer polygons are not divided
-constexpr double kSliver = 0.05;     // sine of the angle below which a triangle's normal is rounded too much
+constexpr std::int64_t kFacesPerStep = 16;  // a search among so many takes as long as a step
+constexpr double kTight = 1.1;              // a bound that exceeds a true distance by this factor is not refined
+constexpr double kRaise = 1.02;             // the bound rises by a little more than it must, so it rises seldom
+constexpr double kOutside = 0.5;            // of the bound: nearer polygons are not divided
+constexpr double kSliver = 0.05;            // sine of the angle below which a triangle's normal is rounded too much
 constexpr double kRounding = 1e-12;  // of distances, relative to coordinates: far more than the few roundings of each
 constexpr double kNormalRounding = 4e-15;  // of a normal before it gets unit length, relative to the edges: the same
 
@@ -68,8 +69,7 @@ Deviation SurfaceDeviation::bound(const Triangles& from, const Triangles& to, co
   assert(!to.corners.empty());
   make_faces(to);
   dvec3 size(0.0);
-  for (const Triangles* triangles : {&from, &to})
-    for (const std::uint32_t corner : triangles->corners) size = glm::max(size, glm::abs(triangles->points[corner]));
+  for (const dvec3& point : from.points) size = glm::max(size, glm::abs(point));
   const double largest = std::max({size.x, size.y, size.z});
   rounding_ = 0.1 * kRounding * largest;
   of_from_.assign(from.corners.size() / 3, 0.0);
@@ -150,7 +150,7 @@ double SurfaceDeviation::probe(const Triangles& from) {
 }
 
 /// A face near the centre of a triangle, from those at its corners on.
-SurfaceDeviation::Near SurfaceDeviation::start(const std::uint32_t* corners, const dvec3& centre) const {
+SurfaceDeviation::Near SurfaceDeviation::start(const std::uint32_t* corners, const dvec3& centre) {
   Near best{kNone, kAny, 0};
   for (int k = 0; k < 3; ++k) {
     const std::uint32_t seed = seeds_[corners[k]];
@@ -276,16 +276,17 @@ SurfaceDeviation::Near SurfaceDeviation::nearest_from(Near start, const dvec3& p
 }
 
 /// Among all faces, but those whose balls are too far off. `start`: one that may be near.
-SurfaceDeviation::Near SurfaceDeviation::nearest(Near start, const dvec3& point) const {
+SurfaceDeviation::Near SurfaceDeviation::nearest(Near start, const dvec3& point) {
   Near best = nearest_from(start, point);
   best.distance = faces_[best.face].distance(point);
   const core::vec3 p(point - origin_);
+  std::int64_t faces = 0;
   for (std::uint32_t outer = 0; outer < around_.size(); ++outer) {
     std::uint32_t around = kernels_.near_ones(around_[outer], &p.x, float(best.distance));
     for (; around != 0; around &= around - 1) {
       const std::uint32_t inner = kBalls * outer + std::uint32_t(std::countr_zero(around));
       std::uint32_t near_ones = kernels_.near_ones(balls_[inner], &p.x, float(best.distance));
-      for (; near_ones != 0; near_ones &= near_ones - 1) {
+      for (; near_ones != 0; near_ones &= near_ones - 1, ++faces) {
         Near at = near(kBalls * inner + std::uint32_t(std::countr_zero(near_ones)), point);
         if (at.distance >= best.distance) continue;
         at.distance = faces_[at.face].distance(point);
@@ -293,6 +294,7 @@ SurfaceDeviation::Near SurfaceDeviation::nearest(Near start, const dvec3& point)
       }
     }
   }
+  steps_ += faces / kFacesPerStep;
   return best;
 }
 
@@ -339,9 +341,14 @@ void SurfaceDeviation::cover(Piece& piece) {
     const std::uint32_t neighbour = face.neighbours[k];
     const bool may_cut = (at.beyond >> k & 1) != 0 && neighbour != kNone && neighbour != piece.from &&
                          piece.polygon.count < Polygon::kMostCorners && steps_ < most_steps_;
-    Polygon inside, outside;
-    const Side side = may_cut ? kernels_.split(piece.polygon, face.cuts[k], face.corners[k], rounding_, inside, outside)
-                              : Side::kInside;
+    Side side = Side::kInside;
+    Polygon inside;
+    if (may_cut) {
+      Piece& outside = pieces_.emplace_back();
+      side = kernels_.split(piece.polygon, face.cuts[k], face.corners[k], rounding_, inside, outside.polygon);
+      outside.face = neighbour, outside.from = piece.face;
+      if (side != Side::kBoth) pieces_.pop_back();
+    }
     if (side == Side::kInside || (side == Side::kOutside && !is_nearer(neighbour, piece))) {
       ++k;
       continue;
@@ -353,7 +360,6 @@ void SurfaceDeviation::cover(Piece& piece) {
       at.beyond = kAnyEdge;
       k = 0;
     } else {
-      pieces_.push_back({outside, neighbour, piece.face});
       piece.polygon = inside;
       ++k;
     }

@@ -68,7 +68,7 @@ class SurfaceDeviation {
   std::span<const double> of_from() const { return of_from_; }
   /// The deviation of those points alone that were shown to lie near this triangle of `to`.
   std::span<const double> of_to() const { return of_to_; }
-  /// How often polygons were cut or handed on to the next triangle.
+  /// How often polygons were cut or handed on to the next triangle. Long searches count as several.
   std::int64_t steps() const { return steps_; }
 
  private:
@@ -156,8 +156,8 @@ class SurfaceDeviation {
     return near;
   }
   Near nearest_from(Near start, const core::dvec3& point) const;
-  Near nearest(Near start, const core::dvec3& point) const;
-  Near start(const std::uint32_t* corners, const core::dvec3& centre) const;
+  Near nearest(Near start, const core::dvec3& point);
+  Near start(const std::uint32_t* corners, const core::dvec3& centre);
   Distant farthest(const Polygon& polygon, std::uint32_t face, double most) const;
   static core::dvec3 middle_of(const Polygon& polygon);
   void accept(std::uint32_t face, double distance);
