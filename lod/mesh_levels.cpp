@@ -12,6 +12,7 @@
 #include "sightline/core/internal/openmp.h"
 #include "sightline/lod/internal/cluster_groups.h"
 #include "sightline/lod/internal/cluster_tree.h"
+#include "sightline/lod/internal/loose_parts.h"
 #include "sightline/lod/internal/simplify.h"
 #include "sightline/lod/internal/solid_shells.h"
 #include "sightline/lod/internal/surface_deviation.h"
@@ -27,6 +28,7 @@ using core::vec3;
 constexpr std::uint32_t kGroupClusters = 8;
 constexpr std::size_t kFewestTriangles = 32;  // of a group that is simplified: half of these are a box or two
 constexpr double kLeastGain = 0.85;           // share of triangles that a simplification must not exceed
+constexpr double kAsFew = 1.1;                // times the triangles are as few
 
 using Corners = std::vector<std::uint32_t>;
 
@@ -138,15 +140,19 @@ class GroupSimplifier {
   Simplified run(std::span<const std::uint32_t> corners, const TriangleErrors& errors,
                  std::span<const std::uint8_t> shared) {
     gather(corners, shared);
-    Simplified result;
-    coarse_ = simplify(positions_, corners_, locked_, corners.size() / 6);
     for (const std::uint32_t place : places_) number_of_[place] = kNone;
-    if (coarse_.empty() || double(coarse_.size()) > kLeastGain * double(corners.size())) return result;
-    coarse_ = ordered(positions_, coarse_, 1);
-    for (std::size_t i = 0; i < coarse_.size(); i += 3)
-      vertices_.append({places_[coarse_[i]], places_[coarse_[i + 1]], places_[coarse_[i + 2]]}, result.corners);
-    prove(errors, result);
-    return result;
+    const std::size_t target = corners.size() / 6, most = std::size_t(kLeastGain * double(corners.size()));
+    Simplified result;
+    coarse_ = simplify(positions_, corners_, locked_, target);
+    if (!coarse_.empty() && coarse_.size() <= most) take_coarse(errors, result);
+    // Collapses make flat parts of loose ones, and then of these anything, since quadrics see no difference.
+    const std::size_t allowed = result.corners.empty() ? most : std::size_t(kAsFew * double(coarse_.size()));
+    coarse_ = without_loose_parts(positions_, corners_, locked_, target);
+    if (coarse_.empty() || coarse_.size() > allowed) return result;
+    Simplified fewer;
+    take_coarse(errors, fewer);
+    const bool better = result.corners.empty() || fewer.deviation.distance < result.deviation.distance;
+    return better ? fewer : result;
   }
 
  private:
@@ -163,6 +169,12 @@ class GroupSimplifier {
       }
       corners_.push_back(number);
     }
+  }
+  void take_coarse(const TriangleErrors& errors, Simplified& result) {
+    coarse_ = ordered(positions_, coarse_, 1);
+    for (std::size_t i = 0; i < coarse_.size(); i += 3)
+      vertices_.append({places_[coarse_[i]], places_[coarse_[i + 1]], places_[coarse_[i + 2]]}, result.corners);
+    prove(errors, result);
   }
   /// Proves the deviation of the simplified triangles from the former ones and back, without regard to normals.
   void prove(const TriangleErrors& errors, Simplified& result) {

@@ -6,7 +6,8 @@
 // below it simplified that a simplified one was made of) shows the mesh without cracks. (F. Ponchio, "Multiresolution
 // structures for interactive visualization of very large 3D datasets", 2008; B. Karis, R. Stubbe, G. Wihlidal, "Nanite:
 // A deep dive", 2021.) Theirs is an estimate of the error. Here each group has a bound that is proved:
-// surface_deviation.h.
+// surface_deviation.h. Of many loose parts in a group, such as bars of a grating, some may be left out: each lies within
+// that bound of what stays, as the surface that stays lies within it of the original.
 #pragma once
 
 #include <cstdint>
