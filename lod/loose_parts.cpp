@@ -75,7 +75,9 @@ std::vector<std::uint32_t> without_loose_parts(std::span<const vec3> positions, 
   const std::size_t all = corners.size() / 3;
   std::size_t left = all;
   while (!loose.empty()) {
-    std::ranges::stable_sort(loose, {}, &NearPart::distance);
+    std::ranges::sort(loose, [](const NearPart& a, const NearPart& b) {
+      return a.distance != b.distance ? a.distance < b.distance : a.part < b.part;
+    });
     std::vector<NearPart> later;  // whose nearest part has gone
     for (const NearPart& next : loose) {
       LoosePart& part = parts.list[next.part];

@@ -41,7 +41,7 @@ struct DeviationKernelsOf {
     return outside * outside * Four::spread(height);
   }
 
-  /// Of four corners, not in a loop, so that nothing is kept for the next ones, which most polygons do not have.
+  /// Four corners alone, so that the compiler keeps nothing for the next ones, which most polygons do not have.
   static Farthest of_four(const FaceShape& face, const Polygon& polygon, int first, double most_square) {
     const Four limit = Four::spread(most_square), border = Four::spread(-kBeside);
     const Point points = load(polygon, first), p = minus(points, spread(face.corners[0]));
