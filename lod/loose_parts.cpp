@@ -25,12 +25,15 @@ struct LooseParts {
   std::vector<std::uint32_t> of;  // by triangle
 };
 
+/// None where all is one part.
 LooseParts find_parts(std::span<const vec3> positions, std::span<const std::uint32_t> corners,
                       std::span<const std::uint8_t> locked) {
   core::DisjointSets sets(positions.size());
   for (std::size_t i = 0; i < corners.size(); i += 3)
     sets.merge(corners[i], corners[i + 1]), sets.merge(corners[i], corners[i + 2]);
   LooseParts parts;
+  const auto is_first = [&](std::uint32_t corner) { return sets.find(corner) == sets.find(corners[0]); };
+  if (std::ranges::all_of(corners, is_first)) return parts;  // as most surfaces are
   std::vector<std::uint32_t> number(positions.size(), kNone);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     std::uint32_t& part = number[sets.find(corners[i])];
