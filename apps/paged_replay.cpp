@@ -13,6 +13,7 @@
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/core/internal/clock.h"
+#include "sightline/core/internal/platform/memory.h"
 #include "sightline/engine/tour.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
@@ -102,7 +103,7 @@ Json to_json(const PagedReplayOptions& o, const engine::PagedEngine& engine, con
                {{"limit", *parse_bytes(o.memory)},
                 {"pages", engine.memory().limit},
                 {"scene", engine.scene().memory_bytes()},
-                {"peak", peak_memory()}}}};
+                {"peak", core::platform::peak_memory()}}}};
   out["frames"] = Json::array();
   for (const Flown& f : flight) {
     Json row = {{"t", f.time}, {"complete", f.report.complete}, {"resident", f.report.resident}};
@@ -132,7 +133,7 @@ void print_table(const PagedReplayOptions& o, const engine::PagedEngine& engine,
                (unsigned long long)rest.report.loaded, (unsigned long long)rest.report.evicted,
                (unsigned long long)rest.report.prefetched, (unsigned long long)rest.report.coarse_loaded);
   std::fprintf(out, "memory MiB: peak %.1f of %.1f, boxes of all leaves %.1f, pages at most %.1f\n",
-               double(peak_memory()) / kMiB, double(*parse_bytes(o.memory)) / kMiB,
+               double(core::platform::peak_memory()) / kMiB, double(*parse_bytes(o.memory)) / kMiB,
                double(engine.scene().memory_bytes()) / kMiB, double(engine.memory().limit) / kMiB);
 }
 

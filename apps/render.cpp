@@ -20,6 +20,7 @@
 #if SIGHTLINE_HAS_MPI
 #include "sightline/apps/mpi/composer.h"
 #endif
+#include "sightline/core/internal/platform/memory.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
 #include "sightline/importers/json/internal/json.h"
@@ -530,7 +531,7 @@ core::Expected<int> render_paged(const Options& o) {
   auto drawn = draw_paged(o);
   need(drawn.outputs.add(drawn.rows));
   drawn.rows = {};
-  drawn.results["memory"]["peak"] = apps::peak_memory();
+  drawn.results["memory"]["peak"] = core::platform::peak_memory();
   return finish_image(o, core::Scene(), drawn.outputs, std::move(drawn.results));
 }
 

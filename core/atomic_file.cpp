@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sightline/core/internal/ascii_case.h"
+#include "sightline/core/internal/platform/files.h"
 
 namespace sightline::core {
 namespace {
@@ -52,14 +53,14 @@ Expected<AtomicFile> AtomicFile::create(fs::path target) {
   const fs::file_status status = fs::status(made.target_, ignored);
   if (fs::is_directory(status)) return cannot_write(made.target_, std::make_error_code(std::errc::is_a_directory));
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    made.file_.reset(std::fopen(made.target_.string().c_str(), "wb"));
+    made.file_.reset(platform::open_file(made.target_, "wb"));
   } else {
     if (fs::exists(status) && fs::is_symlink(fs::symlink_status(made.target_, ignored)))
       made.place_ = fs::canonical(made.target_, ignored);
     // "x": fails where the file exists, so that no other writer's temporary file is opened.
     do {
       made.temporary_ = beside(made.place_);
-      made.file_.reset(std::fopen(made.temporary_.string().c_str(), "wbx"));
+      made.file_.reset(platform::open_file(made.temporary_, "wbx"));
     } while (!made.file_ && errno == EEXIST);
   }
   if (!made.file_) return cannot_write(made.target_, {last_error(), std::generic_category()});
@@ -87,7 +88,7 @@ Expected<void> AtomicFile::commit() {
   errno = 0;
   if (std::fclose(file_.release()) != 0 && !failed()) error_ = last_error();
   std::error_code reason(error_, std::generic_category());
-  if (!reason && !temporary_.empty()) fs::rename(temporary_, place_, reason);
+  if (!reason && !temporary_.empty()) platform::replace_file(temporary_, place_, reason);
   if (!reason) return {};
   std::error_code ignored;
   if (!temporary_.empty()) fs::remove(temporary_, ignored);

@@ -74,7 +74,7 @@ const Entries* opened() {
   const std::lock_guard lock(mutex);
   if (found) return &*found;
   for (const char* name : Entries::kNames) {
-    void* library = dlopen(name, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
+    void* const library = core::platform::opened_module(name);
     Entries entries;
     if (library && entries.load(library)) return &found.emplace(entries);
   }

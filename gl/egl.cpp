@@ -1,15 +1,15 @@
 #define EGL_NO_PLATFORM_SPECIFIC_TYPES
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <string_view>
 #include <vector>
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <dlfcn.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/dynamic_library.h"
 #include "sightline/gl/internal/platform_context.h"
@@ -235,9 +235,8 @@ core::Expected<std::unique_ptr<PlatformContext>> try_candidate(const Egl& egl, c
   return made;
 }
 
-// RTLD_NODELETE and no dlclose: leak checkers and drivers' exit handlers need the code to stay in place.
-void* open_library(const std::string& name) {
-  return dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+core::Expected<void*> open_library(const std::string& name) {
+  return core::platform::open_module(core::platform::path_of(name));
 }
 
 }  // namespace
@@ -245,20 +244,22 @@ void* open_library(const std::string& name) {
 bool has_gpu() {
   // Without a node of a driver, EGL finds none, and asking it takes longer than all else.
   constexpr std::array kNodes = {"/dev/dri", "/dev/nvidiactl", "/dev/dxg"};
-  if (std::ranges::none_of(kNodes, [](const char* node) { return access(node, F_OK) == 0; })) return false;
-  void* const library = open_library(ContextOptions().egl_library);
-  const auto egl = library ? load_egl(library) : tl::unexpected(core::Error{});
+  std::error_code ignored;
+  if (std::ranges::none_of(kNodes, [&](const char* node) { return std::filesystem::exists(node, ignored); }))
+    return false;
+  const auto library = open_library(ContextOptions().egl_library);
+  const auto egl = library ? load_egl(*library) : tl::unexpected(core::Error{});
   return egl && std::ranges::any_of(list_devices(*egl, -1), [](const Candidate& device) { return !device.software; });
 }
 
 core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const ContextOptions& options) {
-  void* library = open_library(options.egl_library);
+  const auto library = open_library(options.egl_library);
   if (!library) {
-    const char* reason = dlerror();
-    return core::fail(
-        fmt::format("no EGL: {}; tried {} ({})", kEglHint, options.egl_library, reason ? reason : "no reason given"));
+    const std::string& reason = library.error().message;
+    return core::fail(fmt::format("no EGL: {}; tried {} ({})", kEglHint, options.egl_library,
+                                  reason.empty() ? "no reason given" : reason));
   }
-  auto egl = load_egl(library);
+  auto egl = load_egl(*library);
   if (!egl) return core::fail(fmt::format("{}; tried {}; {}", egl.error().message, options.egl_library, kEglHint));
 
   std::string tried;

@@ -2,9 +2,9 @@
 #include <atomic>
 #include <utility>
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/dynamic_library.h"
 #include "sightline/gl/internal/platform_context.h"
@@ -29,13 +29,13 @@ struct OsMesa {
 
 core::Expected<OsMesa> load_osmesa(const std::string& name) {
   constexpr const char* kOsMesaHint = "install libosmesa6";
-  // As EGL: never closed.
-  void* library = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (!library) {
-    const char* reason = dlerror();
+  const auto opened = core::platform::open_module(core::platform::path_of(name));
+  if (!opened) {
+    const std::string& reason = opened.error().message;
     return core::fail(
-        fmt::format("no OSMesa: {}; tried {} ({})", kOsMesaHint, name, reason ? reason : "no reason given"));
+        fmt::format("no OSMesa: {}; tried {} ({})", kOsMesaHint, name, reason.empty() ? "no reason given" : reason));
   }
+  void* const library = *opened;
   OsMesa osmesa;
   const bool found = find_symbol(library, "OSMesaCreateContextAttribs", osmesa.CreateContextAttribs) &&
                      find_symbol(library, "OSMesaDestroyContext", osmesa.DestroyContext) &&

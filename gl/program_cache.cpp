@@ -14,6 +14,7 @@
 
 #include "sightline/core/internal/atomic_file.h"
 #include "sightline/core/internal/hash.h"
+#include "sightline/core/internal/platform/files.h"
 
 namespace sightline::gl {
 namespace {
@@ -126,11 +127,8 @@ ProgramCache::ProgramCache(const Functions& gl, fs::path folder, std::uintmax_t 
     : folder_(std::move(folder)), most_bytes_(most_bytes), driver_(driver_of(gl)), formats_(binary_formats(gl)) {}
 
 fs::path ProgramCache::default_folder() {
-  for (const auto& [variable, below] : {std::pair{"XDG_CACHE_HOME", ""}, {"HOME", ".cache"}, {"LOCALAPPDATA", ""}}) {
-    const char* value = std::getenv(variable);
-    if (value && fs::path(value).is_absolute()) return fs::path(value) / below / "sightline";
-  }
-  return {};
+  const fs::path folder = core::platform::cache_folder();
+  return folder.empty() ? fs::path() : folder / "sightline";
 }
 
 fs::path ProgramCache::place_of(std::string_view key) const {

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/platform/files.h"
+
 namespace sightline::importers {
 namespace {
 
@@ -22,7 +24,7 @@ core::Error system_error(const std::filesystem::path& path, const char* what) {
 }  // namespace
 
 core::Expected<std::vector<std::byte>> read_file_bytes(const std::filesystem::path& path) {
-  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.string().c_str(), "rb"));
+  const std::unique_ptr<std::FILE, CloseFile> file(core::platform::open_file(path, "rb"));
   if (!file) return tl::unexpected(system_error(path, "cannot open"));
   std::error_code code;
   const auto size = std::filesystem::file_size(path, code);

@@ -2,7 +2,8 @@
 
 #include <system_error>
 
-#include <dlfcn.h>
+#include "sightline/core/internal/platform/modules.h"
+#include "sightline/core/internal/platform/process.h"
 
 namespace sightline::importers {
 namespace {
@@ -10,16 +11,15 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path folder_of_program() {
-  std::error_code ignored;
-  return fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  return core::platform::program_file().parent_path();
 }
 
 /// The folder of the program or shared library that this code is part of.
 fs::path folder_of_library() {
-  Dl_info info{};
-  if (dladdr(reinterpret_cast<const void*>(&folder_of_library), &info) == 0 || !info.dli_fname) return {};
+  const fs::path file = core::platform::module_of(reinterpret_cast<const void*>(&folder_of_library));
+  if (file.empty()) return {};
   std::error_code ignored;
-  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
+  return fs::weakly_canonical(file, ignored).parent_path();
 }
 
 }  // namespace
@@ -30,12 +30,11 @@ LoadedModule load_module(const char* file, const char* symbol) {
   LoadedModule module;
   for (const fs::path& path : {program / file, program.parent_path() / "lib" / file, fs::path(file)}) {
     if (path.has_parent_path() && !fs::exists(path, ignored)) continue;
-    // Never closed: what it links keeps state until the program ends.
-    void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    module.entry = library ? dlsym(library, symbol) : nullptr;
+    const auto library = core::platform::open_module(path);
+    module.entry = library ? core::platform::find_in_module(*library, symbol) : nullptr;
     if (module.entry) return module;
-    const char* said = dlerror();
-    module.error = said ? said : "it is none of ours";
+    const std::string said = library ? core::platform::symbol_error() : library.error().message;
+    module.error = said.empty() ? "it is none of ours" : said;
   }
   return module;
 }

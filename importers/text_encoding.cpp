@@ -4,8 +4,8 @@
 #include <array>
 
 #include <fmt/format.h>
-#include <iconv.h>
 
+#include "sightline/core/internal/platform/encoding.h"
 #include "sightline/importers/internal/import_job.h"
 
 namespace sightline::importers {
@@ -124,20 +124,8 @@ std::string excerpt(std::string_view text) {
 }
 
 std::optional<std::string> utf8_from(std::string_view text, std::string_view encoding) {
-  std::string name(encoding), joined;  // "Latin-1" is LATIN1 to the system
-  for (const char c : encoding)
-    if (c != '-' && c != ' ') joined += c;
-  const auto none = reinterpret_cast<iconv_t>(-1);
-  iconv_t converter = iconv_open("UTF-8", name.c_str());
-  if (converter == none) converter = iconv_open("UTF-8", joined.c_str());
-  if (converter == none) return {};
-  std::string from(text), to(4 * text.size() + 4, '\0');
-  char *in = from.data(), *out = to.data();
-  std::size_t in_left = from.size(), out_left = to.size();
-  const bool good = iconv(converter, &in, &in_left, &out, &out_left) != std::size_t(-1) && in_left == 0;
-  iconv_close(converter);
-  to.resize(to.size() - out_left);
-  return good && is_utf8(to) ? std::optional(std::move(to)) : std::nullopt;
+  auto decoded = core::platform::decoded(text, encoding);
+  return decoded && is_utf8(*decoded) ? std::move(decoded) : std::nullopt;
 }
 
 std::string NameDecoder::decode(std::string_view name, std::uint64_t offset, std::uint64_t line) {

@@ -4,14 +4,14 @@
 #include <thread>
 #include <utility>
 
-#include "sightline/engine/paged/internal/page_store.h"
+#include "sightline/core/internal/platform/memory.h"
 #include "sightline/importers/slc/paged_scene.h"
 
 namespace sightline::bench {
 
 core::Expected<MovingEngine> MovingEngine::paged(const std::string& file, std::size_t memory,
                                                  engine::PagedConfig config) {
-  config.memory_limit = memory + engine::process_memory();
+  config.memory_limit = memory + core::platform::process_memory();
   auto scene = importers::open_paged_scene(file);
   if (!scene) return tl::unexpected(scene.error());
   auto engine = engine::PagedEngine::create(std::move(*scene), config);

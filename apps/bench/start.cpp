@@ -25,6 +25,7 @@
 #include "sightline/importers/json/internal/json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/apps/common/paged_model.h"
+#include "sightline/core/internal/platform/memory.h"
 #include "sightline/engine/engine.h"
 #include "sightline/render/image/image.h"
 #endif
@@ -112,7 +113,7 @@ core::Expected<int> run_paged(const Options& options, const std::array<int, 2>& 
                  {"visible", last.items_drawn},
                  {"first_placeholders", first.placeholders},
                  {"pages", last.loaded},
-                 {"peak_bytes", apps::peak_memory()}},
+                 {"peak_bytes", core::platform::peak_memory()}},
                 steps.json());
 }
 

@@ -10,6 +10,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "sightline/core/internal/platform/console.h"
+#include "sightline/core/internal/platform/files.h"
+
 namespace sightline::apps {
 namespace {
 
@@ -30,7 +33,7 @@ CLI::Option* add_to(CLI::App& app, const std::string& name, std::optional<T>& va
 /// CLI11 would read a path as a stream does, up to the first space.
 CLI::Option* add_to(CLI::App& app, const std::string& name, std::filesystem::path& value, const std::string& help) {
   return app.add_option_function<std::string>(
-      name, [&value](const std::string& text) { value = text; }, help);
+      name, [&value](const std::string& text) { value = core::platform::path_of(text); }, help);
 }
 
 /// A word where a subcommand is expected, which CLI11 does not name.
@@ -349,6 +352,10 @@ void CommandLine::check(const std::function<core::Expected<void>()>& rule) {
 
 int CommandLine::run(int argc, char** argv, const std::function<core::Expected<int>()>& body) {
   const std::string tool = app_->get_name();
+  std::vector<std::string> arguments = core::platform::begin_program(argc, argv);
+  std::vector<char*> words;
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  argc = int(words.size()), argv = words.data();
   try {
     app_->parse(argc, argv);
   } catch (const CLI::ParseError& error) {

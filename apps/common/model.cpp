@@ -12,6 +12,8 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/setting_options.h"
+#include "sightline/core/internal/platform/environment.h"
+#include "sightline/core/internal/platform/files.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"
 #endif
@@ -149,7 +151,7 @@ namespace {
 core::Expected<std::vector<std::filesystem::path>> with_caches_of_folders(const std::vector<std::string>& files) {
   std::vector<std::filesystem::path> paths;
   for (const std::string& file : files) {
-    const auto caches = importers::scene_caches_of(file);
+    const auto caches = importers::scene_caches_of(core::platform::path_of(file));
     if (!caches) return tl::unexpected(caches.error());
     paths.insert(paths.end(), caches->begin(), caches->end());
   }
@@ -264,9 +266,10 @@ void add_context_option([[maybe_unused]] CommandLine& line, [[maybe_unused]] gl:
     for (const std::string& one : *switches) all += (all.empty() ? "" : ",") + one;
     if (auto parsed = gl::WorkaroundSwitches::parse(all); !parsed) return tl::unexpected(parsed.error());
     if (switches->empty()) return {};
-    const char* before = std::getenv("SIGHTLINE_GL_WORKAROUNDS");
-    const std::string both = before && *before ? before + ("," + all) : all;
-    setenv("SIGHTLINE_GL_WORKAROUNDS", both.c_str(), 1);  // for every context, of processes that are started, too
+    const std::string before = core::platform::environment("SIGHTLINE_GL_WORKAROUNDS").value_or("");
+    const std::string both = before.empty() ? all : before + "," + all;
+    core::platform::set_environment("SIGHTLINE_GL_WORKAROUNDS",
+                                    both);  // for every context, of processes that are started, too
     return {};
   });
 #endif

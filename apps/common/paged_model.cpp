@@ -5,10 +5,9 @@
 #include <filesystem>
 #include <system_error>
 
-#include <sys/resource.h>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/progress.h"
+#include "sightline/core/internal/platform/process.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/slc/paged_scene.h"
 
@@ -38,14 +37,6 @@ void add_memory_option(CommandLine& line, std::string& text) {
 
 namespace {
 
-/// The many parts of a folder are open at once.
-void allow_many_files() {
-  rlimit files{};
-  if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
-  files.rlim_cur = files.rlim_max;
-  (void)setrlimit(RLIMIT_NOFILE, &files);
-}
-
 bool is_cache_or_folder(const std::string& file) {
   std::error_code unknown;
   if (std::filesystem::is_directory(file, unknown)) return true;
@@ -63,7 +54,7 @@ core::Expected<engine::PagedEngine> open_paged(const ModelOptions& model, const 
     return core::fail("--memory: expected one scene cache or a folder of them, found " +
                       (model.files.size() != 1 ? std::to_string(model.files.size()) + " files" : file) +
                       "; sightline-convert writes .slc");
-  allow_many_files();
+  core::platform::allow_many_files();  // the many parts of a folder are open at once
   Progress progress("opening", 100);
   auto scene = importers::open_paged_scene(file, [&](double share) {
     progress.advance(std::size_t(100.0 * share));
@@ -80,11 +71,6 @@ core::Expected<void> page_errors(engine::PagedEngine& engine) {
   if (errors.empty()) return {};
   return core::fail(errors.front() +
                     (errors.size() > 1 ? "; and " + std::to_string(errors.size() - 1) + " more pages" : std::string()));
-}
-
-std::size_t peak_memory() {
-  rusage usage{};
-  return getrusage(RUSAGE_SELF, &usage) == 0 ? std::size_t(usage.ru_maxrss) * 1024 : 0;
 }
 
 }  // namespace sightline::apps

@@ -24,7 +24,4 @@ core::Expected<engine::PagedEngine> open_paged(const ModelOptions& model, const 
 /// Errors of pages that could not be read, as one; none where there are none.
 core::Expected<void> page_errors(engine::PagedEngine& engine);
 
-/// Largest memory that the process has had, bytes; 0 where the system does not say.
-std::size_t peak_memory();
-
 }  // namespace sightline::apps

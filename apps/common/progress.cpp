@@ -2,12 +2,12 @@
 
 #include <cstdio>
 
-#include <unistd.h>
+#include "sightline/core/internal/platform/console.h"
 
 namespace sightline::apps {
 
 Progress::Progress(std::string label, std::size_t total)
-    : label_(std::move(label)), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {}
+    : label_(std::move(label)), total_(total), terminal_(core::platform::errors_are_on_terminal()) {}
 
 void Progress::advance(std::size_t done) {
   if (!terminal_ || total_ == 0) return;
@@ -31,7 +31,7 @@ Progress::~Progress() {
 }
 
 void show_step(const std::string& what) {
-  static const bool terminal = isatty(STDERR_FILENO) != 0;
+  static const bool terminal = core::platform::errors_are_on_terminal();
   if (terminal) std::fprintf(stderr, "\r\033[K%s", what.c_str());
 }
 

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 
-#include <poll.h>
-
 namespace sightline::apps {
 namespace {
 
-constexpr int kMostDeaths = 2;  // of workers with one task
-constexpr int kWaitMs = 200;    // between looks at how long tasks take
+constexpr int kMostDeaths = 2;                   // of workers with one task
+constexpr std::chrono::milliseconds kWait(200);  // between looks at how long tasks take
 
 }  // namespace
 
@@ -65,14 +63,14 @@ core::Expected<void> Farm::enter(const TaskEnd& end) {
 
 core::Expected<void> Farm::run(std::vector<Worker>& workers) {
   while (!queue_.complete()) {
-    std::vector<pollfd> waits;
+    std::vector<const Worker*> all;
     for (Worker& worker : workers) {
       if (!worker.busy())
         if (const auto task = queue_.take(worker.model()))
           if (auto done = worker.begin(*task, suite_.tasks[*task].model, suite_.tasks[*task].key); !done) return done;
-      if (worker.busy()) waits.push_back({worker.descriptor(), POLLIN, 0});
+      all.push_back(&worker);
     }
-    poll(waits.data(), waits.size(), kWaitMs);
+    Worker::wait(all, kWait);
     for (Worker& worker : workers)
       if (const auto end = worker.step())
         if (auto done = enter(*end); !done) return done;

@@ -1,11 +1,8 @@
 // sightline-regress: images of many views of many models against references, by many processes.
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
-
-#include <unistd.h>
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
@@ -16,6 +13,7 @@
 #include "sightline/apps/regress/farm.h"
 #include "sightline/apps/regress/reports.h"
 #include "sightline/apps/regress/task_drawer.h"
+#include "sightline/core/internal/platform/process.h"
 #if SIGHTLINE_HAS_MPI
 #include "sightline/apps/regress/mpi_farm.h"
 #endif
@@ -145,9 +143,8 @@ Tasks tasks_to_draw(const Options& o, const apps::Suite& suite, const apps::Resu
 
 /// The program that runs, and arguments that make it a worker of this run.
 std::vector<std::string> worker_command(const Options& o, int argc, char** argv) {
-  std::error_code none;
-  const fs::path self = fs::read_symlink("/proc/self/exe", none);
-  std::vector<std::string> command = {none ? argv[0] : self.string(), o.suite, "--worker", "--out", o.out};
+  const fs::path self = core::platform::program_file();
+  std::vector<std::string> command = {self.empty() ? argv[0] : self.string(), o.suite, "--worker", "--out", o.out};
   for (const std::string option : {"--renderer", "--context-platform"})  // as they were given
     for (int i = 1; i < argc; ++i) {
       const std::string argument = argv[i];
@@ -159,7 +156,7 @@ std::vector<std::string> worker_command(const Options& o, int argc, char** argv)
 
 core::Expected<int> serve(const Options& o, const apps::Suite& suite) {
   apps::TaskDrawer drawer(suite, apps::ResultFolder(o.out), o.renderer, o.platform);
-  return apps::serve_tasks(apps::kAnswers, [&](std::size_t task, const std::string& key) -> core::Expected<void> {
+  return apps::serve_tasks([&](std::size_t task, const std::string& key) -> core::Expected<void> {
     if (task >= suite.tasks.size() || suite.tasks[task].key != key)
       return core::fail(o.suite + ": was changed while its tasks were drawn");
     return drawer.run(suite.tasks[task]);
@@ -267,7 +264,7 @@ core::Expected<int> regress(const Options& o, const std::vector<std::string>& wo
   const bool leads = !session || session->rank() == 0;
   const auto left = agreed([&] { return leads ? begin_run(o, *suite, results, *tasks) : Tasks(); });
   if (!left) return tl::unexpected(left.error());
-  std::signal(SIGPIPE, SIG_IGN);  // of workers that died
+  core::platform::survive_broken_pipes();  // of workers that died
   std::vector<apps::Worker> workers;
   const std::size_t count = std::clamp<std::size_t>(left->size(), 1, std::size_t(o.workers));
   for (std::size_t i = 0; i < count; ++i) workers.emplace_back(worker_command, o.timeout);

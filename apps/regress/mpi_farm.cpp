@@ -4,7 +4,6 @@
 #include <thread>
 
 #include <mpi.h>
-#include <poll.h>
 
 namespace sightline::apps {
 namespace {
@@ -14,7 +13,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr int kTag = 7;
-constexpr int kPollMs = 5;
+constexpr milliseconds kPoll(5);
 constexpr milliseconds kHeartbeat(500);
 
 struct Message {
@@ -49,8 +48,8 @@ TaskEnd task_end(const Json& in) {
 
 /// Waits a little, or until the worker has something to tell.
 void wait_for(const Worker& worker) {
-  pollfd wait{worker.descriptor(), POLLIN, 0};
-  poll(&wait, 1, kPollMs);
+  const Worker* const one = &worker;
+  Worker::wait({&one, 1}, kPoll);
 }
 
 core::Expected<void> begin(Worker& worker, const Suite& suite, std::size_t task) {
@@ -178,7 +177,7 @@ core::Expected<void> serve_mpi_farm(const Suite& suite, Worker& worker) {
     told = Clock::now();
     std::optional<Message> answer;
     while (!(answer = receive())) {
-      std::this_thread::sleep_for(milliseconds(kPollMs));
+      std::this_thread::sleep_for(kPoll);
       if (Clock::now() - told < kHeartbeat) continue;
       told = Clock::now();
       send(0, {{"lives", true}});

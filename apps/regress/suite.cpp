@@ -9,6 +9,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/core/internal/hash.h"
+#include "sightline/core/internal/platform/process.h"
 #include "sightline/importers/internal/json_text.h"
 #include "sightline/importers/view_json.h"
 
@@ -291,7 +292,7 @@ core::Expected<std::string> read_bytes(const fs::path& file) {
 
 std::string Suite::files_key(const Task& task) const {
   std::vector<fs::path> files(models[task.model].options.files.begin(), models[task.model].options.files.end());
-  files.push_back("/proc/self/exe");  // another build draws otherwise
+  files.push_back(core::platform::program_image());  // another build draws otherwise
   files.push_back(reference(task));
   if (task.limits.ids) files.push_back(id_reference(task));
   std::string text = drawn_by + "\n";

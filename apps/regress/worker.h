@@ -5,12 +5,12 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include <sys/types.h>
-
 #include "sightline/core/error.h"
+#include "sightline/core/internal/platform/process.h"
 
 namespace sightline::apps {
 
@@ -28,17 +28,14 @@ class Worker {
   /// `command`: program and arguments of a process that calls serve_tasks(). `seconds`: after so many a task's process
   /// is killed; 0: never.
   Worker(std::vector<std::string> command, double seconds) : command_(std::move(command)), seconds_(seconds) {}
-  Worker(Worker&& other) noexcept;
-  Worker& operator=(Worker&&) = delete;
-  ~Worker();  ///< kills the process
 
   bool busy() const { return task_.has_value(); }
   /// The model of the last task, which the process has in memory.
-  std::optional<std::size_t> model() const { return pid_ > 0 ? model_ : std::nullopt; }
+  std::optional<std::size_t> model() const { return process_.is_running() ? model_ : std::nullopt; }
   /// Precondition: not busy. Fails where no process can be started.
   core::Expected<void> begin(std::size_t task, std::size_t model, const std::string& key);
-  /// Readable when step() has something to do; -1 while not busy.
-  int descriptor() const { return busy() ? from_ : -1; }
+  /// Waits until step() has something to do for one of the workers; at most so long.
+  static void wait(std::span<const Worker* const> workers, std::chrono::milliseconds most);
   /// Whether the task has ended. Never waits.
   std::optional<TaskEnd> step();
 
@@ -49,20 +46,15 @@ class Worker {
 
   std::vector<std::string> command_;
   double seconds_;
-  pid_t pid_ = 0;
-  int to_ = -1, from_ = -1;  // ends of pipes
-  std::string read_;         // of a line that is not complete
+  core::platform::ChildProcess process_;  // killed when this goes
+  std::string read_;                      // of a line that is not complete
   std::optional<std::size_t> task_, model_;
   std::chrono::steady_clock::time_point begun_;
   bool too_slow_ = false;
 };
 
-/// Reads tasks from standard input and answers to `descriptor` until the input ends. `run` draws task number `task` if
-/// its key is `key`.
-int serve_tasks(int descriptor,
-                const std::function<core::Expected<void>(std::size_t task, const std::string& key)>& run);
-
-/// Where a worker process finds the pipe for its answers.
-inline constexpr int kAnswers = 3;
+/// Reads tasks from standard input and answers to the process that started this one, until the input ends. `run` draws
+/// task number `task` if its key is `key`.
+int serve_tasks(const std::function<core::Expected<void>(std::size_t task, const std::string& key)>& run);
 
 }  // namespace sightline::apps

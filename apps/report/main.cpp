@@ -12,6 +12,8 @@
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/report/report.h"
+#include "sightline/core/internal/platform/clock.h"
+#include "sightline/core/internal/platform/console.h"
 #include "sightline/importers/view_json.h"
 
 namespace sightline::apps {
@@ -76,7 +78,7 @@ std::string utc_time() {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
   char text[32] = "";
-  if (gmtime_r(&now, &utc)) std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
+  if (core::platform::utc_of(now, utc)) std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
   return text;
 }
 
@@ -146,8 +148,9 @@ void save_tour(const Report& report) {
 }
 
 std::string command_line(int argc, char** argv) {
-  std::string line;
-  for (int i = 0; i < argc; ++i) line += (i > 0 ? " " : "") + (i == 0 ? "sightline-report" : shell_word(argv[i]));
+  std::string line = "sightline-report";
+  const std::vector<std::string> arguments = core::platform::begin_program(argc, argv);
+  for (std::size_t i = 1; i < arguments.size(); ++i) line += " " + shell_word(arguments[i]);
   return line;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sightline/core/internal/ascii_case.h"
+#include "sightline/core/internal/platform/files.h"
 
 namespace sightline::apps {
 namespace {
@@ -51,8 +52,8 @@ bool begins_with(std::string_view text, std::string_view beginning) {
 }
 
 std::optional<fs::path> home() {
-  const char* value = std::getenv("HOME");
-  return value && fs::path(value).is_absolute() ? std::optional(fs::path(value)) : std::nullopt;
+  const fs::path folder = core::platform::home_folder();
+  return folder.empty() ? std::nullopt : std::optional(folder);
 }
 
 bool is_folder(const fs::path& path) {

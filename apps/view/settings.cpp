@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sightline/core/internal/atomic_file.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
@@ -157,11 +158,8 @@ SettingsFile::SettingsFile(fs::path file) : file_(std::move(file)) {
 }
 
 fs::path SettingsFile::default_place() {
-  for (const auto& [variable, below] : {std::pair{"XDG_CONFIG_HOME", ""}, {"HOME", ".config"}}) {
-    const char* value = std::getenv(variable);
-    if (value && fs::path(value).is_absolute()) return fs::path(value) / below / "sightline" / "view.json";
-  }
-  return {};
+  const fs::path folder = core::platform::settings_folder();
+  return folder.empty() ? fs::path() : folder / "sightline" / "view.json";
 }
 
 core::Expected<void> SettingsFile::keep(Settings settings) {

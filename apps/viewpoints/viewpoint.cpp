@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <ctime>
 
+#include "sightline/core/internal/platform/clock.h"
+#include "sightline/core/internal/platform/environment.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/view_json.h"
 
@@ -197,7 +199,7 @@ Viewpoint translated(const Viewpoint& viewpoint, const core::dvec3& offset) {
 
 std::string author_name() {
   for (const char* name : {"SIGHTLINE_AUTHOR", "USER", "USERNAME"})
-    if (const char* value = std::getenv(name); value && *value) return value;
+    if (const auto value = core::platform::environment(name); value && !value->empty()) return *value;
   return "unknown";
 }
 
@@ -205,7 +207,7 @@ std::string date_now() {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
   char text[32] = "";
-  if (gmtime_r(&now, &utc)) std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  if (core::platform::utc_of(now, utc)) std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
   return text;
 }
 

@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <exception>
 #include <new>
 
-#include <malloc.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
+#include "sightline/core/internal/platform/process.h"
 #include "sightline/culling/occlusion/sample_test.h"
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/lod/stored_levels.h"
@@ -26,8 +22,6 @@ namespace {
 constexpr std::size_t kListBytes = 16, kMeshListBytes = 128;
 /// And for an index of levels: in main memory, on the GPU, on its way there, with what clusters and groups come to.
 constexpr std::size_t kLevelIndexBytes = 16;
-// Where frames have a budget they come first. A higher number leaves the loader so little that pages come late.
-constexpr int kNiceness = 5;
 constexpr double kLongestWaitSeconds = 1e6;  // seconds; clocks cannot count to infinity
 
 /// Levels of detail of the page's meshes.
@@ -48,21 +42,6 @@ std::vector<gpuscene::MeshPool::LevelsOfMesh> levels_of(const core::Page& page) 
 }
 
 }  // namespace
-
-std::size_t process_memory() {
-  std::FILE* const file = std::fopen("/proc/self/statm", "r");
-  if (!file) return 0;
-  unsigned long total = 0, resident = 0;
-  const int read = std::fscanf(file, "%lu %lu", &total, &resident);
-  std::fclose(file);
-  return read == 2 ? std::size_t(resident) * std::size_t(sysconf(_SC_PAGESIZE)) : 0;
-}
-
-void give_back_free_memory() {
-#ifdef __GLIBC__
-  malloc_trim(0);
-#endif
-}
 
 // --- reading ---------------------------------------------------------------------------------------------------------
 
@@ -131,9 +110,7 @@ PageLoader::Loaded PageLoader::prepared(std::uint32_t page) const {
 }
 
 void PageLoader::run() {
-#ifdef __linux__
-  if (traced_) (void)setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread alone
-#endif
+  if (traced_) core::platform::lower_priority_of_this_thread();  // where frames have a budget they come first
   std::unique_lock held(mutex_);
   while (true) {
     changed_.wait(held, [this] { return stop_ || !asked_.empty(); });

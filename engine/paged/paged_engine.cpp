@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sightline/core/internal/clock.h"
+#include "sightline/core/internal/platform/memory.h"
 #include "sightline/culling/occlusion/contribution.h"
 #include "sightline/engine/internal/settings.h"
 #include "sightline/engine/paged/internal/page_store.h"
@@ -224,7 +225,7 @@ core::Expected<void> PagedEngine::Impl::draw_trial() {
 /// What the limit leaves; 0 where that is less than a page.
 std::size_t PagedEngine::Impl::room_for_pages() const {
   const std::size_t taken =
-      process_memory() + bytes_of_images(config_, traced_.get()) + reserve_of(config_.memory_limit);
+      core::platform::process_memory() + bytes_of_images(config_, traced_.get()) + reserve_of(config_.memory_limit);
   return config_.memory_limit < taken + least_for_pages(scene_) ? 0 : config_.memory_limit - taken;
 }
 
@@ -237,10 +238,10 @@ void PagedEngine::Impl::set_limits(std::size_t limit) {
 }
 
 core::Expected<void> PagedEngine::Impl::make_store() {
-  give_back_free_memory();
+  core::platform::give_back_free_memory();
   page_limit_ = room_for_pages();
   if (page_limit_ == 0) {
-    const std::size_t used = process_memory() + bytes_of_images(config_, traced_.get()),
+    const std::size_t used = core::platform::process_memory() + bytes_of_images(config_, traced_.get()),
                       least = least_for_pages(scene_);
     return core::fail(
         "engine: a memory limit of " + in_megabytes(config_.memory_limit) + " is too low: " + in_megabytes(used) +
@@ -258,8 +259,8 @@ core::Expected<void> PagedEngine::Impl::make_store() {
 void PagedEngine::Impl::keep_within_limit() {
   const std::size_t most =
       config_.memory_limit - reserve_of(config_.memory_limit) / 2 - bytes_of_images(config_, traced_.get());
-  if (process_memory() > most) give_back_free_memory();
-  const std::size_t used = process_memory();
+  if (core::platform::process_memory() > most) core::platform::give_back_free_memory();
+  const std::size_t used = core::platform::process_memory();
   const std::size_t pages = store_->resident_bytes() + (coarse_ ? coarse_->resident_bytes() : 0);
   set_limits(std::min(page_limit_, most + pages > used ? most + pages - used : 0));
 }
@@ -359,7 +360,7 @@ void PagedEngine::Impl::count_pages() {
   report_.prefetched = counts.prefetched;
   report_.failed = counts.failed;
   if (coarse_) report_.coarse_resident = coarse_->counts().resident, report_.coarse_loaded = coarse_->counts().loaded;
-  report_.memory = process_memory();
+  report_.memory = core::platform::process_memory();
 }
 
 /// The image of a view that has just changed, within the budget.

@@ -1,7 +1,7 @@
 // Functions of libraries that are opened at run time. Internal to gl.
 #pragma once
 
-#include <dlfcn.h>
+#include "sightline/core/internal/platform/modules.h"
 
 namespace sightline::gl {
 
@@ -9,7 +9,7 @@ namespace sightline::gl {
 /// one; `function` is null otherwise.
 template <class Function>
 bool find_symbol(void* library, const char* name, Function& function) {
-  function = reinterpret_cast<Function>(dlsym(library, name));
+  function = reinterpret_cast<Function>(core::platform::find_in_module(library, name));
   return function != nullptr;
 }
 

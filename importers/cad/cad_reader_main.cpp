@@ -2,18 +2,17 @@
 // sightline-convert.
 #include <algorithm>
 #include <charconv>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include <fcntl.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
+#include "sightline/core/internal/platform/console.h"
+#include "sightline/core/internal/platform/files.h"
+#include "sightline/core/internal/platform/process.h"
 #include "sightline/importers/cad/internal/cad_messages.h"
 #include "sightline/importers/cad/internal/cad_reader.h"
 #include "sightline/importers/slc/slc_writer.h"
@@ -22,6 +21,7 @@ namespace {
 
 using namespace sightline;
 namespace cad = importers::cad;
+namespace platform = core::platform;
 
 /// A sanitizer reserves more address space than any limit leaves.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -30,23 +30,13 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 
-void say(char kind, std::string_view text) {
+/// Ends the process where nobody listens any more.
+void say(const platform::AnswerPipe& listener, char kind, std::string_view text) {
   std::string line{kind, ' '};
   line.append(text);
   std::replace(line.begin(), line.end(), '\n', ' ');
   line.push_back('\n');
-  for (std::string_view left = line; !left.empty();) {
-    const auto written = write(cad::kMessages, left.data(), left.size());
-    if (written <= 0) _exit(EXIT_FAILURE);  // nobody listens any more
-    left.remove_prefix(std::size_t(written));
-  }
-}
-
-void limit(int what, std::uint64_t to) {
-  rlimit limits{};
-  getrlimit(decltype(RLIMIT_AS)(what), &limits);
-  limits.rlim_cur = std::min<rlim_t>(limits.rlim_max, to);
-  setrlimit(decltype(RLIMIT_AS)(what), &limits);
+  if (!listener.write(line)) platform::end_at_once(EXIT_FAILURE);
 }
 
 template <class T>
@@ -56,29 +46,31 @@ T number(std::string_view text) {
   return value;
 }
 
-importers::ImportOptions options_from(int count, char** arguments, importers::CadDetail& detail) {
+importers::ImportOptions options_from(std::span<const std::string> arguments, importers::CadDetail& detail) {
   importers::ImportOptions options;
-  limit(RLIMIT_CORE, 0);
-  for (int i = 0; i < count; ++i) {
-    const std::string_view argument = arguments[i], name = argument.substr(0, argument.find('=')),
+  platform::ProcessLimits limits;
+  for (const std::string_view argument : arguments) {
+    const std::string_view name = argument.substr(0, argument.find('=')),
                            value = argument.substr(std::min(argument.size(), name.size() + 1));
     if (name == cad::kTolerance) options.chord_tolerance = number<double>(value);
     if (name == cad::kAngle) options.chord_angle = number<double>(value);
     if (name == cad::kLenient) options.lenient = value == "1";
     if (name == cad::kThreads) options.threads = number<int>(value);
     if (name == cad::kShapesAlone && value == "1") detail = importers::CadDetail::kShapesAlone;
-    if (name == cad::kMemory && value != "0" && !kSanitized) limit(RLIMIT_AS, number<std::uint64_t>(value));
-    if (name == cad::kSeconds) limit(RLIMIT_CPU, number<std::uint64_t>(value));
+    if (name == cad::kMemory && value != "0" && !kSanitized) limits.memory = number<std::uint64_t>(value);
+    if (name == cad::kSeconds) limits.seconds = number<std::uint64_t>(value);
   }
+  platform::limit_this_process(limits);
   return options;
 }
 
-core::Expected<void> run(const char* file, const char* result, importers::ImportOptions options,
+core::Expected<void> run(const platform::AnswerPipe& listener, const std::filesystem::path& file,
+                         const std::filesystem::path& result, importers::ImportOptions options,
                          importers::CadDetail detail) {
   constexpr double kReading = 0.9;  // share of the time
-  const auto progress = [&](double begin, double share) {
+  const auto progress = [listener](double begin, double share) {
     return [=](double done) {
-      say(cad::kProgress, std::to_string(begin + share * done));
+      say(listener, cad::kProgress, std::to_string(begin + share * done));
       return true;
     };
   };
@@ -86,26 +78,30 @@ core::Expected<void> run(const char* file, const char* result, importers::Import
   core::Scene scene;
   const auto report = importers::read_cad(file, scene, scene.root(), options, detail);
   if (!report) return tl::unexpected(report.error());
-  for (const auto& path : report->side_files) say(cad::kSideFile, path.string());
+  for (const auto& path : report->side_files) say(listener, cad::kSideFile, path.string());
   return importers::write_slc(scene, result, {.report = &*report, .progress = progress(kReading, 1.0 - kReading)});
 }
 
 }  // namespace
 
-int main(int count, char** arguments) {
-  if (count < 3 || fcntl(cad::kMessages, F_GETFD) < 0) {
+int main(int count, char** words) {
+  const std::vector<std::string> arguments = platform::begin_program(count, words);
+  const auto listener = platform::AnswerPipe::of_this_process();
+  if (arguments.size() < 3 || !listener) {
     std::fprintf(stderr,
                  "sightline-cad-reader: is started by the library, which reads with it; use sightline-convert\n");
     return EXIT_FAILURE;
   }
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  platform::end_with_parent();
+  const auto file = platform::path_of(arguments[1]), result = platform::path_of(arguments[2]);
   // Files that a crash leaves behind go with the folder of the result.
-  setenv("TMPDIR", std::filesystem::path(arguments[2]).parent_path().c_str(), 1);
+  platform::set_temporary_folder(result.parent_path());
+  platform::write_no_core_dumps();
   auto detail = importers::CadDetail::kAll;
-  const importers::ImportOptions options = options_from(count - 3, arguments + 3, detail);
-  const auto done = run(arguments[1], arguments[2], options, detail);
-  if (!done) say(cad::kError, done.error().message);
+  const importers::ImportOptions options = options_from(std::span(arguments).subspan(3), detail);
+  const auto done = run(*listener, file, result, options, detail);
+  if (!done) say(*listener, cad::kError, done.error().message);
   std::fflush(nullptr);
   // Open CASCADE has nothing left to do; its static objects take time to go, and may fail to.
-  _exit(done ? EXIT_SUCCESS : EXIT_FAILURE);
+  platform::end_at_once(done ? EXIT_SUCCESS : EXIT_FAILURE);
 }

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <sys/mman.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "sightline/core/internal/platform/memory.h"
 #include "sightline/core/internal/sort_unique.h"
 #include "sightline/core/mesh_extras.h"
 #include "sightline/importers/import.h"
@@ -39,12 +39,11 @@ class Arena {
  public:
   /// Null where the system has no more.
   static std::unique_ptr<Arena> create(std::size_t bytes) {
-    void* const memory =
-        mmap(nullptr, std::max(bytes, kLine), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) return nullptr;
     const std::size_t size = std::max(bytes, kLine);
-    return std::unique_ptr<Arena>(new Arena(std::shared_ptr<void>(memory, [size](void* m) { munmap(m, size); }),
-                                            static_cast<std::byte*>(memory)));
+    void* const memory = core::platform::reserve_pages(size);
+    if (!memory) return nullptr;
+    const auto release = [size](void* m) { core::platform::release_pages(m, size); };
+    return std::unique_ptr<Arena>(new Arena(std::shared_ptr<void>(memory, release), static_cast<std::byte*>(memory)));
   }
   template <class T>
   void take(std::size_t count, LargeArray<T>& array) {

@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <system_error>
 #include <thread>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -63,12 +58,6 @@ std::uint64_t block_count(const SlcFile::Section& section) {
   return section.count / per_block + (section.count % per_block != 0 ? 1 : 0);
 }
 
-/// Closes a mapping's memory.
-struct Unmap {
-  std::size_t size;
-  void operator()(void* memory) const { munmap(memory, size); }
-};
-
 }  // namespace
 
 std::uint64_t slc_checksum(std::span<const std::byte> bytes) {
@@ -79,7 +68,7 @@ std::uint64_t slc_checksum(const std::filesystem::path& path) {
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.string().c_str(), "rb"));
+  const std::unique_ptr<std::FILE, Close> file(core::platform::open_file(path, "rb"));
   const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
   if (!file || !state) return 0;
   XXH3_64bits_reset(state.get());
@@ -169,21 +158,18 @@ void SlcWriter::finish() {
 
 // --- reading ---------------------------------------------------------------------------------------------------------
 
-SlcFile::~SlcFile() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
 SlcExpected<std::shared_ptr<const SlcFile>> SlcFile::open(const std::filesystem::path& path) {
   const std::shared_ptr<SlcFile> file(new SlcFile);
-  // Opening a pipe must not wait for a writer.
-  file->descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  struct stat status {};
-  if (file->descriptor_ < 0 || fstat(file->descriptor_, &status) != 0)
-    return tl::unexpected<SlcProblem>(
-        SlcProblem{errno == ENOENT || errno == ENOTDIR ? SlcProblem::Kind::kMissing : SlcProblem::Kind::kDamaged,
-                   fmt::format("cannot open: {}", std::strerror(errno))});
-  if (!S_ISREG(status.st_mode)) return damaged("not a regular file");
-  file->size_ = std::size_t(status.st_size);
+  auto opened = core::platform::ReadableFile::open(path);
+  if (!opened) {
+    const std::error_code& why = opened.error();
+    const bool missing = why == std::errc::no_such_file_or_directory || why == std::errc::not_a_directory;
+    return tl::unexpected<SlcProblem>(SlcProblem{missing ? SlcProblem::Kind::kMissing : SlcProblem::Kind::kDamaged,
+                                                 fmt::format("cannot open: {}", why.message())});
+  }
+  if (!opened->is_regular()) return damaged("not a regular file");
+  file->file_ = std::move(*opened);
+  file->size_ = std::size_t(file->file_.size());
   if (file->size_ < sizeof(Header) + sizeof(Trailer))
     return damaged(fmt::format("{} bytes are no scene cache", file->size_));
   const auto mapping = file->map_to_read();
@@ -203,48 +189,41 @@ SlcExpected<std::shared_ptr<const SlcFile>> SlcFile::of_bytes(std::span<const st
 }
 
 SlcExpected<SlcFile::Mapping> SlcFile::map() const {
-  return mapped(PROT_READ | PROT_WRITE);
+  return mapped(Access::kWriteCopy);
 }
 SlcExpected<SlcFile::Mapping> SlcFile::map_to_read() const {
-  return mapped(PROT_READ);
+  return mapped(Access::kRead);
 }
 
-SlcExpected<SlcFile::Mapping> SlcFile::mapped(int protection) const {
-  if (descriptor_ < 0) {
+SlcExpected<SlcFile::Mapping> SlcFile::mapped(Access access) const {
+  if (!file_.is_open()) {
     void* const memory = core::allocate_lines(size_);
     std::memcpy(memory, memory_.data(), size_);
     const std::size_t size = size_;
     return Mapping{std::shared_ptr<const void>(memory, [size](void* m) { core::release_lines(m, size); }),
                    static_cast<std::byte*>(memory)};
   }
-  void* const memory = mmap(nullptr, size_, protection, MAP_PRIVATE, descriptor_, 0);
-  if (memory == MAP_FAILED) return damaged(fmt::format("cannot be mapped: {}", std::strerror(errno)));
-  return Mapping{std::shared_ptr<const void>(memory, Unmap{size_}), static_cast<std::byte*>(memory)};
+  auto memory = file_.map(access);
+  if (!memory) return damaged(fmt::format("cannot be mapped: {}", memory.error().message()));
+  std::byte* const data = memory->get();
+  return Mapping{std::move(*memory), data};
 }
 
 SlcExpected<void> SlcFile::read(std::uint64_t offset, std::span<std::byte> to) const {
-  if (descriptor_ < 0) {
+  if (!file_.is_open()) {
     std::copy_n(memory_.begin() + std::ptrdiff_t(offset), to.size(), to.begin());
     return {};
   }
-  while (!to.empty()) {
-    const ssize_t got = pread(descriptor_, to.data(), to.size(), off_t(offset));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return damaged(fmt::format("cannot be read: {}", std::strerror(errno)));
-    if (got == 0) return damaged("it was cut short while it was open");
-    offset += std::uint64_t(got);
-    to = to.subspan(std::size_t(got));
-  }
+  const auto got = file_.read(offset, to);
+  if (!got) return damaged(fmt::format("cannot be read: {}", got.error().message()));
+  if (*got < to.size()) return damaged("it was cut short while it was open");
   return {};
 }
 
 void SlcFile::set_aside(const Mapping& mapping, std::uint64_t number) const {
   const Section* section = find(number);
-  if (descriptor_ < 0 || !section) return;
-  const std::uint64_t page = std::uint64_t(sysconf(_SC_PAGESIZE));
-  const std::uint64_t begin = (section->offset + page - 1) / page * page;
-  const std::uint64_t end = (section->offset + section->count * section->element_size) / page * page;
-  if (begin < end) (void)madvise(mapping.data + begin, std::size_t(end - begin), MADV_DONTNEED);
+  if (!file_.is_open() || !section) return;
+  core::platform::set_aside(mapping.data, section->offset, section->offset + section->count * section->element_size);
 }
 
 const SlcFile::Section* SlcFile::find(std::uint64_t number) const {

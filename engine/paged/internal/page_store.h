@@ -24,11 +24,6 @@ class Tracer;
 
 namespace sightline::engine {
 
-/// Bytes that the process has in memory; 0 where the system does not say.
-std::size_t process_memory();
-/// Has the allocator return to the system what it keeps for later.
-void give_back_free_memory();
-
 /// Reads pages on a thread of its own, in the order in which they are asked for.
 class PageLoader {
  public:

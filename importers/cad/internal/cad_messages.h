@@ -1,4 +1,4 @@
-// Internal to the importers: what sightline-cad-reader gets as arguments and says on its descriptor 3.
+// Internal to the importers: what sightline-cad-reader gets as arguments and answers.
 //
 // Arguments: the file, the scene cache to write, and "NAME=VALUE" as below. Messages are lines: a kind, a space, text.
 // A program that ends with 0 has written the scene cache.
@@ -12,7 +12,6 @@
 namespace sightline::importers::cad {
 
 inline constexpr const char* kProgram = "sightline-cad-reader";
-inline constexpr int kMessages = 3;  ///< the descriptor
 
 inline constexpr char kProgress = 'p';  ///< share, 0 to 1
 inline constexpr char kSideFile = 's';  ///< a path

@@ -1,21 +1,17 @@
 // Internal to the importers: a folder for files that another library or process reads by name.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
-#include <string>
 #include <system_error>
+
+#include "sightline/core/internal/platform/files.h"
 
 namespace sightline::importers {
 
 /// A folder that is gone when this is.
 class TemporaryFolder {
  public:
-  TemporaryFolder() {
-    std::error_code failed;
-    std::string pattern = (std::filesystem::temp_directory_path(failed) / "sightline-XXXXXX").string();
-    if (!failed && mkdtemp(pattern.data())) path_ = pattern;
-  }
+  TemporaryFolder() : path_(core::platform::make_temporary_folder()) {}
   ~TemporaryFolder() {
     std::error_code ignored;
     if (!path_.empty()) std::filesystem::remove_all(path_, ignored);

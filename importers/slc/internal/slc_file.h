@@ -15,6 +15,7 @@
 #include <tl/expected.hpp>
 
 #include "sightline/core/internal/atomic_file.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/core/large_array.h"
 
 namespace sightline::importers {
@@ -101,7 +102,6 @@ class SlcFile {
   static SlcExpected<std::shared_ptr<const SlcFile>> open(const std::filesystem::path& path);
   /// From memory, which is copied.
   static SlcExpected<std::shared_ptr<const SlcFile>> of_bytes(std::span<const std::byte> bytes);
-  ~SlcFile();
   SlcFile(const SlcFile&) = delete;
   SlcFile& operator=(const SlcFile&) = delete;
 
@@ -149,9 +149,10 @@ class SlcFile {
 
  private:
   SlcFile() = default;
-  SlcExpected<Mapping> mapped(int protection) const;
+  using Access = core::platform::ReadableFile::Access;
+  SlcExpected<Mapping> mapped(Access access) const;
   SlcExpected<void> read_table(const std::byte* data);
-  int descriptor_ = -1;
+  core::platform::ReadableFile file_;
   std::vector<std::byte> memory_;  // where there is no file
   std::size_t size_ = 0;
   std::vector<Section> sections_;
