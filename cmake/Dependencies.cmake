@@ -44,7 +44,6 @@ endif()
 if(SIGHTLINE_SLC AND SIGHTLINE_IMPORTERS)
   find_path(SIGHTLINE_XXHASH_INCLUDE xxhash.h)
   sightline_need(SIGHTLINE_SLC SIGHTLINE_XXHASH_INCLUDE "xxhash.h not found (libxxhash-dev)")
-  sightline_need(SIGHTLINE_SLC UNIX "it maps files with mmap()")
 endif()
 
 if(SIGHTLINE_VTK AND SIGHTLINE_IMPORTERS)

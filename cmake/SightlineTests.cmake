@@ -41,8 +41,9 @@ endfunction()
 function(sightline_add_suites name left_out)
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
   list(JOIN ARGN "\" \"" properties)
-  file(WRITE ${file} "include(${SIGHTLINE_CHECKOUT}/cmake/SuiteEntries.cmake)\nsightline_suite_entries(${name} "
-                     "${PROJECT_BINARY_DIR}/tests/${name}_tests \"${left_out}\" \"${properties}\")\n")
+  file(WRITE ${file} "set(SIGHTLINE_EMULATOR \"${CMAKE_CROSSCOMPILING_EMULATOR}\")\n"
+                     "include(${SIGHTLINE_CHECKOUT}/cmake/SuiteEntries.cmake)\nsightline_suite_entries(${name} "
+                     "${PROJECT_BINARY_DIR}/tests/${name}_tests${CMAKE_EXECUTABLE_SUFFIX} \"${left_out}\" \"${properties}\")\n")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
 
