@@ -13,6 +13,7 @@
 #include "sightline/apps/common/report_json.h"
 #include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/common/write_model.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/json/internal/json.h"
 
@@ -56,15 +57,16 @@ importers::WriteReport write(const apps::Model& model, const Chosen& chosen, con
   apps::Progress bar("writing");
   options.progress = bar.callback();
   const core::Scene& all = *model.scene;
+  const std::filesystem::path file = core::platform::path_of(output);
   if (chosen.all()) {
     options.report = &model.report;
     items = all.item_count();
-    return need(importers::write_file(all, apps::node_to_write(all, model.report.nodes), output, options));
+    return need(importers::write_file(all, apps::node_to_write(all, model.report.nodes), file, options));
   }
   const auto part = part_of(model, chosen);
   items = part.item_count();
   return need(
-      importers::write_file(part, apps::node_to_write(part, apps::children_of(part, part.root())), output, options));
+      importers::write_file(part, apps::node_to_write(part, apps::children_of(part, part.root())), file, options));
 }
 
 Json tiles_json(const importers::TilesWriteReport& tiles, double tolerance) {
@@ -110,14 +112,13 @@ core::Expected<void> check(std::string& output, apps::ModelOptions& options, con
   output = std::move(options.files.back());
   options.files.pop_back();
   if (auto done = check(output, options.files, writing.tiles); !done) return done;
+  const std::string extension = importers::lower_case_extension(core::platform::path_of(output));
   if (!writing.compress && !writing.tiles) return core::fail("--uncompressed: only with --tiles");
-  if (writing.collections && !writing.tiles && importers::lower_case_extension(output) != ".glb" &&
-      importers::lower_case_extension(output) != ".gltf")
+  if (writing.collections && !writing.tiles && extension != ".glb" && extension != ".gltf")
     return core::fail("--collections: expected an output ending in .glb or .gltf, found \"" + output + "\"");
-  if (writing.levels && importers::lower_case_extension(output) != ".slc")
+  if (writing.levels && extension != ".slc")
     return core::fail("--levels: expected an output ending in .slc, found \"" + output + "\"");
-  if (writing.tiles || importers::lower_case_extension(output) == ".slc")
-    options.import.copies = importers::ImportOptions{}.copies;  // as tools read
+  if (writing.tiles || extension == ".slc") options.import.copies = importers::ImportOptions{}.copies;  // as tools read
   return {};
 }
 

@@ -12,6 +12,7 @@
 #include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/rvm_writer.h"
@@ -48,13 +49,14 @@ core::dvec3 place_of_part(int part, int parts) {
   return {kPitchX * (part % columns), kPitchY * (part / columns), 0.0};
 }
 
-std::size_t write_plant(const importers::PlantOptions& config, const core::dvec3& place, const std::string& output) {
+std::size_t write_plant(const importers::PlantOptions& config, const core::dvec3& place,
+                        const std::filesystem::path& output) {
   core::Scene scene;
   need(importers::generate_plant(config, scene));
   core::Affine moved;
   moved.origin = place;
   scene.set_transform(scene.root(), moved);
-  const bool cache = std::filesystem::path(output).extension() == ".slc";
+  const bool cache = output.extension() == ".slc";
   need(cache ? importers::write_slc(scene, output) : importers::write_rvm(scene, scene.root(), output));
   return scene.item_count();
 }
@@ -70,7 +72,7 @@ void take_folder(const Options& o) {
   need(apps::make_directory(o.output));
   std::set<std::string> own;
   for (int part = 0; part < o.parts; ++part) own.insert(name_of_part(part));
-  const auto caches = importers::scene_caches_of(o.output);
+  const auto caches = importers::scene_caches_of(core::platform::path_of(o.output));
   if (!caches) return;  // there is none
   for (const std::filesystem::path& cache : *caches)
     if (!own.contains(cache.filename().string()))
@@ -87,15 +89,15 @@ std::size_t write_parts(const Options& o) {
     config.items = o.config.items / std::uint64_t(o.parts) +
                    (std::uint64_t(part) < o.config.items % std::uint64_t(o.parts) ? 1 : 0);
     config.seed = o.config.seed + std::uint64_t(part);
-    items += write_plant(config, place_of_part(part, o.parts),
-                         (std::filesystem::path(o.output) / name_of_part(part)).string());
+    items += write_plant(config, place_of_part(part, o.parts), core::platform::path_of(o.output) / name_of_part(part));
     progress.advance(std::size_t(part) + 1);
   }
   return items;
 }
 
 core::Expected<int> generate(const Options& o) {
-  const std::size_t items = o.parts > 1 ? write_parts(o) : write_plant(o.config, core::dvec3(0.0), o.output);
+  const std::size_t items =
+      o.parts > 1 ? write_parts(o) : write_plant(o.config, core::dvec3(0.0), core::platform::path_of(o.output));
   if (o.json_file != "-") std::printf("%s: %zu items\n", o.output.c_str(), items);
   const json::Value facts = {{"file", o.output}, {"items", items}, {"seed", o.config.seed}, {"parts", o.parts}};
   need(apps::write_json(o.json_file, json::sorted(facts)));

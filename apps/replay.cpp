@@ -27,6 +27,7 @@
 #endif
 #if SIGHTLINE_HAS_GL && SIGHTLINE_HAS_MPI
 #include "sightline/apps/mpi/composer.h"
+#include "sightline/core/internal/platform/files.h"
 #endif
 
 namespace {
@@ -115,7 +116,7 @@ core::CameraPath choose_path(const Options& o, const apps::Model& model, const c
     if (!o.model.quiet) apps::warn_of_outliers(fitted);
     return engine::make_tour(snapshot.bounds(), fitted);  // of the model where --translate put it
   }
-  return need(importers::translated(need(importers::read_path(o.path)), model.offset));
+  return need(importers::translated(need(importers::read_path(core::platform::path_of(o.path))), model.offset));
 }
 
 std::string image_name(int frame) {
@@ -130,7 +131,7 @@ core::Expected<void> save_image(engine::Engine& engine, const std::string& folde
   const std::string name = image_name(int(flight.frames.size()) - 1);
   const auto image = engine.read_colour();
   if (!image) return tl::unexpected(image.error());
-  auto done = image::write_png(*image, std::filesystem::path(folder) / name);
+  auto done = image::write_png(*image, core::platform::path_of(folder) / name);
   apps::take_late_reports(engine, flight);
   apps::warn_if_blank(engine, flight.frames.back().report.visible, name);
   return done;
@@ -370,7 +371,7 @@ Flown prepare(const Options& o, const engine::ScenePart& part) {
   std::optional<core::Snapshot> whole;  // the tour is that of the whole
   if (part.count > 1) whole.emplace(*model.scene);
   auto path = choose_path(o, model, whole ? *whole : engine.snapshot());
-  if (!o.save_path.empty()) need(importers::write_path(o.save_path, path));
+  if (!o.save_path.empty()) need(importers::write_path(core::platform::path_of(o.save_path), path));
   return Flown{std::move(model), std::move(engine), std::move(path), {config.width, config.height}};
 }
 
@@ -404,7 +405,7 @@ core::Expected<int> replay_parts([[maybe_unused]] Options o) {
     if (bar) bar->advance(flight.frames.size());
     const int number = int(flight.frames.size()) - 1;
     if (saved && !o.images.empty() && number % o.every == 0)
-      saved = image::write_png(image->colours, std::filesystem::path(o.images) / image_name(number));
+      saved = image::write_png(image->colours, core::platform::path_of(o.images) / image_name(number));
     return {};  // other processes wait for the parts of this one, whatever becomes of its files
   };
   auto flight = apps::fly(*flown->engine, flown->path, {o.frames, aspect, true}, after_frame);

@@ -11,6 +11,7 @@
 #include "sightline/apps/common/view_options.h"
 #include "sightline/core/image_rays.h"
 #include "sightline/core/internal/clock.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/whitted.h"
@@ -82,9 +83,12 @@ void add_options(apps::CommandLine& line, Options& o) {
 
 void write_images(const Options& o, raytrace::WhittedImage& image) {
   const int width = image.width, height = image.height;
-  if (!o.out.empty()) need(image::write_png({width, height, std::move(image.rgb)}, o.out));
-  if (!o.depth.empty()) need(image::write_pfm({width, height, std::move(image.depths)}, o.depth));
-  if (!o.ids.empty()) need(image::write_png(need(image::id_colours({width, height, std::move(image.ids)})), o.ids));
+  if (!o.out.empty()) need(image::write_png({width, height, std::move(image.rgb)}, core::platform::path_of(o.out)));
+  if (!o.depth.empty())
+    need(image::write_pfm({width, height, std::move(image.depths)}, core::platform::path_of(o.depth)));
+  if (!o.ids.empty())
+    need(image::write_png(need(image::id_colours({width, height, std::move(image.ids)})),
+                          core::platform::path_of(o.ids)));
 }
 
 void write_visible(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width, int height,

@@ -214,7 +214,7 @@ core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scen
 
 core::Expected<ImportReport> with_whole_path(core::Expected<ImportReport> report, const std::filesystem::path& path) {
   if (!report && path.has_parent_path() && report.error().message.starts_with(path.filename().string()))
-    report.error().message = (path.parent_path() / report.error().message).string();
+    report.error().message.insert(0, (path.parent_path() / "").string());
   return report;
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sightline/core/internal/ascii_case.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/internal/file_bytes.h"
 
 namespace sightline::importers {
@@ -46,7 +47,7 @@ core::Expected<fs::path> find_side_file(const fs::path& model, std::string_view 
   std::error_code code;
   const fs::path root = fs::weakly_canonical(model.has_parent_path() ? model.parent_path() : fs::path("."), code);
   if (code) return core::fail(fmt::format("'{}': {}", name, code.message()));
-  const fs::path path = fs::weakly_canonical(root / name, code);
+  const fs::path path = fs::weakly_canonical(root / core::platform::path_of(name), code);
   if (code) return core::fail(fmt::format("'{}' not found: {}", name, code.message()));
   const fs::path relative = path.lexically_relative(root);
   if (relative.empty() || *relative.begin() == "..")
@@ -69,7 +70,8 @@ core::Expected<std::vector<std::byte>> read_side_file(const fs::path& model, std
 core::Expected<fs::path> find_similar_file(const fs::path& model, std::string_view name) {
   std::string slashes(name);
   std::replace(slashes.begin(), slashes.end(), '\\', '/');
-  const fs::path folder = model.has_parent_path() ? model.parent_path() : fs::path("."), wanted(slashes);
+  const fs::path folder = model.has_parent_path() ? model.parent_path() : fs::path("."),
+                 wanted = core::platform::path_of(slashes);
   for (const fs::path& tried : {wanted, wanted.filename()})
     if (const auto similar = similar_path(folder, tried))
       if (auto found = find_side_file(model, fs::path(*similar).lexically_relative(folder).string())) return found;

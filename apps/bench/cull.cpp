@@ -24,6 +24,7 @@
 #include "sightline/core/block_order.h"
 #include "sightline/core/error.h"
 #include "sightline/core/internal/instruction_set.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
@@ -120,7 +121,7 @@ Subject::Subject(std::span<const core::Aabb> boxes, const Options& options) {
 void write_ids(const std::string& directory, std::size_t frame, std::span<const std::uint32_t> ids) {
   char name[32];
   std::snprintf(name, sizeof(name), "frame_%05zu.bin", frame);
-  const std::filesystem::path path = std::filesystem::path(directory) / name;
+  const std::filesystem::path path = core::platform::path_of(directory) / name;
   std::ofstream file(path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(ids.data()), std::streamsize(ids.size_bytes()));
   if (!file.flush()) apps::fail(path.string() + ": cannot be written");

@@ -10,6 +10,7 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/core/block_order.h"
 #include "sightline/core/camera_path.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/culling/frustum/hierarchy.h"
 #include "sightline/engine/tour.h"
 #include "sightline/importers/plant/plant_generator.h"
@@ -21,17 +22,18 @@ namespace {
 
 /// Reads the whole file as numbers, `group` of them per record.
 template <class T>
-core::Expected<std::vector<T>> read_numbers(const std::string& path, std::size_t group, const char* what) {
+core::Expected<std::vector<T>> read_numbers(const std::string& name, std::size_t group, const char* what) {
+  const std::filesystem::path path = core::platform::path_of(name);
   std::error_code error;
   const auto bytes = std::filesystem::is_regular_file(path, error) ? std::filesystem::file_size(path, error) : 0;
   std::ifstream file(path, std::ios::binary);
-  if (error || !file || !std::filesystem::is_regular_file(path)) return core::fail(path + ": cannot be read as a file");
+  if (error || !file || !std::filesystem::is_regular_file(path)) return core::fail(name + ": cannot be read as a file");
   if (bytes % (group * sizeof(T)) != 0)
-    return core::fail(path + ": size " + std::to_string(bytes) + " is not a multiple of " +
+    return core::fail(name + ": size " + std::to_string(bytes) + " is not a multiple of " +
                       std::to_string(group * sizeof(T)) + " bytes (" + what + ")");
   std::vector<T> numbers(bytes / sizeof(T));
   file.read(reinterpret_cast<char*>(numbers.data()), std::streamsize(bytes));
-  if (file.gcount() != std::streamsize(bytes)) return core::fail(path + ": could not be read to its end");
+  if (file.gcount() != std::streamsize(bytes)) return core::fail(name + ": could not be read to its end");
   return numbers;
 }
 

@@ -13,6 +13,7 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/apps/common/table.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::bench::import_bench {
@@ -41,7 +42,7 @@ json::Value measure(const std::string& file, int passes, const importers::Import
   for (int pass = 0; pass < passes; ++pass) {
     core::Scene scene;
     const double begin = milliseconds();
-    const auto report = apps::need(importers::import_file(file, scene, scene.root(), options));
+    const auto report = apps::need(importers::import_file(core::platform::path_of(file), scene, scene.root(), options));
     import_ms.push_back(milliseconds() - begin);
     const double committing = milliseconds();
     apps::need(scene.commit());

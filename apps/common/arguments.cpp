@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "sightline/core/internal/atomic_file.h"
+#include "sightline/core/internal/platform/files.h"
 
 namespace sightline::apps {
 
@@ -42,7 +43,7 @@ core::Expected<double> parse_finite(const std::string& text) {
 namespace {
 
 core::Expected<std::string> parse_name(const std::string& text, std::string_view extension) {
-  return core::expect_extension(text, extension).map([&] { return text; });
+  return core::expect_extension(core::platform::path_of(text), extension).map([&] { return text; });
 }
 
 }  // namespace

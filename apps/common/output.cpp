@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "sightline/core/internal/atomic_file.h"
+#include "sightline/core/internal/platform/files.h"
 
 namespace sightline::apps {
 
@@ -21,7 +22,7 @@ core::Expected<void> expect_output(std::initializer_list<const std::string*> fil
 
 core::Expected<void> make_directory(const std::string& path) {
   std::error_code error;
-  std::filesystem::create_directories(path, error);
+  std::filesystem::create_directories(core::platform::path_of(path), error);
   if (error) return core::fail(path + ": cannot be made a directory: " + error.message());
   return {};
 }
@@ -32,7 +33,7 @@ core::Expected<void> write_text(const std::string& file, const std::string& text
     if (!std::cout) return core::fail("standard output: cannot be written");
     return {};
   }
-  return core::write_file(file, {std::as_bytes(std::span(text))});
+  return core::write_file(core::platform::path_of(file), {std::as_bytes(std::span(text))});
 }
 
 core::Expected<void> write_json(const std::string& file, const json::Value& json) {

@@ -10,6 +10,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/core/fitting.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/view_json.h"
 
 namespace sightline::apps {
@@ -118,11 +119,11 @@ core::Expected<core::View> chosen_view(const ViewOptions& options, const std::ve
                                        const core::dvec3& offset, const core::ItemBounds& items,
                                        const core::FittedBounds& fitted, double aspect) {
   if (!options.view.empty()) {
-    auto view = importers::read_view(options.view, aspect);
+    auto view = importers::read_view(core::platform::path_of(options.view), aspect);
     return view ? importers::translated(*view, offset) : view;
   }
   if (!options.path.empty()) {
-    auto path = importers::read_path(options.path);
+    auto path = importers::read_path(core::platform::path_of(options.path));
     if (path) path = importers::translated(*path, offset);
     if (!path) return tl::unexpected(path.error());
     return path->view(path->time_of(options.frame, options.frames), aspect);

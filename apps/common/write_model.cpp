@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sightline/apps/common/file_formats.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/internal/extension.h"
 
 namespace sightline::apps {
@@ -16,13 +17,13 @@ namespace {
 
 /// Names the file that the format writes beside its own; empty: it writes none.
 std::string companion_of(const std::string& output) {
-  std::filesystem::path beside = output;
-  const std::string extension = importers::lower_case_extension(output);
+  std::filesystem::path beside = core::platform::path_of(output);
+  const std::string extension = importers::lower_case_extension(beside);
   if (extension == ".obj") {
     std::string name = beside.replace_extension(".mtl").filename().string();
     for (char& c : name)
       if (std::isspace(static_cast<unsigned char>(c))) c = '_';
-    return beside.replace_filename(name).string();
+    return beside.replace_filename(core::platform::path_of(name)).string();
   }
   return extension == ".gltf" ? beside.replace_extension(".bin").string() : std::string();
 }
@@ -35,12 +36,14 @@ std::uint64_t total(const ItemCounts& items) {
 
 core::Expected<void> check_output(const std::string& output, std::span<const std::string> read) {
   const std::vector<FileFormat> formats = written_formats();
-  if (std::none_of(formats.begin(), formats.end(), [&](const FileFormat& format) { return format.has(output); }))
+  const auto is_of = [path = core::platform::path_of(output)](const FileFormat& format) { return format.has(path); };
+  if (std::none_of(formats.begin(), formats.end(), is_of))
     return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + output + "\"");
   for (const std::string& written : {output, companion_of(output)})
     for (const std::string& file : read) {
       std::error_code absent;
-      if (std::filesystem::equivalent(file, written, absent) && !absent)
+      if (std::filesystem::equivalent(core::platform::path_of(file), core::platform::path_of(written), absent) &&
+          !absent)
         return core::fail(written + " is also a file of the model that is read, and would be lost: take another name");
     }
   return {};
@@ -48,14 +51,15 @@ core::Expected<void> check_output(const std::string& output, std::span<const std
 
 core::Expected<void> check_tiles_folder(const std::string& folder, std::span<const std::string> read) {
   namespace fs = std::filesystem;
+  const fs::path path = core::platform::path_of(folder);
   for (const auto& formats : {written_formats(), model_formats()})
     for (const FileFormat& format : formats)
-      if (format.has(folder) && !fs::is_directory(folder))
+      if (format.has(path) && !fs::is_directory(path))
         return core::fail("expected the name of a folder, found \"" + folder + "\"");
   std::error_code absent;
-  const fs::path place = fs::weakly_canonical(folder, absent);
+  const fs::path place = fs::weakly_canonical(path, absent);
   for (const std::string& file : read) {
-    const fs::path within = fs::weakly_canonical(file, absent).lexically_relative(place);
+    const fs::path within = fs::weakly_canonical(core::platform::path_of(file), absent).lexically_relative(place);
     if (!within.empty() && *within.begin() != "..")
       return core::fail(file + " is read, lies in " + folder + ", and would be lost: take another folder");
   }

@@ -15,6 +15,7 @@
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/compare/reports.h"
 #include "sightline/core/internal/atomic_file.h"
+#include "sightline/core/internal/platform/files.h"
 
 namespace {
 
@@ -69,7 +70,7 @@ apps::Compared compared(const Options& options, const apps::Model& before, const
 void write_bcf(const Options& options, const apps::Compared& found) {
   const auto bytes = bcf_report(found);
   if (!bytes) apps::fail(options.bcf_file + ": " + bytes.error().message);
-  need(core::write_file(options.bcf_file, {std::as_bytes(std::span(*bytes))}));
+  need(core::write_file(core::platform::path_of(options.bcf_file), {std::as_bytes(std::span(*bytes))}));
   if (const std::size_t all = found.groups.all.size(); all > apps::kMostTopics)
     std::fprintf(stderr, "sightline-compare: %s: has the %zu largest of %zu groups\n", options.bcf_file.c_str(),
                  apps::kMostTopics, all);

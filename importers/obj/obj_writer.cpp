@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/file_bytes.h"
@@ -277,8 +278,8 @@ core::Expected<ObjWriteReport> write_obj(const core::Scene& scene, NodeId node, 
   if (!(options.tolerance > 0.0) || !std::isfinite(options.tolerance))
     return core::fail(fmt::format("expected a tolerance above 0 m, found {}", options.tolerance));
   std::filesystem::path library = path;
-  library.replace_filename(
-      on_one_line(std::filesystem::path(path.filename()).replace_extension(".mtl").string(), false));
+  library.replace_filename(core::platform::path_of(
+      on_one_line(std::filesystem::path(path.filename()).replace_extension(".mtl").string(), false)));
   if (library == path) return core::fail(fmt::format("{}: expected another extension than .mtl", path.string()));
 
   auto file = core::AtomicFile::create(path);

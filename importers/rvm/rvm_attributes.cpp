@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/text_encoding.h"
 #include "sightline/importers/internal/text_scanner.h"
@@ -185,7 +186,7 @@ std::vector<core::NodeId> files_for(const core::Scene& scene, core::NodeId paren
   for (core::NodeId node = scene.first_child(parent); node.valid(); node = scene.next_sibling(node)) {
     if (node == except) continue;
     all.push_back(node);
-    if (std::filesystem::path(scene.name(node)).stem() == stem) same_stem.push_back(node);
+    if (core::platform::path_of(scene.name(node)).stem() == core::platform::path_of(stem)) same_stem.push_back(node);
   }
   return same_stem.empty() ? all : same_stem;
 }

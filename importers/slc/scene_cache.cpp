@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
@@ -56,7 +57,7 @@ Json entry_of(const fs::path& path) {
 
 /// A file that was touched or copied back is the same when its content is.
 bool is_unchanged(const Json& entry) {
-  const fs::path path = entry.at("path").get<std::string>();
+  const fs::path path = core::platform::path_of(entry.at("path").get<std::string>());
   const Stamp stamp = stamp_of(path);
   if (stamp.size != entry.at("size").get<std::int64_t>()) return false;
   if (stamp.time == entry.at("time").get<std::int64_t>()) return true;
@@ -83,8 +84,9 @@ class SceneCache {
     Json key = settings_of(options);
     for (const fs::path& path : paths) key["files"].push_back(whole_path(path).string());
     const std::string text = to_text(key);
+    const std::uint64_t hash = slc_checksum(std::as_bytes(std::span(text)));
     file_ = options.cache_folder /
-            fmt::format("{}-{:016x}.slc", paths.front().stem().string(), slc_checksum(std::as_bytes(std::span(text))));
+            core::platform::path_of(fmt::format("{}-{:016x}.slc", paths.front().stem().string(), hash));
   }
 
   /// What the cache has, if it may be used. Otherwise `warning` is set when that needs telling.

@@ -3,14 +3,19 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
+#include <memory>
 #include <span>
 #include <string>
 
 #include <png.h>
 
 #include "sightline/core/internal/atomic_file.h"
+#include "sightline/core/internal/platform/files.h"
 
 namespace sightline::image {
 
@@ -56,7 +61,9 @@ core::Expected<void> write_png(const Image& image, const fs::path& path) {
 core::Expected<Image> read_png(const fs::path& path) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
-  if (!png_image_begin_read_from_file(&header, path.c_str())) return core::fail(path.string() + ": " + header.message);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(core::platform::open_file(path, "rb"), std::fclose);
+  if (!file) return core::fail(path.string() + ": " + std::strerror(errno));
+  if (!png_image_begin_read_from_stdio(&header, file.get())) return core::fail(path.string() + ": " + header.message);
   return finish_reading(header, path.string());
 }
 

@@ -10,16 +10,20 @@
 #include <string>
 #include <vector>
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+#if __has_include(<spawn.h>)
+#include <cerrno>
+
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
-#include <unistd.h>
+extern char** environ;
+#endif
 
+#include "sightline/core/internal/platform/process.h"
 #include "sightline/importers/json/internal/json.h"
 #include "sightline/tests/support/places.h"
-
-extern char** environ;
 
 namespace sightline::tests {
 
@@ -102,6 +106,7 @@ class ToolTest : public ::testing::Test {
             unwritable("below-a-file.rvm")};
   }
 
+#if __has_include(<spawn.h>)
   /// A child process that runs beside the test, and the files that it writes to.
   struct Child {
     pid_t pid = 0;
@@ -132,16 +137,30 @@ class ToolTest : public ::testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_bytes(child.out), read_bytes(child.err)};
   }
 
+#endif
+
+  /// `program` is searched in PATH unless it holds a slash.
   Outcome run_program(const std::string& program, const Args& args) const {
-    const Child child = start_program(program, args);
-    return child.pid != 0 ? wait_for(child) : Outcome{-1, "", program + " cannot be started"};
+    using Process = core::platform::ChildProcess;
+    Args command{program};
+    command.insert(command.end(), args.begin(), args.end());
+    const fs::path out = folder_ / ".stdout", err = folder_ / ".stderr";
+    auto child = Process::start(command, {.output = out, .errors = err});
+    if (!child) return {-1, "", program + " cannot be started"};
+    const auto end = child->wait();
+    const bool exited = end.kind == core::platform::ProcessEnd::Kind::kExited;
+    return {exited ? end.code : -1, read_bytes(out), read_bytes(err)};
   }
 
   /// Where sightline-TOOL lies.
-  static std::string program_of(const std::string& tool) { return in_bin("sightline-" + tool).string(); }
+  static std::string program_of(const std::string& tool) {
+    return in_bin("sightline-" + tool).string();
+  }
 
   /// Runs sightline-TOOL.
-  Outcome run(const std::string& tool, const Args& args) const { return run_program(program_of(tool), args); }
+  Outcome run(const std::string& tool, const Args& args) const {
+    return run_program(program_of(tool), args);
+  }
 
   /// Runs a tool that must succeed and parses the JSON that it writes to stdout, and nothing else.
   Json run_json(const std::string& tool, Args args) const {

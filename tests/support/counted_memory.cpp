@@ -11,11 +11,19 @@ std::atomic<std::size_t> live_bytes{0}, peak_bytes{0}, allocations{0};
 
 namespace {
 
+std::size_t bytes_of(void* p) {
+#if __has_include(<sys/mman.h>)
+  return malloc_usable_size(p);
+#else
+  return _msize(p);
+#endif
+}
+
 void* counted_allocation(std::size_t size) noexcept {
   ++allocations;
   void* p = std::malloc(size);
   if (!p) return nullptr;
-  const std::size_t live = live_bytes += malloc_usable_size(p);
+  const std::size_t live = live_bytes += bytes_of(p);
   std::size_t peak = peak_bytes;
   while (peak < live && !peak_bytes.compare_exchange_weak(peak, live)) {
   }
@@ -28,7 +36,7 @@ void* counted_or_throw(std::size_t size) {
 }
 
 void counted_release(void* p) noexcept {
-  if (p) live_bytes -= malloc_usable_size(p);
+  if (p) live_bytes -= bytes_of(p);
   std::free(p);
 }
 

@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <new>
 
+#include <malloc.h>
+
 namespace sightline::tests {
 namespace {
 
@@ -21,6 +23,23 @@ bool may_allocate() noexcept {
 void* allocate(std::size_t size) noexcept {
   return may_allocate() ? std::malloc(size ? size : 1) : nullptr;
 }
+
+#if __has_include(<sys/mman.h>)
+void* allocate_aligned(std::size_t size, std::size_t alignment) noexcept {
+  void* p = nullptr;
+  return posix_memalign(&p, alignment, size) == 0 ? p : nullptr;
+}
+void release_aligned(void* p) noexcept {
+  std::free(p);
+}
+#else
+void* allocate_aligned(std::size_t size, std::size_t alignment) noexcept {
+  return _aligned_malloc(size, alignment);
+}
+void release_aligned(void* p) noexcept {
+  _aligned_free(p);
+}
+#endif
 
 void* allocate_or_throw(std::size_t size) {
   if (void* p = allocate(size)) return p;
@@ -56,15 +75,17 @@ void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
 }
 /// Serves the arrays of scenes and snapshots.
 void* operator new(std::size_t size, std::align_val_t alignment) {
-  void* p = nullptr;
-  if (sightline::tests::may_allocate() && posix_memalign(&p, std::size_t(alignment), size ? size : 1) == 0) return p;
+  void* const p = sightline::tests::may_allocate()
+                      ? sightline::tests::allocate_aligned(size ? size : 1, std::size_t(alignment))
+                      : nullptr;
+  if (p) return p;
   throw std::bad_alloc();
 }
 void operator delete(void* p, std::align_val_t) noexcept {
-  std::free(p);
+  sightline::tests::release_aligned(p);
 }
 void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
-  std::free(p);
+  sightline::tests::release_aligned(p);
 }
 void operator delete(void* p) noexcept {
   std::free(p);
