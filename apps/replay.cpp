@@ -15,6 +15,7 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/mpi/session.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/tour.h"
 #include "sightline/importers/json/internal/json.h"
@@ -27,7 +28,6 @@
 #endif
 #if SIGHTLINE_HAS_GL && SIGHTLINE_HAS_MPI
 #include "sightline/apps/mpi/composer.h"
-#include "sightline/core/internal/platform/files.h"
 #endif
 
 namespace {

@@ -4,9 +4,16 @@
 #   scripts/wine.sh PROGRAM [argument …]
 root=$(cd "$(dirname "$0")/.." && pwd)
 export WINEDEBUG=${WINEDEBUG:--all} WINEPREFIX=${WINEPREFIX:-$root/build/windows-wine} WINEARCH=win64 LC_ALL=C.UTF-8
+# A crash is told by the exit code, not by a debugger's report; Mono and Gecko are not asked for.
+export WINEDLLOVERRIDES="winedbg.exe=d;mscoree,mshtml="
 unset DISPLAY WAYLAND_DISPLAY
 for wine in /usr/lib/wine/wine64 wine64 wine; do
-  if command -v "$wine" >/dev/null; then exec "$wine" "$@"; fi
+  command -v "$wine" >/dev/null || continue
+  if [ ! -e "$WINEPREFIX/system.reg" ]; then  # of the oldest version that is supported
+    mkdir -p "$WINEPREFIX"
+    "$wine" winecfg.exe -v win10 >/dev/null 2>&1
+  fi
+  exec "$wine" "$@"
 done
 echo "wine: not installed" >&2
 exit 127

@@ -23,7 +23,11 @@ set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -Wl,--stack,8388608")
 set(CMAKE_SHARED_LINKER_FLAGS_INIT "-static")
 set(CMAKE_MODULE_LINKER_FLAGS_INIT "-static")
 
-# A program is a test's when a script can run it: ctest, and what lists a program's tests, go through Wine.
+# FindOpenMP would take the library to be loaded, which lies beside no program.
+execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libgomp.a OUTPUT_VARIABLE gomp OUTPUT_STRIP_TRAILING_WHITESPACE)
+set(OpenMP_gomp_LIBRARY ${gomp} CACHE FILEPATH "")
+
+# Programs are run by this script: ctest, and what lists a program's tests, go through it.
 if(SIGHTLINE_WINE)
   set(CMAKE_CROSSCOMPILING_EMULATOR ${SIGHTLINE_WINE})
 endif()

@@ -21,6 +21,7 @@
 #include <thread>
 #include <vector>
 
+#include "sightline/core/internal/platform/threads.h"
 #include "sightline/core/large_array.h"
 #include "sightline/core/memory.h"
 #include "sightline/core/visible_set.h"
@@ -101,11 +102,15 @@ class Scratch {
 
  private:
   static ScratchObject& of_thread() {
-    thread_local ScratchObject kept(
-        [](void* object) { delete static_cast<T*>(object); },
-        [](const void* object) { return sizeof(T) + static_cast<const T*>(object)->memory_bytes(); });
-    assert(!kept.in_use);
-    return kept;
+    thread_local ScratchObject* kept = nullptr;
+    if (!kept) {
+      kept = new ScratchObject(
+          [](void* object) { delete static_cast<T*>(object); },
+          [](const void* object) { return sizeof(T) + static_cast<const T*>(object)->memory_bytes(); });
+      platform::at_end_of_thread([](void* object) { delete static_cast<ScratchObject*>(object); }, kept);
+    }
+    assert(!kept->in_use);
+    return *kept;
   }
 
   std::unique_lock<ScratchObject> lock_;

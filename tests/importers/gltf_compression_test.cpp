@@ -288,7 +288,7 @@ TEST_F(GltfCompression, MeshoptHostileBytes) {
     std::mt19937 random(seed);
     const Sheet sheet(1 + random() % 8, random);
     GltfBytes file = meshopt_file(sheet, random() % 2 ? "TRIANGLES" : "INDICES", random() % 2).g;
-    for (auto t = 0ul, n = 1 + random() % 6; t < n; ++t)
+    for (std::size_t t = 0, n = 1 + random() % 6; t < n; ++t)
       file.binary[random() % file.binary.size()] = std::byte(random());
     survive(file);
     ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
@@ -427,7 +427,7 @@ TEST_F(GltfCompression, DracoHostileBytes) {
     std::mt19937 random(seed);
     const Sheet sheet(1 + random() % 8, random);
     Bytes stream = draco_stream(sheet, int(random() % 11), random() % 2 ? 10 : 0, random() % 2);
-    for (auto t = 0ul, n = 1 + random() % 4; t < n; ++t) stream[random() % stream.size()] = std::byte(random());
+    for (std::size_t t = 0, n = 1 + random() % 4; t < n; ++t) stream[random() % stream.size()] = std::byte(random());
     survive(draco_file(sheet, stream));
     ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
   }

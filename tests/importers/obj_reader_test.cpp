@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -148,13 +149,13 @@ TEST_F(ObjReader, FarCoordinatesKeepTheirDigits) {
 TEST_F(ObjReader, LargeFacesAreTriangulatedWhole) {
   std::string text, face = "f";
   for (int i = 0; i < 1000; ++i) {
-    text += "v " + std::to_string(std::cos(i * 2 * M_PI / 1000)) + " " + std::to_string(std::sin(i * 2 * M_PI / 1000)) +
-            " 0\n";
+    text += "v " + std::to_string(std::cos(i * 2 * std::numbers::pi / 1000)) + " " +
+            std::to_string(std::sin(i * 2 * std::numbers::pi / 1000)) + " 0\n";
     face += ' ';
     face += std::to_string(i + 1);
   }
   ASSERT_TRUE(read(text + face + "\n"));
-  EXPECT_NEAR(area(core::ItemId{0}), M_PI, 1e-3);
+  EXPECT_NEAR(area(core::ItemId{0}), std::numbers::pi, 1e-3);
 }
 
 TEST_F(ObjReader, BadIndicesNameTheLine) {

@@ -1,6 +1,7 @@
 #include "sightline/importers/internal/triangulate.h"
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -42,7 +43,7 @@ struct Case {
     std::uniform_real_distribution<double> radius(small, large);
     const std::size_t first = vertices.size();
     for (int i = 0; i < count; ++i) {
-      const double angle = 2 * M_PI * (reverse ? count - i : i) / count, r = radius(random);
+      const double angle = 2 * std::numbers::pi * (reverse ? count - i : i) / count, r = radius(random);
       vertices.emplace_back(turn * dvec3(x + r * std::cos(angle), y + r * std::sin(angle), 3.0));
     }
     contours.push_back(std::uint32_t(count));

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <mutex>
+#include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
@@ -239,7 +240,7 @@ Json to_json(const std::vector<Result>& results) {
                      {"magnitude", r.magnitude},
                      {"hits", f.hits},
                      {"p999_rel_t_error", f.p999_t},
-                     {"max_normal_error_deg", f.max_normal * 180.0 / M_PI},
+                     {"max_normal_error_deg", f.max_normal * 180.0 / std::numbers::pi},
                      {"not_finite", f.not_finite},
                      {"band", f.limits.band},
                      {"in_band", f.ties},

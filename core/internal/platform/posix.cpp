@@ -19,6 +19,7 @@
 #include "sightline/core/internal/platform/environment.h"
 #include "sightline/core/internal/platform/files.h"
 #include "sightline/core/internal/platform/memory.h"
+#include "sightline/core/internal/platform/threads.h"
 
 namespace sightline::core::platform {
 namespace {
@@ -195,6 +196,19 @@ void prefer_small_pages(void* memory, std::size_t bytes) {
 }
 
 #endif
+
+// --- threads ---------------------------------------------------------------------------------------------------------
+
+void at_end_of_thread(void (*run)(void* object), void* object) {
+  struct Entries {
+    ~Entries() {
+      for (; !all.empty(); all.pop_back()) all.back().first(all.back().second);
+    }
+    std::vector<std::pair<void (*)(void*), void*>> all;
+  };
+  thread_local Entries entries;
+  entries.all.emplace_back(run, object);
+}
 
 // --- environment, encodings, console, calendar -----------------------------------------------------------------------
 

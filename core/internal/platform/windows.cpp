@@ -1,6 +1,7 @@
 #include "sightline/core/internal/platform/windows.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cstdlib>
@@ -20,6 +21,7 @@
 #include "sightline/core/internal/platform/environment.h"
 #include "sightline/core/internal/platform/files.h"
 #include "sightline/core/internal/platform/memory.h"
+#include "sightline/core/internal/platform/threads.h"
 
 namespace sightline::core::platform {
 namespace {
@@ -69,6 +71,19 @@ bool replace_open_file(const fs::path& from, const fs::path& to) {
   std::memcpy(info->FileName, name.data(), info->FileNameLength);
   const bool done = SetFileInformationByHandle(file, kRenameInfoEx, info, DWORD(memory.size()));
   CloseHandle(file);
+  return done;
+}
+
+/// The same where the system cannot do that: readers keep the file under another name, which is then deleted. For a
+/// moment there is no file of the name.
+bool replace_by_moving_aside(const fs::path& from, const fs::path& to) {
+  static std::atomic<std::uint32_t> next = GetTickCount();
+  fs::path aside = to;
+  aside += L"." + std::to_wstring(next++) + L".part";
+  if (!MoveFileExW(to.c_str(), aside.c_str(), 0)) return false;
+  const bool done = MoveFileExW(from.c_str(), to.c_str(), 0);
+  if (!done) MoveFileExW(aside.c_str(), to.c_str(), 0);
+  DeleteFileW(aside.c_str());
   return done;
 }
 
@@ -169,12 +184,14 @@ std::FILE* open_file(const fs::path& path, const char* mode) {
 void replace_file(const fs::path& from, const fs::path& to, std::error_code& error) {
   constexpr int kTries = 200;
   constexpr DWORD kMilliseconds = 5;
+  std::error_code ignored;
   for (int i = 0; i < kTries; ++i) {
     error.clear();
     if (replace_open_file(from, to)) return;
     if (MoveFileExW(from.c_str(), to.c_str(), MOVEFILE_REPLACE_EXISTING)) return;
     error = last_error();
-    if (!may_pass(DWORD(error.value())) || GetFileAttributesW(to.c_str()) & FILE_ATTRIBUTE_DIRECTORY) return;
+    if (!may_pass(DWORD(error.value())) || fs::is_directory(to, ignored)) return;
+    if (replace_by_moving_aside(from, to)) return error.clear();
     Sleep(kMilliseconds);
   }
 }
@@ -311,6 +328,24 @@ void* reserve_pages(std::size_t bytes) {
 
 void release_pages(void* memory, std::size_t) {
   VirtualFree(memory, 0, MEM_RELEASE);
+}
+
+// --- threads ---------------------------------------------------------------------------------------------------------
+
+void at_end_of_thread(void (*run)(void* object), void* object) {
+  struct Entry {
+    void (*run)(void*);
+    void* object;
+    Entry* before;
+  };
+  static const DWORD place = FlsAlloc([](void* first) {
+    for (auto* entry = static_cast<Entry*>(first); entry;) {
+      Entry* const before = entry->before;
+      entry->run(entry->object);
+      delete std::exchange(entry, before);
+    }
+  });
+  FlsSetValue(place, new Entry{run, object, static_cast<Entry*>(FlsGetValue(place))});
 }
 
 // --- environment, encodings, console, calendar -----------------------------------------------------------------------

@@ -1,11 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <cstring>
+#include <cwchar>
 #include <memory>
 #include <utility>
-
-#include <io.h>
 
 #include "sightline/core/internal/platform/environment.h"
 #include "sightline/core/internal/platform/files.h"
@@ -18,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where a process finds the pipe for its answers: a descriptor of the C library.
-constexpr int kAnswers = 3;
+/// Where a process finds the pipe for its answers: the number of a handle that it inherits.
+constexpr const wchar_t* kAnswers = L"SIGHTLINE_ANSWERS";
 /// The code of a process that was killed. No program returns it.
 constexpr DWORD kKilled = 0xe0534c01;
 
@@ -60,8 +58,9 @@ std::wstring quoted(const std::wstring& argument) {
 /// Ends of pipes: this process's is not inherited.
 struct Pipe {
   bool open(bool child_reads) {
+    constexpr DWORD kBuffer = 1 << 16;
     HANDLE from = nullptr, to = nullptr;
-    if (!CreatePipe(&from, &to, nullptr, 0)) return false;
+    if (!CreatePipe(&from, &to, nullptr, kBuffer)) return false;
     (child_reads ? child : own).reset(from);
     (child_reads ? own : child).reset(to);
     return SetHandleInformation(child.get(), HANDLE_FLAG_INHERIT, HANDLE_FLAG_INHERIT) != 0;
@@ -69,18 +68,15 @@ struct Pipe {
   Handle child, own;
 };
 
-/// What the C library of the child finds as its descriptors 0, 1, 2 and so on.
-std::vector<unsigned char> descriptors_of(std::span<const HANDLE> handles) {
-  constexpr unsigned char kOpen = 0x01, kIsPipe = 0x08;  // of its own flags
-  const int count = int(handles.size());
-  std::vector<unsigned char> block(sizeof count + handles.size() * (1 + sizeof(HANDLE)));
-  std::memcpy(block.data(), &count, sizeof count);
-  for (std::size_t i = 0; i < handles.size(); ++i) {
-    const bool there = handles[i] != INVALID_HANDLE_VALUE;
-    block[sizeof count + i] = there ? kOpen | (GetFileType(handles[i]) == FILE_TYPE_PIPE ? kIsPipe : 0) : 0;
-  }
-  std::memcpy(block.data() + sizeof count + handles.size(), handles.data(), handles.size_bytes());
-  return block;
+/// This process's environment, and one more variable.
+std::wstring environment_with(std::wstring_view name, const std::wstring& value) {
+  std::wstring block;
+  wchar_t* const all = GetEnvironmentStringsW();
+  for (const wchar_t* one = all; *one; one += std::wcslen(one) + 1)
+    if (!std::wstring_view(one).starts_with(std::wstring(name) + L"=")) block.append(one).push_back(L'\0');
+  FreeEnvironmentStringsW(all);
+  block.append(name).append(L"=").append(value).push_back(L'\0');
+  return block + L'\0';
 }
 
 /// A list of the only handles that a process inherits.
@@ -146,22 +142,21 @@ Handle errors_to_inherit() {
 Expected<Handle> create_process(const std::vector<std::string>& command, std::array<HANDLE, 4> handles) {
   std::wstring line;
   for (const std::string& argument : command) line += (line.empty() ? L"" : L" ") + quoted(wide_of(argument));
-  Inherited inherited({handles.begin(), handles.end()});
+  Inherited inherited(std::vector<HANDLE>(handles.begin(), handles.end()));
   if (!inherited.good()) return fail(words_of(last_error()));
-  std::vector<unsigned char> descriptors = descriptors_of(handles);
+  std::wstring environment = environment_with(kAnswers, std::to_wstring(std::intptr_t(handles[3])));
   STARTUPINFOEXW start{};
   start.StartupInfo.cb = sizeof start;
   start.StartupInfo.dwFlags = STARTF_USESTDHANDLES;
   start.StartupInfo.hStdInput = handles[0];
   start.StartupInfo.hStdOutput = handles[1];
   start.StartupInfo.hStdError = handles[2];
-  start.StartupInfo.cbReserved2 = WORD(descriptors.size());
-  start.StartupInfo.lpReserved2 = descriptors.data();
   start.lpAttributeList = inherited.list();
   PROCESS_INFORMATION made{};
   // Without a path of its own, the system looks for the program of the line, and adds ".exe".
-  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, EXTENDED_STARTUPINFO_PRESENT | CREATE_SUSPENDED,
-                      nullptr, nullptr, &start.StartupInfo, &made))
+  constexpr DWORD kHow = EXTENDED_STARTUPINFO_PRESENT | CREATE_SUSPENDED | CREATE_UNICODE_ENVIRONMENT;
+  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, kHow, environment.data(), nullptr,
+                      &start.StartupInfo, &made))
     return fail(words_of(last_error()));
   if (job_of_children()) AssignProcessToJobObject(job_of_children(), made.hProcess);
   ResumeThread(made.hThread);
@@ -290,8 +285,14 @@ void ChildProcess::close_pipes() {
 }
 
 std::optional<AnswerPipe> AnswerPipe::of_this_process() {
-  const std::intptr_t handle = _get_osfhandle(kAnswers);
-  if (handle == -1 || GetFileType(handle_of(handle)) != FILE_TYPE_PIPE) return std::nullopt;
+  // Programs that this one starts do not inherit the handle, whose number may be another's there.
+  static const std::intptr_t handle = [] {
+    const wchar_t* const number = _wgetenv(kAnswers);
+    const auto read = number ? std::intptr_t(std::wcstoll(number, nullptr, 10)) : 0;
+    _wputenv_s(kAnswers, L"");
+    return read;
+  }();
+  if (handle == 0 || GetFileType(handle_of(handle)) != FILE_TYPE_PIPE) return std::nullopt;
   return AnswerPipe(handle);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -74,12 +75,14 @@ Colour ycxcz(const Colour& linear) {
 }
 
 Colour filtered(const Image& image, int px, int py, double ppd) {
-  const int radius = int(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * M_PI * M_PI)) * ppd));
+  const int radius = int(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * std::numbers::pi * std::numbers::pi)) * ppd));
   double sums[3] = {0, 0, 0}, weights[3] = {0, 0, 0};
   for (int y = -radius; y <= radius; ++y)
     for (int x = -radius; x <= radius; ++x) {
       const double d2 = double(x * x + y * y) / (ppd * ppd);
-      const auto g = [&](double a, double b) { return a * std::sqrt(M_PI / b) * std::exp(-M_PI * M_PI * d2 / b); };
+      const auto g = [&](double a, double b) {
+        return a * std::sqrt(std::numbers::pi / b) * std::exp(-std::numbers::pi * std::numbers::pi * d2 / b);
+      };
       const double w[3] = {g(1.0, 0.0047), g(1.0, 0.0053), g(34.1, 0.04) + g(13.5, 0.025)};
       const Colour c = ycxcz(linear_at(image, px + x, py + y));
       const double v[3] = {c.x, c.y, c.z};
