@@ -26,6 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr bool kPosix = fs::path::preferred_separator == '/';
+
 std::span<const std::byte> bytes_of(std::string_view text) {
   return std::as_bytes(std::span(text));
 }
@@ -45,7 +47,7 @@ class AtomicFileTest : public ::testing::Test {
   static std::string content(const fs::path& file) {
     std::string text;
     std::FILE* const in = platform::open_file(file, "rb");
-    if (!in) return "(cannot be opened)";
+    if (!in) return {};
     for (int c; (c = std::fgetc(in)) != EOF;) text += char(c);
     std::fclose(in);
     return text;
@@ -105,9 +107,8 @@ TEST_F(AtomicFileTest, ErrorsNameTheFileAndTheReason) {
   const fs::path missing = folder_ / "missing" / "a.bin", below = folder_ / "file" / "a.bin";
   std::ofstream(folder_ / "file") << "old";
   expect_error(write_file(missing, {}), missing, message(std::errc::no_such_file_or_directory));
-  const bool posix = fs::path::preferred_separator == '/';  // Windows only says that the place is not there
   expect_error(write_file(below, {}), below,
-               message(posix ? std::errc::not_a_directory : std::errc::no_such_file_or_directory));
+               message(kPosix ? std::errc::not_a_directory : std::errc::no_such_file_or_directory));
   expect_error(write_file(folder_, {}), folder_, message(std::errc::is_a_directory));
   EXPECT_FALSE(write_file({}, {}));
   EXPECT_EQ(files(), 1u);
@@ -198,6 +199,7 @@ TEST_F(AtomicFileTest, WritersOfOneTargetDoNotMix) {
   std::size_t read = 0, torn = 0;
   while (writing > 0) {
     const std::string text = content(target);
+    if (!kPosix && text.empty()) continue;  // for a moment there may be no file of the name
     ++read;
     torn += text.size() != kBytes || text.find_first_not_of(text[0]) != std::string::npos;
   }
