@@ -35,9 +35,9 @@ Stamp stamp_of(const fs::path& path) {
   std::error_code code;
   const auto size = fs::file_size(path, code);
   if (code) return {};
-  const auto time = fs::last_write_time(path, code);
+  const std::int64_t time = core::platform::write_time(path, code);
   if (code) return {};
-  return {std::int64_t(size), std::int64_t(time.time_since_epoch().count())};
+  return {std::int64_t(size), time};
 }
 
 /// Absolute, so that the cache is found from any directory.

@@ -77,7 +77,7 @@ class ModelTool : public ToolTest, public ::testing::WithParamInterface<std::str
 TEST_P(ModelTool, RefusesWhatIsNoModel) {
   const std::string good = plant(1000);
   for (const std::string& file : bad_models()) {
-    const std::string name = fs::path(file).filename();
+    const std::string name = fs::path(file).filename().string();
     expect_failure(GetParam(), with({file}), name);
     expect_failure(GetParam(), with({good, file}), name);
   }

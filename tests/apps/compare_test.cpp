@@ -233,7 +233,7 @@ TEST_F(Compare, BcfIsCappedAndSaysSo) {
 TEST_F(Compare, RefusesBadInput) {
   const std::string good = plant(1000);
   for (const std::string& file : bad_models()) {
-    const std::string name = fs::path(file).filename();
+    const std::string name = fs::path(file).filename().string();
     expect_failure("compare", {file, good}, name);
     expect_failure("compare", {good, file}, name);
   }

@@ -3,6 +3,7 @@
 
 #include <tuple>
 
+#include "sightline/core/internal/platform/environment.h"
 #include "sightline/tests/apps/tool_test.h"
 #include "sightline/tests/support/no_gl.h"
 
@@ -14,7 +15,7 @@ class RenderTest : public ToolTest {
  protected:
   void SetUp() override {
     ToolTest::SetUp();
-    setenv("SIGHTLINE_RENDERER", "gl", 1);
+    core::platform::set_environment("SIGHTLINE_RENDERER", "gl");
     static const Outcome probe = run("render", {write("probe.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"), "--size",
                                                 "8x8", "--out", path("probe.png")});
     if (probe.code == 0) return;

@@ -1,4 +1,5 @@
 // What the operating system offers, by names in any script: files, memory, processes, modules.
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -245,6 +246,16 @@ TEST(PlatformClock, KnowsTheCalendar) {
   EXPECT_EQ(utc.tm_mon, 1);
   EXPECT_EQ(utc.tm_mday, 29);
   EXPECT_EQ(utc.tm_hour, 12);
+}
+
+TEST(PlatformMath, FusedProductsAreRoundedOnce) {
+  volatile double a = 1.0 + 0x1p-30, b = 1.0 - 0x1p-30, c = -1.0, tiny = 0x1p-105;
+  EXPECT_EQ(std::fma(a, b, c), -0x1p-60);
+  // Half a unit and a trace of more: a first rounding to 64 bits would lose the trace.
+  volatile double x = 1.0 + 0x1p-52, half = 0x1p-53;
+  EXPECT_EQ(std::fma(half, 1.0 + tiny * 0x1p53, x), 1.0 + 0x1p-51);
+  volatile float f = 1.0f + 0x1p-12f, g = 1.0f - 0x1p-12f, h = -1.0f;
+  EXPECT_EQ(std::fma(f, g, h), -0x1p-24f);
 }
 
 // --- processes -------------------------------------------------------------------------------------------------------

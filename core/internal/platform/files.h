@@ -28,6 +28,10 @@ SIGHTLINE_API std::string name_of(const std::filesystem::path& path);
 /// fopen(): null and errno where it fails. `mode` has a "b", so that a file has the bytes that were written.
 SIGHTLINE_API std::FILE* open_file(const std::filesystem::path& path, const char* mode);
 
+/// When a file was last written to, in units of the system and as finely as it knows; 0 and an error where it cannot
+/// tell.
+SIGHTLINE_API std::int64_t write_time(const std::filesystem::path& path, std::error_code& error);
+
 /// Renames a file. One that had the name is replaced, also while somebody reads it. Where Windows cannot do that at
 /// once, there is no file of the name for a moment.
 SIGHTLINE_API void replace_file(const std::filesystem::path& from, const std::filesystem::path& to,

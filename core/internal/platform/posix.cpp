@@ -55,6 +55,11 @@ std::FILE* open_file(const fs::path& path, const char* mode) {
   return std::fopen(path.c_str(), mode);
 }
 
+std::int64_t write_time(const fs::path& path, std::error_code& error) {
+  const auto time = fs::last_write_time(path, error);
+  return error ? 0 : std::int64_t(time.time_since_epoch().count());
+}
+
 void replace_file(const fs::path& from, const fs::path& to, std::error_code& error) {
   fs::rename(from, to, error);
 }

@@ -181,6 +181,16 @@ std::FILE* open_file(const fs::path& path, const char* mode) {
   return file;
 }
 
+std::int64_t write_time(const fs::path& path, std::error_code& error) {
+  // The standard library of g++ counts whole seconds here.
+  WIN32_FILE_ATTRIBUTE_DATA data{};
+  error.clear();
+  if (GetFileAttributesExW(path.c_str(), GetFileExInfoStandard, &data))
+    return std::int64_t(std::uint64_t(data.ftLastWriteTime.dwHighDateTime) << 32 | data.ftLastWriteTime.dwLowDateTime);
+  error = last_error();
+  return 0;
+}
+
 void replace_file(const fs::path& from, const fs::path& to, std::error_code& error) {
   constexpr int kTries = 200;
   constexpr DWORD kMilliseconds = 5;
