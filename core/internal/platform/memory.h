@@ -9,7 +9,7 @@
 namespace sightline::core::platform {
 
 SIGHTLINE_API std::size_t page_size();
-/// Of the machine; 0 where it cannot be told.
+/// What the machine has; 0 where it cannot be told.
 SIGHTLINE_API std::uint64_t physical_memory();
 /// What the process has in memory; 0 where it cannot be told.
 SIGHTLINE_API std::size_t process_memory();
@@ -30,7 +30,7 @@ inline constexpr bool kHasHugePages = false;
 #endif
 inline constexpr std::size_t kHugePage = std::size_t(2) << 20;
 
-/// The same in huge pages, where there are any: `bytes` and the address are multiples of kHugePage. Released by
+/// Zeros in huge pages, where there are any: `bytes` and the address are multiples of kHugePage. Released by
 /// release_pages(). The functions below are for such memory.
 SIGHTLINE_API void* reserve_huge_pages(std::size_t bytes);
 /// Moves pages without copying them. `to`: reserved, and at least as large. False where the system cannot; then nobody

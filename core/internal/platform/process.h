@@ -71,7 +71,7 @@ class SIGHTLINE_API AnswerPipe {
   std::intptr_t handle_;
 };
 
-/// Of this process.
+/// What this process may use.
 struct ProcessLimits {
   std::optional<std::uint64_t> memory;   ///< bytes of address space
   std::optional<std::uint64_t> seconds;  ///< of processor time

@@ -74,8 +74,8 @@ bool replace_open_file(const fs::path& from, const fs::path& to) {
   return done;
 }
 
-/// The same where the system cannot do that: readers keep the file under another name, which is then deleted. For a
-/// moment there is no file of the name.
+/// Replaces a file where the system cannot do that: readers keep the file under another name, which is then deleted.
+/// For a moment there is no file of the name.
 bool replace_by_moving_aside(const fs::path& from, const fs::path& to) {
   static std::atomic<std::uint32_t> next = GetTickCount();
   fs::path aside = to;
@@ -385,6 +385,8 @@ std::optional<std::string> decoded(std::string_view text, std::string_view encod
 std::vector<std::string> begin_program(int argc, char** argv) {
   SetConsoleOutputCP(CP_UTF8);
   for (std::FILE* const stream : {stdin, stdout, stderr}) _setmode(_fileno(stream), _O_BINARY);
+  // Arguments that are not those of main() are UTF-8 already.
+  if (argc == 0 || __argc == 0 || std::strcmp(argv[0], __argv[0]) != 0) return {argv, argv + argc};
   int count = 0;
   wchar_t** const words = CommandLineToArgvW(GetCommandLineW(), &count);
   if (!words) return {argv, argv + argc};
