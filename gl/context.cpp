@@ -169,7 +169,8 @@ void collect_debug_output(const Functions& gl, DebugLog& log) {
   gl.DebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_NOTIFICATION, 0, nullptr, GL_FALSE);
 }
 
-constexpr std::array<std::string_view, 5> kPlatformNames = {"auto", "egl", "egl-surfaceless", "egl-device", "osmesa"};
+constexpr std::array<std::string_view, 6> kPlatformNames = {"auto",       "egl",    "egl-surfaceless",
+                                                            "egl-device", "osmesa", "wgl"};
 
 /// `why`: why the platform is not the first choice, where it is not.
 core::Expected<std::unique_ptr<PlatformContext>> create_platform_context(ContextOptions options, std::string& why) {
@@ -180,11 +181,11 @@ core::Expected<std::unique_ptr<PlatformContext>> create_platform_context(Context
     options.platform = *named;
   }
   if (options.platform == ContextPlatform::kOsMesa) return create_osmesa_context(options);
-  auto egl = create_egl_context(options);
-  if (egl || options.platform != ContextPlatform::kAutomatic) return egl;
+  auto own = create_system_context(options);
+  if (own || options.platform != ContextPlatform::kAutomatic) return own;
   auto osmesa = create_osmesa_context(options);
-  if (!osmesa) return core::fail(egl.error().message + "; " + osmesa.error().message);
-  why = egl.error().message;
+  if (!osmesa) return core::fail(own.error().message + "; " + osmesa.error().message);
+  why = own.error().message;
   return osmesa;
 }
 

@@ -1,5 +1,5 @@
-// A GL context: made offscreen through EGL or OSMesa, or adopted from the application. Needs no header of GL's, and so
-// goes with any.
+// A GL context: made offscreen through EGL, WGL or OSMesa, or adopted from the application. Needs no header of GL's,
+// and so goes with any.
 #pragma once
 
 #include <cstdint>
@@ -22,19 +22,21 @@ struct Functions;  // gl/functions.h
 /// Ways to a context without a window.
 ///
 /// Each of them may be used beside the others. A thread has one context current at most: making one current releases
-/// the one of EGL, GLX or OSMesa that is current on that thread, the application's included. An engine makes that
+/// the one of EGL, GLX, WGL or OSMesa that is current on that thread, the application's included. An engine makes that
 /// current again (EngineConfig::context.application); who makes contexts current himself does so himself.
 enum class ContextPlatform : std::uint8_t {
-  /// What the environment variable SIGHTLINE_CONTEXT names (name_of()). Without it kEgl, and kOsMesa where EGL is
-  /// absent or gives no context: Context::platform() then says why.
+  /// What the environment variable SIGHTLINE_CONTEXT names (name_of()). Without it kEgl, or on Windows kWgl, and
+  /// kOsMesa
+  /// where that is absent or gives no context: Context::platform() then says why.
   kAutomatic,
   kEgl,             ///< hardware EGL devices in order, then surfaceless, then software devices
   kEglSurfaceless,  ///< EGL_MESA_platform_surfaceless
   kEglDevice,       ///< EGL_EXT_platform_device: the first device that works, hardware first
   kOsMesa,          ///< Mesa's software rasteriser as a library; needs no driver and no display server
+  kWgl,             ///< Windows' own, with a window that is never shown
 };
 
-/// "auto", "egl", "egl-surfaceless", "egl-device", "osmesa"
+/// "auto", "egl", "egl-surfaceless", "egl-device", "osmesa", "wgl"
 SIGHTLINE_API std::string_view name_of(ContextPlatform platform);
 /// The platform of that name. The error lists all names.
 SIGHTLINE_API core::Expected<ContextPlatform> parse_platform(const std::string& name);
@@ -73,8 +75,8 @@ struct Capabilities {
   int storage_offset_alignment = 0;  ///< bytes
 };
 
-/// Whether EGL finds a device for drawing that is no software rasteriser. Makes no context, and takes a fraction of a
-/// millisecond where the system has no such device at all.
+/// Whether the system has a device for drawing that is no software rasteriser. Makes no context, and takes a fraction
+/// of a millisecond where the system has no such device at all.
 SIGHTLINE_API bool has_gpu();
 
 /// Owns or borrows one GL context with its function table. Move-only; functions() keeps its address when the Context

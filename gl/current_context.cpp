@@ -51,6 +51,19 @@ struct CurrentGlx {
   }
 };
 
+/// On 64-bit Windows functions of the system are called as all others.
+struct CurrentWgl {
+  static constexpr std::initializer_list<const char*> kNames = {"opengl32.dll"};
+  void* (*GetCurrentContext)();
+  void* (*GetCurrentDC)();
+  int (*MakeCurrent)(void* drawing, void* context);
+
+  bool load(void* library) {
+    return find_symbol(library, "wglGetCurrentContext", GetCurrentContext) &&
+           find_symbol(library, "wglGetCurrentDC", GetCurrentDC) && find_symbol(library, "wglMakeCurrent", MakeCurrent);
+  }
+};
+
 struct CurrentOsMesa {
   static constexpr std::initializer_list<const char*> kNames = {"libOSMesa.so.8", "libOSMesa.so.6"};
   void* (*GetCurrentContext)();
@@ -101,6 +114,8 @@ void release_other_contexts(ContextLibrary library) {
     if (osmesa && !egl_has && !glx_has && osmesa->GetCurrentContext()) osmesa->MakeCurrent(nullptr, nullptr, 0, 0, 0);
   }
   if (library != ContextLibrary::kEgl && egl_has) egl->MakeCurrent(egl->GetCurrentDisplay(), nullptr, nullptr, nullptr);
+  if (const auto* wgl = opened<CurrentWgl>(); wgl && library != ContextLibrary::kWgl && wgl->GetCurrentContext())
+    wgl->MakeCurrent(nullptr, nullptr);
   if (library != ContextLibrary::kGlx && glx_has) glx->MakeContextCurrent(glx->GetCurrentDisplay(), 0, 0, nullptr);
 }
 
@@ -124,6 +139,9 @@ CurrentContext::Current CurrentContext::look() {
     current.display = glx->GetCurrentDisplay();
     current.draw = as_pointer(glx->GetCurrentDrawable());
     current.read = as_pointer(glx->GetCurrentReadDrawable());
+  } else if (const auto* wgl = opened<CurrentWgl>(); wgl && (current.context = wgl->GetCurrentContext())) {
+    current.library = ContextLibrary::kWgl;
+    current.display = wgl->GetCurrentDC();
   } else if (const auto* osmesa = opened<CurrentOsMesa>(); osmesa && (current.context = osmesa->GetCurrentContext())) {
     current.library = ContextLibrary::kOsMesa;
     int format = 0;
@@ -144,6 +162,9 @@ void CurrentContext::make_current(const Current& current) {
     case ContextLibrary::kGlx:
       opened<CurrentGlx>()->MakeContextCurrent(current.display, as_drawable(current.draw), as_drawable(current.read),
                                                current.context);
+      return;
+    case ContextLibrary::kWgl:
+      opened<CurrentWgl>()->MakeCurrent(current.display, current.context);
       return;
     case ContextLibrary::kOsMesa:
       if (current.ours)

@@ -252,7 +252,8 @@ bool has_gpu() {
   return egl && std::ranges::any_of(list_devices(*egl, -1), [](const Candidate& device) { return !device.software; });
 }
 
-core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const ContextOptions& options) {
+core::Expected<std::unique_ptr<PlatformContext>> create_system_context(const ContextOptions& options) {
+  if (options.platform == ContextPlatform::kWgl) return core::fail("WGL: it is Windows' alone; expected egl or osmesa");
   const auto library = open_library(options.egl_library);
   if (!library) {
     const std::string& reason = library.error().message;

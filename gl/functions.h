@@ -11,6 +11,11 @@
 #include <string>
 #include <vector>
 
+// GL's own header would bring the system's on Windows to define it. Calls are the same without it where there are 64
+// bits.
+#ifndef APIENTRY
+#define APIENTRY
+#endif
 #include <GL/glcorearb.h>
 
 #include "sightline/core/api.h"

@@ -8,9 +8,11 @@
 namespace sightline::gl {
 namespace {
 
-constexpr std::array<std::string_view, kDriverCheckCount> kCheckNames = {
-    "clip-control", "conservative-depth", "base-vertex", "transform-feedback", "indirect-count",
-    "samples",      "storage-blocks",     "precise",     "timer",              "geometry-stage"};
+constexpr std::array<std::string_view, kDriverCheckCount> kCheckNames = {"clip-control",   "conservative-depth",
+                                                                         "base-vertex",    "transform-feedback",
+                                                                         "indirect-count", "samples",
+                                                                         "storage-blocks", "precise",
+                                                                         "timer",          "geometry-stage"};
 
 constexpr std::array<WorkaroundFacts, kWorkaroundCount> kFacts = {{
     {Workaround::kPlainDepth, DriverCheck::kConservativeDepth, "plain-depth",
@@ -21,7 +23,8 @@ constexpr std::array<WorkaroundFacts, kWorkaroundCount> kFacts = {{
      "ANGLE: vertex_ID_does_not_include_base_vertex"},
     {Workaround::kNoFeedback, DriverCheck::kFeedback, "no-feedback",
      "transform feedback misplaces scalars, or counts a stream that is not written wrongly",
-     "the GPU culler uses compute shaders only", "github.com/Ryujinx/Ryujinx/issues/3832; github.com/GPUOpen-Drivers/llpc/pull/2672"},
+     "the GPU culler uses compute shaders only",
+     "github.com/Ryujinx/Ryujinx/issues/3832; github.com/GPUOpen-Drivers/llpc/pull/2672"},
     {Workaround::kNoIndirectCount, DriverCheck::kIndirectCount, "no-indirect-count",
      "draw counts are not read from a buffer", "unused draw commands draw nothing", "GL_ARB_indirect_parameters"},
     {Workaround::kFourSamples, DriverCheck::kSamples, "four-samples", "images of more than four samples are wrong",
@@ -60,7 +63,8 @@ core::Expected<WorkaroundSwitches> WorkaroundSwitches::parse(std::string_view te
     text.remove_prefix(std::min(text.size(), one.size() + 1));
     const std::size_t equals = one.find('=');
     const std::string_view name = one.substr(0, equals), value = equals == one.npos ? "" : one.substr(equals + 1);
-    const auto found = std::find_if(kFacts.begin(), kFacts.end(), [&](const auto& facts) { return facts.name == name; });
+    const auto found =
+        std::find_if(kFacts.begin(), kFacts.end(), [&](const auto& facts) { return facts.name == name; });
     if (found == kFacts.end() || (value != "on" && value != "off"))
       return core::fail(
           fmt::format("GL workarounds: expected NAME=on or NAME=off, NAME one of {}; found \"{}\"", all_names(), one));

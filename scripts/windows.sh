@@ -15,7 +15,7 @@ tree=$PWD/build/windows-mingw
 
 # --- what is installed -----------------------------------------------------------------------------------------------
 packages=(g++-mingw-w64-x86-64-posix binutils cmake ninja-build dpkg-dev wine wine64 xvfb python3 debian-archive-keyring
-  libglm-dev libexpected-dev nlohmann-json3-dev libcli11-dev libstb-dev libxxhash-dev)
+  libgl-dev libegl-dev libglm-dev libexpected-dev nlohmann-json3-dev libcli11-dev libstb-dev libxxhash-dev)
 install_packages() {
   local missing=() as_root=()
   for package in "${packages[@]}"; do
@@ -70,6 +70,9 @@ copy_headers() {
   if built headers; then return 0; fi
   mkdir -p "$deps/include" "$deps/share/cmake"
   for header in glm tl nlohmann CLI stb xxhash.h; do cp -rL "/usr/include/$header" "$deps/include/"; done
+  mkdir -p "$deps/include/GL"
+  cp /usr/include/GL/glcorearb.h "$deps/include/GL/"
+  cp -r /usr/include/KHR "$deps/include/"
   for package in glm tl-expected nlohmann_json CLI11; do cp -r "/usr/share/cmake/$package" "$deps/share/cmake/"; done
   mark_built headers
 }

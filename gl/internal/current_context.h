@@ -8,7 +8,7 @@ namespace sightline::gl {
 /// Libraries that make contexts current. Each keeps an account of its own, although a thread has one context at most:
 /// what one of Mesa's makes current replaces what another had, which goes unnoticed there, and libglvnd refuses. So
 /// what the others have is released first.
-enum class ContextLibrary : unsigned char { kNone, kEgl, kGlx, kOsMesa };
+enum class ContextLibrary : unsigned char { kNone, kEgl, kGlx, kOsMesa, kWgl };
 
 /// Leaves no context of other libraries than this current on the calling thread, the application's included.
 void release_other_contexts(ContextLibrary library);
@@ -27,7 +27,7 @@ class CurrentContext {
   struct Current {
     ContextLibrary library = ContextLibrary::kNone;
     void* context = nullptr;
-    void* display = nullptr;  // EGL's or GLX's
+    void* display = nullptr;  // EGL's or GLX's; WGL's context of drawing
     void* draw = nullptr;     // surfaces, of GLX as numbers; OSMesa's pixels
     void* read = nullptr;
     int type = 0, width = 0, height = 0;  // of OSMesa's pixels

@@ -1,4 +1,4 @@
-// Contexts that this library makes, by EGL or OSMesa, without linking either. Internal to gl.
+// Contexts that this library makes, by EGL, WGL or OSMesa, without linking any. Internal to gl.
 #pragma once
 
 #include <memory>
@@ -20,12 +20,13 @@ class PlatformContext {
   /// Leaves no context current on this thread, if this one is.
   virtual void release_current() const = 0;
   virtual Proc get_proc(const char* name) const = 0;
-  /// "EGL surfaceless", "EGL device 0 (software)", "OSMesa"
+  /// "EGL surfaceless", "EGL device 0 (software)", "WGL", "OSMesa"
   virtual std::string name() const = 0;
 };
 
-/// Makes a context and leaves it current on this thread. The error lists each platform tried and why it failed.
-core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const ContextOptions& options);
+/// Makes a context by the system's own means, EGL or on Windows WGL, and leaves it current on this thread. The error
+/// lists each platform tried and why it failed.
+core::Expected<std::unique_ptr<PlatformContext>> create_system_context(const ContextOptions& options);
 /// Creates a context with OSMesa. The error says what to install.
 core::Expected<std::unique_ptr<PlatformContext>> create_osmesa_context(const ContextOptions& options);
 
