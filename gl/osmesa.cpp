@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sightline/core/internal/platform/files.h"
+#include "sightline/core/internal/platform/threads.h"
 #include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/dynamic_library.h"
 #include "sightline/gl/internal/platform_context.h"
@@ -61,13 +62,13 @@ struct Body {
 };
 
 thread_local Body* current_body = nullptr;
+thread_local bool ends_watched = false;
 
-/// Releases the context that is current when a thread ends.
-struct ThreadEnd {
-  ~ThreadEnd() { release_osmesa_context_of_ours(); }
-  void await() {}  // a thread's variable is made, and ends, only where it is used
-};
-thread_local ThreadEnd thread_end;
+/// Releases the context that is current when this thread ends.
+void watch_end_of_thread() {
+  if (!std::exchange(ends_watched, true))
+    core::platform::at_end_of_thread([](void*) { release_osmesa_context_of_ours(); }, nullptr);
+}
 
 core::Expected<void> make_body_current(const std::shared_ptr<Body>& body) {
   const OsMesa& osmesa = body->osmesa;
@@ -79,7 +80,7 @@ core::Expected<void> make_body_current(const std::shared_ptr<Body>& body) {
   release_other_contexts(ContextLibrary::kOsMesa);
   current_body = body.get();
   body->self = body;
-  thread_end.await();
+  watch_end_of_thread();
   if (osmesa.MakeCurrent(body->handle, body->pixel.data(), GL_UNSIGNED_BYTE, 1, 1)) return {};
   release_osmesa_context_of_ours();
   return core::fail("OSMesaMakeCurrent failed");
