@@ -30,7 +30,7 @@ struct Wgl {
   HGLRC(WINAPI* GetCurrentContext)() = nullptr;
   PROC(WINAPI* GetProcAddress)(LPCSTR) = nullptr;
 
-  /// Those of OpenGL 1.1 are the library's own; the rest is the driver's.
+  /// The library itself has those of OpenGL 1.1, and the driver the others.
   Proc find(const char* name) const {
     const PROC proc = GetProcAddress(name);
     // Some drivers answer with small numbers instead of null.
