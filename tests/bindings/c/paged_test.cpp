@@ -256,7 +256,7 @@ TEST_F(CapiPaged, BadArgumentsAreErrors) {
   EXPECT_EQ(refused([](sl_paged_config& c) { c.memory_limit = 0; }), SL_ERROR_ARGUMENT);
   EXPECT_EQ(refused([](sl_paged_config& c) { c.width = 0; }), SL_ERROR_ARGUMENT);
   EXPECT_EQ(refused([](sl_paged_config& c) { c.refine_ms = std::nan(""); }), SL_ERROR_FAILED);
-  EXPECT_EQ(refused([](sl_paged_config& c) { c.context.platform = 5; }), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(refused([](sl_paged_config& c) { c.context.platform = 6; }), SL_ERROR_ARGUMENT);
   EXPECT_EQ(refused([](sl_paged_config& c) { c.losses.lod_error = -1.0; }), SL_ERROR_FAILED);
   EXPECT_EQ(refused([](sl_paged_config& c) { c.drawing.samples = 4; }), SL_ERROR_FAILED);
   EXPECT_NE(std::string(sl_last_error()).find("a paged engine has no samples"), std::string::npos) << sl_last_error();
