@@ -156,7 +156,7 @@ TEST_F(MeshMemory, ShrinksWithoutLosingAnything) {
     while (!*engine.commit(0.0)) ASSERT_TRUE(engine.frame(look(0.4)));
     for (int i = 0; i < 60 && pool.memory_bytes() > before / 2; ++i) ASSERT_TRUE(engine.frame(look(0.4)));
     EXPECT_LT(pool.memory_bytes(), before / 2);
-    const auto compare = [&] {
+    const auto compare = [&, culler = culler, error = error] {
       Engine fresh = create(scene, error, culler);
       ASSERT_TRUE(fresh.finish_levels() && engine.finish_levels());
       ASSERT_TRUE(engine.frame(look(0.5)) && fresh.frame(look(0.5)));
