@@ -82,7 +82,7 @@ void drop_context(EngineState& s) {
 }
 
 void note_context(EngineState& s) {
-  if (!s.backend->ready() || s.traces_meanwhile()) return;
+  if (!s.backend->ready() || traces_until_context(s.config)) return;
   const BackendReport report = s.backend->report();
   if (s.backend->traces()) return set_entry(s.live.plan, {"images by rays", true, report.why_rays});
   add_context(s.live.plan, !s.config.context.application, report.platform);
@@ -136,7 +136,7 @@ void Engine::drop_context() {
 core::Expected<void> Engine::use_context(gl::Context& context) {
   if (state_->draws_by_rays()) return core::fail("engine: renderer rays draws without a context");
   if (state_->backend->lost()) drop_context();
-  assert((!state_->backend->ready() || state_->traces_meanwhile()) &&
+  assert((!state_->backend->ready() || traces_until_context(config())) &&
          "the other context is still in use: drop_context()");
   return take_context(*state_, context, nullptr);
 }
@@ -145,7 +145,8 @@ core::Expected<bool> Engine::use_context(gl::Context& context, double seconds) {
   EngineState& s = *state_;
   if (s.draws_by_rays()) return core::fail("engine: renderer rays draws without a context");
   if (s.backend->lost()) drop_context();
-  assert((!s.backend->ready() || s.traces_meanwhile()) && "the other context is still in use: drop_context()");
+  assert((!s.backend->ready() || traces_until_context(s.config)) &&
+         "the other context is still in use: drop_context()");
   if (s.next_backend && (s.next_backend->report().application != &context || s.next_backend->lost()))
     s.next_backend.reset();
   const auto taken = [] { return true; };

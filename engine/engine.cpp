@@ -194,7 +194,7 @@ core::Expected<void> Engine::forget_image(std::uint32_t number) {
 std::string Engine::renderer() {
   const auto kept = state_->keep_state();
   Backend& backend = *state_->backend;
-  if (state_->traces_meanwhile()) return "";
+  if (traces_until_context(config())) return "";
   return backend.traces() || backend.drawing() ? backend.report().renderer : std::string();
 }
 

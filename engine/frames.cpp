@@ -4,6 +4,7 @@
 
 #include "sightline/core/internal/clock.h"
 #include "sightline/engine/internal/engine_state.h"
+#include "sightline/engine/internal/settings.h"
 #include "sightline/gl/external_target.h"
 
 namespace sightline::engine {
@@ -111,7 +112,7 @@ core::Expected<void> begin_frame(EngineState& s, FrameReport& report) {
 core::Expected<const raytrace::Tracer*> tracer_of_frame([[maybe_unused]] EngineState& s) {
 #if SIGHTLINE_HAS_RAYTRACE
   if (s.backend->traces()) {
-    if (s.traces_meanwhile() && !s.new_tracer.ready()) return nullptr;
+    if (traces_until_context(s.config) && !s.new_tracer.ready()) return nullptr;
     s.new_tracer.finish(s.live);
     return make_tracer(s.live).map([&] { return s.live.tracer.get(); });
   }

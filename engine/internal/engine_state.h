@@ -61,10 +61,6 @@ struct EngineState {
   bool draws_by_rays() const {
     return config.draw && (config.drawing.renderer == Renderer::kRays || (backend->traces() && !config.context.later));
   }
-  /// Whether rays draw until there is a context.
-  bool traces_meanwhile() const {
-    return backend->traces() && config.context.later;
-  }
   bool needs_gl() const {
     return (config.draw && !draws_by_rays()) || live.plan.gpu_culls();
   }
