@@ -121,7 +121,7 @@ class Studio {
   }
 
  private:
-  /// What an engine draws of the view.
+  /// Finds what an engine draws of the view.
   void see(const core::View& view) {
     core::VisibleSet inside;
     culler_.cull(view, inside);

@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <tl/expected.hpp>
 
@@ -53,8 +54,13 @@ class SIGHTLINE_API ReadableFile {
   /// Opening a pipe does not wait for a writer.
   static tl::expected<ReadableFile, std::error_code> open(const std::filesystem::path& path);
   ReadableFile() = default;
-  ReadableFile(ReadableFile&& other) noexcept;
-  ReadableFile& operator=(ReadableFile&& other) noexcept;
+  ReadableFile(ReadableFile&& other) noexcept { *this = std::move(other); }
+  ReadableFile& operator=(ReadableFile&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    std::swap(regular_, other.regular_);
+    std::swap(size_, other.size_);
+    return *this;
+  }
   ~ReadableFile();
 
   bool is_open() const { return handle_ != kClosed; }

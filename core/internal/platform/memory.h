@@ -9,9 +9,9 @@
 namespace sightline::core::platform {
 
 SIGHTLINE_API std::size_t page_size();
-/// What the machine has; 0 where it cannot be told.
+/// Bytes that the machine has; 0 where it cannot be told.
 SIGHTLINE_API std::uint64_t physical_memory();
-/// What the process has in memory; 0 where it cannot be told.
+/// Bytes that the process has in memory; 0 where it cannot be told.
 SIGHTLINE_API std::size_t process_memory();
 /// The most that the process has had in memory; 0 where it cannot be told.
 SIGHTLINE_API std::size_t peak_memory();

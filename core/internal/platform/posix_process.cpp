@@ -53,7 +53,7 @@ struct Pipe {
   int read = -1, write = -1;
 };
 
-/// What becomes of the first descriptors of a process, and of its signals.
+/// Says what becomes of the first descriptors of a process, and of its signals.
 class SpawnSettings {
  public:
   SpawnSettings() {
@@ -122,23 +122,6 @@ Expected<ChildProcess> ChildProcess::start(const std::vector<std::string>& comma
   made.from_ = std::exchange(answers.read, -1);
   fcntl(int(made.from_), F_SETFL, O_NONBLOCK);
   return made;
-}
-
-ChildProcess::ChildProcess(ChildProcess&& other) noexcept
-    : process_(std::exchange(other.process_, kNone)),
-      to_(std::exchange(other.to_, kNone)),
-      from_(std::exchange(other.from_, kNone)) {}
-
-ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
-  std::swap(process_, other.process_);
-  std::swap(to_, other.to_);
-  std::swap(from_, other.from_);
-  return *this;
-}
-
-ChildProcess::~ChildProcess() {
-  kill();
-  wait();
 }
 
 bool ChildProcess::write(std::string_view text) {

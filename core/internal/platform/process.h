@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sightline/core/api.h"
@@ -37,9 +38,17 @@ class SIGHTLINE_API ChildProcess {
   /// reason alone.
   static Expected<ChildProcess> start(const std::vector<std::string>& command, const Options& options);
   ChildProcess() = default;
-  ChildProcess(ChildProcess&& other) noexcept;
-  ChildProcess& operator=(ChildProcess&& other) noexcept;
-  ~ChildProcess();
+  ChildProcess(ChildProcess&& other) noexcept { *this = std::move(other); }
+  ChildProcess& operator=(ChildProcess&& other) noexcept {
+    std::swap(process_, other.process_);
+    std::swap(to_, other.to_);
+    std::swap(from_, other.from_);
+    return *this;
+  }
+  ~ChildProcess() {
+    kill();
+    wait();
+  }
 
   bool is_running() const { return process_ != kNone; }  ///< or has ended, and nobody has asked how
   /// Writes all of it; false where nobody reads any more.
@@ -71,7 +80,7 @@ class SIGHTLINE_API AnswerPipe {
   std::intptr_t handle_;
 };
 
-/// What this process may use.
+/// Limits of what this process may use.
 struct ProcessLimits {
   std::optional<std::uint64_t> memory;   ///< bytes of address space
   std::optional<std::uint64_t> seconds;  ///< of processor time
@@ -92,7 +101,7 @@ SIGHTLINE_API void lower_priority_of_this_thread();
 
 /// The program that runs; empty where it cannot be told.
 SIGHTLINE_API std::filesystem::path program_file();
-/// What changes when the program does, to look at; not to start.
+/// A file that changes when the program does, to look at; not to start.
 SIGHTLINE_API std::filesystem::path program_image();
 
 }  // namespace sightline::core::platform

@@ -254,16 +254,6 @@ tl::expected<ReadableFile, std::error_code> ReadableFile::open(const fs::path& p
   return file;
 }
 
-ReadableFile::ReadableFile(ReadableFile&& other) noexcept
-    : handle_(std::exchange(other.handle_, kClosed)), regular_(other.regular_), size_(other.size_) {}
-
-ReadableFile& ReadableFile::operator=(ReadableFile&& other) noexcept {
-  std::swap(handle_, other.handle_);
-  std::swap(regular_, other.regular_);
-  std::swap(size_, other.size_);
-  return *this;
-}
-
 ReadableFile::~ReadableFile() {
   if (is_open()) CloseHandle(handle_of(handle_));
 }

@@ -203,23 +203,6 @@ Expected<ChildProcess> ChildProcess::start(const std::vector<std::string>& comma
   return made;
 }
 
-ChildProcess::ChildProcess(ChildProcess&& other) noexcept
-    : process_(std::exchange(other.process_, kNone)),
-      to_(std::exchange(other.to_, kNone)),
-      from_(std::exchange(other.from_, kNone)) {}
-
-ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
-  std::swap(process_, other.process_);
-  std::swap(to_, other.to_);
-  std::swap(from_, other.from_);
-  return *this;
-}
-
-ChildProcess::~ChildProcess() {
-  kill();
-  wait();
-}
-
 bool ChildProcess::write(std::string_view text) {
   return write_all(handle_of(to_), text);
 }
