@@ -102,11 +102,6 @@ build_dependencies() {
 }
 
 # --- the project -----------------------------------------------------------------------------------------------------
-# Wine without messages, and with a folder of its own. One of its servers stays between tests.
-wine_environment() {
-  export WINEDEBUG=-all WINEPREFIX=$PWD/build/windows-wine WINEARCH=win64 LC_ALL=C.UTF-8
-  unset DISPLAY
-}
 build_project() {
   build_dependencies
   # shellcheck disable=SC2086
@@ -120,7 +115,6 @@ case ${1:-} in
   test)
     build_project
     scripts/aligned_stack.py "$tree"
-    wine_environment
     ctest --preset windows-mingw -j "$jobs" --no-tests=error "${@:2}"
     ;;
   build) build_project "${@:2}" ;;
