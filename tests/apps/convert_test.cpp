@@ -39,8 +39,9 @@ TEST_F(Convert, RvmComesBackAsItWas) {
 
 TEST_F(Convert, WritesOverNoFileThatItReads) {
   const std::string model = plant(1000), bytes = read_bytes(model);
-  fs::create_symlink(model, path("link.rvm"));
-  for (const std::string& output : {model, path("./") + fs::path(model).filename().string(), path("link.rvm")})
+  Args outputs = {model, path("./") + fs::path(model).filename().string()};
+  if (make_link(model, path("link.rvm"))) outputs.push_back(path("link.rvm"));
+  for (const std::string& output : outputs)
     expect_usage_error("convert", {model, output, "--translate", "1,0,0"}, "would be lost");
   EXPECT_EQ(read_bytes(model), bytes);
 }

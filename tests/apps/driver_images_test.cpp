@@ -101,7 +101,7 @@ class DriverImages : public RenderTest {
     Args all = {driver, program_of("render")};
     all.insert(all.end(), args.begin(), args.end());
     all.insert(all.end(), {"--json", "-"});
-    return run_program(in_checkout("scripts/with_driver.sh"), all);
+    return run_program(in_checkout("scripts/with_driver.sh").string(), all);
   }
   static std::string renderer_of(const Outcome& drawn) {
     const auto results = json::parse(drawn.out);

@@ -98,7 +98,7 @@ TEST_F(Paged, AFolderIsAllOfItsParts) {
   EXPECT_EQ(items(model, {}), 3000);
   EXPECT_EQ(items(model, {"--memory", "4G"}), 3000);
   EXPECT_EQ(items(path("parts/b.SLC"), {"--memory", "4G"}), 1000);
-  fs::create_symlink(path("gone"), path("parts/c.slc"));
+  if (!make_link(path("gone"), path("parts/c.slc"))) GTEST_SKIP() << "no links here";
   expect_failure("render", {"--out", path("unused.png"), model, "--size", "64x36"}, "c.slc", true);
   expect_failure("render", {"--out", path("unused.png"), model, "--size", "64x36", "--memory", "4G"}, "c.slc", true);
 }

@@ -83,6 +83,7 @@ class Regress : public RenderTest {
     EXPECT_EQ(a, b);
   }
 
+#if __has_include(<spawn.h>)
   /// Kills what `victim` picks of a run, so many processes, unless the run ends before; then waits for its end.
   template <class Victim>
   Outcome run_and_kill(const Child& child, std::size_t times, const Victim& victim) const {
@@ -99,6 +100,7 @@ class Regress : public RenderTest {
     }
     return wait_for(child);
   }
+#endif
 
   /// A script of examples/regress, which finds sightline-regress.
   Outcome run_script(const std::string& script, const Args& args, const Args& environment = {}) const {
@@ -276,6 +278,7 @@ TEST_F(Regress, RefusesBadUsage) {
   expect_usage_error("regress", {suite, "--silence", "5"}, "--silence");
 }
 
+#if __has_include(<spawn.h>)
 TEST_F(Regress, AKilledWorkersTaskIsDoneByAnother) {
   suite = write_suite("1000x600", 4);
   EXPECT_EQ(run("regress", command("first", {"--accept"})).code, 0);
@@ -310,6 +313,7 @@ TEST_F(Regress, ATaskThatKillsTwoWorkersFailsWithTheReason) {
   EXPECT_NE(json["tasks"][0]["reason"].get<std::string>().find("signal 9"), std::string::npos) << json;
   EXPECT_NE(read_bytes(path("out/junit.xml")).find("<error type=\"error\""), std::string::npos);
 }
+#endif
 
 TEST_F(Regress, ATaskThatTakesTooLongIsEnded) {
   suite = write_suite("8000x8000", 1);

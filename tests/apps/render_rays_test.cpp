@@ -1,27 +1,8 @@
 // Tools that draw by rays: where there is no OpenGL, and what they show beside it.
-#include <cstdlib>
-#include <optional>
-
 #include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests::render_rays_test {
 namespace {
-
-/// Sets an environment variable for the tools that a test starts.
-class Variable {
- public:
-  Variable(const char* name, const char* value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    setenv(name, value, 1);
-  }
-  ~Variable() { before_ ? setenv(name_, before_->c_str(), 1) : unsetenv(name_); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
 
 /// EGL finds no driver.
 class WithoutOpenGl : public ToolTest {

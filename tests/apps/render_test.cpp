@@ -467,7 +467,7 @@ TEST_F(Render, ReplayWritesTheFramesThatRenderDraws) {
                                         "5", "--save-path", tour, "--json", path("out.json")});
   ASSERT_EQ(replay.code, 0) << replay;
   std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename());
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
   EXPECT_EQ(names, (std::set<std::string>{"frame_00000.png", "frame_00005.png", "frame_00010.png"}));
   const Json flight = json::parse(read_bytes(path("out.json"))).value();
   EXPECT_NE(flight["renderer"], "none");

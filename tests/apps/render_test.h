@@ -3,8 +3,8 @@
 
 #include <tuple>
 
-#include "sightline/core/internal/platform/environment.h"
 #include "sightline/tests/apps/tool_test.h"
+#include "sightline/tests/support/environment.h"
 #include "sightline/tests/support/no_gl.h"
 
 namespace sightline::tests {

@@ -150,7 +150,7 @@ TEST_F(Replay, PlotsAsSvg) {
   EXPECT_FALSE(well_formed("<a><b></a>"));
   EXPECT_FALSE(well_formed("<a>x & y</a>"));
   EXPECT_TRUE(well_formed("<a><b c=\"1\"/>x &amp; y</a>\n"));
-  const std::string model = path("a<b & c.rvm"), svg = path("plot.svg");
+  const std::string model = path(names_ignore_case() ? "a & b.rvm" : "a<b & c.rvm"), svg = path("plot.svg");
   fs::rename(plant(3000), model);
   fly({model, "--plot", svg});
   const std::string text = read_bytes(svg);
@@ -239,7 +239,9 @@ TEST_F(Replay, OneFrameAndNoItemsAreFine) {
 
 TEST_F(Replay, FileNamesMayHoldAnyBytes) {
   const std::string model = path("plant\xff.rvm");
-  fs::rename(plant(1000), model);
+  std::error_code refused;
+  fs::rename(plant(1000), model, refused);
+  if (refused) GTEST_SKIP() << "names are Unicode here";
   EXPECT_EQ(run_json("replay", {model, "--no-render", "--frames", "2"})["items"], 1000);
 }
 

@@ -152,12 +152,12 @@ std::vector<std::string> all_but(const std::string& name) {
 }
 
 TEST_F(ReportPage, OfPrimitives) {
-  const Page page = report({data_path("small_plant.rvm")});
+  const Page page = report({data_path("small_plant.rvm").string()});
   EXPECT_EQ(sections(page, false), all());
   EXPECT_EQ(sections(page, true), std::vector<std::string>());
   EXPECT_NE(page.text.find("sightline-info"), std::string::npos) << "commands give the figures again";
   EXPECT_NE(page.text.find(page.results["machine"]["renderer"].get<std::string>()), std::string::npos);
-  const Json info = run_json("info", {data_path("small_plant.rvm")});
+  const Json info = run_json("info", {data_path("small_plant.rvm").string()});
   EXPECT_EQ(page.results["sections"]["model"]["items"], info["items"]);
 }
 
@@ -352,7 +352,7 @@ TEST_F(ReportPage, CommandsGiveTheImagesAgain) {
 
 /// Bodies of STEP that are triangles are no exact surfaces.
 TEST_F(ReportPage, SaysHowFarTrianglesLieOffTheirFile) {
-  const std::string model = data_path("machined.stp");
+  const std::string model = data_path("machined.stp").string();
   if (run("info", {model}).code != 0) GTEST_SKIP() << "built without STEP";
   const Page page = report({model, "--sections", "model,error"});
   const Json& sections = page.results["sections"];
@@ -385,7 +385,7 @@ TEST_F(ReportPage, EscapesNames) {
 }
 
 TEST_F(ReportPage, HoldsTheChosenSectionsAlone) {
-  const Page page = report({data_path("small_plant.rvm"), "--sections", "plan,model"});
+  const Page page = report({data_path("small_plant.rvm").string(), "--sections", "plan,model"});
   EXPECT_EQ(sections(page, false), (std::vector<std::string>{"model", "plan"}));
   EXPECT_EQ(page.text.find("id=\"images\""), std::string::npos);
 }
@@ -402,7 +402,7 @@ TEST_F(ReportPage, IsQuietOnRequest) {
 }
 
 TEST_F(ReportPage, RefusesBadArguments) {
-  const std::string model = data_path("small_plant.rvm");
+  const std::string model = data_path("small_plant.rvm").string();
   expect_usage_error("report", {model}, "--out");
   for (const char* bad : {"0x5", "63x36", "64x35", "16385x100", "large", ""})
     expect_usage_error("report", {model, "--out", "r.html", "--size", bad}, "--size");

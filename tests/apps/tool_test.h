@@ -23,6 +23,7 @@ extern char** environ;
 
 #include "sightline/core/internal/platform/process.h"
 #include "sightline/importers/json/internal/json.h"
+#include "sightline/tests/support/links.h"
 #include "sightline/tests/support/places.h"
 
 namespace sightline::tests {

@@ -1,6 +1,4 @@
 // How sightline-view asks for files, and what it shows of them. Skipped without Xvfb.
-#include <cstdlib>
-#include <optional>
 #include <set>
 
 #include "sightline/tests/apps/view_window.h"
@@ -100,13 +98,7 @@ class ViewThumbnails : public ViewFiles {
  protected:
   void SetUp() override {
     ViewFiles::SetUp();
-    const char* cache = std::getenv("XDG_CACHE_HOME");
-    if (cache) before_ = cache;
-    setenv("XDG_CACHE_HOME", path("cache").c_str(), 1);
-  }
-  void TearDown() override {
-    before_ ? setenv("XDG_CACHE_HOME", before_->c_str(), 1) : unsetenv("XDG_CACHE_HOME");
-    ViewFiles::TearDown();
+    cache_.set(path("cache"));
   }
   std::vector<std::string> thumbnails() const {
     std::vector<std::string> names;
@@ -139,7 +131,7 @@ class ViewThumbnails : public ViewFiles {
   }
 
  private:
-  std::optional<std::string> before_;
+  const Variable cache_{"XDG_CACHE_HOME"};
 };
 
 TEST_F(ViewThumbnails, ShowOnTheStartPageOfTheNextStart) {

@@ -54,7 +54,7 @@ TEST_F(ViewScript, ALostContextIsMadeAnew) {
 
 TEST_F(ViewScript, SettingsAreKeptInTheNamedFileAlone) {
   const std::string model = boxes(), mine = path("config/mine.json"), own = path("sightline/view.json");
-  setenv("XDG_CONFIG_HOME", path("").c_str(), 1);
+  const Variable settings("XDG_CONFIG_HOME", path(""));
   expect_driven("theme\npanels\nresize 500x400\nexpect /theme = light\n", {model, "--size", kSize});
   EXPECT_FALSE(fs::exists(own));
   const Args named = {model, "--settings", mine};
@@ -73,7 +73,6 @@ TEST_F(ViewScript, SettingsAreKeptInTheNamedFileAlone) {
   EXPECT_EQ(read_bytes(mine), "{") << "nothing was changed";
   expect_driven("expect /message = \"" + mine + ": expected a JSON object\"\ntheme\n", named);
   EXPECT_EQ(json::parse(read_bytes(mine)).value(), Json({{"theme", "light"}, {"recent", {model}}}));
-  unsetenv("XDG_CONFIG_HOME");
 }
 
 TEST_F(ViewScript, SettingsNameAFolderOfCaches) {

@@ -21,17 +21,26 @@ inline bool comes_true(const std::function<bool()>& question) {
   return false;
 }
 
-/// Each test has a display of its own, 800 x 600 pixels of 24 bits. Skipped without Xvfb.
+/// Each test has a display of its own, 800 x 600 pixels of 24 bits. Skipped without Xvfb. Windows has a display.
 class WindowTest : public RenderTest {
  protected:
+  /// Skips where a program is not installed, or fails where drawing is required.
+  void need(const std::string& program, const Args& args) const {
+    const Outcome outcome = run_program(program, args);
+    if (outcome.code >= 0) return;
+    if (gl_required()) FAIL() << outcome;
+    GTEST_SKIP() << outcome;
+  }
+
+#if __has_include(<spawn.h>)
   void SetUp() override {
     RenderTest::SetUp();
     if (!IsSkipped() && !HasFatalFailure()) need("Xvfb", {"-version"});
     if (IsSkipped() || HasFatalFailure()) return;
-    for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY"}) unsetenv(name);
+    wayland_.set(std::nullopt);
     // GLX unloads its driver, and what that keeps for ever can then no longer be told from leaks.
-    const char* sanitizer = std::getenv("ASAN_OPTIONS");
-    setenv("ASAN_OPTIONS", ((sanitizer ? std::string(sanitizer) + ":" : "") + "detect_leaks=0").c_str(), 1);
+    const auto options = core::platform::environment("ASAN_OPTIONS");
+    sanitizer_.set((options ? *options + ":" : "") + "detect_leaks=0");
     // `timeout` ends the display should this process come to a sudden end; -noreset: it refuses nobody when its last
     // client has gone.
     display_ = start_program("timeout",
@@ -48,7 +57,7 @@ class WindowTest : public RenderTest {
     });
     number = number.substr(0, number.find('\n'));
     ASSERT_FALSE(number.empty()) << "no virtual display: " << read_bytes(display_.err);
-    setenv("DISPLAY", (":" + number).c_str(), 1);
+    name_.set(":" + number);
   }
   void TearDown() override {
     if (display_.pid != 0) {
@@ -58,16 +67,10 @@ class WindowTest : public RenderTest {
     RenderTest::TearDown();
   }
 
-  /// Skips where a program is not installed, or fails where drawing is required.
-  void need(const std::string& program, const Args& args) const {
-    const Outcome outcome = run_program(program, args);
-    if (outcome.code >= 0) return;
-    if (gl_required()) FAIL() << outcome;
-    GTEST_SKIP() << outcome;
-  }
-
  private:
+  const Variable name_{"DISPLAY"}, wayland_{"WAYLAND_DISPLAY"}, sanitizer_{"ASAN_OPTIONS"};
   Child display_;
+#endif
 };
 
 }  // namespace sightline::tests

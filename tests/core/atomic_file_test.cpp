@@ -5,21 +5,17 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
 
-#if __has_include(<sys/resource.h>)
-#include <csignal>
-
-#include <sys/resource.h>
-#define SIGHTLINE_HAS_RLIMIT 1
-#endif
-
 #include <gtest/gtest.h>
 
 #include "sightline/core/internal/platform/files.h"
+#include "sightline/tests/support/full_disk.h"
+#include "sightline/tests/support/links.h"
 
 namespace sightline::core::atomic_file_test {
 namespace {
@@ -129,16 +125,12 @@ TEST_F(AtomicFileTest, FailsWhereTheTargetCannotBeReplaced) {
   EXPECT_EQ(content(target / "b"), "kept");
 }
 
-#ifdef SIGHTLINE_HAS_RLIMIT
+#ifdef SIGHTLINE_HAS_FULL_DISK
 /// As on a full disk: writes fail after so many bytes.
 TEST_F(AtomicFileTest, AFullDiskLeavesTheOldFile) {
   const fs::path target = folder_ / "a.bin";
   std::ofstream(target) << "old";
-  rlimit before{};
-  getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit small{2'000, before.rlim_max};
-  auto* handler = std::signal(SIGXFSZ, SIG_IGN);
-  setrlimit(RLIMIT_FSIZE, &small);
+  std::optional<tests::FullDisk> full(2'000);
   const std::string little(3'000, 'x'), much(5'000'000, 'x');
   // What fits into the buffer fails at commit(), more fails before.
   const Expected<void> late = write_file(target, {bytes_of(little)});
@@ -146,8 +138,7 @@ TEST_F(AtomicFileTest, AFullDiskLeavesTheOldFile) {
   const bool written = file && file->write(bytes_of(much)), more = file && file->write(bytes_of("x"));
   const bool failed = file && file->failed();
   const Expected<void> early = file ? file->commit() : Expected<void>();
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
+  full.reset();
   expect_error(late, target, message(std::errc::file_too_large));
   expect_error(early, target, message(std::errc::file_too_large));
   EXPECT_FALSE(written);
@@ -171,11 +162,10 @@ TEST_F(AtomicFileTest, KeepsPermissionsAndLinks) {
   std::ofstream(real) << "old";
   fs::permissions(real, fs::perms::owner_read | fs::perms::owner_write);
   const fs::perms kept = fs::status(real).permissions();
-  std::error_code refused;
-  fs::create_symlink("real.bin", link, refused);
-  const fs::path target = refused ? real : link;
+  const bool linked = tests::make_link("real.bin", link);
+  const fs::path target = linked ? link : real;
   ASSERT_TRUE(write_file(target, {bytes_of("new")}));
-  EXPECT_EQ(fs::is_symlink(link), !refused);
+  EXPECT_EQ(fs::is_symlink(link), linked);
   EXPECT_FALSE(fs::is_symlink(real));
   EXPECT_EQ(content(real), "new");
   EXPECT_EQ(fs::status(real).permissions(), kept);

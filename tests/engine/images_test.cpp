@@ -7,6 +7,7 @@
 #include "sightline/render/image/image_metrics.h"
 #include "sightline/tests/render/image_check.h"
 #include "sightline/tests/support/gl_test.h"
+#include "sightline/tests/support/system_gl.h"
 
 namespace sightline::tests::images_test {
 namespace {
@@ -131,6 +132,7 @@ TEST_F(Images, OfSizesInTurnAreThoseOfTheSize) {
 /// EGL and OSMesa, in turns on one thread. Mesa's rasteriser behind both gives the same bits. Other drivers of EGL may
 /// round edges otherwise: 2 % of the pixels, and a mean difference of 1.
 TEST_F(Images, OfEveryPlatformAreTheSame) {
+  if (!kHasOsMesa) GTEST_SKIP() << "no OSMesa here";
   const auto osmesa_exists = gl::Context::create_offscreen({.platform = gl::ContextPlatform::kOsMesa});
   if (!osmesa_exists && may_skip(osmesa_exists.error().message)) GTEST_SKIP() << osmesa_exists.error().message;
   constexpr int kWidth = 160, kHeight = 90;

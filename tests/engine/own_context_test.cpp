@@ -1,108 +1,24 @@
-// Engines with contexts of their own, beside whatever the application has current: EGL with surfaces, OSMesa, nothing.
+// Engines with contexts of their own, beside whatever the application has current: the system's own, OSMesa, nothing.
 // GLX is in tests/apps/glx_host_test.cpp.
 #include <memory>
 #include <semaphore>
 #include <thread>
 
-#define EGL_NO_PLATFORM_SPECIFIC_TYPES
-#include <EGL/egl.h>
-#include <EGL/eglext.h>
-#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing/internal/drawing.h"
 #include "sightline/engine/internal/engine_parts.h"
+#include "sightline/gl/internal/dynamic_library.h"
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/engine/every_call.h"
+#include "sightline/tests/engine/host.h"
+#include "sightline/tests/support/system_gl.h"
 
 namespace sightline::tests::own_context_test {
 namespace {
 
 using engine::Engine;
 using gl::ContextPlatform;
-
-template <class Function>
-void find(void* library, const char* name, Function& function) {
-  function = library ? reinterpret_cast<Function>(dlsym(library, name)) : nullptr;
-}
-
-/// An application with something current on its thread, which it made without this library.
-class Host {
- public:
-  virtual ~Host() = default;
-  /// Empty: all is as the application left it.
-  virtual std::string what_changed() const = 0;
-};
-
-/// A context of OpenGL ES, with another surface to draw to than to read from.
-class EglHost final : public Host {
- public:
-  static std::unique_ptr<Host> make() {
-    std::unique_ptr<EglHost> host(new EglHost);
-    return host->begin() ? std::move(host) : nullptr;
-  }
-  ~EglHost() override {
-    if (display_ == EGL_NO_DISPLAY) return;
-    make_current_(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    destroy_context_(display_, context_);
-    for (const EGLSurface surface : {draw_, read_}) destroy_surface_(display_, surface);
-  }
-  std::string what_changed() const override {
-    if (query_api_() != EGL_OPENGL_ES_API) return "another API is bound";
-    if (current_() != context_) return "another context is current";
-    return surface_(EGL_DRAW) == draw_ && surface_(EGL_READ) == read_ ? "" : "other surfaces are current";
-  }
-
- private:
-  bool begin() {
-    void* egl = dlopen("libEGL.so.1", RTLD_NOW | RTLD_NODELETE);
-    PFNEGLGETPROCADDRESSPROC get_proc = nullptr;
-    PFNEGLINITIALIZEPROC initialize = nullptr;
-    PFNEGLCHOOSECONFIGPROC choose_config = nullptr;
-    PFNEGLCREATECONTEXTPROC create_context = nullptr;
-    PFNEGLCREATEPBUFFERSURFACEPROC create_surface = nullptr;
-    PFNEGLBINDAPIPROC bind_api = nullptr;
-    find(egl, "eglGetProcAddress", get_proc);
-    find(egl, "eglInitialize", initialize);
-    find(egl, "eglChooseConfig", choose_config);
-    find(egl, "eglCreateContext", create_context);
-    find(egl, "eglCreatePbufferSurface", create_surface);
-    find(egl, "eglBindAPI", bind_api);
-    find(egl, "eglQueryAPI", query_api_);
-    find(egl, "eglMakeCurrent", make_current_);
-    find(egl, "eglDestroyContext", destroy_context_);
-    find(egl, "eglDestroySurface", destroy_surface_);
-    find(egl, "eglGetCurrentContext", current_);
-    find(egl, "eglGetCurrentSurface", surface_);
-    if (!get_proc) return false;
-    const auto get_display = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(get_proc("eglGetPlatformDisplayEXT"));
-    const EGLDisplay display = get_display(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr);
-    if (display == EGL_NO_DISPLAY || !initialize(display, nullptr, nullptr) || !bind_api(EGL_OPENGL_ES_API))
-      return false;
-    const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_ES2_BIT, EGL_NONE};
-    EGLConfig config = nullptr;
-    EGLint count = 0;
-    if (!choose_config(display, wanted, &config, 1, &count) || count == 0) return false;
-    const EGLint version[] = {EGL_CONTEXT_CLIENT_VERSION, 2, EGL_NONE},
-                 size[] = {EGL_WIDTH, 8, EGL_HEIGHT, 8, EGL_NONE};
-    context_ = create_context(display, config, EGL_NO_CONTEXT, version);
-    draw_ = create_surface(display, config, size);
-    read_ = create_surface(display, config, size);
-    if (!make_current_(display, draw_, read_, context_)) return false;
-    display_ = display;
-    return true;
-  }
-
-  PFNEGLQUERYAPIPROC query_api_ = nullptr;
-  PFNEGLMAKECURRENTPROC make_current_ = nullptr;
-  PFNEGLDESTROYCONTEXTPROC destroy_context_ = nullptr;
-  PFNEGLDESTROYSURFACEPROC destroy_surface_ = nullptr;
-  PFNEGLGETCURRENTCONTEXTPROC current_ = nullptr;
-  PFNEGLGETCURRENTSURFACEPROC surface_ = nullptr;
-  EGLDisplay display_ = EGL_NO_DISPLAY;
-  EGLContext context_ = EGL_NO_CONTEXT;
-  EGLSurface draw_ = EGL_NO_SURFACE, read_ = EGL_NO_SURFACE;
-};
 
 /// OSMesa with an image of floats, in which a clear colour shows.
 class OsMesaHost final : public Host {
@@ -126,14 +42,15 @@ class OsMesaHost final : public Host {
 
  private:
   bool begin() {
-    void* osmesa = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_NODELETE);
+    const auto osmesa = core::platform::open_module(kOsMesaLibrary.file);
+    if (!osmesa) return false;
     void* (*create)(GLenum format, int depth, int stencil, int accumulation, void* shared) = nullptr;
     void* (*get_proc)(const char* name) = nullptr;
-    find(osmesa, "OSMesaCreateContextExt", create);
-    find(osmesa, "OSMesaMakeCurrent", make_current_);
-    find(osmesa, "OSMesaDestroyContext", destroy_);
-    find(osmesa, "OSMesaGetCurrentContext", current_);
-    find(osmesa, "OSMesaGetProcAddress", get_proc);
+    gl::find_symbol(*osmesa, "OSMesaCreateContextExt", create);
+    gl::find_symbol(*osmesa, "OSMesaMakeCurrent", make_current_);
+    gl::find_symbol(*osmesa, "OSMesaDestroyContext", destroy_);
+    gl::find_symbol(*osmesa, "OSMesaGetCurrentContext", current_);
+    gl::find_symbol(*osmesa, "OSMesaGetProcAddress", get_proc);
     if (!create) return false;
     context_ = create(GL_RGBA, 24, 0, 0, nullptr);
     if (!context_ || !make_current_(context_, pixels_.data(), GL_FLOAT, 8, 8)) return false;
@@ -158,11 +75,10 @@ class NoHost final : public Host {
  public:
   static std::unique_ptr<Host> make() { return std::make_unique<NoHost>(); }
   std::string what_changed() const override {
-    void* (*egl)() = nullptr;
     void* (*osmesa)() = nullptr;
-    find(dlopen("libEGL.so.1", RTLD_NOW | RTLD_NOLOAD), "eglGetCurrentContext", egl);
-    find(dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_NOLOAD), "OSMesaGetCurrentContext", osmesa);
-    return (egl && egl()) || (osmesa && osmesa()) ? "a context is current" : "";
+    if (void* const opened = core::platform::opened_module(kOsMesaLibrary.file))
+      gl::find_symbol(opened, "OSMesaGetCurrentContext", osmesa);
+    return system_context_is_current() || (osmesa && osmesa()) ? "a context is current" : "";
   }
 };
 
@@ -170,6 +86,7 @@ struct Case {
   const char* name;
   std::unique_ptr<Host> (*host)();
   ContextPlatform platform;  // of the engine
+  bool osmesa = true;        // takes part
 };
 
 std::string name_of_case(const testing::TestParamInfo<Case>& info) {
@@ -190,6 +107,7 @@ engine::EngineConfig config(ContextPlatform platform) {
 class OwnContextBeside : public testing::TestWithParam<Case> {};
 
 TEST_P(OwnContextBeside, EveryCallLeavesTheApplicationsContextCurrent) {
+  if (GetParam().osmesa && !kHasOsMesa) GTEST_SKIP() << "no OSMesa here";
   const auto exists = gl::Context::create_offscreen({.platform = GetParam().platform});
   if (!exists && may_skip(exists.error().message)) GTEST_SKIP() << exists.error().message;
   exists->release_current();
@@ -206,17 +124,18 @@ TEST_P(OwnContextBeside, EveryCallLeavesTheApplicationsContextCurrent) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Hosts, OwnContextBeside,
-                         testing::Values(Case{"EglBesideEgl", EglHost::make, ContextPlatform::kEgl},
-                                         Case{"OsMesaBesideEgl", EglHost::make, ContextPlatform::kOsMesa},
-                                         Case{"EglBesideOsMesa", OsMesaHost::make, ContextPlatform::kEgl},
+                         testing::Values(Case{"SystemBesideSystem", make_system_host, kSystemPlatform, false},
+                                         Case{"OsMesaBesideSystem", make_system_host, ContextPlatform::kOsMesa},
+                                         Case{"SystemBesideOsMesa", OsMesaHost::make, kSystemPlatform},
                                          Case{"OsMesaBesideOsMesa", OsMesaHost::make, ContextPlatform::kOsMesa},
-                                         Case{"EglBesideNothing", NoHost::make, ContextPlatform::kEgl},
+                                         Case{"SystemBesideNothing", NoHost::make, kSystemPlatform, false},
                                          Case{"OsMesaBesideNothing", NoHost::make, ContextPlatform::kOsMesa}),
                          name_of_case);
 
 /// The thread that made it waits meanwhile, and has had its own context back.
 TEST(OwnContext, MovesFromThreadToThread) {
-  for (const ContextPlatform platform : {ContextPlatform::kEgl, ContextPlatform::kOsMesa}) {
+  for (const ContextPlatform platform : {kSystemPlatform, ContextPlatform::kOsMesa}) {
+    if (platform == ContextPlatform::kOsMesa && !kHasOsMesa) continue;
     core::Scene scene;
     fill(scene);
     std::optional<core::Expected<Engine>> engine;

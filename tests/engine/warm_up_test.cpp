@@ -9,6 +9,7 @@
 
 #include "sightline/gl/internal/program_cache.h"
 #include "sightline/render/internal/renderer.h"
+#include "sightline/tests/support/environment.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::tests::warm_up_test {
@@ -19,7 +20,7 @@ using gpuscene::BatchKind;
 
 /// Mesa has program binaries only where it has a cache of its own, and it looks when the first context is made.
 const bool kMesaCache = [] {
-  setenv("MESA_SHADER_CACHE_DISABLE", "false", 1);
+  core::platform::set_environment("MESA_SHADER_CACHE_DISABLE", "false");
   return true;
 }();
 

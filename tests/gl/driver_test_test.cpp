@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "sightline/gl/internal/program_cache.h"
+#include "sightline/tests/support/environment.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::gl::driver_test_test {
@@ -158,11 +159,11 @@ TEST_F(DriverTestTest, IsRememberedWithThePrograms) {
 
 TEST_F(DriverTestTest, SwitchesOfTheContextAndOfTheUserCount) {
   const auto made = [](const char* option) { return Context::create_offscreen({.workarounds = option}); };
-  setenv("SIGHTLINE_GL_WORKAROUNDS", "no-indirect-count=on,no-timer=on", 1);
+  const tests::Variable switches("SIGHTLINE_GL_WORKAROUNDS", "no-indirect-count=on,no-timer=on");
   auto both = made("four-samples=on,no-timer=off");
-  setenv("SIGHTLINE_GL_WORKAROUNDS", "nonsense", 1);
+  switches.set("nonsense");
   const auto refused = made("");
-  unsetenv("SIGHTLINE_GL_WORKAROUNDS");
+  switches.set(std::nullopt);
   const auto wrong = made("four-samples");
   ASSERT_TRUE(both) << both.error().message;
   EXPECT_FALSE(both->capabilities().indirect_count);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/importers/import.h"
+#include "sightline/tests/support/places.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::importers::obj_reader_test {
@@ -375,10 +376,11 @@ TEST_F(ObjReader, LibrariesAreFoundAsOthersNameThem) {
     for (const char* name = row.materials; *name; ++name) text += std::string("usemtl ") + *name + "\nf 1 2 3\n";
     const auto report = read(text + (*row.materials ? "" : "f 1 2 3\n"));
     ASSERT_TRUE(report) << report.error().message;
-    ASSERT_EQ(report->warnings.size(), row.warning ? 1u : 0u) << report->warnings[0].message;
-    if (row.warning) {
-      EXPECT_EQ(report->warnings[0].message, row.warning);
-    }
+    const bool ends_otherwise = row.warning && std::string_view(row.warning).ends_with("' is read");
+    const bool found = ends_otherwise && tests::names_ignore_case() && std::filesystem::exists(folder_ / row.names);
+    std::vector<std::string> warnings;
+    for (const auto& warning : report->warnings) warnings.push_back(warning.message);
+    EXPECT_EQ(warnings, row.warning && !found ? std::vector<std::string>{row.warning} : std::vector<std::string>());
     EXPECT_EQ(scene_.material_slots(), std::string(row.materials).size());
   }
 }

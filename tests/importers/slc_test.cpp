@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
-#if __has_include(<sys/resource.h>)
-#include <sys/resource.h>
+#if __has_include(<sys/wait.h>)
 #include <sys/wait.h>
 #endif
 
@@ -22,6 +21,7 @@
 #include "sightline/lod/stored_levels.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/importers/slc_bytes.h"
+#include "sightline/tests/support/full_disk.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::importers::slc_test {
@@ -579,24 +579,19 @@ TEST_F(SlcTest, ACacheCannotBeADirectory) {
   EXPECT_FALSE(was_cached({model}, 2));  // it is no file, and none can be written
 }
 
-#if __has_include(<sys/resource.h>)
+#ifdef SIGHTLINE_HAS_FULL_DISK
 TEST_F(SlcTest, AFullDiskLeavesTheOldCache) {
   const fs::path model = plant(1000);
   ASSERT_FALSE(was_cached({model}));
   const fs::path cache = caches().at(0);
   const auto old = tests::bytes_of_file(cache);
   plant(3000);
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit limit = before;
-  limit.rlim_cur = 20'000;
   caches_are_kept_ = false;
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
-  EXPECT_FALSE(was_cached({model}, 1));
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  {
+    const tests::FullDisk full(20'000);
+    EXPECT_FALSE(was_cached({model}, 1));
+  }
   caches_are_kept_ = true;
-  (void)std::signal(SIGXFSZ, handler);
   EXPECT_EQ(tests::bytes_of_file(cache), old);
   EXPECT_EQ(caches().size(), 1u);
   EXPECT_FALSE(was_cached({model}));

@@ -390,7 +390,7 @@ TEST_P(JointImagesOfModels, AtEveryFewJoints) {
 INSTANTIATE_TEST_SUITE_P(All, JointImagesOfModels,
                          ::testing::Values("small_plant.rvm", "huldra/HA-PIPE.RVM", "huldra/HA-MECH.RVM"),
                          [](const auto& test) {
-                           std::string name = std::filesystem::path(test.param).stem();
+                           std::string name = std::filesystem::path(test.param).stem().string();
                            std::erase(name, '-');
                            return name;
                          });

@@ -20,4 +20,8 @@ std::filesystem::path in_bin(const std::string& name) {
   return folder("SIGHTLINE_BIN", SIGHTLINE_BIN_DIR) / name;
 }
 
+bool names_ignore_case() {
+  return std::filesystem::exists(in_checkout("license"));
+}
+
 }  // namespace sightline::tests

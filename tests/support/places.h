@@ -12,5 +12,7 @@ namespace sightline::tests {
 std::filesystem::path in_checkout(const std::string& name);
 /// A built program, such as "sightline-info".
 std::filesystem::path in_bin(const std::string& name);
+/// Whether files are found by names in any case, as on Windows.
+bool names_ignore_case();
 
 }  // namespace sightline::tests

@@ -1,13 +1,14 @@
 // Settings of the viewer: what is kept comes back, what others have written stays, and damage is said and survived.
 #include "sightline/apps/view/settings.h"
 
-#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "sightline/importers/json/internal/json.h"
+#include "sightline/tests/support/environment.h"
 
 namespace sightline::apps::settings_test {
 namespace {
@@ -148,20 +149,19 @@ TEST_F(SettingsTest, WhatCannotBeWrittenIsAnErrorOnce) {
 }
 
 TEST_F(SettingsTest, LieWhereTheUserKeepsThem) {
-  const auto with = [](const char* config, const char* home) {
-    const char* old_home = std::getenv("HOME");
-    const std::string kept = old_home ? old_home : "";
-    config ? setenv("XDG_CONFIG_HOME", config, 1) : unsetenv("XDG_CONFIG_HOME");
-    home ? setenv("HOME", home, 1) : unsetenv("HOME");
-    const fs::path place = SettingsFile::default_place();
-    unsetenv("XDG_CONFIG_HOME");
-    old_home ? setenv("HOME", kept.c_str(), 1) : unsetenv("HOME");
-    return place;
+  const fs::path c = fs::temp_directory_path() / "c", h = fs::temp_directory_path() / "h";
+  const auto with = [](const std::optional<std::string>& config, const fs::path& home) {
+    const auto within = [&](const char* folder) {
+      return home.empty() ? std::nullopt : std::optional((home / folder).string());
+    };
+    const tests::Variable xdg("XDG_CONFIG_HOME", config), user("HOME", within("")),
+        windows("APPDATA", within(".config"));
+    return SettingsFile::default_place();
   };
-  EXPECT_EQ(with("/c", "/h"), "/c/sightline/view.json");
-  EXPECT_EQ(with("relative", "/h"), "/h/.config/sightline/view.json");
-  EXPECT_EQ(with(nullptr, "/h"), "/h/.config/sightline/view.json");
-  EXPECT_EQ(with("", nullptr), "");
+  EXPECT_EQ(with(c.string(), h), c / "sightline/view.json");
+  EXPECT_EQ(with("relative", h), h / ".config/sightline/view.json");
+  EXPECT_EQ(with(std::nullopt, h), h / ".config/sightline/view.json");
+  EXPECT_EQ(with("", {}), "");
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <random>
 
-#include <dlfcn.h>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "c_scene.h"
@@ -14,6 +13,7 @@
 #include "sightline/gl/external_target.h"
 #include "sightline/render/image/image.h"
 #include "sightline/tests/support/gl_test.h"
+#include "sightline/tests/support/system_gl.h"
 
 namespace sightline::tests::drawing_test {
 namespace {
@@ -23,10 +23,7 @@ constexpr int kWidth = 160, kHeight = 120, kGrid = 6;
 /// As an application in C finds GL's functions.
 sl_proc find_proc(const char* name, void* user) {
   ++*static_cast<int*>(user);
-  static void* const egl = dlopen("libEGL.so.1", RTLD_NOW);
-  using Find = sl_proc (*)(const char*);
-  static const auto find = reinterpret_cast<Find>(dlsym(egl, "eglGetProcAddress"));
-  return find(name);
+  return foreign_proc(kSystemLibrary, name);
 }
 
 sl_proc find_nothing(const char*, void*) {

@@ -83,7 +83,7 @@ class CapiPaged : public GlTest {
   }
 
   static std::string file_of(const std::string& name) {
-    return std::filesystem::path(::testing::TempDir()) / ("capi_paged_" + name + std::to_string(getpid()) + ".slc");
+    return testing::TempDir() + "capi_paged_" + name + std::to_string(getpid()) + ".slc";
   }
 
   const std::string file = file_of("copy");
