@@ -7,8 +7,10 @@ include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 
 if(BUILD_SHARED_LIBS)
-  install(TARGETS sightline EXPORT SightlineTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
-          COMPONENT library NAMELINK_COMPONENT development)
+  install(TARGETS sightline EXPORT SightlineTargets
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
+          RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT library
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 endif()
 
 # How the packages name an external target that a library links: in find_dependency() (_PACKAGE), and in a pkg-config

@@ -31,6 +31,11 @@ if(PROJECT_VERSION_MAJOR EQUAL 0)
 endif()
 set_target_properties(sightline PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION} SOVERSION ${SIGHTLINE_SOVERSION})
 
+if(WIN32)
+  sightline_resources(sightline)
+  target_compile_definitions(sightline INTERFACE SIGHTLINE_IMPORTS)
+endif()
+
 foreach(name IN LISTS libraries)
   set(component sightline_${name}_component)
   add_library(${component} INTERFACE)

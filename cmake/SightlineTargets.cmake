@@ -72,7 +72,8 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND CMAKE_CXX_COMPILER_ID MATCH
   foreach(form AVX2 AVX512)
     list(TRANSFORM SIGHTLINE_${form}_FEATURES REPLACE "(.+)" "SIGHTLINE_HAS(\\1)" OUTPUT_VARIABLE features)
     list(JOIN features "&&" features)
-    target_compile_definitions(sightline_flags INTERFACE "SIGHTLINE_HAS_${form}=${features}")
+    # Not for resource compilers, which hand their definitions to a shell.
+    target_compile_definitions(sightline_flags INTERFACE "$<$<COMPILE_LANGUAGE:C,CXX>:SIGHTLINE_HAS_${form}=${features}>")
   endforeach()
 endif()
 if(EMSCRIPTEN)
@@ -115,6 +116,10 @@ function(sightline_library name)
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(sightline::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  if(WIN32 AND BUILD_SHARED_LIBS)  # classes would otherwise leave all their inline functions in every object
+    target_compile_definitions(${target} PRIVATE SIGHTLINE_EXPORTS)
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-keep-inline-dllexport>)
+  endif()
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC ${arg_LINKS} PRIVATE $<BUILD_INTERFACE:sightline_flags> ${arg_PRIVATE_LINKS})
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${root}>)
@@ -146,6 +151,16 @@ function(sightline_kernels name)
       set_source_files_properties(${arg_${form}} PROPERTIES COMPILE_OPTIONS "${options}")
     endforeach()
   endif()
+endfunction()
+
+# sightline_resources(TARGET): what Windows shows of a program's file, and lets it do.
+function(sightline_resources target)
+  if(NOT WIN32)
+    return()
+  endif()
+  set(file ${PROJECT_BINARY_DIR}/resources/${target}.rc)
+  configure_file(${SIGHTLINE_CHECKOUT}/packaging/windows/resources.rc.in ${file} @ONLY)
+  target_sources(${target} PRIVATE ${file})
 endfunction()
 
 # sightline_program(NAME SOURCES … LINKS …): an executable in bin/.

@@ -37,10 +37,11 @@ core::Expected<Functions> load_functions(GetProc get_proc, void* user) {
   Functions gl;
   std::string missing;
   load(get_proc, user, "glGetString", gl.GetString, missing);
-  load(get_proc, user, "glGetStringi", gl.GetStringi, missing);
   load(get_proc, user, "glGetIntegerv", gl.GetIntegerv, missing);
   if (!missing.empty()) return core::fail("OpenGL: missing entry points: " + missing);
   if (auto version = check_version(gl); !version) return tl::unexpected(version.error());
+  load(get_proc, user, "glGetStringi", gl.GetStringi, missing);
+  if (!missing.empty()) return core::fail("OpenGL: missing entry points: " + missing);
 
   const std::vector<std::string> extensions = list_extensions(gl);
   const auto listed = [&](const char* name) {

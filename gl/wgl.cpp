@@ -1,4 +1,4 @@
-// Contexts of Windows' own library. Built on Windows in place of egl.cpp.
+// Contexts of Windows' own library. Built on Windows in place of egl.cpp and osmesa.cpp.
 #include <array>
 #include <future>
 #include <string_view>
@@ -212,10 +212,19 @@ bool has_gpu() {
 
 core::Expected<std::unique_ptr<PlatformContext>> create_system_context(const ContextOptions& options) {
   if (options.platform != ContextPlatform::kAutomatic && options.platform != ContextPlatform::kWgl)
-    return core::fail("EGL: Windows has none; expected wgl or osmesa");
+    return core::fail("no EGL on Windows");
   auto context = try_wgl(options.debug);
   if (context) return context;
   return core::fail(fmt::format("WGL: {}; {}", context.error().message, kHint));
 }
+
+core::Expected<std::unique_ptr<PlatformContext>> create_osmesa_context(const ContextOptions&) {
+  return core::fail("no OSMesa on Windows");
+}
+std::shared_ptr<void> osmesa_context_of_ours() {
+  return nullptr;
+}
+void release_osmesa_context_of_ours() {}
+void make_current_again(const std::shared_ptr<void>&) {}
 
 }  // namespace sightline::gl

@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
 # The library and its tools for Windows, built on Debian 12 with MinGW-w64, and their tests under Wine.
-#   scripts/windows.sh                 installs what is missing, builds dependencies once, then everything
+#   scripts/windows.sh                 installs what is missing, builds dependencies once, then everything, and makes
+#                                      build/windows/sightline-VERSION-win64.zip
 #   scripts/windows.sh deps            the dependencies alone, into build/windows-deps
-#   scripts/windows.sh build [TARGET …]   dependencies, then these targets
+#   scripts/windows.sh build [TARGET …]   dependencies, then these targets, without the archive
 #   scripts/windows.sh check           objects with wide instructions, for stores that need an aligned stack
 #   scripts/windows.sh test [ctest arguments …]   builds everything, checks objects, and runs the tests
+#   scripts/windows.sh equal MODEL …   draws models with these tools and with those of build/release: images, ids, depths,
+#                                      scene caches and converted files are the same bytes, or it fails
 # SIGHTLINE_JOBS: processes at once (default: all processors). SIGHTLINE_CMAKE_ARGS: more arguments of CMake.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -14,7 +17,7 @@ sources=$PWD/build/windows-sources
 tree=$PWD/build/windows-mingw
 
 # --- what is installed -----------------------------------------------------------------------------------------------
-packages=(g++-mingw-w64-x86-64-posix binutils cmake ninja-build dpkg-dev wine wine64 xvfb python3 debian-archive-keyring
+packages=(g++-mingw-w64-x86-64-posix binutils cmake ninja-build dpkg-dev wine wine64 xvfb xauth python3 debian-archive-keyring
   libgl-dev libegl-dev libglm-dev libexpected-dev nlohmann-json3-dev libcli11-dev libstb-dev libxxhash-dev)
 install_packages() {
   local missing=() as_root=()
@@ -76,15 +79,38 @@ copy_headers() {
   for package in glm tl-expected nlohmann_json CLI11; do cp -r "/usr/share/cmake/$package" "$deps/share/cmake/"; done
   mark_built headers
 }
-build_zlib() {  # the distribution's sources lack what its own builds need for Windows
+# An archive of sources that need no configuration, where the distribution's sources lack what their own builds need for
+# Windows: lib/libLIBRARY.a. Headers are copied by the caller.
+archive() {  # LIBRARY compiler source …
+  local library=$1 compiler=$2 objects
+  shift 2
+  objects=$(mktemp -d)
+  for source in "$@"; do
+    "x86_64-w64-mingw32-$compiler-posix" -O2 -fno-ipa-ra -fno-ipa-stack-alignment -I. -I"$deps/include" -c "$source" -o "$objects/$(basename "$source").o"
+  done
+  mkdir -p "$deps/include" "$deps/lib"
+  x86_64-w64-mingw32-ar rcs "$deps/lib/lib$library.a" "$objects"/*.o
+  rm -r "$objects"
+}
+build_zlib() {
   if built zlib; then return 0; fi
   echo "Building zlib for Windows"
   local folder
   folder=$(source_of zlib)
-  mkdir -p "$deps/include" "$deps/lib"
-  (cd "$folder" && x86_64-w64-mingw32-gcc-posix -O2 -c ./*.c && x86_64-w64-mingw32-ar rcs "$deps/lib/libz.a" ./*.o)
+  (cd "$folder" && archive z gcc ./*.c)
   cp "$folder"/{zlib.h,zconf.h} "$deps/include/"
   mark_built zlib
+}
+build_imgui() {
+  if built imgui; then return 0; fi
+  echo "Building imgui for Windows"
+  local folder
+  folder=$(source_of imgui)
+  (cd "$folder" && archive imgui g++ ./imgui*.cpp backends/imgui_impl_{glfw,opengl3}.cpp misc/cpp/imgui_stdlib.cpp)
+  mkdir -p "$deps/include/imgui/backends"
+  cp "$folder"/*.h "$folder/misc/cpp/imgui_stdlib.h" "$deps/include/imgui/"
+  cp "$folder"/backends/imgui_impl_{glfw,opengl3}.h "$deps/include/imgui/backends/"
+  mark_built imgui
 }
 build_dependencies() {
   install_packages
@@ -99,6 +125,8 @@ build_dependencies() {
     -DENABLE_LZMA=OFF -DENABLE_ZSTD=OFF -DENABLE_OPENSSL=OFF -DENABLE_GNUTLS=OFF -DENABLE_MBEDTLS=OFF -DENABLE_WINDOWS_CRYPTO=OFF
   with_cmake pcre2 -DPCRE2_BUILD_TESTS=OFF -DPCRE2_BUILD_PCRE2GREP=OFF
   with_cmake draco -DDRACO_TESTS=OFF
+  with_cmake glfw3 -DGLFW_BUILD_DOCS=OFF -DGLFW_BUILD_TESTS=OFF -DGLFW_BUILD_EXAMPLES=OFF
+  build_imgui
 }
 
 # --- the project -----------------------------------------------------------------------------------------------------
@@ -109,15 +137,75 @@ build_project() {
   cmake --build --preset windows-mingw -j "$jobs" ${1:+--target "$@"}
 }
 
+# What people get: programs, the DLL, and all that a program of theirs is built with.
+make_archive() {
+  local version name stage
+  version=$(sed -n 's/^project(sightline VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+  name=sightline-$version-win64
+  stage=$PWD/build/windows/$name
+  rm -rf "$stage" "$stage.zip"
+  for component in library development tools; do
+    cmake --install "$tree" --prefix "$stage" --component "$component" --strip >/dev/null
+  done
+  rm -r "$stage/lib/pkgconfig"  # whose dependencies would have to be packages of pkg-config, too
+  cp -r "$deps"/include/{glm,tl,GL,KHR} "$stage/include/"
+  mkdir -p "$stage/licenses"
+  cp -r "$deps"/share/cmake/{glm,tl-expected} "$stage/lib/cmake/"
+  cp LICENSE "$stage/licenses/sightline.txt"
+  for folder in "$sources"/*/debian; do
+    cp "$folder/copyright" "$stage/licenses/$(basename "$(dirname "$folder")").txt"
+  done
+  for package in libglm-dev libexpected-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libgl-dev gcc-mingw-w64-base mingw-w64-common; do
+    cp "/usr/share/doc/$package/copyright" "$stage/licenses/$package.txt"
+  done
+  sed "s/@PROJECT_VERSION@/$version/; s/$/\r/" packaging/windows/README.txt.in > "$stage/README.txt"
+  (cd build/windows && cmake -E tar cf "$name.zip" --format=zip "$name")
+  ls -l "$stage.zip"
+}
+
+# Runs a program of Wine, or several, beside a display of their own. Wine's server keeps the display that it began with.
+with_display() {
+  scripts/wine.sh --end
+  xvfb-run -a -s "-screen 0 1280x1024x24" "$@"
+  scripts/wine.sh --end
+}
+tool() {  # linux|windows NAME argument …
+  if [ "$1" = linux ]; then "build/release/bin/sightline-$2" "${@:3}"; else scripts/wine.sh "$tree/bin/sightline-$2.exe" "${@:3}"; fi
+}
+compare_models() {
+  local folder=build/windows/equal failed=0
+  mkdir -p "$folder"
+  for model in "$@"; do
+    for system in linux windows; do
+      for look in --plain --edge-lines=0.4; do
+        tool $system render "$model" --size 640x360 --renderer gl $look --out "$folder/$system.$look.png" \
+          --ids "$folder/$system.$look.ids.png" --depth "$folder/$system.$look.pfm"
+      done
+      for ending in slc obj glb; do tool $system convert "$model" "$folder/$system.$ending"; done
+    done >/dev/null
+    for file in "$folder"/linux.*; do
+      cmp -s "$file" "${file/linux./windows.}" || { echo "$model: ${file##*/linux.} differs"; failed=1; }
+    done
+    echo "$model: compared"
+    rm "$folder"/*
+  done
+  return $failed
+}
+
 case ${1:-} in
   deps) build_dependencies ;;
   check) exec scripts/aligned_stack.py "$tree" ;;
   test)
     build_project
     scripts/aligned_stack.py "$tree"
-    ctest --preset windows-mingw -j "$jobs" --no-tests=error "${@:2}"
+    make_archive
+    # The first program makes Wine's folder.
+    with_display sh -c 'scripts/wine.sh cmd.exe /c exit; exec "$@"' - \
+      ctest --preset windows-mingw -j "$jobs" --no-tests=error "${@:2}"
     ;;
   build) build_project "${@:2}" ;;
-  "") build_project ;;
+  equal) with_display "$0" equal-here "${@:2}" ;;
+  equal-here) compare_models "${@:2}" ;;
+  "") build_project && make_archive ;;
   *) echo "windows: unknown word '$1'" >&2; exit 2 ;;
 esac

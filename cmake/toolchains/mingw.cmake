@@ -16,8 +16,13 @@ set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 
 # Windows 10 is the oldest that is supported.
-set(CMAKE_C_FLAGS_INIT "-D_WIN32_WINNT=0x0A00")
-set(CMAKE_CXX_FLAGS_INIT "-D_WIN32_WINNT=0x0A00")
+#
+# An inline function's code is that of one of the objects that have a copy. On Windows such copies are not weak symbols,
+# and g++ 12 takes the one of the object that it compiles for the one that is called: it relies on which registers that
+# one spares, or how it wants the stack aligned, which the copy of another object need not do.
+set(flags "-D_WIN32_WINNT=0x0A00 -fno-ipa-ra -fno-ipa-stack-alignment")
+set(CMAKE_C_FLAGS_INIT "${flags}")
+set(CMAKE_CXX_FLAGS_INIT "${flags}")
 # Programs need no libraries of the compiler beside them. Their stacks are as large as on Linux: 2 MB are the default.
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -Wl,--stack,8388608")
 set(CMAKE_SHARED_LINKER_FLAGS_INIT "-static")

@@ -15,9 +15,7 @@ inline void prefetch(const void* address, std::size_t bytes) {
   const char* first = static_cast<const char*>(address);
   for (std::size_t line = 0; line < bytes; line += 64) prefetch_line<CacheLevel::kL2>(first + line);
   if (bytes > 1) prefetch_line<CacheLevel::kL2>(first + bytes - 1);
-#if defined(__GNUC__)
   asm volatile("");  // g++ 12 takes a function that only prefetches for one without effect, and drops its calls
-#endif
 }
 template <class T>
 void prefetch(const T& object) {

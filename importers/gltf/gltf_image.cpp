@@ -34,14 +34,10 @@ void* reallocate(void* former, std::size_t bytes) {
 #define STBI_NO_HDR
 #define STBI_NO_LINEAR
 #define STBI_NO_FAILURE_STRINGS
-#if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
-#endif
 #include <stb_image.h>
-#if defined(__GNUC__)
 #pragma GCC diagnostic pop
-#endif
 
 namespace sightline::importers {
 namespace {

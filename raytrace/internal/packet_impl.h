@@ -2,10 +2,6 @@
 // kernels_impl.h.
 #pragma once
 
-#ifndef __GNUC__
-#include <cmath>
-#endif
-
 #include "sightline/raytrace/internal/kernels_impl.h"
 #include "sightline/raytrace/internal/packet.h"
 #include "sightline/raytrace/internal/packet_solids.h"
@@ -17,21 +13,13 @@ inline bool at_most_one(unsigned rays) {
   return (rays & (rays - 1)) == 0;
 }
 
-#ifdef __GNUC__
 inline double size_of(double a) {
   return __builtin_fabs(a);
 }
 inline double root(double a) {
   return __builtin_sqrt(a);
 }
-#else
-inline double size_of(double a) {
-  return a < 0.0 ? -a : a;
-}
-inline double root(double a) {
-  return std::sqrt(a);
-}
-#endif
+
 // The loops that follow go over all rays, so that the compiler vectorises them.
 
 /// As is_ray() of tracer.cpp.

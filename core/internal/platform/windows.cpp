@@ -372,7 +372,18 @@ std::optional<std::string> decoded(std::string_view text, std::string_view encod
   return utf8_of(wide);
 }
 
+namespace {
+
+/// A program with a window has no streams where it was started from a console. They are that console's.
+void use_console_of_parent() {
+  if (GetStdHandle(STD_ERROR_HANDLE) || !AttachConsole(ATTACH_PARENT_PROCESS)) return;
+  for (std::FILE* const stream : {stdout, stderr}) _wfreopen(L"CONOUT$", L"w", stream);
+}
+
+}  // namespace
+
 std::vector<std::string> begin_program(int argc, char** argv) {
+  use_console_of_parent();
   SetConsoleOutputCP(CP_UTF8);
   for (std::FILE* const stream : {stdin, stdout, stderr}) _setmode(_fileno(stream), _O_BINARY);
   // Arguments that are not those of main() are UTF-8 already.
