@@ -117,7 +117,8 @@ TEST(ThreadPool, TwoCallersAtOnce) {
   other.join();
 }
 
-/// Counts the threads that take part; jobs are long enough that all would like to.
+/// Counts the threads that take part. Jobs are long enough that all would like to, and the first waits for a second
+/// thread, however busy the machine is.
 TEST(ThreadPool, NoMoreThreadsThanTheCallAllows) {
   ThreadPool threads(4);
   for (const int most : {1, 2, 3, 4, 0, 9}) {
@@ -125,11 +126,16 @@ TEST(ThreadPool, NoMoreThreadsThanTheCallAllows) {
     std::mutex mutex;
     std::set<std::thread::id> seen;
     std::atomic<std::uint32_t> done{0};
-    const auto job = [&](std::uint32_t) {
-      work_for(std::chrono::microseconds(300));
-      ++done;
+    const auto count = [&] {
       const std::lock_guard lock(mutex);
       seen.insert(std::this_thread::get_id());
+      return seen.size();
+    };
+    const auto job = [&](std::uint32_t) {
+      const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+      while (count() < 2 && most != 1 && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+      work_for(std::chrono::microseconds(300));
+      ++done;
     };
     threads.run_at_once(
         40, job, [] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }, most);

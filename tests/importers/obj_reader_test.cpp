@@ -433,8 +433,10 @@ TEST_F(ObjReader, TexturesCountByTheirMean) {
       EXPECT_NEAR(scene_.material(scene_.item_material(i)).colour[k], colours[to_index(i)][k], 1e-6f)
           << to_index(i) << ' ' << k;
   ASSERT_EQ(report->warnings.size(), 2u);
+  // Where names ignore case, the folder of the path is found, too.
+  const std::string found = tests::names_ignore_case() ? "an orange.png" : "An orange.png";
   EXPECT_EQ(report->warnings[0].message,
-            "line 11: texture 'd:\\tex\\An Orange.PNG' not found; 'An orange.png' is read");
+            "line 11: texture 'd:\\tex\\An Orange.PNG' not found; '" + found + "' is read");
 }
 
 TEST_F(ObjReader, ColoursOfVertices) {
