@@ -158,9 +158,25 @@ function(sightline_kernels name)
   endif()
 endfunction()
 
+# Where programs lie for whatever starts them: in bin/, or, for Linux on another processor, as scripts that lead to the
+# emulator.
+set(SIGHTLINE_RUNNABLE ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
+if(CMAKE_CROSSCOMPILING_EMULATOR AND CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  set(SIGHTLINE_RUNNABLE ${PROJECT_BINARY_DIR}/emulated)
+endif()
+function(sightline_runnable name folder)
+  if(SIGHTLINE_RUNNABLE STREQUAL CMAKE_RUNTIME_OUTPUT_DIRECTORY)
+    return()
+  endif()
+  list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
+  file(WRITE ${SIGHTLINE_RUNNABLE}/${name} "#!/bin/sh\nexec ${emulator} -0 \"$0\" ${folder}/${name} \"$@\"\n")
+  file(CHMOD ${SIGHTLINE_RUNNABLE}/${name} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+endfunction()
+
 # sightline_program(NAME SOURCES … LINKS …): an executable in bin/.
 function(sightline_program name)
   cmake_parse_arguments(arg "" "" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LINKS} sightline_flags)
+  sightline_runnable(${name} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 endfunction()
