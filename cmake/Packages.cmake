@@ -41,7 +41,7 @@ set(pages "")
 foreach(program IN LISTS programs)
   set(page ${PROJECT_BINARY_DIR}/man/${program}.1)
   add_custom_command(OUTPUT ${page}.gz
-    COMMAND ${CMAKE_COMMAND} -DTOOL=$<TARGET_FILE:${program}> -DVERSION=${PROJECT_VERSION} -DHELP2MAN=${SIGHTLINE_HELP2MAN}
+    COMMAND ${CMAKE_COMMAND} -DTOOL=${SIGHTLINE_RUNNABLE}/${program} -DVERSION=${PROJECT_VERSION} -DHELP2MAN=${SIGHTLINE_HELP2MAN}
             -DOUTPUT=${page} -P ${CMAKE_CURRENT_LIST_DIR}/Packages.cmake
     DEPENDS ${program} ${CMAKE_CURRENT_LIST_DIR}/Packages.cmake VERBATIM)
   list(APPEND pages ${page}.gz)

@@ -76,6 +76,10 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND CMAKE_CXX_COMPILER_ID MATCH
     target_compile_definitions(sightline_flags INTERFACE "$<$<COMPILE_LANGUAGE:C,CXX>:SIGHTLINE_HAS_${form}=${features}>")
   endforeach()
 endif()
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64" AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  set(SIGHTLINE_NEON_KERNELS TRUE)
+  target_compile_definitions(sightline_flags INTERFACE SIGHTLINE_NEON_KERNELS)
+endif()
 if(EMSCRIPTEN)
   # Exceptions of WebAssembly itself: others would cost each call that may throw. The library throws none across its
   # interfaces, but catches what the standard library throws where memory ends.
@@ -133,16 +137,22 @@ function(sightline_library name)
   set_property(GLOBAL APPEND PROPERTY SIGHTLINE_LIBRARIES ${name})
 endfunction()
 
-# sightline_kernels(NAME AVX2 file AVX512 file [WASM file]): kernels of one binary for all processors. Only these files
-# may use wider instructions; core/instruction_set.h says which ones the processor has. A WebAssembly module is checked
-# as a whole before it runs, so each holds one form alone.
+# sightline_kernels(NAME [AVX2 file] [AVX512 file] [NEON file] [SIMD128 file]): kernels of one binary for all processors.
+# Only these files may use wider instructions; core/instruction_set.h says which ones the processor has. SIMD128: for NEON
+# and for WebAssembly, whose modules are checked as a whole before they run, so that each holds one form alone.
 function(sightline_kernels name)
-  cmake_parse_arguments(arg "" "AVX2;AVX512;WASM" "" ${ARGN})
+  cmake_parse_arguments(arg "" "AVX2;AVX512;NEON;SIMD128" "" ${ARGN})
+  set_source_files_properties(${arg_NEON} ${arg_SIMD128} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  if(SIGHTLINE_NEON_KERNELS)
+    target_sources(sightline_${name} PRIVATE ${arg_NEON} ${arg_SIMD128})
+    # g++ takes operations on four registers for too long to inline, and passes them through memory.
+    set_source_files_properties(${arg_NEON} ${arg_SIMD128} PROPERTIES
+                                COMPILE_OPTIONS "$<$<CXX_COMPILER_ID:GNU>:--param=early-inlining-insns=200>")
+  endif()
   # Other files must not be vectorised: clang 14 (Emscripten 3.1.6) mixes up the lanes of doubles.
-  if(EMSCRIPTEN AND SIGHTLINE_WASM_SIMD AND arg_WASM)
-    target_sources(sightline_${name} PRIVATE ${arg_WASM})
-    set_source_files_properties(${arg_WASM} PROPERTIES COMPILE_OPTIONS "-msimd128;-fno-vectorize;-fno-slp-vectorize"
-                                SKIP_UNITY_BUILD_INCLUSION ON)
+  if(EMSCRIPTEN AND SIGHTLINE_WASM_SIMD AND arg_SIMD128)
+    target_sources(sightline_${name} PRIVATE ${arg_SIMD128})
+    set_source_files_properties(${arg_SIMD128} PROPERTIES COMPILE_OPTIONS "-msimd128;-fno-vectorize;-fno-slp-vectorize")
   endif()
   if(SIGHTLINE_X86_KERNELS)
     target_sources(sightline_${name} PRIVATE ${arg_AVX2} ${arg_AVX512})
@@ -163,9 +173,25 @@ function(sightline_resources target)
   target_sources(${target} PRIVATE ${file})
 endfunction()
 
+# Where programs lie for whatever starts them: in bin/, or, for Linux on another processor, as scripts that lead to the
+# emulator.
+set(SIGHTLINE_RUNNABLE ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
+if(CMAKE_CROSSCOMPILING_EMULATOR AND CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  set(SIGHTLINE_RUNNABLE ${PROJECT_BINARY_DIR}/emulated)
+endif()
+function(sightline_runnable name folder)
+  if(SIGHTLINE_RUNNABLE STREQUAL CMAKE_RUNTIME_OUTPUT_DIRECTORY)
+    return()
+  endif()
+  list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
+  file(WRITE ${SIGHTLINE_RUNNABLE}/${name} "#!/bin/sh\nexec ${emulator} -0 \"$0\" ${folder}/${name} \"$@\"\n")
+  file(CHMOD ${SIGHTLINE_RUNNABLE}/${name} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+endfunction()
+
 # sightline_program(NAME SOURCES … LINKS …): an executable in bin/.
 function(sightline_program name)
   cmake_parse_arguments(arg "" "" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LINKS} sightline_flags)
+  sightline_runnable(${name} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 endfunction()

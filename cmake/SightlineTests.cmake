@@ -14,7 +14,7 @@ file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/tests/cache)
 add_library(sightline_tests_places STATIC ${SIGHTLINE_CHECKOUT}/tests/support/places.cpp)
 target_link_libraries(sightline_tests_places PUBLIC sightline_tests_headers PRIVATE sightline_flags)
 target_compile_definitions(sightline_tests_places PRIVATE SIGHTLINE_SOURCE_DIR="${SIGHTLINE_CHECKOUT}"
-                           SIGHTLINE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+                           SIGHTLINE_BIN_DIR="${SIGHTLINE_RUNNABLE}")
 if(TARGET sightline::gl)
   add_library(sightline_tests_driver OBJECT ${SIGHTLINE_CHECKOUT}/tests/support/driver.cpp)
   target_link_libraries(sightline_tests_driver PRIVATE sightline::gl GTest::gtest sightline_tests_headers sightline_flags)
@@ -41,9 +41,15 @@ endfunction()
 function(sightline_add_suites name left_out)
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
   list(JOIN ARGN "\" \"" properties)
-  file(WRITE ${file} "set(SIGHTLINE_EMULATOR \"${CMAKE_CROSSCOMPILING_EMULATOR}\")\n"
+  set(emulator ${CMAKE_CROSSCOMPILING_EMULATOR})
+  set(program ${PROJECT_BINARY_DIR}/tests/${name}_tests${CMAKE_EXECUTABLE_SUFFIX})
+  if(NOT SIGHTLINE_RUNNABLE STREQUAL CMAKE_RUNTIME_OUTPUT_DIRECTORY)  # also for tests that start themselves
+    set(emulator "")
+    set(program ${SIGHTLINE_RUNNABLE}/${name}_tests)
+  endif()
+  file(WRITE ${file} "set(SIGHTLINE_EMULATOR \"${emulator}\")\n"
                      "include(${SIGHTLINE_CHECKOUT}/cmake/SuiteEntries.cmake)\nsightline_suite_entries(${name} "
-                     "${PROJECT_BINARY_DIR}/tests/${name}_tests${CMAKE_EXECUTABLE_SUFFIX} \"${left_out}\" \"${properties}\")\n")
+                     "${program} \"${left_out}\" \"${properties}\")\n")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
 
@@ -61,6 +67,7 @@ function(sightline_tests folder)
   # The library beneath is optimised; optimising the checks takes longer than running them.
   target_compile_options(${name}_tests PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
   set_target_properties(${name}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  sightline_runnable(${name}_tests ${PROJECT_BINARY_DIR}/tests)
   # What is kept for later runs, drivers' caches included, is kept in the build tree. Threads of OpenMP that wait leave the
   # processors to other tests.
   set(properties TIMEOUT 1200 ENVIRONMENT OMP_WAIT_POLICY=passive

@@ -10,9 +10,10 @@ namespace {
 std::atomic<int> g_forced{-1};
 
 InstructionSet widest() {
-  for (const InstructionSet set : {InstructionSet::kAvx512, InstructionSet::kAvx2})
-    if (supported(set)) return set;
-  return InstructionSet::kScalar;
+  InstructionSet widest = InstructionSet::kScalar;
+  for (const InstructionSet set : kInstructionSets)
+    if (supported(set)) widest = set;
+  return widest;
 }
 
 InstructionSet widest_allowed() {
@@ -30,6 +31,8 @@ bool supported(InstructionSet set) {
 #define SIGHTLINE_HAS(feature) (__builtin_cpu_supports(#feature) != 0)
   if (set == InstructionSet::kAvx2) return SIGHTLINE_HAS_AVX2;
   if (set == InstructionSet::kAvx512) return SIGHTLINE_HAS_AVX512;
+#elif defined(SIGHTLINE_NEON_KERNELS)
+  if (set == InstructionSet::kNeon) return true;  // every processor of 64 bits has it
 #endif
   return set == InstructionSet::kScalar;
 }
@@ -46,11 +49,12 @@ void force_instruction_set(std::optional<InstructionSet> set) {
 }
 
 const char* name_of(InstructionSet set) {
-  return set == InstructionSet::kScalar ? "scalar" : set == InstructionSet::kAvx2 ? "avx2" : "avx512";
+  static constexpr const char* kNames[] = {"scalar", "neon", "avx2", "avx512"};
+  return kNames[int(set)];
 }
 
 std::optional<InstructionSet> instruction_set_named(std::string_view name) {
-  for (const InstructionSet set : {InstructionSet::kScalar, InstructionSet::kAvx2, InstructionSet::kAvx512})
+  for (const InstructionSet set : kInstructionSets)
     if (name == name_of(set)) return set;
   return std::nullopt;
 }

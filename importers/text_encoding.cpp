@@ -119,7 +119,7 @@ std::string excerpt(std::string_view text) {
     shown += "…";
   }
   std::replace_if(
-      shown.begin(), shown.end(), [](char c) { return (c >= 0 && c < ' ') || c == 127; }, ' ');
+      shown.begin(), shown.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, ' ');
   return "'" + shown + "'";
 }
 

@@ -31,13 +31,13 @@ Four most(const Four& a, const Four& b) {
 unsigned less(const Four& a, const Four& b) {
   return unsigned(_mm256_movemask_pd(_mm256_cmp_pd(a.d, b.d, _CMP_LT_OQ)));
 }
-Four choose(const Four& a, const Four& b, const Four& where_less, const Four& otherwise) {
-  return {_mm256_blendv_pd(otherwise.d, where_less.d, _mm256_cmp_pd(a.d, b.d, _CMP_LT_OQ))};
-}
 
 struct Avx2 {
   using Four = lod::Four;
 
+  static Four choose(const Four& a, const Four& b, const Four& where_less, const Four& otherwise) {
+    return {_mm256_blendv_pd(otherwise.d, where_less.d, _mm256_cmp_pd(a.d, b.d, _CMP_LT_OQ))};
+  }
   static __m256d load(const double* low, const double* high) {
     return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(low)), _mm_load_pd(high), 1);
   }

@@ -37,16 +37,16 @@ unsigned less(const Four& a, const Four& b) {
   for (int i = 0; i < kLanes; ++i) bits |= unsigned(a.d[i] < b.d[i]) << i;
   return bits;
 }
-Four choose(const Four& a, const Four& b, const Four& where_less, const Four& otherwise) {
-  Four chosen = otherwise;
-  for (int i = 0; i < kLanes; ++i)
-    if (a.d[i] < b.d[i]) chosen.d[i] = where_less.d[i];
-  return chosen;
-}
 
 struct Scalar {
   using Four = lod::Four;
 
+  static Four choose(const Four& a, const Four& b, const Four& where_less, const Four& otherwise) {
+    Four chosen = otherwise;
+    for (int i = 0; i < kLanes; ++i)
+      if (a.d[i] < b.d[i]) chosen.d[i] = where_less.d[i];
+    return chosen;
+  }
   static void load(const Corner* c, Four& x, Four& y, Four& z) {
     x = {{c[0].x, c[1].x, c[2].x, c[3].x}};
     y = {{c[0].y, c[1].y, c[2].y, c[3].y}};

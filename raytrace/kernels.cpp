@@ -8,6 +8,8 @@ namespace sightline::raytrace {
 const Kernels& kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
   return core::form_in_use(scalar_kernels, avx2_kernels, avx512_kernels)();
+#elif defined(SIGHTLINE_NEON_KERNELS)
+  return core::form_in_use(scalar_kernels, neon_kernels)();
 #else
   return scalar_kernels();
 #endif
@@ -16,6 +18,8 @@ const Kernels& kernels() {
 const PacketKernels& packet_kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
   return core::form_in_use(scalar_packet_kernels, avx2_packet_kernels, avx512_packet_kernels)();
+#elif defined(SIGHTLINE_NEON_KERNELS)
+  return core::form_in_use(scalar_packet_kernels, neon_packet_kernels)();
 #else
   return scalar_packet_kernels();
 #endif

@@ -43,20 +43,7 @@ if [ -n "${SIGHTLINE_SETUP_EXAMPLES:-}" ]; then packages+=(libopenscenegraph-dev
 if [ -n "${SIGHTLINE_SETUP_BROWSER:-}" ]; then packages+=(chromium); fi
 if [ "$preset" = fuzz ] || [ -n "${SIGHTLINE_SETUP_CLANG:-}" ]; then packages+=(clang libclang-rt-14-dev); fi
 
-missing=()
-for package in "${packages[@]}"; do
-  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
-done
-if [ ${#missing[@]} -gt 0 ]; then
-  as_root=()
-  if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || { echo "setup: needs root or sudo to install: ${missing[*]}" >&2; exit 1; }
-    as_root=(sudo)
-  fi
-  echo "Installing ${missing[*]}"
-  "${as_root[@]}" apt-get update -qq
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
-fi
+scripts/install.sh "${packages[@]}"
 
 # With relative paths trees of the same depth, such as build/release and build/packages, share compiled objects; so do
 # checkouts, whose folder only debug information would name.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Set-up, build and tests, in one command.
 #   scripts/test.sh [--isa SET] [--driver NAME] [PRESET] [ctest arguments …]     release (default), debug, asan or tsan
-# --isa scalar, avx2 or avx512 names the widest instruction set that the kernels use; the processor must have it.
+# --isa scalar, neon, avx2 or avx512 names the widest instruction set that the kernels use; the processor must have it.
 # --driver zink or llvmpipe runs tests with that OpenGL driver (scripts/with_driver.sh): those with a context of gl,
 # gpuscene, culling, render and engine, and builds no more than these, unless SIGHTLINE_TARGETS and -R name others.
 # SIGHTLINE_TARGETS names what to build (default: everything); select among its tests with ctest's -R. Random input is
@@ -12,7 +12,7 @@ with_driver=() only=()
 while [[ ${1:-} == --* ]]; do
   case $1 in
     --isa)
-      [[ ${2:-} =~ ^(scalar|avx2|avx512)$ ]] || { echo "test: --isa scalar, avx2 or avx512, not '${2:-}'" >&2; exit 2; }
+      [[ ${2:-} =~ ^(scalar|neon|avx2|avx512)$ ]] || { echo "test: --isa scalar, neon, avx2 or avx512, not '${2:-}'" >&2; exit 2; }
       export SIGHTLINE_ISA=$2
       ;;
     --driver)

@@ -19,20 +19,6 @@ tree=$PWD/build/windows-mingw
 # --- what is installed -----------------------------------------------------------------------------------------------
 packages=(g++-mingw-w64-x86-64-posix binutils cmake ninja-build dpkg-dev wine wine64 xvfb xauth python3 debian-archive-keyring
   libgl-dev libegl-dev libglm-dev libexpected-dev nlohmann-json3-dev libcli11-dev libstb-dev libxxhash-dev)
-install_packages() {
-  local missing=() as_root=()
-  for package in "${packages[@]}"; do
-    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
-  done
-  [ ${#missing[@]} -gt 0 ] || return 0
-  if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || { echo "windows: needs root or sudo to install: ${missing[*]}" >&2; exit 1; }
-    as_root=(sudo)
-  fi
-  echo "Installing ${missing[*]}"
-  "${as_root[@]}" apt-get update -qq
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
-}
 
 # --- dependencies ----------------------------------------------------------------------------------------------------
 # Sources of the distribution, of the versions that its packages are built from. The list is private: the machine's own
@@ -113,7 +99,7 @@ build_imgui() {
   mark_built imgui
 }
 build_dependencies() {
-  install_packages
+  scripts/install.sh "${packages[@]}"
   copy_headers
   build_zlib
   with_cmake googletest -DBUILD_GMOCK=ON

@@ -53,7 +53,7 @@ void add_options(apps::CommandLine& line, Options& options) {
       .in_range(1, 1024)
       .shows_default();
   line.add("--simd", options.simd, "instruction set of the cullers")
-      .one_of({"best", "scalar", "avx2", "avx512"})
+      .one_of({"best", "scalar", "neon", "avx2", "avx512"})
       .shows_default();
   line.add("--output", options.output, "time ranges and items, or the full list of ids, or of slots")
       .one_of({"ranges", "ids", "slots"})
@@ -147,7 +147,7 @@ double time_refit(Subject& subject) {
 }
 
 void choose_instructions(const std::string& name) {
-  for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
+  for (const auto set : core::kInstructionSets) {
     if (name != core::name_of(set)) continue;
     if (!core::supported(set)) apps::fail("--simd " + name + ": this processor or build does not have it");
     core::force_instruction_set(set);

@@ -10,7 +10,7 @@ namespace {
 /// Bytes of the character at the begin of `text`; 0 when it is none that XML allows (XML 1.0, section 2.2).
 std::size_t character_length(std::string_view text) {
   const char c = text.front();
-  if (c >= 0 && c < ' ' && c != '\t' && c != '\n' && c != '\r') return 0;
+  if (static_cast<unsigned char>(c) < ' ' && c != '\t' && c != '\n' && c != '\r') return 0;
   if (text.starts_with("\xef\xbf\xbe") || text.starts_with("\xef\xbf\xbf")) return 0;  // U+FFFE, U+FFFF
   return importers::utf8_length(text);
 }

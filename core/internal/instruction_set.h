@@ -7,12 +7,14 @@
 
 namespace sightline::core {
 
-/// Every form gives the same answer bit for bit; kScalar is the plain twin of the others.
-enum class InstructionSet { kScalar, kAvx2, kAvx512 };
+/// From narrow to wide. Every form gives the same answer bit for bit; kScalar is the plain twin of the others.
+enum class InstructionSet { kScalar, kNeon, kAvx2, kAvx512 };
+inline constexpr InstructionSet kInstructionSets[] = {InstructionSet::kScalar, InstructionSet::kNeon,
+                                                      InstructionSet::kAvx2, InstructionSet::kAvx512};
 
 /// Whether this build has the form, this processor can run it, and the environment variable SIGHTLINE_ISA allows it.
-/// That variable names the widest form to use (scalar, avx2 or avx512), so that a processor can stand for a narrower
-/// one; any other value is ignored. It is read once.
+/// That variable names the widest form to use (scalar, neon, avx2 or avx512), so that a processor can stand for a
+/// narrower one; any other value is ignored. It is read once.
 bool supported(InstructionSet set);
 /// The form in use: the widest supported one unless another is forced.
 InstructionSet instruction_set();
@@ -34,6 +36,10 @@ const Form& form_in_use(const Form& scalar, const Form& avx2, const Form& avx512
     default:
       return scalar;
   }
+}
+template <class Form>
+const Form& form_in_use(const Form& scalar, const Form& neon) {
+  return instruction_set() == InstructionSet::kNeon ? neon : scalar;
 }
 
 }  // namespace sightline::core

@@ -35,8 +35,10 @@ ItemTest make_item_test(const core::ItemBounds& bounds, const CullPlanes& planes
 const FrustumKernels& frustum_kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
   return core::form_in_use(scalar_frustum_kernels, avx2_frustum_kernels, avx512_frustum_kernels)();
+#elif defined(SIGHTLINE_NEON_KERNELS)
+  return core::form_in_use(scalar_frustum_kernels, simd128_frustum_kernels)();
 #elif defined(SIGHTLINE_WASM_KERNELS)
-  return wasm_frustum_kernels();
+  return simd128_frustum_kernels();
 #else
   return scalar_frustum_kernels();
 #endif

@@ -35,7 +35,7 @@ constexpr std::size_t kFlushBytes = std::size_t{1} << 20;
 std::string on_one_line(std::string_view name, bool spaces) {
   std::string line(name);
   for (char& c : line)
-    if ((c >= 0 && c < ' ') || c == 127 || (c == ' ' && !spaces)) c = '_';
+    if (static_cast<unsigned char>(c) < ' ' || c == 127 || (c == ' ' && !spaces)) c = '_';
   return line;
 }
 

@@ -77,6 +77,7 @@ struct DeviationKernels {
 
 const DeviationKernels& deviation_kernels();
 const DeviationKernels& scalar_deviation_kernels();
+const DeviationKernels& neon_deviation_kernels();
 const DeviationKernels& avx2_deviation_kernels();
 
 }  // namespace sightline::lod

@@ -2,7 +2,7 @@
 // file's anonymous namespace, so that every instance is local to the file.
 //
 // Four::load, spread and operators, least() and most() as the processor has them (the second where neither is less),
-// less() with a bit for each lane, and choose(), which takes from `a` where the bit's lane is less.
+// less() with a bit for each lane, and Form::choose(), which takes from `where_less` where the first lane is less.
 #pragma once
 
 #include <limits>
@@ -57,7 +57,7 @@ struct DeviationKernelsOf {
       if (less(limit, square + aside) != 0) return {std::numeric_limits<double>::infinity(), beyond};
       const Four edges =
           least(least(from_edge(face, 0, points), from_edge(face, 1, points)), from_edge(face, 2, points));
-      square = choose(coordinate, border, edges, square);
+      square = Form::choose(coordinate, border, edges, square);
     }
     return {Form::largest(square), beyond};
   }

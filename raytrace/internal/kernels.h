@@ -83,6 +83,7 @@ struct Kernels {
 };
 
 const Kernels& scalar_kernels();
+const Kernels& neon_kernels();
 const Kernels& avx2_kernels();
 const Kernels& avx512_kernels();
 /// The kernels of core::instruction_set().

@@ -139,6 +139,7 @@ struct PacketKernels {
 };
 
 const PacketKernels& scalar_packet_kernels();
+const PacketKernels& neon_packet_kernels();
 const PacketKernels& avx2_packet_kernels();
 const PacketKernels& avx512_packet_kernels();
 /// The kernels of core::instruction_set().

@@ -8,10 +8,21 @@ namespace sightline::core::instruction_set_test {
 namespace {
 
 TEST(InstructionSet, NamesAreUnderstood) {
-  for (const InstructionSet set : {InstructionSet::kScalar, InstructionSet::kAvx2, InstructionSet::kAvx512})
-    EXPECT_EQ(instruction_set_named(name_of(set)), set);
+  for (const InstructionSet set : kInstructionSets) EXPECT_EQ(instruction_set_named(name_of(set)), set);
   for (const char* name : {"", "sse", "AVX2", "avx", "avx2 "}) EXPECT_EQ(instruction_set_named(name), std::nullopt);
 }
+
+#if defined(SIGHTLINE_NEON_KERNELS)
+
+TEST(InstructionSet, IsNeonOnEveryArmOf64Bits) {
+  const char* name = std::getenv("SIGHTLINE_ISA");
+  const bool scalar = name && instruction_set_named(name) == InstructionSet::kScalar;
+  EXPECT_EQ(supported(InstructionSet::kNeon), !scalar);
+  EXPECT_EQ(instruction_set(), scalar ? InstructionSet::kScalar : InstructionSet::kNeon);
+  EXPECT_FALSE(supported(InstructionSet::kAvx2));
+}
+
+#endif
 
 }  // namespace
 }  // namespace sightline::core::instruction_set_test

@@ -22,7 +22,7 @@ template <class Check>
 /// with the number of forms.
 template <class Check>
 void for_each_instruction_set(const Check& check) {
-  for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
+  for (const auto set : core::kInstructionSets) {
     if (!core::supported(set)) continue;
     SCOPED_TRACE(core::name_of(set));
     core::force_instruction_set(set);

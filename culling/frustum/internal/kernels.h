@@ -93,8 +93,8 @@ struct FrustumKernels {
 const FrustumKernels& scalar_frustum_kernels();
 const FrustumKernels& avx2_frustum_kernels();
 const FrustumKernels& avx512_frustum_kernels();
-const FrustumKernels& wasm_frustum_kernels();  ///< SIMD128
-/// The table for instruction_set(); in builds with SIMD128 its own, since a module holds one form alone.
+const FrustumKernels& simd128_frustum_kernels();  ///< NEON and SIMD128
+/// The table for instruction_set(); in builds for WebAssembly its own, since a module holds one form alone.
 const FrustumKernels& frustum_kernels();
 
 }  // namespace sightline::culling

@@ -129,8 +129,8 @@ struct OcclusionKernels {
 const OcclusionKernels& scalar_occlusion_kernels();
 const OcclusionKernels& avx2_occlusion_kernels();
 const OcclusionKernels& avx512_occlusion_kernels();
-const OcclusionKernels& wasm_occlusion_kernels();  ///< SIMD128
-/// The table for instruction_set(); in builds with SIMD128 its own, since a module holds one form alone.
+const OcclusionKernels& simd128_occlusion_kernels();  ///< NEON and SIMD128
+/// The table for instruction_set(); in builds for WebAssembly its own, since a module holds one form alone.
 const OcclusionKernels& occlusion_kernels();
 
 }  // namespace sightline::culling

@@ -1,10 +1,10 @@
-// The kernels for WebAssembly's SIMD128.
-#include "sightline/culling/frustum/internal/simd_wasm.h"
+// The kernels for NEON and WebAssembly's SIMD128.
+#include "sightline/culling/frustum/internal/simd_128.h"
 #include "sightline/culling/occlusion/internal/kernels_impl.h"
 
 namespace sightline::culling {
 
-const OcclusionKernels& wasm_occlusion_kernels() {
+const OcclusionKernels& simd128_occlusion_kernels() {
   static constexpr OcclusionKernels kKernels = make_occlusion_kernels<Simd128>();
   return kKernels;
 }
