@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "sightline/core/internal/intrinsics.h"
+#include "sightline/core/internal/platform/threads.h"
 
 namespace sightline::core {
 namespace {
@@ -31,7 +32,7 @@ ThreadPool::ThreadPool(int size, JobRunner* runner)
 ThreadPool::~ThreadPool() {
   for (std::jthread& helper : helpers_) helper.request_stop();
   ++calls_;
-  calls_.notify_all();
+  platform::wake_all(calls_);
 }
 
 void ThreadPool::run(const Call& call) {
@@ -78,7 +79,7 @@ std::uint32_t ThreadPool::share(const Call& call, std::uint32_t helpers, std::ui
   finished_.store(done, std::memory_order_relaxed);
   state_.store(std::uint64_t(helpers) << 32 | (call.jobs - done));
   ++calls_;
-  if (sleeping_.load() > 0) calls_.notify_all();
+  if (sleeping_.load() > 0) platform::wake_all(calls_);
   if (call.beside) call.beside(call.beside_context);
   std::uint32_t own = 0;
   while (work_one([](std::uint64_t) { return true; })) ++own;
@@ -128,7 +129,7 @@ void ThreadPool::help(std::uint32_t helper, const std::stop_token& stop) {
       pause();
     } else {
       ++sleeping_;
-      calls_.wait(seen);
+      platform::wait_while(calls_, seen);
       --sleeping_;
       worked = now();
     }

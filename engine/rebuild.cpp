@@ -130,7 +130,7 @@ void BackgroundRebuild::retire(SceneVersion&& old) {
 
 bool BackgroundRebuild::lock(std::unique_lock<std::mutex>& held, const std::stop_token& stop) {
   held.lock();
-  return changed_.wait(held, stop, [&] { return !editing_; }) && !stop.stop_requested();
+  return core::wait_until(changed_, held, stop, [&] { return !editing_; }) && !stop.stop_requested();
 }
 
 /// Meets every item at least once, since items only move to later slots. Growing the memory takes long, so it happens
@@ -181,8 +181,9 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
       if (!behind_) {
         std::swap(version, version_);
         state_ = State::kReady;
-        const bool go_on = changed_.wait(
-            held, stop, [&] { return state_ == State::kRetired || (state_ == State::kReady && behind_ && !editing_); });
+        const bool go_on = core::wait_until(changed_, held, stop, [&] {
+          return state_ == State::kRetired || (state_ == State::kReady && behind_ && !editing_);
+        });
         std::swap(version, version_);
         if (!go_on || state_ == State::kRetired) break;
         state_ = State::kWorking;

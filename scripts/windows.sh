@@ -5,7 +5,8 @@
 #   scripts/windows.sh deps            the dependencies alone, into build/windows-deps
 #   scripts/windows.sh build [TARGET …]   dependencies, then these targets, without the archive
 #   scripts/windows.sh check           objects with wide instructions, for stores that need an aligned stack
-#   scripts/windows.sh test [ctest arguments …]   builds everything, checks objects, and runs the tests
+#   scripts/windows.sh test [ctest arguments …]   builds everything and the archive, or what SIGHTLINE_TARGETS names; checks
+#                                      objects, and runs the tests
 #   scripts/windows.sh equal MODEL …   draws models with these tools and with those of build/release: images, ids, depths,
 #                                      scene caches and converted files are the same bytes, or it fails
 # SIGHTLINE_JOBS: processes at once (default: all processors). SIGHTLINE_CMAKE_ARGS: more arguments of CMake.
@@ -102,17 +103,21 @@ build_dependencies() {
   scripts/install.sh "${packages[@]}"
   copy_headers
   build_zlib
-  with_cmake googletest -DBUILD_GMOCK=ON
-  with_cmake fmtlib -DFMT_TEST=OFF -DFMT_DOC=OFF
-  with_cmake libpng1.6 -DPNG_SHARED=OFF -DPNG_TESTS=OFF
-  with_cmake meshoptimizer
-  with_cmake pugixml
-  with_cmake libzip -DBUILD_TOOLS=OFF -DBUILD_REGRESS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_DOC=OFF -DENABLE_BZIP2=OFF \
+  # Configuring takes one processor: they are made beside each other.
+  local builds=()
+  beside() { "$@" & builds+=($!); }
+  beside with_cmake googletest -DBUILD_GMOCK=ON
+  beside with_cmake fmtlib -DFMT_TEST=OFF -DFMT_DOC=OFF
+  beside with_cmake libpng1.6 -DPNG_SHARED=OFF -DPNG_TESTS=OFF
+  beside with_cmake meshoptimizer
+  beside with_cmake pugixml
+  beside with_cmake libzip -DBUILD_TOOLS=OFF -DBUILD_REGRESS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_DOC=OFF -DENABLE_BZIP2=OFF \
     -DENABLE_LZMA=OFF -DENABLE_ZSTD=OFF -DENABLE_OPENSSL=OFF -DENABLE_GNUTLS=OFF -DENABLE_MBEDTLS=OFF -DENABLE_WINDOWS_CRYPTO=OFF
-  with_cmake pcre2 -DPCRE2_BUILD_TESTS=OFF -DPCRE2_BUILD_PCRE2GREP=OFF
-  with_cmake draco -DDRACO_TESTS=OFF
+  beside with_cmake pcre2 -DPCRE2_BUILD_TESTS=OFF -DPCRE2_BUILD_PCRE2GREP=OFF
+  beside with_cmake draco -DDRACO_TESTS=OFF
   with_cmake glfw3 -DGLFW_BUILD_DOCS=OFF -DGLFW_BUILD_TESTS=OFF -DGLFW_BUILD_EXAMPLES=OFF
   build_imgui
+  for build in "${builds[@]}"; do wait "$build"; done
 }
 
 # --- the project -----------------------------------------------------------------------------------------------------
@@ -182,9 +187,10 @@ case ${1:-} in
   deps) build_dependencies ;;
   check) exec scripts/aligned_stack.py "$tree" ;;
   test)
-    build_project
+    # shellcheck disable=SC2086
+    build_project ${SIGHTLINE_TARGETS:-}
     scripts/aligned_stack.py "$tree"
-    make_archive
+    [ -n "${SIGHTLINE_TARGETS:-}" ] || make_archive
     # The first program makes Wine's folder.
     with_display sh -c 'scripts/wine.sh cmd.exe /c exit; exec "$@"' - \
       ctest --preset windows-mingw -j "$jobs" --no-tests=error "${@:2}"

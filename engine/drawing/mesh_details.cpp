@@ -17,6 +17,7 @@ constexpr std::size_t kFollowed = 512;    // new meshes that are looked at at a 
 
 MeshDetails::~MeshDetails() {
   for (auto& [mesh, known] : known_) known.stop.request_stop();
+  core::request_stop(thread_, mutex_, changed_);
 }
 
 void MeshDetails::follow(gpuscene::GpuScene& scene, bool levels) {
@@ -116,7 +117,7 @@ std::size_t MeshDetails::memory_bytes() const {
 void MeshDetails::run(const std::stop_token& stop) {
   std::vector<Wanted> work;
   std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [&] { return !wanted_.empty(); })) {
+  while (core::wait_until(changed_, lock, stop, [&] { return !wanted_.empty(); })) {
     const std::size_t count = std::min(kMostAtOnce, wanted_.size());
     work.assign(std::make_move_iterator(wanted_.end() - std::ptrdiff_t(count)), std::make_move_iterator(wanted_.end()));
     wanted_.resize(wanted_.size() - count);

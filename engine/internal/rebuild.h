@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "sightline/core/internal/snapshot_copies.h"
+#include "sightline/core/internal/stopping.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/culling/frustum/linear_culler.h"
@@ -95,7 +96,7 @@ class BackgroundRebuild {
   /// Starts at once. `live` must outlive the rebuild, or go to retire().
   BackgroundRebuild(const core::Snapshot& live, const PlanRequest& request);
   /// Stops the thread and waits for it, less than the time of one build.
-  ~BackgroundRebuild() = default;
+  ~BackgroundRebuild() { core::request_stop(thread_, mutex_, changed_); }
   BackgroundRebuild(const BackgroundRebuild&) = delete;
   BackgroundRebuild& operator=(const BackgroundRebuild&) = delete;
 
@@ -122,7 +123,7 @@ class BackgroundRebuild {
 
   const core::Snapshot* live_;
   std::mutex mutex_;  // guards all that follows, and the live snapshot
-  std::condition_variable_any changed_;
+  std::condition_variable changed_;
   std::atomic<bool> editing_{false}, finished_{false};
   State state_ = State::kWorking;
   SceneVersion version_;                        // the ready one, or one to be freed

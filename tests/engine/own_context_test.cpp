@@ -1,7 +1,7 @@
 // Engines with contexts of their own, beside whatever the application has current: the system's own, OSMesa, nothing.
 // GLX is in tests/apps/glx_host_test.cpp.
+#include <future>
 #include <memory>
-#include <semaphore>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -139,17 +139,17 @@ TEST(OwnContext, MovesFromThreadToThread) {
     core::Scene scene;
     fill(scene);
     std::optional<core::Expected<Engine>> engine;
-    std::binary_semaphore made(0), drawn(0);
+    std::promise<void> made, drawn;
     core::Expected<image::Image> of_maker, of_another;
     std::thread maker([&] {
       engine.emplace(Engine::create(scene, config(platform)));
-      made.release();
-      drawn.acquire();
+      made.set_value();
+      drawn.get_future().wait();
       if (*engine && (*engine)->frame(view())) of_maker = (*engine)->read_colour();
     });
-    made.acquire();
+    made.get_future().wait();
     if (*engine && (*engine)->frame(view())) of_another = (*engine)->read_colour();
-    drawn.release();
+    drawn.set_value();
     maker.join();
     if (!*engine && may_skip(engine->error().message)) GTEST_SKIP() << engine->error().message;
     ASSERT_TRUE(*engine) << engine->error().message;

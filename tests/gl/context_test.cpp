@@ -1,7 +1,7 @@
 #include "sightline/gl/context.h"
 
 #include <cstring>
-#include <semaphore>
+#include <future>
 #include <string>
 #include <thread>
 #include <utility>
@@ -490,20 +490,20 @@ TEST_F(ContextTest, MayEndWhileCurrentOnAnotherThread) {
     if (thread_ends && !context->platform().starts_with("OSMesa"))
       continue;  // EGL keeps a context that a thread ends with
     std::optional<Context> other;
-    std::binary_semaphore made(0), ended(0);
+    std::promise<void> made, ended;
     std::thread worker([&] {
       other.emplace(make_context(ContextPlatform::kAutomatic));
-      made.release();
-      ended.acquire();
+      made.set_value();
+      ended.get_future().wait();
       if (thread_ends) return;
       const Context next = make_context(ContextPlatform::kAutomatic);
       Buffer buffer;
       make_buffer_of(next, 7, buffer);
       EXPECT_EQ(value_in(buffer), 7u);
     });
-    made.acquire();
+    made.get_future().wait();
     other.reset();
-    ended.release();
+    ended.set_value();
     worker.join();
   }
   ASSERT_TRUE(context->make_current());

@@ -89,7 +89,7 @@ fs::path Folder::write(const Case& made) {
 std::string Folder::content(const File& file) const {
   std::string content = file.content;
   if (const std::size_t at = content.find(kOutside); at != content.npos)
-    content.replace(at, kOutside.size(), path_.string());
+    content.replace(at, kOutside.size(), path_.generic_string());  // escapes nothing
   return content;
 }
 

@@ -205,6 +205,13 @@ void at_end_of_thread(void (*run)(void* object), void* object) {
   entries.all.emplace_back(run, object);
 }
 
+void wait_while(const std::atomic<std::uint32_t>& value, std::uint32_t seen) {
+  value.wait(seen);
+}
+void wake_all(std::atomic<std::uint32_t>& value) {
+  value.notify_all();
+}
+
 // --- environment, encodings, console, calendar -----------------------------------------------------------------------
 
 std::optional<std::string> environment(const char* name) {

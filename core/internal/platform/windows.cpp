@@ -348,6 +348,14 @@ void at_end_of_thread(void (*run)(void* object), void* object) {
   FlsSetValue(place, new Entry{run, object, static_cast<Entry*>(FlsGetValue(place))});
 }
 
+static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t));
+void wait_while(const std::atomic<std::uint32_t>& value, std::uint32_t seen) {
+  WaitOnAddress(const_cast<std::atomic<std::uint32_t>*>(&value), &seen, sizeof seen, INFINITE);
+}
+void wake_all(std::atomic<std::uint32_t>& value) {
+  WakeByAddressAll(&value);
+}
+
 // --- environment, encodings, console, calendar -----------------------------------------------------------------------
 
 std::optional<std::string> environment(const char* name) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sightline/core/internal/deadline.h"
+#include "sightline/core/internal/stopping.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 
 namespace sightline::engine {
@@ -58,7 +59,7 @@ class MeshDetails {
   bool levels_wanted_ = false;
   std::size_t cancelled_ = 0;  // of wanted_, at most
   mutable std::mutex mutex_;   // guards what follows
-  std::condition_variable_any changed_;
+  std::condition_variable changed_;
   std::vector<Wanted> wanted_, built_;
   bool works_ = false;
   std::jthread thread_;  // last: stops before the other members are destroyed
