@@ -4,7 +4,7 @@
 #   scripts/nightly.sh                 all of it: about an hour on two cores
 #   scripts/nightly.sh SLICE/COUNT     one of COUNT slices that take about as long as each other, from 1/COUNT on
 #   scripts/nightly.sh --only NAME …   these alone
-#   scripts/nightly.sh --list [COUNT]  names, minutes, and the slice of COUNT (14) that each is in
+#   scripts/nightly.sh --list [COUNT]  names, minutes, and the slice of COUNT (16) that each is in
 # Does all set-up, as scripts/test.sh does. Goes on after a failure and exits 1 in the end, naming what failed. Mutation
 # only reports. SIGHTLINE_CMAKE_ARGS holds extra CMake arguments.
 set -euo pipefail
@@ -32,7 +32,8 @@ study        6 the study and its tests
 without      4 builds without optional parts, and their tests
 wasm         8 the npm package in all forms beside the library, in node and Chromium
 browser      7 the npm package in pages: primitives, scenes of three.js, plants, a project of its own; 3D Tiles in a viewer
-arm64       19 cross-built for 64-bit ARM: kernels, importers and the C API under an emulator; Debian packages, judged
+arm64        8 cross-built for 64-bit ARM: core, kernels, ray tracer and the C API under an emulator
+windows      8 cross-built for Windows: core, culling, the C API and contexts under Wine
 mutants      7 mutants of files that changed lately, and of occlusion culling: what survives is reported
 "
 
@@ -60,14 +61,14 @@ run_tools() {
   release
   ctest_in release -L '^nightly' -R '^(apps|apps_gl|engine_gl|python|python_gl)\.'
 }
-# But for what takes minutes under emulation without a kernel of its own; SlcTest, one of whose tests forks with threads, by
-# which qemu 7.2 ends; and a test of 1,500 random dishes: drawn in the order of this compiler, which is also clang's, one lies
-# beyond its margins, on x86-64 as well.
+# A part of what scripts/arm64.sh and scripts/windows.sh build and run, as much as a slice has time for. One test of 1,500
+# random dishes is left out: drawn in the order of the compiler for ARM, which is also clang's, one lies beyond its margins.
 run_arm64() {
-  SIGHTLINE_TARGETS="core_tests core_checked_tests culling_tests lod_tests raytrace_tests importers_tests capi_tests" \
-    scripts/arm64.sh test -R '^(core|core_checked|culling|lod|raytrace|importers|capi)\.' \
-    -E '\.(MeshLevels|StoredLevels|CoarseMesh|TilesWriter|Table/HostileFiles|SlcTest|Kinds/InnerOccludersOf)$'
-  scripts/arm64.sh packages
+  SIGHTLINE_TARGETS="core_tests culling_tests lod_tests raytrace_tests capi_tests" scripts/arm64.sh test \
+    -R '^(core|culling|lod|raytrace|capi)\.' -E '\.(MeshLevels|StoredLevels|CoarseMesh|Kinds/.*OccludersOf|Kinds/SolidFrontsOf)$'
+}
+run_windows() {
+  SIGHTLINE_TARGETS="core_tests culling_tests capi_tests gl_gl_tests" scripts/windows.sh test -R '^(core|culling|capi|gl_gl)\.'
 }
 run_zink() { with_zink '^(gl|gpuscene|culling|render)_gl\.'; }
 run_zink-engine() { with_zink '^engine_gl\.'; }
@@ -186,7 +187,7 @@ list() {
 slice=1 count=1 chosen=()
 case ${1:-} in
   '') mapfile -t chosen < <(names) ;;
-  --list) list "${2:-14}"; exit 0 ;;
+  --list) list "${2:-16}"; exit 0 ;;
   --only)
     shift
     chosen=("$@") slice=0

@@ -23,7 +23,4 @@ core::Expected<std::string> parse_png_name(const std::string& text);
 core::Expected<std::string> parse_pfm_name(const std::string& text);
 core::Expected<std::string> parse_svg_name(const std::string& text);
 
-/// A word as a shell takes it, quoted where that is needed.
-std::string shell_word(const std::string& word);
-
 }  // namespace sightline::apps

@@ -238,6 +238,7 @@ CommandLine::CommandLine(const std::string& description, const std::string& tool
     : CommandLine(std::make_shared<CLI::App>(description, tool)) {
   app_->formatter(std::make_shared<HelpFormatter>());
   app_->set_help_all_flag("--help-all", "Describe all options");
+  app_->allow_windows_style_options(false);  // a name that begins with a slash is that of a file
   describe(examples);
 }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
-#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/html_images.h"
 #include "sightline/apps/common/markup.h"
+#include "sightline/core/internal/platform/console.h"
 
 namespace sightline::apps {
 namespace {
@@ -188,7 +188,7 @@ std::string junit_xml(const Suite& suite, const std::vector<Outcome>& outcomes) 
 core::Expected<std::string> html_report(const Suite& suite, const ResultFolder& results,
                                         const std::vector<Outcome>& outcomes, ShownImages shown,
                                         const std::string& suite_file) {
-  const std::string command = "sightline-regress " + shell_word(suite_file);
+  const std::string command = "sightline-regress " + core::platform::shell_word(suite_file);
   std::vector<PageSection> sections;
   std::vector<std::vector<std::string>> rows;
   std::vector<Badge> badges;

@@ -150,7 +150,7 @@ void save_tour(const Report& report) {
 std::string command_line(int argc, char** argv) {
   std::string line = "sightline-report";
   const std::vector<std::string> arguments = core::platform::begin_program(argc, argv);
-  for (std::size_t i = 1; i < arguments.size(); ++i) line += " " + shell_word(arguments[i]);
+  for (std::size_t i = 1; i < arguments.size(); ++i) line += " " + core::platform::shell_word(arguments[i]);
   return line;
 }
 

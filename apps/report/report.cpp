@@ -7,6 +7,7 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/common/svg_canvas.h"
 #include "sightline/apps/common/view_options.h"
+#include "sightline/core/internal/platform/console.h"
 #include "sightline/core/internal/sort_unique.h"
 #include "sightline/culling/frustum/cpu_culler.h"
 #include "sightline/engine/tour.h"
@@ -152,8 +153,8 @@ std::vector<core::View> Report::tour_views(int frames) const {
 
 std::string Report::command(const std::string& tool, const std::string& arguments) const {
   std::string line = "sightline-" + tool;
-  for (const std::string& file : options_.model.files) line += " " + shell_word(file);
-  if (!options_.model.translate.empty()) line += " --translate " + shell_word(options_.model.translate);
+  for (const std::string& file : options_.model.files) line += " " + core::platform::shell_word(file);
+  if (!options_.model.translate.empty()) line += " --translate " + core::platform::shell_word(options_.model.translate);
   line += import_arguments(options_.model.import);
   // It is of shading alone, which other tools do not show.
   if (options_.model.import.crease_angle != kCreaseAngle && (tool == "render" || tool == "report"))

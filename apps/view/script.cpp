@@ -10,6 +10,7 @@
 #include <GLFW/glfw3.h>
 
 #include "sightline/apps/common/arguments.h"
+#include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {
@@ -196,8 +197,11 @@ core::Expected<bool> fulfils(const std::string& value, std::string_view demand) 
   const std::string_view sign = demand.substr(0, space),
                          wanted = space == std::string_view::npos ? "" : demand.substr(space + 1);
   int order = value < wanted ? -1 : value > wanted ? 1 : 0;
-  if (value.size() >= 2 && value.front() == '"' && (wanted.empty() || wanted.front() != '"'))
-    order = std::string_view(value).substr(1, value.size() - 2).compare(wanted);
+  if (order != 0 && value.starts_with('"')) {  // what it stands for: names of Windows have backslashes
+    const bool quoted = wanted.size() >= 2 && wanted.front() == '"' && wanted.back() == '"';
+    const std::string_view bare = quoted ? wanted.substr(1, wanted.size() - 2) : wanted;
+    if (const auto text = json::parse(value)) order = text->get<std::string>().compare(bare);
+  }
   if (const auto a = number_of(value), b = number_of(wanted); a && b) order = *a < *b ? -1 : *a > *b ? 1 : 0;
   if (sign == "=") return order == 0;
   if (sign == "!=") return order != 0;

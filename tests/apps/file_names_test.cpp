@@ -18,8 +18,7 @@ class FileNames : public ToolTest {
                    copy = core::platform::path_of(path(name) + ".obj");
     fs::create_directories(file.parent_path());
     fs::copy_file(model_, file);
-    const Json read = run_json("info", {path(name) + ".rvm"});
-    EXPECT_EQ(read["items"], 1000);
+    EXPECT_EQ(run_json("replay", {path(name) + ".rvm", "--no-render", "--frames", "2"})["items"], 1000);
     const Outcome written = run("convert", {path(name) + ".rvm", path(name) + ".obj"});
     EXPECT_EQ(written.code, 0) << written;
     EXPECT_TRUE(fs::exists(copy));

@@ -239,9 +239,8 @@ TEST_F(Replay, OneFrameAndNoItemsAreFine) {
 
 TEST_F(Replay, FileNamesMayHoldAnyBytes) {
   const std::string model = path("plant\xff.rvm");
-  std::error_code refused;
-  fs::rename(plant(1000), model, refused);
-  if (refused) GTEST_SKIP() << "names are Unicode here";
+  if (names_ignore_case()) GTEST_SKIP() << "names are Unicode here";
+  fs::rename(plant(1000), model);
   EXPECT_EQ(run_json("replay", {model, "--no-render", "--frames", "2"})["items"], 1000);
 }
 

@@ -22,30 +22,32 @@ class ViewFiles : public ViewScript {
     write("models/readme.md", "no model");
   }
   Args opened() const {
-    return {models_ + "/a.obj", "--size", "800x600", "--scale", "1", "--save-path", path("recorded.json")};
+    return {in_models("a.obj"), "--size", "800x600", "--scale", "1", "--save-path", path("recorded.json")};
   }
+
+  std::string in_models(const std::string& name) const { return (fs::path(models_) / name).make_preferred().string(); }
 
   std::string models_;
 };
 
 TEST_F(ViewFiles, OpensByKeyboard) {
-  expect_driven(
-      "open\nexpect /browser/folder = " + models_ +
-          "\nexpect /browser/rows = 4\n"
-          "press down\nexpect /browser/name = sub\npress enter\nexpect /browser/folder = " +
-          models_ +
-          "/sub\npress backspace\nexpect /browser/row = sub\n"
-          "press down\npress shift+down\nexpect /browser/chosen = 2\npress enter\nexpect /dialog = none\n"
-          "expect /items = 3\nexpect /model/1 = " +
-          models_ +
-          "/b2.obj\n"
-          "open\ntype b1\nexpect /browser/row = b10.obj\npress enter\nexpect /items = 3\n"
-          "expect /model/0 = " +
-          models_ +
-          "/b10.obj\nopen\ntype none.obj\npress enter\nexpect /dialog = open\nexpect /browser/error = " + models_ +
-          "/none.obj: no such file\npress escape\nexpect /dialog = none\nexpect /browser = null\n"
-          "open\ntype sub/c.obj\npress enter\nexpect /items = 3\n",
-      opened());
+  expect_driven("open\nexpect /browser/folder = " + models_ +
+                    "\nexpect /browser/rows = 4\n"
+                    "press down\nexpect /browser/name = sub\npress enter\nexpect /browser/folder = " +
+                    in_models("sub") +
+                    "\npress backspace\nexpect /browser/row = sub\n"
+                    "press down\npress shift+down\nexpect /browser/chosen = 2\npress enter\nexpect /dialog = none\n"
+                    "expect /items = 3\nexpect /model/1 = " +
+                    in_models("b2.obj") +
+                    "\n"
+                    "open\ntype b1\nexpect /browser/row = b10.obj\npress enter\nexpect /items = 3\n"
+                    "expect /model/0 = " +
+                    in_models("b10.obj") +
+                    "\nopen\ntype none.obj\npress enter\nexpect /dialog = open\nexpect /browser/error = " +
+                    in_models("none.obj") +
+                    ": no such file\npress escape\nexpect /dialog = none\nexpect /browser = null\n"
+                    "open\ntype sub/c.obj\npress enter\nexpect /items = 3\n",
+                opened());
 }
 
 /// The first row of the list is 141 pixels below the window's upper edge, the others follow by 19.
@@ -63,7 +65,7 @@ TEST_F(ViewFiles, ComparesWithAFile) {
 
 /// In the window's size, which the button before 4K asks for. A file is replaced only by a second answer.
 TEST_F(ViewFiles, SavesAnImageAndAsksBeforeReplacing) {
-  const std::string image = models_ + "/shot.png";
+  const std::string image = in_models("shot.png");
   expect_driven(
       "large-image\ntype x\npress escape\nlarge-image\nexpect /browser/name = a.png\ntype shot\nclick 57 487\npress "
       "enter\nexpect /dialog = none\n"
@@ -89,8 +91,8 @@ TEST_F(ViewFiles, SavesAndReadsPathsAndViews) {
       "press escape\nview-delete\nviews-load\ntype views.\nexpect /browser/rows > 1\npress enter\n"
       "expect /views/count = 1\n",
       opened());
-  EXPECT_TRUE(fs::exists(models_ + "/flight.json"));
-  expect_driven("play-path " + models_ + "/flight.json\n", opened());
+  EXPECT_TRUE(fs::exists(in_models("flight.json")));
+  expect_driven("play-path " + in_models("flight.json") + "\n", opened());
 }
 
 /// With a folder of caches of its own.
@@ -135,7 +137,7 @@ class ViewThumbnails : public ViewFiles {
 };
 
 TEST_F(ViewThumbnails, ShowOnTheStartPageOfTheNextStart) {
-  const std::string model = models_ + "/b10.obj";
+  const std::string model = in_models("b10.obj");
   expect_driven("wait 0\n", {model, "--size", kSize});
   EXPECT_TRUE(thumbnails().empty()) << "scripts leave nothing behind";
   expect_driven("wait 0\n", kept({model}));
@@ -162,7 +164,7 @@ TEST_F(ViewThumbnails, ShowOnTheStartPageOfTheNextStart) {
 
 /// The image of several models would not show one of them.
 TEST_F(ViewThumbnails, AreOfSingleModels) {
-  expect_driven("wait 0\n", kept({models_ + "/a.obj", models_ + "/b2.obj"}));
+  expect_driven("wait 0\n", kept({in_models("a.obj"), in_models("b2.obj")}));
   EXPECT_TRUE(thumbnails().empty());
 }
 

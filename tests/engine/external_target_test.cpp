@@ -359,7 +359,7 @@ TEST_F(ExternalTarget, BadOnesAreErrorsAndNothingIsDrawn) {
   target.framebuffer = 4711;
   refused(target, "4711 is no framebuffer");
   target.framebuffer = 0;
-  if (!context->platform().starts_with("OSMesa")) refused(target, "the context has no window");  // OSMesa's has a pixel
+  if (context->platform().starts_with("EGL")) refused(target, "the context has no window");  // others' have a pixel
   GLuint empty = 0;
   gl().CreateFramebuffers(1, &empty);
   target.framebuffer = empty;

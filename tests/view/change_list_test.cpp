@@ -291,9 +291,11 @@ TEST(ChangeList, FindsAttributeFilesBesideTheOlderRevision) {
 
 TEST(ChangeList, NamesTellFilesApart) {
   using Names = std::pair<std::string, std::string>;
+  const std::string slash(1, char(std::filesystem::path::preferred_separator));
   EXPECT_EQ(names_apart("/x/a.rvm", {"/y/b.rvm", "/y/b.txt"}), Names("a.rvm", "b.rvm"));
-  EXPECT_EQ(names_apart("/x/b.rvm", {"/y/a.rvm", "/y/b.rvm"}), Names("x/b.rvm", "y/b.rvm"));
-  EXPECT_EQ(names_apart("/x/old/../new/a.rvm", {"/x/older/a.rvm"}), Names("new/a.rvm", "older/a.rvm"));
+  EXPECT_EQ(names_apart("/x/b.rvm", {"/y/a.rvm", "/y/b.rvm"}), Names("x" + slash + "b.rvm", "y" + slash + "b.rvm"));
+  EXPECT_EQ(names_apart("/x/old/../new/a.rvm", {"/x/older/a.rvm"}),
+            Names("new" + slash + "a.rvm", "older" + slash + "a.rvm"));
 }
 
 /// A session of spheres, each alone on a ray. Removed ones are part of it while it compares.

@@ -153,13 +153,14 @@ TEST_F(FileBrowserTest, GoesUpAndDown) {
   EXPECT_EQ(browser.folder(), folder_);
   EXPECT_EQ(browser.row(*browser.cursor()).name, "sub2") << "where it has come from";
   const std::vector<Place> parts = browser.breadcrumb();
-  EXPECT_EQ(parts.front(), (Place{"/", "/"}));
+  const fs::path root = folder_.root_path();
+  EXPECT_EQ(parts.front(), (Place{root.string(), root}));
   EXPECT_EQ(parts.back(), (Place{folder_.filename().string(), folder_}));
   EXPECT_EQ(parts[parts.size() - 2].folder, folder_.parent_path());
-  browser.enter("/");
+  browser.enter(root);
   browser.go_up();
-  EXPECT_EQ(browser.folder(), "/");
-  EXPECT_EQ(browser.breadcrumb(), (std::vector<Place>{{"/", "/"}}));
+  EXPECT_EQ(browser.folder(), root);
+  EXPECT_EQ(browser.breadcrumb(), (std::vector<Place>{{root.string(), root}}));
   browser.begin({Purpose::kOpen, "", kModels}, folder_ / "none" / "at all");
   EXPECT_EQ(browser.folder(), folder_) << "the nearest one that is there";
 }

@@ -68,6 +68,7 @@ TEST(ScriptTest, ExpectationsCompareNumbersAndTexts) {
       {"3", "= 3"},         {"3", "= 3.0"},           {"10", "> 9"},      {"2", "<= 2"},        {"2", "!= 3"},
       {"\"cpu\"", "= cpu"}, {"\"cpu\"", "= \"cpu\""}, {"true", "= true"}, {"[1,2]", "= [1,2]"}, {"-1.5", "< -1"}};
   for (const auto& [value, demand] : good) EXPECT_TRUE(*fulfils(value, demand)) << value << ' ' << demand;
+  for (const char* demand : {"= C:\\a", "= \"C:\\a\"", "= \"C:\\\\a\""}) EXPECT_TRUE(*fulfils(R"("C:\\a")", demand)) << demand;
   const std::pair<std::string, const char*> bad[] = {
       {"3", "= 4"}, {"10", "< 9"}, {"\"cpu\"", "= gpu"}, {"false", "= true"}, {"3", "!= 3"}};
   for (const auto& [value, demand] : bad) EXPECT_FALSE(*fulfils(value, demand)) << value << ' ' << demand;

@@ -16,6 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = json::Value;
 
+/// An absolute name, as the system has them.
+std::string rooted(const std::string& name) {
+  return (fs::temp_directory_path().root_path() / name).make_preferred().string();
+}
+
 class SettingsTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -56,9 +61,9 @@ TEST_F(SettingsTest, ComeBack) {
                         false,
                         12.5f,
                         30.0f,
-                        {"/a/b.rvm", "/ü \"c\".obj"},
+                        {rooted("a/b.rvm"), rooted("ü \"c\".obj")},
                         {800, 601},
-                        "/caches",
+                        rooted("caches"),
                         Units::kFeet,
                         true,
                         true};
@@ -81,11 +86,12 @@ TEST_F(SettingsTest, WriteOnlyWhatHasChanged) {
   now.panels = false;
   write(
       R"({"later": {"x": [1, 2]}, "theme": "light", "window": [641, 480], "recent": ["/theirs"]})");  // another viewer
-  now.add_recent("/ours");
+  now.add_recent(rooted("ours"));
   ASSERT_TRUE(file.keep(now));
-  EXPECT_EQ(json::parse(read()).value(), json::parse(R"({"later": {"x": [1, 2]}, "theme": "light", "window": [641, 480],
-                                                 "recent": ["/ours", "/theirs"], "panels": false})")
-                                             .value());
+  Json expected =
+      json::parse(R"({"later": {"x": [1, 2]}, "theme": "light", "window": [641, 480], "panels": false})").value();
+  expected["recent"] = Json::array({rooted("ours"), "/theirs"});
+  EXPECT_EQ(json::parse(read()).value(), expected);
 }
 
 TEST_F(SettingsTest, DamageIsSaidAndStaysUntilSomethingChanges) {
@@ -126,10 +132,10 @@ TEST_F(SettingsTest, ABadValueCountsAsMissing) {
 
 TEST_F(SettingsTest, TheLastFilesAreKnownOnceEach) {
   Settings settings;
-  for (int i = 0; i < 30; ++i) settings.add_recent("/m/" + std::to_string(i % 12) + ".rvm");
+  for (int i = 0; i < 30; ++i) settings.add_recent(rooted("m/" + std::to_string(i % 12) + ".rvm"));
   ASSERT_EQ(settings.recent.size(), Settings::kMostRecent);
   for (std::size_t i = 0; i < settings.recent.size(); ++i)
-    EXPECT_EQ(settings.recent[i], "/m/" + std::to_string((29 - i) % 12) + ".rvm");
+    EXPECT_EQ(settings.recent[i], rooted("m/" + std::to_string((29 - i) % 12) + ".rvm"));
   settings.add_recent("x/../b.obj");
   EXPECT_EQ(settings.recent[0], (fs::current_path() / "b.obj").string());
 }
