@@ -253,7 +253,7 @@ bool has_gpu() {
 }
 
 core::Expected<std::unique_ptr<PlatformContext>> create_system_context(const ContextOptions& options) {
-  if (options.platform == ContextPlatform::kWgl) return core::fail("WGL: it is Windows' alone; expected egl or osmesa");
+  if (options.platform == ContextPlatform::kWgl) return core::fail("no WGL: it is Windows' alone; expected egl or osmesa");
   const auto library = open_library(options.egl_library);
   if (!library) {
     const std::string& reason = library.error().message;

@@ -21,6 +21,10 @@ namespace {
 constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
 constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
 
+bool is_of_mouse(const Event& event) {
+  return event.type == Event::Type::kCursor || event.type == Event::Type::kButton || event.type == Event::Type::kWheel;
+}
+
 /// The text of the bottom line; all of the report is in the tab Item.
 std::string recognised_items(const importers::RecognitionReport& report) {
   if (report.meshes == 0) return "";
@@ -53,7 +57,9 @@ core::Expected<int> Viewer::run() {
       continue;
     }
     if (looked > 0.0) work_.pace.pause_ms = std::max(work_.pace.pause_ms, 1e3 * (glfwGetTime() - looked));
-    work_.gui.push(work_.window.poll(patience()));
+    std::vector<Event> fresh = work_.window.poll(patience());
+    if (!work_.options.script.empty()) std::erase_if(fresh, is_of_mouse);  // which is the script's alone
+    work_.gui.push(std::move(fresh));
     looked = glfwGetTime();
     if (closing()) break;
     if (lost()) {

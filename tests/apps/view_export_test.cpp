@@ -8,13 +8,13 @@ class ViewExport : public ViewScript {};
 
 TEST_F(ViewExport, WritesWhatConvertWrites) {
   const std::string model = plant(1000);
-  ASSERT_EQ(run("convert", {model, path("converted.obj")}).code, 0);
+  ASSERT_EQ(run("convert", {model, path("one.obj")}).code, 0);
   const Json end = state_after("find PIPE-2-B1\nselect-found\nhide\nexport-model " + path("all.rvm") +
                                    "\nexport-model " + path("all.obj") + "\n",
                                {model, "--size", kSize});
   EXPECT_NE(end["message"].get<std::string>().find("all.obj: 1000 of 1000 items, "), std::string::npos);
   EXPECT_TRUE(read_bytes(model) == read_bytes(path("all.rvm")));
-  EXPECT_EQ(read_bytes(path("converted.obj")).size(), read_bytes(path("all.obj")).size());
+  EXPECT_EQ(read_bytes(path("one.obj")).size(), read_bytes(path("all.obj")).size());
 }
 
 /// The selection alone looks as the isolated selection does, and keeps its names.

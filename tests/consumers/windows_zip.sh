@@ -18,7 +18,7 @@ run "$folder/build/c_cull.exe" | tr -d '\r' | grep -qx 'box 0'
 run "$folder/build/cull_only.exe" "$folder/cull_only.png"
 run "$folder/build/embed.exe" tests/data/small_plant.rvm "$folder/embed.png"
 run "$folder/build/c_embed.exe" tests/data/small_plant.rvm "$folder/c_embed.png"
-run "$unpacked/bin/sightline-render.exe" tests/data/small_plant.rvm "$folder/render.png" --size 640x360
+run "$unpacked/bin/sightline-render.exe" tests/data/small_plant.rvm --out "$folder/render.png" --size 640x360
 for file in README.txt licenses/sightline.txt bin/sightline-view.exe include/sightline/sightline.h; do
   [ -s "$unpacked/$file" ] || { echo "windows_zip: $file is missing" >&2; exit 1; }
 done
