@@ -131,7 +131,7 @@ TEST_F(ViewScript, PlaysPathsAndWritesTheirFrames) {
   expect_driven("orthographic\nplay-path " + flight +
                     "\nexpect /playing = false\nexpect /camera/eye/0 = 9.0\nexpect /camera/orthographic = false\n"
                     "select-all\npath-loop\npath-speed 0.5\nplay-path\nwait 0.2\nexpect /playing = true\npress escape\n"
-                    "expect /playing = false\nexpect /selection/count = 4\nplay-path\nwheel 1\nwait 0.1\nexpect "
+                    "expect /playing = false\nexpect /selection/count = 4\nplay-path\nmove 160 120\nwheel 1\nwait 0.1\nexpect "
                     "/playing = false\n"
                     "select-none\nplay-path\nplay-path\nexpect /playing = false\nfront\nwrite-frames " +
                     folder + " 4 240x160\nexpect /message = \"3 frames: " + folder + "\"\nexpect /camera/eye/0 = 0.0\n",
