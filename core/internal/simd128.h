@@ -22,7 +22,7 @@ template <class Register, int kCount>
 struct Registers {
   Register q[kCount];
 
-  /// What becomes of each register.
+  /// Makes one of each register.
   template <class Of>
   static auto each(const Of& of) {
     return each(of, kPlaces);

@@ -262,7 +262,7 @@ TEST(PlatformMath, FusedProductsAreRoundedOnce) {
 
 // --- processes -------------------------------------------------------------------------------------------------------
 
-/// What starts this program: itself, or, where an emulator runs it, a script among the tools that leads there.
+/// The program that starts this one: itself, or, where an emulator runs it, a script among the tools that leads there.
 fs::path starter() {
   const fs::path script = tests::in_bin(program_file().filename().string());
   return fs::exists(script) ? script : program_file();

@@ -316,11 +316,11 @@ Shares shares_of(Kind kind) {
     case Kind::kCircularTorus:
       return {0.81, 0.06};
     case Kind::kEllipticalDish:
-      return {0.875, 0.32};
+      return {0.875, 0.305};
     case Kind::kSphericalDish:
-      return {0.82, 0.325};
+      return {0.82, 0.315};
     case Kind::kSnout:
-      return {0.805, 0.305};
+      return {0.805, 0.29};
     case Kind::kCylinder:
       return {0.925, 0.2};
     case Kind::kSphere:

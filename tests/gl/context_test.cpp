@@ -110,9 +110,8 @@ TEST_F(ContextTest, EachPlatformEitherWorksOrSaysWhyNot) {
     options.platform = platform;
     auto made = Context::create_offscreen(options);
     if (!made) {
-      const bool told =
-          made.error().message.find("tried") != std::string::npos || made.error().message.starts_with("no ");
-      EXPECT_TRUE(told) << made.error().message;
+      const bool of_this_system = (platform == ContextPlatform::kWgl) != kHasEgl;
+      EXPECT_NE(made.error().message.find(of_this_system ? "tried" : "no "), std::string::npos) << made.error().message;
       continue;
     }
     EXPECT_EQ(made->platform().rfind(name, 0), 0u) << made->platform();

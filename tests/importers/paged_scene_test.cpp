@@ -24,6 +24,7 @@
 #include "sightline/tests/support/counted_memory.h"
 #include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/links.h"
+#include "sightline/tests/support/places.h"
 
 namespace sightline::importers::paged_scene_test {
 namespace {
@@ -341,7 +342,8 @@ TEST_F(PagedSceneTest, BadInputIsToldWhere) {
   EXPECT_NE(message(open_paged_scene(folder_)).find("expected .slc files"), std::string::npos);
   fs::create_directory(folder_ / "folder.slc");
   EXPECT_NE(message(open_paged_scene(folder_)).find("expected .slc files"), std::string::npos);
-  EXPECT_NE(message(open_paged_scene(folder_ / std::string(300, 'a'))).find("aaa: "), std::string::npos);
+  const char* const reason = tests::names_ignore_case() ? "aaa: " : "too long";  // Windows has other words
+  EXPECT_NE(message(open_paged_scene(folder_ / std::string(300, 'a'))).find(reason), std::string::npos);
   EXPECT_NE(message(open_paged_scene(folder_ / "none.slc")).find("none.slc: cannot open"), std::string::npos);
   std::ofstream(folder_ / "text.slc") << "this is no cache, but it is longer than a header and an end are together, as "
                                          "a text may be, or any file that has the wrong name";

@@ -405,14 +405,6 @@ std::vector<std::string> begin_program(int argc, char** argv) {
   return arguments;
 }
 
-std::string shell_word(const std::string& word) {
-  constexpr const char* kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=+-\\~()";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string out = "\"";
-  for (const char c : word) out += c == '"' ? "\\\"" : std::string(1, c);
-  return out + "\"";
-}
-
 bool errors_are_on_terminal() {
   const HANDLE console = GetStdHandle(STD_ERROR_HANDLE);
   DWORD mode = 0;

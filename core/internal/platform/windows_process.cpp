@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "sightline/core/internal/platform/console.h"
 #include "sightline/core/internal/platform/environment.h"
 #include "sightline/core/internal/platform/files.h"
 #include "sightline/core/internal/platform/modules.h"
@@ -43,8 +44,7 @@ bool write_all(HANDLE to, std::string_view text) {
 }
 
 /// As programs take a command line apart again: a quote and backslashes before it get one more backslash each.
-std::wstring quoted(const std::wstring& argument) {
-  if (!argument.empty() && argument.find_first_of(L" \t\n\v\"") == std::wstring::npos) return argument;
+std::wstring in_quotes(const std::wstring& argument) {
   std::wstring text = L"\"";
   std::size_t backslashes = 0;
   for (const wchar_t c : argument) {
@@ -53,6 +53,10 @@ std::wstring quoted(const std::wstring& argument) {
     text += c;
   }
   return text.append(backslashes, L'\\') + L"\"";
+}
+std::wstring quoted(const std::wstring& argument) {
+  const bool plain = !argument.empty() && argument.find_first_of(L" \t\n\v\"") == std::wstring::npos;
+  return plain ? argument : in_quotes(argument);
 }
 
 /// Ends of pipes: this process's is not inherited.
@@ -184,6 +188,12 @@ const char* name_of_crash(DWORD code) {
 }  // namespace
 
 // --- children --------------------------------------------------------------------------------------------------------
+
+std::string shell_word(const std::string& word) {
+  constexpr const char* kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=+-\\~()";
+  const bool plain = !word.empty() && word.find_first_not_of(kPlain) == std::string::npos;
+  return plain ? word : utf8_of(in_quotes(wide_of(word)));
+}
 
 Expected<ChildProcess> ChildProcess::start(const std::vector<std::string>& command, const Options& options) {
   Pipe said, answers;
