@@ -505,6 +505,7 @@ TEST(CutChooser, DrawsEachGroupInOneWay) {
 
 /// The mesh is so large that threads share its rounds.
 TEST(CutChooser, ChoosesTheSameWithAnyNumberOfThreads) {
+  if (!lod::builds_levels()) GTEST_SKIP() << "no coarser levels in this build";
   const lod::MeshLevels levels = lod::build_levels(bumpy_torus(220, 0.1));
   ASSERT_GT(levels.groups.size(), 100u);
   lod::CutChooser chooser;
