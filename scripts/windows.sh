@@ -32,13 +32,14 @@ apt_sources() {
   (cd "$sources" && apt-get -qq -o Dir::Etc::sourcelist="$sources/sources.list" -o Dir::Etc::sourceparts=/dev/null \
     -o Dir::State::lists="$sources/lists" -o Dir::Cache="$sources/cache" -o APT::Sandbox::User=root "$@")
 }
-source_of() {  # the folder of a source package, which is fetched where it is not there yet
-  local found=("$sources/$1"-[0-9]*/)
-  if [ ! -d "${found[0]}" ]; then
-    { [ -n "$(ls "$sources/lists" 2>/dev/null | grep Sources)" ] || apt_sources update; apt_sources source "$1"; } >&2
-    found=("$sources/$1"-[0-9]*/)
-  fi
-  echo "${found[0]}"
+libraries=(zlib googletest fmtlib libpng1.6 meshoptimizer pugixml libzip pcre2 draco glfw3 imgui)
+source_of() { echo "$sources/$1"-[0-9]*/; }  # the folder of a source package
+# All at once: two of these programs would be in each other's way.
+fetch_sources() {
+  local missing=() library
+  for library in "${libraries[@]}"; do [ -d "$(source_of "$library")" ] || missing+=("$library"); done
+  if [ ${#missing[@]} = 0 ]; then return 0; fi
+  { apt_sources update; apt_sources source "${missing[@]}"; } >&2
 }
 launcher=()
 if command -v ccache >/dev/null; then launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
@@ -102,6 +103,7 @@ build_imgui() {
 }
 build_dependencies() {
   scripts/install.sh "${packages[@]}"
+  fetch_sources
   copy_headers
   build_zlib
   # Configuring takes one processor: they are made beside each other.
@@ -147,7 +149,7 @@ make_archive() {
   for folder in "$sources"/*/debian; do
     cp "$folder/copyright" "$stage/licenses/$(basename "$(dirname "$folder")").txt"
   done
-  for package in libglm-dev libexpected-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libgl-dev gcc-mingw-w64-base mingw-w64-common; do
+  for package in libglm-dev libexpected-dev nlohmann-json3-dev libcli11-dev libstb-dev libxxhash-dev libgl-dev gcc-mingw-w64-base mingw-w64-common; do
     cp "/usr/share/doc/$package/copyright" "$stage/licenses/$package.txt"
   done
   sed "s/@PROJECT_VERSION@/$version/; s/$/\r/" packaging/windows/README.txt.in > "$stage/README.txt"
@@ -199,6 +201,9 @@ case ${1:-} in
   build) build_project "${@:2}" ;;
   equal) with_display "$0" equal-here "${@:2}" ;;
   equal-here) compare_models "${@:2}" ;;
-  "") build_project && make_archive ;;
+  "")
+    build_project
+    make_archive
+    ;;
   *) echo "windows: unknown word '$1'" >&2; exit 2 ;;
 esac

@@ -57,7 +57,7 @@ class InnerOccluders {
       case Kind::kCircularTorus:
         return circular_torus(a, b, core::sweep_angle(float(p[2])));
       case Kind::kEllipticalDish:
-        return dish(a, 0.8 * a, b);
+        return dish(a, 0.8 * a, b, kEllipse * lost_);
       case Kind::kSphericalDish:
         return spherical_dish(a, b);
       case Kind::kSnout:
@@ -250,11 +250,11 @@ class InnerOccluders {
   }
 
   /// The circle of its base, and what is seen of its profile: as wide as `radius` at height 0 and `middle` at 0.6 of
-  /// the height. Both shrink towards a point within and rise above the base.
-  void dish(double radius, double middle, double height) {
+  /// the height. Both shrink towards a point within and rise above the base by `lost`, and shares of the lengths.
+  void dish(double radius, double middle, double height, double lost) {
     if (!(radius > 0.0 && height > 0.0)) return;
-    const double rise = of_radius_ * height + lost_;
-    const double share = std::min(within(radius) / radius, 1.0 - 2.0 * rise / height), r = share * radius;
+    const double rise = of_radius_ * height + lost;
+    const double share = std::min(1.0 - of_radius_ - lost / radius, 1.0 - 2.0 * rise / height), r = share * radius;
     if (!(share > 0.0)) return;
     const dvec3 base(0.0, 0.0, rise);
     disc(base, {r, 0.0, 0.0}, {0.0, r, 0.0});
@@ -266,10 +266,14 @@ class InnerOccluders {
                          from_eye(base + up), from_eye(base - m + 0.6 * up)};
   }
 
+  /// A half ellipsoid that shrinks by `lost` towards the point so far above the middle of its base keeps the distance
+  /// sqrt(2/3) lost from its surface: least at the equator's side, where its height is twice its radius.
+  static constexpr double kEllipse = 1.2247448713915890491;  // sqrt(3/2)
+
   void spherical_dish(double base, double height) {
     if (!(base > 0.0 && height > 0.0)) return;
     const double radius = 0.5 * (base * base + height * height) / height, at = 0.6 * height - (height - radius);
-    dish(base, std::sqrt(std::max(0.0, radius * radius - at * at)), height);
+    dish(base, std::sqrt(std::max(0.0, radius * radius - at * at)), height, lost_);
   }
 
   void sphere(double radius) {

@@ -56,7 +56,10 @@ core::Primitive primitive_of(core::Kind kind, const Length& length, const Shift&
 inline core::Primitive random_primitive(core::Kind kind, Random& random) {
   return primitive_of(
       kind, [&] { return random_length(random); },
-      [&] { return float(uniform(random, -1.0, 1.0)) * random_length(random); },
+      [&] {
+        const float share = float(uniform(random, -1.0, 1.0));
+        return share * random_length(random);
+      },
       [&] { return float(uniform(random, 1e-3, 2.0 * std::numbers::pi)); });
 }
 

@@ -167,11 +167,13 @@ struct Seen {
   EyeProjection projection;
 
   Seen(Kind kind, Random& random) : solid(random_solid(kind, random)) {
-    place.linear = magnitude(random, 0.3, 3.0) * random_rotation(random);
+    place.linear = random_rotation(random);
+    place.linear *= magnitude(random, 0.3, 3.0);
     if (chance(random, 0.3)) place.linear[whole(random, 0, 2)] *= -uniform(random, 0.4, 2.0);
     if (chance(random, 0.2)) place.linear[0] += 0.4 * place.linear[1];
     if (chance(random, 0.1)) place.linear = dmat3(1.0);
-    place.origin = magnitude(random, 4.0, 30.0) * size_of(solid) * random_direction(random);
+    place.origin = random_direction(random);
+    place.origin *= magnitude(random, 4.0, 30.0) * size_of(solid);
     inverse = glm::inverse(place.linear);
     projection = {chance(random, 0.6), random_direction(random)};
   }
@@ -197,8 +199,7 @@ struct Seen {
   bool holds_around(const dvec3& own, double of_radius, double metres) const {
     const double slack = 1e-9 * size_of(solid);
     if (!holds(own, slack, of_radius * std::visit(RadiusOf{}, solid))) return false;
-    double along = metres;                                             // a sweep
-    if (core::kind_of(solid) == Kind::kEllipticalDish) metres *= 0.8;  // where its height is twice its radius
+    double along = metres;  // a sweep
     if (core::kind_of(solid) == Kind::kRectangularTorus) along *= 0.95;
     if (const auto* torus = std::get_if<core::CircularTorus>(&solid))
       along *= 0.95 * (1.0 - torus->tube_radius / torus->major_radius);
@@ -464,7 +465,8 @@ TEST_P(SolidFrontsOf, AreWhereTheirSolidsAreSeenFirst) {
     seen.inverse = dmat3(1.0 / scale);
     if (auto* snout = std::get_if<core::Snout>(&seen.solid); snout && chance(random, 0.8))
       *snout = {snout->bottom_radius, snout->top_radius, snout->height, 0, 0, 0, 0, 0, 0};
-    seen.place.origin = scale * size_of(seen.solid) * magnitude(random, 0.1, 30.0) * random_direction(random);
+    seen.place.origin = random_direction(random);
+    seen.place.origin *= scale * size_of(seen.solid) * magnitude(random, 0.1, 30.0);
     if (chance(random, 0.2)) seen.place.origin.x = seen.place.origin.y = 0.01;
     const double of_radius = chance(random, 0.5) ? 0.0 : magnitude(random, 1e-3, 0.2);
     const double metres = chance(random, 0.5) ? 0.0 : magnitude(random, 1e-3, 0.2) * size_of(seen.solid) * scale;

@@ -97,7 +97,8 @@ double room_of(const Camera& camera, double snap, double farthest) {
 
 /// In front of the eye: a cube, a plate, a needle, or what holds the eye between two of its faces.
 Aabb random_box_before(Random& random, const Camera& camera) {
-  const Ray ray = camera.ray(whole(random, 0, camera.width - 1), whole(random, 0, camera.height - 1));
+  const int row = whole(random, 0, camera.height - 1), column = whole(random, 0, camera.width - 1);
+  const Ray ray = camera.ray(column, row);
   const double away = magnitude(random, 1.0, 50.0);
   const dvec3 middle = ray.at + away * ray.along;
   dvec3 half(away * magnitude(random, 3e-3, 0.5));

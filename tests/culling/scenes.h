@@ -110,8 +110,8 @@ inline core::View random_view(Random& random, const core::dvec3& origin, double 
       }
       case 1: {
         const double left = near * uniform(random, -3.0, 1.0), bottom = near * uniform(random, -3.0, 1.0);
-        return core::View::asymmetric(pose, left, left + near * magnitude(random, 1e-2, 4.0), bottom,
-                                      bottom + near * magnitude(random, 1e-2, 4.0), near, end);
+        const double top = bottom + near * magnitude(random, 1e-2, 4.0);
+        return core::View::asymmetric(pose, left, left + near * magnitude(random, 1e-2, 4.0), bottom, top, near, end);
       }
       default:
         return core::View::perspective(pose, fovy, aspect, near, end);

@@ -46,18 +46,19 @@ Primitive random_solid(Kind kind, Random& random) {
 }
 
 dmat3 random_linear(Random& random) {
-  dmat3 linear = magnitude(random, 0.3, 3.0) * random_rotation(random);
+  dmat3 linear = random_rotation(random);
+  linear *= magnitude(random, 0.3, 3.0);
   if (chance(random, 0.3)) linear[whole(random, 0, 2)] *= -uniform(random, 0.3, 2.0);  // uneven, mirrored
   return linear;
 }
 
 View random_sight(Random& random, const dvec3& target) {
-  const dvec3 eye = target + magnitude(random, 2.0, 40.0) * random_direction(random);
+  const dvec3 from = random_direction(random), eye = target + magnitude(random, 2.0, 40.0) * from;
   const core::Pose pose{eye, target + point(random, 0.7), {0.1, 0.2, 1.0}};
   const double aspect = double(kWidth) / kHeight;
-  return chance(random, 0.3)
-             ? *View::orthographic(pose, magnitude(random, 2.0, 10.0), aspect, -2.0, 100.0)
-             : *View::perspective(pose, uniform(random, 0.2, 1.2), aspect, magnitude(random, 1e-3, 1.0));
+  if (chance(random, 0.3)) return *View::orthographic(pose, magnitude(random, 2.0, 10.0), aspect, -2.0, 100.0);
+  const double near = magnitude(random, 1e-3, 1.0);
+  return *View::perspective(pose, uniform(random, 0.2, 1.2), aspect, near);
 }
 
 /// Distances at which lines of sight enter a solid, of the image above.
@@ -346,11 +347,17 @@ TEST(SolidOccluders, LeaveOutWhatHidesNothing) {
   }
 }
 
+/// So far away in front of the eye, or beside.
+dvec3 random_middle(Random& random, double far) {
+  const double z = uniform(random, -0.6 * far, 0.6 * far), x = uniform(random, -far, far);
+  return {x, far, z};
+}
+
 /// A convex polygon of four corners in front of or beside the eye, bent or not, perhaps with numbers that are of no
 /// use.
 std::array<dvec3, 4> random_quad(Random& random, double far) {
   const double size = magnitude(random, 1e-3, 0.4) * far;
-  const dvec3 middle(uniform(random, -far, far), far, uniform(random, -0.6 * far, 0.6 * far));
+  const dvec3 middle = random_middle(random, far);
   const dvec3 u = size * random_direction(random), v = size * random_direction(random);
   std::array<dvec3, 4> quad{middle + u, middle + v, middle - uniform(random, 0.3, 1.0) * u, middle - v};
   if (chance(random, 0.2)) quad[0] += 0.1 * size * random_direction(random);
@@ -435,9 +442,9 @@ TEST(SolidOccluders, QuadsAreOccludedOnlyByAllTheirPixels) {
     std::vector<std::array<dvec3, 3>> spans;  // middle and half sides
     for (int i = whole(random, 1, 20); i > 0; --i) {
       const double far = magnitude(random, 0.5, 100.0), size = magnitude(random, 1e-2, 0.4) * far;
-      const dvec3 middle(uniform(random, -far, far), far, uniform(random, -0.6 * far, 0.6 * far));
-      const dvec3 u = size * random_direction(random),
-                  v = magnitude(random, 0.01, 1.0) * size * random_direction(random);
+      const dvec3 middle = random_middle(random, far);
+      const dvec3 u = size * random_direction(random), along = random_direction(random),
+                  v = magnitude(random, 0.01, 1.0) * size * along;
       spans.push_back({middle, u, v});
       polygons.push_back(parallelogram(middle, u, v));
     }

@@ -16,7 +16,8 @@ using lod::MeshLevels;
 core::Aabb any_box(MeshRandom& random) {
   core::Aabb box;
   for (int i = 0; i < 2; ++i) {
-    const core::vec3 p(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1));
+    const double z = between(random, -1, 1), y = between(random, -1, 1), x = between(random, -1, 1);
+    const core::vec3 p(x, y, z);
     box.grow({p, p});
   }
   return box;

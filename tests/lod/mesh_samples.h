@@ -171,8 +171,10 @@ inline std::vector<NamedMesh> hostile_meshes(std::uint64_t seed) {
   const auto add = [&](const char* name, core::Mesh mesh) { meshes.push_back({name, std::move(mesh)}); };
 
   core::Mesh any;
-  for (int i = 0; i < 60; ++i)
-    any.positions.emplace_back(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1));
+  for (int i = 0; i < 60; ++i) {
+    const double z = between(random, -1, 1), y = between(random, -1, 1), x = between(random, -1, 1);
+    any.positions.emplace_back(x, y, z);
+  }
   for (int i = 0; i < 900; ++i) any.indices.push_back(std::uint32_t(random() % 60));
   add("random triangles of few points", any);
 

@@ -50,10 +50,11 @@ class MovingImageTest : public testing::Test {
     for (const core::vec3& colour : {core::vec3(0.7f, 0.2f, 0.1f), core::vec3(0.2f, 0.6f, 0.3f), core::vec3(0.05f)})
       materials.push_back(scene.add_material({"", colour, 1.0f, 0}));
     for (int i = 0; i < 240; ++i) {
-      const dvec3 at(uniform(random, -4, 4), uniform(random, -4, 4), uniform(random, -3, 3));
-      const dvec3 axis = glm::normalize(dvec3(uniform(random, -1, 1), uniform(random, -1, 1), 1.1));
+      dvec3 at, axis(0.0, 0.0, 1.1);
+      at.z = uniform(random, -3, 3), at.y = uniform(random, -4, 4), at.x = uniform(random, -4, 4);
+      axis.y = uniform(random, -1, 1), axis.x = uniform(random, -1, 1);
       core::Affine placed = core::translation(at);
-      placed.linear = core::dmat3(glm::rotate(core::dmat4(1.0), uniform(random, 0, 3), axis));
+      placed.linear = core::dmat3(glm::rotate(core::dmat4(1.0), uniform(random, 0, 3), glm::normalize(axis)));
       scene.add_primitive(scene.root(), tests::primitive_of(kKinds[i % 7], length, shift, angle), placed,
                           materials[std::size_t(i) % 3]);
     }
