@@ -768,4 +768,10 @@ std::size_t Scene::memory_bytes() const {
   return bytes;
 }
 
+NodeId part_of(const Scene& scene, NodeId node) {
+  for (; node.valid() && node != scene.root() && scene.parent(node) != scene.root(); node = scene.parent(node))
+    if (!scene.name(node).empty()) return node;
+  return {};
+}
+
 }  // namespace sightline::core

@@ -84,10 +84,10 @@ Done select_none(const std::string&, Session& session) {
 
 Done measure_selected(Workspace& work, const std::string&) {
   Session& session = *work.session;
-  const auto selection = session.document.selection();
-  if (const char* why = missing(needs::kTwoItems, work)) return core::fail(why);
+  if (const char* why = missing(needs::kTwoParts, work)) return core::fail(why);
+  const auto two = parts_of_selection(work);
   work.shown.tab = "Measure";
-  return session.measuring.between(session.scene(), selection[0], selection[1]);
+  return session.measuring.between(session.scene(), two[0], two[1]);
 }
 
 /// A switch of a dialog.
@@ -126,6 +126,17 @@ Done take_tool(const std::string&, Shown& shown, Messages& messages) {
 template <Tool kTool>
 bool has_tool(Workspace& work) {
   return work.shown.tool == kTool;
+}
+
+template <SelectionLevel kLevel>
+Done set_level(const std::string&, Shown& shown) {
+  shown.level = kLevel;
+  shown.tool = Tool::kSelect;
+  return {};
+}
+template <SelectionLevel kLevel>
+bool has_level(Workspace& work) {
+  return work.shown.level == kLevel;
 }
 
 template <Units kUnits>
@@ -291,6 +302,14 @@ const Command kEdit[] = {
     {"select", "|Edit", "Select", "", "clicks select items again, and no longer measure or cut",
      [](Workspace& w, const std::string&) -> Done { return w.shown.tool = Tool::kSelect, Done(); },
      has_tool<Tool::kSelect>, &needs::kModel, icons::kCursor},
+    {"level-item", "Edit/Clicks select", "Items", "", "clicks select single items: primitives and meshes",
+     with<set_level<SelectionLevel::kItem>>, has_level<SelectionLevel::kItem>, nullptr},
+    {"level-part", "Edit/Clicks select", "Parts", "", "clicks select whole parts: what is below the nearest name",
+     with<set_level<SelectionLevel::kPart>>, has_level<SelectionLevel::kPart>, nullptr},
+    {"level-assembly", "Edit/Clicks select", "Assemblies", "", "clicks select what parts belong to",
+     with<set_level<SelectionLevel::kAssembly>>, has_level<SelectionLevel::kAssembly>, nullptr},
+    {"level-file", "Edit/Clicks select", "Files", "", "clicks select all of a file",
+     with<set_level<SelectionLevel::kFile>>, has_level<SelectionLevel::kFile>, nullptr},
     {"select-all", "Edit", "Select all", "Ctrl+A", "select all that is not hidden", with<select_all>},
     {"select-part", "Edit", "Select the whole part", "Ctrl+Up",
      "select all of the part that the selection belongs to; again: of the one above",
@@ -438,8 +457,8 @@ const Command kSection[] = {
 const Command kMeasure[] = {
     {"measure", "Measure", "Set marks", "M", "clicks set marks, which snap, and measure between them",
      with<take_tool<Tool::kMeasure>>, has_tool<Tool::kMeasure>, &needs::kModel, icons::kMeasure},
-    {"measure-selected", "Measure", "Distance of two selected items", "", "the shortest distance of two selected items",
-     measure_selected, nullptr, &needs::kTwoItems},
+    {"measure-selected", "Measure", "Distance of what is selected", "",
+     "the shortest distance of two selected parts or items", measure_selected, nullptr, &needs::kTwoParts},
     {"measure-copy", "|Measure", "Copy the list", "",
      "copy all measurements, a line each, with columns that spreadsheets take apart", copy_measurements, nullptr,
      &needs::kMarks},

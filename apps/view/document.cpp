@@ -284,7 +284,7 @@ void Document::follow_scene() {
     std::erase_if(*steps, [](const Changes& step) { return step.empty(); });
   }
   std::erase_if(left_out_, gone);
-  if (hovered && gone(*hovered)) hovered.reset();
+  if (hovered && std::any_of(hovered->items.begin(), hovered->items.end(), gone)) hovered.reset();
   list_selection();
   ++version_;
   ++solid_version_;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/apps/view/selection_level.h"
 #include "sightline/core/error.h"
 #include "sightline/core/scene.h"
 #include "sightline/engine/engine.h"
@@ -75,8 +76,8 @@ class Document {
   std::size_t undo_steps() const { return done_.size(); }
   std::size_t redo_steps() const { return undone_.size(); }
 
-  /// The item under the cursor. Neither a step of undo() nor part of the image, which need not be drawn anew for it.
-  std::optional<core::ItemId> hovered;
+  /// What a click would take. Neither a step of undo() nor part of the image, which need not be drawn anew for it.
+  std::optional<Taken> hovered;
 
   /// Shows items in these base styles, and no others. A selected item keeps the colour that its base style gives it and
   /// has a line around it. No step of undo().

@@ -28,6 +28,15 @@ constexpr double kSliderReach = 6.0;                    // pixels beside its lin
 constexpr double kTriadMargin = 6.0;                    // pixels beside the axes
 constexpr double kTriadShare = 0.2;                     // of the image that they may reach over
 
+/// With what is told of it in front, and its row of the tree in sight.
+void select(Workspace& work, const std::optional<Taken>& taken, SelectMode mode) {
+  Session& session = *work.session;
+  work.messages.tell_outcome(session.document.select(taken ? taken->items : std::vector<core::ItemId>(), mode));
+  if (!taken) return;
+  work.shown.tab = "Item";
+  session.tree.reveal(taken->node.valid() ? taken->node : session.scene().node_of(taken->item));
+}
+
 }  // namespace
 
 std::optional<AxisTriad> Gestures::triad() const {
@@ -202,19 +211,19 @@ void Gestures::click(const Drag& drag) {
   const SelectMode mode = (drag.mods & GLFW_MOD_CONTROL) != 0 ? SelectMode::kToggle
                           : (drag.mods & GLFW_MOD_SHIFT) != 0 ? SelectMode::kAdd
                                                               : SelectMode::kReplace;
-  std::vector<core::ItemId> items;
-  if (*hit) items.push_back((*hit)->item);
+  const core::Scene& scene = work_.session->scene();
+  const std::optional<Taken> taken =
+      *hit ? std::optional(taken_at(scene, (*hit)->item, work_.shown.level)) : std::nullopt;
   const double now = drag.mods == 0 ? glfwGetTime() : -1.0;
   const bool again = drag.mods == 0 && now - last_click_ < kDoubleClick &&
                      glm::length(drag.from - last_click_at_) <= kClickPixels * work_.gui.scale();
   last_click_at_ = drag.from;
   last_click_ = now;
-  if (again && !items.empty()) {
-    work_.session->camera.fit(work_.session->document.bounds(items), work_.session->image.aspect());
+  if (again && taken) {
+    work_.session->camera.fit(work_.session->document.bounds(taken->items), work_.session->image.aspect());
     return work_.messages.tell_outcome({});
   }
-  work_.messages.tell_outcome(work_.session->document.select(items, mode));
-  if (!items.empty()) work_.session->tree.reveal(work_.session->scene().node_of(items[0]));
+  select(work_, taken, mode);
 }
 
 /// Opens the menu of what the cursor is over, which is selected unless it is part of the selection.
@@ -227,8 +236,7 @@ void Gestures::open_context_menu(const core::dvec2& at) {
   context_face_ = *hit;
   Document& document = work_.session->document;
   if (!*hit || document.is((*hit)->item, Document::kSelected)) return;
-  work_.messages.tell_outcome(document.select(std::span(&(*hit)->item, 1)));
-  work_.session->tree.reveal(work_.session->scene().node_of((*hit)->item));
+  select(work_, taken_at(work_.session->scene(), (*hit)->item, work_.shown.level), SelectMode::kReplace);
 }
 
 void Gestures::select_rectangle(const Drag& drag) {
@@ -236,10 +244,16 @@ void Gestures::select_rectangle(const Drag& drag) {
   const engine::PixelRectangle rectangle{std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x),
                                          std::max(a.y, b.y)};
   const auto rule = b.x < a.x ? culling::RegionRule::kCrossing : culling::RegionRule::kWholly;
-  const auto items = work_.session->items_in(rectangle, rule);
-  if (!items) return work_.messages.tell(items.error().message, true);
+  const auto found = work_.session->items_in(rectangle, rule);
+  if (!found) return work_.messages.tell(found.error().message, true);
+  const Document& document = work_.session->document;
+  std::vector<core::ItemId> items;
+  for (const auto& group :
+       groups_of(work_.session->scene(), *found, work_.shown.level, rule == culling::RegionRule::kWholly,
+                 [&](core::ItemId item) { return document.shown(item); }))
+    items.insert(items.end(), group.begin(), group.end());
   const auto mode = (drag.mods & GLFW_MOD_SHIFT) != 0 ? SelectMode::kAdd : SelectMode::kReplace;
-  work_.messages.tell_outcome(work_.session->document.select(*items, mode));
+  work_.messages.tell_outcome(work_.session->document.select(items, mode));
 }
 
 void Gestures::draw_rectangle() const {
@@ -334,7 +348,7 @@ void Gestures::hover() {
     changed = true;
   }
   if (!std::exchange(cursor_moved_, false) && !changed) return;
-  std::optional<core::ItemId> item;
+  std::optional<Taken> taken;
   const bool over_image = work_.image.contains(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end() &&
                           !section_target() && !over_slider();
   aimed_.reset();
@@ -347,11 +361,16 @@ void Gestures::hover() {
     }
   } else if (over_image) {
     if (const auto hit = work_.session->pick(work_.image.in_image(cursor_)); hit && *hit) {
-      item = (*hit)->item;
+      std::optional<Taken>& before = work_.session->document.hovered;
+      const core::NodeId node = node_at(work_.session->scene(), (*hit)->item, work_.shown.level);
+      if (before && node.valid() && before->node == node)  // files have very many items
+        taken = std::move(before), taken->item = (*hit)->item;
+      else
+        taken = taken_at(work_.session->scene(), (*hit)->item, work_.shown.level);
       cursor_point_ = (*hit)->point;
     }
   }
-  work_.session->document.hovered = item;
+  work_.session->document.hovered = std::move(taken);
 }
 
 }  // namespace sightline::apps

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <variant>
 
 namespace sightline::apps {
@@ -29,6 +30,55 @@ void relation_rows(const measure::Snap& a, const measure::Snap& b, const LengthF
   if (!first || !second) return;
   const measure::AxisDistance axes = measure::axis_distance(*first, *second);
   rows.emplace_back(axes.parallel ? "between the axes" : "between the lines", lengths.text(axes.shortest.distance));
+}
+
+struct Boxed {
+  core::AabbD box;
+  core::ItemId item;
+  std::optional<measure::Item> measured;
+
+  Boxed(const core::Scene& scene, core::ItemId of)
+      : box(scene.bounds_under(of, scene.state(of).world_from_item)), item(of) {}
+  core::Expected<void> measure(const core::Scene& scene) {
+    if (measured) return {};
+    return measured_item(scene, item).map([&](measure::Item&& made) { measured.emplace(std::move(made)); });
+  }
+};
+
+std::vector<Boxed> boxed(const core::Scene& scene, std::span<const core::ItemId> items) {
+  std::vector<Boxed> all;
+  for (const core::ItemId item : items) all.emplace_back(scene, item);
+  return all;
+}
+
+double gap(const core::AabbD& a, const core::AabbD& b) {
+  return glm::length(glm::max(core::dvec3(0.0), glm::max(a.min - b.max, b.min - a.max)));
+}
+
+/// Pairs whose boxes are farther apart than what was found are passed over.
+core::Expected<measure::Distance> shortest_distance(const core::Scene& scene, std::span<const core::ItemId> a,
+                                                    std::span<const core::ItemId> b) {
+  std::vector<Boxed> first = boxed(scene, a), second = boxed(scene, b);
+  core::AabbD around;
+  for (const Boxed& one : second) around.grow(one.box);
+  std::sort(first.begin(), first.end(),
+            [&](const Boxed& x, const Boxed& y) { return gap(x.box, around) < gap(y.box, around); });
+  measure::Distance shortest;
+  shortest.distance = std::numeric_limits<double>::infinity();
+  double least = shortest.distance;  // that it can be
+  for (Boxed& one : first) {
+    if (gap(one.box, around) > shortest.distance) break;
+    for (Boxed& other : second) {
+      if (gap(one.box, other.box) > shortest.distance) continue;
+      for (Boxed* item : {&one, &other})
+        if (auto done = item->measure(scene); !done) return tl::unexpected(done.error());
+      const measure::Distance found = measure::distance(*one.measured, *other.measured);
+      least = std::min(least, found.distance - found.error);
+      if (found.distance <= shortest.distance) shortest = found;
+    }
+  }
+  shortest.error = std::max(shortest.error, shortest.distance - least);
+  return shortest;
 }
 
 }  // namespace
@@ -86,14 +136,16 @@ void Measuring::add(core::ItemId item, const measure::Snap& snap) {
   list_.push_back({first.point, second.point, first.words + " to " + second.words});
 }
 
-core::Expected<void> Measuring::between(const core::Scene& scene, core::ItemId a, core::ItemId b) {
-  const auto first = measured_item(scene, a), second = measured_item(scene, b);
-  if (!first) return tl::unexpected(first.error());
-  if (!second) return tl::unexpected(second.error());
+core::Expected<void> Measuring::between(const core::Scene& scene, std::span<const core::ItemId> a,
+                                        std::span<const core::ItemId> b) {
+  const auto shortest = shortest_distance(scene, a, b);
+  if (!shortest) return tl::unexpected(shortest.error());
   forget_last();
-  distance_ = measure::distance(*first, *second);
+  distance_ = *shortest;
   of_items_ = true;
-  list_.push_back({distance_->from, distance_->to, "shortest distance of two items"});
+  list_.push_back(
+      {distance_->from, distance_->to,
+       a.size() == 1 && b.size() == 1 ? "shortest distance of two items" : "shortest distance of two parts"});
   return {};
 }
 

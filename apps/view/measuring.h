@@ -1,4 +1,4 @@
-// What the viewer measures: points snapped to features of items, and distances between two of them or of two items.
+// What the viewer measures: points snapped to features of items, and distances between two of them or of two parts.
 #pragma once
 
 #include <optional>
@@ -35,11 +35,12 @@ class Measuring {
   void clear();  ///< with the list
   /// The next of two marks. A third one begins anew.
   void add(core::ItemId item, const measure::Snap& snap);
-  /// The shortest distance of two items, in place of marks.
-  core::Expected<void> between(const core::Scene& scene, core::ItemId a, core::ItemId b);
+  /// The shortest distance of what is among these items to what is among those, in place of marks. Both have some.
+  core::Expected<void> between(const core::Scene& scene, std::span<const core::ItemId> a,
+                               std::span<const core::ItemId> b);
 
   const std::vector<Mark>& marks() const { return marks_; }
-  /// From the first mark's point to the second's, or the shortest one of two items.
+  /// From the first mark's point to the second's, or the shortest one of two parts.
   const std::optional<measure::Distance>& distance() const { return distance_; }
   /// All distances since clear(), but for those that were removed.
   const std::vector<Measurement>& list() const { return list_; }

@@ -16,13 +16,24 @@ inline const char* missing(const Need& need, Workspace& work) {
   return need.met(work) ? nullptr : need.missing;
 }
 
+/// What clicks have selected; as single items where these are two.
+inline std::vector<std::vector<core::ItemId>> parts_of_selection(Workspace& work) {
+  constexpr std::size_t kMost = 20'000;  // items: the question comes with each frame
+  const auto selection = work.session->document.selection();
+  if (selection.size() > kMost) return {};
+  const auto level = selection.size() == 2 ? SelectionLevel::kItem : work.shown.level;
+  const Document& document = work.session->document;
+  return groups_of(work.session->scene(), selection, level, false,
+                   [&](core::ItemId item) { return document.is(item, Document::kSelected); });
+}
+
 namespace needs {
 
 inline constexpr Need kModel{[](Workspace&) { return true; }, ""};
 inline constexpr Need kSelection{[](Workspace& w) { return !w.session->document.selection().empty(); },
                                  "select something first: click on it"};
-inline constexpr Need kTwoItems{[](Workspace& w) { return w.session->document.selection().size() == 2; },
-                                "select two items first, the second one with Ctrl"};
+inline constexpr Need kTwoParts{[](Workspace& w) { return parts_of_selection(w).size() == 2; },
+                                "select two parts or items first, the second one with Ctrl"};
 inline constexpr Need kHidden{
     [](Workspace& w) { return w.session->document.hidden() > 0 || w.session->document.ghosts() > 0; },
     "nothing is hidden or faint"};

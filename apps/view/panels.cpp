@@ -114,9 +114,11 @@ void side_panel(Workspace& work) {
   ImGui::End();
 }
 
-void item_tip(const core::Scene& scene, core::ItemId item) {
-  const std::string name = item_name(scene, item), kind(core::name_of(scene.kind(item)));
-  ImGui::SetTooltip("%s%s%s", name.c_str(), name == kind ? "" : "\n", name == kind ? "" : kind.c_str());
+void taken_tip(const core::Scene& scene, const Taken& taken) {
+  const std::string name = taken.node.valid() ? std::string(scene.name(taken.node)) : item_name(scene, taken.item);
+  const std::string what = taken.items.size() == 1 ? std::string(core::name_of(scene.kind(taken.item)))
+                                                   : grouped(std::int64_t(taken.items.size())) + " items";
+  ImGui::SetTooltip("%s", (name.empty() || name == what ? what : name + "\n" + what).c_str());
 }
 
 }  // namespace sightline::apps

@@ -32,7 +32,7 @@ void status_bar(Workspace& work);
 void start_page(Workspace& work, const Part& part);  ///< in place of the image while no model is open or read
 void dialog_window(Workspace& work);
 void loading_window(Opening& opening, const Messages& messages);  ///< progress, and a button that cancels
-void item_tip(const core::Scene& scene, core::ItemId item);
+void taken_tip(const core::Scene& scene, const Taken& taken);     ///< what a click would take
 /// The name of the item's node, or of the nearest one above it that has a name; without one the item's kind.
 std::string item_name(const core::Scene& scene, core::ItemId item);
 

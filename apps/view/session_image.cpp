@@ -130,10 +130,10 @@ core::Expected<image::Image> SessionImage::read(bool smooth) {
 }
 
 core::Expected<void> SessionImage::outline_hovered(const gl::ExternalTarget& target) {
-  const auto item = document_.hovered;
-  if (!item || !drawn_ || coarse_ || document_.is(*item, Document::kSelected)) return {};
-  if (auto done = slider_.turn_to(*item, drawn_size()); !done) return done;
-  return engine_.draw_outline(*drawn_, std::span(&*item, 1), target);
+  const std::optional<Taken>& taken = document_.hovered;
+  if (!taken || !drawn_ || coarse_ || document_.is(taken->item, Document::kSelected)) return {};
+  if (auto done = slider_.turn_to(taken->item, drawn_size()); !done) return done;
+  return engine_.draw_outline(*drawn_, taken->items, target);
 }
 
 void SessionImage::set_frozen(bool frozen) {

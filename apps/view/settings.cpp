@@ -63,6 +63,12 @@ std::optional<Units> units_of(const Json& json) {
   return std::nullopt;
 }
 
+std::optional<SelectionLevel> level_of(const Json& json) {
+  for (std::size_t i = 0; i < kLevelNames.size(); ++i)
+    if (json == kLevelNames[i]) return SelectionLevel(i);
+  return std::nullopt;
+}
+
 std::optional<std::vector<std::string>> files_of(const Json& json) {
   const auto is_text = [](const Json& file) { return file.is_string(); };
   if (!json.is_array() || !std::all_of(json.begin(), json.end(), is_text)) return std::nullopt;
@@ -111,6 +117,7 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("window", settings.window, window_size_of);
   take("cache", settings.cache, folder_of);
   take("units", settings.units, units_of);
+  take("clicks-select", settings.level, level_of);
   return settings;
 }
 
@@ -133,6 +140,7 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.window != before.window && window_size_of(now.window)) json["window"] = now.window;
   if (now.cache != before.cache) json["cache"] = now.cache;
   if (now.units != before.units) json["units"] = kUnitsNames[int(now.units)];
+  if (now.level != before.level) json["clicks-select"] = name_of(now.level);
 }
 
 }  // namespace

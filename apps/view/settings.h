@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sightline/apps/common/numbers.h"
+#include "sightline/apps/view/selection_level.h"
 #include "sightline/core/error.h"
 
 namespace sightline::apps {
@@ -30,6 +31,7 @@ struct Settings {
   Units units = Units::kAutomatic;          ///< of lengths
   bool diagnostics = false;                 ///< the tab is shown
   bool recognise = false;                   ///< primitives, in meshes of files that are opened
+  SelectionLevel level = SelectionLevel::kPart;  ///< of clicks
 
   /// Puts a file that was opened first.
   void add_recent(const std::string& file);

@@ -1,5 +1,8 @@
-// The row of buttons below the menu bar: all commands with an icon, in the order of their menus.
+// The row of buttons below the menu bar: all commands with an icon, in the order of their menus, and beside that which
+// selects, what clicks select.
+#include <algorithm>
 #include <string>
+#include <string_view>
 
 #include <imgui.h>
 
@@ -15,6 +18,8 @@ constexpr float kIconLines = 1.2f, kPaddingLines = 0.25f, kGapLines = 0.45f;  //
 float button_side() {
   return (kIconLines + 2.0f * kPaddingLines) * ImGui::GetFontSize();
 }
+
+constexpr std::string_view kSelects = "select";  // the command
 
 /// Grey where the command is impossible, pressed where it is on. The tooltip says what it does, or what it lacks.
 void button(Workspace& work, const Command& command) {
@@ -38,12 +43,37 @@ void button(Workspace& work, const Command& command) {
   if (hovered) command_tip(work, command, true);
 }
 
+constexpr const char* kLevelCommands[] = {"level-item", "level-part", "level-assembly", "level-file"};
+
+float level_width() {
+  float widest = 0.0f;
+  for (const char* name : kLevelCommands) widest = std::max(widest, ImGui::CalcTextSize(find_command(name)->title).x);
+  return widest + 2.0f * ImGui::GetStyle().FramePadding.x + button_side();
+}
+
+/// A list of what clicks may select.
+void level_list(Workspace& work) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding,
+                      {style.FramePadding.x, 0.5f * (button_side() - ImGui::GetFontSize())});
+  ImGui::SetNextItemWidth(level_width());
+  const bool open = ImGui::BeginCombo("##level", find_command(kLevelCommands[int(work.shown.level)])->title);
+  ImGui::PopStyleVar();
+  if (!open && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", "What clicks select");
+  if (!open) return;
+  for (const char* name : kLevelCommands) command_item(work, *find_command(name));
+  ImGui::EndCombo();
+}
+
 /// What has no room in a narrow window.
 void overflow(Workspace& work, std::span<const Command> left) {
   if (ImGui::Button("»", {0.0f, button_side()})) ImGui::OpenPopup("##more");
   if (!ImGui::BeginPopup("##more")) return;
-  for (const Command& command : left)
+  for (const Command& command : left) {
     if (command.icon) command_item(work, command);
+    if (command.name != kSelects) continue;
+    for (const char* name : kLevelCommands) command_item(work, *find_command(name));
+  }
   ImGui::EndPopup();
 }
 
@@ -70,11 +100,15 @@ void toolbar(Workspace& work) {
     if (!first) ImGui::SameLine(0.0f, its == menu ? style.ItemSpacing.x : kGapLines * ImGui::GetFontSize());
     first = false;
     menu = its;
-    if (ImGui::GetCursorPosX() + button_side() + more > wide) {
+    const float own = all[i].name == kSelects ? button_side() + level_width() : button_side();
+    if (ImGui::GetCursorPosX() + own + more > wide) {
       overflow(work, all.subspan(i));
       break;
     }
     button(work, all[i]);
+    if (all[i].name != kSelects) continue;
+    ImGui::SameLine();
+    level_list(work);
   }
   ImGui::End();
   ImGui::PopStyleVar(3);

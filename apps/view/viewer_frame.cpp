@@ -90,7 +90,7 @@ void Viewer::draw_panels() {
   if (work_.session && work_.session->document.hovered && !work_.gestures.drags() &&
       work_.shown.tool == Tool::kSelect && !work_.gestures.section_target() && work_.shown.dialog == Dialog::kNone &&
       !work_.gui.has_popup() && !ImGui::GetIO().WantCaptureMouse)
-    item_tip(work_.session->scene(), *work_.session->document.hovered);
+    taken_tip(work_.session->scene(), *work_.session->document.hovered);
   work_.gestures.draw_rectangle();
   measure_overlay(work_, work_.viewport());
   section_overlay(work_, work_.viewport());

@@ -81,6 +81,7 @@ Json window_json(const Workspace& work) {
           {"menu", work.gui.has_popup()},
           {"tool", name_of(work.shown.tool)},
           {"tab", work.shown.tab},
+          {"level", name_of(work.shown.level)},
           {"theme", work.shown.light ? "light" : "dark"},
           {"recent", work.shown.recent},
           {"walk", work.gestures.walking()},
@@ -106,6 +107,7 @@ Json window_json(const Workspace& work) {
 
 Json session_json(Session& session) {
   const core::Pose& pose = session.camera.pose();
+  const std::optional<Taken>& hovered = session.document.hovered;
   return {{"items", session.scene().item_count()},
           {"recognition", recognition_json(session.model().report.recognition)},
           {"culler", name_of(session.engine.plan().culler)},
@@ -116,7 +118,8 @@ Json session_json(Session& session) {
           {"selection", {{"count", session.document.selection().size()}}},
           {"hidden", session.document.hidden()},
           {"ghosts", session.document.ghosts()},
-          {"hovered", session.document.hovered ? std::int64_t(*session.document.hovered) : -1},
+          {"hovered", hovered ? std::int64_t(hovered->item) : -1},
+          {"hovered_items", hovered ? hovered->items.size() : 0},
           {"sections", session.sections.planes().size()},
           {"measure", measure_json(session.measuring)},
           {"findings", session.findings().size()},

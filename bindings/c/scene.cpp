@@ -197,6 +197,7 @@ sl_status sl_node_get(sl_scene handle, sl_node node, sl_node_info* info) {
     found.attributes = scene->attributes(id).size();
     found.first_item = to_index(scene->first_item(id));
     found.visible = scene->visible(id);
+    found.part = handle_of(core::part_of(*scene, id));
     write(info, found);
   });
 }

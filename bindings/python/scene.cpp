@@ -221,6 +221,9 @@ void bind_item(py::module_& m) {
           },
           "The node that holds it.")
       .def_property_readonly(
+          "part", [](const Item& x) { return node_or_none(x.scene, core::part_of(read(x), read(x).node_of(x.id))); },
+          "The part of its node; None where the item is a part by itself.")
+      .def_property_readonly(
           "primitive",
           [](const Item& x) -> std::optional<core::Primitive> {
             const core::Scene& scene = read(x);
@@ -361,6 +364,10 @@ void bind_node_tree(py::class_<Node>& node) {
           "Names from below the root, joined by \"/\"; \"#k\" for unnamed nodes.")
       .def_property_readonly(
           "parent", [](const Node& x) { return node_or_none(x.scene, read(x).parent(x.id)); }, "None for the root.")
+      .def_property_readonly(
+          "part", [](const Node& x) { return node_or_none(x.scene, core::part_of(read(x), x.id)); },
+          "The nearest node at or above it that has a name and lies below a file's, which is a child of the root; None "
+          "where there is no such. node.part.parent.part is the assembly.")
       .def_property_readonly("children", &children, "A list, in order.")
       .def_property_readonly("items", &items_of, "Ids of its own items, uint32, in order of insertion.")
       .def(

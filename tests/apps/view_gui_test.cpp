@@ -104,10 +104,10 @@ TEST_F(ViewScript, TheRightButtonOpensAMenu) {
 /// A mode of clicks stays pressed, and impossible commands do nothing but say why.
 TEST_F(ViewScript, TheToolbarRunsCommands) {
   const std::string before = path("before.png"), after = path("after.png");
-  // At scale 1 buttons are 26 pixels wide: open, image, select, hide, isolate, show all, fit …, in blocks.
-  expect_driven("window-shot " + before + "\nclick 107 36\nexpect /hidden = 0\n" +
-                    "expect /message = \"4 items\"\nselect-all\nclick 107 36\nexpect /hidden = 4\n" +
-                    "expect /selection/count = 0\nclick 158 36\nexpect /hidden = 0\npress h\n" +
+  // At scale 1 buttons are 26 pixels wide: open, image, select, a list, hide, isolate, show all, fit …, in blocks.
+  expect_driven("window-shot " + before + "\nclick 213 36\nexpect /hidden = 0\n" +
+                    "expect /message = \"4 items\"\nselect-all\nclick 213 36\nexpect /hidden = 4\n" +
+                    "expect /selection/count = 0\nclick 264 36\nexpect /hidden = 0\npress h\n" +
                     "expect /message = \"select something first: click on it\"\nmeasure\nmove 500 300\nwindow-shot " +
                     after + "\nclick 79 36\nexpect /tool = select\nresize 300x300\n",
                 {boxes(), "--size", "800x500", "--scale", "1"});

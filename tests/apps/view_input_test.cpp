@@ -23,6 +23,28 @@ TEST_F(ViewScript, SelectsHidesAndUndoes) {
       {model, "--size", kSize, "--no-panels"});
 }
 
+/// At first parts, here the equipment of nine items in front; what a click takes is known before it. Four pipes of seven
+/// items lie wholly in the image.
+TEST_F(ViewScript, ClicksSelectWhatTheLevelSays) {
+  const Args args{data_path("small_plant.rvm").string(), "--size", "800x500", "--scale", "1"};
+  const std::string click = "press escape\nmove 370 300\nmove 370 250\n", after = "click 370 250\nexpect /tab = Item\n";
+  expect_driven("find PIPE-1\nselect-found\nfocus\nexpect /level = part\nmeasure\nexpect /tab = Measure\nselect\n" +
+                    click + "expect /hovered_items = 9\n" + after + "expect /selection/count = 9\nlevel-item\n" +
+                    click + "expect /hovered_items = 1\n" + after + "expect /selection/count = 1\nlevel-assembly\n" +
+                    click + after + "expect /selection/count = 37\n" +
+                    "click 130 36\nclick 130 60\nexpect /level = item\nlevel-part\n" +
+                    "drag 217 55 536 478 ctrl\nexpect /selection/count = 28\n",
+                args);
+}
+
+/// Ctrl+F takes the former text, so that another one can be typed in its place.
+TEST_F(ViewScript, FindSelectsWhatWasSearchedFor) {
+  expect_driven(
+      "press ctrl+f\ntype left\nexpect /found = 1\npress escape\nfind left\npress ctrl+f\ntype zzz\n"
+      "expect /found = 0\n",
+      {boxes(), "--size", "800x500", "--scale", "1"});
+}
+
 /// The list may show more while a text is typed; what is carried out takes what the text names.
 TEST_F(ViewScript, CommandsTakePartsByTheirNames) {
   const std::string model = write_boxes(

@@ -18,7 +18,7 @@ TEST_F(ViewScript, TellsTheStepsOfOpening) {
 TEST_F(ViewScript, AModelIsThereOnceItHasLanded) {
   const std::string model = plant(30'000), first = path("first.png"), other = path("other.png"),
                     twin = path("twin.png");
-  expect_driven("screenshot " + first + "\nclick 300 200\nexpect /selection/count = 1\nopen " + boxes() +
+  expect_driven("level-item\nscreenshot " + first + "\nclick 300 200\nexpect /selection/count = 1\nopen " + boxes() +
                     "\nexpect /items = 4\nexpect /selection/count = 0\nopen " + model +
                     "\nexpect /items > 20000\nscreenshot " + other +
                     "\nselect-all\nhide\nundo\nselect-none\nscreenshot " + twin +

@@ -113,6 +113,19 @@ TEST(Scene, PathsNameNodesAndCountUnnamedOnes) {
   EXPECT_EQ(scene.path(pipe), "pipe");
 }
 
+TEST(Scene, PartsAreTheNearestNamedNodesBelowFiles) {
+  Scene scene;
+  const NodeId file = scene.add_node(scene.root(), "plant.rvm"), bare = scene.add_node(file);
+  const NodeId pipe = scene.add_node(bare, "pipe"), flange = scene.add_node(pipe, "flange"),
+               body = scene.add_node(flange);
+  EXPECT_EQ(part_of(scene, body), flange);
+  EXPECT_EQ(part_of(scene, flange), flange);
+  EXPECT_EQ(part_of(scene, scene.parent(flange)), pipe) << "the assembly";
+  EXPECT_EQ(part_of(scene, scene.parent(pipe)), NodeId()) << "a file is no part";
+  EXPECT_EQ(part_of(scene, scene.root()), NodeId());
+  EXPECT_EQ(part_of(scene, NodeId()), NodeId());
+}
+
 TEST(Scene, RenamingDoesNotLeak) {
   Scene scene;
   Random random(4);

@@ -382,7 +382,7 @@ class ComparingSession : public ::testing::Test {
         break;
       case 4:
         if (!some.empty()) {
-          document.hovered = some[0];
+          document.hovered = taken_at(session->scene(), some[0], SelectionLevel::kItem);
         }
         break;
       case 5:

@@ -101,8 +101,8 @@ TEST_F(DocumentTest, HiddenItemsAreNotFoundAndNotSelected) {
 
 TEST_F(DocumentTest, HoveringIsNoStepAndLeavesTheImage) {
   const std::uint64_t version = document->version();
-  document->hovered = ItemId{3};
-  EXPECT_EQ(document->hovered, std::optional<ItemId>(ItemId{3}));
+  document->hovered = taken_at(scene, ItemId{3}, SelectionLevel::kItem);
+  EXPECT_EQ(document->hovered->items, std::vector{ItemId{3}});
   EXPECT_EQ(document->version(), version);
   EXPECT_EQ(document->undo_steps(), 0u);
   ASSERT_TRUE(document->undo() && document->redo()) << "nothing to undo";
@@ -153,7 +153,8 @@ TEST_F(DocumentTest, UndoBringsBackEveryState) {
     std::vector<ItemId> some;
     for (ItemId item{0}; item < kItems; ++item)
       if (random() % 4 == 0) some.push_back(item);
-    if (random() % 3 == 0) document->hovered = ItemId(random() % to_index(kItems));
+    if (random() % 3 == 0)
+      document->hovered = taken_at(scene, ItemId(random() % to_index(kItems)), SelectionLevel::kItem);
     const auto what = unsigned(random() % 9);
     if (what == 0 && now > 0) {
       ASSERT_TRUE(document->undo());

@@ -66,7 +66,8 @@ TEST_F(SettingsTest, ComeBack) {
                         rooted("caches"),
                         Units::kFeet,
                         true,
-                        true};
+                        true,
+                        SelectionLevel::kAssembly};
   ASSERT_TRUE(file.keep(wanted));
   const SettingsFile again(file_);
   EXPECT_EQ(again.settings(), wanted);

@@ -43,6 +43,9 @@ TEST(CapiScene, NodesKeepWhatIsSet) {
   EXPECT_EQ(info.attributes, 2u);
   EXPECT_EQ(info.first_item, item);
   EXPECT_EQ(info.transform[12], 10.0);
+  EXPECT_EQ(info.part.id, 0u) << "its site is taken for a file";
+  ASSERT_OK(sl_node_get(c.scene, c.add_node(other, ""), &info));
+  EXPECT_EQ(info.part.id, other.id);
   double world[16];
   ASSERT_OK(sl_node_world_transform(c.scene, unit, world));
   EXPECT_EQ(world[12], 11.0);

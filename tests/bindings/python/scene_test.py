@@ -31,6 +31,9 @@ class Nodes(Case):
         self.assertEqual(pipe.path, "site/pipe")
         self.assertEqual(pipe.parent, site)
         self.assertIsNone(scene.root.parent)
+        self.assertEqual(pipe.part, pipe)
+        self.assertIsNone(site.part, "it is taken for a file")
+        self.assertEqual(pipe.add_node().add(sightline.Sphere(1)).part, pipe)
         self.assertEqual([child.name for child in site.children], ["pipe", ""])
         self.assertEqual(scene.node_count, 4)
         pipe.name = "Röhre"
