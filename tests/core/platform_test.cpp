@@ -384,7 +384,8 @@ TEST(PlatformPrograms, AMissingOneIsTold) {
 TEST(PlatformPrograms, AreFiles) {
   EXPECT_TRUE(fs::is_regular_file(program_file())) << program_file();
   EXPECT_TRUE(fs::is_regular_file(program_image()));
-  EXPECT_TRUE(fs::equivalent(module_of(reinterpret_cast<const void*>(&program_file)), program_file()));
+  const fs::path module = module_of(reinterpret_cast<const void*>(&program_file));
+  EXPECT_TRUE(fs::equivalent(module, program_file()) || fs::equivalent(module, starter())) << module;
 }
 
 TEST(PlatformModules, AMissingOneIsTold) {

@@ -24,6 +24,8 @@ inline constexpr std::size_t kFirstSize = sizeof(T);
 template <>
 inline constexpr std::size_t kFirstSize<sl_import_report> = offsetof(sl_import_report, from_cache);
 template <>
+inline constexpr std::size_t kFirstSize<sl_node_info> = offsetof(sl_node_info, part);
+template <>
 inline constexpr std::size_t kFirstSize<sl_engine_info> = offsetof(sl_engine_info, scratch_bytes);
 template <>
 inline constexpr std::size_t kFirstSize<sl_frame_report> = offsetof(sl_frame_report, triangles);
