@@ -37,6 +37,26 @@ void select(Workspace& work, const std::optional<Taken>& taken, SelectMode mode)
   session.tree.reveal(taken->node.valid() ? taken->node : session.scene().node_of(taken->item));
 }
 
+/// On the nearest floor, looking ahead. False where there is none.
+bool stand_on_floor(Workspace& work, const Walker& walker) {
+  Session& session = *work.session;
+  core::Pose pose = session.camera.pose();
+  const auto there = walker.nearest_floor(pose.eye, session.bounds().bounds);
+  if (!there) return false;
+  session.camera.remember();
+  if (const double aside = glm::length(core::dvec2(*there - pose.eye)); aside > 0.0)
+    work.messages.tell("no floor below: the nearest one is " + work.lengths().text(aside) + " aside");
+  core::dvec3 sight = pose.target - pose.eye;
+  const double length = glm::length(sight);
+  if (sight.x == 0.0 && sight.y == 0.0) sight = pose.up;
+  sight.z = 0.0;
+  pose.eye = *there;
+  pose.target = pose.eye + sight * (length / std::max(glm::length(sight), 1e-300));
+  pose.up = {0.0, 0.0, 1.0};
+  session.camera.set_pose(pose);
+  return true;
+}
+
 }  // namespace
 
 std::optional<AxisTriad> Gestures::triad() const {
@@ -319,8 +339,9 @@ void Gestures::set_walking(bool walking) {
     if (const auto hit = work_.session->engine.pick(ray, raytrace::filter_of(*view)); hit && *hit) distance = (*hit)->t;
     return distance;
   });
-  work_.session->camera.remember();
-  walk({}, 0.0);
+  if (stand_on_floor(work_, *walker_)) return;
+  walker_.reset();
+  work_.messages.tell("there is no floor to walk on, below or beside", true);
 }
 
 /// By what is held: to the right and ahead, over the ground.

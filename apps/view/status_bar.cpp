@@ -46,7 +46,8 @@ Field selection_field(const Session& session) {
 Field mode_field(Workspace& work) {
   constexpr const char* kTools[] = {"Select", "Measure", "Pick a face"};
   std::string text = kTools[int(work.shown.tool)];
-  if (work.gestures.walking()) text += ", walk";
+  if (work.gestures.walking()) text += ", walk 1.5 m/s";
+  static_assert(Walker::kSpeed == 1.5);
   if (work.recorder.has_value()) text += ", recording";
   if (work.player.playing()) text += ", playing";
   if (work.session->slider.at()) text += ", slider";

@@ -19,7 +19,9 @@ constexpr double kLongestStep = 0.1;  // metres, less than the radius, so that f
 constexpr double kSkin = 0.02;        // metres that the axis stays off what it moves towards
 constexpr double kFoot = 0.7;         // share of the radius that stands on the floor
 constexpr double kGravity = 9.81, kFastestFall = 30.0, kDeepest = 1e5;
-constexpr double kTouching = 1e-6;  // metres over the floor
+constexpr double kTouching = 1e-6;                 // metres over the floor
+constexpr double kLowestRung = 0.1, kReach = 0.6;  // metres over and below the feet
+constexpr double kTowards = 0.7;                   // cosine of an angle to a ladder
 const dvec3 kUpward(0.0, 0.0, 1.0);
 
 dvec3 moved(const dvec3& eye, const dvec2& by) {
@@ -32,14 +34,101 @@ dvec3 Walker::move(dvec3 eye, const dvec2& velocity, double seconds) {
   const double length = glm::length(velocity) * seconds;
   const int steps = std::max(1, int(std::ceil(length / kLongestStep)));
   for (int i = 0; i < steps; ++i) {
-    if (length > 0.0) eye = walk(eye, velocity * (seconds / steps));
-    eye.z = fall(eye, seconds / steps);
+    const dvec2 by = velocity * (seconds / steps);
+    if (climbs(eye, by, seconds / steps)) continue;
+    if (length > 0.0) eye = walk(eye, by);
+    if (!hangs_) eye.z = fall(eye, seconds / steps);
   }
   return eye;
 }
 
+/// On a ladder: up with a motion towards it, down with one away from it; others leave it.
+bool Walker::climbs(dvec3& eye, const dvec2& by, double seconds) {
+  const double length = glm::length(by), rise = kClimb * std::max(1.0, length / (kSpeed * seconds)) * seconds;
+  if (length > 0.0 && is_ladder(eye, by / length, kLowestRung)) {
+    ladder_ = by / length;
+    if (free(eye, kUpward, rise + kHeadroom)) eye.z += rise;
+    falling_ = false, speed_ = 0.0;
+    return true;
+  }
+  const auto floor = floor_below(eye);
+  const bool stands = floor && eye.z <= *floor + kEyeHeight + kTouching;
+  if (stands && length > 0.0 && is_ladder(eye, by / length, -kReach))
+    ladder_ = by / length;  // one that leads down
+  else if (stands && ladder_ && !is_ladder(eye, *ladder_, -kReach))
+    ladder_.reset();
+  hangs_ = !stands && finds_ladder(eye);
+  if (!hangs_ || (length > 0.0 && glm::dot(by, *ladder_) > -kTowards * length)) return false;
+  if (length > 0.0) eye.z = floor ? std::max(eye.z - rise, *floor + kEyeHeight) : eye.z - rise;
+  falling_ = false, speed_ = 0.0;
+  return true;
+}
+
+/// Whether arms reach rungs in a direction: things with gaps between them, one above the other. Walls have no gaps, and
+/// rails lie farther apart.
+bool Walker::is_ladder(const dvec3& eye, const dvec2& direction, double lowest) const {
+  constexpr double kArm = 0.5, kHighest = 1.5, kSpacing = 0.015;  // metres; above the feet
+  std::optional<double> last;                                     // height of the rung below
+  bool before = true;                                             // there was something
+  for (double height = lowest; height <= kHighest; height += kSpacing) {
+    const bool is = !free(eye + (height - kEyeHeight) * kUpward, dvec3(direction, 0.0), kArm);
+    if (is && !before) {
+      if (last && height - *last <= kHighestStep) return true;
+      last = height;
+    }
+    before = is;
+  }
+  return false;
+}
+
+bool Walker::finds_ladder(const dvec3& eye) {
+  if (falling_ && !ladder_) return false;  // nobody gets hold of one in a fall
+  if (ladder_ && is_ladder(eye, *ladder_, -kReach)) return true;
+  constexpr int kDirections = 8;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kDirections;
+    ladder_ = dvec2(std::cos(angle), std::sin(angle));
+    if (is_ladder(eye, *ladder_, -kReach)) return true;
+  }
+  ladder_.reset();
+  return false;
+}
+
+std::optional<dvec3> Walker::stand_at(const dvec3& eye) const {
+  if (!trace_(eye, -kUpward, kDeepest)) return std::nullopt;
+  const auto floor = floor_below(eye);
+  if (!floor) return std::nullopt;
+  const dvec3 there(eye.x, eye.y, *floor + kEyeHeight);
+  return fits(there) ? std::optional(there) : std::nullopt;
+}
+
+std::optional<dvec3> Walker::nearest_floor(const dvec3& eye, const core::AabbD& model) const {
+  if (const auto below = stand_at(eye)) return below;
+  std::optional<dvec3> nearest;
+  const auto distance = [&](const dvec3& there) { return glm::length(there - eye); };
+  const auto try_at = [&](const dvec3& from) {
+    if (nearest && !(glm::length(dvec2(from - eye)) < distance(*nearest))) return;
+    const auto there = stand_at(from);
+    if (there && (!nearest || distance(*there) < distance(*nearest))) nearest = there;
+  };
+  constexpr double kFirst = 0.5, kLast = 12.0, kWider = 1.2;  // metres, and by how much each ring is
+  constexpr int kRays = 24, kCells = 96;
+  for (const double height : {eye.z, std::max(eye.z, model.max.z + kEyeHeight)}) {
+    for (double radius = kFirst; radius < kLast; radius *= kWider)
+      for (int i = 0; i < kRays; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / kRays;
+        try_at({eye.x + radius * std::cos(angle), eye.y + radius * std::sin(angle), height});
+      }
+    const dvec3 cell = model.size() / double(kCells);
+    for (int i = 0; i < kCells * kCells; ++i)
+      try_at({model.min.x + (i % kCells + 0.5) * cell.x, model.min.y + (i / kCells + 0.5) * cell.y, height});
+    if (nearest) break;
+  }
+  return nearest;
+}
+
 dvec3 Walker::walk(const dvec3& eye, const dvec2& by) const {
-  const dvec2 along = kept_off(eye, by);
+  const dvec2 along = ladder_ ? by : kept_off(eye, by);  // stiles may leave little room
   if (along == dvec2(0.0) || !passes(eye, along)) return eye;
   dvec3 there = moved(eye, along);
   if (const auto floor = floor_below(there)) there.z = std::max(there.z, *floor + kEyeHeight);

@@ -139,6 +139,66 @@ TEST(WalkingTest, FallsIntoHolesAndStepsOverGaps) {
   }
 }
 
+/// Rungs of 2 cm, 0.28 m apart, between two stiles, from the floor to 0.9 m over a platform of 5 m.
+World with_ladder() {
+  World world = World().add(kFloor).add({{1.2, -2, 4.9}, {8, 2, 5}});
+  for (const double y : {-0.25, 0.22}) world.add({{1.0, y, 0}, {1.03, y + 0.03, 5.9}});
+  for (int i = 1; i <= 17; ++i) world.add({{1.0, -0.25, 0.28 * i}, {1.02, 0.25, 0.28 * i + 0.02}});
+  return world;
+}
+
+TEST(WalkingTest, LaddersAreClimbedUpAndDown) {
+  const World world = with_ladder();
+  Walker walker = world.walker();
+  dvec3 eye = walk(walker, {0, 0, kEye}, {1.5, 0}, 4.0);
+  EXPECT_LT(eye.x, 1.0);
+  EXPECT_NEAR(eye.z, kEye + 0.7 * (4.0 - 0.7 / 1.5), 0.3) << "at 0.7 m/s";
+  EXPECT_EQ(walk(walker, eye, {0, 0}, 2.0), eye) << "stays on it";
+  EXPECT_FALSE(walker.falling());
+  eye = walk(walker, eye, {1.5, 0}, 8.0);
+  EXPECT_GT(eye.x, 1.5);
+  EXPECT_NEAR(eye.z, 5.0 + kEye, 1e-9) << "on the platform";
+  // Back over the edge: down at 0.7 m/s, not in a fall.
+  double fastest = 0.0;
+  for (int i = 0; i < 1000 && eye.z > kEye; ++i) {
+    const dvec3 before = eye;
+    eye = walker.move(eye, {-1.5, 0}, 0.02);
+    fastest = std::max(fastest, (before.z - eye.z) / 0.02);
+  }
+  EXPECT_NEAR(eye.z, kEye, 1e-9);
+  EXPECT_NEAR(fastest, Walker::kClimb, 1e-6);
+}
+
+TEST(WalkingTest, WallsAndRailsAreNoLadders) {
+  const World wall = World().add(kFloor).add({{1, -5, 0}, {1.2, 5, 6}});
+  const World rail = World().add(kFloor).add({{1, -5, 0.5}, {1.05, 5, 0.55}}).add({{1, -5, 1.05}, {1.05, 5, 1.1}});
+  for (const World* world : {&wall, &rail}) {
+    const dvec3 there = walk(*world, {0, 0, kEye}, {1.5, 0}, 4.0);
+    EXPECT_EQ(there.z, kEye);
+    EXPECT_LT(there.x, 1.0);
+  }
+}
+
+TEST(WalkingTest, FindsTheNearestFloor) {
+  const World world = World().add({{5, -2, 0}, {9, 2, 0.1}}).add({{-30, -2, 4}, {-20, 2, 4.1}});
+  const Walker walker = world.walker();
+  const core::AabbD model{{-30, -2, 0}, {9, 2, 4.1}};
+  const auto below = walker.nearest_floor({6, 0, 9}, model);
+  ASSERT_TRUE(below);
+  EXPECT_NEAR(glm::length(*below - dvec3(6, 0, 0.1 + kEye)), 0.0, 1e-9);
+  const auto beside = walker.nearest_floor({0, 0, 9}, model);
+  ASSERT_TRUE(beside);
+  EXPECT_NEAR(beside->z, 0.1 + kEye, 1e-9);
+  EXPECT_LT(beside->x, 6.0) << "little beyond its edge";
+  const auto from_beneath = walker.nearest_floor({6, 0, -50}, model);
+  ASSERT_TRUE(from_beneath) << "no floor lies below, but one above";
+  EXPECT_NEAR(from_beneath->z, 0.1 + kEye, 1e-9);
+  const auto far_away = walker.nearest_floor({-500, 300, 80}, model);
+  ASSERT_TRUE(far_away);
+  EXPECT_NEAR(far_away->z, 4.1 + kEye, 1e-9);
+  EXPECT_FALSE(World().walker().nearest_floor({0, 0, 0}, model));
+}
+
 TEST(WalkingTest, LowBeamsStop) {
   for (const double bottom : {0.9, 1.2, 1.45, 1.5, 1.75, 1.85, 2.0}) {
     const World world = World().add(kFloor).add({{1, -20, bottom}, {1.15, 20, bottom + 0.15}});
