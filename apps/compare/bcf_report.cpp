@@ -46,7 +46,8 @@ std::pair<std::string, std::string> item_lines(const Compared& c, const Group& g
 }
 
 std::string comment(const Compared& c, const Group& group) {
-  std::string text = what_of(c, group) + ", from " + c.before_file + " to " + c.after_file + ".";
+  std::string text =
+      path_of(c, group) + ": " + what_of(c, group) + ", from " + c.before_file + " to " + c.after_file + ".";
   if (group.way == Way::kNodeAttributes) return text;
   const auto lines = rows_of(group, kMostLines, [&](std::size_t i) { return item_lines(c, group, i); });
   for (const auto& [line, count] : lines.rows)
@@ -62,11 +63,12 @@ Viewpoint topic(const Compared& c, const Group& group, const ItemNames& names) {
   view.pose = core::fitting_pose(box, core::kOverviewDirection, view.fovy, kAspect, kFilled);
   view.near = 0.0;
   view.shown.emplace().selection = names.name(items_of(c, group), false);
-  view.name = path_of(c, group) + ": " + what_of(c, group);
+  const std::string_view part = (group.way == Way::kRemoved ? c.before : c.after).scene->name(group.node);
+  view.name = (part.empty() ? path_of(c, group) : std::string(part)) + ": " + what_of(c, group);
   view.comment = comment(c, group);
   view.author = author_name();
   view.date = date_now();
-  view.guid = view.name;  // no GUID: format_bcf() makes one of it, the same one each time
+  view.guid = path_of(c, group) + ": " + what_of(c, group);  // no GUID: format_bcf() makes one, each time the same
   return view;
 }
 

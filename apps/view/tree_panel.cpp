@@ -4,6 +4,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "sightline/apps/common/short_text.h"
 #include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/icons.h"
@@ -83,12 +84,13 @@ void eye(Workspace& work, const TreeRow& row, const TreeStates::Below& below, fl
                                                     : "a click hides it");
 }
 
-/// The name, shortened from the left, and the number of items below.
-void row_text(const TreeRow& row, const std::string& name, const TreeStates::Below& below, float x, float end) {
+/// The name, shortened where it has no room, and the number of items below.
+void row_text(const TreeRow& row, std::string_view above, const std::string& name, const TreeStates::Below& below,
+              float x, float end) {
   const ImVec4 match(0.95f, 0.6f, 0.15f, 1.0f), faint = ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled);
   const std::string count = below.items > 1 ? grouped(below.items) : "";
   const float count_wide = count.empty() ? 0.0f : ImGui::CalcTextSize(count.c_str()).x + 0.5f * ImGui::GetFontSize();
-  const std::string text = shortened(name, std::max(0.0f, end - x - count_wide));
+  const std::string text = shortened_below(above, name, NarrowerThan{std::max(0.0f, end - x - count_wide)});
   ImGui::SameLine(x);
   ImGui::TextColored(below.hidden() ? faint
                      : row.match    ? match
@@ -125,7 +127,8 @@ bool node_row(Workspace& work, const TreeRow& row, ModelTree& tree) {
   if (ImGui::IsItemHovered() && ImGui::CalcTextSize(name.c_str()).x > name_end - x - 2.0f * font)
     ImGui::SetTooltip("%s", name.c_str());
   node_menu(work, row.node, tree);
-  row_text(row, name, below, x, name_end);
+  const core::NodeId above = session.scene().parent(row.node);
+  row_text(row, above.valid() ? session.scene().name(above) : std::string_view(), name, below, x, name_end);
   if (below.items > 0) eye(work, row, below, end - 1.1f * font);
   ImGui::PopID();
   if (toggled) open ? tree.rows().expand(row.node) : tree.rows().collapse(row.node);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "sightline/apps/common/short_text.h"
+
 namespace sightline::apps {
 
 void begin_fixed(const char* name, float x, float y, float width, float height, ImGuiWindowFlags flags) {
@@ -83,15 +85,7 @@ void framed_image(const gl::Texture2D* image, const ImVec2& corner, const ImVec2
 }
 
 std::string shortened(const std::string& text, float width) {
-  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
-  const float room = width - ImGui::CalcTextSize("…").x;
-  std::size_t first = 0, beyond = text.size();  // the text fits from `beyond` on, and does not from `first` on
-  while (first + 1 < beyond) {
-    const std::size_t middle = (first + beyond) / 2;
-    (ImGui::CalcTextSize(text.c_str() + middle).x <= room ? beyond : first) = middle;
-  }
-  while (beyond < text.size() && (text[beyond] & 0xc0) == 0x80) ++beyond;  // within a character
-  return "…" + text.substr(beyond);
+  return shortened_to(text, NarrowerThan{width});
 }
 
 void command_tip(Workspace& work, const Command& command, bool titled) {

@@ -42,7 +42,14 @@ void command_tip(Workspace& work, const Command& command, bool titled);
 /// An image within a rectangle of the screen, as large as fits, or a plain rectangle where there is none (null).
 void framed_image(const gl::Texture2D* image, const ImVec2& corner, const ImVec2& size, bool faint = false);
 
-/// A text that is too wide, without its beginning: names of plants differ at their ends.
+/// Whether a text is at most so many pixels wide.
+struct NarrowerThan {
+  float width;
+  bool operator()(std::string_view text) const {
+    return ImGui::CalcTextSize(text.data(), text.data() + text.size()).x <= width;
+  }
+};
+/// shortened_to() a width of pixels.
 std::string shortened(const std::string& text, float width);
 
 }  // namespace sightline::apps

@@ -192,9 +192,10 @@ TEST_F(EditedPlant, BcfHasATopicForEachGroup) {
   ASSERT_EQ(file->views.size(), 3u);
   EXPECT_EQ(file->left_out, 0u);
   const auto moved = std::find_if(file->views.begin(), file->views.end(), [](const apps::Viewpoint& view) {
-    return view.name == "new.rvm/a \"large\", <b>: 20 items moved by 1.000 m along +x";
+    return view.name == "a \"large\", <b>: 20 items moved by 1.000 m along +x";
   });
   ASSERT_NE(moved, file->views.end());
+  EXPECT_TRUE(moved->comment.starts_with("new.rvm/a \"large\", <b>: 20 items moved")) << moved->comment;
   EXPECT_NE(moved->comment.find("part-0 (box)\n"), std::string::npos) << moved->comment;
   EXPECT_NE(moved->comment.find("and 10 more items"), std::string::npos) << moved->comment;
   EXPECT_FALSE(moved->author.empty());

@@ -23,8 +23,8 @@ TEST_F(ViewScript, SelectsHidesAndUndoes) {
       {model, "--size", kSize, "--no-panels"});
 }
 
-/// At first parts, here the equipment of nine items in front; what a click takes is known before it. Four pipes of seven
-/// items lie wholly in the image.
+/// At first parts, here the equipment of nine items in front; what a click takes is known before it. Four pipes of
+/// seven items lie wholly in the image.
 TEST_F(ViewScript, ClicksSelectWhatTheLevelSays) {
   const Args args{data_path("small_plant.rvm").string(), "--size", "800x500", "--scale", "1"};
   const std::string click = "press escape\nmove 370 300\nmove 370 250\n", after = "click 370 250\nexpect /tab = Item\n";
@@ -35,6 +35,18 @@ TEST_F(ViewScript, ClicksSelectWhatTheLevelSays) {
                     "click 130 36\nclick 130 60\nexpect /level = item\nlevel-part\n" +
                     "drag 217 55 536 478 ctrl\nexpect /selection/count = 28\n",
                 args);
+}
+
+/// K stands on the nearest floor and looks ahead, though none lies below; without one it says so.
+TEST_F(ViewScript, WalkingBeginsOnTheNearestFloor) {
+  const Args args{write_boxes("slab.obj", {{"slab", 0, 0, -6, 1}, {"sign", 0, 0, 0, 1}}), "--size", kSize};
+  const Json state = state_after("front\nwalk\nexpect /walk = true\n", args);
+  const auto message = state["message"].get<std::string>();
+  EXPECT_TRUE(message.starts_with("no floor below: the nearest one is ")) << message;
+  EXPECT_EQ(state["camera"]["eye"][2], state["camera"]["target"][2]);
+  EXPECT_NEAR(state["camera"]["eye"][2].get<double>(), -5.0 + 1.7, 1e-6);
+  const Json none = state_after("front\nselect-all\nhide\nwalk\nexpect /walk = false\n", args);
+  EXPECT_EQ(none["message"], "there is no floor to walk on, below or beside");
 }
 
 /// Ctrl+F takes the former text, so that another one can be typed in its place.

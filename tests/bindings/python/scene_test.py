@@ -33,9 +33,9 @@ class Nodes(Case):
         self.assertIsNone(scene.root.parent)
         self.assertEqual(pipe.part, pipe)
         self.assertIsNone(site.part, "it is taken for a file")
-        self.assertEqual(pipe.add_node().add(sightline.Sphere(1)).part, pipe)
         self.assertEqual([child.name for child in site.children], ["pipe", ""])
         self.assertEqual(scene.node_count, 4)
+        self.assertEqual(pipe.add_node().add(sightline.Sphere(1)).part, pipe)
         pipe.name = "Röhre"
         pipe.set_attribute("spec", "A1")
         pipe.set_attribute("bore", "100")
