@@ -70,6 +70,18 @@ const Command* find_command(int key, int mods) {
   return nullptr;
 }
 
+const Command* find_in_menus(std::string_view words) {
+  for (const Command& command : commands()) {
+    const MenuPlace place(command);
+    std::string all(place.menu);
+    if (!place.submenu.empty()) all.append(", ").append(place.submenu);
+    all.append(", ").append(command.title);
+    if (all.ends_with("…")) all.resize(all.size() - std::string_view("…").size());
+    if (!place.menu.empty() && all == words) return &command;
+  }
+  return nullptr;
+}
+
 std::string command_list() {
   std::string text = "Mouse and held keys:\n";
   char line[200];

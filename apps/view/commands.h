@@ -41,6 +41,8 @@ struct MenuPlace {
 std::string help_of(const Command& command);
 const Command* find_command(const std::string& name);
 const Command* find_command(int key, int mods);
+/// By the words of its menus: "Section, Through the middle, Horizontal".
+const Command* find_in_menus(std::string_view words);
 
 /// Lines for --help and scripts.
 std::string command_list();

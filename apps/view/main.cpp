@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
   apps::CommandLine line("Opens a window to look at models in", "sightline-view",
                          "  sightline-view plant.rvm\n"
                          "  sightline-view a.rvm b.rvm --culler hybrid --size 1920x1080\n"
-                         "  sightline-view plant.rvm --script tour.txt");
+                         "  sightline-view plant.rvm --script tour.txt  # --help-all lists its commands");
   line.appendix(apps::command_list());
   apps::ViewerOptions options;
   add_options(line, options);

@@ -96,17 +96,22 @@ Event button(const Press& press, bool down, const dvec2& at) {
   return {.type = Event::Type::kButton, .key = press.button, .mods = press.mods, .down = down, .at = at};
 }
 
+/// A click at a point, or a drag along several.
 core::Expected<std::vector<Event>> drag(const ScriptStep& step, bool moves) {
   constexpr int kSteps = 4;
   std::vector<std::string> words = words_of(step.argument);
-  const auto at = take_numbers(words, moves ? 4 : 2);
+  std::vector<dvec2> points;
+  while (const auto at = moves || points.empty() ? take_numbers(words, 2) : std::nullopt)
+    points.emplace_back((*at)[0], (*at)[1]);
   const auto press = press_of(words);
-  if (!at || !press)
-    return tl::unexpected(expected(moves ? "X Y X Y and buttons or modifiers" : "X Y and buttons or modifiers", step));
-  const dvec2 from((*at)[0], (*at)[1]), to = moves ? dvec2((*at)[2], (*at)[3]) : from;
-  std::vector<Event> events{cursor(from), button(*press, true, from)};
-  for (int i = 1; i <= kSteps && moves; ++i) events.push_back(cursor(from + (to - from) * (double(i) / kSteps)));
-  events.push_back(button(*press, false, to));
+  if (points.size() < (moves ? 2u : 1u) || !press)
+    return tl::unexpected(
+        expected(moves ? "X Y X Y … and buttons or modifiers" : "X Y and buttons or modifiers", step));
+  std::vector<Event> events{cursor(points[0]), button(*press, true, points[0])};
+  for (std::size_t k = 1; k < points.size(); ++k)
+    for (int i = 1; i <= kSteps; ++i)
+      events.push_back(cursor(points[k - 1] + (points[k] - points[k - 1]) * (double(i) / kSteps)));
+  events.push_back(button(*press, false, points.back()));
   return events;
 }
 

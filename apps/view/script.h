@@ -3,7 +3,8 @@
 //   # a comment
 //   fit                         a command of the viewer, with its argument after a space
 //   click 320 200 ctrl          moves the cursor there and clicks: left, right, middle; with shift, ctrl, alt
-//   drag 100 100 200 150 right  a drag
+//   drag 100 100 200 150 right  a drag; through more points where there are more
+//   menu Edit, Select all       a command by the words of its menus; ": ARGUMENT" may follow
 //   move 320 200                moves the cursor
 //   wheel 3                     turns the wheel away from the user
 //   press ctrl+z                a key

@@ -83,10 +83,14 @@ Done ScriptRunner::carry_out(const ScriptStep& step, Workspace& work) {
     wait_until_ = glfwGetTime() + *seconds;
     return {};
   }
-  const Command* command = find_command(step.name);
-  if (!command) return core::fail("no command " + step.name);
+  const std::size_t colon = step.name == "menu" ? step.argument.find(": ") : std::string::npos;
+  const Command* command =
+      step.name == "menu" ? find_in_menus(step.argument.substr(0, colon)) : find_command(step.name);
+  if (!command) return core::fail(step.name == "menu" ? "no menu " + step.argument : "no command " + step.name);
   if (command->needs_model() && !work.session) return core::fail(step.name + ": no model is open");
-  auto done = command->run(work, step.argument);
+  auto done = command->run(work, step.name != "menu"          ? step.argument
+                                 : colon == std::string::npos ? std::string()
+                                                              : step.argument.substr(colon + 2));
   work.messages.tell_outcome(done);
   return done;
 }

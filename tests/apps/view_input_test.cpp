@@ -37,6 +37,18 @@ TEST_F(ViewScript, ClicksSelectWhatTheLevelSays) {
                 args);
 }
 
+TEST_F(ViewScript, MenusAreCommandsByTheirWords) {
+  const Args args{boxes(), "--size", kSize, "--no-panels"};
+  expect_driven(
+      "menu Edit, Select all\nexpect /selection/count = 4\nmenu Edit, Clicks select, Files\nexpect /level = file\n"
+      "menu Section, Through the middle, Horizontal\nexpect /sections = 1\n"
+      "menu View, Add to the views: above: all\nexpect /views/name = \"above: all\"\nmenu File, Open\n"
+      "expect /dialog = open\n",
+      args);
+  for (const char* none : {"menu Edit", "menu Select all", "menu Edit, Nothing"})
+    EXPECT_EQ(drive(std::string(none) + "\n", args).code, 1) << none;
+}
+
 /// K stands on the nearest floor and looks ahead, though none lies below; without one it says so.
 TEST_F(ViewScript, WalkingBeginsOnTheNearestFloor) {
   const Args args{write_boxes("slab.obj", {{"slab", 0, 0, -6, 1}, {"sign", 0, 0, 0, 1}}), "--size", kSize};

@@ -40,6 +40,12 @@ TEST(ScriptTest, MouseAndKeysBecomeEvents) {
   EXPECT_EQ((*drag)[3].at, core::dvec2(4, 2));
   EXPECT_EQ(drag->back().at, core::dvec2(8, 4));
 
+  const auto bent = events("drag 0 0 8 4 8 12 shift");
+  ASSERT_TRUE(bent && bent->size() == 11);
+  EXPECT_EQ((*bent)[5].at, core::dvec2(8, 4));
+  EXPECT_EQ((*bent)[7].at, core::dvec2(8, 8));
+  EXPECT_EQ(bent->back().at, core::dvec2(8, 12));
+
   const auto key = events("press ctrl+shift+z");
   ASSERT_TRUE(key && key->size() == 2);
   EXPECT_EQ(key->front().key, GLFW_KEY_Z);
@@ -55,8 +61,8 @@ TEST(ScriptTest, MouseAndKeysBecomeEvents) {
 }
 
 TEST(ScriptTest, BadArgumentsAreNamed) {
-  for (const char* line : {"click 3", "click a b", "click 1 2 wrong", "drag 1 2 3", "press nokey", "press hyper+z",
-                           "wheel", "wheel 1 2", "move 1"}) {
+  for (const char* line : {"click 3", "click a b", "click 1 2 wrong", "drag 1 2 3", "drag 1 2", "drag 1 2 3 4 5",
+                           "press nokey", "press hyper+z", "wheel", "wheel 1 2", "move 1"}) {
     const auto made = events(line);
     ASSERT_FALSE(made) << line;
     EXPECT_EQ(made.error().message.find(parse_script(line)[0].name + ": expected "), 0u) << made.error().message;
@@ -68,7 +74,8 @@ TEST(ScriptTest, ExpectationsCompareNumbersAndTexts) {
       {"3", "= 3"},         {"3", "= 3.0"},           {"10", "> 9"},      {"2", "<= 2"},        {"2", "!= 3"},
       {"\"cpu\"", "= cpu"}, {"\"cpu\"", "= \"cpu\""}, {"true", "= true"}, {"[1,2]", "= [1,2]"}, {"-1.5", "< -1"}};
   for (const auto& [value, demand] : good) EXPECT_TRUE(*fulfils(value, demand)) << value << ' ' << demand;
-  for (const char* demand : {"= C:\\a", "= \"C:\\a\"", "= \"C:\\\\a\""}) EXPECT_TRUE(*fulfils(R"("C:\\a")", demand)) << demand;
+  for (const char* demand : {"= C:\\a", "= \"C:\\a\"", "= \"C:\\\\a\""})
+    EXPECT_TRUE(*fulfils(R"("C:\\a")", demand)) << demand;
   const std::pair<std::string, const char*> bad[] = {
       {"3", "= 4"}, {"10", "< 9"}, {"\"cpu\"", "= gpu"}, {"false", "= true"}, {"3", "!= 3"}};
   for (const auto& [value, demand] : bad) EXPECT_FALSE(*fulfils(value, demand)) << value << ' ' << demand;
