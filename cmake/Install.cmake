@@ -121,3 +121,8 @@ get_property(programs GLOBAL PROPERTY SIGHTLINE_TOOLS)
 if(programs)
   install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
 endif()
+if(TARGET sightline-view AND NOT WIN32)  # in menus of desktops, and for files that are double-clicked
+  install(FILES packaging/linux/sightline-view.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT tools)
+  install(FILES packaging/linux/sightline.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages COMPONENT tools)
+  install(FILES packaging/windows/sightline.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT tools)
+endif()

@@ -1,5 +1,6 @@
 // What mouse, keys and panels of sightline-view do to camera, selection, marks and views. Skipped without Xvfb.
 #include "sightline/tests/apps/view_window.h"
+#include "sightline/tests/support/test_data.h"
 
 namespace sightline::tests::view_input_test {
 namespace {

@@ -15,6 +15,14 @@ for tool in "$prefix"/bin/sightline-*; do
   [ -s "$prefix/share/man/man1/${tool##*/}.1.gz" ] || { echo "use_debs: ${tool##*/} has no manual page" >&2; exit 1; }
 done
 
+# What a desktop reads: a program that is there, its icon, and types of files that it knows.
+desktop=$prefix/share/applications/sightline-view.desktop
+[ -x "$prefix/bin/$(sed -n 's/^Exec=\([^ ]*\).*/\1/p' "$desktop")" ]
+[ -s "$prefix/share/icons/hicolor/scalable/apps/$(sed -n 's/^Icon=//p' "$desktop").svg" ]
+for type in $(sed -n 's/^MimeType=//p' "$desktop" | tr ';' ' '); do
+  grep -q "type=\"$type\"" "$prefix/share/mime/packages/sightline.xml" || { echo "use_debs: unknown $type" >&2; exit 1; }
+done
+
 rm -rf "$folder/cmake"
 cmake -S "$here/package" -B "$folder/cmake" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCONSUMER_DRAWS=ON >/dev/null
 cmake --build "$folder/cmake" >/dev/null
