@@ -38,6 +38,16 @@ TEST_F(ViewScript, ClicksSelectWhatTheLevelSays) {
                 args);
 }
 
+TEST_F(ViewScript, DistancesAreOfTwoParts) {
+  const Args args{data_path("small_plant.rvm").string(), "--size", kSize, "--no-panels"};
+  const std::string two = "find re:/PIPE-[12]$\nselect-found\nexpect /selection/count = 14\n";
+  expect_driven(two +
+                    "measure-selected\nexpect /measure/list = 1\nexpect /measure/distance > 0\n"
+                    "expect /measure/distance < 1\n",
+                args);
+  EXPECT_EQ(drive(two + "level-item\nmeasure-selected\n", args).code, 1) << "14 items";
+}
+
 TEST_F(ViewScript, MenusAreCommandsByTheirWords) {
   const Args args{boxes(), "--size", kSize, "--no-panels"};
   expect_driven(
