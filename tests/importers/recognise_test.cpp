@@ -455,6 +455,7 @@ TEST(Recognise, TheRestKeepsItsSurfaces) {
   const core::Mesh bumpy =
       lathe(30, 15, [&](double u, double v) { return random.between(0.9, 1.1) * on_sphere(u, v); });
   core::Mesh mesh = placed(tessellated(core::Box{1, 2, 3}, 8), dmat3(1.0), {5, 0, 0});
+  mesh.normals.clear();  // the ball has none
   const auto box = std::uint32_t(mesh.indices.size() / 3);
   append(mesh, bumpy);
   const auto all = std::uint32_t(mesh.indices.size() / 3);
