@@ -32,7 +32,7 @@ study        6 the study and its tests
 without      4 builds without optional parts, and their tests
 wasm         8 the npm package in all forms beside the library, in node and Chromium
 browser      7 the npm package in pages: primitives, scenes of three.js, plants, a project of its own; 3D Tiles in a viewer
-arm64        8 cross-built for 64-bit ARM: core, kernels, ray tracer and the C API under an emulator
+arm64        8 cross-built for 64-bit ARM: core, culling and the C API under an emulator
 windows      8 cross-built for Windows: core, culling, the C API and contexts under Wine
 mutants      7 mutants of files that changed lately, and of occlusion culling: what survives is reported
 "

@@ -31,8 +31,8 @@ std::string shortened_to(std::string_view text, const Fits& fits, double behind 
   return ends(most);
 }
 
-/// Names below another one in a tree do without that first: "FLANGE 1 of BRANCH …" below
-/// "/P-1/B1", "…/B1" below "/P-1".
+/// Names below another one in a tree do without that first: "FLANGE 1 of BRANCH …" below "/P-1/B1", "…/B1" below
+/// "/P-1".
 template <class Fits>
 std::string shortened_below(std::string_view above, std::string_view name, const Fits& fits) {
   if (fits(name) || above.empty() || name.size() <= above.size()) return shortened_to(name, fits);

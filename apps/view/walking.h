@@ -50,8 +50,9 @@ class Walker {
 
   Trace trace_;
   double speed_ = 0.0;  // downwards, metres per second
-  bool falling_ = false, hangs_ = false;
-  std::optional<core::dvec2> ladder_;  // that it is on: the direction to it
+  bool falling_ = false;
+  bool hangs_ = false;                 // on a ladder over a floor that is farther down
+  std::optional<core::dvec2> ladder_;  // the direction to one that is in reach
 };
 
 }  // namespace sightline::apps
