@@ -353,9 +353,9 @@ class SIGHTLINE_API Scene {
   std::size_t live_nodes_ = 0, live_items_ = 0;
 };
 
-/// What people call the part that a node belongs to: the nearest at or above it that has a name. The root and nodes
-/// directly below it, which stand for files, are none; invalid where there is no other. The part above a part, its
-/// assembly, is part_of(scene, scene.parent(part)).
+/// Returns the part that people say a node belongs to: the nearest node at or above it that has a name. The root and
+/// nodes directly below it, which stand for files, are none; invalid where there is no other. The part above a part,
+/// its assembly, is part_of(scene, scene.parent(part)).
 SIGHTLINE_API NodeId part_of(const Scene& scene, NodeId node);
 
 // ---------------------------------------------------------------------------------------------------------------------

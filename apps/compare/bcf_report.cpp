@@ -45,9 +45,8 @@ std::pair<std::string, std::string> item_lines(const Compared& c, const Group& g
   return {item, text};
 }
 
-std::string comment(const Compared& c, const Group& group) {
-  std::string text =
-      path_of(c, group) + ": " + what_of(c, group) + ", from " + c.before_file + " to " + c.after_file + ".";
+std::string comment(const Compared& c, const Group& group, const std::string& about) {
+  std::string text = about + ", from " + c.before_file + " to " + c.after_file + ".";
   if (group.way == Way::kNodeAttributes) return text;
   const auto lines = rows_of(group, kMostLines, [&](std::size_t i) { return item_lines(c, group, i); });
   for (const auto& [line, count] : lines.rows)
@@ -63,12 +62,12 @@ Viewpoint topic(const Compared& c, const Group& group, const ItemNames& names) {
   view.pose = core::fitting_pose(box, core::kOverviewDirection, view.fovy, kAspect, kFilled);
   view.near = 0.0;
   view.shown.emplace().selection = names.name(items_of(c, group), false);
-  const std::string_view part = (group.way == Way::kRemoved ? c.before : c.after).scene->name(group.node);
-  view.name = (part.empty() ? path_of(c, group) : std::string(part)) + ": " + what_of(c, group);
-  view.comment = comment(c, group);
+  const std::string what = ": " + what_of(c, group), about = path_of(c, group) + what;
+  view.name = name_of(c, group) + what;
+  view.comment = comment(c, group, about);
   view.author = author_name();
   view.date = date_now();
-  view.guid = path_of(c, group) + ": " + what_of(c, group);  // no GUID: format_bcf() makes one, each time the same
+  view.guid = about;  // no GUID: format_bcf() makes one of it, the same one each time
   return view;
 }
 

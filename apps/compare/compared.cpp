@@ -200,9 +200,18 @@ std::vector<FactChange> facts_of(const Compared& c, const compare::NodeChange& c
   return differing(attribute_facts(*c.before.scene, change.before), attribute_facts(*c.after.scene, change.after));
 }
 
+const core::Scene& scene_of(const Compared& c, const Group& group) {
+  return *(group.way == Way::kRemoved ? c.before : c.after).scene;
+}
+
 std::string path_of(const Compared& c, const Group& group) {
-  const std::string path = (group.way == Way::kRemoved ? c.before : c.after).scene->path(group.node);
+  const std::string path = scene_of(c, group).path(group.node);
   return path.empty() ? "/" : path;
+}
+
+std::string name_of(const Compared& c, const Group& group) {
+  const std::string_view name = scene_of(c, group).name(group.node);
+  return name.empty() ? path_of(c, group) : std::string(name);
 }
 
 std::string what_of(const Compared& c, const Group& group) {

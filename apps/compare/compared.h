@@ -64,6 +64,8 @@ auto rows_of(const compare::Group& group, std::size_t most, const RowOf& row_of)
 }
 
 std::string path_of(const Compared& compared, const compare::Group& group);
+/// The last name of that path.
+std::string name_of(const Compared& compared, const compare::Group& group);
 /// "5,000 items moved by 1.000 m along +x"
 std::string what_of(const Compared& compared, const compare::Group& group);
 

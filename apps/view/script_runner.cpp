@@ -1,5 +1,6 @@
 #include "sightline/apps/view/script_runner.h"
 
+#include <algorithm>
 #include <utility>
 
 #define GLFW_INCLUDE_NONE
@@ -83,14 +84,16 @@ Done ScriptRunner::carry_out(const ScriptStep& step, Workspace& work) {
     wait_until_ = glfwGetTime() + *seconds;
     return {};
   }
-  const std::size_t colon = step.name == "menu" ? step.argument.find(": ") : std::string::npos;
-  const Command* command =
-      step.name == "menu" ? find_in_menus(step.argument.substr(0, colon)) : find_command(step.name);
-  if (!command) return core::fail(step.name == "menu" ? "no menu " + step.argument : "no command " + step.name);
+  if (step.name == "menu") {
+    const std::size_t colon = std::min(step.argument.find(": "), step.argument.size());
+    const Command* command = find_in_menus(step.argument.substr(0, colon));
+    if (!command) return core::fail("no menu " + step.argument);
+    return carry_out({step.line, command->name, step.argument.substr(std::min(colon + 2, step.argument.size()))}, work);
+  }
+  const Command* command = find_command(step.name);
+  if (!command) return core::fail("no command " + step.name);
   if (command->needs_model() && !work.session) return core::fail(step.name + ": no model is open");
-  auto done = command->run(work, step.name != "menu"          ? step.argument
-                                 : colon == std::string::npos ? std::string()
-                                                              : step.argument.substr(colon + 2));
+  auto done = command->run(work, step.argument);
   work.messages.tell_outcome(done);
   return done;
 }

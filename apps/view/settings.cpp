@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <utility>
 
@@ -57,16 +58,18 @@ std::optional<bool> light_of(const Json& json) {
   return json == "dark" ? std::optional(false) : std::nullopt;
 }
 
-std::optional<Units> units_of(const Json& json) {
-  for (std::size_t i = 0; i < std::size(kUnitsNames); ++i)
-    if (json == kUnitsNames[i]) return Units(i);
+/// The value of an enumeration that a text names.
+template <class Value>
+std::optional<Value> named(const Json& json, std::span<const char* const> names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (json == names[i]) return Value(i);
   return std::nullopt;
 }
-
+std::optional<Units> units_of(const Json& json) {
+  return named<Units>(json, kUnitsNames);
+}
 std::optional<SelectionLevel> level_of(const Json& json) {
-  for (std::size_t i = 0; i < kLevelNames.size(); ++i)
-    if (json == kLevelNames[i]) return SelectionLevel(i);
-  return std::nullopt;
+  return named<SelectionLevel>(json, kLevelNames);
 }
 
 std::optional<std::vector<std::string>> files_of(const Json& json) {

@@ -15,10 +15,12 @@ for tool in "$prefix"/bin/sightline-*; do
   [ -s "$prefix/share/man/man1/${tool##*/}.1.gz" ] || { echo "use_debs: ${tool##*/} has no manual page" >&2; exit 1; }
 done
 
-# What a desktop reads: a program that is there, its icon, and types of files that it knows.
+# Desktops start a program that is there, show its icon, and know its types of files.
 desktop=$prefix/share/applications/sightline-view.desktop
-[ -x "$prefix/bin/$(sed -n 's/^Exec=\([^ ]*\).*/\1/p' "$desktop")" ]
-[ -s "$prefix/share/icons/hicolor/scalable/apps/$(sed -n 's/^Icon=//p' "$desktop").svg" ]
+for file in "$prefix/bin/$(sed -n 's/^Exec=\([^ ]*\).*/\1/p' "$desktop")" \
+  "$prefix/share/icons/hicolor/scalable/apps/$(sed -n 's/^Icon=//p' "$desktop").svg"; do
+  [ -s "$file" ] || { echo "use_debs: no $file" >&2; exit 1; }
+done
 for type in $(sed -n 's/^MimeType=//p' "$desktop" | tr ';' ' '); do
   grep -q "type=\"$type\"" "$prefix/share/mime/packages/sightline.xml" || { echo "use_debs: unknown $type" >&2; exit 1; }
 done
