@@ -19,9 +19,9 @@ constexpr double kLongestStep = 0.1;  // metres, less than the radius, so that f
 constexpr double kSkin = 0.02;        // metres that the axis stays off what it moves towards
 constexpr double kFoot = 0.7;         // share of the radius that stands on the floor
 constexpr double kGravity = 9.81, kFastestFall = 30.0, kDeepest = 1e5;
-constexpr double kTouching = 1e-6;                 // metres over the floor
-constexpr double kLowestRung = 0.1, kReach = 0.6;  // metres over and below the feet
-constexpr double kTowards = 0.7;                   // cosine of an angle to a ladder
+constexpr double kTouching = 1e-6;                   // metres over the floor
+constexpr double kLowestRung = 0.1, kReach = 0.605;  // metres over and below the feet
+constexpr double kTowards = 0.7;                     // cosine of an angle to a ladder
 const dvec3 kUpward(0.0, 0.0, 1.0);
 
 dvec3 moved(const dvec3& eye, const dvec2& by) {
@@ -42,10 +42,11 @@ dvec3 Walker::move(dvec3 eye, const dvec2& velocity, double seconds) {
   return eye;
 }
 
-/// On a ladder: up with a motion towards it, down with one away from it; others leave it.
+/// Moves up a ladder with a motion towards it, and down with one away from it; others leave it.
 bool Walker::climbs(dvec3& eye, const dvec2& by, double seconds) {
   const double length = glm::length(by), rise = kClimb * std::max(1.0, length / (kSpeed * seconds)) * seconds;
-  if (length > 0.0 && is_ladder(eye, by / length, kLowestRung)) {
+  const bool ahead = length > 0.0 && is_ladder(eye, by / length, -kReach);
+  if (ahead && is_ladder(eye, by / length, kLowestRung)) {
     ladder_ = by / length;
     if (free(eye, kUpward, rise + kHeadroom)) eye.z += rise;
     falling_ = false, speed_ = 0.0;
@@ -53,7 +54,7 @@ bool Walker::climbs(dvec3& eye, const dvec2& by, double seconds) {
   }
   const auto floor = floor_below(eye);
   const bool stands = floor && eye.z <= *floor + kEyeHeight + kTouching;
-  if (stands && length > 0.0 && is_ladder(eye, by / length, -kReach))
+  if (stands && ahead)
     ladder_ = by / length;  // one that leads down
   else if (stands && ladder_ && !is_ladder(eye, *ladder_, -kReach))
     ladder_.reset();
@@ -95,7 +96,7 @@ bool Walker::finds_ladder(const dvec3& eye) {
 }
 
 std::optional<dvec3> Walker::stand_at(const dvec3& eye) const {
-  if (!trace_(eye, -kUpward, kDeepest)) return std::nullopt;
+  if (!trace_(eye, -kUpward, kDeepest)) return std::nullopt;  // one ray for most places, where nothing is
   const auto floor = floor_below(eye);
   if (!floor) return std::nullopt;
   const dvec3 there(eye.x, eye.y, *floor + kEyeHeight);
