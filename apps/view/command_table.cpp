@@ -87,7 +87,7 @@ Done measure_selected(Workspace& work, const std::string&) {
   if (const char* why = missing(needs::kTwoParts, work)) return core::fail(why);
   const auto two = parts_of_selection(work);
   work.shown.tab = "Measure";
-  return session.measuring.between(session.scene(), two[0], two[1]);
+  return session.measuring.between(session.scene(), two[0].items, two[1].items);
 }
 
 /// A switch of a dialog.

@@ -76,7 +76,8 @@ class Document {
   std::size_t undo_steps() const { return done_.size(); }
   std::size_t redo_steps() const { return undone_.size(); }
 
-  /// What a click would take. Neither a step of undo() nor part of the image, which need not be drawn anew for it.
+  /// A click would take this. It is neither a step of undo() nor part of the image, which need not be drawn anew for
+  /// it.
   std::optional<Taken> hovered;
 
   /// Shows items in these base styles, and no others. A selected item keeps the colour that its base style gives it and

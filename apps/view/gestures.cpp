@@ -28,7 +28,7 @@ constexpr double kSliderReach = 6.0;                    // pixels beside its lin
 constexpr double kTriadMargin = 6.0;                    // pixels beside the axes
 constexpr double kTriadShare = 0.2;                     // of the image that they may reach over
 
-/// With what is told of it in front, and its row of the tree in sight.
+/// Brings the tab that tells of it to the front, and its row of the tree into sight.
 void select(Workspace& work, const std::optional<Taken>& taken, SelectMode mode) {
   Session& session = *work.session;
   work.messages.tell_outcome(session.document.select(taken ? taken->items : std::vector<core::ItemId>(), mode));
@@ -37,7 +37,7 @@ void select(Workspace& work, const std::optional<Taken>& taken, SelectMode mode)
   session.tree.reveal(taken->node.valid() ? taken->node : session.scene().node_of(taken->item));
 }
 
-/// On the nearest floor, looking ahead. False where there is none.
+/// Puts the eye over the nearest floor, looking ahead. False where there is none.
 bool stand_on_floor(Workspace& work, const Walker& walker) {
   Session& session = *work.session;
   core::Pose pose = session.camera.pose();
@@ -268,10 +268,10 @@ void Gestures::select_rectangle(const Drag& drag) {
   if (!found) return work_.messages.tell(found.error().message, true);
   const Document& document = work_.session->document;
   std::vector<core::ItemId> items;
-  for (const auto& group :
-       groups_of(work_.session->scene(), *found, work_.shown.level, rule == culling::RegionRule::kWholly,
-                 [&](core::ItemId item) { return document.shown(item); }))
-    items.insert(items.end(), group.begin(), group.end());
+  for (const auto& taken :
+       taken_by(work_.session->scene(), *found, work_.shown.level, rule == culling::RegionRule::kWholly,
+                [&](core::ItemId item) { return document.shown(item); }))
+    items.insert(items.end(), taken.begin(), taken.end());
   const auto mode = (drag.mods & GLFW_MOD_SHIFT) != 0 ? SelectMode::kAdd : SelectMode::kReplace;
   work_.messages.tell_outcome(work_.session->document.select(items, mode));
 }

@@ -55,7 +55,7 @@ double gap(const core::AabbD& a, const core::AabbD& b) {
   return glm::length(glm::max(core::dvec3(0.0), glm::max(a.min - b.max, b.min - a.max)));
 }
 
-/// Pairs whose boxes are farther apart than what was found are passed over.
+/// Passes over pairs whose boxes are no nearer than what was found.
 core::Expected<measure::Distance> shortest_distance(const core::Scene& scene, std::span<const core::ItemId> a,
                                                     std::span<const core::ItemId> b) {
   std::vector<Boxed> first = boxed(scene, a), second = boxed(scene, b);
@@ -63,22 +63,24 @@ core::Expected<measure::Distance> shortest_distance(const core::Scene& scene, st
   for (const Boxed& one : second) around.grow(one.box);
   std::sort(first.begin(), first.end(),
             [&](const Boxed& x, const Boxed& y) { return gap(x.box, around) < gap(y.box, around); });
-  measure::Distance shortest;
-  shortest.distance = std::numeric_limits<double>::infinity();
-  double least = shortest.distance;  // that it can be
+  std::optional<measure::Distance> shortest;
+  double least = std::numeric_limits<double>::infinity();  // that it can be
+  const auto matters = [&](const core::AabbD& x, const core::AabbD& y) {
+    return !shortest || gap(x, y) < shortest->distance;
+  };
   for (Boxed& one : first) {
-    if (gap(one.box, around) > shortest.distance) break;
+    if (!matters(one.box, around)) break;
     for (Boxed& other : second) {
-      if (gap(one.box, other.box) > shortest.distance) continue;
+      if (!matters(one.box, other.box)) continue;
       for (Boxed* item : {&one, &other})
         if (auto done = item->measure(scene); !done) return tl::unexpected(done.error());
       const measure::Distance found = measure::distance(*one.measured, *other.measured);
       least = std::min(least, found.distance - found.error);
-      if (found.distance <= shortest.distance) shortest = found;
+      if (!shortest || found.distance < shortest->distance) shortest = found;
     }
   }
-  shortest.error = std::max(shortest.error, shortest.distance - least);
-  return shortest;
+  shortest->error = std::max(shortest->error, shortest->distance - least);
+  return *shortest;
 }
 
 }  // namespace
@@ -138,6 +140,8 @@ void Measuring::add(core::ItemId item, const measure::Snap& snap) {
 
 core::Expected<void> Measuring::between(const core::Scene& scene, std::span<const core::ItemId> a,
                                         std::span<const core::ItemId> b) {
+  constexpr std::size_t kMostPairs = 100'000'000;  // whose boxes are looked at in half a second
+  if (a.size() > kMostPairs / b.size()) return core::fail("that is too much to measure: select smaller parts");
   const auto shortest = shortest_distance(scene, a, b);
   if (!shortest) return tl::unexpected(shortest.error());
   forget_last();

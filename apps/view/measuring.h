@@ -1,4 +1,4 @@
-// What the viewer measures: points snapped to features of items, and distances between two of them or of two parts.
+// The viewer measures points snapped to features of items, and distances between two of them or of two parts.
 #pragma once
 
 #include <optional>
@@ -36,6 +36,7 @@ class Measuring {
   /// The next of two marks. A third one begins anew.
   void add(core::ItemId item, const measure::Snap& snap);
   /// The shortest distance of what is among these items to what is among those, in place of marks. Both have some.
+  /// Fails where they make more than 100 million pairs.
   core::Expected<void> between(const core::Scene& scene, std::span<const core::ItemId> a,
                                std::span<const core::ItemId> b);
 

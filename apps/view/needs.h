@@ -1,7 +1,6 @@
 // What commands need to have an effect, and what the user reads where that is missing. A menu shows such commands grey.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "sightline/apps/view/workspace.h"
@@ -19,24 +18,11 @@ inline const char* missing(const Need& need, Workspace& work) {
   return need.met(work) ? nullptr : need.missing;
 }
 
-/// What clicks have selected, up to the third; as single items where these are two.
-inline std::vector<std::vector<core::ItemId>> parts_of_selection(const Workspace& work) {
+/// Groups the selection as clicks took it, up to the third group; as single items where these are two.
+inline std::vector<Taken> parts_of_selection(const Workspace& work) {
   const auto selection = work.session->document.selection();
   const auto level = selection.size() == 2 ? SelectionLevel::kItem : work.shown.level;
-  std::vector<std::vector<core::ItemId>> parts;
-  std::vector<core::NodeId> nodes;
-  for (const core::ItemId item : selection) {
-    const core::NodeId node = node_at(work.session->scene(), item, level);
-    const auto known = node.valid() ? std::find(nodes.begin(), nodes.end(), node) : nodes.end();
-    if (known != nodes.end()) {
-      parts[std::size_t(known - nodes.begin())].push_back(item);
-      continue;
-    }
-    nodes.push_back(node);
-    parts.push_back({item});
-    if (parts.size() > 2) break;
-  }
-  return parts;
+  return groups_of(work.session->scene(), selection, level, 3);
 }
 
 namespace needs {

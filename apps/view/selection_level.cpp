@@ -1,7 +1,7 @@
 #include "sightline/apps/view/selection_level.h"
 
 #include <algorithm>
-#include <unordered_set>
+#include <unordered_map>
 
 #include "sightline/apps/common/tree_walk.h"
 
@@ -25,20 +25,36 @@ Taken taken_at(const core::Scene& scene, core::ItemId item, SelectionLevel level
   return {item, node, node.valid() ? items_below(scene, node) : std::vector{item}};
 }
 
-std::vector<std::vector<core::ItemId>> groups_of(const core::Scene& scene, std::span<const core::ItemId> items,
-                                                 SelectionLevel level, bool whole,
-                                                 const std::function<bool(core::ItemId)>& counts) {
-  std::vector<std::vector<core::ItemId>> groups;
-  std::unordered_set<std::uint32_t> seen;
+std::vector<Taken> groups_of(const core::Scene& scene, std::span<const core::ItemId> items, SelectionLevel level,
+                             std::size_t most) {
+  std::vector<Taken> groups;
+  std::unordered_map<std::uint32_t, std::size_t> group_of;  // by the node's index
   for (const core::ItemId item : items) {
     const core::NodeId node = node_at(scene, item, level);
-    if (node.valid() && !seen.insert(node.index).second) continue;
-    std::vector<core::ItemId> group = node.valid() ? items_below(scene, node) : std::vector{item};
-    std::erase_if(group, [&](core::ItemId one) { return !counts(one); });
-    if (!whole || std::includes(items.begin(), items.end(), group.begin(), group.end()))
-      groups.push_back(std::move(group));
+    if (node.valid()) {
+      const auto [known, is_new] = group_of.try_emplace(node.index, groups.size());
+      if (!is_new) {
+        groups[known->second].items.push_back(item);
+        continue;
+      }
+    }
+    groups.push_back({item, node, {item}});
+    if (groups.size() == most) break;
   }
   return groups;
+}
+
+std::vector<std::vector<core::ItemId>> taken_by(const core::Scene& scene, std::span<const core::ItemId> items,
+                                                SelectionLevel level, bool whole,
+                                                const std::function<bool(core::ItemId)>& counts) {
+  std::vector<std::vector<core::ItemId>> taken;
+  for (const Taken& group : groups_of(scene, items, level)) {
+    std::vector<core::ItemId> all = group.node.valid() ? items_below(scene, group.node) : group.items;
+    std::erase_if(all, [&](core::ItemId item) { return !counts(item); });
+    if (!whole || std::includes(group.items.begin(), group.items.end(), all.begin(), all.end()))
+      taken.push_back(std::move(all));
+  }
+  return taken;
 }
 
 }  // namespace sightline::apps

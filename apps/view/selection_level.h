@@ -1,7 +1,8 @@
-// What a click takes: an item, or the part, the assembly or the file that it belongs to.
+// A click takes an item, or the part, the assembly or the file that it belongs to.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -17,7 +18,7 @@ inline const char* name_of(SelectionLevel level) {
   return kLevelNames[std::size_t(level)];
 }
 
-/// What a level makes of an item.
+/// Holds what a level makes of an item.
 struct Taken {
   core::ItemId item;
   core::NodeId node;                ///< all below it; invalid: the item alone
@@ -29,10 +30,14 @@ struct Taken {
 core::NodeId node_at(const core::Scene& scene, core::ItemId item, SelectionLevel level);
 Taken taken_at(const core::Scene& scene, core::ItemId item, SelectionLevel level);
 
-/// The items as groups, each of which is what one of them takes, less what does not count. Where `whole` says so, only
-/// groups of which no item is missing; otherwise all.
-std::vector<std::vector<core::ItemId>> groups_of(const core::Scene& scene, std::span<const core::ItemId> items,
-                                                 SelectionLevel level, bool whole,
-                                                 const std::function<bool(core::ItemId)>& counts);
+/// Groups items by the nodes of a level that they lie below, in the order of their first ones; an item without such a
+/// node is a group by itself. Ends with the group that is the last of `most`, some of whose items may lack then.
+std::vector<Taken> groups_of(const core::Scene& scene, std::span<const core::ItemId> items, SelectionLevel level,
+                             std::size_t most = std::size_t(-1));
+/// Returns what a level makes of each of these groups, less what does not count. Where `whole` says so, only groups of
+/// which the items, in rising order, lack nothing; otherwise all.
+std::vector<std::vector<core::ItemId>> taken_by(const core::Scene& scene, std::span<const core::ItemId> items,
+                                                SelectionLevel level, bool whole,
+                                                const std::function<bool(core::ItemId)>& counts);
 
 }  // namespace sightline::apps

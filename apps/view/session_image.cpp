@@ -131,7 +131,9 @@ core::Expected<image::Image> SessionImage::read(bool smooth) {
 
 core::Expected<void> SessionImage::outline_hovered(const gl::ExternalTarget& target) {
   const std::optional<Taken>& taken = document_.hovered;
-  if (!taken || !drawn_ || coarse_ || document_.is(taken->item, Document::kSelected)) return {};
+  constexpr std::size_t kMost = 2'000;  // each frame draws them once more
+  if (!taken || taken->items.size() > kMost || !drawn_ || coarse_ || document_.is(taken->item, Document::kSelected))
+    return {};
   if (auto done = slider_.turn_to(taken->item, drawn_size()); !done) return done;
   return engine_.draw_outline(*drawn_, taken->items, target);
 }

@@ -61,7 +61,7 @@ TEST_F(SelectionLevelTest, AnItemOfNoPartIsOneByItself) {
 TEST_F(SelectionLevelTest, GroupsAreWholeOrAny) {
   const std::vector some{ItemId{1}, ItemId{2}, ItemId{4}};
   const auto groups = [&](bool whole, const std::function<bool(ItemId)>& counts) {
-    return groups_of(scene, some, SelectionLevel::kPart, whole, counts);
+    return taken_by(scene, some, SelectionLevel::kPart, whole, counts);
   };
   using Groups = std::vector<std::vector<ItemId>>;
   EXPECT_EQ(groups(true, any), (Groups{{ItemId{2}}, {ItemId{4}}}));
@@ -69,6 +69,19 @@ TEST_F(SelectionLevelTest, GroupsAreWholeOrAny) {
   EXPECT_EQ(groups(true, [](ItemId item) { return item != ItemId{0}; }),
             (Groups{{ItemId{1}}, {ItemId{2}}, {ItemId{4}}}))
       << "what is hidden does not count";
+}
+
+TEST_F(SelectionLevelTest, GroupsHaveTheItemsThatAreGiven) {
+  const std::vector some{ItemId{0}, ItemId{1}, ItemId{2}, ItemId{4}};
+  const auto items_of = [&](SelectionLevel level, std::size_t most) {
+    std::vector<std::vector<ItemId>> items;
+    for (const Taken& group : groups_of(scene, some, level, most)) items.push_back(group.items);
+    return items;
+  };
+  using Groups = std::vector<std::vector<ItemId>>;
+  EXPECT_EQ(items_of(SelectionLevel::kPart, 9), (Groups{{ItemId{0}, ItemId{1}}, {ItemId{2}}, {ItemId{4}}}));
+  EXPECT_EQ(items_of(SelectionLevel::kFile, 9), (Groups{{ItemId{0}, ItemId{1}, ItemId{2}}, {ItemId{4}}}));
+  EXPECT_EQ(items_of(SelectionLevel::kPart, 2), (Groups{{ItemId{0}, ItemId{1}}, {ItemId{2}}}));
 }
 
 TEST(MeasuringParts, FindsTheNearestOfAllPairs) {
@@ -95,6 +108,15 @@ TEST(MeasuringParts, FindsTheNearestOfAllPairs) {
     EXPECT_EQ(measuring.distance()->distance, least);
     EXPECT_LE(measuring.distance()->error, 1e-8);
   }
+}
+
+TEST(MeasuringParts, TooManyPairsAreRefused) {
+  core::Scene scene;
+  const std::vector<ItemId> many(20'000, scene.add_primitive(scene.root(), core::Sphere{1.0f}));
+  Measuring measuring;
+  EXPECT_FALSE(measuring.between(scene, many, many));
+  EXPECT_FALSE(measuring.distance());
+  EXPECT_TRUE(measuring.between(scene, many, {many.data(), 1}));
 }
 
 }  // namespace
