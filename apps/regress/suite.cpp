@@ -9,6 +9,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/core/internal/hash.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/core/internal/platform/process.h"
 #include "sightline/importers/internal/json_text.h"
 #include "sightline/importers/view_json.h"
@@ -299,8 +300,8 @@ std::string Suite::files_key(const Task& task) const {
   for (const fs::path& file : files) {
     std::error_code none;
     const auto size = fs::file_size(file, none);
-    const auto time = fs::last_write_time(file, none);
-    text += none ? "none\n" : std::to_string(size) + " " + std::to_string(time.time_since_epoch().count()) + "\n";
+    const auto time = core::platform::write_time(file, none);
+    text += none ? "none\n" : std::to_string(size) + " " + std::to_string(time) + "\n";
   }
   return hash_of(text);
 }

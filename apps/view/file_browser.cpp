@@ -169,12 +169,12 @@ void FileBrowser::go_up() {
 /// A file that only grows does not change its folder; its size is then that of before.
 void FileBrowser::refresh() {
   std::error_code none;
-  if (fs::last_write_time(folder_, none) != read_at_) read();
+  if (core::platform::write_time(folder_, none) != read_at_) read();
 }
 
 void FileBrowser::read() {
   std::error_code none;
-  read_at_ = fs::last_write_time(folder_, none);
+  read_at_ = core::platform::write_time(folder_, none);
   auto entries = read_folder(folder_);
   error_ = entries ? "" : entries.error().message;
   list(std::move(entries).value_or(std::vector<FolderEntry>()));

@@ -2,6 +2,7 @@
 // typed. No window.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -121,7 +122,7 @@ class FileBrowser {
 
   FileRequest request_;
   std::filesystem::path folder_;
-  std::filesystem::file_time_type read_at_;  // the folder's own time when it was read
+  std::int64_t read_at_ = 0;  // the folder's own time when it was read
   std::vector<FolderEntry> entries_;
   std::vector<std::optional<FileState>> states_;  // of entries_, those that were asked for
   std::vector<std::size_t> rows_;                 // of entries_, in the order of the list
