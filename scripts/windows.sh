@@ -157,8 +157,12 @@ make_archive() {
   ls -l "$stage.zip"
 }
 
-# Runs a program of Wine, or several, beside a display of their own. Wine's server keeps the display that it began with.
+# Runs a program of Wine, or several, beside a display of their own. Wine's server keeps the display that it began with,
+# and ends with all programs that it runs: two runs of this script wait for each other.
 with_display() {
+  mkdir -p build
+  exec 9> build/windows.lock
+  flock 9
   scripts/wine.sh --end
   xvfb-run -a -s "-screen 0 1280x1024x24" "$@"
   scripts/wine.sh --end

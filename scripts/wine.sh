@@ -11,13 +11,22 @@ if [ "${1:-}" = --end ]; then
   wineserver -k 2>/dev/null
   exit 0
 fi
-for wine in /usr/lib/wine/wine64 wine64 wine; do
-  command -v "$wine" >/dev/null || continue
-  if [ ! -e "$WINEPREFIX/system.reg" ]; then  # of the oldest version that is supported
-    mkdir -p "$WINEPREFIX"
-    "$wine" winecfg.exe -v win10 >/dev/null 2>&1
-  fi
-  exec "$wine" "$@"
+wine=
+for found in /usr/lib/wine/wine64 wine64 wine; do
+  if [ -z "$wine" ] && command -v "$found" >/dev/null; then wine=$found; fi
 done
-echo "wine: not installed" >&2
-exit 127
+if [ -z "$wine" ]; then
+  echo "wine: not installed" >&2
+  exit 127
+fi
+if [ ! -e "$WINEPREFIX/system.reg" ]; then  # of the oldest version that is supported
+  mkdir -p "$WINEPREFIX"
+  "$wine" winecfg.exe -v win10 >/dev/null 2>&1
+fi
+# Wine kills a process whose end takes more than a second, as that of drivers may on a busy machine. Who waits for it
+# within Wine has its exit code all the same. That is cmd.exe, where it takes the path and the arguments as they are.
+program=$(realpath -q -- "${1:-}") || program=
+if [ -f "$program" ] && [[ $program != *" "* && "$*" != *[\&\|\<\>^%\"]* ]]; then
+  exec "$wine" cmd.exe /d /c "Z:${program//\//\\}" "${@:2}"
+fi
+exec "$wine" "$@"
