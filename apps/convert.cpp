@@ -37,11 +37,9 @@ struct Chosen {
 /// Chosen items, with the nodes above them.
 core::Scene part_of(const apps::Model& model, const Chosen& chosen) {
   const core::Scene& scene = *model.scene;
-  const auto only = need(apps::named_nodes(scene, chosen.only, false)),
-             except = need(apps::named_nodes(scene, chosen.except, false));
-  std::vector<bool> items =
-      chosen.only.empty() ? std::vector<bool>(scene.item_slots(), true) : apps::items_below(scene, only);
-  const std::vector<bool> left_out = apps::items_below(scene, except);
+  std::vector<bool> items = chosen.only.empty() ? std::vector<bool>(scene.item_slots(), true)
+                                                : need(apps::items_named_by(scene, chosen.only, false));
+  const std::vector<bool> left_out = need(apps::items_named_by(scene, chosen.except, false));
   bool any = false;
   for (std::size_t i = 0; i < items.size(); ++i) {
     items[i] = items[i] && !left_out[i];

@@ -9,6 +9,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/legend.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/paged_model.h"
@@ -337,6 +338,7 @@ struct Studio {
   std::optional<engine::Engine> engine;
   std::array<int, 2> size{};
   engine::ImageTiles tiles;
+  query::Colouring colours;
 };
 
 /// An image that is about to be drawn.
@@ -355,11 +357,13 @@ Begun begin_image(const Options& o, const Studio& studio) {
 }
 
 Json results_of(Studio& studio) {
-  return {{"renderer", studio.engine->renderer()},
-          {"size", studio.size},
-          {"tiles", studio.tiles.tiles.size()},
-          {"items", studio.engine->snapshot().size()},
-          {"culler", name_of(studio.engine->plan().culler)}};
+  Json results = {{"renderer", studio.engine->renderer()},
+                  {"size", studio.size},
+                  {"tiles", studio.tiles.tiles.size()},
+                  {"items", studio.engine->snapshot().size()},
+                  {"culler", name_of(studio.engine->plan().culler)}};
+  if (!studio.colours.groups.empty()) results["colours"] = apps::legend_json(studio.colours);
+  return results;
 }
 
 /// Writes and compares what was drawn.
@@ -464,8 +468,9 @@ Studio make_studio(const Options& o, const engine::ScenePart& part) {
   need(engine.finish_levels());
   apps::note_rays(engine);
   if (o.model.explain) apps::explain(engine.plan());
-  need(apps::apply_styles(o.styles, *model.scene, engine));
-  return Studio{std::move(model), std::move(engine), size, std::move(tiles)};
+  auto colours = need(apps::apply_styles(o.styles, *model.scene, engine));
+  if (!colours.groups.empty()) std::fputs(apps::legend_text(colours).c_str(), apps::table_stream(o.json_file));
+  return Studio{std::move(model), std::move(engine), size, std::move(tiles), std::move(colours)};
 }
 
 core::Expected<int> render_alone(const Options& o) {

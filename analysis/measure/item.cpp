@@ -117,6 +117,12 @@ core::Expected<Item> Item::create(const core::Mesh& mesh, const core::Affine& wo
   return Item(std::make_shared<const Data>(std::move(data)));
 }
 
+core::Expected<Item> Item::create(const core::Scene& scene, core::ItemId item) {
+  const core::Affine world_from_item = scene.state(item).world_from_item;
+  return int(scene.kind(item)) < core::kPrimitiveKindCount ? create(scene.primitive(item), world_from_item)
+                                                           : create(scene.mesh(scene.mesh_of(item)), world_from_item);
+}
+
 core::Kind Item::kind() const {
   return data_->kind;
 }

@@ -7,6 +7,7 @@
 #include "sightline/analysis/measure/features.h"
 #include "sightline/core/error.h"
 #include "sightline/core/mesh.h"
+#include "sightline/core/scene.h"
 
 namespace sightline::measure {
 
@@ -20,6 +21,8 @@ class SIGHTLINE_API Item {
   /// Triangles with a corner that is not finite are left out. Fails on a mesh that fails validate(), and when the
   /// placement is not finite.
   static core::Expected<Item> create(const core::Mesh& mesh, const core::Affine& world_from_item);
+  /// One of these two, as the item lies in the world.
+  static core::Expected<Item> create(const core::Scene& scene, core::ItemId item);
 
   core::Kind kind() const;
   /// As features() gives them. Empty for meshes, whose features snap() finds about a point.

@@ -32,4 +32,11 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+std::string csv_field(const std::string& text, char separator) {
+  if (text.find_first_of(std::string("\"\r\n") + separator) == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? "\"\"" : std::string(1, c));
+  return quoted + '"';
+}
+
 }  // namespace sightline::apps

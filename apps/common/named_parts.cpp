@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "sightline/analysis/query/conditions.h"
+#include "sightline/apps/common/numbers.h"
 #include "sightline/apps/common/tree_walk.h"
 
 namespace sightline::apps {
@@ -57,24 +59,35 @@ std::string words_of_parts(const core::Scene& scene, const std::string& text, co
   return words + (shown < count ? ", …" : "");
 }
 
-core::Expected<std::vector<core::NodeId>> named_nodes(const core::Scene& scene, const std::vector<std::string>& texts,
-                                                      bool quiet) {
-  std::vector<core::NodeId> nodes;
-  for (const std::string& text : texts) {
-    const auto found = find_parts(scene, {{"", text}});
-    if (!found) return tl::unexpected(found.error());
-    if (found->nodes.size() > 1 && !quiet)
-      std::fprintf(stderr, "note: %s\n", words_of_parts(scene, text, *found).c_str());
-    nodes.insert(nodes.end(), found->nodes.begin(), found->nodes.end());
-  }
-  return nodes;
+core::Expected<NamedItems> items_of_parts(const core::Scene& scene, const std::string& text,
+                                          const core::FoundNodes& found) {
+  NamedItems named{items_below(scene, found.nodes), words_of_parts(scene, text, found), found.nodes.size() == 1};
+  if (named.items.empty()) return core::fail("there are no items below \"" + text + "\"");
+  return named;
 }
 
-std::vector<bool> items_below(const core::Scene& scene, const std::vector<core::NodeId>& nodes) {
-  std::vector<bool> below(scene.item_slots());
-  for (const core::NodeId top : nodes)
-    for (const core::ItemId item : items_below(scene, top)) below[to_index(item)] = true;
-  return below;
+core::Expected<NamedItems> named_items(const core::Scene& scene, const std::string& text) {
+  const auto found = find_parts(scene, {{"", text}});
+  if (found) return items_of_parts(scene, text, *found);
+  if (!query::is_query(text)) return tl::unexpected(found.error());
+  auto items = query::find_items(scene, text);
+  if (!items) return tl::unexpected(items.error());
+  if (items->empty()) return core::fail("no item fits \"" + text + "\"");
+  const std::string words =
+      "\"" + text + "\": " + grouped(std::int64_t(items->size())) + (items->size() == 1 ? " item" : " items");
+  return NamedItems{std::move(*items), words, true};
+}
+
+core::Expected<std::vector<bool>> items_named_by(const core::Scene& scene, const std::vector<std::string>& texts,
+                                                 bool quiet) {
+  std::vector<bool> marks(scene.item_slots());
+  for (const std::string& text : texts) {
+    const auto named = named_items(scene, text);
+    if (!named) return tl::unexpected(named.error());
+    if (!named->clear && !quiet) std::fprintf(stderr, "note: %s\n", named->words.c_str());
+    for (const core::ItemId item : named->items) marks[to_index(item)] = true;
+  }
+  return marks;
 }
 
 }  // namespace sightline::apps

@@ -14,7 +14,8 @@ core::Expected<std::string> parse_part(const std::string& text);
 
 /// How a text names parts, for the help of options.
 inline const std::string kPartForms =
-    "a path, a name, the value of an attribute or KEY=VALUE, whole words, or a pattern with * or ?, or re:EXPRESSION";
+    "a path, a name, the value of an attribute or KEY=VALUE, whole words, a pattern with * or ?, or re:EXPRESSION; or "
+    "conditions such as 'System=CW & DN>=100 & @kind=cylinder'";
 
 /// An option that takes one text that names parts, each time it is given.
 Option add_part_option(CommandLine& line, const std::string& name, std::vector<std::string>& texts,
@@ -26,12 +27,21 @@ core::Expected<core::FoundNodes> find_parts(const core::Scene& scene, const std:
 /// One line that counts parts, says what about them the text fits, and has the first few paths.
 std::string words_of_parts(const core::Scene& scene, const std::string& text, const core::FoundNodes& found);
 
-/// Nodes that any of the texts names. Fails where one names none. Where one names several, that is a line on stderr
-/// unless `quiet`.
-core::Expected<std::vector<core::NodeId>> named_nodes(const core::Scene& scene, const std::vector<std::string>& texts,
-                                                      bool quiet);
+/// Items that a text names: those of the parts that it names or, where there are none and it is a query
+/// (analysis/query/conditions.h), those for which that holds. Fails where there is no item.
+struct NamedItems {
+  std::vector<core::ItemId> items;  ///< in rising order
+  std::string words;                ///< one line that counts them
+  bool clear = false;               ///< the text is of one part, or a query
+};
+core::Expected<NamedItems> named_items(const core::Scene& scene, const std::string& text);
+/// So of parts that were found for a text.
+core::Expected<NamedItems> items_of_parts(const core::Scene& scene, const std::string& text,
+                                          const core::FoundNodes& found);
 
-/// By ItemId, whether an item lies below one of these nodes.
-std::vector<bool> items_below(const core::Scene& scene, const std::vector<core::NodeId>& nodes);
+/// By ItemId, whether any of the texts names the item. Fails where one names none. Where one names several parts, that
+/// is a line on stderr unless `quiet`.
+core::Expected<std::vector<bool>> items_named_by(const core::Scene& scene, const std::vector<std::string>& texts,
+                                                 bool quiet);
 
 }  // namespace sightline::apps

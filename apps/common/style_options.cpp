@@ -1,7 +1,5 @@
 #include "sightline/apps/common/style_options.h"
 
-#include <map>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/named_parts.h"
 
@@ -13,16 +11,27 @@ using core::ItemId;
 constexpr core::vec3 kHighlight{1.0f, 0.45f, 0.05f};
 constexpr float kFade = 0.3f;
 
-/// Items below the parts, or all others.
+/// Items that the texts name, or all others.
 core::Expected<std::vector<ItemId>> items_of(const core::Scene& scene, const std::vector<std::string>& texts,
                                              bool quiet, bool others = false) {
-  const auto nodes = named_nodes(scene, texts, quiet);
-  if (!nodes) return tl::unexpected(nodes.error());
-  const std::vector<bool> below = items_below(scene, *nodes);
+  const auto named = items_named_by(scene, texts, quiet);
+  if (!named) return tl::unexpected(named.error());
   std::vector<ItemId> items;
-  for (ItemId item{0}; to_index(item) < below.size(); ++item)
-    if (below[to_index(item)] != others && scene.contains_item(item)) items.push_back(item);
+  for (ItemId item{0}; to_index(item) < named->size(); ++item)
+    if ((*named)[to_index(item)] != others && scene.contains_item(item)) items.push_back(item);
   return items;
+}
+
+/// Gives items a style in which each has the colour of its group.
+core::Expected<void> give_coloured(const std::vector<ItemId>& items, engine::ItemStyle style,
+                                   const query::Colouring& colouring, engine::Engine& engine) {
+  std::vector<std::vector<ItemId>> of_group(colouring.groups.size());
+  for (const ItemId item : items) of_group[colouring.of_item[to_index(item)]].push_back(item);
+  for (std::size_t i = 0; i < of_group.size(); ++i) {
+    style.colour = colouring.groups[i].colour;
+    if (auto done = engine.set_override(of_group[i], style); !done) return done;
+  }
+  return {};
 }
 
 }  // namespace
@@ -34,6 +43,9 @@ void add_style_options(CommandLine& line, StyleOptions& options) {
   add("--isolate", options.isolate, "Show parts alone: " + kPartForms);
   add("--hide", options.hide, "Hide parts");
   add("--highlight", options.highlight, "Show parts in orange, outlined");
+  line.add("--colour-by", options.colour_by,
+           "Colour items by the value of an attribute, or of @kind, @material, @layer, @file or @size")
+      .metavar("KEY");
   add("--ghost-others", options.ghost_others, "Show all but these parts as faint shells").advanced();
   add("--ghost", options.ghost, "Show parts as faint shells that hide nothing").advanced();
   add("--fade", options.fade, "Show parts transparent").advanced();
@@ -45,28 +57,32 @@ void add_style_options(CommandLine& line, StyleOptions& options) {
       .advanced();
 }
 
-core::Expected<void> apply_styles(const StyleOptions& options, const core::Scene& scene, engine::Engine& engine) {
-  const auto give = [&](const std::vector<std::string>& texts, const engine::ItemStyle& style,
-                        bool others = false) -> core::Expected<void> {
+core::Expected<query::Colouring> apply_styles(const StyleOptions& options, const core::Scene& scene,
+                                              engine::Engine& engine) {
+  core::Expected<query::Colouring> colouring;
+  if (!options.colour_by.empty()) colouring = query::colour_by(scene, options.colour_by);
+  if (!colouring) return colouring;
+  const auto with = [&](const std::vector<std::string>& texts, bool others, const auto& work) -> core::Expected<void> {
     if (texts.empty()) return {};
     const auto items = items_of(scene, texts, options.quiet, others);
-    return items ? engine.set_override(*items, style) : core::Expected<void>(tl::unexpected(items.error()));
+    return items ? work(*items) : core::Expected<void>(tl::unexpected(items.error()));
   };
-  if (!options.isolate.empty()) {
-    const auto nodes = named_nodes(scene, options.isolate, options.quiet);
-    if (!nodes) return tl::unexpected(nodes.error());
-    if (auto done = engine.isolate(*nodes); !done) return done;
-  }
-  if (!options.hide.empty()) {
-    const auto items = items_of(scene, options.hide, options.quiet);
-    if (!items) return tl::unexpected(items.error());
-    if (auto done = engine.hide(*items); !done) return done;
-  }
-  auto done = give(options.ghost_others, {.ghost = true}, true);
-  if (done) done = give(options.ghost, {.ghost = true});
-  if (done) done = give(options.fade, {.alpha = kFade});
-  if (done) done = give(options.highlight, {.colour = kHighlight, .outline = true});
-  return done;
+  const auto hide = [&](const std::vector<ItemId>& items) { return engine.hide(items); };
+  const auto give = [&](const engine::ItemStyle& style) {
+    return [&, style](const std::vector<ItemId>& items) {
+      const bool coloured = !style.colour && !colouring->groups.empty();
+      return coloured ? give_coloured(items, style, *colouring, engine) : engine.set_override(items, style);
+    };
+  };
+  core::Expected<void> done;
+  if (!colouring->groups.empty()) done = give({})(*items_of(scene, {}, true, true));
+  if (done) done = with(options.isolate, true, hide);
+  if (done) done = with(options.hide, false, hide);
+  if (done) done = with(options.ghost_others, true, give({.ghost = true}));
+  if (done) done = with(options.ghost, false, give({.ghost = true}));
+  if (done) done = with(options.fade, false, give({.alpha = kFade}));
+  if (done) done = with(options.highlight, false, give({.colour = kHighlight, .outline = true}));
+  return done ? colouring : tl::unexpected(done.error());
 }
 
 }  // namespace sightline::apps

@@ -4,24 +4,28 @@
 #include <string>
 #include <vector>
 
+#include "sightline/analysis/query/colouring.h"
 #include "sightline/engine/engine.h"
 
 namespace sightline::apps {
 
 class CommandLine;
 
-/// Each names parts (named_parts.h): those that one of its texts names.
 struct StyleOptions {
+  /// Each names parts (named_parts.h): those that one of its texts names.
   std::vector<std::string> hide, isolate, ghost, ghost_others, fade, highlight;
+  std::string colour_by;  ///< a key of query::colour_by(); empty: the scene's own colours
   engine::Transparency transparency = engine::Transparency::kDither;
   bool quiet = false;  ///< apply_styles() prints nothing
 };
 
-/// --hide, --isolate, --ghost, --ghost-others, --fade and --highlight PART, --transparency dither|blended
+/// --colour-by KEY, --hide, --isolate, --ghost, --ghost-others, --fade and --highlight PART, --transparency
+/// dither|blended
 void add_style_options(CommandLine& line, StyleOptions& options);
 
 /// Overrides items of the scene, which must be committed. Fails where a text names no part; says on stderr where one
-/// names several.
-core::Expected<void> apply_styles(const StyleOptions& options, const core::Scene& scene, engine::Engine& engine);
+/// names several. Returns what the colours mean: no groups where --colour-by was not given.
+core::Expected<query::Colouring> apply_styles(const StyleOptions& options, const core::Scene& scene,
+                                              engine::Engine& engine);
 
 }  // namespace sightline::apps

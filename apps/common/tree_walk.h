@@ -2,9 +2,9 @@
 // lists what lies below a node.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
+#include "sightline/core/internal/sort_unique.h"
 #include "sightline/core/scene.h"
 
 namespace sightline::apps {
@@ -38,15 +38,19 @@ inline std::vector<core::NodeId> children_of(const core::Scene& scene, core::Nod
   return children;
 }
 
-/// The items of a node and of all nodes below it, in rising order.
-inline std::vector<core::ItemId> items_below(const core::Scene& scene, core::NodeId node) {
+/// The items of nodes and of all nodes below them, in rising order.
+inline std::vector<core::ItemId> items_below(const core::Scene& scene, const std::vector<core::NodeId>& nodes) {
   std::vector<core::ItemId> items;
-  scene.for_each_node(node, [&](core::NodeId below, const auto&...) {
-    for (core::ItemId item = scene.first_item(below); item != core::kNoItem; item = scene.next_item(item))
-      items.push_back(item);
-  });
-  std::sort(items.begin(), items.end());
+  for (const core::NodeId node : nodes)
+    scene.for_each_node(node, [&](core::NodeId below, const auto&...) {
+      for (core::ItemId item = scene.first_item(below); item != core::kNoItem; item = scene.next_item(item))
+        items.push_back(item);
+    });
+  core::sort_unique(items);
   return items;
+}
+inline std::vector<core::ItemId> items_below(const core::Scene& scene, core::NodeId node) {
+  return items_below(scene, std::vector<core::NodeId>{node});
 }
 
 }  // namespace sightline::apps

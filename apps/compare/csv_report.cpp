@@ -1,6 +1,7 @@
 #include <charconv>
 #include <iterator>
 
+#include "sightline/apps/common/markup.h"
 #include "sightline/apps/compare/reports.h"
 
 namespace sightline::apps {
@@ -9,14 +10,6 @@ namespace {
 using compare::Change;
 
 constexpr std::string_view kHead = "state,path,kind,dx_m,dy_m,dz_m,turn_deg,changed,old_path,old,new\r\n";
-
-/// A field, quoted where it must be.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted.append(c == '"' ? "\"\"" : std::string(1, c));
-  return quoted + '"';
-}
 
 std::string number(double value) {
   char text[32];
@@ -39,21 +32,21 @@ std::string values(const std::vector<FactChange>& facts, std::string FactChange:
 
 std::string row(const Compared& c, const Change& change) {
   std::string out(state_name(change));
-  out += "," + field(path_of(c, change)) + "," + std::string(core::name_of(kind_of(c, change)));
+  out += "," + csv_field(path_of(c, change)) + "," + std::string(core::name_of(kind_of(c, change)));
   const bool moved = change.differences & compare::kPlace;
   for (int axis = 0; axis < 3; ++axis) out += "," + (moved ? number(change.offset[axis]) : "");
   out += "," + (moved ? number(glm::degrees(change.turn)) : "");
-  out += "," + field(joined(names_of(change.differences)));
-  out += "," + (change.differences & compare::kPath ? field(path_before(c, change)) : "");
+  out += "," + csv_field(joined(names_of(change.differences)));
+  out += "," + (change.differences & compare::kPath ? csv_field(path_before(c, change)) : "");
   const std::vector<FactChange> facts = facts_of(c, change);
-  return out + "," + field(values(facts, &FactChange::before)) + "," + field(values(facts, &FactChange::after)) +
-         "\r\n";
+  return out + "," + csv_field(values(facts, &FactChange::before)) + "," +
+         csv_field(values(facts, &FactChange::after)) + "\r\n";
 }
 
 std::string row(const Compared& c, const compare::NodeChange& change) {
   const std::vector<FactChange> facts = facts_of(c, change);
-  return "changed," + field(c.after.scene->path(change.after)) + ",node,,,,,attributes,," +
-         field(values(facts, &FactChange::before)) + "," + field(values(facts, &FactChange::after)) + "\r\n";
+  return "changed," + csv_field(c.after.scene->path(change.after)) + ",node,,,,,attributes,," +
+         csv_field(values(facts, &FactChange::before)) + "," + csv_field(values(facts, &FactChange::after)) + "\r\n";
 }
 
 }  // namespace

@@ -19,6 +19,17 @@ Done find_parts(const std::string& text, Session& session, Messages& messages);
 Done select_found(const std::string&, Session& session, Messages& messages);
 /// The items of the parts that a text names, in rising order; fails where there are none.
 core::Expected<std::vector<core::ItemId>> items_named(const std::string& text, Session& session, Messages& messages);
+/// Selects the items of the parts that a text names, or for which its conditions hold.
+Done select_named(const std::string& text, Session& session, Messages& messages);
+/// Keeps a search as a set, or the text of the search field; or forgets one.
+Done keep_set(const std::string& text, Session& session, Shown& shown, Messages& messages);
+Done remove_set(const std::string& text, Shown& shown);
+/// Colours items by an attribute. Without a key, shows the model's own colours again, or the attributes to choose from.
+Done colour_by_or_ask(const std::string& key, Session& session, Shown& shown, Messages& messages);
+/// What is known of the selection, as a table: into the clipboard, and into a CSV file; without a name into the next
+/// free one.
+Done copy_properties(Workspace& work, const std::string&);
+Done save_properties(const std::string& file, Session& session, Messages& messages);
 /// Hides the items of a part, or shows them if all are hidden. A text that ends in "?nth=…" or "?item=…" is a name as
 /// views have it.
 Done toggle_part(const std::string& text, Session& session, Messages& messages);

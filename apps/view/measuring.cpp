@@ -41,7 +41,7 @@ struct Boxed {
       : box(scene.bounds_under(of, scene.state(of).world_from_item)), item(of) {}
   core::Expected<void> measure(const core::Scene& scene) {
     if (measured) return {};
-    return measured_item(scene, item).map([&](measure::Item&& made) { measured.emplace(std::move(made)); });
+    return measure::Item::create(scene, item).map([&](measure::Item&& made) { measured.emplace(std::move(made)); });
   }
 };
 
@@ -84,13 +84,6 @@ core::Expected<measure::Distance> shortest_distance(const core::Scene& scene, st
 }
 
 }  // namespace
-
-core::Expected<measure::Item> measured_item(const core::Scene& scene, core::ItemId item) {
-  const core::Affine world_from_item = scene.state(item).world_from_item;
-  if (int(scene.kind(item)) < core::kPrimitiveKindCount)
-    return measure::Item::create(scene.primitive(item), world_from_item);
-  return measure::Item::create(scene.mesh(scene.mesh_of(item)), world_from_item);
-}
 
 std::string measurement_table(std::span<const Measurement> list, const core::dvec3& origin,
                               const LengthFormat& lengths) {

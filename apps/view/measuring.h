@@ -16,9 +16,6 @@
 
 namespace sightline::apps {
 
-/// An item of a scene as the measuring library takes it.
-core::Expected<measure::Item> measured_item(const core::Scene& scene, core::ItemId item);
-
 /// A line of text for each, with columns that spreadsheets take apart: number, distance, parts along x, y, z, both
 /// points, words; the first line names them. `origin`: of the coordinates.
 std::string measurement_table(std::span<const Measurement> list, const core::dvec3& origin,

@@ -1,9 +1,11 @@
 #include "sightline/apps/view/model_tree.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
-#include "sightline/apps/common/named_parts.h"
+#include "sightline/analysis/query/conditions.h"
+#include "sightline/apps/common/tree_walk.h"
 
 namespace sightline::apps {
 namespace {
@@ -35,6 +37,7 @@ void ModelTree::find(const NameQuery& query) {
   release_scene();
   query_ = query;
   matches_ = {};
+  items_.reset();
   named_ = false;
   error_.clear();
   if (query.text.empty()) return rows_.clear_filter();
@@ -43,6 +46,10 @@ void ModelTree::find(const NameQuery& query) {
     const auto named = by_rule(query.text);
     if (named && !named->nodes.empty()) return show_named(*named);
     if (!named) found = tl::unexpected(named.error());
+    if (named && query::is_query(query.text)) {
+      if (const auto shown = show_items_of(query.text); !shown) error_ = shown.error().message;
+      return;
+    }
   }
   if (!found) {
     error_ = found.error().message;  // the rows stay
@@ -54,28 +61,47 @@ void ModelTree::find(const NameQuery& query) {
 
 void ModelTree::show_named(const core::FoundNodes& found) {
   matches_ = {found.nodes, found.nodes.size()};
-  matches_.nodes.resize(std::min(kMostRows, matches_.count));
   named_ = true;
-  rows_.set_filter(matches_.nodes);
+  rows_.set_filter(std::span(matches_.nodes).first(std::min(kMostRows, matches_.count)));
 }
 
-core::Expected<core::FoundNodes> ModelTree::find_named(const NameQuery& query) {
+/// Shows the nodes of items for which conditions hold.
+core::Expected<void> ModelTree::show_items_of(const std::string& conditions) {
+  auto items = query::find_items(*scene_, conditions);
+  if (!items) return tl::unexpected(items.error());
+  core::FoundNodes found;
+  for (const core::ItemId item : *items)
+    if (const core::NodeId node = scene_->node_of(item); found.nodes.empty() || found.nodes.back() != node)
+      found.nodes.push_back(node);
+  show_named(found);
+  matches_.count = items->size();
+  items_ = std::move(*items);
+  return {};
+}
+
+core::Expected<std::string> ModelTree::find_named(const NameQuery& query) {
   find(query);
   if (query.text.empty()) return core::fail("expected the name of a part");
   if (!error_.empty()) return core::fail(error_);
-  if (!query.regular_expression) {
-    auto found = nodes_named(query.text);
-    if (found) show_named(*found);
-    return found;
+  if (query.regular_expression) {
+    if (matches_.count == 0) return core::fail("no part fits \"" + query.text + "\"");
+    return words_of_parts(*scene_, query.text, {matches_.nodes, core::NodeMatch::kPattern});
   }
-  if (matches_.count == 0) return core::fail("no part fits \"" + query.text + "\"");
-  return core::FoundNodes{matches_.nodes, core::NodeMatch::kPattern};
+  const auto named = by_rule(query.text);
+  if (!named) return tl::unexpected(named.error());
+  if (!named->nodes.empty()) return show_named(*named), words_of_parts(*scene_, query.text, *named);
+  return named_items(*scene_, query.text).map([](const NamedItems& found) { return found.words; });
 }
 
-core::Expected<core::FoundNodes> ModelTree::nodes_named(const std::string& text) {
+core::Expected<NamedItems> ModelTree::items_named(const std::string& text) {
   release_scene();
-  auto found = by_rule(text);
-  return found && found->nodes.empty() ? find_parts(*scene_, {{"", text}}) : found;
+  const auto found = by_rule(text);
+  if (!found) return tl::unexpected(found.error());
+  return found->nodes.empty() ? named_items(*scene_, text) : items_of_parts(*scene_, text, *found);
+}
+
+std::vector<core::ItemId> ModelTree::items() const {
+  return items_ ? *items_ : items_below(*scene_, matches_.nodes);
 }
 
 core::Expected<core::FoundNodes> ModelTree::by_rule(const std::string& text) const {

@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "sightline/apps/common/named_parts.h"
 #include "sightline/apps/view/name_search.h"
 #include "sightline/apps/view/tree_rows.h"
 
@@ -24,18 +25,19 @@ class ModelTree {
   TreeRows& rows() { return rows_; }
 
   /// Shows the nodes that hold the text, to choose from, and their ancestors; an empty text: all nodes. Where none
-  /// holds it, those that it names. Waits for the index.
+  /// holds it, those that it names, or of the items for which its conditions hold. Waits for the index.
   void find(const NameQuery& query);
-  /// Shows the nodes that the text names (core/find_nodes.h; "KEY:TEXT" is also understood), or that a regular
-  /// expression matches. Fails where there are none, and then shows what find() does.
-  core::Expected<core::FoundNodes> find_named(const NameQuery& query);
-  /// Nodes that a text names, whatever is shown. Fails where there are none.
-  core::Expected<core::FoundNodes> nodes_named(const std::string& text);
+  /// Shows what the text names (named_items(); "KEY:TEXT" is also understood), or the nodes that a regular expression
+  /// matches, and says how many there are. Fails where there is nothing, and then shows what find() does.
+  core::Expected<std::string> find_named(const NameQuery& query);
+  /// Items that a text names, whatever is shown.
+  core::Expected<NamedItems> items_named(const std::string& text);
+  /// The items of what is found, in rising order.
+  std::vector<core::ItemId> items() const;
   const NameQuery& query() const { return query_; }
-  const std::vector<core::NodeId>& matches() const { return matches_.nodes; }  ///< those that have rows
   std::size_t match_count() const { return matches_.count; }
   bool named() const { return named_; }                ///< whether those are named, and not only hold the text
-  const std::string& error() const { return error_; }  ///< of a regular expression; empty without one
+  const std::string& error() const { return error_; }  ///< of an expression or a condition; empty without one
 
   /// Expands what is above a node; the list should scroll there.
   void reveal(core::NodeId node);
@@ -44,6 +46,7 @@ class ModelTree {
 
  private:
   void show_named(const core::FoundNodes& found);
+  core::Expected<void> show_items_of(const std::string& conditions);
   core::Expected<core::FoundNodes> by_rule(const std::string& text) const;
 
   const core::Scene* scene_;
@@ -51,6 +54,7 @@ class ModelTree {
   TreeRows rows_;
   NameQuery query_;
   NameMatches matches_;
+  std::optional<std::vector<core::ItemId>> items_;  // for which conditions hold
   bool named_ = false;
   std::string error_;
   std::optional<std::size_t> revealed_;

@@ -23,9 +23,11 @@ void measure_tab(Workspace& work);
 void sections_tab(Workspace& work);
 void views_tab(Workspace& work);
 void culling_tab(Workspace& work);
+void attributes_tab(Workspace& work);
 void compare_tab(Workspace& work);  ///< while something is compared
 void measure_overlay(Workspace& work, const Part& part);
 void section_overlay(Workspace& work, const Part& part);
+void colour_legend(Workspace& work, const Part& part);
 void triad_overlay(Workspace& work);
 void slider_overlay(Workspace& work, const Part& part);  ///< the line, and the files' names
 void status_bar(Workspace& work);

@@ -1,50 +1,80 @@
 #include <algorithm>
 
-#include "sightline/apps/common/named_parts.h"
-#include "sightline/apps/common/tree_walk.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/view/actions.h"
-#include "sightline/core/internal/sort_unique.h"
+#include "sightline/apps/view/needs.h"
 
 namespace sightline::apps {
-namespace {
-
-std::vector<core::ItemId> items_below_all(const std::vector<core::NodeId>& nodes, const core::Scene& scene) {
-  std::vector<core::ItemId> items;
-  for (const core::NodeId node : nodes) {
-    const std::vector<core::ItemId> below = items_below(scene, node);
-    items.insert(items.end(), below.begin(), below.end());
-  }
-  core::sort_unique(items);
-  return items;
-}
-
-}  // namespace
 
 Done find_parts(const std::string& text, Session& session, Messages& messages) {
-  const auto found = session.tree.find_named({text});
-  if (!found) return tl::unexpected(found.error());
-  messages.tell(words_of_parts(session.scene(), text, *found));
-  return {};
+  return session.tree.find_named({text}).map([&](const std::string& words) { messages.tell(words); });
 }
 
 Done select_found(const std::string&, Session& session, Messages& messages) {
   ModelTree& tree = session.tree;
   if (!tree.named()) {
-    const NameQuery query = tree.query();
-    const auto found = tree.find_named(query);
-    if (!found) return tl::unexpected(found.error());
-    messages.tell(words_of_parts(session.scene(), query.text, *found));
+    const auto words = tree.find_named(NameQuery(tree.query()));
+    if (!words) return tl::unexpected(words.error());
+    messages.tell(*words);
   }
-  return session.document.select(items_below_all(tree.matches(), session.scene()));
+  return session.document.select(tree.items());
 }
 
 core::Expected<std::vector<core::ItemId>> items_named(const std::string& text, Session& session, Messages& messages) {
-  const auto found = session.tree.nodes_named(text);
+  auto found = session.tree.items_named(text);
   if (!found) return tl::unexpected(found.error());
-  if (found->nodes.size() > 1) messages.tell(words_of_parts(session.scene(), text, *found));
-  std::vector<core::ItemId> items = items_below_all(found->nodes, session.scene());
-  if (items.empty()) return core::fail("there are no items below \"" + text + "\"");
-  return items;
+  if (!found->clear) messages.tell(found->words);
+  return std::move(found->items);
+}
+
+Done select_named(const std::string& text, Session& session, Messages& messages) {
+  return items_named(text, session, messages).and_then([&](const std::vector<core::ItemId>& items) {
+    return session.document.select(items);
+  });
+}
+
+Done keep_set(const std::string& text, Session& session, Shown& shown, Messages& messages) {
+  const std::string kept = text.empty() ? session.tree.query().text : text;
+  if (kept.empty()) return core::fail("find something first: Ctrl+F");
+  if (const auto found = session.tree.items_named(kept); !found) return tl::unexpected(found.error());
+  if (shown.sets.size() == Settings::kMostSets) return core::fail("there is no room for another set: remove one first");
+  std::erase(shown.sets, kept);
+  shown.sets.push_back(kept);
+  messages.tell("kept as a set: " + kept);
+  return {};
+}
+
+Done remove_set(const std::string& text, Shown& shown) {
+  if (std::erase(shown.sets, text) == 0) return core::fail("there is no set \"" + text + "\"");
+  return {};
+}
+
+Done colour_by_or_ask(const std::string& key, Session& session, Shown& shown, Messages& messages) {
+  if (key.empty() && session.colouring.groups.empty()) {
+    shown.tab = "Attributes";
+    messages.tell("choose an attribute, and Colour by this");
+    return {};
+  }
+  return colour_by(session, key).map([&] {
+    if (!key.empty()) session.attributes.choose(session.colouring.key);
+  });
+}
+
+Done copy_properties(Workspace& work, const std::string&) {
+  const auto selection = work.session->document.selection();
+  work.window.set_clipboard(properties_table(work.session->scene(), selection, '\t'));
+  work.messages.tell("copied: properties of " + grouped(std::int64_t(selection.size())) +
+                     (selection.size() == 1 ? " item" : " items"));
+  return {};
+}
+
+Done save_properties(const std::string& file, Session& session, Messages& messages) {
+  const auto selection = session.document.selection();
+  if (selection.empty()) return core::fail(needs::kSelection.missing);
+  const std::string name = file.empty() ? free_name("properties", ".csv") : file;
+  if (auto done = write_text(name, properties_table(session.scene(), selection, ',')); !done) return done;
+  messages.tell("properties: " + name);
+  return {};
 }
 
 Done toggle_part(const std::string& text, Session& session, Messages& messages) {

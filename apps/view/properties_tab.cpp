@@ -111,7 +111,8 @@ void properties_tab(Workspace& work) {
   }
   ImGui::Text("%s item%s selected", grouped(std::int64_t(selection.size())).c_str(), selection.size() == 1 ? "" : "s");
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-  for (const char* name : {"hide", "isolate", "ghost-others", "focus"}) command_button(work, name, right);
+  for (const char* name : {"hide", "isolate", "ghost-others", "focus", "properties-copy", "properties-save"})
+    command_button(work, name, right);
   ImGui::NewLine();
   ImGui::Separator();
   if (selection.size() == 1) {

@@ -34,6 +34,7 @@ Session::Session(Model model, engine::Engine made, const engine::EngineConfig& c
       engine(std::move(made)),
       document(*model_.scene, engine),
       tree(*model_.scene),
+      attributes(*model_.scene),
       camera(engine.snapshot().bounds().fitted_bounds().bounds, kFovy, double(config.width) / config.height),
       slider(engine, document),
       image(engine, document, camera, sections, slider, config.losses.lod_error),
@@ -136,7 +137,7 @@ core::Expected<std::optional<Session::Aimed>> Session::aim(const core::dvec2& at
   if (!hit) return tl::unexpected(hit.error());
   const auto ray = core::image_ray(*seen, image.size()[0], image.size()[1], at.x, at.y);
   if (!*hit || !ray) return std::nullopt;
-  const auto item = measured_item(scene(), (*hit)->item);
+  const auto item = measure::Item::create(scene(), (*hit)->item);
   if (!item) return tl::unexpected(item.error());
   const double per_pixel = 2.0 * std::tan(0.5 * camera.fovy()) / image.size()[1];  // at the distance of one metre
   measure::Aim aim{(*hit)->point, 0.0, measure::AimRay{ray->origin, ray->direction, 0.0}};
@@ -185,6 +186,7 @@ Viewpoint Session::viewpoint() const {
   seen.near = camera.near();
   seen.sections = sections.planes();
   seen.measurements = measuring.list();
+  seen.colour_by = colouring.key;
   seen.shown.emplace();
   if (document.hidden() > 0) seen.shown->hidden = names().name(document.items_with(Document::kHidden), true);
   if (document.ghosts() > 0) seen.shown->ghosts = names().name(document.items_with(Document::kGhost), false);
@@ -208,6 +210,9 @@ core::Expected<std::size_t> Session::show(const Viewpoint& viewpoint) {
   if (!there.orthographic && there.near > 0.0) camera.set_planes(there.near, core::kInfiniteFar);
   sections.set(there.sections, bounds_.bounds);
   measuring.merge(there.measurements);
+  // A view that was kept of another model may have a key that this one lacks: its own colours are shown then.
+  if (!changes_ && there.colour_by && *there.colour_by != colouring.key && !apps::colour_by(*this, *there.colour_by))
+    if (auto done = apps::colour_by(*this, {}); !done) return tl::unexpected(done.error());
   if (!there.shown) return 0;
   const Viewpoint::Shown& shown = *there.shown;
   const auto hidden = names().find(shown.hidden), ghosts = names().find(shown.ghosts),
@@ -223,6 +228,7 @@ core::Expected<void> Session::edit_scene(const std::function<core::Expected<void
   const auto committed = engine.commit();
   document.follow_scene();
   tree.follow_scene();
+  attributes.follow_scene();
   names_.reset();
   findings_.reset();
   bounds_ = engine.snapshot().bounds().fitted_bounds();
@@ -232,6 +238,7 @@ core::Expected<void> Session::edit_scene(const std::function<core::Expected<void
 
 core::Expected<void> Session::begin_comparison(std::unique_ptr<ChangeList> changes) {
   if (auto ended = end_comparison(); !ended) return ended;
+  colouring = {};
   changes_ = std::move(changes);
   auto done = edit_scene([&](core::Scene& scene) { return changes_->add_removed(scene); });
   if (done) done = document.set_base_styles(changes_->base_styles());
@@ -320,6 +327,20 @@ core::Expected<void> Session::set_culler(engine::CullerChoice choice) {
     double& budget_ms = config.losses.budget_ms;
     if (may_use_gpu(choice) && budget_ms == default_budget_ms_) budget_ms = 0.0;
   });
+}
+
+core::Expected<void> colour_by(Session& session, const std::string& key) {
+  if (session.changes()) return core::fail("end the comparison first: it has colours of its own");
+  core::Expected<query::Colouring> made;
+  if (!key.empty()) made = query::colour_by(session.scene(), key);
+  if (!made) return tl::unexpected(made.error());
+  BaseStyles styles;
+  for (const query::ColourGroup& group : made->groups) styles.all.push_back({{.colour = group.colour}, true});
+  for (const std::uint8_t group : made->of_item)
+    styles.which.push_back(std::uint8_t(group < made->groups.size() ? group + 1 : 0));
+  if (auto done = session.document.set_base_styles(std::move(styles)); !done) return done;
+  session.colouring = std::move(*made);
+  return {};
 }
 
 }  // namespace sightline::apps

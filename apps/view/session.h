@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "sightline/analysis/query/colouring.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/view/attribute_list.h"
 #include "sightline/apps/view/camera.h"
 #include "sightline/apps/view/change_list.h"
 #include "sightline/apps/view/document.h"
@@ -101,8 +103,10 @@ class Session {
   engine::Engine engine;
   Document document;
   ModelTree tree;
+  AttributeList attributes;
   Measuring measuring;
   Sections sections;
+  query::Colouring colouring;  ///< of the items: set by colour_by() alone; without groups where there is none
   Camera camera;
   RevisionSlider slider;  ///< moved by set_slider() alone
   SessionImage image;
@@ -130,5 +134,9 @@ class Session {
   double default_budget_ms_ = 0.0;
   double fitted_aspect_ = 0.0;  // for which begin() has fitted the camera
 };
+
+/// Gives items the colours of query::colour_by(), until another key or an empty one. Fails during a comparison, which
+/// has colours of its own and ends these.
+core::Expected<void> colour_by(Session& session, const std::string& key);
 
 }  // namespace sightline::apps

@@ -72,12 +72,13 @@ std::optional<SelectionLevel> level_of(const Json& json) {
   return named<SelectionLevel>(json, kLevelNames);
 }
 
-std::optional<std::vector<std::string>> files_of(const Json& json) {
-  const auto is_text = [](const Json& file) { return file.is_string(); };
+template <std::size_t kMost>
+std::optional<std::vector<std::string>> texts_of(const Json& json) {
+  const auto is_text = [](const Json& text) { return text.is_string(); };
   if (!json.is_array() || !std::all_of(json.begin(), json.end(), is_text)) return std::nullopt;
-  auto files = json.get<std::vector<std::string>>();
-  files.resize(std::min(files.size(), Settings::kMostRecent));
-  return files;
+  auto texts = json.get<std::vector<std::string>>();
+  texts.resize(std::min(texts.size(), kMost));
+  return texts;
 }
 
 std::optional<std::array<int, 2>> window_size_of(const Json& json) {
@@ -116,11 +117,12 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("theme", settings.light, light_of);
   take("tree-width", settings.tree_width, lines_of);
   take("side-width", settings.side_width, lines_of);
-  take("recent", settings.recent, files_of);
+  take("recent", settings.recent, texts_of<Settings::kMostRecent>);
   take("window", settings.window, window_size_of);
   take("cache", settings.cache, folder_of);
   take("units", settings.units, units_of);
   take("clicks-select", settings.level, level_of);
+  take("sets", settings.sets, texts_of<Settings::kMostSets>);
   return settings;
 }
 
@@ -143,6 +145,7 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.window != before.window && window_size_of(now.window)) json["window"] = now.window;
   if (now.cache != before.cache) json["cache"] = now.cache;
   if (now.units != before.units) json["units"] = kUnitsNames[int(now.units)];
+  if (now.sets != before.sets) json["sets"] = now.sets;
   if (now.level != before.level) json["clicks-select"] = name_of(now.level);
 }
 

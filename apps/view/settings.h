@@ -13,7 +13,7 @@
 namespace sightline::apps {
 
 struct Settings {
-  static constexpr std::size_t kMostRecent = 10;
+  static constexpr std::size_t kMostRecent = 10, kMostSets = 100;
 
   bool light = false;                       ///< colours
   bool smooth = true;                       ///< edges at rest
@@ -32,6 +32,7 @@ struct Settings {
   bool diagnostics = false;                 ///< the tab is shown
   bool recognise = false;                   ///< primitives, in meshes of files that are opened
   SelectionLevel level = SelectionLevel::kPart;  ///< of clicks
+  std::vector<std::string> sets;                 ///< searches that are kept, in the order kept
 
   /// Puts a file that was opened first.
   void add_recent(const std::string& file);

@@ -23,6 +23,32 @@ void select_below(Workspace& work, core::NodeId node) {
                                                                                            : SelectMode::kReplace));
 }
 
+/// Searches that are kept. A click looks for what they find, and selects it.
+void sets(Workspace& work) {
+  if (work.shown.sets.empty()) return;
+  const std::string title = "Sets (" + std::to_string(work.shown.sets.size()) + ")###sets";
+  if (!ImGui::CollapsingHeader(title.c_str())) return;
+  const std::vector<std::string> all = work.shown.sets;  // commands change the list
+  for (const std::string& set : all) {
+    ImGui::PushID(set.c_str());
+    if (ImGui::Selectable(shortened(set, ImGui::GetContentRegionAvail().x).c_str(),
+                          work.session->tree.query().text == set)) {
+      run(work, "find", set);
+      run(work, "select-named", set);
+    }
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\nA click selects; the right button has more.", set.c_str());
+    if (ImGui::BeginPopupContextItem()) {
+      for (const char* name : {"hide", "isolate", "ghost-others"})
+        if (ImGui::MenuItem(find_command(name)->title)) run(work, name, set);
+      ImGui::Separator();
+      if (ImGui::MenuItem("Remove the set")) run(work, "set-remove", set);
+      ImGui::EndPopup();
+    }
+    ImGui::PopID();
+  }
+  ImGui::Separator();
+}
+
 void search_field(Workspace& work, ModelTree& tree) {
   NameQuery query = tree.query();
   const float button = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize(".*").x;
@@ -30,6 +56,10 @@ void search_field(Workspace& work, ModelTree& tree) {
   if (work.shown.find) ImGui::SetKeyboardFocusHere();
   work.shown.find = false;
   bool changed = ImGui::InputTextWithHint("##find", "find: text, or attribute:text", &query.text);
+  if (ImGui::IsItemHovered() && !ImGui::IsItemActive())
+    ImGui::SetTooltip(
+        "A text that names or values hold, or conditions:\n  System=CW & DN>=100 & @kind=cylinder\n"
+        "  @size>500mm & @near<=1m of PUMP-1\n  ! before a condition: its opposite");
   if (ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) {
     changed |= !query.text.empty();  // Dear ImGui would bring back what was searched for before
     query.text.clear();
@@ -49,6 +79,9 @@ void search_field(Workspace& work, ModelTree& tree) {
   if (ImGui::SmallButton("Select") || entered)
     work.messages.tell_outcome(select_found("", *work.session, work.messages));
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("What has exactly this name, or else these words; *text* takes all");
+  ImGui::SameLine();
+  if (ImGui::SmallButton("Keep")) run(work, "set-keep");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Lists this search above the tree, where a click selects");
 }
 
 void node_menu(Workspace& work, core::NodeId node, ModelTree& tree) {
@@ -160,6 +193,7 @@ void tree_panel(Workspace& work) {
               ImGuiWindowFlags_NoTitleBar);
   if (Session* session = work.session.get()) {
     search_field(work, session->tree);
+    sets(work);
     rows(work, session->tree);
   }
   ImGui::End();

@@ -95,6 +95,7 @@ void Viewer::draw_panels() {
   measure_overlay(work_, work_.viewport());
   section_overlay(work_, work_.viewport());
   slider_overlay(work_, work_.viewport());
+  colour_legend(work_, work_.viewport());
 }
 
 Done Viewer::draw_model(const Part& part) {

@@ -1,4 +1,5 @@
 // What scripts and --json see of the viewer.
+#include "sightline/apps/common/legend.h"
 #include "sightline/apps/common/report_json.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view/actions.h"
@@ -84,6 +85,7 @@ Json window_json(const Workspace& work) {
           {"level", name_of(work.shown.level)},
           {"theme", work.shown.light ? "light" : "dark"},
           {"recent", work.shown.recent},
+          {"sets", work.shown.sets},
           {"walk", work.gestures.walking()},
           {"triad", work.shown.triad},
           {"smooth", work.shown.smooth},
@@ -124,6 +126,7 @@ Json session_json(Session& session) {
           {"measure", measure_json(session.measuring)},
           {"findings", session.findings().size()},
           {"found", session.tree.match_count()},
+          {"colours", legend_json(session.colouring)},
           {"rows", session.tree.rows().row_count()},
           {"undo_steps", session.document.undo_steps()},
           {"redo_steps", session.document.redo_steps()},

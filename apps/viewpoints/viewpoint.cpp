@@ -67,6 +67,7 @@ Json to_json(const Viewpoint& viewpoint) {
     json["measurements"].push_back({{"from", to_json(one.from)}, {"to", to_json(one.to)}, {"words", one.words}});
   for (const auto& [key, text] : kTexts)
     if (!(viewpoint.*text).empty()) json[key] = viewpoint.*text;
+  if (viewpoint.colour_by) json["colour_by"] = *viewpoint.colour_by;
   if (viewpoint.shown)
     for (const auto& [key, parts] : kParts) json[key] = to_json((*viewpoint.shown).*parts);
   return json;
@@ -123,12 +124,16 @@ core::Expected<Viewpoint> viewpoint_of(const Json& json, const std::string& text
   // What is wrong with a file is said by its reader; after that the keys of a camera are as they should be.
   if (const auto view = importers::parse_view(text, 1.0, source); !view) return tl::unexpected(view.error());
   Viewpoint viewpoint = camera_of(json);
-  for (const auto& [key, member] : kTexts) {
-    if (!json.contains(key)) continue;
+  const auto take = [&](const char* key, auto& value) -> core::Expected<void> {
+    if (!json.contains(key)) return {};
     if (!json[key].is_string())
       return core::fail(source + ": /" + key + ": expected a string, found " + json[key].type_name());
-    viewpoint.*member = json[key].get<std::string>();
-  }
+    value = json[key].get<std::string>();
+    return {};
+  };
+  for (const auto& [key, member] : kTexts)
+    if (auto done = take(key, viewpoint.*member); !done) return tl::unexpected(done.error());
+  if (auto done = take("colour_by", viewpoint.colour_by); !done) return tl::unexpected(done.error());
   if (json.contains("measurements")) {
     auto list = measurements_of(json["measurements"], source + ": /measurements");
     if (!list) return tl::unexpected(list.error());

@@ -3,7 +3,7 @@
 //
 //   {view …, "name":"…", "comment":"…", "author":"…", "date":"2026-01-31T12:00:00Z", "guid":"…",
 //    "hidden":PARTS, "ghosts":PARTS, "selection":PARTS}
-// and "measurements":[{"from":[X,Y,Z], "to":[X,Y,Z], "words":"…"}].
+// "measurements":[{"from":[X,Y,Z], "to":[X,Y,Z], "words":"…"}] and "colour_by":"KEY" (analysis/query/colouring.h).
 //
 //   {first view …, "views":[view, …]}                         a list, which other tools read as its first view
 //
@@ -47,6 +47,7 @@ struct Viewpoint {
   };
   std::optional<Shown> shown;  ///< none: visibility and selection stay as they are
 
+  std::optional<std::string> colour_by;  ///< key of query::colour_by(), empty: the model's own; none: colours stay
   std::string name, comment, author;
   std::string guid;                    ///< of 32 lower-case digits in five groups
   std::string date;                    ///< when it was made, as in XML

@@ -394,7 +394,8 @@ TEST_F(Render, ShowsNodesOtherwise) {
   render(with({"--view", view, "--out", plain}));
   for (const Args& change :
        {Args{"--hide", "PIPE"}, Args{"--isolate", "PIPE"}, Args{"--ghost", "PIPE"}, Args{"--ghost-others", "PIPE"},
-        Args{"--highlight", "PIPE"}, Args{"--fade", "PIPE"}, Args{"--fade", "PIPE", "--transparency", "blended"}}) {
+        Args{"--highlight", "PIPE"}, Args{"--fade", "PIPE"}, Args{"--fade", "PIPE", "--transparency", "blended"},
+        Args{"--colour-by", "@kind"}, Args{"--isolate", "@kind=cylinder & @size>0.1"}}) {
     Args args{"--view", view};
     args.insert(args.end(), change.begin(), change.end());
     EXPECT_GT(differing(args, plain), 5 * kThousandth) << change[0];
@@ -403,6 +404,21 @@ TEST_F(Render, ShowsNodesOtherwise) {
   const Outcome unknown = run("render", with({"--hide", "NO SUCH NODE", "--out", path("none.png")}));
   EXPECT_EQ(unknown.code, 1) << unknown;
   EXPECT_NE(unknown.err.find("no part fits \"NO SUCH NODE\""), std::string::npos) << unknown;
+}
+
+TEST_F(Render, SaysWhatColoursMean) {
+  const Outcome drawn =
+      render(with({"--view", view, "--colour-by", "@KIND", "--out", path("kinds.png"), "--json", "-"}));
+  const Json colours = json::parse(drawn.out).value()["colours"];
+  ASSERT_TRUE(colours.is_object()) << drawn;
+  EXPECT_EQ(colours["key"], "@kind");
+  EXPECT_EQ(colours["groups"][0]["colour"], "#332288");
+  EXPECT_NE(drawn.err.find("  #332288  " + colours["groups"][0]["label"].get<std::string>()), std::string::npos)
+      << drawn;
+  EXPECT_GT(differing({"--view", view, "--colour-by", "@kind", "--fade", "PIPE"}, path("kinds.png")), 5 * kThousandth);
+  const Outcome unknown = run("render", with({"--colour-by", "NO SUCH KEY", "--out", path("none.png")}));
+  EXPECT_EQ(unknown.code, 1) << unknown;
+  EXPECT_NE(unknown.err.find("no item has a value for \"NO SUCH KEY\""), std::string::npos) << unknown;
 }
 
 TEST_F(Render, ExplainsWhatWasLeftOut) {

@@ -102,7 +102,7 @@ TEST(MeasuringParts, FindsTheNearestOfAllPairs) {
     double least = std::numeric_limits<double>::infinity();
     for (const ItemId a : parts[0])
       for (const ItemId b : parts[1])
-        least = std::min(least, measure::distance(*measured_item(scene, a), *measured_item(scene, b)).distance);
+        least = std::min(least, measure::distance(*measure::Item::create(scene, a), *measure::Item::create(scene, b)).distance);
     Measuring measuring;
     ASSERT_TRUE(measuring.between(scene, parts[0], parts[1]));
     EXPECT_EQ(measuring.distance()->distance, least);

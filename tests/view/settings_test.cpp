@@ -67,7 +67,8 @@ TEST_F(SettingsTest, ComeBack) {
                         Units::kFeet,
                         true,
                         true,
-                        SelectionLevel::kAssembly};
+                        SelectionLevel::kAssembly,
+                        {"System=CW & DN>=100", "PIPE"}};
   ASSERT_TRUE(file.keep(wanted));
   const SettingsFile again(file_);
   EXPECT_EQ(again.settings(), wanted);

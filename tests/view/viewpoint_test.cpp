@@ -25,6 +25,7 @@ Viewpoint viewpoint_of(const Camera& camera) {
   viewpoint.orthographic = camera.orthographic();
   viewpoint.near = camera.near();
   viewpoint.sections = {{{0, 0, 1}, -110.0}, {{1, 0, 0}, -3e6}};
+  viewpoint.colour_by = "System";
   return viewpoint;
 }
 
@@ -39,6 +40,7 @@ TEST(ViewpointTest, ComesBack) {
     EXPECT_EQ(read->pose.target, written.pose.target);
     EXPECT_EQ(read->pose.up, written.pose.up);
     EXPECT_EQ(read->orthographic, orthographic);
+    EXPECT_EQ(read->colour_by, "System");
     EXPECT_NEAR(read->fovy, written.fovy, 1e-12);
     ASSERT_EQ(read->sections.size(), 2u);
     EXPECT_EQ(read->sections[0].offset, -110.0);
