@@ -1,28 +1,31 @@
 #include "sightline/apps/common/html_images.h"
 
+#include <utility>
+#include <vector>
+
 #include "sightline/apps/common/markup.h"
-#include "sightline/importers/internal/base64.h"
 
 namespace sightline::apps {
 namespace {
 
 core::Expected<std::string> element_of(const LabelledImage& image) {
-  const auto png = image::encode_png(image.image, image::PngSize::kSmall);
-  if (!png) return tl::unexpected(png.error());
-  return "<img alt=\"" + escaped(image.label) + "\" src=\"data:image/png;base64," + importers::base64(*png) + "\"/>";
+  return image::encode_png(image.image, image::PngSize::kSmall).map([&](const std::vector<std::uint8_t>& png) {
+    return image_element({image.label, png});
+  });
 }
 
 }  // namespace
 
 core::Expected<void> HtmlBody::images(std::span<const LabelledImage> images, const Caption& caption, int columns) {
-  html_ += "<figure>\n<div class=\"images\" style=\"--columns: " + std::to_string(columns) + "\">\n";
+  std::vector<std::vector<std::uint8_t>> bytes;
+  std::vector<LabelledPng> pngs;
   for (const LabelledImage& image : images) {
-    const auto element = element_of(image);
-    if (!element) return tl::unexpected(element.error());
-    html_ += "<div>" + escaped(image.label) + *element + "</div>\n";
+    auto png = image::encode_png(image.image, image::PngSize::kSmall);
+    if (!png) return tl::unexpected(png.error());
+    bytes.push_back(std::move(*png));
+    pngs.push_back({image.label, bytes.back()});
   }
-  html_ += "</div>\n";
-  close_figure(caption);
+  this->images(pngs, caption, columns);
   return {};
 }
 

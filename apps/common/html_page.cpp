@@ -7,6 +7,7 @@
 
 #include "sightline/apps/common/markup.h"
 #include "sightline/core/internal/srgb.h"
+#include "sightline/importers/internal/base64.h"
 
 namespace sightline::apps {
 namespace {
@@ -83,6 +84,18 @@ std::string html_of(const Badge& badge) {
 std::string hex_of(const core::vec3& colour) {
   const auto byte = [](float channel) { return unsigned(std::lround(255.0f * std::clamp(channel, 0.0f, 1.0f))); };
   return fmt::format("#{:02x}{:02x}{:02x}", byte(colour.r), byte(colour.g), byte(colour.b));
+}
+
+std::string image_element(const LabelledPng& image) {
+  return "<img alt=\"" + escaped(image.label) + "\" src=\"data:image/png;base64," + importers::base64(image.png) +
+         "\"/>";
+}
+
+void HtmlBody::images(std::span<const LabelledPng> images, const Caption& caption, int columns) {
+  html_ += "<figure>\n<div class=\"images\" style=\"--columns: " + std::to_string(columns) + "\">\n";
+  for (const LabelledPng& image : images) html_ += "<div>" + escaped(image.label) + image_element(image) + "</div>\n";
+  html_ += "</div>\n";
+  close_figure(caption);
 }
 
 void HtmlBody::heading(std::string_view text) {

@@ -18,8 +18,12 @@ struct Caption {
   std::string text, command;
 };
 
-/// An image and what it shows (html_images.h).
+/// An image and what it shows (html_images.h); the same as the bytes of a PNG file.
 struct LabelledImage;
+struct LabelledPng {
+  std::string label;
+  std::span<const std::uint8_t> png;
+};
 
 /// A word or two on a coloured ground. The words say it all, for who sees no colours.
 struct Badge {
@@ -28,6 +32,9 @@ struct Badge {
 };
 /// "#rrggbb"
 std::string hex_of(const core::vec3& colour);
+
+/// The element of an image.
+std::string image_element(const LabelledPng& image);
 
 /// The content of a section.
 class HtmlBody {
@@ -48,7 +55,9 @@ class HtmlBody {
                   const Caption& caption);
   /// A line with a badge; a click on it shows what is inside.
   void details(const Badge& badge, std::string_view line, const HtmlBody& inside);
-  /// Images side by side, so many in a row, 1 to 4. Builds without images have neither this nor flip_images().
+  /// Images side by side, so many in a row, 1 to 4.
+  void images(std::span<const LabelledPng> images, const Caption& caption, int columns = 2);
+  /// Builds without images have neither this nor flip_images().
   core::Expected<void> images(std::span<const LabelledImage> images, const Caption& caption, int columns = 2);
   /// Images in one place, 1 to 4: a click on one shows the next, and so do the arrow keys. `id`: letters and digits,
   /// no other's on the page.

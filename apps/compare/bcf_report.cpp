@@ -3,10 +3,8 @@
 
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/numbers.h"
-#include "sightline/apps/common/tree_walk.h"
 #include "sightline/apps/compare/reports.h"
 #include "sightline/apps/viewpoints/bcf.h"
-#include "sightline/core/internal/sort_unique.h"
 
 namespace sightline::apps {
 namespace {
@@ -14,25 +12,7 @@ namespace {
 using compare::Group;
 using compare::Way;
 
-constexpr double kAspect = 4.0 / 3.0;
-constexpr double kFilled = 0.5;         // of the image by the group, so that its surroundings tell where it is
 constexpr std::size_t kMostLines = 10;  // of items in a text
-
-/// Items of the later revision that a group is about, in rising order.
-std::vector<core::ItemId> items_of(const Compared& c, const Group& group) {
-  std::vector<core::ItemId> items;
-  const core::Scene& scene = *c.after.scene;
-  for (std::size_t i = 0; i < group.size() && group.way != Way::kRemoved; ++i) {
-    if (group.way != Way::kNodeAttributes) {
-      items.push_back(c.item(group, i).after);
-      continue;
-    }
-    const auto below = items_below(scene, c.found.nodes[c.groups.members[group.begin + i]].after);
-    items.insert(items.end(), below.begin(), below.end());
-  }
-  core::sort_unique(items);
-  return items;
-}
 
 /// Where an item is, its kind, and what it had, or has, that the title does not tell.
 std::pair<std::string, std::string> item_lines(const Compared& c, const Group& group, std::size_t i) {
@@ -57,11 +37,11 @@ std::string comment(const Compared& c, const Group& group, const std::string& ab
 
 Viewpoint topic(const Compared& c, const Group& group, const ItemNames& names) {
   Viewpoint view;
-  const core::AabbD box = group.way == Way::kNodeAttributes ? c.after.scene->bounds(group.node) : group.box;
+  const core::AabbD box = box_of(c, group, Revision::kNewer);
   view.fovy = kFovy;
-  view.pose = core::fitting_pose(box, core::kOverviewDirection, view.fovy, kAspect, kFilled);
+  view.pose = core::fitting_pose(box, core::kOverviewDirection, view.fovy, kGroupAspect, kGroupFilled);
   view.near = 0.0;
-  view.shown.emplace().selection = names.name(items_of(c, group), false);
+  view.shown.emplace().selection = names.name(items_of(c, group, Revision::kNewer), false);
   const std::string what = ": " + what_of(c, group), about = path_of(c, group) + what;
   view.name = name_of(c, group) + what;
   view.comment = comment(c, group, about);
@@ -73,11 +53,13 @@ Viewpoint topic(const Compared& c, const Group& group, const ItemNames& names) {
 
 }  // namespace
 
-core::Expected<std::string> bcf_report(const Compared& c) {
+core::Expected<std::string> bcf_report(const Compared& c, std::span<const GroupImage> images) {
   const ItemNames names(*c.after.scene);
   std::vector<Viewpoint> views;
-  for (std::size_t i = 0; i < std::min(c.groups.all.size(), kMostTopics); ++i)
+  for (std::size_t i = 0; i < std::min(c.groups.all.size(), kMostTopics); ++i) {
     views.push_back(topic(c, c.groups.all[i], names));
+    if (i < images.size()) views.back().snapshot = images[i].after.empty() ? images[i].before : images[i].after;
+  }
   return format_bcf(views);
 }
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sightline/apps/common/html_page.h"
-#include "sightline/apps/common/numbers.h"
+#include "sightline/apps/common/tree_walk.h"
 
 namespace sightline::apps {
 namespace {
@@ -41,11 +41,12 @@ std::string axis_name(const core::dvec3& direction) {
   return "";
 }
 
-std::string moved_text(const Group& group) {
+std::string moved_text(const Compared& c, const Group& group) {
   const double distance = glm::length(group.offset);
   const std::string axis = axis_name(group.offset);
-  std::string text = "moved by " + length_text(distance);
-  text += axis.empty() ? " (" + vector_text(group.offset) + ")" : " along " + axis;
+  std::string text = "moved by " + (c.lengths ? c.lengths->text(distance) : length_text(distance));
+  text += axis.empty() ? " (" + (c.lengths ? c.lengths->text(group.offset) : vector_text(group.offset)) + ")"
+                       : " along " + axis;
   if (!(group.turn > kLeastTurn)) return text;
   char turn[40];
   std::snprintf(turn, sizeof turn, "turned by %.3f° about ", glm::degrees(group.turn));
@@ -125,7 +126,7 @@ std::string change_text(const Compared& c, const Group& group) {
     case Way::kRemoved:
       return std::string(compare::name_of(group.way));
     case Way::kMoved:
-      return moved_text(group);
+      return moved_text(c, group);
     case Way::kShape:
       return shape_text(c, group);
     case Way::kMaterial:
@@ -140,6 +141,15 @@ std::string change_text(const Compared& c, const Group& group) {
 }
 
 }  // namespace
+
+core::Expected<Compared> compare_revisions(const compare::Revision& before, const compare::Revision& after,
+                                           const compare::Options& options) {
+  auto found = compare::revisions(before, after, options);
+  if (!found) return tl::unexpected(found.error());
+  Compared out{{}, {}, options.tolerance, before, after, std::move(*found), {}};
+  out.groups = compare::grouped(before, after, out.found, options.tolerance);
+  return out;
+}
 
 bool is_listed(const Change& change) {
   return change.state != compare::State::kUnchanged || change.differences != 0;
@@ -198,6 +208,55 @@ std::vector<FactChange> facts_of(const Compared& c, const Change& change) {
 
 std::vector<FactChange> facts_of(const Compared& c, const compare::NodeChange& change) {
   return differing(attribute_facts(*c.before.scene, change.before), attribute_facts(*c.after.scene, change.after));
+}
+
+compare::State shown_as(Way way) {
+  switch (way) {
+    case Way::kAdded:
+      return compare::State::kAdded;
+    case Way::kRemoved:
+      return compare::State::kRemoved;
+    case Way::kMoved:
+      return compare::State::kMoved;
+    case Way::kRenamed:
+      return compare::State::kUnchanged;
+    case Way::kShape:
+    case Way::kMaterial:
+    case Way::kAttributes:
+    case Way::kNodeAttributes:
+      break;
+  }
+  return compare::State::kChanged;
+}
+
+std::vector<core::ItemId> items_of(const Compared& c, const Group& group, Revision revision) {
+  const bool newer = revision == Revision::kNewer;
+  std::vector<core::ItemId> items;
+  std::vector<core::NodeId> nodes;
+  for (std::uint32_t i = group.begin; i < group.end; ++i) {
+    const std::uint32_t member = c.groups.members[i];
+    if (group.way == Way::kNodeAttributes) {
+      nodes.push_back(newer ? c.found.nodes[member].after : c.found.nodes[member].before);
+    } else {
+      const core::ItemId item = newer ? c.found.items[member].after : c.found.items[member].before;
+      if (item != core::kNoItem) items.push_back(item);
+    }
+  }
+  if (!nodes.empty()) return items_below(*(newer ? c.after : c.before).scene, nodes);
+  core::sort_unique(items);
+  return items;
+}
+
+core::AabbD box_of(const Compared& c, const Group& group, Revision revision) {
+  if (group.way == Way::kNodeAttributes) return c.after.scene->bounds(group.node);
+  core::AabbD box = group.box;
+  if (group.way != Way::kMoved) return box;
+  const core::AabbD before{box.min - group.offset, box.max - group.offset};
+  if (glm::length(group.offset) <= glm::length(box.size()))
+    box.grow(before);
+  else if (revision == Revision::kOlder)
+    box = before;
+  return box;
 }
 
 const core::Scene& scene_of(const Compared& c, const Group& group) {

@@ -1,13 +1,16 @@
-// What sightline-compare has found, and how it says it.
+// What a comparison has found, and how it is said.
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "sightline/analysis/compare/groups.h"
 #include "sightline/apps/common/item_facts.h"
+#include "sightline/apps/common/numbers.h"
+#include "sightline/core/aabb.h"
 
 namespace sightline::apps {
 
@@ -17,11 +20,16 @@ struct Compared {
   compare::Revision before, after;
   compare::Comparison found;
   compare::Groups groups;
+  std::optional<LengthFormat> lengths = {};  ///< none: each length in the unit that suits it
 
   const compare::Change& item(const compare::Group& group, std::size_t i) const {
     return found.items[groups.members[group.begin + i]];
   }
 };
+
+/// Compares, and groups equal changes. Fails as compare::revisions() does.
+core::Expected<Compared> compare_revisions(const compare::Revision& before, const compare::Revision& after,
+                                           const compare::Options& options);
 
 /// Whether a change is more than none: names count, too.
 bool is_listed(const compare::Change& change);
@@ -62,6 +70,18 @@ auto rows_of(const compare::Group& group, std::size_t most, const RowOf& row_of)
   }
   return out;
 }
+
+/// The state whose colour and switch groups of a way have: that of their items, or that of changed ones.
+compare::State shown_as(compare::Way way);
+
+enum class Revision { kNewer, kOlder };
+/// Items of a revision that a group is about, in rising order: of nodes, those below them.
+std::vector<core::ItemId> items_of(const Compared& compared, const compare::Group& group, Revision revision);
+/// What an image of the group shows: the box of its items in that revision, or, where they moved by no more than its
+/// diagonal, in both.
+core::AabbD box_of(const Compared& compared, const compare::Group& group, Revision revision);
+/// An image of the group is of this shape, and half filled by it, so that its surroundings tell where it is.
+inline constexpr double kGroupAspect = 4.0 / 3.0, kGroupFilled = 0.5;
 
 std::string path_of(const Compared& compared, const compare::Group& group);
 /// The last name of that path.

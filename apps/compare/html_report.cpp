@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "sightline/apps/common/change_colours.h"
 #include "sightline/apps/common/html_page.h"
@@ -82,7 +83,14 @@ std::vector<std::string> row_of(const Compared& c, const Group& group, const std
   return row;
 }
 
-void add_group(const Compared& c, const Group& group, HtmlBody& body) {
+void add_images(const GroupImage& images, HtmlBody& body) {
+  std::vector<LabelledPng> pair;
+  for (const auto& [label, png] : {std::pair("before", &images.before), std::pair("after", &images.after)})
+    if (!png->empty()) pair.push_back({label, *png});
+  if (!pair.empty()) body.images(pair, {"What has changed is coloured, all else is faint.", ""});
+}
+
+void add_group(const Compared& c, const Group& group, const GroupImage& images, HtmlBody& body) {
   const std::string path = path_of(c, group);
   const auto members = rows_of(group, kMostPageRows, [&](std::size_t i) { return row_of(c, group, path, i); });
   Table rows;
@@ -93,6 +101,7 @@ void add_group(const Compared& c, const Group& group, HtmlBody& body) {
   std::string caption = "Below " + path + ".";
   if (members.left_out > 0) caption += " " + count_text(members.left_out) + " more are left out.";
   HtmlBody inside;
+  add_images(images, inside);
   inside.text_table(head_of(group.way), rows, {caption, ""});
   body.details(badge_of(group.way), path + ": " + what_of(c, group), inside);
 }
@@ -103,12 +112,14 @@ struct Chapter {
 };
 
 /// The groups of some ways of changing, the largest ones first; nothing where there are none.
-void add_chapter(const Compared& c, const Chapter& chapter, std::vector<PageSection>& sections) {
+void add_chapter(const Compared& c, std::span<const GroupImage> images, const Chapter& chapter,
+                 std::vector<PageSection>& sections) {
   HtmlBody body;
   std::size_t groups = 0;
-  for (const Group& group : c.groups.all) {
+  for (std::size_t i = 0; i < c.groups.all.size(); ++i) {
+    const Group& group = c.groups.all[i];
     if (std::find(chapter.ways.begin(), chapter.ways.end(), group.way) == chapter.ways.end()) continue;
-    if (groups++ < kMostPageGroups) add_group(c, group, body);
+    if (groups++ < kMostPageGroups) add_group(c, group, i < images.size() ? images[i] : GroupImage(), body);
   }
   if (groups == 0) return;
   if (groups > kMostPageGroups)
@@ -136,7 +147,7 @@ PageSection summary(const Compared& c) {
 
 }  // namespace
 
-std::string html_report(const Compared& c) {
+std::string html_report(const Compared& c, std::span<const GroupImage> images) {
   const std::vector<Chapter> chapters = {
       {"added", "Added", {Way::kAdded}},
       {"removed", "Removed", {Way::kRemoved}},
@@ -144,7 +155,7 @@ std::string html_report(const Compared& c) {
       {"changed", "Changed", {Way::kShape, Way::kMaterial, Way::kAttributes, Way::kNodeAttributes}},
       {"renamed", "Renamed", {Way::kRenamed}}};
   std::vector<PageSection> sections{summary(c)};
-  for (const Chapter& chapter : chapters) add_chapter(c, chapter, sections);
+  for (const Chapter& chapter : chapters) add_chapter(c, images, chapter, sections);
   return html_page("What has changed",
                    {"From " + c.before_file + " to " + c.after_file + ".",
                     "Each line is a group of items that changed alike; click it to list them. An item that changed in "

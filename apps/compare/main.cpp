@@ -13,6 +13,7 @@
 #include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
+#include "sightline/apps/compare/group_images.h"
 #include "sightline/apps/compare/reports.h"
 #include "sightline/core/internal/atomic_file.h"
 #include "sightline/core/internal/platform/files.h"
@@ -57,18 +58,31 @@ compare::Revision revision_of(const apps::Model& model) {
 }
 
 apps::Compared compared(const Options& options, const apps::Model& before, const apps::Model& after) {
-  apps::Compared out{
-      options.before, options.after, options.compare.tolerance, revision_of(before), revision_of(after), {}, {}};
   compare::Options with = options.compare;
   apps::Progress bar("comparing");
   with.progress = bar.callback();
-  out.found = need(compare::revisions(out.before, out.after, with));
-  out.groups = compare::grouped(out.before, out.after, out.found, options.compare.tolerance);
+  auto out = need(apps::compare_revisions(revision_of(before), revision_of(after), with));
+  out.before_file = options.before;
+  out.after_file = options.after;
   return out;
 }
 
-void write_bcf(const Options& options, const apps::Compared& found) {
-  const auto bytes = bcf_report(found);
+/// For pages and topics, where this build can draw.
+std::vector<apps::GroupImage> images_of(const Options& options, const apps::Compared& found, const apps::Model& before,
+                                        const apps::Model& after) {
+  if (options.html_file.empty() && options.bcf_file.empty()) return {};
+#if SIGHTLINE_HAS_GROUP_IMAGES
+  apps::Progress bar("drawing");
+  return need(
+      apps::group_images(found, *before.scene, *after.scene, [&](double share) { (void)bar.callback()(share); }));
+#else
+  (void)found, (void)before, (void)after;
+  return {};
+#endif
+}
+
+void write_bcf(const Options& options, const apps::Compared& found, std::span<const apps::GroupImage> images) {
+  const auto bytes = bcf_report(found, images);
   if (!bytes) apps::fail(options.bcf_file + ": " + bytes.error().message);
   need(core::write_file(core::platform::path_of(options.bcf_file), {std::as_bytes(std::span(*bytes))}));
   if (const std::size_t all = found.groups.all.size(); all > apps::kMostTopics)
@@ -76,11 +90,11 @@ void write_bcf(const Options& options, const apps::Compared& found) {
                  apps::kMostTopics, all);
 }
 
-void write_files(const Options& options, const apps::Compared& found) {
+void write_files(const Options& options, const apps::Compared& found, std::span<const apps::GroupImage> images) {
   if (!options.json_file.empty()) need(apps::write_json(options.json_file, json::sorted(json_report(found))));
-  if (!options.html_file.empty()) need(apps::write_text(options.html_file, html_report(found)));
+  if (!options.html_file.empty()) need(apps::write_text(options.html_file, html_report(found, images)));
   if (!options.csv_file.empty()) need(apps::write_text(options.csv_file, csv_report(found)));
-  if (!options.bcf_file.empty()) write_bcf(options, found);
+  if (!options.bcf_file.empty()) write_bcf(options, found, images);
 }
 
 core::Expected<int> run(const Options& options) {
@@ -94,7 +108,7 @@ core::Expected<int> run(const Options& options) {
     constexpr auto kAll = std::numeric_limits<std::size_t>::max();
     std::fputs(text_report(found, options.all ? kAll : options.list).c_str(), stdout);
   }
-  write_files(options, found);
+  write_files(options, found, images_of(options, found, before, after));
   return options.fail_on_changes && !found.found.same() ? apps::kExitFailure : apps::kExitOk;
 }
 

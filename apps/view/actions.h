@@ -78,6 +78,9 @@ Done toggle_changes(const std::string& state, Session& session);
 Done next_change(const std::string&, Session& session);
 Done previous_change(const std::string&, Session& session);
 
+/// Writes what has changed, as sightline-compare does: .html, .csv, .json, .bcfzip or .bcf.
+Done save_comparison(const std::string& file, Session& session, Messages& messages);
+
 /// "0.3", of the image's width, or "off"; without an argument the other of both. Fails while somebody reads the scene.
 Done set_slider(Workspace& work, const std::string& argument);
 

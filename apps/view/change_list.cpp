@@ -9,7 +9,9 @@
 #include "sightline/apps/common/change_colours.h"
 #include "sightline/apps/common/item_copier.h"
 #include "sightline/apps/common/numbers.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/tree_walk.h"
+#include "sightline/apps/compare/group_images.h"
 #include "sightline/apps/view/tree_rows.h"
 
 namespace sightline::apps {
@@ -37,8 +39,8 @@ core::Expected<core::NodeId> same_file(const Model& open, std::string_view name)
 
 }  // namespace
 
-core::Expected<compare::Comparison> compare_models(const Model& before, const Model& open,
-                                                   const std::function<bool(double)>& progress) {
+core::Expected<Compared> compare_models(const Model& before, const Model& open,
+                                        const std::function<bool(double)>& progress) {
   if (before.report.nodes.size() != 1)
     return core::fail("compare: expected a file with a model, found attributes alone");
   const core::NodeId old_file = before.report.nodes[0];
@@ -47,7 +49,7 @@ core::Expected<compare::Comparison> compare_models(const Model& before, const Mo
   compare::Options options;
   options.tolerance += before.report.sharing_error + open.report.sharing_error;
   options.progress = progress;
-  return compare::revisions({before.scene.get(), old_file}, {open.scene.get(), *new_file}, options);
+  return compare_revisions({before.scene.get(), old_file}, {open.scene.get(), *new_file}, options);
 }
 
 std::vector<std::string> older_files(const std::string& file, const std::vector<std::string>& open_files) {
@@ -83,8 +85,8 @@ std::pair<std::string, std::string> names_apart(const std::string& older, const 
   return {in_folder(old), in_folder(now)};
 }
 
-ChangeList::ChangeList(std::string file, Model before, compare::Comparison found)
-    : file_(std::move(file)), before_(std::move(before)), found_(std::move(found)) {
+ChangeList::ChangeList(std::string file, Model before, Compared found)
+    : file_(std::move(file)), before_(std::move(before)), compared_(std::move(found)) {
   shown_.fill(true);
   list();
 }
@@ -104,7 +106,7 @@ core::Expected<ChangeList::Copies> ChangeList::copy(core::Scene& scene, const ch
   ItemCopier copier(old, top, scene, copies.node, ItemCopier::Materials::kNone);
   core::Expected<void> done;
   for (const std::uint32_t change : changes) {
-    const auto copied = copier.copy(found_.items[change].before);
+    const auto copied = copier.copy(found().items[change].before);
     if (!copied) {
       done = tl::unexpected(copied.error());
       break;
@@ -128,8 +130,8 @@ void ChangeList::take(core::Scene& scene, Copies& copies) {
 
 core::Expected<void> ChangeList::add_removed(core::Scene& scene) {
   change_of_.assign(scene.item_slots(), kNoChange);
-  for (std::size_t i = 0; i < first_removed(); ++i) change_of_[to_index(found_.items[i].after)] = std::uint32_t(i);
-  std::vector<std::uint32_t> removed(found_.count(State::kRemoved));
+  for (std::size_t i = 0; i < first_removed(); ++i) change_of_[to_index(found().items[i].after)] = std::uint32_t(i);
+  std::vector<std::uint32_t> removed(found().count(State::kRemoved));
   std::iota(removed.begin(), removed.end(), std::uint32_t(first_removed()));
   auto copies = copy(scene, "removed", removed);
   if (!copies) return tl::unexpected(copies.error());
@@ -144,7 +146,7 @@ void ChangeList::take_removed(core::Scene& scene) {
 core::Expected<void> ChangeList::add_replaced(core::Scene& scene) {
   std::vector<std::uint32_t> replaced;
   for (std::size_t i = 0; i < first_removed(); ++i)
-    if (is_replaced(found_.items[i].state)) replaced.push_back(std::uint32_t(i));
+    if (is_replaced(found().items[i].state)) replaced.push_back(std::uint32_t(i));
   auto copies = copy(scene, "replaced", replaced);
   if (!copies) return tl::unexpected(copies.error());
   replaced_ = std::move(*copies);
@@ -164,7 +166,7 @@ std::vector<core::ItemId> ChangeList::only_in(Revision revision) const {
     items.insert(items.end(), replaced_.items.begin(), replaced_.items.end());
   } else {
     for (std::size_t i = 0; i < first_removed(); ++i)
-      if (const Change& change = found_.items[i]; change.state == State::kAdded || is_replaced(change.state))
+      if (const Change& change = found().items[i]; change.state == State::kAdded || is_replaced(change.state))
         items.push_back(change.after);
   }
   std::sort(items.begin(), items.end());
@@ -179,11 +181,8 @@ void ChangeList::set_shown(State state, bool shown) {
 void ChangeList::list() {
   const std::optional<std::uint32_t> was = current_ ? std::optional(rows_[*current_]) : std::nullopt;
   rows_.clear();
-  for (std::size_t i = 0; i < found_.items.size(); ++i)
-    if (const State state = found_.items[i].state; state != State::kUnchanged && shown(state))
-      rows_.push_back(std::uint32_t(i));
-  if (shown(State::kChanged))
-    for (std::size_t i = 0; i < found_.nodes.size(); ++i) rows_.push_back(std::uint32_t(found_.items.size() + i));
+  for (std::size_t i = 0; i < compared_.groups.all.size(); ++i)
+    if (shown(shown_as(compared_.groups.all[i].way))) rows_.push_back(std::uint32_t(i));
   current_.reset();
   if (!was) return;
   const auto same = std::lower_bound(rows_.begin(), rows_.end(), *was);
@@ -199,38 +198,74 @@ BaseStyles ChangeList::base_styles() const {
   base_styles.which.resize(change_of_.size());
   for (std::size_t item = 0; item < change_of_.size(); ++item)
     if (change_of_[item] != kNoChange)
-      base_styles.which[item] = std::uint8_t(std::size_t(found_.items[change_of_[item]].state) + 1);
+      base_styles.which[item] = std::uint8_t(std::size_t(found().items[change_of_[item]].state) + 1);
   return base_styles;
 }
 
 core::ItemId ChangeList::item_of(std::size_t change) const {
-  return change < first_removed() ? found_.items[change].after : removed_.items[change - first_removed()];
+  return change < first_removed() ? found().items[change].after : removed_.items[change - first_removed()];
+}
+
+core::Expected<std::string> ChangeList::report(const std::string& extension, core::Scene& open) const {
+  if (extension == ".csv") return csv_report(compared_);
+  if (extension == ".json") return to_text(json::sorted(json_report(compared_)));
+  if (extension != ".html" && extension != ".bcf" && extension != ".bcfzip")
+    return core::fail("expected a name that ends in .html, .csv, .json, .bcfzip or .bcf");
+  std::vector<GroupImage> images;
+#if SIGHTLINE_HAS_GROUP_IMAGES
+  auto drawn = group_images(compared_, *before_.scene, open);
+  if (!drawn) return tl::unexpected(drawn.error());
+  images = std::move(*drawn);
+#else
+  (void)open;
+#endif
+  return extension == ".html" ? html_report(compared_, images) : bcf_report(compared_, images);
 }
 
 State ChangeList::state(std::size_t row) const {
-  return is_item(row) ? found_.items[rows_[row]].state : State::kChanged;
+  return shown_as(group(row).way);
 }
 
+/// What is removed hangs on copies of the nodes that it hung on.
 core::NodeId ChangeList::node(const core::Scene& scene, std::size_t row) const {
-  return is_item(row) ? scene.node_of(item_of(rows_[row])) : found_.nodes[rows_[row] - found_.items.size()].after;
+  const compare::Group& of = group(row);
+  if (of.way != compare::Way::kRemoved) return of.node;
+  core::NodeId now = scene.node_of(item_of(compared_.groups.members[of.begin]));
+  for (core::NodeId old = before().node_of(compared_.item(of, 0).before);
+       old != of.node && old != before_.report.nodes[0]; old = before().parent(old))
+    now = scene.parent(now);
+  return now;
 }
 
 std::vector<core::ItemId> ChangeList::items(const core::Scene& scene, std::size_t row) const {
-  if (is_item(row)) return {item_of(rows_[row])};
-  return items_below(scene, node(scene, row));
+  const compare::Group& of = group(row);
+  std::vector<core::ItemId> items;
+  std::vector<core::NodeId> nodes;
+  for (std::uint32_t i = of.begin; i < of.end; ++i) {
+    const std::uint32_t member = compared_.groups.members[i];
+    if (of.way == compare::Way::kNodeAttributes)
+      nodes.push_back(found().nodes[member].after);
+    else
+      items.push_back(item_of(member));
+  }
+  if (!nodes.empty()) return items_below(scene, nodes);
+  std::sort(items.begin(), items.end());
+  return items;
 }
 
-std::string ChangeList::name(const core::Scene& scene, std::size_t row) const {
-  const core::NodeId own = node(scene, row);
-  core::NodeId named = own;
-  while (named.valid() && scene.name(named).empty()) named = scene.parent(named);
-  std::string text = label(scene, named.valid() ? named : own);
-  if (is_item(row)) text.append("  ").append(core::name_of(scene.kind(item_of(rows_[row]))));
-  return text;
+std::string ChangeList::name(std::size_t row) const {
+  return name_of(compared_, group(row));
 }
 
-std::string ChangeList::what(std::size_t row) const {
-  return is_item(row) ? describe(found_.items[rows_[row]]) : "changed: attributes of a group";
+const std::string& ChangeList::what(std::size_t row, const LengthFormat& lengths) {
+  if (!compared_.lengths || compared_.lengths->units != lengths.units ||
+      compared_.lengths->decimals != lengths.decimals) {
+    compared_.lengths = lengths;
+    words_.assign(compared_.groups.all.size(), "");
+  }
+  std::string& words = words_[rows_[row]];
+  if (words.empty()) words = what_of(compared_, group(row));
+  return words;
 }
 
 std::optional<std::size_t> ChangeList::step(int by) {
@@ -245,7 +280,7 @@ std::optional<std::size_t> ChangeList::step(int by) {
 
 const Change* ChangeList::of(core::ItemId item) const {
   return to_index(item) < change_of_.size() && change_of_[to_index(item)] != kNoChange
-             ? &found_.items[change_of_[to_index(item)]]
+             ? &found().items[change_of_[to_index(item)]]
              : nullptr;
 }
 
@@ -261,7 +296,7 @@ std::vector<FactChange> ChangeList::differing_facts(const core::Scene& scene, co
   return facts;
 }
 
-std::string describe(const Change& change) {
+std::string describe(const Change& change, const LengthFormat& lengths) {
   if (change.before == core::kNoItem || change.after == core::kNoItem)
     return std::string(compare::name_of(change.state));
   std::string text;
@@ -270,7 +305,7 @@ std::string describe(const Change& change) {
     if (change.differences & bit) text.append(text.empty() ? "changed: " : ", ").append(name);
   const auto add = [&](const std::string& words) { text.append(text.empty() ? "" : "; ").append(words); };
   if (change.differences & compare::kPlace) {
-    add("moved by " + length_text(glm::length(change.offset)));
+    add("moved by " + lengths.text(glm::length(change.offset)));
     char turn[40];
     std::snprintf(turn, sizeof turn, ", turned by %.1f°", glm::degrees(change.turn));
     if (change.turn > kTurned) text += turn;

@@ -9,17 +9,17 @@
 #include <string>
 #include <vector>
 
-#include "sightline/analysis/compare/compare.h"
 #include "sightline/apps/common/item_facts.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/compare/compared.h"
 #include "sightline/apps/view/document.h"
 
 namespace sightline::apps {
 
 /// Compares the file that `before` was read from with the same file of the open model: its only one, or the one of the
-/// same name. Fails where there is none, and as compare::revisions() does.
-core::Expected<compare::Comparison> compare_models(const Model& before, const Model& open,
-                                                   const std::function<bool(double)>& progress);
+/// same name. Fails where there is none, and as compare_revisions() does.
+core::Expected<Compared> compare_models(const Model& before, const Model& open,
+                                        const std::function<bool(double)>& progress);
 
 /// An attribute file of the open model has an older revision beside `file`: of its own name, or of the name of `file`.
 /// Returns `file` and those that there are.
@@ -29,12 +29,10 @@ std::vector<std::string> older_files(const std::string& file, const std::vector<
 /// folders where these are the same.
 std::pair<std::string, std::string> names_apart(const std::string& older, const std::vector<std::string>& open_files);
 
-enum class Revision { kNewer, kOlder };
-
 class ChangeList {
  public:
   /// `found` tells what has become of `before` in the open scene.
-  ChangeList(std::string file, Model before, compare::Comparison found);
+  ChangeList(std::string file, Model before, Compared found);
 
   /// Copies the removed items, with the nodes above them, to below a node "removed (FILE)" of the open scene's root.
   /// They have the material of no item. Fails with nothing added.
@@ -51,22 +49,26 @@ class ChangeList {
   std::vector<core::ItemId> only_in(Revision revision) const;
 
   const std::string& file() const { return file_; }
-  const compare::Comparison& found() const { return found_; }
+  const compare::Comparison& found() const { return compared_.found; }
   const core::Scene& before() const { return *before_.scene; }
+  /// The bytes of a report in the format of an extension: .html, .csv, .json, .bcfzip or .bcf. `open`: the scene that was
+  /// compared.
+  core::Expected<std::string> report(const std::string& extension, core::Scene& open) const;
 
   bool shown(compare::State state) const { return shown_[std::size_t(state)]; }
   void set_shown(compare::State state, bool shown);
   BaseStyles base_styles() const;
 
-  // The list: what has changed in states that are shown, items in the order of compare::Comparison, then groups, which
-  // are nodes with other attributes but without items of their own. An index must be below row_count().
+  // The list: groups of equal changes (analysis/compare/groups.h) of states that are shown, those that are renamed with
+  // the unchanged ones. An index must be below row_count().
   std::size_t row_count() const { return rows_.size(); }
   compare::State state(std::size_t row) const;
   /// Node and items of a row in the open scene, items in rising order.
   core::NodeId node(const core::Scene& scene, std::size_t row) const;
   std::vector<core::ItemId> items(const core::Scene& scene, std::size_t row) const;
-  std::string name(const core::Scene& scene, std::size_t row) const;
-  std::string what(std::size_t row) const;  ///< as describe()
+  std::string name(std::size_t row) const;  ///< of the node
+  /// "5,000 items moved by 1,000 mm along +x"
+  const std::string& what(std::size_t row, const LengthFormat& lengths);
 
   std::optional<std::size_t> current() const { return current_; }
   void set_current(std::size_t row) { current_ = row; }
@@ -79,17 +81,18 @@ class ChangeList {
   std::vector<FactChange> differing_facts(const core::Scene& scene, core::ItemId item) const;
 
  private:
-  std::size_t first_removed() const { return found_.items.size() - found_.count(compare::State::kRemoved); }
-  bool is_item(std::size_t row) const { return rows_[row] < found_.items.size(); }
+  std::size_t first_removed() const { return found().items.size() - found().count(compare::State::kRemoved); }
+  const compare::Group& group(std::size_t row) const { return compared_.groups.all[rows_[row]]; }
   /// In the open scene: itself, or the copy.
   core::ItemId item_of(std::size_t change) const;
   void list();
 
   std::string file_;
   Model before_;
-  compare::Comparison found_;
+  Compared compared_;
   std::array<bool, compare::kStateCount> shown_;
-  std::vector<std::uint32_t> rows_;       // indices of items, then of nodes beyond those
+  std::vector<std::uint32_t> rows_;       // indices of groups
+  std::vector<std::string> words_;        // by group: what(), once it was asked for
   std::vector<std::uint32_t> change_of_;  // by item of the open scene
   std::optional<std::size_t> current_;
   /// Copies of items of the older scene, which lie below a node of the open one.
@@ -105,7 +108,7 @@ class ChangeList {
   bool apart_ = false;  // between add_replaced() and take_replaced()
 };
 
-/// "added", "changed: shape, material; moved by 0.250 m, turned by 12.0°; renamed", "unchanged", …
-std::string describe(const compare::Change& change);
+/// "added", "changed: shape, material; moved by 250 mm, turned by 12.0°; renamed", "unchanged", …
+std::string describe(const compare::Change& change, const LengthFormat& lengths);
 
 }  // namespace sightline::apps

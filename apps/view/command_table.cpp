@@ -493,6 +493,9 @@ const Command kCompare[] = {
      "split the image by a line that can be dragged: left of it the older revision as it was, right of it the newer "
      "one; or end that: 0…1 or off",
      set_slider, [](Workspace& w) { return w.session->slider.at().has_value(); }, &needs::kComparison},
+    {"compare-save", "Compare", "Save the list", "",
+     "write what has changed, with images: FILE.html, .csv, .json, .bcfzip or .bcf", with<save_comparison>, nullptr,
+     &needs::kComparison},
     {"compare-end", "|Compare", "End the comparison", "", "show the model alone again", end_comparison, nullptr,
      &needs::kComparison},
     {"compare-toggle", nullptr, "", "",

@@ -50,12 +50,13 @@ void legend(Workspace& work, const ChangeList& changes) {
     if (count > 0) ImGui::TextWrapped("%s %s", grouped(std::int64_t(count)).c_str(), what);
   };
   also(changes.found().renamed, "of them renamed, or below other nodes");
-  also(changes.found().nodes.size(), "groups with other attributes");
+  also(changes.found().nodes.size(), "nodes with other attributes");
 }
 
-/// Two lines: name, and what has become of it.
-void change_row(Workspace& work, const ChangeList& changes, std::size_t row, float height) {
+/// Two lines: the name of the node, and what has become of the items below it.
+void change_row(Workspace& work, ChangeList& changes, std::size_t row, float height) {
   const core::Scene& scene = work.session->scene();
+  const std::string& what = changes.what(row, work.lengths());
   const ImVec2 at = ImGui::GetCursorPos();
   ImGui::PushID(int(row));
   if (ImGui::Selectable("##row", changes.current() == row, 0, {0.0f, height}))
@@ -63,7 +64,7 @@ void change_row(Workspace& work, const ChangeList& changes, std::size_t row, flo
   if (ImGui::IsItemHovered()) {
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(25.0f * ImGui::GetFontSize());
-    ImGui::Text("%s\n%s", scene.path(changes.node(scene, row)).c_str(), changes.what(row).c_str());
+    ImGui::Text("%s\n%s", scene.path(changes.node(scene, row)).c_str(), what.c_str());
     ImGui::PopTextWrapPos();
     ImGui::EndTooltip();
   }
@@ -72,14 +73,14 @@ void change_row(Workspace& work, const ChangeList& changes, std::size_t row, flo
   const float indent = 1.4f * ImGui::GetTextLineHeight();
   ImGui::SetCursorPos({at.x + indent, at.y});
   const float room = ImGui::GetContentRegionAvail().x;
-  ImGui::TextUnformatted(shortened(changes.name(scene, row), room).c_str());
+  ImGui::TextUnformatted(shortened(changes.name(row), room).c_str());
   ImGui::SetCursorPos({at.x + indent, at.y + ImGui::GetTextLineHeight()});
-  ImGui::TextDisabled("%s", changes.what(row).c_str());
+  ImGui::TextDisabled("%s", shortened(what, room).c_str());
   ImGui::SetCursorPos({at.x, at.y + height + ImGui::GetStyle().ItemSpacing.y});
   ImGui::PopID();
 }
 
-void list(Workspace& work, const ChangeList& changes) {
+void list(Workspace& work, ChangeList& changes) {
   static std::optional<std::size_t> scrolled_to;
   const float height = 2.0f * ImGui::GetTextLineHeight(), pitch = height + ImGui::GetStyle().ItemSpacing.y;
   ImGui::BeginChild("##changes", {0.0f, 0.0f}, true);
@@ -99,7 +100,7 @@ void list(Workspace& work, const ChangeList& changes) {
 }  // namespace
 
 void compare_tab(Workspace& work) {
-  const ChangeList& changes = *work.session->changes();
+  ChangeList& changes = *work.session->changes();
   ImGui::TextWrapped("What is open is the newer revision. The older one: %s",
                      std::filesystem::path(changes.file()).filename().string().c_str());
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", changes.file().c_str());
@@ -114,7 +115,7 @@ void compare_tab(Workspace& work) {
   else
     ImGui::TextUnformatted(all.c_str());
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-  command_button(work, "compare-slider", right);
+  for (const char* name : {"compare-slider", "compare-save"}) command_button(work, name, right);
   const bool ends = ImGui::Button("End the comparison");
   list(work, changes);
   if (ends) run(work, "compare-end");  // last: the list is gone then

@@ -1,13 +1,18 @@
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/needs.h"
+#include "sightline/core/internal/ascii_case.h"
+#include "sightline/core/internal/atomic_file.h"
+#include "sightline/core/internal/platform/files.h"
 
 namespace sightline::apps {
 namespace {
 
+namespace fs = std::filesystem;
 using compare::State;
 using Json = json::Value;
 
@@ -64,6 +69,18 @@ Done next_change(const std::string&, Session& session) {
 
 Done previous_change(const std::string&, Session& session) {
   return step(session, -1);
+}
+
+Done save_comparison(const std::string& file, Session& session, Messages& messages) {
+  const auto changes = changes_of(session);
+  if (!changes) return tl::unexpected(changes.error());
+  const std::string name = file.empty() ? free_name("changes", ".html") : file;
+  const fs::path path = core::platform::path_of(name);
+  const auto report = (*changes)->report(core::lower_case(path.extension().string()), *session.model().scene);
+  if (!report) return core::fail(name + ": " + report.error().message);
+  if (auto done = core::write_file(path, {std::as_bytes(std::span(*report))}); !done) return done;
+  messages.tell("comparison: " + name);
+  return {};
 }
 
 Done set_slider(Workspace& work, const std::string& argument) {

@@ -51,7 +51,7 @@ void Opening::compare(const std::string& file, const Session& open) {
   older.files = older_files(file, open.files);
   older.import.recognise = open.recognised;
   older.import.copies = importers::MeshCopies::kExact;  // similar copies may be moved by a little
-  auto found = std::make_shared<compare::Comparison>();
+  auto found = std::make_shared<Compared>();
   begin(older, [found, open = &open.model()](Model& model, const auto& progress) -> core::Expected<void> {
     auto comparison = compare_models(model, *open, progress);
     if (!comparison) return tl::unexpected(comparison.error());

@@ -65,7 +65,7 @@ class Opening {
   double default_budget_ms_;
   std::unique_ptr<Preview> preview_;
   std::unique_ptr<Session> opened_;             // by the loader, until it has landed
-  std::shared_ptr<compare::Comparison> found_;  // with what is read now; null where a model is read
+  std::shared_ptr<Compared> found_;  // with what is read now; null where a model is read
   std::unique_ptr<Loader> loader_;              // its thread uses those before
   OpeningSteps steps_;
   int portions_ = 0;

@@ -38,12 +38,12 @@ void item_properties(const core::Scene& scene, core::ItemId item, const LengthFo
 }
 
 /// What has become of an item since the older revision, and what differs in its facts.
-void item_changes(const ChangeList& changes, const core::Scene& scene, core::ItemId item) {
+void item_changes(const ChangeList& changes, const core::Scene& scene, core::ItemId item, const LengthFormat& lengths) {
   const compare::Change* change = changes.of(item);
   if (!change) return;
   const std::string older = std::filesystem::path(changes.file()).filename().string();
   if (!ImGui::CollapsingHeader(("Since " + older).c_str(), ImGuiTreeNodeFlags_DefaultOpen)) return;
-  ImGui::TextWrapped("%s", describe(*change).c_str());
+  ImGui::TextWrapped("%s", describe(*change, lengths).c_str());
   const auto or_none = [](const std::string& value) { return value.empty() ? "none" : value; };
   if (!begin_rows("changes")) return;
   for (const FactChange& fact : changes.differing_facts(scene, item))
@@ -116,7 +116,7 @@ void properties_tab(Workspace& work) {
   ImGui::NewLine();
   ImGui::Separator();
   if (selection.size() == 1) {
-    if (session.changes()) item_changes(*session.changes(), session.scene(), selection[0]);
+    if (session.changes()) item_changes(*session.changes(), session.scene(), selection[0], work.lengths());
     item_properties(session.scene(), selection[0], work.lengths());
   } else {
     selection_properties(session.scene(), session.document);

@@ -181,6 +181,10 @@ TEST_F(EditedPlant, PageHasGroupsAndTheirItems) {
   EXPECT_TRUE(has("background: #56b4e9")) << "the viewer's colour of what has moved";
   EXPECT_FALSE(has("<b>")) << "names are escaped";
   EXPECT_FALSE(has("<script"));
+#if SIGHTLINE_HAS_GROUP_IMAGES
+  EXPECT_TRUE(has("<img alt=\"before\" src=\"data:image/png;base64,"));
+  EXPECT_TRUE(has("<img alt=\"after\" src=\"data:image/png;base64,"));
+#endif
 }
 
 #if SIGHTLINE_HAS_BCF
@@ -199,6 +203,9 @@ TEST_F(EditedPlant, BcfHasATopicForEachGroup) {
   EXPECT_NE(moved->comment.find("part-0 (box)\n"), std::string::npos) << moved->comment;
   EXPECT_NE(moved->comment.find("and 10 more items"), std::string::npos) << moved->comment;
   EXPECT_FALSE(moved->author.empty());
+#if SIGHTLINE_HAS_GROUP_IMAGES
+  EXPECT_GT(moved->snapshot.size(), 1000u);
+#endif
   ASSERT_TRUE(moved->shown);
   ASSERT_EQ(moved->shown->selection.parts.size(), 1u);
   EXPECT_EQ(moved->shown->selection.parts[0].node, "new.rvm/a \"large\", <b>");

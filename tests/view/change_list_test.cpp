@@ -167,21 +167,24 @@ TEST(ChangeList, CopiesWhatIsRemovedAndTakesItAway) {
     const NodeId top = removed_node(scene);
     EXPECT_EQ(top.valid(), removed > 0);
     const NodeId old_top = changes->before().first_child(changes->before().root());
-    std::size_t row = 0;
-    for (const compare::Change& change : found.items) {
-      if (change.state == State::kUnchanged) continue;
-      ASSERT_LT(row, changes->row_count());
-      EXPECT_EQ(changes->state(row), change.state);
-      const ItemId item = changes->items(scene, row).at(0);
-      EXPECT_EQ(changes->of(item), &change);
-      EXPECT_EQ(changes->node(scene, row), scene.node_of(item));
-      if (change.state == State::kRemoved)
-        expect_copy(changes->before(), old_top, change.before, scene, top, item);
-      else
-        EXPECT_EQ(item, change.after);
-      ++row;
+    std::set<const compare::Change*> listed;
+    for (std::size_t row = 0; row < changes->row_count(); ++row) {
+      const std::vector<ItemId> below = items_below(scene, changes->node(scene, row));
+      for (const ItemId item : changes->items(scene, row)) {
+        EXPECT_TRUE(std::binary_search(below.begin(), below.end(), item)) << "a group stands above its items";
+        const compare::Change* change = changes->of(item);
+        ASSERT_NE(change, nullptr);
+        listed.insert(change);
+        if (change->state == State::kRemoved)
+          expect_copy(changes->before(), old_top, change->before, scene, top, item);
+        else
+          EXPECT_EQ(item, change->after);
+      }
     }
-    EXPECT_EQ(changes->row_count(), row + found.nodes.size());
+    for (const compare::Change& change : found.items)
+      if (change.state != State::kUnchanged) {
+        EXPECT_TRUE(listed.contains(&change));
+      }
     const BaseStyles base_styles = changes->base_styles();
     for (ItemId item{0}; to_index(item) < scene.item_slots(); ++item) {
       ASSERT_NE(changes->of(item), nullptr);
@@ -205,19 +208,20 @@ TEST(ChangeList, RowsAreThoseOfTheStatesThatShow) {
   const Model open = model_of(edited(edited(plan, random), random), "new.rvm");
   auto changes = changes_of(model_of(plan, "old.rvm"), open);
   ASSERT_TRUE(changes->add_removed(*open.scene));
-  const auto& found = changes->found();
+  const auto states = [&] {
+    std::vector<State> rows;
+    for (std::size_t row = 0; row < changes->row_count(); ++row) rows.push_back(changes->state(row));
+    return rows;
+  };
+  const std::vector<State> all = states();
   for (unsigned set = 0; set < 32; ++set) {
     for (std::size_t i = 0; i < compare::kStateCount; ++i) changes->set_shown(State(i), (set >> i & 1) != 0);
-    std::vector<State> expected, rows;
-    for (const compare::Change& change : found.items)
-      if (change.state != State::kUnchanged && (set >> unsigned(change.state) & 1) != 0)
-        expected.push_back(change.state);
-    if ((set >> unsigned(State::kChanged) & 1) != 0)
-      expected.insert(expected.end(), found.nodes.size(), State::kChanged);
+    std::vector<State> expected = all;
+    std::erase_if(expected, [&](State state) { return (set >> unsigned(state) & 1) == 0; });
+    const std::vector<State> rows = states();
     for (std::size_t row = 0; row < changes->row_count(); ++row) {
-      rows.push_back(changes->state(row));
-      EXPECT_FALSE(changes->name(*open.scene, row).empty());
-      EXPECT_FALSE(changes->what(row).empty());
+      EXPECT_FALSE(changes->name(row).empty());
+      EXPECT_FALSE(changes->what(row, {}).empty());
     }
     EXPECT_EQ(rows, expected);
     for (std::size_t i = 0; i < compare::kStateCount; ++i)
@@ -238,7 +242,8 @@ TEST(ChangeList, RowsAreThoseOfTheStatesThatShow) {
 }
 
 TEST(ChangeList, TellsWhatDiffers) {
-  const Plan plan = {{"valve", "A", {0, 0, 0}, -1, {{1, 1.0, {0, 0, 0}, false}}}};
+  const Plan plan = {{"valve", "A", {0, 0, 0}, -1, {{1, 1.0, {0, 0, 0}, false}}},
+                     {"pipe", "A", {9, 0, 0}, -1, {{0, 1.0, {0, 0, 0}, false}}}};
   Plan other = plan;
   other[0].mark = "B";
   other[0].parts[0].size = 2.0;
@@ -246,9 +251,14 @@ TEST(ChangeList, TellsWhatDiffers) {
   const Model open = model_of(other, "new.rvm");
   auto changes = changes_of(model_of(plan, "old.rvm"), open);
   ASSERT_TRUE(changes->add_removed(*open.scene));
-  ASSERT_EQ(changes->row_count(), 1u);
-  EXPECT_EQ(changes->what(0), "changed: shape, attributes; moved by 1.500 m");
-  EXPECT_EQ(changes->name(*open.scene, 0), "valve  box");
+  // One item in three groups: its move is left to that of its shape.
+  ASSERT_EQ(changes->row_count(), 2u);
+  std::vector<std::string> words{changes->what(0, {Units::kMillimetres}), changes->what(1, {Units::kMillimetres})};
+  std::sort(words.begin(), words.end());
+  EXPECT_EQ(words[0], "1 item (box) changed in attribute Mark from \"A\" to \"B\"");
+  EXPECT_EQ(words[1], "1 item (box) changed in shape");
+  EXPECT_EQ(changes->name(0), "valve");
+  EXPECT_EQ(describe(*changes->of(ItemId{0}), {Units::kMillimetres}), "changed: shape, attributes; moved by 1,500 mm");
   const auto facts = changes->differing_facts(*open.scene, ItemId{0});
   ASSERT_EQ(facts.size(), 4u);
   EXPECT_EQ(facts[0], (FactChange{"size x", "1 m", "2 m"}));
@@ -266,7 +276,7 @@ TEST(ChangeList, OfSeveralFilesTheOneOfTheSameNameCounts) {
   ASSERT_TRUE(open.scene->commit());
   const auto same = compare_models(model_of(plan, "a.rvm"), open, {});
   ASSERT_TRUE(same);
-  EXPECT_TRUE(same->same());
+  EXPECT_TRUE(same->found.same());
   const auto other = compare_models(model_of(plan, "c.rvm"), open, {});
   ASSERT_FALSE(other);
   EXPECT_NE(other.error().message.find("c.rvm"), std::string::npos);
@@ -415,21 +425,27 @@ TEST_F(ComparingSession, ShowsWhatChangedAndGoesThere) {
   EXPECT_EQ(session->scene().item_count(), to_index(originals) + 12u);
   EXPECT_GT(session->bounds().bounds.max.y, 49.0) << "the whole has a removed part there";
   expect_picks();
+  std::size_t removed = 0;
   for (std::size_t row = 0; row < changes.row_count(); ++row) {
     ASSERT_TRUE(session->go_to_change(row));
-    const ItemId item = changes.items(session->scene(), row)[0];
-    ASSERT_EQ(session->document.selection().size(), 1u);
-    EXPECT_EQ(session->document.selection()[0], item);
-    const dvec3 at = session->scene().state(item).world_from_item.origin;
-    EXPECT_LT(glm::distance(session->camera.pose().target, at), 1.0);
+    const std::vector<ItemId> items = changes.items(session->scene(), row);
+    const auto selection = session->document.selection();
+    ASSERT_TRUE(std::equal(selection.begin(), selection.end(), items.begin(), items.end()));
+    const core::dmat4 clip_from_world = session->image.view()->clip_from_world();
+    for (const ItemId item : items) {
+      const core::dvec4 at = clip_from_world * core::dvec4(session->scene().state(item).world_from_item.origin, 1.0);
+      EXPECT_LT(std::max(std::abs(at.x), std::abs(at.y)), at.w) << "it lies in the image";
+    }
+    if (changes.state(row) == State::kRemoved) removed = row;
   }
+  ASSERT_TRUE(session->go_to_change(removed));
   session->tree.find({"part1"});
   EXPECT_EQ(session->tree.match_count(), 11u) << "three of them removed";
   ASSERT_TRUE(session->end_comparison());
   EXPECT_EQ(session->tree.match_count(), 8u);
   EXPECT_EQ(session->scene().item_count(), to_index(originals));
   EXPECT_LT(session->bounds().bounds.max.y, 5.0);
-  EXPECT_TRUE(session->document.selection().empty()) << "the last row was of a removed item";
+  EXPECT_TRUE(session->document.selection().empty()) << "what was selected is no more";
   expect_picks();
   EXPECT_EQ(apps::items_below(session->scene(), session->scene().root()).size(), to_index(originals));
 }
