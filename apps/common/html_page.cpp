@@ -40,6 +40,7 @@ tbody th { font-weight: normal; }
 .badge { padding: 0 0.45em; border-radius: 0.25em; font-weight: bold; white-space: nowrap; }
 details { margin: 0.3rem 0; overflow-wrap: anywhere; }
 details > figure { margin: 0.4rem 0 0.8rem 1.5rem; }
+details.section { border-top: 1px solid #999; padding: 0.5rem 0; }
 summary { cursor: pointer; }
 .flip > input { margin: 0 0.2em 0 0; }
 .flip > label { margin-right: 1em; font-size: 0.85rem; cursor: pointer; }
@@ -77,6 +78,34 @@ std::string html_of(const Badge& badge) {
   const char* ink = luminance(badge.colour) > 0.179 ? "#000" : "#fff";
   return "<span class=\"badge\" style=\"background: " + hex_of(badge.colour) + "; color: " + ink + "\">" +
          escaped(badge.text) + "</span>";
+}
+
+std::string badge_of(const PageSection& section) {
+  return section.badge ? html_of(*section.badge) + " " : "";
+}
+
+/// A list of links, and then the sections.
+std::string listed_sections(const std::vector<PageSection>& sections) {
+  std::string html = "<ul>\n";
+  for (const PageSection& section : sections) {
+    html += "<li>" + badge_of(section) + "<a href=\"#" + escaped(section.id) + "\">" + escaped(section.title) + "</a>";
+    if (!section.headline.empty()) html += ": " + escaped(section.headline);
+    html += "</li>\n";
+  }
+  html += "</ul>\n";
+  for (const PageSection& section : sections)
+    html += "<section id=\"" + escaped(section.id) + "\">\n<h2>" + badge_of(section) + escaped(section.title) +
+            "</h2>\n" + section.body + "</section>\n";
+  return html;
+}
+
+std::string collapsed_sections(const std::vector<PageSection>& sections) {
+  std::string html;
+  for (const PageSection& section : sections)
+    html += "<details class=\"section\" id=\"" + escaped(section.id) + "\"><summary>" + badge_of(section) + "<b>" +
+            escaped(section.title) + "</b>" + (section.headline.empty() ? "" : ": " + escaped(section.headline)) +
+            "</summary>\n<section>\n" + section.body + "</section>\n</details>\n";
+  return html;
 }
 
 }  // namespace
@@ -164,7 +193,7 @@ void HtmlBody::close_figure(const Caption& caption) {
 }
 
 std::string html_page(std::string_view title, const std::vector<std::string>& intro,
-                      const std::vector<PageSection>& sections, std::string_view opening) {
+                      const std::vector<PageSection>& sections, std::string_view opening, Collapsed collapsed) {
   // The policy keeps a browser from loading anything, whatever a name in a model may hold.
   std::string page =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
@@ -174,17 +203,7 @@ std::string html_page(std::string_view title, const std::vector<std::string>& in
       escaped(title) + "</title>\n<style>" + std::string(kStyle) + "</style>\n</head>\n<body>\n<h1>" + escaped(title) +
       "</h1>\n" + std::string(opening);
   for (const std::string& line : intro) page += "<p>" + escaped(line) + "</p>\n";
-  const auto badge = [](const PageSection& section) { return section.badge ? html_of(*section.badge) + " " : ""; };
-  page += "<ul>\n";
-  for (const PageSection& section : sections) {
-    page += "<li>" + badge(section) + "<a href=\"#" + escaped(section.id) + "\">" + escaped(section.title) + "</a>";
-    if (!section.headline.empty()) page += ": " + escaped(section.headline);
-    page += "</li>\n";
-  }
-  page += "</ul>\n";
-  for (const PageSection& section : sections)
-    page += "<section id=\"" + escaped(section.id) + "\">\n<h2>" + badge(section) + escaped(section.title) + "</h2>\n" +
-            section.body + "</section>\n";
+  page += collapsed == Collapsed::kYes ? collapsed_sections(sections) : listed_sections(sections);
   return page + "</body>\n</html>\n";
 }
 

@@ -84,8 +84,11 @@ struct PageSection {
   std::optional<Badge> badge = {};  ///< before the title, and before the headline
 };
 
+/// Whether sections are closed until a click opens them; their headlines are then no list of their own.
+enum class Collapsed { kNo, kYes };
 /// `intro`: lines below the title. `opening`: of HtmlBody, between the title and these.
 std::string html_page(std::string_view title, const std::vector<std::string>& intro,
-                      const std::vector<PageSection>& sections, std::string_view opening = {});
+                      const std::vector<PageSection>& sections, std::string_view opening = {},
+                      Collapsed collapsed = Collapsed::kNo);
 
 }  // namespace sightline::apps

@@ -180,7 +180,7 @@ void compare(const DrawnImage& reference, const DrawnImage& image, const std::st
 }
 
 int compared_frames(const Report& report) {
-  return std::min(12, report.options().frames);
+  return std::min(8, report.options().frames);
 }
 
 /// Draws some frames of the tour with each choice of tests, and compares the images with those of the first.

@@ -82,7 +82,7 @@ std::string about(double count) {
 
 /// Tolerances from coarse to fine, until their triangles would take too much time or memory.
 void add_triangles(const Report& report, const std::shared_ptr<core::Scene>& scene, Plan& plan) {
-  constexpr double kMostDrawn = 2e8;   // of all items and variants together, for time
+  constexpr double kMostDrawn = 2e7;   // of all items and variants together, for time
   constexpr double kMostStored = 3e7;  // of all meshes and variants together, for memory: some 100 bytes each
   double drawn = 0.0, stored = 0.0, stored_share = 1.0;  // the last: of drawn ones in the variant before
   for (const double millimetres : {100.0, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1}) {
@@ -150,8 +150,9 @@ Results of_group(const Results& all, Group group) {
 
 std::string measured_words(const Report& report) {
   return "Means of " + std::to_string(report.views().size()) +
-         " views, those of the images section; a frame's time is the median of three of a view at rest, each waited "
-         "for, all variants in turns.";
+         " views, those of the images section; a frame's time is that of a view at rest, waited for, all variants in "
+         "turns: "
+         "the median of three, or of slow models one.";
 }
 
 const char* colour_of(Group group) {
@@ -217,8 +218,8 @@ std::string measure_words(const Report& report, const Plan& plan) {
 void open_page(const Report& report, const Results& all, const Plan& plan, Section& section) {
   const std::string answer = answer_sentence(answer_of(report, all, plan));
   section.results["answer"] = answer;
-  section.opening.lead(answer);
-  section.opening.plot(
+  section.opening.paragraph(answer);
+  section.html.plot(
       surface_plot(all),
       {"Down and left is better. Names beside the points are tolerances. The true surface is what a ray through the "
        "pixel's centre hits first in double precision; distances of 99 % of the pixels are below the figure. " +
@@ -349,7 +350,7 @@ void show(const Report& report, const std::vector<Reference>& references, const 
   const auto view = std::size_t(std::max_element(pictured.differences.begin(), pictured.differences.end()) -
                                 pictured.differences.begin());
   const std::array images{
-      LabelledImage{"64 rays a pixel, " + report.views()[view].name, references[view].smooth},
+      LabelledImage{"16 rays a pixel, " + report.views()[view].name, references[view].smooth},
       LabelledImage{pictured.label, pictured.images[view]},
       LabelledImage{kDifferenceLabel, differences_on_white(references[view].smooth, pictured.images[view])}};
   need(section.html.images(images, {"The view in which they differ most.", command}));
@@ -360,7 +361,7 @@ void show_all(const Report& report, const std::vector<Reference>& references, co
   open_page(report, all, plan, section);
   show_surfaces(report, references, all, plan, section);
   section.html.paragraph(
-      "The images of the following variants are compared with the mean of 64 rays a pixel, in a grid of 8 x 8. FLIP is "
+      "The images of the following variants are compared with the mean of 16 rays a pixel, in a grid of 4 x 4. FLIP is "
       "a measure of the difference that a viewer sees who flips between two images: 0 for equal ones, 1 at most "
       "(render/image/image_metrics.h). A pixel's item is wrong when none of these rays hits it, nor one through the "
       "pixel's centre.");

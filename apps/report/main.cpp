@@ -31,6 +31,7 @@ constexpr auto kVisibilitySection = without_rays, kErrorSection = without_rays;
 #endif
 
 constexpr SectionMaker kMakers[] = {
+    {"glance", "At a glance", glance_section, false},
     {"model", "What is in the model", model_section, false},
     {"plan", "The plan", plan_section, false},
     {"images", "Images", images_section},
@@ -87,7 +88,7 @@ bool wanted(const ReportOptions& o, const SectionMaker& maker) {
 }
 
 struct Page {
-  std::string opening;
+  std::string glance, opening;
   std::vector<PageSection> sections;
   Json results = Json::object();  ///< by section
 };
@@ -120,7 +121,10 @@ Page make_sections(const Report& report) {
     advance(0.0);
     Section section = make_section(maker, report, advance);
     page.opening += section.opening.text();
-    if (section.left_out.empty()) {
+    if (maker.make == glance_section) {
+      page.glance = section.html.text();
+      page.results[maker.id] = std::move(section.results);
+    } else if (section.left_out.empty()) {
       page.sections.push_back({maker.id, maker.title, section.headline, section.html.text()});
       page.results[maker.id] = std::move(section.results);
     } else {
@@ -188,7 +192,8 @@ core::Expected<int> write_report(const ReportOptions& options, const std::string
       "Made by " + version + " on " + date + ". Images and frames have " + options.size +
       " pixels, times are milliseconds of wall clock unless stated otherwise. Below each figure stands the command "
       "that gives it again."};
-  const std::string html = html_page("Report: " + names, intro, page.sections, page.opening);
+  const std::string html =
+      html_page("Report: " + names, intro, page.sections, page.glance + page.opening, Collapsed::kYes);
   need(write_text(options.out, html));
   const Json results = {{"command", command},
                         {"version", version},

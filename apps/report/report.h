@@ -1,4 +1,5 @@
-// State that the sections of a report share: the loaded model, the views that it is drawn from, and how values are written.
+// State that the sections of a report share: the loaded model, the views that it is drawn from, and how values are
+// written.
 #pragma once
 
 #include <functional>
@@ -29,7 +30,7 @@ struct ReportOptions {
   ModelOptions model;
   std::string out, size = "640x360", json, save_path;
   std::vector<std::string> sections;  ///< ids; empty: all
-  int frames = 60;                    ///< of the tour
+  int frames = 16;                    ///< of the tour
   gl::ContextPlatform platform = {};
 };
 
@@ -116,7 +117,7 @@ class Report {
 };
 
 struct Section {
-  HtmlBody opening;  ///< for the top of the page
+  HtmlBody opening;  ///< for the top of the page, above the sections that a click opens
   HtmlBody html;
   Json results = Json::object();
   std::string headline;
@@ -133,6 +134,7 @@ struct SectionMaker {
   Section (*make)(const Report& report, const SectionProgress& progress);
   bool of_images = true;  ///< left out where the scene has nothing to draw
 };
+Section glance_section(const Report& report, const SectionProgress& progress);
 Section model_section(const Report& report, const SectionProgress& progress);
 Section plan_section(const Report& report, const SectionProgress& progress);
 Section images_section(const Report& report, const SectionProgress& progress);

@@ -35,7 +35,7 @@ struct Reference {
   };
   image::Image colour;              ///< one ray a pixel, through its centre
   std::vector<Point> points;        ///< by pixel
-  image::Image smooth;              ///< 64 rays a pixel
+  image::Image smooth;              ///< 16 rays a pixel
   std::vector<std::uint64_t> seen;  ///< pixel << 32 | id of what these hit, and the centre's, sorted
 
   bool shows(std::size_t pixel, std::uint32_t id) const;
@@ -48,7 +48,7 @@ struct VariantResults : VariantKind {
   // Against one ray through each pixel's centre:
   double error_median = 0.0, error_p99 = 0.0;  ///< metres from the true surface, over pixels that show the same item
   double wrong_pixels = 0.0;                   ///< share of all pixels that show another item
-  // Against 64 rays a pixel; not of triangles in place of primitives:
+  // Against 16 rays a pixel; not of triangles in place of primitives:
   double flip_mean = 0.0, flip_p99 = 0.0;
   double wrong_ids = 0.0;            ///< share of all pixels, whose item none of the rays hits
   std::vector<image::Image> images;  ///< by view

@@ -16,7 +16,7 @@ using engine::CullerChoice;
 using engine::OcclusionChoice;
 using Ids = std::vector<core::ItemId>;
 
-constexpr int kMostFrames = 24;
+constexpr int kMostFrames = 8;
 
 /// A culler, and the tests after it. The first is the reference for images: nothing but frustum culling, item by
 /// item.
