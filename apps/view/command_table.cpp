@@ -123,6 +123,32 @@ Done take_tool(const std::string&, Shown& shown, Messages& messages) {
   if (shown.tool == Tool::kSection) messages.tell("click on a face: what lies in front of it is cut away");
   return {};
 }
+/// Takes the tool that sets marks, for distances or for angles, or puts it away.
+template <bool kAngles>
+Done set_marks(const std::string& none, Session& session, Shown& shown, Messages& messages) {
+  if (shown.tool == Tool::kMeasure && session.measuring.angles() != kAngles) shown.tool = Tool::kSelect;
+  session.measuring.set_angles(kAngles);
+  return take_tool<Tool::kMeasure>(none, shown, messages);
+}
+template <bool kAngles>
+bool sets_marks(Workspace& work) {
+  return work.shown.tool == Tool::kMeasure && work.session && work.session->measuring.angles() == kAngles;
+}
+
+/// Weighs what is selected. A number is the density from then on.
+Done weigh(Workspace& work, const std::string& density) {
+  if (const char* why = missing(needs::kSelection, work)) return core::fail(why);
+  if (!density.empty()) {
+    const auto number = parse_finite(density);
+    if (!number || !(*number > 0.0) || *number > Settings::kLargestDensity)
+      return core::fail("weigh: expected kilograms a cubic metre, found \"" + density + "\"");
+    work.shown.density = *number;
+  }
+  work.shown.tab = "Measure";
+  Session& session = *work.session;
+  return session.measuring.weigh(session.scene(), session.document.selection(), work.shown.density);
+}
+
 template <Tool kTool>
 bool has_tool(Workspace& work) {
   return work.shown.tool == kTool;
@@ -470,9 +496,14 @@ const Command kSection[] = {
 
 const Command kMeasure[] = {
     {"measure", "Measure", "Set marks", "M", "clicks set marks, which snap, and measure between them",
-     with<take_tool<Tool::kMeasure>>, has_tool<Tool::kMeasure>, &needs::kModel, icons::kMeasure},
+     with<set_marks<false>>, sets_marks<false>, &needs::kModel, icons::kMeasure},
+    {"measure-angle", "Measure", "Angle of three points", "", "clicks set three marks: the angle is at the second one",
+     with<set_marks<true>>, sets_marks<true>, &needs::kModel},
     {"measure-selected", "Measure", "Distance of what is selected", "",
      "the shortest distance of two selected parts or items", measure_selected, nullptr, &needs::kTwoParts},
+    {"weigh", "Measure", "Area, volume and mass", "",
+     "area, volume and mass of what is selected; DENSITY from then on, kg a cubic metre", weigh, nullptr,
+     &needs::kSelection},
     {"measure-copy", "|Measure", "Copy the list", "",
      "copy all measurements, a line each, with columns that spreadsheets take apart", copy_measurements, nullptr,
      &needs::kMarks},

@@ -36,11 +36,16 @@ void measurement_list(Measuring& measuring, const LengthFormat& lengths) {
 void measure_tab(Workspace& work) {
   Measuring& measuring = work.session->measuring;
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-  for (const char* name : {"measure", "measure-selected", "measure-copy", "measure-clear"})
+  for (const char* name : {"measure", "measure-angle", "measure-selected", "weigh", "measure-copy", "measure-clear"})
     command_button(work, name, right);
   ImGui::NewLine();
   if (measuring.list().empty() && measuring.marks().empty())
     wrapped_text("Click on two things. Marks snap to corners, edges, centres and axes.");
+  ImGui::SetNextItemWidth(5.0f * ImGui::GetFontSize());
+  double density = work.shown.density;
+  if (ImGui::InputDouble("kg/m³", &density, 0.0, 0.0, "%.6g") && density > 0.0 && density <= Settings::kLargestDensity)
+    work.shown.density = density;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("The density of what is weighed; steel has 7,850");
   measurement_list(measuring, work.lengths());
   const auto rows = measuring.rows(work.lengths());
   if (rows.empty()) return;

@@ -1,9 +1,13 @@
 #include "sightline/apps/view/measuring.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 #include <variant>
+
+#include "sightline/apps/common/svg_canvas.h"
 
 namespace sightline::apps {
 namespace {
@@ -30,6 +34,31 @@ void relation_rows(const measure::Snap& a, const measure::Snap& b, const LengthF
   if (!first || !second) return;
   const measure::AxisDistance axes = measure::axis_distance(*first, *second);
   rows.emplace_back(axes.parallel ? "between the axes" : "between the lines", lengths.text(axes.shortest.distance));
+}
+
+/// "1.234 m²", "567 mm²", "8.9 ft³": an amount in square or cubic metres.
+std::string amount_text(double amount, bool cubic, Units units) {
+  const char* const power = cubic ? "³" : "²";
+  const auto text = [&](double value, const char* unit) { return short_number(value, 6) + " " + unit + power; };
+  if (units == Units::kFeet) return text(amount / std::pow(0.3048, cubic ? 3 : 2), "ft");
+  constexpr double kSmall = 0.01;
+  if (amount >= (cubic ? kSmall * kSmall : kSmall)) return text(amount, "m");
+  return text(amount * (cubic ? 1e9 : 1e6), "mm");
+}
+
+void weight_rows(const measure::Amounts& amounts, std::size_t items, double density, Units units,
+                 std::vector<Measuring::Row>& rows) {
+  rows.emplace_back("items", grouped(std::int64_t(items)));
+  rows.emplace_back("area", amount_text(amounts.area, false, units));
+  rows.emplace_back("volume", amount_text(amounts.volume, true, units));
+  rows.emplace_back("mass at " + short_number(density, 6) + " kg/m³",
+                    short_number(amounts.volume * density, 6) + " kg");
+  constexpr double kExact = 1e-6;
+  if (!(amounts.area_error <= kExact * amounts.area))
+    rows.emplace_back("area, off by at most", amount_text(amounts.area_error, false, units));
+  if (!(amounts.volume_error <= kExact * amounts.volume))
+    rows.emplace_back("volume, off by at most", amount_text(amounts.volume_error, true, units));
+  if (amounts.open > 0) rows.emplace_back("without volume", grouped(std::int64_t(amounts.open)) + " open or flat");
 }
 
 struct Boxed {
@@ -119,16 +148,37 @@ void Measuring::drop_mark() {
 void Measuring::forget_last() {
   marks_.clear();
   distance_.reset();
+  weighed_.reset();
   of_items_ = false;
 }
 
+void Measuring::set_angles(bool angles) {
+  if (std::exchange(angles_, angles) != angles) forget_last();
+}
+
 void Measuring::add(core::ItemId item, const measure::Snap& snap) {
-  if (of_items_ || marks_.size() == 2) forget_last();
+  if (of_items_ || weighed_ || marks_.size() == (angles_ ? 3u : 2u)) forget_last();
   marks_.push_back({item, snap});
-  if (marks_.size() < 2) return;
+  if (marks_.size() == 3)
+    list_.push_back({marks_[1].snap.point, marks_[2].snap.point, "the other leg, at " + degrees(angle())});
+  if (marks_.size() != 2) return;
   const measure::Snap &first = marks_[0].snap, &second = marks_[1].snap;
   distance_ = measure::distance(first.point, second.point);
   list_.push_back({first.point, second.point, first.words + " to " + second.words});
+}
+
+/// At the second of three marks; exact for small ones, too.
+double Measuring::angle() const {
+  const core::dvec3 &at = marks_[1].snap.point, a = marks_[0].snap.point - at, b = marks_[2].snap.point - at;
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+core::Expected<void> Measuring::weigh(const core::Scene& scene, std::span<const core::ItemId> items, double density) {
+  const auto amounts = measure::amounts(scene, items);
+  if (!amounts) return tl::unexpected(amounts.error());
+  forget_last();
+  weighed_ = {*amounts, items.size(), density};
+  return {};
 }
 
 core::Expected<void> Measuring::between(const core::Scene& scene, std::span<const core::ItemId> a,
@@ -147,13 +197,15 @@ core::Expected<void> Measuring::between(const core::Scene& scene, std::span<cons
 }
 
 std::vector<Measuring::Row> Measuring::rows(const LengthFormat& lengths) const {
+  constexpr const char* kOrdinals[] = {"first", "second", "third"};
   std::vector<Row> rows;
   for (const Mark& mark : marks_) {
-    rows.emplace_back(&mark == &marks_[0] ? "first" : "second", mark.snap.words);
+    rows.emplace_back(kOrdinals[&mark - marks_.data()], mark.snap.words);
     rows.emplace_back("at", lengths.text(mark.snap.point));
     for (const measure::Dimension& dimension : mark.snap.dimensions)
       rows.emplace_back(dimension.name, dimension.angle ? degrees(dimension.value) : lengths.text(dimension.value));
   }
+  if (weighed_) weight_rows(weighed_->amounts, weighed_->items, weighed_->density, lengths.units, rows);
   if (!distance_) return rows;
   rows.emplace_back(of_items_ ? "shortest distance" : "distance",
                     distance_->touching ? "0, they touch" : lengths.text(distance_->distance));
@@ -161,6 +213,7 @@ std::vector<Measuring::Row> Measuring::rows(const LengthFormat& lengths) const {
   rows.emplace_back("elevation", lengths.text(distance_->rise()));
   rows.emplace_back("along x, y, z", lengths.text(distance_->to - distance_->from));
   if (marks_.size() == 2) relation_rows(marks_[0].snap, marks_[1].snap, lengths, rows);
+  if (marks_.size() == 3) rows.emplace_back("angle at the second", degrees(angle()));
   return rows;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/analysis/measure/amounts.h"
 #include "sightline/analysis/measure/distances.h"
 #include "sightline/analysis/measure/item.h"
 #include "sightline/analysis/measure/snap.h"
@@ -30,8 +31,13 @@ class Measuring {
   using Row = std::pair<std::string, std::string>;  ///< what, and its value
 
   void clear();  ///< with the list
-  /// The next of two marks. A third one begins anew.
+  /// The next of two marks, or of three while angles are measured. One more begins anew.
   void add(core::ItemId item, const measure::Snap& snap);
+  /// Whether a third mark gives the angle at the second one. Forgets marks where that changes.
+  void set_angles(bool angles);
+  bool angles() const { return angles_; }
+  /// Areas and volumes of these items, in place of marks; and what they weigh at a density, kg a cubic metre.
+  core::Expected<void> weigh(const core::Scene& scene, std::span<const core::ItemId> items, double density);
   /// The shortest distance of what is among these items to what is among those, in place of marks. Both have some.
   /// Fails where they make more than 100 million pairs.
   core::Expected<void> between(const core::Scene& scene, std::span<const core::ItemId> a,
@@ -52,11 +58,18 @@ class Measuring {
 
  private:
   void forget_last();
+  double angle() const;
 
   std::vector<Measurement> list_;
   std::vector<Mark> marks_;
   std::optional<measure::Distance> distance_;
-  bool of_items_ = false;
+  struct Weighed {
+    measure::Amounts amounts;
+    std::size_t items;
+    double density;
+  };
+  std::optional<Weighed> weighed_;
+  bool of_items_ = false, angles_ = false;
 };
 
 }  // namespace sightline::apps

@@ -102,6 +102,11 @@ std::optional<float> lines_of(const Json& json) {
   return json.get<float>();
 }
 
+std::optional<double> density_of(const Json& json) {
+  if (!json.is_number() || !(json > 0.0) || json > Settings::kLargestDensity) return std::nullopt;
+  return json.get<double>();
+}
+
 /// What an object says; keys whose values cannot be are in `bad`.
 Settings settings_of(const Json& json, std::string& bad) {
   Settings settings;
@@ -122,6 +127,7 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("cache", settings.cache, folder_of);
   take("units", settings.units, units_of);
   take("clicks-select", settings.level, level_of);
+  take("density", settings.density, density_of);
   take("sets", settings.sets, texts_of<Settings::kMostSets>);
   return settings;
 }
@@ -145,6 +151,7 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.window != before.window && window_size_of(now.window)) json["window"] = now.window;
   if (now.cache != before.cache) json["cache"] = now.cache;
   if (now.units != before.units) json["units"] = kUnitsNames[int(now.units)];
+  if (now.density != before.density) json["density"] = now.density;
   if (now.sets != before.sets) json["sets"] = now.sets;
   if (now.level != before.level) json["clicks-select"] = name_of(now.level);
 }

@@ -14,6 +14,7 @@ namespace sightline::apps {
 
 struct Settings {
   static constexpr std::size_t kMostRecent = 10, kMostSets = 100;
+  static constexpr double kLargestDensity = 1e6;
 
   bool light = false;                       ///< colours
   bool smooth = true;                       ///< edges at rest
@@ -32,6 +33,7 @@ struct Settings {
   bool diagnostics = false;                 ///< the tab is shown
   bool recognise = false;                   ///< primitives, in meshes of files that are opened
   SelectionLevel level = SelectionLevel::kPart;  ///< of clicks
+  double density = 7850.0;                       ///< kg a cubic metre, of what is weighed: steel
   std::vector<std::string> sets;                 ///< searches that are kept, in the order kept
 
   /// Puts a file that was opened first.

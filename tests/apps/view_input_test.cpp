@@ -115,6 +115,14 @@ TEST_F(ViewScript, RectanglesSelectWhatLiesInThem) {
       {boxes(), "--size", kSize, "--no-panels"});
 }
 
+TEST_F(ViewScript, WeighsWhatIsSelected) {
+  expect_driven(
+      "find front\nselect-found\nweigh 1000\nexpect /tab = Measure\nexpect /measure/rows/items = \"1\"\n"
+      "expect /measure/rows/volume = \"8 m³\"\n"
+      "measure-angle\nexpect /tool = measure\nmeasure\nexpect /tool = measure\nmeasure\nexpect /tool = select\n",
+      {boxes(), "--size", kSize});
+}
+
 TEST_F(ViewScript, TheMouseMovesTheCamera) {
   expect_driven(
       "front\n"

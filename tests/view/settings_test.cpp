@@ -68,6 +68,7 @@ TEST_F(SettingsTest, ComeBack) {
                         true,
                         true,
                         SelectionLevel::kAssembly,
+                        2700.0,
                         {"System=CW & DN>=100", "PIPE"}};
   ASSERT_TRUE(file.keep(wanted));
   const SettingsFile again(file_);
