@@ -116,6 +116,15 @@ Done write_sized_frames(Workspace& work, const std::string& folder);
 void path_window(Workspace& work);        ///< plays a path, and writes its frames
 void exporting_window(Exports& exports);  ///< progress, and a button that cancels
 
+// What is open.
+
+/// Keeps what is open and how it is seen in a file; without a name, asks for one.
+Done save_session(Workspace& work, const std::string& file);
+/// Opens a model beside those that are open, which are seen as before; without a name, asks for one.
+Done append_model(Workspace& work, const std::string& file);
+/// Shows the session whose models have been opened as it was.
+Done show_returning(Workspace& work);
+
 // Export of the model and of the selection.
 
 /// Without a name, asks for a file.

@@ -51,8 +51,8 @@ class ChangeList {
   const std::string& file() const { return file_; }
   const compare::Comparison& found() const { return compared_.found; }
   const core::Scene& before() const { return *before_.scene; }
-  /// The bytes of a report in the format of an extension: .html, .csv, .json, .bcfzip or .bcf. `open`: the scene that was
-  /// compared.
+  /// The bytes of a report in the format of an extension: .html, .csv, .json, .bcfzip or .bcf. `open`: the scene that
+  /// was compared.
   core::Expected<std::string> report(const std::string& extension, core::Scene& open) const;
 
   bool shown(compare::State state) const { return shown_[std::size_t(state)]; }

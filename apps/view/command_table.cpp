@@ -279,6 +279,11 @@ Done find_or_ask(const std::string& text, Session& session, Shown& shown, Messag
 const Command kFile[] = {
     {"open", "File", "Open…", "Ctrl+O", "open files, instead of what is open: FILE", open_or_ask, nullptr, nullptr,
      icons::kOpen},
+    {"append", "File", "Append a file…", "", "open a file beside what is open: FILE", append_model,
+     shows<Dialog::kAppend>},
+    {"session-save", "File", "Save the session…", "Ctrl+Shift+S",
+     "keep what is open and how it is seen, with all views, to be opened again: FILE.sightline", save_session,
+     shows<Dialog::kSaveSession>},
     {"recognise", "File", "Recognise primitives", "",
      "switch whether cylinders, boxes and their like are taken out of the meshes of files that are opened "
      "from now on",

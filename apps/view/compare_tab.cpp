@@ -116,6 +116,7 @@ void compare_tab(Workspace& work) {
     ImGui::TextUnformatted(all.c_str());
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
   for (const char* name : {"compare-slider", "compare-save"}) command_button(work, name, right);
+  ImGui::NewLine();
   const bool ends = ImGui::Button("End the comparison");
   list(work, changes);
   if (ends) run(work, "compare-end");  // last: the list is gone then

@@ -36,7 +36,19 @@ void compare_options(Workspace&) {
 }
 
 FileRequest models(Workspace&) {
-  return {Purpose::kOpenSeveral, "All models", model_formats()};
+  std::vector<FileFormat> formats = model_formats();
+  formats.push_back(session_format());
+  return {Purpose::kOpenSeveral, "All models", formats};
+}
+
+FileRequest more_models(Workspace&) {
+  return {Purpose::kOpen, "All models", model_formats()};
+}
+
+/// Named after the model.
+FileRequest new_session(Workspace& work) {
+  const std::string stem = std::filesystem::path(work.files().front()).stem().string();
+  return {Purpose::kSave, "", {session_format()}, stem + ".sightline"};
 }
 
 FileRequest older_model(Workspace&) {
@@ -92,6 +104,8 @@ constexpr FileQuestion kQuestions[] = {
     {Dialog::kExportModel, "Export the model", "Export", true, new_model, with_one<export_model>, export_model_options},
     {Dialog::kExportSelection, "Export the selection", "Export", true, new_selection, with_one<export_selection>,
      export_selection_options},
+    {Dialog::kSaveSession, "Save the session", "Save", true, new_session, with_one<save_session>},
+    {Dialog::kAppend, "Append a file", "Append", true, more_models, with_one<append_model>, open_options},
     {Dialog::kSaveAndQuit, "Save all views and quit", "Save and quit", false, new_views, with_one<save_and_quit>},
 };
 

@@ -64,9 +64,9 @@ class Opening {
   ModelOptions options_;
   double default_budget_ms_;
   std::unique_ptr<Preview> preview_;
-  std::unique_ptr<Session> opened_;             // by the loader, until it has landed
+  std::unique_ptr<Session> opened_;  // by the loader, until it has landed
   std::shared_ptr<Compared> found_;  // with what is read now; null where a model is read
-  std::unique_ptr<Loader> loader_;              // its thread uses those before
+  std::unique_ptr<Loader> loader_;   // its thread uses those before
   OpeningSteps steps_;
   int portions_ = 0;
   bool swapping_in_ = false;  // the loader is done, and opened_ is brought into the window's context

@@ -54,6 +54,7 @@ class SettingsFile {
   /// sightline/view.json in XDG_CONFIG_HOME, otherwise in .config in HOME; empty where neither is set.
   static std::filesystem::path default_place();
 
+  const std::filesystem::path& file() const { return file_; }  ///< empty: it remembers nothing
   /// As the file said when it was opened.
   const Settings& settings() const { return kept_; }
   /// What is wrong with the file, with its name; empty where nothing is.

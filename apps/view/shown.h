@@ -42,6 +42,8 @@ enum class Dialog {
   kSaveAndQuit,
   kExportModel,
   kExportSelection,
+  kSaveSession,
+  kAppend,
 };
 const char* name_of(Dialog dialog);
 

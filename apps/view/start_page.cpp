@@ -46,6 +46,14 @@ void drop_area(Workspace& work, float wide) {
   ImGui::Dummy({wide, high});
 }
 
+/// What was open when the viewer was closed, as it was seen then.
+void last_session(Workspace& work) {
+  if (!work.last) return;
+  const std::string title = "Continue with " + name_of_files(work.last->files);
+  if (ImGui::Button(title.c_str())) return work.open(*work.last);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("View, sections, measurements and what is hidden come back, too");
+}
+
 /// Image, name and folder. True where it is clicked.
 bool recent_model(Workspace& work, const std::string& file, const ImVec2& image, const ImVec2& cell) {
   const fs::path path(file);
@@ -119,6 +127,8 @@ void start_page(Workspace& work, const apps::Part& part) {
   ImGui::Dummy({0.0f, 0.02f * float(part.height)});
   drop_area(work, room);
   ImGui::Dummy({0.0f, 0.5f * font});
+  last_session(work);
+  ImGui::Dummy({0.0f, 0.3f * font});
   recent_models(work, room);
   ImGui::Dummy({0.0f, 0.5f * font});
   first_gestures();

@@ -18,6 +18,8 @@
 namespace sightline::apps {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
 constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
 
@@ -74,6 +76,7 @@ core::Expected<int> Viewer::run() {
     if (auto done = frame(now - std::exchange(last, now)); !done && !lost()) return tl::unexpected(done.error());
   }
   keep_settings();
+  keep_session();
   if (auto done = finish(); !done) return tl::unexpected(done.error());
   return kExitOk;
 }
@@ -81,6 +84,8 @@ core::Expected<int> Viewer::run() {
 Done Viewer::begin() {
   if (auto done = read_path(); !done) return done;
   if (auto done = script_.read(work_.options.script); !done) return done;
+  if (std::error_code none; !settings_.file().empty() && fs::exists(last_session(), none))
+    if (auto last = read_session(last_session())) work_.last = std::move(*last);  // files may be no longer there
   if (settings_.damage().empty()) return {};
   print_error(settings_.damage());
   if (!work_.opening.active()) work_.messages.tell(settings_.damage(), true);
@@ -194,6 +199,7 @@ Done Viewer::land() {
 Done Viewer::not_landed(const core::Error& error, const std::vector<std::string>& files) {
   const bool first = !work_.session && files == work_.options.model.files;
   if (first && (work_.options.frames > 0 || !work_.options.script.empty())) return tl::unexpected(error);
+  work_.returning.reset();
   work_.messages.tell(error.message, true);
   if (first) print_error(error.message);
   return {};
@@ -210,6 +216,9 @@ Done Viewer::landed(std::unique_ptr<Session> session) {
   if (auto done = work_.image.begin(*work_.session, work_.shown); !done) return done;
   for (const std::string& file : open.files)  // attributes alone open nothing
     if (!importers::is_attribute_file(file)) work_.shown.add_recent(file);
+  work_.last.reset();
+  Done shown;
+  if (work_.returning) shown = show_returning(work_);
   warn_of_outliers(open.bounds());
   if (work_.options.model.explain) explain(open.engine.plan());
   if (const auto& path = work_.player.path(); path && !another) {
@@ -217,7 +226,9 @@ Done Viewer::landed(std::unique_ptr<Session> session) {
     work_.player.play();
   }
   work_.window.set_title(name_of_files(open.files) + " - Sightline");
-  if (first && !settings_.damage().empty())
+  if (!shown || work_.messages.is_new())
+    work_.messages.tell_outcome(shown);
+  else if (first && !settings_.damage().empty())
     work_.messages.tell(settings_.damage(), true);
   else
     work_.messages.tell(grouped(std::int64_t(open.scene().item_count())) + " items" +
@@ -243,6 +254,13 @@ void Viewer::keep_settings() {
   if (done) return;
   work_.messages.tell("settings are not kept: " + done.error().message, true);
   print_error(work_.messages.text());
+}
+
+/// For the next run, which offers it. A run that shows nothing leaves what was kept before.
+void Viewer::keep_session() {
+  const auto saved = work_.to_save();
+  if (!saved || settings_.file().empty()) return;
+  if (const auto done = write_session(*saved, last_session()); !done) print_error(done.error().message);
 }
 
 /// Keeps the thumbnail of a model that is one file, with attributes or without: an image of several shows none of them.

@@ -43,6 +43,10 @@ class Viewer {
   Done draw_model(const Part& part);
   void end_frame(double began);
 
+  void keep_session();
+  std::filesystem::path last_session() const {
+    return std::filesystem::path(settings_.file()).replace_extension(".sightline");
+  }
   void keep_settings();
   void keep_thumbnail();
 

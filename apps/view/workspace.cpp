@@ -7,6 +7,7 @@
 #include <GLFW/glfw3.h>
 
 #include "sightline/apps/view/panels.h"
+#include "sightline/core/internal/platform/files.h"
 
 namespace sightline::apps {
 namespace {
@@ -29,10 +30,11 @@ Shown shown_at_first(const ViewerOptions& options, const Settings& settings) {
 }  // namespace
 
 const char* name_of(Dialog dialog) {
-  constexpr const char* kNames[] = {"none",       "help",          "driver",       "open",
-                                    "compare",    "quit",          "image",        "path",
-                                    "read-path",  "save-path",     "frames",       "views-load",
-                                    "views-save", "save-and-quit", "export-model", "export-selection"};
+  constexpr const char* kNames[] = {"none",         "help",          "driver",       "open",
+                                    "compare",      "quit",          "image",        "path",
+                                    "read-path",    "save-path",     "frames",       "views-load",
+                                    "views-save",   "save-and-quit", "export-model", "export-selection",
+                                    "session-save", "append"};
   return kNames[int(dialog)];
 }
 
@@ -74,6 +76,33 @@ LengthFormat Workspace::lengths() const {
 }
 
 void Workspace::open(const std::vector<std::string>& files) {
+  returning.reset();
+  if (files.size() == 1 && session_format().has(core::platform::path_of(files[0]))) {
+    auto read = read_session(core::platform::path_of(files[0]));
+    if (!read) return messages.tell(read.error().message, true);
+    return open(std::move(*read));
+  }
+  open_models(files);
+}
+
+void Workspace::open(SavedSession saved) {
+  if (opening.y_is_up(nullptr) != saved.y_up) opening.toggle_up(nullptr);
+  shown.recognise = saved.recognise;
+  returning = std::move(saved);
+  open_models(returning->files);
+}
+
+std::optional<SavedSession> Workspace::to_save() const {
+  if (!session) return std::nullopt;
+  SavedSession saved{session->files, opening.y_is_up(nullptr), session->recognised, session->viewpoint(),
+                     views.all(),    views.current_index()};
+  std::error_code none;
+  for (std::string& file : saved.files)
+    file = core::platform::name_of(std::filesystem::absolute(core::platform::path_of(file), none).lexically_normal());
+  return saved;
+}
+
+void Workspace::open_models(const std::vector<std::string>& files) {
   opening.open(files, image.config(shown), shown.recognise, !session);
   if (shown.dialog == Dialog::kOpen) shown.dialog = Dialog::kNone;
   messages.tell("reading " + name_of_files(files));

@@ -20,6 +20,7 @@
 #include "sightline/apps/view/messages.h"
 #include "sightline/apps/view/opening.h"
 #include "sightline/apps/view/path_player.h"
+#include "sightline/apps/view/saved_session.h"
 #include "sightline/apps/view/shown.h"
 #include "sightline/apps/view/thumbnails.h"
 #include "sightline/apps/view/view_list.h"
@@ -53,7 +54,11 @@ struct Workspace {
   Part viewport() const;
   LengthFormat lengths() const;  ///< of the open model
   std::vector<std::string> files() const { return session ? session->files : std::vector<std::string>(); }
+  /// Models, or one saved session.
   void open(const std::vector<std::string>& files);
+  /// The models of a session; once they are there, they are shown as it says (Workspace::returning).
+  void open(SavedSession saved);
+  std::optional<SavedSession> to_save() const;  ///< none where no model is open
   /// Shows the images of the model that is open as the switches say.
   Done apply_styles();
   /// The error of meshes, by levels of detail, while the view moves; 0: none.
@@ -71,7 +76,9 @@ struct Workspace {
   Shown shown;
   Messages messages;
   Pace pace;
-  std::unique_ptr<Session> session;  ///< null while no model is open
+  std::unique_ptr<Session> session;       ///< null while no model is open
+  std::optional<SavedSession> returning;  ///< how the models that are being read will be shown
+  std::optional<SavedSession> last;       ///< what was open when the viewer was closed, until something else is open
   Opening opening;
   Exports exports;
   ImageLoop image;
@@ -84,6 +91,9 @@ struct Workspace {
   FileStates file_states;  ///< of files that panels name
   Thumbnails thumbnails;
   ImageTextures textures;  ///< of small images in panels
+
+ private:
+  void open_models(const std::vector<std::string>& files);
 };
 
 template <class PartOf>

@@ -30,6 +30,43 @@ class ViewFiles : public ViewScript {
   std::string models_;
 };
 
+TEST_F(ViewFiles, ASessionIsAsItWas) {
+  const std::string session = path("s.sightline"), before = path("before.png"), after = path("after.png");
+  const std::string state =
+      "expect /items = 3\nexpect /hidden = 1\nexpect /sections = 1\nexpect /colours/key = @size\n"
+      "expect /views/count = 1\nexpect /views/name = kept\nexpect /selection/count = 1\n";
+  expect_driven("top\nview-add kept\nhide two\nsection-z\ncolour-by @size\nfind three\nselect-found\nfront\n" + state +
+                    "session-save " + session + "\nscreenshot " + before + "\n",
+                {in_models("b10.obj"), "--size", kSize, "--no-panels"});
+  expect_driven(state + "screenshot " + after + "\n", {session, "--size", kSize, "--no-panels"});
+  EXPECT_LE(differing(read_png(before), read_png(after)), kTies);
+  expect_driven("open " + session + "\n" + state, {in_models("a.obj"), "--size", kSize, "--no-panels"});
+  EXPECT_EQ(drive("session-save " + path("s.json") + "\n", opened()).code, 1);
+  fs::remove(in_models("b10.obj"));
+  const Outcome gone = drive("open " + session + "\nexpect /items = 1\n", opened());
+  EXPECT_EQ(gone.code, 0) << gone << "what is open stays";
+}
+
+TEST_F(ViewFiles, AFileIsAppendedAndTheViewStays) {
+  expect_driven("hide one\nsection-z\nview-add kept\nappend " + in_models("b2.obj") +
+                    "\nexpect /items = 3\nexpect /hidden = 1\nexpect /sections = 1\nexpect /views/count = 1\n"
+                    "expect /model/1 = " +
+                    in_models("b2.obj") +
+                    "\nappend\nexpect /dialog = append\npress escape\n"
+                    "session-save\nexpect /dialog = session-save\npress escape\n",
+                opened());
+}
+
+/// With a settings file of its own, a run keeps what was open, and the next one offers it.
+TEST_F(ViewFiles, TheLastSessionIsOffered) {
+  const Args settings{"--settings", path("settings.json"), "--size", "800x600", "--scale", "1"};
+  Args first = settings;
+  first.insert(first.begin(), in_models("b10.obj"));
+  expect_driven("hide two\n", first);
+  // The button lies below the area for files.
+  expect_driven("click 300 181\nexpect /items = 3\nexpect /hidden = 1\n", settings);
+}
+
 TEST_F(ViewFiles, OpensByKeyboard) {
   expect_driven("open\nexpect /browser/folder = " + models_ +
                     "\nexpect /browser/rows = 4\n"

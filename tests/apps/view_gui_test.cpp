@@ -62,12 +62,12 @@ TEST_F(ViewScript, WhatIsUnderTheCursorFollowsTheCamera) {
       {boxes(), "--size", kSize, "--no-panels"});
 }
 
-/// In two rows where the panel is narrow. A tab that goes leaves the first one in front.
+/// In three rows where the panel is narrow. A tab that goes leaves the first one in front.
 TEST_F(ViewScript, AllTabsAreReached) {
   const std::string model = boxes();
   expect_driven("expect /tab = Item\ndiagnostics\nexpect /tab = Diagnostics\ncompare " + model +
-                    "\nexpect /tab = Compare\nclick 641 70\nexpect /tab = Item\nclick 568 96\nexpect /tab = Views\n"
-                    "click 634 96\nexpect /tab = Diagnostics\nmeasure\nexpect /tab = Measure\nclick 567 70\n"
+                    "\nexpect /tab = Compare\nclick 641 70\nexpect /tab = Item\nclick 701 96\nexpect /tab = Views\n"
+                    "click 585 121\nexpect /tab = Diagnostics\nmeasure\nexpect /tab = Measure\nclick 567 70\n"
                     "expect /tab = Compare\ncompare-end\nexpect /tab = Item\n",
                 {model, "--size", "800x600"});
 }

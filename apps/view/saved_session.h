@@ -1,0 +1,38 @@
+// What was open and how it was seen, to return to: a file that the viewer opens as it does models.
+//
+//   {"sightline_session":1, "files":[{"path":"/models/a.rvm", "beside":"a.rvm"}, …], "y_up":false, "recognise":false,
+//    "view":{…}, "views":{…}, "current":0}
+//
+// "view" and "views" are as in apps/viewpoints/viewpoint.h: camera, sections, measurements, colours, what is hidden,
+// faint and selected. "beside" is the path from the session's folder, which counts where "path" is no more, so that a
+// folder can be moved with all that is in it. Images of views are not kept.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sightline/apps/common/file_formats.h"
+#include "sightline/apps/viewpoints/viewpoint.h"
+#include "sightline/core/error.h"
+
+namespace sightline::apps {
+
+struct SavedSession {
+  std::vector<std::string> files;  ///< of models, with absolute paths
+  bool y_up = false;               ///< in files that do not say
+  bool recognise = false;          ///< primitives in meshes
+  Viewpoint now;
+  std::vector<Viewpoint> views;
+  int current = -1;       ///< index of the current view; -1: none
+  bool appended = false;  ///< the last file is new, and shown whatever `now` hides; not kept
+};
+
+core::Expected<void> write_session(const SavedSession& session, const std::filesystem::path& file);
+/// Fails where the file is no session, and where a model is in neither place.
+core::Expected<SavedSession> read_session(const std::filesystem::path& file);
+
+/// ".sightline"
+FileFormat session_format();
+
+}  // namespace sightline::apps
