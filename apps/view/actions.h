@@ -54,6 +54,8 @@ Done show_view(const std::string& which, Session& session, ViewList& views, Mess
 Done update_view(const std::string&, Session& session, ViewList& views);
 Done rename_view(const std::string& name, ViewList& views);
 Done comment_view(const std::string& text, ViewList& views);
+Done set_view_status(const std::string& text, ViewList& views);
+Done set_view_type(const std::string& text, ViewList& views);
 Done delete_view(const std::string& which, ViewList& views);
 /// Without a name, these two ask for one.
 Done save_views(const std::string& file, ViewList& views, Shown& shown, Messages& messages);

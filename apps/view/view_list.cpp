@@ -58,9 +58,10 @@ void ViewList::add(Viewpoint view, const std::string& name) {
 
 void ViewList::update_current(Viewpoint seen) {
   Viewpoint& view = views_[current_];
-  for (const auto text :
-       {&Viewpoint::name, &Viewpoint::comment, &Viewpoint::author, &Viewpoint::guid, &Viewpoint::date})
+  for (const auto text : {&Viewpoint::name, &Viewpoint::comment, &Viewpoint::author, &Viewpoint::guid, &Viewpoint::date,
+                          &Viewpoint::status, &Viewpoint::type})
     seen.*text = std::move(view.*text);
+  seen.origin = std::move(view.origin);
   view = std::move(seen);
 }
 

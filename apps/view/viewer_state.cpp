@@ -63,7 +63,11 @@ Json opening_json(const Opening& opening) {
 Json views_json(const ViewList& views) {
   Json json{{"count", views.size()}, {"current", views.current_index() + 1}};
   if (const Viewpoint* view = views.current())
-    json.update({{"name", view->name}, {"comment", view->comment}, {"guid", view->guid}});
+    json.update({{"name", view->name},
+                 {"comment", view->comment},
+                 {"status", view->status},
+                 {"type", view->type},
+                 {"guid", view->guid}});
   return json;
 }
 

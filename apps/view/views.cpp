@@ -72,11 +72,21 @@ Done rename_view(const std::string& name, ViewList& views) {
   return {};
 }
 
+template <std::string Viewpoint::*kText>
+static Done set_text(const std::string& text, ViewList& views) {
+  return current(views).map([&](Viewpoint* view) { view->*kText = text; });
+}
+
 Done comment_view(const std::string& text, ViewList& views) {
-  const auto view = current(views);
-  if (!view) return tl::unexpected(view.error());
-  (*view)->comment = text;
-  return {};
+  return set_text<&Viewpoint::comment>(text, views);
+}
+
+Done set_view_status(const std::string& text, ViewList& views) {
+  return set_text<&Viewpoint::status>(text, views);
+}
+
+Done set_view_type(const std::string& text, ViewList& views) {
+  return set_text<&Viewpoint::type>(text, views);
 }
 
 Done delete_view(const std::string& which, ViewList& views) {

@@ -1,5 +1,6 @@
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <imgui.h>
@@ -45,11 +46,33 @@ void view_row(Workspace& work, std::size_t index, float height) {
   ImGui::PopID();
 }
 
+// The values that BCF's own lists of extensions begin with; others can be typed.
+constexpr const char* kStatuses[] = {"Open", "In Progress", "Resolved", "Closed"};
+constexpr const char* kTypes[] = {"Issue", "Request", "Clash", "Remark", "Fault", "Solution"};
+
+/// A text, and a list of usual ones.
+void topic_field(const char* name, std::span<const char* const> usual, std::string& text) {
+  const float font = ImGui::GetFontSize();
+  ImGui::PushID(name);
+  ImGui::SetNextItemWidth(6.0f * font);
+  ImGui::InputTextWithHint("##text", name, &text);
+  ImGui::SameLine(0.0f, 0.0f);
+  if (ImGui::BeginCombo("##usual", nullptr, ImGuiComboFlags_NoPreview)) {
+    for (const char* one : usual)
+      if (ImGui::Selectable(one, text == one)) text = one;
+    ImGui::EndCombo();
+  }
+  ImGui::PopID();
+}
+
 /// What can be done with the current view, below the list.
 void current_view(Workspace& work, Viewpoint& view) {
   ImGui::Separator();
   ImGui::SetNextItemWidth(-1.0f);
   ImGui::InputText("##name", &view.name);
+  topic_field("status", kStatuses, view.status);
+  ImGui::SameLine();
+  topic_field("type", kTypes, view.type);
   ImGui::InputTextMultiline("##comment", &view.comment, {-1.0f, 5.0f * ImGui::GetTextLineHeight()});
   if (ImGui::Button("Update")) run(work, "view-update");
   ImGui::SameLine();
@@ -65,7 +88,7 @@ void current_view(Workspace& work, Viewpoint& view) {
 void views_tab(Workspace& work) {
   ViewList& views = work.views;
   if (ImGui::Button("Add what is seen now")) run(work, "view-add");
-  const float line = ImGui::GetTextLineHeightWithSpacing(), below = 13.0f * line, row = 3.6f * line;
+  const float line = ImGui::GetTextLineHeightWithSpacing(), below = 14.5f * line, row = 3.6f * line;
   const float high = std::max(row, ImGui::GetContentRegionAvail().y - below);
   if (ImGui::BeginChild("##list", {0.0f, high}, true)) {
     ImGuiListClipper clipper;

@@ -5,6 +5,11 @@
 // of the node's attributes, if there is one. Faint items are components with a colour of low alpha. BCF keeps no target
 // and no near plane of cameras.
 //
+// A view that was read keeps all of its topic (Viewpoint::origin): what this library does not show, such as labels,
+// bitmaps, documents and comments of others, is written with it again, and so are topics without a view. Words below a
+// comment are another comment. Files that have views of one archive alone keep its version of BCF; in others all
+// is 2.1.
+//
 // Without libzip or pugixml both functions fail, and say so.
 #pragma once
 

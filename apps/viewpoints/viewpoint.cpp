@@ -21,11 +21,10 @@ struct TextKey {
   const char* key;
   std::string Viewpoint::*text;
 };
-constexpr TextKey kTexts[] = {{"name", &Viewpoint::name},
-                              {"comment", &Viewpoint::comment},
-                              {"author", &Viewpoint::author},
-                              {"date", &Viewpoint::date},
-                              {"guid", &Viewpoint::guid}};
+constexpr TextKey kTexts[] = {{"name", &Viewpoint::name},     {"comment", &Viewpoint::comment},
+                              {"author", &Viewpoint::author}, {"date", &Viewpoint::date},
+                              {"guid", &Viewpoint::guid},     {"status", &Viewpoint::status},
+                              {"type", &Viewpoint::type}};
 struct PartsKey {
   const char* key;
   PartSet Viewpoint::Shown::*parts;

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,6 +34,8 @@ struct Measurement {
   friend bool operator==(const Measurement&, const Measurement&) = default;
 };
 
+struct BcfOrigin;  // of bcf_topics.h
+
 struct Viewpoint {
   core::Pose pose;
   double fovy = 1.0;  ///< radians; of orthographic views as Camera has it
@@ -49,9 +52,12 @@ struct Viewpoint {
 
   std::optional<std::string> colour_by;  ///< key of query::colour_by(), empty: the model's own; none: colours stay
   std::string name, comment, author;
+  std::string status, type;            ///< of the topic that it is: "Open", "Clash"
   std::string guid;                    ///< of 32 lower-case digits in five groups
   std::string date;                    ///< when it was made, as in XML
   std::vector<std::uint8_t> snapshot;  ///< PNG; not in JSON
+  /// The BCF topic that it was read from, whose other contents are written with it; null: none. Not in JSON.
+  std::shared_ptr<const BcfOrigin> origin;
 };
 
 std::string format_viewpoint(const Viewpoint& viewpoint);

@@ -115,6 +115,12 @@ TEST_F(ViewScript, RectanglesSelectWhatLiesInThem) {
       {boxes(), "--size", kSize, "--no-panels"});
 }
 
+TEST_F(ViewScript, ViewsHaveAStatusAndAType) {
+  expect_driven(
+      "view-add one\nview-status Open\nview-type Clash\nexpect /views/status = Open\nexpect /views/type = Clash\n",
+      {boxes(), "--size", kSize});
+}
+
 TEST_F(ViewScript, WeighsWhatIsSelected) {
   expect_driven(
       "find front\nselect-found\nweigh 1000\nexpect /tab = Measure\nexpect /measure/rows/items = \"1\"\n"

@@ -202,6 +202,101 @@ TEST(ViewListTest, ReadsWhatOtherProgramsWrite) {
   EXPECT_NEAR(2.0 * glm::length(second.pose.target - second.pose.eye) * std::tan(0.5 * second.fovy), 12.0, 1e-9);
 }
 
+ZipEntries foreign_entries() {
+  return {{"bcf.version", "<Version VersionId=\"2.1\"/>"},
+          {"extensions.xsd", "<schema/>"},
+          {"topic/markup.bcf", kForeignMarkup},
+          {"topic/Viewpoint_v1.bcfv", kForeignPerspective},
+          {"topic/other.bcfv", kForeignParallel},
+          {"topic/document.pdf", "%PDF"},
+          {"no camera/markup.bcf", "<Markup><Topic Guid=\"n\"><Title>No view</Title></Topic></Markup>"}};
+}
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(ViewListTest, TopicsOfOtherProgramsStayWhole) {
+  const ZipEntries before = foreign_entries();
+  auto read = parse_bcf(*zip(before), "file");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->views[0].status, "Open");
+  EXPECT_EQ(read->views[0].type, "Clash");
+  const auto untouched = unzip(*format_bcf(read->views), 1u << 30);
+  ASSERT_TRUE(untouched);
+  for (const auto& [path, bytes] : before) {
+    ASSERT_TRUE(untouched->contains(path)) << path;
+    if (path.ends_with("markup.bcf")) continue;
+    EXPECT_EQ(untouched->at(path), bytes) << path;
+  }
+  const std::string& markup = untouched->at("topic/markup.bcf");
+  for (const char* kept : {"house.ifc", "From the clash run", "<Author>y</Author>", "absent.bcfv", "missing.png"})
+    EXPECT_NE(markup.find(kept), std::string::npos) << kept;
+  EXPECT_EQ(markup.find("Modified"), std::string::npos);
+  // Words, a state, another camera, and one view less.
+  Viewpoint& view = read->views[0];
+  view.status = "Closed";
+  view.comment += "\nMoved the duct";
+  view.pose.eye.x = 8.0;
+  view.snapshot = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 7};
+  read->views.pop_back();
+  const auto bytes = format_bcf(read->views);
+  const auto changed = unzip(*bytes, 1u << 30);
+  const std::string& now = changed->at("topic/markup.bcf");
+  EXPECT_NE(now.find("TopicStatus=\"Closed\""), std::string::npos) << now;
+  EXPECT_NE(now.find("<Comment>Moved the duct</Comment>"), std::string::npos) << now;
+  EXPECT_EQ(occurrences(now, "<Comment Guid="), 4u) << now;
+  EXPECT_NE(now.find("ModifiedDate"), std::string::npos);
+  EXPECT_EQ(now.find("other.bcfv"), std::string::npos);
+  EXPECT_FALSE(changed->contains("topic/other.bcfv"));
+  EXPECT_TRUE(changed->contains("topic/missing.png"));
+  EXPECT_TRUE(changed->contains("no camera/markup.bcf"));
+  EXPECT_NE(changed->at("topic/Viewpoint_v1.bcfv").find("SpacesVisible"), std::string::npos);
+  const auto again = parse_bcf(*bytes, "file");
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_EQ(again->views.size(), 1u);
+  EXPECT_EQ(again->views[0].pose.eye.x, 8.0);
+  EXPECT_EQ(again->views[0].comment, view.comment);
+  EXPECT_EQ(again->views[0].snapshot, view.snapshot);
+}
+
+/// With views of our own beside them, topics of BCF 3.0 become such of 2.1.
+TEST(ViewListTest, TopicsOfAnotherVersionAreTranslated) {
+  const std::string camera = R"(<VisualizationInfo Guid="v"><PerspectiveCamera><CameraViewPoint><X>0</X><Y>0</Y><Z>0</Z>
+   </CameraViewPoint><CameraDirection><X>0</X><Y>1</Y><Z>0</Z></CameraDirection></PerspectiveCamera></VisualizationInfo>)";
+  const ZipEntries newer{{"bcf.version", "<Version VersionId=\"3.0\"/>"},
+                         {"t/v.bcfv", camera},
+                         {"t/markup.bcf",
+                          "<Markup><Topic Guid=\"t\" TopicStatus=\"Open\"><Title>Pump</Title><Labels><Label>a</Label>"
+                          "<Label>b</Label></Labels><CreationDate>d</CreationDate><Comments><Comment Guid=\"c\">"
+                          "<Comment>Why</Comment></Comment></Comments><Viewpoints><ViewPoint Guid=\"v\"><Viewpoint>"
+                          "v.bcfv</Viewpoint></ViewPoint></Viewpoints></Topic></Markup>"}};
+  auto read = parse_bcf(*zip(newer), "file");
+  ASSERT_TRUE(read);
+  const auto alone = unzip(*format_bcf(read->views), 1u << 30);
+  EXPECT_NE(alone->at("bcf.version").find("3.0"), std::string::npos);
+  EXPECT_NE(alone->at("t/markup.bcf").find("<Label>"), std::string::npos);
+  read->views.push_back(view_of(1, false));
+  const auto mixed = format_bcf(read->views);
+  const auto entries = unzip(*mixed, 1u << 30);
+  EXPECT_NE(entries->at("bcf.version").find("2.1"), std::string::npos);
+  const std::string& markup = entries->at("t/markup.bcf");
+  EXPECT_EQ(occurrences(markup, "<Labels>"), 2u) << markup;
+  EXPECT_LT(markup.find("</Topic>"), markup.find("<Comment Guid")) << markup;
+  const auto again = parse_bcf(*mixed, "file");
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_EQ(again->views.size(), 2u);
+  const auto pump =
+      std::find_if(again->views.begin(), again->views.end(), [](const Viewpoint& v) { return v.name == "Pump"; });
+  ASSERT_NE(pump, again->views.end());
+  EXPECT_EQ(pump->comment, "Why");
+  // A topic whose views are all taken from the list is gone.
+  read->views.erase(read->views.begin());
+  EXPECT_FALSE(unzip(*format_bcf(read->views), 1u << 30)->contains("t/markup.bcf"));
+}
+
 /// Libraries for .NET write a byte order mark, list viewpoints in any order with an index, and change the case of
 /// GUIDs.
 TEST(ViewListTest, ViewpointsStandInTheOrderOfTheirIndices) {
