@@ -148,11 +148,10 @@ int main(int argc, char** argv) {
       .takes(2, apps::Option::kUnlimited)
       .usage_text("... OUTPUT REQUIRED")
       .described_as(
-          "Model files, then the file to write: .rvm, .obj (with .mtl beside it), .glb, .gltf (with .bin beside it) or "
-          ".slc; with --tiles the folder to write");
+          "Model files, then the file to write: .rvm, .obj (with .mtl beside it), .glb, .gltf (with .bin beside it), "
+          ".stl, .ply or .slc; with --tiles the folder to write");
   line.check([&] { return check(output, options, writing); });
-  line.add("--tolerance", writing.tolerance,
-           "Largest distance of OBJ, glTF and 3D Tiles' triangles from analytic primitives, metres")
+  line.add("--tolerance", writing.tolerance, "Largest distance of triangles from analytic primitives, metres")
       .shows_default()
       .accepted_by(apps::parse_tolerance);
   line.add_flag("--collections", writing.collections,

@@ -5,8 +5,10 @@
 #include "sightline/importers/gltf/gltf_writer.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/obj/obj_writer.h"
+#include "sightline/importers/ply/internal/ply_writer.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/slc_writer.h"
+#include "sightline/importers/stl/internal/stl_writer.h"
 
 namespace sightline::importers {
 namespace {
@@ -64,7 +66,9 @@ core::Expected<WriteReport> write_file(const core::Scene& scene, core::NodeId no
   if (extension == ".glb" || extension == ".gltf")
     return tessellated(
         write_gltf(scene, node, path, {.tolerance = tolerance, .collections = collections, .progress = progress}));
-  return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + path.string() + "\"");
+  if (extension == ".stl") return tessellated(write_stl(scene, node, path, tolerance, progress));
+  if (extension == ".ply") return tessellated(write_ply(scene, node, path, tolerance, progress));
+  return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf, .stl, .ply or .slc, found \"" + path.string() + "\"");
 }
 
 }  // namespace sightline::importers

@@ -16,7 +16,7 @@
 namespace sightline::importers {
 
 struct WriteOptions {
-  double tolerance = 0.001;              ///< of OBJ, glTF and 3D Tiles, metres: ObjWriteOptions::tolerance
+  double tolerance = 0.001;              ///< of triangles for primitives, metres: ObjWriteOptions::tolerance
   bool collections = false;              ///< GltfWriteOptions::collections
   bool tiles = false;                    ///< 3D Tiles in a folder, whatever its name
   bool compress = true;                  ///< TilesWriteOptions::compress
@@ -39,7 +39,7 @@ struct WriteReport {
 };
 
 /// Writes what lies below a node, whole or not at all; all of the scene where the format is a scene cache (.slc). Other
-/// names end in .rvm, .obj, .glb or .gltf. Fails on other names, and as the format's writer does.
+/// names end in .rvm, .obj, .glb, .gltf, .stl or .ply. Fails on other names, and as the format's writer does.
 SIGHTLINE_API core::Expected<WriteReport> write_file(const core::Scene& scene, core::NodeId node,
                                                      const std::filesystem::path& path,
                                                      const WriteOptions& options = {});

@@ -46,7 +46,7 @@ std::vector<FileFormat> model_formats() {
 
 std::vector<FileFormat> written_formats() {
   std::vector<FileFormat> formats;
-  for (const char* extension : {".glb", ".gltf", ".rvm", ".obj", ".slc"}) {
+  for (const char* extension : {".glb", ".gltf", ".rvm", ".obj", ".stl", ".ply", ".slc"}) {
     const std::string name = model_name(extension);
     if (formats.empty() || formats.back().name != name) formats.push_back({name, {}});
     formats.back().extensions.emplace_back(extension);

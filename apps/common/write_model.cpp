@@ -38,7 +38,7 @@ core::Expected<void> check_output(const std::string& output, std::span<const std
   const std::vector<FileFormat> formats = written_formats();
   const auto is_of = [path = core::platform::path_of(output)](const FileFormat& format) { return format.has(path); };
   if (std::none_of(formats.begin(), formats.end(), is_of))
-    return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + output + "\"");
+    return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf, .stl, .ply or .slc, found \"" + output + "\"");
   for (const std::string& written : {output, companion_of(output)})
     for (const std::string& file : read) {
       std::error_code absent;

@@ -243,7 +243,7 @@ void bind_import(py::module_& m, SceneClass& scene) {
       "paths"_a, "parent"_a = py::none(), py::kw_only(), "progress"_a = py::none(), files_doc.c_str());
   const std::string write_doc = doc_of<WriteOptions>(
       "write", "path: object, node: object = None", "progress: object = None",
-      "Writes what is below a node, or the root, in the format that the name ends in: .rvm, .obj, .glb, .gltf, or .slc "
+      "Writes what is below a node, or the root, in the format that the name ends in: .rvm, .obj, .glb, .gltf, .stl, .ply, or .slc "
       "for a cache of the whole scene. Returns a dict: items, left_out, bytes, triangles that stand for primitives, "
       "and "
       "their largest_chord_error in metres. `progress` as in import_file().",
