@@ -12,18 +12,21 @@
 namespace sightline::importers {
 
 core::Expected<WorldMeshReport> for_each_world_mesh(
-    const core::Scene& scene, core::NodeId top, double tolerance, const std::function<bool(double)>& progress,
+    const WorldMeshes& meshes,
     const std::function<core::Expected<void>(const core::Mesh&, const core::Affine&, std::uint32_t)>& visit) {
+  const core::Scene& scene = meshes.scene;
+  const double tolerance = meshes.tolerance;
   if (!(tolerance > 0.0) || !std::isfinite(tolerance))
     return core::fail(fmt::format("expected a tolerance above 0 m, found {}", tolerance));
   WorldMeshReport report;
   core::Expected<void> done;
   std::uint64_t items = 0, passed = 0;
-  scene.for_each_node(top, [&](core::NodeId node, const auto&...) {
+  scene.for_each_node(meshes.node, [&](core::NodeId node, const auto&...) {
     for (core::ItemId item = scene.first_item(node); item != core::kNoItem; item = scene.next_item(item)) ++items;
   });
   const auto visit_item = [&](core::ItemId item, const core::Scene::ItemState& state) -> core::Expected<void> {
-    if (progress && !progress(double(passed++) / double(items))) return core::fail(std::string(kCancelled));
+    if (meshes.progress && !meshes.progress(double(passed++) / double(items)))
+      return core::fail(std::string(kCancelled));
     const core::Kind kind = scene.kind(item);
     const bool primitive = int(kind) < core::kPrimitiveKindCount;
     core::Mesh made;
@@ -41,8 +44,8 @@ core::Expected<WorldMeshReport> for_each_world_mesh(
     report.triangles += mesh.indices.size() / 3;
     return visit(mesh, state.world_from_item, state.material);
   };
-  scene.for_each_node(top, [&](core::NodeId node, const core::Affine& world, bool visible, std::uint32_t layers,
-                               core::MaterialId material) {
+  scene.for_each_node(meshes.node, [&](core::NodeId node, const core::Affine& world, bool visible, std::uint32_t layers,
+                                       core::MaterialId material) {
     for (core::ItemId item = scene.first_item(node); item != core::kNoItem && done; item = scene.next_item(item))
       done = visit_item(item, scene.state(item, world, visible, layers, material));
   });

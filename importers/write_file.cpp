@@ -66,9 +66,10 @@ core::Expected<WriteReport> write_file(const core::Scene& scene, core::NodeId no
   if (extension == ".glb" || extension == ".gltf")
     return tessellated(
         write_gltf(scene, node, path, {.tolerance = tolerance, .collections = collections, .progress = progress}));
-  if (extension == ".stl") return tessellated(write_stl(scene, node, path, tolerance, progress));
-  if (extension == ".ply") return tessellated(write_ply(scene, node, path, tolerance, progress));
-  return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf, .stl, .ply or .slc, found \"" + path.string() + "\"");
+  if (extension == ".stl") return tessellated(write_stl({scene, node, tolerance, progress}, path));
+  if (extension == ".ply") return tessellated(write_ply({scene, node, tolerance, progress}, path));
+  return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf, .stl, .ply or .slc, found \"" + path.string() +
+                    "\"");
 }
 
 }  // namespace sightline::importers

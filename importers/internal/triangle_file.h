@@ -64,8 +64,7 @@ using MeshPass = std::function<void(TriangleFile&, const core::Mesh&, const core
 
 /// A pass that counts, `begin(file, counts)`, and then all the others one after the other.
 inline core::Expected<WorldMeshReport> write_triangle_file(
-    const core::Scene& scene, core::NodeId node, const std::filesystem::path& path, double tolerance,
-    const std::function<bool(double)>& progress,
+    const WorldMeshes& meshes, const std::filesystem::path& path,
     const std::function<core::Expected<void>(TriangleFile&, const WorldMeshReport&)>& begin,
     std::span<const MeshPass> passes) {
   const auto failed = [&](const core::Error& error) {
@@ -73,19 +72,20 @@ inline core::Expected<WorldMeshReport> write_triangle_file(
         error.message == kCancelled ? error : core::Error{fmt::format("{}: {}", path.string(), error.message)});
   };
   const double share = 1.0 / double(passes.size() + 1);
-  const auto within = [&](std::size_t pass) -> std::function<bool(double)> {
-    if (!progress) return {};
-    return [&progress, share, pass](double at) { return progress(share * (double(pass) + at)); };
+  const auto of_pass = [&](std::size_t pass) {
+    WorldMeshes part{meshes.scene, meshes.node, meshes.tolerance};
+    if (meshes.progress)
+      part.progress = [&meshes, share, pass](double at) { return meshes.progress(share * (double(pass) + at)); };
+    return part;
   };
-  auto report =
-      for_each_world_mesh(scene, node, tolerance, within(0), [](const auto&...) -> core::Expected<void> { return {}; });
+  auto report = for_each_world_mesh(of_pass(0), [](const auto&...) -> core::Expected<void> { return {}; });
   if (!report) return failed(report.error());
   auto file = TriangleFile::create(path);
   if (!file) return tl::unexpected(file.error());
   if (auto done = begin(*file, *report); !done) return failed(done.error());
   for (std::size_t i = 0; i < passes.size(); ++i) {
     const auto done = for_each_world_mesh(
-        scene, node, tolerance, within(i + 1),
+        of_pass(i + 1),
         [&](const core::Mesh& mesh, const core::Affine& world, std::uint32_t material) -> core::Expected<void> {
           passes[i](*file, mesh, world, material);
           return file->ok() ? core::Expected<void>() : core::fail("writing failed (is the disk full?)");

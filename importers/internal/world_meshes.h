@@ -20,11 +20,19 @@ struct WorldMeshReport {
   double largest_chord_error = 0.0;
 };
 
-/// Calls visit(mesh, world_from_item, material) for each item below a node that is neither hidden nor on layers that
-/// are hidden by default: primitives as triangles within `tolerance`, as write_obj() has them. Stops with an error
-/// where visit() has one, and as `progress` says. Fails on a tolerance that is not above 0.
+/// What is below a node, with primitives as triangles within a tolerance, metres.
+struct WorldMeshes {
+  const core::Scene& scene;
+  core::NodeId node;
+  double tolerance;
+  std::function<bool(double)> progress = {};
+};
+
+/// Calls visit(mesh, world_from_item, material) for each item that is neither hidden nor on layers that are hidden by
+/// default, primitives as write_obj() has them. Stops with an error where visit() has one, and as `progress` says.
+/// Fails on a tolerance that is not above 0.
 core::Expected<WorldMeshReport> for_each_world_mesh(
-    const core::Scene& scene, core::NodeId node, double tolerance, const std::function<bool(double)>& progress,
+    const WorldMeshes& meshes,
     const std::function<core::Expected<void>(const core::Mesh&, const core::Affine&, std::uint32_t)>& visit);
 
 /// The corners of a triangle, so that mirrored ones face outwards.

@@ -15,9 +15,7 @@ std::uint8_t byte_of(float channel) {
 
 }  // namespace
 
-core::Expected<WorldMeshReport> write_ply(const core::Scene& scene, core::NodeId node,
-                                          const std::filesystem::path& path, double tolerance,
-                                          const std::function<bool(double)>& progress) {
+core::Expected<WorldMeshReport> write_ply(const WorldMeshes& meshes, const std::filesystem::path& path) {
   bool normals = false;
   const auto begin = [&](TriangleFile& file, const WorldMeshReport& counts) -> core::Expected<void> {
     if (counts.vertices > std::uint64_t(std::numeric_limits<std::int32_t>::max()))
@@ -33,8 +31,8 @@ core::Expected<WorldMeshReport> write_ply(const core::Scene& scene, core::NodeId
   };
   const auto vertices = [&](TriangleFile& file, const core::Mesh& mesh, const core::Affine& world,
                             std::uint32_t material) {
-    const core::MaterialId id = scene.material_at(material);
-    const core::Material look = id.valid() ? scene.material(id) : core::Material();
+    const core::MaterialId id = meshes.scene.material_at(material);
+    const core::Material look = id.valid() ? meshes.scene.material(id) : core::Material();
     const core::dmat3 map_normal = normal_map(world.linear);
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
       const core::dvec3 at = core::transform_point(world, core::dvec3(mesh.positions[i]));
@@ -58,7 +56,7 @@ core::Expected<WorldMeshReport> write_ply(const core::Scene& scene, core::NodeId
     first += mesh.positions.size();
   };
   const MeshPass passes[] = {vertices, faces};
-  return write_triangle_file(scene, node, path, tolerance, progress, begin, passes);
+  return write_triangle_file(meshes, path, begin, passes);
 }
 
 }  // namespace sightline::importers

@@ -13,9 +13,7 @@ void put(TriangleFile& file, const core::vec3& v) {
 
 }  // namespace
 
-core::Expected<WorldMeshReport> write_stl(const core::Scene& scene, core::NodeId node,
-                                          const std::filesystem::path& path, double tolerance,
-                                          const std::function<bool(double)>& progress) {
+core::Expected<WorldMeshReport> write_stl(const WorldMeshes& meshes, const std::filesystem::path& path) {
   const auto begin = [](TriangleFile& file, const WorldMeshReport& counts) -> core::Expected<void> {
     if (counts.triangles > std::numeric_limits<std::uint32_t>::max())
       return core::fail("the model takes more than 4,294,967,295 triangles, which STL cannot count");
@@ -38,7 +36,7 @@ core::Expected<WorldMeshReport> write_stl(const core::Scene& scene, core::NodeId
       file.put(std::uint16_t(0));
     }
   };
-  return write_triangle_file(scene, node, path, tolerance, progress, begin, {&triangles, 1});
+  return write_triangle_file(meshes, path, begin, {&triangles, 1});
 }
 
 }  // namespace sightline::importers

@@ -9,8 +9,6 @@
 namespace sightline::importers {
 
 /// As write_stl(); fails on more than 2^31 - 1 vertices.
-core::Expected<WorldMeshReport> write_ply(const core::Scene& scene, core::NodeId node,
-                                          const std::filesystem::path& path, double tolerance,
-                                          const std::function<bool(double)>& progress = {});
+core::Expected<WorldMeshReport> write_ply(const WorldMeshes& meshes, const std::filesystem::path& path);
 
 }  // namespace sightline::importers

@@ -10,8 +10,6 @@ namespace sightline::importers {
 
 /// Writes a temporary file beside `path`, and renames it at the end. Fails where the path cannot be written, on more
 /// than 2^32 - 1 triangles, and as for_each_world_mesh() does. Two passes over the model: the first one counts.
-core::Expected<WorldMeshReport> write_stl(const core::Scene& scene, core::NodeId node,
-                                          const std::filesystem::path& path, double tolerance,
-                                          const std::function<bool(double)>& progress = {});
+core::Expected<WorldMeshReport> write_stl(const WorldMeshes& meshes, const std::filesystem::path& path);
 
 }  // namespace sightline::importers
