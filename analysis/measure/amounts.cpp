@@ -406,12 +406,11 @@ Amount volume_of(const core::Snout& s) {
     return (high - low) * (a * a + a * b + b * b) / 3.0;
   };
   if (!cone.slanted()) return exact(kPi * std::fabs(cone.height) * thirds(0.0, 1.0));
-  Amount sum = integral(
+  return integral(
       [&](double u, double v) {
         return kTurn * v * std::fabs(cone.height) * thirds(cone.low(kTurn * u, v).x, cone.high(kTurn * u, v).x);
       },
       true);
-  return sum;
 }
 Amount volume_of(const core::Cylinder& c) {
   return exact(kPi * length_of(c.radius) * length_of(c.radius) * length_of(c.height));
@@ -454,6 +453,7 @@ core::Expected<Amounts> amounts(const core::Mesh& mesh, const Affine& world_from
   };
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const dvec3 a = corner(i), b = corner(i + 1), c = corner(i + 2), normal = glm::cross(b - a, c - a);
+    if (!std::isfinite(glm::dot(normal, normal))) continue;  // as measure::Item leaves it out
     sum.area += 0.5 * glm::length(normal);
     sum.volume += glm::dot(a, normal) / 6.0;
     bulk += std::fabs(glm::dot(a, normal)) / 6.0;

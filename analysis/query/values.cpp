@@ -5,6 +5,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -205,10 +206,10 @@ std::vector<Key> attribute_keys(const Scene& scene) {
   };
   std::vector<Found> found;
   std::unordered_map<std::string, std::uint32_t> number_of;
-  // The keys that a node's items have are a list that nodes share with those above as far as they add none.
+  // The keys that a node's items have are a list, which all nodes with these keys share.
   std::vector<std::vector<std::uint32_t>> lists{{}};
+  std::map<std::vector<std::uint32_t>, std::uint32_t> list_of;
   std::vector<std::uint32_t> items_below(1);
-  std::vector<std::pair<std::uint32_t, std::string_view>> values;  // of nodes: key and value
   walk_down(scene, 0u, [&](NodeId node, std::uint32_t list) {
     std::vector<std::uint32_t> gained;
     for (const auto& [name, value] : scene.attributes(node)) {
@@ -222,9 +223,12 @@ std::vector<Key> attribute_keys(const Scene& scene) {
     }
     if (!gained.empty()) {
       gained.insert(gained.end(), lists[list].begin(), lists[list].end());
-      list = std::uint32_t(lists.size());
-      lists.push_back(std::move(gained));
-      items_below.push_back(0);
+      const auto [known, fresh] = list_of.try_emplace(std::move(gained), std::uint32_t(lists.size()));
+      if (fresh) {
+        lists.push_back(known->first);
+        items_below.push_back(0);
+      }
+      list = known->second;
     }
     for_each_item(scene, node, [&](ItemId) { ++items_below[list]; });
     return list;

@@ -14,8 +14,7 @@ core::Expected<std::string> parse_part(const std::string& text);
 
 /// How a text names parts, for the help of options.
 inline const std::string kPartForms =
-    "a path, a name, the value of an attribute or KEY=VALUE, whole words, a pattern with * or ?, or re:EXPRESSION; or "
-    "conditions such as 'System=CW & DN>=100 & @kind=cylinder'";
+    "a path, a name, a value or KEY=VALUE, whole words, a pattern with * or ?, re:EXPRESSION, or conditions";
 
 /// An option that takes one text that names parts, each time it is given.
 Option add_part_option(CommandLine& line, const std::string& name, std::vector<std::string>& texts,

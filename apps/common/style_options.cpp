@@ -43,8 +43,7 @@ void add_style_options(CommandLine& line, StyleOptions& options) {
   add("--isolate", options.isolate, "Show parts alone: " + kPartForms);
   add("--hide", options.hide, "Hide parts");
   add("--highlight", options.highlight, "Show parts in orange, outlined");
-  line.add("--colour-by", options.colour_by,
-           "Colour items by the value of an attribute, or of @kind, @material, @layer, @file or @size")
+  line.add("--colour-by", options.colour_by, "Colour items by an attribute, or by @kind, @material, @file, …")
       .metavar("KEY");
   add("--ghost-others", options.ghost_others, "Show all but these parts as faint shells").advanced();
   add("--ghost", options.ghost, "Show parts as faint shells that hide nothing").advanced();

@@ -253,7 +253,7 @@ TEST_F(Convert, SpeaksBesideJson) {
 
 TEST_F(Convert, RefusesBadUsage) {
   expect_usage_error("convert", {path("only.rvm")}, "required");
-  expect_usage_error("convert", {path("in.rvm"), path("out.stl")}, "out.stl");
+  expect_usage_error("convert", {path("in.rvm"), path("out.vtk")}, "out.vtk");
   expect_usage_error("convert", {path("in.rvm"), path("out")}, ".rvm, .obj, .glb, .gltf, .stl, .ply or .slc");
   expect_usage_error("convert", {path("in.rvm"), path("out.obj"), "--collections"}, "--collections");
   for (const char* bad : {"0", "-1", "nan", "inf", "fine"})

@@ -41,7 +41,7 @@ TEST_F(ViewExport, RefusesWhatWouldBeLostAndWhatIsNothing) {
   for (const auto& [script, message] :
        {std::pair<std::string, std::string>{"export-model " + model + "\n", "would be lost"},
         {"export-selection " + path("a.rvm") + "\n", "select something first"},
-        {"export-model " + path("a.stl") + "\n", "expected a name ending in"},
+        {"export-model " + path("a.vtk") + "\n", "expected a name ending in"},
         {"export-model " + unwritable("a.rvm") + "\n", "a.rvm"}}) {
     const Outcome outcome = drive(script, {model, "--size", kSize});
     EXPECT_EQ(outcome.code, 1) << outcome;

@@ -142,7 +142,7 @@ TEST_F(ModelExportTest, NoFileThatWasReadIsWrittenOver) {
   session->files = {path("row.obj")};
   std::ofstream(path("row.obj")) << "model";
   std::ofstream(path("row.mtl")) << "materials";
-  std::vector<std::string> names = {"row.obj", "row.stl", "row"};
+  std::vector<std::string> names = {"row.obj", "row.vtk", "row"};
   if (tests::make_link(path("row.obj"), path("link.obj")) && tests::make_link(path("row.mtl"), path("other.mtl")))
     names.insert(names.end(), {"link.obj", "other.obj"});
   for (const std::string& name : names) {
