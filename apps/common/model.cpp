@@ -334,7 +334,8 @@ void add_drawn_options(CommandLine& line, DrawnOptions& options) {
 void add_plain_option(CommandLine& line, DrawnOptions& options) {
   line.group(OptionGroup::kGeneral)
       .add_flag("--plain", options.plain,
-                "One sample a pixel, light from the eye, one background, no shading by depth, no lines: for tests");
+                "One sample a pixel, light from the eye, one background, no shading by depth, no lines: for tests")
+      .advanced();
 }
 
 void explain(const engine::Plan& plan) {
