@@ -464,6 +464,7 @@ Studio make_studio(const Options& o, const engine::ScenePart& part) {
   config.width = tiles.width;
   config.height = tiles.height;
   auto model = need(apps::load_model(o.model, o.shown));
+  config.drawing.looks = o.shown.looks_of(*model.scene);
   auto engine = need(engine::Engine::create(*model.scene, config));
   need(engine.finish_levels());
   apps::note_rays(engine);
@@ -551,6 +552,7 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
     o.model.quiet = o.view.quiet = o.styles.quiet = true;
     o.model.explain = false;
   }
+  o.shown.edges = engine::EdgeChoice::kOff;
   o.shown.depth_shading = o.shown.edge_lines = 0.0;  // a process knows the depth of its own part alone
   apps::Composer composer(*session);
   auto studio = session->agreed(apps::attempt([&] { return make_studio(o, composer.part()); }));

@@ -35,6 +35,7 @@ STRUCTS = {
     "culling": ("sl_culling_config", "Which items are found visible, and by which means."),
     "depth_shading": ("sl_depth_shading", "Shading and lines by the depth of the image."),
     "hatching": ("sl_hatching", "Lines on what section planes cut."),
+    "edges": ("sl_edges", "Lines along the edges of items."),
     "background": ("sl_background", "What is behind everything."),
     "looks": ("sl_looks", "Shading, lines, light and background: sightline/engine/looks.h."),
     "drawing": ("sl_drawing_config", "The image: its contents and its looks."),

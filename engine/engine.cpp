@@ -23,6 +23,7 @@ PlanRequest plan_request(const EngineConfig& config, bool rays, bool picks) {
           config.losses.lod_error > 0.0,
           config.drawing.looks.depth_shading.any(),
           config.drawing.looks.hatching.any(),
+          config.drawing.looks.edges.any(),
           picks || rays,
           config.culling.part};
 }

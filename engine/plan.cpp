@@ -127,6 +127,7 @@ Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, c
       {"depth shading", request.draw && request.depth_shading, request.depth_shading ? "asked for" : "not asked for"});
   plan.entries.push_back(
       {"hatching", request.draw && request.hatching, request.hatching ? "asked for" : "not asked for"});
+  plan.entries.push_back({"edges", request.draw && request.edges, request.edges ? "asked for" : "not asked for"});
   plan.entries.push_back({"item-id target", request.draw && request.ids, request.ids ? "asked for" : "not asked for"});
   plan_tracer(plan, request.pick);
   return plan;

@@ -14,6 +14,7 @@
 #include "sightline/apps/common/setting_options.h"
 #include "sightline/core/internal/platform/environment.h"
 #include "sightline/core/internal/platform/files.h"
+#include "sightline/core/mesh_extras.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"
 #endif
@@ -291,6 +292,8 @@ void DrawnOptions::apply(engine::EngineConfig& config) const {
 
 engine::Looks DrawnOptions::all_looks() const {
   engine::Looks all = plain ? engine::Looks() : looks;
+  all.edges = looks.edges;
+  all.edges.which = edges.value_or(engine::EdgeChoice::kOff);
   if (depth_shading) all.depth_shading.strength = float(*depth_shading);
   if (edge_lines) all.depth_shading.edge_lines = float(*edge_lines);
   if (hatching) all.hatching.strength = float(*hatching);
@@ -298,6 +301,15 @@ engine::Looks DrawnOptions::all_looks() const {
     all.lighting = gpuprims::Lighting::kSun;
     all.sun = *sun;
   }
+  return all;
+}
+
+engine::Looks DrawnOptions::looks_of(const core::Scene& scene) const {
+  engine::Looks all = all_looks();
+  for (std::size_t i = 0; !edges && !plain && i < scene.mesh_slots(); ++i)
+    if (const core::MeshId mesh = scene.mesh_at(i);
+        scene.contains(mesh) && !core::surfaces_stored_with(scene.mesh(mesh)).empty())
+      all.edges.which = engine::EdgeChoice::kFeature;
   return all;
 }
 
@@ -322,9 +334,11 @@ void add_drawn_options(CommandLine& line, DrawnOptions& options) {
   add_setting(line.group(OptionGroup::kPaged), "budget_ms", options.budget_ms).advanced();
   add_setting(line.group(OptionGroup::kPaged), "lod_error", options.lod_error).advanced();
   add_setting(line, "contribution_mode", options.contribution_mode).advanced();
-  const engine::Looks& looks = options.looks;
+  engine::Looks& looks = options.looks;
   add_look(line, "depth_shading", options.depth_shading, looks.depth_shading.strength);
-  add_look(line, "edge_lines", options.edge_lines, looks.depth_shading.edge_lines);
+  add_look(line, "edge_lines", options.edge_lines, looks.depth_shading.edge_lines).advanced();
+  add_setting(engine, "edges", options.edges).metavar("WHICH");
+  add_setting(engine, "edge_width", looks.edges.width).advanced();
   add_look(engine, "hatching", options.hatching, looks.hatching.strength).advanced();
   line.add_parsed("--sun", options.sun, parse_direction, "One light from the direction X,Y,Z, far away")
       .metavar("X,Y,Z")

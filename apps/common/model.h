@@ -104,14 +104,19 @@ struct DrawnOptions {
   engine::Looks looks;  ///< where the others say nothing
   bool plain = false;   ///< begins with Looks() instead
   std::optional<double> depth_shading = {}, edge_lines = {}, hatching = {};
+  std::optional<engine::EdgeChoice> edges = {};
   std::optional<core::dvec3> sun = {};
 
   engine::Looks all_looks() const;
+  /// The looks for people of a model: where they are not asked for otherwise, edges of meshes that came with faces, as
+  /// those of STEP files do, are drawn.
+  engine::Looks looks_of(const core::Scene& scene) const;
   void apply(engine::EngineConfig& config) const;
 };
 
 /// --sample-test on|off, --occlusion on|off|auto, --min-projected-area PX, --contribution-mode drop|points|stochastic,
-/// --budget-ms MS, --depth-shading X, --edge-lines X, --hatching X, --sun X,Y,Z
+/// --budget-ms MS, --depth-shading X, --edge-lines X, --edges off|feature|all, --edge-width PX, --hatching X,
+/// --sun X,Y,Z
 void add_drawn_options(CommandLine& line, DrawnOptions& options);
 
 /// --plain, for tools whose images have other looks without it

@@ -52,7 +52,7 @@ class Drawer {
     config.width = kWidth;
     config.height = kHeight;
     config.drawing.renderer = engine::Renderer::kRays;
-    config.drawing.looks = engine::Looks::standard();
+    config.drawing.looks = DrawnOptions{.looks = engine::Looks::standard()}.looks_of(*scene_);
     auto made = engine::Engine::create(*scene_, config);
     if (!made) return tl::unexpected(made.error());
     std::vector<core::ItemId> all;

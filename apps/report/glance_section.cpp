@@ -66,7 +66,7 @@ std::vector<std::string> losses_of(const importers::ImportReport& imported) {
 
 void show_image(const Report& report, Section& section) {
   engine::EngineConfig config = report.engine_config();
-  config.drawing.looks = engine::Looks::standard();
+  config.drawing.looks = DrawnOptions{.looks = engine::Looks::standard()}.looks_of(report.scene());
   config.drawing.samples = std::min(kImageSamples, report.context().capabilities().max_samples);
   auto engine = need(engine::Engine::create(report.scene(), config));
   const ReportView& place = report.views().front();

@@ -417,6 +417,8 @@ const Command kView[] = {
     {"depth-shading", "|View/Shapes", "Depth shading and edge lines", "L",
      "switch the shading and the lines that make shapes of one colour legible on or off",
      flip_style<&Shown::depth_shading>, is_on<&Shown::depth_shading>, nullptr},
+    {"edges", "View/Shapes", "Edges", "", "switch lines along edges on or off, where faces meet and meshes bend or end",
+     flip_style<&Shown::edges>, is_on<&Shown::edges>, nullptr},
     {"smooth", "View/Shapes", "Smooth edges at rest", "",
      "switch smooth edges, which come when nothing moves, on or off", with<flip<&Shown::smooth>>, is_on<&Shown::smooth>,
      nullptr},

@@ -22,6 +22,8 @@ ImageLoop::ImageLoop(const ViewerOptions& options, Window& window, double scale)
       looks_(options.shown.all_looks()) {
   if (!looks_.depth_shading.any()) looks_.depth_shading = engine::Looks::standard().depth_shading;
   if (!looks_.hatching.any()) looks_.hatching = kHatching;
+  if (!looks_.edges.any()) looks_.edges.which = engine::EdgeChoice::kFeature;
+  looks_.edges.width *= float(std::max(1.0, scale));
   looks_.hatching.spacing = float(kHatching.spacing * std::max(1.0, scale));
 }
 
@@ -29,6 +31,7 @@ engine::Looks ImageLoop::looks(const Shown& shown) const {
   engine::Looks looks = looks_;
   if (!shown.depth_shading) looks.depth_shading = {};
   if (!shown.hatching) looks.hatching = {};
+  if (!shown.edges) looks.edges.which = engine::EdgeChoice::kOff;
   return looks;
 }
 
@@ -56,6 +59,7 @@ Done ImageLoop::begin(Session& session, const Shown& shown) {
   shown_view_.reset();
   if (const engine::EngineConfig& config = session.engine.config();
       shown.depth_shading != config.drawing.looks.depth_shading.any() ||
+      shown.edges != config.drawing.looks.edges.any() ||
       shown.hatching != config.drawing.looks.hatching.any())  // switched meanwhile
     if (auto done = apply_styles(session, shown); !done) return done;
   const double error = error_in_motion(shown);

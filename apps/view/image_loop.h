@@ -57,7 +57,7 @@ class ImageLoop {
 
   const ViewerOptions& options_;
   Window& window_;
-  engine::Looks looks_;              // with shading and hatching also while these are off
+  engine::Looks looks_;              // with shading, edges and hatching also while these are off
   bool keeps_moving_image_ = false;  // the window shows it until the image at rest is complete
   MotionResolution motion_;
   std::optional<core::View> shown_view_;  // of the last frame

@@ -60,6 +60,7 @@ struct Shown : Settings {
   Tool tool = Tool::kSelect;
   bool context = false;  ///< the context menu opens next
   bool section_handles = true;
+  bool edges = false;        ///< engine::Edges; not remembered: models have them that came with faces
   bool find = false;         ///< the search field gets the keyboard next
   const char* tab = "Item";  ///< of the right panel, in front; the first where it has no such tab
 };

@@ -213,6 +213,8 @@ Done Viewer::landed(std::unique_ptr<Session> session) {
   work_.pace.redraw();
   thumbnail_due_ = true;
   const Session& open = *work_.session;
+  const DrawnOptions& drawn = work_.options.shown;
+  work_.shown.edges = (work_.options.remembers() ? drawn.looks_of(open.scene()) : drawn.all_looks()).edges.any();
   if (auto done = work_.image.begin(*work_.session, work_.shown); !done) return done;
   for (const std::string& file : open.files)  // attributes alone open nothing
     if (!importers::is_attribute_file(file)) work_.shown.add_recent(file);

@@ -95,6 +95,7 @@ Json window_json(const Workspace& work) {
           {"smooth", work.shown.smooth},
           {"depth_shading", work.shown.depth_shading},
           {"hatching", work.shown.hatching},
+          {"edges", work.shown.edges},
           {"lower", work.shown.lower},
           {"levels", work.shown.levels},
           {"units", kUnitsNames[int(work.shown.units)]},

@@ -204,8 +204,9 @@ core::Expected<void> DrawnScene::draw_one(const core::Snapshot& snapshot, const 
                       double(context_.target().width()) / context_.target().height());
   if (!view) return {};
   auto done = context_.clear(context_.target());
-  if (done) done = context_.draw({*view, *view, snapshot}, {one, context_.target()});
-  if (done) done = overlays_.draw_depth_shading(context_, *view);
+  const Frame frame{*view, *view, snapshot};
+  if (done) done = context_.draw(frame, {one, context_.target()});
+  if (done) done = overlays_.draw_looks(context_, frame, one);
   if (!done) return done;
   context_.gl().Finish();
   return {};

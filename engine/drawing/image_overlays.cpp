@@ -89,7 +89,7 @@ core::Expected<void> ImageOverlays::finish(DrawContext& context, const Frame& fr
   if (!finished && change_image(context)) {
     if (image.unchanged && image.beside) image.refined->copy_to(image.target);
     if (shades(context, counts))
-      if (auto done = draw_depth_shading(context, frame.view); !done) return done;
+      if (auto done = draw_looks(context, frame, overlaid ? opaque_ : visible); !done) return done;
   }
   if (frame.target)
     if (auto done = context.compose(frame); !done) return done;
@@ -106,18 +106,25 @@ bool ImageOverlays::shades(const DrawContext& context, const DrawCounts& counts)
   return image.shaded = counts.pending == 0 && (image.shaded || image.refines);
 }
 
-core::Expected<void> ImageOverlays::draw_depth_shading(const DrawContext& context, const core::View& view) {
+core::Expected<void> ImageOverlays::draw_looks(DrawContext& context, const Frame& frame,
+                                               const core::VisibleSet& opaque) {
   const DepthShading& depth_shading = context.config.drawing.looks.depth_shading;
-  if (!depth_shading.any()) return {};
-  if (!depth_shading_pass_) depth_shading_pass_.emplace(context.gl());
-  return depth_shading_pass_->draw(context.target(), view, depth_shading.strength, depth_shading.edge_lines);
+  if (depth_shading.any()) {
+    if (!depth_shading_pass_) depth_shading_pass_.emplace(context.gl());
+    auto done =
+        depth_shading_pass_->draw(context.target(), frame.view, depth_shading.strength, depth_shading.edge_lines);
+    if (!done) return done;
+  }
+  if (!context.config.drawing.looks.edges.any()) return {};
+  return edges_.draw(context, frame, leave_out_invisible(context, frame, opaque));
 }
 
-/// The items to be drawn over the image that are large enough and cover a sample, as far as the tests know.
-const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context, const Frame& frame) {
+/// The items of a set that are large enough and cover a sample, as far as the tests know.
+const core::VisibleSet& ImageOverlays::leave_out_invisible(DrawContext& context, const Frame& frame,
+                                                           const core::VisibleSet& items) {
   const core::ItemBounds& bounds = frame.snapshot.bounds();
   const float least = context.config.losses.min_projected_area;
-  const core::VisibleSet* left = &over_;
+  const core::VisibleSet* left = &items;
   if (least > 0.0f) {
     context.contribution_test(frame).filter(bounds, *left, least, unused_, {}, frame.lines);
     left = &unused_;
@@ -167,7 +174,7 @@ core::Expected<void> ImageOverlays::draw_translucent(DrawContext& context, const
   part(over_, translucent_.ghosts(), ghosts_, blended_);
   const glm::vec2 depths =
       frame.blend_range ? *frame.blend_range : depth_range(frame.view, frame.snapshot.bounds(), blended_);
-  const core::VisibleSet& drawn = leave_out_invisible(context, frame);
+  const core::VisibleSet& drawn = leave_out_invisible(context, frame, over_);
   const auto count = std::int64_t(frame.snapshot.count(drawn));
   counts.items_drawn += count;
   if (counts.sampled >= 0) counts.sampled += count;

@@ -108,7 +108,7 @@ core::Expected<DrawCounts> OpaqueItems::draw_whole(DrawContext& context, const F
                                                    const core::VisibleSet& visible) {
   ImageState& image = *context.image;
   auto counts = draw_all(context, frame, visible, context.config.losses.min_projected_area);
-  image.beside = frame.overlaid || context.config.drawing.looks.depth_shading.any();
+  image.beside = frame.overlaid || context.config.drawing.looks.finish();
   if (!counts || !image.beside) return counts;
   if (auto done = context.make_like_image(image.refined, 1.0); !done) return tl::unexpected(done.error());
   image.target.copy_to(*image.refined);

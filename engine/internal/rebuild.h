@@ -37,7 +37,7 @@ struct PlanRequest {
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   bool contribution = false, budget = false;  // asked for; the CPU must then cull what is drawn
   bool levels = false;                        // of detail are asked for
-  bool depth_shading = false, hatching = false;
+  bool depth_shading = false, hatching = false, edges = false;
   bool pick = false;  // orders come with a tracer
   ScenePart part = {};
 

@@ -4,9 +4,11 @@
 #include <string>
 #include <utility>
 
+#include "sightline/core/image_rays.h"
 #include "sightline/core/internal/instruction_set.h"
 #include "sightline/engine/internal/settings.h"
 #include "sightline/engine/traced/internal/depth_shading.h"
+#include "sightline/engine/traced/internal/edges.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/raytrace/internal/packed_colour.h"
 #include "sightline/render/image/image.h"
@@ -58,6 +60,7 @@ core::Expected<DrawResult> TracedDrawing::draw(const Frame& frame, const core::V
   if (done && depth_shading.any())
     shade({image.width(), image.height(), image.pixels().colours, image.pixels().depths},
           gpuprims::pixel_depth(frame.view, image.height()), depth_shading, threads_);
+  if (done && config_.drawing.looks.edges.any()) draw_edges(frame);
   if (done) done = draw_ghosts(frame);
   if (done) done = draw_outline(frame);
   if (!done) return tl::unexpected(done.error());
@@ -100,6 +103,26 @@ core::Expected<void> TracedDrawing::draw_items(const Frame& frame, culling::Slot
                      rows_of(looks.background, frame.rows),
                      as_ghosts},
                     {&frame.snapshot, lines_}, config_.drawing.samples, threads_);
+}
+
+/// Over what the image shows: items without a pixel have no lines.
+void TracedDrawing::draw_edges(const Frame& frame) {
+  StillImage& image = image_->pixels;
+  const StillImage::Pixels pixels = image.pixels();
+  std::vector<std::uint64_t> seen(culling::bit_words(frame.snapshot.size()));
+  std::uint32_t last = 0;
+  for (const std::uint32_t id : pixels.ids) {
+    if (id == last || (last = id) == 0) continue;
+    const core::Slot slot = frame.snapshot.slot(core::ItemId{id - 1});
+    seen[slot / 64] |= std::uint64_t(1) << slot % 64;
+  }
+  std::vector<core::Slot> slots;
+  culling::slots_of(seen, slots);
+  const Edges& edges = config_.drawing.looks.edges;
+  edges_.update(frame.snapshot, slots, frame.view, image.height(), edges, threads_);
+  const core::dvec2 place = core::rook_positions(config_.drawing.samples).front();  // counted from the upper corner
+  engine::draw_edges({image.width(), image.height(), pixels.colours, pixels.depths}, {place.x, 1.0 - place.y},
+                     frame.view, edges_, {.width = edges.width, .colour = edges.colour}, threads_);
 }
 
 /// Ghosts lie over the image where nothing hides them, and of those only the nearest.

@@ -23,8 +23,9 @@ inline constexpr PixelShader kDepthShading{"depth_shading.frag"};
 inline constexpr PixelShader kEnlarge{"enlarge.frag", {{{"IDS 0", "IDS 1"}}}};
 inline constexpr PixelShader kOneSample{"one_sample.frag", {{{"IDS 0", "IDS 1"}, {"NORMALS 0", "NORMALS 1"}}}};
 inline constexpr PixelShader kOutline{"outline.frag"};
+inline constexpr PixelShader kPutEdges{"put_edges.frag"};
 inline constexpr std::array kPixelShaders = {kBackground, kBlendResolve, kComposite, kDepthShading,
-                                             kEnlarge,    kOneSample,    kOutline};
+                                             kEnlarge,    kOneSample,    kOutline,   kPutEdges};
 
 /// What such draws have in common. A draw is begin(), what it needs beyond that, and draw(). All calls set GL state and
 /// leave it set.

@@ -123,7 +123,7 @@ SETTINGS = {
     "importers/internal/settings.inc": ("ImportOptions", "WriteOptions"),
 }
 GROUPS = {"culling": "CullingConfig", "drawing": "DrawingConfig", "looks": "Looks", "losses": "LossConfig",
-          "context": "ContextConfig", "depth_shading": "DepthShading", "hatching": "Hatching",
+          "context": "ContextConfig", "depth_shading": "DepthShading", "hatching": "Hatching", "edges": "Edges",
           "background": "Background", "controller": "ControllerConfig"}
 SETTING_HEADERS = ["engine/engine_config.h", "engine/looks.h", "engine/paged/paged_engine.h", "gpuprims/surroundings.h",
                    "culling/hybrid/controller.h", "importers/import.h", "importers/write_file.h"]

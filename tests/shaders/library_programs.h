@@ -11,6 +11,7 @@
 #include "sightline/gl/internal/shader_source.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/element_writer.h"
+#include "sightline/render/internal/edge_pass.h"
 #include "sightline/render/internal/pixel_pass.h"
 #include "sightline/render/internal/point_splats.h"
 #include "sightline/render/internal/renderer.h"
@@ -42,7 +43,8 @@ inline std::vector<gl::PipelineDescription> library_programs() {
   for (const auto& list :
        {gl::driver_test_programs(), gpuscene::DrawLists::all_programs(), gpuscene::ElementWriter::all_programs(),
         culling::geometry_programs(), culling::compute_programs(), culling::GpuDepthPyramid::all_programs(),
-        render::Renderer::all_programs(), render::PointSplats::all_programs(), render::PixelPass::all_programs()})
+        render::Renderer::all_programs(), render::PointSplats::all_programs(), render::PixelPass::all_programs(),
+        render::EdgePass::all_programs()})
     all.insert(all.end(), list.begin(), list.end());
   return all;
 }

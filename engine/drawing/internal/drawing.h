@@ -30,7 +30,7 @@ class Drawing : public DrawnScene {
   core::Expected<void> use_image(std::uint32_t number, int width, int height) override;
   void forget_image(std::uint32_t number) override;
 
-  bool has_overlays() const override { return overlays_.any(context_); }
+  bool has_overlays() const override { return overlays_.needs_visible(context_); }
   bool blends() const override { return context_.config.draw && !overlays_.items().empty(); }
   glm::vec2 blend_range(const core::View& view, const core::Snapshot& snapshot,
                         const core::VisibleSet& visible) override {

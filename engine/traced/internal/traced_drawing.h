@@ -9,6 +9,7 @@
 
 #include "sightline/core/thread_pool.h"
 #include "sightline/engine/internal/backend.h"
+#include "sightline/engine/internal/edge_lists.h"
 #include "sightline/raytrace/internal/still_image.h"
 
 namespace sightline::engine {
@@ -46,6 +47,7 @@ class TracedDrawing : public Backend {
   culling::SlotBits all_but(culling::SlotBits items, culling::SlotBits more = {});
   core::Expected<void> draw_items(const Frame& frame, culling::SlotBits without, raytrace::StillImage& image,
                                   bool as_ghosts = false);
+  void draw_edges(const Frame& frame);
   core::Expected<void> draw_ghosts(const Frame& frame);
   core::Expected<void> draw_outline(const Frame& frame);
   core::Expected<void> check_drawn() const;
@@ -59,6 +61,7 @@ class TracedDrawing : public Backend {
   // A bit per slot: the frame's visible items, if anything asks; what an image leaves out; lines that it shows.
   std::vector<std::uint64_t> shown_, without_, line_bits_;
   std::vector<core::Slot> lines_;
+  EdgeLists edges_;
   raytrace::StillImage layer_;  // what is drawn over the image
 };
 

@@ -265,6 +265,13 @@ TEST_F(CapiDrawing, SettingsLookAsInCpp) {
        [](engine::EngineConfig& k) {
          k.drawing.looks.hatching = {0.9f, 4.0f};
        }},
+      {"edges",
+       [](sl_engine_config& k) {
+         k.drawing.looks.edges = {SL_EDGES_FEATURE, 3.0f, {0.5f, 0.0f, 0.0f}};
+       },
+       [](engine::EngineConfig& k) {
+         k.drawing.looks.edges = {engine::EdgeChoice::kFeature, 3.0f, {0.5f, 0.0f, 0.0f}};
+       }},
       {"studio", [](sl_engine_config& k) { k.drawing.looks.lighting = SL_LIGHTING_STUDIO; },
        [](engine::EngineConfig& k) { k.drawing.looks.lighting = gpuprims::Lighting::kStudio; }},
       {"sun", [](sl_engine_config& k) { k.drawing.looks.lighting = SL_LIGHTING_SUN, k.drawing.looks.sun[0] = 2.0; },

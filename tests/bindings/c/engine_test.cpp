@@ -458,6 +458,7 @@ sl_engine_config other_settings() {
   c.drawing.outline_colour[1] = 0.125f, c.drawing.culled_colour = {1, {0.0f, 0.0f, 0.75f}};
   sl_looks& looks = c.drawing.looks;
   looks.depth_shading = {0.5f, 0.25f}, looks.hatching = {0.75f, 9.0f};
+  looks.edges = {SL_EDGES_ALL, 2.5f, {0.25f, 0.5f, 0.75f}};
   looks.lighting = SL_LIGHTING_SUN, looks.sun[0] = 0.5;
   looks.background.bottom[1] = 0.25f, looks.background.top[2] = 1.0f;
   c.losses = {2.5f, SL_CONTRIBUTION_POINTS, 7.0, 1.5};

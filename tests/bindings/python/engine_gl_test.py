@@ -182,6 +182,20 @@ class Drawing(GlCase):
         np.testing.assert_array_equal(image(cut, hatching_spacing=4)[0], plain)
         np.testing.assert_array_equal(image(whole, hatching=0.9)[0], image(whole)[0])
 
+    def test_edges_are_lines(self):
+        scene = sightline.Scene()
+        scene.root.add(sightline.Box(4, 4, 4))
+        view = sightline.View.perspective((-6, -9, 5), (0, 0, 0), fovy=0.7, aspect=1.6)
+        def image(**config):
+            with sightline.Engine(scene, draw=True, **SIZE, **config) as engine:
+                engine.frame(view)
+                return engine.read_colour()
+        plain, lined = image(), image(edges="feature", edge_width=3, edge_colour=(1, 0, 1))
+        magenta = (lined == (255, 0, 255)).all(axis=2)
+        self.assertGreater(magenta.sum(), 500)
+        self.assertLess((lined != plain).any(axis=2).sum(), 4 * magenta.sum())
+        np.testing.assert_array_equal(image(edge_width=3), plain)
+
     def test_tiles_are_the_whole_image(self):
         engine = self.engine(ids=True)
         engine.frame(self.view)

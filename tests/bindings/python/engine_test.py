@@ -116,6 +116,7 @@ class Engines(Case):
                       program_cache=self.folder, culler="linear", sample_test=False, occlusion="off", min_projected_area=2.5,
                       contribution_mode="points", budget_ms=7.0, lod_error=1.5, culled_colour=(0, 0.25, 1), outline_colour=(1, 0, 0.5),
                       depth_shading=0.5, edge_lines=0.25, hatching=0.75, hatching_spacing=9.0,
+                      edges="all", edge_width=2.5, edge_colour=(0.25, 0.5, 0.75),
                       lighting="sun", sun=(1, 2, 3), background_bottom=(0, 0.5, 1), background_top=(1, 0.5, 0),
                       controller=sightline.ControllerConfig(margin=0.25, silent_frames=9))
         engine = sightline.Engine(self.scene, **chosen)
