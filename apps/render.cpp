@@ -8,6 +8,7 @@
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/blank.h"
+#include "sightline/apps/common/colour_file.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/legend.h"
 #include "sightline/apps/common/need.h"
@@ -45,6 +46,7 @@ struct Options {
   double fps = 25.0;
   int tile = 0;
 
+  bool transparent() const { return shown.background && shown.background->transparent; }
   bool wants_ids() const { return !ids.empty() || !ids_json.empty() || !reference_ids.empty(); }
   bool wants_depth() const { return !depth.empty() || !reference_depth.empty(); }
   std::vector<core::dvec2> shifts() const { return apps::sample_shifts(int(samples.value_or(shown.plain ? 1 : 4))); }
@@ -71,7 +73,7 @@ struct Options {
 
 void add_output_options(apps::CommandLine& line, Options& o) {
   apps::CommandLine general = line.group(OptionGroup::kGeneral);
-  general.add("--out", o.out, "Colour image, PNG").metavar("FILE").accepted_by(apps::parse_png_name);
+  general.add("--out", o.out, "Colour image, PNG or JPEG").metavar("FILE").accepted_by(apps::parse_image_name);
   general.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background")
       .metavar("FILE")
       .accepted_by(apps::parse_png_name);
@@ -145,6 +147,7 @@ void add_engine_options(apps::CommandLine& line, Options& o) {
   apps::add_drawn_options(line, o.shown);
   apps::add_style_options(line, o.styles);
   apps::add_plain_option(line, o.shown);
+  apps::add_background_option(line.group(OptionGroup::kPaged), o.shown);
   line.group(OptionGroup::kEngine)
       .add("--samples", o.samples,
            "Samples of each pixel, for smooth edges: so many images; ids and depth are those of pixel centres")
@@ -181,6 +184,10 @@ void add_options(apps::CommandLine& line, Options& o) {
   line.check([&o]() -> core::Expected<void> {
     if (o.memory.empty() || o.shown.budget_ms == 0.0) return {};
     return core::fail("--budget-ms: with --memory an image is always complete");
+  });
+  line.check([&o]() -> core::Expected<void> {
+    if (!o.transparent() || (!o.mpi && o.memory.empty() && o.reference.empty())) return {};
+    return core::fail("--background transparent: not with --mpi, --memory or --compare");
   });
 }
 
@@ -271,7 +278,7 @@ class Outputs {
  public:
   static Outputs open(const Options& o, const std::array<int, 2>& size) {
     Outputs made(o, size);
-    if (!o.out.empty()) made.colours_ = need(image::PngWriter::create(o.out, size[0], size[1]));
+    if (!o.out.empty()) made.colours_ = need(apps::ColourFile::create(o.out, size[0], size[1], o.transparent()));
     if (!o.ids.empty()) made.ids_ = need(image::PngWriter::create(o.ids, size[0], size[1]));
     return made;
   }
@@ -306,7 +313,8 @@ class Outputs {
       : image{size[0], size[1], {}}, drawn{{size[0], size[1], {}}, {size[0], size[1], {}}}, o_(&o) {}
 
   const Options* o_;
-  std::optional<image::PngWriter> colours_, ids_;
+  std::optional<apps::ColourFile> colours_;
+  std::optional<image::PngWriter> ids_;
   std::set<std::uint32_t> seen_;
 };
 
@@ -385,7 +393,11 @@ core::Expected<int> render_image(const Options& o, Studio& studio) {
   auto begun = begin_image(o, studio);
   const bool complete = studio.tiles.tiles.size() > 1;  // a budget shows in an image that is drawn at once
   apps::TiledImage image(begun.view, studio.tiles,
-                         {.ids = o.wants_ids(), .depth = o.wants_depth(), .complete = complete, .shifts = o.shifts()});
+                         {.ids = o.wants_ids(),
+                          .depth = o.wants_depth(),
+                          .transparent = o.transparent(),
+                          .complete = complete,
+                          .shifts = o.shifts()});
   need(draw_with_bar(studio, image, begun.outputs));
   warn_if_blank(image, "the image");
   Json results = results_of(studio);
@@ -416,7 +428,7 @@ core::Expected<int> render_frames(const Options& o, Studio& studio) {
     Options file = o;
     file.out = (std::filesystem::path(o.frames_folder) / apps::PathFrames::file_name(frame)).string();
     auto outputs = Outputs::open(file, studio.size);
-    apps::TiledImage image(view, studio.tiles, {.shifts = o.shifts()});
+    apps::TiledImage image(view, studio.tiles, {.transparent = o.transparent(), .shifts = o.shifts()});
     need(draw(engine, image, outputs, [] {}));
     need(outputs.finish(*model.scene));
     warn_if_blank(image, apps::PathFrames::file_name(frame));

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/colour_file.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
@@ -42,7 +43,7 @@ void add_options(apps::CommandLine& line, Options& o) {
   o.model.import.crease_angle = apps::kCreaseAngle;
   apps::add_model_options(line, o.model);
   apps::add_view_options(line, o.view);
-  line.add("--out", o.out, "Colour image, PNG").metavar("FILE").accepted_by(apps::parse_png_name);
+  line.add("--out", o.out, "Colour image, PNG or JPEG").metavar("FILE").accepted_by(apps::parse_image_name);
   line.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background")
       .metavar("FILE")
       .accepted_by(apps::parse_png_name);
@@ -83,7 +84,7 @@ void add_options(apps::CommandLine& line, Options& o) {
 
 void write_images(const Options& o, raytrace::WhittedImage& image) {
   const int width = image.width, height = image.height;
-  if (!o.out.empty()) need(image::write_png({width, height, std::move(image.rgb)}, core::platform::path_of(o.out)));
+  if (!o.out.empty()) need(apps::write_colours({width, height, std::move(image.rgb)}, o.out));
   if (!o.depth.empty())
     need(image::write_pfm({width, height, std::move(image.depths)}, core::platform::path_of(o.depth)));
   if (!o.ids.empty())

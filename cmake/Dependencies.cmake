@@ -19,8 +19,8 @@ if(SIGHTLINE_IMPORTERS)
   sightline_need(SIGHTLINE_IMPORTERS fmt_FOUND "fmt not found")
 endif()
 
+find_path(SIGHTLINE_STB_INCLUDE stb_image.h PATH_SUFFIXES stb)
 if(SIGHTLINE_GLTF AND SIGHTLINE_IMPORTERS)
-  find_path(SIGHTLINE_STB_INCLUDE stb_image.h PATH_SUFFIXES stb)
   sightline_need(SIGHTLINE_GLTF SIGHTLINE_STB_INCLUDE "stb_image.h not found (libstb-dev)")
 endif()
 

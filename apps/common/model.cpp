@@ -1,10 +1,13 @@
 #include "sightline/apps/common/model.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <memory>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -297,6 +300,7 @@ engine::Looks DrawnOptions::all_looks() const {
   if (depth_shading) all.depth_shading.strength = float(*depth_shading);
   if (edge_lines) all.depth_shading.edge_lines = float(*edge_lines);
   if (hatching) all.hatching.strength = float(*hatching);
+  if (background && !background->transparent) all.background = background->colours;
   if (sun) {
     all.lighting = gpuprims::Lighting::kSun;
     all.sun = *sun;
@@ -342,6 +346,37 @@ void add_drawn_options(CommandLine& line, DrawnOptions& options) {
   add_look(engine, "hatching", options.hatching, looks.hatching.strength).advanced();
   line.add_parsed("--sun", options.sun, parse_direction, "One light from the direction X,Y,Z, far away")
       .metavar("X,Y,Z")
+      .advanced();
+}
+
+namespace {
+
+core::Expected<core::vec3> parse_colour(std::string_view text) {
+  if (text == "white") return core::vec3(1.0f);
+  if (text == "black") return core::vec3(0.0f);
+  if (text.starts_with('#')) text.remove_prefix(1);
+  std::uint32_t value = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+  if (text.size() != 6 || read.ec != std::errc() || read.ptr != text.data() + text.size())
+    return core::fail("expected a colour as RRGGBB in hexadecimal, white or black, found " + std::string(text));
+  return core::vec3(value >> 16, value >> 8 & 255u, value & 255u) / 255.0f;
+}
+
+core::Expected<DrawnOptions::Background> parse_background(const std::string& text) {
+  if (text == "transparent") return DrawnOptions::Background{true, {}};
+  const std::size_t comma = text.find(',');
+  const auto top = parse_colour(std::string_view(text).substr(0, comma));
+  const auto bottom = comma == std::string::npos ? top : parse_colour(std::string_view(text).substr(comma + 1));
+  if (!top || !bottom) return tl::unexpected((top ? bottom : top).error());
+  return DrawnOptions::Background{false, {*bottom, *top}};
+}
+
+}  // namespace
+
+void add_background_option(CommandLine line, DrawnOptions& options) {
+  line.add_parsed("--background", options.background, parse_background,
+                  "What is behind everything: transparent (PNG), a colour such as FFFFFF or white, or two, TOP,BOTTOM")
+      .metavar("COLOUR")
       .advanced();
 }
 

@@ -105,6 +105,11 @@ struct DrawnOptions {
   bool plain = false;   ///< begins with Looks() instead
   std::optional<double> depth_shading = {}, edge_lines = {}, hatching = {};
   std::optional<engine::EdgeChoice> edges = {};
+  struct Background {
+    bool transparent = false;
+    gpuprims::Background colours;
+  };
+  std::optional<Background> background = {};
   std::optional<core::dvec3> sun = {};
 
   engine::Looks all_looks() const;
@@ -118,6 +123,9 @@ struct DrawnOptions {
 /// --budget-ms MS, --depth-shading X, --edge-lines X, --edges off|feature|all, --edge-width PX, --hatching X,
 /// --sun X,Y,Z
 void add_drawn_options(CommandLine& line, DrawnOptions& options);
+
+/// --background transparent|COLOUR|TOP,BOTTOM, for tools that write images
+void add_background_option(CommandLine line, DrawnOptions& options);
 
 /// --plain, for tools whose images have other looks without it
 void add_plain_option(CommandLine& line, DrawnOptions& options);

@@ -10,12 +10,37 @@
 #include "sightline/core/image_rays.h"
 
 namespace sightline::apps {
+namespace {
+
+core::Expected<void> set_background(engine::Engine& engine, const gpuprims::Background& background) {
+  engine::EngineConfig config = engine.config();
+  config.drawing.looks.background = background;
+  return engine.configure(config);
+}
+
+/// Colours and alpha out of the same image on black and on white. What shows of the background is a share of it, in
+/// sRGB values as all blending is, so that the two differ by just that.
+std::vector<std::uint8_t> with_alpha(const image::Image& on_black, const image::Image& on_white) {
+  std::vector<std::uint8_t> pixels;
+  pixels.reserve(on_black.pixels.size() / 3 * 4);
+  for (std::size_t i = 0; i < on_black.pixels.size(); i += 3) {
+    int shows = 0;  // of three channels
+    for (std::size_t c = i; c < i + 3; ++c) shows += std::max(0, int(on_white.pixels[c]) - int(on_black.pixels[c]));
+    const int alpha = 255 - (shows + 1) / 3;
+    for (std::size_t c = i; c < i + 3; ++c)
+      pixels.push_back(std::uint8_t(alpha == 0 ? 0 : std::min(255, (255 * on_black.pixels[c] + alpha / 2) / alpha)));
+    pixels.push_back(std::uint8_t(alpha));
+  }
+  return pixels;
+}
+
+}  // namespace
 
 core::Expected<bool> TiledImage::step(engine::Engine& engine) {
   const engine::CroppedTile& tile = tiles_.tiles[done_ / steps_of_tile()];
   const bool first = done_ % steps_of_tile() == 0, apart = first && drawn_apart_;
   const std::size_t number = done_ % steps_of_tile() - std::size_t(drawn_apart_);  // of the shift, unless apart
-  const auto drawn = read(engine, draw(engine, tile, apart ? core::dvec2(0.0) : wanted_.shifts[number]), first);
+  const auto drawn = draw_and_read(engine, tile, apart ? core::dvec2(0.0) : wanted_.shifts[number], first);
   if (!drawn) return tl::unexpected(drawn.error());
   covered_ |= drawn->covered;
   if (first) {
@@ -30,10 +55,30 @@ core::Expected<bool> TiledImage::step(engine::Engine& engine) {
 
 /// The image of a shift, to the colours of its tile.
 void TiledImage::add(const engine::CroppedTile& tile, const image::Image& image, std::size_t number) {
-  if (wanted_.shifts.size() == 1) return take(tile, image.pixels, rows_.colours, 3);
+  if (wanted_.shifts.size() == 1 && !wanted_.transparent) return take(tile, image.pixels, rows_.colours, 3);
   if (number == 0) mean_.clear();
   mean_.add(image);
-  if (number + 1 == wanted_.shifts.size()) take(tile, mean_.mean().pixels, rows_.colours, 3);
+  if (number + 1 < wanted_.shifts.size()) return;
+  if (wanted_.transparent) return take(tile, with_alpha(mean_.mean(), on_white_.mean()), rows_.colours, 4);
+  take(tile, mean_.mean().pixels, rows_.colours, 3);
+}
+
+/// With a transparent background the image is that on black, and on_white_ gets the other.
+core::Expected<ReadImage> TiledImage::draw_and_read(engine::Engine& engine, const engine::CroppedTile& tile,
+                                                    const core::dvec2& shift, bool first) {
+  if (!wanted_.transparent) return read(engine, draw(engine, tile, shift), first);
+  const gpuprims::Background own = engine.config().drawing.looks.background;
+  if (auto done = set_background(engine, {core::vec3(1.0f), core::vec3(1.0f)}); !done)
+    return tl::unexpected(done.error());
+  auto white = read(engine, draw(engine, tile, shift), false);
+  if (auto done = set_background(engine, {core::vec3(0.0f), core::vec3(0.0f)}); !done)
+    return tl::unexpected(done.error());
+  auto black = read(engine, draw(engine, tile, shift), first);
+  if (auto done = set_background(engine, own); !done) return tl::unexpected(done.error());
+  if (!white || !black) return white ? black : white;
+  if (first) on_white_.clear();
+  if (!first || !drawn_apart_) on_white_.add(white->colours);
+  return black;
 }
 
 core::Expected<void> TiledImage::draw(engine::Engine& engine, const engine::CroppedTile& tile,
@@ -59,7 +104,7 @@ void TiledImage::begin_rows(const engine::CroppedTile& tile) {
   rows_.first = tile.y0;
   rows_.count = tile.y1 - tile.y0;
   const std::size_t pixels = std::size_t(rows_.width) * std::size_t(rows_.count);
-  rows_.colours.resize(3 * pixels);
+  rows_.colours.resize((wanted_.transparent ? 4 : 3) * pixels);
   rows_.ids.resize(wanted_.ids ? pixels : 0);
   rows_.metres.resize(wanted_.depth ? pixels : 0);
 }

@@ -19,7 +19,7 @@ inline constexpr int kTileSide = 1024;
 /// Rows of an image, from the top.
 struct ImageRows {
   int width = 0, first = 0, count = 0;
-  std::vector<std::uint8_t> colours;  ///< RGB, 3 bytes per pixel
+  std::vector<std::uint8_t> colours;  ///< RGB, 3 bytes per pixel; RGBA, 4 bytes, where the background is transparent
   std::vector<std::uint32_t> ids;     ///< item + 1, 0 is background; where they are wanted
   std::vector<float> metres;          ///< along the view axis; where they are wanted
 };
@@ -37,7 +37,8 @@ class TiledImage {
  public:
   struct Wanted {
     bool ids = false, depth = false;
-    bool complete = true;  ///< whatever EngineConfig::losses.budget_ms; otherwise as one frame leaves it
+    bool transparent = false;  ///< each image is drawn on black and on white, which tells alpha; not with `read`
+    bool complete = true;      ///< whatever EngineConfig::losses.budget_ms; otherwise as one frame leaves it
     /// Pixels right and up by which images are shifted whose mean is taken, MeanImage::kMost at most: sample_shifts().
     /// Ids and depth are those of pixel centres; where the first shift is another, one more image is drawn for them.
     std::vector<core::dvec2> shifts = {core::dvec2(0.0)};
@@ -71,6 +72,8 @@ class TiledImage {
  private:
   std::size_t steps_of_tile() const { return wanted_.shifts.size() + std::size_t(drawn_apart_); }
   core::Expected<void> draw(engine::Engine& engine, const engine::CroppedTile& tile, const core::dvec2& shift);
+  core::Expected<ReadImage> draw_and_read(engine::Engine& engine, const engine::CroppedTile& tile,
+                                          const core::dvec2& shift, bool first);
   void add(const engine::CroppedTile& tile, const image::Image& image, std::size_t number);
   core::Expected<ReadImage> read(engine::Engine& engine, const core::Expected<void>& drawn, bool ids_and_depth);
   void begin_rows(const engine::CroppedTile& tile);
@@ -82,7 +85,7 @@ class TiledImage {
   Wanted wanted_;
   bool drawn_apart_;  // ids and depth
   std::size_t done_ = 0;
-  MeanImage mean_;
+  MeanImage mean_, on_white_;
   ImageRows rows_;
   engine::FrameReport report_;
   bool found_ = false, covered_ = false;

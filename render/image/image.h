@@ -52,16 +52,18 @@ SIGHTLINE_API core::Expected<Image> decode_png(std::span<const std::uint8_t> byt
 /// that ends otherwise than in .png, or .pfm, is one; without any extension it is good.
 SIGHTLINE_API core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
 SIGHTLINE_API core::Expected<Image> read_png(const std::filesystem::path& path);
+enum class PngColours : std::uint8_t { kRgb = 3, kRgba = 4 };  ///< bytes per pixel; alpha is not multiplied in
 /// A PNG file that is written row by row, so that no image as large as it need be in memory. As write_png() does.
 class SIGHTLINE_API PngWriter {
  public:
   /// Fails where the file cannot be written or has another extension, and on sizes that PNG does not have.
-  static core::Expected<PngWriter> create(const std::filesystem::path& path, int width, int height);
+  static core::Expected<PngWriter> create(const std::filesystem::path& path, int width, int height,
+                                          PngColours colours = PngColours::kRgb);
   PngWriter(PngWriter&&) noexcept;
   PngWriter& operator=(PngWriter&&) noexcept;
   ~PngWriter();  ///< without finish() the file stays as it was
 
-  /// The next rows from the top, 3 bytes per pixel. Fails where there is no space left, and beyond the last row; no
+  /// The next rows from the top. Fails where there is no space left, and beyond the last row; no
   /// call may follow a failure.
   core::Expected<void> write_rows(std::span<const std::uint8_t> pixels);
   /// Replaces the file. Fails unless all rows were written; no call may follow.

@@ -17,8 +17,12 @@ constexpr int kCompression = 3;  // as libpng's fast writing has it
 
 /// At a fixed address: libpng's callbacks point to it.
 struct PngWriter::State {
-  State(core::AtomicFile opened, std::string named, int wide, int high)
-      : file(std::move(opened)), name(std::move(named)), row_bytes(3 * std::size_t(wide)), rows_left(high) {}
+  State(core::AtomicFile opened, std::string named, int wide, int high, PngColours has)
+      : file(std::move(opened)),
+        name(std::move(named)),
+        colours(has),
+        row_bytes(std::size_t(has) * std::size_t(wide)),
+        rows_left(high) {}
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() { png_destroy_write_struct(&png, &info); }
@@ -41,6 +45,7 @@ struct PngWriter::State {
 
   core::AtomicFile file;
   std::string name, reason;
+  PngColours colours;
   std::size_t row_bytes;
   int rows_left;
   png_structp png = nullptr;
@@ -55,7 +60,8 @@ bool PngWriter::State::begin(int width, int height) {
   if (!info) return false;
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_write_fn(png, this, &State::write, &State::flush);
-  png_set_IHDR(png, info, png_uint_32(width), png_uint_32(height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+  png_set_IHDR(png, info, png_uint_32(width), png_uint_32(height), 8,
+               colours == PngColours::kRgb ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
@@ -81,12 +87,13 @@ PngWriter::PngWriter(PngWriter&&) noexcept = default;
 PngWriter& PngWriter::operator=(PngWriter&&) noexcept = default;
 PngWriter::~PngWriter() = default;
 
-core::Expected<PngWriter> PngWriter::create(const std::filesystem::path& path, int width, int height) {
+core::Expected<PngWriter> PngWriter::create(const std::filesystem::path& path, int width, int height,
+                                            PngColours colours) {
   if (width < 1 || height < 1) return core::fail(path.string() + ": PNG: width and height must be above 0");
   if (auto good = core::expect_extension(path, ".png"); !good) return tl::unexpected(good.error());
   auto file = core::AtomicFile::create(path);
   if (!file) return tl::unexpected(file.error());
-  auto state = std::make_unique<State>(std::move(*file), path.string(), width, height);
+  auto state = std::make_unique<State>(std::move(*file), path.string(), width, height, colours);
   if (!state->begin(width, height)) return state->error();
   return PngWriter(std::move(state));
 }
