@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <ctime>
 
+#include "sightline/apps/viewpoints/point_json.h"
 #include "sightline/core/internal/platform/clock.h"
 #include "sightline/core/internal/platform/environment.h"
 #include "sightline/importers/json/internal/json.h"
@@ -33,14 +34,6 @@ constexpr PartsKey kParts[] = {{"hidden", &Viewpoint::Shown::hidden},
                                {"ghosts", &Viewpoint::Shown::ghosts},
                                {"selection", &Viewpoint::Shown::selection}};
 
-Json to_json(const core::dvec3& v) {
-  return Json::array({v.x, v.y, v.z});
-}
-
-core::dvec3 vector_of(const Json& json) {
-  return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
-}
-
 double distance(const core::Pose& pose) {
   return glm::length(pose.target - pose.eye);
 }
@@ -53,7 +46,7 @@ Json to_json(const PartSet& set) {
 
 Json to_json(const Viewpoint& viewpoint) {
   const core::Pose& pose = viewpoint.pose;
-  Json json{{"eye", to_json(pose.eye)}, {"target", to_json(pose.target)}, {"up", to_json(pose.up)}};
+  Json json{{"eye", point_json(pose.eye)}, {"target", point_json(pose.target)}, {"up", point_json(pose.up)}};
   if (viewpoint.orthographic)
     json["ortho_height"] = 2.0 * distance(pose) * std::tan(0.5 * viewpoint.fovy);
   else
@@ -61,9 +54,10 @@ Json to_json(const Viewpoint& viewpoint) {
   // Other tools need a near plane: where none is known, one that cuts nothing which is looked at.
   json["near"] = viewpoint.near > 0.0 || viewpoint.orthographic ? viewpoint.near : 1e-3 * distance(pose);
   for (const core::Plane& plane : viewpoint.sections)
-    json["sections"].push_back({{"n", to_json(plane.normal)}, {"d", plane.offset}});
+    json["sections"].push_back({{"n", point_json(plane.normal)}, {"d", plane.offset}});
   for (const Measurement& one : viewpoint.measurements)
-    json["measurements"].push_back({{"from", to_json(one.from)}, {"to", to_json(one.to)}, {"words", one.words}});
+    json["measurements"].push_back({{"from", point_json(one.from)}, {"to", point_json(one.to)}, {"words", one.words}});
+  for (const Markup& one : viewpoint.markups) json["markups"].push_back(to_json(one));
   for (const auto& [key, text] : kTexts)
     if (!(viewpoint.*text).empty()) json[key] = viewpoint.*text;
   if (viewpoint.colour_by) json["colour_by"] = *viewpoint.colour_by;
@@ -88,15 +82,14 @@ core::Expected<PartSet> parts_of(const Json& json, const std::string& where) {
 }
 
 core::Expected<std::vector<Measurement>> measurements_of(const Json& json, const std::string& where) {
-  const auto is_place = [](const Json& one, const char* key) {
-    return one.is_object() && one.contains(key) && one[key].is_array() && one[key].size() == 3 &&
-           std::all_of(one[key].begin(), one[key].end(), [](const Json& number) { return number.is_number(); });
+  const auto has_point = [](const Json& one, const char* key) {
+    return one.is_object() && one.contains(key) && is_point(one[key]);
   };
   std::vector<Measurement> list;
   for (const Json& one : json.is_array() ? json : Json::array({json})) {
-    if (!is_place(one, "from") || !is_place(one, "to"))
+    if (!has_point(one, "from") || !has_point(one, "to"))
       return core::fail(where + ": expected an array of {\"from\":[X,Y,Z], \"to\":[X,Y,Z]}");
-    list.push_back({vector_of(one["from"]), vector_of(one["to"]), ""});
+    list.push_back({point_of(one["from"]), point_of(one["to"]), ""});
     if (one.contains("words") && one["words"].is_string()) list.back().words = one["words"].get<std::string>();
   }
   return list;
@@ -105,9 +98,9 @@ core::Expected<std::vector<Measurement>> measurements_of(const Json& json, const
 /// The camera of a view whose keys are known to be right.
 Viewpoint camera_of(const Json& json) {
   Viewpoint viewpoint;
-  viewpoint.pose.eye = vector_of(json["eye"]);
-  viewpoint.pose.target = vector_of(json["target"]);
-  if (json.contains("up")) viewpoint.pose.up = vector_of(json["up"]);
+  viewpoint.pose.eye = point_of(json["eye"]);
+  viewpoint.pose.target = point_of(json["target"]);
+  if (json.contains("up")) viewpoint.pose.up = point_of(json["up"]);
   viewpoint.orthographic = json.contains("ortho_height");
   viewpoint.fovy = viewpoint.orthographic
                        ? 2.0 * std::atan(0.5 * json["ortho_height"].get<double>() / distance(viewpoint.pose))
@@ -115,7 +108,7 @@ Viewpoint camera_of(const Json& json) {
   viewpoint.near = json["near"].get<double>();
   if (json.contains("sections"))
     for (const Json& section : json["sections"])
-      viewpoint.sections.push_back({vector_of(section["n"]), section["d"].get<double>()});
+      viewpoint.sections.push_back({point_of(section["n"]), section["d"].get<double>()});
   return viewpoint;
 }
 
@@ -137,6 +130,11 @@ core::Expected<Viewpoint> viewpoint_of(const Json& json, const std::string& text
     auto list = measurements_of(json["measurements"], source + ": /measurements");
     if (!list) return tl::unexpected(list.error());
     viewpoint.measurements = std::move(*list);
+  }
+  if (json.contains("markups")) {
+    auto list = markups_of(json["markups"], source + ": /markups");
+    if (!list) return tl::unexpected(list.error());
+    viewpoint.markups = std::move(*list);
   }
   for (const auto& [key, member] : kParts) {
     if (!json.contains(key)) continue;
@@ -161,6 +159,7 @@ std::string format_viewpoints(std::span<const Viewpoint> viewpoints) {
     for (const auto& [key, text] : kTexts) (first.*text).clear();
     first.shown.reset();
     first.measurements.clear();
+    first.markups.clear();
     json = to_json(first);
   }
   json["views"] = Json::array();
@@ -197,6 +196,8 @@ Viewpoint translated(const Viewpoint& viewpoint, const core::dvec3& offset) {
     one.from += offset;
     one.to += offset;
   }
+  for (Markup& one : moved.markups)
+    for (core::dvec3& point : one.points) point += offset;
   for (core::Plane& plane : moved.sections) plane.offset -= glm::dot(plane.normal, offset);
   return moved;
 }

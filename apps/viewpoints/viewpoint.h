@@ -3,7 +3,8 @@
 //
 //   {view …, "name":"…", "comment":"…", "author":"…", "date":"2026-01-31T12:00:00Z", "guid":"…",
 //    "hidden":PARTS, "ghosts":PARTS, "selection":PARTS}
-// "measurements":[{"from":[X,Y,Z], "to":[X,Y,Z], "words":"…"}] and "colour_by":"KEY" (analysis/query/colouring.h).
+// "measurements":[{"from":[X,Y,Z], "to":[X,Y,Z], "words":"…"}], "markups":[…] (markup.h) and "colour_by":"KEY"
+// (analysis/query/colouring.h).
 //
 //   {first view …, "views":[view, …]}                         a list, which other tools read as its first view
 //
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "sightline/apps/viewpoints/item_names.h"
+#include "sightline/apps/viewpoints/markup.h"
 #include "sightline/core/error.h"
 #include "sightline/core/view.h"
 
@@ -43,6 +45,7 @@ struct Viewpoint {
   double near = 0.1;  ///< of perspective views; 0: as the camera has it
   std::vector<core::Plane> sections;
   std::vector<Measurement> measurements;
+  std::vector<Markup> markups;
   bool has_target = true;  ///< false: the pose's target only tells the direction
 
   struct Shown {
